@@ -7,9 +7,9 @@ In the environment of LTA:
 """
 
 # %% What follows from every shipped file
-from lta_analysis.vehicle.sheet import sheet_of
 from lta_config.files import known
-from lta_sim.vehicle import load_vehicle
+from lta_model.vehicle import load_vehicle
+from lta_vehicle.figures.sheet import sheet_of
 
 sheets = [sheet_of(load_vehicle(name)) for name in known('vehicles')]
 

@@ -11,15 +11,15 @@ The second way solves the flow of each at 0.5 m/s by OpenFOAM (a minute or two e
 
 import sys
 
+from lta_model.gas import AIR_DENSITY, HELIUM_DENSITY
 from lta_sim.cfd.analytic import drag
 from lta_sim.cfd.crew import Threads
 from lta_sim.cfd.model import Model
+from lta_sim.cfd.openfoam.stage import cache_folder
 from lta_sim.cfd.plan import Flow
 from lta_sim.cfd.shape import ellipse, mylar, revolved, TURNED
 from lta_sim.cfd.solve import solve
-from lta_sim.cfd.stage import cache_folder
 from lta_sim.cfd.tunnel import PREVIEW, steady_wind
-from lta_sim.gas import AIR_DENSITY, HELIUM_DENSITY
 import plotly.graph_objects as go
 from trimesh import Trimesh
 

@@ -9,12 +9,12 @@ from pathlib import Path
 import sys
 
 ROOT = Path(__file__).resolve().parents[1]
-sys.path.append(str(ROOT / 'test' / 'unit' / 'analysis'))
+sys.path.append(str(ROOT / 'test' / 'unit'))
 
 from discovery.hidden_flight import flown, nominal, prepared  # noqa: E402
-from lta_analysis.challenge.case import Drawing  # noqa: E402
-from lta_analysis.challenge.make import known  # noqa: E402
-from lta_analysis.discovery.replay.linear import origin  # noqa: E402
+from lta_challenge.case import Drawing  # noqa: E402
+from lta_challenge.make import known  # noqa: E402
+from lta_discovery.replay.linear import origin  # noqa: E402
 
 
 def main() -> None:

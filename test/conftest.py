@@ -96,7 +96,7 @@ def call(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) ->
 
     A process of its own costs a second of imports each time.
     """
-    from lta_analysis import app
+    from lta_cli import app
 
     def call(*words: object, columns: int = 120) -> tuple[int, Any]:
         monkeypatch.setenv('COLUMNS', str(columns))

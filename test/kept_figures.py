@@ -1,6 +1,6 @@
 """Rows of the paper from the figures that a run kept: docs/paper.md is held to them."""
 
-from lta_analysis.reproduce.kept import Drawn, Kept, values_in
+from lta_studies.reproduce.kept import Drawn, Kept, values_in
 
 
 def kepts_in(found):

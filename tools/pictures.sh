@@ -26,7 +26,7 @@ draw() {
     .venv/bin/python -c '
 import sys
 from pathlib import Path
-from lta_analysis.report.screenshots import write_pictures
+from lta_report.screenshots import write_pictures
 write_pictures(Path(sys.argv[1]), Path(sys.argv[2]))
 ' "$made/$name"/*.html "$made/$name.pictures"
     cp "$made/$name.pictures/$picture.png" "docs/images/$name.png"

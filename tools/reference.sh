@@ -10,8 +10,8 @@ write() {
 }
 write topics.md python -m lta_config.topics_page
 write effects.md ./lta effects --markdown
-write verbs.md python -m lta_analysis.reference verbs
-write parameters.md python -m lta_analysis.reference parameters
-write vehicles.md python -m lta_analysis.reference vehicles
-write discovery_thresholds.md python -m lta_analysis.reference thresholds
-write images/graph.svg python -m lta_analysis.reference graph
+write verbs.md python -m lta_cli.reference verbs
+write parameters.md python -m lta_cli.reference parameters
+write vehicles.md python -m lta_cli.reference vehicles
+write discovery_thresholds.md python -m lta_cli.reference thresholds
+write images/graph.svg python -m lta_cli.reference graph

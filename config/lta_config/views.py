@@ -15,8 +15,8 @@ from typing import Annotated, Literal, NamedTuple, Self
 
 from lta_config.errors import BadInput, unknown
 from lta_config.files import load, Record, share
+from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.topics import is_name, robot_topic, Topic, topic_table
-from lta_config.vehicle_file import load_vehicle_file
 from pydantic import AliasChoices, Field, model_validator
 
 KINDS = ('plot', 'states', 'scene', 'lamps', 'image', 'health', 'status')

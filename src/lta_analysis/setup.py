@@ -6,7 +6,7 @@ setup(
     name='lta_analysis',
     version='1.0.0',
     packages=find_packages(),
-    package_data={'lta_analysis': ['py.typed', 'report/assets/*', 'discovery/naming/*.yaml']},
+    package_data={'lta_analysis': ['py.typed']},
     data_files=[
         ('share/ament_index/resource_index/packages', ['resource/lta_analysis']),
         ('share/lta_analysis', ['package.xml']),
@@ -15,7 +15,7 @@ setup(
     zip_safe=False,
     maintainer='LTA maintainers',
     maintainer_email='maintainers@users.noreply.github.com',
-    description='What we learn: bag tables, reports and the lta command.',
+    description='lta_analysis.open, for notebooks.',
     license='Apache-2.0',
-    entry_points={'console_scripts': ['lta = lta_analysis.command:main']},
+    entry_points={'console_scripts': ['lta = lta_cli.command:main']},
 )

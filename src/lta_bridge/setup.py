@@ -20,7 +20,6 @@ setup(
     entry_points={
         'console_scripts': [
             'crazyflie_bridge = lta_bridge.nodes.crazyflie_bridge:main',
-            'emulated_hardware = lta_bridge.emulated_hardware:main',
             'description = lta_bridge.nodes.description:main',
             'live = lta_bridge.nodes.live:main',
             'player = lta_bridge.nodes.player:main',

@@ -7,11 +7,11 @@ the inertia of the air says F / m, nearly twice as much.
 """
 
 from bench import Figure
-from lta_sim.effects import initial_memory
-from lta_sim.kernel import derivative
-from lta_sim.mass import spheroid_added_mass
-from lta_sim.model import Model
-from lta_sim.state import pack, VELOCITY
+from lta_model.effects import initial_memory
+from lta_model.mass import spheroid_added_mass
+from lta_model.model import Model
+from lta_model.state import pack, VELOCITY
+from lta_sim.kernels.kernel import derivative
 import numpy as np
 
 MASS = 0.358  # parts and gas of GT-MAB [kg]

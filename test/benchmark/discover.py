@@ -14,15 +14,15 @@ import tracemalloc
 
 from bench import Figure
 
-sys.path.append(str(Path(__file__).resolve().parents[1] / 'unit' / 'analysis'))
+sys.path.append(str(Path(__file__).resolve().parents[1] / 'unit'))
 
 from discovery.hidden_flight import flown, nominal, prepared
-from lta_analysis.discovery.fit.evidence import tolerances
-from lta_analysis.discovery.fit.fit import fit
-from lta_analysis.discovery.flights.measured import PERIOD, Stream, Streams
-from lta_analysis.discovery.naming.scan import scan
-from lta_analysis.discovery.replay.linear import origin
-from lta_analysis.discovery.replay.linearise import Linearised
+from lta_discovery.fit.evidence import tolerances
+from lta_discovery.fit.fit import fit
+from lta_discovery.flights.measured import PERIOD, Stream, Streams
+from lta_discovery.naming.scan import scan
+from lta_discovery.replay.linear import origin
+from lta_discovery.replay.linearise import Linearised
 import numpy as np
 from scipy.signal import savgol_filter
 

@@ -10,11 +10,11 @@ its files, once for all flights that differ by their seed alone.
 import time
 
 from bench import Figure
-from lta_analysis.fleet.craft import Made, made_of
-from lta_analysis.fleet.fly import Device, fly_many
-from lta_analysis.fleet.text import FIGURES
-from lta_analysis.ingredients import gather, parts_of
 from lta_config.topics import topic_table
+from lta_flight.fleet.craft import Made, made_of
+from lta_flight.fleet.fly import Device, fly_many
+from lta_flight.fleet.text import FIGURES
+from lta_flight.ingredients import gather, parts_of
 import numpy as np
 
 FLIGHTS = 200

@@ -11,11 +11,11 @@ import sys
 import tempfile
 
 from graph import Silent
-from lta_analysis.bag import open_flight
-from lta_analysis.flight import fly_once, Order
-from lta_analysis.report.results import Results, results_of
-from lta_analysis.report.view import View
 from lta_config.errors import BadInput
+from lta_data.bag import open_flight
+from lta_flight.flight import fly_once, Order
+from lta_flight.report.results import Results, results_of
+from lta_flight.report.view import View
 
 PAPER = {'path_length': 7.3, 'search_time': 8.4, 'airspeed': 0.5}
 

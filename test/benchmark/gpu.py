@@ -15,9 +15,9 @@ import time
 from bench import Figure
 from fleet import realtime
 from gtmab import scattered, STEP
-from lta_sim import gpu
-from lta_sim.batch import advance_many
-from lta_sim.fleet import Fleet
+from lta_sim.kernels import gpu
+from lta_sim.kernels.batch import advance_many
+from lta_sim.kernels.fleet import Fleet
 import numpy as np
 
 STEPS = round(60.0 / STEP)

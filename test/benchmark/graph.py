@@ -18,7 +18,7 @@ import tempfile
 import time
 
 from bench import Figure
-from lta_analysis.flight import fly_once, Order
+from lta_flight.flight import fly_once, Order
 from lta_graph.ros.spin import spin
 import rclpy
 from rclpy.executors import SingleThreadedExecutor

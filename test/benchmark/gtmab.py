@@ -7,12 +7,12 @@ With every effect on, those others are a tenth of their prior spread away from n
 
 from functools import cache
 
-from lta_sim.effects import EFFECTS, initial_memory
-from lta_sim.effects.protocol import Effect
-from lta_sim.fleet import Fleet
-from lta_sim.model import Model
-from lta_sim.state import pack, ROTOR_PLACE, SURROUNDINGS
-from lta_sim.vehicle import load_vehicle
+from lta_model.effects import EFFECTS, initial_memory
+from lta_model.effects.protocol import Effect
+from lta_model.model import Model
+from lta_model.state import pack, ROTOR_PLACE, SURROUNDINGS
+from lta_model.vehicle import load_vehicle
+from lta_sim.kernels.fleet import Fleet
 import numpy as np
 
 STEP = 2e-3

@@ -16,17 +16,17 @@ import time
 
 from bench import Figure
 from gtmab import DUTY, scattered, start, STEP, SURROUNDED, vehicle
-from lta_sim.batch import advance_many
-from lta_sim.kernel import advance
+from lta_sim.kernels.batch import advance_many
+from lta_sim.kernels.kernel import advance
 import numpy as np
 
 FIRST = """
 import time; begin = time.perf_counter()
 import numpy as np
-from lta_sim.effects import initial_memory
-from lta_sim.kernel import advance
-from lta_sim.model import Model
-from lta_sim.state import pack
+from lta_model.effects import initial_memory
+from lta_sim.kernels.kernel import advance
+from lta_model.model import Model
+from lta_model.state import pack
 weight = {'weight_and_buoyancy': {'gravity': 9.81}}
 model = Model.build(weight, mass=0.358, cg=np.zeros(3), inertia=np.eye(3))
 advance(pack(memory=initial_memory()), model, (0.1,), (0.1,), 2e-3, 1)

@@ -18,8 +18,8 @@ import time
 from typing import NamedTuple
 
 from bench import Figure
-from lta_bridge.teensy.emulator import Cable, EmulatedBoard
 from lta_config.topics import topic_table
+from lta_emulation.teensy.emulator import Cable, EmulatedBoard
 from lta_graph.ros.message_types import message_type
 from lta_graph.ros.qos import profile
 from lta_vlc.messages import to_block

@@ -16,14 +16,14 @@ import time
 from typing import Any
 
 from bench import Figure
-from lta_analysis.loop import Loop
-from lta_analysis.policy import Policy
 from lta_config.topics import topic_table
 from lta_control.gains_file import load_gains
 from lta_control.strategies import strategy
+from lta_flight.loop import Loop
+from lta_flight.policy import Policy
+from lta_model.scenario import load_scenario
+from lta_model.vehicle import load_vehicle
 from lta_sim.readings import Outcome
-from lta_sim.scenario import load_scenario
-from lta_sim.vehicle import load_vehicle
 from lta_sim.world import World
 
 SEED = 1

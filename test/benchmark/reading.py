@@ -17,9 +17,9 @@ import tempfile
 import time
 
 from bench import Figure
-from lta_analysis.bag import bag_info, read_bag
 from lta_bridge.bag import BagWriter, offered_qos
 from lta_bridge.bag.schemas import jazzy
+from lta_data.bag import bag_info, read_bag
 import numpy as np
 from rosbags.highlevel import AnyReader
 
@@ -107,7 +107,7 @@ def theirs(topic: str) -> Callable[[], float]:
 MEMORY = """
 import sys
 from pathlib import Path
-from lta_analysis.bag import bag_info, read_bag
+from lta_data.bag import bag_info, read_bag
 
 def peak():
     lines = Path('/proc/self/status').read_text().splitlines()

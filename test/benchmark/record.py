@@ -23,10 +23,10 @@ import time
 
 from bench import Figure
 from graph import Silent
-from lta_analysis.bag.reader import read_bag
-from lta_analysis.flight import fly_once, Order
-from lta_analysis.simulate import simulate_once, Simulated
 from lta_config.topics import topic_table
+from lta_data.bag.reader import read_bag
+from lta_flight.flight import fly_once, Order
+from lta_flight.simulate import simulate_once, Simulated
 from lta_graph.ros.message_types import message_type
 from lta_graph.ros.qos import profile
 import rclpy

@@ -9,9 +9,9 @@ from functools import partial
 import time
 
 from bench import Figure
-from lta_sim.scenario_faults import Faults
+from lta_model.scenario_faults import Faults
+from lta_model.vehicle import load_vehicle
 from lta_sim.supply import Supply
-from lta_sim.vehicle import load_vehicle
 import numpy as np
 
 STEPS = 20_000

@@ -17,7 +17,7 @@ from typing import Any
 
 from bench import Figure
 import lta_analysis
-from lta_analysis.simulate import simulate_once, Simulated
+from lta_flight.simulate import simulate_once, Simulated
 import numpy as np
 import pandas
 from rosbags.highlevel import AnyReader

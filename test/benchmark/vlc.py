@@ -13,7 +13,7 @@ from importlib.metadata import version
 import time
 
 from bench import Figure
-from lta_config.compiled import compiled
+from lta_config.compilation.compiled import compiled
 from lta_vlc.diodes import ring_of
 from lta_vlc.direction import DirectionFinder
 from lta_vlc.fit import fit

@@ -6,9 +6,9 @@ import math
 from pathlib import Path
 import re
 
-from lta_analysis.discovery.finding import Finding
-from lta_analysis.discovery.results.discovery_json import to_dict
-from lta_analysis.reference.thresholds import list_thresholds, PARTS, read_sources, SHAPES
+from lta_cli.reference.thresholds import list_thresholds, PARTS, read_sources, SHAPES
+from lta_discovery.finding import Finding
+from lta_discovery.results.discovery_json import to_dict
 import pytest
 
 PAGE = Path(__file__).resolve().parents[2] / 'docs/discovery.md'
@@ -23,7 +23,7 @@ def test_every_threshold_says_what_it_is():
 
 def test_the_values_of_the_page_are_those_that_the_code_uses():
     for one in list_thresholds():
-        used = getattr(import_module(f'lta_analysis.discovery.{one.module}'), one.name)
+        used = getattr(import_module(f'lta_discovery.{one.module}'), one.name)
         base, angle, _ = one.value.partition(' * math.pi / 180.0')
         base, _, power = base.partition('**')
         value = float(base) ** float(power or 1.0)
@@ -52,7 +52,7 @@ def test_no_number_that_a_module_declares_is_left_out():
                 for name in ast.walk(target)
                 if isinstance(name, ast.Name)
             ]
-            found = import_module(f'lta_analysis.discovery.{module}')
+            found = import_module(f'lta_discovery.{module}')
             numbers = [name for name in names if isinstance(getattr(found, name), int | float)]
             left |= {f'{module}.{name}' for name in numbers if name not in SHAPES} - listed
     assert left == set()
@@ -60,7 +60,7 @@ def test_no_number_that_a_module_declares_is_left_out():
 
 def test_a_file_that_the_page_names_is_there():
     text = PAGE.read_text(encoding='utf-8')
-    folder = Path(import_module('lta_analysis.discovery').__file__).parent
+    folder = Path(import_module('lta_discovery').__file__).parent
     named = set(re.findall(r'`([\w/]+\.py)`', text))
     assert 'model/knobs.py' in named
     assert sorted(name for name in named if not (folder / name).exists()) == []

@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from lta_analysis.challenge.digest import registry_digest, vehicle_digest
-from lta_sim.effects import built_in
+from lta_challenge.digest import registry_digest, vehicle_digest
+from lta_model.effects import built_in
 
 PAGE = Path(__file__).resolve().parents[2] / 'docs/discovery_scores.md'
 AGAIN = 'make the challenges again and score them with --markdown docs/discovery_scores.md'

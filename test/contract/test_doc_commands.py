@@ -4,7 +4,7 @@ from importlib.util import find_spec
 import re
 
 from doc_blocks import blocks, PAGES, pieces, ROOT, run, settings_spoken, simple, spoken, stage
-from lta_analysis.app import put_together, repeated
+from lta_cli.app import put_together, repeated
 from lta_config.files import find, known
 from lta_graph.launch_file import arguments
 import pytest

@@ -4,8 +4,8 @@ from pathlib import Path
 from pkgutil import resolve_name
 import re
 
+from lta_cli.reference.effects_page import page
 from lta_graph.ros.node import PATIENCE, REPORT_PERIOD
-from lta_sim.effects_page import page
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]

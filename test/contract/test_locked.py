@@ -5,7 +5,7 @@ from pathlib import Path
 import re
 import sys
 
-from lta_analysis.doctor.machine import NEWEST_PYTHON
+from lta_cli.doctor.machine import NEWEST_PYTHON
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 import pytest

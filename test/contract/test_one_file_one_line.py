@@ -58,7 +58,7 @@ HELD = """
 from lta_bridge.crazyflie.keeper import Keeper
 from lta_bridge.crazyflie.links import link_to
 from lta_bridge.crazyflie.log_table import BLOCKS
-from lta_config.crazyflie_file import Expected
+from lta_config.schema.crazyflie_file import Expected
 
 link = link_to('string://12m', BLOCKS, int)
 keeper = Keeper(link, {'any.thing': Expected(value=7, write=False, why='a test')})
@@ -69,8 +69,8 @@ print(link.events.get(timeout=PATIENCE), keeper.attempts, link.uri)
 SECOND = """
 from types import SimpleNamespace
 
-from lta_sim.effects.guide_rope import wrench
-from lta_sim.effects.protocol import Motion
+from lta_model.effects.contact.guide_rope import wrench
+from lta_model.effects.protocol import Motion
 import numpy as np
 from oracle.given import Given
 from scipy.spatial.transform import Rotation
@@ -84,7 +84,7 @@ for height in (-1.0, 0.5, 9.0):
     assert np.allclose(wrench((0.03, 2.0), (), motion, ()), told, rtol=1e-12, atol=0.0), height
 """
 PAGE = """
-from lta_sim.effects_page import page
+from lta_cli.reference.effects_page import page
 
 print(page())
 """
@@ -131,9 +131,10 @@ def titled():
 def test_an_effect_with_the_test_of_its_tutorial(tmp_path, titled, plain):
     """As Python, and compiled, which takes the time of all effects together."""
     more = {'NUMBA_DISABLE_JIT': plain}
-    folder = with_copy(tmp_path, 'lta_sim') / 'effects'
-    (folder / 'guide_rope.py').write_text(titled['src/lta_sim/lta_sim/effects/guide_rope.py'])
-    with_line(folder / '__init__.py', "    'floor_contact',", titled['BUILT_IN'])
+    folder = with_copy(tmp_path, 'lta_model') / 'effects'
+    source = 'src/lta_model/lta_model/effects/contact/guide_rope.py'
+    (folder / 'contact/guide_rope.py').write_text(titled[source])
+    with_line(folder / '__init__.py', "    'contact.floor_contact',", titled['FILES'])
     its_test = tmp_path / 'test_guide_rope.py'
     its_test.write_text(titled['test/unit/sim/test_guide_rope.py'])
     once = ('-m', 'pytest', '-q', '-p', 'no:cacheprovider')
@@ -168,10 +169,10 @@ def test_a_link_that_the_keeper_of_links_opens_and_closes(tmp_path):
 
 
 def test_a_verb(tmp_path):
-    folder = with_copy(tmp_path, 'lta_analysis')
+    folder = with_copy(tmp_path, 'lta_cli')
     (folder / 'verbs/greet.py').write_text(VERB)
     with_line(folder / 'app.py', "    'doctor': Verb('doctor', 'doctor'),", GREET)
-    call = 'import sys; sys.argv = ["lta", "greet"]; from lta_analysis.app import status; status()'
+    call = 'import sys; sys.argv = ["lta", "greet"]; from lta_cli.app import status; status()'
     assert python(tmp_path, '-c', call) == 'hello, lamp\n'
 
 
@@ -185,7 +186,7 @@ def test_a_vehicle_is_a_file_and_no_line(tmp_path):
         '-c',
         f'import sys; sys.path.insert(0, "{share}")\n'
         'from lta_config.files import known\n'
-        'from lta_config.vehicle_file import load_vehicle_file\n'
+        'from lta_config.schema.vehicle_file import load_vehicle_file\n'
         'print(known("vehicles"), load_vehicle_file("mine").name)',
     )
     assert "'mine'" in said

@@ -1,6 +1,7 @@
 """Every package says of itself what is true: name, version, dependencies, executables, fence."""
 
 import ast
+from collections import Counter
 from functools import cache
 from importlib import import_module
 from itertools import accumulate
@@ -11,7 +12,7 @@ import runpy
 import sys
 
 from catkin_pkg.package import parse_package
-from lta_analysis.doctor.machine import python
+from lta_cli.doctor.machine import python
 from lta_config.version import VERSION
 import pytest
 import yaml
@@ -22,11 +23,21 @@ FOLDERS = [ROOT / 'config', *sorted(path.parent for path in ROOT.glob('src/*/set
 NAMES = {
     'lta_analysis',
     'lta_bridge',
+    'lta_challenge',
+    'lta_cli',
     'lta_config',
     'lta_control',
+    'lta_data',
+    'lta_discovery',
+    'lta_emulation',
     'lta_energy',
+    'lta_flight',
     'lta_graph',
+    'lta_model',
+    'lta_report',
     'lta_sim',
+    'lta_studies',
+    'lta_vehicle',
     'lta_vlc',
 }
 # What rosdep knows under another name. The rest of PyPI stands in colcon.meta: Ubuntu's own
@@ -38,17 +49,18 @@ ROS = re.compile(
 FENCED = re.compile(r'(rclpy|builtin_interfaces|rcl_interfaces|\w+_msgs|std_srvs)(\.|$)')
 BEYOND = re.compile(r'lta_graph\.ros(\.|$)|lta_\w+\.(nodes|messages)(\.|$)')
 CONDUCTORS = {  # start a graph and listen to it, record a flight as one, or ask what nodes take
-    'src/lta_analysis/lta_analysis/discovery/demo/hidden.py',
-    'src/lta_analysis/lta_analysis/flight.py',
-    'src/lta_analysis/lta_analysis/graph.py',
-    'src/lta_analysis/lta_analysis/reference/parameters.py',
-    'src/lta_analysis/lta_analysis/replay/given.py',
-    'src/lta_analysis/lta_analysis/replay/run.py',
-    'src/lta_analysis/lta_analysis/simulate.py',
-    'src/lta_analysis/lta_analysis/reproduce/recorded.py',
-    'src/lta_analysis/lta_analysis/verbs/call.py',
+    'src/lta_discovery/lta_discovery/demo/hidden.py',
+    'src/lta_flight/lta_flight/flight.py',
+    'src/lta_flight/lta_flight/graph.py',
+    'src/lta_cli/lta_cli/reference/parameters.py',
+    'src/lta_flight/lta_flight/replay/given.py',
+    'src/lta_flight/lta_flight/replay/run.py',
+    'src/lta_flight/lta_flight/simulate.py',
+    'src/lta_studies/lta_studies/reproduce/recorded.py',
+    'src/lta_cli/lta_cli/verbs/call.py',
 }
 
+MODULES = 25  # of one folder
 CODE = re.compile(r'(from [\w.]+ )?import [\w., ]+\n')  # a line of code that is written to a file
 
 each_package = pytest.mark.parametrize('folder', FOLDERS, ids=lambda folder: folder.name)
@@ -227,6 +239,13 @@ def test_packages_depend_to_the_left_only_as_the_architecture_says():
 def test_cores_know_no_ros(path):
     crossing = {name for name in imports(path) if FENCED.match(name) or BEYOND.match(name)}
     assert not crossing, 'ROS belongs in nodes/, messages.py and lta_graph/ros'
+
+
+@each_package
+def test_no_folder_has_so_many_modules_that_nobody_reads_their_names(folder):
+    counts = Counter(path.parent for path in sources(folder) if path.name != '__init__.py')
+    crowded = {str(path): count for path, count in counts.items() if count > MODULES}
+    assert not crowded, 'give its modules groups'
 
 
 def test_one_version_everywhere():

@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from lta_analysis.preflight import check, parameters
 from lta_bridge.nodes.recorder import Origin, RecorderSettings
 from lta_config.errors import BadInput
+from lta_flight.preflight import check, parameters
 from lta_graph.launch_file import arguments, load
 from lta_graph.ros.node import GraphSettings
 from lta_graph.ros.parameters import leaves

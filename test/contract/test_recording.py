@@ -3,12 +3,12 @@
 from pathlib import Path
 import re
 
-from lta_analysis.preflight import parameters
 from lta_bridge.bag.background import FLUSH_PERIOD, REFRESH_PERIOD
 from lta_bridge.bag.memory import GRAIN_NS
 from lta_bridge.fault_watch import REST
 from lta_bridge.nodes.recorder import LOOK_PERIOD, NAP_NS
 from lta_bridge.recorder_settings import Origin, RecorderSettings
+from lta_flight.preflight import parameters
 from lta_graph.launch_file import arguments, load
 from lta_graph.ros.parameters import leaves
 import pytest

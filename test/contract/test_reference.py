@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from lta_analysis.app import VERBS
-from lta_analysis.reference.__main__ import page, PAGES
+from lta_cli.app import VERBS
+from lta_cli.reference.__main__ import page, PAGES
 from lta_config.errors import BadInput
 from lta_config.files import known
 import pytest

@@ -25,9 +25,9 @@ from lta_graph.ros.message_types import message_type
 from lta_graph.ros.node import GraphSettings
 from lta_graph.ros.parameters import describe, leaves
 from lta_graph.ros.qos import profile
-from lta_sim.scenario import load_scenario
+from lta_model.scenario import load_scenario
+from lta_model.vehicle import load_vehicle
 from lta_sim.simulator_settings import SimulatorSettings
-from lta_sim.vehicle import load_vehicle
 from lta_vlc.nodes.demodulator import DemodulatorParameters
 import pytest
 from rclpy.qos import DurabilityPolicy, ReliabilityPolicy

@@ -10,8 +10,8 @@ from lta_bridge.bag.schemas import jazzy
 from lta_config import views_foxglove, views_plotjuggler
 from lta_config.errors import BadInput
 from lta_config.files import find, load_yaml
+from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.topics import robot_topic, topic_table
-from lta_config.vehicle_file import load_vehicle_file
 from lta_config.views import load_views, main, place_of, Views
 from lta_energy.messages import figures
 from pydantic import ValidationError

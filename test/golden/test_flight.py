@@ -12,15 +12,15 @@ and still tells any change of a gain, a sign or an order, which moves the drone 
 from pathlib import Path
 import sys
 
-from lta_analysis.loop import Loop
-from lta_analysis.policy import Policy
 from lta_config.topics import topic_table
 from lta_control.gains_file import load_gains
 from lta_control.strategies import strategy
-from lta_sim.kernel import LAYOUT
-from lta_sim.scenario import load_scenario
-from lta_sim.state import RIGID
-from lta_sim.vehicle import load_vehicle
+from lta_flight.loop import Loop
+from lta_flight.policy import Policy
+from lta_model.scenario import load_scenario
+from lta_model.state import RIGID
+from lta_model.vehicle import load_vehicle
+from lta_sim.kernels.kernel import LAYOUT
 from lta_sim.world import World
 import numpy as np
 

@@ -14,10 +14,10 @@ import math
 from pathlib import Path
 
 from kept_figures import kepts_in
-from lta_analysis.reproduce import lines, markdown
-from lta_analysis.reproduce.page import page
-from lta_analysis.reproduce.run import Order, rows_of, study_all
-from lta_analysis.reproduce.verdict import verdicts
+from lta_studies.reproduce import lines, markdown
+from lta_studies.reproduce.page import page
+from lta_studies.reproduce.run import Order, rows_of, study_all
+from lta_studies.reproduce.verdict import verdicts
 import pytest
 
 HERE = Path(__file__).parent

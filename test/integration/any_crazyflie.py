@@ -14,13 +14,13 @@ import time
 
 from lta_bridge.crazyflie import readings
 from lta_bridge.crazyflie.cflib_link import CflibLink
-from lta_bridge.crazyflie.emulated.build import Build
-from lta_bridge.crazyflie.emulated.firmware import Firmware
-from lta_bridge.crazyflie.emulated.server import Server
 from lta_bridge.crazyflie.link import LinkFailed, LogPacket
 from lta_bridge.crazyflie.log_table import BLOCKS
 from lta_bridge.crazyflie.supervisor import Bit
-from lta_bridge.emulated_hardware import flown
+from lta_emulation.crazyflie.build import Build
+from lta_emulation.crazyflie.firmware import Firmware
+from lta_emulation.crazyflie.server import Server
+from lta_emulation.emulated_hardware import flown
 import pytest
 from waiting import PATIENCE, wait_until
 

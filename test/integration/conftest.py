@@ -3,10 +3,10 @@
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from lta_analysis.browser import Browser
 from lta_config.errors import BadInput
 from lta_graph.health import Fact
 from lta_graph.ros.listener import DiagnosticsListener
+from lta_report.browser import Browser
 import pytest
 from waiting import wait_until
 

@@ -9,8 +9,8 @@ from lta_control.estimator import Estimate
 from lta_control.messages import from_duties, from_estimate, from_setpoint
 from lta_graph.ros.message_types import message_type
 from lta_graph.ros.stamps import to_stamp
-from lta_sim import messages
-from lta_sim.sensors.imu import bounds_of, ImuSettings
+from lta_model import messages
+from lta_model.sensors.imu import bounds_of, ImuSettings
 from lta_vlc.demodulation import Peaks
 from lta_vlc.lamp import LampEstimate
 from lta_vlc.messages import from_bearing, from_lamp, from_peaks

@@ -9,13 +9,13 @@ import itertools
 import os
 
 from lta_bridge.crazyflie import duties_packet
-from lta_bridge.crazyflie.emulated.build import APP, ARMING, AS_SOLD
 from lta_bridge.crazyflie.log_table import BLOCKS
 from lta_bridge.crazyflie.supervisor import Bit
-from lta_config.crazyflie_file import REQUIRED
+from lta_config.schema.crazyflie_file import REQUIRED
 from lta_config.topics import topic_table
+from lta_emulation.crazyflie.build import APP, ARMING, AS_SOLD
 from lta_graph.ros.message_types import message_type
-from lta_sim.vehicle import load_vehicle
+from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest
 from std_srvs.srv import SetBool

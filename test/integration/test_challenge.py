@@ -3,11 +3,11 @@
 import json
 from pathlib import Path
 
-from lta_analysis.challenge.make import make, Order
-from lta_analysis.challenge.page import write_page
-from lta_analysis.challenge.score import keep, score, Scored
-from lta_analysis.challenge.tally import CLEAR
-from lta_analysis.platforms.run import processors
+from lta_challenge.make import make, Order
+from lta_challenge.page import write_page
+from lta_challenge.score import keep, score, Scored
+from lta_challenge.tally import CLEAR
+from lta_studies.platforms.run import processors
 import pytest
 
 pytestmark = pytest.mark.long

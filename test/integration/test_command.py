@@ -10,9 +10,9 @@ import subprocess
 import sys
 import time
 
-from lta_analysis.doctor import CHECKS
+from lta_cli.doctor import CHECKS
+from lta_config.compilation.kernel_cache import cache_root
 from lta_config.files import known
-from lta_config.kernel_cache import cache_root
 import pytest
 from waiting import PATIENCE
 import yaml
@@ -176,7 +176,7 @@ def test_ctrl_c_while_a_node_loads_is_no_traceback(lta, seconds):
 
 SPOILS = """
 import os, signal, sys
-from lta_analysis import app, command
+from lta_cli import app, command
 
 def load(words):
     {loading}

@@ -1,12 +1,12 @@
 """The page of a comparison in a real browser: nothing to complain of, any channel to pick."""
 
-from lta_analysis.bag import open_flight
-from lta_analysis.compare.comparison import Asked, compare_flights
-from lta_analysis.compare.page import write_page
-from lta_analysis.report.screenshots import complaints, COUNT_PANELS, Drawn, fetched, show
+from lta_data.bag import open_flight
+from lta_data.compare.comparison import Asked, compare_flights
+from lta_data.compare.page import write_page
+from lta_report.screenshots import complaints, COUNT_PANELS, Drawn, fetched, show
 import pytest
 
-from ..unit.analysis.compare.compare_flight import write_motion  # noqa: TID252 - `test` is Python's own
+from ..unit.data.compare.compare_flight import write_motion  # noqa: TID252 - `test` is Python's own
 
 Z = 'odom/pose.pose.position.z'
 PANELS = ['path', 'x', 'y', 'altitude', 'heading', 'channel', 'spectrum']

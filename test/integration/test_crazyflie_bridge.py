@@ -7,14 +7,14 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from domain import free_domain
 from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState
-from lta_bridge.crazyflie.emulated.body import Bench
-from lta_bridge.crazyflie.emulated.firmware import Firmware
-from lta_bridge.crazyflie.emulated.server import Server
-from lta_config.crazyflie_file import load_crazyflie
+from lta_config.schema.crazyflie_file import load_crazyflie
 from lta_config.topics import topic_table
+from lta_emulation.crazyflie.body import Bench
+from lta_emulation.crazyflie.firmware import Firmware
+from lta_emulation.crazyflie.server import Server
 from lta_graph.ros.message_types import message_type
 from lta_graph.ros.stamps import from_stamp
-from lta_sim.vehicle import load_vehicle
+from lta_model.vehicle import load_vehicle
 import pytest
 from rcl_interfaces.srv import GetParameters
 from rclpy.duration import Duration

@@ -7,7 +7,7 @@ import time
 from lta_config.files import share
 from lta_config.topics import topic_table
 from lta_graph.ros.stamps import from_stamp, to_stamp
-from lta_sim.messages import light_block
+from lta_model.messages import light_block
 import numpy as np
 import pytest
 from std_msgs.msg import Float64

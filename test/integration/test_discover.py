@@ -5,10 +5,10 @@ from pathlib import Path
 import re
 import subprocess
 
-from lta_analysis.app import status
-from lta_analysis.discovery.demo.hidden import fly_hidden, Hidden
-from lta_analysis.discovery.model.nominal import Nominal
-from lta_sim.vehicle import load_vehicle
+from lta_cli.app import status
+from lta_discovery.demo.hidden import fly_hidden, Hidden
+from lta_discovery.model.nominal import Nominal
+from lta_model.vehicle import load_vehicle
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 import pytest

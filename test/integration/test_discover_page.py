@@ -2,16 +2,16 @@
 
 from dataclasses import replace
 
-from lta_analysis.discovery.outside.unexplained import Remainder
-from lta_analysis.discovery.page import write_page
-from lta_analysis.discovery.replay.linear import origin
-from lta_analysis.discovery.study import Shown
-from lta_analysis.report.screenshots import complaints, COUNT_PANELS, fetched, show
+from lta_discovery.outside.unexplained import Remainder
+from lta_discovery.page import write_page
+from lta_discovery.replay.linear import origin
+from lta_discovery.study import Shown
+from lta_report.screenshots import complaints, COUNT_PANELS, fetched, show
 import pytest
 
-from ..unit.analysis.discovery.hidden_cases import CASES  # noqa: TID252 - `test` is Python's own
-from ..unit.analysis.discovery.hidden_flight import nominal  # noqa: TID252
-from ..unit.analysis.discovery.hidden_study import DRAG, study  # noqa: TID252
+from ..unit.discovery.hidden_cases import CASES  # noqa: TID252 - `test` is Python's own
+from ..unit.discovery.hidden_flight import nominal  # noqa: TID252
+from ..unit.discovery.hidden_study import DRAG, study  # noqa: TID252
 from .test_pages import CONTRAST, HEADS, NAMELESS
 
 pytestmark = pytest.mark.long

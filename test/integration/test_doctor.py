@@ -4,7 +4,7 @@ import os
 import subprocess
 import sys
 
-from lta_analysis.doctor import dds
+from lta_cli.doctor import dds
 import pytest
 from waiting import PATIENCE
 

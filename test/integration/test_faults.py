@@ -7,8 +7,8 @@ import signal
 import subprocess
 import time
 
-from lta_analysis.bag.reader import read_bag
 from lta_config.topics import topic_table
+from lta_data.bag.reader import read_bag
 from lta_graph.suspicion import culprits
 import pytest
 

@@ -3,10 +3,10 @@
 import json
 from pathlib import Path
 
-from lta_analysis.bag.flight import open_flight
-from lta_analysis.bag.reader import read_bag
 from lta_config.files import find, load_yaml
 from lta_config.topics import topic_table
+from lta_data.bag.flight import open_flight
+from lta_data.bag.reader import read_bag
 from lta_graph.ros.qos import LOCKSTEP_HISTORY_NS
 import pytest
 import yaml

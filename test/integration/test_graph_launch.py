@@ -4,9 +4,9 @@ import os
 import signal
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from lta_analysis import domain_lock
-from lta_analysis.domain_lock import DomainLock
 from lta_config.errors import BadInput
+from lta_flight import domain_lock
+from lta_flight.domain_lock import DomainLock
 from lta_graph.ros.listener import DiagnosticsListener
 import pytest
 import rclpy

@@ -6,7 +6,7 @@ import signal
 import subprocess
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from lta_analysis.bag.reader import read_bag
+from lta_data.bag.reader import read_bag
 from lta_graph.ros.message_types import message_type
 from lta_graph.ros.stamps import to_stamp
 import pytest

@@ -1,11 +1,11 @@
 """`lta report`: the page from a bag, and its pictures."""
 
-from lta_analysis.browser import find_chromium
-from lta_analysis.report.panels.registry import PANELS
 from lta_config.errors import BadInput
+from lta_flight.report.panels.registry import PANELS
+from lta_report.browser import find_chromium
 import pytest
 
-from ..unit.analysis.report_flight import write_flight  # noqa: TID252 - `test` is Python's own
+from ..unit.report_flight import write_flight  # noqa: TID252 - `test` is Python's own
 
 
 def test_the_page_comes_again_from_the_bag(lta, call, tmp_path):

@@ -6,9 +6,9 @@ from types import SimpleNamespace
 from lta_graph.health import Level
 from lta_graph.ros.message_types import message_type
 from lta_graph.ros.stamps import to_stamp
+from lta_model.sensors.pressure import PressureSettings
+from lta_model.sensors.range import RangeSettings
 from lta_sim.nodes.simulator import Simulator
-from lta_sim.sensors.pressure import PressureSettings
-from lta_sim.sensors.range import RangeSettings
 import pytest
 import rclpy
 

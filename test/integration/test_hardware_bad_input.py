@@ -3,9 +3,9 @@
 import re
 
 from lta_bridge.crazyflie.claim import Claim
-from lta_bridge.crazyflie.emulated.body import Bench
-from lta_bridge.crazyflie.emulated.firmware import Firmware
-from lta_bridge.crazyflie.emulated.server import Server
+from lta_emulation.crazyflie.body import Bench
+from lta_emulation.crazyflie.firmware import Firmware
+from lta_emulation.crazyflie.server import Server
 from ports import free_port, UDP
 import pytest
 from std_srvs.srv import SetBool

@@ -13,10 +13,10 @@ import sys
 import time
 
 from lta_bridge.teensy.dialect import LTA_LIGHT_BLOCK, LTA_LIGHT_PEAKS, LTA_LIGHT_STATUS
-from lta_bridge.teensy.emulator import Cable
 from lta_bridge.teensy.framing import Framing
 from lta_bridge.teensy.light_board import LightBoard
 from lta_config.topics import topic_table
+from lta_emulation.teensy.emulator import Cable
 import numpy as np
 import pytest
 from waiting import PATIENCE

@@ -10,11 +10,11 @@ import time
 
 from lta_bridge.teensy.clock import Exchange
 from lta_bridge.teensy.dialect import LTA_LIGHT_PEAKS, TIMESYNC
-from lta_bridge.teensy.emulator import Cable
 from lta_bridge.teensy.framing import Framing
 from lta_bridge.teensy.light_board import LightBoard
 from lta_config.topics import topic_table
-from lta_vlc.modulation import SquareWave
+from lta_emulation.teensy.emulator import Cable
+from lta_model.light.modulation import SquareWave
 import numpy as np
 import pytest
 from waiting import PATIENCE

@@ -9,10 +9,10 @@ from pathlib import Path
 import signal
 import socket
 
-from lta_analysis.bag.reader import read_bag
 from lta_bridge.live.server import LiveServer
 from lta_config.topics import topic_table
 from lta_config.views import load_views, place_of
+from lta_data.bag.reader import read_bag
 from lta_graph.ros.message_types import message_type
 from lta_graph.ros.qos import profile
 from lta_graph.ros.stamps import to_stamp

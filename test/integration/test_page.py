@@ -4,10 +4,12 @@ import os
 import re
 import struct
 
-from lta_analysis.browser import Browser, find_chromium, OVERRIDE
-from lta_analysis.report import screenshots, write_page
-from lta_analysis.report.panels.registry import PANELS
-from lta_analysis.report.screenshots import (
+from lta_config.errors import BadInput
+from lta_flight.report import write_page
+from lta_flight.report.panels.registry import PANELS
+from lta_report import screenshots
+from lta_report.browser import Browser, find_chromium, OVERRIDE
+from lta_report.screenshots import (
     check,
     complaints,
     COUNT_PANELS,
@@ -18,10 +20,9 @@ from lta_analysis.report.screenshots import (
     show,
     write_pictures,
 )
-from lta_config.errors import BadInput
 import pytest
 
-from ..unit.analysis.report_flight import write_flight  # noqa: TID252 - `test` is Python's own
+from ..unit.report_flight import write_flight  # noqa: TID252 - `test` is Python's own
 
 NAMES = [panel.name for panel in PANELS]
 TIMED = [panel.name for panel in PANELS if panel.timed]

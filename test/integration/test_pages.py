@@ -4,23 +4,23 @@ import json
 from pathlib import Path
 import sys
 
-from lta_analysis import app
-from lta_analysis.bag.flight import open_flight
-from lta_analysis.bag.reader import read_bag
-from lta_analysis.light.evaluation.sets import FlightSet, SETS
-from lta_analysis.replay.order import Order
-from lta_analysis.replay.page import write_page as write_replay
-from lta_analysis.replay.verdict import judged
-from lta_analysis.report import write_page
-from lta_analysis.report.screenshots import complaints, fetched, show, take, window
-from lta_analysis.tune import crew, limit
-from lta_analysis.tune.mission import Sought
 from lta_bridge.bag.writer import BagWriter
 from lta_bridge.playback.reel import shifted
+from lta_cli import app
+from lta_data.bag.flight import open_flight
+from lta_data.bag.reader import read_bag
+from lta_flight.replay.order import Order
+from lta_flight.replay.page import write_page as write_replay
+from lta_flight.replay.verdict import judged
+from lta_flight.report import write_page
+from lta_report.screenshots import complaints, fetched, show, take, window
+from lta_studies.light.evaluation.sets import FlightSet, SETS
+from lta_studies.tune import crew, limit
+from lta_studies.tune.mission import Sought
 import pytest
 import yaml
 
-from ..unit.analysis.report_flight import write_flight  # noqa: TID252 - `test` is Python's own
+from ..unit.report_flight import write_flight  # noqa: TID252 - `test` is Python's own
 
 SWEEP = {
     'schema': 1, 'name': 'short', 'about': 'Short flights.', 'vehicle': 'gtmab',

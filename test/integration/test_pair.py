@@ -5,11 +5,11 @@ import os
 import signal
 import time
 
-from lta_analysis.bag.flight import open_flight
-from lta_analysis.bag.reader import read_bag
-from lta_analysis.progress import FlightProgress
-from lta_analysis.simulate import simulate_once, Simulated
 from lta_config.topics import topic_table
+from lta_data.bag.flight import open_flight
+from lta_data.bag.reader import read_bag
+from lta_flight.progress import FlightProgress
+from lta_flight.simulate import simulate_once, Simulated
 import pytest
 from rich.console import Console
 

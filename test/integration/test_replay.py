@@ -8,13 +8,13 @@ from pathlib import Path
 import signal
 import subprocess
 
-from lta_analysis.bag.reader import read_bag
-from lta_analysis.progress import FlightProgress
-from lta_analysis.simulate import simulate_once, Simulated
 from lta_bridge.bag.qos import offered_qos
 from lta_bridge.bag.writer import BagWriter
 from lta_bridge.bookkeeping import stamp_of
 from lta_bridge.playback.reel import shifted
+from lta_data.bag.reader import read_bag
+from lta_flight.progress import FlightProgress
+from lta_flight.simulate import simulate_once, Simulated
 from lta_graph.ros.message_types import message_type
 from lta_graph.ros.qos import profile
 from lta_graph.ros.stamps import from_stamp

@@ -3,8 +3,8 @@
 import json
 from pathlib import Path
 
-from lta_analysis.bag.flight import open_flight
 from lta_config.files import find, load_yaml
+from lta_data.bag.flight import open_flight
 import pytest
 import yaml
 

@@ -7,12 +7,12 @@ import time
 
 from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState
-from lta_bridge.teensy.emulator import Cable, EmulatedBoard
-from lta_config.vehicle_file import load_vehicle_file
+from lta_config.schema.vehicle_file import load_vehicle_file
+from lta_emulation.teensy.emulator import Cable, EmulatedBoard
 from lta_graph.health import Level
 from lta_graph.ros.stamps import from_stamp
-from lta_sim.scenario import load_scenario
-from lta_sim.vehicle import load_vehicle
+from lta_model.scenario import load_scenario
+from lta_model.vehicle import load_vehicle
 from lta_sim.world import World
 from lta_vlc.array import bearing
 from lta_vlc.diodes import diodes_of

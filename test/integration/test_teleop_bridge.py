@@ -2,12 +2,12 @@
 
 import signal
 
-from lta_bridge.crazyflie.emulated.body import Bench
-from lta_bridge.crazyflie.emulated.build import AS_SOLD
-from lta_bridge.crazyflie.emulated.firmware import Firmware
-from lta_bridge.crazyflie.emulated.server import Server
 from lta_control.cascade import Setpoint
 from lta_control.messages import from_setpoint
+from lta_emulation.crazyflie.body import Bench
+from lta_emulation.crazyflie.build import AS_SOLD
+from lta_emulation.crazyflie.firmware import Firmware
+from lta_emulation.crazyflie.server import Server
 from nav_msgs.msg import Odometry
 import pytest
 from std_msgs.msg import Bool

@@ -1,10 +1,10 @@
 """The page of a vehicle in a real browser: nothing to complain of, everything drawn, to scale."""
 
-from lta_analysis.report.screenshots import complaints, fetched, show
-from lta_analysis.vehicle.page import write_page
-from lta_analysis.vehicle.sheet import sheet_of
 from lta_config.files import known
-from lta_sim.vehicle import load_vehicle
+from lta_model.vehicle import load_vehicle
+from lta_report.screenshots import complaints, fetched, show
+from lta_vehicle.figures.sheet import sheet_of
+from lta_vehicle.views.page import write_page
 import pytest
 
 WARNING = 'Only 0.3 g of ballast is left to take off.'

@@ -1,7 +1,7 @@
 """OpenFOAM itself, where it is installed: a sphere on a coarse mesh, from shape to coefficient."""
 
 from lta_sim.cfd.crew import Threads
-from lta_sim.cfd.engine import openfoam
+from lta_sim.cfd.openfoam.engine import openfoam
 from lta_sim.cfd.plan import Flow
 from lta_sim.cfd.solve import solve
 from lta_sim.cfd.tunnel import COARSE, steady_wind

@@ -5,6 +5,7 @@ Whatever executables the packages declare are found here by themselves: nothing 
 """
 
 from collections.abc import Iterator
+import json
 import os
 from pathlib import Path
 import shutil
@@ -14,6 +15,9 @@ import sys
 import time
 
 from diagnostic_msgs.msg import DiagnosticArray
+from lta_config.files import find
+from lta_graph.child import environment as node_environment
+from lta_graph.launch_file import load
 from ports import free_port
 import pytest
 import rclpy
@@ -27,6 +31,33 @@ REPORTS = 2  # by a timer, after which all that a node has before any message co
 WAITING = ('player', 'simulator')  # for others first, without a timer: to be there is all they do
 STOP = 120.0  # s from SIGINT to the end, on a machine that others use as well
 NAMESPACE = '/probe'
+CARRIED = {  # what a drone's own computer needs
+    'lta_bridge',
+    'lta_config',
+    'lta_control',
+    'lta_energy',
+    'lta_graph',
+    'lta_model',
+    'lta_vlc',
+}
+# Start all of a launch file but the simulator; stop it when the other end closes the pipe.
+DRONE = """
+from dataclasses import replace
+from importlib.util import find_spec
+import json
+from pathlib import Path
+import sys
+
+from lta_graph.launch_file import load
+from lta_graph.launcher import Launcher
+
+assert find_spec('lta_sim') is None
+plan = load(Path(sys.argv[1]), json.loads(sys.argv[2]))
+aboard = tuple(process for process in plan.processes if process.package != 'lta_sim')
+with Launcher(replace(plan, processes=aboard), lambda _name, _line: None) as launcher:
+    sys.stdin.read()
+print(json.dumps([[end.name, end.status, *end.lines] for end in launcher.ended]))
+"""
 
 
 @pytest.fixture(scope='module')
@@ -117,7 +148,7 @@ NEEDS = {  # without which it refuses
     'teensy_bridge': ('-p', 'autostart:=false'),
 }
 # The command, and the drone at the other end of a link, are no nodes.
-OTHERS = {('lta_analysis', 'lta'), ('lta_bridge', 'emulated_hardware')}
+OTHERS = {('lta_cli', 'lta'), ('lta_analysis', 'lta'), ('lta_emulation', 'emulated_hardware')}
 QUICK = ('controller', 'player')  # the others start alike
 NODES = [
     pytest.param(*pair, marks=() if pair[1] in QUICK else pytest.mark.long)
@@ -183,9 +214,45 @@ def test_node_starts_and_stops(package, executable, installed, environment, watc
 
 
 def test_command_explains_itself(installed, environment, tmp_path):
-    command = [installed / 'lta_analysis' / 'lib' / 'lta_analysis' / 'lta', '--help']
+    command = [installed / 'lta_cli' / 'lib' / 'lta_cli' / 'lta', '--help']
     result = subprocess.run(
         command, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=START
     )
     assert (result.returncode, result.stderr) == (0, '')
     assert 'fly' in result.stdout
+
+
+def carried(environment: dict[str, str], installed: Path) -> dict[str, str]:
+    """Return an environment in which only the packages of a drone's computer are found."""
+    kept = dict(environment)
+    for name in ('PYTHONPATH', 'AMENT_PREFIX_PATH'):
+        kept[name] = os.pathsep.join(
+            path
+            for path in environment[name].split(os.pathsep)
+            if not Path(path).is_relative_to(installed)
+            or Path(path).relative_to(installed).parts[0] in CARRIED
+        )
+    return kept
+
+
+def test_a_drone_s_computer_needs_no_simulator(installed, environment, domain_id, tmp_path):
+    launch_file = find('launch file', 'fly', '.launch.yaml')
+    given = {'time': 'lockstep', 'bag': str(tmp_path / 'bag'), 'seed': '2'}
+    (world,) = (one for one in load(launch_file, given).processes if one.package == 'lta_sim')
+    executable = installed / world.package / 'lib' / world.package / world.executable
+    everywhere = {'ROS_DOMAIN_ID': str(domain_id), **node_environment()} | environment
+    words = [sys.executable, '-c', DRONE, launch_file, json.dumps(given)]
+    with subprocess.Popen(
+        words, cwd=tmp_path, env=carried(everywhere, installed), text=True,
+        stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+    ) as drone:  # fmt: skip
+        flight = subprocess.run(
+            [executable, *world.arguments], cwd=tmp_path, env=everywhere, text=True,
+            capture_output=True, timeout=START, check=False,
+        )  # fmt: skip
+        ended = json.loads(drone.communicate(timeout=STOP)[0].splitlines()[-1])
+    assert flight.returncode == 0, flight.stderr
+    assert json.loads(flight.stdout.splitlines()[-1])['outcome'] == 'reached'
+    nodes = {'controller', 'demodulator', 'energy_monitor', 'estimator', 'navigator', 'recorder'}
+    assert {name for name, *_ in ended} == nodes
+    assert all(status == 0 for _, status, *_ in ended), ended

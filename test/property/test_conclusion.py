@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from lta_analysis.challenge.contradictions import (
+from lta_challenge.contradictions import (
     BETTER,
     DOUBT,
     find_contradictions,
@@ -13,20 +13,13 @@ from lta_analysis.challenge.contradictions import (
     render,
     UNFIT,
 )
-from lta_analysis.discovery.conclusion import draw_conclusion
-from lta_analysis.discovery.finding import (
-    Assumed,
-    Finding,
-    Gap,
-    Learned,
-    NamedEffect,
-    Rung,
-)
-from lta_analysis.discovery.fit.bounds import strained_words
-from lta_analysis.discovery.forecast.cautions import cautions
-from lta_analysis.discovery.outside.draught import Draught
-from lta_analysis.discovery.outside.unexplained import Remainder
-from lta_sim.effects import EFFECTS
+from lta_discovery.conclusion import draw_conclusion
+from lta_discovery.finding import Assumed, Finding, Gap, Learned, NamedEffect, Rung
+from lta_discovery.fit.bounds import strained_words
+from lta_discovery.forecast.cautions import cautions
+from lta_discovery.outside.draught import Draught
+from lta_discovery.outside.unexplained import Remainder
+from lta_model.effects import EFFECTS
 import pytest
 
 KNOBS = [
@@ -128,7 +121,7 @@ def test_the_laws_find_a_page_that_retracts(
 ) -> None:
     """Each law, broken by one word in one place."""
     assert find_contradictions(named) == []
-    place = 'lta_analysis.challenge.contradictions'
+    place = 'lta_challenge.contradictions'
     said = render(named)
     broken = {
         'the headline keeps silent': said._replace(headline='Linear drag (surge) is missing.'),

@@ -11,7 +11,7 @@ from lta_control.gains_file import load_gains
 from lta_control.per_rotor import NONE, slots
 from lta_control.pid import pid_step
 from lta_control.vehicle_side import rotors_of
-from lta_sim.vehicle import load_vehicle
+from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest
 from scipy.optimize import lsq_linear

@@ -9,11 +9,11 @@ import textwrap
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from lta_analysis.discovery.model.candidates import alongside, DESIGN, NO_CANDIDATE, TOGETHER
 from lta_config.quantity import UNITS
-from lta_sim.effects import EFFECTS
-from lta_sim.effects.basis import basis
-from lta_sim.effects.protocol import (
+from lta_discovery.model.candidates import alongside, DESIGN, NO_CANDIDATE, TOGETHER
+from lta_model.effects import EFFECTS
+from lta_model.effects.basis import basis
+from lta_model.effects.protocol import (
     ActuatorEffect,
     AirEffect,
     BodyEffect,
@@ -25,7 +25,7 @@ from lta_sim.effects.protocol import (
     Rigid,
     WrenchEffect,
 )
-from lta_sim.state import ACTUATORS, BODY, COMMAND
+from lta_model.state import ACTUATORS, BODY, COMMAND
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation

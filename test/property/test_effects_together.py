@@ -1,15 +1,12 @@
 """All effects in one kernel: each matters, and one at null changes nothing to the bit."""
 
-from lta_sim import row
-from lta_sim.compose import kernel_source, layout_of
-from lta_sim.effects import EFFECTS, initial_memory
-from lta_sim.effects.protocol import (
-    BodyEffect,
-    MeasurementEffect,
-)
-from lta_sim.kernel import advance, LAYOUT
-from lta_sim.model import Model
-from lta_sim.state import pack, RIGID
+from lta_model.effects import EFFECTS, initial_memory
+from lta_model.effects.protocol import BodyEffect, MeasurementEffect
+from lta_model.model import Model
+from lta_model.state import pack, RIGID
+from lta_sim.kernels import row
+from lta_sim.kernels.compose import kernel_source, layout_of
+from lta_sim.kernels.kernel import advance, LAYOUT
 import numpy as np
 import pytest
 

@@ -2,11 +2,11 @@
 
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_sim.effects import EFFECTS, initial_memory
-from lta_sim.effects.protocol import WrenchEffect
-from lta_sim.kernel import advance
-from lta_sim.model import Model
-from lta_sim.state import POSITION, QUATERNION, RIGID, VELOCITY
+from lta_model.effects import EFFECTS, initial_memory
+from lta_model.effects.protocol import WrenchEffect
+from lta_model.model import Model
+from lta_model.state import POSITION, QUATERNION, RIGID, VELOCITY
+from lta_sim.kernels.kernel import advance
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation

@@ -5,6 +5,7 @@ import math
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from lta_config.compilation.flat import compiled, Layout
 from lta_config.files import known
 from lta_control.allocation import new_scratch, SCRATCH
 from lta_control.cascade import Setpoint
@@ -12,8 +13,7 @@ from lta_control.gains_file import load_gains_of
 from lta_control.laws import law, LAWS
 from lta_control.laws.frames import from_angles
 from lta_control.laws.protocol import Heard, Motion
-from lta_sim.flat import compiled, Layout
-from lta_sim.vehicle import load_vehicle
+from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest
 

@@ -4,16 +4,16 @@ import math
 
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from lta_sim.light.ambient import Ambient
-from lta_sim.light.field import Illuminance, LightField
-from lta_sim.light.lamp import direct, Lamp
-from lta_sim.sensors.light_block import Board
-from lta_sim.sensors.photodiode import PhotodiodeArray
+from lta_model.light.ambient import Ambient
+from lta_model.light.field import Illuminance, LightField
+from lta_model.light.lamp import direct, Lamp
+from lta_model.light.modulation import cycles, SquareWave
+from lta_model.ring import azimuths, Ring
+from lta_model.sensors.light_block import Board
+from lta_model.sensors.photodiode import PhotodiodeArray
 from lta_vlc.array import bearing
 from lta_vlc.demodulation import demodulate, Peaks, plan_bins
 from lta_vlc.diodes import ring_of
-from lta_vlc.modulation import cycles, SquareWave
-from lta_vlc.ring import azimuths, Ring
 from lta_vlc.settings import Demodulation
 import numpy as np
 import pytest

@@ -13,18 +13,12 @@ import shutil
 import sys
 import tempfile
 
-from lta_analysis.bag.flight import open_flight
-from lta_analysis.bag.reader import read_bag
-from lta_analysis.loop import carried_axes, carried_lamp, Loop
-from lta_analysis.messages import LoopRecorder
-from lta_analysis.policy import Policy
-from lta_analysis.replay.verdict import judged
 from lta_bridge.bag.qos import offered_qos
 from lta_bridge.bag.writer import BagWriter
 from lta_bridge.cdr import serialise
 from lta_bridge.provenance import provenance
+from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.topics import topic_table
-from lta_config.vehicle_file import load_vehicle_file
 from lta_control.gains_file import load_gains
 from lta_control.messages import from_setpoint, to_measured, to_reckoned
 from lta_control.mission import mission_step, MissionSettings
@@ -32,11 +26,17 @@ from lta_control.phases import Mission
 from lta_control.reserve import Order
 from lta_control.sighting import sighted
 from lta_control.strategies import strategy
+from lta_data.bag.flight import open_flight
+from lta_data.bag.reader import read_bag
+from lta_flight.loop import carried_axes, carried_lamp, Loop
+from lta_flight.messages import LoopRecorder
+from lta_flight.policy import Policy
+from lta_flight.replay.verdict import judged
 from lta_graph.ros.message_types import message_type
 from lta_graph.ros.stamps import from_stamp, to_stamp
-from lta_sim.scenario import load_scenario
-from lta_sim.start_offset import started
-from lta_sim.vehicle import load_vehicle
+from lta_model.scenario import load_scenario
+from lta_model.start_offset import started
+from lta_model.vehicle import load_vehicle
 from lta_sim.world import World
 from lta_vlc.array import bearing
 from lta_vlc.diodes import diodes_of

@@ -23,8 +23,8 @@ import sys
 from tempfile import TemporaryDirectory
 
 from commands import COMMANDS, FLIGHTS, ROOT, run_command
-from lta_analysis.children import done_by
-from machine import describe_machine
+from fingerprint import describe_machine
+from lta_report.children import done_by
 from rich.progress import track
 from simulations import list_flights, simulate_flight
 from studies import forget_cases, make_cases, study

@@ -5,13 +5,13 @@ import hashlib
 from itertools import product
 from typing import Any
 
-from lta_analysis.flight import ROBOT
-from lta_analysis.ingredients import gather, loop_of
-from lta_analysis.messages import LoopRecorder
 from lta_config.errors import BadInput
 from lta_config.files import known
 from lta_config.topics import topic_table
 from lta_control.strategies import STRATEGIES
+from lta_flight.flight import ROBOT
+from lta_flight.ingredients import gather, loop_of
+from lta_flight.messages import LoopRecorder
 
 SEED = 5
 STEPS = 1500  # of 10 ms: longer than any start, and most flights turn, climb and read the lamp

@@ -8,8 +8,8 @@ from pathlib import Path
 import shutil
 
 from commands import list_numbers, ROOT
-from lta_analysis.challenge.make import folder_of, make, Order
-from lta_analysis.challenge.trial import study_case
+from lta_challenge.make import folder_of, make, Order
+from lta_challenge.trial import study_case
 
 FOLDER = ROOT / 'runs/same'
 SEED, SECONDS = 17, (30.0, 40.0)

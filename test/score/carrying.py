@@ -14,16 +14,16 @@ from collections.abc import Iterator
 import sys
 import time
 
-from lta_analysis.challenge.case import Drawing
-from lta_analysis.challenge.make import known
-from lta_analysis.challenge.rows import Kind, kind
-from lta_analysis.discovery.carrying import route
-from lta_analysis.discovery.finding import Finding
-from lta_analysis.discovery.flights.measured import measured, Stream, Streams
-from lta_analysis.discovery.flights.mistaken import mistaken
-from lta_analysis.discovery.outside.unexplained import Remainder
-from lta_analysis.discovery.study import Flown, ready, Study
-from lta_analysis.sweep.statistics import wilson
+from lta_challenge.case import Drawing
+from lta_challenge.make import known
+from lta_challenge.rows import Kind, kind
+from lta_discovery.carrying import route
+from lta_discovery.finding import Finding
+from lta_discovery.flights.measured import measured, Stream, Streams
+from lta_discovery.flights.mistaken import mistaken
+from lta_discovery.outside.unexplained import Remainder
+from lta_discovery.study import Flown, ready, Study
+from lta_flight.sweep.statistics import wilson
 import numpy as np
 from numpy.typing import NDArray
 from rich.progress import track

@@ -15,8 +15,8 @@ import beside  # noqa: F401
 from command import Lta, processes
 from diagnostic_msgs.msg import DiagnosticArray
 from endless import endless
-from lta_bridge.emulated_hardware import emulated, Hardware
 from lta_config.topics import topic_table
+from lta_emulation.emulated_hardware import emulated, Hardware
 from lta_graph.ros.message_types import message_type
 from peer import Peer
 from rclpy.qos import QoSProfile, ReliabilityPolicy

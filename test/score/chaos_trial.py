@@ -18,8 +18,8 @@ from typing import Any, Final
 from chaos_graph import Graph
 from chaos_kinds import KINDS, limit, mounted
 from chaos_strike import Strike
-from lta_analysis.bag.reader import read_bag
 from lta_config.errors import BadInput
+from lta_data.bag.reader import read_bag
 from outcome import Outcome, tried
 from peer import Peer
 

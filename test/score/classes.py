@@ -1,7 +1,7 @@
 """
 Derive which names no data of a kind can tell apart: `make classes` (a minute).
 
-Writes `classes.yaml` beside `lta_analysis.discovery.naming.classes`, and
+Writes `classes.yaml` beside `lta_discovery.naming.classes`, and
 `docs/discovery_classes.md`.
 With --check nothing is written: exit status 1 if the file is not what is derived now.
 """
@@ -10,18 +10,18 @@ import argparse
 from pathlib import Path
 import sys
 
-from lta_analysis.discovery.model.knobs import knobs
-from lta_analysis.discovery.model.nominal import Nominal
-from lta_analysis.discovery.naming.classes import FILE, Frozen, OfKind
-from lta_analysis.discovery.planning import deriving
-from lta_analysis.discovery.planning.deriving import Derived
 from lta_config.files import load
-from lta_sim.vehicle import load_vehicle
+from lta_discovery.model.knobs import knobs
+from lta_discovery.model.nominal import Nominal
+from lta_discovery.naming.classes import FILE, Frozen, OfKind
+from lta_discovery.planning import deriving
+from lta_discovery.planning.deriving import Derived
+from lta_model.vehicle import load_vehicle
 import numpy as np
 import yaml
 
 ROOT = Path(__file__).resolve().parents[2]
-TABLE = ROOT / 'src/lta_analysis/lta_analysis/discovery/naming' / FILE.name
+TABLE = ROOT / 'src/lta_discovery/lta_discovery//naming' / FILE.name
 PAGE = ROOT / 'docs/discovery_classes.md'
 NEAR = 0.9  # of a cosine, from which a pair is listed
 TOLD = {

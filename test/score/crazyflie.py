@@ -13,16 +13,16 @@ import sys
 from typing import Final, final, NamedTuple
 import warnings
 
-from lta_analysis.discovery.flights.measured import measured, PERIOD, Stream, Streams
-from lta_analysis.discovery.flights.windows import windows
-from lta_analysis.discovery.model.nominal import Nominal
-from lta_analysis.discovery.replay.linear import origin
-from lta_analysis.discovery.replay.linearise import Linearised
-from lta_analysis.discovery.replay.replay import Replay, STEPS
-from lta_analysis.discovery.replay.sensing import Places
 from lta_config.constants import STANDARD_GRAVITY
-from lta_config.vehicle_file import load_vehicle_file
-from lta_sim.vehicle import Vehicle
+from lta_config.schema.vehicle_file import load_vehicle_file
+from lta_discovery.flights.measured import measured, PERIOD, Stream, Streams
+from lta_discovery.flights.windows import windows
+from lta_discovery.model.nominal import Nominal
+from lta_discovery.replay.linear import origin
+from lta_discovery.replay.linearise import Linearised
+from lta_discovery.replay.replay import Replay, STEPS
+from lta_discovery.replay.sensing import Places
+from lta_model.vehicle import Vehicle
 import numpy as np
 from numpy.typing import NDArray
 import pandas as pd

@@ -11,9 +11,9 @@ import time
 
 import beside  # noqa: F401
 from domain import free_domain
-from lta_bridge.crazyflie.emulated.body import Bench
-from lta_bridge.crazyflie.emulated.firmware import Firmware
-from lta_bridge.crazyflie.emulated.server import Server
+from lta_emulation.crazyflie.body import Bench
+from lta_emulation.crazyflie.firmware import Firmware
+from lta_emulation.crazyflie.server import Server
 from lta_graph.ros.stamps import from_stamp
 import numpy as np
 from peer import Peer, start

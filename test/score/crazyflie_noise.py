@@ -24,16 +24,16 @@ from typing import NamedTuple
 
 from lta_bridge.crazyflie.bridge import Asked, Bridge
 from lta_bridge.crazyflie.cflib_link import CflibLink
-from lta_bridge.crazyflie.emulated.body import Bench
-from lta_bridge.crazyflie.emulated.build import APP, ARMING, Build
-from lta_bridge.crazyflie.emulated.firmware import Firmware
-from lta_bridge.crazyflie.emulated.packet import Packet, unpacked
-from lta_bridge.crazyflie.emulated.server import Server
-from lta_bridge.crazyflie.emulated.variables import parameters
 from lta_bridge.crazyflie.link import LogPacket
 from lta_bridge.crazyflie.log_table import BLOCKS
 from lta_bridge.crazyflie.safety import Asked as AskedBy
-from lta_config.crazyflie_file import load_crazyflie
+from lta_config.schema.crazyflie_file import load_crazyflie
+from lta_emulation.crazyflie.body import Bench
+from lta_emulation.crazyflie.build import APP, ARMING, Build
+from lta_emulation.crazyflie.firmware import Firmware
+from lta_emulation.crazyflie.packet import Packet, unpacked
+from lta_emulation.crazyflie.server import Server
+from lta_emulation.crazyflie.variables import parameters
 
 PORTS = (0, 2, 4, 5, 6, 7, 8, 9, 13, 14, 15)
 REQUESTS = ((9, 1), (13, 0))  # ports and channels on which 1 asks to arm

@@ -20,13 +20,13 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / 'unit'))
 
 from energy import metered
 from energy.metered import ABOARD, CELL, follow, Metered, SETTINGS
-from lta_analysis.report.drawing import blank, line
-from lta_analysis.report.frame import framed, written
-from lta_analysis.report.palette import RAW, SETPOINT, TRUTH
-from lta_analysis.report.pieces import section
-from lta_analysis.report.screenshots import picture
-from lta_energy.estimate import Estimate
-from lta_energy.monitor import time_to_empty, update
+from lta_energy.monitoring.estimate import Estimate
+from lta_energy.monitoring.monitor import time_to_empty, update
+from lta_report.drawing import blank, line
+from lta_report.frame import framed, written
+from lta_report.palette import RAW, SETPOINT, TRUTH
+from lta_report.pieces import section
+from lta_report.screenshots import picture
 
 KINDS = {
     'as its file': (0.0, 0.0, 0.0, 0.0, 0.0),

@@ -16,20 +16,20 @@ from pathlib import Path
 import sys
 from typing import NamedTuple
 
-from lta_analysis.challenge.case import ROLES
-from lta_analysis.discovery.fit.evidence import floor_of, own_variance, Reduced
-from lta_analysis.discovery.fit.fit import Fitter, Joint
-from lta_analysis.discovery.flights.bags import read_bags
-from lta_analysis.discovery.flights.trusted import believed
-from lta_analysis.discovery.model.knobs import Knob, knobs
-from lta_analysis.discovery.model.nominal import Nominal
-from lta_analysis.discovery.naming.classes import same_class
-from lta_analysis.discovery.naming.faint import ALIKE, ASKED, chosen, Faint, GAIN, Hint, WITHIN
-from lta_analysis.discovery.naming.naming import Naming
-from lta_analysis.discovery.naming.scan import likeness, scan
-from lta_analysis.discovery.study import ready
-from lta_analysis.sweep.statistics import wilson
-from lta_sim.vehicle import load_vehicle
+from lta_challenge.case import ROLES
+from lta_discovery.fit.evidence import floor_of, own_variance, Reduced
+from lta_discovery.fit.fit import Fitter, Joint
+from lta_discovery.flights.bags import read_bags
+from lta_discovery.flights.trusted import believed
+from lta_discovery.model.knobs import Knob, knobs
+from lta_discovery.model.nominal import Nominal
+from lta_discovery.naming.classes import same_class
+from lta_discovery.naming.faint import ALIKE, ASKED, chosen, Faint, GAIN, Hint, WITHIN
+from lta_discovery.naming.naming import Naming
+from lta_discovery.naming.scan import likeness, scan
+from lta_discovery.study import ready
+from lta_flight.sweep.statistics import wilson
+from lta_model.vehicle import load_vehicle
 import numpy as np
 from numpy.typing import NDArray
 from rich.progress import track

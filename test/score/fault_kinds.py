@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from random import Random
 from typing import Any, Final
 
-from lta_bridge.crazyflie.emulated.firmware import Firmware
-from lta_bridge.crazyflie.emulated.flown import Flown
-from lta_bridge.crazyflie.emulated.server import Server
+from lta_emulation.crazyflie.firmware import Firmware
+from lta_emulation.crazyflie.flown import Flown
+from lta_emulation.crazyflie.server import Server
 
 ALONE: Final = 'the drone stops by itself: the app, or the lock after 2 s'
 WRAP_MS: Final = 2**24  # of the stamps of log packets

@@ -19,10 +19,10 @@ from typing import Any, Final
 
 from diagnostic_msgs.msg import DiagnosticArray
 from fault_kinds import KINDS, NEVER, SLACK, WRAP_MS
-from lta_analysis.bag.reader import read_bag
-from lta_bridge.crazyflie.emulated.server import Server
-from lta_bridge.emulated_hardware import flown
 from lta_config.topics import topic_table
+from lta_data.bag.reader import read_bag
+from lta_emulation.crazyflie.server import Server
+from lta_emulation.emulated_hardware import flown
 from lta_graph.ros.message_types import message_type
 from outcome import Outcome, tried
 from peer import Peer, start

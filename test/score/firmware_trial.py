@@ -24,8 +24,8 @@ from fault_kinds import WRAP_MS
 from fault_trial import Trial
 from firmware_scenarios import APP, FULL, PWM_STEP
 from linux_crazyflie import BLIMP, Process
-from lta_bridge.crazyflie.emulated.link import Link
-from lta_sim.vehicle import load_vehicle
+from lta_emulation.crazyflie.link import Link
+from lta_model.vehicle import load_vehicle
 from outcome import Outcome, tried
 
 TICK: Final = 0.002  # s between two looks at what is delayed

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Final
 
-from lta_bridge.teensy.emulator import EmulatedBoard, Faults
+from lta_emulation.teensy.emulator import EmulatedBoard, Faults
 
 EVERY: Final = 10  # frames of light, of which one is spoilt
 TOLD: Final = 1.5  # s: half a second of silence, and health is told each second

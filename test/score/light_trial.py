@@ -16,10 +16,10 @@ from typing import Any, Final
 from diagnostic_msgs.msg import DiagnosticArray
 from fault_trial import closed_nodes
 from light_kinds import AGAIN, EVERY, LIGHT_KINDS, SOUND, TOLD
-from lta_analysis.bag.reader import read_bag
-from lta_bridge.teensy.emulated_server import BoardServer
-from lta_bridge.teensy.emulator import EmulatedBoard
 from lta_config.topics import topic_table
+from lta_data.bag.reader import read_bag
+from lta_emulation.teensy.emulated_server import BoardServer
+from lta_emulation.teensy.emulator import EmulatedBoard
 from lta_graph.ros.stamps import from_stamp
 from lta_vlc.messages import to_block
 import numpy as np

@@ -2,9 +2,9 @@
 
 import sys
 
-from lta_analysis.mission.agreement import compare
-from lta_analysis.mission.scene import Scenes
-from lta_config.mission_file import load_mission
+from lta_config.schema.mission_file import load_mission
+from lta_studies.mission.agreement import compare
+from lta_studies.mission.scene import Scenes
 import numpy as np
 
 

@@ -71,9 +71,8 @@ class Area(NamedTuple):
 
 AREAS: Final = {
     'effects': Area(
-        'src/lta_sim/lta_sim',
-        ('effects/[!_bp]*.py', 'effects/p[!r]*.py', 'effects/b*y*.py', 'effects/ballast.py',
-         'rigid_body.py', 'mass.py', 'hull.py', 'gas.py', 'rotor_sum.py', 'supply_step.py'),
+        'src/lta_model/lta_model',
+        ('effects/*/[!_]*.py', 'rigid_body.py', 'mass.py', 'hull.py', 'gas.py', 'rotor_sum.py'),
         'test/unit/sim',
         ('test/unit/sim/test_effects.py', 'test/unit/sim/test_kernel_oracle.py',
          'test/unit/sim/test_measurement_effects.py', 'test/unit/sim/test_lift_effects.py'),
@@ -82,8 +81,8 @@ AREAS: Final = {
     ),
     'vlc': Area(
         'src/lta_vlc/lta_vlc',
-        ('[adf]*.py', 'bins.py', 'condition.py', 'lamp*.py', 'modulation.py', 'presence.py',
-         'ring.py', 's[aenpu]*.py', 'tone.py', 'tracker.py'),
+        ('[adf]*.py', 'condition.py', 'lamp*.py', 'presence.py', 'se*.py', 'spectral/[!_]*.py',
+         'tracker.py'),
         'test/unit/vlc',
         ('test/unit/vlc/test_lamp.py',),
         compiled=True,
@@ -97,16 +96,15 @@ AREAS: Final = {
     ),
     'energy': Area(
         'src/lta_energy/lta_energy',
-        ('[abceghlopr]*.py', 'diode_fit.py', 'mission.py', 'monitor.py', 'new_clock.py',
-         'schedule.py', 'way_home.py', 'faults/*.py'),
+        ('[bcghlr]*.py', 'mission.py', 'schedule.py', 'monitoring/[!_]*.py', 'faults/*.py'),
         'test/unit/energy',
     ),
     'discovery': Area(
-        'src/lta_analysis/lta_analysis/discovery',
+        'src/lta_discovery/lta_discovery',
         ('fit/[degp]*.py', 'flights/[hnos]*.py', 'forecast/[cd]*.py', 'model/rotations.py',
          'naming/[ip]*.py', 'outside/sp*.py', 'outside/u*.py', 'replay/[lst]*.py',
          'where/*.py'),
-        'test/unit/analysis/discovery',
+        'test/unit/discovery',
         compiled=True,
         left_out=('page', 'study', 'carr', 'route', 'json', 'wrench', 'naming', 'displacing',
                   'planning', 'foresight', 'rivals'),

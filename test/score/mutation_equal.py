@@ -8,7 +8,7 @@ from typing import Final
 
 Line = tuple[str, str, str]
 
-DISCOVERY: Final = 'src/lta_analysis/lta_analysis/discovery/'
+DISCOVERY: Final = 'src/lta_discovery/lta_discovery//'
 EQUAL: Final[dict[Line, str]] = {
     (
         f'{DISCOVERY}where/conditions.py',
@@ -51,22 +51,22 @@ EQUAL: Final[dict[Line, str]] = {
         'self._seen += (light.sun / due - self._seen) * min(dt / HOUR, 2.0)',
     ): 'The light is looked at every 30 s at least, so that the share stays below 1 either way.',
     (
-        'src/lta_energy/lta_energy/monitor.py',
+        'src/lta_energy/lta_energy/monitoring/monitor.py',
         'return 0.0 if beyond else abs(surprise.innovation) / surprise.deviation',
         'return -1.0 if beyond else abs(surprise.innovation) / surprise.deviation',
     ): 'The value is only compared with 5: 0 and -1 are both below.',
     (
-        'src/lta_sim/lta_sim/effects/tracker_delay.py',
+        'src/lta_model/lta_model/effects/sensors/tracker_delay.py',
         'return (values[0] - delay,)',
         'return (values[ -1] - delay,)',
     ): '`values` has one element here, the time of the pose: its first is its last.',
     (
-        'src/lta_vlc/lta_vlc/modulation.py',
+        'src/lta_model/lta_model/light/modulation.py',
         'phase: float = 0.0',
         'phase: float = -1.0',
     ): 'A phase is a part of a cycle: a whole cycle earlier the wave is the same.',
     (
-        'src/lta_vlc/lta_vlc/tone.py',
+        'src/lta_vlc/lta_vlc/spectral/tone.py',
         'cosine, sine, off = np.zeros(3), np.zeros(3), np.zeros(3)',
         'cosine, sine, off = np.zeros(3), np.zeros( 4), np.zeros(3)',
     ): 'All loops run over three elements: the fourth is neither written nor read.',

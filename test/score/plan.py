@@ -19,21 +19,21 @@ import sys
 import time
 from typing import Any, NamedTuple
 
-from lta_analysis.discovery.model.knobs import Knob
-from lta_analysis.discovery.naming.classes import Kind, same_class
-from lta_analysis.discovery.naming.naming import Named, Naming
-from lta_analysis.discovery.planning.choice import Planner, Rival
-from lta_analysis.discovery.planning.deriving import digest
-from lta_analysis.discovery.planning.manoeuvres import manoeuvre, Space
-from lta_analysis.discovery.planning.pairs import Pairs
-from lta_analysis.discovery.planning.rehearsal import along, prepared, rehearse, Sensors
-from lta_analysis.discovery.planning.supposed import supposed
-from lta_analysis.discovery.replay.linearise import Linearised
-from lta_analysis.ingredients import gather, Ingredients, parts_of
-from lta_analysis.sweep.statistics import wilson
 from lta_config.errors import BadInput
 from lta_config.files import find
-from lta_sim.vehicle import Vehicle
+from lta_discovery.model.knobs import Knob
+from lta_discovery.naming.classes import Kind, same_class
+from lta_discovery.naming.naming import Named, Naming
+from lta_discovery.planning.choice import Planner, Rival
+from lta_discovery.planning.deriving import digest
+from lta_discovery.planning.manoeuvres import manoeuvre, Space
+from lta_discovery.planning.pairs import Pairs
+from lta_discovery.planning.rehearsal import along, prepared, rehearse, Sensors
+from lta_discovery.planning.supposed import supposed
+from lta_discovery.replay.linearise import Linearised
+from lta_flight.ingredients import gather, Ingredients, parts_of
+from lta_flight.sweep.statistics import wilson
+from lta_model.vehicle import Vehicle
 import numpy as np
 from rich.progress import track
 import yaml

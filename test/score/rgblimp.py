@@ -10,13 +10,13 @@ import sys
 import time
 from typing import Final, final, NamedTuple
 
-from lta_analysis.discovery.carrying.choose import choose, Chosen
-from lta_analysis.discovery.carrying.groups import groups, wide
-from lta_analysis.discovery.carrying.transfer import left_out, Regime, warning
-from lta_analysis.discovery.forecast.foresight import Fitted, Foresight
-from lta_analysis.discovery.model.knobs import knobs
-from lta_analysis.discovery.model.nominal import Nominal
-from lta_sim.vehicle import load_vehicle
+from lta_discovery.carrying.choose import choose, Chosen
+from lta_discovery.carrying.groups import groups, wide
+from lta_discovery.carrying.transfer import left_out, Regime, warning
+from lta_discovery.forecast.foresight import Fitted, Foresight
+from lta_discovery.model.knobs import knobs
+from lta_discovery.model.nominal import Nominal
+from lta_model.vehicle import load_vehicle
 import numpy as np
 from numpy.typing import NDArray
 from rgblimp_flights import begun, DATA, Flight, flights, regimes, REPEATS

@@ -5,21 +5,15 @@ import os
 from pathlib import Path
 from typing import Final, final, NamedTuple
 
-from lta_analysis.discovery.flights.measured import Measured, measured, PERIOD, Stream, Streams
-from lta_analysis.discovery.flights.windows import Windows
-from lta_analysis.discovery.forecast.ahead import HORIZONS
-from lta_analysis.discovery.model.knobs import Knob
-from lta_analysis.discovery.model.rotations import (
-    exponential,
-    logarithm,
-    product,
-    reverse,
-    rotated,
-)
-from lta_analysis.discovery.replay.linearise import Linearised
-from lta_analysis.discovery.replay.replay import Replay
-from lta_analysis.discovery.replay.sensing import Places
-from lta_sim.vehicle import Vehicle
+from lta_discovery.flights.measured import Measured, measured, PERIOD, Stream, Streams
+from lta_discovery.flights.windows import Windows
+from lta_discovery.forecast.ahead import HORIZONS
+from lta_discovery.model.knobs import Knob
+from lta_discovery.model.rotations import exponential, logarithm, product, reverse, rotated
+from lta_discovery.replay.linearise import Linearised
+from lta_discovery.replay.replay import Replay
+from lta_discovery.replay.sensing import Places
+from lta_model.vehicle import Vehicle
 import numpy as np
 from numpy.typing import NDArray
 import pandas as pd

@@ -3,17 +3,11 @@
 from collections.abc import Sequence
 from typing import Final, final, NamedTuple
 
-from lta_analysis.discovery.flights.measured import PERIOD
-from lta_analysis.discovery.forecast.ahead import Ahead, HORIZONS
-from lta_analysis.discovery.forecast.foresight import Foresight
-from lta_analysis.discovery.forecast.gap import coasting
-from lta_analysis.discovery.model.rotations import (
-    exponential,
-    logarithm,
-    product,
-    reverse,
-    rotated,
-)
+from lta_discovery.flights.measured import PERIOD
+from lta_discovery.forecast.ahead import Ahead, HORIZONS
+from lta_discovery.forecast.foresight import Foresight
+from lta_discovery.forecast.gap import coasting
+from lta_discovery.model.rotations import exponential, logarithm, product, reverse, rotated
 import numpy as np
 from numpy.typing import NDArray
 from rgblimp_flights import begun, Flight, REPEATS

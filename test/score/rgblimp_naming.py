@@ -3,8 +3,8 @@
 from collections.abc import Mapping, Sequence
 from typing import Final
 
-from lta_analysis.discovery.carrying.groups import Group
-from lta_analysis.discovery.model.knobs import Knob
+from lta_discovery.carrying.groups import Group
+from lta_discovery.model.knobs import Knob
 import numpy as np
 from numpy.typing import NDArray
 

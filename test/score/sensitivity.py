@@ -22,16 +22,16 @@ import subprocess
 import sys
 from tempfile import TemporaryDirectory
 
-from lta_analysis.challenge.judged import Judged, judged
-from lta_analysis.challenge.make import folder_of, make, Order
-from lta_analysis.challenge.sealed import NAME as SEALED
-from lta_analysis.challenge.sealed import opened
-from lta_analysis.challenge.trial import study_case
-from lta_analysis.reference.thresholds import DECLARED, KEPT, list_thresholds, Threshold
+from lta_challenge.judged import Judged, judged
+from lta_challenge.make import folder_of, make, Order
+from lta_challenge.sealed import NAME as SEALED
+from lta_challenge.sealed import opened
+from lta_challenge.trial import study_case
+from lta_cli.reference.thresholds import DECLARED, KEPT, list_thresholds, Threshold
 from rich.progress import track
 
 ROOT = Path(__file__).resolve().parents[2]
-SOURCE = ROOT / 'src/lta_analysis/lta_analysis'
+SOURCE = ROOT / 'src/lta_discovery/lta_discovery'
 RUNS = ROOT / 'runs/sensitivity'
 FACTORS = ('2', '0.5')
 SEED, SECONDS = 91, (60.0, 60.0)
@@ -63,7 +63,7 @@ def scale_value(value: str, factor: str) -> str:
 
 def write_constant(source: Path, one: Threshold, factor: str) -> None:
     """Write one constant of a copy of the package."""
-    path = source / 'discovery' / f'{one.module.replace(".", "/")}.py'
+    path = source / f'{one.module.replace(".", "/")}.py'
     lines = path.read_text(encoding='utf-8').splitlines()
     for k, line in enumerate(lines):
         found = DECLARED.match(line)
@@ -77,7 +77,7 @@ def study_variant(
 ) -> dict[str, str]:
     """Study the cases with a constant changed, in a process of its own; None changes nothing."""
     with TemporaryDirectory() as folder:
-        copy = Path(folder) / 'lta_analysis'
+        copy = Path(folder) / 'lta_discovery'
         shutil.copytree(SOURCE, copy, ignore=shutil.ignore_patterns('__pycache__'))
         if one is not None:
             write_constant(copy, one, factor)

@@ -20,9 +20,9 @@ import beside  # noqa: F401
 from command import Lta, Started
 from domain import free_domain
 from endless import endless
-from lta_analysis.bag.reader import read_bag
 from lta_bridge.bookkeeping import stamp_of
 from lta_config.topics import robot_topic, topic_table
+from lta_data.bag.reader import read_bag
 from lta_graph.ros.listener import DiagnosticsListener
 from machine import work_time
 import numpy as np

@@ -18,12 +18,12 @@ from pathlib import Path
 import sys
 from typing import Any, NamedTuple
 
-from lta_analysis.sweep.statistics import wilson
-import lta_analysis.trust
-from lta_analysis.trust.recording import Recording
-from lta_analysis.trust.registry import checked, Report
-from lta_analysis.trust.roles import family
-from lta_analysis.trust.twins import twins
+import lta_data.trust
+from lta_data.trust.recording import Recording
+from lta_data.trust.registry import checked, Report
+from lta_data.trust.roles import family
+from lta_data.trust.twins import twins
+from lta_flight.sweep.statistics import wilson
 import numpy as np
 from numpy.random import Generator
 from rich.progress import track
@@ -154,7 +154,7 @@ def cases(clean: int, each: int, first: int) -> Iterator[Case]:
 
 def version() -> str:
     """Return a hash of what decides the score: checks, flights, corruptions."""
-    checks = sorted(Path(lta_analysis.trust.__file__).parent.glob('*.py'))
+    checks = sorted(Path(lta_data.trust.__file__).parent.glob('*.py'))
     digest = hashlib.sha256()
     for path in (*checks, *sorted(HERE.glob('trust*.py'))):
         digest.update(path.read_bytes())

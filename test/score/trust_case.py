@@ -4,8 +4,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Final
 
-from lta_analysis.bag.channels import Channel
-from lta_analysis.trust.recording import Recording
+from lta_data.bag.channels import Channel
+from lta_data.trust.recording import Recording
 import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray

@@ -10,10 +10,10 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Final
 
-from lta_analysis.bag.channels import Channel
-from lta_analysis.trust import roles
-from lta_analysis.trust.recording import Recording
 from lta_config.constants import STANDARD_GRAVITY
+from lta_data.bag.channels import Channel
+from lta_data.trust import roles
+from lta_data.trust.recording import Recording
 import numpy as np
 from numpy.random import Generator
 from scipy.signal import butter, sosfiltfilt

@@ -12,13 +12,13 @@ import os
 from pathlib import Path
 from typing import Any, Final
 
-from lta_analysis.bag.attitude import angles
-from lta_analysis.bag.channels import BLOCK, Channel
-from lta_analysis.ingredients import gather, loop_of
-from lta_analysis.loop import Loop
-from lta_analysis.trust.recording import Recording
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.files import find
+from lta_data.bag.channels import BLOCK, Channel
+from lta_data.trust.recording import Recording
+from lta_flight.ingredients import gather, loop_of
+from lta_flight.loop import Loop
+from lta_model.attitude import angles
 import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray

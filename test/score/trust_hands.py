@@ -1,7 +1,7 @@
 """A hand that holds the craft, put into a clean flight."""
 
-from lta_analysis.trust.motion import attitudes
-from lta_analysis.trust.recording import Recording
+from lta_data.trust.motion import attitudes
+from lta_data.trust.recording import Recording
 import numpy as np
 from numpy.random import Generator
 from scipy.spatial.transform import Rotation

@@ -2,11 +2,11 @@
 
 from dataclasses import replace
 
-from lta_analysis.bag.attitude import angles
-from lta_analysis.trust import roles
-from lta_analysis.trust.motion import attitudes
-from lta_analysis.trust.recording import Recording
-from lta_analysis.trust.smooth import kernel, smoothed
+from lta_data.trust import roles
+from lta_data.trust.motion import attitudes
+from lta_data.trust.recording import Recording
+from lta_data.trust.smooth import kernel, smoothed
+from lta_model.attitude import angles
 import numpy as np
 from numpy.random import Generator
 from scipy.spatial.transform import Rotation

@@ -1,18 +1,53 @@
-"""What tests of several packages share: stand-ins, a full disk, plain laws, a prompt cflib."""
+"""What tests of several packages share: stand-ins, small bags, a full disk, plain laws."""
 
 from contextlib import contextmanager
 from pathlib import Path
 import resource
 import sys
 
-from lta_config.kernel_cache import load
+from lta_bridge.bag import BagWriter, offered_qos
+from lta_bridge.bag.schemas import jazzy
+from lta_config.compilation.flat import source
+from lta_config.compilation.kernel_cache import load
 from lta_control import pilot
-from lta_sim.cfd.engine import PROGRAMS
-from lta_sim.flat import source
+from lta_sim.cfd.openfoam.engine import PROGRAMS
 from numba.core import config
+import numpy as np
 import pytest
 
 FAKE = Path(__file__).parent / 'sim' / 'cfd' / 'fake_openfoam.py'
+TOPICS = {
+    '/clock': 'rosgraph_msgs/msg/Clock',
+    '/lta1/odom': 'nav_msgs/msg/Odometry',
+    '/lta1/energy/reserve': 'std_msgs/msg/Bool',
+}
+START = 1_000_000_000
+
+
+def stamp(time):
+    return jazzy().types['builtin_interfaces/msg/Time'](time // 10**9, time % 10**9)
+
+
+def header(time):
+    return jazzy().types['std_msgs/msg/Header'](stamp(time), 'map')
+
+
+def odometry(time, i):
+    types = jazzy().types
+    vector = types['geometry_msgs/msg/Vector3']
+    turn = types['geometry_msgs/msg/Quaternion'](0.0, 0.0, np.sin(0.05 * i), np.cos(0.05 * i))
+    place = types['geometry_msgs/msg/Point'](0.1 * i, -0.2 * i, 0.5)
+    return types['nav_msgs/msg/Odometry'](
+        header(time),
+        'base_link',
+        types['geometry_msgs/msg/PoseWithCovariance'](
+            types['geometry_msgs/msg/Pose'](place, turn), np.arange(36.0) + i
+        ),
+        types['geometry_msgs/msg/TwistWithCovariance'](
+            types['geometry_msgs/msg/Twist'](vector(0.5, 0.0, 0.0), vector(0.0, 0.0, 0.1)),
+            np.zeros(36),
+        ),
+    )
 
 
 @pytest.fixture
@@ -71,3 +106,44 @@ def prompt_cflib(monkeypatch):
         return receive(driver, min(wait, 0.05))
 
     monkeypatch.setattr(udpdriver.UdpDriver, 'receive_packet', promptly)
+
+
+@pytest.fixture
+def types():
+    """Return the message classes of ROS 2 Jazzy by name."""
+    return jazzy().types
+
+
+@pytest.fixture
+def record(tmp_path):
+    """Return a function that writes (topic, type, message, log time) into a bag."""
+
+    def make(messages, name='bag', provenance=None):
+        folder = tmp_path / name
+        known = set()
+        with BagWriter(folder, provenance or {}) as bag:
+            for topic, type_name, message, log_time in messages:
+                if topic not in known:
+                    bag.add_topic(topic, type_name, [offered_qos('reliable', 'volatile', 10)])
+                    known.add(topic)
+                bag.write(topic, bytes(jazzy().serialize_cdr(message, type_name)), log_time)
+        return folder
+
+    return make
+
+
+@pytest.fixture
+def flight_bag(record):
+    """Return a bag of 40 steps of 10 ms whose log times lie 1000 s behind its stamps."""
+    messages = []
+    for i in range(40):
+        time = START + i * 10**7
+        log = time + 10**12
+        clock = jazzy().types['rosgraph_msgs/msg/Clock'](stamp(time))
+        messages.append(('/clock', TOPICS['/clock'], clock, log))
+        messages.append(('/lta1/odom', TOPICS['/lta1/odom'], odometry(time, i), log))
+        if i % 10 == 0:
+            flag = jazzy().types['std_msgs/msg/Bool'](i >= 20)
+            topic = '/lta1/energy/reserve'
+            messages.append((topic, TOPICS[topic], flag, log))
+    return record(messages, provenance={'seed': '11', 'scenario': 'lamp'})

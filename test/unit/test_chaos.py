@@ -6,11 +6,11 @@ import struct
 import sys
 from types import SimpleNamespace
 
+from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.topics import robot_topic, topic_table
-from lta_config.vehicle_file import load_vehicle_file
 from lta_graph.ros.message_types import message_type
 from lta_graph.ros.stamps import from_stamp
-from lta_sim.scenario import load_scenario
+from lta_model.scenario import load_scenario
 import numpy as np
 import pytest
 from rclpy.serialization import deserialize_message, serialize_message

@@ -38,9 +38,7 @@ setup(
         if package.split('.')[0] == name
     ],
     package_dir={name: os.path.relpath(folder / name) for name, folder in sources.items()},
-    package_data={
-        name: ['py.typed', 'report/assets/*', 'discovery/naming/*.yaml'] for name in sources
-    },
+    package_data={name: ['py.typed', 'assets/*', 'naming/*.yaml'] for name in sources},
     data_files=[
         (
             f'share/lta_config/{folder}',
@@ -53,6 +51,6 @@ setup(
         for line in (ROOT / 'requirements.txt').read_text(encoding='utf-8').splitlines()
         if line and not line.startswith(('#', *OF_ROS))
     ],
-    entry_points={'console_scripts': ['lta = lta_analysis.command:main']},
+    entry_points={'console_scripts': ['lta = lta_cli.command:main']},
     zip_safe=False,
 )

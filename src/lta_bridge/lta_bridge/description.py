@@ -28,7 +28,7 @@ from lta_bridge.live.shapes import (
     X,
     Z,
 )
-from lta_sim.vehicle import Vehicle
+from lta_model.vehicle import Vehicle
 from scipy.spatial.transform import Rotation
 
 Element = ElementTree.Element

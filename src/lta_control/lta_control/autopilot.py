@@ -9,6 +9,7 @@ import math
 import struct
 from typing import final
 
+from lta_config.compilation.flat import Array, compiled, Layout
 from lta_control.allocation import SCRATCH
 from lta_control.attitude import Vector
 from lta_control.cascade import CascadeGains, Measured, Setpoint
@@ -17,8 +18,7 @@ from lta_control.estimator import Estimate, EstimatorSettings
 from lta_control.onboard import Drone, Heard, Onboard, onboard_step
 from lta_control.sighting import Reckoned
 from lta_control.vehicle_side import body_of, rotors_of, surge_drag_of
-from lta_sim.flat import Array, compiled, Layout
-from lta_sim.vehicle import Vehicle
+from lta_model.vehicle import Vehicle
 import numpy as np
 
 MEMORY = Layout(Onboard())

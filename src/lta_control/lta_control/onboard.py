@@ -3,7 +3,7 @@ What the drone does in each control period: estimate, then control.
 
 The estimator and the controller node in one function, for loops without ROS; the arithmetic is
 theirs, that of the messages between them included. Plain scalars and tuples, so that it compiles
-as it stands (`lta_sim.flat`).
+as it stands (`lta_config.compilation.flat`).
 """
 
 import math

@@ -11,6 +11,7 @@ import math
 import struct
 from typing import Any, final, NamedTuple
 
+from lta_config.compilation.flat import Array, compiled, Layout
 from lta_control.allocation import SCRATCH, Scratch
 from lta_control.attitude import heading, Quaternion, up_in_body, Vector
 from lta_control.autopilot import ESTIMATE
@@ -24,8 +25,7 @@ from lta_control.laws.protocol import Command, Feedback, Heard, Law, Motion
 from lta_control.per_rotor import NONE, slots
 from lta_control.sighting import Reckoned
 from lta_control.vehicle_side import body_of
-from lta_sim.flat import Array, compiled, Layout
-from lta_sim.vehicle import Vehicle
+from lta_model.vehicle import Vehicle
 import numpy as np
 
 INPUTS = Layout(Inputs((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0, 0.0, NONE))

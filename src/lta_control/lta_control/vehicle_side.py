@@ -9,8 +9,8 @@ from lta_control.allocation import ALIKE, Column, Columns, Rotors, WEIGHTS, Wren
 from lta_control.attitude import Vector
 from lta_control.estimator import Body
 from lta_control.per_rotor import PerRotor, SLOTS, slots
-from lta_sim.propulsion import Unit
-from lta_sim.vehicle import Vehicle
+from lta_model.propulsion import Unit
+from lta_model.vehicle import Vehicle
 
 
 def rotors_of(vehicle: Vehicle, weights: Wrench = WEIGHTS) -> Rotors:

@@ -12,7 +12,7 @@ from typing import Final, NamedTuple
 
 from lta_energy.harvest import Harvest
 from lta_energy.light_of_days import DARK, Light
-from lta_energy.power_path import Charger, output
+from lta_model.electrical.power_path import Charger, output
 
 LEAST, MOST = 300.0, 100e3  # lx: from a warehouse to the sun
 STEPS = 60  # of bisection

@@ -1,14 +1,14 @@
 """
 Cell, charger and loads of a mission over a while, with what it does to the books.
 
-The only place where a mission on the perch meets the power path (`lta_energy.power_path`); in
-flight the same goes through `lta_sim.supply_step`.
+The only place where a mission on the perch meets the power path
+(`lta_model.electrical.power_path`); in flight the same goes through `lta_sim.supply_step`.
 """
 
 from typing import NamedTuple
 
-from lta_energy.battery import Battery
-from lta_energy.power_path import at_rest, Charger, feed, Flow, held, output
+from lta_model.electrical.battery import Battery
+from lta_model.electrical.power_path import at_rest, Charger, feed, Flow, held, output
 
 
 class Spent(NamedTuple):

@@ -8,7 +8,7 @@ true charge.
 
 from typing import NamedTuple
 
-from lta_energy.battery import Battery, count, open_circuit_voltage, state_of_charge
+from lta_model.electrical.battery import Battery, count, open_circuit_voltage, state_of_charge
 
 SCALE = 0.002  # of the current: INA219 data sheet, as `lta_sim.sensors.power`
 OFFSET = 4e-4  # A: the same

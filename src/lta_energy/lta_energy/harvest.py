@@ -9,7 +9,7 @@ not that of the mean light. Left out: that the charger holds one voltage through
 from typing import final
 
 from lta_energy.light_of_days import Light
-from lta_energy.panel import max_power, Panel
+from lta_model.electrical.panel import max_power, Panel
 import numpy as np
 
 LEAST, MOST, POINTS = 1e-2, 2000.0, 256  # W/m2; between points the power is a straight line

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import math
 from typing import final, NamedTuple
 
-from lta_config.light_day_file import Clouds, DAY, LightDay, Sun, TimedLamp
+from lta_config.schema.light_day_file import Clouds, DAY, LightDay, Sun, TimedLamp
 import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray

@@ -3,15 +3,15 @@
 import math
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from lta_energy import alarms
-from lta_energy.aboard import Aboard
-from lta_energy.battery import Battery
-from lta_energy.belief import INVERSE, RESISTANCE
-from lta_energy.estimate import Estimate
-from lta_energy.monitor import MonitorSettings, time_to_empty, time_to_full
-from lta_energy.reading import Reading, Whereabouts
-from lta_energy.way_home import reach
+from lta_energy.monitoring import alarms
+from lta_energy.monitoring.aboard import Aboard
+from lta_energy.monitoring.belief import INVERSE, RESISTANCE
+from lta_energy.monitoring.estimate import Estimate
+from lta_energy.monitoring.monitor import MonitorSettings, time_to_empty, time_to_full
+from lta_energy.monitoring.reading import Reading, Whereabouts
+from lta_energy.monitoring.way_home import reach
 from lta_graph.ros.sound import fault
+from lta_model.electrical.battery import Battery
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import BatteryState, Illuminance
 from std_msgs.msg import Bool

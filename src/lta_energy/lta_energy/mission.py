@@ -10,14 +10,14 @@ from dataclasses import dataclass
 import math
 from typing import final, NamedTuple
 
-from lta_energy.battery import Battery
 from lta_energy.circuit import added, at_rest, fed, held, output
 from lta_energy.diary import ALOFT, ASLEEP, AWAY, Diary, Flight, OUT, PERCHED
 from lta_energy.gauge import Gauge, gauged
 from lta_energy.harvest import Harvest
 from lta_energy.light_of_days import Light, LightOfDays
-from lta_energy.power_path import Charger, Flow
 from lta_energy.schedule import Known, Schedule, Wish
+from lta_model.electrical.battery import Battery
+from lta_model.electrical.power_path import Charger, Flow
 
 STEP = 30.0  # s on the perch
 HOUR = 3600.0

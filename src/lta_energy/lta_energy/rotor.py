@@ -14,7 +14,7 @@ alone; with the effect `battery_sag` at 3.5 V it is 3.2 mN rms off the table, wi
 from typing import final, NamedTuple
 
 from lta_config.constants import STANDARD_GRAVITY
-from lta_energy.loads import rotor_power
+from lta_model.electrical.loads import rotor_power
 
 A = 8.64139e-3  # N/V2, least squares over BENCH
 B = 1.665601e-2  # N/V
@@ -71,7 +71,7 @@ def power_at(duty: float, voltage: float, offset: float, slope: float) -> float:
     voltage : float
         Of the battery under load. [V]
     offset, slope : float
-        As `lta_energy.loads.rotor_power`. [W], [W/N]
+        As `lta_model.electrical.loads.rotor_power`. [W], [W/N]
 
     """
     return rotor_power(thrust_at(duty, voltage), offset, slope)

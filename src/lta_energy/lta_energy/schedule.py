@@ -9,10 +9,10 @@ from collections.abc import Callable
 import math
 from typing import NamedTuple
 
-from lta_config.light_day_file import DAY
-from lta_energy.battery import Battery, stored_energy
+from lta_config.schema.light_day_file import DAY
 from lta_energy.gauge import Gauge
 from lta_energy.light_of_days import Light, LightOfDays
+from lta_model.electrical.battery import Battery, stored_energy
 
 SURE = 2.0  # standard deviations of charge and of a flight's need that a take-off allows for
 LOOK = 300.0  # s between two looks of the energy-aware schedule while it waits

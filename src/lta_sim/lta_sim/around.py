@@ -4,12 +4,13 @@ from collections.abc import Mapping
 import math
 from typing import final
 
-from lta_sim.effects import initial_memory, turbulence
+from lta_model.effects import initial_memory
+from lta_model.effects.air import turbulence
+from lta_model.light.view import LightView, Pose
+from lta_model.scenario import Scenario
+from lta_model.state import IRRADIANCE, NOISE, RIGID, SURROUNDINGS, VOLTAGE, WIND, WIND_RATE
 from lta_sim.in_scene import record_of
-from lta_sim.kernel import LAYOUT
-from lta_sim.light.view import LightView, Pose
-from lta_sim.scenario import Scenario
-from lta_sim.state import IRRADIANCE, NOISE, RIGID, SURROUNDINGS, VOLTAGE, WIND, WIND_RATE
+from lta_sim.kernels.kernel import LAYOUT
 import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
@@ -71,7 +72,7 @@ class Around:
     Attributes
     ----------
     numbers : ndarray of float64, shape (SURROUNDINGS,)
-        In the layout of `lta_sim.state`.
+        In the layout of `lta_model.state`.
 
     """
 

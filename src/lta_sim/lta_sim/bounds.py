@@ -2,7 +2,7 @@
 
 from typing import final
 
-from lta_sim.scenario import Scenario
+from lta_model.scenario import Scenario
 
 
 @final

@@ -10,8 +10,8 @@ from collections.abc import Mapping, Sequence
 import math
 from typing import final
 
-from lta_sim.measurement import Chain, read
-from lta_sim.state import COMMAND, MASS_PLACE
+from lta_model.measurement import Chain, read
+from lta_model.state import COMMAND, MASS_PLACE
 import numpy as np
 from numpy.typing import NDArray
 
@@ -37,7 +37,7 @@ class CommandLink:
     Attributes
     ----------
     idle : ndarray of float64, shape (COMMAND,)
-        What is obeyed before the first command, in the layout of `lta_sim.state`.
+        What is obeyed before the first command, in the layout of `lta_model.state`.
 
     """
 

@@ -10,12 +10,12 @@ import math
 from typing import NamedTuple
 
 from lta_config.constants import STANDARD_GRAVITY
+from lta_model.effects.air.turbulence import stationary
+from lta_model.rigid_body import rotation
+from lta_model.sensors.imu import specific_force
+from lta_model.sensors.pressure import air_pressure
+from lta_model.sensors.range import deviation, outlook, RESOLUTION
 from lta_sim.counted_chance import normals, uniforms
-from lta_sim.effects.turbulence import stationary
-from lta_sim.rigid_body import rotation
-from lta_sim.sensors.imu import specific_force
-from lta_sim.sensors.pressure import air_pressure
-from lta_sim.sensors.range import deviation, outlook, RESOLUTION
 
 Vector = tuple[float, float, float]
 Six = tuple[float, float, float, float, float, float]

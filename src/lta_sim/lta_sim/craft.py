@@ -4,11 +4,11 @@ from functools import cache
 from types import ModuleType
 from typing import final
 
-from lta_config.kernel_cache import is_kept, load
-from lta_sim.compose import kernel_source, layout_of
-from lta_sim.effects import EFFECTS
-from lta_sim.model import Model
-from lta_sim.row import places
+from lta_config.compilation.kernel_cache import is_kept, load
+from lta_model.effects import EFFECTS
+from lta_model.model import Model
+from lta_sim.kernels.compose import kernel_source, layout_of
+from lta_sim.kernels.row import places
 import numpy as np
 from numpy.typing import NDArray
 
@@ -51,7 +51,7 @@ class Craft:
     Attributes
     ----------
     state, command, surroundings : ndarray of float64
-        In the layouts of `lta_sim.state`; `advance` changes the state.
+        In the layouts of `lta_model.state`; `advance` changes the state.
     rate : ndarray of float64, shape (N,)
         d/dt of the state, of the last `look`. [1/s]
     wrenches : ndarray of float64, shape (W, 6)

@@ -8,16 +8,16 @@ import math
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.errors import BadInput
-from lta_sim import hull
-from lta_sim.declared import Effects
-from lta_sim.effects import EFFECTS
-from lta_sim.effects.protocol import AirEffect
-from lta_sim.hover import hover_duty
-from lta_sim.model import Model
-from lta_sim.scenario import Scenario
-from lta_sim.state import DISPLACED, MASS, MASS_MOMENT
-from lta_sim.stiffness import STEP_NS
-from lta_sim.vehicle import Vehicle
+from lta_model import hull
+from lta_model.declared import Effects
+from lta_model.effects import EFFECTS
+from lta_model.effects.protocol import AirEffect
+from lta_model.hover import hover_duty
+from lta_model.model import Model
+from lta_model.scenario import Scenario
+from lta_model.state import DISPLACED, MASS, MASS_MOMENT
+from lta_model.stiffness import STEP_NS
+from lta_model.vehicle import Vehicle
 from lta_sim.wind_record import WindRecord
 import numpy as np
 

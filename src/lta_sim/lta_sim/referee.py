@@ -3,9 +3,9 @@
 import math
 from typing import final
 
+from lta_model.scenario import Scenario
 from lta_sim.bounds import Bounds
 from lta_sim.readings import Outcome
-from lta_sim.scenario import Scenario
 
 
 @final

@@ -1,7 +1,7 @@
 """What the simulator is told: what flies where, from where, and with whom."""
 
 from lta_config.settings import setting, Settings
-from lta_sim.start_offset import FAR
+from lta_model.start_offset import FAR
 
 
 class SimulatorSettings(Settings):

@@ -3,15 +3,15 @@
 from collections.abc import Mapping, Sequence
 from typing import final
 
-from lta_energy import loads
-from lta_energy.books import Books
-from lta_energy.panel import current_at
-from lta_energy.power_path import at_rest, Flow, held
-from lta_sim.flat import compiled, Layout
-from lta_sim.scenario_faults import Faults
+from lta_config.compilation.flat import compiled, Layout
+from lta_energy.monitoring.books import Books
+from lta_model.electrical import loads
+from lta_model.electrical.panel import current_at
+from lta_model.electrical.power_path import at_rest, Flow, held
+from lta_model.scenario_faults import Faults
+from lta_model.vehicle import Vehicle
 from lta_sim.sensors import power
 from lta_sim.supply_step import Account, Meantime, Parts, supplied
-from lta_sim.vehicle import Vehicle
 import numpy as np
 from numpy.random import Generator
 

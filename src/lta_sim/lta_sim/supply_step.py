@@ -1,10 +1,10 @@
-"""The electricity of one control period as numbers: what `lta_sim.flat` compiles for `Supply`."""
+"""The electricity of one control period as numbers: compiled for `Supply`."""
 
 from typing import Any, NamedTuple
 
-from lta_energy.battery import Battery
-from lta_energy.panel import max_power, Panel
-from lta_energy.power_path import Charger, feed, Flow
+from lta_model.electrical.battery import Battery
+from lta_model.electrical.panel import max_power, Panel
+from lta_model.electrical.power_path import Charger, feed, Flow
 
 
 class Parts(NamedTuple):

@@ -17,8 +17,8 @@ from collections.abc import Callable, Mapping
 import math
 from typing import final
 
-from lta_sim.measurement import Chain, read
-from lta_sim.state import RIGID
+from lta_model.measurement import Chain, read
+from lta_model.state import RIGID
 import numpy as np
 from numpy.typing import NDArray
 

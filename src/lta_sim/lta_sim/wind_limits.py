@@ -18,13 +18,15 @@ import math
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.errors import BadInput
-from lta_sim import kernel, limits
-from lta_sim.effects import initial_memory, wind_profile
-from lta_sim.effects.protocol import Place, Wrench
+from lta_model import limits
+from lta_model.effects import initial_memory
+from lta_model.effects.air import wind_profile
+from lta_model.effects.protocol import Place, Wrench
+from lta_model.model import Model
+from lta_model.state import pack, QUATERNION, SURROUNDINGS
+from lta_model.vehicle import Vehicle
 from lta_sim.in_scene import reach
-from lta_sim.model import Model
-from lta_sim.state import pack, QUATERNION, SURROUNDINGS
-from lta_sim.vehicle import Vehicle
+from lta_sim.kernels import kernel
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linprog

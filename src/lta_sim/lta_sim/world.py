@@ -12,24 +12,24 @@ from typing import final
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.topics import TopicTable
-from lta_energy.loads import navigating
-from lta_sim import stiffness
+from lta_model import stiffness
+from lta_model.effects import EFFECTS
+from lta_model.electrical.loads import navigating
+from lta_model.light.setting import set_for
+from lta_model.light.view import LightView, Pose
+from lta_model.measurement import Chain, chains
+from lta_model.scenario import Scenario
+from lta_model.sensors import imu, pressure, range
+from lta_model.state import pack, RIGID
+from lta_model.vehicle import Vehicle
 from lta_sim.around import Around, memory_at_start
 from lta_sim.command_link import CommandLink
 from lta_sim.craft import Craft, LAYOUT
-from lta_sim.effects import EFFECTS
 from lta_sim.in_scene import model_in, reach
-from lta_sim.light.setting import set_for
-from lta_sim.light.view import LightView, Pose
-from lta_sim.measurement import Chain, chains
 from lta_sim.readings import Outcome, Readings, Vector
 from lta_sim.referee import Referee
-from lta_sim.scenario import Scenario
-from lta_sim.sensors import imu, pressure, range
-from lta_sim.state import pack, RIGID
 from lta_sim.supply import Supply
 from lta_sim.tracker import Tracker
-from lta_sim.vehicle import Vehicle
 import numpy as np
 from numpy.typing import NDArray
 

@@ -21,8 +21,8 @@ from dataclasses import dataclass
 import math
 from typing import final
 
+from lta_model.ring import Ring
 from lta_vlc.demodulation import Peaks
-from lta_vlc.ring import Ring
 
 # Sensor noise is far above this; a shorter vector is rounding around a perfectly even ring.
 SHORTEST = 1e-9

@@ -5,7 +5,8 @@ The magnitude spectrum of the block is searched for its highest bin within a few
 k_target = round(f_mod N_FFT / f_sample); its ratio to the mean of all bins outside the windows
 around the beacons' harmonics is the SNR. The paper prints neither rate, block length, window nor
 threshold: they are settings (`lta_vlc.settings`). What the paper does not have: several beacons at
-once, each by its frequency, and frequency and amplitude between the bins (`lta_vlc.tone`).
+once, each by its frequency, and frequency and amplitude between the bins
+(`lta_vlc.spectral.tone`).
 """
 
 from dataclasses import dataclass
@@ -13,14 +14,14 @@ import math
 from typing import final
 
 from lta_config.errors import BadInput
-from lta_vlc.bins import Bins, plan_beacons
 from lta_vlc.faults import Fault, FAULTS, sample_faults, SPOILT, tone_faults
-from lta_vlc.samples import look
 from lta_vlc.settings import Demodulation
-from lta_vlc.snr import signal_to_noise
-from lta_vlc.spectrum import magnitudes, transform
-from lta_vlc.survey import survey
-from lta_vlc.tone import read_tones
+from lta_vlc.spectral.bins import Bins, plan_beacons
+from lta_vlc.spectral.samples import look
+from lta_vlc.spectral.snr import signal_to_noise
+from lta_vlc.spectral.spectrum import magnitudes, transform
+from lta_vlc.spectral.survey import survey
+from lta_vlc.spectral.tone import read_tones
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 

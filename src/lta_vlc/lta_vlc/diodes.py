@@ -6,8 +6,8 @@ import math
 from typing import final
 
 from lta_config.errors import BadInput
-from lta_config.vehicle_diodes import Diodes as DiodesEntry
-from lta_vlc.ring import azimuths, Ring
+from lta_config.schema.vehicle_diodes import Diodes as DiodesEntry
+from lta_model.ring import azimuths, Ring
 
 Axis = tuple[float, float, float]
 

@@ -2,8 +2,8 @@
 
 from enum import Flag
 
-from lta_vlc.samples import Looked
-from lta_vlc.survey import Survey
+from lta_vlc.spectral.samples import Looked
+from lta_vlc.spectral.survey import Survey
 import numpy as np
 from numpy.typing import NDArray
 

@@ -2,7 +2,7 @@
 
 from typing import final, NamedTuple
 
-from lta_config.compiled import compiled
+from lta_config.compilation.compiled import compiled
 from lta_vlc.array import Bearing, bearing
 from lta_vlc.demodulation import Peaks
 from lta_vlc.diodes import Diodes

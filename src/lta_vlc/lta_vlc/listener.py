@@ -4,11 +4,11 @@ from functools import lru_cache
 import math
 
 from lta_config.errors import BadInput
-from lta_vlc.bins import Bins, plan_beacons
 from lta_vlc.demodulation import hear, Hearing
 from lta_vlc.presence import Presence
-from lta_vlc.separation import check_beacons, mains_flicker
 from lta_vlc.settings import Demodulation
+from lta_vlc.spectral.bins import Bins, plan_beacons
+from lta_vlc.spectral.separation import check_beacons, mains_flicker
 from lta_vlc.tracker import reach, Tracker
 from lta_vlc.wish import NO_WISH
 import numpy as np

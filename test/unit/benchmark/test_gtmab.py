@@ -3,11 +3,11 @@
 from pathlib import Path
 import sys
 
-from lta_sim.effects import EFFECTS
-from lta_sim.effects.protocol import KernelEffect
-from lta_sim.kernel import advance
-from lta_sim.model import Model
-from lta_sim.vehicle import load_vehicle
+from lta_model.effects import EFFECTS
+from lta_model.effects.protocol import KernelEffect
+from lta_model.model import Model
+from lta_model.vehicle import load_vehicle
+from lta_sim.kernels.kernel import advance
 import numpy as np
 import pytest
 

@@ -6,7 +6,6 @@ from pathlib import Path
 import struct
 from types import SimpleNamespace
 
-from lta_analysis.bag.reader import read_bag
 from lta_bridge.bag import offered_qos, storage
 from lta_bridge.playback import answer_bag
 from lta_bridge.playback.answer_bag import AnswerBag
@@ -14,6 +13,7 @@ from lta_bridge.playback.cast import Cast
 from lta_bridge.playback.origin import of_replay
 from lta_config.errors import BadInput
 from lta_config.topics import topic_table
+from lta_data.bag.reader import read_bag
 import pytest
 
 TABLE = topic_table()

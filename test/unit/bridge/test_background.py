@@ -6,9 +6,9 @@ import os
 import threading
 from types import SimpleNamespace
 
-from lta_analysis.bag.reader import read_bag
 from lta_bridge.bag import background, BagWriter, storage, StorageFault
 from lta_bridge.bag.background import BackgroundWriter
+from lta_data.bag.reader import read_bag
 import pytest
 from waiting import PATIENCE
 

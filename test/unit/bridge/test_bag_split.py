@@ -7,9 +7,9 @@ import sys
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from lta_analysis.bag.reader import read_bag
 from lta_bridge.bag import BagWriter, offered_qos, storage, StorageFault
 from lta_bridge.bag.split import Split
+from lta_data.bag.reader import read_bag
 from mcap.reader import make_reader
 import numpy as np
 import pytest

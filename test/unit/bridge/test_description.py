@@ -8,7 +8,7 @@ from lta_bridge.description import discs, fixed_frames, rods, urdf
 from lta_bridge.live.frames import sensor_frames
 from lta_bridge.live.shapes import Ellipsoid, Line
 from lta_bridge.nodes.description import to_fixed, to_transform
-from lta_sim.vehicle import load_vehicle
+from lta_model.vehicle import load_vehicle
 from nav_msgs.msg import Odometry
 import numpy as np
 import pytest

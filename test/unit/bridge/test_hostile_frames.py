@@ -13,16 +13,16 @@ from lta_bridge.teensy.dialect import (
     MESSAGES,
     TIMESYNC,
 )
-from lta_bridge.teensy.emulator import COMPONENT, EmulatedBoard, SYSTEM
 from lta_bridge.teensy.framing import Framing
 from lta_bridge.teensy.light_board import LightBoard, LightPeaks, QUESTIONS
 from lta_bridge.teensy.message import Message
 from lta_bridge.teensy.one_sender import LOYAL_NS, OneSender
+from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.topics import topic_table
-from lta_config.vehicle_file import load_vehicle_file
+from lta_emulation.teensy.emulator import COMPONENT, EmulatedBoard, SYSTEM
 from lta_graph.health import Fact, Level
 from lta_graph.ros.stamps import to_stamp
-from lta_sim.messages import light_block
+from lta_model.messages import light_block
 from lta_vlc.diodes import diodes_of
 from lta_vlc.lamp import LampPrior
 from lta_vlc.lamp_finder import LampFinder

@@ -22,9 +22,9 @@ from lta_bridge.live.shapes import (
     ORIGIN,
 )
 from lta_bridge.live.track import MOST, Track
-from lta_sim.light.lamp import direct
-from lta_sim.scenario import load_scenario
-from lta_sim.vehicle import load_vehicle
+from lta_model.light.lamp import direct
+from lta_model.scenario import load_scenario
+from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation

@@ -6,7 +6,7 @@ from queue import SimpleQueue
 import socket
 import threading
 
-from lta_bridge.teensy.emulator import EmulatedBoard
+from lta_emulation.teensy.emulator import EmulatedBoard
 import numpy as np
 from ports import free_port, UDP
 import pytest

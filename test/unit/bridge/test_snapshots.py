@@ -6,13 +6,13 @@ import os
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from lta_analysis.bag.reader import read_bag
 from lta_bridge.bag import offered_qos, storage, StorageFault
 from lta_bridge.bag.background import BackgroundWriter
 from lta_bridge.bag.memory import GRAIN_NS, SnapshotMemory
 from lta_bridge.fault_watch import FaultWatch, Status
 from lta_bridge.snapshots import Snapshots
 from lta_config.errors import BadInput
+from lta_data.bag.reader import read_bag
 from lta_graph.health import Level
 import numpy as np
 import pytest

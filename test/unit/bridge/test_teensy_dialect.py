@@ -7,8 +7,8 @@ from pathlib import Path
 import sys
 
 from lta_bridge.teensy.dialect import LTA_LIGHT_BLOCK, MESSAGES
-from lta_bridge.teensy.emulator import EmulatedBoard
 from lta_bridge.teensy.framing import Framing
+from lta_emulation.teensy.emulator import EmulatedBoard
 import numpy as np
 import pytest
 

@@ -5,9 +5,9 @@ from collections import Counter
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from lta_bridge.teensy.dialect import HEARTBEAT, LTA_LIGHT_STATUS
-from lta_bridge.teensy.emulator import EmulatedBoard, Faults, FOREIGN
 from lta_bridge.teensy.framing import Framing
 from lta_bridge.teensy.message import Message
+from lta_emulation.teensy.emulator import EmulatedBoard, Faults, FOREIGN
 import numpy as np
 import pytest
 

@@ -1,10 +1,10 @@
 """The light board through the bridge's core: light in, the same light out in our time."""
 
 from lta_bridge.teensy.dialect import LTA_LIGHT_BLOCK, TIMESYNC
-from lta_bridge.teensy.emulator import EmulatedBoard, Faults
 from lta_bridge.teensy.framing import Framing
 from lta_bridge.teensy.light_board import LightBoard
 from lta_config.topics import topic_table
+from lta_emulation.teensy.emulator import EmulatedBoard, Faults
 import numpy as np
 import pytest
 

@@ -1,10 +1,10 @@
 """Peaks that the board finds, beside what a demodulator makes of the same samples."""
 
 from lta_bridge.teensy.dialect import LTA_LIGHT_PEAKS
-from lta_bridge.teensy.emulator import EmulatedBoard
 from lta_bridge.teensy.light_board import LightBoard, LightPeaks
+from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.topics import topic_table
-from lta_config.vehicle_file import load_vehicle_file
+from lta_emulation.teensy.emulator import EmulatedBoard
 from lta_vlc.diodes import diodes_of
 from lta_vlc.lamp import LampPrior
 from lta_vlc.lamp_finder import LampFinder

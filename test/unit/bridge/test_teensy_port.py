@@ -6,13 +6,13 @@ import termios
 import threading
 import time
 
-from lta_bridge.teensy.emulator import Cable, EmulatedBoard
 from lta_bridge.teensy.light_board import LightBoard
 from lta_bridge.teensy.one_sender import LOYAL_NS
 from lta_bridge.teensy.port import open_port, UdpPort, Unplugged
 from lta_bridge.teensy.reader import Reader
 from lta_config.errors import BadInput
 from lta_config.topics import topic_table
+from lta_emulation.teensy.emulator import Cable, EmulatedBoard
 import numpy as np
 from ports import free_port, UDP
 import pytest

@@ -4,7 +4,7 @@ import copy
 
 from lta_config.errors import BadInput
 from lta_config.files import find, load_yaml
-from lta_config.vehicle_file import load_vehicle_file
+from lta_config.schema.vehicle_file import load_vehicle_file
 import pytest
 import yaml
 

@@ -1,9 +1,9 @@
 """Manoeuvres and comparisons: what they ask for when, and what they refuse."""
 
-from lta_config.comparison_file import Comparison, load_comparison
 from lta_config.errors import BadInput
 from lta_config.files import find, known, load_yaml
-from lta_config.manoeuvre_file import load_manoeuvre, Manoeuvre
+from lta_config.schema.comparison_file import Comparison, load_comparison
+from lta_config.schema.manoeuvre_file import load_manoeuvre, Manoeuvre
 from pydantic import ValidationError
 import pytest
 import yaml

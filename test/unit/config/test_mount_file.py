@@ -2,7 +2,7 @@
 
 from lta_config.errors import BadInput
 from lta_config.files import find, known, load_yaml
-from lta_config.mount_file import load_mount, mounted
+from lta_config.schema.mount_file import load_mount, mounted
 import pytest
 import yaml
 

@@ -4,7 +4,7 @@ import copy
 
 from lta_config.errors import BadInput
 from lta_config.files import checked, find, known, load_yaml
-from lta_config.paper_file import load_paper_row, paper_rows, PaperRow
+from lta_config.schema.paper_file import load_paper_row, paper_rows, PaperRow
 from lta_config.sums import value_of
 import pytest
 

@@ -3,7 +3,7 @@
 import copy
 import math
 
-from lta_config.vehicle_file import load_vehicle_file
+from lta_config.schema.vehicle_file import load_vehicle_file
 import pytest
 import yaml
 

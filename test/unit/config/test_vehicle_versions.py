@@ -2,9 +2,9 @@
 
 import copy
 
-from lta_config.cell_file import load_cell_file
 from lta_config.errors import BadInput
-from lta_config.vehicle_file import load_vehicle_file
+from lta_config.schema.cell_file import load_cell_file
+from lta_config.schema.vehicle_file import load_vehicle_file
 import pytest
 import yaml
 

@@ -4,10 +4,10 @@ import os
 from pathlib import Path
 import stat
 
-from lta_analysis.report.frame import written
-from lta_analysis.results_folder import keep_json
 from lta_config.errors import BadInput
 from lta_config.whole_file import whole
+from lta_report.frame import written
+from lta_report.results_folder import keep_json
 import pytest
 
 

@@ -4,8 +4,8 @@ from lta_config.errors import BadInput
 from lta_control.allocation import allocate, duties, duty, new_scratch, Rotors
 from lta_control.per_rotor import NONE, SLOTS, slots
 from lta_control.vehicle_side import rotors_of
-from lta_sim.state import ACTUATORS
-from lta_sim.vehicle import load_vehicle, Vehicle
+from lta_model.state import ACTUATORS
+from lta_model.vehicle import load_vehicle, Vehicle
 import numpy as np
 import pytest
 

@@ -7,7 +7,7 @@ compiled fails here and not in the loop that needs it.
 
 import math
 
-from lta_config.extract import Extract
+from lta_config.compilation.extract import Extract
 from lta_config.settings import plain
 from lta_control.airspeed import Airspeed
 from lta_control.allocation import new_scratch, SCRATCH
@@ -26,7 +26,7 @@ from lta_control.strategies.lamp_filter import Fix, Optics
 from lta_control.strategies.protocol import Course, Sight
 from lta_control.strategies.settings import StrategySettings
 from lta_control.vehicle_side import body_of, rotors_of
-from lta_sim.vehicle import load_vehicle
+from lta_model.vehicle import load_vehicle
 from lta_vlc.array import weighted_mean
 from lta_vlc.diodes import ring_of
 import numba

@@ -6,7 +6,7 @@ from lta_control.control import control_step, ControlMemory, elapsed, landed
 from lta_control.per_rotor import NONE
 from lta_control.pid import PidGains
 from lta_control.vehicle_side import rotors_of
-from lta_sim.vehicle import load_vehicle
+from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest
 

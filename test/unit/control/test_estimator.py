@@ -21,8 +21,8 @@ from lta_control.per_rotor import NONE, slots
 from lta_control.rest import Biases, MOST_RATE, tilted, turning
 from lta_control.vehicle_side import body_of
 from lta_graph.health import Level
-from lta_sim.sensors.imu import bounds_of, ImuSettings
-from lta_sim.vehicle import load_vehicle
+from lta_model.sensors.imu import bounds_of, ImuSettings
+from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation

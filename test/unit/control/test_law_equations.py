@@ -12,7 +12,7 @@ from lta_control.cascade import Setpoint
 from lta_control.gains_file import load_gains_of
 from lta_control.laws import glide, lateral, law, omnidirectional, open_loop, quadrotor, velocity
 from lta_control.laws.protocol import Heard, Motion
-from lta_sim.vehicle import load_vehicle
+from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation

@@ -18,7 +18,7 @@ from lta_control.laws.lateral import mixed
 from lta_control.laws.protocol import Command, Feedback, Heard, Motion
 from lta_control.pilot import tracked
 from lta_control.vehicle_side import rotors_of, surge_drag_of
-from lta_sim.vehicle import load_vehicle
+from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation

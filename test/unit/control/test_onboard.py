@@ -11,7 +11,7 @@ from lta_control.gains_file import load_gains
 from lta_control.onboard import Heard, Onboard, onboard_step
 from lta_control.per_rotor import NONE
 from lta_control.sighting import Reckoned
-from lta_sim.vehicle import load_vehicle
+from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest
 

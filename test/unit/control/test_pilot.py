@@ -11,7 +11,7 @@ from lta_control.laws.protocol import Command
 from lta_control.per_rotor import NONE
 from lta_control.pilot import Pilot
 from lta_control.sighting import Reckoned
-from lta_sim.vehicle import load_vehicle
+from lta_model.vehicle import load_vehicle
 import pytest
 
 pytestmark = pytest.mark.usefixtures('plain_laws')

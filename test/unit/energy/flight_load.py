@@ -16,7 +16,7 @@ PERIOD = 0.1  # s
 
 def flown():
     """Return the power of a flight, rest and take-off included. [W]"""
-    from lta_analysis.ingredients import gather, loop_of
+    from lta_flight.ingredients import gather, loop_of
 
     loop = loop_of(gather('gtmab', 'lamp_room', 'bag', ''), 3)
     drawn = []

@@ -6,12 +6,12 @@ The circuit is written out here a second time; only the chart of the resting vol
 
 import math
 
-from lta_energy.aboard import Aboard
-from lta_energy.battery import Battery, open_circuit_voltage
-from lta_energy.estimate import Estimate
-from lta_energy.monitor import MonitorSettings, update
-from lta_energy.power_path import Charger
-from lta_energy.reading import Reading
+from lta_energy.monitoring.aboard import Aboard
+from lta_energy.monitoring.estimate import Estimate
+from lta_energy.monitoring.monitor import MonitorSettings, update
+from lta_energy.monitoring.reading import Reading
+from lta_model.electrical.battery import Battery, open_circuit_voltage
+from lta_model.electrical.power_path import Charger
 from lta_sim.sensors import power
 import numpy as np
 

@@ -3,22 +3,22 @@
 from dataclasses import replace
 import math
 
-from lta_config.vehicle_file import load_vehicle_file
-from lta_energy import alarms
-from lta_energy.aboard import Aboard
-from lta_energy.battery import Battery
-from lta_energy.belief import Belief
-from lta_energy.books import Books, enter
-from lta_energy.estimate import Estimate
+from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_energy.faults.protocol import Seen
 from lta_energy.faults.watch import watched
-from lta_energy.latch import Latch
-from lta_energy.load import Load
-from lta_energy.monitor import MonitorSettings
-from lta_energy.power_path import Charger
-from lta_energy.reading import Reading, Whereabouts
-from lta_energy.reserve import Stock
+from lta_energy.monitoring import alarms
+from lta_energy.monitoring.aboard import Aboard
+from lta_energy.monitoring.belief import Belief
+from lta_energy.monitoring.books import Books, enter
+from lta_energy.monitoring.estimate import Estimate
+from lta_energy.monitoring.latch import Latch
+from lta_energy.monitoring.load import Load
+from lta_energy.monitoring.monitor import MonitorSettings
+from lta_energy.monitoring.reading import Reading, Whereabouts
+from lta_energy.monitoring.reserve import Stock
 from lta_graph.health import Level
+from lta_model.electrical.battery import Battery
+from lta_model.electrical.power_path import Charger
 import pytest
 
 SETTINGS = MonitorSettings()

@@ -2,11 +2,11 @@
 
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_config.compiled import compiled
+from lta_config.compilation.compiled import compiled
 from lta_config.quantity import Quantity
+from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.settings import plain
-from lta_config.vehicle_file import load_vehicle_file
-from lta_energy import battery
+from lta_model.electrical import battery
 import numpy as np
 from pydantic import ValidationError
 import pytest

@@ -6,7 +6,7 @@ The cell against PyBaMM's Thevenin circuit, where PyBaMM is installed (requireme
 
 import sys
 
-from lta_energy import battery
+from lta_model.electrical import battery
 import numpy as np
 import pytest
 

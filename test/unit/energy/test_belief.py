@@ -4,9 +4,9 @@ import math
 
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_energy import belief
-from lta_energy.battery import Battery, open_circuit_voltage
-from lta_energy.belief import BeliefSettings, first_look, look, predict, unknown
+from lta_energy.monitoring import belief
+from lta_energy.monitoring.belief import BeliefSettings, first_look, look, predict, unknown
+from lta_model.electrical.battery import Battery, open_circuit_voltage
 import numpy as np
 import pytest
 

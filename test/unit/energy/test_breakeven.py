@@ -2,12 +2,12 @@
 
 import math
 
-from lta_config.vehicle_file import load_vehicle_file
+from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_energy.breakeven import break_even, income, Lamp, LAMPS, light_of
 from lta_energy.harvest import Harvest
 from lta_energy.light_of_days import Light
-from lta_energy.panel import max_power, Panel
-from lta_energy.power_path import Charger
+from lta_model.electrical.panel import max_power, Panel
+from lta_model.electrical.power_path import Charger
 import pytest
 
 ENERGY = load_vehicle_file('gtmab').energy

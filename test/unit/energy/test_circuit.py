@@ -2,13 +2,13 @@
 
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_config.vehicle_file import load_vehicle_file
-from lta_energy.battery import Battery
+from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_energy.circuit import added, at_rest, fed, held, NOTHING, Spent
 from lta_energy.harvest import Harvest
 from lta_energy.light_of_days import DARK
-from lta_energy.panel import max_power, Panel
-from lta_energy.power_path import Charger
+from lta_model.electrical.battery import Battery
+from lta_model.electrical.panel import max_power, Panel
+from lta_model.electrical.power_path import Charger
 import numpy as np
 import pytest
 

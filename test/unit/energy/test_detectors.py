@@ -6,13 +6,13 @@ The figures are those of docs/energy.md and of each file's own words.
 
 import math
 
-from lta_energy.battery import Battery
 from lta_energy.faults import frozen, panel_short, reversed_sign
 from lta_energy.faults.protocol import Seen
 from lta_energy.faults.watch import DETECTORS, Watch, watched
-from lta_energy.load import first, Load
-from lta_energy.reading import Reading
+from lta_energy.monitoring.load import first, Load
+from lta_energy.monitoring.reading import Reading
 from lta_graph.health import Level
+from lta_model.electrical.battery import Battery
 import pytest
 
 CELL = Battery(capacity=900.0, resistance=0.15, relaxation_resistance=0.094, relaxation_time=33.0)

@@ -5,11 +5,11 @@ import math
 
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_energy import alarms
-from lta_energy.estimate import Estimate
 from lta_energy.faults.watch import DETECTORS
-from lta_energy.latch import Latch, latched, ROUNDING
-from lta_energy.monitor import update
+from lta_energy.monitoring import alarms
+from lta_energy.monitoring.estimate import Estimate
+from lta_energy.monitoring.latch import Latch, latched, ROUNDING
+from lta_energy.monitoring.monitor import update
 from lta_graph.health import Level
 import pytest
 

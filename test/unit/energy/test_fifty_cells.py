@@ -8,8 +8,8 @@ which leaves the filter less to work with than the ten of the graph; `test/score
 measures all of it at ten.
 """
 
-from lta_energy.estimate import Estimate
-from lta_energy.monitor import time_to_empty, update
+from lta_energy.monitoring.estimate import Estimate
+from lta_energy.monitoring.monitor import time_to_empty, update
 import numpy as np
 import pytest
 

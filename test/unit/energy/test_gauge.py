@@ -2,8 +2,8 @@
 
 import math
 
-from lta_energy.battery import Battery
 from lta_energy.gauge import carried_on, Gauge, gauged
+from lta_model.electrical.battery import Battery
 import pytest
 
 CELL = Battery(capacity=900.0, resistance=0.15, relaxation_resistance=0.05)

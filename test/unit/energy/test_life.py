@@ -2,15 +2,15 @@
 
 import math
 
-from lta_config.vehicle_file import load_vehicle_file
-from lta_energy.battery import Battery
+from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_energy.circuit import at_rest, fed, NOTHING, Spent
 from lta_energy.diary import ALOFT, ASLEEP, AWAY, Flight, OUT, PERCHED
 from lta_energy.gauge import Gauge, gauged
 from lta_energy.light_of_days import LightOfDays
 from lta_energy.mission import Landing, Life, Upkeep
-from lta_energy.power_path import Charger
 from lta_energy.schedule import Wish
+from lta_model.electrical.battery import Battery
+from lta_model.electrical.power_path import Charger
 import numpy as np
 import pytest
 

@@ -3,7 +3,7 @@
 import dataclasses
 import math
 
-from lta_config.light_day_file import load_light_day
+from lta_config.schema.light_day_file import load_light_day
 from lta_energy.light_of_days import burning, clear_day, elevation, light_of, MINUTES, through
 import numpy as np
 import pytest

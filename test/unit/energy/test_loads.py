@@ -2,8 +2,8 @@
 
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_config.vehicle_file import load_vehicle_file
-from lta_energy import loads
+from lta_config.schema.vehicle_file import load_vehicle_file
+from lta_model.electrical import loads
 import numba
 import numpy as np
 from pydantic import ValidationError

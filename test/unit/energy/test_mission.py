@@ -5,19 +5,19 @@ from functools import partial
 from itertools import pairwise
 import math
 
-from lta_config.light_day_file import DAY, load_light_day
-from lta_config.vehicle_file import load_vehicle_file
+from lta_config.schema.light_day_file import DAY, load_light_day
+from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_energy import mission
-from lta_energy.battery import Battery
 from lta_energy.circuit import fed, NOTHING
 from lta_energy.diary import ALOFT, ASLEEP, Flight, PERCHED
 from lta_energy.gauge import Gauge
 from lta_energy.harvest import Harvest
 from lta_energy.light_of_days import light_of
 from lta_energy.mission import Landing, Life, Upkeep
-from lta_energy.panel import Panel
-from lta_energy.power_path import Charger, output
 from lta_energy.schedule import at_work, by_light, fixed, Known, night, outlook, Wish
+from lta_model.electrical.battery import Battery
+from lta_model.electrical.panel import Panel
+from lta_model.electrical.power_path import Charger, output
 import pytest
 
 ENERGY = load_vehicle_file('gtmab').energy

@@ -3,14 +3,15 @@
 from dataclasses import replace
 import math
 
-from lta_energy import alarms, battery
-from lta_energy.aboard import Aboard
-from lta_energy.belief import Belief, first_look, look, predict
-from lta_energy.estimate import Estimate
-from lta_energy.monitor import MonitorSettings, time_to_empty, time_to_full, update
-from lta_energy.power_path import Charger
-from lta_energy.reading import Reading, Whereabouts
+from lta_energy.monitoring import alarms
+from lta_energy.monitoring.aboard import Aboard
+from lta_energy.monitoring.belief import Belief, first_look, look, predict
+from lta_energy.monitoring.estimate import Estimate
+from lta_energy.monitoring.monitor import MonitorSettings, time_to_empty, time_to_full, update
+from lta_energy.monitoring.reading import Reading, Whereabouts
 from lta_graph.health import Level
+from lta_model.electrical import battery
+from lta_model.electrical.power_path import Charger
 import pytest
 
 from .metered import ABOARD, CELL, Metered

@@ -1,10 +1,10 @@
 """What finding a lamp takes beyond hovering, against the paper's figures."""
 
+from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.topics import topic_table
-from lta_config.vehicle_file import load_vehicle_file
-from lta_energy import loads
-from lta_sim.scenario import load_scenario
-from lta_sim.vehicle import load_vehicle
+from lta_model.electrical import loads
+from lta_model.scenario import load_scenario
+from lta_model.vehicle import load_vehicle
 from lta_sim.world import World
 import pytest
 

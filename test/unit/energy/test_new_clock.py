@@ -1,8 +1,8 @@
 """Readings in order after their clock was set back."""
 
-from lta_energy.estimate import Estimate
-from lta_energy.new_clock import ENOUGH, in_order, moved
-from lta_energy.reading import Reading
+from lta_energy.monitoring.estimate import Estimate
+from lta_energy.monitoring.new_clock import ENOUGH, in_order, moved
+from lta_energy.monitoring.reading import Reading
 import pytest
 
 

@@ -2,13 +2,13 @@
 
 import math
 
-from lta_energy import load, outlook, reserve, way_home
-from lta_energy.battery import Battery, open_circuit_voltage, stored_energy
-from lta_energy.belief import Belief
-from lta_energy.load import Load, smoothed
-from lta_energy.reading import Whereabouts
-from lta_energy.reserve import ReserveSettings, Stock
-from lta_energy.way_home import Travel, WaySettings
+from lta_energy.monitoring import load, outlook, reserve, way_home
+from lta_energy.monitoring.belief import Belief
+from lta_energy.monitoring.load import Load, smoothed
+from lta_energy.monitoring.reading import Whereabouts
+from lta_energy.monitoring.reserve import ReserveSettings, Stock
+from lta_energy.monitoring.way_home import Travel, WaySettings
+from lta_model.electrical.battery import Battery, open_circuit_voltage, stored_energy
 import numpy as np
 import pytest
 

@@ -4,14 +4,14 @@ import math
 
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_config.cell_file import load_cell_file
-from lta_config.compiled import compiled
+from lta_config.compilation.compiled import compiled
 from lta_config.errors import BadInput
 from lta_config.files import find, known, load_yaml
+from lta_config.schema.cell_file import load_cell_file
+from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.settings import plain
-from lta_config.vehicle_file import load_vehicle_file
-from lta_energy.diode_fit import Diode, diode_of, THERMAL
-from lta_energy.panel import (
+from lta_model.electrical.diode_fit import Diode, diode_of, THERMAL
+from lta_model.electrical.panel import (
     AIR_TEMPERATURE,
     current_at,
     curve,

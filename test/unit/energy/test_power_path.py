@@ -2,9 +2,9 @@
 
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_config.vehicle_file import load_vehicle_file
-from lta_energy.battery import Battery
-from lta_energy.power_path import at_rest, Charger, feed, held, most_taken, output
+from lta_config.schema.vehicle_file import load_vehicle_file
+from lta_model.electrical.battery import Battery
+from lta_model.electrical.power_path import at_rest, Charger, feed, held, most_taken, output
 import pytest
 
 ENERGY = load_vehicle_file('gtmab').energy

@@ -2,8 +2,9 @@
 
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_config.vehicle_file import load_vehicle_file
-from lta_energy import loads, rotor
+from lta_config.schema.vehicle_file import load_vehicle_file
+from lta_energy import rotor
+from lta_model.electrical import loads
 import numba
 import numpy as np
 import pytest

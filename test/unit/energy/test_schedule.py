@@ -2,7 +2,6 @@
 
 import math
 
-from lta_energy.battery import Battery, stored_energy
 from lta_energy.gauge import Gauge
 from lta_energy.light_of_days import DARK
 from lta_energy.schedule import (
@@ -19,6 +18,7 @@ from lta_energy.schedule import (
     safe,
     Wish,
 )
+from lta_model.electrical.battery import Battery, stored_energy
 import pytest
 
 HOUR = 3600.0

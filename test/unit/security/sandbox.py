@@ -19,10 +19,11 @@ import traceback
 MEMORY = 1_000_000  # kB that any verb may take for any hostile file, beyond what it takes to load
 DISK = 1 << 28  # bytes of a file that it may write
 STREAMS = {1: '.out', 2: '.err'}
-VERBS = 'bag_check bag_export bag_info bag_plot bag_recover cfd_run compare import_ light_plan'
+VERBS = 'bag.check bag.export bag.info bag.plot bag.recover cfd.run compare import_ light.plan'
 VERBS += ' mission replay report simulate sweep'
-VERBS += ' vehicle_check vehicle_diff vehicle_show vehicle_trim vehicle_urdf'
-LOADED = ['app', *(f'verbs.{name}' for name in VERBS.split()), 'foreign.run']
+VERBS += ' vehicle.check vehicle.diff vehicle.show vehicle.trim vehicle.urdf'
+LOADED = ['lta_cli.app', 'lta_data.foreign.run']
+LOADED += [f'lta_cli.verbs.{name}' for name in VERBS.split()]
 
 
 @dataclass(frozen=True)
@@ -72,7 +73,7 @@ class Sandbox:
 def serve():
     """Fork a process for each order on stdin, and tell on stdout what became of it."""
     for name in LOADED:
-        importlib.import_module(f'lta_analysis.{name}')
+        importlib.import_module(name)
     pages = int(Path('/proc/self/statm').read_text().split()[1])
     loaded = pages * resource.getpagesize() // 1024
     gc.freeze()  # a child that looked through all that is loaded would copy it
@@ -100,7 +101,7 @@ def command(words, folder):
     resource.setrlimit(resource.RLIMIT_FSIZE, (DISK, DISK))
     sys.argv = ['lta', *words]
     try:
-        from lta_analysis.app import status
+        from lta_cli.app import status
 
         code = status()
     except BaseException:

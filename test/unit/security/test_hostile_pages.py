@@ -3,24 +3,24 @@
 from dataclasses import replace
 import sys
 
-from lta_analysis import app
-from lta_analysis.replay.against import compared
-from lta_analysis.replay.decisions import decisions
-from lta_analysis.replay.heard import Heard
-from lta_analysis.replay.order import Order
-from lta_analysis.replay.page import page as replay_page
-from lta_analysis.replay.verdict import Verdict
-from lta_analysis.report import write_page as write_report
-from lta_analysis.report.pieces import inert as inert_figure
 from lta_bridge.bag import BagWriter
 from lta_bridge.bag.schemas import jazzy
+from lta_cli import app
 from lta_config.files import find
+from lta_flight.replay.against import compared
+from lta_flight.replay.decisions import decisions
+from lta_flight.replay.heard import Heard
+from lta_flight.replay.order import Order
+from lta_flight.replay.page import page as replay_page
+from lta_flight.replay.verdict import Verdict
+from lta_flight.report import write_page as write_report
+from lta_report.pieces import inert as inert_figure
 import numpy as np
 from plotly.graph_objects import Figure
 import pytest
 import yaml
 
-from ..analysis.report_flight import (  # noqa: TID252 - `test` is Python's own
+from ..report_flight import (  # noqa: TID252 - `test` is Python's own
     header,
     make,
     provenance,

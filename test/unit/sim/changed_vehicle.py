@@ -4,8 +4,8 @@ import copy
 
 from lta_config.errors import BadInput
 from lta_config.files import find, load_yaml
-from lta_config.vehicle_file import VehicleFile
-from lta_sim.vehicle import Vehicle
+from lta_config.schema.vehicle_file import VehicleFile
+from lta_model.vehicle import Vehicle
 import pytest
 
 G = 9.80665

@@ -1,6 +1,6 @@
 """Vehicles side by side, as Python and compiled."""
 
-from lta_sim import batch
+from lta_sim.kernels import batch
 from numba.core import config
 import pytest
 

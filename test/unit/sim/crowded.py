@@ -5,11 +5,11 @@ Numbers to test with and no claim: a vehicle of eight rotors in a small windy ro
 enough that floor, walls, ceiling and their rotors' wakes are met.
 """
 
-from lta_sim.effects import EFFECTS
-from lta_sim.effects.protocol import BodyEffect, InertiaEffect, KernelEffect
-from lta_sim.kernel import LAYOUT
-from lta_sim.model import Model
-from lta_sim.state import ACTUATORS
+from lta_model.effects import EFFECTS
+from lta_model.effects.protocol import BodyEffect, InertiaEffect, KernelEffect
+from lta_model.model import Model
+from lta_model.state import ACTUATORS
+from lta_sim.kernels.kernel import LAYOUT
 import numpy as np
 
 AXES = ('surge', 'sway', 'heave', 'roll', 'pitch', 'yaw')

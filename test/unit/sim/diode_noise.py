@@ -1,6 +1,6 @@
 """What the noise of a photodiode comes to, for who compares with it."""
 
-from lta_sim.sensors.photodiode import noise_terms
+from lta_model.sensors.photodiode import noise_terms
 import numpy as np
 
 

@@ -1,8 +1,8 @@
 """Simple light for tests: a room's whole echo the same everywhere, and blocks of given light."""
 
-from lta_sim.light.field import Illuminance
-from lta_sim.light.lamp import direct
-from lta_sim.sensors.light_block import Board
+from lta_model.light.field import Illuminance
+from lta_model.light.lamp import direct
+from lta_model.sensors.light_block import Board
 import numpy as np
 
 

@@ -1,9 +1,9 @@
 """A flat foil balloon of 1 m with four rotors, to test the model on: numbers, not a claim."""
 
-from lta_sim.effects import initial_memory
-from lta_sim.kernel import LAYOUT
-from lta_sim.model import Model
-from lta_sim.state import pack
+from lta_model.effects import initial_memory
+from lta_model.model import Model
+from lta_model.state import pack
+from lta_sim.kernels.kernel import LAYOUT
 import numpy as np
 
 G = 9.80665

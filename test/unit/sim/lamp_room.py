@@ -3,10 +3,10 @@
 import copy
 
 from lta_config.files import find, load_yaml, share
+from lta_config.schema.vehicle_file import VehicleFile
 from lta_config.topics import TopicTable
-from lta_config.vehicle_file import VehicleFile
-from lta_sim.scenario import Scenario
-from lta_sim.vehicle import Vehicle
+from lta_model.scenario import Scenario
+from lta_model.vehicle import Vehicle
 from lta_sim.world import World
 
 G = 9.80665

@@ -1,6 +1,6 @@
 """A rigid body as a cloud of points, to hold formulas of mass and inertia against."""
 
-from lta_sim.effects.protocol import Rigid
+from lta_model.effects.protocol import Rigid
 import numpy as np
 
 

@@ -1,7 +1,7 @@
 """A motion to look at single effects with: at rest, level, in calm and dark, unless told else."""
 
-from lta_sim.effects.protocol import Motion
-from lta_sim.state import BODY, COMMAND, DISPLACED, IRRADIANCE, MASS_PLACE, SURROUNDINGS
+from lta_model.effects.protocol import Motion
+from lta_model.state import BODY, COMMAND, DISPLACED, IRRADIANCE, MASS_PLACE, SURROUNDINGS
 import numpy as np
 from scipy.spatial.transform import Rotation
 

@@ -4,9 +4,10 @@ from itertools import pairwise
 import math
 
 from lta_config.errors import BadInput
-from lta_sim.effects import cg_height, cg_offset, moving_mass, strip_damping
-from lta_sim.effects.protocol import Rigid
-from lta_sim.strip_geometry import Box, strips
+from lta_model.effects.aerodynamics import strip_damping
+from lta_model.effects.protocol import Rigid
+from lta_model.effects.weight import cg_height, cg_offset, moving_mass
+from lta_model.strip_geometry import Box, strips
 import numpy as np
 import pytest
 from scipy.integrate import quad

@@ -2,9 +2,9 @@
 
 import math
 
-from lta_sim.kernel import advance, LAYOUT
-from lta_sim.state import COMMAND, MASS_PLACE, QUATERNION, RATES
-from lta_sim.strip_geometry import Box, strips
+from lta_model.state import COMMAND, MASS_PLACE, QUATERNION, RATES
+from lta_model.strip_geometry import Box, strips
+from lta_sim.kernels.kernel import advance, LAYOUT
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation

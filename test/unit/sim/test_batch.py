@@ -1,9 +1,9 @@
 """Many vehicles at once fly as each of them alone, to the last bit."""
 
 from lta_config.errors import BadInput
-from lta_sim import kernel
-from lta_sim.batch import advance_many
-from lta_sim.fleet import Fleet
+from lta_sim.kernels import kernel
+from lta_sim.kernels.batch import advance_many
+from lta_sim.kernels.fleet import Fleet
 import numpy as np
 import pytest
 

@@ -3,15 +3,11 @@
 from itertools import pairwise
 
 from lta_config.errors import BadInput
-from lta_sim.effects import (
-    battery_compensation,
-    battery_sag,
-    initial_memory,
-    thrust_polynomial,
-)
-from lta_sim.kernel import advance, thrusts
-from lta_sim.state import pack, SURROUNDINGS, VOLTAGE
-from lta_sim.vehicle import load_vehicle
+from lta_model.effects import initial_memory
+from lta_model.effects.rotors import battery_compensation, battery_sag, thrust_polynomial
+from lta_model.state import pack, SURROUNDINGS, VOLTAGE
+from lta_model.vehicle import load_vehicle
+from lta_sim.kernels.kernel import advance, thrusts
 import numpy as np
 import pytest
 

@@ -2,10 +2,10 @@
 
 import math
 
-from lta_sim import kernel
-from lta_sim.effects import initial_memory
-from lta_sim.state import pack
-from lta_sim.vehicle import load_vehicle
+from lta_model.effects import initial_memory
+from lta_model.state import pack
+from lta_model.vehicle import load_vehicle
+from lta_sim.kernels import kernel
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp

@@ -4,9 +4,10 @@ import math
 
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_sim.effects import ceiling_effect, ground_effect, walls
-from lta_sim.effects.protocol import Motion
-from lta_sim.state import BODY, ROTOR, ROTOR_PLACE
+from lta_model.effects.contact import walls
+from lta_model.effects.protocol import Motion
+from lta_model.effects.rotors import ceiling_effect, ground_effect
+from lta_model.state import BODY, ROTOR, ROTOR_PLACE
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation

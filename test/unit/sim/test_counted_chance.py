@@ -2,7 +2,7 @@
 
 import math
 
-from lta_config.compiled import compiled
+from lta_config.compilation.compiled import compiled
 from lta_sim.counted_chance import normals, threefry, uniforms
 import numpy as np
 import pytest

@@ -3,17 +3,17 @@
 import math
 from types import SimpleNamespace
 
-from lta_analysis.fleet.craft import sensors_of
 from lta_config.topics import topic_table
+from lta_flight.fleet.craft import sensors_of
+from lta_model.hull import half_axes
+from lta_model.light.pencils import LAMPS, scratch_for, SHARE
+from lta_model.light.view import LightView
+from lta_model.scenario import load_scenario
+from lta_model.sensors import imu, pressure, range
+from lta_model.vehicle import load_vehicle
 from lta_sim import counted_sensors as counted
 from lta_sim.counted_chance import normals
-from lta_sim.hull import half_axes
-from lta_sim.light.heard import listening_of, magnitude, on_ring
-from lta_sim.light.pencils import LAMPS, scratch_for, SHARE
-from lta_sim.light.view import LightView
-from lta_sim.scenario import load_scenario
-from lta_sim.sensors import imu, pressure, range
-from lta_sim.vehicle import load_vehicle
+from lta_sim.counted_light import listening_of, magnitude, on_ring
 from lta_vlc.array import bearing
 from lta_vlc.demodulation import demodulate, Peaks, plan_bins
 from lta_vlc.diodes import ring_of

@@ -1,7 +1,7 @@
 """A vehicle in its row: what it writes there is what the functions of the kernel return."""
 
-from lta_sim import kernel
 from lta_sim.craft import Craft
+from lta_sim.kernels import kernel
 import numpy as np
 import pytest
 

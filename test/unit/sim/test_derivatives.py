@@ -1,11 +1,11 @@
 """Analytic against finite differences: rates against flights, regressors, power against energy."""
 
-from lta_sim import kernel
-from lta_sim.effects import EFFECTS
-from lta_sim.effects.basis import basis
-from lta_sim.effects.protocol import KernelEffect, Motion, WrenchEffect
-from lta_sim.mass import rigid_mass_matrix
-from lta_sim.state import MEMORY, RIGID
+from lta_model.effects import EFFECTS
+from lta_model.effects.basis import basis
+from lta_model.effects.protocol import KernelEffect, Motion, WrenchEffect
+from lta_model.mass import rigid_mass_matrix
+from lta_model.state import MEMORY, RIGID
+from lta_sim.kernels import kernel
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation

@@ -1,18 +1,14 @@
 """Values of single effects by hand, and what may be an effect."""
 
+from lta_cli.reference.effects_page import page
 from lta_config.errors import BadInput
-from lta_sim import effects
-from lta_sim.effects import (
-    floor_contact,
-    motor_lag,
-    rotor_thrust,
-    thrust_curve,
-    weight_and_buoyancy,
-)
-from lta_sim.effects.basis import basis
-from lta_sim.effects.protocol import Motion, Parameter, WrenchEffect
-from lta_sim.effects_page import page
-from lta_sim.state import BODY, COMMAND, DISPLACED, MASS, MASS_MOMENT, SURROUNDINGS
+from lta_model import effects
+from lta_model.effects.basis import basis
+from lta_model.effects.contact import floor_contact
+from lta_model.effects.protocol import Motion, Parameter, WrenchEffect
+from lta_model.effects.rotors import motor_lag, rotor_thrust, thrust_curve
+from lta_model.effects.weight import weight_and_buoyancy
+from lta_model.state import BODY, COMMAND, DISPLACED, MASS, MASS_MOMENT, SURROUNDINGS
 import numpy as np
 import pytest
 

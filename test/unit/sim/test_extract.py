@@ -4,11 +4,12 @@ import math
 from math import hypot
 import os
 
+from lta_config.compilation.extract import Extract
 from lta_config.errors import BadInput
-from lta_config.extract import Extract
-from lta_sim.compose import kernel_source
-from lta_sim.effects import EFFECTS, linear_drag, quadratic_drag
-from lta_sim.effects.protocol import KernelEffect, Motion
+from lta_model.effects import EFFECTS
+from lta_model.effects.aerodynamics import linear_drag, quadratic_drag
+from lta_model.effects.protocol import KernelEffect, Motion
+from lta_sim.kernels.compose import kernel_source
 import pytest
 
 PAIR = (2.0, 3.0)

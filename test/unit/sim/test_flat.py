@@ -3,8 +3,8 @@
 import math
 from typing import NamedTuple
 
+from lta_config.compilation.flat import compiled, Layout, source
 from lta_config.settings import plain, setting, Settings
-from lta_sim.flat import compiled, Layout, source
 import numpy as np
 import pytest
 

@@ -2,12 +2,12 @@
 
 from functools import cache
 
-from lta_sim import kernel, row
-from lta_sim.batch import advance_many
-from lta_sim.compose import kernel_source
-from lta_sim.effects import EFFECTS
-from lta_sim.fleet import Fleet
-from lta_sim.kernel import LAYOUT
+from lta_model.effects import EFFECTS
+from lta_sim.kernels import kernel, row
+from lta_sim.kernels.batch import advance_many
+from lta_sim.kernels.compose import kernel_source
+from lta_sim.kernels.fleet import Fleet
+from lta_sim.kernels.kernel import LAYOUT
 import numpy as np
 import pytest
 

@@ -5,18 +5,19 @@ import math
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from lta_config.compiled import compiled
+from lta_config.compilation.compiled import compiled
 from lta_config.errors import BadInput
-from lta_sim.light.ambient import Ambient
-from lta_sim.light.daylight import Daylight
-from lta_sim.light.echo import beams, echoing, on_faces, surrounding
-from lta_sim.light.field import LightField
-from lta_sim.light.gather import gather
-from lta_sim.light.lambertian import beam, Eye
-from lta_sim.light.lamp import direct, Lamp
-from lta_sim.light.outside import Outside
-from lta_sim.light.passage import on_the_way
-from lta_sim.light.pencils import (
+from lta_model.light.ambient import Ambient
+from lta_model.light.daylight import Daylight
+from lta_model.light.echo import beams, echoing, on_faces, surrounding
+from lta_model.light.field import LightField
+from lta_model.light.gather import gather
+from lta_model.light.lambertian import beam, Eye
+from lta_model.light.lamp import direct, Lamp
+from lta_model.light.modulation import SquareWave
+from lta_model.light.outside import Outside
+from lta_model.light.passage import on_the_way
+from lta_model.light.pencils import (
     BROUGHT,
     brought,
     DAY,
@@ -27,11 +28,10 @@ from lta_sim.light.pencils import (
     SHARE,
     turned,
 )
-from lta_sim.light.room import Albedo, even, Room
-from lta_sim.light.shade import visible
-from lta_sim.light.surround import clear, day_on, hit, surround_of
-from lta_sim.sensors.photodiode import PhotodiodeArray
-from lta_vlc.modulation import SquareWave
+from lta_model.light.room import Albedo, even, Room
+from lta_model.light.shade import visible
+from lta_model.light.surround import clear, day_on, hit, surround_of
+from lta_model.sensors.photodiode import PhotodiodeArray
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation

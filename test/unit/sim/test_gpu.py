@@ -12,8 +12,8 @@ import sys
 import textwrap
 
 from lta_config.errors import BadInput
-from lta_sim import gpu, kernel
-from lta_sim.fleet import Fleet
+from lta_sim.kernels import gpu, kernel
+from lta_sim.kernels.fleet import Fleet
 import numpy as np
 import pytest
 
@@ -27,8 +27,8 @@ SIMULATED = """
     from pathlib import Path
     import sys
 
-    from lta_sim import gpu
-    from lta_sim.fleet import Fleet
+    from lta_sim.kernels import gpu
+    from lta_sim.kernels.fleet import Fleet
     import numpy as np
 
     folder, gpu.THREADS = Path(sys.argv[1]), 2
@@ -81,7 +81,7 @@ def test_each_thread_flies_its_vehicle_as_the_cpu_does(flights, tmp_path):
 def test_without_a_gpu_it_says_what_to_do():
     script = """
         from lta_config.errors import BadInput
-        from lta_sim.gpu import advance_many
+        from lta_sim.kernels.gpu import advance_many
         try:
             advance_many([], None, [], [], 2e-3, 1)
         except BadInput as refusal:

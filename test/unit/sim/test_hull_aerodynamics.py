@@ -4,10 +4,10 @@ import math
 
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_sim.effects import cross_flow, hull_lift, munk_moment
-from lta_sim.effects.protocol import Motion
-from lta_sim.rigid_body import cross
-from lta_sim.state import ADDED, BODY
+from lta_model.effects.aerodynamics import cross_flow, hull_lift, munk_moment
+from lta_model.effects.protocol import Motion
+from lta_model.rigid_body import cross
+from lta_model.state import ADDED, BODY
 import numpy as np
 import pytest
 

@@ -4,8 +4,8 @@ import math
 
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_sim.rigid_body import rotation
-from lta_sim.sensors import imu
+from lta_model.rigid_body import rotation
+from lta_model.sensors import imu
 import numba
 import numpy as np
 import pytest

@@ -7,7 +7,7 @@ import subprocess
 import sys
 import textwrap
 
-from lta_config.kernel_cache import cache_root, is_kept, load, store
+from lta_config.compilation.kernel_cache import cache_root, is_kept, load, store
 import pytest
 
 TINY = 'def answer():\n    return 42\n'
@@ -40,7 +40,7 @@ def answer():
 EFFECT = '''
     """A push along x, from another package."""
 
-    from lta_sim.effects.protocol import Parameter, WrenchEffect
+    from lta_model.effects.protocol import Parameter, WrenchEffect
 
 
     def wrench(p, memory, motion, thrust):
@@ -54,10 +54,10 @@ EFFECT = '''
 '''
 
 SCRIPT = """
-    from lta_sim.effects import initial_memory
-    from lta_sim.kernel import wrenches
-    from lta_sim.model import Model
-    from lta_sim.state import pack
+    from lta_model.effects import initial_memory
+    from lta_sim.kernels.kernel import wrenches
+    from lta_model.model import Model
+    from lta_model.state import pack
     import numpy as np
     import sys
 

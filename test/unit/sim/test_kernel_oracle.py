@@ -5,9 +5,8 @@ Everything is what the library has: an effect that others installed has no secon
 is off.
 """
 
-from lta_sim import kernel
-from lta_sim.effects import BUILT_IN, built_in
-from lta_sim.effects.protocol import (
+from lta_model.effects import BUILT_IN, built_in
+from lta_model.effects.protocol import (
     ActuatorEffect,
     AirEffect,
     BodyEffect,
@@ -15,6 +14,7 @@ from lta_sim.effects.protocol import (
     MeasurementEffect,
     WrenchEffect,
 )
+from lta_sim.kernels import kernel
 import numpy as np
 import pytest
 

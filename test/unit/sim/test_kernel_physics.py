@@ -3,9 +3,9 @@
 from itertools import pairwise
 import math
 
-from lta_sim.kernel import advance, derivative, LAYOUT, wrenches
-from lta_sim.mass import rigid_mass_matrix
-from lta_sim.state import POSITION, QUATERNION, RATES, VELOCITY
+from lta_model.mass import rigid_mass_matrix
+from lta_model.state import POSITION, QUATERNION, RATES, VELOCITY
+from lta_sim.kernels.kernel import advance, derivative, LAYOUT, wrenches
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation

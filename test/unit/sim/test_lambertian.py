@@ -2,19 +2,19 @@
 
 import math
 
-from lta_config.compiled import compiled
-from lta_sim.light.ambient import Ambient
-from lta_sim.light.echo import beams, surrounding
-from lta_sim.light.field import LightField
-from lta_sim.light.lambertian import beam, Eye, lit
-from lta_sim.light.lamp import direct, Lamp
-from lta_sim.light.passage import on_the_way
-from lta_sim.light.pencils import DAY, LAMPS, SHARE
-from lta_sim.light.room import even, Room
-from lta_sim.rigid_body import rotation
-from lta_sim.sensors.light_block import count
-from lta_sim.sensors.photodiode import PhotodiodeArray
-from lta_vlc.modulation import SquareWave
+from lta_config.compilation.compiled import compiled
+from lta_model.light.ambient import Ambient
+from lta_model.light.echo import beams, surrounding
+from lta_model.light.field import LightField
+from lta_model.light.lambertian import beam, Eye, lit
+from lta_model.light.lamp import direct, Lamp
+from lta_model.light.modulation import SquareWave
+from lta_model.light.passage import on_the_way
+from lta_model.light.pencils import DAY, LAMPS, SHARE
+from lta_model.light.room import even, Room
+from lta_model.rigid_body import rotation
+from lta_model.sensors.light_block import count
+from lta_model.sensors.photodiode import PhotodiodeArray
 import numpy as np
 import pytest
 

@@ -1,6 +1,7 @@
 """Values of the lift effects by hand and by the gas law, and that their nulls are nothing."""
 
-from lta_sim.effects import (
+from lta_model.effects.protocol import Rigid
+from lta_model.effects.weight import (
     air_state,
     ballast,
     gas_purity,
@@ -10,7 +11,6 @@ from lta_sim.effects import (
     payload,
     superheat,
 )
-from lta_sim.effects.protocol import Rigid
 import numpy as np
 import pytest
 

@@ -1,7 +1,7 @@
 """Flights of a balloon whose lift changes, against closed forms."""
 
-from lta_sim.kernel import advance, LAYOUT
-from lta_sim.state import IRRADIANCE, POSITION, RATES, SURROUNDINGS, VELOCITY
+from lta_model.state import IRRADIANCE, POSITION, RATES, SURROUNDINGS, VELOCITY
+from lta_sim.kernels.kernel import advance, LAYOUT
 import numpy as np
 import pytest
 

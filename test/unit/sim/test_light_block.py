@@ -2,15 +2,15 @@
 
 import math
 
-from lta_sim.light.ambient import Ambient
-from lta_sim.light.field import Illuminance, LightField
-from lta_sim.light.lamp import Lamp
-from lta_sim.light.room import even, Room
-from lta_sim.sensors.photodiode import PhotodiodeArray
+from lta_model.light.ambient import Ambient
+from lta_model.light.field import Illuminance, LightField
+from lta_model.light.lamp import Lamp
+from lta_model.light.modulation import SquareWave
+from lta_model.light.room import even, Room
+from lta_model.sensors.photodiode import PhotodiodeArray
 from lta_vlc.array import bearing
 from lta_vlc.demodulation import demodulate, plan_bins
 from lta_vlc.diodes import ring_of
-from lta_vlc.modulation import SquareWave
 from lta_vlc.settings import Demodulation
 import numpy as np
 import pytest

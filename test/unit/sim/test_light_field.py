@@ -3,10 +3,10 @@
 import math
 
 from lta_config.errors import BadInput
-from lta_sim.light.ambient import Ambient
-from lta_sim.light.lamp import direct, Lamp
-from lta_sim.light.room import even, Room
-from lta_vlc.modulation import SquareWave
+from lta_model.light.ambient import Ambient
+from lta_model.light.lamp import direct, Lamp
+from lta_model.light.modulation import SquareWave
+from lta_model.light.room import even, Room
 import numpy as np
 import pytest
 

@@ -2,7 +2,8 @@
 
 import math
 
-from lta_sim.effects import (
+from lta_model.effects.protocol import CHANNELS, MeasurementEffect
+from lta_model.effects.sensors import (
     clock_offset,
     clock_skew,
     gyro_bias,
@@ -13,8 +14,7 @@ from lta_sim.effects import (
     tracker_delay,
     tracker_misalignment,
 )
-from lta_sim.effects.protocol import CHANNELS, MeasurementEffect
-from lta_sim.measurement import chains, read
+from lta_model.measurement import chains, read
 import numpy as np
 import pytest
 

@@ -1,10 +1,10 @@
 """A model is refused in one sentence, or it is a body that can exist."""
 
 from lta_config.errors import BadInput
-from lta_sim.effects import EFFECTS, get
-from lta_sim.effects.protocol import KernelEffect
-from lta_sim.kernel import LAYOUT
-from lta_sim.model import Model
+from lta_model.effects import EFFECTS, get
+from lta_model.effects.protocol import KernelEffect
+from lta_model.model import Model
+from lta_sim.kernels.kernel import LAYOUT
 import numpy as np
 import pytest
 

@@ -2,7 +2,7 @@
 
 import math
 
-from lta_sim.sensors.photodiode import PhotodiodeArray, sensitivity
+from lta_model.sensors.photodiode import PhotodiodeArray, sensitivity
 import numpy as np
 from pydantic import ValidationError
 import pytest

@@ -4,13 +4,13 @@ import math
 
 from lta_config.errors import BadInput
 from lta_config.files import known, share
-from lta_sim import kernel
+from lta_model.effects import initial_memory
+from lta_model.hull import added_mass
+from lta_model.limits import level_force, level_speed, tumble_speed
+from lta_model.state import pack, SURROUNDINGS, VOLTAGE
+from lta_model.vehicle import load_vehicle
 from lta_sim.cfd.sweep_table import read_sweep
-from lta_sim.effects import initial_memory
-from lta_sim.hull import added_mass
-from lta_sim.limits import level_force, level_speed, tumble_speed
-from lta_sim.state import pack, SURROUNDINGS, VOLTAGE
-from lta_sim.vehicle import load_vehicle
+from lta_sim.kernels import kernel
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation

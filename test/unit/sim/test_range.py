@@ -4,7 +4,7 @@ import math
 
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_sim.sensors import range as tof
+from lta_model.sensors import range as tof
 import numpy as np
 import pytest
 from scipy.stats import chi2, kstest

@@ -1,6 +1,7 @@
 """What becomes of a duty on its way to newtons, by hand and against published benches."""
 
-from lta_sim.effects import (
+from lta_model.effects.protocol import CHANNELS
+from lta_model.effects.rotors import (
     battery_sag,
     command_delay,
     motor_deadband,
@@ -9,8 +10,7 @@ from lta_sim.effects import (
     thrust_polynomial,
     thrust_scale,
 )
-from lta_sim.effects.protocol import CHANNELS
-from lta_sim.state import SURROUNDINGS, VOLTAGE
+from lta_model.state import SURROUNDINGS, VOLTAGE
 import numpy as np
 import pytest
 

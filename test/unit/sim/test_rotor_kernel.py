@@ -1,9 +1,9 @@
 """Rotor effects in the compiled model: what a fault, a low battery and a reversed rotor do."""
 
-from lta_sim.effects import initial_memory
-from lta_sim.kernel import derivative
-from lta_sim.model import Model
-from lta_sim.state import pack, SURROUNDINGS, VOLTAGE
+from lta_model.effects import initial_memory
+from lta_model.model import Model
+from lta_model.state import pack, SURROUNDINGS, VOLTAGE
+from lta_sim.kernels.kernel import derivative
 import numpy as np
 import pytest
 

@@ -1,9 +1,9 @@
 """What rotors do to the hull beyond B: tilted axes, reversed jets and jets that collide."""
 
-from lta_sim.effects import rotor_envelope_interaction, rotor_misalignment, rotor_thrust
-from lta_sim.effects.basis import basis
-from lta_sim.effects.protocol import AXES, Motion
-from lta_sim.state import ACTUATORS, BODY, COMMAND, ROTOR, ROTOR_PLACE, SURROUNDINGS
+from lta_model.effects.basis import basis
+from lta_model.effects.protocol import AXES, Motion
+from lta_model.effects.rotors import rotor_envelope_interaction, rotor_misalignment, rotor_thrust
+from lta_model.state import ACTUATORS, BODY, COMMAND, ROTOR, ROTOR_PLACE, SURROUNDINGS
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation

@@ -5,7 +5,7 @@ import math
 
 from lta_config.errors import BadInput
 from lta_config.files import find, load_yaml
-from lta_sim.scenario import load_scenario
+from lta_model.scenario import load_scenario
 import pytest
 import yaml
 

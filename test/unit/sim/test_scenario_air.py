@@ -5,10 +5,10 @@ import math
 from lta_config.errors import BadInput
 from lta_config.files import known, load_yaml, share
 from lta_config.quantity import Quantity
+from lta_model.military_turbulence import low_altitude
+from lta_model.scenario import load_scenario, Scenario
+from lta_model.vehicle import load_vehicle
 from lta_sim.in_scene import effects_in, reach
-from lta_sim.military_turbulence import low_altitude
-from lta_sim.scenario import load_scenario, Scenario
-from lta_sim.vehicle import load_vehicle
 import pytest
 
 from .lamp_room import edited, ROOM

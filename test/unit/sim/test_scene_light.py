@@ -3,12 +3,12 @@
 from lta_config.errors import BadInput
 from lta_config.files import find, load_yaml
 from lta_config.topics import topic_table
+from lta_model.light.setting import scale_in, set_for
+from lta_model.light.view import LightView
+from lta_model.scenario import load_scenario, Scenario
+from lta_model.state import WIND
+from lta_model.vehicle import load_vehicle
 from lta_sim.bounds import Bounds
-from lta_sim.light.setting import scale_in, set_for
-from lta_sim.light.view import LightView
-from lta_sim.scenario import load_scenario, Scenario
-from lta_sim.state import WIND
-from lta_sim.vehicle import load_vehicle
 from lta_sim.world import World
 from lta_vlc.demodulation import demodulate, plan_bins
 from lta_vlc.settings import Demodulation

@@ -4,14 +4,14 @@ from dataclasses import replace
 import math
 
 from lta_config.errors import BadInput
-from lta_sim.light.ambient import Ambient
-from lta_sim.light.clock import Clock
-from lta_sim.light.field import Illuminance, LightField
-from lta_sim.light.flicker import lamp_wave, mains_wave, Sampling
-from lta_sim.light.lambertian import beam, Eye, seen, shine
-from lta_sim.light.lamp import Lamp, order_of
-from lta_sim.sensors.photodiode import PhotodiodeArray
-from lta_vlc.modulation import SquareWave
+from lta_model.light.ambient import Ambient
+from lta_model.light.clock import Clock
+from lta_model.light.field import Illuminance, LightField
+from lta_model.light.flicker import lamp_wave, mains_wave, Sampling
+from lta_model.light.lambertian import beam, Eye, seen, shine
+from lta_model.light.lamp import Lamp, order_of
+from lta_model.light.modulation import SquareWave
+from lta_model.sensors.photodiode import PhotodiodeArray
 import numpy as np
 import pytest
 

@@ -2,12 +2,12 @@
 
 from itertools import pairwise
 
-from lta_sim import kernel
-from lta_sim.effects import initial_memory
-from lta_sim.mass import rigid_mass_matrix
-from lta_sim.model import Model
-from lta_sim.state import MASS_PLACE, pack, RIGID
-from lta_sim.vehicle import load_vehicle
+from lta_model.effects import initial_memory
+from lta_model.mass import rigid_mass_matrix
+from lta_model.model import Model
+from lta_model.state import MASS_PLACE, pack, RIGID
+from lta_model.vehicle import load_vehicle
+from lta_sim.kernels import kernel
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation

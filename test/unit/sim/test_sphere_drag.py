@@ -9,13 +9,13 @@ CC-BY-4.0), looked for in `../shared/data/sphere_drag` beside the project. Corre
 import math
 from pathlib import Path
 
-from lta_sim import kernel
-from lta_sim.effects import initial_memory
-from lta_sim.hull import half_axes
-from lta_sim.mass import spheroid_added_mass
-from lta_sim.model import Model
-from lta_sim.state import pack
-from lta_sim.vehicle import load_vehicle
+from lta_model.effects import initial_memory
+from lta_model.hull import half_axes
+from lta_model.mass import spheroid_added_mass
+from lta_model.model import Model
+from lta_model.state import pack
+from lta_model.vehicle import load_vehicle
+from lta_sim.kernels import kernel
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp

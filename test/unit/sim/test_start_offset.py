@@ -2,9 +2,9 @@
 
 from lta_config.errors import BadInput
 from lta_config.topics import topic_table
-from lta_sim.scenario import load_scenario
-from lta_sim.start_offset import started
-from lta_sim.vehicle import load_vehicle
+from lta_model.scenario import load_scenario
+from lta_model.start_offset import started
+from lta_model.vehicle import load_vehicle
 from lta_sim.world import World
 import pytest
 

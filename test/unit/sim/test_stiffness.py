@@ -3,8 +3,8 @@
 import re
 
 from lta_config.errors import BadInput
+from lta_model.stiffness import fastest, STEP_NS
 from lta_sim.in_scene import check
-from lta_sim.stiffness import fastest, STEP_NS
 import numpy as np
 import pytest
 

@@ -3,9 +3,9 @@
 from functools import cache
 import math
 
-from lta_sim.effects import turbulence
-from lta_sim.effects.protocol import Place
-from lta_sim.state import NOISE
+from lta_model.effects.air import turbulence
+from lta_model.effects.protocol import Place
+from lta_model.state import NOISE
 import numpy as np
 import pytest
 from scipy.linalg import solve_continuous_lyapunov

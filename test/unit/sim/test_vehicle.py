@@ -5,12 +5,12 @@ import math
 from lta_config.errors import BadInput
 from lta_config.files import find
 from lta_config.quantity import Quantity
-from lta_config.vehicle_file import load_vehicle_file
-from lta_energy.panel import max_power
-from lta_sim import kernel
-from lta_sim.effects import EFFECTS, initial_memory
-from lta_sim.state import DISPLACED, MASS, MASS_MOMENT, pack, RIGID
-from lta_sim.vehicle import load_vehicle, Vehicle
+from lta_config.schema.vehicle_file import load_vehicle_file
+from lta_model.effects import EFFECTS, initial_memory
+from lta_model.electrical.panel import max_power
+from lta_model.state import DISPLACED, MASS, MASS_MOMENT, pack, RIGID
+from lta_model.vehicle import load_vehicle, Vehicle
+from lta_sim.kernels import kernel
 import numpy as np
 import pytest
 import yaml

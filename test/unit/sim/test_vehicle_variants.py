@@ -3,12 +3,12 @@
 import copy
 
 from lta_config.errors import BadInput
-from lta_config.vehicle_file import VehicleFile
-from lta_sim import kernel
-from lta_sim.effects import initial_memory
-from lta_sim.limits import level_force
-from lta_sim.state import pack
-from lta_sim.vehicle import load_vehicle, Vehicle
+from lta_config.schema.vehicle_file import VehicleFile
+from lta_model.effects import initial_memory
+from lta_model.limits import level_force
+from lta_model.state import pack
+from lta_model.vehicle import load_vehicle, Vehicle
+from lta_sim.kernels import kernel
 import numpy as np
 import pytest
 

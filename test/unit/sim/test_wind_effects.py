@@ -5,9 +5,9 @@ import math
 from hypothesis import given
 from hypothesis import strategies as st
 from lta_config.errors import BadInput
-from lta_sim.effects import gusts, steady_wind, turbulence, wind_gradient, wind_profile
-from lta_sim.effects.protocol import Place
-from lta_sim.military_turbulence import low_altitude
+from lta_model.effects.air import gusts, steady_wind, turbulence, wind_gradient, wind_profile
+from lta_model.effects.protocol import Place
+from lta_model.military_turbulence import low_altitude
 import numpy as np
 import pytest
 from scipy.integrate import quad

@@ -3,10 +3,10 @@
 from itertools import pairwise
 import math
 
-from lta_sim.effects import wind_profile
-from lta_sim.effects.protocol import Place
-from lta_sim.kernel import advance
-from lta_sim.state import POSITION, QUATERNION, RATES, SURROUNDINGS, VELOCITY
+from lta_model.effects.air import wind_profile
+from lta_model.effects.protocol import Place
+from lta_model.state import POSITION, QUATERNION, RATES, SURROUNDINGS, VELOCITY
+from lta_sim.kernels.kernel import advance
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation

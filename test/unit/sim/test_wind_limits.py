@@ -3,12 +3,13 @@
 from functools import cache
 import math
 
-from lta_analysis.ingredients import gather
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.files import checked, find, load_yaml
-from lta_config.vehicle_file import VehicleFile
-from lta_sim import limits, wind_limits
-from lta_sim.vehicle import load_vehicle, Vehicle
+from lta_config.schema.vehicle_file import VehicleFile
+from lta_flight.ingredients import gather
+from lta_model import limits
+from lta_model.vehicle import load_vehicle, Vehicle
+from lta_sim import wind_limits
 from lta_sim.wind_limits import (
     air_wrench,
     rise_speed,

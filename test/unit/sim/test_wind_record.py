@@ -1,10 +1,10 @@
 """Recorded wind: read strictly, interpolated, and felt by the hull."""
 
 from lta_config.errors import BadInput
+from lta_model.scenario import load_scenario
+from lta_model.state import QUATERNION, SURROUNDINGS, VELOCITY, WIND, WIND_RATE
 from lta_sim.in_scene import record_of
-from lta_sim.kernel import advance
-from lta_sim.scenario import load_scenario
-from lta_sim.state import QUATERNION, SURROUNDINGS, VELOCITY, WIND, WIND_RATE
+from lta_sim.kernels.kernel import advance
 from lta_sim.wind_record import WindRecord
 import numpy as np
 import pytest

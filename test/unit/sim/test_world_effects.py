@@ -2,13 +2,13 @@
 
 import math
 
-from lta_sim import kernel
+from lta_model.effects import EFFECTS
+from lta_model.light.view import LightView
+from lta_model.state import IRRADIANCE, NOISE, VOLTAGE, WIND
 from lta_sim.around import Around
 from lta_sim.command_link import CommandLink
-from lta_sim.effects import EFFECTS
-from lta_sim.light.view import LightView
+from lta_sim.kernels import kernel
 from lta_sim.readings import Readings
-from lta_sim.state import IRRADIANCE, NOISE, VOLTAGE, WIND
 import numpy as np
 import pytest
 

@@ -4,12 +4,12 @@ import math
 
 from lta_config.files import known
 from lta_config.topics import topic_table
-from lta_energy.battery import open_circuit_voltage
-from lta_energy.panel import max_power, Panel
-from lta_sim.hull import half_axes
-from lta_sim.light.panel_light import plane_of
-from lta_sim.scenario import load_scenario
-from lta_sim.vehicle import load_vehicle
+from lta_model.electrical.battery import open_circuit_voltage
+from lta_model.electrical.panel import max_power, Panel
+from lta_model.hull import half_axes
+from lta_model.light.panel_light import plane_of
+from lta_model.scenario import load_scenario
+from lta_model.vehicle import load_vehicle
 from lta_sim.world import World
 import pytest
 

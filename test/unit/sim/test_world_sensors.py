@@ -3,8 +3,8 @@
 import itertools
 import math
 
-from lta_sim import kernel
-from lta_sim.sensors.light_block import Board
+from lta_model.sensors.light_block import Board
+from lta_sim.kernels import kernel
 import numpy as np
 import pytest
 

@@ -3,12 +3,13 @@
 import math
 
 from lta_config.constants import STANDARD_GRAVITY
-from lta_sim import messages
+from lta_model import messages
+from lta_model.effects import initial_memory
+from lta_model.effects.air import turbulence
+from lta_model.effects.protocol import Place
+from lta_model.state import RIGID, SURROUNDINGS
 from lta_sim.around import memory_at_start
-from lta_sim.effects import initial_memory, turbulence
-from lta_sim.effects.protocol import Place
-from lta_sim.kernel import LAYOUT
-from lta_sim.state import RIGID, SURROUNDINGS
+from lta_sim.kernels.kernel import LAYOUT
 import numpy as np
 import pytest
 

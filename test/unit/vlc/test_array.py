@@ -2,10 +2,10 @@
 
 import math
 
+from lta_model.ring import azimuths, Ring
 from lta_vlc.array import bearing, weighted_mean
 from lta_vlc.demodulation import demodulate, Peaks, plan_bins
 from lta_vlc.diodes import ring_of
-from lta_vlc.ring import azimuths, Ring
 from lta_vlc.settings import Demodulation
 import numba
 import numpy as np

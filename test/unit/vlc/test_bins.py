@@ -1,9 +1,9 @@
 """Bins in which beacons are sought and noise is measured, at the limits of what is allowed."""
 
 from lta_config.errors import BadInput
-from lta_vlc.bins import plan_beacons
 from lta_vlc.demodulation import plan_bins
 from lta_vlc.settings import Demodulation
+from lta_vlc.spectral.bins import plan_beacons
 import pytest
 
 

@@ -3,8 +3,8 @@
 import math
 
 from lta_config.errors import BadInput
+from lta_model.light.modulation import SquareWave
 from lta_vlc.demodulation import demodulate, find_peaks, plan_bins
-from lta_vlc.modulation import SquareWave
 from lta_vlc.settings import Demodulation
 import numpy as np
 from pydantic import ValidationError

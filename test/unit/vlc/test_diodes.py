@@ -4,7 +4,7 @@ from dataclasses import replace
 import math
 
 from lta_config.errors import BadInput
-from lta_config.vehicle_file import load_vehicle_file
+from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_vlc.demodulation import Peaks
 from lta_vlc.diodes import diodes_of, ring_of
 from lta_vlc.direction import Direction, DirectionFinder, expected_of

@@ -5,9 +5,9 @@ import math
 
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_config.compiled import compiled
+from lta_config.compilation.compiled import compiled
 from lta_config.errors import BadInput
-from lta_config.vehicle_file import load_vehicle_file
+from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_vlc.demodulation import Peaks
 from lta_vlc.diodes import Diodes, diodes_of, ring_of
 from lta_vlc.direction import array_of, DirectionFinder, expected_of, PART

@@ -4,7 +4,7 @@ from fractions import Fraction
 import math
 
 from lta_config.errors import BadInput
-from lta_vlc.modulation import cycles, SquareWave
+from lta_model.light.modulation import cycles, SquareWave
 import numpy as np
 import pytest
 

@@ -2,8 +2,8 @@
 
 from lta_config.errors import BadInput
 from lta_vlc.listener import Listener
-from lta_vlc.separation import check_beacons, folded, mains_flicker
 from lta_vlc.settings import Demodulation
+from lta_vlc.spectral.separation import check_beacons, folded, mains_flicker
 import pytest
 
 

@@ -2,7 +2,7 @@
 
 import math
 
-from lta_vlc.spectrum import amplitude_spectrum, target_bin
+from lta_vlc.spectral.spectrum import amplitude_spectrum, target_bin
 import numpy as np
 import pytest
 

@@ -3,8 +3,8 @@
 import math
 
 from lta_vlc.faults import Fault, FAULTS, sample_faults, SPOILT, tone_faults
-from lta_vlc.samples import look, Looked
-from lta_vlc.survey import Survey, survey
+from lta_vlc.spectral.samples import look, Looked
+from lta_vlc.spectral.survey import Survey, survey
 import numpy as np
 import pytest
 

@@ -1,14 +1,14 @@
 """
 Frequency and amplitude between the bins, against exact tones and against other ways.
 
-Run as a script, it prints the table of `lta_vlc.tone`.
+Run as a script, it prints the table of `lta_vlc.spectral.tone`.
 """
 
 import math
 import sys
 
-from lta_vlc.spectrum import transform
-from lta_vlc.tone import kernel, read_tones
+from lta_vlc.spectral.spectrum import transform
+from lta_vlc.spectral.tone import kernel, read_tones
 import numpy as np
 import pytest
 

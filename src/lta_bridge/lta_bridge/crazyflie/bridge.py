@@ -16,7 +16,7 @@ from lta_bridge.crazyflie.round_trips import RoundTrips
 from lta_bridge.crazyflie.safety import Stage
 from lta_bridge.crazyflie.supervisor import Bit
 from lta_bridge.crazyflie.wiring import rotor_places
-from lta_config.crazyflie_file import CrazyflieFile
+from lta_config.schema.crazyflie_file import CrazyflieFile
 from lta_graph.age import age
 from lta_graph.refused import Refused
 

@@ -9,9 +9,9 @@ so the current is a model's, and what the energy monitor makes of it is as good 
 from collections.abc import Sequence
 from typing import NamedTuple, Self
 
-from lta_config.vehicle_energy import Energy
-from lta_energy.loads import Loads
+from lta_config.schema.vehicle_energy import Energy
 from lta_energy.rotor import power_at
+from lta_model.electrical.loads import Loads
 
 
 class Consumption(NamedTuple):

@@ -12,7 +12,7 @@ from typing import Final, final
 
 from lta_bridge.crazyflie.link import Link, LinkFailed
 from lta_bridge.crazyflie.remedies import remedied
-from lta_config.crazyflie_file import Expected
+from lta_config.schema.crazyflie_file import Expected
 
 DEADLINE: Final = 8.0  # s for one attempt; a TOC of 700 entries over the radio takes about five
 CONFIRM: Final = 2.0  # s for one parameter

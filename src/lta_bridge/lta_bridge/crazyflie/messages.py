@@ -10,10 +10,10 @@ from lta_control.attitude import heading
 from lta_control.cascade import wrap
 from lta_control.messages import attitude_of, to_setpoint
 from lta_graph.ros.stamps import from_stamp
-from lta_sim import messages
-from lta_sim.sensors.imu import bounds_of, ImuSettings
-from lta_sim.sensors.pressure import PressureSettings
-from lta_sim.sensors.range import RangeSettings
+from lta_model import messages
+from lta_model.sensors.imu import bounds_of, ImuSettings
+from lta_model.sensors.pressure import PressureSettings
+from lta_model.sensors.range import RangeSettings
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import BatteryState, FluidPressure, Imu, JointState, Range
 

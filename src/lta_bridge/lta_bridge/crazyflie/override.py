@@ -7,9 +7,9 @@ drone alone: our state machine decides as ever, but what only the drone can do, 
 
 from collections.abc import Mapping
 
-from lta_config.crazyflie_file import CrazyflieFile, Expected
 from lta_config.errors import BadInput
-from lta_sim.vehicle import Vehicle
+from lta_config.schema.crazyflie_file import CrazyflieFile, Expected
+from lta_model.vehicle import Vehicle
 
 OVERRIDE = 'override'
 APP = ('lta.', 'stabilizer.controller')  # of firmware/crazyflie, which the override does without

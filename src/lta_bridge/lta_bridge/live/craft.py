@@ -19,8 +19,8 @@ from lta_bridge.live.shapes import (
     X,
     Z,
 )
-from lta_sim import hull
-from lta_sim.vehicle import Vehicle
+from lta_model import hull
+from lta_model.vehicle import Vehicle
 
 BASE: Final = 'base_link'
 ENVELOPE: Final[Colour] = (0.80, 0.84, 0.90, 0.45)  # see-through: what hangs below must show

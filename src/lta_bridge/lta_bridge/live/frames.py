@@ -6,7 +6,7 @@ from typing import final, NamedTuple
 from lta_bridge.live.craft import BASE
 from lta_bridge.live.room import MAP
 from lta_bridge.live.shapes import LEVEL, Three, three, Turn
-from lta_sim.vehicle import Vehicle
+from lta_model.vehicle import Vehicle
 
 _HALF = math.sqrt(0.5)
 DOWN: Turn = (0.0, _HALF, 0.0, _HALF)  # turns x down, as a range finder's must point

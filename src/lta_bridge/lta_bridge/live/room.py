@@ -17,9 +17,9 @@ from lta_bridge.live.shapes import (
     three,
     Z,
 )
-from lta_sim.light.lamp import Lamp
-from lta_sim.scenario import Scenario
-from lta_sim.scenario_light import LampScene
+from lta_model.light.lamp import Lamp
+from lta_model.scenario import Scenario
+from lta_model.scenario_light import LampScene
 
 MAP: Final = 'map'
 FLOOR: Final[Colour] = (0.50, 0.52, 0.55, 0.25)

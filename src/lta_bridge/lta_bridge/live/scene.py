@@ -8,8 +8,8 @@ from lta_bridge.live.frames import Frame, sensor_frames, vehicle_frame
 from lta_bridge.live.room import MAP, standing
 from lta_bridge.live.shapes import along, Arrow, Entity, LEVEL, ORIGIN, shifted, Three, Turn, X, Z
 from lta_bridge.live.track import Track
-from lta_sim.scenario import Scenario
-from lta_sim.vehicle import Vehicle
+from lta_model.scenario import Scenario
+from lta_model.vehicle import Vehicle
 
 RAY = 2.0  # m, of the bearing
 CALM = 0.01  # m/s below which no wind is drawn

@@ -22,8 +22,8 @@ from lta_bridge.crazyflie.log_table import BLOCKS, check
 from lta_bridge.crazyflie.override import check_tether, compensated, expected
 from lta_bridge.crazyflie.safety import Asked, LEAVE, Stage
 from lta_bridge.crazyflie.settings import BridgeSettings
-from lta_config.crazyflie_file import crazyflie_of
 from lta_config.errors import BadInput
+from lta_config.schema.crazyflie_file import crazyflie_of
 from lta_graph.health import Level
 from lta_graph.ros.device import DeviceNode
 from lta_graph.ros.helm import Helm
@@ -32,7 +32,7 @@ from lta_graph.ros.parameters import Parameters
 from lta_graph.ros.process import run
 from lta_graph.ros.sound import fault
 from lta_graph.ros.stamps import from_stamp, to_stamp
-from lta_sim.vehicle import load_vehicle
+from lta_model.vehicle import load_vehicle
 from rclpy.clock import Clock, ClockType
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from std_srvs.srv import SetBool, Trigger

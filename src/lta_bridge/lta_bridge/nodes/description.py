@@ -17,7 +17,7 @@ from lta_graph.health import Level
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import Parameters
 from lta_graph.ros.process import run
-from lta_sim.vehicle import load_vehicle
+from lta_model.vehicle import load_vehicle
 from nav_msgs.msg import Odometry
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import String

@@ -28,8 +28,8 @@ from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import Parameters
 from lta_graph.ros.process import run
 from lta_graph.ros.spin import spin
-from lta_sim.scenario import load_scenario
-from lta_sim.vehicle import load_vehicle
+from lta_model.scenario import load_scenario
+from lta_model.vehicle import load_vehicle
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 

@@ -12,14 +12,14 @@ from lta_bridge.teensy.condition import condition, TASK
 from lta_bridge.teensy.light_board import LightBlock, LightBoard, LightPeaks
 from lta_bridge.teensy.reader import Reader
 from lta_config.errors import BadInput
+from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.settings import setting, Settings
-from lta_config.vehicle_file import load_vehicle_file
 from lta_graph.health import Level
 from lta_graph.ros.device import DeviceNode
 from lta_graph.ros.parameters import Parameters
 from lta_graph.ros.process import run
 from lta_graph.ros.stamps import to_stamp
-from lta_sim.messages import light_block
+from lta_model.messages import light_block
 from lta_vlc.demodulation import Peaks
 from lta_vlc.diodes import diodes_of
 from lta_vlc.lamp import LampPrior

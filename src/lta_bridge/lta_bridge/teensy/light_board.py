@@ -22,7 +22,7 @@ from lta_bridge.teensy.message import Message
 from lta_bridge.teensy.one_sender import OneSender
 from lta_config.topics import Light
 from lta_vlc.demodulation import Peaks
-from lta_vlc.snr import signal_to_noise
+from lta_vlc.spectral.snr import signal_to_noise
 import numpy as np
 from numpy.typing import NDArray
 

@@ -8,7 +8,7 @@ from lta_control.cascade import Setpoint
 from lta_control.gains_file import load_gains_of
 from lta_control.laws import law
 from lta_control.laws.protocol import Command, Feedback, Heard, Motion
-from lta_sim.vehicle import Vehicle
+from lta_model.vehicle import Vehicle
 
 CASCADE = 'cascade'
 

@@ -13,7 +13,7 @@ from lta_control.cascade import CascadeGains
 from lta_control.control import control_step, ControlMemory
 from lta_control.laws.protocol import Command, Feedback, Heard, Law, UNMOVED
 from lta_control.vehicle_side import rotors_of, surge_drag_of
-from lta_sim.vehicle import Vehicle
+from lta_model.vehicle import Vehicle
 
 
 class CascadeKnown(NamedTuple):

@@ -23,7 +23,7 @@ from lta_control.laws.frames import limited, to_world
 from lta_control.laws.protocol import Command, Feedback, Heard, Law
 from lta_control.pid import pid_step, PidGains
 from lta_control.vehicle_side import rotors_of
-from lta_sim.vehicle import Vehicle
+from lta_model.vehicle import Vehicle
 
 TWO = 2
 

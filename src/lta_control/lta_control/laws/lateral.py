@@ -31,7 +31,7 @@ from lta_control.laws.protocol import Command, Feedback, Heard, Law, UNMOVED
 from lta_control.per_rotor import PerRotor
 from lta_control.pid import pid_step, PidGains
 from lta_control.vehicle_side import rotors_of
-from lta_sim.vehicle import Vehicle
+from lta_model.vehicle import Vehicle
 import numpy as np
 
 FOUR = 4

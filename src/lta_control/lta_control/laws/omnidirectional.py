@@ -19,7 +19,7 @@ from lta_control.laws.frames import from_angles, limited, to_body, to_world, tur
 from lta_control.laws.protocol import Command, Feedback, Heard, Law, UNMOVED
 from lta_control.per_rotor import NONE, PerRotor
 from lta_control.vehicle_side import rotors_of, surge_drag_of
-from lta_sim.vehicle import Vehicle
+from lta_model.vehicle import Vehicle
 
 ALL_ALIKE = (1.0, 1.0, 1.0, 1.0, 1.0, 1.0)  # its lever is near 1 m: N and N m compare
 

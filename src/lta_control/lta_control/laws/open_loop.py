@@ -21,7 +21,7 @@ from lta_control.laws.frames import limited
 from lta_control.laws.protocol import Command, Feedback, Heard, Law, UNMOVED
 from lta_control.per_rotor import NONE, PerRotor
 from lta_control.vehicle_side import rotors_of
-from lta_sim.vehicle import Vehicle
+from lta_model.vehicle import Vehicle
 
 
 class OpenLoopGains(Settings):

@@ -2,7 +2,7 @@
 What a control law is: from where the vehicle is and should be to what its rotors do.
 
 A law is plain functions of scalars and tuples, memory handed in and out, so that it runs as it
-stands in a node and compiled in a loop (`lta_sim.flat`).
+stands in a node and compiled in a loop (`lta_config.compilation.flat`).
 """
 
 from collections.abc import Callable
@@ -14,7 +14,7 @@ from lta_config.settings import Settings
 from lta_control.attitude import Quaternion, Vector
 from lta_control.cascade import Setpoint
 from lta_control.per_rotor import NONE, PerRotor
-from lta_sim.vehicle import Vehicle
+from lta_model.vehicle import Vehicle
 
 UNMOVED: Vector = (0.0, 0.0, 0.0)
 

@@ -22,7 +22,7 @@ from lta_control.laws.protocol import Command, Feedback, Heard, Law, UNMOVED
 from lta_control.per_rotor import NONE, PerRotor
 from lta_control.pid import pid_step, PidGains
 from lta_control.vehicle_side import rotors_of
-from lta_sim.vehicle import Vehicle
+from lta_model.vehicle import Vehicle
 
 # Upright before high before heading: a moment counts by an arm of 1 cm, in yaw of 10 cm.
 MIXER = (0.0, 0.0, 1.0, 1e4, 1e4, 1e2)

@@ -24,7 +24,7 @@ from lta_control.laws.protocol import Command, Feedback, Heard, Law, UNMOVED
 from lta_control.per_rotor import NONE, PerRotor
 from lta_control.pid import pid_step, PidGains
 from lta_control.vehicle_side import rotors_of, surge_drag_of
-from lta_sim.vehicle import Vehicle
+from lta_model.vehicle import Vehicle
 
 YAW_WEIGHT = 1000.0  # N m against N, by an arm of 3 cm; only to share thrust evenly
 

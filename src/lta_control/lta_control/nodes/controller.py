@@ -25,8 +25,8 @@ from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import Parameters
 from lta_graph.ros.process import run
 from lta_graph.ros.stamps import from_stamp
-from lta_sim.scenario import course_in
-from lta_sim.vehicle import load_vehicle
+from lta_model.scenario import course_in
+from lta_model.vehicle import load_vehicle
 from nav_msgs.msg import Odometry
 from std_srvs.srv import SetBool, Trigger
 

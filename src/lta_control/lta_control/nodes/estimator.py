@@ -13,7 +13,7 @@ from lta_graph.inbox import Step
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import Parameters
 from lta_graph.ros.process import run
-from lta_sim.vehicle import load_vehicle
+from lta_model.vehicle import load_vehicle
 
 
 class EstimatorParameters(EstimatorSettings):

@@ -26,8 +26,8 @@ from lta_graph.ros.parameters import Parameters
 from lta_graph.ros.process import run
 from lta_graph.ros.sound import fault
 from lta_graph.ros.stamps import from_stamp
-from lta_sim.light.setting import scale_in
-from lta_sim.scenario import course_in, route_in
+from lta_model.light.setting import scale_in
+from lta_model.scenario import course_in, route_in
 from lta_vlc.wish import NO_WISH
 from nav_msgs.msg import Odometry
 from std_msgs.msg import Float64

@@ -4,9 +4,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import final, NamedTuple
 
-from lta_energy.battery import Battery
-from lta_energy.reading import Reading
+from lta_energy.monitoring.reading import Reading
 from lta_graph.health import Level
+from lta_model.electrical.battery import Battery
 
 Memory = tuple[float, ...]
 

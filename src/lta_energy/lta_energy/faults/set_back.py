@@ -1,4 +1,4 @@
-"""Readings by a clock that was set back; `lta_energy.new_clock` tells when they are."""
+"""Readings by a clock that was set back; `lta_energy.monitoring.new_clock` tells when they are."""
 
 from lta_energy.faults.protocol import Detector, Memory, Seen
 from lta_graph.health import Level

@@ -16,7 +16,7 @@ from lta_energy.faults import (
     swapped,
 )
 from lta_energy.faults.protocol import Detector, Memory, Seen
-from lta_energy.latch import Latch, latched
+from lta_energy.monitoring.latch import Latch, latched
 from lta_graph.health import Level
 
 # The order is that in which they are told: what explains others comes first.

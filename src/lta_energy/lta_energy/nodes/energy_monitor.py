@@ -2,12 +2,13 @@
 
 from typing import TYPE_CHECKING
 
+from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.settings import setting
-from lta_config.vehicle_file import load_vehicle_file
-from lta_energy import alarms, messages
-from lta_energy.aboard import Aboard
-from lta_energy.estimate import Estimate
-from lta_energy.monitor import MonitorSettings, update
+from lta_energy import messages
+from lta_energy.monitoring import alarms
+from lta_energy.monitoring.aboard import Aboard
+from lta_energy.monitoring.estimate import Estimate
+from lta_energy.monitoring.monitor import MonitorSettings, update
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import Parameters
 from lta_graph.ros.process import run

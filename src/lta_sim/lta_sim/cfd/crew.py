@@ -10,13 +10,13 @@ from pathlib import Path
 from typing import Final, final, Protocol
 
 from lta_sim.cfd import gates, reduce
-from lta_sim.cfd.case import Case
-from lta_sim.cfd.engine import CaseFailed, Programs, version
-from lta_sim.cfd.forces import read_mesh, read_patches
-from lta_sim.cfd.mesh import standing
 from lta_sim.cfd.model import Model
+from lta_sim.cfd.openfoam.case import Case
+from lta_sim.cfd.openfoam.engine import CaseFailed, Programs, version
+from lta_sim.cfd.openfoam.forces import read_mesh, read_patches
+from lta_sim.cfd.openfoam.mesh import standing
+from lta_sim.cfd.openfoam.stage import Progress, Stages
 from lta_sim.cfd.plan import Flow
-from lta_sim.cfd.stage import Progress, Stages
 from lta_sim.cfd.sweep_table import Blow, Point
 
 READ: Final = {

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping
 from typing import Final
 
-from lta_sim.cfd.engine import CaseFailed
+from lta_sim.cfd.openfoam.engine import CaseFailed
 
 FACES: Final = 20  # of the mesh, on each body
 ZONE: Final = 30  # cells of a rotor's disk

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Final, final
 
 from lta_config.errors import BadInput
-from lta_config.mount_file import Mount
-from lta_config.tunnel_file import Body, Disk, load_tunnel_file, TunnelFile
-from lta_config.vehicle_file import load_vehicle_file, VehicleFile
+from lta_config.schema.mount_file import Mount
+from lta_config.schema.tunnel_file import Body, Disk, load_tunnel_file, TunnelFile
+from lta_config.schema.vehicle_file import load_vehicle_file, VehicleFile
 from lta_sim.cfd.shape import envelope
 from lta_sim.cfd.stl import read_stl
 import numpy as np

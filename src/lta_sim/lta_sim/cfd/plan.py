@@ -4,9 +4,9 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, final, Literal
 
-from lta_sim.cfd.case import Case
 from lta_sim.cfd.columns import REVERSED
 from lta_sim.cfd.model import Model
+from lta_sim.cfd.openfoam.case import Case
 from lta_sim.cfd.still import AXES as SPINS
 from lta_sim.cfd.still import blowing, RATES, spinning
 from lta_sim.cfd.tunnel import (

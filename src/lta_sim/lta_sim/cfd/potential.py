@@ -10,8 +10,8 @@ displaces. The air therefore slides along the surface at (1 + k) times what of U
 with n the normal and e the direction of the stream. A sphere has k = 1/2: from 1 to -5/4.
 """
 
-from lta_config.vehicle_body import Hull
-from lta_sim import hull
+from lta_config.schema.vehicle_body import Hull
+from lta_model import hull
 import numpy as np
 from numpy.typing import NDArray
 

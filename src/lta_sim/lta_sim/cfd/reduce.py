@@ -5,10 +5,10 @@ from pathlib import Path
 from typing import Final
 
 from lta_sim.cfd import gates
-from lta_sim.cfd.case import Step
-from lta_sim.cfd.engine import RESIDUAL
-from lta_sim.cfd.forces import read_forces, read_mesh, read_momentum, Wrenches
 from lta_sim.cfd.model import Model
+from lta_sim.cfd.openfoam.case import Step
+from lta_sim.cfd.openfoam.engine import RESIDUAL
+from lta_sim.cfd.openfoam.forces import read_forces, read_mesh, read_momentum, Wrenches
 from lta_sim.cfd.still import AXES
 from lta_sim.cfd.surface import read_surface
 from lta_sim.cfd.sweep_table import Blow, Evidence, Point

@@ -13,8 +13,8 @@ is not full is the same curve pressed flat to the height that its file gives: an
 from typing import Final
 
 from lta_config.errors import BadInput
-from lta_config.vehicle_body import Hull
-from lta_sim.hull import half_axes
+from lta_config.schema.vehicle_body import Hull
+from lta_model.hull import half_axes
 import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import cumulative_simpson

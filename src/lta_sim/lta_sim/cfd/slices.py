@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, final
 
-from lta_sim.cfd.forces import read_slice
 from lta_sim.cfd.model import Model
+from lta_sim.cfd.openfoam.forces import read_slice
 from lta_sim.cfd.plan import Flow
 from lta_sim.cfd.tunnel import planes_of, TURNS
 import numpy as np

@@ -10,12 +10,12 @@ from collections.abc import Mapping
 import math
 from typing import Final
 
-from lta_sim.cfd.case import Case, Step
-from lta_sim.cfd.dictionary import dictionary, Entry
-from lta_sim.cfd.fields import STEADY, still_fields
-from lta_sim.cfd.mesh import BASE, block, mesh_case, snappy
 from lta_sim.cfd.model import HULL, Model, Rotor
-from lta_sim.cfd.numerics import (
+from lta_sim.cfd.openfoam.case import Case, Step
+from lta_sim.cfd.openfoam.dictionary import dictionary, Entry
+from lta_sim.cfd.openfoam.fields import STEADY, still_fields
+from lta_sim.cfd.openfoam.mesh import BASE, block, mesh_case, snappy
+from lta_sim.cfd.openfoam.numerics import (
     control,
     forces_on,
     momentum_through,

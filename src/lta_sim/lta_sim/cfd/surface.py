@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Final
 
-from lta_sim.cfd.forces import table
+from lta_sim.cfd.openfoam.forces import table
 from lta_sim.cfd.sweep_table import Pressed
 import numpy as np
 from numpy.typing import NDArray

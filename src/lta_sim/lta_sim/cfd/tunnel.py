@@ -13,12 +13,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, final
 
-from lta_sim.cfd.case import Case, Step
-from lta_sim.cfd.dictionary import dictionary, Entry
-from lta_sim.cfd.fields import DETACHED, TRANSITION, tunnel_fields
-from lta_sim.cfd.mesh import BASE, block, mesh_case, snappy
 from lta_sim.cfd.model import HULL, Model
-from lta_sim.cfd.numerics import (
+from lta_sim.cfd.openfoam.case import Case, Step
+from lta_sim.cfd.openfoam.dictionary import dictionary, Entry
+from lta_sim.cfd.openfoam.fields import DETACHED, TRANSITION, tunnel_fields
+from lta_sim.cfd.openfoam.mesh import BASE, block, mesh_case, snappy
+from lta_sim.cfd.openfoam.numerics import (
     clock,
     control,
     EDDY_VISCOSITY,

@@ -24,12 +24,12 @@ from lta_graph.ros.parameters import Parameters
 from lta_graph.ros.peer_listener import OVER, PeerListener, PULSE
 from lta_graph.ros.process import run
 from lta_graph.ros.stamps import from_stamp, to_stamp
-from lta_sim import messages
+from lta_model import messages
+from lta_model.scenario import load_scenario
+from lta_model.start_offset import started
+from lta_model.vehicle import load_vehicle
 from lta_sim.readings import Outcome, Readings
-from lta_sim.scenario import load_scenario
 from lta_sim.simulator_settings import SimulatorSettings
-from lta_sim.start_offset import started
-from lta_sim.vehicle import load_vehicle
 from lta_sim.world import World
 from rclpy.clock import Clock, ClockType
 from rclpy.subscription import Subscription

@@ -1,7 +1,7 @@
 """The demodulator node: from ADC blocks to peaks and a bearing."""
 
+from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.settings import setting
-from lta_config.vehicle_file import load_vehicle_file
 from lta_graph.health import Level
 from lta_graph.inbox import Step
 from lta_graph.ros.node import GraphNode

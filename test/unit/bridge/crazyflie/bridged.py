@@ -5,7 +5,7 @@ from lta_bridge.crazyflie.link import LogPacket
 from lta_bridge.crazyflie.safety import Asked as AskedBy
 from lta_bridge.crazyflie.safety import Stage
 from lta_bridge.crazyflie.supervisor import Bit
-from lta_config.crazyflie_file import load_crazyflie
+from lta_config.schema.crazyflie_file import load_crazyflie
 
 FILE = load_crazyflie('gtmab')
 TICK = 20_000_000  # ns

@@ -2,7 +2,7 @@
 
 from lta_bridge.crazyflie.consumption import Consumption
 from lta_energy.rotor import BENCH
-from lta_sim.vehicle import load_vehicle
+from lta_model.vehicle import load_vehicle
 import pytest
 
 GTMAB = Consumption.of(load_vehicle('gtmab').file.energy)

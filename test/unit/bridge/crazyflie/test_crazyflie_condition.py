@@ -6,9 +6,9 @@ from lta_bridge.crazyflie import readings
 from lta_bridge.crazyflie.bridge import Bridge
 from lta_bridge.crazyflie.condition import condition, kept
 from lta_bridge.crazyflie.safety import Seen, Stage, State
-from lta_config.crazyflie_file import load_crazyflie
+from lta_config.schema.crazyflie_file import load_crazyflie
 from lta_graph.health import Level
-from lta_sim.vehicle import load_vehicle
+from lta_model.vehicle import load_vehicle
 
 ARMED = Seen(True, True, 2, 0.0, 0.0, 4.0, 1.0, 1.0)
 

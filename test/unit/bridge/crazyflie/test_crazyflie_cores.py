@@ -6,15 +6,15 @@ import struct
 from lta_bridge.crazyflie import duties_packet, messages, readings
 from lta_bridge.crazyflie.bridge import Asked, Bridge
 from lta_bridge.crazyflie.clock import DeviceClock
-from lta_bridge.crazyflie.emulated.variables import LOG
 from lta_bridge.crazyflie.link import LogPacket
 from lta_bridge.crazyflie.log_table import Block, BLOCKS, check
 from lta_bridge.crazyflie.round_trips import RoundTrips, sent_at
 from lta_bridge.crazyflie.safety import Limits
-from lta_config.crazyflie_file import load_crazyflie
 from lta_config.errors import BadInput
+from lta_config.schema.crazyflie_file import load_crazyflie
+from lta_emulation.crazyflie.variables import LOG
 from lta_graph.ros.stamps import to_stamp
-from lta_sim.vehicle import load_vehicle
+from lta_model.vehicle import load_vehicle
 from nav_msgs.msg import Odometry
 import numpy as np
 import pytest

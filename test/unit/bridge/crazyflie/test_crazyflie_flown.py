@@ -1,7 +1,7 @@
 """The simulated drone aboard the emulated Crazyflie, in both ways to command it."""
 
-from lta_bridge.crazyflie.emulated.commander import Hover, Wish
-from lta_bridge.emulated_hardware import flown
+from lta_emulation.crazyflie.commander import Hover, Wish
+from lta_emulation.emulated_hardware import flown
 import pytest
 
 

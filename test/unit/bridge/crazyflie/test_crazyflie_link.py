@@ -10,10 +10,6 @@ from types import SimpleNamespace
 
 from lta_bridge.crazyflie import duties_packet
 from lta_bridge.crazyflie.cflib_link import CflibLink
-from lta_bridge.crazyflie.emulated.body import Bench
-from lta_bridge.crazyflie.emulated.build import APP, ARMING, AS_SOLD, build_for
-from lta_bridge.crazyflie.emulated.firmware import Firmware
-from lta_bridge.crazyflie.emulated.server import Server
 from lta_bridge.crazyflie.keeper import agree, Keeper
 from lta_bridge.crazyflie.link import LinkFailed, LogPacket, Lost, Malformed
 from lta_bridge.crazyflie.links import link_to
@@ -21,10 +17,14 @@ from lta_bridge.crazyflie.log_table import BLOCKS
 from lta_bridge.crazyflie.override import compensated
 from lta_bridge.crazyflie.packet_check import fault
 from lta_bridge.crazyflie.wiring import rotor_places
-from lta_config.crazyflie_file import crazyflie_of, Expected, load_crazyflie, REQUIRED
 from lta_config.errors import BadInput
 from lta_config.files import find
-from lta_sim.vehicle import load_vehicle
+from lta_config.schema.crazyflie_file import crazyflie_of, Expected, load_crazyflie, REQUIRED
+from lta_emulation.crazyflie.body import Bench
+from lta_emulation.crazyflie.build import APP, ARMING, AS_SOLD, build_for
+from lta_emulation.crazyflie.firmware import Firmware
+from lta_emulation.crazyflie.server import Server
+from lta_model.vehicle import load_vehicle
 import pytest
 from waiting import PATIENCE, wait_until
 

@@ -4,13 +4,13 @@ import errno
 import struct
 
 from lta_bridge.crazyflie import duties_packet
-from lta_bridge.crazyflie.emulated.body import Bench
-from lta_bridge.crazyflie.emulated.build import APP, ARMING, AS_SOLD, KCONFIG_IDLE
-from lta_bridge.crazyflie.emulated.firmware import Firmware, FULL_RATIO
-from lta_bridge.crazyflie.emulated.link import Link
-from lta_bridge.crazyflie.emulated.packet import Packet, unpacked
-from lta_bridge.crazyflie.emulated.supervisor import PERIOD, State
 from lta_bridge.crazyflie.supervisor import Bit
+from lta_emulation.crazyflie.body import Bench
+from lta_emulation.crazyflie.build import APP, ARMING, AS_SOLD, KCONFIG_IDLE
+from lta_emulation.crazyflie.firmware import Firmware, FULL_RATIO
+from lta_emulation.crazyflie.link import Link
+from lta_emulation.crazyflie.packet import Packet, unpacked
+from lta_emulation.crazyflie.supervisor import PERIOD, State
 import pytest
 
 HOVER = Packet(7, 0, b'\x0a' + struct.pack('<ffff', 0.0, 0.0, 0.0, 0.45))

@@ -23,18 +23,18 @@ from firmware_scenarios import (
     SCENARIOS,
     SOLD,
 )
-from lta_bridge.crazyflie.emulated.body import Bench
-from lta_bridge.crazyflie.emulated.build import APP as APP_BUILD
-from lta_bridge.crazyflie.emulated.build import ARMING as ARMING_BUILD
-from lta_bridge.crazyflie.emulated.build import AS_SOLD
-from lta_bridge.crazyflie.emulated.contents import BASIC, EXTENDED, PARAMETER_TYPES, READ_ONLY
-from lta_bridge.crazyflie.emulated.firmware import Firmware
-from lta_bridge.crazyflie.emulated.packet import Packet
-from lta_bridge.crazyflie.emulated.variables import parameters
 from lta_bridge.crazyflie.supervisor import Bit
-from lta_config.vehicle_file import load_vehicle_file
-from lta_sim.effects import battery_compensation
-from lta_sim.state import SURROUNDINGS, VOLTAGE
+from lta_config.schema.vehicle_file import load_vehicle_file
+from lta_emulation.crazyflie.body import Bench
+from lta_emulation.crazyflie.build import APP as APP_BUILD
+from lta_emulation.crazyflie.build import ARMING as ARMING_BUILD
+from lta_emulation.crazyflie.build import AS_SOLD
+from lta_emulation.crazyflie.contents import BASIC, EXTENDED, PARAMETER_TYPES, READ_ONLY
+from lta_emulation.crazyflie.firmware import Firmware
+from lta_emulation.crazyflie.packet import Packet
+from lta_emulation.crazyflie.variables import parameters
+from lta_model.effects.rotors import battery_compensation
+from lta_model.state import SURROUNDINGS, VOLTAGE
 import pytest
 
 KEPT = json.loads(

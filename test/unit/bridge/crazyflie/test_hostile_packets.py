@@ -17,7 +17,7 @@ from lta_bridge.crazyflie.safety import Asked as AskedBy
 from lta_bridge.crazyflie.safety import LOST, LOW, Stage
 from lta_bridge.crazyflie.supervisor import Bit
 from lta_graph.ros.stamps import to_stamp
-from lta_sim.vehicle import load_vehicle
+from lta_model.vehicle import load_vehicle
 import pytest
 from rclpy.serialization import serialize_message
 

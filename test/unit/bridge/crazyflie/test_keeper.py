@@ -5,7 +5,7 @@ from types import SimpleNamespace
 from lta_bridge.crazyflie import keeper
 from lta_bridge.crazyflie.keeper import agree, Keeper
 from lta_bridge.crazyflie.link import LinkFailed
-from lta_config.crazyflie_file import Expected
+from lta_config.schema.crazyflie_file import Expected
 import pytest
 
 

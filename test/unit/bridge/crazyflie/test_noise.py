@@ -4,8 +4,8 @@ from pathlib import Path
 from random import Random
 import sys
 
-from lta_bridge.crazyflie.emulated.build import APP, ARMING
-from lta_bridge.crazyflie.emulated.packet import Packet
+from lta_emulation.crazyflie.build import APP, ARMING
+from lta_emulation.crazyflie.packet import Packet
 import pytest
 
 FOLDER = Path(__file__).resolve().parents[3] / 'score'

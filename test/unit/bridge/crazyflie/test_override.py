@@ -1,14 +1,14 @@
 """Motors past the firmware's supervisor: only tethered, and let go of on every way out."""
 
 from lta_bridge.crazyflie.bridge import LETTING_GO
-from lta_bridge.crazyflie.emulated.body import Bench
-from lta_bridge.crazyflie.emulated.firmware import Firmware
-from lta_bridge.crazyflie.emulated.server import Server
 from lta_bridge.crazyflie.override import check_tether, expected
 from lta_bridge.crazyflie.safety import Asked as AskedBy
 from lta_bridge.crazyflie.supervisor import Bit
-from lta_config.crazyflie_file import REQUIRED
 from lta_config.errors import BadInput
+from lta_config.schema.crazyflie_file import REQUIRED
+from lta_emulation.crazyflie.body import Bench
+from lta_emulation.crazyflie.firmware import Firmware
+from lta_emulation.crazyflie.server import Server
 import pytest
 from waiting import wait_until
 

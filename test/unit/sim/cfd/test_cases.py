@@ -7,18 +7,19 @@ import re
 import shutil
 
 from lta_config.errors import BadInput
-from lta_config.mount_file import load_mount
-from lta_sim.cfd import engine, gates
-from lta_sim.cfd.case import Case, Step
-from lta_sim.cfd.dictionary import dictionary
-from lta_sim.cfd.engine import CaseFailed, Programs, why
-from lta_sim.cfd.forces import read_forces, read_mesh, read_patches, table
-from lta_sim.cfd.mesh import BASE, standing
+from lta_config.schema.mount_file import load_mount
+from lta_sim.cfd import gates
 from lta_sim.cfd.model import model_of
+from lta_sim.cfd.openfoam import engine
+from lta_sim.cfd.openfoam.case import Case, Step
+from lta_sim.cfd.openfoam.dictionary import dictionary
+from lta_sim.cfd.openfoam.engine import CaseFailed, Programs, why
+from lta_sim.cfd.openfoam.forces import read_forces, read_mesh, read_patches, table
+from lta_sim.cfd.openfoam.mesh import BASE, standing
+from lta_sim.cfd.openfoam.stage import Stages
 from lta_sim.cfd.plan import flows, LENGTHS
 from lta_sim.cfd.reduce import STARTING
 from lta_sim.cfd.solve import check_memory
-from lta_sim.cfd.stage import Stages
 from lta_sim.cfd.tunnel import PREVIEW, steady_wind
 import pytest
 

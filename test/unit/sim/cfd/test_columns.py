@@ -1,7 +1,7 @@
 """Columns of B, by symmetry and by what superposes, from sweeps written by hand."""
 
-from lta_config.aero_file import AeroFile
 from lta_config.files import checked
+from lta_config.schema.aero_file import AeroFile
 from lta_sim.cfd.aero_text import aero_text, quantity
 from lta_sim.cfd.columns import column, coupling, linear, summed
 from lta_sim.cfd.model import model_of

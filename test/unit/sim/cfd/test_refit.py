@@ -1,7 +1,7 @@
 """What an aero file says beside its coefficients, from points written by hand."""
 
-from lta_config.aero_file import AeroFile
 from lta_config.files import checked
+from lta_config.schema.aero_file import AeroFile
 from lta_sim.cfd.aero_text import aero_text
 from lta_sim.cfd.model import model_of
 from lta_sim.cfd.refit import (

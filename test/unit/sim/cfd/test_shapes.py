@@ -2,13 +2,13 @@
 
 from lta_config.errors import BadInput
 from lta_config.files import find
-from lta_config.mount_file import load_mount
+from lta_config.schema.mount_file import load_mount
+from lta_model.vehicle import load_vehicle
 from lta_sim.cfd.analytic import drag
 from lta_sim.cfd.crossing import crossing
 from lta_sim.cfd.model import box, model_of, winding
 from lta_sim.cfd.shape import ellipse, envelope, mylar, revolved
 from lta_sim.cfd.stl import read_stl
-from lta_sim.vehicle import load_vehicle
 import numpy as np
 import pytest
 import trimesh

@@ -3,14 +3,14 @@
 from decimal import Decimal
 import re
 
-from lta_config.aero_file import load_aero_file
 from lta_config.files import share
+from lta_config.schema.aero_file import load_aero_file
+from lta_model.vehicle import load_vehicle
 from lta_sim.cfd.aero_text import aero_text
 from lta_sim.cfd.gates import BALANCE, ERROR, LENGTHS, SPREAD, WINDOW, ZONE
 from lta_sim.cfd.model import model_of
 from lta_sim.cfd.plan import MIDDLE
 from lta_sim.cfd.sweep_table import read_sweep
-from lta_sim.vehicle import load_vehicle
 import pytest
 
 FOLDER = share() / 'aero'

@@ -2,10 +2,10 @@
 
 import math
 
+from lta_model.hull import half_axes
+from lta_model.vehicle import load_vehicle
 from lta_sim.cfd.potential import added_share, extremes, pressure_coefficient
 from lta_sim.cfd.surface import pressed, read_surface
-from lta_sim.hull import half_axes
-from lta_sim.vehicle import load_vehicle
 import numpy as np
 import pytest
 import trimesh

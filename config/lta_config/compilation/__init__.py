@@ -1,0 +1,1 @@
+"""Plain functions compiled by numba and kept on disk."""

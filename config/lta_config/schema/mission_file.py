@@ -1,0 +1,61 @@
+"""The mission file: who patrols which beacons where, in which light, and what it must keep."""
+
+from typing import Annotated, Literal, Self
+
+from lta_config.files import find, load, Record
+from lta_config.quantity import Quantity, si
+from lta_config.schema.light_day_file import DAY, Share
+from pydantic import AliasChoices, Field, model_validator
+
+Power = Annotated[Quantity, si('W', low=0.0, high=100.0, sourced=True)]
+Time = Annotated[Quantity, si('s', low=0.0, high=DAY, sourced=True)]
+Beacon = Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
+
+
+class Payload(Record):
+    """A sensor for inspection below the hull, on while it dwells at a beacon."""
+
+    mass: Annotated[Quantity, si('kg', low=0.0, high=1.0, sourced=True)]
+    sensing: Power
+    radio: Power
+
+
+class Duty(Record):
+    """The naive schedule: rest so many times as long as the flight before lasted."""
+
+    rest: Annotated[float, Field(gt=0.0, le=1000.0)]
+    source: str
+
+
+class MissionFile(Record):
+    """A whole mission file."""
+
+    schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
+    name: Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
+    about: str
+    vehicle: str
+    scene: str
+    light: str
+    altitude: Annotated[Quantity, si('m', above=0.0, high=100.0)]
+    perch: Beacon
+    round: Annotated[tuple[Beacon, ...], Field(strict=False, min_length=1, max_length=50)]
+    dwell: Annotated[Quantity, si('s', low=0.0, high=3600.0)]
+    payload: Payload | None = None
+    work: Annotated[Quantity, si('s', low=0.0, high=DAY, length=2, sourced=True)]
+    asleep: Power
+    reserve: Share
+    dock: Annotated[Quantity, si('m', above=0.0, high=10.0, sourced=True)]
+    fetched: Time
+    charge: Share
+    duty: Duty
+
+    @model_validator(mode='after')
+    def _round_is_one(self) -> Self:
+        if self.perch in self.round:
+            raise ValueError(f'visits its own perch {self.perch}; leave it out of the round')
+        return self
+
+
+def load_mission(name: str) -> MissionFile:
+    """Return a mission file by shipped name or path; anything wrong is a `BadInput`."""
+    return load(MissionFile, find('mission', name))

@@ -1,0 +1,110 @@
+"""
+The `energy` block of a vehicle file: cell, solar array, charger and consumers.
+
+Where the array sits is said once: it is a part of the vehicle, in its layers.
+"""
+
+from collections.abc import Mapping
+import math
+from typing import Annotated
+
+from lta_config.errors import BadInput
+from lta_config.files import Record
+from lta_config.quantity import Quantity, si
+from lta_config.schema.cell_file import load_cell_file
+from lta_config.schema.vehicle_body import Fraction
+from pydantic import Field, model_validator
+
+Power = Annotated[Quantity, si('W', low=0.0, sourced=True)]
+Resistance = Annotated[Quantity, si('ohm', low=0.0, sourced=True)]
+Voltage = Annotated[Quantity, si('V', above=0.0, sourced=True)]
+Count = Annotated[int, Field(ge=1, le=1000)]
+
+
+class Battery(Record):
+    """
+    One lithium cell, as new at 25 degC, and how warm and how aged it is.
+
+    `age` is the share of its capacity that it has lost; cells count as worn out at 20 %.
+    """
+
+    capacity: Annotated[Quantity, si('C', above=0.0, sourced=True)]
+    resistance: Resistance
+    relaxation_resistance: Resistance
+    relaxation_time: Annotated[Quantity, si('s', above=0.0, high=1e5, sourced=True)]
+    temperature: Annotated[Quantity, si('degC', low=-20.0, high=60.0, sourced=True)]
+    age: Annotated[Quantity, si('1', low=0.0, high=0.8, sourced=True)]
+    discharge_cutoff: Voltage  # the supply fails below it
+    charge_cutoff: Voltage  # charged at this constant voltage in the end
+    charge_current: Annotated[Quantity, si('A', above=0.0, sourced=True)]
+
+    @model_validator(mode='after')
+    def _empty_below_full(self) -> 'Battery':
+        low, high = self.discharge_cutoff.si, self.charge_cutoff.si
+        if low >= high:
+            raise ValueError(
+                f'has a discharge_cutoff of {low:g} V and a charge_cutoff of {high:g} V; '
+                'the first must be the lower one'
+            )
+        return self
+
+
+class Array(Record):
+    """Solar cells of one kind in one plane: strings of `series`, of which `parallel` in all."""
+
+    cell: str
+    series: Count
+    parallel: Count
+    part: str | None = None  # where it sits; by sensors.panel_position if left out
+    normal: Annotated[Quantity, si('1', low=-1.0, high=1.0, length=3, sourced=True)]
+
+    @model_validator(mode='after')
+    def _looks_somewhere(self) -> 'Array':
+        length = math.hypot(*self.normal.vector)
+        if not 0.99 <= length <= 1.01:
+            raise ValueError(f'has a normal of length {length:.3g}; divide it by that')
+        try:
+            load_cell_file(self.cell)
+        except BadInput as error:
+            raise ValueError(f'has a cell that cannot be read: {str(error).rstrip(".")}') from None
+        return self
+
+
+class Charger(Record):
+    """What lies between array and cell: share tracked, share converted, and its own draw."""
+
+    tracking: Fraction
+    conversion: Fraction
+    idle: Power
+
+
+class Loads(Record):
+    """
+    Consumers; what follows comes on top of `idle`.
+
+    `transmitting` is the radio, `sensing` what looks at the light and finds lamps in it, and
+    `computing` what a navigation strategy, by its name, takes beyond that.
+    """
+
+    idle: Power
+    transmitting: Power
+    sensing: Power | None = None
+    computing: Mapping[str, Power] = Field(default_factory=dict)
+    rotor_idle: Power
+    rotor_power: Annotated[Quantity, si('W/N', low=0.0, sourced=True)]
+
+
+class Energy(Record):
+    """Battery, array with its charger, and consumers."""
+
+    battery: Battery
+    array: Array | None = None
+    charger: Charger | None = None
+    loads: Loads
+
+    @model_validator(mode='after')
+    def _charges_what_shines(self) -> 'Energy':
+        if (self.array is None) != (self.charger is None):
+            have, lack = ('an array', 'charger') if self.array else ('a charger', 'array')
+            raise ValueError(f'has {have} and no {lack}; add it, or remove {have}')
+        return self

@@ -1,0 +1,212 @@
+"""
+The vehicle file: parts in layers, rotors, an aero block and effects; each number with its source.
+
+The models here and in `vehicle_body` are the schema; `lta_model.vehicle` derives from it what the
+cores need.
+"""
+
+from collections.abc import Mapping
+import math
+from typing import Annotated, Any, Literal
+
+from lta_config.errors import BadInput
+from lta_config.files import find, load, Record
+from lta_config.quantity import Quantity, si
+from lta_config.schema.aero_file import load_aero_file
+from lta_config.schema.vehicle_aero import Aero
+from lta_config.schema.vehicle_body import Hull, Layer, Measured, MovingMass, Part, Place, Trim
+from lta_config.schema.vehicle_diodes import Diodes
+from lta_config.schema.vehicle_energy import Energy
+from lta_config.schema.vehicle_version import upgraded
+from pydantic import AliasChoices, Field, field_validator, model_validator
+
+Vector = tuple[float, float, float]
+UP = (0.0, 0.0, 1.0)
+ROTORS = 8  # places for rotors in the model
+
+
+class Control(Record):
+    """The control law that flies the vehicle, and its file of gains in `config/control`."""
+
+    law: Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
+    gains: Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')] | None = None
+    source: str
+
+
+class ThrustCurve(Record):
+    """T = a u^2 + b u; `reverse` is the thrust at full reverse duty where it is not the same."""
+
+    a: Annotated[Quantity, si('N', low=0.0, sourced=True)]
+    b: Annotated[Quantity, si('N', above=0.0, sourced=True)]
+    reverse: Annotated[Quantity, si('N', low=0.0, sourced=True)] | None = None
+
+
+class Torque(Record):
+    """Torque of the air per thrust, and how the rotor spins, its thrust towards the eye."""
+
+    per_thrust: Annotated[Quantity, si('m', low=0.0, high=1.0, sourced=True)]
+    spin: Literal['clockwise', 'anticlockwise']
+
+
+class Rotor(Record):
+    """One rotor; its thrust points along `axis`, and only a reversible one accepts duty < 0."""
+
+    reversible: bool
+    position: Place
+    axis: Annotated[Quantity, si('1', low=-1.0, high=1.0, length=3, sourced=True)]
+    thrust_curve: ThrustCurve | None = None
+    torque: Torque | None = None
+
+    @model_validator(mode='after')
+    def _points_somewhere(self) -> 'Rotor':
+        length = math.hypot(*self.axis.vector)
+        if not 0.99 <= length <= 1.01:
+            raise ValueError(f'has an axis of length {length:.3g}; divide it by that')
+        if self.thrust_curve and self.thrust_curve.reverse and not self.reversible:
+            raise ValueError('has a thrust in reverse but is not reversible; remove one')
+        return self
+
+
+class Sensors(Record):
+    """Where the sensors sit."""
+
+    imu_position: Place
+    range_position: Place
+    panel_position: Place | None = None  # where no part of the array says it
+    diodes: Diodes
+
+
+class VehicleFile(Record):
+    """A whole vehicle file."""
+
+    schema_version: Annotated[Literal[3], Field(validation_alias=AliasChoices('schema'))]
+    name: Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
+    about: str
+    control: Control | None = None
+    hull: Hull
+    trim: Trim
+    measured: Measured | None = None
+    layers: Mapping[str, Layer] = Field(default_factory=dict)
+    moving_mass: MovingMass | None = None
+    rotors: Annotated[Mapping[str, Rotor], Field(max_length=ROTORS)]
+    thrust_curve: ThrustCurve | None = None
+    aero: Aero
+    effects: Mapping[str, Mapping[str, Quantity]]
+    sensors: Sensors
+    energy: Energy
+
+    @property
+    def parts(self) -> dict[str, Part]:
+        """All parts by name, layer by layer."""
+        return {name: part for layer in self.layers.values() for name, part in layer.items()}
+
+    @property
+    def panel_place(self) -> Vector:
+        """Where light is harvested and measured, from the hull centre. [m]."""
+        array, position = self.energy.array, self.sensors.panel_position
+        part = array.part if array else None
+        place = self.parts[part].position if part else position
+        assert place is not None  # or the file was refused
+        x, y, z = place.vector
+        return x, y, z
+
+    @property
+    def panel_normal(self) -> Vector:
+        """Where the panel looks, unit length, body frame."""
+        if self.energy.array is None:
+            return UP
+        x, y, z = self.energy.array.normal.vector
+        length = math.hypot(x, y, z)
+        return x / length, y / length, z / length
+
+    @field_validator('aero', mode='before')
+    @classmethod
+    def _by_name(cls, given: Any) -> Any:  # noqa: ANN401 - whatever the file held
+        """Return the aero block of the aero file that is named, if it is one."""
+        if not isinstance(given, str):
+            return given
+        try:
+            return load_aero_file(given).aero
+        except BadInput as error:
+            raise ValueError(f'cannot be used: {str(error).removesuffix(".")}') from None
+
+    @model_validator(mode='before')
+    @classmethod
+    def _from_older_versions(cls, content: Any) -> Any:  # noqa: ANN401 - whatever the file held
+        return upgraded(content)
+
+    @model_validator(mode='after')
+    def _parts_stand_once(self) -> 'VehicleFile':
+        seen: dict[str, str] = {}
+        for layer, parts in self.layers.items():
+            for name in parts:
+                if name in seen:
+                    raise ValueError(
+                        f'names the part {name} in the layers {seen[name]} and {layer}; '
+                        'give one another name'
+                    )
+                seen[name] = layer
+        return self
+
+    @model_validator(mode='after')
+    def _columns_are_of_rotors(self) -> 'VehicleFile':
+        coupled = self.aero.coupling.rotors if self.aero.coupling else []
+        for place, names in (
+            ('thrust_allocation', self.aero.thrust_allocation),
+            ('coupling', coupled),
+        ):
+            if strangers := [name for name in names if name not in self.rotors]:
+                raise ValueError(
+                    f'has no rotor {", ".join(strangers)}, which aero.{place} names; '
+                    f'rotors: {", ".join(self.rotors)}'
+                )
+        if bare := [
+            n for n, r in self.rotors.items() if not (r.thrust_curve or self.thrust_curve)
+        ]:
+            raise ValueError(f'has no thrust_curve for {", ".join(bare)}; add one for all or each')
+        return self
+
+    @model_validator(mode='after')
+    def _trim_is_clear(self) -> 'VehicleFile':
+        trim = self.trim
+        if trim.ballast == 'none' and trim.ballast_position:
+            raise ValueError('has trim.ballast none and a trim.ballast_position; remove one')
+        if not self.measured and not self.parts:
+            raise ValueError('has no parts in layers and was not measured as a whole; add either')
+        if self.measured:
+            if trim.ballast_position:
+                raise ValueError(
+                    'is weighed as a whole (measured) and has a trim.ballast_position; '
+                    'ballast is in what was weighed, so remove the position'
+                )
+        elif trim.ballast != 'none' and not (trim.heaviness and trim.ballast_position):
+            raise ValueError(
+                'has a trim without heaviness and ballast_position; add both, or '
+                '"ballast: none" to fly it as heavy as its parts are'
+            )
+        elif trim.ballast == 'none' and trim.heaviness:
+            raise ValueError(
+                'has trim.ballast none and a trim.heaviness, which only ballast could bring '
+                'about; remove one'
+            )
+        return self
+
+    @model_validator(mode='after')
+    def _panel_has_one_place(self) -> 'VehicleFile':
+        part = self.energy.array.part if self.energy.array else None
+        if part is not None and part not in self.parts:
+            raise ValueError(
+                f'has no part {part}, which energy.array.part names; '
+                f'parts: {", ".join(self.parts)}'
+            )
+        if (part is None) == (self.sensors.panel_position is None):
+            raise ValueError(
+                'needs the place of its panel once: either energy.array.part or '
+                'sensors.panel_position'
+            )
+        return self
+
+
+def load_vehicle_file(name: str) -> VehicleFile:
+    """Return a vehicle file by shipped name or path; anything wrong is a `BadInput` sentence."""
+    return load(VehicleFile, find('vehicle', name))

@@ -1,0 +1,66 @@
+"""
+Vehicle files of older versions, read as the present one.
+
+Version 1 had its parts in one list, balloons only, and a column of B for every rotor instead of an
+axis. Its parts become one layer, `parts`, and each rotor points where its column is largest.
+Version 2 had a flat energy block (`vehicle_version_energy`).
+"""
+
+from typing import Any
+
+from lta_config.schema.vehicle_version_energy import nested
+
+AXES = 'xyz'
+
+
+def upgraded(content: Any) -> Any:  # noqa: ANN401 - whatever the file held
+    """Return what a file of version 1 or 2 says as version 3, and anything else as it is."""
+    if not isinstance(content, dict):
+        return content
+    if content.get('schema') == 1:
+        content = _from_version_1(content)
+    if content.get('schema') == 2:
+        content = {**content, 'schema': 3, 'energy': nested(content.get('energy'))}
+    return content
+
+
+def _from_version_1(content: dict[str, Any]) -> dict[str, Any]:
+    """Return what a version 1 file says as version 2."""
+    content = {**content, 'schema': 2}
+    if 'parts' in content:
+        content['layers'] = {'parts': content.pop('parts')}
+    if isinstance(content.get('hull'), dict):
+        content['hull'] = {'shape': 'balloon', **content['hull']}
+    rotors = content.get('rotors')
+    if isinstance(rotors, dict):
+        content['rotors'] = {
+            name: _with_axis(name, rotor, _columns(content)) for name, rotor in rotors.items()
+        }
+    return content
+
+
+def _columns(content: dict[str, Any]) -> dict[str, Any] | None:
+    """Return the columns of B by rotor, if the file has them where it should."""
+    place: Any = content
+    for key in ('aero', 'thrust_allocation'):
+        place = place.get(key) if isinstance(place, dict) else None
+    return place if isinstance(place, dict) else None
+
+
+def _with_axis(name: str, rotor: Any, columns: dict[str, Any] | None) -> Any:  # noqa: ANN401
+    """Return a rotor with the axis along which its column is largest."""
+    if columns is not None and name not in columns:
+        raise ValueError(f'has no column of aero.thrust_allocation for {name}; add one')
+    force: Any = (columns or {}).get(name)
+    for key in ('force', 'value'):
+        force = force.get(key) if isinstance(force, dict) else None
+    numbers = isinstance(force, list) and all(isinstance(x, int | float) for x in force)
+    if not numbers or len(force) != len(AXES):
+        force = [0.0, 0.0, 1.0]  # whatever is wrong with the column, its own check will say
+    if not isinstance(rotor, dict):
+        return rotor
+    most = max(range(3), key=lambda i: abs(force[i]))
+    unit = [0.0, 0.0, 0.0]
+    unit[most] = 1.0 if force[most] >= 0.0 else -1.0
+    source = 'where its column of thrust_allocation is largest (version 1 of the file)'
+    return {**rotor, 'axis': {'value': unit, 'unit': '1', 'source': source}}

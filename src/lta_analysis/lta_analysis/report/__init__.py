@@ -1,6 +1,0 @@
-"""The page of a flight: results, pictures, and one HTML file that holds them all."""
-
-from lta_analysis.report.page import write_page
-from lta_analysis.report.results import Results
-
-__all__ = ['Results', 'write_page']

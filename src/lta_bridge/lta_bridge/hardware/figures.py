@@ -1,0 +1,56 @@
+"""The figures of a check as rows for people and as JSON for programs."""
+
+from collections.abc import Sequence
+from dataclasses import asdict
+import math
+from typing import Any
+
+from lta_bridge.hardware.board import DiodeHeard
+from lta_bridge.hardware.check import Outcome
+from lta_bridge.hardware.stream import Streamed
+
+
+def stream_rows(streams: Sequence[Streamed]) -> list[tuple[str, ...]]:
+    """Return log blocks as text, the first row their head."""
+    head: tuple[str, ...] = ('block', 'rate [Hz]', 'wanted [Hz]', 'lost [%]', 'jitter [ms]')
+    return [head, *(
+        (
+            each.name, f'{each.rate:.1f}', f'{each.wanted:.0f}', f'{1e2 * each.loss:.2f}',
+            f'{1e3 * each.jitter:.1f}',
+        )
+        for each in streams
+    )]  # fmt: skip
+
+
+def diode_rows(diodes: Sequence[DiodeHeard]) -> list[tuple[str, ...]]:
+    """Return diodes as text, the first row their head."""
+    head: tuple[str, ...] = ('diode', 'mean', 'least', 'largest', 'SNR', 'fault')
+    return [head, *(
+        (
+            str(k), f'{each.mean:.0f}', str(each.least), str(each.largest), f'{each.snr:.1f}',
+            ', '.join(each.faults) or 'none',
+        )
+        for k, each in enumerate(diodes, start=1)
+    )]  # fmt: skip
+
+
+def to_json(outcome: Outcome) -> dict[str, Any]:
+    """Return everything; what is unknown is null, as JSON has no NaN."""
+    return {
+        'checks': [asdict(check) for check in outcome.checks],
+        'drone': None if outcome.drone is None else _plain(asdict(outcome.drone)),
+        'light_board': None if outcome.board is None else _plain(asdict(outcome.board)),
+    }
+
+
+def _plain(value: Any) -> Any:  # noqa: ANN401 - whatever JSON holds
+    match value:
+        case float():
+            return value if math.isfinite(value) else None
+        case dict():
+            return {name: _plain(one) for name, one in value.items()}
+        case tuple() if hasattr(value, '_asdict'):
+            return _plain(value._asdict())
+        case list() | tuple():
+            return [_plain(one) for one in value]
+    return value

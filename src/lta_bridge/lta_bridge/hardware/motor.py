@@ -1,0 +1,190 @@
+"""
+Turn one motor of a tethered drone for a moment, by the same state machine that flies it.
+
+The duty goes to the app aboard, which holds it for 200 ms: what ends this program, SIGKILL and a
+pulled cable included, ends the motor with it. The firmware's own override (`motorPowerSet`) knows
+no such end, and is not used.
+"""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+import math
+from queue import Empty
+import signal
+import time
+from typing import Final, final, NamedTuple, NoReturn
+
+from lta_bridge.crazyflie import readings
+from lta_bridge.crazyflie.bridge import Asked, Bridge, HOLD_MS, RATE
+from lta_bridge.crazyflie.keeper import agree
+from lta_bridge.crazyflie.link import Link, LinkFailed, LogPacket, Lost
+from lta_bridge.crazyflie.safety import Asked as Wish
+from lta_bridge.crazyflie.safety import Stage
+from lta_bridge.crazyflie.supervisor import Bit
+from lta_config.schema.crazyflie_file import CrazyflieFile, MOTORS
+from lta_graph.interrupts import held_interrupts
+from lta_model.vehicle import Vehicle
+
+STARTING: Final = 3.0  # s for telemetry to come, and again for the supervisor to arm
+CONFIRMING: Final = 1.0  # s for the supervisor to say that it is disarmed
+STOPS: Final = 10  # emergency stops where it does not say so
+NOTHING: Final = Wish()
+
+
+@final
+class Turned(NamedTuple):
+    """
+    What the drone itself logged.
+
+    Attributes
+    ----------
+    duty : float
+        Largest of the motor that was asked for, 0 to 1.
+    others : float
+        Largest of any other.
+    voltage : float
+        Least of the cell; NaN where none came. [V]
+
+    """
+
+    duty: float
+    others: float
+    voltage: float
+
+
+@final
+class MotorBench:
+    """
+    One motor of one drone.
+
+    Parameters
+    ----------
+    link : Link
+        Open.
+    file : CrazyflieFile
+        Parameters, wiring and limits.
+    vehicle : Vehicle
+        What flies with it.
+    motor : str
+        'm1' to 'm4'.
+
+    """
+
+    def __init__(self, link: Link, file: CrazyflieFile, vehicle: Vehicle, motor: str) -> None:
+        self._link, self._file, self._vehicle = link, file, vehicle
+        rotors = vehicle.rotor_names
+        self._bridge = Bridge(link, file, rotors, 'motors')
+        self._motor = MOTORS.index(motor)
+        self._place = list(rotors).index(file.motors[motor])
+        self._rotors = len(rotors)
+        self._logged: list[readings.Motors] = []
+        self._volts: list[float] = []
+
+    def turn(self, duty: float, seconds: float, tick: Callable[[float], None]) -> Turned:
+        """
+        Arm, turn, disarm; whatever happens, the motor stands afterwards.
+
+        Parameters
+        ----------
+        duty : float
+            0 to 1.
+        seconds : float
+            For how long. [s]
+        tick : callable
+            Told how long it has turned. [s]
+
+        Raises
+        ------
+        LinkFailed
+            If the drone refuses, disarms itself, or falls silent.
+
+        """
+        agree(self._link, self._file.expected, self._vehicle.battery_compensated)
+        try:
+            self._arm()
+            self._drive(duty, seconds, tick)
+        finally:
+            self._disarm()
+        duties = [each.duties for each in self._logged]
+        others = [one for each in duties for k, one in enumerate(each) if k != self._motor]
+        return Turned(
+            max((each[self._motor] for each in duties), default=0.0),
+            max(others, default=0.0), min(self._volts, default=math.nan),
+        )  # fmt: skip
+
+    def _arm(self) -> None:
+        """Wait for telemetry, and for the supervisor's word that it is armed."""
+        until = time.monotonic() + STARTING
+        while self._bridge.refusal(time.time_ns(), True, True) and time.monotonic() < until:
+            self._step(NOTHING)
+        if why := self._bridge.refusal(time.time_ns(), True, True):
+            raise LinkFailed(why)
+        self._step(Wish(arm=True))
+        while self._bridge.state.stage is Stage.ARMING:
+            self._step(NOTHING)
+        if self._bridge.state.stage is not Stage.READY:
+            raise LinkFailed(self._bridge.state.why)
+
+    def _drive(self, duty: float, seconds: float, tick: Callable[[float], None]) -> None:
+        duties = tuple(duty if k == self._place else 0.0 for k in range(self._rotors))
+        began = time.monotonic()
+        while (been := time.monotonic() - began) < seconds:
+            self._bridge.commanded(Asked(time.time_ns(), duties=duties))
+            self._step(NOTHING)
+            tick(been)
+            if self._bridge.state.stage is not Stage.FLYING:
+                raise LinkFailed(self._bridge.state.why)
+
+    def _step(self, wish: Wish) -> None:
+        """Hear what has come, decide and send once, and wait for the next turn."""
+        for packet in self._heard():
+            self._bridge.heard(packet)
+        self._bridge.tick(time.monotonic(), time.time_ns(), True, True, wish)
+        time.sleep(1.0 / RATE)
+
+    def _heard(self) -> Iterator[LogPacket]:
+        with suppress(Empty):
+            while True:
+                match self._link.events.get_nowait():
+                    case Lost(why):
+                        raise LinkFailed(f'{why}; the app aboard stops after {HOLD_MS} ms')
+                    case LogPacket() as packet:
+                        self._keep(packet)
+                        yield packet
+
+    def _keep(self, packet: LogPacket) -> None:
+        if packet.block == 'motors':
+            self._logged.append(readings.motors(packet.values))
+        elif packet.block == 'power':
+            self._volts.append(readings.power(packet.values).voltage)
+
+    def _disarm(self) -> None:
+        """Disarm, which stops motors at once, until the supervisor confirms it; else for good."""
+        with held_interrupts(), suppress(LinkFailed):
+            asked = time.monotonic()
+            known = len(self._logged)
+            while time.monotonic() - asked < CONFIRMING:
+                self._link.arm(False)
+                time.sleep(1.0 / RATE)
+                for _ in self._heard():
+                    pass
+                if len(self._logged) > known + 1 and not self._logged[-1].word & Bit.ARMED:
+                    return
+            for _ in range(STOPS):
+                self._link.stop()
+                time.sleep(1.0 / RATE)
+
+
+@contextmanager
+def ended_by_signals() -> Iterator[None]:
+    """Make SIGTERM and a closed terminal end things as Ctrl-C does: through every `finally`."""
+
+    def end(*_: object) -> NoReturn:
+        raise KeyboardInterrupt
+
+    before = {each: signal.signal(each, end) for each in (signal.SIGTERM, signal.SIGHUP)}
+    try:
+        yield
+    finally:
+        for each, handler in before.items():
+            signal.signal(each, handler)

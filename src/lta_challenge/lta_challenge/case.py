@@ -1,0 +1,263 @@
+"""One case of a challenge: drawn from a seed and its number alone."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Final, final
+
+from lta_challenge.course import piloted
+from lta_challenge.flying import flown, Happened
+from lta_challenge.hiding import (
+    any_outside,
+    candidates,
+    chosen,
+    CLEAR,
+    everywhere,
+    FAINT,
+    Hidden,
+    strange,
+    stronger,
+)
+from lta_challenge.rows import Kind, KINDS, row
+from lta_challenge.tolerance import off, trimmed
+from lta_challenge.truth_flight import TICK
+from lta_challenge.vessel import Vessel, vessel
+from lta_challenge.watched import Instruments, Streams, Watcher
+from lta_discovery.fit.evidence import FLOOR
+from lta_discovery.flights.bags import Role
+from lta_discovery.model.knobs import Knob
+from lta_discovery.model.nominal import Nominal
+from lta_model.vehicle import Vehicle
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Draw = np.random.Generator
+
+ROLES: Final[tuple[Role, ...]] = ('train', 'confirm', 'holdout')
+SECONDS: Final = (60.0, 180.0)  # of a flight
+TRIALS: Final = 4  # flights that size what is outside the library, and times that it is drawn
+TILT: Final = 0.05  # rad; a flight begins askew by
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Known:
+    """
+    What everybody knows.
+
+    Attributes
+    ----------
+    vehicle : Vehicle
+        As its file has it.
+    nominal : Nominal
+        Its numbers.
+    knobs : list of Knob
+        What can be turned about it.
+
+    """
+
+    vehicle: Vehicle
+    nominal: Nominal
+    knobs: list[Knob]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Flight:
+    """
+    One flight.
+
+    Attributes
+    ----------
+    name, role, course : str
+        Of its bag; what it is for; what is flown.
+    streams : mapping of topic to (times, values)
+        What is recorded.
+
+    """
+
+    name: str
+    role: str
+    course: str
+    streams: Streams
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Case:
+    """
+    One case.
+
+    Attributes
+    ----------
+    number : int
+        Of it.
+    flights : tuple of Flight
+        What is given.
+    answer : dict
+        What is sealed.
+
+    """
+
+    number: int
+    flights: tuple[Flight, ...]
+    answer: dict[str, Any]
+
+
+@final
+class Drawing:
+    """
+    Draws one case.
+
+    Parameters
+    ----------
+    known : Known
+        The vehicle.
+    seed, number : int
+        Of the challenge and the case; nothing else is drawn from.
+    row_name : str
+        What its flights are like.
+    kind : str, optional
+        What is hidden; drawn where nobody asks for one.
+    seconds : pair of float
+        Between which the lengths of the flights are. [s]
+
+    """
+
+    def __init__(
+        self,
+        known: Known,
+        seed: int,
+        number: int,
+        row_name: str = 'base',
+        kind: Kind | None = None,
+        seconds: tuple[float, float] = SECONDS,
+    ) -> None:
+        self._known, self._row_name, self._row = known, row_name, row(row_name)
+        self._number, self._seconds = number, seconds
+        self._root = [seed, number, self._row.code]
+        draw = self._draw(0)
+        kinds, weights = list(KINDS), list(KINDS.values())
+        self.kind: Kind = kind or kinds[int(draw.choice(len(kinds), p=weights))]
+
+    def _draw(self, part: int) -> Draw:
+        """Return where the chance of one part of the case comes from."""
+        return np.random.default_rng([*self._root, part])
+
+    def _hidden(self) -> tuple[Hidden, ...]:
+        """Return what is hidden of the library."""
+        count = {'clean': 0, 'single': 1, 'pair': 2, 'outside': 0, 'mixed': 1}[self.kind]
+        known = candidates(self._known.knobs, self._row)
+        return chosen(known, count, self._row, self._draw(1))
+
+    def _turned(self, hidden: tuple[Hidden, ...]) -> Nominal:
+        """Return the vehicle with what is hidden, and off as vehicles are."""
+        nominal, by_name = self._known.nominal, {knob.name: knob for knob in self._known.knobs}
+        for one in hidden:
+            nominal = by_name[one.knob].turned(nominal, one.value)
+        return off(nominal, self._row.worse, self._draw(2))
+
+    def drawn(self, roles: Sequence[str] = ROLES) -> Case:
+        """Draw it, and fly all its flights: one for each role, the same whatever follows it."""
+        hidden = self._hidden()
+        nominal, outside, name = self._turned(hidden), dict[str, Any](), ''
+        if self._row.structured:
+            outside |= everywhere(self._draw(3))
+        floors = 0.0
+        if self.kind in ('outside', 'mixed'):
+            name, given, floors = self._clear(nominal, outside)
+            outside[name] = given
+        flights = tuple(
+            self._flight(nominal, outside, index, role) for index, role in enumerate(roles)
+        )
+        answer = {
+            'kind': self.kind,
+            'row': self._row_name,
+            'hidden': [one._asdict() for one in hidden],
+            'outside': name,
+            'floors': floors,
+            'strange': outside,
+            'courses': {flight.name: flight.course for flight in flights},
+            'nominal': told(nominal),
+        }
+        return Case(self._number, flights, answer)
+
+    def _clear(
+        self, nominal: Nominal, outside: dict[str, Any]
+    ) -> tuple[str, dict[str, float], float]:
+        """Return what is outside the library, drawn until the flights show anything of it."""
+        draw = self._draw(4)
+        for _ in range(TRIALS):
+            name = any_outside(draw, late=self._number % 2 == 1)
+            given, floors = self._sized(nominal, outside, name, draw)
+            if floors >= FAINT:
+                break
+        return name, given, floors
+
+    def _sized(
+        self, nominal: Nominal, outside: dict[str, Any], name: str, draw: Draw
+    ) -> tuple[dict[str, float], float]:
+        """Return what is outside the library at a drawn strength, and what that came to."""
+        given = strange(name, draw)
+        aim = CLEAR[0] * (CLEAR[1] / CLEAR[0]) ** draw.random()
+        reached = 0.0
+        for trial in range(TRIALS + 1):
+            happened = self._flown(nominal, {**outside, name: given}, 0)[0]
+            other = self._flown(nominal, outside, 0)[0].strange if outside else 0.0
+            reached = clear(happened.strange - other)
+            if trial == TRIALS or reached == 0.0 or 0.8 < reached / aim < 1.25:
+                break
+            given = stronger(name, given, min(max(aim / reached, 0.05), 20.0))
+        return given, reached
+
+    def _flown(
+        self, nominal: Nominal, outside: dict[str, Any], index: int
+    ) -> tuple[Happened, Vessel, str, Draw]:
+        """Fly one flight."""
+        draw = self._draw(10 + index)
+        courses = self._row.courses
+        # Flights of a case differ where they can.
+        course = courses[(int(self._draw(5).integers(len(courses))) + index) % len(courses)]
+        seconds = float(draw.uniform(*self._seconds))
+        hull = vessel(trimmed(nominal, self._row.worse, draw), outside)
+        pilot = piloted(course, round(seconds), self._row.pushed, draw)
+        cell = (draw.uniform(3.85, 4.15), 0.0008, 0.06)
+        happened = flown(
+            hull,
+            pilot,
+            self._known.nominal,
+            height=float(pilot.wanted[0, 0]),
+            tilt=(TILT * draw.standard_normal(3)).tolist(),
+            cell=cell,
+        )
+        return happened, hull, course, draw
+
+    def _flight(self, nominal: Nominal, outside: dict[str, Any], index: int, role: str) -> Flight:
+        """Fly and watch one flight."""
+        happened, hull, course, draw = self._flown(nominal, outside, index)
+        kinds = Instruments().times(self._row.worse)
+        seen = Watcher(happened, hull, self._known.vehicle.file, kinds, draw).everything()
+        time = TICK * np.arange(len(happened.commands), dtype=np.float64)
+        rotors = len(self._known.nominal.rotors)
+        streams = {name: seen[name] for name in self._row.topics}
+        if self._row.pushed:
+            streams['wrench_command'] = (time, happened.commands[:, :6])
+        else:
+            streams['motors'] = (time, happened.commands[:, :rotors])
+        name = role if index < len(ROLES) else f'{role}_{index + 1}'
+        return Flight(name, role, course, streams)
+
+
+def clear(forces: Array) -> float:
+    """Return how many floors an unexplained wrench comes to on its strongest axis, mean apart."""
+    return float(np.max(np.std(forces, axis=0) / FLOOR))
+
+
+def told(nominal: Nominal) -> dict[str, Any]:
+    """Return a vehicle as plain data."""
+    return {
+        'given': {name: dict(values) for name, values in nominal.given.items()},
+        'mass': nominal.mass,
+        'displaced': nominal.displaced,
+        'inertia': nominal.inertia.tolist(),
+    }

@@ -1,0 +1,73 @@
+"""What a score is about, in a few letters: the effects that could be named, and the vehicle."""
+
+import ast
+from collections.abc import Callable, Mapping
+import hashlib
+import json
+from typing import Any, Final
+
+from lta_config.compilation.extract import Extract
+from lta_config.files import find
+from lta_model.effects import EFFECTS
+from lta_model.effects.protocol import (
+    ActuatorEffect,
+    AirEffect,
+    BodyEffect,
+    Effect,
+    InertiaEffect,
+    MeasurementEffect,
+)
+import yaml
+
+LENGTH: Final = 12
+
+
+def _short(text: str) -> str:
+    """Return the beginning of a SHA-256."""
+    return hashlib.sha256(text.encode()).hexdigest()[:LENGTH]
+
+
+def _equations(effect: Effect) -> list[Callable[..., Any]]:
+    """Return the functions of an effect."""
+    if isinstance(effect, MeasurementEffect):
+        return [effect.reading]
+    if isinstance(effect, BodyEffect):
+        return [effect.change]
+    if isinstance(effect, InertiaEffect):
+        return [effect.diagonal]
+    if isinstance(effect, ActuatorEffect):
+        return [effect.output, effect.rate]
+    return [effect.air if isinstance(effect, AirEffect) else effect.wrench, effect.rate]
+
+
+def _bare(text: str) -> str:
+    """Return source without its docstrings and layout."""
+    tree = ast.parse(text)
+    for node in ast.walk(tree):
+        if isinstance(node, ast.FunctionDef) and isinstance(node.body[0], ast.Expr):
+            node.body = node.body[1:] or [ast.Pass()]
+    return ast.unparse(tree)
+
+
+def registry_digest(effects: Mapping[str, Effect] = EFFECTS) -> str:
+    """Return what changes with a parameter or an equation of an effect, and with nothing else."""
+    told = []
+    for name, effect in effects.items():
+        extract = Extract()
+        for function in _equations(effect):
+            extract.add(function, name)
+        numbers = [[p.name, p.unit, p.null, p.low, p.high, p.spread] for p in effect.parameters]
+        told.append([name, numbers, _bare(extract.text(''))])
+    return _short(json.dumps(told))
+
+
+def vehicle_digest(name: str) -> str:
+    """
+    Return what changes with a fact of a vehicle file, and not with its comments.
+
+    How the vehicle is flown and how it sees light bear on no study: these stay out.
+    """
+    content = yaml.safe_load(find('vehicle', name).read_text(encoding='utf-8'))
+    content.pop('control', None)
+    content.get('sensors', {}).pop('diodes', None)
+    return _short(json.dumps(content, sort_keys=True))

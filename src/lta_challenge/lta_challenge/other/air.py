@@ -1,0 +1,109 @@
+"""The air in the room: wind that is never quite steady, a draught, and what else moves it."""
+
+from collections.abc import Sequence
+import math
+from typing import Final, final, Protocol
+
+from lta_challenge.other.truth import Six, Truth
+import numpy as np
+
+UNSTEADY: Final = 0.02  # of a wind, by which it comes and goes, root mean square
+GRID: Final = 0.1  # s; of the draught
+MEMORY: Final = 2.5  # s; of each of its two filters
+
+
+class MovingAir(Protocol):
+    """What moves the air somewhere."""
+
+    def at(self, time: float, x: float, y: float, z: float) -> Six:
+        """Return velocity and acceleration of the air there, in the map. [m/s], [m/s2]."""
+        ...
+
+
+@final
+class Draught:
+    """
+    Slow random horizontal air motion, the same in the whole room.
+
+    White noise through two equal filters, so that its acceleration is finite.
+
+    Parameters
+    ----------
+    size : float
+        Root mean square, each way. [m/s]
+    seconds : float
+        How long it is needed.
+    draw : Generator
+        Where its chance comes from.
+
+    """
+
+    def __init__(self, size: float, seconds: float, draw: np.random.Generator) -> None:
+        settled = int(10.0 * MEMORY / GRID)
+        count = settled + int(seconds / GRID) + 3
+        keep = math.exp(-GRID / MEMORY)
+        series = draw.standard_normal((count, 2))
+        for _ in range(2):
+            for k in range(1, count):
+                series[k] = keep * series[k - 1] + (1.0 - keep) * series[k]
+        # The variance of white noise through both filters: the sum of the squares of their kernel.
+        powers = np.arange(count, dtype=float)
+        kernel = (1.0 - keep) ** 2 * (powers + 1.0) * keep**powers
+        series *= size / math.sqrt(float(np.sum(kernel**2)))
+        self._series: list[list[float]] = series[settled:].tolist()
+
+    def at(self, time: float, x: float, y: float, z: float) -> Six:
+        """Return it, straight between the points of its grid."""
+        index = min(int(time / GRID), len(self._series) - 2)
+        one, two = self._series[index], self._series[index + 1]
+        share = time / GRID - index
+        gain = [(after - before) / GRID for before, after in zip(one, two, strict=True)]
+        u, v = (before + share * GRID * g for before, g in zip(one, gain, strict=True))
+        return u, v, 0.0, gain[0], gain[1], 0.0
+
+
+@final
+class UnsteadyWind:
+    """
+    Wind over the whole map, which comes and goes a little.
+
+    No boundary layer: a wind that grows with height is an effect of its own in the library.
+
+    Parameters
+    ----------
+    truth : Truth
+        Of which the wind is the mean.
+    seconds : float
+        How long it is needed.
+    draw : Generator
+        Where its chance comes from.
+
+    """
+
+    def __init__(self, truth: Truth, seconds: float, draw: np.random.Generator) -> None:
+        self._wind = truth.wind
+        self._more = Draught(UNSTEADY, seconds, draw)
+
+    def at(self, time: float, x: float, y: float, z: float) -> Six:
+        """Return velocity and acceleration of the air."""
+        share, _, _, gain, _, _ = self._more.at(time, x, y, z)
+        u, v, w = self._wind
+        share += 1.0
+        return share * u, share * v, share * w, gain * u, gain * v, gain * w
+
+
+@final
+class RoomAir:
+    """All that moves the air together."""
+
+    def __init__(self, movers: Sequence[MovingAir]) -> None:
+        self._movers = movers
+
+    def at(self, time: float, x: float, y: float, z: float) -> Six:
+        """Return velocity and acceleration of the air at a place of the map."""
+        u = v = w = a = b = c = 0.0
+        for one in self._movers:
+            more = one.at(time, x, y, z)
+            u, v, w = u + more[0], v + more[1], w + more[2]
+            a, b, c = a + more[3], b + more[4], c + more[5]
+        return u, v, w, a, b, c

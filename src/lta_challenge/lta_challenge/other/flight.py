@@ -1,0 +1,217 @@
+"""A flight: the equations of motion integrated from command to command, and what came of it."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+import math
+from typing import Final, final, Protocol
+
+from lta_challenge.other.air import MovingAir, RoomAir
+from lta_challenge.other.body import KirchhoffBody, rotation, State, STILL
+from lta_challenge.other.rotors import RotorSet
+from lta_challenge.other.truth import Six, Truth
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+TICK: Final = 0.01  # s; from command to command, and the step of the integrator
+
+
+class Unlisted(Protocol):
+    """Something that is in no library, and acts on one flight."""
+
+    def duties(self, duties: Sequence[float]) -> Sequence[float]:
+        """Return what the rotors do of what is commanded."""
+        ...
+
+    def thrusts(self, thrusts: Sequence[float], duties: Sequence[float]) -> Sequence[float]:
+        """Return what comes of the thrust of each rotor. [N]."""
+        ...
+
+    def air(self) -> MovingAir | None:
+        """Return how it moves the air, if it does."""
+        ...
+
+    def push(self, time: float, state: State, air: Six, acceleration: Six) -> Six:
+        """Return its wrench about the hull centre in body axes over the next step, and go on."""
+        ...
+
+
+class Flyer(Protocol):
+    """Who commands."""
+
+    def resting(self) -> list[float]:
+        """Return the duties before the start."""
+        ...
+
+    def duties(self, time: float, state: State) -> list[float]:
+        """Return the duties at a time and state."""
+        ...
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class FlownPath:
+    """
+    What happened.
+
+    Attributes
+    ----------
+    time : ndarray, shape (N,)
+        Of the states. [s]
+    states : ndarray, shape (N, 13)
+        Place, velocity over the map, quaternion w x y z, body rates.
+    gains : ndarray, shape (N, 6)
+        Acceleration of the hull centre over the map, and of the body rates.
+    commands : ndarray, shape (M, rotors)
+        Duties, every TICK from 0 on.
+    thrusts : ndarray, shape (N, rotors)
+        Of the rotors. [N]
+    unlisted : ndarray, shape (N, 6)
+        Wrench of what is in no library, in body axes. [N], [N m]
+
+    """
+
+    time: Array
+    states: Array
+    gains: Array
+    commands: Array
+    thrusts: Array
+    unlisted: Array
+
+
+def spun(state: State, gain: Six) -> State:
+    """Return the derivative of a state."""
+    _, _, _, u, v, w, q, x, y, z, a, b, c = state
+    return [
+        u, v, w, gain[0], gain[1], gain[2],
+        -0.5 * (x * a + y * b + z * c),
+        0.5 * (q * a + y * c - z * b),
+        0.5 * (q * b + z * a - x * c),
+        0.5 * (q * c + x * b - y * a),
+        gain[3], gain[4], gain[5],
+    ]  # fmt: skip
+
+
+def step(rate: Callable[[float, State], State], state: State, first: State, dt: float) -> State:
+    """Return a state a step later, by the classical method of Runge and Kutta."""
+
+    def moved(by: float, along: State) -> State:
+        return [s + by * d for s, d in zip(state, along, strict=True)]
+
+    second = rate(0.5 * dt, moved(0.5 * dt, first))
+    third = rate(0.5 * dt, moved(0.5 * dt, second))
+    fourth = rate(dt, moved(dt, third))
+    after = [
+        s + dt / 6.0 * (a + 2.0 * (b + c) + d)
+        for s, a, b, c, d in zip(state, first, second, third, fourth, strict=True)
+    ]
+    length = math.sqrt(sum(each * each for each in after[6:10]))
+    after[6:10] = [each / length for each in after[6:10]]
+    return after
+
+
+@final
+class Flying:
+    """
+    One flight.
+
+    The states lie a delay after the commands, so that a command always comes at a state.
+
+    Parameters
+    ----------
+    truth : Truth
+        All numbers.
+    pilot : Flyer
+        Who commands.
+    air : sequence of MovingAir
+        What moves the air.
+    unlisted : Unlisted, optional
+        What is in no library.
+
+    """
+
+    def __init__(
+        self,
+        truth: Truth,
+        pilot: Flyer,
+        air: Sequence[MovingAir] = (),
+        unlisted: Unlisted | None = None,
+    ) -> None:
+        self._body, self._pilot, self._strange = KirchhoffBody(truth), pilot, unlisted
+        own = unlisted.air() if unlisted else None
+        self._plain_air = RoomAir(air)
+        self._air = RoomAir([*air, own]) if own else self._plain_air
+        self._rotors, self._plain = (RotorSet(truth, pilot.resting()) for _ in range(2))
+        self._late = math.floor(truth.delay / TICK)
+        self._shift = truth.delay - TICK * self._late
+        self._duties: Sequence[float] = pilot.resting()
+        self._push = STILL
+
+    def _thrusts(self, after: float) -> Sequence[float]:
+        """Return the thrust of each rotor, so long after the last command."""
+        thrusts = self._rotors.thrusts(after)
+        return self._strange.thrusts(thrusts, self._duties) if self._strange else thrusts
+
+    def _gain(self, time: float, after: float, state: State) -> Six:
+        """Return the accelerations of a state."""
+        wrench = self._rotors.wrench(self._thrusts(after))
+        a, b, c, d, e, f = (one + two for one, two in zip(wrench, self._push, strict=True))
+        air = self._air.at(time, state[0], state[1], state[2])
+        return self._body.accelerations(state, air, (a, b, c, d, e, f), time)
+
+    def _unlisted(self, time: float, state: State, gain: Six) -> Array:
+        """Return the wrench without which the vehicle would fly as if nothing were strange."""
+        wrench = self._plain.wrench(self._plain.thrusts(0.0))
+        air = self._plain_air.at(time, state[0], state[1], state[2])
+        plain = self._body.accelerations(state, air, wrench, time)
+        more = np.subtract(gain, plain)
+        r = np.array(rotation(*state[6:10])).reshape(3, 3)
+        more[:3] = more[:3] @ r
+        wrench_more: Array = self._body.masses @ more
+        return wrench_more
+
+    def flown(self, state: State, seconds: float) -> FlownPath:
+        """Fly from a state; the first command comes TICK after it."""
+        count = round(seconds / TICK)
+        commands: list[Sequence[float]] = []
+        states, gains, thrusts, strange = [], list[Six](), list[Sequence[float]](), []
+        gain: Six = STILL
+        for k in range(-1, count):
+            time = k * TICK + self._shift
+            if k >= 0:
+                commands.append(self._pilot.duties(k * TICK, state))
+            self._command(commands[k - self._late] if k >= self._late and k >= 0 else None)
+            if self._strange:
+                air = self._air.at(time, state[0], state[1], state[2])
+                self._push = self._strange.push(time, state, air, gain)
+            gain = self._gain(time, 0.0, state)
+            states.append(state)
+            gains.append(gain)
+            thrusts.append(self._thrusts(0.0))
+            strange.append(self._unlisted(time, state, gain) if self._strange else np.zeros(6))
+            state = self._stepped(time, state, gain)
+        time_of = TICK * np.arange(-1, count, dtype=np.float64) + self._shift
+        return FlownPath(
+            time_of, np.array(states), np.array(gains), np.array(commands),
+            np.array(thrusts), np.array(strange),
+        )  # fmt: skip
+
+    def _command(self, duties: Sequence[float] | None) -> None:
+        """Let a command reach the rotors."""
+        if duties is None:
+            return
+        self._plain.command(duties)
+        self._duties = self._strange.duties(duties) if self._strange else duties
+        self._rotors.command(self._duties)
+
+    def _stepped(self, time: float, state: State, gain: Six) -> State:
+        """Return the state a step later, and let the rotors run on."""
+
+        def rate(after: float, at: State) -> State:
+            return spun(at, self._gain(time + after, after, at))
+
+        later = step(rate, state, spun(state, gain), TICK)
+        self._rotors.advance(TICK)
+        self._plain.advance(TICK)
+        return later

@@ -1,0 +1,195 @@
+"""A pilot who makes the vehicle swing, climb and turn, and never lets it near the floor."""
+
+from dataclasses import dataclass
+import math
+from typing import Final, final
+
+from lta_challenge.other.body import GRAVITY, rotation, State
+from lta_challenge.other.truth import Truth
+import numpy as np
+
+Draw = np.random.Generator
+
+MANOEUVRES: Final = ('dash', 'rock', 'pump', 'roll', 'rest')
+WEIGHTS: Final = (0.25, 0.25, 0.3, 0.1, 0.1)
+HEIGHTS: Final = (1.1, 2.0)  # m; that are wanted
+CEILING: Final = 2.25  # m
+FLOOR: Final = 0.9  # m
+WILD: Final = math.radians(18.0)  # amplitude of the swing at which the pilot works against it
+SWING: Final = 3.1  # rad/s; of the swing, by which a rate makes an amplitude
+FAR: Final = 3.0  # m; from where the pilot heads back
+EASE: Final = 0.0067  # N; of each forward rotor, that they can steer while the vehicle rests
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Manoeuvre:
+    """
+    What is flown for a while.
+
+    Attributes
+    ----------
+    name : str
+        One of MANOEUVRES.
+    end : float
+        When it is over. [s]
+    duty : float
+        Of the forward rotors, where they work.
+    period : float
+        Of commands that alternate. [s]
+    height : float
+        That is wanted. [m]
+    turn : float
+        By how much the heading changes. [rad]
+
+    """
+
+    name: str
+    end: float
+    duty: float
+    period: float
+    height: float
+    turn: float
+
+
+def flown_plan(seconds: float, draw: Draw) -> list[Manoeuvre]:
+    """Return what is flown, one after the other."""
+    plan, time = list[Manoeuvre](), 0.0
+    order = list(draw.permutation(MANOEUVRES[:3]))
+    while time < seconds:
+        name = str(order.pop() if order else draw.choice(MANOEUVRES, p=WEIGHTS))
+        length = draw.uniform(2.5, 5.0) if name == 'rest' else draw.uniform(5.0, 11.0)
+        time += float(length)
+        duty = float(draw.uniform(0.3, 0.6) if name == 'rock' else draw.uniform(0.25, 0.5))
+        period, height = float(draw.uniform(1.7, 2.5)), float(draw.uniform(*HEIGHTS))
+        turn = float(draw.choice([-1.0, 1.0]) * draw.uniform(0.4, 2.2))
+        plan.append(Manoeuvre(name, time, duty, period, height, turn))
+    return plan
+
+
+@final
+class SwingingPilot:
+    """
+    Flies a plan.
+
+    Parameters
+    ----------
+    seconds : float
+        How long.
+    nominal : Truth
+        The vehicle file's numbers, by which the pilot trims.
+    draw : Generator
+        Where its chance comes from.
+
+    """
+
+    def __init__(self, seconds: float, nominal: Truth, draw: Draw) -> None:
+        self.plan = flown_plan(seconds, draw)
+        self._draw = draw
+        self._curve = nominal.curve
+        self._lifting = nominal.columns[0][2]
+        self._weight = (nominal.mass - nominal.displaced) * GRAVITY
+        self._heading, self._at, self._began = float(draw.uniform(-math.pi, math.pi)), -1, 0.0
+        self._sum = 0.0
+        self._size = float(draw.uniform(0.02, 0.05))
+        rotors = len(nominal.gains)
+        self._shake, self._until = [0.0] * rotors, [0.0] * rotors
+
+    @property
+    def heading(self) -> float:
+        """Where to at the start. [rad]."""
+        return self._heading
+
+    def resting(self) -> list[float]:
+        """Return the duties that carry the vehicle of the file."""
+        up = self._duty(0.5 * self._weight / self._lifting)
+        ease = self._duty(EASE)
+        return [up, up, ease, ease]
+
+    def _duty(self, thrust: float) -> float:
+        """Return the duty for a thrust of one rotor. [N]."""
+        a, b = self._curve
+        return (math.sqrt(b * b + 4.0 * a * max(thrust, 0.0)) - b) / (2.0 * a)
+
+    def _dither(self, time: float) -> list[float]:
+        """Return what is added to each duty, at random and for a while."""
+        for k, until in enumerate(self._until):
+            if time >= until:
+                self._shake[k] = float(self._draw.choice([-1.0, 1.0])) * self._size
+                self._until[k] = time + float(self._draw.uniform(0.12, 0.5))
+        return self._shake
+
+    def _now(self, time: float, state: State) -> Manoeuvre:
+        """Return what is flown now; begin the next one where the last is over."""
+        begin = self._at < 0 or (time >= self.plan[self._at].end and self._at + 1 < len(self.plan))
+        if begin:
+            self._began = time
+            self._at += 1
+            self._heading += self.plan[self._at].turn if self._at else 0.0
+            if math.hypot(state[0], state[1]) > FAR:
+                home = math.atan2(-state[1], -state[0])
+                self._heading = home + float(self._draw.uniform(-0.7, 0.7))
+        return self.plan[self._at]
+
+    def duties(self, time: float, state: State) -> list[float]:
+        """
+        Return the duties of up left, up right, forward left and forward right.
+
+        Parameters
+        ----------
+        time : float
+            Since the start. [s]
+        state : list of 13 floats
+            The vehicle, which the pilot sees.
+
+        """
+        now = self._now(time, state)
+        r = rotation(*state[6:10])
+        swing = math.hypot(math.acos(min(r[8], 1.0)), state[10] / SWING, state[11] / SWING)
+        ahead, aside = self._forward(now, time, state, swing), self._steered(state, r[0], r[3])
+        lift, roll = self._lifted(now, state), self._rolled(now, time)
+        wanted = [lift - roll, lift + roll]
+        base = self._duty(EASE)
+        # Without thrust ahead the rotors cannot steer, and they cannot pull back.
+        wanted += [max(ahead, base) - aside, max(ahead, base) + aside]
+        return [
+            min(max(one + more, 0.0), 1.0)
+            for one, more in zip(wanted, self._dither(time), strict=True)
+        ]
+
+    def _forward(self, now: Manoeuvre, time: float, state: State, swing: float) -> float:
+        """Return the duty ahead."""
+        nose_up = state[11] < 0.0  # rates about y, which points left: the nose goes up
+        if state[2] > CEILING:
+            return 0.0  # nose up they would lift it further
+        if swing > WILD:
+            return 0.0 if nose_up else 0.5 * now.duty
+        if now.name == 'dash':
+            return now.duty
+        if now.name == 'rock':
+            return now.duty if (time - self._began) % now.period < 0.5 * now.period else 0.0
+        if now.name == 'pump':
+            return now.duty if nose_up else 0.0
+        return 0.0
+
+    def _steered(self, state: State, forward_x: float, forward_y: float) -> float:
+        """Return by how much the forward duties differ, half of it, to hold the heading."""
+        off = self._heading - math.atan2(forward_y, forward_x)
+        off = math.remainder(off, 2.0 * math.pi)
+        return min(max(0.12 * off - 0.35 * state[12], -0.25), 0.25)
+
+    def _lifted(self, now: Manoeuvre, state: State) -> float:
+        """Return the duty upward that brings the height that is wanted."""
+        off = now.height - state[2]
+        self._sum = min(max(self._sum + 2e-5 * off, -0.03), 0.08)  # N
+        force = self._weight + self._sum + 0.06 * off - 0.15 * state[5]
+        if state[2] < FLOOR:
+            force += 0.3 * (FLOOR - state[2])
+        return self._duty(0.5 * force / self._lifting)
+
+    def _rolled(self, now: Manoeuvre, time: float) -> float:
+        """Return by how much the upward duties differ, half of it."""
+        if now.name != 'roll':
+            return 0.0
+        left = (time - self._began) % now.period < 0.5 * now.period
+        return 0.16 if left else -0.16

@@ -1,0 +1,90 @@
+"""The rotors: deadband, lag and thrust, exact between two commands."""
+
+from collections.abc import Sequence
+import math
+from typing import Final, final
+
+from lta_challenge.other.body import cross
+from lta_challenge.other.truth import Six, Truth
+
+WIDTH: Final = 0.02  # of a deadband, by which it starts later and stops earlier, relative
+SECOND: Final = 0.1  # of a hidden lag is a second stage
+
+
+@final
+class RotorSet:
+    """
+    All rotors of a vehicle.
+
+    Parameters
+    ----------
+    truth : Truth
+        Numbers.
+    duties : sequence of float
+        At which they have been turning before the start.
+
+    """
+
+    def __init__(self, truth: Truth, duties: Sequence[float]) -> None:
+        self._truth = truth
+        whole = truth.lag + truth.slow_lag
+        # Two stages delay on the average by the sum of their time constants.
+        self._late = SECOND * whole if truth.slow_lag else 0.0
+        self._early = whole - self._late
+        self._turning = [False] * len(truth.gains)
+        self._aim = [0.0] * len(truth.gains)
+        self.command(duties)
+        self._first, self._second = list(self._aim), list(self._aim)
+
+    def command(self, duties: Sequence[float]) -> None:
+        """Take the duties that hold from now on."""
+        low = self._truth.deadband
+        for k, duty in enumerate(duties):
+            edge = low * (1.0 - WIDTH if self._turning[k] else 1.0 + WIDTH)
+            self._turning[k] = duty >= edge
+            self._aim[k] = duty if self._turning[k] else 0.0
+
+    def _after(self, seconds: float) -> tuple[list[float], list[float]]:
+        """Return both stages so long after the command."""
+        early, late = self._early, self._late
+        fast = math.exp(-seconds / early)
+        first = [aim + (u - aim) * fast for aim, u in zip(self._aim, self._first, strict=True)]
+        if not late:
+            return first, first
+        slow, ratio = math.exp(-seconds / late), early / (early - late)
+        second = [
+            aim + (u - aim) * ratio * fast + (v - aim - (u - aim) * ratio) * slow
+            for aim, u, v in zip(self._aim, self._first, self._second, strict=True)
+        ]
+        return first, second
+
+    def advance(self, seconds: float) -> None:
+        """Let them run on."""
+        self._first, self._second = self._after(seconds)
+
+    def thrusts(self, seconds: float) -> list[float]:
+        """Return the thrust of each, so long after the command. [N]."""
+        a, b = self._truth.curve
+        scale = self._truth.thrust
+        return [
+            scale * gain * (a * u + b) * u
+            for gain, u in zip(self._truth.gains, self._after(seconds)[1], strict=True)
+        ]
+
+    def wrench(self, thrusts: Sequence[float]) -> Six:
+        """Return force and moment about the hull centre of some thrusts."""
+        sums = [0.0] * 6
+        for thrust, column in zip(thrusts, self._truth.columns, strict=True):
+            for k in range(6):
+                sums[k] += thrust * column[k]
+        return sums[0], sums[1], sums[2], sums[3], sums[4], sums[5]
+
+
+def toed(column: Six, place: tuple[float, float, float], turn: tuple[float, float, float]) -> Six:
+    """Return what a rotor does that is turned about its own place by small angles. [rad]."""
+    force, moment = column[:3], column[3:]
+    more = cross(turn, force)
+    lever = cross(place, more)
+    x, y, z = (force[k] + more[k] for k in range(3))
+    l, m, n = (moment[k] + lever[k] for k in range(3))  # noqa: E741
+    return x, y, z, l, m, n

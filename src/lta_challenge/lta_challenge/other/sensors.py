@@ -1,0 +1,198 @@
+"""What is recorded of a flight: sensors with noise, each with its own clock and its stamps."""
+
+from dataclasses import dataclass
+import math
+from typing import Final, final, Literal
+
+from lta_challenge.other.body import GRAVITY
+from lta_challenge.other.flight import Array, FlownPath, TICK
+from lta_challenge.other.truth import Truth
+import numpy as np
+from scipy.interpolate import CubicHermiteSpline
+from scipy.spatial.transform import Rotation
+
+Draw = np.random.Generator
+Stamps = Literal['exact', 'millisecond', 'grid', 'jitter']
+
+STAMPS: Final[tuple[Stamps, ...]] = ('exact', 'millisecond', 'grid', 'jitter')
+MILLISECOND: Final = 1e-3  # s
+POSE_GRID: Final = 2e-3  # s; of the stamps of poses, where they have one
+JITTER: Final = 3e-4  # s; standard deviation of stamps that jitter
+# By which a sensor is faster or slower than its name, at least and at most: were it exact, its
+# stamps would stay at one place of their grid, or creep along it as if its clock were wrong.
+CLOCK: Final = (1e-3, 5e-3)
+
+POSE_RATE: Final = 100.0  # Hz
+IMU_RATE: Final = 100.0
+RANGE_RATE: Final = 40.0
+PRESSURE_RATE: Final = 50.0
+BATTERY_RATE: Final = 10.0
+
+PLACE_NOISE: Final = 1e-3  # m
+ATTITUDE_NOISE: Final = 2.5e-3  # rad
+GYRO_NOISE: Final = 2.4e-3  # rad/s
+FORCE_NOISE: Final = 0.02  # m/s2
+RANGE_NOISE: Final = 5e-3  # m
+PRESSURE_NOISE: Final = 0.6  # Pa
+PRESSURE_WALK: Final = 0.03  # Pa per square root of a second
+VOLTAGE_NOISE: Final = 2e-3  # V
+
+SEA_LEVEL: Final = 101325.0  # Pa
+SCALE_HEIGHT: Final = 8577.0  # m; of air at 20 C: R T / (M g)
+CHARGE: Final = 900.0  # C; of the battery
+POWER: Final = (0.35, 24.0)  # W and W/N; of the electronics and of thrust
+INNER: Final = 0.15  # ohm
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Moments:
+    """
+    The motion at the times of some samples.
+
+    Attributes
+    ----------
+    place, velocity, gain : ndarray, shape (N, 3)
+        Of the hull centre in the map. [m], [m/s], [m/s2]
+    turn : Rotation
+        From body to map.
+    rates, spin : ndarray, shape (N, 3)
+        Body rates, and what they gain. [rad/s], [rad/s2]
+
+    """
+
+    place: Array
+    velocity: Array
+    gain: Array
+    turn: Rotation
+    rates: Array
+    spin: Array
+
+
+@final
+class SensorSet:
+    """
+    All sensors on one flight.
+
+    Parameters
+    ----------
+    path : FlownPath
+        The flight.
+    truth : Truth
+        Its numbers.
+    stamps : Stamps
+        How times are written down.
+    draw : Generator
+        Where noise comes from.
+
+    """
+
+    def __init__(self, path: FlownPath, truth: Truth, stamps: Stamps, draw: Draw) -> None:
+        self._path, self._truth, self._stamps, self._draw = path, truth, stamps, draw
+        time, states, gains = path.time, path.states, path.gains
+        w, (q, x, y, z) = states[:, 10:13], states[:, 6:10].T
+        turning = 0.5 * np.column_stack([
+            -(x * w[:, 0] + y * w[:, 1] + z * w[:, 2]),
+            q * w[:, 0] + y * w[:, 2] - z * w[:, 1],
+            q * w[:, 1] + z * w[:, 0] - x * w[:, 2],
+            q * w[:, 2] + x * w[:, 1] - y * w[:, 0],
+        ])  # fmt: skip
+        slopes = np.hstack([states[:, 3:6], gains[:, :3], turning, gains[:, 3:]])
+        self._states = CubicHermiteSpline(time, states, slopes)
+
+    def _sampled(self, rate: float, age: float = 0.0) -> Array:
+        """Return when a sensor looks, at a rate of its own. [s]."""
+        off = self._draw.choice([-1.0, 1.0]) * self._draw.uniform(*CLOCK)
+        period = (1.0 + off) / rate
+        first = 2.0 * TICK + age + self._draw.uniform(0.0, 1.0 / rate)
+        return np.arange(first, self._path.time[-1], period)
+
+    def _stamped(self, time: Array, *, pose: bool = False) -> Array:
+        """Return what is written down of the times of samples."""
+        if self._stamps == 'millisecond':
+            return np.round(time / MILLISECOND) * MILLISECOND
+        if self._stamps == 'grid' and pose:
+            return np.round(time / POSE_GRID) * POSE_GRID
+        if self._stamps == 'jitter':
+            return time + JITTER * self._draw.standard_normal(len(time))
+        return time
+
+    def _noise(self, size: float, *shape: int) -> Array:
+        """Return white noise."""
+        return size * self._draw.standard_normal(shape)
+
+    def _moments(self, time: Array) -> Moments:
+        """Return the motion at some times."""
+        states = self._states(time)
+        gains = np.column_stack([
+            np.interp(time, self._path.time, each) for each in self._path.gains.T
+        ])  # fmt: skip
+        turn = Rotation.from_quat(np.roll(states[:, 6:10], -1, axis=1))
+        return Moments(
+            states[:, :3], states[:, 3:6], gains[:, :3], turn, states[:, 10:], gains[:, 3:]
+        )
+
+    def poses(self) -> tuple[Array, Array]:
+        """Return what a tracker sees: place and quaternion x y z w, in its own axes."""
+        age = self._truth.tracker_delay
+        time = self._sampled(POSE_RATE, age)
+        moments = self._moments(time - age)
+        to_map = Rotation.from_euler('ZYX', self._truth.tracker)
+        place = to_map.apply(moments.place, inverse=True) + self._noise(PLACE_NOISE, len(time), 3)
+        shaken = Rotation.from_rotvec(self._noise(ATTITUDE_NOISE, len(time), 3))
+        turn = to_map.inv() * moments.turn * shaken
+        return self._stamped(time, pose=True), np.hstack([place, turn.as_quat()])
+
+    def imu(self) -> tuple[Array, Array]:
+        """Return body rates and specific force at the place of the IMU."""
+        time, t = self._sampled(IMU_RATE), self._truth
+        moments = self._moments(time)
+        free = moments.gain + np.array([0.0, 0.0, GRAVITY])
+        arm, rates = np.array(t.imu_place), moments.rates
+        lever = np.cross(moments.spin, arm) + np.cross(rates, np.cross(rates, arm))
+        force = moments.turn.apply(free, inverse=True) + lever
+        rates = rates * (1.0 + np.array(t.gyro_scale)) + t.gyro_bias
+        rates = rates + self._noise(GYRO_NOISE, len(time), 3)
+        force = force + t.imu_bias + self._noise(FORCE_NOISE, len(time), 3)
+        return self._stamped(time), np.hstack([rates, force])
+
+    def ranges(self) -> tuple[Array, Array]:
+        """Return the distance to the floor along the body's downward axis."""
+        time, t = self._sampled(RANGE_RATE), self._truth
+        moments = self._moments(time)
+        height = moments.place[:, 2] + moments.turn.apply(t.range_place)[:, 2]
+        upright = moments.turn.apply([0.0, 0.0, 1.0])[:, 2]
+        seen = height / upright + t.range_offset + self._noise(RANGE_NOISE, len(time))
+        return self._stamped(time), seen[:, None]
+
+    def pressures(self) -> tuple[Array, Array]:
+        """Return the pressure of the air at the flight controller."""
+        time, t = self._sampled(PRESSURE_RATE), self._truth
+        moments = self._moments(time)
+        height = moments.place[:, 2] + moments.turn.apply(t.imu_place)[:, 2]
+        walk = np.cumsum(self._noise(PRESSURE_WALK / math.sqrt(PRESSURE_RATE), len(time)))
+        seen = SEA_LEVEL * np.exp(-height / SCALE_HEIGHT) + t.pressure_offset + walk
+        return self._stamped(time), (seen + self._noise(PRESSURE_NOISE, len(time)))[:, None]
+
+    def voltages(self) -> tuple[Array, Array]:
+        """Return the voltage of the battery, which falls as charge is used and sags under load."""
+        full, noise = self._draw.uniform(3.95, 4.15), VOLTAGE_NOISE
+        power = POWER[0] + POWER[1] * self._path.thrusts.sum(axis=1)
+        current = power / full
+        used = np.cumsum(current) * TICK / CHARGE
+        voltage = full - 0.7 * used - INNER * current
+        time = self._sampled(BATTERY_RATE)
+        seen = np.interp(time, self._path.time, voltage) + self._noise(noise, len(time))
+        return self._stamped(time), seen[:, None]
+
+    def streams(self) -> dict[str, tuple[Array, Array]]:
+        """Return all that is recorded, the commands included."""
+        commands = self._path.commands
+        return {
+            'ground_truth/odom': self.poses(),
+            'imu': self.imu(),
+            'range': self.ranges(),
+            'pressure': self.pressures(),
+            'battery': self.voltages(),
+            'motors': (TICK * np.arange(len(commands), dtype=np.float64), commands),
+        }

@@ -1,0 +1,208 @@
+"""The numbers that are true of one vehicle, of the air around it and of its sensors."""
+
+from dataclasses import dataclass
+import math
+from typing import Final, final, NamedTuple
+
+from lta_config.errors import BadInput
+from lta_model.vehicle import Vehicle
+
+Triple = tuple[float, float, float]
+Six = tuple[float, float, float, float, float, float]
+
+NONE: Final[Triple] = (0.0, 0.0, 0.0)
+
+
+@final
+class Plate(NamedTuple):
+    """A part that brakes turns: where it is, how far it reaches each way, N s2/m2 by axis."""
+
+    place: Triple
+    reach: Triple
+    drag: Triple
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Truth:
+    """
+    What is true of one flight.
+
+    Body axes are x forward, y left, z up, about the centre of the hull.
+
+    Attributes
+    ----------
+    mass, displaced : float
+        Of the vehicle with its gas, and of the air that it displaces. [kg]
+    cg : triple
+        Centre of gravity. [m]
+    inertia : triple
+        About the centre of gravity. [kg m2]
+    added_mass, added_inertia : triple
+        Of the air that moves along. [kg], [kg m2]
+    yaw_air : float
+        More such inertia in yaw, which grows with the rate. [kg m2]
+    drag, linear_drag, extra_drag : triple
+        Quadratic, linear, and what is hidden of the quadratic. [N s2/m2], [N s/m]
+    turn_linear, turn_square : triple
+        Damping of rotation. [N m s], [N m s2]
+    plates : tuple of Plate
+        Parts that brake turns by their own drag.
+    munk : float
+        Share of the Munk moment that acts.
+    lift, leak : float
+        Force up at the hull centre, and how fast it is lost. [N], [N/s]
+    curve : pair of float
+        a and b of T = a u^2 + b u. [N]
+    columns : tuple of six floats each
+        Force and moment per newton of each rotor. [1], [m]
+    places : tuple of triple
+        Of the rotors. [m]
+    thrust : float
+        Factor on the thrust of all rotors.
+    gains : tuple of float
+        Factor on the thrust of each rotor.
+    lag, slow_lag : float
+        Time constant of the motors, and what is hidden of it. [s]
+    delay : float
+        From a command to the motors. [s]
+    deadband : float
+        Duty below which a rotor stands still.
+    wind : triple
+        Of the air over the map, its mean. [m/s]
+    draught : float
+        Root mean square of its random motion, each way. [m/s]
+    tracker : triple
+        Yaw, pitch and roll from the tracker's axes to the map. [rad]
+    tracker_delay : float
+        Age of a pose. [s]
+    imu_bias, gyro_bias, gyro_scale : triple
+        Added to the readings; relative. [m/s2], [rad/s], [1]
+    range_offset, pressure_offset : float
+        Added to the readings. [m], [Pa]
+    imu_place, range_place : triple
+        Where the sensors are. [m]
+
+    """
+
+    mass: float
+    displaced: float
+    cg: Triple
+    inertia: Triple
+    added_mass: Triple
+    added_inertia: Triple
+    drag: Triple
+    turn_linear: Triple
+    turn_square: Triple
+    plates: tuple[Plate, ...]
+    curve: tuple[float, float]
+    columns: tuple[Six, ...]
+    places: tuple[Triple, ...]
+    gains: tuple[float, ...]
+    imu_place: Triple
+    range_place: Triple
+    lag: float = 0.072
+    yaw_air: float = 0.0
+    linear_drag: Triple = NONE
+    extra_drag: Triple = NONE
+    munk: float = 1.0
+    lift: float = 0.0
+    leak: float = 0.0
+    thrust: float = 1.0
+    slow_lag: float = 0.0
+    delay: float = 0.0
+    deadband: float = 0.0
+    wind: Triple = NONE
+    draught: float = 0.0
+    tracker: Triple = NONE
+    tracker_delay: float = 0.0
+    imu_bias: Triple = NONE
+    gyro_bias: Triple = NONE
+    gyro_scale: Triple = NONE
+    range_offset: float = 0.0
+    pressure_offset: float = 0.0
+
+
+def triple(values: object) -> Triple:
+    """Return three floats of anything that holds three numbers."""
+    x, y, z = (float(each) for each in values)  # type: ignore[attr-defined]
+    return x, y, z
+
+
+def spheroid_added_mass(diameter: float, height: float, density: float) -> tuple[Triple, Triple]:
+    """
+    Return the added mass and inertia of an oblate spheroid.
+
+    Lamb, Hydrodynamics, 6th edition, sections 114 and 115.
+
+    Parameters
+    ----------
+    diameter, height : float
+        Across and along its axis, z. [m]
+    density : float
+        Of the air. [kg/m3]
+
+    Returns
+    -------
+    pair of triple
+        For translation [kg] and rotation [kg m2] along x, y and z.
+
+    """
+    a, c = 0.5 * diameter, 0.5 * height
+    fluid = 4.0 / 3.0 * math.pi * a * a * c * density
+    e = math.sqrt(1.0 - (c / a) ** 2)
+    flat = c / a
+    across = flat / e**3 * math.asin(e) - flat**2 / e**2
+    along = 2.0 / e**2 * (1.0 - flat / e * math.asin(e))
+    edge, broad = fluid * across / (2.0 - across), fluid * along / (2.0 - along)
+    less, more = a * a - c * c, a * a + c * c
+    tumbling = 0.2 * fluid * less**2 * (along - across) / (2.0 * less - more * (along - across))
+    return (edge, edge, broad), (tumbling, tumbling, 0.0)
+
+
+def plates_of(vehicle: Vehicle) -> tuple[Plate, ...]:
+    """Return the boxes that brake turns: the aero block has what they do to straight motion."""
+    out = []
+    for part in vehicle.file.parts.values():
+        if part.drag and part.drag.in_aero and part.size:
+            x, y, z = triple(part.size.vector)
+            each = 0.5 * vehicle.air_density * part.drag.coefficient.si
+            drag = (each * y * z, each * z * x, each * x * y)
+            longest = max(x, y, z)
+            reach = triple(0.5 * side if side == longest else 0.0 for side in (x, y, z))
+            out.append(Plate(triple(part.position.vector), reach, drag))
+    return tuple(out)
+
+
+def truth_of(vehicle: Vehicle) -> Truth:
+    """Return a vehicle as its file has it; `BadInput` if it is none that this can fly."""
+    file = vehicle.file
+    diameter, height = file.hull.diameter, file.hull.height
+    if diameter is None or height is None or height.si >= diameter.si or len(file.rotors) != 4:
+        raise BadInput(f'{file.name} is no flat balloon with four rotors; name another vehicle.')
+    added = spheroid_added_mass(diameter.si, height.si, vehicle.air_density)
+    linear, square = file.aero.linear_drag, file.aero.quadratic_drag
+    columns = tuple(
+        (*triple(each.force.vector), *triple(each.moment.vector))
+        for each in file.aero.thrust_allocation.values()
+    )
+    return Truth(
+        mass=vehicle.mass,
+        displaced=vehicle.displaced,
+        cg=triple(vehicle.cg),
+        inertia=triple(vehicle.inertia.diagonal()),
+        added_mass=added[0],
+        added_inertia=added[1],
+        drag=triple(square.force.vector),
+        linear_drag=triple(linear.force.vector),
+        turn_linear=triple(linear.moment.vector),
+        turn_square=triple(square.moment.vector),
+        plates=plates_of(vehicle),
+        curve=vehicle.thrust_curve,
+        columns=columns,
+        places=tuple(triple(one.position.vector) for one in file.rotors.values()),
+        gains=(1.0,) * len(columns),
+        imu_place=triple(file.sensors.imu_position.vector),
+        range_place=triple(file.sensors.range_position.vector),
+        lag=vehicle.effects()['motor_lag']['up'],
+    )

@@ -1,0 +1,27 @@
+"""
+A fin in the jet: its moment goes with thrust times speed.
+
+    N_z = size (T_3 + T_4) u,   N_y = -size (T_3 + T_4) w
+"""
+
+from typing import Final
+
+from lta_challenge.outside.shared.kind import Outside
+from lta_model.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
+
+PARAMETERS: Final = (Parameter('size', 'm/(m/s)', 0.0, -10.0, 10.0, 0.02, 'of a challenge'),)
+
+
+def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+    """Return the moment of the fin."""
+    (size,) = p
+    v = motion.airspeed
+    jet = size * (thrust[2] + thrust[3])
+    return (0.0, 0.0, 0.0, 0.0, -jet * v[2], jet * v[0])
+
+
+KIND: Final = Outside(
+    WrenchEffect('blown_fin', PARAMETERS, wrench),
+    'a fin in the jet',
+    {'size': (0.03, 0.1)},
+)

@@ -1,0 +1,26 @@
+"""
+A pitch moment of a flight that goes ahead and up at once, beyond that of potential flow.
+
+    N_y = size u w
+"""
+
+from typing import Final
+
+from lta_challenge.outside.shared.kind import Outside
+from lta_model.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
+
+PARAMETERS: Final = (Parameter('size', 'N m s2/m2', 0.0, -10.0, 10.0, 0.01, 'of a challenge'),)
+
+
+def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+    """Return the moment."""
+    (size,) = p
+    v = motion.airspeed
+    return (0.0, 0.0, 0.0, 0.0, size * v[0] * v[2], 0.0)
+
+
+KIND: Final = Outside(
+    WrenchEffect('coupling', PARAMETERS, wrench),
+    'pitch by ahead times up',
+    {'size': (-0.02, 0.02)},
+)

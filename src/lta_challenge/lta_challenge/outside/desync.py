@@ -1,0 +1,46 @@
+"""
+A motor whose controller loses step when it is told to speed up at once, and catches it again.
+
+    F_x = -size T,   N = r x F,   T = T_3 lost
+    lost' = 40 / s (1 - lost) where d - slow > jump, less lost / back;   slow' = (d - slow) / 0.1 s
+
+d is the duty that the third rotor is told, r = (0, 0.1, -0.4) m.
+"""
+
+from typing import Final
+
+from lta_challenge.outside.shared.kind import Outside
+from lta_model.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
+
+PARAMETERS: Final = (
+    Parameter('size', '1', 0.0, 0.0, 1.0, 0.5, 'of a challenge'),
+    Parameter('jump', '1', 0.0, 0.0, 1.0, 0.1, 'of a challenge'),
+    Parameter('back', 's', 0.0, 0.0, 20.0, 0.5, 'of a challenge'),
+)
+TOLD: Final = 2  # the third rotor
+LOSES: Final = 40.0  # 1/s
+FOLLOWS: Final = 0.1  # s
+
+
+def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+    """Return the thrust that is missing."""
+    size, jump, back = p  # noqa: RUF059 (the kernel knows parameters by their order)
+    x = -size * thrust[TOLD] * memory[0]
+    return (x, 0.0, 0.0, 0.0, -0.4 * x, -0.1 * x)
+
+
+def rate(p: Values, memory: Values, motion: Motion) -> Values:
+    """Return how step is lost and found."""
+    size, jump, back = p  # noqa: RUF059
+    lost, slow = memory[0], memory[1]
+    told = motion.command[TOLD]
+    loses = LOSES * (1.0 - lost) if told - slow > jump else 0.0
+    return (loses - lost / max(back, 0.05), (told - slow) / FOLLOWS)
+
+
+KIND: Final = Outside(
+    WrenchEffect('desync', PARAMETERS, wrench, memory=(('lost', 0.0), ('slow', 0.0)), rate=rate),
+    'a motor that loses step',
+    {'size': (0.3, 0.8), 'jump': (0.06, 0.14), 'back': (0.2, 0.8)},
+    late=True,
+)

@@ -1,0 +1,51 @@
+"""
+A leash on a reel: slack near its stand, and beyond its length drawn taut by the reel's spring.
+
+    F = -size (1 - exp(-(d - length) / 0.1 m)) (1 + 0.3 tanh(d' / 0.05 m/s)) e   where d > length
+
+at the gondola; d is the way to it from the stand on the floor and e its direction. The reel rubs:
+it pulls harder while line is paid out than while it is taken in.
+"""
+
+import math
+from typing import Final
+
+from lta_challenge.outside.shared.axes import in_body
+from lta_challenge.outside.shared.kind import Outside
+from lta_model.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
+
+PARAMETERS: Final = (
+    Parameter('size', 'N', 0.0, 0.0, 0.1, 0.01, 'of a challenge'),
+    Parameter('length', 'm', 0.0, 0.0, 20.0, 1.0, 'of a challenge'),
+    Parameter('east', 'm', 0.0, -20.0, 20.0, 0.5, 'of a challenge'),
+    Parameter('north', 'm', 0.0, -20.0, 20.0, 0.5, 'of a challenge'),
+)
+DEEP: Final = 0.4  # m; of the gondola below the hull centre
+GIVES: Final = 0.1  # m; over which the line comes taut
+RUBS: Final = 0.3  # of the pull
+SLOW: Final = 0.05  # m/s
+
+
+def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+    """Return the pull of the leash."""
+    size, length, east, north = p
+    r, v, w = motion.rotation, motion.velocity, motion.rates
+    x = motion.position[0] - DEEP * r[2] - east
+    y = motion.position[1] - DEEP * r[5] - north
+    z = motion.position[2] - DEEP * r[8]
+    far = math.sqrt(x * x + y * y + z * z)
+    if far <= length or far <= 0.0:
+        return (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    # The direction in body axes, in which the gondola's velocity is known.
+    a, b, c = in_body(r, x / far, y / far, z / far)
+    out = a * (v[0] - DEEP * w[1]) + b * (v[1] + DEEP * w[0]) + c * v[2]
+    pull = size * (1.0 - math.exp((length - far) / GIVES)) * (1.0 + RUBS * math.tanh(out / SLOW))
+    return (-pull * a, -pull * b, -pull * c, -DEEP * pull * b, DEEP * pull * a, 0.0)
+
+
+KIND: Final = Outside(
+    WrenchEffect('leash', PARAMETERS, wrench),
+    'a leash on a reel that comes taut',
+    {'size': (0.005, 0.02), 'length': (0.9, 1.5), 'east': (-0.6, 0.6), 'north': (-0.6, 0.6)},
+    late=True,
+)

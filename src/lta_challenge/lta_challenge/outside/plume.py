@@ -1,0 +1,47 @@
+"""
+Warm air that rises over patches of a warm floor, and is drawn in from around them below.
+
+    F_z = size (q - 0.2),   F_h = size exp(-z / 1 m) grad q wide / 2
+    q = exp((cos k x + cos k y - 2) / (k wide)^2),   k = 2 pi / 4 m
+
+in the map, x and y from the middle of a patch: near it q is exp(-r^2 / (2 wide^2)), and there is
+another patch every 4 m. Air sinks between them.
+"""
+
+import math
+from typing import Final
+
+from lta_challenge.outside.shared.axes import in_body
+from lta_challenge.outside.shared.kind import Outside
+from lta_model.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
+
+PARAMETERS: Final = (
+    Parameter('size', 'N', 0.0, 0.0, 0.025, 0.01, 'of a challenge'),
+    Parameter('wide', 'm', 0.0, 0.0, 20.0, 0.6, 'of a challenge'),
+    Parameter('east', 'm', 0.0, -20.0, 20.0, 1.0, 'of a challenge'),
+    Parameter('north', 'm', 0.0, -20.0, 20.0, 1.0, 'of a challenge'),
+)
+APART: Final = 4.0  # m
+SINKS: Final = 0.2  # of the rise
+HIGH: Final = 1.0  # m; up to which air is drawn in
+
+
+def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+    """Return the push of the warm air."""
+    size, wide, east, north = p
+    k = 2.0 * math.pi / APART
+    x, y = k * (motion.position[0] - east), k * (motion.position[1] - north)
+    spread = k * max(wide, 0.1)
+    warm = size * math.exp((math.cos(x) + math.cos(y) - 2.0) / (spread * spread))
+    inward = 0.5 * warm * math.exp(-motion.position[2] / HIGH) / spread
+    f, g = -inward * math.sin(x), -inward * math.sin(y)
+    a, b, c = in_body(motion.rotation, f, g, warm - SINKS * size)
+    return (a, b, c, 0.0, 0.0, 0.0)
+
+
+KIND: Final = Outside(
+    WrenchEffect('plume', PARAMETERS, wrench),
+    'warm air over patches of the floor',
+    {'size': (0.005, 0.02), 'wide': (0.4, 0.8), 'east': (-1.5, 1.5), 'north': (-1.5, 1.5)},
+    late=True,
+)

@@ -1,0 +1,21 @@
+"""From the map into body axes and back, in plain numbers that can be composed."""
+
+from lta_model.effects.protocol import Values
+
+Vector = tuple[float, float, float]
+
+
+def in_body(rotation: Values, x: float, y: float, z: float) -> Vector:
+    """Return a vector of the map in body axes; `rotation` has its rows one after the other."""
+    r = rotation
+    return (
+        r[0] * x + r[3] * y + r[6] * z,
+        r[1] * x + r[4] * y + r[7] * z,
+        r[2] * x + r[5] * y + r[8] * z,
+    )
+
+
+def level(rotation: Values, a: float, b: float, c: float) -> tuple[float, float]:
+    """Return how far a vector in body axes points east and north."""
+    r = rotation
+    return (r[0] * a + r[1] * b + r[2] * c, r[3] * a + r[4] * b + r[5] * c)

@@ -1,0 +1,61 @@
+"""
+Ballast that slides in its tray, held by a spring.
+
+    F = size (f^2 d + 2 damping f (V - V_0)),   d' = V - V_0,   V' = -F / size
+
+d is its way from the middle of the tray and V its velocity, in the map's horizontal; V_0 that of
+the tray, 0.4 m below the hull centre. Its weight is trimmed away.
+"""
+
+from typing import Final
+
+from lta_challenge.outside.shared.axes import in_body, level
+from lta_challenge.outside.shared.kind import Outside
+from lta_model.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
+
+PARAMETERS: Final = (
+    Parameter('size', 'kg', 0.0, 0.0, 1.0, 0.01, 'of a challenge'),
+    Parameter('f', 'rad/s', 0.0, 0.0, 50.0, 3.0, 'of a challenge'),
+    Parameter('damping', '1', 0.0, 0.0, 1.0, 0.1, 'of a challenge'),
+)
+DEEP: Final = 0.4  # m
+
+
+def force(p: Values, memory: Values, motion: Motion) -> tuple[float, float, float, float]:
+    """Return the push on the tray, and its velocity, in the map."""
+    size, f, damping = p
+    r, v, w = motion.rotation, motion.velocity, motion.rates
+    a, b, c = v[0] - DEEP * w[1], v[1] + DEEP * w[0], v[2]
+    east, north = level(r, a, b, c)
+    x = size * (f * f * memory[0] + 2.0 * damping * f * (memory[2] - east))
+    y = size * (f * f * memory[1] + 2.0 * damping * f * (memory[3] - north))
+    return (x, y, east, north)
+
+
+def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+    """Return the push of the ballast."""
+    size, f, damping = p
+    x, y, _, _ = force((size, f, damping), memory, motion)
+    a, b, c = in_body(motion.rotation, x, y, 0.0)
+    return (a, b, c, DEEP * b, -DEEP * a, 0.0)
+
+
+def rate(p: Values, memory: Values, motion: Motion) -> Values:
+    """Return how the ballast moves."""
+    size, f, damping = p
+    x, y, east, north = force((size, f, damping), memory, motion)
+    heavy = max(size, 1e-9)
+    return (memory[2] - east, memory[3] - north, -x / heavy, -y / heavy)
+
+
+KIND: Final = Outside(
+    WrenchEffect(
+        'sloshing',
+        PARAMETERS,
+        wrench,
+        memory=(('x', 0.0), ('y', 0.0), ('u', 0.0), ('v', 0.0)),
+        rate=rate,
+    ),
+    'ballast that slides',
+    {'size': (0.01, 0.03), 'f': (2.0, 6.0), 'damping': (0.03, 0.15)},
+)

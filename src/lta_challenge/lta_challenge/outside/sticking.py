@@ -1,0 +1,37 @@
+"""
+A rotor that sticks now and then, at times that repeat never.
+
+    F_x = -size T,   N = r x F   while sin(1.3 t) + sin(0.71 t + 1) + sin(2.9 t) > 1
+
+T is the thrust of the fourth rotor, r = (0, -0.1, -0.4) m.
+"""
+
+import math
+from typing import Final
+
+from lta_challenge.outside.shared.kind import Outside
+from lta_model.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
+
+PARAMETERS: Final = (Parameter('size', '1', 0.0, 0.0, 1.0, 0.3, 'of a challenge'),)
+
+
+def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+    """Return the thrust that is missing."""
+    (size,) = p
+    t = memory[0]
+    sticks = math.sin(1.3 * t) + math.sin(0.71 * t + 1.0) + math.sin(2.9 * t) > 1.0
+    x = -size * thrust[3] if sticks else 0.0
+    return (x, 0.0, 0.0, 0.0, -0.4 * x, 0.1 * x)
+
+
+def rate(p: Values, memory: Values, motion: Motion) -> Values:
+    """Return how time goes by."""
+    (size,) = p  # noqa: RUF059
+    return (1.0,)
+
+
+KIND: Final = Outside(
+    WrenchEffect('sticking', PARAMETERS, wrench, memory=(('time', 0.0),), rate=rate),
+    'a rotor that sticks',
+    {'size': (0.2, 0.5)},
+)

@@ -1,0 +1,46 @@
+"""
+A battery that slides in its tray once the tray is pitched far enough, and stays where it came to.
+
+    N = (x, 0, 0) x (-size e_z),   x' = 1 m/s (s - grip) where s > grip, 1 m/s (s + grip) where
+    s < -grip, 0 between and at a stop;   s = sin of the pitch, nose down
+
+size is its weight, x its way from the middle, no more than half the play.
+"""
+
+from typing import Final
+
+from lta_challenge.outside.shared.kind import Outside
+from lta_model.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
+
+PARAMETERS: Final = (
+    Parameter('size', 'N', 0.0, 0.0, 1.5, 0.2, 'of a challenge'),
+    Parameter('half', 'm', 0.0, 0.0, 0.2, 0.015, 'of a challenge'),
+    Parameter('grip', '1', 0.0, 0.0, 1.0, 0.02, 'of a challenge'),
+)
+SLIDES: Final = 1.0  # m/s on a vertical tray without grip
+
+
+def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+    """Return the moment of the battery about where it was trimmed."""
+    size, half, grip = p  # noqa: RUF059 (the kernel knows parameters by their order)
+    r = motion.rotation
+    way = min(max(memory[0], -half), half)
+    return (0.0, 0.0, 0.0, 0.0, size * way * r[8], -size * way * r[7])
+
+
+def rate(p: Values, memory: Values, motion: Motion) -> Values:
+    """Return how fast it slides."""
+    size, half, grip = p  # noqa: RUF059
+    steep = -motion.rotation[6]
+    speed = SLIDES * (steep - min(max(steep, -grip), grip))
+    if (memory[0] >= half and speed > 0.0) or (memory[0] <= -half and speed < 0.0):
+        speed = 0.0
+    return (speed,)
+
+
+KIND: Final = Outside(
+    WrenchEffect('tray', PARAMETERS, wrench, memory=(('way', 0.0),), rate=rate),
+    'a battery that slides in its tray',
+    {'size': (0.1, 0.4), 'half': (0.005, 0.02), 'grip': (0.01, 0.04)},
+    late=True,
+)

@@ -1,0 +1,104 @@
+"""The pictures of a score: who is taken for whom, from what strength on, and how sure."""
+
+from collections import Counter
+from collections.abc import Sequence
+import math
+from typing import Final
+
+from lta_challenge.judged import confused, Judged
+from lta_challenge.tally import by_strength
+from lta_report.drawing import blank
+from lta_report.palette import ESTIMATE, GOOD, HEAT, scale, SOFT, WALL
+from plotly.graph_objects import Figure, Heatmap, Scatter
+
+LAST: Final = ('nothing', 'unexplained', 'no answer')
+
+
+def confusion(cases: Sequence[Judged]) -> Figure:
+    """Return what was said by what was hidden, of cases with one thing hidden at most."""
+    cells = Counter(confused(one) for one in cases if one.kind in ('clean', 'single', 'outside'))
+    rows = sorted({hidden for hidden, _ in cells} - {'nothing'})
+    rows += [name for name in ('nothing',) if any(hidden == name for hidden, _ in cells)]
+    columns = sorted({said for _, said in cells} - set(LAST))
+    columns += [name for name in LAST if any(said == name for _, said in cells)]
+    counts = [[cells.get((row, column), 0) for column in columns] for row in rows]
+    figure = blank()
+    figure.add_trace(
+        Heatmap(
+            x=columns,
+            y=rows,
+            z=[[count or None for count in line] for line in counts],
+            text=[[str(count) if count else '' for count in line] for line in counts],
+            texttemplate='%{text}',
+            colorscale=scale(HEAT),
+            showscale=False,
+            xgap=1,
+            ygap=1,
+            hovertemplate='%{y}, said %{x}: %{z}<extra></extra>',
+        )
+    )
+    figure.update_xaxes(title_text='said', tickangle=-50, type='category')
+    figure.update_yaxes(title_text='hidden', autorange='reversed', type='category')
+    return figure.update_layout(hovermode='closest', margin={'l': 150, 'b': 150, 'r': 24})
+
+
+def strength(cases: Sequence[Judged]) -> Figure:
+    """Return how often a single effect is named exactly, wrongly or not, by its strength."""
+    figure = blank()
+    bands = [each for each in by_strength(cases) if each.exact.of]
+    middles = [
+        math.sqrt(max(low, 1.0) * (high if math.isfinite(high) else 2.0 * low))
+        for low, high, *_ in bands
+    ]
+    for name, shares, colour in (
+        ('exact', [each.exact for each in bands], GOOD),
+        ('wrong', [each.wrong for each in bands], ESTIMATE),
+        ('silent', [each.silent for each in bands], SOFT),
+    ):
+        figure.add_trace(
+            Scatter(
+                x=middles,
+                y=[100 * share.value for share in shares],
+                name=name,
+                mode='lines+markers',
+                line={'color': colour, 'width': 1.5},
+                error_y={
+                    'type': 'data',
+                    'symmetric': False,
+                    'array': [100 * (share.high - share.value) for share in shares],
+                    'arrayminus': [100 * (share.value - share.low) for share in shares],
+                    'thickness': 1,
+                    'width': 3,
+                },
+                hovertemplate='%{y:.0f} %<extra>' + name + '</extra>',
+            )
+        )
+    figure.update_xaxes(title_text='strength of the hidden effect [sigma]', type='log')
+    figure.update_yaxes(title_text='share [%]', range=[-3, 103])
+    return figure.update_layout(showlegend=True, legend={'orientation': 'h', 'y': 1.08})
+
+
+def coverage(cases: Sequence[Judged]) -> Figure:
+    """Return the truth within each interval that was given, in halves of its width."""
+    found = [(one.number, each) for one in cases for each in one.intervals]
+    figure = blank()
+    places = []
+    for _, each in found:
+        half = 0.5 * (each.ci95[1] - each.ci95[0])
+        places.append((each.true - each.value) / half if half > 0.0 else math.nan)
+    order = sorted(range(len(found)), key=lambda k: places[k])
+    figure.add_trace(
+        Scatter(
+            x=[100 * (rank + 0.5) / len(found) for rank in range(len(found))],
+            y=[max(min(places[k], 4.0), -4.0) for k in order],
+            text=[f'{found[k][1].name}, case {found[k][0]}' for k in order],
+            mode='markers',
+            marker={'color': GOOD, 'size': 6},
+            hovertemplate='%{text}: %{y:.2f}<extra></extra>',
+        )
+    )
+    for edge in (-1.0, 1.0):
+        figure.add_hline(y=edge, line={'color': WALL, 'width': 1, 'dash': '3px,3px'})
+    figure.update_xaxes(title_text='intervals in order [%]')
+    figure.update_yaxes(title_text='truth less value [half intervals]')
+    return figure.update_layout(hovermode='closest')

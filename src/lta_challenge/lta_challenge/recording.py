@@ -1,0 +1,98 @@
+"""A flight of a challenge as a bag, which says nothing of what is hidden in it."""
+
+from collections.abc import Mapping, Sequence
+from heapq import merge
+from pathlib import Path
+from typing import Any, Final
+
+from lta_bridge.bag.qos import offered_qos
+from lta_bridge.bag.writer import BagWriter
+from lta_config.topics import robot_topic, topic_table
+from lta_data.foreign.layout import Layout
+from lta_data.foreign.shapes import WRENCH
+from lta_flight.flight import ROBOT
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+BEGUN: Final = 1_000_000_000  # ns
+QOS: Final = [offered_qos('reliable', 'volatile', 10)]
+PUSHED: Final = 'wrench_command'
+POSE: Final = tuple(f'pose.pose.position.{axis}' for axis in 'xyz') + tuple(
+    f'pose.pose.orientation.{axis}' for axis in 'xyzw'
+)
+# Where the columns of each topic go.
+COLUMNS: Final[dict[str, tuple[str, ...]]] = {
+    'ground_truth/odom': POSE,
+    'imu': tuple(
+        f'{kind}.{axis}' for kind in ('angular_velocity', 'linear_acceleration') for axis in 'xyz'
+    ),
+    'range': ('range',),
+    'pressure': ('fluid_pressure',),
+    'battery': ('voltage',),
+    PUSHED: tuple(f'wrench.{kind}.{axis}' for kind in ('force', 'torque') for axis in 'xyz'),
+}
+# What a message says besides: a twist and an orientation that nobody knows.
+SAID: Final[dict[str, dict[str, Any]]] = {
+    'ground_truth/odom': {'child_frame_id': 'base_link', 'twist.covariance[0]': -1.0},
+    'imu': {'orientation_covariance[0]': -1.0},
+    'range': {'radiation_type': 1, 'min_range': 0.04, 'max_range': 4.0},
+    'battery': {'present': 1},
+}
+
+
+def _messages(topic: str, rotors: Sequence[str], time: Array, values: Array) -> tuple[str, Any]:
+    """Return the type of a topic and its messages: time in ns, name, bytes."""
+    entry = topic_table()[topic] if topic != PUSHED else None
+    kind, frame = (entry.type, entry.frame) if entry else (WRENCH.type_name, WRENCH.frame)
+    given: dict[str, Any] = {'header.frame_id': frame, **SAID.get(topic, {})}
+    lengths = {}
+    columns = COLUMNS.get(topic, ())
+    if topic == 'motors':
+        given['name'], lengths['effort'] = list(rotors), len(rotors)
+        columns = tuple(f'effort[{k}]' for k in range(len(rotors)))
+    layout = Layout(kind, given, lengths)
+    stamps = BEGUN + np.round(time * 1e9).astype(np.int64)
+    numbers: dict[str, Any] = {
+        'header.stamp.sec': stamps // 1_000_000_000,
+        'header.stamp.nanosec': stamps % 1_000_000_000,
+        **{path: values[:, k] for k, path in enumerate(columns)},
+    }
+    data, size = layout.fill(len(time), numbers), layout.size
+    name = robot_topic(ROBOT, topic)
+    made = (
+        (stamp, name, data[k * size : (k + 1) * size]) for k, stamp in enumerate(stamps.tolist())
+    )
+    return kind, made
+
+
+def record(
+    bag: Path,
+    streams: Mapping[str, tuple[Array, Array]],
+    rotors: Sequence[str],
+    told: Mapping[str, str],
+) -> None:
+    """
+    Write a bag.
+
+    Parameters
+    ----------
+    bag : Path
+        Its folder.
+    streams : mapping of topic to (times, values)
+        Times since the start [s], values as columns.
+    rotors : sequence of str
+        Names of the actuators.
+    told : mapping of str to str
+        Of its origin.
+
+    """
+    with BagWriter(bag, told) as writer:
+        all_made = []
+        for topic, (time, values) in streams.items():
+            kind, made = _messages(topic, rotors, time, values)
+            writer.add_topic(robot_topic(ROBOT, topic), kind, QOS)
+            all_made.append(made)
+        for stamp, name, data in merge(*all_made, key=lambda one: one[0]):
+            writer.write(name, data, stamp)

@@ -1,0 +1,92 @@
+"""The rows of a challenge: what its flights are like; and its kinds: what is hidden in them."""
+
+from dataclasses import dataclass
+from typing import Final, final, Literal
+
+from lta_config.errors import unknown
+from lta_discovery.naming.classes import Kind as Data
+
+Kind = Literal['clean', 'single', 'pair', 'outside', 'mixed']
+# How often each is drawn where nobody asks for one.
+KINDS: Final[dict[Kind, float]] = {
+    'clean': 0.3,
+    'single': 0.25,
+    'pair': 0.15,
+    'outside': 0.15,
+    'mixed': 0.15,
+}
+ALL: Final = ('ground_truth/odom', 'imu', 'range', 'pressure', 'battery')
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Row:
+    """
+    What the flights of a row are like.
+
+    Attributes
+    ----------
+    about : str
+        In words.
+    code : int
+        What its chances are drawn from; never changed.
+    worse : float
+        Factor on tolerances and noise.
+    topics : tuple of str
+        What is recorded beside the commands.
+    courses : tuple of str
+        What is flown.
+    structured : bool
+        Whether the model is wrong in all flights, clean ones as well.
+    pushed : bool
+        Whether the vehicle is commanded by a wrench.
+    data : str
+        Kind of data by which names are one (`lta_discovery.naming.classes`).
+    independent : bool
+        Whether another simulator flies (`lta_challenge.other`), with a pilot of its own.
+
+    """
+
+    about: str
+    code: int
+    worse: float = 1.0
+    topics: tuple[str, ...] = ALL
+    courses: tuple[str, ...] = ('laps', 'climbs', 'steps', 'wandering')
+    structured: bool = False
+    pushed: bool = False
+    data: Data = 'all'
+    independent: bool = False
+
+
+POSE: Final = ('ground_truth/odom',)
+ROWS: Final[dict[str, Row]] = {
+    'base': Row('pose, IMU, range, pressure, battery', 0),
+    'worse': Row('tolerances and noise 1.5 times as large', 1, worse=1.5),
+    'structured': Row('thrust, pitch and yaw moments not as modelled, always', 2, structured=True),
+    'pose': Row('nothing but pose and commands', 3, topics=POSE, data='pose'),
+    'hover': Row('nothing but hovering', 4, courses=('hover',), data='hover'),
+    'wrench': Row(
+        'commanded by a wrench, only a pose', 5, topics=POSE, pushed=True, data='wrench'
+    ),
+    'other': Row(
+        'an independent simulator: no equation of the model, swings of 20 degrees, stamps of labs',
+        6,
+        courses=(),
+        independent=True,
+    ),
+}
+
+
+def row(name: str) -> Row:
+    """Return a row; an unknown name is a `BadInput` that lists the known ones."""
+    if name not in ROWS:
+        raise unknown('row', name, list(ROWS))
+    return ROWS[name]
+
+
+def kind(name: str) -> Kind:
+    """Return a kind; an unknown name is a `BadInput` that lists the known ones."""
+    for known in KINDS:
+        if known == name:
+            return known
+    raise unknown('kind', name, list(KINDS))

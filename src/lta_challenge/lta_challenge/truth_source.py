@@ -1,0 +1,211 @@
+"""Compose the source of the truth: its own equations, and the functions of the effects in them."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from string import Template
+from typing import Final, final
+
+from lta_challenge.truth_equations import TEMPLATE
+from lta_config.compilation.extract import Extract
+from lta_model.effects import EFFECTS
+from lta_model.effects.protocol import (
+    ActuatorEffect,
+    AirEffect,
+    KernelEffect,
+    Motion,
+    no_rate,
+    no_rotor_rate,
+    Place,
+    WrenchEffect,
+)
+from lta_model.state import ACTUATORS
+
+# Written here, or not in a free flight of a vehicle with a plain hull.
+APART: Final = frozenset(
+    {
+        'weight_and_buoyancy', 'rotor_thrust', 'rotor_misalignment', 'floor_contact', 'walls',
+        'wind_profile', 'turbulence', 'gusts', 'superheat', 'moving_mass', 'hull_lift',
+        'thrust_polynomial', 'rotor_envelope_interaction', 'ceiling_effect',
+        'battery_compensation',
+    }
+)  # fmt: skip
+RIGID: Final = 18  # position, rotation matrix, momentum, angular momentum
+
+
+def _tuple(name: str, first: int, count: int) -> str:
+    """Return the source of a tuple of neighbours in an array."""
+    return '(' + ''.join(f'{name}[{first + k}], ' for k in range(count)).rstrip() + ')'
+
+
+@final
+@dataclass(frozen=True, slots=False)
+class Composed:
+    """
+    What the truth consists of, and where its numbers are.
+
+    Attributes
+    ----------
+    effects : mapping of str to effect
+        Of the library.
+    strange : mapping of str to WrenchEffect
+        Those that are in no library.
+
+    """
+
+    effects: Mapping[str, KernelEffect]
+    strange: Mapping[str, WrenchEffect]
+
+    @cached_property
+    def all(self) -> dict[str, KernelEffect]:
+        """All of them, those of the library first."""
+        return {**self.effects, **self.strange}
+
+    @cached_property
+    def first(self) -> dict[str, int]:
+        """Where the parameters of each begin."""
+        out, count = {}, 0
+        for name, effect in self.all.items():
+            out[name] = count
+            count += len(effect.parameters)
+        return out
+
+    @cached_property
+    def parameters(self) -> int:
+        """How many parameters there are."""
+        return sum(len(effect.parameters) for effect in self.all.values())
+
+    @cached_property
+    def remembers(self) -> dict[str, int]:
+        """Where the memory of each begins."""
+        out, count = {}, RIGID
+        for name, effect in self.all.items():
+            out[name] = count
+            each = ACTUATORS if isinstance(effect, ActuatorEffect) else 1
+            count += each * len(effect.memory)
+        return out
+
+    @cached_property
+    def memory(self) -> tuple[float, ...]:
+        """What all memories begin with."""
+        return tuple(
+            value
+            for effect in self.all.values()
+            for _ in range(ACTUATORS if isinstance(effect, ActuatorEffect) else 1)
+            for _, value in effect.memory
+        )
+
+    @property
+    def size(self) -> int:
+        """How many numbers a state has."""
+        return RIGID + len(self.memory)
+
+    def flag(self, name: str) -> int:
+        """Return the place of an effect's flag."""
+        return list(self.all).index(name)
+
+    def _air(self, extract: Extract) -> list[str]:
+        """Return the lines that add up the wind."""
+        lines = []
+        for name, effect in self.all.items():
+            if isinstance(effect, AirEffect):
+                p = _tuple('p', self.first[name], len(effect.parameters))
+                call = extract.add(effect.air, name)
+                lines += [
+                    f'if on[{self.flag(name)}]:',
+                    f'    e = {call}({p}, (), Place(at, still, (u, v, w), around))',
+                    '    u, v, w = u + e[0], v + e[1], w + e[2]',
+                ]
+        return lines
+
+    def _actuators(self, extract: Extract) -> list[str]:
+        """Return the lines that take a command through one rotor."""
+        lines = []
+        for name, effect in self.all.items():
+            if not isinstance(effect, ActuatorEffect):
+                continue
+            first, shared = self.first[name], len(effect.shared)
+            parts = [f'p[{first + k}]' for k in range(shared)]
+            parts += [f'p[{first + shared + ACTUATORS * k} + j]' for k in range(len(effect.each))]
+            size, place = len(effect.memory), self.remembers[name]
+            memory = ''.join(f'y[{place + k} + {size} * j], ' for k in range(size)).rstrip()
+            lines += [
+                f'if on[{self.flag(name)}]:',
+                f'    q = ({", ".join(parts)},)',
+                f'    m = ({memory})',
+                '    given = value',
+                f'    value = {extract.add(effect.output, name)}(q, m, given, around)',
+            ]
+            if effect.rate is not no_rotor_rate:
+                lines.append(f'    e = {extract.add(effect.rate, name)}(q, m, given, around)')
+                lines += [f'    dy[{place + k} + {size} * j] = e[{k}]' for k in range(size)]
+        return lines
+
+    def _wrenches(self, extract: Extract) -> list[str]:
+        """Return the lines that add up forces and moments."""
+        lines = []
+        for name, effect in self.all.items():
+            if not isinstance(effect, WrenchEffect):
+                continue
+            p = _tuple('p', self.first[name], len(effect.parameters))
+            m = _tuple('y', self.remembers[name], len(effect.memory))
+            lines += [
+                f'if on[{self.flag(name)}]:',
+                f'    q, m = {p}, {m}',
+                f'    e = {extract.add(effect.wrench, name)}(q, m, motion, u)',
+            ]
+            if name in self.strange:
+                lines.append('    for k in range(6): extra[k] += e[k]')
+            else:
+                lines.append('    f0, f1, f2 = f0 + e[0], f1 + e[1], f2 + e[2]')
+                lines.append('    n0, n1, n2 = n0 + e[3], n1 + e[4], n2 + e[5]')
+            if effect.rate is not no_rate:
+                lines.append(f'    e = {extract.add(effect.rate, name)}(q, m, motion)')
+                place = self.remembers[name]
+                lines += [f'    dy[{place + k}] = e[{k}]' for k in range(len(effect.memory))]
+        return lines
+
+    def source(self, own: str, rotors: int, entries: str) -> str:
+        """
+        Return the text of the truth.
+
+        Parameters
+        ----------
+        own : str
+            Decorator of its functions.
+        rotors : int
+            How many the vehicle has.
+        entries : str
+            What is called from outside.
+
+        """
+        extract = Extract()
+        parts = {
+            'air': (self._air(extract), 1),
+            'actuators': (self._actuators(extract), 2),
+            'wrenches': (self._wrenches(extract), 1),
+        }
+        texts = {
+            name: '\n'.join('    ' * depth + line for line in lines)
+            for name, (lines, depth) in parts.items()
+        }
+        winds = [f'on[{self.flag(n)}]' for n, e in self.all.items() if isinstance(e, AirEffect)]
+        return Template(TEMPLATE + entries).substitute(
+            own=own,
+            rotors=rotors,
+            size=self.size,
+            motion=repr(Motion._fields),
+            place=repr(Place._fields),
+            windy=' or '.join(winds) or 'False',
+            functions=extract.text(own),
+            **texts,
+        )
+
+
+def of_library() -> dict[str, KernelEffect]:
+    """Return the effects of the library that the truth takes the equations of."""
+    return {
+        name: effect
+        for name, effect in EFFECTS.items()
+        if isinstance(effect, KernelEffect) and name not in APART
+    }

@@ -1,0 +1,312 @@
+"""
+The `lta` command, put together from its verbs: one file a verb in `verbs/`.
+
+Only the verb that is asked for is loaded, all of them take seconds; a list of verbs reads what
+each says of itself from its file.
+"""
+
+import ast
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+import errno
+from importlib import import_module
+import inspect
+from pathlib import Path
+import sys
+from typing import Annotated, Any, Final, final
+
+from lta_cli.without_ros import ANYTHING, is_of_ros, lacking, refuse
+from lta_config.errors import BadInput
+from lta_config.version import VERSION
+import typer
+from typer.core import TyperGroup
+
+FOLDER: Final = Path(__file__).parent / 'verbs'
+STOPPED = 130  # the shell's own status after Ctrl-C, and Typer's
+# What is wrong with a place where the verb itself has no better word for it.
+UNUSABLE: Final = {
+    errno.EACCES, errno.EBUSY, errno.EDQUOT, errno.EIO, errno.ENAMETOOLONG, errno.ENOSPC,
+    errno.EPERM, errno.EROFS, errno.ESTALE,
+}  # fmt: skip
+EPILOG: Final = (
+    'Results go to runs/<time>-<name>/. "lta VERB --help" tells all of a verb.\n\n'
+    'Exit status 0: done. 1: the run failed. 2: bad input, one sentence on stderr.'
+)
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Verb:
+    """Where a verb is: its file in `verbs/`, the function in it, and its settings."""
+
+    file: str
+    name: str
+    settings: Mapping[str, Any] = field(default_factory=dict)
+    several: tuple[str, ...] = ()  # options that take several values: --train A B
+
+    def load(self) -> Callable[..., None]:
+        """Return what the verb does."""
+        verb: Callable[..., None] = getattr(import_module(f'lta_cli.verbs.{self.file}'), self.name)
+        return verb
+
+    def told(self) -> str:
+        """Return what the verb says of itself, which is found without loading it."""
+        path = FOLDER / f'{self.file.replace(".", "/")}.py'
+        for node in ast.parse(path.read_text(encoding='utf-8')).body:
+            if isinstance(node, ast.FunctionDef) and node.name == self.name:
+                return ast.get_docstring(node) or ''
+        raise LookupError(f'{path} has no {self.name}')
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Group:
+    """Verbs behind one word."""
+
+    about: str
+    verbs: Mapping[str, Verb]
+
+
+VEHICLE: Final = Group(
+    'Make a vehicle file, look at it, and weigh what flew.',
+    {
+        'new': Verb('vehicle.new', 'new'),
+        'show': Verb('vehicle.show', 'show'),
+        'check': Verb('vehicle.check', 'check'),
+        'diff': Verb('vehicle.diff', 'diff'),
+        'trim': Verb('vehicle.trim', 'trim'),
+        'urdf': Verb('vehicle.urdf', 'urdf'),
+    },
+)
+CHALLENGE: Final = Group(
+    'Hide effects in flights, and score what is found in them.',
+    {
+        'make': Verb('challenge.make', 'make'),
+        'score': Verb('challenge.score', 'score'),
+    },
+)
+BAG: Final = Group(
+    'Look at recordings, check and mend them, turn them into other files.',
+    {
+        'info': Verb('bag.info', 'info'),
+        'check': Verb('bag.check', 'check'),
+        'plot': Verb('bag.plot', 'plot'),
+        'recover': Verb('bag.recover', 'recover'),
+        'export': Verb('bag.export', 'export'),
+    },
+)
+LIGHT: Final = Group(
+    'Study the light: where lamps go, and how drones find their way by them.',
+    {
+        'link': Verb('light.link', 'link'),
+        'plan': Verb('light.plan', 'plan'),
+        'evaluate': Verb('light.evaluate', 'evaluate', several=('--sets',)),
+        'bearing': Verb('light.bearing', 'bearing'),
+        'study': Verb('light.study', 'light_study'),
+    },
+)
+ENERGY: Final = Group(
+    'What flights cost and panels bring, beside the paper and a multirotor.',
+    {
+        'budget': Verb('energy.budget', 'budget'),
+        'hover': Verb('energy.hover', 'hover'),
+        'mounting': Verb('energy.mounting', 'mounting'),
+        'breakeven': Verb('energy.breakeven', 'breakeven'),
+    },
+)
+CFD: Final = Group(
+    'The wind tunnel: drag and rotor columns from the shape of a vehicle, without a flight.',
+    {
+        'run': Verb('cfd.run', 'run'),
+        'validate': Verb('cfd.validate', 'validate'),
+        'refit': Verb('cfd.refit', 'refit'),
+    },
+)
+HARDWARE: Final = Group(
+    'Look at real drones and light boards, turn one motor, put a board on a turntable.',
+    {
+        'check': Verb('hardware.check', 'check'),
+        'bench': Verb('hardware.bench', 'bench'),
+        'light': Verb('hardware.light', 'light'),
+    },
+)
+VERBS: Final[dict[str, Verb | Group]] = {
+    'fly': Verb('fly', 'fly'),
+    'simulate': Verb('simulate', 'simulate'),
+    'replay': Verb('replay', 'replay'),
+    'launch': Verb('launch', 'launch', {'allow_interspersed_args': True}),
+    'call': Verb('call', 'call'),
+    'run': Verb('run', 'run', {'ignore_unknown_options': True, 'allow_interspersed_args': False}),
+    'mission': Verb('mission', 'mission'),
+    'sweep': Verb('sweep', 'sweep'),
+    'tune': Verb('tune', 'tune'),
+    'wind': Verb('wind', 'wind'),
+    'platforms': Verb('platforms', 'platforms'),
+    'vehicle': VEHICLE,
+    'cells': Verb('cells', 'cells'),
+    'cfd': CFD,
+    'light': LIGHT,
+    'energy': ENERGY,
+    'bag': BAG,
+    'hardware': HARDWARE,
+    'compare': Verb('compare', 'compare'),
+    'discover': Verb('discover', 'discover', several=('--train', '--confirm', '--holdout')),
+    'challenge': CHALLENGE,
+    'import': Verb('import_', 'import_'),
+    'report': Verb('report', 'report'),
+    'reproduce': Verb('reproduce', 'reproduce'),
+    'effects': Verb('effects', 'effects'),
+    'doctor': Verb('doctor', 'doctor'),
+}
+
+
+class InOrder(TyperGroup):
+    """Verbs in the order of `VERBS`; Typer puts those with words behind them last."""
+
+    def list_commands(self, ctx: object) -> list[str]:
+        """Return their names."""
+        del ctx
+        return [name for name in VERBS if name in self.commands]
+
+
+def put_together(words: Sequence[str] | None = None) -> typer.Typer:
+    """
+    Return the command with the verb that some words ask for.
+
+    Where they ask for none, verbs can only be listed; without any words all are loaded.
+    """
+    app = typer.Typer(
+        name='lta',
+        cls=InOrder,
+        epilog=EPILOG,
+        no_args_is_help=True,
+        add_completion=False,
+        rich_markup_mode='rich',
+        pretty_exceptions_enable=False,
+    )
+    app.callback()(options)
+    add_all(app, VERBS, words)
+    return app
+
+
+def add_all(
+    app: typer.Typer, verbs: Mapping[str, Verb | Group], words: Sequence[str] | None
+) -> None:
+    """Add to a command or a group the verb that some words ask for, or all."""
+    if words is None:
+        for name, verb in verbs.items():
+            add(app, name, verb, None)
+    elif words and words[0] in verbs:
+        add(app, words[0], verbs[words[0]], words[1:])
+    else:
+        for name, verb in verbs.items():
+            text = verb.about if isinstance(verb, Group) else flowing(verb.told())
+            app.command(name, context_settings=ANYTHING, help=text)(comes_first)
+
+
+def add(app: typer.Typer, name: str, verb: Verb | Group, words: Sequence[str] | None) -> None:
+    """Add a verb, or those behind its word, to the command."""
+    if isinstance(verb, Group):
+        group = typer.Typer(help=verb.about, no_args_is_help=True)
+        group.callback()(lambda: None)  # one verb alone would stand for its group
+        add_all(group, verb.verbs, words)
+        app.add_typer(group, name=name)
+        return
+    try:
+        found = verb.load()
+    except ModuleNotFoundError as missing:
+        if not is_of_ros(missing.name):
+            raise
+        app.command(name, context_settings=ANYTHING, help=documented(refuse))(refuse)
+        return
+    app.command(name, context_settings=dict(verb.settings), help=documented(found))(found)
+
+
+def comes_first(context: typer.Context) -> None:
+    """Refuse a verb that is listed alone: other words came before it."""
+    raise BadInput(f"A verb comes first: '{context.command_path} ...'.")
+
+
+def repeated(words: Sequence[str]) -> list[str]:
+    """Return a command line with `--train A B` as `--train A --train B`, as Click takes it."""
+    verb = VERBS.get(words[0]) if words else None
+    if isinstance(verb, Group):
+        verb = verb.verbs.get(words[1]) if len(words) > 1 else None
+    several = verb.several if isinstance(verb, Verb) else ()
+    out: list[str] = []
+    for k, word in enumerate(words):
+        option = next((w for w in reversed(words[:k]) if w.startswith('-')), '')
+        if option in several and not word.startswith('-') and words[k - 1] != option:
+            out.append(option)
+        out.append(word)
+    return out
+
+
+def documented(does: object) -> str:
+    """Return the docstring of what does something."""
+    return flowing(inspect.getdoc(does) or '')
+
+
+def flowing(text: str) -> str:
+    """Return a text's paragraphs without the line breaks, ragged on any other width."""
+    return '\n\n'.join(' '.join(paragraph.split()) for paragraph in text.split('\n\n'))
+
+
+def tell_version(wanted: bool) -> None:
+    """Print the version and leave, if that is wanted."""
+    if wanted:
+        sys.stdout.write(f'lta {VERSION}\n')
+        raise typer.Exit
+
+
+def options(
+    version: Annotated[
+        bool,
+        typer.Option('--version', callback=tell_version, is_eager=True, help='Tell the version.'),
+    ] = False,
+) -> None:
+    """Simulate, fly, record and understand lighter-than-air micro-drones."""
+
+
+def status(loaded: Callable[[], None] = lambda: None) -> int:
+    """
+    Run the command line and return its exit status; what the user can mend is one sentence.
+
+    Parameters
+    ----------
+    loaded : callable
+        Called when the command has been loaded, before it runs.
+
+    """
+    try:
+        words = repeated(sys.argv[1:])
+        app = put_together(words)
+        loaded()
+        return app(words, prog_name='lta', standalone_mode=False) or 0
+    except BadInput as error:
+        sys.stderr.write(f'{error}\n')
+        return 2
+    except KeyboardInterrupt:
+        return STOPPED
+    except typer.Exit as leave:
+        return leave.exit_code
+    except ModuleNotFoundError as missing:
+        if not is_of_ros(missing.name):
+            raise
+        sys.stderr.write(f'{lacking(missing)}\n')
+        return 2
+    except OSError as error:
+        if error.filename is None or error.errno not in UNUSABLE:
+            raise
+        sys.stderr.write(f"'{error.filename}' cannot be used ({error.strerror}).\n")
+        return 2
+    except Exception as error:
+        # Typer's own complaints about the command line are private to it but for this method.
+        complaint = getattr(error, 'format_message', None)
+        if complaint is None:
+            raise
+        text = ' '.join(complaint().split()).rstrip('.')
+        if not text:  # called without a verb: the help has been shown
+            return 0
+        sys.stderr.write(f'{text}; see --help.\n')
+        return 2

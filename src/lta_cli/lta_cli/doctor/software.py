@@ -1,0 +1,92 @@
+"""Is the software whole: wheels, their versions, the workspace, a browser."""
+
+from importlib import metadata
+import os
+from pathlib import Path
+import re
+import shutil
+import subprocess
+import sys
+
+from lta_bridge.hardware.look import Check
+
+MODULES = ('rclpy', 'sensor_msgs', 'numpy', 'scipy', 'numba', 'pydantic', 'yaml', 'mcap', 'plotly')
+PACKAGES = ('analysis', 'bridge', 'config', 'control', 'energy', 'graph', 'sim', 'vlc')
+BROWSERS = ('chromium', 'chromium-browser', 'google-chrome', 'google-chrome-stable')
+PATIENCE = 60.0  # s; the first import after an installation reads from a cold disk
+MAKE_AGAIN = "Run 'make build'; if that changes nothing, 'make clean' and 'make build'."
+
+
+def wheels() -> Check:
+    """Check that what LTA runs on can be imported, in a process that a bad library may end."""
+    script = '; '.join(f'print({module!r}, flush=True); import {module}' for module in MODULES)
+    result = subprocess.run(
+        [sys.executable, '-c', script], capture_output=True, text=True, timeout=PATIENCE
+    )
+    if result.returncode != 0:
+        module = result.stdout.split()[-1]
+        why = (result.stderr.strip().splitlines() or [f'exit status {result.returncode}'])[-1]
+        return Check('wheels', 'fail', f'cannot import {module}: {why}', MAKE_AGAIN)
+    return Check('wheels', 'ok', f'{len(MODULES)} of {len(MODULES)} can be imported')
+
+
+def pins(constraints: Path) -> dict[str, str]:
+    """Return the version that a constraints file asks for, by normalised name."""
+    lines = (line.split('#')[0].strip() for line in constraints.read_text().splitlines())
+    pairs = (line.split('==') for line in lines if '==' in line)
+    return {_normal(name): version for name, version in pairs}
+
+
+def _normal(name: str) -> str:
+    return re.sub(r'[-_.]+', '-', name).lower()
+
+
+def versions(constraints: Path = Path(sys.prefix).parent / 'constraints.txt') -> Check:
+    """Check that the installed versions are the ones that LTA was tested with."""
+    if not constraints.is_file():
+        found = f'not compared: {sys.prefix} is no environment made by make'
+        return Check('versions', 'ok', found)
+    wanted = pins(constraints)
+    # Pinned and not installed is fine: only the tests need it. The wheels carry records that pip
+    # did not write and that tell other versions.
+    installed = {
+        _normal(item.name): item.version
+        for item in metadata.distributions()
+        if _normal(item.name) in wanted and item.read_text('INSTALLER')
+    }
+    other = [
+        f'{name} {version} instead of {wanted[name]}'
+        for name, version in installed.items()
+        if version != wanted[name]
+    ]
+    if other:
+        return Check('versions', 'warn', ', '.join(other), MAKE_AGAIN)
+    return Check('versions', 'ok', f'{len(installed)} packages as pinned')
+
+
+def packages() -> Check:
+    """Check that the workspace is built and in the ament index."""
+    prefixes = [Path(path) for path in os.environ.get('AMENT_PREFIX_PATH', '').split(':') if path]
+    index = Path('share/ament_index/resource_index/packages')
+    missing = [
+        f'lta_{name}'
+        for name in PACKAGES
+        if not any((prefix / index / f'lta_{name}').is_file() for prefix in prefixes)
+    ]
+    if missing:
+        found = f'not in the ament index: {", ".join(missing)}'
+        return Check('packages', 'fail', found, MAKE_AGAIN)
+    return Check('packages', 'ok', f'{len(PACKAGES)} of {len(PACKAGES)} in the ament index')
+
+
+def browser() -> Check:
+    """Check for the Chromium that turns the page of a flight into pictures."""
+    for name in BROWSERS:
+        if (path := shutil.which(name)) is not None:
+            return Check('browser', 'ok', path)
+    return Check(
+        'browser',
+        'warn',
+        'no Chromium; pages are written, pictures of them are not',
+        'Install one (Debian, Ubuntu: sudo apt install chromium).',
+    )

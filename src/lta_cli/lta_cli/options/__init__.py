@@ -1,0 +1,1 @@
+"""Options that many commands share, and the console that they print on."""

@@ -1,0 +1,38 @@
+"""Print one page of the reference: `python -m lta_cli.reference verbs > docs/verbs.md`."""
+
+from importlib import import_module
+import sys
+
+from lta_config.errors import BadInput, unknown
+
+PAGES = {  # the pages by name and where they stand; `make reference` writes them
+    'verbs': 'verbs.md',
+    'parameters': 'parameters.md',
+    'vehicles': 'vehicles.md',
+    'thresholds': 'discovery_thresholds.md',
+    'graph': 'images/graph.svg',
+}
+
+
+def page(name: str) -> str:
+    """
+    Return the text of a page.
+
+    Raises
+    ------
+    BadInput
+        If there is no such page; those there are stand in the sentence.
+
+    """
+    if name not in PAGES:
+        raise unknown('page of the reference', name, list(PAGES))
+    module = import_module(f'lta_cli.reference.{name}')
+    text: str = module.page()
+    return text
+
+
+if __name__ == '__main__':
+    try:
+        sys.stdout.write(page(' '.join(sys.argv[1:])))
+    except BadInput as error:
+        sys.exit(f'{error}')

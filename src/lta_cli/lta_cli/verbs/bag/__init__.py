@@ -1,0 +1,1 @@
+"""`lta bag`: one file a command."""

@@ -1,0 +1,67 @@
+"""lta bag recover: a damaged recording as a finished one."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+import sys
+from typing import Annotated
+
+from lta_bridge.bag.storage import StorageFault
+from lta_cli.options.out_option import folder
+from lta_cli.options.plain_console import plain_console
+from lta_data.bag.folder import bag_in
+from lta_data.bag.recover import recover as mend
+from lta_report.bar import Bar
+from rich.progress import BarColumn, DownloadColumn, TextColumn, TimeRemainingColumn
+import typer
+
+
+@contextmanager
+def progress() -> Iterator[Callable[[int, int], None]]:
+    """Show a bar on a terminal; what is yielded is told the bytes behind, and all of them."""
+    console = plain_console(stderr=True)
+    columns = (TextColumn('recovering'), BarColumn(), DownloadColumn(), TimeRemainingColumn())
+    with Bar(console, *columns) as bar:
+        yield lambda done, total: bar.move(completed=done, total=total)
+
+
+def recover(
+    path: Annotated[Path, typer.Argument(help='Bag folder, results folder or .mcap file.')],
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            help='Folder of the new bag; BAG-recovered beside the original by default.',
+            parser=folder,
+            metavar='FOLDER',
+        ),
+    ] = None,
+    json: Annotated[bool, typer.Option('--json', help='Print JSON instead of sentences.')] = False,
+) -> None:
+    """
+    Write all that can be had of a damaged bag into a new, finished, indexed one.
+
+    Mends bags that were cut short (a killed recorder, a full disk), that have damaged bytes, or
+    lack summary or metadata.yaml. Every message in a chunk whose CRC holds comes back. The
+    original is only read. What was lost is said: bytes, chunks, when, and how many messages by
+    topic where an index, metadata.yaml or the topic's rhythm tells.
+
+    Exit status 0 when a new bag was written; 2 when nothing was, because there is nothing to
+    recover or because the bag is whole.
+
+    Example: lta bag recover runs/20261120-lamp_room-1/bag --out mended
+    """
+    bag = bag_in(path)
+    place = bag.absolute()
+    name = place.name if place.is_dir() else place.stem
+    target = out or place.parent / f'{name}-recovered'
+    try:
+        with progress() as at:
+            found = mend(bag, target, at)
+    except StorageFault as fault:
+        sys.stderr.write(f'{fault}\n')
+        raise typer.Exit(1) from None
+    if json:
+        sys.stdout.write(found.to_json() + '\n')
+        return
+    for sentence in found.sentences():
+        plain_console().print(sentence, highlight=False, markup=False, soft_wrap=True)

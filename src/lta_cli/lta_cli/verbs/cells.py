@@ -1,0 +1,78 @@
+"""lta cells: solar cells beside each other, and arrays of them under a weight budget."""
+
+from typing import Annotated
+
+from lta_bridge.bag.writer import empty_folder
+from lta_cli.options.json_option import Json, print_kept_json
+from lta_cli.options.out_option import Out
+from lta_cli.options.pictures_option import can_be_taken, Pictures
+from lta_cli.options.plain_console import plain_console
+from lta_config.errors import BadInput
+from lta_config.quantity import misfit, Quantity
+from lta_config.schema.cell_table import load_cell_table
+from lta_config.schema.vehicle_file import load_vehicle_file
+from lta_config.typed import near, typed
+from lta_report.results_folder import keep_json, page_line, results_folder
+from lta_report.screenshots import write_pictures
+from lta_studies.energy.cells.page import TITLE, write_page
+from lta_studies.energy.cells.rows import afforded, plain, ranking, trial
+from lta_studies.energy.tables import show
+from pydantic import ValidationError
+import typer
+
+
+def cells(
+    table: Annotated[str, typer.Argument(help='Shipped name or file of a table.')] = 'seed_paper',
+    budget: Annotated[
+        str, typer.Option(help='What an array may weigh, panels alone, as in "50 g".')
+    ] = '50 g',
+    vehicle: Annotated[
+        str, typer.Option(help='Whose charger and loads the arrays serve.')
+    ] = 'gtmab',
+    out: Out = None,
+    pictures: Pictures = None,
+    json: Json = False,
+) -> None:
+    """
+    Compare solar cells: the seed paper's figure, the fair one, and arrays within a weight.
+
+    Which cells are light and quick to charge a capacitor, by the paper's charging time by area and
+    by time times area; what the paper's arrays leave of their harvest in stand-by and while
+    transmitting, in white LED light and in sunlight of as many lux; and the largest array of each
+    cell within a weight. Panels are files in config/cells, the table one in config/cell_tables.
+
+    The results are a page and cells.json (SI units).
+
+    Exit status 0: done. 2: bad input.
+
+    Example: lta cells --budget "50 g"
+    """
+    console = plain_console(stderr=json)
+    can_be_taken(pictures)
+    mass, energy = weight(budget), load_vehicle_file(vehicle).energy
+    if energy.charger is None:
+        raise BadInput(f'{vehicle} has no charger that panels could feed; take another --vehicle.')
+    read = load_cell_table(table)
+    target = empty_folder(results_folder(out, 'cells'))
+    content = keep_json(plain(read, energy, mass), target / 'cells.json')
+    again = typed('cells', table, '--budget', budget, '--vehicle', vehicle)
+    page = write_page(read, energy, mass, {'Find it again': again}, target / 'report.html')
+    if pictures is not None:
+        write_pictures(page, pictures)
+    if json:
+        print_kept_json(content, page)
+    for each in (ranking(read), trial(read, energy), afforded(read, energy, mass)):
+        show(each, console)
+    console.print(f'{TITLE}\n{page_line(near(page))}', highlight=False, soft_wrap=True)
+
+
+def weight(text: str) -> float:
+    """Return a mass that somebody typed [kg]; `BadInput` if it is none."""
+    try:
+        given = Quantity.model_validate(text)
+    except ValidationError as error:
+        reason = error.errors()[0]['msg'].removeprefix('Value error, ')
+        raise BadInput(f'The budget {reason}.') from None
+    if complaint := misfit(given, 'kg', above=0.0, high=100.0):
+        raise BadInput(f'The budget {complaint}.')
+    return given.si

@@ -1,0 +1,1 @@
+"""`lta cfd`: one file a command."""

@@ -1,0 +1,1 @@
+"""`lta challenge`: one file a command."""

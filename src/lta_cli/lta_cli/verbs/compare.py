@@ -1,0 +1,184 @@
+"""lta compare: two flights beside each other."""
+
+from collections.abc import Sequence
+from fnmatch import fnmatchcase
+import math
+from pathlib import Path
+import re
+from typing import Annotated
+
+from lta_bridge.bag.writer import empty_folder
+from lta_cli.options.json_option import print_json
+from lta_cli.options.out_option import folder
+from lta_cli.options.pictures_option import can_be_taken, Pictures
+from lta_cli.options.plain_console import plain_console
+from lta_config.errors import BadInput
+from lta_config.quantity import UNITS
+from lta_data.bag.flight import Flight, open_flight
+from lta_data.bag.folder import bag_in
+from lta_data.compare.apart import Apart
+from lta_data.compare.comparison import Asked, compare_flights, ticks
+from lta_data.compare.page import NAME, write_page
+from lta_data.compare.placing import Frames
+from lta_data.compare.progress import CompareProgress
+from lta_data.compare.terminal import show
+from lta_data.compare.timing import Align
+from lta_data.compare.told import to_dict
+from lta_report.results_folder import keep_json, page_line, results_folder
+from lta_report.screenshots import write_pictures
+import typer
+
+QUANTITY = re.compile(r'\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S.*?)?\s*')
+
+
+def compare(
+    a: Annotated[Path, typer.Argument(help='Bag folder, results folder or .mcap file.')],
+    b: Annotated[Path, typer.Argument(help='The other; perhaps the same.')],
+    pair: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="Topics or channels that belong together, A's first, as in "
+            'odom=ground_truth/odom; repeatable. Without it: those of the same name.'
+        ),
+    ] = None,
+    topic: Annotated[
+        list[str] | None, typer.Option(help="Compare only this topic of A's; repeatable.")
+    ] = None,
+    robot: Annotated[
+        str | None,
+        typer.Option(help='Robot of both, or A:B; needed where a bag holds several.'),
+    ] = None,
+    align: Annotated[
+        Align,
+        typer.Option(
+            help='clock: one run, two clocks. motion: two runs, by their start. none: the stamps '
+            'as they are. auto: by the data.'
+        ),
+    ] = 'auto',
+    offset: Annotated[
+        str | None,
+        typer.Option(help="What B's clock shows more than A's, as in 0.12s; set by hand."),
+    ] = None,
+    frames: Annotated[
+        Frames,
+        typer.Option(help="given: as they are. fit: lay B's path on A's. auto: by the data."),
+    ] = 'auto',
+    tolerance: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="CHANNEL=VALUE: the band of a channel, instead of its noise's; CHANNEL may be a "
+            'pattern, as in "odom/*position*=0.05 m"; repeatable.'
+        ),
+    ] = None,
+    same: Annotated[
+        bool, typer.Option('--same', help='Exit status 1 where the flights differ.')
+    ] = False,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            help='Folder of the results; runs/<time>-compare by default.',
+            parser=folder,
+            metavar='FOLDER',
+        ),
+    ] = None,
+    page: Annotated[bool, typer.Option(help='Write the page.')] = True,
+    pictures: Pictures = None,
+    json: Annotated[bool, typer.Option('--json', help='Print everything as JSON.')] = False,
+) -> None:
+    """
+    Compare two flights, simulated or measured: where and when they part, and by how much.
+
+    Their clocks and world frames are laid on each other, and what was done is said. Differences
+    are B minus A, on A's clock. A channel parts where its difference stays outside what the noise
+    of both explains, or outside a tolerance.
+
+    Exit status 0: compared, whatever came out. 1: they differ, and --same was given. 2: bad input.
+
+    Example: lta compare runs/one runs/two
+
+    Example: lta compare BAG BAG --pair odom=ground_truth/odom
+    """
+    console = plain_console(stderr=json)
+    asked = Asked(
+        tuple(pair or ()), tuple(topic or ()), align,
+        None if offset is None else quantity(offset, '--offset', 's'),
+        frames, dict(told_tolerance(text) for text in tolerance or ()),
+    )  # fmt: skip
+    robots = (robot or '').partition(':')
+    one = opened(a, robots[0], 'A')
+    other = opened(b, robots[2] or robots[0], 'B')
+    if pictures is not None and not page:
+        raise BadInput('--pictures are taken of the page; leave --no-page out.')
+    can_be_taken(pictures)
+    if out is not None and out.exists():
+        empty_folder(out.absolute())  # refused before the work, not after
+    with CompareProgress(console, ticks(one, other, asked)) as progress:
+        found = compare_flights(one, other, asked, progress.tick)
+    check_units(tolerance or (), found.channels)
+    target = empty_folder(results_folder(out, 'compare'))
+    content = to_dict(found)
+    keep_json(content, target / 'compare.json')
+    written = write_page(found, target / NAME) if page else None
+    if written is not None and pictures is not None:
+        write_pictures(written, pictures)
+    if json:
+        made = {} if written is None else {'page': str(written)}
+        print_json({**content, **made})
+    show(found, console)
+    if written is not None:
+        console.print(page_line(written), highlight=False, markup=False, soft_wrap=True)
+    if same and not (found.identical or found.same):
+        raise typer.Exit(1)
+
+
+def opened(path: Path, robot: str, label: str) -> Flight:
+    """Return a flight; which of both is meant is said where several robots are in it."""
+    try:
+        return open_flight(bag_in(path), robot or None)
+    except BadInput as error:
+        if 'several robots' in str(error):
+            raise BadInput(f'{label}: {error} For different ones: --robot lta1:lta2.') from error
+        raise
+
+
+def told_tolerance(text: str) -> tuple[str, float]:
+    """Return channel and band of a text as 'odom/pose.pose.position.z=0.05 m'."""
+    name, equals, value = text.rpartition('=')
+    if not equals or not name:
+        raise BadInput(
+            f"'{text}' is no tolerance; write CHANNEL=VALUE, as in odom/pose.pose.position.z=0.05."
+        )
+    band = quantity(value, f'The tolerance of {name}')
+    if band < 0.0:
+        raise BadInput(f'The tolerance of {name} is {band:g}; give zero or more.')
+    return name, band
+
+
+def check_units(tolerances: Sequence[str], channels: Sequence[Apart]) -> None:
+    """Raise BadInput where none of the channels of a tolerance is in such a unit."""
+    for name, _, value in (text.rpartition('=') for text in tolerances):
+        found = QUANTITY.fullmatch(value)
+        if found is None or not found[2]:
+            continue
+        kind = UNITS[found[2]][0]
+        fitting = [each for each in channels if each.name == name or fnmatchcase(each.name, name)]
+        units = [UNITS.get(each.unit, (each.unit, 1.0))[0] for each in fitting]
+        if fitting and not {'', kind} & {*units}:
+            raise BadInput(
+                f"The tolerance of {name} is '{value}', but {fitting[0].name} is in {units[0]}; "
+                'give it in that.'
+            )
+
+
+def quantity(text: str, what: str, unit: str | None = None) -> float:
+    """Return a number with or without its unit, in SI; `BadInput` where it is none."""
+    found = QUANTITY.fullmatch(text)
+    own = found and found[2]
+    kind, factor = UNITS.get(own or '', (unit, 1.0))
+    if found is None or (own and own not in UNITS) or (unit and kind != unit):
+        known = ', '.join(sorted(name for name, (si, _) in UNITS.items() if unit in (None, si)))
+        raise BadInput(f"{what} is '{text}'; give a number, perhaps with a unit ({known}).")
+    value = float(found[1]) * factor
+    if not math.isfinite(value):
+        raise BadInput(f"{what} is '{text}'; give a finite number.")
+    return value

@@ -1,0 +1,29 @@
+"""lta doctor: look at this machine."""
+
+from contextlib import nullcontext
+from dataclasses import asdict
+from typing import Annotated
+
+from lta_cli.doctor import checks, show, status
+from lta_cli.options.json_option import print_json
+from lta_cli.options.plain_console import plain_console
+import typer
+
+
+def doctor(
+    json: Annotated[bool, typer.Option('--json', help='Print JSON instead of a table.')] = False,
+) -> None:
+    """
+    Check Python, wheels, discovery between two processes, ports, disk, and say what to do.
+
+    Exit status 1 if something keeps LTA from flying; warnings do not.
+    """
+    console = plain_console()
+    waiting = console.status('looking at this machine ...')
+    with waiting if console.is_terminal else nullcontext():
+        results = list(checks())
+    if json:
+        print_json([asdict(item) for item in results])
+    else:
+        show(results, console)
+    raise typer.Exit(status(results))

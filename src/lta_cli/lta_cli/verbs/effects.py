@@ -1,0 +1,60 @@
+"""lta effects: what the model is the sum of."""
+
+import sys
+from typing import Annotated
+
+from lta_cli.options.plain_console import plain_console
+from lta_cli.reference.effects_page import KINDS, page
+from lta_model.effects import EFFECTS, get
+from lta_model.effects.summary import summary
+from rich.table import Table
+import typer
+
+
+def effects(
+    name: Annotated[str, typer.Argument(help='One effect; all by default.')] = '',
+    markdown: Annotated[
+        bool, typer.Option('--markdown', help='Print docs/effects.md instead.')
+    ] = False,
+) -> None:
+    """
+    Tell what effects the model knows: unit, bounds and source of every parameter.
+
+    A vehicle file switches an effect on under `effects:`. Its equations stand at the top of its
+    file in src/lta_model/lta_model/effects/.
+
+    Example: lta effects ground_effect
+    """
+    if markdown:
+        sys.stdout.write(page())
+    elif name:
+        show(name)
+    else:
+        show_all()
+
+
+def show_all() -> None:
+    """Print a line for each effect, kind by kind."""
+    console = plain_console()
+    for kind, (title, about) in KINDS.items():
+        table = Table(title=f'{title}: {about}', title_justify='left', box=None)
+        table.add_column('effect', no_wrap=True)
+        table.add_column('what')
+        for name, effect in EFFECTS.items():
+            if type(effect) is kind:
+                table.add_row(name, summary(effect))
+        console.print(table)
+        console.print()
+
+
+def show(name: str) -> None:
+    """Print one effect with all its parameters."""
+    console, effect = plain_console(), get(name)
+    console.print(f'{name}: {summary(effect)}.\n', markup=False)
+    table = Table(box=None)
+    for column in ('parameter', 'unit', 'null', 'from', 'to', 'spread', 'source'):
+        table.add_column(column, overflow='fold')
+    for known in effect.parameters:
+        numbers = (known.null, known.low, known.high, known.spread)
+        table.add_row(known.name, known.unit, *(f'{x:g}' for x in numbers), known.source)
+    console.print(table)

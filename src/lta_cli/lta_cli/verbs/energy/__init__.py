@@ -1,0 +1,1 @@
+"""`lta energy`: one file a command."""

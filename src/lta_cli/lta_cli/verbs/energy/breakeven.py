@@ -1,0 +1,63 @@
+"""lta energy breakeven: at what light a drone can idle, transmit, hover and fly for ever."""
+
+from typing import Annotated
+
+from lta_bridge.bag.writer import empty_folder
+from lta_cli.options.json_option import Json, print_kept_json
+from lta_cli.options.out_option import Out
+from lta_cli.options.pictures_option import can_be_taken, Pictures
+from lta_cli.options.plain_console import plain_console
+from lta_config.typed import near, typed
+from lta_model.vehicle import load_vehicle
+from lta_report.results_folder import keep_json, page_line, results_folder
+from lta_report.screenshots import write_pictures
+from lta_studies.energy.breakeven.page import title, write_page
+from lta_studies.energy.breakeven.study import map_of, table
+from lta_studies.energy.tables import show
+import typer
+
+BUDGET = 48.8  # g: seed paper, its array of two ANYSOLAR panels
+CELLS = ['powerfilm_large', 'anysolar', 'adafruit', 'dracula']  # those that one budget carries
+
+
+def breakeven(
+    vehicle: Annotated[str, typer.Option(help='Whose loads, array and charger.')] = 'gtmab',
+    cell: Annotated[
+        list[str] | None,
+        typer.Option(help='Panels of other arrays, shipped name or file; repeatable.'),
+    ] = None,
+    budget: Annotated[
+        float, typer.Option(help='Mass of these arrays in g.', min=1.0, max=10_000.0)
+    ] = BUDGET,
+    out: Out = None,
+    pictures: Pictures = None,
+    json: Json = False,
+) -> None:
+    """
+    Tell at what illuminance a drone lives on light: idle, transmitting, hovering, flying.
+
+    From 300 lx to 100 klx, of a white LED, of a beacon that flickers, and of the sun; with the
+    array as it is, and with arrays of other panels that weigh no more than a budget.
+
+    Exit status 0: done. 2: bad input.
+
+    Example: lta energy breakeven --cell kitronik --budget 60
+    """
+    console = plain_console(stderr=json)
+    can_be_taken(pictures)
+    names = list(dict.fromkeys(cell or CELLS))
+    found = map_of(load_vehicle(vehicle), names, 1e-3 * budget)
+    target = empty_folder(results_folder(out, 'breakeven'))
+    content = keep_json(found.to_json(), target / 'breakeven.json')
+    again = typed(
+        'energy', 'breakeven', '--vehicle', vehicle, '--budget', f'{budget:g}',
+        *(word for name in names for word in ('--cell', name)),
+    )  # fmt: skip
+    page = write_page(found, {'Find it again': again}, target / 'report.html')
+    if pictures is not None:
+        write_pictures(page, pictures)
+    if json:
+        print_kept_json(content, page)
+    show(table(found), console)
+    lines = [title(found), page_line(near(page))]
+    console.print('\n'.join(lines), highlight=False, markup=False, soft_wrap=True)

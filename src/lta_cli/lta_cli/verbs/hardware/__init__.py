@@ -1,0 +1,1 @@
+"""`lta hardware`: one file a command."""

@@ -1,0 +1,121 @@
+"""lta hardware bench: one motor of a tethered drone."""
+
+from contextlib import closing
+import math
+import sys
+import time
+from typing import Annotated
+
+from lta_bridge.crazyflie.claim import Claim
+from lta_bridge.crazyflie.link import Link, LinkFailed
+from lta_bridge.crazyflie.links import link_to
+from lta_bridge.crazyflie.log_table import BLOCKS
+from lta_bridge.hardware.drone import DEADLINE
+from lta_bridge.hardware.motor import ended_by_signals, MotorBench, Turned
+from lta_cli.options.json_option import print_json
+from lta_cli.options.plain_console import plain_console
+from lta_config.errors import BadInput, unknown
+from lta_config.schema.crazyflie_file import crazyflie_of, MOTORS
+from lta_model.vehicle import load_vehicle
+from lta_report.bar import Bar
+from rich.console import Console
+from rich.progress import BarColumn, TextColumn
+import typer
+
+MOST = 0.3  # duty: turns every rotor, lifts nothing
+LONGEST = 10.0  # s
+LEAST = 1.0 / 256.0  # duty that turns a motor: PWM has 8 bits, and the app keeps m1 just above 0
+
+
+def bench(
+    motor: Annotated[str, typer.Argument(help='m1, m2, m3 or m4, as on the Crazyflie.')],
+    uri: Annotated[str, typer.Option(help='Where the Crazyflie is.')] = (
+        'radio://0/80/2M/E7E7E7E7E7'
+    ),
+    vehicle: Annotated[str, typer.Option(help='Vehicle that it flies.')] = 'gtmab',
+    duty: Annotated[float, typer.Option(help='0 to 0.3.', min=0.01, max=MOST)] = 0.1,
+    seconds: Annotated[
+        float, typer.Option(help='For how long it turns.', min=0.2, max=LONGEST)
+    ] = 2.0,
+    json: Annotated[bool, typer.Option('--json', help='Print the outcome as JSON.')] = False,
+) -> None:
+    """
+    Turn one motor of a TETHERED drone at low duty, after you have typed which.
+
+    It needs the app of firmware/crazyflie aboard, which stops the motor 200 ms after the last word
+    from here, whatever became of this program. Ctrl-C, an error and a lost link disarm.
+
+    Exit status 0: it turned, alone. 1: it did not, or another did. 2: bad input, or not confirmed.
+    130: Ctrl-C.
+
+    Example: lta hardware bench m1 --duty 0.1 --seconds 2
+    """
+    console = plain_console(stderr=json)
+    craft = load_vehicle(vehicle)
+    file = crazyflie_of(vehicle, craft.file.name)
+    if motor not in MOTORS:
+        raise unknown('motor', motor, list(MOTORS))
+    if file.command != 'motors':
+        raise BadInput(
+            f'{vehicle} flies with the stock firmware, which turns no single motor safely; flash '
+            'the app of firmware/crazyflie and give the --vehicle that flies with it.'
+        )
+    link = link_to(uri, BLOCKS, time.time_ns)
+    with closing(Claim(uri)):
+        confirm(motor, file.motors[motor], duty, seconds, console)
+        turned = turn(MotorBench(link, file, craft, motor), link, (motor, duty, seconds), console)
+    right = turned.duty > 0.5 * duty and turned.others < LEAST
+    if json:
+        volts = turned.voltage if math.isfinite(turned.voltage) else None
+        told = {**turned._asdict(), 'voltage': volts, 'alone': right}
+        print_json(told)
+    console.print(sentence(motor, turned, right), highlight=False, soft_wrap=True)
+    if not right:
+        raise typer.Exit(1)
+
+
+def turn(
+    bench: MotorBench, link: Link, asked: tuple[str, float, float], console: Console
+) -> Turned:
+    """Open the link, turn a motor at a duty for some seconds, and close whatever happens."""
+    motor, duty, seconds = asked
+    columns = (TextColumn('{task.description}'), BarColumn())
+    with ended_by_signals():
+        try:
+            link.open(DEADLINE)
+            with Bar(console, *columns, begin=f'{motor} turns', total=seconds) as bar:
+                return bench.turn(duty, seconds, lambda been: bar.move(completed=been))
+        except LinkFailed as error:
+            sys.stderr.write(f'{motor} stands: {error}.\n')
+            raise typer.Exit(1) from None
+        finally:
+            link.close()
+
+
+def confirm(motor: str, rotor: str, duty: float, seconds: float, console: Console) -> None:
+    """
+    Have a person type what is to turn.
+
+    Raises
+    ------
+    BadInput
+        If anything else is typed, or nobody is there to type.
+
+    """
+    wanted = f'spin {motor}'
+    console.print(
+        f'{motor} ({rotor}) is about to turn at {duty:.0%} for {seconds:g} s. Tether the drone, '
+        f"keep fingers and strings away, then type '{wanted}':",
+        highlight=False, soft_wrap=True,
+    )  # fmt: skip
+    if sys.stdin.readline().strip() != wanted:
+        raise BadInput(f"Nothing turned: '{wanted}' was not typed.")
+
+
+def sentence(motor: str, turned: Turned, right: bool) -> str:
+    """Return what came of it."""
+    cell = f'; the cell fell to {turned.voltage:.2f} V' if math.isfinite(turned.voltage) else ''
+    told = f'{motor} turned at up to {turned.duty:.0%}, the others at {turned.others:.0%}{cell}.'
+    if right:
+        return f'{told} See that it was the rotor you meant, and that it blew the way it should.'
+    return f'{told} That is not what was asked for: look at the firmware before anything flies.'

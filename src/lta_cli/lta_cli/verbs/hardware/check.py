@@ -1,0 +1,85 @@
+"""lta hardware check: what hangs on this machine, and how it is."""
+
+import sys
+from typing import Annotated
+
+from lta_bridge.devices import rules, RULES_FILE
+from lta_bridge.hardware.check import Asked, checked
+from lta_bridge.hardware.figures import diode_rows, stream_rows, to_json
+from lta_cli.doctor import show, status
+from lta_cli.options.json_option import print_json
+from lta_cli.options.plain_console import plain_console
+from lta_report.bar import Bar
+from lta_vlc.settings import Demodulation
+from rich.console import Console
+from rich.progress import BarColumn, TextColumn
+from rich.table import Table
+import typer
+
+
+def check(
+    uri: Annotated[
+        str, typer.Option(help='Where the Crazyflie is; the first that answers where empty.')
+    ] = '',
+    port: Annotated[
+        str,
+        typer.Option(help='Where the light board is, or udp://HOST:PORT; the first where empty.'),
+    ] = '',
+    vehicle: Annotated[str, typer.Option(help='Vehicle that they belong to.')] = 'gtmab',
+    frequency: Annotated[
+        float, typer.Option(help='At which the lamp flickers, in hertz.', min=1.0, max=1e5)
+    ] = Demodulation().frequency,
+    seconds: Annotated[
+        float, typer.Option(help='How long to listen to each.', min=0.5, max=3600.0)
+    ] = 5.0,
+    udev: Annotated[
+        bool, typer.Option('--udev', help='Print a udev file that lets you open all, and leave.')
+    ] = False,
+    json: Annotated[bool, typer.Option('--json', help='Print JSON instead of tables.')] = False,
+) -> None:
+    """
+    Find radios, drones and light boards, listen to them, and say what is not in order.
+
+    Rights, firmware, rates, loss, latency, battery, supervisor, parameters, and each diode.
+    Nothing is written, armed or turned.
+
+    Exit status 0: all in order, or warnings. 1: something keeps it from flying. 2: nothing there.
+
+    Example: lta hardware check
+
+    Example: lta hardware check --uri udp://127.0.0.1:19850
+
+    Example: lta hardware check --udev | sudo tee /etc/udev/rules.d/60-lta.rules
+    """
+    if udev:
+        sys.stdout.write(rules())
+        sys.stderr.write(
+            f'Save this as {RULES_FILE}, then: sudo udevadm control --reload && sudo udevadm '
+            'trigger, and plug in anew.\n'
+        )
+        return
+    console = plain_console(stderr=json)
+    asked = Asked(uri, port, vehicle, frequency, seconds)
+    columns = (TextColumn('{task.description}'), BarColumn())
+    with Bar(console, *columns, begin='looking around', total=1.0) as bar:
+        outcome = checked(asked, lambda doing, part: bar.move(description=doing, completed=part))
+    if json:
+        print_json(to_json(outcome))
+    show(outcome.checks, console)
+    if outcome.drone is not None:
+        print_table('Log blocks', stream_rows(outcome.drone.streams), console)
+    if outcome.board is not None and outcome.board.diodes:
+        print_table('Diodes', diode_rows(outcome.board.diodes), console)
+    raise typer.Exit(status(outcome.checks))
+
+
+def print_table(title: str, rows: list[tuple[str, ...]], console: Console) -> None:
+    """Print a table whose first row is its head."""
+    printed = Table(
+        title=title, title_justify='left', box=None, pad_edge=False, padding=(0, 2, 0, 0)
+    )
+    for k, name in enumerate(rows[0]):
+        printed.add_column(name, justify='left' if k == 0 else 'right')
+    for row in rows[1:]:
+        printed.add_row(*row)
+    console.print(printed)

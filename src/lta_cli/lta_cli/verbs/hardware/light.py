@@ -1,0 +1,121 @@
+"""lta hardware light: a real board on a turntable."""
+
+import math
+from pathlib import Path
+from typing import Annotated, Any
+
+from lta_bridge.bag.writer import empty_folder
+from lta_bridge.provenance import commit
+from lta_cli.options.json_option import Json, print_json
+from lta_cli.options.out_option import Out
+from lta_cli.options.plain_console import plain_console
+from lta_cli.verbs.light.study import show
+from lta_config.errors import BadInput
+from lta_config.schema.vehicle_file import load_vehicle_file
+from lta_config.typed import near, typed
+from lta_data.bag.flight import open_flight
+from lta_report.bar import Bar
+from lta_report.results_folder import keep_json, page_line, results_folder
+from lta_studies.light.bearing.study_page import rows
+from lta_studies.light.turntable.page import claims, gain_rows, write_page
+from lta_studies.light.turntable.response import Response, response
+from lta_studies.light.turntable.turntable import offset, read, studied, Table
+from lta_vlc.diodes import diodes_of
+from lta_vlc.settings import Demodulation
+from rich.progress import TextColumn
+import typer
+
+
+def light(
+    bag: Annotated[Path, typer.Argument(help='Recording of the board, with photodiodes.')],
+    rate: Annotated[
+        float, typer.Option(help='Of the table, degrees a second, counter-clockwise.')
+    ] = 0.0,
+    step: Annotated[float, typer.Option(help='Of the table, degrees, instead of a rate.')] = 0.0,
+    hold: Annotated[
+        float, typer.Option(help='Seconds from one step to the next.', min=0.0, max=3600.0)
+    ] = 0.0,
+    start: Annotated[
+        float, typer.Option(help='Where the lamp stands at first, degrees from the nose.')
+    ] = 0.0,
+    align: Annotated[
+        bool, typer.Option('--align', help="Take the error of the table's zero off.")
+    ] = False,
+    vehicle: Annotated[str, typer.Option(help='Whose diodes.')] = 'gtmab',
+    frequency: Annotated[
+        float, typer.Option(help='At which the lamp flickers, in hertz.', min=1.0, max=1e5)
+    ] = Demodulation().frequency,
+    robot: Annotated[
+        str | None, typer.Option(help='Namespace, where the bag has several.')
+    ] = None,
+    out: Out = None,
+    json: Json = False,
+) -> None:
+    """
+    Make the paper's polar study of a recording of the real board on a turntable.
+
+    How the table went: --rate, or --step with --hold (22.5 and some seconds make the paper's 16
+    directions), or as ground_truth/odom of the same bag saw it. Median error in each direction by
+    both estimators, and what the diodes make of light: exponent and gains for the vehicle file.
+
+    Exit status 0: done. 2: bad input.
+
+    Example: lta hardware light bench_bag --step 22.5 --hold 6
+    """
+    console = plain_console(stderr=json)
+    if bool(step) != bool(hold) or (rate and step):
+        raise BadInput(
+            'How the table turned is told twice or by half; give --rate alone, or --step with '
+            '--hold.'
+        )
+    table = Table(math.radians(rate), math.radians(step), hold, math.radians(start))
+    flight = open_flight(bag, robot)
+    entry = load_vehicle_file(vehicle).sensors.diodes
+    diodes = diodes_of(entry)
+    demodulation = Demodulation(frequency=frequency)
+    with Bar(console, TextColumn('reading light blocks {task.completed:.0f}')) as bar:
+        readings = read(
+            flight, diodes, demodulation, table, entry.top, lambda n: bar.move(advance=n)
+        )
+    zero = offset(readings)
+    found, blocks = studied(readings, 'bench', zero if align else 0.0)
+    fitted = response(readings, diodes, zero)
+    target = empty_folder(results_folder(out, 'turntable'))
+    content = {
+        **found.to_json(), 'blocks': blocks, 'zero': zero, 'aligned': align,
+        'response': fitted._asdict(), 'claims': [list(each) for each in claims(found)[1:]],
+    }  # fmt: skip
+    keep_json(content, target / 'turntable.json')
+    page = write_page(
+        found, readings, fitted, diodes,
+        {'bag': str(bag), 'vehicle': vehicle, 'commit': commit()},
+        again(bag, table, align, vehicle, frequency), target / 'report.html',
+    )  # fmt: skip
+    if json:
+        print_json(content, page)
+    show('Median errors over 16 directions', rows([found]), console)
+    show('What the paper says, counted', claims(found), console)
+    show('Gains', gain_rows(fitted), console)
+    console.print(told(fitted, zero, align), highlight=False, soft_wrap=True)
+    console.print(page_line(near(page)), highlight=False, markup=False, soft_wrap=True)
+
+
+def told(fitted: Response, zero: float, align: bool) -> str:
+    """Return what to write into the vehicle file, and where the zero of the table was."""
+    done = 'taken off' if align else 'left in; --align takes it off'
+    return (
+        f'response: {fitted.exponent:.2f} ± {fitted.exponent_deviation:.1g}, gain_spread: '
+        f"{1e2 * fitted.spread:.1f} %. The table's zero is off by {math.degrees(zero):.2f}°, "
+        f'{done}.'
+    )
+
+
+def again(bag: Path, table: Table, align: bool, vehicle: str, frequency: float) -> str:
+    """Return what to type for the same study."""
+    words: list[Any] = ['hardware', 'light', bag, '--vehicle', vehicle]
+    words += ['--frequency', f'{frequency:g}', '--start', f'{math.degrees(table.start):g}']
+    if table.step:
+        words += ['--step', f'{math.degrees(table.step):g}', '--hold', f'{table.hold:g}']
+    elif table.rate:
+        words += ['--rate', f'{math.degrees(table.rate):g}']
+    return typed(*words, *(['--align'] if align else []))

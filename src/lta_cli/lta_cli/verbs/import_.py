@@ -1,0 +1,94 @@
+"""lta import: other people's logs as bags."""
+
+from dataclasses import asdict
+from pathlib import Path
+from typing import Annotated, get_args, TYPE_CHECKING
+
+from lta_cli.options.json_option import Json, print_json
+from lta_cli.options.out_option import Out
+from lta_cli.options.plain_console import plain_console
+from lta_config.errors import BadInput
+from lta_config.files import known
+from lta_config.schema.import_file import Format
+from lta_config.topics import is_name
+from lta_config.typed import near, typed
+from lta_report.results_folder import results_folder
+from rich.console import Console
+import typer
+
+if TYPE_CHECKING:
+    from lta_data.foreign.run import Imported
+
+
+def import_(
+    sources: Annotated[
+        list[Path], typer.Argument(help='Files, or folders of bags.', metavar='SOURCE...')
+    ],
+    mapping: Annotated[
+        str | None,
+        typer.Option(
+            help=f'What the columns are: a file, or one of {", ".join(known("imports"))}. Found '
+            'from the columns where just one shipped mapping fits.'
+        ),
+    ] = None,
+    format: Annotated[
+        str | None,
+        typer.Option(help=f'{", ".join(get_args(Format))}; found from the content if left out.'),
+    ] = None,
+    out: Out = None,
+    robot: Annotated[str, typer.Option(help='Namespace of the topics.')] = 'lta1',
+    vehicle: Annotated[
+        str | None, typer.Option(help='Vehicle that flew, name or file; goes into the bag.')
+    ] = None,
+    json: Json = False,
+) -> None:
+    """
+    Make bags of other people's logs: CSV, ROS 1 and 2 bags, Crazyflie uSD logs, PX4 ULogs.
+
+    Values are converted in unit and axes and are otherwise those of the log: nothing is
+    smoothed, resampled or invented. What is odd (time that goes back or stands still, cells
+    without a number) is kept and named. The bag carries the name and SHA-256 of its source and
+    the whole mapping, and says whether the data are measured or simulated.
+
+    A mapping says which column is what, in which unit and in whose axes: docs/import.md. One
+    source becomes FOLDER/bag, several become FOLDER/NAME/bag; if one of them cannot be
+    imported, none is.
+
+    Example: lta import data_1.csv --vehicle rgblimp
+
+    Example: lta import flight.bag --mapping my_tracker.yaml --out lab/flight
+
+    Example: lta import log00 log01 --json
+    """
+    # The readers of all formats take a while to load, which no other verb should wait for.
+    from lta_data.foreign.progress import ImportProgress
+    from lta_data.foreign.run import import_all, Order
+
+    console = plain_console(stderr=json)
+    if not is_name(robot):
+        raise BadInput(f"Robot '{robot}' is no name for topics; use letters and digits.")
+    name = sources[0].name.split('.')[0] or 'log'
+    target = results_folder(out, name)
+    order = Order(sources, mapping, format, robot, vehicle)
+    with ImportProgress(console, len(sources)) as progress:
+        done = import_all(order, target, progress)
+    if json:
+        print_json([asdict(one) for one in done])
+        return
+    for one in done:
+        _show(one, console)
+
+
+def _show(one: 'Imported', console: Console) -> None:
+    """Print what became of one log."""
+    told = f'{one.format}, mapping {one.mapping}' if one.mapping else one.format
+    console.print(
+        f'{one.source} ({told}; {one.data})', style='bold', highlight=False, markup=False
+    )
+    for topic, count in one.topics.items():
+        console.print(f'  {topic}: {count} messages', highlight=False, markup=False)
+    for note in one.notes:
+        console.print(f'  {note}', style='yellow', highlight=False, markup=False, soft_wrap=True)
+    console.print(f'Bag {near(Path(one.bag))}', highlight=False, markup=False, soft_wrap=True)
+    command = typed('bag', 'info', near(Path(one.bag)))
+    console.print(f'See {command}', style='dim', highlight=False, markup=False, soft_wrap=True)

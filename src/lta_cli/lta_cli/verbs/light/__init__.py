@@ -1,0 +1,1 @@
+"""`lta light`: one file a command."""

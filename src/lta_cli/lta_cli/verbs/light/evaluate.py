@@ -1,0 +1,113 @@
+"""lta light evaluate: navigation strategies over scenes and seeds."""
+
+from pathlib import Path
+import sys
+from typing import Annotated
+
+from lta_bridge.bag.writer import empty_folder
+from lta_cli.options.json_option import print_kept_json
+from lta_cli.options.out_option import folder
+from lta_cli.options.plain_console import plain_console
+from lta_report.browser import find_chromium
+from lta_report.results_folder import keep_json, page_line
+from lta_report.screenshots import write_pictures
+from lta_studies.light.evaluation import scores_page
+from lta_studies.light.evaluation.findings import Findings
+from lta_studies.light.evaluation.flying import MOST
+from lta_studies.light.evaluation.page import write_page
+from lta_studies.light.evaluation.run import evaluate as fly_all
+from lta_studies.light.evaluation.run import Evaluated, Order
+from lta_studies.light.evaluation.sets import SETS
+from rich.console import Console
+import typer
+
+STOPPED = 130
+
+
+def evaluate(
+    seeds: Annotated[
+        int, typer.Option(help='Flights of each strategy in each case.', min=1, max=MOST)
+    ] = 50,
+    sets: Annotated[
+        list[str] | None,
+        typer.Option(metavar='A B', help=f'Which sets: {", ".join(SETS)}; all by default.'),
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            help='Folder of the results; runs/light-evaluate by default.',
+            parser=folder,
+            metavar='FOLDER',
+        ),
+    ] = None,
+    workers: Annotated[
+        int | None, typer.Option(help='Processes; as many as processors by default.', min=1)
+    ] = None,
+    retry: Annotated[
+        bool, typer.Option('--retry-failed', help='Fly again what could not be flown.')
+    ] = False,
+    pictures: Annotated[
+        Path | None,
+        typer.Option(help='Folder for each picture as PNG; needs a Chromium.', metavar='FOLDER'),
+    ] = None,
+    markdown: Annotated[
+        bool, typer.Option('--markdown', help='Print docs/navigation_scores.md.')
+    ] = False,
+    json: Annotated[bool, typer.Option('--json', help='Print the figures as JSON.')] = False,
+) -> None:
+    """
+    Compare the navigation strategies: indoors, in wind, from afar, in daylight, changed.
+
+    Each set is a sweep file (light_indoors, light_reference_winds, ...), which "lta sweep" flies
+    as well. All strategies get the same seeds. A reference pilot, who knows lamp and wind, flies
+    the sets in which wind matters: its path is the best that the vehicle can do.
+
+    Shares have Wilson's 95 % intervals, means those of the bootstrap. The page tells which single
+    factor brings about the paper's order of paths, and has the paper's figures beside ours.
+
+    All sets fly their first seed before any flies its second, and each flight is kept as it ends:
+    the same command goes on where it was, with more seeds it adds to what there is, and after
+    Ctrl-C the page tells of what has been flown.
+
+    Exit status 0: all was flown. 1: some flights could not be. 2: bad input. 130: Ctrl-C.
+
+    Example: lta light evaluate --seeds 10 --sets indoors winds
+    """
+    console = plain_console(stderr=json or markdown)
+    if pictures is not None:
+        find_chromium()  # says what is missing before anything flies
+        empty_folder(pictures)
+    target = (out or Path('runs') / 'light-evaluate').absolute()
+    order = Order(tuple(sets or SETS), seeds, target, workers, retry)
+    done = fly_all(order, console)
+    found = Findings(done)
+    content = keep_json(found.to_dict(), order.folder / 'evaluation.json')
+    page = write_page(found)
+    if pictures is not None:
+        write_pictures(page, pictures)
+    if markdown:
+        sys.stdout.write(scores_page.page(found))
+    if json:
+        print_kept_json(content, page)
+    tell(found, done, console)
+    console.print(page_line(page), highlight=False, markup=False, soft_wrap=True)
+    if done.stopped:
+        raise typer.Exit(STOPPED)
+    if found.failed:
+        raise typer.Exit(1)
+
+
+def tell(found: Findings, done: Evaluated, console: Console) -> None:
+    """Say what came out, and what it cost."""
+    lines = [found.title, found.statement]
+    if done.flown:
+        each = done.work / max(found.flights, 1)
+        lines.append(
+            f'{done.flown} flights in {done.wall:.0f} s: {done.flown / done.wall:.1f} flights/s; '
+            f'{each:.2f} s of one processor each.'
+        )
+    else:
+        lines.append('All of it had been flown before.')
+    if done.stopped:
+        lines.append(f'Stopped: {found.count}; the same command goes on from there.')
+    console.print('\n'.join(lines), highlight=False, markup=False, soft_wrap=True)

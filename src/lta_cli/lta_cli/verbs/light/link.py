@@ -1,0 +1,99 @@
+"""lta light link: lux and signal-to-noise ratio of a lamp by distance."""
+
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Annotated
+
+from lta_bridge.bag.writer import empty_folder
+from lta_cli.options.json_option import Json, print_json
+from lta_cli.options.out_option import folder
+from lta_cli.options.plain_console import plain_console
+from lta_config.typed import near, typed
+from lta_model.scenario import load_scenario
+from lta_model.vehicle import load_vehicle
+from lta_report.results_folder import keep_json, page_line, results_folder
+from lta_studies.light.link.measured import Link, link_of
+from lta_studies.light.link.page import cells, HEADS, write_page
+from rich.console import Console
+from rich.progress import track
+from rich.table import Table
+import typer
+
+SCENES = ['lamp_room', 'sunny_field']
+DISTANCES = [0.5, 1.0, 2.0, 3.0, 5.0, 7.0, 10.0, 15.0]  # m
+
+
+def link(
+    scenario: Annotated[
+        list[str] | None,
+        typer.Option(help='Scenes; repeatable. Indoors and in the sun by default.'),
+    ] = None,
+    vehicle: Annotated[str, typer.Option(help='Whose diodes and hull.')] = 'gtmab',
+    distance: Annotated[
+        list[float] | None,
+        typer.Option(help='Distances from the lamp in metres; repeatable.', min=0.05, max=1000.0),
+    ] = None,
+    altitude: Annotated[
+        float, typer.Option(help='Height of the hull centre in metres.', min=0.05, max=1000.0)
+    ] = 1.3,
+    blocks: Annotated[
+        int, typer.Option(help='ADC blocks at each distance.', min=1, max=1000)
+    ] = 20,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            help='Folder of the results; runs/<time>-link by default.',
+            parser=folder,
+            metavar='FOLDER',
+        ),
+    ] = None,
+    json: Json = False,
+) -> None:
+    """
+    Tell how bright a lamp is on the photodiodes, and how well it is heard, by distance.
+
+    The drone stands on the axis of the scene's first lamp, nose to it. Direct: on a plane that
+    faces the lamp. Read: by the diode that gets most, with its response, the echo of the room and
+    the shade of the hull. Echo: by the diode that gets least. SNR: as the demodulator tells it.
+
+    Exit status 0: done. 2: bad input.
+
+    Example: lta light link --scenario lamp_room --distance 3 --distance 7
+    """
+    console = plain_console(stderr=json)
+    scenes = list(dict.fromkeys(scenario or SCENES))
+    distances = sorted(set(distance or DISTANCES))
+    read = [load_scenario(name) for name in scenes]
+    target = empty_folder(results_folder(out, 'link'))
+    found = [
+        link_of(load_vehicle(vehicle, each.air.density), each, distances, altitude, blocks)
+        for each in track(read, 'light link', console=console, transient=True)
+    ]
+    again = typed(
+        'light', 'link', *(word for name in scenes for word in ('--scenario', name)),
+        *(word for each in distances for word in ('--distance', f'{each:g}')), '--vehicle',
+        vehicle, '--altitude', f'{altitude:g}', '--blocks', str(blocks),
+    )  # fmt: skip
+    content = {'vehicle': vehicle, 'altitude': altitude, 'links': [asdict(each) for each in found]}
+    keep_json(content, target / 'link.json')
+    page = write_page(found, again, vehicle, target / 'report.html')
+    if json:
+        print_json(content, page)
+    show(found, console)
+    console.print(page_line(near(page)), highlight=False, markup=False, soft_wrap=True)
+
+
+def show(found: Sequence[Link], console: Console) -> None:
+    """Print a table for each scene, and the paper's figure."""
+    for each in found:
+        printed = Table(
+            title=f'{each.scenario}, feedback resistor of {each.feedback / 1e3:g} kohm',
+            title_justify='left', box=None, pad_edge=False, padding=(0, 2, 0, 0),
+        )  # fmt: skip
+        for head in HEADS:
+            printed.add_column(head, justify='right')
+        for at in each.at:
+            printed.add_row(*cells(at))
+        console.print(printed)
+    console.print('Paper: several tens of lux at 7 m, and an SNR that stays high.')

@@ -1,0 +1,147 @@
+"""lta light plan: lamps laid out on a floor plan, their frequencies, and what is covered."""
+
+from pathlib import Path
+import sys
+from typing import Annotated
+
+from lta_bridge.bag.writer import empty_folder
+from lta_cli.options.json_option import Json
+from lta_cli.options.out_option import Out
+from lta_cli.options.plain_console import plain_console
+from lta_config.typed import near, typed
+from lta_report.bar import Bar
+from lta_report.browser import find_chromium
+from lta_report.results_folder import (
+    all_at_once,
+    can_be_made,
+    keep_json,
+    page_line,
+    results_folder,
+)
+from lta_report.screenshots import write_pictures
+from lta_studies.light.plan.floor import floor_of
+from lta_studies.light.plan.gaps import gaps_of
+from lta_studies.light.plan.given import given
+from lta_studies.light.plan.handover import handover_of
+from lta_studies.light.plan.laying import lay_out
+from lta_studies.light.plan.layout import Layout
+from lta_studies.light.plan.mounts import mounts_of
+from lta_studies.light.plan.page import percent, title, write_page
+from lta_studies.light.plan.scene import scene_text
+from lta_studies.light.plan.told import plain
+from rich.console import Console
+from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
+from rich.table import Table
+import typer
+
+
+def plan(
+    name: Annotated[
+        str, typer.Argument(metavar='PLAN', help='A shipped floor plan or a file.')
+    ] = 'warehouse',
+    vehicle: Annotated[str, typer.Option(help='What flies: its hull and its diodes.')] = 'gtmab',
+    overlap: Annotated[
+        int, typer.Option(help='Lamps to be heard everywhere; 2 for hand-over.', min=1, max=4)
+    ] = 1,
+    lamps: Annotated[
+        int | None, typer.Option(help='At most so many; as many as needed by default.', min=1)
+    ] = None,
+    margin: Annotated[
+        float,
+        typer.Option(help="SNR over the demodulator's threshold.", min=1.0, max=1000.0),
+    ] = 2.0,
+    cell: Annotated[
+        float, typer.Option(help='Side of the cells of the floor in metres.', min=0.1, max=10.0)
+    ] = 0.5,
+    changes: Annotated[
+        list[str] | None,
+        typer.Option('--set', metavar='PATH=VALUE', help='Plan with another value; repeatable.'),
+    ] = None,
+    out: Out = None,
+    pictures: Annotated[
+        Path | None,
+        typer.Option(help='Folder for each picture as PNG; needs a Chromium.', metavar='FOLDER'),
+    ] = None,
+    json: Json = False,
+) -> None:
+    """
+    Lay lamps out on a floor plan, so that the drone hears one wherever it fits, at any heading.
+
+    A floor plan file has the hall, what stands in it, where lamps may hang and what they are, and
+    the altitude of the drone. As few lamps as can be found are chosen among places on a grid, and
+    how few there could be at least is told. Each gets a frequency clear of the mains, of the
+    other lamps and of their harmonics; then all are heard together.
+
+    With --set a number is tried without a file: 'plan.lamp.height=4 m', 'demodulator.window=1',
+    'vehicle.sensors.diodes.feedback=10 kohm'.
+
+    The results are a page with the covered floor, its gaps and the hand-overs from lamp to lamp;
+    plan.json, SI units; and scenario.yaml with the lamps and a route along them.
+
+    Exit status 0: done, whatever is covered. 2: bad input. 130: Ctrl-C.
+
+    Example: lta light plan warehouse --overlap 2 --lamps 30
+    """
+    console = plain_console(stderr=json)
+    if pictures is not None:
+        find_chromium()  # says what is missing before anything is done
+        empty_folder(pictures)
+    content, ear = given(name, vehicle, margin, changes or ())
+    floor = floor_of(content, ear.vehicle, cell)
+    mounts = mounts_of(content)
+    target = results_folder(out, f'{content.name}-lamps')
+    can_be_made(target)
+    columns = (TextColumn('{task.description}'), BarColumn(), TimeRemainingColumn())
+    with Bar(console, *columns, begin='light of each place', total=len(mounts)) as bar:
+        found = lay_out(
+            content, ear, floor, mounts, overlap, lamps,
+            lambda: bar.move(advance=1), lambda words: bar.move(description=words),
+        )  # fmt: skip
+        bar.move(description='hand-overs')
+        handover = handover_of(found)
+    told, scene = plain(found, handover), scene_text(found, handover)
+    words = ['light', 'plan', name, '--vehicle', vehicle, '--overlap', str(overlap)]
+    words += ['--margin', f'{margin:g}', '--cell', f'{cell:g}']
+    words += [] if lamps is None else ['--lamps', str(lamps)]
+    words += [word for change in changes or () for word in ('--set', change)]
+    fly = typed('fly', '--vehicle', vehicle, '--scenario', str(near(target / 'scenario.yaml')))
+    with all_at_once(target, 'report.html') as part:
+        text = keep_json(told, part / 'plan.json')
+        (part / 'scenario.yaml').write_text(scene, encoding='utf-8')
+        write_page(found, handover, typed(*words), scene, fly, part / 'report.html')
+    if pictures is not None:
+        write_pictures(target / 'report.html', pictures)
+    if json:
+        sys.stdout.write(text)
+    show(found, console)
+    console.print(page_line(near(target / 'report.html')), highlight=False, soft_wrap=True)
+
+
+def show(found: Layout, console: Console) -> None:
+    """Print the lamps and the gaps."""
+    console.print(title(found), highlight=False)
+    printed = Table(box=None, pad_edge=False, padding=(0, 1, 0, 0))
+    for column in ('lamp', 'x [m]', 'y [m]', 'z [m]', 'Hz', 'heard over [m²]'):
+        printed.add_column(column, justify='left' if column == 'lamp' else 'right', no_wrap=True)
+    for k, lamp in enumerate(found.lamps):
+        area = float(found.heard[k].sum()) * found.floor.cell**2
+        place = (f'{part:.1f}' for part in lamp.mount.position)
+        printed.add_row(lamp.name, *place, f'{lamp.frequency:g}', f'{area:.0f}')
+    console.print(printed)
+    gaps = gaps_of(found)
+    if gaps:
+        lost = sum(gap.area for gap in gaps)
+        first = gaps[0]
+        console.print(
+            f'{len(gaps)} gap{"s" if len(gaps) > 1 else ""}, {lost:.1f} m² together; the largest '
+            f'at x {first.west:.1f} to {first.east:.1f} m, y {first.south:.1f} to '
+            f'{first.north:.1f} m: {first.why}.',
+            highlight=False, soft_wrap=True,
+        )  # fmt: skip
+    count = len(found.lamps)
+    console.print(
+        f'{count} lamps, no fewer than {found.bound} could do; one for '
+        f'{found.floor.area / count:.0f} m²; {percent(float((found.count >= 2).mean()))} % of the '
+        'floor hears two.',
+        highlight=False, soft_wrap=True,
+    )  # fmt: skip

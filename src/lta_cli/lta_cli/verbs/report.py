@@ -1,0 +1,49 @@
+"""lta report: the page of a recorded flight, once more."""
+
+from pathlib import Path
+from typing import Annotated
+
+from lta_bridge.bag.writer import empty_folder
+from lta_cli.options.plain_console import plain_console
+from lta_data.bag.flight import chosen
+from lta_data.bag.folder import bag_in
+from lta_data.bag.reader import read_bag
+from lta_flight.report.page import write_page
+from lta_report.screenshots import write_pictures
+import typer
+
+
+def report(
+    bag: Annotated[Path, typer.Argument(help='Bag folder, results folder or .mcap file.')],
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            help='HTML file of the page; report.html, or report-ROBOT.html, beside the bag.'
+        ),
+    ] = None,
+    robot: Annotated[
+        str | None, typer.Option(help='Robot to report on; needed where the bag holds several.')
+    ] = None,
+    pictures: Annotated[
+        Path | None, typer.Option(help='Folder for each picture as PNG; needs a Chromium.')
+    ] = None,
+) -> None:
+    """
+    Write the page of a recorded flight, and its pictures if a folder for them is given.
+
+    Example: lta report runs/20261120-lamp_room-1/bag --pictures thesis/figures
+
+    Example: lta report pair/bag --robot lta2
+    """
+    bag = bag_in(bag)
+    chosen(read_bag(bag), robot)  # nothing is made where there is nothing to report on
+    name = 'report.html' if robot is None else f'report-{robot}.html'
+    page = (out or bag.absolute().parent / name).absolute()
+    if pictures is not None:
+        empty_folder(pictures)
+    write_page(bag, page, robot)
+    console = plain_console()
+    console.print(f'Page {page}', highlight=False, soft_wrap=True)
+    if pictures is not None:
+        for picture in write_pictures(page, pictures):
+            console.print(f'Picture {picture}', highlight=False, soft_wrap=True)

@@ -1,0 +1,74 @@
+"""lta simulate: a whole flight in one process."""
+
+from typing import Annotated
+
+from lta_cli.options.json_option import Json, print_json
+from lta_cli.options.out_option import Out
+from lta_cli.options.plain_console import plain_console
+from lta_cli.verbs.fly import printed, show_files, told
+from lta_control.strategies import STRATEGIES
+from lta_flight.progress import FlightProgress
+from lta_flight.report.page import write_page
+from lta_flight.simulate import simulate_once, Simulated
+from lta_sim.craft import is_compiled
+import typer
+
+KNOWN = ', '.join(STRATEGIES)
+COMPILING = 'compiling the model, once: half a minute on a free machine'
+
+
+def simulate(
+    vehicle: Annotated[str, typer.Option(help='Vehicle name or file.')] = 'gtmab',
+    scenario: Annotated[str, typer.Option(help='Scenario name or file.')] = 'lamp_room',
+    strategy: Annotated[str, typer.Option(help=f'Navigation strategy: {KNOWN}.')] = 'bag',
+    gains: Annotated[
+        str, typer.Option(help="Controller's gains, name or file; the vehicle's own by default.")
+    ] = '',
+    seed: Annotated[int, typer.Option(help='Seed of all chance.', min=0, max=2**31 - 1)] = 1,
+    changes: Annotated[
+        list[str] | None,
+        typer.Option('--set', metavar='PATH=VALUE', help='Fly with another value; repeatable.'),
+    ] = None,
+    out: Out = None,
+    bag: Annotated[bool, typer.Option(help='Record a bag and write its page.')] = True,
+    json: Json = False,
+) -> None:
+    """
+    Fly in one process: the same cores in the same order as the graph, without DDS.
+
+    The bag has every topic that a lockstep flight repeats, byte for byte as "lta fly" with the
+    same seed records it; /clock and /diagnostics, which follow the wall clock, are not in it.
+
+    --set replaces one parameter of a file by its path: vehicle.trim.heaviness=4 g,
+    scenario.air.wind=[0.2, 0, 0] m/s, scenario.air.wind.0=0.2 m/s (one of several numbers, from
+    0), gains.heading_kp=0.5; and of a node: mission.altitude=0.8. Roots are vehicle, scenario,
+    gains, mission, reserve (what to do at it), estimator, demodulator, prior (of the lamp) and
+    energy_monitor. Changed files are kept beside the bag. The drone is told of what is changed,
+    as if it stood in its files.
+
+    Exit status 0: the drone reached its goal. 1: it did not. 2: bad input, nothing was flown.
+
+    Example: lta simulate --seed 3 --set 'vehicle.trim.heaviness=4 g'
+    """
+    console = plain_console(stderr=json)
+    order = Simulated(
+        vehicle, scenario, strategy, gains, seed, tuple(changes or ()), out, record=bag
+    )
+    with FlightProgress(console, 'loading the world') as progress:
+        if not is_compiled():
+            progress.wait_for(COMPILING)
+        flight, figures = simulate_once(order, progress)
+    target = flight.folder / 'report.html' if bag else None
+    if target is not None:
+        figures = write_page(flight.bag, target)
+    if json:
+        content = printed(flight, figures, target)
+        if not bag:
+            del content['bag']
+        print_json(content)
+    console.print(told(flight, figures), highlight=False, soft_wrap=True)
+    console.print(f'Simulated at {flight.pace:.1f} x real time.', highlight=False)
+    if bag:
+        show_files(flight.bag, target, console)
+    if flight.outcome != 'reached':
+        raise typer.Exit(1)

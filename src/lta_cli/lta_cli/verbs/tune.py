@@ -1,0 +1,204 @@
+"""lta tune: gains over a spread of helium losses."""
+
+from dataclasses import asdict
+import math
+from pathlib import Path
+from typing import Annotated, Any
+
+from lta_cli.options.json_option import Json, print_json
+from lta_cli.options.out_option import folder
+from lta_cli.options.plain_console import plain_console
+from lta_config.override import quantity_in
+from lta_config.typed import near, typed
+from lta_report.json_value import finite
+from lta_report.results_folder import page_line
+from lta_studies.tune.compare import difference, NAMES
+from lta_studies.tune.exam import Case, Scene
+from lta_studies.tune.margins import decibel
+from lta_studies.tune.page import write_page
+from lta_studies.tune.run import Order, Side, traced, tune_once, Tuned
+from lta_studies.tune.told import limit_rows, robust_rows, title
+from rich.console import Console
+import typer
+
+UNITS = {
+    'loss': 'kg',
+    'helium': 'g',
+    'days': 'd',
+    'phase': 'deg',
+    'gain': 'dB',
+    'delay': 's',
+    'crossover': 'rad/s',
+    'growth': '1/s',
+    'swing': 'rad/s',
+    'swing_angle': 'rad',
+    'settle': 's',
+    'overshoot': '1',
+    'steady': '1',
+}
+
+
+def mass(text: str) -> float:
+    """Return a mass in kg."""
+    found = quantity_in(text)
+    factor = {'g': 1e-3, 'kg': 1.0}.get(found['unit']) if found else None
+    if found is None or factor is None or not isinstance(found['value'], int | float):
+        raise typer.BadParameter(f"'{text}' is no mass; give one like '6 g'")
+    return float(found['value']) * factor
+
+
+def tune(
+    vehicle: Annotated[str, typer.Argument(help='Vehicle name or file.')] = 'gtmab',
+    gains: Annotated[
+        str | None,
+        typer.Option(help='Gains to start from, name or file; those of the vehicle by default.'),
+    ] = None,
+    least: Annotated[
+        float, typer.Option(help='Least lift lost.', parser=mass, metavar='MASS')
+    ] = '0 g',  # type: ignore[assignment]
+    most: Annotated[
+        float, typer.Option(help='Most lift lost.', parser=mass, metavar='MASS')
+    ] = '6 g',  # type: ignore[assignment]
+    cases: Annotated[
+        int, typer.Option(help='Losses over the spread; flights of each candidate.', min=1)
+    ] = 4,
+    budget: Annotated[int, typer.Option(help='Candidates to fly.', min=1)] = 121,
+    draws: Annotated[int, typer.Option(help='Fresh draws that compare old and new.', min=2)] = 20,
+    numbers: Annotated[
+        list[str] | None,
+        typer.Option(
+            '--number', metavar='PATH', help='What to turn, as climb.kp; repeatable. All gains.'
+        ),
+    ] = None,
+    seed: Annotated[int, typer.Option(help='Seed of all chance.', min=0, max=2**31 - 1)] = 1,
+    workers: Annotated[int, typer.Option(help='Processes.', min=1)] = 2,
+    out: Annotated[
+        Path | None,
+        typer.Option(help='Gains file to write; FOLDER/gains.yaml by default.', metavar='FILE'),
+    ] = None,
+    where: Annotated[
+        Path | None,
+        typer.Option(
+            '--folder',
+            help='Folder of the search and the page; runs/tune-<name>-<hash> by default.',
+            parser=folder,
+            metavar='FOLDER',
+        ),
+    ] = None,
+    page: Annotated[bool, typer.Option(help='Write the page of the tuning.')] = True,
+    json: Json = False,
+) -> None:
+    """
+    Find controller gains that hold over a spread of lost helium, and say how firmly they do.
+
+    A candidate flies one examination a loss, in one process with the sensors' noise: take-off,
+    then steps of altitude, heading, forward speed, and a turn at speed; and one mission to the
+    lamp, which good steps alone do not promise. The drone is not told of the loss. Settling,
+    overshoot, steady error, swing (there, or growing by the linear loop), the work of the rotors
+    and the time of the mission make its cost; half the mean and half the worst over the losses
+    count. Covariance matrix adaptation searches the logarithms of the gains, within a factor of 6
+    and the bounds of their declaration. Limits stay as they are unless --number names them.
+
+    Old and new gains then fly the same fresh draws, which the search has not seen. Stability
+    margins of altitude, heading and speed come from the linearised loop, hovering and at 0.4 m/s;
+    the loss at which the gains stop holding is flown.
+
+    Every candidate is kept as it ends: the same command goes on where a killed one was. Ctrl-C
+    ends the search and keeps the best so far. Nothing replaces the vehicle's own gains: copy the
+    file if it is better.
+
+    Exit status 0: done. 2: bad input, nothing was flown. 130: Ctrl-C before the first candidate.
+
+    Example: lta tune gtmab --most '6 g' --budget 121 --out gains.yaml
+    """
+    console = plain_console(stderr=json)
+    asked = [f'--least={1e3 * least:g} g', f'--most={1e3 * most:g} g', f'--cases={cases}']
+    asked += [f'--budget={budget}', f'--seed={seed}', *(f'--number={n}' for n in numbers or ())]
+    start = [] if gains is None else ['--gains', gains]
+    order = Order(
+        vehicle, gains, least, most, cases, budget, draws, seed, tuple(numbers or ()), workers,
+        where, out, typed('tune', vehicle, *start, *asked),
+    )  # fmt: skip
+    done = tune_once(order, console)
+    target = None
+    if page:
+        scene = Scene(vehicle)
+        examined = [Case(loss, seed + k) for k, loss in enumerate(done.losses)]
+        target = write_page(
+            done, *(traced(scene, side.gains, examined) for side in (done.old, done.new))
+        )
+    if json:
+        print_json(printed(done, target))
+    tell(done, target, console)
+
+
+def printed(done: Tuned, page: Path | None) -> Any:  # noqa: ANN401 - what JSON holds
+    """Return what --json prints."""
+    gap = difference(done.old.flights, done.new.flights)
+    return finite(
+        {
+            'candidates': len(done.found.history),
+            'flights': len(done.found.history) * len(done.losses),
+            'stopped': done.found.stopped,
+            'cost': {'old': done.found.first, 'new': done.found.cost},
+            'fresh_difference': asdict(gap),
+            'gains': dict(done.found.numbers),
+            'old': side_of(done.old),
+            'new': side_of(done.new),
+            'file': str(done.file),
+            **({} if page is None else {'page': str(page)}),
+            'units': UNITS,
+        }
+    )
+
+
+def side_of(side: Side) -> dict[str, object]:
+    """Return one set of gains and what is known of it."""
+    steps = {
+        name: {
+            figure: asdict(side.flights.of(k, figure))
+            for figure in ('settle', 'overshoot', 'steady')
+        }
+        for k, name in enumerate(NAMES)
+    }
+    margins = []
+    for each in side.steadiness:
+        found = each.margins
+        row: dict[str, object] = {
+            'loop': each.loop, 'speed': each.speed, 'loss': each.loss, 'stable': each.stable,
+            'growth': each.growth, 'swing': each.swing,
+        }  # fmt: skip
+        if found is not None:
+            row |= {
+                'gain': None if found.gain is None else decibel(found.gain),
+                'gain_down': None if found.gain_down is None else decibel(found.gain_down),
+                'phase': None if found.phase is None else math.degrees(found.phase),
+                'delay': found.delay,
+                'crossover': found.crossover,
+            }
+        margins.append(row)
+    limit = side.limit
+    return {
+        'lost': side.flights.lost._asdict(),
+        'reached': side.flights.reached._asdict(),
+        'cost': asdict(side.flights.whole('cost')),
+        'swing_angle': asdict(side.flights.whole('swing')),
+        'steps': steps,
+        'margins': margins,
+        'helium': {**asdict(limit), 'days': list(limit.days)},
+    }
+
+
+def tell(done: Tuned, page: Path | None, console: Console) -> None:
+    """Say what came out and where it is."""
+    lines = [title(done), f'{"":<40}{"old":<26}new']
+    rows = robust_rows(done) + limit_rows(done.old.limit, done.new.limit)
+    lines += [f'{name:<40}{old:<26}{new}' for name, old, new in rows]
+    if done.found.stopped:
+        lines.append(
+            f'Stopped after {len(done.found.history)} candidates; the same command goes on.'
+        )
+    lines.append(f'Gains {near(done.file)}')
+    if page is not None:
+        lines.append(page_line(page))
+    console.print('\n'.join(lines), highlight=False, markup=False, soft_wrap=True)

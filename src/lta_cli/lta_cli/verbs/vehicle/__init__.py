@@ -1,0 +1,1 @@
+"""`lta vehicle`: one file a command."""

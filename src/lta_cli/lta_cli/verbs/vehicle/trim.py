@@ -1,0 +1,54 @@
+"""lta vehicle trim: how heavy a vehicle was, by a flight of it."""
+
+from pathlib import Path
+from typing import Annotated
+
+from lta_cli.options.json_option import Json, print_json
+from lta_cli.options.plain_console import plain_console
+from lta_config.errors import BadInput
+from lta_config.schema.vehicle_file import VehicleFile
+from lta_data.bag.flight import open_flight
+from lta_data.bag.folder import bag_in
+from lta_data.scene import parsed
+from lta_model.vehicle import load_vehicle, Vehicle
+from lta_vehicle.recorded import recorded
+from lta_vehicle.trim import weigh
+from lta_vehicle.trimmed import plain_weighing, told
+import typer
+
+
+def trim(
+    bag: Annotated[Path, typer.Argument(help='Bag folder, results folder or .mcap file.')],
+    flown: Annotated[
+        str | None,
+        typer.Option('--vehicle', help="What flew, name or file; the bag's own by default."),
+    ] = None,
+    robot: Annotated[str | None, typer.Option(help='Whose flight, if there are several.')] = None,
+    json: Json = False,
+) -> None:
+    """
+    Weigh a vehicle by a flight: how heavy it was, and how much ballast to add or take off.
+
+    Looks for stretches in which it hung still, and takes what its rotors pushed there for what
+    they carried. 20 s of hover in still air weigh it to a tenth of a gram as far as scatter
+    goes; in a real flight an error of the thrust curve comes on top, and is told.
+
+    Example: lta vehicle trim runs/20261120-lamp_room-1
+    """
+    path = bag_in(bag)
+    flight = open_flight(path, robot)
+    own = parsed(VehicleFile, flight.bag.provenance, 'vehicle_file')
+    if flown is not None:
+        known = load_vehicle(flown)
+    elif own is not None:
+        known = Vehicle(own)
+    else:
+        raise BadInput(f"'{path}' does not say what flew; name it with --vehicle.")
+    where, commands, topic = recorded(flight, known)
+    found = weigh(known, where, commands)
+    simulated = 'scenario_file' in flight.bag.provenance
+    if json:
+        facts = {'vehicle': known.file.name, 'poses': topic, 'simulated': simulated}
+        print_json({**facts, **plain_weighing(found)})
+        return
+    plain_console().print(told(found, known.file.name, simulated), highlight=False, soft_wrap=True)

@@ -1,0 +1,32 @@
+"""lta vehicle urdf: a vehicle for RViz, Foxglove and robot_state_publisher."""
+
+from pathlib import Path
+import sys
+from typing import Annotated
+
+from lta_bridge.description import urdf as description
+from lta_cli.options.plain_console import plain_console
+from lta_model.vehicle import load_vehicle
+from lta_report.frame import written
+from lta_vehicle.named import Named
+import typer
+
+
+def urdf(
+    name: Named,
+    out: Annotated[Path | None, typer.Option(help='File to write; printed by default.')] = None,
+) -> None:
+    """
+    Print a vehicle as URDF, for RViz, Foxglove and robot_state_publisher.
+
+    Links are the frames of the messages: base_link at the hull centre with mass, inertia and all
+    that is drawn, the sensors, and rotor_NAME for each rotor. Added mass of the air is not in it.
+
+    Example: lta vehicle urdf gtmab --out gtmab.urdf
+    """
+    text = description(load_vehicle(name))
+    if out is None:
+        sys.stdout.write(text)
+        return
+    written(text, out)
+    plain_console().print(f'File {out}', highlight=False, markup=False, soft_wrap=True)

@@ -1,0 +1,1 @@
+"""Recordings: read, mended, imported, exported, checked, compared and plotted."""

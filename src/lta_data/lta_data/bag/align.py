@@ -1,0 +1,216 @@
+"""
+Several topics on one clock.
+
+Topics come at times of their own. On a common clock a column has either the newest value at each
+instant (`previous`: what a program on board would have known) or the value on the line between its
+neighbours (`linear`); quaternions go the shorter way round, at an even rate. Whole numbers, flags
+and texts are always the newest. Where a topic says nothing for longer than its gap, there is
+nothing: a gap is never bridged.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import Any, Final, final, NamedTuple
+
+from lta_config.errors import BadInput, unknown
+from lta_data.bag.table import AXES, Table
+from lta_data.bag.table_text import DIM
+from lta_data.even_grid import fits
+import numpy as np
+from numpy.typing import NDArray
+
+DENSE: Final = 20.0  # rows of an even clock to a row of the recording, if they are many
+TINY: Final = 1e-8  # rad between quaternions, below which an arc is a line
+PERIODS: Final = 3.0  # of its own that a topic may be silent, where no gap is given
+LEFT_OUT: Final = ('clock.', 'stamp.')  # with headers and covariances
+
+Stamps = NDArray[np.int64]
+
+
+@final
+class Sorted(NamedTuple):
+    """Rows of a topic in the order of their stamps, the last one of each stamp. [ns]"""
+
+    stamps: Stamps
+    rows: NDArray[np.intp]
+
+
+@final
+class Weights(NamedTuple):
+    """
+    How rows make values at other times.
+
+    `before` and `after` are the rows on both sides, `share` how far the instant is towards
+    `after`, and `known` tells where there is a value at all.
+    """
+
+    before: NDArray[np.intp]
+    after: NDArray[np.intp]
+    share: NDArray[np.float64]
+    known: NDArray[np.bool_]
+
+
+def previous(rows: Sorted, clock: Stamps, gap: float) -> Weights:
+    """Return the newest row at each instant if it is no older than the gap. [ns]"""
+    index = np.searchsorted(rows.stamps, clock, side='right') - 1
+    row = rows.rows[np.maximum(index, 0)]
+    known = (index >= 0) & (clock - rows.stamps[np.maximum(index, 0)] <= gap)
+    return Weights(row, row, np.zeros(len(clock)), known)
+
+
+def linear(rows: Sorted, clock: Stamps, gap: float) -> Weights:
+    """Return the rows around each instant if they are no farther apart than the gap. [ns]"""
+    last = len(rows.stamps) - 1
+    left = np.searchsorted(rows.stamps, clock, side='right') - 1
+    inside = np.clip(left, 0, last)
+    hit = rows.stamps[inside] == clock
+    right = np.where(hit, inside, np.minimum(inside + 1, last))
+    apart = rows.stamps[right] - rows.stamps[inside]
+    share = (clock - rows.stamps[inside]) / np.maximum(apart, 1)
+    known = (left >= 0) & (hit | ((left < last) & (apart <= gap)))
+    return Weights(rows.rows[inside], rows.rows[right], np.where(known, share, 0.0), known)
+
+
+METHODS: Final[dict[str, Callable[[Sorted, Stamps, float], Weights]]] = {
+    'previous': previous,
+    'linear': linear,
+}
+
+
+def aligned(
+    tables: Sequence[Table],
+    clock: Stamps,
+    method: str = 'previous',
+    gap: float | None = None,
+) -> Table:
+    """
+    Return several topics as one table on one clock.
+
+    Parameters
+    ----------
+    tables : sequence of Table
+        The topics, all with one start.
+    clock : ndarray of int64, shape (n,)
+        Stamps of the rows to make, in order. [ns]
+    method : str
+        'previous' or 'linear'.
+    gap : float, optional
+        For how long a topic may be silent before its columns have nothing; by default three of
+        its own periods (the median). [s]
+
+    Returns
+    -------
+    Table
+        Columns are called 'odom/pose.pose.position.x'; stamps, headers and covariances are left
+        out. NaN, or '' of a text, where there is nothing.
+
+    Raises
+    ------
+    BadInput
+        If the method is unknown, or the gap is not above zero.
+
+    """
+    if method not in METHODS:
+        raise unknown('method', method, list(METHODS))
+    if gap is not None and not gap > 0.0:
+        raise BadInput(f'A gap of {gap} s leaves nothing; give one above zero.')
+    if not tables:
+        raise BadInput('No topics to align; name at least one.')
+    data: dict[str, NDArray[Any]] = {}
+    units: dict[str, str] = {}
+    for table in tables:
+        rows = in_order(table.stamp_ns)
+        weights = METHODS[method](rows, clock, allowed(rows, gap)) if len(table) else None
+        for name, values in resampled(table, weights, len(clock)).items():
+            data[f'{table.name}/{name}'] = values
+            units[f'{table.name}/{name}'] = table.units.get(name, '')
+    name = ' + '.join(table.name for table in tables)
+    return Table(name, clock, tables[0].start, data, units)
+
+
+def in_order(stamps: Stamps) -> Sorted:
+    """Return rows in the order of their stamps, the last one of each stamp."""
+    order = np.argsort(stamps, kind='stable')
+    if not len(order):
+        return Sorted(stamps, order)
+    kept = np.append(np.diff(stamps[order]) > 0, True)
+    return Sorted(stamps[order][kept], order[kept])
+
+
+def allowed(rows: Sorted, gap: float | None) -> float:
+    """Return for how long a topic may be silent. [ns]"""
+    if gap is not None:
+        return gap * 1e9
+    return PERIODS * float(np.median(np.diff(rows.stamps))) if len(rows.stamps) > 1 else np.inf
+
+
+def even(tables: Sequence[Table], rate: float) -> Stamps:
+    """Return an even clock from the first row to the last one of some tables; rate in Hz. [ns]"""
+    if not 0.0 < rate <= 1e6:
+        raise BadInput(f'A rate of {rate} Hz makes no clock; give one above zero, up to 1e6.')
+    stamps = [table.stamp_ns for table in tables if len(table)]
+    if not stamps:
+        return np.empty(0, np.int64)
+    start = tables[0].start
+    first = (min(int(each.min()) for each in stamps) - start) * 1e-9
+    last = (max(int(each.max()) for each in stamps) - start) * 1e-9
+    if not fits((last - first) * rate, sum(map(len, stamps)), DENSE):
+        raise BadInput(
+            f'The stamps reach over {last - first:.0f} s, too far for a clock of {rate:g} Hz; '
+            'give a lower rate, or see with `lta bag check` whether a clock was set meanwhile.'
+        )
+    steps = np.arange(np.ceil(first * rate - 1e-6), np.floor(last * rate + 1e-6) + 1)
+    return start + np.rint(steps * (1e9 / rate)).astype(np.int64)
+
+
+def resampled(table: Table, weights: Weights | None, count: int) -> dict[str, NDArray[Any]]:
+    """Return the columns of a table at other times, shape (n, ...), empty where nothing is."""
+    found = {}
+    turns = {f'{turn}.{axis}': turn for turn in table.turns for axis in AXES}
+    turned: dict[str, NDArray[np.float64]] = {}
+    for name in table.stored:
+        if DIM.search(name) or name.startswith(LEFT_OUT):
+            continue
+        values = table[name]
+        if weights is None or not len(values):
+            found[name] = np.full(count, '' if values.dtype.kind == 'U' else np.nan)
+        elif name in turns:
+            turn = turns[name]
+            if turn not in turned:
+                turned[turn] = between_turns(table.vector(turn), weights)
+            found[name] = turned[turn][:, AXES.index(name[-1])]
+        else:
+            found[name] = between_values(values, weights)
+    return found
+
+
+def between_values(values: NDArray[Any], weights: Weights) -> NDArray[Any]:
+    """Return a column, shape (m, ...), at other times, shape (n, ...)."""
+    found = values[weights.before]
+    if values.dtype.kind == 'f':
+        between = weights.share > 0.0
+        change = values[weights.after[between]] - found[between]
+        found[between] += weights.share[between] * change
+    if weights.known.all():
+        return found
+    nothing: Any = '' if values.dtype.kind == 'U' else np.nan
+    return np.where(weights.known, found, nothing)
+
+
+def between_turns(turns: NDArray[np.float64], weights: Weights) -> NDArray[np.float64]:
+    """Return quaternions, shape (n, 4), at other times: the shorter way round at an even rate."""
+    found = turns[weights.before]
+    between = weights.share > 0.0
+    one, other, share = found[between], turns[weights.after[between]], weights.share[between]
+    with np.errstate(invalid='ignore'):  # the zero quaternion, which nobody filled in, is NaN
+        one = one / np.linalg.norm(one, axis=1, keepdims=True)
+        other = other / np.linalg.norm(other, axis=1, keepdims=True)
+    cosine = np.einsum('ij,ij->i', one, other)
+    other *= np.where(cosine < 0.0, -1.0, 1.0)[:, None]
+    apart, mean = np.linalg.norm(other - one, axis=1), np.linalg.norm(other + one, axis=1)
+    angle = 2.0 * np.arctan2(apart, mean)
+    tiny = angle < TINY
+    whole = np.where(tiny, 1.0, angle)
+    first = np.where(tiny, 1.0 - share, np.sin((1.0 - share) * whole) / np.sin(whole))
+    second = np.where(tiny, share, np.sin(share * whole) / np.sin(whole))
+    found[between] = first[:, None] * one + second[:, None] * other
+    return np.where(weights.known[:, None], found, np.nan)

@@ -1,0 +1,104 @@
+"""
+From a list of messages to one array per field.
+
+The plain way, object by object. `gather` does the same for whole topics at a time.
+"""
+
+from collections import defaultdict
+from collections.abc import Iterable, Iterator
+from dataclasses import fields, is_dataclass
+from functools import cache
+from typing import Any
+
+from lta_data.bag.merge import Columns
+import numpy as np
+from numpy.typing import NDArray
+
+
+def columns(messages: Iterable[object]) -> tuple[Columns, Columns]:
+    """
+    Return the numbers and the texts of some messages of one type by field path.
+
+    Parameters
+    ----------
+    messages : iterable of object
+        Decoded messages.
+
+    Returns
+    -------
+    numbers : dict of str to ndarray, shape (n,)
+        'pose.pose.position.x', 'effort[0]'; NaN where a message has no such element. Arrays of
+        bytes (the data of images and point clouds) are left out.
+    texts : dict of str to ndarray of str, shape (n,)
+        'header.frame_id', 'name[0]'; '' where a message has no such element.
+
+    """
+    found: defaultdict[str, list[Any]] = defaultdict(list)
+    count = 0
+    for message in messages:
+        for path, value in leaves(message, ''):
+            column = found[path]
+            if len(column) < count:
+                column.extend([None] * (count - len(column)))
+            column.append(value)
+        count += 1
+    numbers: Columns = {}
+    texts: Columns = {}
+    for path, column in found.items():
+        column.extend([None] * (count - len(column)))
+        kind = next(value for value in column if value is not None)
+        if isinstance(kind, str):
+            texts[path] = np.array(['' if value is None else value for value in column])
+        elif isinstance(kind, np.ndarray):
+            numbers |= elements(path, column)
+        else:
+            numbers[path] = listed([np.nan if value is None else value for value in column])
+    return numbers, texts
+
+
+def listed(values: list[Any]) -> NDArray[Any]:
+    """Return single values of one field, shape (n,); whole numbers stay whole."""
+    found = np.array(values)
+    if found.dtype == np.float64 and all(type(value) is int for value in values):
+        return np.array(values, np.uint64)  # numpy's own choice for numbers beyond int64 and below
+    return found
+
+
+def leaves(value: object, path: str) -> Iterator[tuple[str, object]]:
+    """Yield path and value of what a message is made of; numeric arrays come whole."""
+    if isinstance(value, np.ndarray):
+        if value.dtype != np.uint8:
+            yield path, value
+    elif is_dataclass(value) and not isinstance(value, type):
+        for name in field_names(type(value)):
+            yield from leaves(getattr(value, name), f'{path}.{name}' if path else name)
+    elif isinstance(value, list):
+        for index, element in enumerate(value):
+            yield from leaves(element, f'{path}[{index}]')
+    else:
+        yield path, value
+
+
+@cache
+def field_names(message_type: type) -> tuple[str, ...]:
+    """Return the names of a message's fields; constants are upper-case in ROS, and no fields."""
+    return tuple(field.name for field in fields(message_type) if is_field(field.name))
+
+
+def is_field(name: str) -> bool:
+    """Tell a field from a constant, and from what Python itself adds."""
+    return name.islower() and not name.startswith('__')
+
+
+def elements(path: str, arrays: list[NDArray[Any] | None]) -> Columns:
+    """Return a column, shape (n,), per element of an array field; short arrays end in NaN."""
+    given = [np.empty(0) if array is None else array for array in arrays]
+    lengths = {len(array) for array in given}
+    longest = max(lengths)
+    if len(lengths) == 1:
+        table = np.array(given)
+    else:
+        table = np.full((len(given), longest), np.nan)
+        for row, array in zip(table, given, strict=True):
+            row[: len(array)] = array
+    return {f'{path}[{index}]': table[:, index] for index in range(longest)}

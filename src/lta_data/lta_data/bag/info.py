@@ -1,0 +1,146 @@
+"""A bag at a glance."""
+
+from dataclasses import asdict, dataclass, field
+import json
+from pathlib import Path
+from typing import final
+
+from lta_data.bag.flight import namespaces
+from lta_data.bag.reader import Bag, read_bag
+from lta_data.bag.remarks import remarks
+from rich.console import Console
+from rich.table import Table
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class TopicInfo:
+    """
+    One topic of a bag.
+
+    `rate` is its mean over the whole bag in Hz, None for fewer than two messages.
+    """
+
+    name: str
+    type: str
+    count: int
+    rate: float | None
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class BagInfo:
+    """
+    What a bag holds.
+
+    Attributes
+    ----------
+    path : str
+        What was opened.
+    size : int
+        Size of its MCAP files. [bytes]
+    start : int or None
+        First log time; None without messages. [ns]
+    duration : float
+        From the first to the last log time. [s]
+    messages : int
+        Number of messages.
+    robots : list of str
+        Namespaces of the robots.
+    topics : list of TopicInfo
+        The topics by name.
+    provenance : dict of str to str
+        Where the data come from.
+    complete : bool
+        Whether nothing is missing.
+    losses : list of str
+        What is missing, one sentence each.
+    remarks : list of str
+        What is odd without a loss, one sentence each.
+
+    """
+
+    path: str
+    size: int
+    start: int | None
+    duration: float
+    messages: int
+    robots: list[str]
+    topics: list[TopicInfo]
+    provenance: dict[str, str]
+    complete: bool
+    losses: list[str]
+    remarks: list[str] = field(default_factory=list)
+
+    def to_json(self) -> str:
+        """Return the facts as one JSON object."""
+        return json.dumps(asdict(self), indent=2, ensure_ascii=False)
+
+
+def bag_info(path: Path | str) -> BagInfo:
+    """
+    Return what a bag holds.
+
+    Raises
+    ------
+    BadInput
+        If there is no recording at `path`.
+
+    """
+    bag = read_bag(path)
+    seconds = duration(bag)
+    topics = [
+        TopicInfo(
+            topic.name,
+            topic.type_name,
+            topic.count,
+            (topic.count - 1) / seconds if topic.count > 1 and seconds > 0 else None,
+        )
+        for _, topic in sorted(bag.topics.items())
+    ]
+    return BagInfo(
+        path=str(path),
+        size=bag.size,
+        start=bag.start,
+        duration=seconds,
+        messages=sum(topic.count for topic in topics),
+        robots=namespaces(bag),
+        topics=topics,
+        provenance=bag.provenance,
+        complete=bag.complete,
+        losses=list(bag.losses),
+        remarks=remarks(bag),
+    )
+
+
+def duration(bag: Bag) -> float:
+    """Return the time from the first to the last log time. [s]"""
+    return 0.0 if bag.start is None or bag.end is None else (bag.end - bag.start) * 1e-9
+
+
+def show(info: BagInfo, console: Console) -> None:
+    """Print what a bag holds; whole files that it carries are only counted."""
+    console.print(info.path, style='bold', highlight=False, markup=False)
+    several = f' of {" and ".join(info.robots)}' if len(info.robots) > 1 else ''
+    console.print(
+        f'{info.messages} messages{several} in {info.duration:.2f} s, {info.size / 1e6:.1f} MB',
+        highlight=False,
+    )
+    table = Table(box=None, pad_edge=False)
+    table.add_column('topic')
+    table.add_column('type', style='dim')
+    table.add_column('messages', justify='right')
+    table.add_column('rate [Hz]', justify='right')
+    for topic in info.topics:
+        rate = '' if topic.rate is None else f'{topic.rate:.1f}'
+        table.add_row(topic.name, topic.type, str(topic.count), rate)
+    console.print(table)
+    for key, value in info.provenance.items():
+        lines = len(value.splitlines())
+        text = value if lines < 2 else f'{lines} lines, in full with --json'
+        console.print(f'{key}: {text}', style='dim', highlight=False, markup=False)
+    for sentence in (*info.losses, *info.remarks):
+        console.print(sentence, style='yellow', highlight=False, markup=False)
+    if info.losses:
+        advice = 'Write what is whole into a new bag with `lta bag recover`.'
+        console.print(advice, highlight=False, markup=False)

@@ -1,0 +1,1 @@
+"""MCAP files, byte by byte, whole and damaged."""

@@ -1,0 +1,186 @@
+"""The packed part of an MCAP file: from a chunk record to the messages in it."""
+
+from collections.abc import Callable, Iterator
+import struct
+from typing import NamedTuple
+import zlib
+
+from lta_config.limits import CHUNK_BYTES
+from lta_data.bag.mcap_file.packing import Damaged, frame_length, inflated, kind_of, KINDS, MAGICS
+from mcap.opcode import Opcode
+
+RECORD = struct.Struct('<BQ')  # opcode, length
+MESSAGE = struct.Struct('<HIQQ')  # channel, sequence, log time, publish time
+BARE = struct.Struct('<BQHIQQ')  # a whole message record up to its data
+HEAD = struct.Struct('<QQQII')  # start, end, size, CRC, length of the compression's name
+LENGTH = struct.Struct('<Q')
+
+Read = Callable[[int, int], bytes]  # offset and length to bytes; fewer at the file's end
+
+
+class Record(NamedTuple):
+    """Where a record's body lies in a buffer. [bytes]"""
+
+    opcode: int
+    start: int
+    end: int
+
+
+class Message(NamedTuple):
+    """One recorded message; times in ns."""
+
+    channel: int
+    sequence: int
+    log_time: int
+    publish_time: int
+    data: bytes
+
+
+class Packed(NamedTuple):
+    """Where a chunk's packed records may lie, counted from its body, and how they are packed."""
+
+    kind: str
+    start: int
+    length: int
+
+
+def records(data: bytes | memoryview) -> Iterator[Record]:
+    """
+    Yield the records of a buffer in order.
+
+    Raises
+    ------
+    Damaged
+        If the last one is cut.
+
+    """
+    at = 0
+    while at < len(data):
+        if at + RECORD.size > len(data):
+            raise Damaged
+        opcode, length = RECORD.unpack_from(data, at)
+        start = at + RECORD.size
+        at = start + length
+        if at > len(data):
+            raise Damaged
+        yield Record(opcode, start, at)
+
+
+def unpacked(body: bytes | memoryview) -> bytes | memoryview:
+    """
+    Return the records inside a chunk.
+
+    Parameters
+    ----------
+    body : bytes or memoryview
+        The chunk record without opcode and length.
+
+    Raises
+    ------
+    Damaged
+        If it cannot be decompressed or its CRC does not hold, whatever its header says.
+
+    """
+    view = memoryview(body)
+    return sealed(lambda offset, length: view[offset : offset + length], len(body))[0]
+
+
+def sealed(
+    read: Callable[[int, int], bytes | memoryview], length: int
+) -> tuple[bytes | memoryview, int]:
+    """
+    Return the records inside a chunk and where its body ends.
+
+    The header of a chunk is not under its CRC: where it was hit, the places at which the packed
+    records can lie are tried until the CRC holds.
+
+    Parameters
+    ----------
+    read : callable
+        Returns bytes by offset in the body and length; fewer where the file ends.
+    length : int
+        What the record says of the length of its body.
+
+    Raises
+    ------
+    Damaged
+        As `unpacked` does.
+
+    """
+    head = read(0, HEAD.size + 16)
+    if len(head) < HEAD.size + LENGTH.size:
+        raise Damaged
+    reason = Damaged()
+    tried = set()
+    for packed, told in places(head, length):
+        if packed in tried:
+            continue
+        tried.add(packed)
+        try:
+            return opened(read, packed, told, head, length)
+        except Damaged as error:
+            reason = error if error.args else reason
+    raise reason
+
+
+def opened(
+    read: Callable[[int, int], bytes | memoryview],
+    packed: Packed,
+    told: bool,
+    head: bytes | memoryview,
+    length: int,
+) -> tuple[bytes | memoryview, int]:
+    """Return what lies at one place that a chunk may have its records at; see `sealed`."""
+    if packed.length > CHUNK_BYTES:
+        raise Damaged(f'claim to hold {packed.length} bytes')
+    part = read(packed.start, packed.length)
+    if told and len(part) < packed.length:
+        raise Damaged
+    kind = kind_of(packed.kind, part)
+    data = inflated(kind, part)
+    _, _, size, crc, _ = HEAD.unpack_from(head)
+    end = packed.start + packed.length
+    if crc and zlib.crc32(data) == crc:
+        return data, end if told else packed.start + frame_length(kind, part)
+    if not crc and told and (end, len(data)) == (length, size):
+        return data, end
+    raise Damaged
+
+
+def places(head: bytes | memoryview, length: int) -> Iterator[tuple[Packed, bool]]:
+    """Yield where the packed records of a chunk can lie, and whether its header says just so."""
+    _, _, size, _, name_length = HEAD.unpack_from(head)
+    name = bytes(head[HEAD.size : HEAD.size + min(name_length, 8)]).decode(errors='replace')
+    start = HEAD.size + name_length + LENGTH.size
+    if start <= len(head):
+        given = LENGTH.unpack_from(head, start - LENGTH.size)[0]
+        if given <= length - start:
+            yield Packed(name, start, given), True
+    for kind in KINDS:
+        start = HEAD.size + len(kind) + LENGTH.size
+        if kind and bytes(head[start : start + 4]) not in MAGICS:
+            continue
+        given = LENGTH.unpack_from(head, start - LENGTH.size)[0]
+        for guess in (given, length - start, size if kind == '' else CHUNK_BYTES):
+            if 0 < guess <= CHUNK_BYTES:
+                yield Packed(kind, start, guess), False
+
+
+def messages(data: bytes | memoryview, channels: frozenset[int]) -> Iterator[Message]:
+    """Yield the messages of some channels."""
+    at, size, unpack = 0, len(data), BARE.unpack_from
+    last = size - BARE.size
+    while at <= last:
+        opcode, length, channel, sequence, log_time, publish_time = unpack(data, at)
+        start = at + 9
+        at = start + length
+        if at > size:
+            raise Damaged
+        if opcode == 5 and channel in channels:  # Opcode.MESSAGE; an enum costs time here
+            if length < 22:
+                raise Damaged
+            body = bytes(data[start + 22 : at])
+            yield Message(channel, sequence, log_time, publish_time, body)
+    for record in records(memoryview(data)[at:]):
+        if record.opcode == Opcode.MESSAGE:  # shorter than its own head
+            raise Damaged

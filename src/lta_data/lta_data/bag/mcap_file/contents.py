@@ -1,0 +1,152 @@
+"""What one MCAP file holds, known before any message is read."""
+
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from io import BytesIO
+import os
+import struct
+from typing import BinaryIO, final
+
+from lta_bridge.bag.records import PROVENANCE
+from lta_config.errors import one_line, without_controls
+from lta_config.limits import CHANNELS
+from lta_data.bag.mcap_file.packing import Damaged
+from lta_data.bag.mcap_file.rhythm import Rhythm
+from mcap.data_stream import ReadDataStream
+from mcap.exceptions import McapError
+from mcap.opcode import Opcode
+from mcap.records import Channel, Metadata, Schema
+
+TOO_MANY = f'It has more than {CHANNELS} topics; the others are left out.'
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Place:
+    """
+    A stretch of the file that holds messages.
+
+    `packed` tells a chunk from bare records; `channels` is None where it is not known which
+    ones occur. `start` and `end` are its first and last log time in ns, None where unknown.
+    `index` is offset and length of its message indexes, (0, 0) without.
+    [bytes from the file's start]
+    """
+
+    offset: int
+    length: int
+    packed: bool
+    channels: frozenset[int] | None
+    start: int | None = None
+    end: int | None = None
+    index: tuple[int, int] = field(default=(0, 0), compare=False)
+
+
+@final
+@dataclass(slots=True)
+class Loss:
+    """
+    A stretch of the file that cannot be used.
+
+    `counts` are the messages in it by channel, as far as an index tells; `start` and `end` their
+    first and last log time in ns. `chunks` is how many chunks it certainly held.
+    [bytes from the file's start]
+    """
+
+    offset: int
+    length: int
+    chunks: int = 0
+    counts: Counter[int] = field(default_factory=Counter)
+    start: int | None = None
+    end: int | None = None
+
+    def widen(self, start: int, end: int) -> None:
+        """Take note of log times. [ns]"""
+        self.start = start if self.start is None else min(self.start, start)
+        self.end = end if self.end is None else max(self.end, end)
+
+
+@final
+@dataclass(slots=True)
+class Contents:
+    """
+    Directory of one MCAP file.
+
+    `counts` are messages by channel, `start` and `end` the first and last log time in ns.
+    `losses` says in sentences what is missing, `lost` where it was, and `remarks` what is odd
+    without a loss. `rivals` are second copies of channels that differ from the first. `rhythm` is
+    filled by a scan only. `indexed` tells whether all comes from the file's own summary.
+    """
+
+    schemas: dict[int, Schema] = field(default_factory=dict)
+    channels: dict[int, Channel] = field(default_factory=dict)
+    provenance: dict[str, str] = field(default_factory=dict)
+    places: list[Place] = field(default_factory=list)
+    counts: Counter[int] = field(default_factory=Counter)
+    start: int | None = None
+    end: int | None = None
+    losses: list[str] = field(default_factory=list)
+    lost: list[Loss] = field(default_factory=list)
+    remarks: list[str] = field(default_factory=list)
+    rivals: list[Channel] = field(default_factory=list)
+    rhythm: Rhythm = field(default_factory=Rhythm, compare=False)
+    indexed: bool = field(default=False, compare=False)
+
+    def add(self, opcode: int, body: bytes) -> None:
+        """
+        Take note of a schema, channel or metadata record; others pass, and so do second copies.
+
+        Raises
+        ------
+        Damaged
+            If the record cannot be read.
+
+        """
+        stream = ReadDataStream(BytesIO(body))
+        try:
+            if opcode == Opcode.SCHEMA:
+                schema = Schema.read(stream)
+                schema.name = one_line(schema.name)
+                if schema.id:  # 0 stands for none
+                    self.schemas.setdefault(schema.id, schema)
+            elif opcode == Opcode.CHANNEL:
+                channel = Channel.read(stream)
+                channel.topic = one_line(channel.topic)
+                if len(self.channels) >= CHANNELS and channel.id not in self.channels:
+                    self._leave_out()
+                elif self.channels.setdefault(channel.id, channel) != channel:
+                    self.rivals.append(channel)
+            elif opcode == Opcode.METADATA:
+                metadata = Metadata.read(stream)
+                if metadata.name == PROVENANCE:
+                    self.provenance = printable(metadata.metadata) | self.provenance
+        except (struct.error, UnicodeDecodeError, McapError) as error:
+            raise Damaged from error
+
+    def _leave_out(self) -> None:
+        """Take note that there are more channels than anybody has."""
+        if TOO_MANY not in self.losses:
+            self.losses.append(TOO_MANY)
+
+    def count(self, channel: int, log_time: int) -> None:
+        """Take note of a message."""
+        self.counts[channel] += 1
+        self.widen(log_time, log_time)
+
+    def widen(self, start: int, end: int) -> None:
+        """Take note of log times. [ns]"""
+        self.start = start if self.start is None else min(self.start, start)
+        self.end = end if self.end is None else max(self.end, end)
+
+
+def printable(notes: Mapping[str, str]) -> dict[str, str]:
+    """Return notes without what commands a terminal."""
+    return {one_line(key): without_controls(text) for key, text in notes.items()}
+
+
+def read_at(stream: BinaryIO, offset: int, length: int) -> bytes:
+    """Return bytes of a file; Damaged where it ends before."""
+    if offset + length > stream.seek(0, os.SEEK_END):
+        raise Damaged
+    stream.seek(offset)
+    return stream.read(length)

@@ -1,0 +1,101 @@
+"""Messages as objects, by the definitions that the bag brings along; no ROS needed."""
+
+from collections.abc import Mapping
+from dataclasses import fields
+import struct
+from typing import Any, Final, final
+
+from lta_config.errors import BadInput
+from lta_data.bag.mcap_file.definition import defined, MISDEFINED
+from mcap.records import Schema
+from rosbags.serde import SerdeError
+from rosbags.typesys import get_typestore, Stores
+
+READABLE: Final = ('ros2msg', 'ros2idl')
+# What damaged or hostile bytes can raise in a deserialiser that expects a sound message.
+MISFIT = (
+    SerdeError,
+    IndexError,
+    ValueError,
+    TypeError,
+    AssertionError,
+    OverflowError,
+    MemoryError,
+    KeyError,
+    RecursionError,
+    struct.error,
+)
+
+
+def undecodable(schema: Schema | None, message_encoding: str) -> str | None:
+    """Return why messages cannot be decoded, as a half-sentence; None if they can."""
+    if message_encoding != 'cdr':
+        return f"are encoded as '{message_encoding}', not as CDR"
+    if schema is None or not schema.encoding:
+        return 'are of a type that the bag does not define'
+    if schema.encoding not in READABLE:
+        return f"are of type '{schema.name}', defined in '{schema.encoding}', not in ROS's way"
+    if not schema.data.strip() and not schema.name.endswith('/Empty'):
+        return f"are of type '{schema.name}', which the bag does not define"
+    return None
+
+
+@final
+class Decoder:
+    """
+    Turns CDR into message objects.
+
+    Parameters
+    ----------
+    schemas : mapping of str to Schema
+        The bag's definitions by type name.
+
+    """
+
+    def __init__(self, schemas: Mapping[str, Schema]) -> None:
+        self._schemas = schemas
+        self._types = get_typestore(Stores.EMPTY)
+
+    def decode(self, type_name: str, data: bytes) -> object:
+        """
+        Return a message as an object with ROS's attribute names; arrays are numpy's.
+
+        Raises
+        ------
+        BadInput
+            If the bag's definition or the message cannot be used.
+
+        """
+        if type_name not in self._types.fielddefs:
+            self._learn(type_name)
+        try:
+            return self._types.deserialize_cdr(data, type_name)
+        except MISFIT as error:
+            raise BadInput(
+                f"A message does not fit the bag's own definition of '{type_name}' ({error}); "
+                'leave this topic out or record it again.'
+            ) from error
+
+    def fields(self, type_name: str) -> list[tuple[str, Any]]:
+        """Return the fields of a type: attribute, and rosbags' description; errors as `decode`."""
+        if type_name not in self._types.fielddefs:
+            self._learn(type_name)
+        attributes = fields(self._types.types[type_name])  # type: ignore[arg-type]
+        described = self._types.fielddefs[type_name][1]
+        # Constants, which an object has as well, stand behind the fields.
+        return [(at.name, item) for at, (_, item) in zip(attributes, described, strict=False)]
+
+    def _learn(self, type_name: str) -> None:
+        """Take a type and all its parts from the bag."""
+        schema = self._schemas.get(type_name)
+        reason = undecodable(schema, 'cdr')
+        if schema is None or reason is not None:
+            raise BadInput(f'These messages {reason}; leave this topic out.')
+        text = schema.data.decode(errors='replace')
+        try:
+            self._types.register(defined(text, type_name, schema.encoding))
+        except MISDEFINED as error:
+            raise BadInput(
+                f"The bag's definition of '{type_name}' ({schema.encoding or 'none'}) cannot be "
+                'read; leave this topic out.'
+            ) from error

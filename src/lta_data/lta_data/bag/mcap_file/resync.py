@@ -1,0 +1,104 @@
+"""Finding the next record behind a damaged stretch of a file."""
+
+from collections.abc import Iterator
+from typing import Any, Final
+
+from lta_data.bag.mcap_file.chunks import HEAD, LENGTH, Read, RECORD
+from lta_data.bag.mcap_file.packing import KINDS, MAGICS
+from lta_data.bag.mcap_file.shape import LEAST
+import numpy as np
+from numpy.typing import NDArray
+
+FIRST_WINDOW, LARGEST_WINDOW = 1 << 10, 1 << 18  # The next record is mostly near.
+HEADS = 64  # more than the head of any chunk
+MARGIN = 128  # more than the head of a chunk
+SHORTEST: Final = np.array([*LEAST, *[1 << 62] * (256 - len(LEAST))], dtype=np.uint64)
+CHUNK = 6
+MAGIC_OF: Final = {kind: int.from_bytes(magic, 'little') for magic, kind in MAGICS.items()}
+
+
+def candidates(read: Read, start: int, stop: int, size: int) -> Iterator[tuple[int, bool]]:
+    """
+    Yield places before `stop` where a record can begin, and whether it can be a chunk.
+
+    `start` itself always comes first.
+
+    A chunk is known by any two of: its opcode, the name of its compression, lengths that agree;
+    or by the first bytes of what is packed in it. So it is found although its head was hit.
+
+    Parameters
+    ----------
+    read : callable
+        Returns bytes of the file by offset and length.
+    start, stop, size : int
+        First place, the one behind the last, and the file's size. [bytes]
+
+    """
+    at, width = start, FIRST_WINDOW
+    while at < stop:
+        count = min(width, stop - at)
+        data = read(at, count + MARGIN)
+        if at > start and data.count(0) == len(data):  # room that was set aside and never used
+            at, width = at + count, LARGEST_WINDOW
+            continue
+        window = np.frombuffer(data.ljust(count + MARGIN, b'\0'), np.uint8)
+        chunks = chunk_heads(window, count, size - at)
+        heads = record_heads(window, count, size - at)
+        heads[0] |= at == start
+        for place in np.flatnonzero(chunks | heads).tolist():
+            yield at + place, bool(chunks[place])
+        at += count
+        width = min(2 * width, LARGEST_WINDOW)
+
+
+def chunk_like(head: bytes, length: int) -> bool:
+    """Tell whether the first `HEADS` bytes of a record, whatever its opcode, may be a chunk's."""
+    for kind in KINDS:
+        inside = HEAD.size + len(kind) + LENGTH.size
+        at = RECORD.size + inside
+        if len(head) < at + 4:
+            continue
+        if LENGTH.unpack_from(head, at - LENGTH.size)[0] + inside == length:
+            return True
+        if kind and int.from_bytes(head[at : at + 4], 'little') == MAGIC_OF[kind]:
+            return True
+    return False
+
+
+def field(window: NDArray[np.uint8], count: int, offset: int, kind: str) -> NDArray[Any]:
+    """Return the number that records from each of `count` places on would have at an offset."""
+    return np.ndarray((count,), kind, window, offset, (1,))
+
+
+def record_heads(window: NDArray[np.uint8], count: int, left: int) -> NDArray[np.bool_]:
+    """Return where a known opcode is followed by a length that fits it and the file."""
+    length = field(window, count, 1, '<u8')
+    room = left - RECORD.size - np.arange(count)
+    return (length >= SHORTEST[window[:count]]) & (length <= np.maximum(room, 0).astype(np.uint64))
+
+
+def chunk_heads(window: NDArray[np.uint8], count: int, left: int) -> NDArray[np.bool_]:
+    """Return where a chunk can begin; see `candidates`."""
+    opcode = window[:count] == CHUNK
+    length = field(window, count, 1, '<u8')
+    size = field(window, count, RECORD.size + 16, '<u8')
+    name_length = field(window, count, RECORD.size + HEAD.size - 4, '<u4')
+    found = np.zeros(count, np.bool_)
+    for kind in KINDS:
+        name_at = RECORD.size + HEAD.size
+        inside = HEAD.size + len(kind) + 8
+        packed = field(window, count, name_at + len(kind), '<u8')
+        facts = opcode.astype(np.uint8)
+        named = name_length == len(kind)
+        for i, letter in enumerate(kind.encode()):
+            named &= field(window, count, name_at + i, 'u1') == letter
+        facts += named
+        facts += (length == packed + np.uint64(inside)) & (packed > 0)
+        if kind:
+            magic = field(window, count, RECORD.size + inside, '<u4') == MAGIC_OF[kind]
+            found |= magic | (facts >= 2) & (packed > 0) & (packed < left)
+        else:
+            facts += (size == packed) & (size > 0)
+            facts += (length == size + np.uint64(inside)) & (size > 0)
+            found |= (facts >= 2) & (np.minimum(packed, size) < left) & (packed | size > 0)
+    return found

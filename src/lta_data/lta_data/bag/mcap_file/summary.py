@@ -1,0 +1,145 @@
+"""The quick way to a file's contents: the summary that a finished recording ends with."""
+
+from io import BytesIO
+import struct
+from typing import BinaryIO
+import zlib
+
+from lta_bridge.bag.records import MAGIC
+from lta_config.limits import NOTE_BYTES, SUMMARY_BYTES
+from lta_data.bag.mcap_file.chunks import RECORD, records
+from lta_data.bag.mcap_file.contents import Contents, Place, read_at
+from lta_data.bag.mcap_file.packing import Damaged
+from lta_data.bag.mcap_file.shape import SHAPES, well_formed
+from mcap.data_stream import ReadDataStream
+from mcap.exceptions import McapError
+from mcap.opcode import Opcode
+from mcap.records import MetadataIndex, Statistics
+
+FOOTER = struct.Struct('<BQQQI')  # opcode, length, summary, summary offsets, CRC
+TAIL = FOOTER.size + len(MAGIC)
+CHUNK_INDEX = struct.Struct('<QQQQI')  # start, end, offset, length, bytes of the channels
+CHANNEL = struct.Struct('<HQ')  # channel, offset of its message index
+UNUSABLE = 'The summary at its end does not hold; the recording is read from the front instead.'
+
+
+def read_summary(stream: BinaryIO, size: int) -> Contents | None:
+    """
+    Return the contents by a file's summary; None if there is none to rely on.
+
+    Parameters
+    ----------
+    stream : BinaryIO
+        The file.
+    size : int
+        Its size. [bytes]
+
+    """
+    try:
+        start, section = summary_section(stream, size)
+        return from_section(stream, start, section)
+    except (Damaged, struct.error, UnicodeDecodeError, McapError):
+        return None
+
+
+def summary_is_damaged(stream: BinaryIO, size: int) -> bool:
+    """Tell whether a file ends as a finished one with a summary does, but for the summary."""
+    if size < TAIL:
+        return False
+    tail = read_at(stream, size - TAIL, TAIL)
+    opcode, _, start, _, _ = FOOTER.unpack_from(tail)
+    if opcode != Opcode.FOOTER or not tail.endswith(MAGIC) or start == 0:
+        return False
+    try:
+        _, section = summary_section(stream, size)
+        return any(
+            record.opcode in SHAPES
+            and not well_formed(record.opcode, section[record.start : record.end])
+            for record in records(section)
+        )
+    except Damaged:
+        return True
+
+
+def summary_section(stream: BinaryIO, size: int) -> tuple[int, bytes]:
+    """Return place and bytes of what lies between data and footer; Damaged if it is not whole."""
+    if size < TAIL:
+        raise Damaged
+    tail = read_at(stream, size - TAIL, TAIL)
+    opcode, _, start, _, crc = FOOTER.unpack_from(tail)
+    if opcode != Opcode.FOOTER or not tail.endswith(MAGIC) or not 0 < start <= size - TAIL:
+        raise Damaged
+    if size - TAIL - start > SUMMARY_BYTES:
+        raise Damaged
+    section = read_at(stream, start, size - TAIL - start)
+    if crc and crc != zlib.crc32(section + tail[: FOOTER.size - 4]):
+        raise Damaged
+    return start, section
+
+
+def from_section(stream: BinaryIO, start: int, section: bytes) -> Contents:
+    """Return the contents that a summary section tells; Damaged if it does not tell all."""
+    contents = Contents(indexed=True)
+    statistics = None
+    notes = []
+    for record in records(section):
+        body = section[record.start : record.end]
+        if record.opcode == Opcode.CHUNK_INDEX:
+            contents.places.append(place(body))
+        elif record.opcode == Opcode.STATISTICS:
+            statistics = Statistics.read(ReadDataStream(BytesIO(body)))
+        elif record.opcode == Opcode.METADATA_INDEX:
+            notes.append(MetadataIndex.read(ReadDataStream(BytesIO(body))))
+        else:
+            contents.add(record.opcode, body)
+    if statistics is None or not covers(contents, statistics, start):
+        raise Damaged
+    for note in notes:
+        add_note(stream, contents, note)
+    contents.counts.update(statistics.channel_message_counts)
+    if statistics.message_count:
+        contents.widen(statistics.message_start_time, statistics.message_end_time)
+    return contents
+
+
+def add_note(stream: BinaryIO, contents: Contents, note: MetadataIndex) -> None:
+    """Take note of a metadata record, or of its damage: the recording stands without it."""
+    try:
+        if note.length > NOTE_BYTES:
+            raise Damaged
+        data = read_at(stream, note.offset, note.length)
+        opcode, length = RECORD.unpack_from(data)
+        if opcode != Opcode.METADATA or length != len(data) - RECORD.size:
+            raise Damaged
+        contents.add(opcode, data[RECORD.size :])
+    except (Damaged, struct.error):
+        contents.remarks.append(f"Its note '{note.name}' is damaged and left out.")
+
+
+def place(body: bytes) -> Place:
+    """Return where a chunk is and what it holds."""
+    start, end, offset, length, size = CHUNK_INDEX.unpack_from(body)
+    stop = CHUNK_INDEX.size + size
+    if size % CHANNEL.size or stop + 8 > len(body):
+        raise Damaged
+    indexes = dict(CHANNEL.iter_unpack(body[CHUNK_INDEX.size : stop]))
+    index = (0, 0)
+    if indexes:
+        index = (min(indexes.values()), struct.unpack_from('<Q', body, stop)[0])
+    return Place(offset, length, True, frozenset(indexes) or None, start, end, index)
+
+
+def covers(contents: Contents, statistics: Statistics, data_end: int) -> bool:
+    """Tell whether every message that is counted can be found through the summary, and once."""
+    after = len(MAGIC)
+    for found in sorted(contents.places, key=lambda place: place.offset):
+        if found.offset < after:
+            return False
+        after = found.offset + found.length
+    return (
+        after <= data_end
+        and all(c.schema_id in contents.schemas for c in contents.channels.values() if c.schema_id)
+        and len(contents.channels) == statistics.channel_count
+        and len(contents.places) == statistics.chunk_count
+        and (bool(contents.places) or statistics.message_count == 0)
+    )

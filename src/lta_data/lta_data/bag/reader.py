@@ -1,0 +1,283 @@
+"""
+A recording on the disk: what is in it, and its messages one after the other.
+
+Opens finished bags by their summary, and unfinished or damaged ones by what is whole in them.
+Memory stays within one chunk whatever the size of the bag.
+"""
+
+from collections.abc import Callable, Collection, Iterator, Sequence
+from pathlib import Path
+from typing import Any, BinaryIO, final
+
+from lta_bridge.bag.records import MAGIC
+from lta_config.errors import BadInput, unknown
+from lta_config.limits import CHUNK_BYTES
+from lta_data.bag.folder import (
+    absent_files,
+    ADVICE,
+    bag_files,
+    description,
+    message_compression,
+    provenance_in,
+    wrong_format,
+)
+from lta_data.bag.mcap_file.chunks import Message, messages, RECORD, unpacked
+from lta_data.bag.mcap_file.contents import Contents, Place, read_at
+from lta_data.bag.mcap_file.decoder import Decoder, undecodable
+from lta_data.bag.mcap_file.names import complete_names, Told, told_topics
+from lta_data.bag.mcap_file.packing import Damaged, inflated
+from lta_data.bag.mcap_file.parts import indexed_rhythm, lost_chunk, Part, Topic, type_of
+from lta_data.bag.mcap_file.rhythm import Rhythm
+from lta_data.bag.mcap_file.scan import damage, scan
+from lta_data.bag.mcap_file.summary import read_summary, summary_is_damaged, UNUSABLE
+from mcap.records import Channel, Schema
+
+
+@final
+class Bag:
+    """
+    An opened recording; see `read_bag`.
+
+    Attributes
+    ----------
+    path : Path
+        What was opened.
+    topics : dict of str to Topic
+        The recorded topics by absolute name.
+    parts : list of Part
+        Its files and what each holds.
+    channels : dict of str to (Channel, Schema or None)
+        How each topic is announced in the recording.
+    provenance : dict of str to str
+        Where the data come from, as the recorder was told.
+    start, end : int or None
+        First and last log time; None without messages. [ns]
+    size : int
+        Size of the MCAP files. [bytes]
+    losses : list of str
+        What is missing, one sentence each; grows if reading meets damage.
+    remarks : list of str
+        What is odd about the recording without a loss, one sentence each.
+
+    """
+
+    def __init__(self, path: Path, parts: list[Part], described: dict[str, object]) -> None:
+        self.path = path
+        self._message_kind = message_compression(described)
+        self.parts = parts
+        self.size = sum(file.stat().st_size for file, *_ in parts)
+        self.losses = [loss for _, contents, _ in parts for loss in contents.losses]
+        self.remarks = [remark for _, contents, _ in parts for remark in contents.remarks]
+        self.provenance = provenance_in(described)
+        for _, contents, _ in parts:
+            self.provenance |= contents.provenance
+        self.start = min((c.start for _, c, _ in parts if c.start is not None), default=None)
+        self.end = max((c.end for _, c, _ in parts if c.end is not None), default=None)
+        self._schemas: dict[str, Schema] = {}
+        self.channels: dict[str, tuple[Channel, Schema | None]] = {}
+        self.topics: dict[str, Topic] = {}
+        for _, contents, _ in parts:
+            self._add_topics(contents)
+        self._decoder = Decoder(self._schemas)
+
+    @property
+    def complete(self) -> bool:
+        """Whether the recording was finished and nothing in it is known to be missing."""
+        return not self.losses
+
+    @property
+    def indexed(self) -> bool:
+        """Whether every file was finished with a summary that holds."""
+        return all(contents.indexed for _, contents, _ in self.parts)
+
+    def messages(self, topics: Collection[str] | None = None) -> Iterator[tuple[str, int, bytes]]:
+        """
+        Yield topic, log time in ns and CDR bytes in the order of recording.
+
+        Parameters
+        ----------
+        topics : collection of str, optional
+            Absolute names; all topics if None.
+
+        Raises
+        ------
+        BadInput
+            If a topic is not in the bag.
+
+        """
+        for topic, found in self.records(topics):
+            yield topic, found.log_time, found.data
+
+    def records(
+        self, topics: Collection[str] | None = None, at: Callable[[int], None] | None = None
+    ) -> Iterator[tuple[str, Message]]:
+        """
+        Yield topic and message with all that is recorded of it; otherwise as `messages`.
+
+        Parameters
+        ----------
+        topics : collection of str, optional
+            Absolute names; all topics if None.
+        at : callable, optional
+            Is told how many bytes of the bag are behind, once a chunk.
+
+        """
+        wanted = set(self.topics if topics is None else topics)
+        for name in sorted(wanted - set(self.topics)):
+            raise unknown('topic', name, list(self.topics))
+        behind = 0
+        for part in self.parts:
+            names = self._names(part.contents, wanted)
+            channels = frozenset(names)
+            with part.file.open('rb') as stream:
+                for place in part.contents.places:
+                    if at is not None:
+                        at(behind + place.offset)
+                    if place.channels is None or not channels.isdisjoint(place.channels):
+                        for found in self._in_place(part, stream, place, channels):
+                            yield names[found.channel], found
+            behind += part.file.stat().st_size
+
+    def decode(self, topic: str, data: bytes) -> object:
+        """Return a message of a topic as an object; `BadInput` if it cannot be read."""
+        found = self.topics[topic]
+        if found.undecodable is not None:
+            raise BadInput(
+                f"The messages of '{topic}' {found.undecodable}; they are kept but cannot be "
+                'decoded, leave this topic out.'
+            )
+        return self._decoder.decode(found.type_name, data)
+
+    def rhythm(self) -> Rhythm:
+        """Return when messages were recorded, by the indexes alone where the bag has them."""
+        whole = Rhythm()
+        for part in self.parts:
+            found = indexed_rhythm(part) if part.contents.indexed else part.contents.rhythm
+            channel = part.contents.channels.get(-1 if found.worst_of is None else found.worst_of)
+            whole.join(found, None if channel is None else channel.topic)
+        return whole
+
+    def fields(self, type_name: str) -> list[tuple[str, Any]]:
+        """Return the fields of a type of messages in the bag; see `Decoder.fields`."""
+        return self._decoder.fields(type_name)
+
+    def _add_topics(self, contents: Contents) -> None:
+        """Take note of the topics of one file."""
+        for channel in contents.channels.values():
+            schema = contents.schemas.get(channel.schema_id)
+            type_name = type_of(contents, channel)
+            known = self.topics.get(channel.topic)
+            if known is not None and known.type_name != type_name:
+                self._note(
+                    f"Topic '{channel.topic}' has messages of type '{known.type_name}' and of "
+                    f"'{type_name}'; the latter are left out."
+                )
+                continue
+            if schema is not None:
+                self._schemas.setdefault(type_name, schema)
+            self.channels.setdefault(channel.topic, (channel, schema))
+            count = contents.counts[channel.id] + (0 if known is None else known.count)
+            reason = undecodable(schema, channel.message_encoding)
+            self.topics[channel.topic] = Topic(channel.topic, type_name, count, reason)
+
+    def _names(self, contents: Contents, wanted: set[str]) -> dict[int, str]:
+        """Return the topics that are wanted of one file, by channel."""
+        return {
+            id: channel.topic
+            for id, channel in contents.channels.items()
+            if channel.topic in wanted
+            and self.topics[channel.topic].type_name == type_of(contents, channel)
+        }
+
+    def _in_place(
+        self, part: Part, stream: BinaryIO, place: Place, channels: frozenset[int]
+    ) -> Iterator[Message]:
+        """Yield messages of one stretch of a file."""
+        try:
+            if place.length > 2 * CHUNK_BYTES:
+                raise Damaged(f'claim to be a chunk of {place.length} bytes')
+            data: bytes | memoryview = read_at(stream, place.offset, place.length)
+            if place.packed:
+                data = unpacked(memoryview(data)[RECORD.size :])
+            found = messages(data, channels)
+            yield from map(self._unpacked, found) if self._message_kind else found
+        except Damaged as error:
+            told = damage(place.offset, place.length, str(error))
+            if told not in self.losses:
+                part.contents.lost.append(lost_chunk(stream, place))
+                self._note(told)
+
+    def _unpacked(self, found: Message) -> Message:
+        """Return a message that was compressed by itself."""
+        return found._replace(data=bytes(inflated(self._message_kind, found.data)))
+
+    def _note(self, loss: str) -> None:
+        """Remember a loss once, however often it is met."""
+        if loss not in self.losses:
+            self.losses.append(loss)
+
+
+def read_bag(path: Path | str) -> Bag:
+    """
+    Open a recording.
+
+    Parameters
+    ----------
+    path : Path or str
+        A rosbag2 folder or an .mcap file; finished, cut short or damaged.
+
+    Raises
+    ------
+    BadInput
+        If there is no recording at `path`.
+
+    """
+    path = Path(path)
+    try:
+        described = description(path) if path.is_dir() else {}
+        told = told_topics(described)
+        parts = [opened(file, told) for file in bag_files(path, described)]
+        if parts[0].refused is not None and all(part.refused for part in parts):
+            raise parts[0].refused
+        bag = Bag(path, parts, described)
+    except OSError as error:
+        raise BadInput(f"'{path}' cannot be read ({error.strerror}); {ADVICE}.") from error
+    bag.losses += absent_files(path, described)
+    return bag
+
+
+def opened(file: Path, told: list[Told]) -> Part:
+    """Return one file of a bag; one that is no recording is a loss of the whole."""
+    try:
+        return Part(file, file_contents(file, told))
+    except BadInput as error:
+        return Part(file, Contents(losses=[str(error)]), error)
+
+
+def file_contents(file: Path, told: Sequence[Told] = ()) -> Contents:
+    """
+    Return the contents of one MCAP file, from its summary if that can be relied on.
+
+    `told` are the topics of metadata.yaml, for channels that have lost their names.
+    """
+    size = file.stat().st_size
+    with file.open('rb') as stream:
+        head = stream.read(32)
+        if not begins_as_mcap(head):
+            raise wrong_format(file, head)
+        contents = read_summary(stream, size)
+        if contents is None:
+            contents = scan(stream, size)
+            complete_names(contents, told)
+            if summary_is_damaged(stream, size):
+                contents.remarks.append(UNUSABLE)
+        if not head.startswith(MAGIC):
+            contents.indexed = False
+            contents.remarks.append('Its first bytes, which name the format, are damaged.')
+        return contents
+
+
+def begins_as_mcap(head: bytes) -> bool:
+    """Tell whether a file begins with MCAP's first bytes, or with most of them after damage."""
+    pairs = zip(head[: len(MAGIC)], MAGIC, strict=False)
+    return sum(found == wanted for found, wanted in pairs) >= len(MAGIC) - 3 and len(head) >= 8

@@ -1,0 +1,242 @@
+"""
+A recording in a notebook.
+
+    import lta_analysis
+    flight = lta_analysis.open('runs/20261120-lamp_room-1/bag')
+    odom = flight['odom']                       # read now, kept from now on
+    odom.time, odom['pose.pose.position.z'], odom.units
+    both = flight.aligned('odom', 'ground_truth/odom', rate=50.0, method='linear')
+    both.to_pandas()
+
+A topic is read when it is first asked for, one at a time. See `docs/analysis.md`.
+"""
+
+from collections.abc import Iterator, Mapping
+from functools import partial
+from pathlib import Path
+import re
+from typing import Any, Final, final
+
+from lta_config.errors import BadInput
+from lta_data.bag.align import aligned, even, in_order
+from lta_data.bag.flight import Flight, open_flight
+from lta_data.bag.folder import bag_in
+from lta_data.bag.series import Series
+from lta_data.bag.table import Table
+from lta_data.bag.units import unit_of
+import numpy as np
+from numpy.typing import NDArray
+
+IMAGE: Final = 'sensor_msgs/msg/Image'
+CLOUD: Final = 'sensor_msgs/msg/PointCloud2'
+ELEMENT: Final = re.compile(r'(\w+)\[(\d+)\]')
+
+
+def open_recording(bag: Path | str, robot: str | None = None) -> 'Recording':
+    """
+    Open a recording; `lta_analysis.open` is this function.
+
+    Parameters
+    ----------
+    bag : Path or str
+        rosbag2 folder, .mcap file, or a flight's results folder.
+    robot : str, optional
+        Namespace of the robot; needed only where the bag holds several.
+
+    Raises
+    ------
+    BadInput
+        If there is no recording, or the robot is unknown or not the only one.
+
+    """
+    return Recording(open_flight(bag_in(Path(bag)), robot))
+
+
+@final
+class Recording:
+    """
+    One robot's part of a recording, its topics as tables.
+
+    Attributes
+    ----------
+    flight : Flight
+        The recording as the rest of LTA sees it.
+
+    """
+
+    def __init__(self, flight: Flight) -> None:
+        self.flight = flight
+        self._tables: dict[str, Table] = {}
+
+    @property
+    def topics(self) -> list[str]:
+        """The robot's topics, relative to its namespace."""
+        return self.flight.topics
+
+    @property
+    def robot(self) -> str:
+        """The robot's namespace; '' if the bag has none."""
+        return self.flight.robot
+
+    @property
+    def provenance(self) -> dict[str, str]:
+        """Where the recording comes from."""
+        return self.flight.provenance
+
+    @property
+    def losses(self) -> list[str]:
+        """What of the file is damaged, a sentence each, as far as it has been read."""
+        return list(self.flight.bag.losses)
+
+    def __iter__(self) -> Iterator[str]:
+        """Iterate over the topics."""
+        return iter(self.topics)
+
+    def __len__(self) -> int:
+        """Return the number of topics."""
+        return len(self.topics)
+
+    def __contains__(self, topic: object) -> bool:
+        """Tell whether the robot has a topic."""
+        return topic in self.topics
+
+    def __getitem__(self, topic: str) -> Table:
+        """
+        Return a topic as a table.
+
+        Parameters
+        ----------
+        topic : str
+            Relative to the robot ('odom'), or absolute ('/clock').
+
+        Raises
+        ------
+        BadInput
+            If the topic is not in the bag or cannot be decoded.
+
+        """
+        if topic not in self._tables:
+            self._tables[topic] = table_of(self.flight, topic)
+        return self._tables[topic]
+
+    def forget(self) -> None:
+        """Let go of the tables that were read."""
+        self._tables.clear()
+
+    def aligned(
+        self,
+        *topics: str,
+        rate: float | None = None,
+        on: str | None = None,
+        method: str = 'previous',
+        gap: float | None = None,
+    ) -> Table:
+        """
+        Return several topics as one table on one clock.
+
+        Parameters
+        ----------
+        *topics : str
+            The topics; a column is called 'odom/pose.pose.position.x'.
+        rate : float, optional
+            Of an even clock, from the first message of all to the last one. [Hz]
+        on : str, optional
+            The topic whose stamps are the clock; the first one where there is no rate either.
+        method : str
+            'previous' (what was last said) or 'linear' (between the messages on both sides; of a
+            quaternion the shorter way round).
+        gap : float, optional
+            For how long a topic may be silent before its columns have NaN; three of its own
+            periods by default. [s]
+
+        Raises
+        ------
+        BadInput
+            If a topic or the method is unknown, or both a rate and a topic give the clock.
+
+        """
+        if rate is not None and on is not None:
+            raise BadInput(f"A rate of {rate} Hz and '{on}' are two clocks; give one.")
+        tables = [self[topic] for topic in topics]
+        if not tables:
+            raise BadInput(f'No topics to align; known: {", ".join(sorted(self.topics))}.')
+        if rate is not None:
+            clock = even(tables, rate)
+        else:
+            clock = in_order(self[on or topics[0]].stamp_ns).stamps
+        return aligned(tables, clock, method, gap)
+
+    def __repr__(self) -> str:
+        """Return what the recording holds, a topic a line."""
+        bag = self.flight.bag
+        names = {topic: self.flight.absolute(topic) for topic in self.topics}
+        width = max(map(len, names), default=0)
+        seconds = 0.0 if bag.start is None or bag.end is None else (bag.end - bag.start) * 1e-9
+        of = f' of {self.robot}' if self.robot else ''
+        lines = [f'{bag.path}: {len(names)} topics{of}, {seconds:.1f} s']
+        for topic, name in names.items():
+            found = bag.topics[name]
+            lines.append(f'  {topic:{width}}  {found.count:8}  {found.type_name}')
+        return '\n'.join([*lines, *self.losses])
+
+
+def table_of(flight: Flight, topic: str) -> Table:
+    """Return a topic of a flight as a table; errors as `Recording.__getitem__`."""
+    kind = flight.type_of(topic)
+    unit = partial(unit_of, kind, topic=topic)
+    if kind == CLOUD:
+        points = flight.points(topic)
+        stamps = flight.start + np.rint(points.time * 1e9).astype(np.int64)
+        data = {
+            f'{field}[{index}]': column
+            for field, table in points.fields.items()
+            for index, column in enumerate(table.T)
+        }
+        units = {name: unit(name.partition('[')[0]) for name in data}
+        return Table(topic, stamps, flight.start, data, units, kind)
+    return table_from(flight, topic, flight.series(topic))
+
+
+def table_from(
+    flight: Flight, topic: str, series: Series, joints: Mapping[str, str] | None = None
+) -> Table:
+    """
+    Return the messages of a topic, or some of them, as a table.
+
+    Parameters
+    ----------
+    flight : Flight
+        The recording.
+    topic : str
+        The topic.
+    series : Series
+        Its fields.
+    joints : mapping of str to str, optional
+        Columns by path that get another name; as `joints_of` finds by default.
+
+    """
+    kind = flight.type_of(topic)
+    joints = joints_of(series) if joints is None else joints
+    data = {joints.get(path, path): values for path, values in series.numbers.items()}
+    units = {joints.get(path, path): unit_of(kind, path, topic) for path in series.numbers}
+    data |= series.texts
+    samples = partial(samples_of, flight, topic) if kind == IMAGE else None
+    return Table(
+        topic, series.stamps, flight.start, data, units, kind, samples=samples, also=joints
+    )
+
+
+def joints_of(series: Series) -> dict[str, str]:
+    """Return 'effort.left' for 'effort[0]' where all messages call their element 0 'left'."""
+    found = {}
+    for path in series.numbers:
+        element = ELEMENT.fullmatch(path)
+        names = series.texts.get(f'name[{element.group(2)}]') if element else None
+        if element and names is not None and len(names) and names[0] and (names == names[0]).all():
+            found[path] = f'{element.group(1)}.{names[0]}'
+    return found if len(set(found.values())) == len(found) else {}
+
+
+def samples_of(flight: Flight, topic: str, messages: NDArray[np.intp]) -> NDArray[Any]:
+    """Return the samples of some messages of a topic of images, shape (n, rows, columns)."""
+    return flight.blocks(topic, messages.tolist()).samples

@@ -1,0 +1,227 @@
+"""A damaged recording as a finished one: all that can be had, and what is lost in words."""
+
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+import json
+from pathlib import Path
+import shutil
+from typing import Any, cast, final
+
+from lta_bridge.bag.qos import Profile
+from lta_bridge.bag.schemas import Definition
+from lta_bridge.bag.writer import BagWriter
+from lta_config.errors import BadInput
+from lta_config.files import parse_yaml
+from lta_data.bag.folder import bag_files, description, listed_files
+from lta_data.bag.missing import Missing, missing, pulses, spans
+from lta_data.bag.reader import Bag, read_bag
+from mcap.records import Channel, Schema
+
+ORIGIN = 'recovered_from'  # keys of the provenance
+LOSSES = 'recovered_without'
+MOST_NOTED = 20  # losses in the provenance
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Recovery:
+    """
+    What was made of a damaged recording.
+
+    Attributes
+    ----------
+    source, path : str
+        The original, and the new bag.
+    messages : int
+        Messages in the new bag.
+    topics : dict of str to int
+        The same by topic.
+    size : int
+        Size of the original's files. [bytes]
+    lost_bytes, lost_chunks : int
+        What of it cannot be used; a stretch that does not say that it is a chunk counts as none.
+    lost_spans : list of (float or None, float or None)
+        When that was recorded, since the first message that is left; None stands for the
+        recording's own beginning or end. [s]
+    missing : dict of str to Missing
+        Lost messages by topic, as far as anything tells.
+    losses, remarks : list of str
+        What the reader said, one sentence each.
+
+    """
+
+    source: str
+    path: str
+    messages: int
+    topics: dict[str, int]
+    size: int
+    lost_bytes: int
+    lost_chunks: int
+    lost_spans: list[tuple[float | None, float | None]]
+    missing: dict[str, Missing]
+    losses: list[str]
+    remarks: list[str]
+
+    def to_json(self) -> str:
+        """Return the facts as one JSON object."""
+        return json.dumps(asdict(self), indent=2, ensure_ascii=False)
+
+    def sentences(self) -> list[str]:
+        """Return what was saved and what was lost, for a person."""
+        told = [
+            f'{self.messages} messages of {len(self.topics)} topics are saved in {self.path}.',
+            *self.losses,
+            *self.remarks,
+        ]
+        if self.lost_bytes:
+            chunks = f', {counted(self.lost_chunks, "chunk")}' if self.lost_chunks else ''
+            told.append(f'Lost are {self.lost_bytes} of {self.size} bytes{chunks}.')
+        told += [span_sentence(start, end) for start, end in self.lost_spans[:MOST_NOTED]]
+        for topic, lost in sorted(self.missing.items()):
+            told.append(f'{topic} lacks {self._about(lost)} ({lost.source}).')
+        if not self.lost_bytes and not self.missing:
+            told.append('No message is known to be lost.')
+        return told
+
+    def _about(self, lost: Missing) -> str:
+        """Return how many messages are lost, no surer than that is known."""
+        count = counted(lost.count, 'message')
+        if lost.source == 'rhythm':
+            return f'about {count}'
+        cut = any(end is None for _, end in self.lost_spans)
+        return f'at least {count}' if cut and lost.source == 'index' else count
+
+
+def counted(count: int, what: str) -> str:
+    """Return a number with its noun."""
+    return f'{count} {what}' if count == 1 else f'{count} {what}s'
+
+
+def span_sentence(start: float | None, end: float | None) -> str:
+    """Return when something was lost. [s]"""
+    if start is None and end is None:
+        return 'Nothing tells when what is lost was recorded.'
+    if start is None:
+        return f'What is lost was recorded before {end:.3f} s.'
+    if end is None:
+        return f'What is lost was recorded after {start:.3f} s.'
+    return f'What is lost was recorded between {start:.3f} s and {end:.3f} s.'
+
+
+def recover(
+    source: Path, out: Path, at: Callable[[int, int], None] = lambda done, total: None
+) -> Recovery:
+    """
+    Write all that can be had of a recording into a new, finished, indexed bag.
+
+    Parameters
+    ----------
+    source : Path
+        A rosbag2 folder or an .mcap file; only read.
+    out : Path
+        Folder of the new bag; made if missing, refused if it holds anything.
+    at : callable
+        Is told the bytes of the original that are behind, and all of them.
+
+    Raises
+    ------
+    BadInput
+        If there is nothing to recover, the recording is whole, or a folder cannot be used.
+    StorageFault
+        If the disk takes no more.
+
+    """
+    bag = read_bag(source)
+    if not any(topic.count for topic in bag.topics.values()):
+        raise BadInput(f"'{source}' holds no whole message; there is nothing to recover.")
+    refuse_inside(source, out)
+    if is_finished(bag):
+        total = sum(1 for _ in bag.records(at=lambda done: at(done, bag.size)))
+        if bag.complete:
+            raise BadInput(
+                f"'{source}' is whole: all its {total} messages are there; nothing is to mend."
+            )
+    fresh = not out.exists()
+    try:
+        return copied(bag, out, at)
+    except KeyboardInterrupt:
+        if fresh:
+            shutil.rmtree(out, ignore_errors=True)
+        raise
+
+
+def is_finished(bag: Bag) -> bool:
+    """Tell whether a recording looks whole from outside: summaries, files and metadata.yaml."""
+    described = True
+    if bag.path.is_dir():
+        told = description(bag.path)
+        described = listed_files(bag.path, told) == bag_files(bag.path, told)
+    return bag.complete and bag.indexed and described and not bag.remarks
+
+
+def refuse_inside(source: Path, out: Path) -> None:
+    """Raise BadInput where the new bag would lie in the original."""
+    folder = source.resolve()
+    if folder.is_dir() and out.resolve().is_relative_to(folder):
+        raise BadInput(
+            f"'{out}' lies in the original, which stays as it is; choose another place."
+        )
+
+
+def copied(bag: Bag, out: Path, at: Callable[[int, int], None]) -> Recovery:
+    """Write the new bag; see `recover`."""
+    kept: Counter[str] = Counter()
+    beats = pulses(bag)
+    expected = sum(topic.count for topic in bag.topics.values())
+    note = {ORIGIN: f'{bag.path.resolve()} ({bag.size} bytes, {expected} messages seen)'}
+    if bag.losses:
+        note[LOSSES] = ' '.join(bag.losses[:MOST_NOTED])
+    with BagWriter(out, bag.provenance | note) as writer:
+        for topic, (channel, schema) in bag.channels.items():
+            writer.add_topic(topic, given(channel, schema), profiles(channel))
+        for topic, found in bag.records(at=lambda done: at(done, bag.size)):
+            writer.write(topic, found.data, found.log_time, found.publish_time)
+            kept[topic] += 1
+            if topic in beats:
+                beats[topic].beat(found.log_time)
+    lost = [loss for part in bag.parts for loss in part.contents.lost]
+    return Recovery(
+        source=str(bag.path),
+        path=str(out),
+        messages=kept.total(),
+        topics={topic: kept[topic] for topic in sorted(bag.topics)},
+        size=bag.size,
+        lost_bytes=sum(loss.length for loss in lost),
+        lost_chunks=sum(loss.chunks for loss in lost),
+        lost_spans=[(since(bag, start), since(bag, end)) for start, end in spans(bag)],
+        missing=missing(bag, kept, beats),
+        losses=list(bag.losses),
+        remarks=list(bag.remarks),
+    )
+
+
+def since(bag: Bag, time: int | None) -> float | None:
+    """Return a log time since the first message that is left. [s]"""
+    return None if time is None or bag.start is None else round((time - bag.start) * 1e-9, 9)
+
+
+def given(channel: Channel, schema: Schema | None) -> Definition:
+    """Return a topic's definition as the recording has it."""
+    kind = channel.metadata.get('topic_type_hash', '')
+    if schema is None:
+        return Definition('', '', kind, '', channel.message_encoding)
+    text = schema.data.decode(errors='surrogateescape')
+    return Definition(schema.name, text, kind, schema.encoding, channel.message_encoding)
+
+
+def profiles(channel: Channel) -> list[Profile]:
+    """Return what a topic's publishers offered; empty where the recording does not say."""
+    text = channel.metadata.get('offered_qos_profiles', '')
+    try:
+        listed: Any = parse_yaml(text, 'the QoS') if text else []
+    except BadInput:
+        return []
+    if not isinstance(listed, list) or not all(isinstance(entry, dict) for entry in listed):
+        return []
+    return cast('list[Profile]', listed)

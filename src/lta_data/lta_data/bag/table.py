@@ -1,0 +1,283 @@
+"""Columns with units on one clock: a topic as people work with it in a notebook."""
+
+from collections.abc import Callable, Iterator, Mapping
+from functools import cached_property
+from importlib import import_module
+from itertools import count, takewhile
+import re
+from typing import Any, Final, final, overload
+
+from lta_config.errors import BadInput, unknown
+from lta_data.bag.merge import Columns
+from lta_data.bag.table_text import DIM, heading, lines
+from lta_model.attitude import angles
+import numpy as np
+from numpy.typing import NDArray
+import pyarrow as arrow
+
+TIME: Final = 'time'
+STAMP: Final = 'stamp_ns'
+PARTS: Final = ('yaw', 'pitch', 'roll')
+AXES: Final = ('x', 'y', 'z', 'w')
+
+Samples = Callable[[NDArray[np.intp]], NDArray[Any]]
+
+
+@final
+class Table:
+    """
+    Columns over time, `table['pose.pose.position.x']`.
+
+    A quaternion's yaw, pitch and roll are columns as well: 'pose.pose.orientation.yaw', computed
+    when they are asked for.
+
+    Parameters
+    ----------
+    name : str
+        The topic, or several.
+    stamp_ns : ndarray of int64, shape (n,)
+        Stamp of each row. [ns]
+    start : int
+        Stamp at time 0. [ns]
+    data : dict of str to ndarray, shape (n,)
+        Numbers, flags and texts by column.
+    units : mapping of str to str
+        Unit of the columns that have one.
+    kind : str
+        Message type; '' where there is none.
+    samples : callable, optional
+        Returns the ADC blocks of some messages of the topic, counted from 0.
+    messages : ndarray of int, shape (n,), optional
+        Which message of the topic each row is; needed with `samples` only.
+    also : mapping of str to str, optional
+        Columns by other names that they have: 'effort[0]' of 'effort.left'.
+
+    Attributes
+    ----------
+    units : dict of str to str
+        Unit of each column of numbers, as REP-103 writes it; '1' for a plain number, nothing
+        where nobody says.
+
+    """
+
+    def __init__(
+        self,
+        name: str,
+        stamp_ns: NDArray[np.int64],
+        start: int,
+        data: Columns,
+        units: Mapping[str, str],
+        kind: str = '',
+        samples: Samples | None = None,
+        messages: NDArray[np.intp] | None = None,
+        also: Mapping[str, str] | None = None,
+    ) -> None:
+        self.name = name
+        self.stamp_ns = stamp_ns
+        self.start = start
+        self._data = data
+        self.kind = kind
+        self._samples = samples
+        self._messages = np.arange(len(stamp_ns)) if messages is None else messages
+        self._also = also or {}
+        self.units = {column: units[column] for column in data if units.get(column)}
+        self.units |= {f'{turn}.{part}': 'rad' for turn in self.turns for part in PARTS}
+
+    @cached_property
+    def time(self) -> NDArray[np.float64]:
+        """Time of each row since the start of the flight. [s]"""
+        return (self.stamp_ns - self.start).astype(np.float64) * 1e-9
+
+    @cached_property
+    def turns(self) -> list[str]:
+        """The quaternions: columns with x, y, z and w."""
+        found = (column.removesuffix('.w') for column in self._data if column.endswith('.w'))
+        return [turn for turn in found if all(f'{turn}.{axis}' in self._data for axis in AXES)]
+
+    @property
+    def stored(self) -> list[str]:
+        """The names of the columns that the messages themselves have."""
+        return list(self._data)
+
+    @property
+    def columns(self) -> list[str]:
+        """The names of all columns; a quaternion's angles stand behind it."""
+        found = []
+        for column in self._data:
+            found.append(column)
+            if column.removesuffix('.w') in self.turns:
+                found += [f'{column.removesuffix(".w")}.{part}' for part in PARTS]
+        return found
+
+    @cached_property
+    def samples(self) -> NDArray[Any]:
+        """ADC blocks of a topic of sensor_msgs/Image, shape (n, rows, columns)."""
+        if self._samples is None:
+            raise BadInput(f"'{self.name}' carries no samples; only topics of images do.")
+        return self._samples(self._messages)
+
+    @property
+    def arrays(self) -> list[str]:
+        """The columns that are elements of arrays, without their index: 'effort', 'snr'."""
+        known = [*self._data, *self._also]
+        return [column.removesuffix('[0]') for column in known if column.endswith('[0]')]
+
+    def array(self, path: str) -> NDArray[Any]:
+        """Return an array field or a field of points, shape (n, elements)."""
+        if path not in self.arrays:
+            raise unknown('array', path, [each for each in self.arrays if not DIM.search(each)])
+        known = {*self._data, *self._also}
+        elements = takewhile(known.__contains__, (f'{path}[{k}]' for k in count()))
+        return np.stack([self[element] for element in elements], axis=1)
+
+    def __len__(self) -> int:
+        """Return the number of rows."""
+        return len(self.stamp_ns)
+
+    def __iter__(self) -> Iterator[str]:
+        """Iterate over the names of the columns."""
+        return iter(self.columns)
+
+    def __contains__(self, column: object) -> bool:
+        """Tell whether there is a column."""
+        return column in self.columns or column in self._also
+
+    @overload
+    def __getitem__(self, column: str) -> NDArray[Any]: ...
+
+    @overload
+    def __getitem__(self, column: slice | NDArray[Any]) -> 'Table': ...
+
+    def __getitem__(self, column: str | slice | NDArray[Any]) -> 'NDArray[Any] | Table':
+        """
+        Return a column, shape (n,), or some rows: `table[10:20]`, `table[table['z'] > 1.0]`.
+
+        Raises
+        ------
+        BadInput
+            If the column is unknown, with those that are known, or the rows are not there.
+
+        """
+        if not isinstance(column, str):
+            return self.rows(rows_of(column, len(self)))
+        column = self._also.get(column, column)
+        if column in self._data:
+            return self._data[column]
+        turn, _, part = column.rpartition('.')
+        if turn in self.turns and part in PARTS:
+            found: NDArray[np.float64] = getattr(angles(self.vector(turn)), part)
+            return found
+        raise unknown('column', column, [each for each in self.columns if not DIM.search(each)])
+
+    def vector(self, path: str) -> NDArray[np.float64]:
+        """Return columns x, y, z and perhaps w of a path as one array, shape (n, 3) or (n, 4)."""
+        axes = AXES if f'{path}.w' in self._data else AXES[:3]
+        return np.stack([self[f'{path}.{axis}'] for axis in axes], axis=1).astype(np.float64)
+
+    def between(self, begin: float, end: float) -> 'Table':
+        """Return the rows of a stretch of time, both ends included. [s]"""
+        elapsed = self.stamp_ns - self.start
+        first, last = np.rint(begin * 1e9), np.rint(end * 1e9)
+        return self.rows(np.flatnonzero((elapsed >= first) & (elapsed <= last)))
+
+    def rows(self, chosen: NDArray[np.intp]) -> 'Table':
+        """Return some rows; copied only where they do not follow each other."""
+        which: slice | NDArray[np.intp] = chosen
+        if len(chosen) and chosen[0] >= 0 and (np.diff(chosen) == 1).all():
+            which = slice(int(chosen[0]), int(chosen[-1]) + 1)
+        data = {column: values[which] for column, values in self._data.items()}
+        return self._with(data, which)
+
+    def select(self, *patterns: str) -> 'Table':
+        """
+        Return some columns.
+
+        Parameters
+        ----------
+        *patterns : str
+            Names, in which * stands for anything: 'pose.pose.position.*'. A quaternion comes with
+            its angles.
+
+        Raises
+        ------
+        BadInput
+            If a pattern fits no column.
+
+        """
+        chosen = []
+        for pattern in patterns:
+            fits = re.compile('.*'.join(map(re.escape, pattern.split('*'))))
+            found = [column for column in self._data if fits.fullmatch(column)]
+            if not found:
+                self[pattern]  # says which there are
+            chosen += found
+        data = {column: self._data[column] for column in self._data if column in chosen}
+        return self._with(data, slice(None))
+
+    def to_arrow(self) -> Any:  # noqa: ANN401 - pyarrow has no types
+        """Return a `pyarrow.Table`: stamp_ns, time, all columns; units in the fields' metadata."""
+        columns = {STAMP: self.stamp_ns, TIME: self.time} | {each: self[each] for each in self}
+        units = {STAMP: 'ns', TIME: 's'} | self.units
+        fields = [arrow_field(name, values.dtype, units) for name, values in columns.items()]
+        arrays = [arrow.array(values) for values in columns.values()]
+        about = {'topic': self.name, 'type': self.kind}
+        return arrow.table(arrays, schema=arrow.schema(fields, metadata=about))
+
+    def to_pandas(self) -> Any:  # noqa: ANN401 - optional
+        """Return a `pandas.DataFrame` over time [s]; `df.attrs['units']` has the units."""
+        pandas = optional('pandas')
+        index = pandas.Index(self.time, name=TIME)
+        frame = pandas.DataFrame({column: self[column] for column in self}, index=index)
+        frame.attrs = {'topic': self.name, 'units': {TIME: 's'} | self.units}
+        return frame
+
+    def to_polars(self) -> Any:  # noqa: ANN401 - optional
+        """Return a `polars.DataFrame` with the time [s] in front; polars knows no units."""
+        polars = optional('polars')
+        return polars.DataFrame({TIME: self.time} | {column: self[column] for column in self})
+
+    def _with(self, data: Columns, rows: slice | NDArray[np.intp]) -> 'Table':
+        """Return a table of other columns for some of the rows."""
+        return Table(
+            self.name,
+            self.stamp_ns[rows],
+            self.start,
+            data,
+            self.units,
+            self.kind,
+            self._samples,
+            self._messages[rows],
+            {other: column for other, column in self._also.items() if column in data},
+        )
+
+    def __repr__(self) -> str:
+        """Return what the table holds, a column a line."""
+        return '\n'.join([heading(self), *lines(self)])
+
+
+def rows_of(chosen: slice | NDArray[Any], count: int) -> NDArray[np.intp]:
+    """Return the numbers of the rows that a slice, flags or numbers choose, shape (n,)."""
+    try:
+        return np.atleast_1d(np.arange(count)[chosen])
+    except (IndexError, TypeError, ValueError):
+        raise BadInput(
+            f"Rows '{chosen}' are not among the {count} of the table; give a column's name, a "
+            'slice, a flag for each row, or numbers of rows.'
+        ) from None
+
+
+def optional(name: str) -> Any:  # noqa: ANN401 - a module
+    """Return a library that people may have; `BadInput` with the remedy where they have not."""
+    try:
+        return import_module(name)
+    except ImportError:
+        raise BadInput(
+            f'A {name} table needs {name}, which is not installed; ".venv/bin/pip install {name}" '
+            'brings it.'
+        ) from None
+
+
+def arrow_field(name: str, kind: np.dtype[Any], units: Mapping[str, str]) -> Any:  # noqa: ANN401
+    """Return the declaration of a column with its unit."""
+    stored = arrow.string() if kind.kind == 'U' else arrow.from_numpy_dtype(kind)
+    return arrow.field(name, stored, metadata={'unit': units[name]} if name in units else None)

@@ -1,0 +1,261 @@
+"""Two flights beside each other: what a comparison is told, what it finds, and how."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Final, final
+
+from lta_config.errors import BadInput
+from lta_data.bag.flight import Flight
+from lta_data.compare.apart import Apart, apart, lines_of, tolerances
+from lta_data.compare.faults import Faults, faults, SLOWER
+from lta_data.compare.line import Array, known_only
+from lta_data.compare.pairs import Pair, paired, Wanted, wanted_pairs
+from lta_data.compare.placing import Frames, Placed, placed
+from lta_data.compare.side import Side, side_of
+from lta_data.compare.timing import Align, Timing, timing
+import numpy as np
+
+ORDER: Final = {'parted': 0, 'apart at times': 1, 'together': 2, 'identical': 3, 'unknown': 4}
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """What a comparison is told; see `lta compare --help`."""
+
+    pairs: tuple[str, ...] = ()
+    topics: tuple[str, ...] = ()
+    align: Align = 'auto'
+    offset: float | None = None  # s
+    frames: Frames = 'auto'
+    tolerances: Mapping[str, float] = field(default_factory=dict)
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """
+    What a comparison found.
+
+    Attributes
+    ----------
+    asked : Asked
+        What it was told.
+    a, b : Side
+        The flights.
+    timing : Timing
+        How B's time was laid on A's.
+    frames : tuple of Placed
+        What was done about each pair of world frames.
+    span : tuple of float
+        Common time on A's clock. [s]
+    channels : tuple of Apart
+        Those that part most and earliest first.
+    faults_a, faults_b : dict of str to Faults
+        By topic.
+    only_a, only_b : tuple of str
+        Topics that the other lacks.
+    topics : dict of str to str
+        What was compared: B's topic by A's.
+    identical_topics : tuple of str
+        Those whose messages are the same byte for byte.
+    remarks : tuple of str
+        What else a reader should know.
+
+    """
+
+    asked: Asked
+    a: Side
+    b: Side
+    timing: Timing
+    frames: tuple[Placed, ...]
+    span: tuple[float, float]
+    channels: tuple[Apart, ...]
+    faults_a: Mapping[str, Faults]
+    faults_b: Mapping[str, Faults]
+    only_a: tuple[str, ...]
+    only_b: tuple[str, ...]
+    topics: Mapping[str, str]
+    identical_topics: tuple[str, ...]
+    remarks: tuple[str, ...]
+
+    @property
+    def identical(self) -> bool:
+        """Whether all is the same: topics, instants, values and, where they are at hand, bytes."""
+        lacking = self.only_a or self.only_b
+        digests = any(topic.digest for topic in self.a.topics.values())
+        bytes_too = not digests or len(self.identical_topics) == len(self.a.topics)
+        same = all(each.verdict == 'identical' for each in self.channels)
+        return not lacking and bytes_too and same and not self.asked.pairs
+
+    @property
+    def same(self) -> bool:
+        """Whether no channel leaves its band for longer than a moment."""
+        return all(each.verdict not in ('parted', 'apart at times') for each in self.channels)
+
+    @property
+    def verdict(self) -> str:
+        """'identical', 'same' or 'different'."""
+        return 'identical' if self.identical else 'same' if self.same else 'different'
+
+
+Told = Callable[[str], None]
+
+
+def compare_flights(
+    one: Flight, other: Flight, asked: Asked, tick: Told = lambda _: None
+) -> Comparison:
+    """
+    Return what two recorded flights have in common, and what not.
+
+    Parameters
+    ----------
+    one, other : Flight
+        A and B.
+    asked : Asked
+        How.
+    tick : callable
+        Told what is being done, each time something is done; see `ticks`.
+
+    Raises
+    ------
+    BadInput
+        If they have no channel or no time in common, or what is asked for is not there.
+
+    """
+    wanted = wanted_pairs(asked.pairs, asked.topics, one.topics, other.topics)
+    of_a, of_b = ({each[k] for each in wanted} for k in (0, 1))
+    a = side_of(one, 'A', of_a, lambda: tick('reading A'))
+    if of_a == of_b and (one.bag.path, one.robot) == (other.bag.path, other.robot):
+        b = replace(a, label='B')
+    else:
+        b = side_of(other, 'B', of_b, lambda: tick('reading B'))
+    found = compare(a, b, wanted, asked, tick)
+    if asked.pairs or asked.topics:
+        return found
+    return replace(
+        found,
+        only_a=tuple(sorted(set(one.topics) - set(other.topics))),
+        only_b=tuple(sorted(set(other.topics) - set(one.topics))),
+    )
+
+
+def ticks(one: Flight, other: Flight, asked: Asked) -> int:
+    """Return how often `compare_flights` calls its tick, about: a channel is a small part."""
+    wanted = wanted_pairs(asked.pairs, asked.topics, one.topics, other.topics)
+    return 4 * len(wanted) + 4
+
+
+def compare(
+    a: Side, b: Side, wanted: Sequence[Wanted], asked: Asked, tick: Told = lambda _: None
+) -> Comparison:
+    """
+    Return what two flights have in common; as `compare_flights`, without bags.
+
+    Parameters
+    ----------
+    a, b : Side
+        The flights.
+    wanted : sequence of Wanted
+        Topics that belong together.
+    asked : Asked
+        How.
+    tick : callable
+        Told what is being done.
+
+    """
+    matched, remarks = paired(wanted, a.channels, b.channels)
+    tick('aligning')
+    when = timing(a, b, matched, asked.align, asked.offset)
+    pairs, frames = placed(a, b, matched, when, asked.frames)
+    pairs = [each._replace(b=replace(each.b, time=when.on_a(each.b.time))) for each in pairs]
+    span = common_span(pairs)
+    tick('aligning')
+    channels = compared(pairs, asked, when, tick)
+    topics = {each.topic_a: each.topic_b for each in wanted}
+    return Comparison(
+        asked=asked,
+        a=a,
+        b=b,
+        timing=when,
+        frames=tuple(frames),
+        span=span,
+        channels=channels,
+        faults_a=side_faults(a),
+        faults_b=side_faults(b),
+        only_a=(),
+        only_b=(),
+        topics=topics,
+        identical_topics=tuple(
+            name
+            for name, other in topics.items()
+            if a.topics[name].digest and a.topics[name].digest == b.topics[other].digest
+        ),
+        remarks=tuple([*(f'A: {text}' for text in a.remarks)]
+            + [f'B: {text}' for text in b.remarks] + remarks + list(when.remarks)),
+    )  # fmt: skip
+
+
+def compared(pairs: Sequence[Pair], asked: Asked, when: Timing, tick: Told) -> tuple[Apart, ...]:
+    """Return all channels, those that part most and earliest first."""
+    bands = tolerances(asked.tolerances, [pair.name for pair in pairs])
+    found = []
+    topic = ''
+    for pair in pairs:
+        if pair.a.topic != topic:
+            topic = pair.a.topic
+            tick('comparing')
+        a, b = lines_of(pair)
+        if not np.isfinite(a.values).any() and not np.isfinite(b.values).any():
+            continue  # nobody measured it
+        found.append(apart(pair, a, b, tolerance=bands.get(pair.name), doubt=when.sigma))
+    return tuple(sorted(found, key=lambda each: (ORDER[each.verdict], -each.score, each.name)))
+
+
+def common_span(pairs: Sequence[Pair]) -> tuple[float, float]:
+    """Return the time that both flights cover, on A's clock [s], or `BadInput` of none."""
+    ends = [covered([pair.a.time for pair in pairs]), covered([pair.b.time for pair in pairs])]
+    begin, end = max(first for first, _ in ends), min(last for _, last in ends)
+    if begin >= end:
+        raise BadInput(
+            f'The flights have no time in common: A covers {ends[0][0]:.2f} to {ends[0][1]:.2f} '
+            f's, B {ends[1][0]:.2f} to {ends[1][1]:.2f} s on the same clock; give another '
+            '--offset, or --align motion.'
+        )
+    return begin, end
+
+
+def covered(times: Sequence[Array]) -> tuple[float, float]:
+    """Return the first and the last of all instants [s]; `BadInput` where there are none."""
+    known = [time for time in times if len(time)]
+    if not known:
+        raise BadInput('One of the flights has no message on what is compared; nothing to do.')
+    return min(float(time.min()) for time in known), max(float(time.max()) for time in known)
+
+
+def differing(found: Comparison) -> list[tuple[str, Faults, Faults]]:
+    """Return the topics that come at different rates in both flights, and their faults."""
+    both = [
+        (name, found.faults_a[name], found.faults_b[other]) for name, other in found.topics.items()
+    ]
+    return [
+        (name, a, b)
+        for name, a, b in both
+        if a.period and b.period and max(a.period, b.period) > SLOWER * min(a.period, b.period)
+    ]
+
+
+def side_faults(side: Side) -> dict[str, Faults]:
+    """Return what is wrong with each topic of a flight."""
+    found = {}
+    for name, topic in side.topics.items():
+        own = [each for each in side.channels.values() if each.topic == name]
+        shares = {
+            each.name: float(np.mean(np.isnan(known_only(each.values))))
+            for each in own
+            if len(each.values)
+        }
+        # What is never known was not measured, by ROS's own convention; no fault.
+        partly = {name: share for name, share in shares.items() if share < 1.0}
+        found[name] = faults(topic.time, partly, topic.repeated)
+    return found

@@ -1,0 +1,204 @@
+"""Two channels by frequency, and the lag at which they resemble each other most."""
+
+from dataclasses import dataclass
+from typing import Final, final, NamedTuple
+
+from lta_data.compare.line import Aligned, Array
+import numpy as np
+from scipy import signal
+
+SEGMENT: Final = 1024  # samples, at most
+SEGMENTS: Final = 4  # at least, each overlapping its neighbour by half
+FEWEST: Final = 32  # samples of which a spectrum can be made
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Spectra:
+    """
+    Power of both channels and of their difference by frequency.
+
+    Attributes
+    ----------
+    frequency : ndarray, shape (n,)
+        From the first above zero. [Hz]
+    a, b, difference : ndarray, shape (n,)
+        One-sided power spectral density. [unit squared over Hz]
+    coherence : ndarray, shape (n,)
+        Share of B's power that is a linear answer to A's, 0 to 1.
+    segments : int
+        That were averaged; two channels that share nothing have a coherence of about
+        1 / segments.
+    span : tuple of float
+        The longest stretch without a gap, of which they are made. [s]
+
+    """
+
+    frequency: Array
+    a: Array
+    b: Array
+    difference: Array
+    coherence: Array
+    segments: int
+    span: tuple[float, float]
+
+
+class Peak(NamedTuple):
+    """The most that two channels resemble each other: correlation, and B's lag behind A. [1, s]"""
+
+    value: float
+    lag: float
+
+
+def evenly(pair: Aligned, *, angular: bool = False) -> tuple[Array, Array, Array]:
+    """
+    Return instants and both channels at even steps, over the longest stretch without a gap.
+
+    Angles come without jumps.
+    """
+    known = pair.known
+    edges = np.diff(np.concatenate([[0], known.astype(np.int8), [0]]))
+    begins, ends = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
+    if not len(begins):
+        nothing = np.empty(0)
+        return nothing, nothing, nothing
+    longest = int((ends - begins).argmax())
+    part = slice(int(begins[longest]), int(ends[longest]))
+    time, a = pair.time[part], pair.a[part]
+    a = np.unwrap(a) if angular else a
+    b = a + pair.difference[part]
+    count = len(time)
+    if count < 2:
+        return time, a, b
+    grid = np.linspace(time[0], time[-1], count)
+    return grid, np.interp(grid, time, a), np.interp(grid, time, b)
+
+
+def spectra(pair: Aligned, *, angular: bool = False) -> Spectra | None:
+    """
+    Return the spectra by Welch's method: Hann windows, half overlapping, each without its mean.
+
+    Parameters
+    ----------
+    pair : Aligned
+        The two channels.
+    angular : bool
+        Whether values 2 pi apart mean the same.
+
+    Returns
+    -------
+    Spectra or None
+        None where fewer than 32 instants follow each other without a gap.
+
+    """
+    time, a, b = evenly(pair, angular=angular)
+    count = len(time)
+    if count < FEWEST:
+        return None
+    length = min(SEGMENT, 2 * count // (SEGMENTS + 1))
+    rate = (count - 1) / float(time[-1] - time[0])
+
+    def power_of(values: Array) -> tuple[Array, Array]:
+        found: tuple[Array, Array] = signal.welch(values, fs=rate, nperseg=length)
+        return found
+
+    frequency, of_a = power_of(a)
+    (_, of_b), (_, of_difference) = power_of(b), power_of(b - a)
+    across = np.abs(signal.csd(a, b, fs=rate, nperseg=length)[1]) ** 2
+    power = of_a * of_b
+    coherence = np.divide(across, power, out=np.zeros_like(power), where=power > 0.0)
+    return Spectra(
+        frequency[1:], of_a[1:], of_b[1:], of_difference[1:],
+        np.clip(coherence[1:], 0.0, 1.0), (count - length // 2) // (length - length // 2),
+        (float(time[0]), float(time[-1])),
+    )  # fmt: skip
+
+
+def resemblance(pair: Aligned, *, angular: bool = False, longest: float = 5.0) -> Peak | None:
+    """
+    Return the greatest cross-correlation and the lag of B behind A there.
+
+    At each lag that of what overlaps, without its means; between two steps by the parabola through
+    three.
+
+    Parameters
+    ----------
+    pair : Aligned
+        The two channels.
+    angular : bool
+        Whether values 2 pi apart mean the same.
+    longest : float
+        Lags to look at, but no more than a quarter of the stretch. [s]
+
+    Returns
+    -------
+    Peak or None
+        None where one of them stands still, too few instants follow each other, or the greatest
+        is at the last lag looked at.
+
+    """
+    time, a, b = evenly(pair, angular=angular)
+    count = len(time)
+    if count < FEWEST or np.ptp(a) == 0.0 or np.ptp(b) == 0.0:
+        return None
+    step = float(time[-1] - time[0]) / (count - 1)
+    most = max(1, min(int(longest / step), count // 4))
+    near = likeness(a - a.mean(), b - b.mean(), most)
+    if not np.isfinite(near).any():
+        return None
+    near = np.nan_to_num(near, nan=-1.0)
+    best = int(near.argmax())
+    if not 0 < best < len(near) - 1:  # as of a ramp, which resembles itself at any lag
+        return None
+    shift, value = parabola(near, best)
+    return Peak(float(np.clip(value, -1.0, 1.0)), (best - most + shift) * step)
+
+
+def likeness(a: Array, b: Array, most: int) -> Array:
+    """Return the correlation of what overlaps at each lag of b, shape (2 most + 1,). [1]"""
+    count = len(a)
+    lags = np.arange(-most, most + 1)
+    product = signal.correlate(b, a, mode='full', method='fft')[count - 1 + lags]
+    size = count - np.abs(lags)
+    sums = []
+    for part, first in ((a, np.maximum(-lags, 0)), (b, np.maximum(lags, 0))):
+        for power in (1, 2):
+            total = np.concatenate([[0.0], np.cumsum(part**power)])
+            sums.append(total[first + size] - total[first])
+    of_a, of_aa, of_b, of_bb = sums
+    spread = (of_aa - of_a**2 / size) * (of_bb - of_b**2 / size)
+    floor = 1e-12 * (float(np.sum(a**2)) * float(np.sum(b**2)))
+    found = np.full(len(lags), np.nan)
+    usable = spread > floor
+    shared = product - of_a * of_b / size
+    found[usable] = shared[usable] / np.sqrt(spread[usable])
+    return found
+
+
+def parabola(values: Array, best: int) -> tuple[float, float]:
+    """Return where, from the greatest of values at even steps, their peak is, and how high."""
+    if not 0 < best < len(values) - 1:
+        return 0.0, float(values[best])
+    before, here, after = (float(value) for value in values[best - 1 : best + 2])
+    bend = before - 2.0 * here + after
+    if bend >= 0.0:
+        return 0.0, here
+    shift = 0.5 * (before - after) / bend
+    return shift, here - 0.25 * (before - after) * shift
+
+
+def thinned_spectra(found: Spectra, points: int = 96) -> Spectra:
+    """Return spectra at frequencies spaced evenly in logarithm, each the mean of its stretch."""
+    if len(found.frequency) <= points:
+        return found
+    edges = np.geomspace(1, len(found.frequency), points + 1)
+    starts = np.unique(np.floor(edges[:-1]).astype(int) - 1)
+    sizes = np.diff(np.append(starts, len(found.frequency)))
+
+    def mean(values: Array) -> Array:
+        return np.add.reduceat(values, starts) / sizes
+
+    return Spectra(
+        mean(found.frequency), mean(found.a), mean(found.b), mean(found.difference),
+        mean(found.coherence), found.segments, found.span,
+    )  # fmt: skip

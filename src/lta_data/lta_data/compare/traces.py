@@ -1,0 +1,97 @@
+"""Lines for a screen: as many points as anyone can see, the extremes and the gaps among them."""
+
+from base64 import b64encode
+import math
+from typing import Final, NamedTuple
+
+from lta_data.compare.apart import Apart
+from lta_data.compare.line import broken, Line
+import numpy as np
+from numpy.typing import NDArray
+
+POINTS: Final = 1200
+DEGREES: Final = 180.0 / math.pi
+
+
+def thin(line: Line, points: int = POINTS) -> Line:
+    """
+    Return a line in few points: the least and the greatest of each stretch, and its gaps.
+
+    Parameters
+    ----------
+    line : Line
+        With NaN where nothing may be drawn.
+    points : int
+        About how many to keep.
+
+    """
+    count = len(line.time)
+    if count <= points:
+        return line
+    length = -(-count // max(points // 2, 1))
+    rows = -(-count // length)
+    padded = np.pad(line.values, (0, rows * length - count), mode='edge')
+    table = padded.reshape(rows, length)
+    hidden = np.isnan(table)
+    starts = np.arange(rows) * length
+    keep = [
+        starts + np.where(hidden, np.inf, table).argmin(axis=1),
+        starts + np.where(hidden, -np.inf, table).argmax(axis=1),
+        (starts + hidden.argmax(axis=1))[hidden.any(axis=1)],
+        np.array([0, count - 1]),
+    ]
+    index = np.unique(np.minimum(np.concatenate(keep), count - 1))
+    return Line(line.time[index], line.values[index])
+
+
+class Drawn(NamedTuple):
+    """A channel as it is drawn: the unit there, A, B and the difference, and the band."""
+
+    unit: str
+    a: Line
+    b: Line
+    difference: Line
+    band: float
+
+
+def drawn(each: Apart, points: int = POINTS) -> Drawn:
+    """Return a channel as it is drawn: angles in degrees and without jumps."""
+    unit, factor = each.unit, 1.0
+    if unit in ('rad', 'rad/s'):
+        unit, factor = unit.replace('rad', '°'), DEGREES
+    if each.angular:
+        a, b = unwound(each)
+    else:
+        a, b = broken(each.a), broken(each.b)
+    lines = [a, b, broken(Line(each.both.time, each.both.difference))]
+    one, other, apart = (thin(Line(line.time, factor * line.values), points) for line in lines)
+    return Drawn(unit, one, other, apart, factor * each.parting.band)
+
+
+def unwound(each: Apart) -> tuple[Line, Line]:
+    """Return both angles at their common instants, the second near the first."""
+    time, difference = each.both.time, each.both.difference
+    known = np.isfinite(each.both.a)
+    a = np.full(len(time), np.nan)
+    a[known] = np.unwrap(each.both.a[known])
+    return broken(Line(time, a)), broken(Line(time, a + difference))
+
+
+def packed(values: NDArray[np.float64]) -> dict[str, str]:
+    """Return numbers as plotly takes them in binary: single precision, base 64."""
+    return {'dtype': 'f4', 'bdata': b64encode(values.astype('<f4').tobytes()).decode()}
+
+
+def packed_channel(each: Apart, points: int) -> dict[str, object]:
+    """Return what the page needs to draw a channel that somebody picks."""
+    shown = drawn(each, points)
+    found: dict[str, object] = {
+        'unit': shown.unit,
+        'band': shown.band,
+        'at': each.parting.at,
+        'lines': [
+            {'x': packed(line.time), 'y': packed(line.values)}
+            for line in (shown.a, shown.b, shown.difference)
+        ],
+    }
+    return found

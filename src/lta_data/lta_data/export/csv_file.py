@@ -1,0 +1,34 @@
+"""A topic as CSV: one line of names, no comments; the units of all files stand in units.csv."""
+
+from collections.abc import Iterable, Iterator
+import csv
+from pathlib import Path
+from typing import Final
+
+from lta_data.bag.table import arrow_field
+from lta_data.export.source import Source
+import pyarrow as arrow
+from pyarrow import csv as arrow_csv
+
+UNITS: Final = 'units.csv'
+
+
+def write_csv(source: Source, path: Path) -> Iterator[int]:
+    """Write a file and yield the number of rows of each stretch that is in it."""
+    fields = [arrow_field(name, kind, source.units) for name, kind in source.declared.items()]
+    schema = arrow.schema(fields)
+    with arrow_csv.CSVWriter(path, schema) as file:
+        for part in source.parts():
+            arrays = [arrow.array(values) for values in part.values()]
+            file.write_table(arrow.table(arrays, schema=schema))
+            yield len(arrays[0])
+
+
+def write_units(files: Iterable[tuple[str, Source]], folder: Path) -> None:
+    """Write the unit of each column of each file; '' where nobody says."""
+    with (folder / UNITS).open('w', newline='', encoding='utf-8') as file:
+        writer = csv.writer(file)
+        writer.writerow(['file', 'topic', 'column', 'unit'])
+        for name, source in files:
+            for column in source.declared:
+                writer.writerow([name, source.name, column, source.units.get(column, '')])

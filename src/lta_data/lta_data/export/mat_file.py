@@ -1,0 +1,94 @@
+"""
+A topic as a MATLAB file (version 5): one struct, its fields as the message's.
+
+`odom.pose.pose.position.x` is a column, `odom.pose.covariance` a matrix with a row a message, and
+`units.pose.pose.position.x` is 'm'. MATLAB wants a whole variable at once: the topic has to fit
+into the memory, and into 2 GB.
+"""
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+import re
+from typing import Any, Final
+
+from lta_config.errors import BadInput
+from lta_data.export.source import Source
+import numpy as np
+from scipy.io import savemat
+
+LARGEST: Final = 2**31 - 1  # bytes of a variable
+LONGEST: Final = 63  # letters of a name
+UNITS: Final = 'units'
+_INDEX: Final = re.compile(r'\[(\d+)\]')
+_LAST: Final = re.compile(r'(.*)\[(\d+)\]')
+
+Struct = dict[str, Any]
+
+
+def write_mat(source: Source, path: Path) -> Iterator[int]:
+    """
+    Write a file and yield the number of rows.
+
+    Raises
+    ------
+    BadInput
+        If the topic is too large for the format.
+
+    """
+    parts, size = [], 0
+    for part in source.parts():
+        size += sum(values.nbytes for values in part.values())
+        if size > LARGEST:
+            raise BadInput(
+                f"'{source.name}' is larger than the 2 GB that a MATLAB file can hold; leave it "
+                'out with --topics, or export it with --format parquet.'
+            )
+        parts.append(part)
+    columns = {
+        name: np.concatenate([part[name] for part in parts]) if parts else np.empty(0, kind)
+        for name, kind in source.declared.items()
+    }
+    values: Struct = {}
+    units: Struct = {}
+    for name, column in matrices(columns).items():
+        shown = column.astype(object) if column.dtype.kind == 'U' else column
+        unit = source.units.get(name, source.units.get(f'{name}[0]', ''))
+        place(values, name, shown if shown.ndim == 2 else shown[:, None])
+        place(units, name, unit)
+    content = {legal(source.name): values, UNITS: units}
+    savemat(path, content, long_field_names=True, do_compression=True, oned_as='column')
+    yield len(columns['time'])
+
+
+def matrices(columns: Mapping[str, np.ndarray[Any, Any]]) -> dict[str, np.ndarray[Any, Any]]:
+    """Return columns with the elements of each array of numbers together, shape (n, elements)."""
+    found: dict[str, Any] = {}
+    for name, values in columns.items():
+        element = _LAST.fullmatch(name)
+        if element is None or values.dtype.kind == 'U':
+            found[name] = values
+        else:
+            found.setdefault(element.group(1), []).append(values)
+    return {
+        name: np.stack(values, axis=1) if isinstance(values, list) else values
+        for name, values in found.items()
+    }
+
+
+def place(struct: Struct, path: str, value: object) -> None:
+    """Put a value into a struct of structs."""
+    *outer, last = [legal(part) for part in re.split('[./]', path)]
+    for name in outer:
+        inside = struct.setdefault(name, {})
+        if not isinstance(inside, dict):  # a name that is a value already
+            inside = struct.setdefault(f'{name}_'[:LONGEST], {})
+        struct = inside
+    while last in struct:
+        last = f'{last}_'
+    struct[last] = value
+
+
+def legal(name: str) -> str:
+    """Return a name as MATLAB takes it: letters, digits and underscores, a letter in front."""
+    plain = re.sub(r'\W', '_', _INDEX.sub(r'_\1', name), flags=re.ASCII).strip('_')
+    return (plain if plain[:1].isalpha() else f'x{plain}')[:LONGEST]

@@ -1,0 +1,21 @@
+"""A topic as Parquet: a row group a stretch, units in the fields' metadata."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from lta_data.bag.table import arrow_field
+from lta_data.export.source import Source
+import pyarrow as arrow
+from pyarrow import parquet
+
+
+def write_parquet(source: Source, path: Path) -> Iterator[int]:
+    """Write a file and yield the number of rows of each stretch that is in it."""
+    fields = [arrow_field(name, kind, source.units) for name, kind in source.declared.items()]
+    about = {'topic': source.name, 'type': source.kind}
+    schema = arrow.schema(fields, metadata=about)
+    with parquet.ParquetWriter(path, schema, compression='zstd') as file:
+        for part in source.parts():
+            arrays = [arrow.array(values) for values in part.values()]
+            file.write_table(arrow.table(arrays, schema=schema))
+            yield len(arrays[0])

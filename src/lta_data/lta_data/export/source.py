@@ -1,0 +1,191 @@
+"""
+What goes into a file: the columns of a topic, a stretch at a time.
+
+A topic larger than a stretch is gone through twice: once to learn which columns its messages have
+in all, once to write them. So the memory holds one stretch, whatever the size of the bag.
+
+Blocks of the photodiodes become one row a sampling instant, point clouds one row a point; pixels
+of other images are left out.
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
+from typing import Any, Final, final, NamedTuple
+
+from lta_config.topics import topic_table
+from lta_data.bag.flight import Flight
+from lta_data.bag.merge import Columns
+from lta_data.bag.recording import CLOUD, IMAGE, joints_of, table_from
+from lta_data.bag.table import STAMP, Table, TIME
+from lta_data.bag.units import unit_of
+import numpy as np
+from numpy.typing import NDArray
+
+ROWS: Final = 16384  # messages in a stretch
+BLOCKS: Final = 512  # of the photodiodes, 16 kB each
+CLOUDS: Final = 1024
+DIODES: Final = 'photodiodes'
+FIXED: Final = {STAMP: 'ns', TIME: 's'}  # columns that every file has, with their units
+
+
+@final
+class Source(NamedTuple):
+    """
+    The columns of one file.
+
+    Attributes
+    ----------
+    name : str
+        The topic, or what else the file holds.
+    kind : str
+        Message type; '' where there is none.
+    declared : dict of str to dtype
+        All columns in order; text columns are of kind U.
+    units : dict of str to str
+        Unit of the columns that have one.
+    parts : callable
+        Returns an iterator over the rows, a stretch at a time; each stretch has all columns.
+    remark : str
+        A sentence on what is left out; '' where nothing is.
+
+    """
+
+    name: str
+    kind: str
+    declared: dict[str, np.dtype[Any]]
+    units: dict[str, str]
+    parts: Callable[[], Iterator[Columns]]
+    remark: str = ''
+
+
+def source_of(flight: Flight, topic: str) -> Source:
+    """Return what the file of a topic holds; `BadInput` if the topic cannot be decoded."""
+    kind = flight.type_of(topic)
+    if kind == CLOUD:
+        units = partial(unit_of, kind, topic=topic)
+        return source(topic, kind, partial(point_rows, flight, topic), units)
+    if topic == DIODES and kind == IMAGE:
+        return source(topic, kind, partial(sample_rows, flight), sample_unit)
+    remark = f"The pixels of '{topic}' are left out." if kind == IMAGE else ''
+    return series_source(flight, topic, kind)._replace(remark=remark)
+
+
+def source_of_table(table: Table, name: str) -> Source:
+    """Return what the file of a table holds."""
+    columns = {STAMP: table.stamp_ns, TIME: table.time} | {each: table[each] for each in table}
+    declared = {column: values.dtype for column, values in columns.items()}
+    return Source(name, '', declared, FIXED | table.units, lambda: iter([columns]))
+
+
+def source(
+    topic: str, kind: str, rows: Callable[[], Iterator[Columns]], unit: Callable[[str], str]
+) -> Source:
+    """Return a source of columns that need no names from elsewhere."""
+    declared: dict[str, np.dtype[Any]] = {}
+    for part in rows():
+        widen(declared, part)
+    whole = with_clock(declared)
+    units = {column: unit(column) for column in whole if unit(column)} | FIXED
+    return Source(topic, kind, whole, units, partial(completed, rows, whole))
+
+
+def series_source(flight: Flight, topic: str, kind: str) -> Source:
+    """Return a source of messages of numbers; joints are called by their names."""
+    parts = partial(flight.parts, topic, ROWS)
+    if flight.bag.topics[flight.absolute(topic)].count <= ROWS:
+        kept = list(parts())
+        parts = partial(iter, kept)
+    joints: dict[str, str] | None = None
+    declared: dict[str, np.dtype[Any]] = {}
+    units: dict[str, str] = {}
+    for series in parts():
+        found = joints_of(series)
+        joints = found if joints is None or joints == found else {}
+        table = table_from(flight, topic, series, {})
+        units |= table.units
+        widen(declared, {column: table[column] for column in table})
+    names = joints or {}
+
+    def rows() -> Iterator[Columns]:
+        for series in parts():
+            table = table_from(flight, topic, series, names)
+            yield {STAMP: table.stamp_ns, TIME: table.time} | {each: table[each] for each in table}
+
+    renamed = with_clock({names.get(path, path): type_ for path, type_ in declared.items()})
+    units = {names.get(path, path): unit for path, unit in units.items()} | FIXED
+    return Source(topic, kind, renamed, units, partial(completed, rows, renamed))
+
+
+def with_clock(declared: Mapping[str, np.dtype[Any]]) -> dict[str, np.dtype[Any]]:
+    """Return columns with those of the time in front."""
+    return {STAMP: np.dtype(np.int64), TIME: np.dtype(np.float64), **declared}
+
+
+def widen(declared: dict[str, np.dtype[Any]], part: Columns) -> None:
+    """Take note of the columns of a stretch: types that hold what all stretches have."""
+    for column in declared.keys() - part.keys():
+        if declared[column].kind not in 'fU':
+            declared[column] = np.dtype(np.float64)  # NaN where it is missing
+    started = bool(declared)
+    for column, values in part.items():
+        known = declared.get(column)
+        if known is None:
+            missing = started and values.dtype.kind not in 'fU'
+            declared[column] = np.dtype(np.float64) if missing else values.dtype
+        elif known != values.dtype:
+            declared[column] = np.promote_types(known, values.dtype)
+
+
+def completed(
+    rows: Callable[[], Iterator[Columns]], declared: Mapping[str, np.dtype[Any]]
+) -> Iterator[Columns]:
+    """Yield stretches with all columns, NaN or '' where a stretch lacks one."""
+    for part in rows():
+        count = len(part[STAMP])
+        yield {
+            column: part[column].astype(kind, copy=False)
+            if column in part
+            else np.full(count, '' if kind.kind == 'U' else np.nan, kind)
+            for column, kind in declared.items()
+        }
+
+
+def sample_rows(flight: Flight) -> Iterator[Columns]:
+    """Yield the samples of the photodiodes, one row a sampling instant."""
+    period = round(1e9 / topic_table().light.sample_rate.si)
+    for time, samples in flight.block_parts(DIODES, BLOCKS):
+        count = samples.shape[1]
+        inside = np.tile(np.arange(count), len(samples))
+        stamps = np.repeat(stamps_of(flight, time), count) + inside * period
+        table = samples.reshape(-1, samples.shape[2])
+        diodes = {f'diode[{index}]': column for index, column in enumerate(table.T)}
+        yield clock(flight, stamps) | {'sample': inside} | diodes
+
+
+def sample_unit(column: str) -> str:
+    """Return the unit of a column of samples."""
+    return unit_of(IMAGE, 'data', DIODES) if column.startswith('diode') else ''
+
+
+def point_rows(flight: Flight, topic: str) -> Iterator[Columns]:
+    """Yield the points of clouds, one row a point; a cloud with fewer has fewer rows."""
+    for time, fields in flight.point_parts(topic, CLOUDS):
+        if not fields:
+            continue
+        table = np.stack(list(fields.values()))
+        _, clouds, most = table.shape
+        there = ~np.isnan(table).all(axis=0).ravel()
+        stamps = np.repeat(stamps_of(flight, time), most)[there]
+        index = np.tile(np.arange(most), clouds)[there]
+        columns = {name: values.ravel()[there] for name, values in fields.items()}
+        yield clock(flight, stamps) | {'point': index} | columns
+
+
+def clock(flight: Flight, stamps: NDArray[np.int64]) -> Columns:
+    """Return the columns of the time."""
+    return {STAMP: stamps, TIME: (stamps - flight.start).astype(np.float64) * 1e-9}
+
+
+def stamps_of(flight: Flight, time: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Return the stamps of times since the start. [ns]"""
+    return flight.start + np.rint(time * 1e9).astype(np.int64)

@@ -1,0 +1,87 @@
+"""Channels as one picture: a page, or a PNG of it."""
+
+from collections.abc import Sequence
+from html import escape
+from pathlib import Path
+import tempfile
+from typing import Final
+
+from lta_data.bag.channels import Channel
+from lta_report.drawing import blank, thinned
+from lta_report.formatting import number, Tile
+from lta_report.frame import framed, written
+from lta_report.palette import ESTIMATE, GOOD, LAMP, SETPOINT, TIME, TRUTH
+from lta_report.pieces import section, tile_html
+from lta_report.screenshots import picture
+import numpy as np
+from plotly.graph_objects import Figure, Scatter
+
+COLOURS: Final = (TRUTH, ESTIMATE, GOOD, LAMP, TIME[0], SETPOINT, TIME[2])
+LINE: Final = 20  # px of a line of the legend
+TILES: Final = 8
+NAME: Final = 'channels'
+Panels = Sequence[tuple[str, list[Channel]]]
+
+
+def drawing(unit: str, shown: Sequence[Channel], span: tuple[float, float]) -> Figure:
+    """Return channels of one unit over time."""
+    figure = blank()
+    for k, channel in enumerate(shown):
+        time, values = thinned(channel.time, channel.values)
+        figure.add_trace(
+            Scatter(
+                x=time,
+                y=values,
+                name=channel.name,
+                mode='lines',
+                line={'color': COLOURS[k % len(COLOURS)], 'width': 1.6},
+                hovertemplate=f'%{{y:.4g}} {unit}',
+            )
+        )
+    figure.update_yaxes(title_text=f'[{unit}]' if unit else '')
+    figure.update_xaxes(range=list(span), hoverformat='.3f', unifiedhovertitle_text='%{x} s')
+    figure.update_xaxes(title_text='time [s]')
+    legend = {'orientation': 'h', 'x': 0, 'y': 1.0, 'yanchor': 'bottom', 'font': {'size': 11}}
+    top = LINE * -(-len(shown) // 3) + 12
+    return figure.update_layout(showlegend=True, legend=legend, margin={'t': top, 'r': 12})
+
+
+def page(title: str, panels: Panels, span: tuple[float, float], facts: dict[str, str]) -> str:
+    """Return the whole page."""
+    every = [channel for _, shown in panels for channel in shown]
+    pictures = [
+        section(f'unit-{k}', heading(shown), '', drawing(unit, shown, span), timed=True)
+        for k, (unit, shown) in enumerate(panels)
+    ]
+    return framed(
+        'plot.html',
+        title=escape(title),
+        kicker=escape(f'{len(every)} channels, {number(span[0], 1)} to {number(span[1], 1)} s'),
+        about='As recorded; angles in degrees, without jumps.',
+        tiles='\n'.join(tile_html(*tile(channel)) for channel in every[:TILES]),
+        pictures='\n'.join(pictures),
+        facts=facts,
+    )
+
+
+def heading(shown: Sequence[Channel]) -> str:
+    """Return the topics of some channels."""
+    return ', '.join(dict.fromkeys(channel.topic for channel in shown))
+
+
+def tile(channel: Channel) -> Tile:
+    """Return the mean of a channel with its range."""
+    finite = channel.values[np.isfinite(channel.values)]
+    if not len(finite):
+        return Tile(channel.name, number(None), channel.unit, 'no value')
+    ends = f'{finite.min():.4g} to {finite.max():.4g}'
+    return Tile(channel.name, f'{finite.mean():.4g}', channel.unit, f'mean; {ends}')
+
+
+def write_png(text: str, out: Path) -> Path:
+    """Write the page's picture as PNG; `BadInput` without a browser or where it cannot be."""
+    with tempfile.TemporaryDirectory() as folder:
+        made = written(text, Path(folder) / 'plot.html')
+        shot = Path(folder) / 'plot.png'
+        picture(made, shot, NAME)
+        return written(shot.read_bytes(), out)

@@ -1,0 +1,133 @@
+"""Channels on a terminal: a line of blocks each, or curves in braille dots."""
+
+from collections.abc import Iterable, Sequence
+from typing import Final
+
+from lta_data.bag.channels import Channel
+from lta_report.braille import Canvas
+import numpy as np
+from numpy.typing import NDArray
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+BLOCKS: Final = '▁▂▃▄▅▆▇█'
+SPARK: Final = 32  # characters of a line of blocks
+FIGURES: Final = 36  # characters of the unit and the extremes with the blanks between
+FEW: Final = 8  # the least, where long names leave no room
+HEIGHT: Final = 10  # characters of a panel
+MARGIN: Final = 12  # characters left of it
+STYLES: Final = ('cyan', 'yellow', 'magenta', 'green', 'red', 'blue', 'white')
+
+
+def figure(value: float) -> str:
+    """Return a number in few characters."""
+    return f'{value:.4g}' if np.isfinite(value) else ''
+
+
+def sparkline(values: NDArray[np.float64], width: int = SPARK) -> str:
+    """
+    Return means of even stretches as blocks of eight heights, or a word where nothing changes.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        In order; a stretch without finite ones is blank.
+    width : int
+        Characters.
+
+    """
+    finite = values[np.isfinite(values)]
+    if not len(finite):
+        return 'no value'
+    low, high = float(finite.min()), float(finite.max())
+    if low == high:
+        return 'constant'
+    found = []
+    for part in np.array_split(values, min(width, len(values))):
+        inside = part[np.isfinite(part)]
+        share = (inside.mean() - low) / (high - low) if len(inside) else 0.0
+        found.append(BLOCKS[min(7, int(8 * share))] if len(inside) else ' ')
+    return ''.join(found)
+
+
+def listing(found: Iterable[Channel], width: int) -> Table:
+    """Return every channel with its range and its course in a line, in so many characters."""
+    found = list(found)
+    longest = max((len(channel.name) for channel in found), default=0)
+    # Names are for copying, so they come whole if they can.
+    spark = max(FEW, min(SPARK, width - longest - FIGURES))
+    table = Table(box=None, pad_edge=False)
+    table.add_column('channel', overflow='fold')
+    for name in ('unit', 'least', 'most'):
+        table.add_column(name, justify='right', no_wrap=True)
+    table.add_column('over time', no_wrap=True)
+    for channel in found:
+        finite = channel.values[np.isfinite(channel.values)]
+        ends = ('', '') if not len(finite) else (figure(finite.min()), figure(finite.max()))
+        table.add_row(channel.name, channel.unit, *ends, sparkline(channel.values, spark))
+    return table
+
+
+def curves(unit: str, shown: Sequence[Channel], span: tuple[float, float], width: int) -> Text:
+    """
+    Return channels of one unit as curves over time.
+
+    Parameters
+    ----------
+    unit : str
+        Of the axis.
+    shown : sequence of Channel
+        What to draw.
+    span : tuple of float
+        First and last instant. [s]
+    width : int
+        Characters.
+
+    """
+    canvas = Canvas(max(8, width - MARGIN), HEIGHT)
+    every = np.concatenate([channel.values for channel in shown])
+    every = every[np.isfinite(every)]
+    low, high = (float(every.min()), float(every.max())) if len(every) else (0.0, 1.0)
+    for k, channel in enumerate(shown):
+        draw(canvas, channel, span, (low, high), STYLES[k % len(STYLES)])
+    labels = {0: figure(high), HEIGHT - 1: figure(low), HEIGHT // 2: f'[{unit}]' if unit else ''}
+    found = Text()
+    for row, line in enumerate(canvas.lines()):
+        found.append(f'{labels.get(row, ""):>{MARGIN - 2}} ', 'dim').append('│', 'dim')
+        found.append_text(line).append('\n')
+    ends = [f'{figure(time)} s' for time in span]
+    gap = canvas.width - sum(map(len, ends))
+    found.append(f'{"":{MARGIN - 1}}└{ends[0]}{"─" * max(1, gap)}{ends[1]}\n', 'dim')
+    for k, channel in enumerate(shown):
+        found.append(f'{"":{MARGIN}}━━ ', STYLES[k % len(STYLES)]).append(f'{channel.name}\n')
+    return found
+
+
+def draw(
+    canvas: Canvas,
+    channel: Channel,
+    span: tuple[float, float],
+    ends: tuple[float, float],
+    style: str,
+) -> None:
+    """Draw a curve: in each column of dots the whole range of its values."""
+    known = np.isfinite(channel.values)
+    time, values = channel.time[known], channel.values[known]
+    length, height = span[1] - span[0], ends[1] - ends[0]
+    columns, rows = 2 * canvas.width, 4 * canvas.height
+    across = np.floor((time - span[0]) / (length or 1.0) * (columns - 1)).astype(int)
+    share = (values - ends[0]) / height if height else np.full(len(values), 0.5)
+    down = np.round((1.0 - share) * (rows - 1)).astype(int)
+    for column in np.unique(across):
+        inside = down[across == column]
+        for row in range(int(inside.min()), int(inside.max()) + 1):
+            canvas.dot(float(column), float(row), style)
+
+
+def show(
+    panels: Iterable[tuple[str, list[Channel]]], span: tuple[float, float], console: Console
+) -> None:
+    """Print each axis with its channels."""
+    for unit, shown in panels:
+        console.print(curves(unit, shown, span, console.width), soft_wrap=True)

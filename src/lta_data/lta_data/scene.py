@@ -1,0 +1,53 @@
+"""The world of a flight, from the scenario and vehicle files that its bag carries."""
+
+from collections.abc import Mapping
+from functools import lru_cache
+from typing import final, NamedTuple, TypeVar
+
+from lta_config.errors import BadInput
+from lta_config.files import parse_yaml
+from lta_config.schema.vehicle_file import VehicleFile
+from lta_config.sentence import sentence
+from lta_model.scenario import Scenario
+from pydantic import BaseModel, ValidationError
+
+Model = TypeVar('Model', bound=BaseModel)
+
+
+@final
+class Scene(NamedTuple):
+    """What the bag tells of world and vehicle; None where it does not tell."""
+
+    scenario: Scenario | None
+    vehicle: VehicleFile | None
+
+
+def scene_of(provenance: Mapping[str, str]) -> Scene:
+    """
+    Return the world of a flight from its bag's provenance.
+
+    Raises
+    ------
+    BadInput
+        If the bag carries a file that cannot be read.
+
+    """
+    return Scene(
+        parsed(Scenario, provenance, 'scenario_file'),
+        parsed(VehicleFile, provenance, 'vehicle_file'),
+    )
+
+
+def parsed(model: type[Model], provenance: Mapping[str, str], key: str) -> Model | None:
+    """Return one file of the provenance, checked against its model; None if it is not there."""
+    return _read(model, provenance[key], key) if key in provenance else None
+
+
+@lru_cache(maxsize=32)  # a study reads the same few files often; the models are frozen
+def _read(model: type[Model], text: str, key: str) -> Model:
+    try:
+        return model.model_validate(parse_yaml(text, f"The bag's {key}"))
+    except ValidationError as error:
+        raise BadInput(
+            f"The bag's {key} is not one that this version reads: {sentence(error)}"
+        ) from error

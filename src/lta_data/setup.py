@@ -1,0 +1,21 @@
+"""Install lta_data as an ament_python package."""
+
+from setuptools import find_packages, setup
+
+setup(
+    name='lta_data',
+    version='1.0.0',
+    packages=find_packages(),
+    package_data={'lta_data': ['py.typed']},
+    data_files=[
+        ('share/ament_index/resource_index/packages', ['resource/lta_data']),
+        ('share/lta_data', ['package.xml']),
+    ],
+    install_requires=['setuptools'],
+    zip_safe=False,
+    maintainer='LTA maintainers',
+    maintainer_email='maintainers@users.noreply.github.com',
+    description='Recordings: read, import, export, check, compare and plot them.',
+    license='Apache-2.0',
+    entry_points={'console_scripts': []},
+)

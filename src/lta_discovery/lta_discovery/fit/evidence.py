@@ -1,0 +1,370 @@
+"""
+What the data say about knobs, once states, latent forces and tolerances have had their share.
+
+Everything is Gaussian about a point: a piece's own unknowns (states at its beginning, knots of
+the latent wrench, pressure) are eliminated piece by piece, then the nuisances; what is left of a
+candidate's column is its `information`, what is left of its product with the residual its `pull`.
+Where the model is true, pull / sqrt(information) is drawn from N(0, 1).
+"""
+
+from collections.abc import Mapping, Sequence
+from copy import copy
+from dataclasses import dataclass, replace
+from typing import Final, final, NamedTuple
+
+from lta_discovery.fit.triangular import invert_lower, solve_lower
+from lta_discovery.flights.windows import LENGTH
+from lta_discovery.model.candidates import components
+from lta_discovery.model.knobs import Knob
+from lta_discovery.model.nominal import Nominal
+from lta_discovery.replay.linear import AXES, Linear, Point
+from lta_discovery.replay.tangent import WIDTH
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+# Of a state from a cubic through half a second of poses: m, rad, m/s, rad/s.
+STATE: Final = np.array([0.02] * 3 + [0.035] * 3 + [0.08] * 3 + [0.08] * 3)
+PIECE_PRESSURE: Final = 0.6  # Pa; 5 cm of air
+OWN: Final = np.array([2.4, 0.006, 0.006, 0.006])  # of SENSORS: 20 cm of air; parts of 1
+MEMORY: Final = 1.5  # s; over which a latent force forgets itself
+# Least standard deviation of the latent force [N] and moment [N m] worth speaking of, for a blimp
+# of this mass [kg] and inertia [kg m2]; it grows with them (`floor_of`).
+FLOOR: Final = np.array([4e-4, 4e-4, 4e-4, 8e-5, 8e-5, 4e-5])
+MASS: Final = 0.415  # kg; of the vehicle of which the floor is
+INERTIA: Final = np.array([0.039, 0.039, 0.028])
+Sizes = Mapping[str, float]
+NO_SIZES: Final[Sizes] = {}
+USUAL: Final = 1.3  # floors; median of the prior of a standard deviation
+LOOSE: Final = 0.7  # standard deviation of its logarithm
+
+
+def knot_precision(knots: int, length: float = LENGTH) -> Array:
+    """
+    Return the inverse covariance of the knots of one axis, for a standard deviation of 1.
+
+    An Ornstein-Uhlenbeck process, evenly sampled: the inverse has three diagonals.
+    """
+    kept = np.exp(-length / (knots - 1) / MEMORY)
+    out = np.diag(np.full(knots, 1.0 + kept**2))
+    out[0, 0] = out[-1, -1] = 1.0
+    step = np.arange(knots - 1)
+    out[step, step + 1] = out[step + 1, step] = -kept
+    precision: Array = out / (1.0 - kept**2)
+    return precision
+
+
+def floor_of(nominal: Nominal) -> Array:
+    """Return the least latent wrench worth speaking of for a vehicle, shape (6,). [N, N m]"""
+    inertia = np.diag(nominal.inertia) / INERTIA
+    floor: Array = FLOOR * np.concatenate([np.full(3, nominal.mass / MASS), inertia])
+    return floor
+
+
+@final
+class Prior(NamedTuple):
+    """
+    What is known beforehand of knobs, and then of the errors of the sensors (SENSORS).
+
+    Attributes
+    ----------
+    mean : ndarray, shape (G,)
+        How far each is turned from the vehicle file.
+    covariance : ndarray, shape (G, G)
+        Rows and columns of 0 hold a knob.
+
+    """
+
+    mean: Array
+    covariance: Array
+
+    @property
+    def free(self) -> NDArray[np.bool_]:
+        """Which knobs can move."""
+        return np.diag(self.covariance) > 0.0
+
+
+def tolerances(knobs: Sequence[Knob], named: Sequence[str] = (), sizes: Sizes = NO_SIZES) -> Prior:
+    """
+    Return the prior in which some candidates are there and the others are not.
+
+    Parameters
+    ----------
+    knobs : sequence of Knob
+        All.
+    named : sequence of str
+        Candidates that are there; of a vector, any component stands for all.
+    sizes : mapping of str to float
+        How many typical sizes each may have, where it is not one (`naming.scan.SIZES`).
+
+    """
+    there = {one: sizes.get(name, 1.0) for name in named for one in components(name)}
+    variance = [
+        knob.tolerance**2 + (there.get(knob.name, 0.0) * knob.typical) ** 2 for knob in knobs
+    ]
+    covariance = np.diag([*variance, *OWN**2])
+    return Prior(np.zeros(len(covariance)), covariance)
+
+
+def own_variance(knobs: Sequence[Knob]) -> Array:
+    """Return the variance of what is drawn anew for each flight, 0 for what flights share."""
+    trims = [knob.tolerance**2 if knob.per_flight else 0.0 for knob in knobs]
+    return np.array([*trims, *OWN**2])
+
+
+def shared(knobs: Sequence[Knob], named: Sequence[str] = (), sizes: Sizes = NO_SIZES) -> Prior:
+    """Return the prior of what flights share: `tolerances` less what is each one's own."""
+    both = tolerances(knobs, named, sizes)
+    return Prior(both.mean, both.covariance - np.diag(own_variance(knobs)))
+
+
+def learned(before: 'Fitted', widened: float = 1.5) -> Prior:
+    """
+    Return what some flights say about the next: their posterior, a little wider.
+
+    Parameters
+    ----------
+    before : Fitted
+        What the other flights share, after them.
+    widened : float
+        Factor on the covariance.
+
+    """
+    return Prior(before.mean, widened * before.covariance)
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Reduced:
+    """
+    A flight with the unknowns of its pieces eliminated.
+
+    Attributes
+    ----------
+    products : ndarray, shape (G + 1, G + 1)
+        Of the columns of the knobs and the residual, in the inverse covariance that is left.
+    constant : float
+        Of the log evidence: of the pieces' unknowns and the readings, less the noise levels.
+
+    """
+
+    products: Array
+    constant: float
+
+
+@final
+class Solved(NamedTuple):
+    """
+    The latent wrench of a flight's pieces, solved for some deviations.
+
+    Attributes
+    ----------
+    reduced : Reduced
+        The flight without its pieces' unknowns.
+    inverse : ndarray, shape (S, L, L)
+        Covariance of the wrench at the knots, all knobs held.
+    answer : ndarray, shape (S, L, G + 1)
+        How the wrench answers to the knobs; the last is how far it moves from the point where they
+        are held.
+
+    """
+
+    reduced: Reduced
+    inverse: Array
+    answer: Array
+
+
+@final
+class Pieces:
+    """
+    The pieces of a flight, ready to be reduced for any deviations of the latent wrench.
+
+    Parameters
+    ----------
+    linear : Linear
+        The flight about a point.
+
+    """
+
+    def __init__(self, linear: Linear) -> None:
+        self.linear = linear
+        latent, random = slice(WIDTH, WIDTH + AXES * linear.knots), linear.random
+        keep = np.r_[latent, random : linear.grams.shape[1]]
+        out = np.r_[0:WIDTH, random - 1]
+        precision = np.concatenate([STATE**-2.0, [PIECE_PRESSURE**-2.0]])
+        mean = -linear.point.random[:, out]
+        self._grams, self._constant = eliminated(linear.grams, keep, out, np.diag(precision), mean)
+        self._knots = knot_precision(linear.knots)
+        self._mean = -linear.point.random[:, latent]
+
+    def narrowed(self, kept: NDArray[np.int64]) -> 'Pieces':
+        """Return the flight with only some columns, for what needs no more than to be reduced."""
+        out, point = copy(self), self.linear.point
+        names = tuple(self.linear.names[k] for k in kept)
+        out.linear = replace(
+            self.linear, names=names, point=replace(point, values=point.values[kept])
+        )
+        count = AXES * self.linear.knots
+        index = np.concatenate([np.arange(count), count + kept, [self._grams.shape[1] - 1]])
+        out._grams = self._grams[:, index[:, None], index]
+        return out
+
+    def reduced(self, deviations: Array) -> Reduced:
+        """
+        Return the flight without its pieces' unknowns.
+
+        Parameters
+        ----------
+        deviations : ndarray, shape (6,)
+            Of the latent force [N] and moment [N m].
+
+        """
+        precision, count = self._precision(deviations), AXES * self.linear.knots
+        keep = np.arange(count, self._grams.shape[1])
+        products, constant = eliminated(self._grams, keep, np.arange(count), precision, self._mean)
+        return self._summed(products, constant)
+
+    @property
+    def latent(self) -> Array:
+        """The latent wrench at the knots where the flight stands, shape (S, L)."""
+        return -self._mean
+
+    def solution(self, deviations: Array) -> Solved:
+        """Return the same as `reduced`, with what it takes to see how it answers to them."""
+        precision, count = self._precision(deviations), AXES * self.linear.knots
+        inner = self._grams[:, :count, :count] + precision
+        cross = self._grams[:, :count, count:].copy()
+        pull = self._mean @ precision
+        cross[:, :, -1] += pull
+        root = np.linalg.cholesky(inner)
+        back = invert_lower(root)
+        inverse: Array = np.swapaxes(back, 1, 2) @ back
+        answer = inverse @ cross
+        left = self._grams[:, count:, count:] - np.swapaxes(cross, 1, 2) @ answer
+        left[:, -1, -1] += np.sum(pull * self._mean, axis=1)
+        logs = np.linalg.slogdet(precision)[1]
+        logs = logs - 2.0 * np.log(np.diagonal(root, axis1=1, axis2=2)).sum(axis=1)
+        return Solved(self._summed(left, 0.5 * logs), inverse, answer)
+
+    def _precision(self, deviations: Array) -> Array:
+        """Return the inverse covariance of the latent wrench of a piece."""
+        return _by_axis(deviations, self._knots)
+
+    def _summed(self, products: Array, constant: Array) -> Reduced:
+        """Return what all pieces say together."""
+        rows = -0.5 * np.log(2.0 * np.pi) * self.linear.rows.sum()
+        return Reduced(products.sum(axis=0), self._constant.sum() + constant.sum() + rows)
+
+    def solved(self, deviations: Array, change: Array) -> Array:
+        """
+        Return the most probable unknowns of each piece, given how far knobs move from the point.
+
+        Parameters
+        ----------
+        deviations : ndarray, shape (6,)
+            Of the latent wrench.
+        change : ndarray, shape (G,)
+            Of the knobs, from the point.
+
+        Returns
+        -------
+        ndarray, shape (S, R)
+            Themselves, not their change.
+
+        """
+        precision = unknown_precision(deviations, self.linear.knots)
+        grams, before, random = self.linear.grams, self.linear.point.random, self.linear.random
+        right = grams[:, :random, -1] - grams[:, :random, random:-1] @ change
+        right = right - before @ precision
+        moved = np.linalg.solve(grams[:, :random, :random] + precision, right[..., None])
+        return before + moved[..., 0]
+
+
+def unknown_precision(deviations: Array, knots: int) -> Array:
+    """Return the inverse covariance of a piece's unknowns, shape (R, R)."""
+    out = np.diag(np.concatenate([STATE**-2.0, np.zeros(AXES * knots), [PIECE_PRESSURE**-2.0]]))
+    latent = slice(WIDTH, WIDTH + AXES * knots)
+    out[latent, latent] = _by_axis(deviations, knot_precision(knots))
+    return out
+
+
+def _by_axis(deviations: Array, knots: Array) -> Array:
+    """Return the inverse covariance of the knots of all axes, from that of one of deviation 1."""
+    return np.asarray(np.kron(np.diag(deviations**-2.0), knots), dtype=np.float64)
+
+
+def eliminated(
+    grams: Array, keep: NDArray[np.int64], out: NDArray[np.int64], precision: Array, mean: Array
+) -> tuple[Array, Array]:
+    """Return products without some columns that have a prior, and the log evidence's constant."""
+    inner = grams[:, out[:, None], out] + precision
+    cross = grams[:, out[:, None], keep].copy()
+    pull = mean @ precision
+    cross[:, :, -1] += pull
+    root = np.linalg.cholesky(inner)
+    half = solve_lower(root, cross)
+    left = grams[:, keep[:, None], keep] - np.swapaxes(half, 1, 2) @ half
+    left[:, -1, -1] += np.sum(pull * mean, axis=1)
+    own = np.linalg.slogdet(precision)[1]
+    logs = np.log(np.diagonal(root, axis1=1, axis2=2)).sum(axis=1)
+    return left, 0.5 * own - logs
+
+
+class Fitted(NamedTuple):
+    """The knobs after the data: log evidence, mean from the vehicle file, and covariance."""
+
+    log_evidence: float
+    mean: Array
+    covariance: Array
+
+
+def fitted(reduced: Reduced, at: Array, prior: Prior) -> Fitted:
+    """
+    Return the posterior of the knobs, and the log evidence.
+
+    Parameters
+    ----------
+    reduced : Reduced
+        The flight.
+    at : ndarray, shape (G,)
+        Where the knobs stand at the point.
+    prior : Prior
+        What is known of them; those that it holds stay where the point has them.
+
+    """
+    free = prior.free
+    wide = prior.covariance[np.ix_(free, free)]
+    precision = np.linalg.inv(wide)
+    mean = (prior.mean - at)[free]
+    index = np.append(np.flatnonzero(free), len(free))
+    products = reduced.products[index[:, None], index]
+    root = np.linalg.cholesky(products[:-1, :-1] + precision)
+    half = np.linalg.solve(root, products[:-1, -1] + precision @ mean)
+    square = products[-1, -1] + mean @ precision @ mean - half @ half
+    logs = -0.5 * np.linalg.slogdet(wide)[1] - np.log(np.diag(root)).sum()
+    after, covariance = at.copy(), np.zeros((len(free), len(free)))
+    after[free] += np.linalg.solve(root.T, half)
+    inverse = np.linalg.inv(root)
+    covariance[np.ix_(free, free)] = inverse.T @ inverse
+    return Fitted(float(reduced.constant + logs - 0.5 * square), after, covariance)
+
+
+def strain(point: Point, deviations: Array) -> float:
+    """Return minus twice the log density of the unknowns of a flight's pieces, less a constant."""
+    inverse, random = knot_precision(point.knots), point.random
+    knots = random[:, WIDTH:-1].reshape(-1, AXES, point.knots)
+    along = np.einsum('saj,jk,sak->a', knots, inverse, knots) / deviations**2
+    states = np.sum((random[:, :WIDTH] / STATE) ** 2)
+    return float(along.sum() + states + np.sum((random[:, -1] / PIECE_PRESSURE) ** 2))
+
+
+def log_prior(deviations: Array, floor: Array = FLOOR) -> float:
+    """Return the log density of the deviations' logarithms, less a constant."""
+    return float(-0.5 * np.sum((np.log(deviations / (USUAL * floor)) / LOOSE) ** 2))
+
+
+def log_prior_slope(deviations: Array, floor: Array = FLOOR) -> tuple[Array, Array]:
+    """Return the slope of `log_prior` along the logarithms, and minus its bend."""
+    slope: Array = -np.log(deviations / (USUAL * floor)) / LOOSE**2
+    return slope, np.eye(len(floor)) / LOOSE**2

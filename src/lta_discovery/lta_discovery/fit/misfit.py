@@ -1,0 +1,128 @@
+"""
+How badly a point fits, flown; and how badly a linearisation elsewhere says that it would.
+
+Minus twice the log density of the data and of all unknowns, less what does not depend on the
+point: what a step of Gauss-Newton has to make smaller. Flying a point costs a small part of
+linearising about it.
+"""
+
+from collections.abc import Sequence
+from typing import Final
+
+from lta_config.errors import BadInput
+from lta_discovery.fit.evidence import Prior, strain
+from lta_discovery.fit.group import Group
+from lta_discovery.flights.measured import PERIOD
+from lta_discovery.parallel import map_parallel
+from lta_discovery.replay.linear import Point
+from lta_discovery.replay.linearise import Linearised
+from lta_discovery.replay.replay import STEPS
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+AHEAD: Final = 3.0  # s; of a forecast
+
+
+def misfit_at(
+    flights: Sequence[Linearised],
+    deviations: Array,
+    prior: Prior,
+    variance: Array,
+    at: Array,
+    points: Sequence[Point],
+) -> float:
+    """
+    Return the misfit of flights at a point; inf where one ran away or no such vehicle can be.
+
+    Parameters
+    ----------
+    flights : sequence of Linearised
+        The flights.
+    deviations : ndarray, shape (6,)
+        Of the latent force [N] and moment [N m].
+    prior : Prior
+        Of what the flights share.
+    variance : ndarray, shape (G,)
+        Of what is each flight's own.
+    at : ndarray, shape (G,)
+        What they share.
+    points : sequence of Point
+        Of each flight.
+
+    """
+    flown = map_parallel(_flown_misfit, list(zip(flights, points, strict=True)))
+    return _unknowns(deviations, prior, variance, at, points) + sum(flown)
+
+
+def _flown_misfit(one: tuple[Linearised, Point]) -> float:
+    """Return the misfit of the readings of one flight at a point."""
+    flight, point = one
+    with np.errstate(over='ignore', invalid='ignore'):
+        try:
+            grid = flight.trajectory(point)[:, ::STEPS]
+        except BadInput:
+            return np.inf  # no such vehicle can be
+        if not np.isfinite(grid).all():
+            return np.inf
+        left = flight.left(grid, point, flight.replay.rows(point.nominal))
+        return float(np.nansum((left / flight.replay.flight.noise) ** 2))
+
+
+def forecast_error(flights: Sequence[Linearised], points: Sequence[Point]) -> float:
+    """
+    Return the typical error of forecasts that no latent wrench helps, in the tracker's noise.
+
+    The median over pieces of the mean square of the position's error until AHEAD; a few pieces
+    may be lost. Inf where no such vehicle can be.
+    """
+    found = map_parallel(_forecast_errors, list(zip(flights, points, strict=True)))
+    if any(errors is None for errors in found):
+        return np.inf
+    return float(np.nanmedian(np.concatenate([errors for errors in found if errors is not None])))
+
+
+def _forecast_errors(one: tuple[Linearised, Point]) -> Array | None:
+    """Return the errors of the forecasts of each piece of a flight; None of no such vehicle."""
+    flight, point = one
+    here, measured = (slice(None), slice(round(AHEAD / PERIOD))), flight.replay.flight
+    with np.errstate(over='ignore', invalid='ignore'):
+        try:
+            grid = flight.forecast(point)[:, ::STEPS]
+        except BadInput:
+            return None
+        # As the tracker would tell it: its frame and its clock may be among what was fitted.
+        left = flight.left(grid, point, flight.replay.rows(point.nominal))[here]
+        off = left[..., :3] / measured.noise[:3]
+        known = np.isfinite(measured.position[flight.index[here]])
+        known &= flight.replay.cut.inside[here][..., None]
+        off[known & ~np.isfinite(off)] = np.inf
+        errors: Array = np.sqrt(np.nanmean(off**2, axis=(1, 2)))
+        return errors
+
+
+def promised(
+    group: Group, deviations: Array, prior: Prior, at: Array, points: Sequence[Point]
+) -> float:
+    """Return the same as flights that are linearised elsewhere would have it."""
+    total = _unknowns(deviations, prior, group.variance, at, points)
+    for linear, point in zip(group.linears, points, strict=True):
+        moved = np.tile(point.values - linear.point.values, (len(linear.grams), 1))
+        none = np.full((len(linear.grams), 1), -1.0)
+        change = np.hstack([point.random - linear.point.random, moved, none])
+        total += float(np.einsum('si,sij,sj->', change, linear.grams, change))
+    return total
+
+
+def _unknowns(
+    deviations: Array, prior: Prior, variance: Array, at: Array, points: Sequence[Point]
+) -> float:
+    """Return the share of the unknowns: of what is shared, of each flight, of its pieces."""
+    free, own = prior.free, variance > 0.0
+    off = (at - prior.mean)[free]
+    total = float(off @ np.linalg.solve(prior.covariance[np.ix_(free, free)], off))
+    for point in points:
+        total += strain(point, deviations)
+        total += float(np.sum((point.values - at)[own] ** 2 / variance[own]))
+    return total

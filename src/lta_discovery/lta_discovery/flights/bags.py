@@ -1,0 +1,159 @@
+"""Bags as a study takes them: read once, each with a name and a role."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final, final, Literal
+
+from lta_config.errors import BadInput
+from lta_config.schema.vehicle_file import VehicleFile
+from lta_data.bag.flight import open_flight
+from lta_data.bag.folder import bag_files, bag_in
+from lta_data.scene import parsed
+from lta_data.trust.recording import Recording, recording_of
+from lta_data.trust.twins import twins
+from lta_discovery.flights.streams import COMMAND
+
+Role = Literal['train', 'confirm', 'holdout']
+ROLES: Final[tuple[Role, ...]] = ('train', 'confirm', 'holdout')
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Recorded:
+    """
+    One recorded flight.
+
+    Attributes
+    ----------
+    name : str
+        Of the bag; no other flight of the study has it.
+    role : str
+        'train', 'confirm' or 'holdout'.
+    recording : Recording
+        Its channels, and what it says of its origin.
+    losses : tuple of str
+        What is missing or could not be read, a sentence each.
+
+    """
+
+    name: str
+    role: Role
+    recording: Recording
+    losses: tuple[str, ...] = ()
+
+    @property
+    def vehicle(self) -> str:
+        """Name of the vehicle that flew; '' where the recording does not say."""
+        known = parsed(VehicleFile, self.recording.provenance, 'vehicle_file')
+        return known.name if known else ''
+
+    @property
+    def rotors(self) -> tuple[str, ...]:
+        """Names of the rotors that were commanded."""
+        found = (n for n in self.recording.channels if n.startswith(COMMAND))
+        return tuple(sorted(name.removeprefix(COMMAND) for name in found))
+
+
+def read_bags(
+    given: Mapping[Role, Sequence[Path]],
+    robot: str | None = None,
+    tell: Callable[[str], None] = lambda _: None,
+) -> list[Recorded]:
+    """
+    Read the flights of a study.
+
+    Parameters
+    ----------
+    given : mapping of role to paths
+        Bag folders, results folders or .mcap files.
+    robot : str, optional
+        Whose data, where a bag holds several robots.
+    tell : callable
+        Told the name of each bag before it is read.
+
+    Raises
+    ------
+    BadInput
+        If there is nothing to learn from, one recording is given twice, or one cannot be read.
+
+    """
+    if not given.get('train'):
+        raise BadInput('There is no flight to learn from; name one or more with --train.')
+    seen: dict[Path, Role] = {}
+    for role in ROLES:
+        for path in given.get(role, ()):
+            _once(path, role, seen)
+    out: list[Recorded] = []
+    for role in ROLES:
+        for path in given.get(role, ()):
+            name = _name(path, [one.name for one in out])
+            tell(name)
+            flight = open_flight(bag_in(path), robot)
+            recording, remarks = recording_of(flight)
+            out.append(Recorded(name, role, recording, (*flight.bag.losses, *remarks)))
+    return out
+
+
+def _once(path: Path, role: Role, seen: dict[Path, Role]) -> None:
+    """Refuse a recording that is there already; note those that are not."""
+    for file in bag_files(bag_in(path)):
+        place = file.resolve()
+        if place in seen:
+            both = f'to {seen[place]} and to {role}' if seen[place] != role else f'to {role}'
+            raise BadInput(f"'{path}' is given twice, {both}; a flight has one role, once.")
+        seen[place] = role
+
+
+def _name(path: Path, taken: Sequence[str]) -> str:
+    """Return what a bag is called: its folder's name, or its results folder's."""
+    place = bag_in(path).resolve()
+    if place.is_file():
+        name = place.stem
+    else:
+        name = place.parent.name if place.name == 'bag' else place.name
+    count, only = 1, name
+    while name in taken:
+        count += 1
+        name = f'{only}_{count}'
+    return name
+
+
+def one_vehicle(flights: Sequence[Recorded], vehicle: VehicleFile) -> list[str]:
+    """
+    Refuse flights of several vehicles; return what is odd about whose they are.
+
+    Raises
+    ------
+    BadInput
+        If the recordings name different vehicles, or command different rotors.
+
+    """
+    by_name = {one.vehicle: one.name for one in flights if one.vehicle}
+    by_rotors = {one.rotors: one.name for one in flights if one.rotors}
+    for kinds, what in ((by_name, 'fly'), (by_rotors, 'command')):
+        if len(kinds) > 1:
+            told = '; '.join(f"'{flight}' {_spoken(kind)}" for kind, flight in kinds.items())
+            raise BadInput(
+                f'The flights {what} different vehicles ({told}); study one vehicle at a time.'
+            )
+    other = [name for name in by_name if name != vehicle.name]
+    return [
+        f'The recordings say that {name} flew; the vehicle file is called {vehicle.name}.'
+        for name in other
+    ]
+
+
+def _spoken(kind: str | tuple[str, ...]) -> str:
+    """Return a vehicle or its rotors as words."""
+    return kind if isinstance(kind, str) else f'the rotors {", ".join(kind)}'
+
+
+def no_copies(flights: Sequence[Recorded]) -> None:
+    """Refuse a run that is there twice, however trimmed or written, with `BadInput`."""
+    again = twins([(one.name, one.recording) for one in flights]) if len(flights) > 1 else {}
+    for name, found in again.items():
+        raise BadInput(
+            f'{name}: {found[0].evidence} A flight that is there twice confirms nothing; leave '
+            'one of them out.'
+        )

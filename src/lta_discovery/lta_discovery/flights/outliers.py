@@ -1,0 +1,74 @@
+"""
+Single readings that cannot be: left out, since one wild pose outweighs a whole flight.
+
+Where a reading is off the cubic through its neighbours by many times the noise, something near it
+is wild. A cubic through the readings around that place, none of which is in doubt, says which.
+Looked for on the grid, by the noise that is known there; poses that a tracker mistook were left
+out before that (`mistaken`).
+"""
+
+from dataclasses import replace
+from typing import Final
+
+from lta_discovery.flights.measured import Measured
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+WILD: Final = 12.0  # deviations of the noise, off the cubic
+AROUND: Final = 5  # readings on either side, that tell
+SHARE: Final = 0.3  # of the worst; what is less is the cubic's own error
+LONGEST: Final = 9  # readings in doubt; more are no matter of single ones
+
+
+def wild(values: Array, noise: float) -> Flags:
+    """
+    Return which readings of an even series are wild.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        NaN where there is none.
+    noise : float
+        Standard deviation.
+
+    """
+    out = np.zeros(len(values), dtype=np.bool_)
+    if not np.isfinite(noise) or len(values) < 5:
+        return out
+    doubt = np.zeros(len(values), dtype=np.bool_)
+    through = (4.0 * (values[1:-3] + values[3:-1]) - values[:-4] - values[4:]) / 6.0
+    doubt[2:-2] = np.abs(values[2:-2] - through) > WILD * noise
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], doubt.astype(np.int8), [0]])))
+    for begin, end in edges.reshape(-1, 2):
+        around = np.r_[max(0, begin - AROUND) : begin, end : min(len(values), end + AROUND)]
+        around = around[np.isfinite(values[around]) & ~doubt[around]]
+        if end - begin <= LONGEST and len(around) > AROUND:
+            inside = np.arange(begin, end)
+            cubic = np.polynomial.Polynomial.fit(around, values[around], 3)
+            off = np.abs(values[inside] - cubic(inside))
+            out[inside] = off > max(WILD * noise, SHARE * off.max())
+    return out
+
+
+def without_outliers(flight: Measured) -> tuple[Measured, int]:
+    """
+    Return a flight without its wild readings, and how many there were.
+
+    A pose is one reading: its place and attitude go together.
+    """
+    # Half the rotation is in a quaternion.
+    noise = np.concatenate([flight.noise[:3], np.full(4, 0.5 * flight.noise[3:6].max())])
+    poses = np.column_stack([flight.position, flight.quaternion])
+    lost = np.any([wild(*each) for each in zip(poses.T, noise, strict=True)], axis=0)
+    position, quaternion = flight.position.copy(), flight.quaternion.copy()
+    position[lost] = quaternion[lost] = np.nan
+    readings, count = flight.readings.copy(), int(lost.sum())
+    for k, level in enumerate(flight.noise[6:]):
+        gone = wild(readings[:, k], level)
+        readings[gone, k] = np.nan
+        count += int(gone.sum())
+    out = replace(flight, position=position, quaternion=quaternion, readings=readings)
+    return (out if count else flight), count

@@ -1,0 +1,203 @@
+"""What a recording has of a flight, out of its channels, for the model to be held against."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any, Final
+
+from lta_config.errors import BadInput
+from lta_config.files import parse_yaml
+from lta_data.bag.channels import Channel
+from lta_discovery.flights.measured import Stream, Streams
+from lta_discovery.model.nominal import Nominal
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+Array = NDArray[np.float64]
+
+TRACKERS: Final = ('ground_truth/odom', 'ground_truth/pose', 'pose', 'mocap/pose', 'vrpn/pose')
+NO_TRACKER: Final = ('odom', 'setpoint', 'light', 'estimate')  # poses that nobody measured
+POSITION: Final = 'position.x'
+COMMAND: Final = 'motors/effort.'
+MASS: Final = tuple(f'motors/position.moving_mass_{axis}' for axis in 'xyz')
+NEWTONS: Final = frozenset({'N', 'mN'})  # units of an import that are no duty
+FAINT: Final = 0.1  # N; rotors with less at full duty
+WRENCH: Final = tuple(
+    f'wrench_command/wrench.{kind}.{axis}' for kind in ('force', 'torque') for axis in 'xyz'
+)
+SENSORS: Final[dict[str, tuple[str, ...]]] = {
+    'rates': tuple(f'imu/angular_velocity.{axis}' for axis in 'xyz'),
+    'force': tuple(f'imu/linear_acceleration.{axis}' for axis in 'xyz'),
+    'range': ('range/range',),
+    'pressure': ('pressure/fluid_pressure',),
+    'voltage': ('battery/voltage',),
+}
+
+
+def _joined(channels: Sequence[Channel]) -> Stream:
+    """Return channels of one topic side by side, in the order of time, no instant twice."""
+    time = channels[0].time
+    if any(len(channel.time) != len(time) for channel in channels):
+        raise BadInput(
+            f"The channels of '{channels[0].topic}' are not equally long; record the topic again."
+        )
+    _, first = np.unique(time, return_index=True)
+    return Stream(time[first], np.column_stack([channel.values for channel in channels])[first])
+
+
+def _wrench(channels: Mapping[str, Channel]) -> Stream | None:
+    """Return the commanded wrench; an axis that nobody commands, or says nothing, is at 0."""
+    known = [channels[name] for name in WRENCH if name in channels]
+    if not known:
+        return None
+    told = _joined(known)
+    table = np.zeros((len(told.time), len(WRENCH)))
+    for column, channel in zip(told.values.T, known, strict=True):
+        table[:, WRENCH.index(channel.name)] = np.nan_to_num(column)
+    return Stream(told.time, table)
+
+
+def _mass(channels: Mapping[str, Channel]) -> Stream | None:
+    """Return where the moving mass is told to be, None where nobody tells."""
+    if not all(name in channels for name in MASS):
+        return None
+    told = _joined([channels[name] for name in MASS])
+    known = np.isfinite(told.values).all(axis=1)
+    return Stream(told.time[known], told.values[known]) if known.any() else None
+
+
+def _dicts(holder: object, name: str) -> list[dict[str, Any]]:
+    """Return the entries of a list, or the values of a dictionary, that are dictionaries."""
+    found = holder.get(name) if isinstance(holder, dict) else None
+    each = [*found.values()] if isinstance(found, dict) else found
+    return [entry for entry in each if isinstance(entry, dict)] if isinstance(each, list) else []
+
+
+def told_in_newtons(provenance: Mapping[str, str]) -> bool | None:
+    """Tell whether an import has the propellers' efforts in newtons; None where it is not said."""
+    text = provenance.get('mapping_file')
+    if not text:
+        return None
+    # Not held against today's schema: a recording may be of another version.
+    try:
+        mapping = parse_yaml(text, 'The mapping')
+    except BadInput:
+        return None
+    for topic in _dicts(mapping, 'topics'):
+        if topic.get('topic') == 'motors':
+            efforts = [actuator.get('effort') for actuator in _dicts(topic, 'actuators')]
+            return any(isinstance(each, dict) and each.get('unit') in NEWTONS for each in efforts)
+    return None
+
+
+def in_duties(told: Streams, nominal: Nominal, provenance: Mapping[str, str]) -> Streams:
+    """
+    Return streams whose commands are duties, where a recording has the thrusts themselves.
+
+    Parameters
+    ----------
+    told : Streams
+        As recorded.
+    nominal : Nominal
+        The vehicle, whose thrust curve is turned over.
+    provenance : mapping of str to str
+        Of the recording. Where it does not say, commands that never exceed what faint rotors
+        give in newtons are taken for newtons: as duties they would hardly turn.
+
+    """
+    if told.wrench is not None or not np.any(told.commands.values):
+        return told  # nothing is told to the rotors
+    count = told.commands.values.shape[1]
+    a, b = (
+        np.array([nominal.value('thrust_curve', f'{c}_{i + 1}') for i in range(count)])
+        for c in 'ab'
+    )
+    said = told_in_newtons(provenance)
+    if said is None:
+        most = np.nanmax(np.abs(told.commands.values), axis=0, initial=0.0)
+        said = bool(np.all(a + b < FAINT) and np.all(most <= 1.1 * (a + b)))
+    if not said:
+        return told
+    size = np.abs(told.commands.values)
+    curved = np.where(a == 0.0, 1.0, a)
+    root = (np.sqrt(b * b + 4.0 * curved * size) - b) / (2.0 * curved)
+    duty = np.sign(told.commands.values) * np.where(a == 0.0, size / b, root)
+    return replace(told, commands=Stream(told.commands.time, duty))
+
+
+def tracker(channels: Mapping[str, Channel]) -> str:
+    """
+    Return where the channels of the tracked pose begin: 'ground_truth/odom/pose.pose.'.
+
+    Raises
+    ------
+    BadInput
+        If no pose was recorded that somebody measured.
+
+    """
+    known = [
+        name.removesuffix(POSITION)
+        for name in channels
+        if name.endswith(POSITION) and f'{name.removesuffix(POSITION)}orientation.yaw' in channels
+    ]
+    free = [name for name in known if not name.startswith(NO_TRACKER)]
+    for topic in TRACKERS:
+        for name in free:
+            if name.startswith(f'{topic}/'):
+                return name
+    if free:
+        return free[0]
+    raise BadInput(
+        'The recording has no pose from a tracker (ground_truth/odom, pose); '
+        'without one no model can be held against it.'
+    )
+
+
+def streams_of(
+    channels: Mapping[str, Channel], rotors: Sequence[str], floor: float = -np.inf
+) -> Streams:
+    """
+    Return what a recording has of a flight.
+
+    Parameters
+    ----------
+    channels : mapping of str to Channel
+        Of `lta_data.bag.channels.all_channels`.
+    rotors : sequence of str
+        Names of the actuators in the order of the vehicle file.
+    floor : float
+        Height of the hull centre below which the vehicle may touch the floor. [m]
+
+    Raises
+    ------
+    BadInput
+        If there is no tracked pose, or neither a command of each rotor nor a commanded wrench.
+
+    """
+    start = tracker(channels)
+    parts = [f'{start}position.{axis}' for axis in 'xyz']
+    turns = [f'{start}orientation.{angle}' for angle in ('yaw', 'pitch', 'roll')]
+    told = _joined([channels[name] for name in (*parts, *turns)])
+    known = np.asarray(np.isfinite(told.values).all(axis=1))
+    quaternion = np.full((len(told.time), 4), np.nan)
+    quaternion[known] = Rotation.from_euler('ZYX', told.values[known, 3:]).as_quat()
+    missing = [name for name in rotors if f'{COMMAND}{name}' not in channels]
+    wrench = _wrench(channels) if missing else None
+    if missing and wrench is None:
+        there = [name.removeprefix(COMMAND) for name in channels if name.startswith(COMMAND)]
+        raise BadInput(
+            f"The recording has no command of {', '.join(missing)} in 'motors', and no "
+            f"'wrench_command'; it commands {', '.join(sorted(there)) or 'nothing'}. Name the "
+            'vehicle that flew with --vehicle, and its rotors as its file does.'
+        )
+    if missing:
+        commands = Stream(told.time[:1], np.zeros((1, len(rotors))))
+    else:
+        commands = _joined([channels[f'{COMMAND}{name}'] for name in rotors])
+    others = {
+        sensor: _joined([channels[name] for name in names])
+        for sensor, names in SENSORS.items()
+        if all(name in channels for name in names)
+    }
+    pose = Stream(told.time, np.column_stack([told.values[:, :3], quaternion]))
+    return Streams(pose, commands, others, floor, wrench, _mass(channels))

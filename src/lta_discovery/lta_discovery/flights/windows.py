@@ -1,0 +1,140 @@
+"""
+A flight in pieces: where each begins, and in which state.
+
+A model that is off by a little is lost within a minute of open loop; in pieces of some seconds
+the disagreement stays where it arises.
+"""
+
+from dataclasses import dataclass
+from typing import Final, final
+
+from lta_discovery.flights.measured import Measured, PERIOD
+from lta_discovery.model.rotations import exponential, logarithm, product, reverse, rotated
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+LENGTH: Final = 6.0  # s
+AROUND: Final = 0.5  # s; either side of a beginning, for its state
+ENOUGH: Final = 0.6  # of the poses around a beginning
+SHORTEST: Final = 1.0  # s
+FEWEST: Final = 2  # pieces of a flight: one alone tells nothing of the next
+KNOTS: Final = 9  # of a piece, where nobody knows how fast the vehicle swings
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Windows:
+    """
+    Pieces of a flight, all of n grid periods.
+
+    Attributes
+    ----------
+    first : ndarray of int, shape (S,)
+        Grid point at which each begins.
+    length : int
+        n; a piece has n + 1 states.
+    start : ndarray, shape (S, 13)
+        The state there, from the poses around it.
+    inside : ndarray of bool, shape (S, n)
+        Which points count: the last pieces of a stretch may be shorter.
+    knots : int
+        Of the latent wrench of a piece, evenly spaced from its beginning to its end.
+
+    """
+
+    first: NDArray[np.int64]
+    length: int
+    start: Array
+    inside: NDArray[np.bool_]
+    knots: int = KNOTS
+
+
+def stretches(usable: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """Return the runs of usable points as (first, end)."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], usable.astype(np.int8), [0]])))
+    return [(int(a), int(b)) for a, b in edges.reshape(-1, 2)]
+
+
+def state_at(flight: Measured, index: int, shift: float = 0.0) -> Array | None:
+    """
+    Return the state at a grid point from a cubic through the poses around it.
+
+    Parameters
+    ----------
+    flight : Measured
+        The flight.
+    index : int
+        Of the grid point.
+    shift : float
+        How much later than a pose is stamped it was true. [s]
+
+    Returns
+    -------
+    ndarray, shape (13,), or None
+        Position, quaternion, body velocity and rates; None where too few poses are known.
+
+    """
+    reach = round(AROUND / PERIOD)
+    low, high = max(0, index - reach), min(len(flight.time), index + reach + 1)
+    position, quaternion = flight.position[low:high], flight.quaternion[low:high]
+    good = np.isfinite(position).all(axis=1) & np.isfinite(quaternion).all(axis=1)
+    if good.sum() < ENOUGH * (2 * reach + 1):
+        return None
+    offset = (flight.time[low:high] - flight.time[index])[good] + shift
+    middle = quaternion[good][np.argmin(np.abs(offset))]
+    turn = logarithm(product(reverse(middle), quaternion[good]))
+    powers = np.vander(offset / AROUND, 4, increasing=True)
+    fit = np.linalg.lstsq(powers, np.hstack([position[good], turn]), rcond=None)[0]
+    here = product(middle, exponential(fit[0, 3:]))
+    velocity = rotated(reverse(here), fit[1, :3] / AROUND)
+    # The rate of a small rotation vector is the body rate to second order in its size.
+    return np.concatenate([fit[0, :3], here, velocity, fit[1, 3:] / AROUND])
+
+
+def _apart(stretches: list[tuple[int, int]], count: int, shortest: int) -> int:
+    """Return how far apart pieces begin: their length, or less in a short flight."""
+    if sum(len(range(begin, end - shortest, count)) for begin, end in stretches) >= FEWEST:
+        return count
+    longest = max((end - begin for begin, end in stretches), default=0)
+    return max(shortest + 1, min(count, -(-longest // FEWEST)))
+
+
+def windows(
+    flight: Measured, length: float = LENGTH, shift: float = 0.0, knots: int = KNOTS
+) -> Windows:
+    """
+    Cut a flight into pieces; one too short for two whole ones into two shorter ones.
+
+    Parameters
+    ----------
+    flight : Measured
+        The flight.
+    length : float
+        Of each piece. [s]
+    shift : float
+        As for `state_at`.
+    knots : int
+        As of `Windows`.
+
+    """
+    count, shortest = round(length / PERIOD), round(SHORTEST / PERIOD)
+    first, start, inside = [], [], []
+    runs = stretches(flight.usable)
+    apart = _apart(runs, count, shortest)
+    for begin, end in runs:
+        for index in range(begin, end - shortest, apart):
+            state = state_at(flight, index, shift)
+            if state is not None:
+                first.append(index)
+                start.append(state)
+                last = min(index + apart, min(end, len(flight.time)) - 1)
+                inside.append(np.arange(index, index + count) < last)
+    return Windows(
+        np.array(first, dtype=np.int64),
+        count,
+        np.array(start).reshape(-1, 13),
+        np.array(inside, dtype=np.bool_).reshape(-1, count),
+        knots,
+    )

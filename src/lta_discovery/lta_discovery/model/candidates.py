@@ -1,0 +1,73 @@
+"""
+Which parameters of the registry of effects are candidates, and which go together.
+
+Whatever is declared nowhere here is a candidate by itself, within the bounds of its parameter; but
+for those that stand beside others (`Parameter.beside`).
+"""
+
+from collections.abc import Iterable
+import math
+from typing import Final
+
+from lta_model.effects import EFFECTS
+from lta_model.state import ACTUATORS
+
+# What moves together: one candidate of several parameters.
+TOGETHER: Final[dict[str, tuple[str, ...]]] = {'motor_lag': ('up', 'down')}
+# Components of one thing: they are found and fitted together, and each tells its own value.
+VECTORS: Final = (
+    ('steady_wind.x', 'steady_wind.y'),
+    ('cg_offset.x', 'cg_offset.y'),
+    ('tracker_misalignment.pitch', 'tracker_misalignment.roll'),
+    *(
+        (f'rotor_misalignment.first_{i}', f'rotor_misalignment.second_{i}')
+        for i in range(1, ACTUATORS + 1)
+    ),
+)
+# Where a candidate of an absent effect begins other than at its null value.
+BEGINS: Final[dict[str, dict[str, float]]] = {'battery_sag': {'sensitivity': 0.0}}
+# These describe what a vehicle was designed to be, or where it flies, not what went missing.
+DESIGN: Final = frozenset(
+    {
+        'rotor_thrust', 'thrust_curve', 'thrust_polynomial', 'weight_and_buoyancy', 'walls',
+        'floor_contact', 'hull_lift', 'strip_damping', 'moving_mass', 'gas_state', 'air_state',
+        'turbulence', 'gusts', 'wind_profile', 'rotor_envelope_interaction', 'ceiling_effect',
+        'battery_compensation',
+    }
+)  # fmt: skip
+# Of those, what may well be off where a vehicle has them: numbers that were fitted to flights.
+FITTED: Final[dict[str, tuple[str, ...]]] = {
+    'hull_lift': tuple(known.name for known in EFFECTS['hull_lift'].parameters[2:]),
+    'moving_mass': ('mass', 'x', 'z'),
+}
+# What physics says of the sign of a coefficient: side force and lift act against the flow.
+SIGNS: Final[dict[str, tuple[float, float]]] = {
+    'hull_lift.side_beta': (-math.inf, 0.0),
+    'hull_lift.lift_alpha': (0.0, math.inf),
+}
+NO_CANDIDATE: Final = frozenset(
+    {
+        'cross_flow.surge', 'cross_flow.sway', 'cross_flow.heave',
+        'ballast.x', 'ballast.y', 'ballast.z', 'payload.x', 'payload.y', 'payload.z',
+        'wind_gradient.x', 'wind_gradient.y', 'wind_gradient.z',
+    }
+)  # fmt: skip
+
+
+_VECTOR_OF: Final = {name: vector for vector in VECTORS for name in vector}
+
+
+def components(name: str) -> tuple[str, ...]:
+    """Return the components of the vector that a candidate is one of; of most, itself alone."""
+    return _VECTOR_OF.get(name, (name,))
+
+
+def whole(names: Iterable[str]) -> set[str]:
+    """Return candidates with all components of each."""
+    return {one for name in names for one in components(name)}
+
+
+def alongside(effect: str) -> dict[str, float]:
+    """Return what numbers of an effect that a vehicle lacks are taken to be, by name."""
+    beside = {p.name: p.beside for p in EFFECTS[effect].parameters if p.beside is not None}
+    return beside | BEGINS.get(effect, {})

@@ -1,0 +1,244 @@
+"""A vehicle as what the model is built from, so that single numbers of it can be changed."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import final, Self
+
+from lta_discovery.model.replay_kernel import (
+    ACTUATOR_LAYOUT,
+    ACTUATOR_PLACES,
+    BODY_LAYOUT,
+    BODY_PLACES,
+    LATENT,
+)
+from lta_model.effects import EFFECTS, initial_memory
+from lta_model.effects.protocol import BodyEffect, Effect, InertiaEffect, MeasurementEffect
+from lta_model.measurement import Chain, chains
+from lta_model.model import Model, values_of
+from lta_model.state import RIGID
+from lta_model.vehicle import Vehicle
+from lta_sim.craft import LAYOUT
+from lta_sim.kernels.layout import Layout
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.uint8]
+Given = Mapping[str, Mapping[str, float]]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Rows:
+    """
+    What the compiled replay takes of one set of parameters.
+
+    Attributes
+    ----------
+    actuators, body : ndarray of float64
+        A row of each kernel, all but command, surroundings and motion filled in.
+    actuators_on, body_on : ndarray of uint8
+        The flags of its effects.
+    acting : mapping of str to Chain
+        The measurement effects by channel.
+    gains : ndarray, shape (6,)
+        Of a commanded wrench, axis by axis.
+
+    """
+
+    actuators: Array
+    actuators_on: Flags
+    body: Array
+    body_on: Flags
+    acting: Mapping[str, Chain]
+    gains: Array
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Nominal:
+    """
+    A vehicle as what `Model.build` takes.
+
+    Attributes
+    ----------
+    given : mapping
+        Parameters by effect and name.
+    mass, displaced : float
+        Of the vehicle and of the displaced air. [kg]
+    cg : ndarray, shape (3,)
+        From the hull centre. [m]
+    inertia : ndarray, shape (3, 3)
+        About the centre of gravity. [kg m2]
+    rotors : tuple of (place, axis)
+        As in `Model.build`.
+    gains : tuple of 6 float
+        What arrives of a wrench that is commanded as such, axis by axis.
+
+    """
+
+    given: Given
+    mass: float
+    displaced: float
+    cg: Array
+    inertia: Array
+    rotors: tuple[tuple[Array, Array], ...]
+    gains: tuple[float, ...] = (1.0,) * 6
+
+    @classmethod
+    def of(cls, vehicle: Vehicle) -> Self:
+        """Return a vehicle's numbers."""
+        return cls(
+            vehicle.effects(),
+            vehicle.mass,
+            vehicle.displaced,
+            np.asarray(vehicle.cg, dtype=np.float64),
+            np.asarray(vehicle.inertia, dtype=np.float64),
+            tuple((np.array(rotor.place), np.array(rotor.axis)) for rotor in vehicle.rotors),
+        )
+
+    def value(self, effect: str, parameter: str) -> float:
+        """Return a parameter of an effect; its null value where the vehicle does not set it."""
+        null = {known.name: known.null for known in EFFECTS[effect].parameters}[parameter]
+        return float(self.given.get(effect, {}).get(parameter, null))
+
+    def with_value(self, effect: str, parameter: str, value: float) -> 'Nominal':
+        """Return the vehicle with one parameter of an effect replaced."""
+        own = {**self.given.get(effect, {}), parameter: value}
+        return replace(self, given={**self.given, effect: own})
+
+    def placed(self, place: Array) -> 'Nominal':
+        """
+        Return the vehicle weighed with its moving mass at a place: balance and inertia follow.
+
+        The effect alone moves the mass's weight and leaves out that the CG follows. In a slow
+        spiral the moment of a CG 1 cm off, on its curved path, is as large in yaw as the hull's.
+
+        Parameters
+        ----------
+        place : ndarray, shape (3,)
+            Body frame. [m]
+
+        """
+        own = self.given.get('moving_mass', {})
+        mass = own.get('mass', 0.0)
+        if mass == 0.0:
+            return self
+        rest = np.array([own.get(axis, 0.0) for axis in 'xyz'])
+        cg = self.cg + mass / self.mass * (place - rest)
+        about_hull = self.inertia + self.mass * _square(self.cg)
+        inertia = about_hull + mass * (_square(place) - _square(rest)) - self.mass * _square(cg)
+        there = {**own, **dict(zip('xyz', map(float, place), strict=True))}
+        return replace(self, cg=cg, inertia=inertia, given={**self.given, 'moving_mass': there})
+
+    def model(self) -> Model:
+        """Return what the kernel takes; `BadInput` where no such vehicle can be."""
+        return Model.build(
+            self.given,
+            mass=self.mass,
+            cg=self.cg,
+            inertia=self.inertia,
+            displaced=self.displaced,
+            rotors=self.rotors,
+        )
+
+    def rows(self) -> Rows:
+        """Return what the compiled replay takes; errors as `model`."""
+        model = self.model()
+        actuators = np.zeros(max(part.stop for part in ACTUATOR_PLACES.values()))
+        body = np.zeros(max(part.stop for part in BODY_PLACES.values()))
+        for row, where in ((actuators, ACTUATOR_PLACES), (body, BODY_PLACES)):
+            row[where['body']], row[where['inverse']] = model.body, model.inverse
+        a_on = _taken(model, actuators, ACTUATOR_PLACES, ACTUATOR_LAYOUT)
+        b_on = _taken(model, body, BODY_PLACES, BODY_LAYOUT)
+        acting = chains(model.given, EFFECTS)
+        return Rows(actuators, a_on, body, b_on, acting, np.array(self.gains))
+
+    def rows_beside(self, other: 'Nominal', rows: Rows) -> Rows:
+        """
+        Return what `rows` returns, knowing that of a vehicle that differs little.
+
+        Parameters
+        ----------
+        other : Nominal
+            The vehicle out of which this one was made.
+        rows : Rows
+            Of it.
+
+        Raises
+        ------
+        BadInput
+            As `model`.
+
+        """
+        changed = [name for name in self.given if self.given[name] is not other.given.get(name)]
+        weighed = (
+            not set(other.given) <= set(self.given)
+            or self.mass != other.mass
+            or self.displaced != other.displaced
+            or any(
+                mine is not its
+                for mine, its in (
+                    (self.cg, other.cg),
+                    (self.inertia, other.inertia),
+                    (self.rotors, other.rotors),
+                )
+            )
+        )
+        kinds = [EFFECTS[name] for name in changed]
+        if weighed or any(isinstance(kind, InertiaEffect | BodyEffect) for kind in kinds):
+            return self.rows()
+        acting = rows.acting
+        if any(isinstance(kind, MeasurementEffect) for kind in kinds):
+            acting = chains(self.given, EFFECTS)
+        new = Rows(
+            rows.actuators.copy(),
+            rows.actuators_on.copy(),
+            rows.body.copy(),
+            rows.body_on.copy(),
+            acting,
+            np.array(self.gains),
+        )
+        for kind in kinds:
+            numbers = values_of(kind, self.given[kind.name])
+            _put(new.actuators, new.actuators_on, ACTUATOR_PLACES, ACTUATOR_LAYOUT, kind, numbers)
+            _put(new.body, new.body_on, BODY_PLACES, BODY_LAYOUT, kind, numbers)
+        return new
+
+
+def _square(place: Array) -> Array:
+    """Return the inertia of a unit mass at a place, about the hull centre."""
+    tensor: Array = place @ place * np.eye(3) - np.outer(place, place)
+    return tensor
+
+
+def _put(
+    row: Array,
+    on: Flags,
+    where: Mapping[str, slice],
+    layout: Layout,
+    effect: Effect,
+    values: Mapping[str, float],
+) -> None:
+    """Write the parameters of an effect into a row that has it, and its flag."""
+    if effect.name in layout.effects:
+        first = where['parameters'].start + layout.first[effect.name]
+        row[first : first + len(values)] = list(values.values())
+        active = any(values[known.name] != known.null for known in effect.parameters)
+        on[layout.flag(effect.name)] = active
+
+
+def _taken(model: Model, row: Array, where: Mapping[str, slice], layout: Layout) -> Flags:
+    """Copy a model's parameters and initial memory into a row of some effects; return flags."""
+    memory = initial_memory()
+    on = np.ones(len(layout.effects), dtype=np.uint8)
+    for flag, (name, effect) in enumerate(layout.effects.items()):
+        if name == LATENT:
+            continue
+        count, size = len(effect.parameters), layout.remembered(name)
+        to, of = where['parameters'].start + layout.first[name], LAYOUT.first[name]
+        row[to : to + count] = model.parameters[of : of + count]
+        to, of = layout.remembers[name], LAYOUT.remembers[name] - RIGID
+        row[to : to + size] = memory[of : of + size]
+        on[flag] = model.on[LAYOUT.flag(name)]
+    return on

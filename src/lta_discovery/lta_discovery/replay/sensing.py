@@ -1,0 +1,235 @@
+"""What tracker and sensors would say of predicted states, many at a time."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Final, final, NamedTuple
+
+from lta_config.constants import STANDARD_GRAVITY
+from lta_discovery.flights.measured import Measured, PERIOD
+from lta_discovery.model.rotations import exponential, product, reverse, rotated
+from lta_model.measurement import Chain, read
+from lta_model.sensors.imu import specific_force
+from lta_model.sensors.pressure import air_pressure, EXPONENT, LAPSE, SEA_TEMPERATURE
+from lta_model.vehicle import Vehicle
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+# Which of the readings each channel of effects acts on.
+PARTS: Final = {
+    'rates': slice(0, 3),
+    'force': slice(3, 6),
+    'range': slice(6, 7),
+    'pressure': slice(7, 8),
+}
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Places:
+    """Where the sensors are, in the body frame, and the pressure at the floor. [m, Pa]"""
+
+    imu: tuple[float, float, float]
+    range: tuple[float, float, float]
+    floor: float
+
+    @classmethod
+    def of(cls, vehicle: Vehicle, floor: float) -> 'Places':
+        """Return those of a vehicle."""
+        sensors = vehicle.file.sensors
+        a, b, c = sensors.imu_position.vector
+        d, e, f = sensors.range_position.vector
+        return cls((a, b, c), (d, e, f), floor)
+
+
+class Told(NamedTuple):
+    """What is said: position, quaternion, and rates, force, range, pressure; shape (..., k)."""
+
+    position: Array
+    quaternion: Array
+    readings: Array
+
+
+def act(chain: Chain, values: Array, time: Array) -> Array:
+    """Return readings after the effects of a channel; `values` has shape (..., k)."""
+    if not chain:
+        return values
+    parts = read(chain, tuple(np.moveaxis(values, -1, 0)), time)  # type: ignore[arg-type]
+    shape = values.shape[:-1]
+    return np.stack([np.broadcast_to(part, shape) for part in parts], axis=-1)
+
+
+def shift_of(acting: Mapping[str, Chain], time: Array) -> Array:
+    """Return how much later than its stamp a tracked pose was true. [s]"""
+    clock = act(acting['clock'], time[..., None], time)
+    return act(acting['pose_time'], clock, time)[..., 0] - time
+
+
+def _shifted(states: Array, shift: Array) -> tuple[Array, Array]:
+    """
+    Return the poses a little later or earlier than states on the grid.
+
+    To second order: to the first, a tenth of a second makes swings so much larger that the gyros
+    seem to read too little.
+    """
+    velocity = rotated(states[..., 3:7], states[..., 7:10])
+    rates, half = states[..., :-1, 10:13], 0.5 * shift**2
+    change, turning = (
+        np.gradient(each, PERIOD, axis=-2)[..., :-1, :] for each in (velocity, states[..., 10:13])
+    )
+    position = states[..., :-1, :3] + shift * velocity[..., :-1, :] + half * change
+    turn = exponential(shift * rates + half * turning)
+    return position, product(states[..., :-1, 3:7], turn)
+
+
+def _pose(states: Array, time: Array, acting: Mapping[str, Chain]) -> tuple[Array, Array]:
+    """Return what the tracker says of all states on the grid but the last."""
+    position, quaternion = states[..., :-1, :3], states[..., :-1, 3:7]
+    if acting['clock'] or acting['pose_time']:
+        position, quaternion = _shifted(states, shift_of(acting, time)[..., None])
+    if acting['pose']:
+        pose = act(acting['pose'], np.concatenate([position, quaternion], axis=-1), time)
+        position, quaternion = pose[..., :3], pose[..., 3:]
+    return position, quaternion
+
+
+def tracker_frame(acting: Mapping[str, Chain]) -> tuple[Array, Array]:
+    """Return the turn from the map into the tracker's frame: matrix and quaternion."""
+    chain = acting['pose']
+    if not chain:
+        return np.eye(3), np.array([0.0, 0.0, 0.0, 1.0])
+    axes = [read(chain, (*axis, 0.0, 0.0, 0.0, 1.0), 0.0)[:3] for axis in np.eye(3)]
+    turn = read(chain, (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0), 0.0)[3:]
+    return np.array(axes, dtype=np.float64).T, np.array(turn, dtype=np.float64)
+
+
+def in_map(states: Array, acting: Mapping[str, Chain]) -> Array:
+    """
+    Return states that a tracker told, in the map, where forces are.
+
+    Parameters
+    ----------
+    states : ndarray, shape (..., 13)
+        In the tracker's frame; body velocity and rates are no matter of it.
+    acting : mapping of str to Chain
+        Measurement effects by channel.
+
+    """
+    if not acting['pose']:
+        return states
+    frame, turn = tracker_frame(acting)
+    back = np.broadcast_to(reverse(turn), (*states.shape[:-1], 4))
+    return np.concatenate(
+        [states[..., :3] @ frame, product(back, states[..., 3:7]), states[..., 7:]], axis=-1
+    )
+
+
+def vertical_of(states: Array) -> Array:
+    """Return the map's vertical in the body, shape (..., 3)."""
+    up = np.broadcast_to(np.array([0.0, 0.0, 1.0]), (*states.shape[:-1], 3))
+    return rotated(reverse(states[..., 3:7]), up)
+
+
+def _force(begin: Array, end: Array, place: tuple[float, float, float]) -> Array:
+    """Return the mean specific force between two states."""
+    up = 0.5 * (vertical_of(begin) + vertical_of(end))
+    mean, rate = 0.5 * (begin + end), (end - begin) / PERIOD
+    across = [
+        tuple(np.moveaxis(part, -1, 0))
+        for part in (mean[..., 7:10], mean[..., 10:13], rate[..., 7:10], rate[..., 10:13], up)
+    ]
+    # Plain arithmetic, so arrays do as well as numbers.
+    whole: Callable[..., Any] = specific_force
+    return np.stack(whole(*across, place, STANDARD_GRAVITY), axis=-1)
+
+
+def plain(begin: Array, end: Array, places: Places) -> Array:
+    """
+    Return rates, force, range and pressure of states and those a grid period later.
+
+    As sensors without effects would tell them.
+
+    Parameters
+    ----------
+    begin, end : ndarray, shape (..., 13)
+        States.
+    places : Places
+        Of the sensors.
+
+    Returns
+    -------
+    ndarray, shape (..., 8)
+        In SI; the first six as means of the period.
+
+    """
+    vertical = vertical_of(begin)
+    distance = (begin[..., 2] + vertical @ np.array(places.range)) / vertical[..., 2]
+    # At the IMU, without its tilt: as the simulated barometer has it.
+    height = begin[..., 2] + places.imu[2]
+    pressure = places.floor * (1.0 - LAPSE * height / SEA_TEMPERATURE) ** EXPONENT
+    rates = 0.5 * (begin[..., 10:13] + end[..., 10:13])
+    force = _force(begin, end, places.imu)
+    return np.concatenate([rates, force, distance[..., None], pressure[..., None]], axis=-1)
+
+
+def readings(exact: Array, time: Array, acting: Mapping[str, Chain]) -> Array:
+    """
+    Return what the effects of the sensors make of readings.
+
+    Parameters
+    ----------
+    exact : ndarray, shape (..., 8)
+        Of `plain`.
+    time : ndarray, shape (...)
+        [s]
+    acting : mapping of str to Chain
+        Measurement effects by channel.
+
+    """
+    out = exact.copy()
+    for name, part in PARTS.items():
+        if acting[name]:
+            out[..., part] = act(acting[name], exact[..., part], time)
+    return out
+
+
+def told(
+    states: Array,
+    time: Array,
+    acting: Mapping[str, Chain],
+    places: Places,
+    exact: Array | None = None,
+) -> Told:
+    """
+    Return what is said of trajectories on the grid.
+
+    Parameters
+    ----------
+    states : ndarray, shape (..., n + 1, 13)
+        The last one only ends the last period.
+    time : ndarray, shape (..., n)
+        [s]
+    acting : mapping of str to Chain
+        Measurement effects by channel.
+    places : Places
+        Of the sensors.
+    exact : ndarray, shape (..., n, 8), optional
+        Of `plain`, where it is known already.
+
+    """
+    begin, end = states[..., :-1, :], states[..., 1:, :]
+    position, quaternion = _pose(states, time, acting)
+    exact = plain(begin, end, places) if exact is None else exact
+    return Told(position, quaternion, readings(exact, time, acting))
+
+
+def floor_pressure(flight: Measured, places: Places) -> float:
+    """Return the pressure at the floor that fits a flight on the whole; 101325 Pa without. [Pa]"""
+    ratio = [
+        reading / air_pressure(1.0, height + places.imu[2])
+        for reading, height in zip(flight.readings[:, 7], flight.position[:, 2], strict=True)
+        if np.isfinite(reading) and np.isfinite(height)
+    ]
+    return float(np.median(ratio)) if ratio else 101325.0

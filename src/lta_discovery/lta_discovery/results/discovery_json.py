@@ -1,0 +1,158 @@
+"""What was found, for programs: discovery.json."""
+
+from collections.abc import Mapping, Sequence
+import math
+from typing import Any, Final
+
+from lta_discovery.conclusion import draw_conclusion
+from lta_discovery.finding import Finding, Gap, NamedEffect, SCHEMA
+from lta_discovery.flights.loud import Cut
+from lta_discovery.page.verdict_words import format_advice, headline
+
+NAME: Final = 'discovery.json'
+WHAT: Final = 'position'  # what the gap as a whole is told of
+ERRORS: Final = (
+    'before', 'tuned', 'after', 'coast', 'noise_floor', 'refitted', 'shrink', 'shrink_ci95',
+)  # fmt: skip
+
+
+def to_dict(finding: Finding, cuts: Sequence[Cut] = ()) -> dict[str, Any]:
+    """
+    Return what was found as JSON holds it: SI units, no number that JSON does not know.
+
+    Parameters
+    ----------
+    finding : Finding
+        All of it.
+    cuts : sequence of Cut
+        What of the flights was left out.
+
+    """
+    told: dict[str, Any] = {
+        'schema': SCHEMA,
+        'verdict': finding.verdict,
+        'conclusion': _conclusion(finding),
+        'vehicle': finding.vehicle,
+        'effects': [_effect(effect) for effect in finding.effects],
+        'where': [place._asdict() for place in finding.where],
+        'gap': gap(finding),
+        'gaps': [_gap(each) for each in finding.gaps],
+        'remains': [remainder._asdict() for remainder in finding.remains],
+        'unexplained': list(finding.unexplained),
+        'draught': _draught(finding),
+        'detectable': [each._asdict() for each in finding.detectable],
+        'ladder': [[rung._asdict() for rung in stage] for stage in finding.ladder],
+        'warnings': list(finding.warnings),
+        'next_flight': finding.next_flight,
+        'left_out': [
+            {'flight': cut.flight, 'channel': cut.channel, 'from_s': cut.from_s, 'to_s': cut.to_s,
+             'reason': cut.reason}
+            for cut in cuts
+        ],
+        'bags': {role: list(names) for role, names in finding.bags.items()},
+        'carried': _carried(finding),
+        'seed': finding.seed,
+        'versions': dict(finding.versions),
+    }  # fmt: skip
+    plain: dict[str, Any] = spoken(told)
+    return plain
+
+
+def _conclusion(finding: Finding) -> dict[str, Any]:
+    """Return what may be said, and what to do."""
+    said = draw_conclusion(finding)
+    return {
+        'headline': headline(finding),
+        'asserted': said.asserted,
+        'advice': said.advice,
+        'do': format_advice(finding),
+        'gain': None if said.gain is None else _gap(said.gain),
+    }
+
+
+def _effect(effect: NamedEffect) -> dict[str, Any]:
+    """Return one named effect."""
+    return {
+        'name': effect.name,
+        'parameters': {
+            one.name: {
+                'value': one.value,
+                'unit': one.unit,
+                'ci95': list(one.ci95),
+                'before': one.before if one.in_file else None,
+            }
+            for one in effect.parameters
+        },
+        'log_evidence': effect.log_evidence,
+        'confusable_with': list(effect.confusable_with),
+        'assumed': {one.name: {'value': one.value, 'unit': one.unit} for one in effect.assumed},
+        'knobs': list(effect.knobs),
+    }
+
+
+def _draught(finding: Finding) -> dict[str, float] | None:
+    """Return the air that moved by itself; None where none was found."""
+    told = finding.draught
+    return None if told is None else {'force': told.force, 'speed': told.speed}
+
+
+def _carried(finding: Finding) -> dict[str, Any] | None:
+    """Return what names by forecasts rest on; None where the readings gave them."""
+    told = finding.carried
+    if told is None:
+        return None
+    return {
+        'names': [one._asdict() for one in told.names],
+        'regimes': [one._asdict() for one in told.regimes],
+        'interpolates': list(told.interpolates),
+        'numbers_refitted': told.numbers,
+    }
+
+
+def _gap(one: Gap) -> dict[str, Any]:
+    """Return the gap of one channel at one horizon."""
+    figures = {key: getattr(one, key) for key in ERRORS}
+    start = {'channel': one.channel, 'unit': one.unit, 'horizon_s': one.horizon_s}
+    return {**start, **figures, 'pieces': one.pieces}
+
+
+def horizon(gaps: Sequence[Gap]) -> float | None:
+    """Return the longest horizon that most channels have, the position among them. [s]"""
+    mine = {one.horizon_s for one in gaps if one.channel == WHAT} or {
+        one.horizon_s for one in gaps
+    }
+    count = {at: sum(one.horizon_s == at for one in gaps) for at in mine}
+    if not count:
+        return None
+    return max(at for at, number in count.items() if number == max(count.values()))
+
+
+def gap(finding: Finding) -> dict[str, Any]:
+    """Return the gap as a whole: of the position, at the longest horizon that all have."""
+    at = horizon(finding.gaps)
+    here = {one.channel: one for one in finding.gaps if one.horizon_s == at}
+    first = here.get(WHAT) or next(iter(here.values()), None)
+    whole: dict[str, Any] = dict.fromkeys(ERRORS)
+    if first is not None:
+        whole = {key: getattr(first, key) for key in ERRORS}
+    return {
+        'horizon_s': at,
+        'unit': first.unit if first else None,
+        **whole,
+        'per_channel': {name: _gap(one) for name, one in here.items()},
+        'held_out': finding.held_out,
+    }
+
+
+def spoken(value: Any) -> Any:  # noqa: ANN401 - whatever JSON holds
+    """Return a value with None for what is no finite number, lists for tuples."""
+    if isinstance(value, Mapping):
+        return {str(key): spoken(one) for key, one in value.items()}
+    if isinstance(value, str) or value is None or isinstance(value, bool):
+        return value
+    if isinstance(value, Sequence):
+        return [spoken(one) for one in value]
+    if isinstance(value, int):
+        return value
+    number = float(value)
+    return number if math.isfinite(number) else None

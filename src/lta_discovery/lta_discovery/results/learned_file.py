@@ -1,0 +1,197 @@
+"""
+A vehicle file with what was learned: the same file, the named effects switched on.
+
+Each number goes where the format has it: what follows from hull and aero (drag, the air that moves
+along) is changed there, everything else is an effect that the file switches on. Its source says
+what it rests on: the interval, the flights, and what stood there before. Tolerances that were
+fitted on the way are not written: they belong to the flights, not to the vehicle.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+import math
+from typing import Any, Final, final
+
+from lta_config.errors import BadInput
+from lta_config.files import parse_yaml
+from lta_config.override import held
+from lta_config.vehicle_edit import with_value
+from lta_discovery.finding import Finding, Learned, NamedEffect
+from lta_discovery.model.nominal import Nominal
+from lta_discovery.page.words import format_assumed, listed
+from lta_model.declared import parts_drag
+from lta_model.effects import EFFECTS
+from lta_model.effects.protocol import AXES
+from lta_model.vehicle import Vehicle
+
+SAME: Final = 1e-12  # relative
+# Effects that follow from other blocks: where the numbers of each stand, in which order.
+BLOCKS: Final[dict[str, tuple[tuple[str, tuple[str, ...]], ...]]] = {
+    'linear_drag': (('aero.linear_drag.force', AXES[:3]),),
+    'quadratic_drag': (('aero.quadratic_drag.force', AXES[:3]),),
+    'rotational_drag': (
+        ('aero.linear_drag.moment', AXES[3:]),
+        ('aero.quadratic_drag.moment', tuple(f'{axis}_2' for axis in AXES[3:])),
+    ),
+    'added_mass': (('hull.added_mass.mass', AXES[:3]),),
+    'added_inertia': (('hull.added_mass.inertia', AXES[3:]),),
+    'moving_mass': (('moving_mass.mass', ('mass',)), ('moving_mass.position', ('x', 'y', 'z'))),
+}
+TOGETHER: Final = ('added_mass', 'added_inertia')  # a hull states both or none
+# Follows from the drag of the aero block, as far as it is not about the shape of the hull.
+FOLLOWS: Final = {'cross_flow': AXES[:3]}
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Value:
+    """A quantity and its place in the file."""
+
+    place: str
+    value: float | list[float]
+    unit: str
+    source: str
+
+    @property
+    def held(self) -> dict[str, Any]:
+        """As YAML has it."""
+        return {'value': self.value, 'unit': self.unit, 'source': self.source}
+
+
+def source_of(finding: Finding) -> str:
+    """Return what numbers rest on: the flights that taught and confirmed, and the program."""
+    flights = [*finding.bags.get('train', ()), *finding.bags.get('confirm', ())]
+    commit = finding.versions.get('commit', 'unknown')
+    return f'lta discover from {", ".join(flights)}, commit {commit}'
+
+
+def learned_text(
+    text: str, vehicle: Vehicle, nominal: Nominal, learned: Nominal, finding: Finding
+) -> str:
+    """
+    Return the text of a vehicle file with what was learned.
+
+    Parameters
+    ----------
+    text : str
+        The vehicle file.
+    vehicle : Vehicle
+        The same, read.
+    nominal, learned : Nominal
+        As the file has it, and with the named effects.
+    finding : Finding
+        Intervals and flights.
+
+    Raises
+    ------
+    BadInput
+        If the format has no place for a number.
+
+    """
+    known = {
+        (effect.name, one.name): said(one) + _reservations(effect)
+        for effect in finding.effects
+        for one in effect.parameters
+    }
+    for one in values(text, vehicle, nominal, learned, known, source_of(finding)):
+        text = with_value(text, one.place.split('.'), one.held)
+    return text
+
+
+def values(
+    text: str,
+    vehicle: Vehicle,
+    nominal: Nominal,
+    learned: Nominal,
+    known: Mapping[tuple[str, str], str],
+    source: str,
+) -> Iterator[Value]:
+    """Yield what has to change in a file; `known` says what is to be said of each parameter."""
+    content = parse_yaml(text, vehicle.file.name)
+    moved = _moved(nominal.given, learned.given)
+    if set(moved) & set(TOGETHER):
+        moved = {**dict.fromkeys(TOGETHER, ()), **moved}
+    for effect, names in moved.items():
+        told = {name: known[effect, name] for name in names if (effect, name) in known}
+        if effect in BLOCKS:
+            yield from _of_block(content, vehicle, learned, effect, names, told, source)
+        else:
+            units = {one.name: one.unit for one in EFFECTS[effect].parameters}
+            for name in names:
+                if name in FOLLOWS.get(effect, ()):
+                    continue
+                place = f'effects.{effect}.{name}'
+                words = _words(source, [told[name]] if name in told else [], content, place)
+                yield Value(place, learned.value(effect, name), units[name], words)
+
+
+def _moved(
+    before: Mapping[str, Mapping[str, float]], after: Mapping[str, Mapping[str, float]]
+) -> dict[str, Sequence[str]]:
+    """Return the parameters that are new or not the same, by effect."""
+    out: dict[str, Sequence[str]] = {}
+    for effect, given in after.items():
+        old = before.get(effect, {})
+        names = [
+            name
+            for name, value in given.items()
+            if name not in old or not math.isclose(value, old[name], rel_tol=SAME, abs_tol=0.0)
+        ]
+        if names:
+            out[effect] = names
+    return out
+
+
+def _of_block(
+    content: Any,  # noqa: ANN401 - as YAML has it
+    vehicle: Vehicle,
+    learned: Nominal,
+    effect: str,
+    names: Sequence[str],
+    told: Mapping[str, str],
+    source: str,
+) -> Iterator[Value]:
+    """Yield the numbers of an effect that follows from a block."""
+    units = {one.name: one.unit for one in EFFECTS[effect].parameters}
+    for place, order in BLOCKS[effect]:
+        if not set(order) & set(names) and effect not in TOGETHER:
+            continue
+        numbers = [learned.value(effect, name) for name in order]
+        if effect == 'quadratic_drag':
+            faces = parts_drag(vehicle.file, vehicle.air_density)
+            numbers = [all_ - own for all_, own in zip(numbers, faces, strict=True)]
+            if min(numbers) < 0.0:
+                raise BadInput(
+                    f'The quadratic drag that was learned is less than that of the parts of '
+                    f'{vehicle.file.name}; mark their drag as in_aero, and study it again.'
+                )
+        words = [f'{name} {told[name]}' for name in order if name in told]
+        if not set(order) & set(names):
+            yield Value(place, numbers, units[order[0]], 'as the hull had it before')
+        else:
+            held = numbers if len(order) > 1 else numbers[0]
+            yield Value(place, held, units[order[0]], _words(source, words, content, place))
+
+
+def _words(source: str, told: Sequence[str], content: Any, place: str) -> str:  # noqa: ANN401 - YAML
+    """Return the source of a number: what was learned, by what, and what it was before."""
+    try:
+        before = held(content, place, 'vehicle')
+    except BadInput:
+        before = None
+    was = before.get('source') if isinstance(before, dict) else None
+    number = before.get('value') if isinstance(before, dict) else None
+    old = '' if number is None else f'; before {number} {before["unit"]} ({was or "no source"})'
+    return '; '.join([*told, source]) + old
+
+
+def _reservations(one: NamedEffect) -> str:
+    """Return what the values of an effect take for granted, and what it may be instead."""
+    rivals = listed(list(one.confusable_with), 'or')
+    return format_assumed(one) + (f'; it may be {rivals} instead' if rivals else '')
+
+
+def said(one: Learned) -> str:
+    """Return a parameter's interval in words."""
+    low, high = one.ci95
+    return f'{one.value:.4g} {one.unit}, 95 % {low:.4g} to {high:.4g}'

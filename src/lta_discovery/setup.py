@@ -1,0 +1,21 @@
+"""Install lta_discovery as an ament_python package."""
+
+from setuptools import find_packages, setup
+
+setup(
+    name='lta_discovery',
+    version='1.0.0',
+    packages=find_packages(),
+    package_data={'lta_discovery': ['py.typed', 'naming/*.yaml']},
+    data_files=[
+        ('share/ament_index/resource_index/packages', ['resource/lta_discovery']),
+        ('share/lta_discovery', ['package.xml']),
+    ],
+    install_requires=['setuptools'],
+    zip_safe=False,
+    maintainer='LTA maintainers',
+    maintainer_email='maintainers@users.noreply.github.com',
+    description='Discovery: the physical effect that a model lacks, found in recorded flights.',
+    license='Apache-2.0',
+    entry_points={'console_scripts': []},
+)

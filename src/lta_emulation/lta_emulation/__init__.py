@@ -1,0 +1,1 @@
+"""Emulated hardware: a Crazyflie and a light board that fly in the simulated world."""

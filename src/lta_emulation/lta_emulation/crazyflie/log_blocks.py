@@ -1,0 +1,167 @@
+"""Log blocks: variables that the firmware sends in one packet at a rhythm (port 5)."""
+
+from dataclasses import dataclass, field
+import errno
+import struct
+from typing import final
+
+from lta_emulation.crazyflie.contents import Contents, LOG_TYPES, LogVariable, packer, Reader
+
+BLOCKS, VARIABLES, BYTES = 16, 128, 26  # firmware: log.c
+TICK_MS = 10  # of a period in the command that starts a block
+
+
+@final
+@dataclass(slots=True)
+class Block:
+    """
+    One block.
+
+    Attributes
+    ----------
+    fields : list of tuple
+        Number and type of each variable.
+    period_ms : int
+        Between two packets; 0 while it is stopped.
+    due_ms : int
+        When the next is due.
+    once : bool
+        Whether one is due now, beside those.
+
+    """
+
+    fields: list[tuple[int, int]] = field(default_factory=list)
+    period_ms: int = 0
+    due_ms: int = 0
+    once: bool = False
+
+    @property
+    def size(self) -> int:
+        """Bytes of its values."""
+        return sum(struct.calcsize(LOG_TYPES[kind]) for _, kind in self.fields)
+
+
+@final
+class LogBlocks:
+    """
+    The log subsystem, by its commands.
+
+    Parameters
+    ----------
+    contents : Contents
+        What can be logged.
+
+    Attributes
+    ----------
+    refuse : int
+        An errno with which every block is refused; 0 for none. For tests.
+
+    """
+
+    def __init__(self, contents: Contents[LogVariable]) -> None:
+        self._contents = contents
+        self.blocks: dict[int, Block] = {}
+        self.refuse = 0
+
+    def command(self, data: bytes, size: int, now_ms: int) -> bytes:
+        """
+        Obey a settings packet at a time [ms]; return command, block and errno.
+
+        Parameters
+        ----------
+        data : bytes
+            All 30 bytes of the buffer: only variables are counted by the packet's length.
+        size : int
+            Of the packet in it.
+        now_ms : int
+            By the drone's clock.
+
+        """
+        what, number = data[0], data[1]
+        # Of less than two bytes the firmware counts far more variables than there is room for.
+        variables = data[2:size] if size >= 2 else data[2:]
+        done = {
+            5: lambda: self.reset(),
+            6: lambda: self._create(number, variables),
+            7: lambda: self._append(number, variables),
+            2: lambda: self._delete(number),
+            3: lambda: self._start(number, TICK_MS * data[2], now_ms),
+            8: lambda: self._start(number, int.from_bytes(data[2:4], 'little'), now_ms),
+            4: lambda: self._halt(number),
+        }.get(what)
+        return bytes([what, number, errno.ENOEXEC if done is None else done()])
+
+    def reset(self) -> int:
+        """Forget all blocks, as the firmware does by itself after a second without radio."""
+        self.blocks.clear()
+        return 0
+
+    def _create(self, number: int, data: bytes) -> int:
+        if self.refuse:
+            return self.refuse
+        if number in self.blocks:
+            return errno.EEXIST
+        if len(self.blocks) == BLOCKS:
+            return errno.ENOMEM
+        self.blocks[number] = Block()
+        return self._append(number, data)
+
+    def _append(self, number: int, data: bytes) -> int:
+        block = self.blocks.get(number)
+        if block is None:
+            return errno.ENOENT
+        # A block of more than nine variables comes with a byte too many: cflib fills the packet.
+        for place in range(0, len(data) - 2, 3):
+            kind, which = data[place] & 0x0F, int.from_bytes(data[place + 1 : place + 3], 'little')
+            if kind not in LOG_TYPES:
+                return errno.ENOENT
+            if block.size + struct.calcsize(LOG_TYPES[kind]) > BYTES:
+                return errno.E2BIG
+            if sum(len(one.fields) for one in self.blocks.values()) == VARIABLES:
+                return errno.ENOMEM
+            if which >= len(self._contents.entries):
+                return errno.ENOENT
+            block.fields.append((which, kind))
+        return 0
+
+    def _delete(self, number: int) -> int:
+        return 0 if self.blocks.pop(number, None) else errno.ENOENT
+
+    def _start(self, number: int, period_ms: int, now_ms: int) -> int:
+        block = self.blocks.get(number)
+        if block is None:
+            return errno.ENOENT
+        if period_ms == 0:  # once, and no more
+            block.once = True
+            return 0
+        block.period_ms, block.due_ms = period_ms, now_ms + period_ms
+        return 0
+
+    def _halt(self, number: int) -> int:
+        block = self.blocks.get(number)
+        if block is None:
+            return errno.ENOENT
+        block.period_ms = 0
+        return 0
+
+    def due(self, now_ms: int, read: Reader) -> list[bytes]:
+        """Return the data packets that are due; those missed while nobody looked are left out."""
+        packets = []
+        for number, block in self.blocks.items():
+            if block.once:
+                block.once = False
+                packets.append(self._packet(number, block, now_ms, read))
+            if block.period_ms and now_ms >= block.due_ms:
+                late = (now_ms - block.due_ms) // block.period_ms
+                stamp = block.due_ms + late * block.period_ms
+                block.due_ms += (late + 1) * block.period_ms
+                packets.append(self._packet(number, block, stamp, read))
+        return packets
+
+    def _packet(self, number: int, block: Block, stamp_ms: int, read: Reader) -> bytes:
+        head = bytes([number]) + (stamp_ms & 0xFFFFFF).to_bytes(3, 'little')
+        values = [
+            packer(LOG_TYPES[kind], read(self._contents.entries[which].name))
+            for which, kind in block.fields
+        ]
+        return head + b''.join(values)

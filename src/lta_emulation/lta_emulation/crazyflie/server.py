@@ -1,0 +1,113 @@
+"""The emulated Crazyflie on a UDP port, in real time, in a thread of its own."""
+
+import socket
+import threading
+import time
+from typing import Final, final, Self
+
+from lta_emulation.crazyflie.firmware import Firmware
+from lta_emulation.crazyflie.link import Link
+from lta_emulation.crazyflie.packet import unpacked
+
+TICK: Final = 0.002  # s between two looks at the clock
+
+
+@final
+class Server:
+    """
+    A Crazyflie at `udp://127.0.0.1:port`.
+
+    Parameters
+    ----------
+    firmware : Firmware
+        What answers.
+    port : int
+        0 for any free one.
+    up, down : Link, optional
+        What happens to datagrams to it and from it.
+
+    Attributes
+    ----------
+    uri : str
+        Where cflib finds it.
+
+    """
+
+    def __init__(
+        self, firmware: Firmware, port: int = 0, up: Link | None = None, down: Link | None = None
+    ) -> None:
+        self.firmware = firmware
+        self.up, self.down = up or Link(), down or Link()
+        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._socket.bind(('127.0.0.1', port))
+        self._socket.settimeout(TICK)
+        self.uri = f'udp://127.0.0.1:{self._socket.getsockname()[1]}'
+        self._peer: tuple[str, int] | None = None
+        self._began = time.monotonic()
+        self._shut = threading.Event()
+        self._running = threading.Event()
+        self._running.set()
+        self._thread = threading.Thread(target=self._work, name='emulated_crazyflie', daemon=True)
+
+    @property
+    def now(self) -> float:
+        """Time since the boot. [s]"""
+        return time.monotonic() - self._began
+
+    def __enter__(self) -> Self:
+        """Boot."""
+        self._began = time.monotonic()
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Switch off: the port is closed, so that whoever sends hears that nobody is there."""
+        self.close()
+
+    def shut(self) -> None:
+        """Close the port for good, and fly on: whoever sends hears that nobody is there."""
+        self._shut.set()
+
+    def close(self) -> None:
+        """Switch off."""
+        self._running.clear()
+        if self._thread.is_alive():
+            self._thread.join()
+        self._socket.close()
+
+    def _work(self) -> None:
+        while self._running.is_set():
+            self._hear()
+            now = self.now
+            for datagram in self.up.out(now):
+                self._obey(datagram, now)
+            for packet in self.firmware.tick(now):
+                self.down.put(packet.packed(), now)
+            self._tell(now)
+
+    def _hear(self) -> None:
+        """Take what has come, or wait a moment."""
+        if self._shut.is_set():
+            self._socket.close()
+            time.sleep(TICK)
+            return
+        wait = TICK
+        while True:
+            self._socket.settimeout(wait)
+            try:
+                datagram, self._peer = self._socket.recvfrom(64)
+            except (TimeoutError, BlockingIOError, ConnectionError):
+                return
+            self.up.put(datagram, self.now)
+            wait = 0.0
+
+    def _obey(self, datagram: bytes, now: float) -> None:
+        packet = unpacked(datagram)
+        if packet is not None:
+            for answer in self.firmware.receive(packet, now):
+                self.down.put(answer.packed(), now)
+
+    def _tell(self, now: float) -> None:
+        for datagram in self.down.out(now):
+            if self._peer is not None and not self._shut.is_set():
+                self._socket.sendto(datagram, self._peer)

@@ -1,0 +1,46 @@
+"""The variables and parameters that the emulated Crazyflie knows, with the firmware's types."""
+
+from lta_emulation.crazyflie.app import VERSION
+from lta_emulation.crazyflie.build import Build
+from lta_emulation.crazyflie.contents import CORE, EXTENDED, LogVariable, Parameter, READ_ONLY
+
+FLOAT, U8, U16, I8, I16 = 7, 1, 2, 4, 5
+BYTE, WORD, LONG = 0x08, 0x09, 0x0A  # of parameters
+PID, OUT_OF_TREE = 1, 6  # controllers (controller.h)
+
+LOG = (
+    *(LogVariable(f'acc.{axis}', FLOAT) for axis in 'xyz'),
+    *(LogVariable(f'gyro.{axis}', FLOAT) for axis in 'xyz'),
+    *(LogVariable(f'stateEstimate.{angle}', FLOAT) for angle in ('roll', 'pitch', 'yaw', 'z')),
+    LogVariable('range.zrange', U16),
+    LogVariable('baro.pressure', FLOAT),
+    LogVariable('pm.vbat', FLOAT),
+    LogVariable('pm.state', I8),
+    *(LogVariable(f'motor.m{number}', U16) for number in range(1, 5)),
+    LogVariable('supervisor.info', U16),
+)
+
+
+def default_controller(build: Build) -> int:
+    """Return the controller that a build selects by itself."""
+    return OUT_OF_TREE if build.app else PID
+
+
+def parameters(build: Build) -> tuple[Parameter, ...]:
+    """Return the parameters of a build, with the values they have when it is up."""
+    app = (
+        Parameter('lta.app', BYTE | READ_ONLY, VERSION),
+        Parameter('lta.compensated', BYTE | READ_ONLY, int(build.compensated)),
+    )
+    return (
+        Parameter('supervisor.landedTimeout', WORD | EXTENDED, 3000),
+        Parameter('supervisor.prefltTimeout', WORD | EXTENDED, 30000),
+        Parameter('supervisor.tmblChckEn', BYTE | EXTENDED, 1),
+        Parameter('powerDist.idleThrust', LONG | EXTENDED | CORE, build.idle_thrust),
+        Parameter('stabilizer.controller', BYTE | CORE, default_controller(build)),
+        Parameter('stabilizer.stop', BYTE | CORE, 0),
+        Parameter('motorPowerSet.enable', BYTE | CORE, 0),
+        *(Parameter(f'motorPowerSet.m{number}', WORD | CORE, 0) for number in range(1, 5)),
+        *(app if build.app else ()),
+        Parameter('firmware.revision0', LONG | READ_ONLY, 0x2026_0800),
+    )

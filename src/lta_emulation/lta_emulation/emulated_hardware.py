@@ -1,0 +1,176 @@
+"""
+`lta run lta_emulation emulated_hardware`: the hardware of a drone in a simulated world.
+
+One world drives both peers: a Crazyflie that speaks CRTP over UDP, and its light board that speaks
+MAVLink at the end of a pseudo terminal. For trying the bridges, and everything above, without
+hardware. SIGUSR1 pulls the light board's cable, and plugs it in again.
+"""
+
+import argparse
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+import signal
+import sys
+import tempfile
+import threading
+from typing import Any, Final, NamedTuple
+
+from lta_config.errors import BadInput
+from lta_config.schema.crazyflie_file import crazyflie_of
+from lta_config.topics import topic_table
+from lta_emulation.crazyflie.firmware import Firmware
+from lta_emulation.crazyflie.flown import Flown
+from lta_emulation.crazyflie.server import Server
+from lta_emulation.teensy.emulated_server import BoardServer
+from lta_emulation.teensy.emulator import EmulatedBoard
+from lta_model.scenario import load_scenario
+from lta_model.vehicle import load_vehicle
+from lta_sim.world import World
+
+PORT: Final = 19850  # where cflib scans first
+LIGHT_PORT: Final = Path(tempfile.gettempdir()) / 'lta_light_board'
+LOOK: Final = 0.1  # s between two looks at where the drone is
+UP: Final = 0.04  # m above where it stood, from which it has taken off
+
+
+def flown(
+    vehicle: str,
+    scenario: str,
+    seed: int,
+    light: Callable[[float, Any], None] | None = None,
+) -> Flown:
+    """
+    Return a simulated drone on its Crazyflie.
+
+    Parameters
+    ----------
+    vehicle, scenario : str
+        Names of shipped files, or paths.
+    seed : int
+        Of all chance.
+    light : callable, optional
+        As for `Flown`.
+
+    """
+    scene, table = load_scenario(scenario), topic_table()
+    craft = load_vehicle(vehicle, scene.air.density)
+    world = World(craft, scene, table, seed)
+    return Flown(world, crazyflie_of(vehicle, craft.file.name), table, light)
+
+
+class Hardware(NamedTuple):
+    """Both peers and the world between them."""
+
+    crazyflie: Server
+    board: BoardServer
+    body: Flown
+
+
+@contextmanager
+def emulated(
+    vehicle: str,
+    scenario: str,
+    seed: int,
+    port: int = 0,
+    light_port: Path = LIGHT_PORT,
+    beacon: float = 0.0,
+) -> Iterator[Hardware]:
+    """
+    Serve a drone's hardware while the context lasts.
+
+    Parameters
+    ----------
+    vehicle, scenario, seed
+        As for `flown`.
+    port : int
+        UDP port of the Crazyflie; 0 for any free one.
+    light_port : Path
+        What the light board's bridge opens.
+    beacon : float
+        As for `BoardServer`.
+
+    Raises
+    ------
+    BadInput
+        If a file is wrong, or the UDP port is taken.
+
+    """
+    table, entry = topic_table(), load_vehicle(vehicle).file.sensors.diodes
+    board = EmulatedBoard(0, table.light.sample_rate.si, entry.count, bits=entry.bits)
+    light = BoardServer(board, light_port, beacon)
+    body = flown(vehicle, scenario, seed, light.light)
+    try:
+        crazyflie = Server(Firmware(body, build=body.build), port)
+    except OSError as error:
+        raise BadInput(
+            f'UDP port {port} cannot be had ({error.strerror}): end the other emulated drone, or '
+            'give another --port.'
+        ) from None
+    with light, crazyflie:
+        yield Hardware(crazyflie, light, body)
+
+
+def watch(body: Flown, told: Callable[[str], None], wait: Callable[[float], object]) -> None:
+    """
+    Tell when the drone takes off, reaches the lamp and stands again, until `wait` is true.
+
+    Parameters
+    ----------
+    body : Flown
+        The drone.
+    told : callable
+        Gets a sentence.
+    wait : callable
+        Waits so long [s]; true to end.
+
+    """
+    world, radius = body.world, body.world.scenario.goal.radius.si
+    floor, began, reached = world.vehicle.standing_height, 0.0, False
+    while not wait(LOOK):
+        up = world.state[2] > floor + UP
+        if up and not began:
+            began, reached = world.elapsed, False
+            told(f'It took off, {world.distance:.1f} m from the lamp.')
+        if up and not reached and world.distance <= radius:
+            reached = True
+            told(f'It reached the lamp, {world.elapsed - began:.1f} s after it took off.')
+        if began and not up and not any(body.duties):
+            told(f'It stands, {world.distance:.1f} m from the lamp.')
+            began = 0.0
+
+
+def _say(sentence: str) -> None:
+    sys.stdout.write(sentence + '\n')
+    sys.stdout.flush()
+
+
+def main(words: list[str] | None = None) -> None:
+    """Serve until interrupted."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument('--port', type=int, default=PORT)
+    parser.add_argument('--light-port', type=Path, default=LIGHT_PORT)
+    parser.add_argument('--beacon', type=float, default=0.0)
+    parser.add_argument('--vehicle', default='gtmab')
+    parser.add_argument('--scenario', default='lamp_room')
+    parser.add_argument('--seed', type=int, default=1)
+    told, _ = parser.parse_known_args(words)  # `lta run` adds ROS arguments
+    over = threading.Event()
+    signal.signal(signal.SIGTERM, lambda *_: over.set())
+    try:
+        with emulated(
+            told.vehicle, told.scenario, told.seed, told.port, told.light_port, told.beacon
+        ) as hardware:
+            _say(
+                f'An emulated Crazyflie answers at {hardware.crazyflie.uri}, its light board at '
+                f'{hardware.board.port}; Ctrl-C ends both.'
+            )
+            signal.signal(signal.SIGUSR1, lambda *_: hardware.board.toggle())
+            # `lta run` holds Ctrl-C back while Python starts; one that came meanwhile comes now.
+            signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+            watch(hardware.body, _say, over.wait)
+    except BadInput as error:
+        sys.stderr.write(f'{error}\n')
+        sys.exit(2)
+    except KeyboardInterrupt:
+        return

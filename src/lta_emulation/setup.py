@@ -1,0 +1,21 @@
+"""Install lta_emulation as an ament_python package."""
+
+from setuptools import find_packages, setup
+
+setup(
+    name='lta_emulation',
+    version='1.0.0',
+    packages=find_packages(),
+    package_data={'lta_emulation': ['py.typed']},
+    data_files=[
+        ('share/ament_index/resource_index/packages', ['resource/lta_emulation']),
+        ('share/lta_emulation', ['package.xml']),
+    ],
+    install_requires=['setuptools'],
+    zip_safe=False,
+    maintainer='LTA maintainers',
+    maintainer_email='maintainers@users.noreply.github.com',
+    description='A Crazyflie and a light board in software, which fly in the simulated world.',
+    license='Apache-2.0',
+    entry_points={'console_scripts': ['emulated_hardware = lta_emulation.emulated_hardware:main']},
+)

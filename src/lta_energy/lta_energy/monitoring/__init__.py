@@ -1,0 +1,1 @@
+"""What a drone knows of its energy in flight, and what follows for the flight."""

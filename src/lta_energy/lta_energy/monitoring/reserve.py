@@ -1,0 +1,59 @@
+"""The decision to come down: the charge that is surely there against what must be left."""
+
+from typing import NamedTuple
+
+from lta_config.settings import setting, Settings
+from lta_energy.monitoring.belief import Belief, INVERSE
+from lta_energy.monitoring.outlook import energy_between
+from lta_model.electrical.battery import Battery, open_circuit_voltage
+
+
+class ReserveSettings(Settings):
+    """What must be left."""
+
+    reserve: float = setting(
+        0.25, 'State of charge at which the reserve is reached.', low=0.0, high=0.9
+    )
+    hysteresis: float = setting(
+        0.05, 'Charge above the reserve that takes the alarm back.', low=0.0, high=0.1
+    )
+    caution: float = setting(
+        1.0, 'Standard deviations of the charge that are not counted on.', low=0.0, high=5.0
+    )
+    doubt: float = setting(
+        0.15, 'Standard deviation from which the charge is doubtful.', low=0.01, high=0.3
+    )
+
+
+class Stock(NamedTuple):
+    """
+    The charge against what must be left.
+
+    Attributes
+    ----------
+    sure : float
+        Charge without what is not counted on. [1]
+    home : float
+        Charge that the way home takes. [1]
+    spare : float
+        Energy beyond reserve and way home; negative where it is lacking. [J]
+
+    """
+
+    sure: float
+    home: float
+    spare: float
+
+
+def stock(settings: ReserveSettings, cell: Battery, belief: Belief, home: float) -> Stock:
+    """Return how a charge stands against the reserve and the energy of the way home. [J]"""
+    sure = belief.charge - settings.caution * belief.deviation
+    full = open_circuit_voltage(belief.charge) * cell.capacity / belief.mean[INVERSE]
+    return Stock(
+        sure, home / full, energy_between(cell, belief, settings.reserve, max(sure, 0.0)) - home
+    )
+
+
+def reached(settings: ReserveSettings, before: bool, stock: Stock) -> bool:
+    """Tell whether the reserve is reached, with hysteresis."""
+    return stock.sure <= settings.reserve + stock.home + (settings.hysteresis if before else 0.0)

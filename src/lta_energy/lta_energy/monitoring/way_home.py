@@ -1,0 +1,73 @@
+"""
+The way home: what it takes by what flying has been seen to take, and what is left beyond it.
+
+Power and speed are means over the time in which the drone moved, so that one that rests far from
+home still knows what the flight back takes. They begin with what a shipped flight has; the speed
+is through the air, less the head wind to allow for.
+"""
+
+import math
+from typing import NamedTuple
+
+from lta_config.settings import setting, Settings
+from lta_energy.monitoring.reading import Whereabouts
+
+
+class WaySettings(Settings):
+    """What is assumed of the way home until it has been measured, and for what nobody measures."""
+
+    power: float = setting(1.4, 'Power of flight until measured.', unit='W', low=0.0, high=1000.0)
+    speed: float = setting(0.5, 'Airspeed until measured.', unit='m/s', low=0.05, high=30.0)
+    moving: float = setting(
+        0.1, 'Airspeed from which the drone counts as moving.', unit='m/s', low=0.01, high=10.0
+    )
+    head_wind: float = setting(
+        0.1, 'Wind from ahead to allow for; the air hides it.', unit='m/s', low=0.0, high=10.0
+    )
+    slowest: float = setting(
+        0.05, 'Speed over the ground that is always allowed for.', unit='m/s', low=0.01, high=10.0
+    )
+    smoothing: float = setting(
+        30.0, 'Time constant of power and speed of flight.', unit='s', low=0.0, high=3600.0
+    )
+
+
+class Travel(NamedTuple):
+    """Power out of the chemistry and airspeed while the drone moves. [W, m/s]"""
+
+    power: float
+    speed: float
+
+
+def begun(settings: WaySettings) -> Travel:
+    """Return what is assumed before the drone has moved."""
+    return Travel(settings.power, settings.speed)
+
+
+def seen(
+    settings: WaySettings, travel: Travel, where: Whereabouts | None, power: float, dt: float
+) -> Travel:
+    """Return what is known of travelling after one more reading. [W, s]"""
+    if where is None or where.speed < settings.moving:
+        return travel
+    share = -math.expm1(-dt / settings.smoothing) if settings.smoothing > 0.0 else 1.0
+    return Travel(
+        travel.power + share * (max(power, 0.0) - travel.power),
+        travel.speed + share * (where.speed - travel.speed),
+    )
+
+
+def energy_home(settings: WaySettings, travel: Travel, distance: float) -> float:
+    """Return what a way of some metres takes out of the cell. [J]"""
+    return travel.power * distance / _over_ground(settings, travel)
+
+
+def reach(settings: WaySettings, travel: Travel, energy: float) -> float:
+    """Return how far the drone comes on an energy [J]. [m]"""
+    if travel.power <= 0.0:
+        return math.inf
+    return max(energy, 0.0) / travel.power * _over_ground(settings, travel)
+
+
+def _over_ground(settings: WaySettings, travel: Travel) -> float:
+    return max(travel.speed - settings.head_wind, settings.slowest)

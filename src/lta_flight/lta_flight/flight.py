@@ -1,0 +1,222 @@
+"""
+One flight of the whole graph: checked, started, watched and put away.
+
+Everything that can be wrong with the order is found before a process starts. While it flies, who
+holds the graph up is named within a second; whatever ends the flight, no process stays.
+"""
+
+from collections.abc import Collection, Iterable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+import json
+from pathlib import Path
+from typing import final, Literal, Protocol, TYPE_CHECKING
+
+from lta_bridge.bag.writer import empty_folder
+from lta_config.errors import BadInput
+from lta_config.files import find
+from lta_control.strategies import strategy
+from lta_flight.blame import FLIGHT, Lookout
+from lta_flight.domain_lock import DomainLock
+from lta_flight.preflight import check
+from lta_flight.viewers import invite, refuse_taken_ports, viewers
+from lta_graph.child import Ended
+from lta_graph.health import Fact, Level
+from lta_graph.launch_file import load
+from lta_graph.launcher import Launcher
+from lta_model.scenario import load_scenario
+from lta_model.vehicle import load_vehicle
+from lta_report.results_folder import results_folder
+
+if TYPE_CHECKING:
+    from lta_graph.ros.listener import DiagnosticsListener
+
+ROBOT = 'lta1'
+PATIENCE = 10.0  # wall seconds that the graph may stand still
+LOOK = 0.05  # wall seconds between looks at the processes and the diagnostics
+
+
+class Watcher(Protocol):
+    """Whoever shows the flight to a person."""
+
+    def at(self, time: float, distance: float, pace: float) -> None:
+        """Show where the drone is: flight time [s], distance to the lamp [m], pace."""
+        ...
+
+    def say(self, sentence: str) -> None:
+        """Tell something that happened."""
+        ...
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Order:
+    """What to fly; names or files, checked by `fly_once`."""
+
+    vehicle: str
+    scenario: str
+    strategy: str
+    seed: int
+    time: Literal['lockstep', 'realtime']
+    out: Path | None = None
+    live_port: int | None = None  # where Foxglove can look on
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Flown:
+    """
+    How a flight went.
+
+    Attributes
+    ----------
+    folder, bag : Path
+        Where the results and the recording are.
+    outcome : str
+        'reached', 'timeout', 'escaped', or 'failed' when the graph broke.
+    sentence : str
+        The same for people, to be put behind 'The drone'.
+    pace : float
+        Flight seconds a wall second.
+
+    """
+
+    folder: Path
+    bag: Path
+    outcome: str
+    sentence: str
+    pace: float
+
+
+def fly_once(order: Order, watcher: Watcher) -> Flown:
+    """
+    Fly one flight and return how it went.
+
+    Raises
+    ------
+    BadInput
+        If the order cannot be flown; nothing has been started then.
+
+    """
+    scenario = load_scenario(order.scenario)
+    strategy(order.strategy)
+    folder = results_folder(order.out, f'{scenario.name}-{order.seed}')
+    plan = load(find('launch file', 'fly', '.launch.yaml'), choices(order, folder / 'bag'))
+    check(plan)
+    spare = viewers(plan)
+    # Here, and not above: who flies without a graph needs no ROS.
+    from lta_graph.ros.listener import DiagnosticsListener
+
+    with DomainLock(ROBOT), DiagnosticsListener(ROBOT) as listener:
+        refuse_taken_ports(plan)
+        empty_folder(folder)
+        invite(plan, watcher.say)
+        with Launcher(plan, on_line=lambda _name, _line: None, spare=spare) as launcher:
+            watch(launcher, listener, watcher, spare)
+    return judged(folder, launcher, watcher, spare)
+
+
+def choices(order: Order, bag: Path) -> dict[str, str]:
+    """Return an order as launch arguments."""
+    control = load_vehicle(order.vehicle).file.control
+    named = control.gains if control else None
+    return {
+        'robot': ROBOT,
+        **({'gains': str(find('gains', named))} if named else {}),
+        'vehicle': order.vehicle,
+        'scenario': order.scenario,
+        'strategy': order.strategy,
+        'time': order.time,
+        'seed': str(order.seed),
+        'bag': str(bag),
+        **({} if order.live_port is None else {'live': 'true', 'live_port': f'{order.live_port}'}),
+    }
+
+
+def watch(
+    launcher: Launcher,
+    listener: 'DiagnosticsListener',
+    watcher: Watcher,
+    spare: Collection[str] = (),
+) -> None:
+    """
+    Follow a flight until a process ends it, or the graph has stood still for too long.
+
+    A `spare` process is neither missed nor waited for; that it has ended is told.
+    """
+    lookout = Lookout(watcher.say, listener.tell)
+    while launcher.outcome is None:
+        facts = listener.poll(LOOK)
+        for end in launcher.poll():
+            if end.name in spare and not end.stopped:
+                why = f' ({end.lines[-1]})' if refused(end) else ''
+                watcher.say(f'{end.sentence}{why}; the flight goes on.')
+        show(facts, watcher)
+        running = [name for name in launcher.running if name not in spare]
+        lookout.look(facts, listener.silent(running), listener.unheard(running))
+        if lookout.standing > PATIENCE:
+            sentence = f'The graph has stood still for {PATIENCE:.0f} s and is stopped.'
+            watcher.say(sentence)
+            listener.tell(sentence)
+            return
+    end = launcher.outcome
+    if not end.success:
+        listener.tell(f'{end.sentence}.')
+        if not refused(end):
+            watcher.say(f'{end.sentence}.')
+
+
+def show(facts: Mapping[str, Fact], watcher: Watcher) -> None:
+    """Show the simulator's newest word on the flight."""
+    fact = facts.get(FLIGHT)
+    if (
+        fact is not None
+        and fact.level == Level.OK
+        and (told := fact.numbers('time_s', 'distance_m', 'pace'))
+    ):
+        watcher.at(*told)
+
+
+def refused(end: Ended) -> bool:
+    """Tell whether a node ended with a sentence on what it cannot work with."""
+    return end.status == 2 and bool(end.lines)
+
+
+def verdict(ended: Iterable[Ended]) -> dict[str, str] | None:
+    """Return the simulator's last word on the flight, None where it died without one."""
+    for item in ended:
+        if item.name == 'simulator' and item.stdout:
+            with suppress(ValueError):
+                said = json.loads(item.stdout[-1])
+                return said if isinstance(said, dict) else None
+    return None
+
+
+def judged(
+    folder: Path, launcher: Launcher, watcher: Watcher, spare: Collection[str] = ()
+) -> Flown:
+    """
+    Return how the flight went, from how its processes ended.
+
+    Raises
+    ------
+    BadInput
+        If a node refused its input: the node's own sentence.
+
+    """
+    bag, end = folder / 'bag', launcher.outcome
+    broken = end is None or not end.success
+    # Whoever is stopped in an orderly way ends with 0; in a broken graph, not all come so far.
+    ended = [item for item in launcher.ended if item.name not in spare]
+    faulty = [item for item in ended if item.status and not (broken and item.stopped)]
+    for item in faulty:
+        if refused(item):
+            raise BadInput(item.lines[-1])
+        if item is not end:
+            watcher.say(f'{item.sentence}.')
+        if item.lines:
+            watcher.say('\n'.join((f'The last lines of {item.name}:', *item.lines)))
+    flight = verdict(launcher.ended)
+    if broken or faulty or flight is None:
+        return Flown(folder, bag, 'failed', 'did not finish: the graph broke', 0.0)
+    return Flown(folder, bag, flight['outcome'], flight['sentence'], float(flight['pace']))

@@ -1,0 +1,32 @@
+"""The progress bar of a replay, and what it says above it."""
+
+from typing import final
+
+from lta_report.bar import Bar
+from rich.console import Console
+from rich.progress import BarColumn, TextColumn
+
+
+@final
+class ReplayProgress(Bar):
+    """
+    Show a replay while it lasts: `with ReplayProgress(console, 60.0) as progress: ...`.
+
+    Parameters
+    ----------
+    console : Console
+        Where to; nothing moves where it is no terminal.
+    length : float
+        Of the recording. [s]
+
+    """
+
+    def __init__(self, console: Console, length: float) -> None:
+        detail = TextColumn('{task.fields[detail]}')
+        columns = (TextColumn('{task.description}'), BarColumn(), detail)
+        super().__init__(console, *columns, begin='starting the nodes', total=length, detail='')
+
+    def at(self, time: float, pace: float) -> None:
+        """Show how far the replay is: bag time [s] and bag seconds a wall second."""
+        detail = f'{time:.1f} s, {pace:.1f} x real time'
+        self.move(description='replaying', completed=time, detail=detail)

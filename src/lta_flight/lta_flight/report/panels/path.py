@@ -1,0 +1,133 @@
+"""The flight from above."""
+
+from lta_flight.report.rays import draw_rays
+from lta_flight.report.results import phases_of
+from lta_flight.report.room import draw_room, word
+from lta_flight.report.view import View
+from lta_report.curves import Array
+from lta_report.drawing import blank
+from lta_report.palette import ESTIMATE, scale, SOFT, TIME
+import numpy as np
+from plotly.graph_objects import Figure, Scatter
+
+BEADS = 700
+MARGIN = 0.25  # m of paper around the room
+STEPS = (1, 2, 5, 10, 20, 60)  # s between the times written beside the path
+MOST_STEPS = 7
+
+
+def picture(view: View) -> Figure:
+    """Return the true path in the room, with the lamp's light and the measured bearings."""
+    figure = blank()
+    figure.update_layout(hovermode='closest', margin={'l': 44, 'r': 12, 't': 8, 'b': 40})
+    if view.scene.scenario is not None:
+        draw_room(figure, view.scene.scenario, float(np.median(view.truth.z)))
+    if view.has('light/bearing', 'light/peaks'):
+        draw_rays(figure, view)
+    if view.has('odom'):
+        draw_estimate(figure, view)
+    figure.add_trace(beads(view))
+    draw_times(figure, view)
+    frame(figure, view)
+    return figure
+
+
+def frame(figure: Figure, view: View) -> None:
+    """Show the whole room, or the whole path where there is none, to one scale."""
+    if view.scene.scenario is not None:
+        length, width, _ = view.scene.scenario.room.size.vector
+        sides = [(-length / 2, length / 2), (-width / 2, width / 2)]
+    else:
+        sides = [(part.min() - 1.0, part.max() + 1.0) for part in (view.truth.x, view.truth.y)]
+    (left, right), (low, high) = sides
+    shared = {'showgrid': False, 'dtick': 1, 'constrain': 'domain'}
+    figure.update_xaxes(range=[left - MARGIN, right + MARGIN], title_text='x [m]', **shared)
+    figure.update_yaxes(
+        range=[low - MARGIN, high + MARGIN],
+        title_text='y [m]',
+        scaleanchor='x',
+        constraintoward='top',
+        **shared,
+    )
+
+
+def draw_estimate(figure: Figure, view: View) -> None:
+    """Draw where the drone would believe to be, and name it at its end."""
+    estimate, truth = view.estimate, view.truth
+    keep = slice(None, None, max(1, len(estimate.time) // BEADS))
+    figure.add_trace(
+        Scatter(
+            x=estimate.x[keep].astype(np.float32),
+            y=estimate.y[keep].astype(np.float32),
+            mode='lines',
+            line={'color': ESTIMATE, 'width': 1.3, 'dash': 'dot'},
+            name='dead reckoning',
+            hoverinfo='skip',
+        )
+    )
+    place, away = farthest(
+        np.stack([estimate.x[keep], estimate.y[keep]], axis=1),
+        np.stack([truth.x, truth.y], axis=1)[:: max(1, len(truth.time) // BEADS)],
+    )
+    word(figure, place, 'dead reckoning', ESTIMATE, 52.0 * away[0], 16.0 * away[1])
+
+
+def farthest(path: Array, other: Array) -> tuple[tuple[float, float], tuple[float, float]]:
+    """
+    Return where a path is farthest from another one, and the direction away from that.
+
+    Parameters
+    ----------
+    path, other : ndarray, shape (n, 2) and (m, 2)
+        Places. [m]
+
+    Returns
+    -------
+    place, direction : tuple of 2 floats
+        There is room for a word. [m, 1]
+
+    """
+    gaps = path[:, None, :] - other[None, :, :]
+    distances = np.hypot(gaps[..., 0], gaps[..., 1])
+    k = int(distances.min(axis=1).argmax())
+    nearest = int(distances[k].argmin())
+    x, y = gaps[k, nearest] / (distances[k, nearest] or 1.0)
+    return (float(path[k, 0]), float(path[k, 1])), (float(x), float(y))
+
+
+def beads(view: View) -> Scatter:
+    """Return the true path as a ribbon that is coloured by time."""
+    truth = view.truth
+    keep = slice(None, None, max(1, len(truth.time) // BEADS))
+    time = truth.time[keep].astype(np.float32)
+    return Scatter(
+        x=truth.x[keep].astype(np.float32),
+        y=truth.y[keep].astype(np.float32),
+        customdata=np.stack([time, truth.z[keep].astype(np.float32)], axis=1),
+        mode='markers',
+        marker={'color': time, 'colorscale': scale(TIME), 'size': 4.5},
+        name='path',
+        hovertemplate='%{customdata[0]:.1f} s<br>x %{x:.2f} m, y %{y:.2f} m, '
+        'z %{customdata[1]:.2f} m<extra></extra>',
+    )
+
+
+def draw_times(figure: Figure, view: View) -> None:
+    """Write the time beside the path every few seconds, away from the lamp where it turns."""
+    phases = phases_of(view)
+    start = phases.search if np.isfinite(phases.search) else view.span[0]
+    step = next((step for step in STEPS if (phases.end - start) / step <= MOST_STEPS), STEPS[-1])
+    truth = view.truth
+    for time in np.arange(np.ceil(start / step) * step, phases.end, step):
+        x, y, ahead_x, ahead_y = (
+            float(np.interp(when, truth.time, part))
+            for when in (time, time + 0.5)
+            for part in (truth.x, truth.y)
+        )
+        course = np.arctan2(ahead_y - y, ahead_x - x)
+        across, up = -np.sin(course), np.cos(course)
+        if places := view.goal.places:
+            lamp = places[int(view.goal.leg(np.array([time]))[0])]
+            away = -1.0 if across * (lamp.x - x) + up * (lamp.y - y) > 0.0 else 1.0
+            across, up = away * across, away * up
+        word(figure, (x, y), f'{time:g} s', SOFT, 20.0 * across, 14.0 * up)

@@ -1,0 +1,31 @@
+"""What the converter delivers: the light as numbers, before anyone has looked for a lamp."""
+
+from lta_flight.report.moments import moments
+from lta_flight.report.view import View
+from lta_report.drawing import blank, extent, Label, label_ends
+import numpy as np
+from plotly.graph_objects import Figure, Scatter
+
+
+def picture(view: View) -> Figure:
+    """Return the samples of the brightest diode in two blocks."""
+    figure = blank(2)
+    for row, moment in enumerate(moments(view), start=1):
+        figure.add_trace(
+            Scatter(
+                x=(1e3 * moment.time).astype(np.float32),
+                y=moment.samples.astype(np.uint16),
+                mode='lines',
+                line={'color': moment.colour, 'width': 1},
+                name=moment.where,
+                hovertemplate='%{y} counts',
+            ),
+            row=row,
+            col=1,
+        )
+        label = Label(moment.where, float(moment.samples.mean()), moment.colour)
+        label_ends(figure, [label], extent(moment.samples), row)
+        figure.update_yaxes(title_text='light [counts]', row=row)
+    figure.update_xaxes(title_text='time in the block [ms]', row=2)
+    figure.update_xaxes(hoverformat='.1f', unifiedhovertitle_text='%{x} ms')
+    return figure

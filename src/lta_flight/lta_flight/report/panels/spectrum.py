@@ -1,0 +1,66 @@
+"""Where the lamp stands out from the mains and the noise."""
+
+from lta_flight.report.moments import moments
+from lta_flight.report.view import View
+from lta_report.drawing import blank, Label, label_ends
+from lta_report.palette import LAMP, SOFT
+from lta_vlc.spectral.spectrum import amplitude_spectrum
+import numpy as np
+from plotly.graph_objects import Figure, Scatter
+
+HIGHEST = 1000.0  # Hz; beyond it there are only more harmonics
+FLOOR = 1e-3  # counts
+
+
+def picture(view: View) -> Figure:
+    """Return the spectra of the two blocks, lamp and mains marked."""
+    figure = blank()
+    labels = []
+    peaks = []
+    for moment in moments(view):
+        rate = 1.0 / (moment.time[1] - moment.time[0])
+        amplitude = amplitude_spectrum(moment.samples[:, None])[:, 0]
+        frequency = np.fft.rfftfreq(len(moment.samples), 1.0 / rate)
+        shown = (frequency > 0.0) & (frequency <= HIGHEST)
+        values = np.maximum(amplitude[shown], FLOOR)
+        figure.add_trace(
+            Scatter(
+                x=frequency[shown].astype(np.float32),
+                y=values.astype(np.float32),
+                mode='lines',
+                line={'color': moment.colour, 'width': 1.4},
+                name=moment.where,
+                hovertemplate='%{y:.3~g} counts',
+            )
+        )
+        peaks.append(np.log10(values))
+        labels.append(Label(moment.where, peaks[-1][-1], moment.colour))
+    low = float(np.floor(min(np.quantile(peak, 0.02) for peak in peaks)))
+    high = float(max(peak.max() for peak in peaks)) + 0.45
+    figure.update_yaxes(title_text='amplitude [counts]', type='log', dtick=1)
+    label_ends(figure, labels, (low, high))
+    figure.update_xaxes(title_text='frequency [Hz]', range=[0, HIGHEST], tickangle=0)
+    figure.update_xaxes(unifiedhovertitle_text='%{x} Hz')
+    mark(figure, view)
+    return figure
+
+
+def mark(figure: Figure, view: View) -> None:
+    """Name the fundamental of each lamp, the harmonics of one alone, and the mains' flicker."""
+    scenario = view.scene.scenario
+    if scenario is None:
+        return
+    mains = scenario.ambient.mains_frequency.si
+    marks = [(mains, f'mains {mains:g} Hz', SOFT, 'right')]
+    marks += [(beat, f'{name} {beat:g} Hz', LAMP, 'left') for name, beat in scenario.beacons]
+    if len(scenario.beacons) == 1:
+        ((_, beat),) = scenario.beacons
+        marks += [(k * beat, f'{k} f', LAMP, 'left') for k in (3, 5) if k * beat <= HIGHEST]
+    for frequency, text, colour, side in marks:
+        figure.add_vline(
+            frequency, line={'color': colour, 'width': 1, 'dash': 'dot'}, layer='below'
+        )
+        figure.add_annotation(
+            x=frequency, y=1.0, yref='paper', yanchor='bottom', xanchor=side,
+            text=text, font={'color': colour, 'size': 11},
+        )  # fmt: skip

@@ -1,0 +1,73 @@
+"""The measured bearings on the floor plan, one a second."""
+
+from lta_flight.report.results import phases_of
+from lta_flight.report.view import View
+from lta_report.curves import Array, sampled
+from lta_report.palette import SOFT, STRENGTH
+import numpy as np
+from numpy.typing import NDArray
+from plotly.graph_objects import Figure, Scatter
+
+LENGTH = 0.75  # m; long enough to see a direction, short enough not to hide the next
+PERIOD = 1.0  # s
+
+
+def first_of_each(time: Array, start: float, end: float) -> NDArray[np.intp]:
+    """Return the first sample of each period between two times, where it has one."""
+    inside = np.flatnonzero((time >= start) & (time < end))
+    _, first = np.unique(np.floor((time[inside] - start) / PERIOD), return_index=True)
+    return inside[first]
+
+
+def draw_rays(figure: Figure, view: View) -> None:
+    """Draw short rays towards where the drone saw the lamp, darker with a better SNR."""
+    time, angle = view.bearing
+    phases = phases_of(view)
+    start = phases.search if np.isfinite(phases.search) else view.span[0]
+    chosen = first_of_each(time, start, phases.end)
+    chosen = chosen[np.isfinite(angle[chosen])]
+    if not len(chosen):
+        return
+    truth = view.truth
+    x, y, yaw = (sampled(time[chosen], truth.time, part) for part in (truth.x, truth.y, truth.yaw))
+    peak_time, parts = view.peaks
+    snr = sampled(time[chosen], peak_time, parts['snr'].max(axis=1))
+    course = yaw + angle[chosen]
+    shades = graded(np.log(np.maximum(snr, 1.0)))
+    for grade, colour in enumerate(STRENGTH):
+        strong = shades == grade
+        if strong.any():
+            figure.add_trace(rays(x[strong], y[strong], course[strong], colour))
+    key = ''.join(
+        f'<span style="color:{colour}">\N{BOX DRAWINGS HEAVY HORIZONTAL}</span>'
+        for colour in STRENGTH
+    )
+    figure.add_annotation(
+        x=0.03,
+        y=0.03,
+        xref='x domain',
+        yref='y domain',
+        xanchor='left',
+        text=f'bearing, SNR {snr.min():.0f} {key} {snr.max():.0f}',
+        font={'color': SOFT, 'size': 11},
+    )
+
+
+def graded(values: Array) -> Array:
+    """Return which of the shades each value has, from the least to the greatest."""
+    span = float(np.ptp(values)) or 1.0
+    share = (values - values.min()) / span
+    return np.asarray(np.minimum(share * len(STRENGTH), len(STRENGTH) - 1).astype(int))
+
+
+def rays(x: Array, y: Array, course: Array, colour: str) -> Scatter:
+    """Return rays of one colour as a single broken line."""
+    gap = np.full(len(x), np.nan)
+    return Scatter(
+        x=np.stack([x, x + LENGTH * np.cos(course), gap], axis=1).ravel().astype(np.float32),
+        y=np.stack([y, y + LENGTH * np.sin(course), gap], axis=1).ravel().astype(np.float32),
+        mode='lines',
+        line={'color': colour, 'width': 1.8},
+        name='bearing',
+        hoverinfo='skip',
+    )

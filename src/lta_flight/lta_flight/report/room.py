@@ -1,0 +1,127 @@
+"""The room from above: walls, the lamps and their light, the goals and the start."""
+
+import math
+
+from lta_model.light.lamp import direct, Lamp
+from lta_model.scenario import Scenario
+from lta_model.scenario_light import LampScene
+from lta_report.curves import Array
+from lta_report.palette import GLOW, GOOD, INK, LAMP, PAPER, scale, VEIL, WALL
+import numpy as np
+from plotly.graph_objects import Contour, Figure, Scatter
+
+CELL = 0.1  # m
+MOST_CELLS = 160  # along a side; a hall is drawn in larger ones
+FAINTEST, BRIGHTEST = 3.0, 12.0  # log2 of lx, the ends of the shading
+
+
+def word(
+    figure: Figure, place: tuple[float, float], text: str, colour: str, across: float, up: float
+) -> None:
+    """Write a word some px beside a place on the floor."""
+    figure.add_annotation(
+        x=place[0],
+        y=place[1],
+        xshift=across,
+        yshift=up,
+        text=text,
+        font={'color': colour, 'size': 11},
+        bgcolor=VEIL,
+        borderpad=1,
+    )
+
+
+def draw_room(figure: Figure, scenario: Scenario, height: float) -> None:
+    """Draw the room of a scenario, with the light at a height. [m]"""
+    figure.add_trace(glow(scenario, height))
+    length, width, _ = scenario.room.size.vector
+    figure.add_shape(
+        type='rect', x0=-length / 2, x1=length / 2, y0=-width / 2, y1=width / 2,
+        line={'color': WALL, 'width': 3}, layer='below',
+    )  # fmt: skip
+    draw_goals(figure, scenario)
+    for name, lamp in scenario.lamps.items():
+        draw_lamp(figure, name, lamp)
+    x, y = scenario.start.position.vector
+    figure.add_trace(
+        Scatter(
+            x=[x], y=[y], mode='markers', name='start', hoverinfo='skip',
+            marker={'symbol': 'circle-open', 'size': 10, 'color': INK, 'line': {'width': 1.5}},
+        )
+    )  # fmt: skip
+    word(figure, (x, y), 'start', INK, 0, -16)
+
+
+def draw_goals(figure: Figure, scenario: Scenario) -> None:
+    """Draw the circle within which each lamp that is to be reached counts as reached."""
+    radius = scenario.goal.radius.si
+    for x, y in scenario.goal_places:
+        figure.add_shape(
+            type='circle', x0=x - radius, x1=x + radius, y0=y - radius, y1=y + radius,
+            line={'color': GOOD, 'width': 1.5, 'dash': 'dash'},
+        )  # fmt: skip
+        word(figure, (x, y - radius), f'goal: within {radius:g} m', GOOD, 0, -10)
+
+
+def draw_lamp(figure: Figure, name: str, lamp: LampScene) -> None:
+    """Draw a lamp as it faces."""
+    x, y, _ = lamp.position.vector
+    ahead, left, _ = lamp.facing.vector
+    facing, frequency = math.degrees(math.atan2(left, ahead)), lamp.frequency.si
+    figure.add_trace(
+        Scatter(
+            x=[x], y=[y], mode='markers', name=name,
+            marker={
+                'symbol': 'triangle-up', 'size': 15, 'color': LAMP,
+                'angle': 90.0 - facing, 'line': {'color': PAPER, 'width': 1.5},
+            },
+            hovertemplate=f'{name}, {frequency:g} Hz<extra></extra>',
+        )
+    )  # fmt: skip
+    word(figure, (x, y), f'{name}<br>{frequency:g} Hz', LAMP, 30, 0)
+
+
+def glow(scenario: Scenario, height: float) -> Contour:
+    """Return the direct light of all lamps at a height, a shade for each factor of two."""
+    length, width, _ = scenario.room.size.vector
+    x, y = (
+        np.linspace(-side / 2, side / 2, min(round(side / CELL), MOST_CELLS) + 1)
+        for side in (length, width)
+    )
+    points = np.stack([*np.meshgrid(x, y), np.full((len(y), len(x)), height)], axis=-1)
+    light = sum(lit(lamp, points) for lamp in scenario.light_field.lamps)
+    return Contour(
+        x=x.astype(np.float32),
+        y=y.astype(np.float32),
+        z=np.log2(np.maximum(light, 1.0)).astype(np.float32),
+        name='light of the lamps',
+        colorscale=scale(GLOW),
+        showscale=False,
+        zmin=FAINTEST,
+        zmax=BRIGHTEST,
+        contours={'start': FAINTEST + 1, 'end': BRIGHTEST, 'size': 1, 'coloring': 'fill'},
+        line={'width': 0},
+        hoverinfo='skip',
+    )
+
+
+def lit(lamp: Lamp, points: Array) -> Array:
+    """
+    Return the light of a lamp on planes that face it.
+
+    Parameters
+    ----------
+    lamp : Lamp
+        The lamp.
+    points : ndarray, shape (..., 3)
+        Where. [m, map]
+
+    Returns
+    -------
+    ndarray, shape (...)
+        [lx]
+
+    """
+    towards = np.array(lamp.position) - points
+    towards /= np.maximum(np.linalg.norm(towards, axis=-1, keepdims=True), CELL)
+    return direct(lamp, points, towards)

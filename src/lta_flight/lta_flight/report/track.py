@@ -1,0 +1,61 @@
+"""The flight as the page replays it: a few numbers at even instants."""
+
+from lta_flight.report.results import phases_of
+from lta_flight.report.view import View
+from lta_model.hull import half_axes
+from lta_report.curves import Array, sampled
+import numpy as np
+
+RATE = 20.0  # instants a second; a screen shows no more of a blimp
+MOST = 3000
+DECIMALS = 3
+
+
+def track_of(view: View) -> dict[str, list[float | None]]:
+    """
+    Return time, place, yaw, speed, distance, bearing and SNR at even instants.
+
+    Returns
+    -------
+    dict of str to list
+        Columns of one length in SI units, None where unknown; empty without a true motion. `start`
+        is the one instant to show first, `radius` that of the hull.
+
+    """
+    if not view.has('ground_truth/odom'):
+        return {}
+    first, last = view.span
+    time = np.linspace(first, last, min(MOST, int((last - first) * RATE) + 2))
+    truth = view.truth
+    columns = {
+        part: sampled(time, truth.time, getattr(truth, part))
+        for part in ('x', 'y', 'z', 'yaw', 'speed')
+    }
+    columns['distance'] = sampled(time, truth.time, view.goal.distance(truth))
+    if view.has('light/bearing'):
+        columns['bearing'] = latest(time, *view.bearing)
+    elif view.goal.places:
+        columns['bearing'] = sampled(time, truth.time, view.goal.direction(truth))
+    if view.has('light/peaks'):
+        when, parts = view.peaks
+        columns['snr'] = latest(time, when, parts['snr'].max(axis=1))
+    phases = phases_of(view)
+    begin = phases.search if np.isfinite(phases.search) else first
+    vehicle = view.scene.vehicle
+    columns |= {
+        'time': time,
+        'start': np.array([begin + 0.75 * (phases.end - begin)]),
+        'radius': np.array([0.5 if vehicle is None else half_axes(vehicle.hull)[0]]),
+    }
+    return {name: plain(values) for name, values in columns.items()}
+
+
+def latest(time: Array, when: Array, values: Array) -> Array:
+    """Return the newest value at each instant, NaN before the first."""
+    index = np.searchsorted(when, time, side='right') - 1
+    return np.asarray(np.where(index < 0, np.nan, values[np.maximum(index, 0)]))
+
+
+def plain(values: Array) -> list[float | None]:
+    """Return numbers as JSON knows them."""
+    return [round(float(value), DECIMALS) if np.isfinite(value) else None for value in values]

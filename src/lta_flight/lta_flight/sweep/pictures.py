@@ -1,0 +1,158 @@
+"""The pictures of a sweep: how flights spread, and how that goes with each parameter."""
+
+from collections.abc import Sequence
+from statistics import median
+from typing import Final, NamedTuple
+
+from lta_flight.sweep.flown import Row
+from lta_flight.sweep.statistics import figures, Group, groups, reached_share
+from lta_report.drawing import blank
+from lta_report.palette import ESTIMATE, GOOD, GRID, INK, TRUTH
+from plotly.graph_objects import Box, Figure, Histogram, Scatter
+
+FEWEST_BINS, MOST_BINS = 8, 40
+FEW: Final = 20  # flights, of which each is one mark of the axis
+CLEAR: Final = 'rgba(0,0,0,0)'
+DOTS: Final = 1500  # flights shown as dots; more would only blacken the picture
+
+
+class Measure(NamedTuple):
+    """One figure of the results that is drawn: its name, title, unit and colour."""
+
+    name: str
+    title: str
+    unit: str
+    colour: str
+
+
+MEASURES: Final = (
+    Measure('search_time', 'time', 's', TRUTH),
+    Measure('path_length', 'path', 'm', ESTIMATE),
+)
+
+
+def spread(rows: Sequence[Row], measure: Measure) -> Figure:
+    """Return the distribution of one figure over all flights that reached their goal."""
+    figure = blank()
+    values = figures(rows, measure.name)
+    bins = min(MOST_BINS, max(FEWEST_BINS, len(values) // 4))
+    figure.add_trace(
+        Histogram(
+            x=values, nbinsx=bins, marker={'color': measure.colour},
+            name='flights', hovertemplate='%{y} flights',
+        )
+    )  # fmt: skip
+    figure.update_layout(bargap=0.06, margin={'r': 24})
+    figure.update_xaxes(title_text=f'{measure.title} [{measure.unit}]')
+    # Flights are whole: no marks between them.
+    return figure.update_yaxes(
+        title_text='flights', rangemode='tozero', dtick=1 if len(values) <= FEW else None
+    )
+
+
+def by_parameter(rows: Sequence[Row], path: str, unit: str, even_in_log: bool) -> Figure:
+    """Return the reached share, time and path along one parameter, on a logarithm if told."""
+    figure = blank(3, [0.3, 0.35, 0.35])
+    found = groups(rows, path)
+    words = any(isinstance(group.place, str) for group in found)
+    drawn = len(found) < len({str(row.values[path]) for row in rows})
+    add_shares(figure, found)
+    for line, measure in enumerate(MEASURES, start=2):
+        if drawn:
+            add_dots(figure, rows, path, measure, line)
+        add_boxes(figure, found, measure, line, dots=not drawn)
+        figure.update_yaxes(title_text=f'{measure.title} [{measure.unit}]', row=line)
+    title = f'{path} [{unit}]' if unit else path
+    figure.update_xaxes(type='category' if words else 'log' if even_in_log else None)
+    figure.update_xaxes(title_text=title, row=3)
+    figure.update_layout(hovermode='closest', margin={'r': 24, 't': 12})
+    return figure
+
+
+def add_shares(figure: Figure, found: Sequence[Group]) -> None:
+    """Draw the reached share of each group with its interval."""
+    shares = [reached_share(group.rows) for group in found]
+    figure.add_trace(
+        Scatter(
+            x=[group.place for group in found],
+            y=[share.value for share in shares],
+            error_y={
+                'type': 'data', 'symmetric': False, 'thickness': 1.2, 'width': 4, 'color': GOOD,
+                'array': [share.high - share.value for share in shares],
+                'arrayminus': [share.value - share.low for share in shares],
+            },
+            mode='lines+markers', line={'color': GOOD, 'width': 1.2},
+            marker={'color': GOOD, 'size': 7}, name='reached',
+            text=[f'{group.name}: {len(group.rows)} flights' for group in found],
+            hovertemplate='%{y:.1%} reached<br>%{text}<extra></extra>',
+        ),
+        row=1, col=1,
+    )  # fmt: skip
+    figure.update_yaxes(
+        title_text='reached', range=[-0.04, 1.04], tickvals=[0, 0.5, 1], tickformat='.0%', row=1
+    )
+
+
+def add_dots(figure: Figure, rows: Sequence[Row], path: str, measure: Measure, line: int) -> None:
+    """Draw each flight that reached its goal as a dot."""
+    step = -(-len(rows) // DOTS)
+    shown = [row for row in rows[::step] if figures([row], measure.name)]
+    figure.add_trace(
+        Scatter(
+            x=[row.values[path] for row in shown],
+            y=[row.figures[measure.name] for row in shown],
+            mode='markers', name='flights',
+            marker={'color': measure.colour, 'size': 4, 'opacity': 0.45},
+            text=[f'flight {row.index}, seed {row.seed}' for row in shown],
+            hovertemplate=f'%{{y:.2f}} {measure.unit}<br>%{{text}}<extra></extra>',
+        ),
+        row=line, col=1,
+    )  # fmt: skip
+
+
+def add_boxes(
+    figure: Figure, found: Sequence[Group], measure: Measure, line: int, dots: bool
+) -> None:
+    """Draw each group's quartiles: a box for each value, a line along stretches."""
+    if dots:
+        for group in found:
+            values = figures(group.rows, measure.name)
+            figure.add_trace(
+                Box(
+                    x=[group.place] * len(values), y=values, name=group.name,
+                    boxpoints='all' if len(values) <= 60 else 'outliers', jitter=0.5, pointpos=0,
+                    marker={'color': measure.colour, 'size': 3, 'opacity': 0.6},
+                    line={'color': measure.colour, 'width': 1.2}, fillcolor=CLEAR,
+                    hoverinfo='y',
+                ),
+                row=line, col=1,
+            )  # fmt: skip
+        return
+    parts = [figures(group.rows, measure.name) for group in found]
+    middle = [median(part) if part else None for part in parts]
+    figure.add_trace(
+        Scatter(
+            x=[group.place for group in found], y=middle, mode='lines+markers', name='median',
+            line={'color': INK, 'width': 1.4}, marker={'color': INK, 'size': 5},
+            hovertemplate=f'median %{{y:.2f}} {measure.unit}<extra></extra>',
+        ),
+        row=line, col=1,
+    )  # fmt: skip
+
+
+def outcomes(counts: dict[str, int]) -> Figure:
+    """Return how many flights ended how."""
+    figure = blank()
+    colours = {'reached': GOOD, 'failed': INK}
+    for name, count in counts.items():
+        figure.add_trace(
+            Scatter(
+                x=[0, count], y=[name, name], mode='lines', name=name,
+                line={'color': colours.get(name, ESTIMATE), 'width': 16},
+                hovertemplate=f'{count} {name}<extra></extra>',
+            )
+        )  # fmt: skip
+        figure.add_annotation(x=count, y=name, text=str(count), xanchor='left', xshift=6)
+    figure.update_layout(hovermode='closest', margin={'l': 76, 'r': 40})
+    figure.update_xaxes(title_text='flights', rangemode='tozero', gridcolor=GRID)
+    return figure.update_yaxes(type='category', showgrid=False)

@@ -1,0 +1,202 @@
+"""
+A sweep's flights: which there are, what each is made of, and that all can be flown.
+
+Flight k of a sweep is always the same flight: its point in the grid, its sample and its seed
+follow from k alone.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+import hashlib
+import json
+import math
+from typing import Any, final
+
+from lta_config.errors import BadInput
+from lta_config.override import quantity_in, shown, value_of
+from lta_config.quantity import Quantity, UNITS
+from lta_config.schema.sweep_file import CASE, Distribution, SweepFile
+from lta_flight.ingredients import FILES, gather, Ingredients, loop_of
+from lta_flight.sweep.draws import draw
+
+MOST = 10_000_000  # flights; more do not fit a table that one machine reads
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Job:
+    """
+    One flight of a sweep.
+
+    Attributes
+    ----------
+    index, seed : int
+        Its place in the sweep, and its seed.
+    values : mapping
+        What is varied, by path; the name of its case, where there are cases.
+    case : mapping
+        What its case sets, by path.
+
+    """
+
+    index: int
+    seed: int
+    values: Mapping[str, Any]
+    case: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def changes(self) -> dict[str, Any]:
+        """What the flight changes of what all have in common, by path."""
+        varied = {path: value for path, value in self.values.items() if path != CASE}
+        return {**self.case, **varied}
+
+
+@final
+class Plan:
+    """
+    All flights of a sweep.
+
+    Parameters
+    ----------
+    file : SweepFile
+        What is varied how.
+
+    Raises
+    ------
+    BadInput
+        If a file cannot be read, a path leads nowhere or a value does not fit.
+
+    """
+
+    def __init__(self, file: SweepFile) -> None:
+        self.file = file
+        read = gather(file.vehicle, file.scenario, file.strategy, file.gains)
+        fixed = {path: value_of(value, path) for path, value in file.settings.items()}
+        self.base: Ingredients = read.with_values(fixed)
+        named = {CASE: ''} if file.cases else {}
+        varied = {path: self.base.unit(path) or self._own_unit(path) for path in file.vary}
+        self.units = named | varied
+        self.cases = {
+            name: {path: value_of(value, path) for path, value in case.items()}
+            for name, case in file.cases.items()
+        }
+        lists = {
+            path: [value_of(value, path) for value in how]
+            for path, how in file.vary.items()
+            if isinstance(how, list)
+        }
+        self.lists = ({CASE: list(self.cases)} if named else {}) | lists
+        if self.count > MOST:
+            raise BadInput(f'The sweep has {self.count} flights; at most {MOST} can be flown.')
+
+    @property
+    def count(self) -> int:
+        """How many flights there are."""
+        return math.prod(map(len, self.lists.values())) * self.file.draws
+
+    @cached_property
+    def identity(self) -> str:
+        """Hash of all that decides the flights."""
+        content = {
+            'strategy': self.base.strategy,
+            'contents': self.base.contents,
+            'named': self._named(),
+            'sweep': self.file.model_dump(exclude={'about'}),
+        }
+        text = json.dumps(content, sort_keys=True, default=str)
+        return hashlib.sha256(text.encode()).hexdigest()
+
+    def _named(self) -> dict[str, Any]:
+        """Return what the files hold that are varied as a whole."""
+        ways = self.file.vary.items()
+        drawn = {path: how.choice or [] for path, how in ways if isinstance(how, Distribution)}
+        single = [{path: value} for path in FILES for value in (self.lists | drawn).get(path, ())]
+        given = [*self.cases.values(), *single]
+        whole = {(path, values[path]) for values in given for path in FILES if path in values}
+        return {
+            f'{path} {name}': self.base.with_values({path: name}).contents[path]
+            for path, name in sorted(whole)
+        }
+
+    def job(self, index: int) -> Job:
+        """Return one flight, from 0; the samples or seeds of a grid point follow each other."""
+        point, turn = divmod(index, self.file.draws)
+        values = {}
+        for path in reversed(self.units):
+            how = self.file.vary.get(path)
+            if isinstance(how, Distribution):
+                values[path] = draw(how, path, self.file.seeds.first, turn)
+            else:
+                point, place = divmod(point, len(self.lists[path]))
+                values[path] = self.lists[path][place]
+        ordered = {path: values[path] for path in self.units}
+        case = self.cases[ordered[CASE]] if self.cases else {}
+        return Job(index, self.file.seeds.first + turn, ordered, case)
+
+    def jobs(self, done: set[int]) -> Iterator[Job]:
+        """Yield the flights that are not done yet."""
+        for index in range(self.count):
+            if index not in done:
+                yield self.job(index)
+
+    def check(self) -> None:
+        """
+        Build every kind of flight once, each value alone: the ends of what is drawn, too.
+
+        Values that fit alone can still not fit together; such a flight is kept as failed.
+
+        Raises
+        ------
+        BadInput
+            If one cannot be flown; nothing has been flown then.
+
+        """
+        loop_of(self.base, self.file.seeds.first)
+        for name, case in self.cases.items():
+            self._check(case, f'In the case {name}')
+        for path in self.file.vary:
+            for value in self._to_check(path):
+                self._check({path: value}, f'With {path} at {shown(value)}')
+
+    def _check(self, values: Mapping[str, Any], where: str) -> None:
+        try:
+            loop_of(self.base.with_values(values), self.file.seeds.first)
+        except BadInput as error:
+            raise BadInput(f'{where}: {error}') from None
+
+    def _to_check(self, path: str) -> list[Any]:
+        how = self.file.vary[path]
+        if not isinstance(how, Distribution):
+            return list(self.lists[path])
+        if how.choice is not None:
+            return [value_of(value, path) for value in how.choice]
+        drawn = [draw(how, path, self.file.seeds.first, k) for k in range(self.file.draws)]
+        numbers = [si_of(value) for value in drawn]
+        return [drawn[numbers.index(end(numbers))] for end in (min, max)]
+
+    def _own_unit(self, path: str) -> str:
+        """Return the SI unit in which a parameter is given that the files leave out."""
+        how = self.file.vary[path]
+        given = how if isinstance(how, list) else list(numbers_of(how))
+        found = quantity_in(value_of(given[0], path))
+        return '' if found is None else UNITS.get(found['unit'], ('',))[0]
+
+
+def numbers_of(how: Distribution) -> Iterator[Any]:
+    """Yield what a distribution is given by."""
+    for name in type(how).model_fields:
+        kind = getattr(how, name)
+        if isinstance(kind, list):
+            yield from kind
+        elif kind is not None:
+            yield from (getattr(kind, field) for field in type(kind).model_fields)
+
+
+def si_of(value: Any) -> Any:  # noqa: ANN401 - what YAML holds
+    """Return a value as it stands in the table: numbers in SI, anything else as it is."""
+    found = quantity_in(value)
+    if found is None:
+        return value
+    numbers = Quantity.model_validate(found)
+    return list(numbers.vector) if isinstance(numbers.value, tuple) else numbers.si

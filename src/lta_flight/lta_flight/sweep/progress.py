@@ -1,0 +1,80 @@
+"""The progress bar of a sweep: how many flights, how fast, how long still, and what was lost."""
+
+from collections import Counter
+import time
+from types import TracebackType
+from typing import final
+
+from lta_flight.sweep.flown import Row
+from lta_report.bar import Bar
+from rich.console import Console
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    TextColumn,
+    TimeRemainingColumn,
+)
+
+LOOK = 0.1  # wall s between two movements of the bar
+RECENT = 60.0  # s over which the rate is told
+
+
+@final
+class SweepProgress(Bar):
+    """
+    Show a sweep while it lasts.
+
+    Parameters
+    ----------
+    console : Console
+        Where to; nothing moves where it is no terminal.
+    total, done : int
+        Flights of the sweep, and of them those flown before.
+
+    """
+
+    def __init__(self, console: Console, total: int, done: int) -> None:
+        super().__init__(
+            console,
+            BarColumn(),
+            MofNCompleteColumn(),
+            TextColumn('{task.fields[rate]}'),
+            TimeRemainingColumn(),
+            TextColumn('{task.fields[detail]}'),
+            total=total,
+            completed=done,
+            period=RECENT,
+            rate='',
+            detail='',
+        )
+        self._counts: Counter[str] = Counter()
+        self._pending, self._deaths, self._shown = 0, 0, -LOOK
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Show the last of it, and take the bar away."""
+        self._show()
+        super().__exit__(kind, error, trace)
+
+    def flown(self, row: Row, deaths: int) -> None:
+        """Count one more flight; `deaths` is how many workers have been lost so far."""
+        self._counts[row.outcome] += 1
+        self._pending += 1
+        self._deaths = deaths
+        if time.monotonic() - self._shown >= LOOK:
+            self._show()
+
+    def _show(self) -> None:
+        """Move the bar by what has been flown since; a batch ends by the thousand."""
+        self._shown = time.monotonic()
+        words = [f'{count} {outcome}' for outcome, count in sorted(self._counts.items())]
+        if self._deaths:
+            words.append(f'{self._deaths} workers lost')
+        self.move(advance=self._pending, detail=', '.join(words))
+        self._pending = 0
+        if self.speed:
+            self.move(rate=f'{self.speed:.1f} flights/s')

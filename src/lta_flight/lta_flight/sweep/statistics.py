@@ -1,0 +1,106 @@
+"""What many flights say together: shares with their uncertainty, and groups along a parameter."""
+
+from collections.abc import Sequence
+import math
+from typing import Any, Final, NamedTuple
+
+from lta_flight.sweep.flown import FAILED, Row
+import numpy as np
+
+NORMAL_95: Final = 1.959963984540054  # two-sided 95 % quantile of the normal distribution
+GROUPS: Final = 8  # of a drawn parameter, with as many flights each
+GRID: Final = 40  # values at most that stand for themselves,
+EACH: Final = 5  # if there are so many flights of each on average
+REACHED: Final = 'reached'
+
+
+class Share(NamedTuple):
+    """A share of flights, with the ends of its 95 % interval. [1]"""
+
+    value: float
+    low: float
+    high: float
+
+
+class Group(NamedTuple):
+    """Flights that are alike in one parameter: what it is called, where it lies, and they."""
+
+    name: str
+    place: float | str
+    rows: list[Row]
+
+
+def wilson(hits: int, count: int) -> Share:
+    """
+    Return a share with its 95 % interval (Wilson 1927, doi:10.1080/01621459.1927.10502953).
+
+    Parameters
+    ----------
+    hits, count : int
+        Of how many, how many; NaN of none.
+
+    """
+    if count == 0:
+        return Share(math.nan, 0.0, 1.0)
+    z2 = NORMAL_95 * NORMAL_95
+    share = hits / count
+    middle = (share + z2 / (2 * count)) / (1 + z2 / count)
+    half = (
+        NORMAL_95
+        / (1 + z2 / count)
+        * math.sqrt(share * (1 - share) / count + z2 / (4 * count * count))
+    )
+    return Share(share, max(0.0, middle - half), min(1.0, middle + half))
+
+
+def reached_share(rows: Sequence[Row]) -> Share:
+    """Return the share of the flights flown that reached their goal; failed ones do not count."""
+    flown = [row for row in rows if row.outcome != FAILED]
+    return wilson(sum(row.outcome == REACHED for row in flown), len(flown))
+
+
+def figures(rows: Sequence[Row], name: str) -> list[float]:
+    """Return one figure of every flight that reached its goal and tells it."""
+    found = [row.figures.get(name) for row in rows if row.outcome == REACHED]
+    return [float(value) for value in found if value is not None]
+
+
+def groups(rows: Sequence[Row], path: str) -> list[Group]:
+    """Return the flights by the value of one parameter: each value, or stretches of many."""
+    values = [row.values[path] for row in rows]
+    distinct = list(dict.fromkeys(map(told, values)))
+    # A grid's value is never cut in two: its flights are in the order of the other parameters.
+    grid = len(distinct) <= GRID and EACH * len(distinct) <= len(rows)
+    few = grid or len(distinct) <= GROUPS
+    if few or not all(map(is_number, values)):
+        found = [Group(name, name, []) for name in distinct]
+        by_name = {group.name: group for group in found}
+        for row, value in zip(rows, values, strict=True):
+            by_name[told(value)].rows.append(row)
+        if all(map(is_number, values)):
+            found = [g._replace(place=float(g.rows[0].values[path])) for g in found]
+            found.sort(key=lambda group: float(group.place))
+        return found
+    order = np.argsort(np.array(values, dtype=np.float64), kind='stable')
+    return [stretch([rows[k] for k in part], path) for part in np.array_split(order, GROUPS)]
+
+
+def stretch(rows: list[Row], path: str) -> Group:
+    """Return flights of neighbouring values as one group, at the median of these."""
+    values = [float(row.values[path]) for row in rows]
+    name = f'{min(values):.3g} to {max(values):.3g}'
+    return Group(name, float(np.median(values)), rows)
+
+
+def is_number(value: Any) -> bool:  # noqa: ANN401 - what YAML holds
+    """Tell whether a value is one number."""
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def told(value: Any) -> str:  # noqa: ANN401 - what YAML holds
+    """Return a value as a short text."""
+    if is_number(value):
+        return f'{value:.6g}'
+    if isinstance(value, list | tuple):
+        return f'[{", ".join(told(item) for item in value)}]'
+    return str(value)

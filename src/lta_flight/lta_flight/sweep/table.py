@@ -1,0 +1,80 @@
+"""The table of a sweep: one row a flight, Parquet, every column with its unit and meaning."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import fields
+from pathlib import Path
+from typing import Any, Final
+
+from lta_config.errors import BadInput
+from lta_config.whole_file import whole
+from lta_flight.report.results import Results
+from lta_flight.sweep.flown import Row
+import pyarrow as arrow
+from pyarrow import parquet
+
+NAME = 'flights.parquet'
+FIXED: Final = (
+    ('index', arrow.int64(), '', 'place in the sweep, from 0'),
+    ('seed', arrow.int64(), '', 'seed of all chance in the flight'),
+    ('outcome', arrow.string(), '', 'reached, timeout, escaped, or failed: could not be flown'),
+    ('sentence', arrow.string(), '', 'the same in words, or why it failed'),
+    ('wall', arrow.float64(), 's', 'time that the flight took to simulate'),
+)
+
+
+def write_table(
+    rows: Sequence[Row], units: Mapping[str, str], about: Mapping[str, str], path: Path
+) -> None:
+    """
+    Write the rows of a sweep.
+
+    Parameters
+    ----------
+    rows : sequence of Row
+        The flights.
+    units : mapping
+        SI unit of each varied path; '' where it has none.
+    about : mapping
+        What the file says of its origin.
+    path : Path
+        Parquet file; replaced as a whole.
+
+    Raises
+    ------
+    BadInput
+        If it cannot be written.
+
+    """
+    columns, declared = [], []
+    for name, kind, unit, meaning in FIXED:
+        columns.append(arrow.array([getattr(row, name) for row in rows], kind))
+        declared.append(_field(name, kind, unit, meaning))
+    for varied, unit in units.items():
+        values = [row.values.get(varied) for row in rows]
+        kind = _kind(values)
+        columns.append(arrow.array(values, kind))
+        declared.append(_field(varied, kind, unit, 'varied'))
+    for item in fields(Results):
+        kind = arrow.bool_() if item.name == 'success' else arrow.float64()
+        columns.append(arrow.array([row.figures.get(item.name) for row in rows], kind))
+        declared.append(_field(item.name, kind, item.metadata['unit'], item.metadata['about']))
+    table = arrow.table(columns, schema=arrow.schema(declared, metadata=dict(about)))
+    try:
+        with whole(path) as part:
+            parquet.write_table(table, part, compression='zstd')
+    except OSError as error:
+        raise BadInput(f"'{path}' cannot be written ({error}); make room.") from None
+
+
+def _field(name: str, kind: Any, unit: str, meaning: str) -> Any:  # noqa: ANN401 - pyarrow's
+    return arrow.field(name, kind, metadata={'unit': unit, 'about': meaning})
+
+
+def _kind(values: Sequence[Any]) -> Any:  # noqa: ANN401 - pyarrow's
+    """Return the type of a varied column: numbers, lists of them, flags, or texts."""
+    first = next((value for value in values if value is not None), 0.0)
+    if isinstance(first, list):
+        return arrow.list_(arrow.float64())
+    if isinstance(first, bool):
+        return arrow.bool_()
+    return arrow.float64() if isinstance(first, int | float) else arrow.string()

@@ -1,0 +1,149 @@
+"""
+The effects of which the model is the sum, by name.
+
+The order of FILES is the layout of the parameter vector and of the memory; effects installed by
+others under the entry point group `lta.effects` follow in alphabetical order of their names.
+"""
+
+from importlib import import_module
+from importlib.metadata import entry_points
+
+from lta_config.errors import BadInput, unknown
+from lta_config.quantity import UNITS
+from lta_model.effects.protocol import ActuatorEffect, Effect, KernelEffect
+from lta_model.state import ACTUATORS
+
+GROUP = 'lta.effects'
+FILES = (  # folder and file of each; its name is that of the file
+    'air.steady_wind',
+    'air.wind_profile',
+    'air.wind_gradient',
+    'air.turbulence',
+    'air.gusts',
+    'weight.gas_purity',
+    'weight.gas_state',
+    'weight.air_state',
+    'weight.ballast',
+    'weight.payload',
+    'weight.cg_height',
+    'weight.cg_offset',
+    'weight.weight_and_buoyancy',
+    'weight.net_lift',
+    'weight.helium_leak',
+    'weight.superheat',
+    'weight.moving_mass',
+    'aerodynamics.added_mass',
+    'aerodynamics.added_inertia',
+    'aerodynamics.linear_drag',
+    'aerodynamics.quadratic_drag',
+    'aerodynamics.rotational_drag',
+    'aerodynamics.cross_flow',
+    'aerodynamics.munk_moment',
+    'aerodynamics.hull_lift',
+    'aerodynamics.strip_damping',
+    'rotors.battery_compensation',
+    'rotors.battery_sag',
+    'rotors.motor_deadband',
+    'rotors.motor_lag',
+    'rotors.thrust_polynomial',
+    'rotors.thrust_curve',
+    'rotors.thrust_scale',
+    'rotors.rotor_fault',
+    'rotors.rotor_thrust',
+    'rotors.rotor_misalignment',
+    'rotors.rotor_envelope_interaction',
+    'rotors.ground_effect',
+    'rotors.ceiling_effect',
+    'contact.walls',
+    'contact.floor_contact',
+    'rotors.command_delay',
+    'sensors.imu_bias',
+    'sensors.gyro_scale',
+    'sensors.gyro_bias',
+    'sensors.pressure_drift',
+    'sensors.range_offset',
+    'sensors.tracker_misalignment',
+    'sensors.tracker_delay',
+    'sensors.clock_offset',
+    'sensors.clock_skew',
+)
+BUILT_IN = tuple(path.rpartition('.')[2] for path in FILES)
+
+
+def merged(known: dict[str, Effect]) -> dict[str, Effect]:
+    """
+    Return the built-in effects and then the installed ones.
+
+    Raises
+    ------
+    BadInput
+        If an installed effect takes a name that exists, is no effect, or has a parameter in a
+        unit that no file could give it in.
+
+    """
+    effects = dict(known)
+    for point in sorted(entry_points(group=GROUP), key=lambda point: point.name):
+        effect = point.load()
+        if not isinstance(effect, Effect):
+            raise BadInput(
+                f'The entry point {point.name} of {GROUP} is {point.value}, which is no effect; '
+                'let it name a WrenchEffect or another kind of lta_model.effects.protocol.'
+            )
+        if not effect.name.isidentifier():
+            raise BadInput(
+                f'The effect {effect.name!r} of {point.value} has no name that code can use; '
+                'take letters, digits and underscores.'
+            )
+        if effect.name in effects:
+            raise BadInput(
+                f'The effect {effect.name} of {point.value} exists already; '
+                'rename or uninstall it.'
+            )
+        for parameter in effect.parameters:
+            if UNITS.get(parameter.unit) != (parameter.unit, 1.0):
+                raise BadInput(
+                    f'The parameter {effect.name}.{parameter.name} of {point.value} is in '
+                    f'{parameter.unit!r}, which is no SI unit that files know; take one of '
+                    f'{", ".join(sorted({unit for unit, _ in UNITS.values()}))}.'
+                )
+        effects[effect.name] = effect
+    return effects
+
+
+EFFECTS: dict[str, Effect] = merged(
+    {
+        name: import_module(f'{__name__}.{path}').EFFECT
+        for name, path in zip(BUILT_IN, FILES, strict=True)
+    }
+)
+
+
+def built_in() -> dict[str, Effect]:
+    """Return the effects of the library, without those that others installed."""
+    return {name: EFFECTS[name] for name in BUILT_IN}
+
+
+def get(name: str) -> Effect:
+    """
+    Return an effect by name.
+
+    Raises
+    ------
+    BadInput
+        If there is none; the sentence names the known ones.
+
+    """
+    if name not in EFFECTS:
+        raise unknown('effect', name, list(EFFECTS))
+    return EFFECTS[name]
+
+
+def initial_memory() -> tuple[float, ...]:
+    """Return the initial memory of all effects, in the layout of the state."""
+    return tuple(
+        value
+        for effect in EFFECTS.values()
+        if isinstance(effect, KernelEffect)
+        for _ in range(ACTUATORS if isinstance(effect, ActuatorEffect) else 1)
+        for _, value in effect.memory
+    )

@@ -1,0 +1,24 @@
+"""
+Drag proportional to the speed through the air, axis by axis.
+
+    F_i = -D_i v_r,i
+
+about the hull centre, v_r the air-relative velocity: skin friction at low Reynolds number. Source:
+the linear part of the diagonal drag of small blimps (Fossen 2011, section 6.4, eq. 6.57).
+"""
+
+from lta_model.effects.protocol import AXES, Motion, Parameter, Values, Wrench, WrenchEffect
+
+_SOURCE = 'Fossen 2011 sec. 6.4; prior: the scatter of published indoor blimps'
+
+PARAMETERS = tuple(Parameter(axis, 'N s/m', 0.0, 0.0, 100.0, 0.01, _SOURCE) for axis in AXES[:3])
+
+
+def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+    """Return the drag."""
+    surge, sway, heave = p
+    v = motion.airspeed
+    return (-surge * v[0], -sway * v[1], -heave * v[2], 0.0, 0.0, 0.0)
+
+
+EFFECT = WrenchEffect('linear_drag', PARAMETERS, wrench, AXES[:3])

@@ -1,0 +1,32 @@
+"""
+Drag proportional to the square of the speed through the air, axis by axis.
+
+    F_i = -D_i |v_r,i| v_r,i,   D = rho C_D A / 2
+
+about the hull centre, v_r the air-relative velocity, as in the diagonal model of small blimps
+(Fossen 2011, section 6.4, eq. 6.58). Axis by axis, a round hull has 0.71 of its drag at 45
+degrees; `cross_flow` mends that.
+"""
+
+from lta_model.effects.protocol import AXES, Motion, Parameter, Values, Wrench, WrenchEffect
+
+_SOURCE = 'Fossen 2011 sec. 6.4; prior: 20 % of a 1 m oblate hull'
+
+PARAMETERS = tuple(Parameter(axis, 'N s2/m2', 0.0, 0.0, 100.0, 0.03, _SOURCE) for axis in AXES[:3])
+
+
+def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+    """Return the drag."""
+    surge, sway, heave = p
+    v = motion.airspeed
+    return (
+        -surge * abs(v[0]) * v[0],
+        -sway * abs(v[1]) * v[1],
+        -heave * abs(v[2]) * v[2],
+        0.0,
+        0.0,
+        0.0,
+    )
+
+
+EFFECT = WrenchEffect('quadratic_drag', PARAMETERS, wrench, AXES[:3])

@@ -1,0 +1,39 @@
+"""
+Damping of the body rates, linear and quadratic.
+
+    N_i = -(D_i + D_2i |w_i|) w_i
+
+about the hull centre. Skin friction of a hull of revolution about its axis, form drag of gondola
+and hull about the others; the linear part holds for small rates. Source: the rotational part of
+the diagonal damping of small blimps (Fossen 2011, section 6.4, eqs. 6.57 and 6.58). Steady
+rotation in a wind tunnel lets the air turn along, so small fast swings are damped more than its
+figures say: `strip_damping` has that of frames and panels.
+"""
+
+from lta_model.effects.protocol import AXES, Motion, Parameter, Values, Wrench, WrenchEffect
+
+_SOURCE = 'Fossen 2011 sec. 6.4; prior: 20 % of a 1 m oblate hull'
+
+PARAMETERS = (
+    *(Parameter(axis, 'N m s', 0.0, 0.0, 100.0, 5e-4, _SOURCE) for axis in AXES[3:]),
+    *(Parameter(f'{axis}_2', 'N m s2', 0.0, 0.0, 100.0, 5e-4, _SOURCE) for axis in AXES[3:]),
+)
+
+
+def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+    """Return the damping moment."""
+    roll, pitch, yaw, roll_2, pitch_2, yaw_2 = p
+    w = motion.rates
+    return (
+        0.0,
+        0.0,
+        0.0,
+        -(roll + roll_2 * abs(w[0])) * w[0],
+        -(pitch + pitch_2 * abs(w[1])) * w[1],
+        -(yaw + yaw_2 * abs(w[2])) * w[2],
+    )
+
+
+EFFECT = WrenchEffect(
+    'rotational_drag', PARAMETERS, wrench, tuple(known.name for known in PARAMETERS)
+)

@@ -1,0 +1,62 @@
+"""
+One gust: up, kept, and down again, each way as one minus a cosine.
+
+    U = (x, y, z) (1 - cos(pi s / length)) / 2,    DU/Dt = dU/dt
+
+s is the time since the gust began or until it ends, whichever is less, and at most `length`; the
+gust stands for `hold` between. The rise is the discrete gust of MIL-F-8785C, section 3.7.2, over
+the time in which the vehicle flies its length; a `hold` longer than the flight keeps it up as it
+does there, none gives the full wave of certification rules. The gust is the same everywhere, so
+all of its change is a pressure gradient, and an inviscid neutral hull goes with it exactly.
+
+The memory is a clock, so that a state says where in its gust it is; without a gust it stands, as
+the memory of every effect that is off. [s]
+"""
+
+from collections.abc import Mapping
+import math
+
+from lta_model.effects.protocol import AirEffect, Parameter, Place, Values, Wrench
+
+_WIND = 'prior: a door opened in a room, assumed; bound: beyond any storm'
+_TIME = 'prior: 0.5 s, about a metre at the speed of a small blimp, assumed'
+
+PARAMETERS = (
+    *(Parameter(axis, 'm/s', 0.0, -60.0, 60.0, 0.3, _WIND) for axis in ('x', 'y', 'z')),
+    Parameter('begin', 's', 0.0, 0.0, 1e5, 0.5, _TIME),
+    Parameter('length', 's', 0.0, 0.01, 1e4, 0.5, _TIME),
+    Parameter('hold', 's', 0.0, 0.0, 1e6, 0.5, _TIME),
+)
+
+
+def air(p: Values, memory: Values, place: Place) -> Wrench:
+    """Return the gust at this time."""
+    x, y, z, begin, length, hold = p
+    since = memory[0] - begin
+    until = 2.0 * length + hold - since
+    edge = min(since, until, length)
+    if edge <= 0.0:
+        return (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    if edge == length:
+        return (x, y, z, 0.0, 0.0, 0.0)
+    phase = math.pi * edge / length
+    share = 0.5 - 0.5 * math.cos(phase)
+    slope = 0.5 * math.pi / length * math.sin(phase)
+    slope = slope if since < until else -slope
+    return (x * share, y * share, z * share, x * slope, y * slope, z * slope)
+
+
+def rate(p: Values, memory: Values, place: Place) -> Values:
+    """Return how fast time goes."""
+    x, y, z, begin, length, hold = p  # noqa: RUF059
+    return (1.0 if length > 0.0 else 0.0,)
+
+
+def check(values: Mapping[str, float]) -> str:
+    """Return why a gust without a length cannot be: its pressure gradient has no bound."""
+    if values['length'] <= 0.0 and any(values[axis] != 0.0 for axis in ('x', 'y', 'z')):
+        return 'a gust needs the time in which it builds up; give length in seconds'
+    return ''
+
+
+EFFECT = AirEffect('gusts', PARAMETERS, air, (('time', 0.0),), rate, check)

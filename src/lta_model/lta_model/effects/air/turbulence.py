@@ -1,0 +1,109 @@
+"""
+Dryden turbulence: white noise through filters that have the spectra of the atmosphere.
+
+    along       H(s) = sigma sqrt(2 T) / (1 + T s)
+    across, up  H(s) = sigma sqrt(T) (1 + sqrt(3) T s) / (1 + T s)^2
+    T = L / max(V, sigma)
+
+from white noise of unit intensity, with the lengths L as in MIL-F-8785C, section 3.7.1 (those of
+MIL-HDBK-1797 for across and up are half as long for the same spectrum). V is the speed relative
+to the mean wind, the wind of all before this effect. A vehicle at V sees eddies of length L pass
+in L / V. One that drifts stays with its eddy, which turns over in about L / sigma: where this is
+shorter than L / V it takes over, and the spectrum stays defined at rest. Across is horizontal;
+along is the horizontal direction of the mean wind, or map x in still air.
+
+The noise is that of the surroundings, held during a control period d. This keeps the variance to
+tanh(d / 2T) 2T / d, 1 - (d / T)^2 / 12, of sigma^2. The memory is in units of sigma. At its
+initial values the air is at rest and stationary after a few T; `stationary` draws what it is then:
+of variance 1 along, 1/2 and 1/4 across and up, whose two states have the covariance 1/4.
+
+    DU/Dt = 0
+
+The eddies are frozen: air that goes with the mean wind keeps its velocity, and what the hull sees
+change is its own way through them. So they act by drag and by the added mass's relative velocity;
+the pressure gradient inside of an eddy, of order sigma^2 / L, is left out, as are the gradients
+over the hull, which would rock it: use it for L well above the hull.
+"""
+
+from collections.abc import Mapping
+import math
+
+from lta_model.effects.protocol import AirEffect, Parameter, Place, Values, Wrench
+from lta_model.state import NOISE
+
+_WIND = 'prior: 10 % of a wind of 1 m/s, as MIL-F-8785C has it for the vertical; bound: a storm'
+_LENGTH = 'MIL-F-8785C: up to 533 m, near the ground about the height; prior: 0.5 m, assumed'
+
+PARAMETERS = (
+    *(Parameter(name, 'm/s', 0.0, 0.0, 30.0, 0.1, _WIND) for name in ('along', 'across', 'up')),
+    *(
+        Parameter(f'{name}_length', 'm', 0.0, 0.1, 1e3, 0.5, _LENGTH)
+        for name in ('along', 'across', 'up')
+    ),
+)
+
+MEMORY = (('along', 0.0), ('across_1', 0.0), ('across_2', 0.0), ('up_1', 0.0), ('up_2', 0.0))
+
+ROOT_3 = math.sqrt(3.0)
+STILL_AIR = 1e-6  # square of the mean wind that has no direction [m2/s2]
+
+
+def air(p: Values, memory: Values, place: Place) -> Wrench:
+    """Return the turbulence from the state of the filters."""
+    along, across, up, along_length, across_length, up_length = p  # noqa: RUF059
+    head = along * memory[0]
+    side = across * (ROOT_3 * memory[1] + (1.0 - ROOT_3) * memory[2])
+    w = up * (ROOT_3 * memory[3] + (1.0 - ROOT_3) * memory[4])
+    east, north = place.wind[0], place.wind[1]
+    square = east * east + north * north
+    if square <= STILL_AIR:
+        return (head, side, w, 0.0, 0.0, 0.0)
+    scale = 1.0 / math.sqrt(square)
+    c, s = east * scale, north * scale
+    return (c * head - s * side, s * head + c * side, w, 0.0, 0.0, 0.0)
+
+
+def pace(sigma: float, length: float, speed: float) -> float:
+    """Return 1 / T. [1/s]"""
+    return max(speed, sigma) / length if length > 0.0 else 0.0
+
+
+def rate(p: Values, memory: Values, place: Place) -> Values:
+    """Return d/dt of the filters."""
+    along, across, up, along_length, across_length, up_length = p
+    u = place.velocity[0] - place.wind[0]
+    v = place.velocity[1] - place.wind[1]
+    w = place.velocity[2] - place.wind[2]
+    speed = math.sqrt(u * u + v * v + w * w)
+    a, b, c = (
+        pace(along, along_length, speed),
+        pace(across, across_length, speed),
+        pace(up, up_length, speed),
+    )
+    noise = place.surroundings
+    return (
+        math.sqrt(2.0 * a) * noise[NOISE] - a * memory[0],
+        math.sqrt(b) * noise[NOISE + 1] - b * memory[1],
+        b * (memory[1] - memory[2]),
+        math.sqrt(c) * noise[NOISE + 2] - c * memory[3],
+        c * (memory[3] - memory[4]),
+    )
+
+
+def stationary(normals: Values) -> Values:
+    """Return a memory as turbulence has it that has blown for long, from five standard normals."""
+    head, side, sideways, rise, rising = normals
+    side, rise = side * math.sqrt(0.5), rise * math.sqrt(0.5)
+    rest = math.sqrt(0.125)  # deviation of the second state where the first is known
+    return (head, side, 0.5 * side + rest * sideways, rise, 0.5 * rise + rest * rising)
+
+
+def check(values: Mapping[str, float]) -> str:
+    """Return why turbulence without a length cannot be."""
+    for name in ('along', 'across', 'up'):
+        if values[name] > 0.0 and values[f'{name}_length'] <= 0.0:
+            return f'turbulence {name} needs its length; give {name}_length in metres'
+    return ''
+
+
+EFFECT = AirEffect('turbulence', PARAMETERS, air, MEMORY, rate, check)

@@ -1,0 +1,50 @@
+"""
+A current that changes from place to place: constant gradient, steady.
+
+    U = G (r - r_0),    DU/Dt = G (U_before + U),    G_zz = -(G_xx + G_yy)
+
+in `map`; G_ij is d U_i / d r_j and `x_y` its element for i = x, j = y. The air keeps its volume,
+so that the last element follows from the others. U_before is the wind of the surroundings and of
+the effects before this one: a uniform part belongs into `steady_wind`, and a later effect's wind
+is carried along without its share of DU/Dt.
+
+An antisymmetric G turns as a whole and presses towards its axis, as the air in an eddy does. The
+force on a hull small against the change of G is that of Auton, Hunt and Prud'homme 1988
+(J. Fluid Mech. 197, doi 10.1017/S0022112088003246). Left out: the moment that a strain of the air
+exerts on a long hull, and the lift of vorticity.
+"""
+
+from lta_model.effects.protocol import AirEffect, Parameter, Place, Values, Wrench
+
+_SOURCE = 'prior: 0.05 m/s over a metre, a draught in a room, assumed; bound: a vortex ring'
+_PLACE = 'prior: 1 m, assumed; bound: a large hall'
+
+PARAMETERS = (
+    *(Parameter(axis, 'm', 0.0, -1e3, 1e3, 1.0, _PLACE) for axis in ('x', 'y', 'z')),
+    *(
+        Parameter(name, '1/s', 0.0, -10.0, 10.0, 0.05, _SOURCE)
+        for name in ('x_x', 'x_y', 'x_z', 'y_x', 'y_y', 'y_z', 'z_x', 'z_y')
+    ),
+)
+
+
+def air(p: Values, memory: Values, place: Place) -> Wrench:
+    """Return the current at the hull and its change along the way of the air."""
+    x, y, z, x_x, x_y, x_z, y_x, y_y, y_z, z_x, z_y = p
+    z_z = -(x_x + y_y)
+    east, north, up = place.position[0] - x, place.position[1] - y, place.position[2] - z
+    u = x_x * east + x_y * north + x_z * up
+    v = y_x * east + y_y * north + y_z * up
+    w = z_x * east + z_y * north + z_z * up
+    a, b, c = u + place.wind[0], v + place.wind[1], w + place.wind[2]
+    return (
+        u,
+        v,
+        w,
+        x_x * a + x_y * b + x_z * c,
+        y_x * a + y_y * b + y_z * c,
+        z_x * a + z_y * b + z_z * c,
+    )
+
+
+EFFECT = AirEffect('wind_gradient', PARAMETERS, air)

@@ -1,0 +1,1 @@
+"""Forces of floor, walls and ceiling."""

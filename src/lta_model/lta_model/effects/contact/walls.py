@@ -1,0 +1,131 @@
+"""
+Four soft walls and a soft ceiling, so that a room is a room.
+
+The hull is a spheroid about the hull centre, half axes `radius` (twice) and `half_height`. Towards
+a face with the outward normal n (n_b in the body frame) it reaches
+
+    s = sqrt(radius^2 (n_bx^2 + n_by^2) + half_height^2 n_bz^2)   at   c = diag n_b / s
+
+from its centre, diag the squares of the half axes. With d the depth of that point in the face and
+v its velocity over the ground:
+
+    normal    P = stiffness max(0, d + relaxation d/dt d)   while d > 0, else 0;   force -n P
+    friction  Q = -friction P v_t / sqrt(|v_t|^2 + v_s^2),   v_s = 0.05 m/s
+
+the law of `floor_contact`, which holds the vehicle from below. The normal never pulls, and a
+touch gives back at most what went into the spring. Left out: what hangs below the hull, corners,
+and rolling friction. The normal of a soft wall lets an envelope in by weight / stiffness.
+"""
+
+from collections.abc import Mapping
+import math
+
+from lta_model.effects.protocol import Motion, Parameter, Values, Vector, Wrench, WrenchEffect
+
+_ROOM = 'of the room, which holds the origin of the map; prior: 5 cm; bound: a large hall'
+_HULL = 'of the hull, from its shape; prior: 1 cm; bound: twice the 2.7 m of Skye (Burri 2013)'
+_SOURCE = 'prior: a foil envelope that gives centimetres under newtons; not measured'
+
+PARAMETERS = (
+    Parameter('x_low', 'm', 0.0, -1e3, 0.0, 0.05, _ROOM),
+    Parameter('x_high', 'm', 0.0, 0.0, 1e3, 0.05, _ROOM),
+    Parameter('y_low', 'm', 0.0, -1e3, 0.0, 0.05, _ROOM),
+    Parameter('y_high', 'm', 0.0, 0.0, 1e3, 0.05, _ROOM),
+    Parameter('ceiling', 'm', 0.0, 0.1, 1e3, 0.05, _ROOM),
+    Parameter('radius', 'm', 0.0, 0.01, 2.7, 0.01, _HULL),
+    Parameter('half_height', 'm', 0.0, 0.01, 2.7, 0.01, _HULL),
+    Parameter('stiffness', 'N/m', 0.0, 0.0, 1e4, 50.0, _SOURCE),
+    Parameter('relaxation', 's', 0.0, 0.0, 10.0, 0.05, _SOURCE),
+    Parameter('friction', '1', 0.0, 0.0, 3.0, 0.2, _SOURCE),
+)
+
+SLIP_SPEED = 0.05
+BELOW = -1e6  # low face of the height: the floor is another effect's
+
+
+def pair(
+    low: float, high: float, place: float, n: Vector, hull: Vector, soft: Vector, motion: Motion
+) -> Wrench:
+    """
+    Return what two faces across from each other do, of which the hull can touch one.
+
+    Parameters
+    ----------
+    low, high, place : float
+        The faces and the hull centre along an axis of the map. [m]
+    n : 3-tuple
+        That axis in the body frame.
+    hull : 3-tuple
+        Squares of the half axes. [m^2]
+    soft : 3-tuple
+        Stiffness [N/m], relaxation [s], friction.
+    motion : Motion
+        For the velocity and the rates.
+
+    Returns
+    -------
+    6-tuple
+        Force and moment about the hull centre, body frame. [N, N m]
+
+    """
+    x, y, z = hull[0] * n[0], hull[1] * n[1], hull[2] * n[2]
+    reach = math.sqrt(x * n[0] + y * n[1] + z * n[2])
+    side = 1.0 if place - low > high - place else -1.0
+    depth = reach - min(place - low, high - place)
+    if depth <= 0.0 or reach <= 0.0:
+        return (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    scale = side / reach
+    x, y, z = x * scale, y * scale, z * scale
+    v, w = motion.velocity, motion.rates
+    u = v[0] + w[1] * z - w[2] * y
+    s = v[1] + w[2] * x - w[0] * z
+    h = v[2] + w[0] * y - w[1] * x
+    into = u * n[0] + s * n[1] + h * n[2]
+    normal = soft[0] * max(0.0, depth + soft[1] * side * into)
+    u, s, h = u - into * n[0], s - into * n[1], h - into * n[2]
+    grip = -soft[2] * normal / math.sqrt(u * u + s * s + h * h + SLIP_SPEED * SLIP_SPEED)
+    push = -side * normal
+    f_x, f_y, f_z = push * n[0] + grip * u, push * n[1] + grip * s, push * n[2] + grip * h
+    return (f_x, f_y, f_z, y * f_z - z * f_y, z * f_x - x * f_z, x * f_y - y * f_x)
+
+
+def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+    """Return what the room does to the hull."""
+    (
+        x_low, x_high, y_low, y_high, ceiling,
+        radius, half_height, stiffness, relaxation, friction,
+    ) = p  # fmt: skip
+    r, place = motion.rotation, motion.position
+    hull = (radius * radius, radius * radius, half_height * half_height)
+    soft = (stiffness, relaxation, friction)
+    a = pair(x_low, x_high, place[0], (r[0], r[1], r[2]), hull, soft, motion)
+    b = pair(y_low, y_high, place[1], (r[3], r[4], r[5]), hull, soft, motion)
+    c = pair(BELOW, ceiling, place[2], (r[6], r[7], r[8]), hull, soft, motion)
+    return (
+        a[0] + b[0] + c[0],
+        a[1] + b[1] + c[1],
+        a[2] + b[2] + c[2],
+        a[3] + b[3] + c[3],
+        a[4] + b[4] + c[4],
+        a[5] + b[5] + c[5],
+    )
+
+
+def check(values: Mapping[str, float]) -> str:
+    """Return why a hull does not fit into the room."""
+    if values['stiffness'] <= 0.0:
+        return ''
+    if values['radius'] <= 0.0 or values['half_height'] <= 0.0:
+        return 'walls need the size of the hull; give radius and half_height in metres'
+    widest = 2.0 * max(values['radius'], values['half_height'])
+    for axis in ('x', 'y'):
+        if values[f'{axis}_high'] - values[f'{axis}_low'] <= widest:
+            return f'the room is not wider than the hull from {axis}_low to {axis}_high'
+    if values['ceiling'] <= widest:
+        return 'the ceiling is not higher than the hull'
+    return ''
+
+
+EFFECT = WrenchEffect(
+    'walls', PARAMETERS, wrench, linear_in=('stiffness',), placed=True, check=check
+)

@@ -1,0 +1,1 @@
+"""Motors, rotors, and what surfaces near them do to their thrust."""

@@ -1,0 +1,90 @@
+"""
+Firmware that corrects the duty for the voltage of the battery.
+
+    u' = min(1, v / V),   v from   c_0 + c_1 v + c_2 v^2 + c_3 v^3 = full u
+
+The commanded duty u is a share of the thrust `full`. The firmware inverts the cubic to get the
+mean motor voltage v that gives this thrust, and divides by the voltage V of the battery. u' is 0
+where full u is below `least`, and where V is below 2 V, which means a broken battery to the
+firmware; it is also 0 for a negative u, which this firmware cannot drive. V is the voltage under
+load, from the surroundings; where nobody knows it (0), it is the nominal `voltage`. A nominal
+voltage of 0 switches the effect off.
+
+Goes first, as the firmware does: give `battery_sag` and `thrust_polynomial` the same nominal
+voltage, and where the motor follows the same cubic the thrust is full u at any voltage, until u'
+reaches 1. Left out: the low pass of 0.1 s through which the firmware reads V, and the 16 bits of
+its PWM.
+
+Firmware for the Crazyflie 2 platform, 2026.08, built with CONFIG_ENABLE_THRUST_BAT_COMPENSATED as
+it is by default: motorsCompensateBatteryVoltage in src/drivers/src/motors.c, batteryCompensation
+in src/modules/src/stabilizer.c, numbers in src/platform/interface/platform_defaults_cf2.h, N per
+motor (the cubics to more digits there; `thrust_polynomial` has the same ones):
+
+    propellers     full    least     c_0        c_1        c_2         c_3
+    2.1+           0.12   0.012818  -0.024765   0.065238  -0.026793   0.0067768
+    legacy         0.12   0.012818  -0.014831   0.047245  -0.018474   0.0059609
+    upgrade kit    0.18   0.019226   0.0067281  0.0101156  0.0102632  0.0028359
+
+The firmware solves the cubic in closed form. Here it is solved by Newton's method from the right,
+without a cube root, so that all forms of the model agree to the last bit.
+"""
+
+from collections.abc import Mapping
+
+from lta_model.effects.protocol import ActuatorEffect, Parameter, Values
+from lta_model.state import VOLTAGE
+
+_NOMINAL = (
+    'a lithium cell has 3.0 to 4.2 V (Crazyflie firmware: critical at 3.0 V); bound: 14 cells'
+)
+_THRUST = 'crazyflie-firmware 54f31e24: 0.12 N, upgrade kit 0.18 N; bound as thrust_curve'
+_LEAST = 'crazyflie-firmware 54f31e24: 0.0128 N, upgrade kit 0.0192 N; bound as thrust_curve'
+_CUBIC = 'crazyflie-firmware 54f31e24; prior: its three sets of propellers differ by 10 to 20 mN'
+BROKEN = 2.0  # V: below it the firmware stops the motors
+NEWTON = 24  # steps; from 60 V down to 1 V takes 17
+FLAT = 1e-9  # N/V: less slope than any motor has, against a division by zero
+
+SHARED = (
+    Parameter('voltage', 'V', 0.0, BROKEN, 60.0, 0.1, _NOMINAL),
+    Parameter('full', 'N', 0.0, 0.0, 50.0, 0.01, _THRUST),
+    Parameter('least', 'N', 0.0, 0.0, 50.0, 0.003, _LEAST),
+    Parameter('c_0', 'N', 0.0, -10.0, 10.0, 0.01, _CUBIC),
+    Parameter('c_1', 'N/V', 0.0, 0.0, 10.0, 0.02, _CUBIC),
+    Parameter('c_2', 'N/V2', 0.0, -10.0, 10.0, 0.01, _CUBIC),
+    Parameter('c_3', 'N/V3', 0.0, 0.0, 10.0, 0.003, _CUBIC),
+)
+
+
+def output(p: Values, memory: Values, value: float, surroundings: Values) -> float:
+    """Return the duty that the firmware gives to a motor."""
+    voltage, full, least, c_0, c_1, c_2, c_3 = p
+    if voltage <= 0.0:
+        return value
+    supply = surroundings[VOLTAGE] if surroundings[VOLTAGE] > 0.0 else voltage
+    wanted = full * value
+    if supply < BROKEN or wanted < least or wanted <= 0.0:
+        return 0.0
+    if c_0 + supply * (c_1 + supply * (c_2 + supply * c_3)) <= wanted:
+        return 1.0
+    mean = supply
+    for _ in range(NEWTON):
+        excess = c_0 + mean * (c_1 + mean * (c_2 + mean * c_3)) - wanted
+        slope = c_1 + mean * (2.0 * c_2 + mean * (3.0 * c_3))
+        mean = min(max(mean - excess / max(slope, FLAT), 0.0), supply)
+    return mean / supply
+
+
+def check(values: Mapping[str, float]) -> str:
+    """Return why a cubic cannot be inverted, or ''."""
+    others = [values[name] for name in ('full', 'least', 'c_0', 'c_1', 'c_2', 'c_3')]
+    if values['voltage'] == 0.0:
+        return 'voltage must be the nominal voltage, or all others zero' if any(others) else ''
+    full, least, _, c_1, c_2, c_3 = others
+    if full <= least:
+        return 'full must be more than least'
+    if max(c_1, c_3) == 0.0 or (c_2 < 0.0 and c_2 * c_2 >= 3.0 * c_1 * c_3):
+        return 'the cubic must rise with the voltage everywhere, or it has no inverse'
+    return ''
+
+
+EFFECT = ActuatorEffect('battery_compensation', SHARED, (), output, check=check)

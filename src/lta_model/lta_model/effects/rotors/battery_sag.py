@@ -1,0 +1,42 @@
+"""
+Thrust that falls with the voltage of the battery.
+
+    u' = u max(0, 1 + sensitivity (V / voltage - 1))
+
+A brushed motor under pulse-width modulation sees the mean voltage V u, so a thrust curve that was
+measured against duty at one battery voltage holds at another with u' = u V / voltage: a
+sensitivity of 1. V is the voltage under load, from the surroundings; 0 there says that nobody
+knows it, and then nothing changes, as with a nominal `voltage` of 0.
+
+The sensitivity is d ln u' / d ln V at the nominal voltage, for identification: Crazyflie flights
+gave a force per duty that goes with V^0.7, and with a thrust curve of T ~ u^1.45 near hover that
+is a sensitivity of 0.5. A straight line and not a power: within 20 % of the nominal voltage
+and for sensitivities up to 1 the two differ by 0.7 % at most, and no rotor costs a call of pow.
+
+Goes before the lag: a rotor takes as long to follow the voltage as to follow the duty.
+"""
+
+from lta_model.effects.protocol import ActuatorEffect, Parameter, Values
+from lta_model.state import VOLTAGE
+
+_NOMINAL = (
+    'a lithium cell has 3.0 to 4.2 V (Crazyflie firmware: critical at 3.0 V); bound: 14 cells'
+)
+_SENSITIVITY = 'mean voltage: 1; force per duty in Crazyflie flights goes with V^0.6 to V^0.7'
+
+SHARED = (
+    Parameter('voltage', 'V', 0.0, 0.0, 60.0, 0.1, _NOMINAL, beside=3.7),
+    Parameter('sensitivity', '1', 1.0, 0.0, 2.0, 0.3, _SENSITIVITY),
+)
+
+
+def output(p: Values, memory: Values, value: float, surroundings: Values) -> float:
+    """Return the duty that would do the same at the nominal voltage."""
+    voltage, sensitivity = p
+    present = surroundings[VOLTAGE]
+    if voltage > 0.0 and present > 0.0:
+        return value * max(0.0, 1.0 + sensitivity * (present / voltage - 1.0))
+    return value
+
+
+EFFECT = ActuatorEffect('battery_sag', SHARED, (), output)

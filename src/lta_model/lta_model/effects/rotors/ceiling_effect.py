@@ -1,0 +1,75 @@
+"""
+A rotor under a ceiling sucks itself up.
+
+    f = gain (sqrt(1 + radius^2 / (8 d^2)) - 1) / 2 |n_z| T,   d = height - z >= radius / 4
+
+along the rotor's axis; T is its thrust, d its distance to the ceiling at `height` in the map, n_z
+the upward part of its axis. f acts only where the thrust lifts (n_z T > 0). `gain` 1 is the
+momentum theory of Hsiao and Chirarattananon 2019 (arXiv:1905.04632; formula as in public flight
+code for a rotor of 23 mm, the paper itself not read), which they hold against rotors of 23 and
+50 mm. Nearer than a quarter of the radius the force stays what it is there, 0.37 T. It is for
+rotors with nothing but air above them: under a hull take no gain.
+"""
+
+from collections.abc import Mapping
+import math
+
+from lta_model.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
+from lta_model.rotor_sum import added, rotor_height, rotor_upright
+from lta_model.state import ROTOR_PLACE
+
+_GAIN = '1 is Hsiao and Chirarattananon 2019; prior: 0.5, assumed'
+_RADIUS = 'of the propeller, 23.5 mm for 47 mm ones; prior: 1 mm'
+_HEIGHT = 'of the room; prior: 5 cm'
+
+PARAMETERS = (
+    Parameter('gain', '1', 0.0, 0.0, 5.0, 0.5, _GAIN),
+    Parameter('radius', 'm', 0.0, 0.005, 1.0, 0.001, _RADIUS),
+    Parameter('height', 'm', 0.0, 0.1, 100.0, 0.05, _HEIGHT),
+)
+
+
+def extra(
+    gain: float, radius: float, ceiling: float, motion: Motion, rotor: Values, thrust: float
+) -> float:
+    """Return what a rotor thrusts more. [N]"""
+    if thrust == 0.0 or radius <= 0.0:
+        return 0.0
+    up = rotor_upright(motion, rotor)
+    if thrust * up <= 0.0:
+        return 0.0
+    share = radius / max(ceiling - rotor_height(motion, rotor), 0.25 * radius)
+    # x / (sqrt(1 + x) + 1) is sqrt(1 + x) - 1 without the loss of digits far below.
+    x = 0.125 * share * share
+    return 0.5 * gain * x / (math.sqrt(1.0 + x) + 1.0) * abs(up) * thrust
+
+
+def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+    """Return what the ceiling adds to the thrust of all rotors."""
+    gain, radius, height = p
+    rotors = motion.body[ROTOR_PLACE:]
+    forces = (
+        extra(gain, radius, height, motion, rotors[0:6], thrust[0]),
+        extra(gain, radius, height, motion, rotors[6:12], thrust[1]),
+        extra(gain, radius, height, motion, rotors[12:18], thrust[2]),
+        extra(gain, radius, height, motion, rotors[18:24], thrust[3]),
+        extra(gain, radius, height, motion, rotors[24:30], thrust[4]),
+        extra(gain, radius, height, motion, rotors[30:36], thrust[5]),
+        extra(gain, radius, height, motion, rotors[36:42], thrust[6]),
+        extra(gain, radius, height, motion, rotors[42:48], thrust[7]),
+    )
+    return added(rotors, forces)
+
+
+def check(values: Mapping[str, float]) -> str:
+    """Return why a ceiling effect without rotors or a ceiling is none."""
+    if values['gain'] > 0.0 and values['radius'] <= 0.0:
+        return 'the ceiling effect needs the size of the rotors; give radius in metres'
+    if values['gain'] > 0.0 and values['height'] <= 0.0:
+        return 'the ceiling effect needs a ceiling; give height in metres'
+    return ''
+
+
+EFFECT = WrenchEffect(
+    'ceiling_effect', PARAMETERS, wrench, linear_in=('gain',), placed=True, check=check
+)

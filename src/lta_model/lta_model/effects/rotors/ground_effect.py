@@ -1,0 +1,68 @@
+"""
+A rotor that blows onto the floor thrusts more.
+
+    f = gain x / (1 - x) |n_z| T,   x = (radius / 4 z)^2,   z >= radius / 2
+
+along the rotor's axis; T is its thrust, z its height above the floor z = 0 of the map, n_z the
+upward part of its axis. f acts only where the thrust lifts (n_z T > 0), since another jet misses
+the floor. `gain` 1 is Cheeseman and Bennett 1955 (ARC R&M 3021), a source in the disk and its
+image below the floor at equal power; below z = radius / 2 the force stays what it is there, a
+third of T. Several rotors close together gain more (Sanchez-Cuevas et al. 2017, doi
+10.1155/2017/1823056). Left out: the fountain between rotors, the cushion under the hull, loss by
+forward flight.
+"""
+
+from collections.abc import Mapping
+
+from lta_model.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
+from lta_model.rotor_sum import added, rotor_height, rotor_upright
+from lta_model.state import ROTOR_PLACE
+
+_GAIN = '1 is Cheeseman and Bennett 1955; small rotors scatter around it; prior: 0.5, assumed'
+_RADIUS = 'of the propeller, 23.5 mm for 47 mm ones; prior: 1 mm'
+
+PARAMETERS = (
+    Parameter('gain', '1', 0.0, 0.0, 5.0, 0.5, _GAIN),
+    Parameter('radius', 'm', 0.0, 0.005, 1.0, 0.001, _RADIUS, beside=0.0225),
+)
+
+
+def extra(gain: float, radius: float, motion: Motion, rotor: Values, thrust: float) -> float:
+    """Return what a rotor thrusts more. [N]"""
+    if thrust == 0.0 or radius <= 0.0:
+        return 0.0
+    up = rotor_upright(motion, rotor)
+    if thrust * up <= 0.0:
+        return 0.0
+    z = max(rotor_height(motion, rotor), 0.5 * radius)
+    square = 0.0625 * radius * radius
+    return gain * square / (z * z - square) * abs(up) * thrust
+
+
+def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+    """Return what the floor adds to the thrust of all rotors."""
+    gain, radius = p
+    rotors = motion.body[ROTOR_PLACE:]
+    forces = (
+        extra(gain, radius, motion, rotors[0:6], thrust[0]),
+        extra(gain, radius, motion, rotors[6:12], thrust[1]),
+        extra(gain, radius, motion, rotors[12:18], thrust[2]),
+        extra(gain, radius, motion, rotors[18:24], thrust[3]),
+        extra(gain, radius, motion, rotors[24:30], thrust[4]),
+        extra(gain, radius, motion, rotors[30:36], thrust[5]),
+        extra(gain, radius, motion, rotors[36:42], thrust[6]),
+        extra(gain, radius, motion, rotors[42:48], thrust[7]),
+    )
+    return added(rotors, forces)
+
+
+def check(values: Mapping[str, float]) -> str:
+    """Return why a ground effect without the size of the rotors is none."""
+    if values['gain'] > 0.0 and values['radius'] <= 0.0:
+        return 'the ground effect needs the size of the rotors; give radius in metres'
+    return ''
+
+
+EFFECT = WrenchEffect(
+    'ground_effect', PARAMETERS, wrench, linear_in=('gain',), placed=True, check=check
+)

@@ -1,0 +1,23 @@
+"""
+Rotors that have lost part of their thrust.
+
+    T_i' = (1 - lost_i) T_i
+
+A chipped propeller, a worn motor, a hair around the shaft: lost_i = 1 is a rotor that stands
+still. What a damaged propeller shakes is left out, and so is what it draws from the battery.
+"""
+
+from lta_model.effects.protocol import ActuatorEffect, Parameter, Values
+
+_SOURCE = 'from whole to standing still; prior: two motors of one batch differ by 2 % (assumed)'
+
+EACH = (Parameter('lost', '1', 0.0, 0.0, 1.0, 0.02, _SOURCE),)
+
+
+def output(p: Values, memory: Values, value: float, surroundings: Values) -> float:
+    """Return the thrust that is left. [N]"""
+    (lost,) = p
+    return (1.0 - lost) * value
+
+
+EFFECT = ActuatorEffect('rotor_fault', (), EACH, output)

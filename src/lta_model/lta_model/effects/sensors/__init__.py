@@ -1,0 +1,1 @@
+"""Errors of sensors, of the tracker and of clocks."""

@@ -1,0 +1,23 @@
+"""
+The vehicle's clock runs faster than the tracker's.
+
+    clock(t) = t (1 + skew),   t the tracker's time since the start of the flight
+
+The error is zero at the start; what there is then is `clock_offset`. The tracker's side
+moves, as explained there.
+"""
+
+from lta_model.effects.protocol import MeasurementEffect, Parameter, Values
+
+_SOURCE = 'crystals are within some 50 ppm (unverified, from memory); bounds assumed'
+
+PARAMETERS = (Parameter('skew', '1', 0.0, -1e-3, 1e-3, 3e-5, _SOURCE),)
+
+
+def reading(p: Values, values: Values, time: float) -> Values:
+    """Return what the vehicle's clock says. [s]"""
+    (skew,) = p
+    return (values[0] + skew * time,)
+
+
+EFFECT = MeasurementEffect('clock_skew', PARAMETERS, 'clock', reading)

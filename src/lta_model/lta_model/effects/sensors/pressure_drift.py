@@ -1,0 +1,26 @@
+"""
+Pressure that runs away with the time, by the weather or by the sensor as it warms.
+
+    p_read = p + rate t,   t since the start of the flight
+
+12 Pa are a metre. Weather changes by some 1 hPa an hour, 0.03 Pa/s; the sensor's own drift is
+smaller.
+"""
+
+from lta_model.effects.protocol import MeasurementEffect, Parameter, Values
+
+_SOURCE = (
+    'BMP388: 0.75 Pa/K at 5 K in ten minutes of warming; weather 1 hPa in an hour '
+    '(both unverified, from memory); bounds assumed'
+)
+
+PARAMETERS = (Parameter('rate', 'Pa/s', 0.0, -1.0, 1.0, 0.01, _SOURCE),)
+
+
+def reading(p: Values, values: Values, time: float) -> Values:
+    """Return the pressure with its drift. [Pa]"""
+    (rate,) = p
+    return (values[0] + rate * time,)
+
+
+EFFECT = MeasurementEffect('pressure_drift', PARAMETERS, 'pressure', reading)

@@ -1,0 +1,24 @@
+"""
+Constant error of the range finder.
+
+    d_read = d + offset
+
+It comes on top of the offset that the sensor draws for a flight. A sensor mounted lower or higher
+than its vehicle file says reads the same.
+"""
+
+from lta_model.effects.protocol import MeasurementEffect, Parameter, Values
+
+# The spread is that of a uniform draw within the manual's bound, 20 mm / 3^0.5.
+_SOURCE = 'ST VL53L1X manual: error of +-20 mm in the dark; bounds assumed'
+
+PARAMETERS = (Parameter('offset', 'm', 0.0, -0.5, 0.5, 0.012, _SOURCE),)
+
+
+def reading(p: Values, values: Values, time: float) -> Values:
+    """Return the distance with its offset. [m]"""
+    (offset,) = p
+    return (values[0] + offset,)
+
+
+EFFECT = MeasurementEffect('range_offset', PARAMETERS, 'range', reading)

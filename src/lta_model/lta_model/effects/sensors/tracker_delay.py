@@ -1,0 +1,23 @@
+"""
+Age of a tracked pose: exposure, image processing and network that nobody subtracted.
+
+    t' = t - delay
+
+A pose that is stamped t is the truth of t'. Between control steps the truth is interpolated
+(`lta_sim.tracker`). Before the start the vehicle stood where it starts.
+"""
+
+from lta_model.effects.protocol import MeasurementEffect, Parameter, Values
+
+_SOURCE = 'assumed: two frames of a 100 Hz tracker; cameras on a robot reach 0.1 s and more'
+
+PARAMETERS = (Parameter('delay', 's', 0.0, 0.0, 1.0, 0.02, _SOURCE),)
+
+
+def reading(p: Values, values: Values, time: float) -> Values:
+    """Return the flight time at which the reported pose was true. [s]"""
+    (delay,) = p
+    return (values[0] - delay,)
+
+
+EFFECT = MeasurementEffect('tracker_delay', PARAMETERS, 'pose_time', reading)

@@ -1,0 +1,29 @@
+"""What an effect is in a sentence, from its own file."""
+
+import inspect
+import sys
+
+from lta_model.effects.protocol import (
+    ActuatorEffect,
+    AirEffect,
+    BodyEffect,
+    Effect,
+    InertiaEffect,
+    MeasurementEffect,
+    WrenchEffect,
+)
+
+
+def summary(effect: Effect) -> str:
+    """Return the first sentence of an effect's file."""
+    function = {
+        AirEffect: 'air',
+        ActuatorEffect: 'output',
+        WrenchEffect: 'wrench',
+        InertiaEffect: 'diagonal',
+        BodyEffect: 'change',
+        MeasurementEffect: 'reading',
+    }[type(effect)]
+    module = sys.modules[getattr(effect, function).__module__]
+    text = ' '.join((inspect.getdoc(module) or '').split('\n\n')[0].split())
+    return text.rstrip('.')

@@ -1,0 +1,1 @@
+"""Mass, its place, and the lift of the gas."""

@@ -1,0 +1,44 @@
+"""
+Gas in the hull that is warmer than the air, or under more pressure.
+
+    m' = m + m_gas ((1 + overpressure / p_0) / (1 + dT / T_0) - 1)
+
+m_gas is the mass of the gas at the pressure p_0 = 101325 Pa and the temperature T_0 = 293.15 K of
+the air, with which the model was built; the rest is the ideal gas law at the hull's volume. The
+mass is a parameter of its own because purity is in it: pure helium weighs 0.14 of the displaced
+air, helium of 93 % 0.20. The vehicle fills it in.
+
+A hull of that volume was *filled* to this state: warmer gas of the same pressure is less gas. Of
+gas that warms in flight, `superheat` is the effect. For 80 g of gas 5 K are 1.3 g and 1 kPa is
+0.8 g. The mass acts at the hull centre; left out is its share of the gas's own inertia, r^2 / 5
+for each axis, because a gas turns with its hull in part only.
+"""
+
+from lta_model.effects.protocol import BodyEffect, Parameter, Rigid, Values
+from lta_model.gas import AIR_PRESSURE, AIR_TEMPERATURE
+
+PARAMETERS = (
+    Parameter(
+        'gas', 'kg', 0.0, 0.0, 100.0, 0.01,
+        'follows from hull and purity; prior: 3 % of purity in 0.4 kg of displaced air',
+    ),
+    Parameter(
+        'temperature', 'K', 0.0, -80.0, 80.0, 3.0,
+        'prior: gas fresh from its bottle, or warmed by lamps (assumed)',
+    ),
+    Parameter(
+        'overpressure', 'Pa', 0.0, -100.0, 1e4, 300.0,
+        'prior: a foil balloon filled taut (assumed); a limp film holds no suction',
+    ),
+)  # fmt: skip
+
+
+def change(p: Values, rigid: Rigid) -> Rigid:
+    """Return the vehicle with that gas."""
+    gas, temperature, overpressure = p
+    colder = AIR_TEMPERATURE / (AIR_TEMPERATURE + temperature)
+    more = (AIR_PRESSURE + overpressure) / AIR_PRESSURE * colder - 1.0
+    return Rigid(rigid.mass + gas * more, rigid.moment, rigid.inertia, rigid.displaced)
+
+
+EFFECT = BodyEffect('gas_state', PARAMETERS, change)

@@ -1,0 +1,48 @@
+"""
+Lift lost at a constant rate.
+
+    F = -lost e_z,    d/dt lost = rate
+
+at the hull centre, e_z the map's vertical; `lost` is the memory [N]. Permeation through a film of
+constant area under a constant partial pressure, and the flow out of a hole under a constant
+overpressure, both lose a constant volume per second, so the rate is in N/s and no time constant.
+With a lift density of (rho_air - rho_he) g = 10.2 N/m3:
+
+    permeation   0.2 to 0.9 L/(m2 day) through 2.5 m2: 0.6 to 2.6e-7 N/s, 0.5 to 2.3 g a day
+    a hole       0.6 A sqrt(2 dp / rho_he): 1 mm2 under 30 Pa loses 1.2e-4 N/s, 0.7 g a minute
+
+The memory is linear in the rate, and the wrench in the memory; at a given memory the wrench does
+not know the rate, so no parameter is declared linear. Left out: the mass of the helium that left
+(0.16 g for each gram of lift), the loss of shape, that a taut envelope first loses its
+overpressure and not its lift, and the air that comes in.
+"""
+
+from lta_model.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
+
+PARAMETERS = (
+    Parameter(
+        'rate', 'N/s', 0.0, 0.0, 0.1, 1e-4,
+        'laminates 0.2 to 0.9 L/(m2 day) (Frontiers Mater. 2022, 992984) lose 2.6e-7 N/s at most; '
+        'prior: a hole of 1 mm2 under 30 Pa (Bernoulli); bound: 10 g/s',
+    ),
+)  # fmt: skip
+
+
+def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+    """Return the lift that is gone."""
+    (rate,) = p
+    lost, r = memory[0], motion.rotation
+    if rate == 0.0:
+        return (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    return (-lost * r[6], -lost * r[7], -lost * r[8], 0.0, 0.0, 0.0)
+
+
+def rate_of_loss(p: Values, memory: Values, motion: Motion) -> Values:
+    """Return d/dt of the lost lift."""
+    (rate,) = p
+    return (rate,)
+
+
+EFFECT = WrenchEffect(
+    'helium_leak', PARAMETERS, wrench, memory=(('lost', 0.0),), rate=rate_of_loss
+)

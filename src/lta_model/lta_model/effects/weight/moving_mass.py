@@ -1,0 +1,94 @@
+"""
+The weight of a mass that is moved about in the vehicle, as in RGBlimp.
+
+    N = d x (-mass g e_z),    d/dt d = (c - r_0 - d) / lag,   no faster than `speed`
+
+d is how far the mass is (memory) from r_0 = (x, y, z), where it was when the vehicle was weighed
+and where a flight starts; c is the commanded place (`state.MASS_PLACE`, body frame), e_z the map's
+vertical. The weight itself is in the vehicle's, so only its moment changes: the tilt at rest is
+atan(mass d / (m depth)) for a vehicle of mass m with its CG at that depth. `lag` 0: the mass is
+where it is told to be. `speed` 0: no limit; it acts on the length of the velocity, so that the way
+stays straight.
+
+Left out, with figures for RGBlimp (54 g of 159 g, +-4 cm, 7.5 cm ahead of and 24 cm below the hull
+centre): the inertia, 4.1e-4 of 1.9e-2 kg m2 in pitch (2.2 %) and 5.1e-4 kg m2 of its xz product;
+that the CG follows in the accelerations, a / g of this moment (3 % at 0.3 m/s2); and the recoil,
+which moves the hull by 54/159 of the way of the mass, 1.4 cm, and sums to nothing over a move.
+"""
+
+from collections.abc import Mapping
+import math
+
+from lta_config.constants import STANDARD_GRAVITY
+from lta_model.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
+from lta_model.state import MASS_PLACE
+
+_PLACE = 'prior: 5 mm on a measured place (assumed), within a hull of 10 m'
+
+PARAMETERS = (
+    Parameter(
+        'mass', 'kg', 0.0, 0.0, 50.0, 5e-4,
+        'prior: 1 % of the 54.07 g of RGBlimp (zhu-yj/ABNODE@138a1de), weighed',
+    ),
+    Parameter('x', 'm', 0.0, -5.0, 5.0, 0.005, _PLACE),
+    Parameter('y', 'm', 0.0, -5.0, 5.0, 0.005, _PLACE),
+    Parameter('z', 'm', 0.0, -5.0, 5.0, 0.005, _PLACE),
+    Parameter(
+        'lag', 's', 0.0, 0.01, 100.0, 0.1,
+        'prior: small servos settle in tenths of a second (assumed)',
+    ),
+    Parameter(
+        'speed', 'm/s', 0.0, 1e-4, 10.0, 0.05,
+        'prior: small servos move centimetres in tenths of a second (assumed)',
+    ),
+)  # fmt: skip
+
+
+def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+    """Return the moment of the weight away from where it was weighed."""
+    mass, x, y, z, lag, speed = p  # noqa: RUF059 (the kernel knows parameters by their order)
+    c = motion.command
+    d_x = memory[0] if lag > 0.0 else c[MASS_PLACE] - x
+    d_y = memory[1] if lag > 0.0 else c[MASS_PLACE + 1] - y
+    d_z = memory[2] if lag > 0.0 else c[MASS_PLACE + 2] - z
+    weight, up = mass * STANDARD_GRAVITY, motion.rotation
+    return (
+        0.0,
+        0.0,
+        0.0,
+        -weight * (d_y * up[8] - d_z * up[7]),
+        -weight * (d_z * up[6] - d_x * up[8]),
+        -weight * (d_x * up[7] - d_y * up[6]),
+    )
+
+
+def rate(p: Values, memory: Values, motion: Motion) -> Values:
+    """Return the velocity of the mass in the vehicle."""
+    mass, x, y, z, lag, speed = p  # noqa: RUF059 (the kernel knows parameters by their order)
+    c = motion.command
+    if lag <= 0.0:
+        return (0.0, 0.0, 0.0)
+    v_x = (c[MASS_PLACE] - x - memory[0]) / lag
+    v_y = (c[MASS_PLACE + 1] - y - memory[1]) / lag
+    v_z = (c[MASS_PLACE + 2] - z - memory[2]) / lag
+    fast = math.sqrt(v_x * v_x + v_y * v_y + v_z * v_z)
+    share = speed / fast if 0.0 < speed < fast else 1.0
+    return (share * v_x, share * v_y, share * v_z)
+
+
+def check(values: Mapping[str, float]) -> str:
+    """Return why a limit without a lag cannot be: the mass would chatter about its goal."""
+    if values['speed'] > 0.0 and values['lag'] == 0.0:
+        return 'a speed limit needs a lag: give lag, or leave speed at zero'
+    return ''
+
+
+EFFECT = WrenchEffect(
+    'moving_mass',
+    PARAMETERS,
+    wrench,
+    ('mass',),
+    memory=(('x', 0.0), ('y', 0.0), ('z', 0.0)),
+    rate=rate,
+    check=check,
+)

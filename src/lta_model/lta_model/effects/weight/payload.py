@@ -1,0 +1,30 @@
+"""
+A load carried at a place of the vehicle.
+
+    m' = m + mass,   with its moment and inertia about the hull centre (`point_mass`)
+
+Not in the vehicle's parts, so that it is lifted and not trimmed away. Left out: its size, its
+drag, and the air that it displaces.
+"""
+
+from lta_model.effects.protocol import BodyEffect, Parameter, Rigid, Values
+from lta_model.effects.weight.point_mass import with_point_mass
+
+_MASS = 'prior: 2 g, the comparison set-up of the seed paper; bound: an airship of 50 kg lift'
+_PLACE = 'prior: 5 cm on a place read off the vehicle (assumed), within a hull of 10 m'
+
+PARAMETERS = (
+    Parameter('mass', 'kg', 0.0, 0.0, 50.0, 0.002, _MASS),
+    Parameter('x', 'm', 0.0, -5.0, 5.0, 0.05, _PLACE),
+    Parameter('y', 'm', 0.0, -5.0, 5.0, 0.05, _PLACE),
+    Parameter('z', 'm', 0.0, -5.0, 5.0, 0.05, _PLACE),
+)
+
+
+def change(p: Values, rigid: Rigid) -> Rigid:
+    """Return the vehicle with that load."""
+    mass, x, y, z = p
+    return with_point_mass(rigid, mass, (x, y, z))
+
+
+EFFECT = BodyEffect('payload', PARAMETERS, change)

@@ -1,0 +1,68 @@
+"""
+Lift of gas that light has warmed, where the envelope lets it expand.
+
+    F = slack m_d g (theta / T) e_z,    d/dt theta = (warming E - theta) / lag
+
+at the hull centre; theta is how much warmer the gas is than the air (memory) [K], E the irradiance
+on the hull, m_d the mass of the displaced air, T = 293.15 K that of the air, e_z the vertical.
+With `lag` 0 the gas is at its steady temperature at once.
+
+A slack envelope holds its gas at the pressure of the air, so the volume grows as theta / T (ideal
+gas law), the mass of the gas stays, and the weight of the newly displaced air is won (Archimedes).
+A taut foil balloon keeps its volume: its pressure grows by 346 Pa/K and its lift by nothing.
+`slack` is the share of the free expansion that happens: 0 taut, 1 slack.
+
+Heat balance of an aluminised 1 m balloon, for the priors: it takes in 0.14 E (solar absorptance of
+aluminised film, aluminium outside: Fortescue, Swinerd and Stark 2011, table 11.3) on 0.785 m2 and
+gives off h = 2.6 W/(m2 K) by free convection on 2.47 m2 (unverified, from memory; its radiation is
+small, emittance 0.05), so warming = 0.017 K m2/W; gas 296 J/K and film 152 J/K (116.8 g at
+1.3 kJ/(kg K), unverified, from memory) over 6.4 W/K, so lag = 70 s. Under 80 klx (270 W/m2 at
+300 lm/W, assumed) that is 4.5 K and, slack, 6 g of lift.
+
+Left out: that wind cools, that a warmer gas stirs, sun on one side only, a change of T.
+"""
+
+from lta_config.constants import STANDARD_GRAVITY
+from lta_model.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
+from lta_model.gas import AIR_TEMPERATURE
+from lta_model.state import DISPLACED, IRRADIANCE
+
+PARAMETERS = (
+    Parameter(
+        'warming', 'K m2/W', 0.0, 0.0, 1.0, 0.01,
+        'prior: heat balance above; bound: black film with little convection, ten times over',
+    ),
+    Parameter(
+        'lag', 's', 0.0, 1.0, 1e4, 40.0,
+        'prior: heat balance above; bounds: a thin film alone, a stratospheric balloon (assumed)',
+        beside=40.0,
+    ),
+    Parameter(
+        'slack', '1', 0.0, 0.0, 1.0, 0.3,
+        'by definition between taut and slack; prior: not known of a foil balloon (assumed)',
+        beside=0.3,
+    ),
+)  # fmt: skip
+
+
+def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+    """Return the lift of the expanded gas."""
+    warming, lag, slack = p
+    steady = warming * motion.surroundings[IRRADIANCE]
+    warmer = memory[0] if lag > 0.0 else steady
+    weight = motion.body[DISPLACED] * STANDARD_GRAVITY
+    lift = slack * weight * warmer / AIR_TEMPERATURE
+    r = motion.rotation
+    return (lift * r[6], lift * r[7], lift * r[8], 0.0, 0.0, 0.0)
+
+
+def rate(p: Values, memory: Values, motion: Motion) -> Values:
+    """Return d/dt of the temperature of the gas above that of the air."""
+    warming, lag, slack = p  # noqa: RUF059 (the kernel knows parameters by their order)
+    steady = warming * motion.surroundings[IRRADIANCE]
+    return ((steady - memory[0]) / lag if lag > 0.0 else 0.0,)
+
+
+EFFECT = WrenchEffect(
+    'superheat', PARAMETERS, wrench, ('slack',), memory=(('warmer', 0.0),), rate=rate
+)

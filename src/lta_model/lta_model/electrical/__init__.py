@@ -1,0 +1,1 @@
+"""Cell, solar panel, charger and loads of a vehicle."""

@@ -1,0 +1,286 @@
+"""
+One LiPo cell: open-circuit voltage by state of charge, a series resistance and one RC pair.
+
+    V = E(charge) + U + R I          charge' = I / capacity          U' = (R1 I - U) / tau
+
+Signs as in sensor_msgs/BatteryState: a positive current or power charges the cell. What changes is
+the charge and the relaxation voltage U; the cell keeps its temperature and age. The functions take
+and return scalars and make nothing on the heap, so that numba compiles them. Limits of voltage and
+current are not here: see `lta_model.electrical.power_path`.
+"""
+
+import math
+from typing import Annotated, final, Self
+
+from lta_config.files import Record
+from lta_config.schema.vehicle_energy import Energy
+from pydantic import Field
+
+# Resting voltage in steps of 5 % from empty to full: the chart that hobby LiPo cells are sold with
+# (ampow.com, "LiPo voltage chart"). Assumed for this cell, not measured on it. [V]
+OPEN_CIRCUIT = (
+    3.27, 3.61, 3.69, 3.71, 3.73, 3.75, 3.77, 3.79, 3.80, 3.82,
+    3.84, 3.85, 3.87, 3.91, 3.95, 3.98, 4.02, 4.08, 4.11, 4.15, 4.20,
+)  # fmt: skip
+INTERVALS = len(OPEN_CIRCUIT) - 1
+
+WORN = 0.2  # loss of capacity at which a cell counts as worn out, its resistance doubled (USABC)
+ACTIVATION = 18.8e3  # J/mol of both resistances; assumed: they double from 25 to 0 degC
+GAS_CONSTANT = 8.314462618  # J/(mol K)
+COLD_LOSS = 0.006  # of the capacity by kelvin below 25 degC; assumed: 15 % at 0 degC
+ZERO_CELSIUS = 273.15  # K
+ROOM = 25.0  # degC, for which the numbers of a file stand
+
+NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
+Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
+
+
+@final
+class Battery(Record):
+    """
+    One cell, as warm and as old as it is. Without more than the first two it relaxes at once.
+
+    Attributes
+    ----------
+    capacity : float
+        Charge of the full cell. [C]
+    resistance : float
+        Series resistance R. [ohm]
+    relaxation_resistance : float
+        Resistance R1 of the RC pair. [ohm]
+    relaxation_time : float
+        Time constant tau of the RC pair. [s]
+    discharge_cutoff : float
+        Voltage under load below which the supply fails. [V]
+    charge_cutoff : float
+        Voltage that charging does not exceed. [V]
+    charge_current : float
+        Current that charging does not exceed. [A]
+
+    """
+
+    capacity: Positive
+    resistance: NotNegative
+    relaxation_resistance: NotNegative = 0.0
+    relaxation_time: Positive = 1.0
+    discharge_cutoff: Positive = 3.0
+    charge_cutoff: Positive = 4.2
+    charge_current: Positive = 1000.0
+
+    @classmethod
+    def of(cls, energy: Energy) -> Self:
+        """Return the cell of a vehicle file."""
+        data = energy.battery
+        worse = (1.0 + data.age.si / WORN) * resistance_by_cold(data.temperature.si)
+        left = (1.0 - data.age.si) * capacity_by_cold(data.temperature.si)
+        return cls(
+            capacity=data.capacity.si * left,
+            resistance=data.resistance.si * worse,
+            relaxation_resistance=data.relaxation_resistance.si * worse,
+            relaxation_time=data.relaxation_time.si,
+            discharge_cutoff=data.discharge_cutoff.si,
+            charge_cutoff=data.charge_cutoff.si,
+            charge_current=data.charge_current.si,
+        )
+
+
+def resistance_by_cold(celsius: float) -> float:
+    """Return the resistance at a temperature [degC] by that at 25 degC (Arrhenius). [1]"""
+    there, here = 1.0 / (celsius + ZERO_CELSIUS), 1.0 / (ROOM + ZERO_CELSIUS)
+    return math.exp(ACTIVATION / GAS_CONSTANT * (there - here))
+
+
+def capacity_by_cold(celsius: float) -> float:
+    """Return the capacity at a temperature [degC] by that at 25 degC; warmth adds none. [1]"""
+    return 1.0 - COLD_LOSS * max(ROOM - celsius, 0.0)
+
+
+def open_circuit_voltage(charge: float) -> float:
+    """Return the resting voltage at a state of charge, 0 to 1 and clipped there. [V]"""
+    place = min(max(charge, 0.0), 1.0) * INTERVALS
+    below = min(int(place), INTERVALS - 1)
+    rise = OPEN_CIRCUIT[below + 1] - OPEN_CIRCUIT[below]
+    return OPEN_CIRCUIT[below] + (place - below) * rise
+
+
+def state_of_charge(voltage: float) -> float:
+    """Return the state of charge, 0 to 1, whose resting voltage this is. [1]"""
+    if voltage <= OPEN_CIRCUIT[0]:
+        return 0.0
+    for below in range(INTERVALS):
+        if voltage < OPEN_CIRCUIT[below + 1]:
+            rise = OPEN_CIRCUIT[below + 1] - OPEN_CIRCUIT[below]
+            return (below + (voltage - OPEN_CIRCUIT[below]) / rise) / INTERVALS
+    return 1.0
+
+
+def stored_energy(charge: float, capacity: float) -> float:
+    """
+    Return the energy that the cell holds: the integral of its resting voltage over its charge.
+
+    Parameters
+    ----------
+    charge : float
+        State of charge, 0 to 1. [1]
+    capacity : float
+        Charge of the full cell. [C]
+
+    Returns
+    -------
+    float
+        Energy above empty, before losses in the resistances. [J]
+
+    """
+    place = min(max(charge, 0.0), 1.0) * INTERVALS
+    below = min(int(place), INTERVALS - 1)
+    area = 0.0
+    for k in range(below):
+        area += 0.5 * (OPEN_CIRCUIT[k] + OPEN_CIRCUIT[k + 1])
+    rest = place - below
+    rise = OPEN_CIRCUIT[below + 1] - OPEN_CIRCUIT[below]
+    area += rest * (OPEN_CIRCUIT[below] + 0.5 * rest * rise)
+    return area * capacity / INTERVALS
+
+
+def mean_open_circuit(before: float, after: float) -> float:
+    """Return the mean resting voltage between two states of charge, exactly. [V]"""
+    if int(before * INTERVALS) == int(after * INTERVALS):
+        return 0.5 * (open_circuit_voltage(before) + open_circuit_voltage(after))
+    return (stored_energy(after, 1.0) - stored_energy(before, 1.0)) / (after - before)
+
+
+def relaxation_energy(cell: Battery, relaxation: float) -> float:
+    """Return what the capacitor of the RC pair holds at a relaxation voltage [V]. [J]"""
+    if cell.relaxation_resistance <= 0.0:
+        return 0.0
+    return 0.5 * cell.relaxation_time / cell.relaxation_resistance * relaxation * relaxation
+
+
+def terminal_voltage(open_circuit: float, current: float, resistance: float) -> float:
+    """Return the voltage [V] at the terminals for a current [A] through a resistance [ohm]."""
+    return open_circuit + resistance * current
+
+
+def current_at(open_circuit: float, power: float, resistance: float) -> float:
+    """
+    Return the current at which the terminals take up a power.
+
+    Parameters
+    ----------
+    open_circuit : float
+        Voltage E behind the series resistance. [V]
+    power : float
+        Power P into the cell; negative where it is drawn. [W]
+    resistance : float
+        Series resistance R. [ohm]
+
+    Returns
+    -------
+    float
+        The smaller root of R I^2 + E I = P, in the form that holds for R = 0. Beyond the largest
+        power the cell can give, E^2 / 4R, it is the current of that power. [A]
+
+    """
+    root: float = max(0.0, open_circuit * open_circuit + 4.0 * resistance * power) ** 0.5
+    held = max(power, -0.25 * open_circuit * open_circuit / resistance) if resistance else power
+    return 2.0 * held / (open_circuit + root)
+
+
+def count(charge: float, current: float, capacity: float, dt: float) -> float:
+    """
+    Return the state of charge after a current has flowed; clipped to 0 and 1.
+
+    Parameters
+    ----------
+    charge : float
+        State of charge before. [1]
+    current : float
+        Mean current; positive charges. [A]
+    capacity : float
+        Charge of the full cell. [C]
+    dt : float
+        Time. [s]
+
+    """
+    return min(max(charge + current * dt / capacity, 0.0), 1.0)
+
+
+def relax(cell: Battery, relaxation: float, current: float, dt: float) -> tuple[float, float]:
+    """
+    Return the relaxation voltage after a constant current, and its mean on the way. [V]
+
+    Parameters
+    ----------
+    cell : Battery
+        The cell.
+    relaxation : float
+        Relaxation voltage before. [V]
+    current : float
+        Positive charges. [A]
+    dt : float
+        Time, above 0. [s]
+
+    """
+    final_ = cell.relaxation_resistance * current
+    x = dt / cell.relaxation_time
+    gone = -math.expm1(-x)
+    return (
+        relaxation + (final_ - relaxation) * gone,
+        final_ + (relaxation - final_) * gone / x,
+    )
+
+
+def heat(cell: Battery, relaxation: float, current: float, dt: float) -> float:
+    """Return the mean heat in both resistances; parameters as `relax`. [W]"""
+    warmth = cell.resistance * current * current
+    if cell.relaxation_resistance <= 0.0:
+        return warmth
+    last = cell.relaxation_resistance * current
+    first, x = relaxation - last, dt / cell.relaxation_time
+    square = (
+        last * last
+        - 2.0 * last * first * math.expm1(-x) / x
+        - 0.5 * first * first * math.expm1(-2.0 * x) / x
+    )
+    return warmth + square / cell.relaxation_resistance
+
+
+def advance(
+    cell: Battery, charge: float, relaxation: float, power: float, dt: float
+) -> tuple[float, float, float, float]:
+    """
+    Take up a constant power for a while: one midpoint step.
+
+    The power is met to second order in dt; voltage, current and what the cell then holds agree
+    exactly, so that books balance at any step. The current ends where the cell is empty or full.
+
+    Parameters
+    ----------
+    cell : Battery
+        The cell.
+    charge : float
+        State of charge. [1]
+    relaxation : float
+        Relaxation voltage. [V]
+    power : float
+        Power into the cell; negative where it is drawn. [W]
+    dt : float
+        Time step. [s]
+
+    Returns
+    -------
+    tuple of float
+        State of charge [1] and relaxation voltage [V] after the step, mean terminal voltage [V]
+        and current [A].
+
+    """
+    resistance, capacity = cell.resistance, cell.capacity
+    begin = current_at(open_circuit_voltage(charge) + relaxation, power, resistance)
+    middle = open_circuit_voltage(count(charge, begin, capacity, 0.5 * dt))
+    middle += relax(cell, relaxation, begin, dt)[1]
+    wanted = current_at(middle, power, resistance)
+    after = count(charge, wanted, capacity, dt)
+    current = (after - charge) * capacity / dt if after <= 0.0 or after >= 1.0 else wanted
+    relaxed, mean = relax(cell, relaxation, current, dt)
+    voltage = terminal_voltage(mean_open_circuit(charge, after) + mean, current, resistance)
+    return after, relaxed, voltage, current

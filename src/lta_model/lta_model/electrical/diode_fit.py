@@ -1,0 +1,97 @@
+"""
+The single diode behind a data sheet.
+
+With the ideality given, three currents of the data sheet (short circuit, open circuit, maximum
+power) are linear in light current, saturation current and shunt conductance for any series
+resistance; the resistance is the one at which the power has its maximum where the sheet says.
+"""
+
+from functools import lru_cache
+from typing import NamedTuple
+
+from lta_config.errors import BadInput
+from lta_config.schema.cell_file import CellFile, Electrical
+import numpy as np
+
+THERMAL = 0.025692579  # V, k T / q at 25 degC
+STEPS = 200  # of bisection
+MARGIN = 1e-6  # keeps the equations apart
+
+
+class Diode(NamedTuple):
+    """
+    One panel at standard conditions.
+
+    Attributes
+    ----------
+    light, saturation : float
+        Currents. [A]
+    thermal : float
+        Ideality times thermal voltage of all junctions. [V]
+    series : float
+        Series resistance. [ohm]
+    shunt : float
+        Shunt conductance. [S]
+
+    """
+
+    light: float
+    saturation: float
+    thermal: float
+    series: float
+    shunt: float
+
+
+@lru_cache(maxsize=16)  # the fit takes longer than the rest of loading a vehicle
+def diode_of(cell: CellFile) -> Diode:
+    """
+    Return the diode whose curve has the points of a data sheet.
+
+    Raises
+    ------
+    BadInput
+        If no diode has: the curve between the points is too square or too round.
+
+    """
+    data = cell.electrical
+    # From `high` on the junction would be above the open-circuit voltage at the maximum.
+    low, high = 0.0, (1.0 - MARGIN) * (data.open_circuit.si - data.voltage.si) / data.current.si
+    if _excess(data, low) < 0.0:
+        raise BadInput(
+            f'The cell {cell.name} has a curve too square for its ideality of '
+            f'{data.ideality.si:g}; lower that, or check voltage and current.'
+        )
+    for _ in range(STEPS):
+        middle = 0.5 * (low + high)
+        if _excess(data, middle) > 0.0:
+            low = middle
+        else:
+            high = middle
+    found = _through(data, low)
+    if found.shunt < 0.0 or found.saturation <= 0.0:
+        raise BadInput(
+            f'The cell {cell.name} has a curve that no diode with an ideality of '
+            f'{data.ideality.si:g} has; raise that, or check voltage and current.'
+        )
+    return found
+
+
+def _through(data: Electrical, resistance: float) -> Diode:
+    """Return the diode through the three points, for a series resistance. [ohm]"""
+    a = data.ideality.si * data.junctions * THERMAL
+    voltages = np.array([0.0, data.open_circuit.si, data.voltage.si])
+    currents = np.array([data.short_circuit.si, 0.0, data.current.si])
+    junction = voltages + resistance * currents
+    dark = np.expm1(junction / a)
+    matrix = np.stack([np.ones(3), -dark / dark[1], -junction], axis=1)
+    light, open_, shunt = np.linalg.solve(matrix, currents).tolist()
+    return Diode(light, open_ / float(dark[1]), a, resistance, shunt)
+
+
+def _excess(data: Electrical, resistance: float) -> float:
+    """Return dP/dV at the maximum of the sheet; it falls as the resistance grows. [A]"""
+    diode = _through(data, resistance)
+    junction = data.voltage.si + resistance * data.current.si
+    conductance = diode.saturation / diode.thermal * np.exp(junction / diode.thermal) + diode.shunt
+    slope = conductance / (1.0 + resistance * conductance)
+    return data.current.si - data.voltage.si * float(slope)

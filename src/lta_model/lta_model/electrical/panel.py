@@ -1,0 +1,186 @@
+"""
+What a solar array can give: the single-diode model.
+
+    I = L - S (exp((V + I R) / a) - 1) - (V + I R) G
+
+Light current L and shunt conductance G go with the irradiance (De Soto, Klein and Beckman 2006),
+a with the absolute temperature T, S with T^3 exp(-gap / (ideality k T)) (as in PVsyst); R stays.
+`lta_model.electrical.diode_fit` derives the numbers from a data sheet. All junctions of an
+array are alike and see the same light.
+
+At a junction voltage u = V + I R both V and I are explicit, so that the point of largest power is
+found without solving for I. The functions take and return scalars, so that numba compiles them.
+"""
+
+import math
+from typing import Annotated, final, Self
+
+from lta_config.files import Record
+from lta_config.schema.cell_file import load_cell_file
+from lta_config.schema.vehicle_energy import Energy
+from lta_model.electrical.diode_fit import diode_of
+from pydantic import Field
+
+STANDARD_IRRADIANCE = 1000.0  # W/m2
+STANDARD_TEMPERATURE = 298.15  # K
+BOLTZMANN = 8.617333262e-5  # eV/K
+AIR_TEMPERATURE = 293.15  # K
+STEPS = 60  # of bisection: more than the bits of a voltage
+POSITIVE = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
+NOT_NEGATIVE = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
+
+Curve = tuple[float, float, float, float, float]  # L, S, a, R, G
+
+
+@final
+class Panel(Record):
+    """
+    All solar cells of a vehicle, in one plane; the numbers are those of the whole array.
+
+    Attributes
+    ----------
+    light : float
+        Light current at standard conditions; 0 where there is no array. [A]
+    saturation : float
+        Saturation current at standard conditions. [A]
+    thermal : float
+        Ideality times thermal voltage of all junctions in series, at 25 degC. [V]
+    series : float
+        Series resistance. [ohm]
+    shunt : float
+        Shunt conductance at standard conditions. [S]
+    gap : float
+        Band gap by ideality. [eV]
+    drift : float
+        Of the light current with temperature, relative. [1/K]
+    warming : float
+        How much warmer than the air the cells are, by irradiance. [K m2/W]
+
+    """
+
+    light: NOT_NEGATIVE
+    saturation: NOT_NEGATIVE
+    thermal: POSITIVE
+    series: NOT_NEGATIVE
+    shunt: NOT_NEGATIVE
+    gap: POSITIVE = 1.0
+    drift: float = 0.0
+    warming: NOT_NEGATIVE = 0.0
+
+    @classmethod
+    def of(cls, energy: Energy) -> Self:
+        """Return the array of a vehicle file; one that gives nothing if it has none."""
+        if energy.array is None:
+            return cls(light=0.0, saturation=0.0, thermal=1.0, series=0.0, shunt=0.0)
+        return cls.wired(energy.array.cell, energy.array.series, energy.array.parallel)
+
+    @classmethod
+    def wired(cls, cell: str, series: int, parallel: int) -> Self:
+        """Return so many strings of so many cells, by the name or path of their file."""
+        file = load_cell_file(cell)
+        data, diode = file.electrical, diode_of(file)
+        return cls(
+            light=diode.light * parallel,
+            saturation=diode.saturation * parallel,
+            thermal=diode.thermal * series,
+            series=diode.series * series / parallel,
+            shunt=diode.shunt * parallel / series,
+            gap=data.gap.si / data.ideality.si,
+            drift=data.current_drift.si,
+            warming=data.warming.si,
+        )
+
+
+def curve(panel: Panel, irradiance: float) -> Curve:
+    """
+    Return the five numbers of the curve in some light: L, S, a, R and G.
+
+    Parameters
+    ----------
+    panel : Panel
+        The array.
+    irradiance : float
+        Radiant power on its plane by area. [W/m2]
+
+    """
+    warm = (AIR_TEMPERATURE + panel.warming * irradiance) / STANDARD_TEMPERATURE
+    kelvin = STANDARD_TEMPERATURE * (warm - 1.0)
+    share = irradiance / STANDARD_IRRADIANCE
+    freed = panel.gap * (1.0 - 1.0 / warm) / (BOLTZMANN * STANDARD_TEMPERATURE)
+    return (
+        share * panel.light * (1.0 + panel.drift * kelvin),
+        panel.saturation * warm**3 * math.exp(freed),
+        panel.thermal * warm,
+        panel.series,
+        panel.shunt * share,
+    )
+
+
+def junction_current(numbers: Curve, u: float) -> float:
+    """Return the current of the array at a junction voltage u [V]. [A]"""
+    light, saturation, a, _, shunt = numbers
+    return light - saturation * math.expm1(u / a) - u * shunt
+
+
+def highest(numbers: Curve) -> float:
+    """Return a junction voltage at which no current is left: above the open circuit's. [V]"""
+    light, saturation, a, _, _ = numbers
+    return a * math.log1p(light / saturation) if saturation > 0.0 else 0.0
+
+
+def power_slope(numbers: Curve, u: float) -> float:
+    """Return dP/du, positive below the point of largest power. [A]"""
+    _, saturation, a, resistance, shunt = numbers
+    current = junction_current(numbers, u)
+    slope = -saturation / a * math.exp(u / a) - shunt
+    return current + (u - 2.0 * resistance * current) * slope
+
+
+def max_power(panel: Panel, irradiance: float) -> tuple[float, float]:
+    """
+    Return the point of largest power in some light.
+
+    Parameters
+    ----------
+    panel : Panel
+        The array.
+    irradiance : float
+        Radiant power on its plane by area. [W/m2]
+
+    Returns
+    -------
+    tuple of float
+        Voltage [V] and current [A]; zeros in the dark.
+
+    """
+    if irradiance <= 0.0 or panel.light <= 0.0:
+        return 0.0, 0.0
+    numbers = curve(panel, irradiance)
+    low, high = 0.0, highest(numbers)
+    for _ in range(STEPS):
+        u = 0.5 * (low + high)
+        if power_slope(numbers, u) > 0.0:
+            low = u
+        else:
+            high = u
+    current = junction_current(numbers, low)
+    return low - numbers[3] * current, current
+
+
+def current_at(panel: Panel, irradiance: float, voltage: float) -> float:
+    """
+    Return the current at a terminal voltage [V], 0 in the dark: no current flows back. [A]
+
+    The short-circuit current is that at 0 V.
+    """
+    if irradiance <= 0.0 or panel.light <= 0.0:
+        return 0.0
+    numbers = curve(panel, irradiance)
+    low, high = 0.0, highest(numbers)
+    for _ in range(STEPS):
+        u = 0.5 * (low + high)
+        if u - numbers[3] * junction_current(numbers, u) < voltage:
+            low = u
+        else:
+            high = u
+    return max(0.0, junction_current(numbers, high))

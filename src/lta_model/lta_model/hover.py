@@ -1,0 +1,67 @@
+"""How hard the rotors work to carry what the gas does not."""
+
+from lta_config.errors import BadInput
+from lta_config.schema.vehicle_aero import Coupling
+from lta_model.propulsion import Unit
+
+HEAVE = 2
+LIFTS = 0.5  # newtons upwards per newton of thrust that make a rotor one that lifts
+
+
+def lifting(rotors: tuple[Unit, ...], coupling: Coupling | None) -> tuple[list[Unit], float]:
+    """
+    Return the rotors that lift, run alike, and their lift per newton of each.
+
+    Those whose own column points up (or, reversed, does); where there are none, those that lift
+    together.
+    """
+    own = []
+    total = 0.0
+    for rotor in rotors:
+        up = max(rotor.column[HEAVE], -rotor.reverse[HEAVE] if rotor.reversible else 0.0)
+        if up > LIFTS:
+            own.append(rotor)
+            total += up
+    if own or coupling is None:
+        return own, total
+    together = [rotor for rotor in rotors if rotor.name in coupling.rotors]
+    for rotor in together:
+        total += -rotor.reverse[HEAVE] if coupling.reversed else rotor.column[HEAVE]
+    return together, total + coupling.force.vector[HEAVE]
+
+
+def hover_duty(
+    name: str, rotors: tuple[Unit, ...], coupling: Coupling | None, weight: float, gravity: float
+) -> float:
+    """
+    Return the largest duty among the rotors that carry a weight, all with the same thrust. [1].
+
+    Parameters
+    ----------
+    name : str
+        Of the vehicle.
+    rotors, coupling
+        What lifts.
+    weight : float
+        Weight less buoyancy; nothing to carry if not positive. [N]
+    gravity : float
+        Of the sentence on how much to take off. [m/s2]
+
+    Raises
+    ------
+    BadInput
+        If nothing lifts, or not enough.
+
+    """
+    if weight <= 0.0:
+        return 0.0
+    own, per_newton = lifting(rotors, coupling)
+    if not own or per_newton <= 0.0:
+        raise BadInput(f'{name} has no rotor that lifts; it cannot hover.')
+    thrust, full = weight / per_newton, min(rotor.full for rotor in own)
+    if thrust > full:
+        raise BadInput(
+            f'{name} needs {thrust:.3f} N of each lifting rotor to hover, but they give '
+            f'{full:.3f} N; take off {1e3 * (thrust - full) * per_newton / gravity:.1f} g.'
+        )
+    return max(rotor.duty(thrust) for rotor in own)

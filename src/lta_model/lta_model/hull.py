@@ -1,0 +1,66 @@
+"""Shape of a hull: its volume, its half axes and the air that moves with it."""
+
+import math
+
+from lta_config.errors import BadInput
+from lta_config.quantity import Quantity
+from lta_config.schema.vehicle_body import Hull
+from lta_model.mass import Six, spheroid_added_mass
+
+
+def _si(quantity: Quantity | None) -> float:
+    """Return a length that the file's reader has made sure of; 0 where the shape has none."""
+    return 0.0 if quantity is None else quantity.si
+
+
+def volume(hull: Hull) -> float:
+    """Return the volume of the hull. [m3]."""
+    if hull.shape == 'balloon':
+        return _si(hull.volume_factor) * (0.5 * _si(hull.diameter)) ** 3
+    a, b, c = half_axes(hull)
+    return 4.0 / 3.0 * math.pi * a * b * c
+
+
+def half_axes(hull: Hull) -> tuple[float, float, float]:
+    """Return half the size along x, y, z; zeros where there is no hull. [m]."""
+    radius = 0.5 * _si(hull.diameter)
+    axes = [radius, radius, radius]
+    if hull.shape == 'balloon':
+        axes[2] = 0.5 * _si(hull.height)
+    elif hull.shape == 'spheroid':
+        axes['xyz'.index(hull.axis or 'z')] = 0.5 * _si(hull.length)
+    return (axes[0], axes[1], axes[2])
+
+
+def added_mass(hull: Hull, air_density: float) -> Six:
+    """
+    Return the added mass and inertia: as published, or that of a spheroid (Lamb 1932).
+
+    Parameters
+    ----------
+    hull : Hull
+        Its shape; a balloon counts as the spheroid of its diameter and height.
+    air_density : float
+        Density of the air; published values are taken as they are. [kg/m3]
+
+    Returns
+    -------
+    tuple of 6 floats
+        Along x y z [kg] and about x y z [kg m2].
+
+    """
+    if hull.added_mass:
+        x, y, z = hull.added_mass.mass.vector
+        k, m, n = hull.added_mass.inertia.vector
+        return (x, y, z, k, m, n)
+    if hull.shape == 'none':
+        return (0.0,) * 6
+    axis = hull.axis or 'z'
+    axes = half_axes(hull)
+    along, across = axes['xyz'.index(axis)], axes['xyz'.index(axis) - 1]
+    if not 0.01 < along / across < 100.0:
+        raise BadInput(
+            f'The hull is {2 * along:g} m long and {2 * across:g} m across, which is no hull; '
+            'correct its sizes.'
+        )
+    return spheroid_added_mass(across, along, air_density, axis)

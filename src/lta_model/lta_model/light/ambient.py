@@ -1,0 +1,67 @@
+"""
+Light that is no beacon's: from all sides alike, a steady part and the flicker of the mains.
+
+Lamps on the mains flicker at twice its frequency, and at multiples of that as their light does not
+follow the voltage's square.
+"""
+
+from dataclasses import dataclass
+import math
+from typing import final
+
+from lta_model.light.refuse import require, require_efficacy, require_lux
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Ambient:
+    """
+    Light that is not the lamps', the same from all sides.
+
+    Parameters
+    ----------
+    efficacy : float
+        Luminous by radiant flux, of the steady part and the flicker alike. [lm/W]
+    steady : float
+        Mean illuminance. [lx]
+    mains : float
+        Amplitude of the flicker of lamps on the mains; with its harmonics at most `steady`. [lx]
+    mains_frequency : float
+        Frequency of that flicker, twice that of the mains. [Hz]
+    mains_phase : float
+        Its phase at time zero. [cycles]
+    mains_harmonics : tuple of float
+        Amplitudes at twice the frequency of the flicker, three times and so on, as parts of
+        `mains`, all in phase with it.
+
+    """
+
+    efficacy: float
+    steady: float = 0.0
+    mains: float = 0.0
+    mains_frequency: float = 100.0
+    mains_phase: float = 0.0
+    mains_harmonics: tuple[float, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Refuse negative or endless light."""
+        require_efficacy(self.efficacy)
+        require_lux('The ambient light', self.steady)
+        require(
+            all(0.0 <= part <= 1.0 for part in self.mains_harmonics),
+            f'The flicker of the mains has harmonics of {self.mains_harmonics}; give each as a '
+            'part of it from 0 to 1.',
+        )
+        require(
+            0.0 <= self.mains <= self.steady / (1.0 + sum(self.mains_harmonics)),
+            f'The mains flicker by {self.mains} lx around {self.steady} lx; give an amplitude '
+            'from 0 to that mean, harmonics included.',
+        )
+        require(
+            math.isfinite(self.mains_frequency) and self.mains_frequency > 0.0,
+            f'The mains flicker at {self.mains_frequency} Hz; give a positive frequency.',
+        )
+        require(
+            math.isfinite(self.mains_phase),
+            f'The mains have a phase of {self.mains_phase} cycles; give a finite one.',
+        )

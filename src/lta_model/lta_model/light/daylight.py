@@ -1,0 +1,74 @@
+"""
+Light of sun and sky over level ground.
+
+The sky is as bright everywhere, the ground throws back its part of what falls on it, and the sun
+is a small disc. On a plane that faces it the sun alone gives up to some 100 klx, a clear sky 10 to
+20 klx on level ground; daylight has 105 lm/W (all from memory).
+"""
+
+from dataclasses import dataclass
+import math
+from typing import final
+
+from lta_model.light.refuse import require, require_efficacy, require_lux
+
+Vector = tuple[float, float, float]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Daylight:
+    """
+    Sun and sky.
+
+    Parameters
+    ----------
+    sun : float
+        Illuminance by the sun on a plane that faces it. [lx]
+    azimuth, elevation : float
+        Where it stands: from map x towards y, and over the horizon. [rad]
+    sky : float
+        Illuminance by the sky on level ground. [lx]
+    ground : float
+        Albedo of the ground, 0 to below 1.
+    efficacy : float
+        Luminous by radiant flux. [lm/W]
+
+    """
+
+    sun: float
+    azimuth: float
+    elevation: float
+    sky: float
+    ground: float
+    efficacy: float
+
+    def __post_init__(self) -> None:
+        """Refuse what no day has."""
+        require_lux('The light of the sun', self.sun)
+        require_lux('The light of the sky', self.sky)
+        require_efficacy(self.efficacy)
+        require(
+            math.isfinite(self.azimuth) and 0.0 < self.elevation <= math.pi / 2.0,
+            f'The sun stands at {math.degrees(self.elevation):g} degrees over the horizon; give '
+            'an elevation above 0 and up to 90.',
+        )
+        require(
+            0.0 <= self.ground < 1.0,
+            f'The ground has an albedo of {self.ground}; choose one from 0 to below 1.',
+        )
+
+    @property
+    def towards(self) -> Vector:
+        """Unit vector to the sun. [map]"""
+        level = math.cos(self.elevation)
+        return (
+            level * math.cos(self.azimuth),
+            level * math.sin(self.azimuth),
+            math.sin(self.elevation),
+        )
+
+    @property
+    def level(self) -> float:
+        """Illuminance of level ground. [lx]"""
+        return self.sun * math.sin(self.elevation) + self.sky

@@ -1,0 +1,99 @@
+"""
+All light of a scene.
+
+Map frame. On each small plane lie
+
+- the direct light of each lamp, by the inverse square (`lamp`), and its echo from the surfaces of
+  a room, the first by place and the rest from all sides (`gather`, `room`): it flickers;
+- ambient light, from all sides: a steady part and the flicker of the mains (`ambient`);
+- sun and sky (`daylight`), over all of the scene or beyond a door (`outside`).
+
+Lux over the luminous efficacy of the light (white LED 300 lm/W, sun 105) is irradiance.
+"""
+
+from dataclasses import dataclass
+from typing import final
+
+from lta_model.light.ambient import Ambient
+from lta_model.light.daylight import Daylight
+from lta_model.light.lamp import Lamp
+from lta_model.light.outside import Outside
+from lta_model.light.refuse import require
+from lta_model.light.room import Room
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class LightField:
+    """
+    All light of a scene.
+
+    Parameters
+    ----------
+    lamps : tuple of Lamp
+        The beacons, at least one.
+    ambient : Ambient
+        Light from all sides; in the room only, where there is an outside.
+    room : Room or None
+        What reflects around the lamps; None where nothing does.
+    daylight : Daylight or None
+        Over all of the scene, through whatever surrounds it.
+    outside : Outside or None
+        What is beyond a door of the room.
+
+    """
+
+    lamps: tuple[Lamp, ...]
+    ambient: Ambient
+    room: Room | None = None
+    daylight: Daylight | None = None
+    outside: Outside | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse a scene without a lamp, and a door to nowhere."""
+        require(len(self.lamps) > 0, 'The scene has no lamp; give one.')
+        door = self.outside
+        if door is None:
+            return
+        require(self.room is not None, 'The scene has a door but no room; give one.')
+        require(
+            self.daylight is None,
+            'The scene has daylight in the room and beyond its door; leave the first out.',
+        )
+        _, width, height = self.room.size if self.room is not None else (0.0, 0.0, 0.0)
+        require(
+            abs(door.middle) + 0.5 * door.width <= 0.5 * width and door.height <= height,
+            f'The door of {door.width:g} by {door.height:g} m at y = {door.middle:g} m does not '
+            f'fit into a wall of {width:g} by {height:g} m; move it or make it smaller.',
+        )
+
+    @property
+    def lamp(self) -> Lamp:
+        """The first beacon."""
+        return self.lamps[0]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Illuminance:
+    """
+    Light on each of a set of small planes.
+
+    Parameters
+    ----------
+    modulated : ndarray of float64, shape (l, ...)
+        Light of each lamp while it is on. [lx]
+    steady : ndarray of float64, shape (...)
+        Mean ambient light. [lx]
+    mains : ndarray of float64, shape (...)
+        Amplitude of the mains flicker. [lx]
+
+    """
+
+    modulated: Array
+    steady: Array
+    mains: Array

@@ -1,0 +1,133 @@
+r"""
+A flickering lamp with a wide beam: where it is, how bright, and when.
+
+A Lambertian emitter, :math:`I = \frac{m+1}{2\pi} \Phi \cos^m\alpha` (Kahn and Barry, Wireless
+infrared communications, Proc. IEEE 85, 1997, eq. 9). At the half-power angle :math:`\alpha_{1/2}`
+it shines half as bright as ahead: :math:`m = -\ln 2 / \ln\cos\alpha_{1/2}` (eq. 10), 1 for 60
+degrees.
+"""
+
+from dataclasses import dataclass
+import math
+from typing import final
+
+from lta_model.light.clock import Clock, RIGHT
+from lta_model.light.modulation import SquareWave
+from lta_model.light.refuse import require, require_efficacy
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Vector = tuple[float, float, float]
+
+
+def order_of(half_power: float) -> float:
+    """Return the Lambertian order of a lamp with a half-power angle. [rad]"""
+    # Rounded: 60 degrees are the order 1 exactly, which needs no power.
+    return round(-math.log(2.0) / math.log(math.cos(half_power)), 12)
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Lamp:
+    """
+    A flickering lamp without optics.
+
+    Parameters
+    ----------
+    position : tuple of 3 floats
+        Centre of the emitting disc. [m, map]
+    axis : tuple of 3 floats
+        Direction of the beam's middle, of any length but zero. [map]
+    flux : float
+        Luminous flux while on. [lm]
+    wave : SquareWave
+        When it is on.
+    efficacy : float
+        Luminous flux by radiant flux. [lm/W]
+    order : float
+        Lambertian order: 1 for a half-power angle of 60 degrees.
+    radius : float
+        Radius of the emitting disc, which bounds the light close by. [m]
+    rise : float
+        Time from 10 % to 90 % of its light at switching on, and back at switching off. [s]
+    clock : Clock
+        How wrong its flicker is timed.
+
+    """
+
+    position: Vector
+    axis: Vector
+    flux: float
+    wave: SquareWave
+    efficacy: float
+    order: float = 1.0
+    radius: float = 0.015
+    rise: float = 0.0
+    clock: Clock = RIGHT
+
+    def __post_init__(self) -> None:
+        """Refuse what cannot shine."""
+        numbers = (*self.position, *self.axis, self.flux, self.order, self.radius, self.rise)
+        require(
+            all(map(math.isfinite, numbers)),
+            f'The lamp {numbers} has a number that is not finite; correct it.',
+        )
+        require(
+            math.hypot(*self.axis) > 0.0,
+            'The axis of the lamp has no length; give the direction it faces.',
+        )
+        require(self.flux >= 0.0, f'The lamp has a flux of {self.flux} lm; give 0 or more.')
+        require(self.order > 0.0, f'The lamp has the order {self.order}; give one above 0.')
+        require(self.radius > 0.0, f'The lamp has a radius of {self.radius} m; make it positive.')
+        shortest = min(self.wave.duty, 1.0 - self.wave.duty) / self.wave.frequency
+        require(
+            0.0 <= self.rise <= shortest,
+            f'The lamp takes {1e3 * self.rise:g} ms to rise and is on or off for only '
+            f'{1e3 * shortest:g} ms; let it rise faster or flicker slower.',
+        )
+        require_efficacy(self.efficacy)
+
+    @property
+    def intensity(self) -> float:
+        """Luminous intensity on the axis while on. [cd]"""
+        return (self.order + 1.0) / (2.0 * math.pi) * self.flux
+
+    @property
+    def direction(self) -> Vector:
+        """Unit axis. [map]"""
+        length = math.hypot(*self.axis)
+        x, y, z = self.axis
+        return x / length, y / length, z / length
+
+
+def direct(lamp: Lamp, points: Array, normals: Array) -> Array:
+    """
+    Return the illuminance by the lamp alone, while it is on, without any reflection.
+
+    Parameters
+    ----------
+    lamp : Lamp
+        The lamp.
+    points : ndarray of float64, shape (..., 3)
+        Where. [m, map]
+    normals : ndarray of float64, shape (..., 3)
+        Unit normals of the planes lit. [map]
+
+    Returns
+    -------
+    ndarray of float64, shape (...)
+        Illuminance, zero behind the lamp and behind the plane. [lx]
+
+    Notes
+    -----
+    The distance enters as d^2 + radius^2: exact on the axis of a Lambertian disc, and finite
+    where a drone touches the lamp.
+
+    """
+    ray = points - np.array(lamp.position)
+    squared = np.einsum('...k,...k->...', ray, ray)
+    distance = np.sqrt(squared) + np.finfo(np.float64).tiny
+    leaving = np.maximum(ray @ np.array(lamp.direction) / distance, 0.0) ** lamp.order
+    arriving = np.maximum(-np.einsum('...k,...k->...', ray, normals) / distance, 0.0)
+    return np.asarray(lamp.intensity * leaving * arriving / (squared + lamp.radius**2))

@@ -1,0 +1,79 @@
+r"""
+A closed box whose surfaces throw light back, and what goes back and forth between them.
+
+Of a flux :math:`\Phi` that falls on its surfaces the mean albedo :math:`\varrho` goes on each
+time; if that is the same everywhere and from all sides (Sumpner, Phil. Mag. 35, 1893), on a plane
+anywhere lie
+
+.. math:: E = \frac{\Phi}{A} \sum_{k \ge 1} \varrho^k = \frac{\Phi \varrho}{A (1 - \varrho)}
+"""
+
+from dataclasses import dataclass
+import math
+from typing import final, NamedTuple
+
+from lta_model.light.refuse import require
+
+Vector = tuple[float, float, float]
+
+
+class Albedo(NamedTuple):
+    """Part of the light that floor, walls and ceiling throw back, each 0 to below 1."""
+
+    floor: float
+    walls: float
+    ceiling: float
+
+
+def even(albedo: float) -> Albedo:
+    """Return the same albedo for all surfaces. [1]"""
+    return Albedo(albedo, albedo, albedo)
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Room:
+    """
+    A box that stands on the floor around the origin of the map.
+
+    Parameters
+    ----------
+    size : tuple of 3 floats
+        Length, width and height. [m]
+    albedo : Albedo
+        Of its surfaces.
+
+    """
+
+    size: Vector
+    albedo: Albedo
+
+    def __post_init__(self) -> None:
+        """Refuse what is no room."""
+        require(
+            all(math.isfinite(side) and side > 0.0 for side in self.size),
+            f'The room measures {self.size} m; make every side positive.',
+        )
+        for name, albedo in self.albedo._asdict().items():
+            require(
+                0.0 <= albedo < 1.0,
+                f'The {name} of the room has an albedo of {albedo}; choose one from 0 to below 1.',
+            )
+
+    @property
+    def area(self) -> float:
+        """Of all surfaces. [m2]"""
+        length, width, height = self.size
+        return 2.0 * (length * width + length * height + width * height)
+
+    @property
+    def mean_albedo(self) -> float:
+        """Albedo of all surfaces, each by its area."""
+        length, width, height = self.size
+        flat, upright = length * width, 2.0 * height * (length + width)
+        floor, walls, ceiling = self.albedo
+        return (flat * (floor + ceiling) + upright * walls) / self.area
+
+    def diffuse(self, flux: float) -> float:
+        """Return the illuminance by light between the surfaces, by a flux on them in lm. [lx]"""
+        return flux * self.mean_albedo / (self.area * (1.0 - self.mean_albedo))

@@ -1,0 +1,154 @@
+"""
+The light that falls on one vehicle: on its photodiodes, its panel and its hull.
+
+What is called at every step is scalar or compiled; `lta_model.light.field` says what the light is.
+Direct light is taken at every control step, everything else at the ends of a block.
+"""
+
+from collections.abc import Sequence
+from typing import final
+
+from lta_config.compilation.compiled import compiled
+from lta_model.hull import half_axes
+from lta_model.light.echo import beams, echoing, surrounding
+from lta_model.light.field import Illuminance, LightField
+from lta_model.light.gather import gather
+from lta_model.light.lambertian import Eye, shine
+from lta_model.light.panel_light import day_on_panel, lamp_on, plane_of
+from lta_model.light.passage import on_the_way
+from lta_model.light.pencils import LAMPS, scratch_for, SHARE
+from lta_model.light.surround import day_on, within
+from lta_model.sensors.light_block import AmplifierState, Board
+from lta_model.sensors.photodiode import PhotodiodeArray
+from lta_model.vehicle import Vehicle
+import numpy as np
+from numpy.random import Generator
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Pose = tuple[float, ...]  # position and quaternion x y z w
+
+
+@final
+class LightView:
+    """
+    The light of a scene as one vehicle meets it.
+
+    Parameters
+    ----------
+    field : LightField
+        The scene.
+    vehicle : Vehicle
+        Its hull, and where the panel is.
+    diodes : PhotodiodeArray, optional
+        Its diodes with gains as drawn for this flight; those of its file if left out.
+
+    """
+
+    def __init__(
+        self, field: LightField, vehicle: Vehicle, diodes: PhotodiodeArray | None = None
+    ) -> None:
+        self.field = field
+        self._diodes = diodes or vehicle.diodes
+        self._beams = [echoing(lamp, field) for lamp in field.lamps]
+        eye = Eye(self._diodes.response, self._diodes.edge)
+        self._surround = surrounding(field)
+        hull = half_axes(vehicle.file.hull)
+        self._scene = (self._surround, beams(field), eye, hull)
+        self._panel = plane_of(hull, vehicle.file.panel_place, vehicle.file.panel_normal)
+        self._gather, self._on_the_way = compiled(gather, on_the_way)
+        self._poses: list[Pose] = []
+        self._scratch = np.empty(scratch_for(len(self._beams)))
+        self._around: Array | None = None  # what was gathered at the end of the block before
+        ambient = field.ambient
+        self._ambient = ambient.steady, ambient.mains, self._daylight_share
+        self._board: Board | None = None
+        self._amplifier: AmplifierState | None = None
+
+    def prepare(self, sample_rate: float, samples: int) -> None:
+        """Compile what makes a block (sample rate in Hz) before the first one is waited for."""
+        kept = self._poses, self._around, self._amplifier
+        self._poses = [(0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)] * 2
+        self.block(0, sample_rate, samples, np.random.default_rng(0))
+        self._poses, self._around, self._amplifier = kept
+
+    def pass_by(self, pose: Pose) -> None:
+        """Take note of the pose at a control step: the next block is seen from there."""
+        self._poses.append(pose)
+
+    def block(
+        self, start_ns: int, sample_rate: float, samples: int, chance: Generator
+    ) -> NDArray[np.uint16]:
+        """Return the block that began at a time [ns], shape (samples, diodes). [Hz; counts]"""
+        light = self.illuminance(self._poses)
+        self._poses = [self._poses[-1]]
+        board = self._board
+        if board is None or board.sampling != (sample_rate, samples):
+            board = self._board = Board(self._diodes, self.field, sample_rate, samples)
+        block, self._amplifier = board.block(light, start_ns, chance, self._amplifier)
+        return block
+
+    def illuminance(self, poses: Sequence[Pose]) -> Illuminance:
+        """Return what the diodes read at some poses, one after the other."""
+        before = self._gathered(poses[0]) if self._around is None else self._around
+        self._around = after = self._gathered(poses[-1])
+        shape = len(poses), self._diodes.count
+        light = Illuminance(np.empty((len(self._beams), *shape)), np.empty(shape), np.empty(shape))
+        self._on_the_way(
+            *self._scene, np.array(poses), self._diodes.planes, before, after, self._ambient,
+            light.modulated, light.steady, light.mains,
+        )  # fmt: skip
+        return light
+
+    @property
+    def _daylight_share(self) -> float:
+        """Lux of the ambient light that are worth as many watts as one of daylight."""
+        field = self.field
+        daylight = field.daylight if field.outside is None else field.outside.daylight
+        return 0.0 if daylight is None else field.ambient.efficacy / daylight.efficacy
+
+    def _gathered(self, pose: Pose) -> Array:
+        """Return what is gathered at a pose, with no ambient light beyond a door."""
+        x, y, z, i, j, k, w = pose
+        out = np.empty((LAMPS + len(self._beams), self._diodes.count))
+        self._gather(
+            *self._scene, (x, y, z), (i, j, k, w), self._diodes.planes, out, self._scratch
+        )
+        if not self._indoors(pose):
+            out[SHARE] = 0.0
+        return out
+
+    def _indoors(self, pose: Pose) -> bool:
+        """Tell whether the ambient light is there."""
+        return self.field.outside is None or within(self._surround, *pose[:3])
+
+    def on_panel(self, pose: Pose) -> tuple[float, float]:
+        """Return illuminance [lx] and irradiance [W/m2] of the panel, mean over the flicker."""
+        x, y, z, i, j, k, w = pose
+        s, panel, position, q = self._surround, self._panel, (x, y, z), (i, j, k, w)
+        modulated = [lamp_on(panel, s, each, position, q) for each in self._beams]
+        return self._mean(pose, modulated, day_on_panel(panel, s, position, q), panel.share)
+
+    def on_hull(self, pose: Pose) -> float:
+        """Return the irradiance at the hull centre on planes that face each light. [W/m2]"""
+        x, y, z = pose[:3]
+        facing = [shine(each, (x, y, z))[0] + each.diffuse for each in self._beams]
+        s = self._surround
+        return self._mean(pose, facing, day_on(s, (x, y, z), (s.sun_x, s.sun_y, s.sun_z)))[1]
+
+    def _mean(
+        self, pose: Pose, modulated: Sequence[float], day: float, share: float = 1.0
+    ) -> tuple[float, float]:
+        """
+        Return illuminance and irradiance over the flicker.
+
+        From each lamp's light while it is on, daylight [lx], and the share of ambient light.
+        """
+        ambient = self.field.ambient
+        steady = share * ambient.steady if self._indoors(pose) else 0.0
+        lux = steady + day
+        watts = (steady + self._daylight_share * day) / ambient.efficacy
+        for lamp, light in zip(self.field.lamps, modulated, strict=True):
+            lux += light * lamp.wave.duty
+            watts += light * (lamp.wave.duty / lamp.efficacy)
+        return lux, watts

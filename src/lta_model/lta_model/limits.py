@@ -1,0 +1,139 @@
+"""
+What a vehicle can do at most, from its numbers alone: push, fly, and stay upright.
+
+Level flight is what the rotors can do at once (a linear programme over their thrusts, forward and
+reversed, with the collision of jets as a further unknown below each of them):
+
+    max F_d   subject to   F_across = 0,   F_z = weight less buoyancy,   M_z = 0
+
+with the vehicle upright; roll and pitch are left to the righting moment. The speed is where the
+drag is that force. A multirotor tilts to fly, and level it has none of this.
+
+A hull that is wider than long turns across its way (Munk 1924): at the speeds u and w along body
+x and z the moment is (A_z - A_x) u w, A the added mass, and the weight rights the pitch p by m g d
+p; d is the depth of the centre of gravity. Free to heave, it keeps its vertical momentum, so that
+(m + A_z) w = (m + A_x) u p, and it tumbles, unless something holds it, above
+
+    u^2 = m g d (m + A_z) / ((A_z - A_x) (m + A_x))
+
+Drag is left out: that of heave and pitch is small at small angles, being quadratic.
+"""
+
+import math
+
+from lta_config.constants import STANDARD_GRAVITY
+from lta_config.errors import BadInput
+from lta_model.vehicle import Vehicle
+import numpy as np
+from scipy.optimize import linprog
+
+AXES = (0, 1, 2, 5)  # surge, sway, heave and yaw of a column
+
+
+def level_force(vehicle: Vehicle, heading: float = 0.0) -> float:
+    """
+    Return the largest horizontal force that the rotors can hold in level flight.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        The vehicle.
+    heading : float
+        Direction of the force, anticlockwise from body x. [rad]
+
+    Returns
+    -------
+    float
+        Force. [N]
+
+    Raises
+    ------
+    BadInput
+        If no thrusts hold altitude and heading at all.
+
+    """
+    columns, tops = [], []
+    for rotor in vehicle.rotors:
+        columns.append([rotor.column[axis] for axis in AXES])
+        tops.append(rotor.full)
+    for rotor in vehicle.rotors:
+        columns.append([-rotor.reverse[axis] for axis in AXES])
+        tops.append(rotor.full if rotor.reversible else 0.0)
+    together, below = _together(vehicle)
+    wrench = np.array([*columns, together]).T
+    along = np.array([math.cos(heading), math.sin(heading)]) @ wrench[:2]
+    across = np.array([-math.sin(heading), math.cos(heading)]) @ wrench[:2]
+    weight = vehicle.heaviness * STANDARD_GRAVITY
+    found = linprog(
+        -along,
+        A_ub=below if len(below) else None,
+        b_ub=np.zeros(len(below)) if len(below) else None,
+        A_eq=np.array([across, wrench[2], wrench[3]]),
+        b_eq=[0.0, weight, 0.0],
+        bounds=[*((0.0, top) for top in tops), (0.0, None if len(below) else 0.0)],
+    )
+    if found.status != 0 or found.fun is None:
+        raise BadInput(
+            f'{vehicle.file.name} cannot carry its {1e3 * vehicle.heaviness:.1f} g by its rotors '
+            'and hold its heading; trim it nearer to the air, or give it rotors that can.'
+        )
+    return float(-found.fun)
+
+
+def _together(vehicle: Vehicle) -> tuple[list[float], np.ndarray]:
+    """Return the column of colliding jets, and the rows that keep it below each rotor's thrust."""
+    coupling = vehicle.file.aero.coupling
+    count = len(vehicle.rotors)
+    if coupling is None:
+        return [0.0] * len(AXES), np.zeros((0, 2 * count + 1))
+    rows = []
+    for i, rotor in enumerate(vehicle.rotors):
+        if rotor.name in coupling.rotors:
+            row = np.zeros(2 * count + 1)
+            row[i + (count if coupling.reversed else 0)], row[-1] = -1.0, 1.0
+            rows.append(row)
+    numbers = coupling.force.vector + coupling.moment.vector
+    return [numbers[axis] for axis in AXES], np.array(rows)
+
+
+def steady_speed(force: float, linear: float, quadratic: float) -> float:
+    """
+    Return the speed at which linear v + quadratic v^2 is a force.
+
+    Parameters
+    ----------
+    force : float
+        Not negative. [N]
+    linear, quadratic : float
+        Drag coefficients, one of them positive. [N s/m, N s2/m2]
+
+    Returns
+    -------
+    float
+        Speed. [m/s]
+
+    """
+    return 2.0 * force / (linear + math.sqrt(linear * linear + 4.0 * quadratic * force))
+
+
+def level_speed(vehicle: Vehicle) -> float:
+    """Return the largest speed along body x at which altitude and heading are held. [m/s]."""
+    effects = vehicle.effects()
+    linear, quadratic = effects['linear_drag']['surge'], effects['quadratic_drag']['surge']
+    force = level_force(vehicle)
+    if linear + quadratic == 0.0:
+        raise BadInput(
+            f'{vehicle.file.name} has no drag along x in its aero block; give it one for a speed.'
+        )
+    return steady_speed(force, linear, quadratic) if force > 0.0 else 0.0
+
+
+def tumble_speed(vehicle: Vehicle) -> float:
+    """Return the speed along body x above which the weight no longer keeps it upright. [m/s]."""
+    m, (along, _, upright, *_) = vehicle.mass, vehicle.added_mass
+    righting = -m * STANDARD_GRAVITY * float(vehicle.cg[2])
+    if righting <= 0.0:
+        return 0.0
+    if upright <= along:
+        return math.inf
+    return math.sqrt(righting * (m + upright) / ((upright - along) * (m + along)))

@@ -1,0 +1,127 @@
+"""What the vehicle publishes, as ROS messages."""
+
+import array
+from collections.abc import Sequence
+
+from builtin_interfaces.msg import Time
+from geometry_msgs.msg import Vector3Stamped
+from lta_config.topics import topic_table
+from lta_model.sensors.range import RangeSettings
+from lta_model.state import POSITION, QUATERNION, RATES, VELOCITY
+from nav_msgs.msg import Odometry
+import numpy as np
+from numpy.typing import NDArray
+from sensor_msgs.msg import BatteryState, FluidPressure, Illuminance, Image, Imu, Range
+from std_msgs.msg import Header
+
+NAN = float('nan')
+
+
+def imu(
+    stamp: Time,
+    force: tuple[float, ...],
+    rates: tuple[float, ...],
+    noise: tuple[float, ...],
+) -> Imu:
+    """
+    Return specific force and angular rate; there is no orientation (REP-145).
+
+    Parameters
+    ----------
+    stamp : Time
+        Of the sample.
+    force, rates : tuple of float
+        Measured, body axes. [m/s2, rad/s]
+    noise : tuple of float
+        Standard deviations of a sample: three of force, three of rate; biases are not in it.
+
+    """
+    message = Imu()
+    message.header = _header(stamp, 'imu')
+    message.orientation_covariance[0] = -1.0
+    for axis in range(3):
+        message.linear_acceleration_covariance[4 * axis] = noise[axis] ** 2
+        message.angular_velocity_covariance[4 * axis] = noise[3 + axis] ** 2
+    a, w = message.linear_acceleration, message.angular_velocity
+    a.x, a.y, a.z = force
+    w.x, w.y, w.z = rates
+    return message
+
+
+def range_(stamp: Time, distance: float, settings: RangeSettings) -> Range:
+    """Return a downward distance [m]; +Inf is no return (REP-117)."""
+    return Range(
+        header=_header(stamp, 'range'),
+        radiation_type=Range.INFRARED,
+        field_of_view=np.deg2rad(settings.field_of_view),
+        min_range=settings.minimum,
+        max_range=settings.maximum,
+        range=distance,
+    )
+
+
+def pressure(stamp: Time, value: float, deviation: float) -> FluidPressure:
+    """Return the air pressure and its deviation, told as variance. [Pa]"""
+    return FluidPressure(
+        header=_header(stamp, 'pressure'), fluid_pressure=value, variance=deviation * deviation
+    )
+
+
+def light_block(stamp: Time, block: NDArray[np.uint16]) -> Image:
+    """Return an ADC block, shape (samples, diodes). [counts]"""
+    rows, columns = block.shape
+    image = Image()
+    image.header = _header(stamp, 'photodiodes')
+    image.height, image.width = rows, columns
+    image.encoding = '16UC1'
+    image.step = 2 * columns
+    # An array of bytes is taken as it is; any other sequence would be checked item by item.
+    image.data = array.array('B', block.astype('<u2', copy=False).tobytes())
+    return image
+
+
+def illuminance(stamp: Time, lux: float) -> Illuminance:
+    """Return the light at the panel. [lx]"""
+    return Illuminance(header=_header(stamp, 'illuminance'), illuminance=lux)
+
+
+def branch(stamp: Time, voltage: float, current: float, location: str) -> BatteryState:
+    """Return a voltage [V] and a current [A]; what a meter cannot know is NaN."""
+    return BatteryState(
+        header=_header(stamp, location),
+        voltage=voltage,
+        current=current,
+        temperature=NAN,
+        charge=NAN,
+        capacity=NAN,
+        design_capacity=NAN,
+        percentage=NAN,
+        present=True,
+        location=location,
+    )
+
+
+def truth(stamp: Time, motion: Sequence[float]) -> Odometry:
+    """Return pose in `map` and twist in the body frame; 13 numbers as `lta_model.state`. [SI]"""
+    message = Odometry()
+    message.header = _header(stamp, 'ground_truth/odom')
+    message.child_frame_id = 'base_link'
+    pose, twist = message.pose.pose, message.twist.twist
+    p, q, v, w = pose.position, pose.orientation, twist.linear, twist.angular
+    p.x, p.y, p.z = motion[POSITION]
+    q.x, q.y, q.z, q.w = motion[QUATERNION]
+    v.x, v.y, v.z = motion[VELOCITY]
+    w.x, w.y, w.z = motion[RATES]
+    return message
+
+
+def wind(stamp: Time, velocity: tuple[float, ...]) -> Vector3Stamped:
+    """Return the velocity of the air in `map`. [m/s]"""
+    message = Vector3Stamped(header=_header(stamp, 'wind'))
+    message.vector.x, message.vector.y, message.vector.z = velocity
+    return message
+
+
+def _header(stamp: Time, topic: str) -> Header:
+    """Return a header in the frame that the topic table names."""
+    return Header(stamp=stamp, frame_id=topic_table()[topic].frame)

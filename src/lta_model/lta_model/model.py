@@ -1,0 +1,198 @@
+"""A vehicle as the numbers that the kernel takes."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+import math
+from typing import final, Self
+
+from lta_config.errors import BadInput
+from lta_model import effects
+from lta_model.effects.protocol import BodyEffect, Effect, InertiaEffect, KernelEffect, Rigid
+from lta_model.mass import rigid_mass_matrix, skew
+from lta_model.state import ACTUATORS, ROTOR
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Vector = NDArray[np.float64]
+
+
+def values_of(effect: Effect, given: Mapping[str, float]) -> dict[str, float]:
+    """
+    Return all parameters of an effect, those not given at their null value.
+
+    Raises
+    ------
+    BadInput
+        For an unknown parameter, or a value out of bounds.
+
+    """
+    values = {parameter.name: parameter.null for parameter in effect.parameters}
+    for name, value in given.items():
+        if name not in values:
+            raise BadInput(
+                f'The effect {effect.name} has no parameter {name!r}; it has {", ".join(values)}.'
+            )
+        values[name] = float(value)
+    for known in effect.parameters:
+        value = values[known.name]
+        if value != known.null and not known.low <= value <= known.high:
+            raise BadInput(
+                f'{effect.name}.{known.name} is {value:g} {known.unit}; '
+                f'give a value from {known.low:g} to {known.high:g}.'
+            )
+    if objection := effect.check(values):
+        raise BadInput(f'{effect.name}: {objection}.')
+    return values
+
+
+def _symmetric(inertia: ArrayLike) -> Vector:
+    """Return a 3 x 3 inertia from itself or from ixx ixy ixz iyy iyz izz."""
+    tensor = np.asarray(inertia, dtype=np.float64)
+    if tensor.shape == (6,):
+        xx, xy, xz, yy, yz, zz = tensor
+        tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    if tensor.shape != (3, 3) or not np.array_equal(tensor, tensor.T):
+        raise BadInput(
+            f'The inertia has shape {tensor.shape}; give a symmetric 3 x 3 tensor or its six '
+            'elements ixx ixy ixz iyy iyz izz.'
+        )
+    if not (np.isfinite(tensor).all() and np.linalg.eigvalsh(tensor)[0] > 0.0):
+        raise BadInput(f'The inertia {tensor.tolist()} is not positive definite; correct it.')
+    return tensor
+
+
+def _rigid(mass: float, cg: ArrayLike, inertia: ArrayLike, displaced: float) -> Rigid:
+    """Return mass, balance and inertia about the hull centre."""
+    if not (math.isfinite(mass) and mass > 0.0):
+        raise BadInput(f'The mass is {mass:g} kg; give a positive number.')
+    r = np.asarray(cg, dtype=np.float64)
+    if r.shape != (3,) or not np.isfinite(r).all():
+        raise BadInput(f'The centre of gravity is {r.tolist()}; give three finite numbers.')
+    if not (math.isfinite(displaced) and displaced >= 0.0):
+        raise BadInput(f'The displaced air is {displaced:g} kg; give a number of 0 or more.')
+    i = rigid_mass_matrix(mass, r, _symmetric(inertia))[3:, 3:]
+    x, y, z = (mass * r).tolist()
+    moments = (i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2])
+    xx, yy, zz, xy, xz, yz = map(float, moments)
+    return Rigid(mass, (x, y, z), (xx, yy, zz, xy, xz, yz), displaced)
+
+
+def _mass_matrix(rigid: Rigid) -> Vector:
+    """Return the mass matrix of a rigid body, refusing what no body has."""
+    lever = skew(np.array(rigid.moment))
+    xx, yy, zz, xy, xz, yz = rigid.inertia
+    about = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    matrix = np.block([[rigid.mass * np.eye(3), -lever], [lever, about]])
+    if not (rigid.mass > 0.0 and np.linalg.eigvalsh(matrix)[0] > 0.0):
+        raise BadInput(
+            f'The effects leave a mass of {rigid.mass:g} kg and an inertia that no body has; '
+            'make their values smaller.'
+        )
+    return matrix
+
+
+def _geometry(rotors: Sequence[tuple[ArrayLike, ArrayLike]]) -> Vector:
+    """Return places and axes of the rotors, those that do not exist at 0."""
+    if len(rotors) > ACTUATORS:
+        raise BadInput(
+            f'The vehicle has {len(rotors)} rotors; the model has room for {ACTUATORS}.'
+        )
+    numbers = np.zeros((ACTUATORS, ROTOR))
+    for row, (place, axis) in zip(numbers, rotors, strict=False):
+        row[:3], row[3:] = place, axis
+    return numbers.ravel()
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Model:
+    """
+    A vehicle as the numbers that the kernel takes; build it with `Model.build`.
+
+    Parameters
+    ----------
+    parameters : ndarray, shape (P,)
+        Parameters of the effects of the kernel in registry order.
+    on : ndarray of uint8, shape (K,)
+        Whether each of these effects has a parameter that is not at its null value.
+    body : ndarray, shape (BODY,)
+        What the vehicle is, as `lta_model.state` lays it out.
+    inverse : ndarray, shape (36,)
+        Inverse of the mass matrix, rigid and added, row by row.
+    given : mapping
+        The parameters of every effect that is on, in the kernel or outside, by effect and name.
+
+    """
+
+    parameters: Vector
+    on: NDArray[np.uint8]
+    body: Vector
+    inverse: Vector
+    given: Mapping[str, Mapping[str, float]]
+
+    @classmethod
+    def build(
+        cls,
+        given: Mapping[str, Mapping[str, float]],
+        *,
+        mass: float,
+        cg: ArrayLike,
+        inertia: ArrayLike,
+        displaced: float = 0.0,
+        rotors: Sequence[tuple[ArrayLike, ArrayLike]] = (),
+    ) -> Self:
+        """
+        Return the model of a vehicle.
+
+        Parameters
+        ----------
+        given : mapping
+            Parameters by effect and name; whatever is left out is at its null value.
+        mass : float
+            Mass of the solid parts and of the gas. [kg]
+        cg : array_like, shape (3,)
+            Centre of gravity from the hull centre, body frame. [m]
+        inertia : array_like, shape (3, 3) or (6,)
+            About the centre of gravity; six elements are ixx ixy ixz iyy iyz izz, those of the
+            tensor, as in geometry_msgs/Inertia. [kg m^2]
+        displaced : float
+            Mass of the displaced air. [kg]
+        rotors : sequence of (place, axis)
+            Place from the hull centre [m] and unit direction of the thrust, body frame.
+
+        Raises
+        ------
+        BadInput
+            For an unknown effect or parameter, a value out of bounds, or a mass or inertia that no
+            body has.
+
+        """
+        rigid = _rigid(mass, cg, inertia, displaced)
+        for name in given:
+            effects.get(name)
+        parameters: list[float] = []
+        on: list[bool] = []
+        known: dict[str, dict[str, float]] = {}
+        added = np.zeros(6)
+        for name, effect in effects.EFFECTS.items():
+            values = values_of(effect, given.get(name, {}))
+            numbers = tuple(values.values())
+            active = any(values[p.name] != p.null for p in effect.parameters)
+            if active:
+                known[name] = values
+            if isinstance(effect, KernelEffect):
+                parameters.extend(numbers)
+                on.append(active)
+            elif isinstance(effect, InertiaEffect):
+                added += effect.diagonal(numbers)
+            elif isinstance(effect, BodyEffect) and active:
+                rigid = effect.change(numbers, rigid)
+        matrix = _mass_matrix(rigid) + np.diag(added)
+        own = (rigid.mass, *rigid.moment, *rigid.inertia, *added, rigid.displaced)
+        return cls(
+            np.array(parameters),
+            np.array(on, dtype=np.uint8),
+            np.array([*own, *_geometry(rotors)]),
+            np.linalg.inv(matrix).ravel().astype(np.float64),
+            known,
+        )

@@ -1,0 +1,135 @@
+"""
+The rotors of a vehicle: place, thrust curve, and the wrench that each gives.
+
+A rotor without a column from the wind tunnel has the one of its geometry. With a its axis, r its
+place and k the torque of the air per thrust:
+
+    force = a,   moment = r x a + s k a,   s = 1 clockwise, -1 anticlockwise
+
+seen with the thrust coming towards the eye: the air turns the rotor back, and the motor the body.
+A column holds what jets do; the motor's torque s k a comes on top, since they are solved without
+swirl.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+import math
+from typing import final, Self
+
+from lta_config.errors import BadInput
+from lta_config.schema.vehicle_aero import Coupling, RotorColumn
+from lta_config.schema.vehicle_file import Rotor, ThrustCurve, VehicleFile
+
+Three = tuple[float, float, float]
+Six = tuple[float, float, float, float, float, float]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """
+    One rotor as the model takes it.
+
+    Parameters
+    ----------
+    name : str
+        As in `motors`.
+    reversible : bool
+        Whether it accepts negative duty.
+    place, axis : 3-tuple
+        From the hull centre [m], and unit direction of its thrust.
+    a, b : float
+        T = a u^2 + b u. [N]
+    column, reverse : 6-tuple
+        Wrench about the hull centre per newton of a + b, forward and, for the same duty reversed,
+        backward (times -T). [1, m]
+
+    """
+
+    name: str
+    reversible: bool
+    place: Three
+    axis: Three
+    a: float
+    b: float
+    column: Six
+    reverse: Six
+
+    @property
+    def full(self) -> float:
+        """Thrust at full duty. [N]."""
+        return self.a + self.b
+
+    def duty(self, thrust: float) -> float:
+        """Return the duty for a forward thrust of 0 or more. [1]."""
+        return 2.0 * thrust / (self.b + math.sqrt(self.b * self.b + 4.0 * self.a * thrust))
+
+    @classmethod
+    def of(cls, name: str, rotor: Rotor, column: RotorColumn | None, curve: ThrustCurve) -> Self:
+        """Return a rotor from what the file says of it."""
+        x, y, z, *_ = forward = backward = by_geometry(rotor)
+        axis, (p, q, r) = (x, y, z), rotor.position.vector
+        if column:
+            forward = backward = _six((*column.force.vector, *column.moment.vector))
+            if column.reverse:
+                backward = _six((*column.reverse.force.vector, *column.reverse.moment.vector))
+        forward, backward = (_turned(each, rotor, axis) for each in (forward, backward))
+        a, b = curve.a.si, curve.b.si
+        if curve.reverse:  # the column carries it: the curve of the model is an odd function
+            backward = _six(curve.reverse.si / (a + b) * number for number in backward)
+        return cls(name, rotor.reversible, (p, q, r), axis, a, b, forward, backward)
+
+
+def by_geometry(rotor: Rotor) -> Six:
+    """Return the column of a rotor's place and axis alone, without its motor's torque. [1, m]."""
+    length = math.hypot(*rotor.axis.vector)
+    x, y, z = (number / length for number in rotor.axis.vector)
+    p, q, r = rotor.position.vector
+    return (x, y, z, q * z - r * y, r * x - p * z, p * y - q * x)
+
+
+def units(file: VehicleFile) -> tuple[Unit, ...]:
+    """Return the rotors of a vehicle in the order of its file."""
+    return tuple(
+        Unit.of(name, rotor, file.aero.thrust_allocation.get(name), _curve(file, rotor))
+        for name, rotor in file.rotors.items()
+    )
+
+
+def interaction(rotors: tuple[Unit, ...], coupling: Coupling | None) -> dict[str, float]:
+    """Return what `rotor_envelope_interaction` takes; nothing where B says it all."""
+    axes = ('surge', 'sway', 'heave', 'roll', 'pitch', 'yaw')
+    given = {}
+    for i, rotor in enumerate(rotors, start=1):
+        for axis, forward, backward in zip(axes, rotor.column, rotor.reverse, strict=True):
+            if rotor.reversible and backward != forward:
+                given[f'{axis}_{i}'] = backward - forward
+    if coupling:
+        for axis, number in zip(axes, coupling.force.vector + coupling.moment.vector, strict=True):
+            given[f'together_{axis}'] = number
+        for i, rotor in enumerate(rotors, start=1):
+            if rotor.name in coupling.rotors:
+                given[f'share_{i}'] = -1.0 if coupling.reversed else 1.0
+    return given
+
+
+def _curve(file: VehicleFile, rotor: Rotor) -> ThrustCurve:
+    curve = rotor.thrust_curve or file.thrust_curve
+    if curve is None:
+        raise BadInput(f'{file.name} has a rotor without a thrust_curve; add one.')
+    return curve
+
+
+def _turned(jet: Six, rotor: Rotor, axis: Three) -> Six:
+    """Return a column with the torque of the motor; per newton it is the same in reverse."""
+    a, b, c, d, e, f = jet
+    x, y, z = axis
+    turn = 0.0
+    if rotor.torque:
+        turn = rotor.torque.per_thrust.si * (1.0 if rotor.torque.spin == 'clockwise' else -1.0)
+    return (a, b, c, d + turn * x, e + turn * y, f + turn * z)
+
+
+def _six(numbers: Iterable[float]) -> Six:
+    a, b, c, d, e, f = numbers
+    return (a, b, c, d, e, f)

@@ -1,0 +1,205 @@
+"""
+The scenario file: the world a flight happens in, its start and its goal.
+
+A scene has one lamp under `lamp`, or several by name under `lamps`; the goal is the first of them,
+or all of a route.
+Map frame: origin on the floor at the centre of the room, ENU, z up.
+"""
+
+from collections.abc import Mapping
+import math
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+from lta_config.course import Course
+from lta_config.files import checked, find, load_yaml, Record
+from lta_config.quantity import Quantity, si
+from lta_model.light.field import LightField
+from lta_model.scenario_air import Air
+from lta_model.scenario_faults import Faults
+from lta_model.scenario_light import (
+    AmbientScene,
+    DaylightScene,
+    LampScene,
+    OutsideScene,
+    RoomShape,
+)
+from pydantic import AliasChoices, Field, model_validator
+
+Fraction = Annotated[Quantity, si('1', low=0.0, high=1.0)]
+Name = Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
+NOT_HELD = Quantity(value=0.0, unit='s')
+
+
+class Start(Record):
+    """Where and how the drone stands before take-off; a hand may hold it there for a while."""
+
+    position: Annotated[Quantity, si('m', low=-1000.0, high=1000.0, length=2)]
+    heading: Annotated[Quantity, si('rad')]
+    heading_spread: Annotated[Quantity, si('rad', low=0.0, high=math.pi)]
+    charge: Fraction
+    held: Annotated[Quantity, si('s', low=0.0, high=3600.0)] = NOT_HELD
+
+
+class Goal(Record):
+    """What ends the flight."""
+
+    radius: Annotated[Quantity, si('m', above=0.0)]
+    time_limit: Annotated[Quantity, si('s', above=0.0, high=86400.0)]
+
+
+class Scenario(Record):
+    """
+    A whole scenario file.
+
+    With a course, that is flown, and nobody looks for the lamp. With a route, its lamps are sought
+    one after the other, by name.
+    """
+
+    schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
+    name: Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
+    about: str
+    room: RoomShape
+    air: Air
+    alone: Annotated[LampScene | None, Field(validation_alias='lamp')] = None
+    several: Annotated[Mapping[Name, LampScene], Field(validation_alias='lamps')] = Field(
+        default_factory=dict
+    )
+    ambient: AmbientScene
+    daylight: DaylightScene | None = None
+    outside: OutsideScene | None = None
+    start: Start
+    goal: Goal
+    faults: Faults = Faults()
+    course: Course | None = None
+    route: Annotated[tuple[str, ...], Field(strict=False)] = ()  # a list in the file
+
+    @model_validator(mode='after')
+    def _lit(self) -> Self:
+        if (self.alone is None) == (not self.several):
+            raise ValueError(
+                'needs one lamp under lamp, or several by name under lamps, and not both'
+            )
+        return self
+
+    @model_validator(mode='after')
+    def _inside(self) -> Self:
+        length, width, height = self.room.size.vector
+        for name, lamp in self.lamps.items():
+            x, y, z = lamp.position.vector
+            indoors = abs(x) <= length / 2 and abs(y) <= width / 2 and 0 <= z <= height
+            if not (indoors or self._beyond(x, y, z)):
+                raise ValueError(f'has its {name} at {x, y, z} m, outside the room')
+        unknown_names = [name for name in self.route if name not in self.lamps]
+        if unknown_names:
+            raise ValueError(
+                f'has {", ".join(unknown_names)} on its route, which is none of its lamps; '
+                f'known: {", ".join(self.lamps)}'
+            )
+        x, y, _ = self.stops[0].position.vector
+        start_x, start_y = self.start.position.vector
+        if abs(start_x) > length / 2 or abs(start_y) > width / 2:
+            raise ValueError(f'has its start at {start_x, start_y} m, outside the room')
+        if math.hypot(x - start_x, y - start_y) <= self.goal.radius.si:
+            raise ValueError('starts within its goal; move the start or make the radius smaller')
+        if self.route and self.course is not None:
+            raise ValueError('has a route and a course; leave one of them out')
+        if self.course is not None and self.course.rows[-1].at.si >= self.goal.time_limit.si:
+            raise ValueError(
+                f'ends after {self.goal.time_limit.si:g} s, before the last row of its course; '
+                'give it more time'
+            )
+        return self
+
+    @model_validator(mode='after')
+    def _walls_let_out(self) -> Self:
+        if self.outside is not None and self.room.walls == 'solid':
+            raise ValueError(
+                'has a door in solid walls, which hold every hull; make the walls open: a drone '
+                'that flies through them beside the door has escaped'
+            )
+        return self
+
+    def _beyond(self, x: float, y: float, z: float) -> bool:
+        """Tell whether a place is out of the door and within reach. [m]"""
+        if self.outside is None:
+            return False
+        reach, wall = self.outside.reach.si, self.room.size.vector[0] / 2
+        return wall < x <= wall + reach and abs(y) <= reach and 0.0 <= z <= reach
+
+    @property
+    def wind_file(self) -> Path | None:
+        """The recorded wind; beside the scenario file where that was read by name or path."""
+        return None if self.air.recorded is None else Path(self.air.recorded)
+
+    @property
+    def lamps(self) -> Mapping[str, LampScene]:
+        """All lamps by name; one alone is called `lamp`."""
+        return self.several if self.alone is None else {'lamp': self.alone}
+
+    @property
+    def goal_lamp(self) -> LampScene:
+        """The lamp that is the goal: the last of the route, or else the first there is."""
+        return self.stops[-1]
+
+    @property
+    def stops(self) -> tuple[LampScene, ...]:
+        """The lamps to reach, in order."""
+        names = self.route or tuple(self.lamps)[:1]
+        return tuple(self.lamps[name] for name in names)
+
+    @property
+    def goal_places(self) -> tuple[tuple[float, float], ...]:
+        """Where the lamps to reach stand on the floor plan, each once. [m, map]"""
+        places = (stop.position.vector for stop in self.stops)
+        return tuple(dict.fromkeys((x, y) for x, y, _ in places))
+
+    @property
+    def beacons(self) -> tuple[tuple[str, float], ...]:
+        """Name and nominal frequency of each lamp. [Hz]"""
+        return tuple((name, lamp.frequency.si) for name, lamp in self.lamps.items())
+
+    @property
+    def route_beacons(self) -> tuple[tuple[str, float], ...]:
+        """The lamps of the route as `beacons`, in order; none without a route."""
+        known = dict(self.beacons)
+        return tuple((name, known[name]) for name in self.route)
+
+    @property
+    def light_field(self) -> LightField:
+        """The light of the scene; `BadInput` where the light itself cannot be."""
+        return LightField(
+            tuple(lamp.lamp for lamp in self.lamps.values()),
+            self.ambient.ambient,
+            self.room.room,
+            None if self.daylight is None else self.daylight.over(self.room.albedo.floor),
+            None if self.outside is None else self.outside.outside,
+        )
+
+
+def load_scenario(name: str) -> Scenario:
+    """Return a scenario by shipped name or path; anything wrong is a `BadInput` sentence."""
+    path = find('scenario', name)
+    return checked(Scenario, beside(load_yaml(path), path.parent), str(path))
+
+
+def course_in(name: str) -> Course | None:
+    """Return the course of a scenario by name or path; None without one, or without a name."""
+    return load_scenario(name).course if name else None
+
+
+def route_in(name: str) -> tuple[tuple[str, float], ...]:
+    """Return the route of a scenario as lamp and frequency [Hz]; empty without one or a name."""
+    return load_scenario(name).route_beacons if name else ()
+
+
+def beside(content: Any, folder: Path) -> Any:  # noqa: ANN401 - what YAML holds
+    """Return what a scenario file holds, its wind file found beside it: by its whole path."""
+    try:
+        wind_file = content['air']['recorded']
+    except (KeyError, TypeError):
+        return content
+    if not isinstance(wind_file, str):
+        return content
+    place = str((folder / wind_file).absolute())
+    return {**content, 'air': {**content['air'], 'recorded': place}}

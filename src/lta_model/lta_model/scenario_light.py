@@ -1,0 +1,176 @@
+"""
+The light of a scenario as people tell it: room, lamps and ambient light.
+
+What is left out is right, even and without a rise time: a clock error of nothing, no harmonics.
+"""
+
+import math
+from typing import Annotated, Any, Literal
+
+from lta_config.files import Record
+from lta_config.quantity import misfit, Quantity, si
+from lta_model.light.ambient import Ambient
+from lta_model.light.clock import Clock, MOST_OFFSET
+from lta_model.light.daylight import Daylight
+from lta_model.light.lamp import Lamp, order_of
+from lta_model.light.modulation import SquareWave
+from lta_model.light.outside import Outside
+from lta_model.light.refuse import MOST_EFFICACY
+from lta_model.light.room import Albedo, Room
+from pydantic import AfterValidator, BeforeValidator, Field
+
+Point = Annotated[Quantity, si('m', low=-1000.0, high=1000.0, length=3)]
+Efficacy = Annotated[Quantity, si('lm/W', above=0.0, high=MOST_EFFICACY)]
+Share = Annotated[float, Field(ge=0.0, lt=1.0)]
+NOTHING = Quantity(value=0.0, unit='1')
+HALF_POWER = Quantity(value=60.0, unit='deg')
+RADIUS = Quantity(value=15.0, unit='mm')
+
+
+class Surfaces(Record):
+    """Albedo of each kind of surface."""
+
+    floor: Share
+    walls: Share
+    ceiling: Share
+
+
+def _alike(given: Any) -> Any:  # noqa: ANN401 - as the file has it
+    """Return one albedo for all surfaces as that of each."""
+    if isinstance(given, bool) or not isinstance(given, int | float):
+        return given
+    if not 0.0 <= given < 1.0:
+        bound = 'below 1' if given >= 1.0 else 'at least 0'
+        raise ValueError(f'is {given!r}, but must be {bound}')
+    return dict.fromkeys(Surfaces.model_fields, float(given))
+
+
+class RoomShape(Record):
+    """
+    A box around the origin, standing on the floor.
+
+    Light is reflected by its faces. `solid` walls and ceiling hold a hull back; where they are
+    `open`, a drone that flies through them has escaped.
+    """
+
+    size: Annotated[Quantity, si('m', above=0.0, high=1000.0, length=3)]
+    albedo: Annotated[Surfaces, BeforeValidator(_alike)]
+    walls: Literal['solid', 'open'] = 'open'
+
+    @property
+    def room(self) -> Room:
+        """The room as light meets it."""
+        floor, walls, ceiling = self.albedo.floor, self.albedo.walls, self.albedo.ceiling
+        return Room(three(self.size), Albedo(floor, walls, ceiling))
+
+
+class LampScene(Record):
+    """A beacon."""
+
+    position: Point
+    facing: Annotated[Quantity, si('1', length=3)]
+    flux: Annotated[Quantity, si('lm', low=0.0, high=1e7)]
+    frequency: Annotated[Quantity, si('Hz', above=0.0, high=1e5)]
+    duty: Annotated[Quantity, si('1', above=0.0, high=0.999)]
+    efficacy: Efficacy
+    half_power: Annotated[Quantity, si('rad', low=0.05, high=1.55)] = HALF_POWER
+    radius: Annotated[Quantity, si('m', above=0.0, high=10.0)] = RADIUS
+    rise: Annotated[Quantity, si('s', low=0.0, high=1.0)] = Quantity(value=0.0, unit='s')
+    clock_error: Annotated[Quantity, si('1', low=-MOST_OFFSET, high=MOST_OFFSET)] = NOTHING
+    clock_drift: Annotated[Quantity, si('1/s', low=-1e-3, high=1e-3)] = Quantity(
+        value=0.0, unit='1/s'
+    )
+
+    @property
+    def lamp(self) -> Lamp:
+        """The lamp; `BadInput` where it cannot shine."""
+        return Lamp(
+            position=three(self.position),
+            axis=three(self.facing),
+            flux=self.flux.si,
+            wave=SquareWave(self.frequency.si, self.duty.si),
+            efficacy=self.efficacy.si,
+            order=order_of(self.half_power.si),
+            radius=self.radius.si,
+            rise=self.rise.si,
+            clock=Clock(self.clock_error.si, self.clock_drift.si),
+        )
+
+
+def _parts(quantity: Quantity) -> Quantity:
+    """Return the check of parts of something, as many as there are."""
+    if complaint := misfit(quantity, '1', 0.0, 1.0, length=len(quantity.vector)):
+        raise ValueError(complaint)
+    return quantity
+
+
+class AmbientScene(Record):
+    """All light that is not a beacon's."""
+
+    steady: Annotated[Quantity, si('lx', low=0.0, high=2e5)]
+    mains_amplitude: Annotated[Quantity, si('lx', low=0.0, high=2e5)]
+    mains_frequency: Annotated[Quantity, si('Hz', above=0.0, high=1e4)]
+    mains_harmonics: Annotated[Quantity, AfterValidator(_parts)] = Quantity(value=(), unit='1')
+    efficacy: Efficacy
+
+    @property
+    def ambient(self) -> Ambient:
+        """The light; `BadInput` where it cannot be."""
+        return Ambient(
+            efficacy=self.efficacy.si,
+            steady=self.steady.si,
+            mains=self.mains_amplitude.si,
+            mains_frequency=self.mains_frequency.si,
+            mains_harmonics=self.mains_harmonics.vector,
+        )
+
+
+class DaylightScene(Record):
+    """Sun and sky; the sun on a plane that faces it, the sky on level ground."""
+
+    sun: Annotated[Quantity, si('lx', low=0.0, high=2e5)]
+    azimuth: Annotated[Quantity, si('rad')]
+    elevation: Annotated[Quantity, si('rad', above=0.0, high=math.pi / 2.0)]
+    sky: Annotated[Quantity, si('lx', low=0.0, high=2e5)]
+    efficacy: Efficacy
+
+    def over(self, ground: float) -> Daylight:
+        """Return the light over ground of some albedo. [1]"""
+        return Daylight(
+            self.sun.si, self.azimuth.si, self.elevation.si, self.sky.si, ground, self.efficacy.si
+        )
+
+
+class DoorScene(Record):
+    """An opening in the wall at the high end of map x, from the floor up."""
+
+    middle: Annotated[Quantity, si('m', low=-1000.0, high=1000.0)]  # along map y
+    width: Annotated[Quantity, si('m', above=0.0, high=1000.0)]
+    height: Annotated[Quantity, si('m', above=0.0, high=1000.0)]
+
+
+class OutsideScene(Record):
+    """
+    The open beyond a door: its light, its wind, and how far from the wall a flight may go.
+
+    A drone that leaves the room beside the door has escaped.
+    """
+
+    door: DoorScene
+    reach: Annotated[Quantity, si('m', above=0.0, high=1000.0)]
+    daylight: DaylightScene
+    ground: Share
+    wind: Annotated[Quantity, si('m/s', low=-50.0, high=50.0, length=3)]
+
+    @property
+    def outside(self) -> Outside:
+        """The light out there; `BadInput` where it cannot be."""
+        door = self.door
+        daylight = self.daylight.over(self.ground)
+        return Outside(daylight, door.middle.si, door.width.si, door.height.si)
+
+
+def three(quantity: Quantity) -> tuple[float, float, float]:
+    """Return the numbers of a quantity that has three. [SI]"""
+    x, y, z = quantity.vector
+    return x, y, z

@@ -1,0 +1,1 @@
+"""The laws and data sheets of the sensors aboard."""

@@ -1,0 +1,297 @@
+"""
+BMI088 inertial sensor: specific force and angular rate with offset, scale error, noise and steps.
+
+Noise and offsets: Bosch BMI088 data sheet. The white noise of a sample is density *
+sqrt(bandwidth), with the bandwidths of the 100 Hz output settings taken as ideal low-passes. They
+leave the signal itself as it is: an airship moves far below them.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+import math
+from typing import final
+
+from lta_config.compilation.compiled import compiled
+from lta_config.constants import STANDARD_GRAVITY
+from lta_config.settings import setting, Settings
+from lta_model.measurement import Chain, read
+from lta_model.rigid_body import rotation
+import numpy as np
+from numpy.random import Generator
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Vector = tuple[float, float, float]
+DEGREE = math.pi / 180.0
+
+
+@final
+class ImuSettings(Settings):
+    """What the data sheet says of the sensor; offsets and scale errors bound uniform draws."""
+
+    acceleration_noise: Vector = setting(
+        (160e-6, 160e-6, 190e-6), 'Noise density of the accelerometer.', unit='g/sqrt(Hz)'
+    )
+    acceleration_bandwidth: float = setting(
+        40.0, 'Accelerometer bandwidth at 100 Hz, normal mode.', unit='Hz', low=0.0, high=280.0
+    )
+    acceleration_offset: float = setting(
+        0.020, 'Largest offset of an axis.', unit='g', low=0.0, high=1.0
+    )
+    acceleration_scale: float = setting(
+        0.01, 'Largest scale error of an axis, assumed as for the rates.', low=0.0, high=0.5
+    )
+    acceleration_range: float = setting(6.0, 'Full scale.', unit='g', low=3.0, high=24.0)
+    rate_noise: float = setting(
+        0.014, 'Noise density of the gyroscope.', unit='deg/s/sqrt(Hz)', low=0.0, high=1.0
+    )
+    rate_bandwidth: float = setting(
+        32.0, 'Gyroscope bandwidth at 100 Hz.', unit='Hz', low=0.0, high=532.0
+    )
+    rate_offset: float = setting(
+        1.0, 'Largest offset of an axis.', unit='deg/s', low=0.0, high=20.0
+    )
+    rate_scale: float = setting(0.01, 'Largest scale error of an axis.', low=0.0, high=0.5)
+    rate_range: float = setting(500.0, 'Full scale.', unit='deg/s', low=125.0, high=2000.0)
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class ImuErrors:
+    """
+    What stays the same during a flight: one entry an axis, specific force x y z, then rate x y z.
+
+    Attributes
+    ----------
+    gain, offset, noise, step, full_scale : tuple of float
+        Factor on the truth, offset, standard deviation of a sample, size of a count, largest
+        reading. [m/s^2 and rad/s]
+
+    """
+
+    gain: tuple[float, ...]
+    offset: tuple[float, ...]
+    noise: tuple[float, ...]
+    step: tuple[float, ...]
+    full_scale: tuple[float, ...]
+
+
+def draw(settings: ImuSettings, rng: Generator) -> ImuErrors:
+    """
+    Return the errors of one flight; offset and scale error are uniform within their bounds.
+
+    Parameters
+    ----------
+    settings : ImuSettings
+        What the data sheet says.
+    rng : Generator
+        Source of chance.
+
+    """
+    bounds = bounds_of(settings)
+    return ImuErrors(
+        gain=tuple(1.0 + bound * x for bound, x in zip(bounds.gain, _unit(rng), strict=True)),
+        offset=tuple(bound * x for bound, x in zip(bounds.offset, _unit(rng), strict=True)),
+        noise=bounds.noise,
+        step=bounds.step,
+        full_scale=bounds.full_scale,
+    )
+
+
+def bounds_of(settings: ImuSettings) -> ImuErrors:
+    """Return the largest errors: `gain` is the largest deviation of the factor from 1."""
+    g, deg = STANDARD_GRAVITY, DEGREE
+    density = (*(n * g for n in settings.acceleration_noise), *(settings.rate_noise * deg,) * 3)
+    width = (settings.acceleration_bandwidth,) * 3 + (settings.rate_bandwidth,) * 3
+    full_scale = (settings.acceleration_range * g,) * 3 + (settings.rate_range * deg,) * 3
+    return ImuErrors(
+        gain=(settings.acceleration_scale,) * 3 + (settings.rate_scale,) * 3,
+        offset=(settings.acceleration_offset * g,) * 3 + (settings.rate_offset * deg,) * 3,
+        noise=tuple(n * math.sqrt(b) for n, b in zip(density, width, strict=True)),
+        step=tuple(end / 2**15 for end in full_scale),  # 16 bit, signed
+        full_scale=full_scale,
+    )
+
+
+def _unit(rng: Generator) -> list[float]:
+    """Return six numbers uniform in [-1, 1)."""
+    numbers: list[float] = rng.uniform(-1.0, 1.0, 6).tolist()
+    return numbers
+
+
+def specific_force(
+    velocity: Vector,
+    rates: Vector,
+    velocity_rate: Vector,
+    rates_rate: Vector,
+    up: Vector,
+    position: Vector,
+    gravity: float,
+) -> Vector:
+    """
+    Return what an accelerometer away from the body origin feels: a + w' x r + w x (w x r) + g up.
+
+    Parameters
+    ----------
+    velocity, rates : tuple of float
+        Velocity v of the body origin [m/s] and angular rate w [rad/s], body frame.
+    velocity_rate, rates_rate : tuple of float
+        Their derivatives as seen in the body [m/s^2, rad/s^2]: the origin accelerates by
+        a = v' + w x v.
+    up : tuple of float
+        The map's vertical in the body frame: the last row of the rotation body to map.
+    position : tuple of float
+        Place r of the sensor in the body frame. [m]
+    gravity : float
+        Acceleration of free fall. [m/s^2]
+
+    Returns
+    -------
+    tuple of float
+        Specific force in the body frame; +gravity along `up` at rest. [m/s^2]
+
+    """
+    wx, wy, wz = rates
+    dx, dy, dz = rates_rate
+    rx, ry, rz = position
+    # v + w x r is the sensor's own velocity, so both products with w become one.
+    ux = velocity[0] + wy * rz - wz * ry
+    uy = velocity[1] + wz * rx - wx * rz
+    uz = velocity[2] + wx * ry - wy * rx
+    return (
+        velocity_rate[0] + dy * rz - dz * ry + wy * uz - wz * uy + gravity * up[0],
+        velocity_rate[1] + dz * rx - dx * rz + wz * ux - wx * uz + gravity * up[1],
+        velocity_rate[2] + dx * ry - dy * rx + wx * uy - wy * ux + gravity * up[2],
+    )
+
+
+def measure(
+    errors: ImuErrors, force: Vector, rates: Vector, rng: Generator
+) -> tuple[Vector, Vector]:
+    """
+    Return one sample.
+
+    Parameters
+    ----------
+    errors : ImuErrors
+        The errors of this flight.
+    force, rates : tuple of float
+        True specific force [m/s^2] and angular rate [rad/s] at the sensor, body frame.
+    rng : Generator
+        Source of chance.
+
+    Returns
+    -------
+    tuple
+        Specific force [m/s^2] and angular rate [rad/s], rounded to counts, clipped at full scale.
+
+    """
+    chance = rng.standard_normal(6)
+    _tell((*force, *rates), _rows(errors), chance)
+    x, y, z, a, b, c = chance.tolist()
+    return (x, y, z), (a, b, c)
+
+
+def _rows(errors: ImuErrors) -> Array:
+    """Return the errors as compiled code takes them, a row for each kind."""
+    kinds = (errors.gain, errors.offset, errors.noise, errors.step, errors.full_scale)
+    return np.array(kinds)
+
+
+def _tell(truth: Sequence[float] | Array, errors: Array, chance: Array) -> None:
+    """Put readings of the truth into the place of the normal deviates in them."""
+    for i in range(6):
+        step, end = errors[3, i], errors[4, i]
+        raw = errors[0, i] * truth[i] + errors[1, i] + errors[2, i] * chance[i]
+        value = round(raw / step) * step
+        chance[i] = end if value > end else -end if value < -end else value
+
+
+def _feel(state: Array, rate: Array, place: Array, truth: Array) -> None:
+    """Write true specific force and rates at the sensor; `place` ends with gravity."""
+    turn = rotation((state[3], state[4], state[5], state[6]))
+    w = (state[10], state[11], state[12])
+    truth[0], truth[1], truth[2] = specific_force(
+        (state[7], state[8], state[9]),
+        w,
+        (rate[7], rate[8], rate[9]),
+        (rate[10], rate[11], rate[12]),
+        (turn[6], turn[7], turn[8]),
+        (place[0], place[1], place[2]),
+        place[3],
+    )
+    truth[3], truth[4], truth[5] = w
+
+
+def _sample(
+    state: Array, rate: Array, place: Array, truth: Array, errors: Array, chance: Array
+) -> None:
+    """Do both, where no effect comes between them."""
+    _feel(state, rate, place, truth)
+    _tell(truth, errors, chance)
+
+
+@final
+class Imu:
+    """
+    The sensor of one flight, compiled: it is read at every control step.
+
+    Parameters
+    ----------
+    errors : ImuErrors
+        Of this flight.
+    position : tuple of 3 floats
+        Place in the body frame. [m]
+    gravity : float
+        Acceleration of free fall. [m/s^2]
+    rng : Generator
+        Source of chance.
+    on_force, on_rates : Chain
+        Measurement effects of the vehicle.
+
+    """
+
+    def __init__(
+        self,
+        errors: ImuErrors,
+        position: Vector,
+        gravity: float,
+        rng: Generator,
+        on_force: Chain = (),
+        on_rates: Chain = (),
+    ) -> None:
+        self._errors, self._rng = _rows(errors), rng
+        self._place, self._truth = np.array([*position, gravity]), np.empty(6)
+        self._on_force, self._on_rates = on_force, on_rates
+        self._feel, self._tell, self._sample = compiled(_feel, _tell, _sample)
+
+    def prepare(self, state: Array, rate: Array) -> None:
+        """Compile what a reading calls, or load it from disk; no chance is used up."""
+        truth, told = np.empty(6), np.zeros(6)
+        self._feel(state, rate, self._place, truth)
+        self._tell(truth, self._errors, told)
+        self._sample(state, rate, self._place, truth, self._errors, told)
+
+    def read(self, state: Array, rate: Array, elapsed: float) -> tuple[Vector, Vector]:
+        """
+        Return specific force [m/s^2] and angular rate [rad/s] as the sensor tells them.
+
+        Parameters
+        ----------
+        state, rate : ndarray of float64
+            A state of `lta_model.state` and its derivative.
+        elapsed : float
+            Time since the start of the flight. [s]
+
+        """
+        truth, told = self._truth, self._rng.standard_normal(6)
+        if self._on_force or self._on_rates:
+            self._feel(state, rate, self._place, truth)
+            numbers = truth.tolist()
+            truth[:3] = read(self._on_force, tuple(numbers[:3]), elapsed)
+            truth[3:] = read(self._on_rates, tuple(numbers[3:]), elapsed)
+            self._tell(truth, self._errors, told)
+        else:
+            self._sample(state, rate, self._place, truth, self._errors, told)
+        x, y, z, a, b, c = told.tolist()
+        return (x, y, z), (a, b, c)

@@ -1,0 +1,194 @@
+"""
+A ring of photodiodes with amplifiers (OPT101): where they look, and their volts from light.
+
+Irradiance on a diode's plane times area and responsivity is the photocurrent; times the feedback
+resistor, volts. The responsivity is the data sheet's at 650 nm: white light holds shorter waves
+that count for less, so real currents are lower.
+
+Noise is the amplifier's, the converter's and the shot noise sqrt(2 q I B), B = pi/2 f_3dB of the
+amplifier's pole. The data sheet's 300 uV rms (0.1 Hz to 20 kHz, 1 Mohm) is taken as all of the
+amplifier's noise and scaled with the root of the resistor, as a resistor's own noise does: an
+assumption.
+
+A reading falls off as a power of the cosine between light and axis, out to the edge of the field
+of view: 1 is a flat plane, 1.2 the package of the OPT101. Gains differ from diode to diode.
+
+Source: OPT101 data sheet, Texas Instruments SBBS002; the exponent is from memory of its plot of
+responsivity by angle, to be measured. The amplifier's own limits of swing are left out.
+"""
+
+from functools import cached_property
+import math
+from typing import Annotated, final
+
+from lta_config.files import Record
+from lta_model.ring import azimuths
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+Array = NDArray[np.float64]
+ELEMENTARY_CHARGE = 1.602176634e-19  # C, exact in SI
+ROOM = 0.75  # of the converter's range that steady light may take
+NOISE_RESISTANCE = 1e6  # ohm, at which the data sheet gives the noise
+
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+Positive = Annotated[Finite, Field(gt=0.0)]
+NotNegative = Annotated[Finite, Field(ge=0.0)]
+
+
+@final
+class PhotodiodeArray(Record):
+    """
+    A ring of photodiodes under the hull.
+
+    The ring is the vehicle's; what has a default is the part's own, by its data sheet, or nothing.
+
+    Attributes
+    ----------
+    count : int
+        Diodes.
+    axes : tuple of tuple of float
+        Unit axis of each in the body frame; horizontal, evenly spread and the first forward if
+        left out.
+    depth : float
+        Height of the ring below the hull centre. [m]
+    radius : float
+        Radius of the ring: each diode sits so far out along its axis. [m]
+    response : float
+        Exponent of the cosine.
+    field_of_view : float
+        Full angle. [rad]
+    gain_spread : float
+        Standard deviation of the gains, as part of their mean.
+    gains : tuple of float
+        Of each diode, as part of the nominal; all 1 if left out.
+    dead : tuple of int
+        Diodes that read nothing, from 0.
+    feedback_resistance : float
+        Feedback resistor of the amplifiers. [ohm]
+    resistors : tuple of float
+        Those that may be selected instead, the largest first. [ohm]
+    area : float
+        Sensitive area of a diode. [m2]
+    responsivity : float
+        Photocurrent by optical power. [A/W]
+    dark_offset : float
+        Output in the dark. [V]
+    bandwidth : float
+        Frequency at which the output has lost 3 dB. [Hz]
+    noise : float
+        Standard deviation of the amplifier's noise with a feedback resistor of 1 Mohm. [V]
+    adc_bits : int
+        Resolution of the converter.
+    adc_range : float
+        Voltage of the converter at full scale. [V]
+    adc_noise : float
+        Standard deviation of the converter's own noise, in its steps.
+    clock_error : float
+        Part by which the converter samples too fast.
+    jitter : float
+        Standard deviation of the sampling instants, the same for all diodes. [s]
+
+    """
+
+    count: Annotated[int, Field(ge=1, le=64)]
+    depth: Finite
+    radius: NotNegative
+    axes: tuple[tuple[Finite, Finite, Finite], ...] = ()
+    response: Positive = 1.0
+    field_of_view: Annotated[Positive, Field(le=math.pi)] = math.pi
+    gain_spread: NotNegative = 0.0
+    gains: tuple[NotNegative, ...] = ()
+    dead: tuple[Annotated[int, Field(ge=0)], ...] = ()
+    feedback_resistance: Positive
+    resistors: tuple[Positive, ...] = ()
+    area: Positive = 5.2e-6
+    responsivity: Positive = 0.45
+    dark_offset: NotNegative = 7.5e-3
+    bandwidth: Positive = 14e3
+    noise: NotNegative = 300e-6
+    # The converter of the Teensy 4.1.
+    adc_bits: Annotated[int, Field(ge=1, le=16)] = 12
+    adc_range: Positive = 3.3
+    adc_noise: NotNegative = 0.0
+    clock_error: Finite = 0.0
+    jitter: NotNegative = 0.0
+
+    @cached_property
+    def planes(self) -> Array:
+        """Places [m] and unit axes of the diodes in the body frame, shape (count, 6)."""
+        if self.axes:
+            axes = np.array(self.axes)
+        else:
+            angles = np.array(azimuths(self.count))
+            axes = np.stack([np.cos(angles), np.sin(angles), np.zeros(self.count)], axis=-1)
+        points = self.radius * axes - np.array([0.0, 0.0, self.depth])
+        return np.concatenate([points, axes], axis=1)
+
+    @property
+    def edge(self) -> float:
+        """Cosine at the edge of the field of view."""
+        return math.cos(0.5 * self.field_of_view) if self.field_of_view < math.pi else 0.0
+
+    @property
+    def factors(self) -> Array:
+        """Gain of each diode as it is, shape (count,): nothing where it is dead."""
+        factors = np.array(self.gains) if self.gains else np.ones(self.count)
+        factors[list(self.dead)] = 0.0
+        return factors
+
+    @property
+    def scale(self) -> float:
+        """Reading by the selected resistor over that by the largest. [1]"""
+        return self.feedback_resistance / max(self.resistors, default=self.feedback_resistance)
+
+    def selected(self, irradiance: float) -> 'PhotodiodeArray':
+        """Return these diodes with the largest resistor that steady light leaves room. [W/m2]"""
+        volts = [
+            resistor * self.area * self.responsivity * irradiance for resistor in self.resistors
+        ]
+        for resistor, reached in zip(self.resistors, volts, strict=True):
+            if reached <= ROOM * self.adc_range or resistor == self.resistors[-1]:
+                return self.model_copy(update={'feedback_resistance': resistor})
+        return self
+
+    def drawn(self, chance: np.random.Generator) -> 'PhotodiodeArray':
+        """Return these diodes with gains drawn by their spread, none below zero."""
+        gains = np.maximum(1.0 + self.gain_spread * chance.standard_normal(self.count), 0.0)
+        return self.model_copy(update={'gains': tuple(gains.tolist())})
+
+    def place(self, position: Array, rotation: Array) -> tuple[Array, Array]:
+        """
+        Return where the diodes are and where they look.
+
+        Parameters
+        ----------
+        position : ndarray of float64, shape (..., 3)
+            Hull centre. [m, map]
+        rotation : ndarray of float64, shape (..., 3, 3)
+            Body to map.
+
+        Returns
+        -------
+        points, axes : ndarray of float64, shape (..., count, 3)
+            Positions [m, map] and unit axes [map].
+
+        """
+        points, axes = self.planes[:, :3], self.planes[:, 3:]
+        turn = np.swapaxes(rotation, -1, -2)
+        return position[..., None, :] + points @ turn, axes @ turn
+
+
+def sensitivity(array: PhotodiodeArray) -> float:
+    """Return the volts by irradiance. [V m2/W]"""
+    return array.area * array.responsivity * array.feedback_resistance
+
+
+def noise_terms(array: PhotodiodeArray) -> tuple[float, float]:
+    """Return the variance of noise without light [V2] and that of the shot noise by volt [V]."""
+    step = array.adc_range / 2**array.adc_bits
+    amplifier = array.noise**2 * array.feedback_resistance / NOISE_RESISTANCE
+    amplifier += (array.adc_noise * step) ** 2
+    noise_bandwidth = math.pi / 2.0 * array.bandwidth
+    return amplifier, 2.0 * ELEMENTARY_CHARGE * noise_bandwidth * array.feedback_resistance

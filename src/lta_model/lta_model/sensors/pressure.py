@@ -1,0 +1,107 @@
+"""
+BMP388 barometer in the standard atmosphere.
+
+Noise (1.2 Pa rms unfiltered) and offset (8 Pa relative) are data sheet values read second-hand and
+not checked against the original; the resolution is that of eightfold oversampling, the finest that
+50 Hz allows. The drift is a straight line: 0.75 Pa/K while the board warms by 5 K in ten minutes.
+"""
+
+from dataclasses import dataclass
+from typing import final
+
+from lta_config.constants import STANDARD_GRAVITY
+from lta_config.settings import setting, Settings
+from lta_model.measurement import Chain, read
+from numpy.random import Generator
+
+# ICAO standard atmosphere (Doc 7488) below 11 km.
+LAPSE = 0.0065  # K/m
+SEA_TEMPERATURE = 288.15  # K
+EXPONENT = STANDARD_GRAVITY * 0.0289644 / (8.31446 * LAPSE)
+
+
+@final
+class PressureSettings(Settings):
+    """The air at the floor, and the errors of the sensor."""
+
+    floor: float = setting(
+        101325.0, 'Air pressure at the floor.', unit='Pa', low=30000.0, high=110000.0
+    )
+    noise: float = setting(1.2, 'Standard deviation of a sample.', unit='Pa', low=0.0, high=100.0)
+    offset: float = setting(
+        8.0, 'Largest offset, drawn uniformly for a flight.', unit='Pa', low=0.0, high=500.0
+    )
+    drift: float = setting(
+        0.006, 'Largest drift, drawn uniformly for a flight.', unit='Pa/s', low=0.0, high=10.0
+    )
+    resolution: float = setting(0.33, 'Size of a count.', unit='Pa', low=0.001, high=10.0)
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class PressureErrors:
+    """What stays the same during a flight: offset [Pa] and drift [Pa/s]."""
+
+    offset: float
+    drift: float
+
+
+def draw(settings: PressureSettings, rng: Generator) -> PressureErrors:
+    """Return the errors of one flight."""
+    offset, drift = rng.uniform(-1.0, 1.0, 2).tolist()
+    return PressureErrors(offset=settings.offset * offset, drift=settings.drift * drift)
+
+
+def air_pressure(floor: float, height: float) -> float:
+    """
+    Return the pressure at a height in the standard atmosphere.
+
+    Parameters
+    ----------
+    floor : float
+        Pressure at height 0. [Pa]
+    height : float
+        Height above the floor. [m]
+
+    Returns
+    -------
+    float
+        p = p_floor (1 - L h / T0)^(g M / (R L)), with the floor at the standard's 288.15 K. [Pa]
+
+    """
+    return floor * float((1.0 - LAPSE * height / SEA_TEMPERATURE) ** EXPONENT)
+
+
+def measure(
+    settings: PressureSettings,
+    errors: PressureErrors,
+    height: float,
+    elapsed: float,
+    rng: Generator,
+    chain: Chain = (),
+) -> float:
+    """
+    Return one reading. [Pa]
+
+    Parameters
+    ----------
+    settings : PressureSettings
+        The air at the floor, noise and resolution.
+    errors : PressureErrors
+        The errors of this flight.
+    height : float
+        Height of the sensor above the floor. [m]
+    elapsed : float
+        Time since the start of the flight. [s]
+    rng : Generator
+        Source of chance.
+    chain : Chain
+        Measurement effects of the vehicle.
+
+    """
+    truth = air_pressure(settings.floor, height)
+    if chain:
+        truth = read(chain, (truth,), elapsed)[0]
+    noise = settings.noise * float(rng.standard_normal())
+    told = truth + errors.offset + errors.drift * elapsed + noise
+    return round(told / settings.resolution) * settings.resolution

@@ -1,0 +1,141 @@
+"""
+VL53L1x time-of-flight sensor, looking along the body's -z at the floor.
+
+Standard deviation as in the Crazyflie firmware (zranger2.c): a (1 + exp(c (d - 2.5 m))) with
+a = 2.5 mm and c = ln(0.2 / 0.0025) / 1.5 m; limits and accuracy from ST's manual. One ray stands
+for the 27 degree cone, so that a tilted sensor reads height / cos(tilt).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+import math
+from typing import final
+
+from lta_config.settings import setting, Settings
+from lta_model.measurement import Chain, read
+from lta_model.rigid_body import rotation
+from numpy.random import Generator
+
+Vector = tuple[float, float, float]
+RESOLUTION = 1e-3  # m; the sensor counts millimetres
+KNEE = 2.5  # m; where the noise has doubled
+GROWTH = math.log(0.2 / 0.0025) / 1.5  # 1/m; 0.2 m more of noise at 4 m
+
+
+@final
+class RangeSettings(Settings):
+    """Limits and errors of the sensor."""
+
+    minimum: float = setting(
+        0.04, 'Nearest distance that can be told.', unit='m', low=0.0, high=1.0
+    )
+    maximum: float = setting(
+        4.0,
+        'Farthest distance with a return: 4 m in the dark, 0.7 m in strong light (long mode).',
+        unit='m',
+        low=0.1,
+        high=5.0,
+    )
+    noise: float = setting(
+        0.0025, 'Standard deviation near the floor.', unit='m', low=0.0, high=0.1
+    )
+    offset: float = setting(
+        0.020, 'Largest offset, drawn uniformly for a flight.', unit='m', low=0.0, high=0.5
+    )
+    field_of_view: float = setting(27.0, 'Full cone.', unit='deg', low=1.0, high=90.0)
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class RangeErrors:
+    """What stays the same during a flight: the offset. [m]"""
+
+    offset: float
+
+
+def draw(settings: RangeSettings, rng: Generator) -> RangeErrors:
+    """Return the errors of one flight."""
+    return RangeErrors(offset=settings.offset * float(rng.uniform(-1.0, 1.0)))
+
+
+def deviation(noise: float, distance: float) -> float:
+    """
+    Return the standard deviation of one reading.
+
+    Parameters
+    ----------
+    noise : float
+        Standard deviation near the floor; at 2.5 m it has doubled. [m]
+    distance : float
+        True distance, within the sensor's reach. [m]
+
+    """
+    return noise * (1.0 + math.exp(GROWTH * (distance - KNEE)))
+
+
+def outlook(state: Sequence[float], position: Vector) -> tuple[float, float]:
+    """
+    Return the height of the sensor and the cosine of its tilt.
+
+    Parameters
+    ----------
+    state : sequence of float
+        Layout of `lta_model.state`.
+    position : tuple of float
+        Place of the sensor in the body frame. [m]
+
+    """
+    x, y, z, w = state[3:7]
+    a, b, c = rotation((x, y, z, w))[6:]
+    return state[2] + (a * position[0] + b * position[1] + c * position[2]), c
+
+
+def measure(
+    settings: RangeSettings,
+    errors: RangeErrors,
+    height: float,
+    up: float,
+    rng: Generator,
+    chain: Chain = (),
+    elapsed: float = 0.0,
+) -> float:
+    """
+    Return one reading.
+
+    Parameters
+    ----------
+    settings : RangeSettings
+        Limits and noise.
+    errors : RangeErrors
+        The errors of this flight.
+    height : float
+        Height of the sensor above the floor. [m]
+    up : float
+        Cosine of the tilt: z of the body's z axis in the map.
+    rng : Generator
+        Source of chance; one number is drawn whatever the reading, to keep seeds comparable.
+    chain : Chain
+        Measurement effects of the vehicle; they change what is told, not whether there is a
+        return.
+    elapsed : float
+        Time since the start of the flight, for them. [s]
+
+    Returns
+    -------
+    float
+        Distance in whole millimetres; +Inf without a return, -Inf below the minimum (REP-117). [m]
+
+    """
+    chance = float(rng.standard_normal())
+    if up <= 0.0 or height > settings.maximum * up:
+        return math.inf
+    distance = max(height, 0.0) / up
+    noise = deviation(settings.noise, distance) * chance
+    if chain:
+        distance = read(chain, (distance,), elapsed)[0]
+    told = distance + errors.offset + noise
+    if told > settings.maximum:
+        return math.inf
+    if told < settings.minimum:
+        return -math.inf
+    return round(told / RESOLUTION) * RESOLUTION

@@ -1,0 +1,46 @@
+"""A scenario whose drone starts elsewhere: for several drones in one scene."""
+
+from lta_config.errors import BadInput
+from lta_config.quantity import Quantity
+from lta_model.scenario import Scenario
+from pydantic import ValidationError
+
+FAR = 1000.0  # m; no scene is larger
+
+
+def started(scenario: Scenario, x: float, y: float) -> Scenario:
+    """
+    Return a scenario with the start moved; the very same where it is not.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The scene.
+    x, y : float
+        By how much, along the axes of the map frame. [m]
+
+    Raises
+    ------
+    BadInput
+        If the drone would start outside of the room or within its goal.
+
+    """
+    if x == 0.0 and y == 0.0:
+        return scenario
+    before = scenario.start.position.vector
+    place = before[0] + x, before[1] + y
+    start = scenario.start.model_copy(
+        update={'position': Quantity(value=place, unit='m', source=scenario.start.position.source)}
+    )
+    fields = {name: getattr(scenario, name) for name in Scenario.model_fields}
+    for name, key in (('schema_version', 'schema'), ('alone', 'lamp'), ('several', 'lamps')):
+        fields[key] = fields.pop(name)  # as the file has it
+    try:
+        return Scenario.model_validate({**fields, 'start': start})
+    except ValidationError as error:
+        # The scene without the offset was valid, so there is one complaint: that of the start.
+        said = error.errors()[0]['msg'].removeprefix('Value error, ')
+        raise BadInput(
+            f"With offset {x:g}, {y:g} m the scenario '{scenario.name}' {said}; give another "
+            'offset_x or offset_y.'
+        ) from None

@@ -1,0 +1,91 @@
+"""
+How fast the model reacts, against what an explicit integrator can follow.
+
+What damps the body linearly makes its velocity decay at the eigenvalues of M^-1 D, with M the mass
+matrix and D the damping about the hull centre; RK4 blows up where one of them, times the step, is
+beyond its limit. Springs of contact are softer than that by far within their bounds, and what
+grows with the speed is left to the watch that the world keeps over a flight.
+"""
+
+from collections.abc import Sequence
+
+from lta_config.errors import BadInput
+from lta_model.effects.protocol import AXES
+from lta_model.model import Model
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+STEP_NS = 2_500_000  # integration step; the shortest time constant of a shipped vehicle is 72 ms
+RK4_LIMIT = 2.7  # longest stable step of RK4 by a time constant: 2.785, less a margin
+SPEED_LIMIT = 1000.0  # m/s and rad/s; no balloon gets there, numbers that run away do
+
+
+def fastest(model: Model) -> tuple[str, float]:
+    """Return the effect that damps the body fastest and its rate; '' and 0 if none does. [1/s]"""
+    inverse = model.inverse.reshape(6, 6)
+    rates = {
+        name: float(np.linalg.eigvals(inverse @ damping).real.max())
+        for name, damping in dampings(model).items()
+    }
+    return max(rates.items(), key=lambda item: item[1], default=('', 0.0))
+
+
+def dampings(model: Model) -> dict[str, Array]:
+    """Return the damping of each effect that is linear in the velocity. [N s/m, N m s]"""
+    found = {}
+    given = model.given
+    for name, axes in (('linear_drag', slice(0, 3)), ('rotational_drag', slice(3, 6))):
+        if name in given:
+            damping = np.zeros(6)
+            damping[axes] = [given[name][axis] for axis in AXES[axes]]
+            found[name] = np.diag(damping)
+    if 'floor_contact' in given:
+        foot = given['floor_contact']
+        down = np.array([0.0, 0.0, 1.0, foot['y'], -foot['x'], 0.0])  # upright
+        found['floor_contact'] = foot['stiffness'] * foot['relaxation'] * np.outer(down, down)
+    if 'walls' in given:
+        room = given['walls']
+        push = room['stiffness'] * room['relaxation']
+        found['walls'] = np.diag([push, push, push, 0.0, 0.0, 0.0])
+    return found
+
+
+def check(name: str, model: Model, step: float) -> None:
+    """
+    Refuse a time step [s] at which what damps the body linearly would blow up.
+
+    Raises
+    ------
+    BadInput
+        If the step is longer than 2.7 times the time in which an effect stops the body.
+
+    """
+    effect, rate = fastest(model)
+    if rate * step > RK4_LIMIT:
+        raise BadInput(
+            f'{name} has a {effect} that stops it within {1e3 / rate:.3g} ms, and a time step of '
+            f'{1e3 * step:g} ms cannot follow it; weaken it {rate * step / RK4_LIMIT:.2g} times.'
+        )
+
+
+def watch(name: str, speeds: Sequence[float], elapsed: float) -> None:
+    """
+    Refuse a flight whose velocity or rates have run away. [m/s, rad/s; s after the start]
+
+    Raises
+    ------
+    BadInput
+        If one of them is no number or beyond what anything that flies here does.
+
+    """
+    if not all(-SPEED_LIMIT < speed < SPEED_LIMIT for speed in speeds):
+        raise ran_away(name, elapsed)
+
+
+def ran_away(name: str, elapsed: float) -> BadInput:
+    """Return what is wrong with a flight whose numbers run away. [s after the start]"""
+    return BadInput(
+        f'The numbers of {name} ran away {elapsed:.2f} s after the start: one of its effects is '
+        'too strong for its mass or inertia; weaken it.'
+    )

@@ -1,0 +1,100 @@
+"""
+The strips of `strip_damping` from the boxes of which a vehicle's frame and panels are made.
+
+A slim box is one strip along its longest side. A box of which the second side is more than half
+of the longest is two strips, at the two Gauss points across it (b / sqrt(12) either side of the
+middle), each with half of the drag: so a panel is damped about its long axis too. The third side
+only makes area.
+
+    D_x = rho C_D (size_y size_z) / 2,   and so on
+
+C_D is 1.17 for a square plate across the flow, 1.98 for a long one (Aeronautical
+Engineer's Data Book, figure 5.13(b)). A box that is drawn around an open frame has a C_D
+smaller in the share that is solid.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+import math
+from typing import final
+
+from lta_config.errors import BadInput
+from lta_model.effects.aerodynamics.strip_damping import PARAMETERS, STRIPS
+from lta_model.effects.protocol import Vector
+
+SQUARE_PLATE = 1.17
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Box:
+    """
+    A part in the air, its sides along the body axes.
+
+    Parameters
+    ----------
+    place : 3-tuple
+        Its centre from the hull centre, body frame. [m]
+    size : 3-tuple
+        Full lengths of its sides. [m]
+    coefficient : float
+        Drag coefficient on the area of each side. [1]
+
+    """
+
+    place: Vector
+    size: Vector
+    coefficient: float = SQUARE_PLATE
+
+
+def _of_box(box: Box, density: float) -> list[tuple[float, ...]]:
+    """Return the strips of a box, each in the order of the parameters of a strip."""
+    x, y, z = box.size
+    short, across, along = sorted(range(3), key=lambda axis: box.size[axis])
+    del short
+    wide = box.size[across] > 0.5 * box.size[along]
+    offset = box.size[across] / math.sqrt(12.0)
+    half = [0.0, 0.0, 0.0]
+    half[along] = 0.5 * box.size[along]
+    sides = (-1.0, 1.0) if wide else (0.0,)
+    scale = 0.5 * density * box.coefficient / len(sides)
+    strips = []
+    for side in sides:
+        centre = list(box.place)
+        centre[across] += side * offset
+        strips.append((*centre, *half, scale * y * z, scale * x * z, scale * x * y))
+    return strips
+
+
+def strips(boxes: Sequence[Box], density: float) -> dict[str, float]:
+    """
+    Return the parameters of `strip_damping` for some boxes.
+
+    Parameters
+    ----------
+    boxes : sequence of Box
+        Frame, panels and gondola; not the hull.
+    density : float
+        Density of the air. [kg/m3]
+
+    Returns
+    -------
+    dict
+        All parameters, those of strips that are not needed at zero.
+
+    Raises
+    ------
+    BadInput
+        If they need more strips than the effect has.
+
+    """
+    found = [strip for box in boxes for strip in _of_box(box, density)]
+    if len(found) > STRIPS:
+        raise BadInput(
+            f'The {len(boxes)} damping parts need {len(found)} strips (a wide one needs two); '
+            f'the model has {STRIPS}: name fewer, or one box for several.'
+        )
+    numbers = [0.0, *(number for strip in found for number in strip)]
+    numbers += [0.0] * (len(PARAMETERS) - len(numbers))
+    names = (parameter.name for parameter in PARAMETERS)
+    return dict(zip(names, numbers, strict=True))

@@ -1,0 +1,328 @@
+"""
+A vehicle as the cores need it, derived from its file.
+
+Mass, centre of gravity and inertia follow from the parts, the gas and the ballast that trims the
+vehicle to its declared heaviness (`balance`), or from its weighing; added mass from the hull's
+shape (`hull`), the wrench of the rotors from wind tunnel or geometry (`propulsion`). Everything
+about the hull centre, body frame.
+"""
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import final
+
+from lta_config.constants import AIR_DENSITY, STANDARD_GRAVITY
+from lta_config.errors import BadInput
+from lta_config.files import find
+from lta_config.schema.vehicle_file import load_vehicle_file, VehicleFile
+from lta_model import declared, hover, hull, propulsion, stiffness
+from lta_model.balance import Array, Balance, gas_lump, Lump, part_lump
+from lta_model.electrical.battery import Battery
+from lta_model.electrical.loads import Loads
+from lta_model.electrical.panel import Panel
+from lta_model.electrical.power_path import Charger
+from lta_model.model import Model
+from lta_model.sensors.photodiode import PhotodiodeArray
+from lta_model.state import COMMAND, MASS_PLACE
+import numpy as np
+
+HELIUM_TO_AIR = 0.1664 / AIR_DENSITY  # density ratio at one temperature and pressure (20 C, 1 atm)
+
+Vector = tuple[float, ...]
+
+
+@final
+class Vehicle:
+    """
+    One vehicle in air of a given density.
+
+    Parameters
+    ----------
+    file : VehicleFile
+        What the vehicle is.
+    air_density : float
+        Density of the air around it. [kg/m3]
+
+    Raises
+    ------
+    BadInput
+        If the parts are too heavy for the lift, the centre of gravity is above the hull centre
+        (and the file does not allow it), or an effect is not known, has a parameter that it does
+        not know, or one in the wrong unit or out of bounds.
+
+    """
+
+    def __init__(self, file: VehicleFile, air_density: float = AIR_DENSITY) -> None:
+        self.file = file
+        self.air_density = air_density
+        if self.ballast < 0.0:
+            raise BadInput(
+                f'{file.name} is {-1e3 * self.ballast:.1f} g too heavy for its lift of '
+                f'{1e3 * self.lift:.1f} g; make parts lighter or the hull larger.'
+            )
+        if self.displaced < 0.0:
+            raise BadInput(
+                f'{file.name} was weighed at {1e3 * self.mass:.1f} g and cannot be heavier than '
+                'that; lower trim.heaviness.'
+            )
+        if self.cg[2] >= 0.0 and file.hull.shape != 'none' and file.trim.unstable == 'refused':
+            raise BadInput(
+                f'{file.name} has its centre of gravity {100 * self.cg[2]:.1f} cm above the hull '
+                'centre and would flip; move mass down, or allow it with "unstable: allowed" in '
+                'trim.'
+            )
+        self.model()  # refuses effects and parameters that do not exist or are out of bounds
+
+    @property
+    def volume(self) -> float:
+        """Volume of the hull. [m3]."""
+        return hull.volume(self.file.hull)
+
+    @property
+    def gas(self) -> float:
+        """Mass of the gas, helium with the rest of the purity being air. [kg]."""
+        purity = self.file.hull.purity.si if self.file.hull.purity else 0.0
+        return self.volume * self.air_density * (1.0 - purity * (1.0 - HELIUM_TO_AIR))
+
+    @property
+    def lift(self) -> float:
+        """Gross lift of the hull: displaced air less gas. [kg]."""
+        return self.volume * self.air_density - self.gas
+
+    @property
+    def heaviness(self) -> float:
+        """Mass less displaced air: what the rotors carry. [kg]."""
+        given = self.file.trim.heaviness
+        return given.si if given else self.mass - self.volume * self.air_density
+
+    @property
+    def displaced(self) -> float:
+        """Mass of the displaced air; a weighed vehicle is filled until it is right. [kg]."""
+        if self.file.measured and self.file.trim.heaviness:
+            return self.mass - self.file.trim.heaviness.si
+        return self.volume * self.air_density
+
+    @property
+    def ballast(self) -> float:
+        """Mass that trims the parts to the declared heaviness. [kg]."""
+        if self.file.measured or self.file.trim.heaviness is None:
+            return 0.0
+        moving = self.file.moving_mass
+        parts = sum(part.mass.si for part in self.file.parts.values())
+        carried = self.lift + self.file.trim.heaviness.si - parts
+        return carried - moving.mass.si if moving else carried
+
+    @cached_property
+    def lumps(self) -> list[Lump]:
+        """What a vehicle that was not weighed consists of: parts, ballast and gas."""
+        lumps = [part_lump(part) for part in self.file.parts.values()]
+        if place := self.file.trim.ballast_position:
+            lumps.append(Lump(self.ballast, np.array(place.vector), np.zeros(3)))
+        if self.file.hull.shape != 'none':
+            lumps.append(gas_lump(self.gas, hull.half_axes(self.file.hull)))
+        return lumps
+
+    @cached_property
+    def balance(self) -> Balance:
+        """Mass, centre of gravity and inertia; a moving mass at rest included."""
+        weighed = self.file.measured
+        balance = Balance.measured(weighed) if weighed else Balance.of(self.lumps)
+        if moving := self.file.moving_mass:
+            place = np.array(moving.position.vector)
+            balance = balance.with_lump(Lump(moving.mass.si, place, np.zeros(3)))
+        return balance
+
+    @property
+    def mass(self) -> float:
+        """Mass of everything, gas included. [kg]."""
+        return self.balance.mass
+
+    @property
+    def cg(self) -> Array:
+        """Centre of gravity, gas included, from the hull centre, shape (3,). [m]."""
+        return self.balance.cg
+
+    @property
+    def inertia(self) -> Array:
+        """Inertia about the centre of gravity, shape (3, 3). [kg m2]."""
+        return self.balance.inertia
+
+    @property
+    def added_mass(self) -> Vector:
+        """Added mass and inertia: as published, or of the hull as a spheroid. [kg, kg m2]."""
+        return hull.added_mass(self.file.hull, self.air_density)
+
+    @cached_property
+    def rotors(self) -> tuple[propulsion.Unit, ...]:
+        """The rotors in the order of `motors`."""
+        return propulsion.units(self.file)
+
+    @property
+    def rotor_names(self) -> list[str]:
+        """Actuator names in the order of `motors`."""
+        return list(self.file.rotors)
+
+    @cached_property
+    def reversible(self) -> tuple[bool, ...]:
+        """Whether each rotor accepts negative duty."""
+        return tuple(rotor.reversible for rotor in self.rotors)
+
+    @cached_property
+    def thrust_curve(self) -> tuple[float, float]:
+        """Coefficients a and b of T = a u^2 + b u, the same for all rotors. [N]."""
+        curves = {(rotor.a, rotor.b) for rotor in self.rotors}
+        if len(curves) != 1:
+            raise BadInput(
+                f'{self.file.name} has rotors with {len(curves)} thrust curves, where one for all '
+                'is needed; take another control law.'
+            )
+        return curves.pop()
+
+    @property
+    def battery_compensated(self) -> bool:
+        """
+        Whether the firmware corrects duties for the voltage of the battery.
+
+        A duty is then a share of a thrust, and not of the present voltage: the file switches on
+        the effect `battery_compensation`.
+        """
+        return self.effects().get('battery_compensation', {}).get('voltage', 0.0) > 0.0
+
+    @property
+    def full_thrust(self) -> float:
+        """Thrust of one rotor at full duty. [N]."""
+        return sum(self.thrust_curve)
+
+    @cached_property
+    def allocation(self) -> tuple[Vector, ...]:
+        """B as columns, one a rotor: wrench about the hull centre per newton. [1, m]."""
+        return tuple(rotor.column for rotor in self.rotors)
+
+    @cached_property
+    def diodes(self) -> PhotodiodeArray:
+        """The photodiodes, all with their nominal gain."""
+        ring = self.file.sensors.diodes
+        return PhotodiodeArray(
+            count=ring.count,
+            depth=-ring.height.si,
+            radius=ring.radius.si,
+            axes=tuple((x, y, z) for x, y, z in ring.axes.value) if ring.axes else (),
+            response=ring.response.si,
+            field_of_view=ring.field_of_view.si,
+            gain_spread=ring.gain_spread.si,
+            dead=tuple(ring.dead),
+            feedback_resistance=ring.feedback.vector[0],
+            resistors=ring.feedback.vector,
+            bandwidth=ring.bandwidth.si,
+            noise=ring.noise.si,
+            adc_bits=ring.bits,
+            adc_range=ring.full_scale.si,
+            adc_noise=ring.converter_noise.si,
+            clock_error=ring.clock_error.si,
+            jitter=ring.jitter.si,
+        )
+
+    @cached_property
+    def battery(self) -> Battery:
+        """The cell."""
+        return Battery.of(self.file.energy)
+
+    @cached_property
+    def loads(self) -> Loads:
+        """The consumers."""
+        return Loads.of(self.file.energy)
+
+    @cached_property
+    def panel(self) -> Panel:
+        """The solar panels."""
+        return Panel.of(self.file.energy)
+
+    @cached_property
+    def charger(self) -> Charger:
+        """What lies between panels and cell."""
+        return Charger.of(self.file.energy)
+
+    def effects(self) -> dict[str, dict[str, float]]:
+        """Return the parameters of every effect that is on, in SI."""
+        return declared.effects_of(self.file, self.rotors, self.added_mass, self.air_density)
+
+    def model(self, around: declared.Effects | None = None) -> Model:
+        """Return the numbers that the kernel takes; `around` are effects of where it flies."""
+        return Model.build(
+            self.effects() | (around or {}),
+            mass=self.mass,
+            cg=self.cg,
+            inertia=self.inertia,
+            displaced=self.displaced,
+            rotors=[(rotor.place, rotor.axis) for rotor in self.rotors],
+        )
+
+    def command(self, duties: Sequence[float]) -> Array:
+        """
+        Return a command as the kernel takes it, with a moving mass where it rests.
+
+        Parameters
+        ----------
+        duties : sequence of float
+            Of each rotor. [1]
+
+        Returns
+        -------
+        ndarray, shape (COMMAND,)
+            Duties, then the place of the moving mass; zeros for what the vehicle does not have.
+
+        """
+        command = np.zeros(COMMAND)
+        command[: len(duties)] = duties
+        if self.file.moving_mass:
+            command[MASS_PLACE:] = self.file.moving_mass.position.vector
+        return command
+
+    def check_step(self, step: float, model: Model | None = None) -> None:
+        """
+        Refuse a time step at which the slowest reaction that the model has would blow up.
+
+        Parameters
+        ----------
+        step : float
+            Step of the integrator (RK4). [s]
+        model : Model, optional
+            What flies, with the effects of a scene; by default the vehicle alone.
+
+        Raises
+        ------
+        BadInput
+            If the step is longer than 2.7 times a time constant of motors, moving mass or damping.
+
+        """
+        declared.check_step(self.file.name, self.effects(), step)
+        stiffness.check(self.file.name, model or self.model(), step)
+
+    @property
+    def standing_height(self) -> float:
+        """Height of the hull centre when the vehicle stands on the floor. [m]."""
+        foot = self.effects().get('floor_contact')
+        if foot is None:
+            return hull.half_axes(self.file.hull)[2]
+        sink = self.heaviness * STANDARD_GRAVITY / foot['stiffness']
+        return -foot['z'] - max(sink, 0.0)
+
+    @property
+    def hover_duty(self) -> float:
+        """Duty of each vertical rotor that carries the heaviness. [1]."""
+        return hover.hover_duty(
+            self.file.name,
+            self.rotors,
+            self.file.aero.coupling,
+            self.heaviness * STANDARD_GRAVITY,
+            STANDARD_GRAVITY,
+        )
+
+
+def load_vehicle(name: str, air_density: float = AIR_DENSITY) -> Vehicle:
+    """Return a vehicle by shipped name or path, in air of a density [kg/m3], or `BadInput`."""
+    file = load_vehicle_file(name)
+    try:
+        return Vehicle(file, air_density)
+    except BadInput as error:
+        raise BadInput(f'{find("vehicle", name)}: {error}') from None

@@ -1,0 +1,21 @@
+"""Install lta_model as an ament_python package."""
+
+from setuptools import find_packages, setup
+
+setup(
+    name='lta_model',
+    version='1.0.0',
+    packages=find_packages(),
+    package_data={'lta_model': ['py.typed']},
+    data_files=[
+        ('share/ament_index/resource_index/packages', ['resource/lta_model']),
+        ('share/lta_model', ['package.xml']),
+    ],
+    install_requires=['setuptools'],
+    zip_safe=False,
+    maintainer='LTA maintainers',
+    maintainer_email='maintainers@users.noreply.github.com',
+    description='The model that simulator, controller and discovery share.',
+    license='Apache-2.0',
+    entry_points={'console_scripts': []},
+)

@@ -1,0 +1,1 @@
+"""What all results share: pages, pictures, folders, progress bars and worker processes."""

@@ -1,0 +1,104 @@
+"""
+What the page draws of a flight: curves over time, and how one follows from another.
+
+Time in seconds from the first message, positions in the map frame.
+"""
+
+from typing import NamedTuple
+
+from lta_model.attitude import angles
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+class Motion(NamedTuple):
+    """Hull centre in map [m], yaw without jumps [rad], air-relative speed along body x [m/s]."""
+
+    time: Array
+    x: Array
+    y: Array
+    z: Array
+    yaw: Array
+    speed: Array
+
+
+class Track(NamedTuple):
+    """One number over time. [s, unit of the number]"""
+
+    time: Array
+    value: Array
+
+
+class Arrow(NamedTuple):
+    """A direction in the body frame over time, NaN where there is none. [s, rad]"""
+
+    time: Array
+    angle: Array
+
+
+class Spot(NamedTuple):
+    """A place on the floor plan. [m, map]"""
+
+    x: float
+    y: float
+
+
+class Electricity(NamedTuple):
+    """Voltage [V] and current [A] over time; a current that leaves the cell is negative."""
+
+    time: Array
+    voltage: Array
+    current: Array
+
+
+class Duties(NamedTuple):
+    """Commanded duty of each rotor, shape (n, rotors). [1]"""
+
+    time: Array
+    names: list[str]
+    values: Array
+
+
+def sampled(time: Array, track_time: Array, values: Array) -> Array:
+    """Return values at other times [s], linear in between and constant beyond the ends."""
+    return np.asarray(np.interp(time, track_time, values))
+
+
+def held(time: Array, track: Track) -> Array:
+    """Return the newest value at each time [s], NaN before the first: how a set-point acts."""
+    index = np.searchsorted(track.time, time, side='right') - 1
+    values = np.append(track.value, np.nan)
+    return np.asarray(values[np.where(index < 0, len(track.value), index)])
+
+
+def moved(time: Array, place: Array, attitude: Array, speed: Array) -> Motion:
+    """Return a motion from places, shape (n, 3), quaternions, shape (n, 4), and speeds."""
+    x, y, z = place.T
+    return Motion(time, x, y, z, np.unwrap(angles(attitude).yaw), speed)
+
+
+def through_air(motion: Motion, time: Array, wind: Array) -> Motion:
+    """Return a motion with the wind, shape (n, 3) in map, taken off its speed. [m/s]"""
+    along = sampled(motion.time, time, wind[:, 0]) * np.cos(motion.yaw)
+    along += sampled(motion.time, time, wind[:, 1]) * np.sin(motion.yaw)
+    return motion._replace(speed=motion.speed - along)
+
+
+def laid(motion: Motion, truth: Motion) -> Motion:
+    """Return a motion turned and shifted so that it begins where the truth begins."""
+    turn = float(truth.yaw[0] - motion.yaw[0])
+    x, y = motion.x - motion.x[0], motion.y - motion.y[0]
+    return motion._replace(
+        x=truth.x[0] + np.cos(turn) * x - np.sin(turn) * y,
+        y=truth.y[0] + np.sin(turn) * x + np.cos(turn) * y,
+        yaw=motion.yaw + turn,
+    )
+
+
+def pointed(vectors: Array) -> Array:
+    """Return the directions of bearing vectors, NaN of the zero vector. [rad]"""
+    angle = np.arctan2(vectors[:, 1], vectors[:, 0])
+    angle[np.hypot(vectors[:, 0], vectors[:, 1]) == 0.0] = np.nan
+    return angle

@@ -1,0 +1,174 @@
+"""What all pictures share: type, axes, thin lines, and labels at the ends of lines."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from lta_report.curves import Array
+from lta_report.palette import GRID, INK, PAPER, SOFT
+import numpy as np
+from plotly.graph_objects import Figure, Scatter
+from plotly.graph_objs.layout import Template
+from plotly.subplots import make_subplots
+
+FONT = '-apple-system, "Segoe UI", Roboto, "Helvetica Neue", Arial, sans-serif'
+LEFT, RIGHT, TOP, BOTTOM = 56, 88, 22, 40  # px; the same in all panels over time
+MOST_POINTS = 2000
+AXIS = {
+    'gridcolor': GRID,
+    'linecolor': GRID,
+    'zeroline': False,
+    'ticks': '',
+    'ticklabelstandoff': 3,
+    'tickfont': {'color': SOFT, 'size': 11},
+    'title': {'font': {'color': SOFT, 'size': 12}, 'standoff': 8},
+}
+TEMPLATE = Template(
+    layout={
+        'font': {'family': FONT, 'size': 12, 'color': INK},
+        'paper_bgcolor': PAPER,
+        'plot_bgcolor': PAPER,
+        'showlegend': False,
+        'hovermode': 'x unified',
+        'hoverlabel': {'bgcolor': PAPER, 'bordercolor': GRID, 'font': {'color': INK, 'size': 11}},
+        'margin': {'l': LEFT, 'r': RIGHT, 't': TOP, 'b': BOTTOM},
+        'xaxis': AXIS,
+        'yaxis': AXIS,
+        'annotationdefaults': {'showarrow': False, 'font': {'size': 11, 'color': SOFT}},
+    }
+)
+
+
+class Label(NamedTuple):
+    """A word at the right end of a line: text, height in the axis' unit, colour."""
+
+    text: str
+    height: float
+    colour: str
+
+
+def blank(rows: int = 1, heights: Sequence[float] | None = None) -> Figure:
+    """Return an empty picture of some rows that share their x axis."""
+    figure = make_subplots(
+        rows=rows,
+        cols=1,
+        shared_xaxes=True,
+        vertical_spacing=0.06,
+        row_heights=heights and list(heights),
+    )
+    return figure.update_layout(template=TEMPLATE)
+
+
+def thinned(time: Array, values: Array) -> tuple[Array, Array]:
+    """
+    Return a line in few enough points, the least and greatest of each stretch among them.
+
+    Parameters
+    ----------
+    time, values : ndarray, shape (n,)
+        The line.
+
+    Returns
+    -------
+    time, values : ndarray of float32, shape (at most MOST_POINTS,)
+        The same line as far as anyone can see.
+
+    """
+    if len(time) > MOST_POINTS:
+        count = MOST_POINTS // 2
+        length = len(time) // count + 1
+        padded = np.pad(values, (0, length * count - len(values)), mode='edge')
+        table = padded.reshape(count, length)
+        starts = np.arange(count) * length
+        found = np.stack([table.argmin(axis=1) + starts, table.argmax(axis=1) + starts])
+        keep = np.unique(np.clip(np.append(found.ravel(), 0), 0, len(time) - 1))
+        time, values = time[keep], values[keep]
+    return time.astype(np.float32), values.astype(np.float32)
+
+
+def line(
+    name: str,
+    time: Array,
+    values: Array,
+    colour: str,
+    *,
+    unit: str,
+    width: float = 1.6,
+    dash: str = 'solid',
+    steps: bool = False,
+) -> Scatter:
+    """Return a thin line; `steps` for what is held between messages."""
+    x, y = thinned(time, values)
+    return Scatter(
+        x=x,
+        y=y,
+        name=name,
+        mode='lines',
+        line={'color': colour, 'width': width, 'dash': dash, 'shape': 'hv' if steps else 'linear'},
+        hovertemplate=f'%{{y:.3~f}} {unit}',
+    )
+
+
+def dots(name: str, time: Array, values: Array, colour: str, *, unit: str) -> Scatter:
+    """Return raw measurements as small dots."""
+    x, y = thinned(time, values)
+    return Scatter(
+        x=x,
+        y=y,
+        name=name,
+        mode='markers',
+        marker={'color': colour, 'size': 2.5},
+        hovertemplate=f'%{{y:.3~f}} {unit}',
+    )
+
+
+def extent(*lines: Array, pad: float = 0.08) -> tuple[float, float]:
+    """Return the range that shows all that is finite, with a little air."""
+    values = np.concatenate([part[np.isfinite(part)] for part in lines])
+    if not len(values):
+        return 0.0, 1.0
+    low, high = float(values.min()), float(values.max())
+    air = pad * (high - low) or 0.1 * abs(high) or 1.0
+    return low - air, high + air
+
+
+def label_ends(
+    figure: Figure, labels: Sequence[Label], bounds: tuple[float, float], row: int = 1
+) -> None:
+    """
+    Write words beside the ends of lines, moved apart where they would touch.
+
+    Parameters
+    ----------
+    figure : Figure
+        Where the lines are.
+    labels : sequence of Label
+        The words.
+    bounds : tuple of float
+        Lower and upper end of the y axis; set as its range.
+    row : int
+        Row of the lines, from 1.
+
+    """
+    low, high = bounds
+    gap = 0.085 * (high - low)
+    heights: list[float] = []
+    ordered = sorted(labels, key=lambda label: label.height)
+    for label in ordered:
+        height = min(max(label.height, low), high)
+        heights.append(max(height, heights[-1] + gap) if heights else height)
+    for k in range(len(heights) - 1, -1, -1):
+        ceiling = high if k == len(heights) - 1 else heights[k + 1] - gap
+        heights[k] = min(heights[k], ceiling)
+    for label, height in zip(ordered, heights, strict=True):
+        figure.add_annotation(
+            x=1.0,
+            xref='x domain',
+            y=height,
+            xanchor='left',
+            xshift=6,
+            text=label.text,
+            font={'color': label.colour, 'size': 11},
+            row=row,
+            col=1,
+        )
+    figure.update_yaxes(range=[low, high], row=row)

@@ -1,0 +1,39 @@
+"""Figures as people read them: numbers with units, and the tiles at the head of a page."""
+
+from typing import Final, NamedTuple
+
+MISSING: Final = '\N{EN DASH}'
+
+
+class Tile(NamedTuple):
+    """One figure large: what, how much, in which unit, and what belongs to it."""
+
+    name: str
+    value: str
+    unit: str
+    note: str
+
+
+def number(value: float | None, digits: int = 2, factor: float = 1.0) -> str:
+    """Return a figure as people read it."""
+    if value is None:
+        return MISSING
+    text = f'{value * factor:.{digits}f}'
+    if float(text) == 0.0:
+        text = text.removeprefix('-')
+    return text.replace('-', '\N{MINUS SIGN}')
+
+
+def spread(value: float | None, deviation: float | None, unit: str) -> str:
+    """Return a figure with its spread and unit."""
+    if value is None:
+        return MISSING
+    return f'{number(value)} \N{PLUS-MINUS SIGN} {number(deviation)} {unit}'
+
+
+def amount(value: float | None, unit: str, digits: int = 2, factor: float = 1.0) -> str:
+    """Return a figure with its unit."""
+    if value is None:
+        return MISSING
+    gap = '' if unit.startswith('°') else ' '
+    return f'{number(value, digits, factor)}{gap}{unit}'

@@ -1,0 +1,211 @@
+"""Looking at a page as a person would: what it shows, what it complains of, and pictures of it."""
+
+import base64
+from collections.abc import Mapping
+import math
+from pathlib import Path
+from typing import Any, Final, final, Literal, NamedTuple
+
+from lta_config.errors import BadInput, unknown
+from lta_report.browser import Browser
+from lta_report.frame import written
+
+Theme = Literal['light', 'dark']
+WIDTH: Final = 1280  # px, a laptop
+SHARPNESS: Final = 2  # pixels of a picture per px of the page
+TOP: Final = 'top'
+COUNT_PANELS: Final = """
+[...document.querySelectorAll('.plot')].map((plot) => {
+  const paper = plot.querySelector('svg.main-svg');
+  const box = paper ? paper.getBoundingClientRect() : { width: 0, height: 0 };
+  const marks = plot.querySelectorAll(
+    '.scatterlayer path, .heatmaplayer image, .contourlayer path, canvas').length;
+  return { name: plot.dataset.panel, traces: plot.data ? plot.data.length : 0, marks,
+           width: box.width, height: box.height };
+})"""
+BOX: Final = """
+(() => {
+  const rise = window.scrollY;
+  const box = (element) => element.getBoundingClientRect();
+  if ('%(panel)s' === 'top') {
+    const end = document.querySelector('.tiles ~ :not(noscript)');
+    return { x: 0, y: 0, width: innerWidth, height: box(end).bottom + rise + 16 };
+  }
+  const panel = document.getElementById('panel-%(panel)s');
+  if (!panel) return null;
+  const { x, y, width, height } = box(panel);
+  return { x, y: y + rise, width, height };
+})()"""
+
+# Plotly draws again a tenth of a second after the window has changed, over several frames.
+SETTLED: Final = """
+Promise.all([...(document.getElementById('panel-%(panel)s') ?? document).querySelectorAll('.plot')]
+  .filter((plot) => plot.data && plot.offsetParent)
+  .map((plot) => Plotly.Plots.resize(plot)))
+  .then(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))))
+  .then(() => true)"""
+
+
+@final
+class Drawn(NamedTuple):
+    """One picture of an opened page: traces, marks on the paper, and its size. [px]"""
+
+    name: str
+    traces: int
+    marks: int
+    width: float
+    height: float
+
+
+@final
+class Check(NamedTuple):
+    """What a browser makes of a page: its complaints, what it fetched, and what it drew."""
+
+    messages: list[str]
+    fetched: list[str]
+    panels: list[Drawn]
+
+
+def check(page: Path, theme: Theme = 'light', width: int = WIDTH) -> Check:
+    """
+    Open a page and tell what it shows.
+
+    Parameters
+    ----------
+    page : Path
+        HTML file.
+    theme : str
+        What the reader prefers, 'light' or 'dark'.
+    width : int
+        Width of the window. [px]
+
+    Raises
+    ------
+    BadInput
+        If there is no browser or no page.
+
+    """
+    with Browser() as browser:
+        show(browser, page, theme, width)
+        panels = [Drawn(**panel) for panel in browser.evaluate(COUNT_PANELS)]
+        return Check(complaints(browser), fetched(browser, page), panels)
+
+
+def picture(
+    page: Path, out: Path, panel: str = TOP, theme: Theme = 'light', width: int = WIDTH
+) -> None:
+    """
+    Write one panel of a page, or its top with the outcome and the path, as PNG.
+
+    Parameters
+    ----------
+    page : Path
+        HTML file.
+    out : Path
+        PNG file to write.
+    panel : str
+        Name of a panel, or 'top'.
+    theme, width
+        As in `check`.
+
+    Raises
+    ------
+    BadInput
+        If there is no browser, no page or no such panel.
+
+    """
+    with Browser() as browser:
+        show(browser, page, theme, width)
+        take(browser, panel, out)
+
+
+def write_pictures(page: Path, folder: Path, theme: Theme = 'light') -> list[Path]:
+    """
+    Write the top of a page and each of its panels as PNG, named by panel, and return the files.
+
+    Raises
+    ------
+    BadInput
+        If there is no browser or no page.
+
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    with Browser() as browser:
+        show(browser, page, theme, WIDTH)
+        names = [TOP, *(panel['name'] for panel in browser.evaluate(COUNT_PANELS))]
+        for name in names:
+            take(browser, name, folder / f'{name}.png')
+    return [folder / f'{name}.png' for name in names]
+
+
+def show(browser: Browser, page: Path, theme: Theme, width: int) -> None:
+    """Open a page and wait until everything on it is drawn."""
+    if not page.is_file():
+        raise BadInput(f"There is no page '{page}'; check the path.")
+    preference = [{'name': 'prefers-color-scheme', 'value': theme}]
+    browser.call('Emulation.setEmulatedMedia', features=preference)
+    window(browser, width, 900)
+    browser.call('Page.navigate', url=page.resolve().as_uri())
+    browser.wait('document.documentElement.dataset.drawn')
+
+
+def window(browser: Browser, width: int, height: int) -> None:
+    """Give the window a size. [px]"""
+    browser.call(
+        'Emulation.setDeviceMetricsOverride',
+        width=width,
+        height=height,
+        deviceScaleFactor=SHARPNESS,
+        mobile=False,
+    )
+
+
+def take(browser: Browser, panel: str, out: Path) -> None:
+    """Write one part of the opened page as PNG."""
+    box = place_of(browser, panel)
+    # Chromium would enlarge the window by itself for the shot, and not wait for what that changes.
+    window(browser, browser.evaluate('innerWidth'), max(math.ceil(box['height']), 1))
+    if browser.evaluate(SETTLED % {'panel': panel}) is not True:
+        raise BadInput(f'The {panel} of the page is not drawn; open the page by hand.')
+    browser.evaluate("document.getElementById('bar')?.style.setProperty('visibility', 'hidden')")
+    box = place_of(browser, panel)
+    browser.evaluate(f'scrollTo(0, {box["y"]})')
+    shot = browser.call('Page.captureScreenshot', format='png', clip={**box, 'scale': 1})
+    written(base64.b64decode(shot['data']), out)
+
+
+def place_of(browser: Browser, panel: str) -> Mapping[str, float]:
+    """Return where on the opened page a part of it is. [px]"""
+    box: Mapping[str, float] | None = browser.evaluate(BOX % {'panel': panel})
+    if box is None:
+        known = [found['name'] for found in browser.evaluate(COUNT_PANELS)]
+        raise unknown('panel', panel, [TOP, *known])
+    return box
+
+
+def complaints(browser: Browser) -> list[str]:
+    """Return what the page wrote to the console, and errors nobody caught."""
+    found = []
+    for method, event in browser.events:
+        if method == 'Runtime.consoleAPICalled':
+            found.append(' '.join(str(part.get('value', part)) for part in event['args']))
+        elif method == 'Runtime.exceptionThrown':
+            found.append(thrown(event['exceptionDetails']))
+        elif method == 'Log.entryAdded':
+            found.append(event['entry']['text'])
+    return found
+
+
+def thrown(details: Mapping[str, Any]) -> str:
+    """Return an uncaught error as text."""
+    return str(details.get('exception', {}).get('description', details['text']))
+
+
+def fetched(browser: Browser, page: Path) -> list[str]:
+    """Return every address that was asked for, except the page itself and data in it."""
+    asked = [
+        event['request']['url']
+        for method, event in browser.events
+        if method == 'Network.requestWillBeSent'
+    ]
+    return [url for url in asked if url != page.resolve().as_uri() and not url.startswith('data:')]

@@ -1,0 +1,121 @@
+"""What the air is at the start and at the walls: the files of the folder 0."""
+
+from collections.abc import Mapping, Sequence
+import math
+from typing import Final
+
+from lta_sim.cfd.openfoam.dictionary import dictionary, Entry
+from lta_sim.cfd.openfoam.numerics import EDDY_VISCOSITY
+
+INTENSITY, EDDY = 0.005, 0.05  # turbulence of the oncoming air, and the size of its eddies [m]
+K: Final = 1.5 * INTENSITY**2  # at 1 m/s [m2/s2]
+OMEGA: Final = math.sqrt(K) / (0.09**0.25 * EDDY)  # [1/s]
+# Langtry and Menter 2009, for an intensity of 0.5 %.
+THETA: Final = 1173.51 - 589.428 * 0.5 + 0.2196 / 0.25
+# No eddies come with the air where they are solved: a layer along a hull is laminar until it
+# leaves it, as on real ones below the drag crisis ("tripless", Travin et al. 2000). What the wake
+# lives on is in the air at the start, a few times the viscosity.
+CLEAN: Final = 'uniform 1e-12'
+SEED: Final = 5.0
+
+DIMENSIONS: Final = {
+    'U': '[0 1 -1 0 0 0 0]', 'p': '[0 2 -2 0 0 0 0]', 'k': '[0 2 -2 0 0 0 0]',
+    'omega': '[0 0 -1 0 0 0 0]', 'nut': '[0 2 -1 0 0 0 0]', 'ReThetat': '[0 0 0 0 0 0 0]',
+    'gammaInt': '[0 0 0 0 0 0 0]', 'nuTilda': '[0 2 -1 0 0 0 0]',
+}  # fmt: skip
+INSIDE: Final[Mapping[str, str]] = {
+    'U': 'uniform (1 0 0)', 'p': 'uniform 0', 'k': f'uniform {K:.8g}',
+    'omega': f'uniform {OMEGA:.8g}', 'nut': 'uniform 0', 'ReThetat': f'uniform {THETA:.6g}',
+    'gammaInt': 'uniform 1',
+}  # fmt: skip
+ZERO: Final = {'type': 'zeroGradient'}
+WALL: Final[Mapping[str, Mapping[str, Entry]]] = {
+    'U': {'type': 'noSlip'},
+    'p': ZERO,
+    'k': {'type': 'kLowReWallFunction', 'value': '$internalField'},
+    'omega': {'type': 'omegaWallFunction', 'blended': True, 'value': '$internalField'},
+    'nut': {'type': 'nutUSpaldingWallFunction', 'value': '$internalField'},
+    'ReThetat': ZERO,
+    'gammaInt': ZERO,
+    'nuTilda': {'type': 'fixedValue', 'value': 'uniform 0'},
+}
+
+STEADY: Final = ('U', 'p', 'k', 'omega', 'nut')
+TRANSITION: Final = (*STEADY, 'ReThetat', 'gammaInt')
+DETACHED: Final = ('U', 'p', 'nut', *EDDY_VISCOSITY)
+
+
+def _flows(name: str) -> Mapping[str, Entry]:
+    """Return a boundary that the air leaves freely and enters as it is far away."""
+    return {'type': 'inletOutlet', 'inletValue': _oncoming(name), 'value': '$internalField'}
+
+
+def _oncoming(name: str) -> str:
+    return CLEAN if name in EDDY_VISCOSITY else '$internalField'
+
+
+def _calculated(name: str) -> Mapping[str, Entry]:
+    return {'type': 'calculated', 'value': '$internalField'}
+
+
+def _file(name: str, inside: str, boundary: Mapping[str, Mapping[str, Entry]]) -> str:
+    kind = 'volVectorField' if name == 'U' else 'volScalarField'
+    return dictionary(
+        name,
+        {'dimensions': DIMENSIONS[name], 'internalField': inside, 'boundaryField': boundary},
+        kind,
+    )
+
+
+def tunnel_fields(
+    names: Sequence[str], walls: Sequence[str], planes: Sequence[str], viscosity: float = 0.0
+) -> dict[str, str]:
+    """
+    Return the fields of a wind tunnel in which the air comes along x with 1 m/s.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Fields that the solver wants.
+    walls : sequence of str
+        Patches of the bodies.
+    planes : sequence of str
+        Planes of symmetry.
+    viscosity : float
+        Kinematic, of which `nuTilda` begins with some. [m2/s]
+
+    """
+    files = {}
+    for name in names:
+        inlet: Mapping[str, Entry] = {'type': 'fixedValue', 'value': _oncoming(name)}
+        outlet = _flows(name)
+        if name == 'p':
+            inlet, outlet = ZERO, {'type': 'fixedValue', 'value': 'uniform 0'}
+        elif name == 'nut':
+            inlet = outlet = _calculated(name)
+        inside = f'uniform {SEED * viscosity:.6g}' if name in EDDY_VISCOSITY else INSIDE[name]
+        files[f'0/{name}'] = _file(name, inside, {
+            'inlet': inlet,
+            'outlet': outlet,
+            'sides': {'type': 'slip'},
+            **{plane: {'type': 'symmetryPlane'} for plane in planes},
+            **dict.fromkeys(walls, WALL[name]),
+        })  # fmt: skip
+    return files
+
+
+def still_fields(names: Sequence[str], walls: Sequence[str]) -> dict[str, str]:
+    """Return the fields of a box of still air with open faces; parameters as `tunnel_fields`."""
+    files = {}
+    for name in names:
+        far = _flows(name)
+        if name == 'U':
+            far = {'type': 'pressureInletOutletVelocity', 'value': 'uniform (0 0 0)'}
+        elif name == 'p':
+            far = {'type': 'totalPressure', 'p0': 'uniform 0', 'value': 'uniform 0'}
+        elif name == 'nut':
+            far = _calculated(name)
+        inside = 'uniform (0 0 0)' if name == 'U' else INSIDE[name]
+        boundary = {'far': far, **dict.fromkeys(walls, WALL[name])}
+        files[f'0/{name}'] = _file(name, inside, boundary)
+    return files

@@ -1,0 +1,222 @@
+"""
+Meshes: a block of cubes, refined towards the bodies by snappyHexMesh, with layers on the hull.
+
+All lengths are in lengths of the hull, so that a mesh of a small drone is that of a large one.
+The base cube is a quarter of it; each level halves it.
+"""
+
+from collections.abc import Container, Mapping, Sequence
+from io import BytesIO
+from typing import Final
+
+from lta_sim.cfd.model import HULL
+from lta_sim.cfd.openfoam.case import Case, Step
+from lta_sim.cfd.openfoam.dictionary import dictionary, Entry
+import numpy as np
+from numpy.typing import NDArray
+import trimesh
+
+Array = NDArray[np.float64]
+SURFACES: Final = 'constant/triSurface/'
+BASE: Final = 0.25  # of the hull's length
+FEATURE: Final = 130.0  # deg: layers go around the edges of boxes
+QUALITY: Final[Mapping[str, Entry]] = {
+    'maxNonOrtho': 65, 'maxBoundarySkewness': 20, 'maxInternalSkewness': 4, 'maxConcave': 80,
+    'minVol': 1e-16, 'minTetQuality': 1e-15, 'minArea': -1, 'minTwist': 0.02,
+    'minDeterminant': 0.001, 'minFaceWeight': 0.05, 'minVolRatio': 0.01,
+    'minTriangleTwist': -1, 'nSmoothScale': 4, 'errorReduction': 0.75,
+    'relaxed': {'maxNonOrtho': 75},
+}  # fmt: skip
+
+
+def block(low: Array, high: Array, size: float, patches: Mapping[str, Sequence[str]]) -> str:
+    """
+    Return blockMeshDict of a box of cubes.
+
+    Parameters
+    ----------
+    low, high : array (3,)
+        Corners. [m]
+    size : float
+        Edge of a cube. [m]
+    patches : mapping of str to sequence of str
+        Faces ('x-', 'z+' ...) of each patch; a name with 'symmetry' is a plane of symmetry.
+
+    """
+    counts = np.maximum(np.rint((high - low) / size), 1).astype(int)
+    ends = (low, high)
+    corners = [
+        (i, j, k) for k in (0, 1) for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))
+    ]  # as blockMesh counts them
+    vertices = [[float(ends[c[a]][a]) for a in range(3)] for c in corners]
+    faces = {
+        'x-': [0, 4, 7, 3], 'x+': [1, 2, 6, 5], 'y-': [0, 1, 5, 4], 'y+': [3, 7, 6, 2],
+        'z-': [0, 3, 2, 1], 'z+': [4, 5, 6, 7],
+    }  # fmt: skip
+    boundary: list[Entry] = []
+    for name, sides in patches.items():
+        kind = 'symmetryPlane' if 'symmetry' in name else 'patch'
+        boundary += [name, {'type': kind, 'faces': [faces[side] for side in sides]}]
+    return dictionary('blockMeshDict', {
+        'scale': 1,
+        'vertices': vertices,
+        'blocks': ['hex', list(range(8)), counts.tolist(), 'simpleGrading', [1, 1, 1]],
+        'boundary': boundary,
+    })  # fmt: skip
+
+
+def snappy(
+    bodies: Mapping[str, int],
+    cube: float,
+    regions: Mapping[str, tuple[Mapping[str, Entry], int]],
+    inside: Sequence[float],
+    shell: tuple[float, int],
+    layers: int,
+    expansion: float,
+    most: int,
+) -> str:
+    """
+    Return snappyHexMeshDict.
+
+    Parameters
+    ----------
+    bodies : mapping of str to int
+        Level of refinement on each surface.
+    cube : float
+        Edge of the base cube. [m]
+    regions : mapping of str to (mapping, int)
+        Shape of each refined region, and its level.
+    inside : sequence of 3 floats
+        A point in the air. [m]
+    shell : (float, int)
+        How far around the hull the air is refined [m], and its level.
+    layers, expansion : int, float
+        Of prisms on the hull.
+    most : int
+        Cells that there may be.
+
+    """
+    geometry: dict[str, Entry] = {
+        f'{name}.stl': {'type': 'triSurfaceMesh', 'name': name} for name in bodies
+    }
+    geometry |= {name: shape for name, (shape, _) in regions.items()}
+    around: dict[str, Entry] = {
+        name: {'mode': 'inside', 'levels': [[1e15, level]]} for name, (_, level) in regions.items()
+    }
+    around[HULL] = {'mode': 'distance', 'levels': [list(shell)]}
+    around |= {
+        name: {'mode': 'distance', 'levels': _shells(cube, level)}
+        for name, level in bodies.items()
+        if name != HULL
+    }
+    return dictionary('snappyHexMeshDict', {
+        'castellatedMesh': True, 'snap': True, 'addLayers': layers > 0,
+        'geometry': geometry,
+        'castellatedMeshControls': {
+            'maxLocalCells': most, 'maxGlobalCells': most, 'minRefinementCells': 10,
+            'nCellsBetweenLevels': 3, 'features': [], 'resolveFeatureAngle': 30,
+            'allowFreeStandingZoneFaces': True, 'locationInMesh': list(inside),
+            'refinementSurfaces': {
+                name: {'level': [level, level], 'patchInfo': {'type': 'wall'}}
+                for name, level in bodies.items()
+            },
+            'refinementRegions': around,
+        },
+        'snapControls': {
+            'nSmoothPatch': 3, 'tolerance': 2.0, 'nSolveIter': 30, 'nRelaxIter': 5,
+            'nFeatureSnapIter': 10, 'implicitFeatureSnap': True, 'explicitFeatureSnap': False,
+            'multiRegionFeatureSnap': False,
+        },
+        'addLayersControls': {
+            'relativeSizes': True, 'layers': {HULL: {'nSurfaceLayers': layers}},
+            'expansionRatio': expansion, 'finalLayerThickness': 0.35, 'minThickness': 0.02,
+            'nGrow': 0, 'featureAngle': FEATURE, 'slipFeatureAngle': 30, 'nRelaxIter': 5,
+            'nSmoothSurfaceNormals': 1, 'nSmoothNormals': 3, 'nSmoothThickness': 10,
+            'maxFaceThicknessRatio': 0.5, 'maxThicknessToMedialRatio': 0.3,
+            'minMedialAxisAngle': 90, 'nBufferCellsNoExtrude': 0, 'nLayerIter': 50,
+            'nRelaxedIter': 20,
+        },
+        'meshQualityControls': QUALITY,
+        'writeFlags': [], 'mergeTolerance': 1e-6,
+    })  # fmt: skip
+
+
+def mesh_case(
+    name: str,
+    surfaces: Mapping[str, trimesh.Trimesh],
+    block_text: str,
+    snappy_text: str,
+    cells: int,
+    zones: str = '',
+) -> Case:
+    """
+    Return the case that makes a mesh.
+
+    Parameters
+    ----------
+    name : str
+        Of the mesh.
+    surfaces : mapping of str to Trimesh
+        As they stand in the tunnel.
+    block_text, snappy_text : str
+        Its two dictionaries.
+    cells : int
+        As expected.
+    zones : str
+        topoSetDict of the zones that are cut out of it, if any.
+
+    """
+    from lta_sim.cfd.openfoam.numerics import control, solution, steady_schemes
+
+    files: dict[str, str | bytes] = {
+        f'{SURFACES}{each}.stl': _stl(mesh) for each, mesh in surfaces.items()
+    }
+    files |= {
+        'system/blockMeshDict': block_text,
+        'system/snappyHexMeshDict': snappy_text,
+        'system/controlDict': control('snappyHexMesh', 0, 1, {}),
+        'system/fvSchemes': steady_schemes(),
+        'system/fvSolution': solution(),
+    }
+    steps = [
+        Step('block', ('blockMesh',)),
+        Step('snappy', ('snappyHexMesh', '-overwrite'), rounds=60),
+    ]
+    if zones:
+        files['system/topoSetDict'] = zones
+        steps.append(Step('zones', ('topoSet',)))
+    steps.append(Step('check', ('checkMesh',)))
+    return Case(name, files, steps, cells=cells)
+
+
+def _shells(cube: float, level: int) -> list[Entry]:
+    """
+    Return how near to a body the air is refined, level by level.
+
+    A surface is only seen between the middles of two cells, so a thin plate or bar would be missed
+    by coarse ones: they are refined where a corner of theirs may touch it.
+    """
+    return [[2.0 * cube * 2.0**-each, each] for each in range(level, 2, -1)]
+
+
+def standing(mesh: Case, patches: Container[str]) -> list[str]:
+    """Return the bodies of a mesh that reach into the part of the tunnel that is solved."""
+    found = []
+    for path, data in mesh.files.items():
+        if not path.startswith(SURFACES):
+            continue
+        assert isinstance(data, bytes)
+        _, high_y, high_z = trimesh.load_mesh(BytesIO(data), file_type='stl').bounds[1]
+        # Of a tunnel that is cut, y > 0 and z > 0 is left.
+        if not ('symmetryY' in patches and high_y <= 0.0) and not (
+            'symmetryZ' in patches and high_z <= 0.0
+        ):
+            found.append(path.removeprefix(SURFACES).removesuffix('.stl'))
+    return found
+
+
+def _stl(mesh: trimesh.Trimesh) -> bytes:
+    """Return a surface as binary STL."""
+    data = mesh.export(file_type='stl')
+    assert isinstance(data, bytes)
+    return data

@@ -1,0 +1,246 @@
+"""
+Schemes, solvers and control of the solvers, as they proved themselves on round bodies.
+
+Steady: SIMPLEC with a bounded second-order scheme. Transient: implicit large eddies, no model but
+LUST's own dissipation; where that brings the drag crisis too early (`tunnel.MODELLED`), detached
+eddies (Spalart's DDES). The air brings none, so that the layer along a hull is laminar until it
+leaves it.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Final
+
+from lta_sim.cfd.openfoam.dictionary import dictionary, Entry
+
+TURBULENT: Final = ('k', 'omega', 'ReThetat', 'gammaInt')
+EDDY_VISCOSITY: Final = ('nuTilda',)
+LIMITED: Final = ('k', 'omega', 'nuTilda')  # gradients
+
+_COMMON: Final[Mapping[str, Entry]] = {
+    'interpolationSchemes': {'default': 'linear'},
+    'laplacianSchemes': {'default': 'Gauss linear limited corrected 0.5'},
+    'snGradSchemes': {'default': 'limited corrected 0.5'},
+    'wallDist': {'method': 'meshWave'},
+}
+
+
+def steady_schemes(carried: Sequence[str] = TURBULENT) -> str:
+    """Return fvSchemes of simpleFoam, for a model that carries some fields along."""
+    limited: Entry = 'cellLimited Gauss linear 1'
+    return dictionary('fvSchemes', {
+        'ddtSchemes': {'default': 'steadyState'},
+        'gradSchemes': {
+            'default': 'Gauss linear', 'grad(U)': limited,
+            **{f'grad({each})': limited for each in carried if each in LIMITED},
+        },
+        'divSchemes': {
+            'default': 'none',
+            'div(phi,U)': 'bounded Gauss linearUpwindV grad(U)',
+            **{f'div(phi,{each})': 'bounded Gauss upwind' for each in carried},
+            'div((nuEff*dev2(T(grad(U)))))': 'Gauss linear',
+        },
+        **_COMMON,
+    })  # fmt: skip
+
+
+def transient_schemes() -> str:
+    """Return fvSchemes of pimpleFoam."""
+    return dictionary('fvSchemes', {
+        'ddtSchemes': {'default': 'backward'},
+        'gradSchemes': {'default': 'Gauss linear'},
+        'divSchemes': {
+            'default': 'none',
+            **{f'div(phi,{each})': 'Gauss limitedLinear 1' for each in EDDY_VISCOSITY},
+            'div(phi,U)': 'Gauss LUST grad(U)',
+            'div((nuEff*dev2(T(grad(U)))))': 'Gauss linear',
+        },
+        **_COMMON,
+    })  # fmt: skip
+
+
+def solution(
+    velocity: float = 0.8, turbulence: float = 0.7, carried: Sequence[str] = TURBULENT
+) -> str:
+    """
+    Return fvSolution for both solvers.
+
+    Parameters
+    ----------
+    velocity, turbulence : float
+        Relaxation of the steady solver. [1]
+    carried : sequence of str
+        Fields that the model of turbulence carries along.
+
+    """
+    model = '|'.join(carried)
+    pressure: dict[str, Entry] = {
+        'solver': 'GAMG',
+        'smoother': 'GaussSeidel',
+        'tolerance': 1e-8,
+        'relTol': 0.05,
+    }
+    others: dict[str, Entry] = {
+        'solver': 'smoothSolver',
+        'smoother': 'symGaussSeidel',
+        'tolerance': 1e-10,
+    }
+    return dictionary('fvSolution', {
+        'solvers': {
+            'p': pressure,
+            'pFinal': {**pressure, 'tolerance': 1e-7, 'relTol': 0.01},
+            'Phi': pressure,
+            f'"(U|{model})"': {**others, 'relTol': 0.1},
+            'UFinal': {**others, 'relTol': 0.01},
+        },
+        'SIMPLE': {'consistent': 'yes', 'nNonOrthogonalCorrectors': 0, 'pRefCell': 0,
+                   'pRefValue': 0},
+        'PIMPLE': {'nOuterCorrectors': 1, 'nCorrectors': 2, 'nNonOrthogonalCorrectors': 0},
+        'relaxationFactors': {
+            'fields': {'p': 1.0},
+            'equations': {'U': velocity, f'"({model})"': turbulence},
+        },
+    })  # fmt: skip
+
+
+def transient_solution() -> str:
+    """
+    Return fvSolution of pimpleFoam.
+
+    Undamped convection over a large step is no matrix that Gauss and Seidel's sweeps converge on:
+    the velocity takes a Krylov solver.
+    """
+    pressure: dict[str, Entry] = {'solver': 'GAMG', 'smoother': 'GaussSeidel'}
+    return dictionary('fvSolution', {
+        'solvers': {
+            'p': {**pressure, 'tolerance': 1e-8, 'relTol': 0.05},
+            'pFinal': {**pressure, 'tolerance': 1e-7, 'relTol': 0.01},
+            f'"(U|{"|".join(EDDY_VISCOSITY)})Final"': {
+                'solver': 'PBiCGStab', 'preconditioner': 'DILU', 'tolerance': 1e-10,
+                'relTol': 0.01,
+            },
+        },
+        'PIMPLE': {'nOuterCorrectors': 1, 'nCorrectors': 2, 'nNonOrthogonalCorrectors': 0,
+                   'pRefCell': 0, 'pRefValue': 0},
+    })  # fmt: skip
+
+
+def control(
+    program: str,
+    begin: float,
+    end: float,
+    functions: Mapping[str, Entry],
+    largest_step: float | None = None,
+    courant: float = 3.0,
+) -> str:
+    """
+    Return controlDict.
+
+    Parameters
+    ----------
+    program : str
+        The solver.
+    begin, end : float
+        Iterations of a steady solver, seconds of a transient one.
+    functions : mapping
+        Function objects.
+    largest_step : float, optional
+        Of a transient solver. [s]
+    courant : float
+        Largest Courant number of a transient solver. [1]
+
+    """
+    entries: dict[str, Entry] = {
+        'application': program,
+        'startFrom': 'startTime', 'startTime': begin, 'stopAt': 'endTime', 'endTime': end,
+        'deltaT': 1 if largest_step is None else largest_step / 20.0,
+        'writeControl': 'runTime' if largest_step is None else 'adjustableRunTime',
+        'writeInterval': end - begin,
+        'purgeWrite': 0, 'writeFormat': 'binary', 'writePrecision': 8, 'timePrecision': 8,
+        'runTimeModifiable': False,
+    }  # fmt: skip
+    if largest_step is not None:
+        entries |= {'adjustTimeStep': True, 'maxCo': courant, 'maxDeltaT': largest_step}
+    return dictionary('controlDict', {**entries, 'functions': functions})
+
+
+def clock(now: int, step: float) -> str:
+    """
+    Return the file in which a solver keeps its time; another's step of 1 would be gone on with.
+
+    Parameters
+    ----------
+    now : int
+        Iterations so far, which become seconds.
+    step : float
+        To go on with. [s]
+
+    """
+    return dictionary(
+        'time',
+        {'value': now, 'name': f'"{now}"', 'index': now, 'deltaT': step, 'deltaT0': step},
+    )
+
+
+def forces_on(patches: Mapping[str, str]) -> dict[str, Entry]:
+    """
+    Return function objects that tell the force on patches every round, about the origin.
+
+    Parameters
+    ----------
+    patches : mapping of str to str
+        A patch or a pattern of them by the name of what is told.
+
+    """
+    return {
+        f'forces_{name}': {
+            'type': 'forces', 'libs': ['forces'], 'patches': [patch], 'rho': 'rhoInf',
+            'rhoInf': 1, 'CofR': [0, 0, 0], 'log': False, 'writeControl': 'timeStep',
+            'writeInterval': 1,
+        }
+        for name, patch in patches.items()
+    }  # fmt: skip
+
+
+def momentum_through(patches: tuple[str, ...]) -> dict[str, Entry]:
+    """Return function objects that tell the momentum that leaves through patches."""
+    return {
+        f'momentum_{patch}': {
+            'type': 'surfaceFieldValue', 'libs': ['fieldFunctionObjects'], 'regionType': 'patch',
+            'name': patch, 'operation': 'weightedSum', 'weightField': 'phi', 'fields': ['U'],
+            'writeFields': False, 'log': False, 'writeControl': 'timeStep', 'writeInterval': 1,
+        }
+        for patch in patches
+    }  # fmt: skip
+
+
+def slice_through(normal: tuple[int, int, int], size: float) -> dict[str, Entry]:
+    """
+    Return a function object that writes the speed in a plane through the middle at the end.
+
+    The plane is a five-hundredth of `size` [m] aside: on a plane of symmetry there are no cells.
+    """
+    aside = [0.002 * size * each for each in normal]
+    return {
+        'slice': {
+            'type': 'surfaces', 'libs': ['sampling'], 'writeControl': 'writeTime',
+            'surfaceFormat': 'raw', 'interpolationScheme': 'cellPoint', 'fields': ['U'],
+            'surfaces': {
+                'plane': {
+                    'type': 'cuttingPlane', 'planeType': 'pointAndNormal',
+                    'pointAndNormalDict': {'point': aside, 'normal': list(normal)},
+                    'interpolate': True,
+                },
+            },
+        },
+    }  # fmt: skip
+
+
+def pressure_on(patches: Iterable[str]) -> dict[str, Entry]:
+    """Return a function object that writes the pressure on the faces of patches at the end."""
+    return {
+        'pressure': {
+            'type': 'surfaces', 'libs': ['sampling'], 'writeControl': 'writeTime',
+            'surfaceFormat': 'raw', 'interpolationScheme': 'cell', 'fields': ['p'],
+            'surfaces': {name: {'type': 'patch', 'patches': [name]} for name in patches},
+        },
+    }  # fmt: skip

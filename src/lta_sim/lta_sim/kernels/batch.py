@@ -1,0 +1,149 @@
+"""
+Many vehicles on the CPU: the same effects, side by side in vector registers and on all cores.
+
+A vehicle's state is the scalar kernel's to the last bit: the compiler may do the same arithmetic
+for several vehicles at once, but not other arithmetic.
+"""
+
+from concurrent.futures import ThreadPoolExecutor
+from functools import cache
+import os
+from string import Template
+from types import ModuleType
+
+from lta_config.compilation.compiled import OWN
+from lta_config.compilation.kernel_cache import load
+from lta_model.effects import EFFECTS
+from lta_sim.kernels.columns import Columns
+from lta_sim.kernels.compose import Form, kernel_source
+from lta_sim.kernels.fleet import columns, Fleet
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+ENTRIES = '''
+# The numbers of a block that are touched stay in the first-level cache.
+WIDTH = 16
+
+
+$loops
+
+
+$LOOP
+def slopes(fixed, on, trial, rate, scratch):
+    """Write d/dt of a block of states; what no vehicle has on is left out."""
+$calls
+
+
+$LOOP
+def ahead(state, rate, dt, trial):
+    """Write a block of states after dt at constant rates."""
+    for k in range($size * WIDTH):
+        trial[k] = state[k] + dt * rate[k]
+
+
+$LOOP
+def step(state, a, b, c, d, dt):
+    """End a step of a block of states: the mean rate, then quaternions of length one."""
+    for k in range($size * WIDTH):
+        state[k] = state[k] + dt * ((a[k] + 2.0 * (b[k] + c[k]) + d[k]) / 6.0)
+    for i in range(WIDTH):
+        x, y = state[3 * WIDTH + i], state[4 * WIDTH + i]
+        z, w = state[5 * WIDTH + i], state[6 * WIDTH + i]
+        n = 1.0 / math.sqrt(x * x + y * y + z * z + w * w)
+        state[3 * WIDTH + i], state[4 * WIDTH + i] = x * n, y * n
+        state[5 * WIDTH + i], state[6 * WIDTH + i] = z * n, w * n
+
+
+$ENTRY
+def advance_blocks(fixed, on, states, dt, steps):
+    """Advance blocks of WIDTH vehicles; a row of `fixed`, `on` and `states` is a block."""
+    trial, scratch = np.empty($size * WIDTH), np.empty($scratch * WIDTH)
+    stages = np.empty((4, $size * WIDTH))
+    for block in range(states.shape[0]):
+        state = states[block]
+        stages[:] = 0.0  # memory of effects that are off stays as it is
+        for _ in range(steps):
+            trial[:] = state
+            for stage in range(4):
+                slopes(fixed[block], on[block], trial, stages[stage], scratch)
+                h = dt if stage == 2 else 0.5 * dt
+                ahead(state, stages[stage], h, trial)
+            step(state, stages[0], stages[1], stages[2], stages[3], dt)
+'''
+
+FORM = Form(
+    'from numba import njit\nimport numpy as np\n',
+    f'@njit({OWN}, forceinline=True)',
+    "@njit(error_model='numpy', fastmath=False, nogil=True, cache=True)",
+    Columns('WIDTH', 'trial'),
+    Template(ENTRIES),
+)
+
+
+@cache
+def _kernel() -> ModuleType:
+    """Return the kernel of all effects."""
+    return load(kernel_source(EFFECTS, FORM))
+
+
+def _blocks(rows: NDArray[np.float64], width: int) -> NDArray[np.float64]:
+    """Return blocks of vehicles from columns; the last vehicle fills up the last block."""
+    filled = np.pad(rows, ((0, 0), (0, -rows.shape[1] % width)), mode='edge')
+    blocks = filled.reshape(len(rows), -1, width).swapaxes(0, 1)
+    return np.ascontiguousarray(blocks).reshape(len(blocks), -1)
+
+
+def advance_many(
+    states: ArrayLike,
+    fleet: Fleet,
+    commands: ArrayLike,
+    surroundings: ArrayLike,
+    dt: float,
+    steps: int,
+) -> NDArray[np.float64]:
+    """
+    Return the states after `steps` classical Runge-Kutta steps under constant commands.
+
+    Parameters
+    ----------
+    states : array_like, shape (V, N)
+        Layout of `lta_model.state`, SI.
+    fleet : Fleet
+        The vehicles.
+    commands : array_like, shape (V, up to COMMAND)
+        Duties and the place of the moving mass.
+    surroundings : array_like, shape (V, up to SURROUNDINGS)
+        Wind, noise, irradiance, voltage.
+    dt : float
+        Length of a step; below about 2.7 times the shortest time constant. [s]
+    steps : int
+        Number of steps.
+
+    Returns
+    -------
+    ndarray, shape (V, N)
+        The later states, each as `kernel.advance` gives it, to the last bit.
+
+    Raises
+    ------
+    ValueError
+        If an array has the wrong shape.
+
+    """
+    kernel = _kernel()
+    fixed, state = columns(states, fleet, commands, surroundings)
+    size, count = state.shape
+    kept, moving = _blocks(fixed, kernel.WIDTH), _blocks(state, kernel.WIDTH)
+    starts = np.arange(0, count, kernel.WIDTH)
+    on = np.maximum.reduceat(fleet.on, starts, axis=0)
+    cores = len(os.sched_getaffinity(0))
+    # More pieces than cores: one that another process holds up leaves the rest to the others.
+    pieces = min(len(moving), 4 * cores)
+    with ThreadPoolExecutor(cores) as pool:
+        done = pool.map(
+            lambda part: kernel.advance_blocks(*part, float(dt), int(steps)),
+            zip(*(np.array_split(part, pieces) for part in (kept, on, moving)), strict=True),
+        )
+        list(done)
+    columns_now = moving.reshape(-1, size, kernel.WIDTH).swapaxes(0, 1).reshape(size, -1)
+    return np.ascontiguousarray(columns_now[:, :count].T)

@@ -1,0 +1,165 @@
+"""
+Many vehicles on a GPU, one a thread: the same effects, compiled with numba-cuda.
+
+Needs an NVIDIA GPU and what requirements-gpu.txt lists. Double precision; products and sums may be
+fused there, so that a flight differs from the CPU's in the last bits.
+"""
+
+from functools import cache
+from importlib import import_module
+from string import Template
+from types import ModuleType
+
+from lta_config.compilation.kernel_cache import load
+from lta_config.errors import BadInput
+from lta_model.effects import EFFECTS
+from lta_sim.kernels.columns import Columns
+from lta_sim.kernels.compose import Form, kernel_source
+from lta_sim.kernels.fleet import columns, Fleet
+from lta_sim.kernels.kernel import LAYOUT
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+# Few threads a block: each holds a whole vehicle, and the registers of a processor are shared.
+THREADS = 64
+
+# The arithmetic of states that are tuples.
+STATES = '''
+$INLINE
+def ahead(state, rate, dt):
+    """Return the state after dt at a constant rate."""
+    return $ahead
+
+
+$INLINE
+def mean(a, b, c, d):
+    """Return the mean rate of the classical Runge-Kutta step."""
+    return $mean
+
+
+$INLINE
+def normalised(state):
+    """Return the state with a quaternion of length one."""
+    x, y, z, w = state[3:7]
+    n = 1.0 / math.sqrt(x * x + y * y + z * z + w * w)
+    return state[0:3] + (x * n, y * n, z * n, w * n) + state[7:]
+'''
+
+ENTRIES = f'''{STATES}
+
+$INLINE
+def rates(state, fixed, width, i):
+    """Return d/dt of the state of vehicle i."""
+$bare
+    return $rate
+
+
+$ENTRY
+def advance_many(fixed, block, width, dt, steps):
+    """Advance vehicle i, a column of the blocks, in thread i."""
+    i = cuda.grid(1)
+    if i < width:
+        state = $state
+        for _ in range(steps):
+            a = rates(state, fixed, width, i)
+            b = rates(ahead(state, a, 0.5 * dt), fixed, width, i)
+            c = rates(ahead(state, b, 0.5 * dt), fixed, width, i)
+            d = rates(ahead(state, c, dt), fixed, width, i)
+            state = normalised(ahead(state, mean(a, b, c, d), dt))
+$stores
+'''
+
+FORM = Form(
+    'from numba import cuda\n',
+    '@cuda.jit(device=True)',
+    '@cuda.jit',
+    Columns('width'),
+    Template(ENTRIES),
+)
+
+
+def cuda_here() -> ModuleType:
+    """
+    Return numba's CUDA target with a GPU that it can use.
+
+    Raises
+    ------
+    BadInput
+        If there is none.
+
+    """
+    # numba-cuda 0.30 still names a function that numpy 2.5 has removed.
+    vars(np).setdefault('row_stack', np.vstack)
+    try:
+        cuda = import_module('numba.cuda')
+    except ImportError as error:
+        raise BadInput(
+            f'numba-cuda cannot be imported ({error}); install what requirements-gpu.txt lists '
+            'or simulate on the CPU.'
+        ) from None
+    if not cuda.is_available():
+        raise BadInput(
+            'numba-cuda finds no GPU here; install what requirements-gpu.txt lists on a machine '
+            'with an NVIDIA GPU and its driver, or simulate on the CPU.'
+        )
+    return cuda
+
+
+@cache
+def _kernel(names: tuple[str, ...]) -> ModuleType:
+    """Return the kernel of some effects; registers are scarce, so the others are left out."""
+    return load(kernel_source({name: EFFECTS[name] for name in names}, FORM))
+
+
+def advance_many(
+    states: ArrayLike,
+    fleet: Fleet,
+    commands: ArrayLike,
+    surroundings: ArrayLike,
+    dt: float,
+    steps: int,
+) -> NDArray[np.float64]:
+    """
+    Return the states after `steps` classical Runge-Kutta steps under constant commands.
+
+    Parameters
+    ----------
+    states : array_like, shape (V, N)
+        Layout of `lta_model.state`, SI.
+    fleet : Fleet
+        The vehicles.
+    commands : array_like, shape (V, up to COMMAND)
+        Duties and the place of the moving mass.
+    surroundings : array_like, shape (V, up to SURROUNDINGS)
+        Wind, noise, irradiance, voltage.
+    dt : float
+        Length of a step. [s]
+    steps : int
+        Number of steps.
+
+    Returns
+    -------
+    ndarray, shape (V, N)
+        The later states, their quaternions normalised after each step.
+
+    Raises
+    ------
+    BadInput
+        If there is no GPU or no numba-cuda.
+    ValueError
+        If an array has the wrong shape.
+
+    """
+    cuda = cuda_here()
+    fixed, state = columns(states, fleet, commands, surroundings)
+    count = len(fleet)
+    names = tuple(name for name in LAYOUT.effects if fleet.on[:, LAYOUT.flag(name)].any())
+    parameters, moving = LAYOUT.places(names)
+    kept = np.concatenate([fixed[parameters], fixed[LAYOUT.parameters :]])
+    there = cuda.to_device(state[moving].ravel())
+    blocks = -(-count // THREADS)
+    _kernel(names).advance_many[blocks, THREADS](
+        cuda.to_device(kept.ravel()), there, count, float(dt), int(steps)
+    )
+    state[moving] = there.copy_to_host().reshape(len(moving), count)
+    return np.ascontiguousarray(state.T)

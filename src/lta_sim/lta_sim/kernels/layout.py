@@ -1,0 +1,152 @@
+"""
+Where the numbers of the effects are, and what a stage of the model is made of.
+
+A form of the model says how its source reaches a number (`Access`): one vehicle has them in a row
+(`row`), many have them in columns (`columns`).
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import final, Protocol
+
+from lta_model.effects.protocol import ActuatorEffect, KernelEffect, WrenchEffect
+from lta_model.state import ACTUATORS, BODY, COMMAND, RIGID, SURROUNDINGS
+
+# What stages hand on to each other: how many numbers of each.
+VARIABLES = {'r': 9, 'ground': 3, 'wind': 3, 'flow': 3, 'airspeed': 3, 'u': ACTUATORS, 'total': 6}
+
+# What each vehicle keeps during a call, after its parameters: how many numbers of each.
+FIXED = {'body': BODY, 'inverse': 36, 'command': COMMAND, 'surroundings': SURROUNDINGS}
+
+
+# Longer displays of tuples are built by way of a list, which numba does not always follow.
+DISPLAY = 30
+
+
+def tuple_of(items: Iterable[str]) -> str:
+    """Return the source of a tuple of any length."""
+    known = list(items)
+    displays = [known[k : k + DISPLAY] for k in range(0, len(known), DISPLAY)] or [[]]
+    texts = ['(' + ''.join(f'{item}, ' for item in part).rstrip() + ')' for part in displays]
+    return texts[0] if len(texts) == 1 else f'({" + ".join(texts)})'
+
+
+def indented(lines: Iterable[str], depth: int = 1) -> str:
+    """Return lines as a block of source."""
+    return '\n'.join('    ' * depth + line for line in lines)
+
+
+def step(each: int) -> str:
+    """Return the source of what takes an index to rotor j."""
+    return f' + {each} * j' if each > 1 else ' + j' if each else ''
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Stage:
+    """
+    One part of the sum.
+
+    Parameters
+    ----------
+    lines : tuple of str
+        Source that computes it.
+    reads, writes : tuple of str
+        Which of VARIABLES it needs and sets.
+    effect : str
+        The effect whose flag lets it be skipped; '' for what is always done.
+    memory : tuple of (int, str)
+        Places in the state and the source of their rates.
+    prelude : tuple of str
+        What must stand before its lines where no earlier stage's locals are left.
+    each : bool
+        Whether its lines are those of rotor j.
+
+    """
+
+    lines: tuple[str, ...]
+    reads: tuple[str, ...] = ()
+    writes: tuple[str, ...] = ()
+    effect: str = ''
+    memory: tuple[tuple[int, str], ...] = ()
+    prelude: tuple[str, ...] = ()
+    each: bool = False
+
+
+@final
+class Layout:
+    """
+    Where the parameters, the memory and the flag of each effect of the kernel are.
+
+    Parameters
+    ----------
+    effects : mapping of str to KernelEffect
+        In registry order.
+
+    """
+
+    def __init__(self, effects: Mapping[str, KernelEffect]) -> None:
+        self.effects = dict(effects)
+        self.first: dict[str, int] = {}
+        self.remembers: dict[str, int] = {}
+        parameters, size = 0, RIGID
+        for name, effect in self.effects.items():
+            self.first[name], self.remembers[name] = parameters, size
+            parameters += len(effect.parameters)
+            size += self.remembered(name)
+        self.parameters, self.size = parameters, size
+
+    def remembered(self, name: str) -> int:
+        """Return how many numbers of the state are an effect's memory."""
+        effect = self.effects[name]
+        return len(effect.memory) * (ACTUATORS if isinstance(effect, ActuatorEffect) else 1)
+
+    def places(self, names: Iterable[str]) -> tuple[list[int], list[int]]:
+        """Return where in the parameters and in the state a kernel of some effects lives."""
+        parameters: list[int] = []
+        state = list(range(RIGID))
+        for name in names:
+            first, place = self.first[name], self.remembers[name]
+            parameters += range(first, first + len(self.effects[name].parameters))
+            state += range(place, place + self.remembered(name))
+        return parameters, state
+
+    def flag(self, name: str) -> int:
+        """Return the place of an effect's flag."""
+        return list(self.effects).index(name)
+
+    @property
+    def wrenches(self) -> list[str]:
+        """Names of the wrench effects."""
+        return [name for name, e in self.effects.items() if isinstance(e, WrenchEffect)]
+
+    @property
+    def rate(self) -> str:
+        """Source of d/dt of the whole state, from what the stages leave behind."""
+        memory = [f'R_{name}[{k}]' for name in self.effects for k in range(self.remembered(name))]
+        return f'f + g + a + {tuple_of(memory)}'
+
+
+class Access(Protocol):
+    """How the source of a form reaches the numbers of a vehicle."""
+
+    @property
+    def loops(self) -> bool:
+        """Whether rotors are gone through in a loop over j."""
+        ...
+
+    def item(self, name: str, place: int, layout: Layout, each: int = 0) -> str:
+        """
+        Return the source of one number of `state`, `rate`, `parameters`, `u` or one of FIXED.
+
+        Where `each` is not 0 it is that of rotor j, `each` places on from rotor to rotor.
+        """
+        ...
+
+    def whole(self, name: str, layout: Layout) -> str:
+        """Return the source of all numbers of `u` or one of FIXED."""
+        ...
+
+    def texts(self, parts: list[Stage], layout: Layout) -> dict[str, str]:
+        """Return what the templates of this form need beyond the common parts."""
+        ...

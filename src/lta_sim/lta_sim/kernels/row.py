@@ -1,0 +1,157 @@
+"""
+One vehicle as one row of numbers, which the scalar kernel reads and writes in place.
+
+Every number has a fixed place in the row. So the compiler knows that what a stage stores is not
+what the next one loads, a call hands over one array, and whoever flies a vehicle for long keeps
+its row (`lta_sim.craft`).
+"""
+
+from collections.abc import Iterable, Iterator
+from typing import final
+
+from lta_model.state import ACTUATORS
+from lta_sim.kernels.layout import FIXED, indented, Layout, Stage, step, tuple_of
+
+ENTRIES = '''
+$INLINE
+def tell(row, first, wrench):
+    """Write a wrench."""
+    for k in range(6):
+        row[first + k] = wrench[k]
+
+
+$INLINE
+def rates(row, on):
+    """Write d/dt of the state, and what makes it where that is to be told."""
+    told = row[$told] != 0.0  # an argument that is a constant would be compiled twice
+$head
+$body
+
+
+$ENTRY
+def derivative(row, on):
+    """Write d/dt of the state, the wrench of each wrench effect, thrusts and wind."""
+    for i in range($rate, $end):
+        row[i] = 0.0  # what is off says nothing
+    row[$told] = 1.0
+    rates(row, on)
+
+
+$ENTRY
+def advance(row, on, dt, steps):
+    """Take `steps` steps of dt."""
+    for i in range($size):
+        row[$rate + i] = 0.0  # memory of effects that are off stays as it is
+    row[$told] = 0.0
+    half = 0.5 * dt
+    for _ in range(steps):
+        for i in range($size):
+            row[$begin + i] = row[i]
+        rates(row, on)
+        for i in range($size):
+            row[$first + i] = row[$rate + i]
+            row[i] = row[$begin + i] + half * row[$rate + i]
+        rates(row, on)
+        for i in range($size):
+            row[$middle + i] = row[$rate + i]
+            row[i] = row[$begin + i] + half * row[$rate + i]
+        rates(row, on)
+        for i in range($size):
+            row[$middle + i] = row[$middle + i] + row[$rate + i]
+            row[i] = row[$begin + i] + dt * row[$rate + i]
+        rates(row, on)
+        for i in range($size):
+            mean = (row[$first + i] + 2.0 * row[$middle + i] + row[$rate + i]) / 6.0
+            row[i] = row[$begin + i] + dt * mean
+        x, y, z, w = row[3], row[4], row[5], row[6]
+        n = 1.0 / math.sqrt(x * x + y * y + z * z + w * w)
+        row[3], row[4], row[5], row[6] = x * n, y * n, z * n, w * n
+'''
+
+
+def parts(layout: Layout) -> dict[str, int]:
+    """
+    Return the parts of a row in their order, and how many numbers each has.
+
+    The state comes first; `begin`, `first` and `middle` are what a Runge-Kutta step keeps, `told`
+    says whether what follows `rate` is asked for.
+    """
+    size = layout.size
+    kept = {'state': size, 'parameters': layout.parameters, **FIXED}
+    scratch = dict.fromkeys(('begin', 'first', 'middle'), size)
+    return {
+        **kept,
+        **scratch,
+        'told': 1,
+        'rate': size,
+        'wrenches': 6 * len(layout.wrenches),
+        'thrusts': ACTUATORS,
+        'wind': 3,
+    }
+
+
+def places(layout: Layout) -> dict[str, slice]:
+    """Return where in a row each part is."""
+    out, first = {}, 0
+    for name, count in parts(layout).items():
+        out[name] = slice(first, first + count)
+        first += count
+    return out
+
+
+@final
+class Row:
+    """Reach the numbers of the one vehicle in its row."""
+
+    loops = True
+
+    def item(self, name: str, place: int, layout: Layout, each: int = 0) -> str:
+        """Return the source of one number; what the rotors do is kept with their thrusts."""
+        first = places(layout)['thrusts' if name == 'u' else name].start
+        return f'row[{first + place}{step(each)}]'
+
+    def whole(self, name: str, layout: Layout) -> str:
+        """Return the source of all numbers of a name: a local variable, except for `u`."""
+        if name != 'u':
+            return name
+        return tuple_of(self.item('u', i, layout) for i in range(ACTUATORS))
+
+    def texts(self, stages: list[Stage], layout: Layout) -> dict[str, str]:
+        """Return the stages one after the other, and where the parts of a row are."""
+        where = places(layout)
+        head = [
+            f'{name} = {tuple_of(f"row[{k}]" for k in range(where[name].start, where[name].stop))}'
+            for name in FIXED
+        ]
+        return {
+            'head': indented(head),
+            'body': indented(self._body(stages, layout)),
+            **{
+                name: str(where[name].start)
+                for name in ('begin', 'first', 'middle', 'told', 'rate')
+            },
+            'end': str(max(part.stop for part in where.values())),
+        }
+
+    def _body(self, stages: list[Stage], layout: Layout) -> Iterator[str]:
+        """Write each stage behind the flag of its effect, then what is told."""
+        where = places(layout)
+        row = where['wrenches'].start
+        for stage in stages:
+            lines = [*stage.lines, *self._stored(where['rate'].start, stage.memory)]
+            if stage.effect in layout.wrenches:
+                lines.append(f'if told: tell(row, {row}, W_{stage.effect})')
+                row += 6
+            depth = 0
+            if stage.effect:
+                yield f'if on[{layout.flag(stage.effect)}]:'
+                depth += 1
+            if stage.each:
+                yield '    ' * depth + f'for j in range({ACTUATORS}):'
+                depth += 1
+            yield from ('    ' * depth + line for line in lines)
+        yield from self._stored(where['wind'].start, ((k, f'wind[{k}]') for k in range(3)))
+
+    def _stored(self, first: int, values: Iterable[tuple[int, str]]) -> list[str]:
+        """Return the lines that store values from a place on."""
+        return [f'row[{first + k}] = {value}' for k, value in values]

@@ -1,0 +1,121 @@
+"""Pictures of a sweep: drag against speed with its fit, and planes through the flow."""
+
+from collections.abc import Sequence
+from itertools import cycle
+from typing import Final
+
+from lta_report.drawing import blank
+from lta_report.palette import ESTIMATE, GOOD, HEAT, LAMP, RAW, SETPOINT, TRUTH, WALL
+from lta_sim.cfd.refit import ABOUT, drags, fits_of, solved
+from lta_sim.cfd.slices import Slice
+from lta_sim.cfd.sphere import morrison, SCATTER, SCATTER_RANGE
+from lta_sim.cfd.sweep_table import AXES, Sweep
+from lta_sim.cfd.validation import Judged
+import numpy as np
+from plotly.graph_objects import Figure, Heatmap, Scatter
+
+COLOURS: Final = (TRUTH, ESTIMATE, GOOD)
+SETTINGS: Final = (ESTIMATE, LAMP, GOOD, TRUTH, SETPOINT)
+
+
+def drag_picture(sweep: Sweep, turning: bool) -> Figure:
+    """Return drag along, or moment about, three axes: points, fit, and what is known by hand."""
+    figure = blank()
+    axes = [axis for axis in AXES if (axis in ABOUT) == turning]
+    fits = fits_of(sweep)
+    for colour, axis in zip(COLOURS, axes, strict=True):
+        hand = sweep.by_hand[axis]
+        speeds = np.geomspace(hand[0].speed, hand[-1].speed, 60)
+        figure.add_trace(
+            Scatter(
+                x=[p.speed for p in hand], y=drags(axis, hand), name=f'{axis}, by hand',
+                mode='lines', line={'color': colour, 'width': 1, 'dash': 'dot'}, showlegend=False,
+            )
+        )  # fmt: skip
+        points = solved(sweep, axis)
+        if not points:
+            continue
+        values = drags(axis, points)
+        figure.add_trace(
+            Scatter(
+                x=speeds, y=[fits[axis].at(float(u)) for u in speeds], name=f'{axis}, fit',
+                mode='lines', line={'color': colour, 'width': 1.8}, hoverinfo='skip',
+                showlegend=False,
+            )
+        )  # fmt: skip
+        spread = [p.evidence.spread * v for p, v in zip(points, values, strict=True)]
+        figure.add_trace(
+            Scatter(
+                x=[p.speed for p in points], y=values, name=axis, mode='markers',
+                marker={'color': colour, 'size': 8}, showlegend=True,
+                error_y={'array': spread, 'color': colour, 'thickness': 1},
+            )
+        )  # fmt: skip
+    unit = ('rate [rad/s]', 'moment [N m]') if turning else ('speed [m/s]', 'drag [N]')
+    figure.update_xaxes(type='log', title_text=unit[0], tickvals=_ticks(turning))
+    figure.update_yaxes(type='log', title_text=unit[1], dtick=1, exponentformat='power')
+    figure.update_layout(showlegend=True, legend={'orientation': 'h', 'y': 1.1})
+    return figure
+
+
+def _ticks(turning: bool) -> list[float]:
+    return [0.3, 1.0, 3.0] if turning else [0.2, 0.5, 1.0, 1.5, 2.0]
+
+
+def slice_picture(found: Slice) -> Figure:
+    """Return a plane through the flow."""
+    figure = blank()
+    top = float(np.nanpercentile(found.speed, 99.7))
+    figure.add_trace(
+        Heatmap(
+            x=np.round(found.across, 4).tolist(), y=np.round(found.up, 4).tolist(),
+            z=[[None if np.isnan(v) else round(float(v), 3) for v in row] for row in found.speed],
+            colorscale=[[k / (len(HEAT) - 1), each] for k, each in enumerate(HEAT)],
+            zmin=0.0, zmax=top, colorbar={'title': {'text': 'm/s'}, 'thickness': 12},
+            hovertemplate='%{x:.2f}, %{y:.2f} m: %{z:.2f} m/s<extra></extra>',
+        )
+    )  # fmt: skip
+    bare = {'constrain': 'domain', 'showgrid': False}
+    figure.update_xaxes(title_text=found.names[0], **bare)
+    figure.update_yaxes(title_text=found.names[1], scaleanchor='x', **bare)
+    figure.update_layout(plot_bgcolor=WALL)
+    return figure
+
+
+def sphere_picture(found: Sequence[Judged]) -> Figure:
+    """Return the sphere's drag coefficient beside what was measured."""
+    figure = blank()
+    reynolds = np.geomspace(5e3, 3e5, 200)
+    figure.add_trace(
+        Scatter(
+            x=[*SCATTER_RANGE, *SCATTER_RANGE[::-1]],
+            y=[SCATTER[0], SCATTER[0], SCATTER[1], SCATTER[1]], fill='toself', mode='lines',
+            line={'width': 0}, fillcolor='rgba(11,98,168,0.16)', name='Achenbach 1972',
+            showlegend=True, hoverinfo='skip',
+        )
+    )  # fmt: skip
+    figure.add_trace(
+        Scatter(
+            x=reynolds, y=[morrison(float(r)) for r in reynolds], name='Morrison 2013',
+            mode='lines', line={'color': RAW, 'width': 2}, showlegend=True,
+        )
+    )  # fmt: skip
+    for colour, setting in zip(cycle(SETTINGS), _settings(found), strict=False):
+        those = [each for each in found if each.setting == setting]
+        figure.add_trace(
+            Scatter(
+                x=[each.reynolds for each in those], y=[each.coefficient for each in those],
+                name=setting, mode='markers+lines', line={'color': colour, 'width': 1},
+                marker={'color': colour, 'size': 8}, showlegend=True,
+                error_y={'array': [each.error * each.coefficient for each in those],
+                         'color': colour},
+            )
+        )  # fmt: skip
+    figure.update_xaxes(type='log', title_text='Reynolds number', exponentformat='power', dtick=1)
+    figure.update_yaxes(title_text='drag coefficient', range=[0.2, 0.54])
+    figure.update_layout(showlegend=True, legend={'orientation': 'h', 'y': 1.12})
+    return figure
+
+
+def _settings(found: Sequence[Judged]) -> list[str]:
+    return list(dict.fromkeys(each.setting for each in found))

@@ -1,0 +1,67 @@
+"""The progress bar of the tunnel: which flows run, how settled they are, how long it takes."""
+
+from collections.abc import Sequence
+import math
+from typing import final
+
+from lta_report.bar import Bar
+from lta_sim.cfd.openfoam.case import Case, Step
+from lta_sim.cfd.openfoam.stage import Stages
+from lta_sim.cfd.plan import Flow
+from rich.console import Console
+from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
+
+
+def cases_of(flows: Sequence[Flow]) -> list[Case]:
+    """Return all cases of some flows, each once, meshes first."""
+    meshes = [flow.case.mesh for flow in flows if flow.case.mesh is not None]
+    unique = {case.key: case for case in [*meshes, *(flow.case for flow in flows)]}
+    return list(unique.values())
+
+
+@final
+class TunnelProgress(Bar):
+    """
+    Show a sweep while it lasts.
+
+    The time left is that of the cells and rounds to come at the pace of the last ten minutes, so
+    it knows how much of the machine others take.
+
+    Parameters
+    ----------
+    console : Console
+        Where to.
+    flows : sequence of Flow
+        All of them.
+
+    """
+
+    def __init__(self, console: Console, flows: Sequence[Flow]) -> None:
+        columns = (
+            TextColumn('{task.description}'),
+            BarColumn(),
+            TimeRemainingColumn(),
+        )
+        self._cases = cases_of(flows)
+        work = sum(case.work for case in self._cases) or 1.0
+        super().__init__(console, *columns, begin='meshes', total=work, period=600.0)
+        self._done: dict[str, float] = {}
+        self._telling: dict[str, str] = {}
+
+    def count(self, stages: Stages) -> None:
+        """Leave out what is solved already."""
+        self._cases = [case for case in self._cases if not stages.is_done(case)]
+        self.move(total=sum(case.work for case in self._cases) or 1.0)
+
+    def tell(self, case: Case, step: Step, share: float, residual: float) -> None:
+        """Take in how far a case is."""
+        rounds = [max(each.rounds, 20) for each in case.steps]
+        before = sum(rounds[: list(case.steps).index(step)])
+        done = (before + share * rounds[list(case.steps).index(step)]) / sum(rounds)
+        self._done[case.key] = done * case.work
+        told = '' if math.isnan(residual) else f' {residual:.0e}'
+        self._telling[case.key] = f'{case.name} {100 * done:.0f} %{told}'
+        if done >= 1.0:
+            del self._telling[case.key]
+        words = ', '.join(list(self._telling.values())[:3])
+        self.move(completed=sum(self._done.values()), description=words)

@@ -1,0 +1,197 @@
+"""The power budget as one self-contained page."""
+
+from collections.abc import Mapping
+from html import escape
+from pathlib import Path
+from typing import Final
+
+from lta_bridge.provenance import commit
+from lta_energy import rotor
+from lta_report.drawing import blank, Label, label_ends
+from lta_report.formatting import MISSING, number, Tile
+from lta_report.frame import framed, written
+from lta_report.palette import ESTIMATE, GOOD, INK, LAMP, RAW, SOFT, TRUTH
+from lta_report.pieces import section, tile_html
+from lta_studies.energy import paper
+from lta_studies.energy.budget.run import Budget, printed
+from lta_studies.energy.tables import Table, table_html
+import numpy as np
+from plotly.graph_objects import Bar, Figure, Scatter
+
+TO: Final = '\N{EN DASH}'
+VOLTAGES: Final = ((4.2, TRUTH), (3.7, GOOD), (3.3, ESTIMATE))
+TASKS: Final = (
+    'Bars: electronics pale, rotors full; means over the seeds. Diamonds: what the seed paper '
+    'prints; of navigation 1523 to 1544 mW, not told apart; of a standard drone the thrice '
+    '1333 mW that "almost one third" makes.'
+)
+MOTORS: Final = (
+    'Lines: one rotor at three voltages of the cell, by thrust at the mean voltage and power '
+    "affine in thrust. Dots: Bitcraze's bench of 16 rows, its electronics taken off; its own "
+    'voltage fell from 4.0 to 3.3 V on the way, so that the dots move from line to line.'
+)
+
+
+def write_page(found: Budget, commands: Mapping[str, str], out: Path) -> Path:
+    """Write the page and return where it is; `BadInput` where it cannot be written."""
+    return written(page(found, commands), out)
+
+
+def page(found: Budget, commands: Mapping[str, str]) -> str:
+    """Return the whole page."""
+    return framed(
+        'energy.html',
+        title=escape(title(found)),
+        kicker=escape(f'energy budget · {found.vehicle}'),
+        about='What each task takes, flown in simulation, beside the seed paper.',
+        tiles='\n'.join(tile_html(*each) for each in tiles(found)),
+        first=section('tasks', 'Power by task', TASKS, tasks_picture(found)),
+        pictures=section('motors', 'One rotor by duty and voltage', MOTORS, motors_picture(found)),
+        tables=''.join(table_html(each) for each in (table(found), why(found))),
+        method=''.join(f'<p class="note">{escape(each)}</p>' for each in notes(found)),
+        facts={'vehicle': found.vehicle, 'beside': found.standard, 'commit': commit()},
+        commands=commands,
+    )
+
+
+def title(found: Budget) -> str:
+    """Return what came out, in a sentence."""
+    hover = found.tasks['hovering'].power
+    return (
+        f'Hovering takes {1e3 * hover:.0f} mW, {100.0 * found.share:.0f} % of a '
+        f'{found.standard}\'s; the paper has {1e3 * paper.HOVER:.0f} mW, "almost one third".'
+    )
+
+
+def tiles(found: Budget) -> list[Tile]:
+    """Return the tasks in the air, and the multirotor."""
+    made = []
+    for name, task in found.tasks.items():
+        if task.rotors > 0.0:
+            words = TO.join(printed(task))
+            note = f'paper: {words} mW' if words else 'paper prints none'
+            made.append(Tile(name, f'{1e3 * task.power:.0f}', 'mW', note))
+    note = f'paper: thrice {1e3 * paper.HOVER:.0f} mW'
+    return [*made, Tile(f'{found.standard}, hovering', f'{found.hover.power:.2f}', 'W', note)]
+
+
+def table(found: Budget) -> Table:
+    """Return every task beside the paper."""
+    heads = ('task', 'seconds', 'electronics [mW]', 'rotors [mW]', 'together [mW]', 'paper [mW]',
+             'ours by paper')  # fmt: skip
+    rows = []
+    for name, each in {**found.tasks, f'{found.standard}, hovering': found.hover}.items():
+        words = printed(each) if each is not found.hover else [f'{1e3 * paper.STANDARD:.0f}']
+        mean = sum(map(float, words)) / len(words) if words else None
+        rows.append([
+            name,
+            number(None if each.seconds != each.seconds else each.seconds, 1),
+            number(each.electronics, 0, 1e3),
+            f'{number(each.rotors, 0, 1e3)}\N{PLUS-MINUS SIGN}{number(each.off, 0, 1e3)}'
+            if each.rotors else '0',
+            number(each.power, 0, 1e3),
+            TO.join(words) or MISSING,
+            number(1e3 * each.power / mean) if mean else MISSING,
+        ])  # fmt: skip
+    return Table('By task, beside the paper', heads, rows)
+
+
+def why(found: Budget) -> Table:
+    """Return what would make the paper's hover of ours."""
+    cause = found.causes
+    rows = [
+        [
+            'ideal hover of its weight',
+            f'{number(cause.least, 0, 1e3)} mW',
+            'in still air',
+        ],
+        ['or heavier', f'{number(cause.heaviness, 1, 1e3)} g', 'heavier than air, instead of 2 g'],
+        ['or against a draught', f'{number(cause.wind)} m/s', 'holding its place'],
+        ['or worse rotors', f'{number(cause.factor, 1)} times', 'their power at the same thrust'],
+    ]
+    note = (
+        'Each alone makes 1333 mW of our hover; the paper does not tell weight, draught or rotors '
+        'of that measurement.'
+    )
+    return Table('What would make it 1333 mW', ('cause', 'how much', ''), rows, note)
+
+
+def notes(found: Budget) -> list[str]:
+    """Return what differs from the paper, and what it means."""
+    flown, share = found.tasks['flying at 0.5 m/s'], found.share
+    return [
+        f'A third: thrice 1333 mW would be a standard drone of {paper.STANDARD:.1f} W. '
+        f"Bitcraze's own bench makes {found.hover.power:.1f} W of a Crazyflie of 27 g, so that "
+        f'1333 mW are {100.0 * paper.HOVER / found.hover.power:.0f} % of one, and our '
+        f'{1e3 * found.tasks["hovering"].power:.0f} mW are {100.0 * share:.0f} %: buoyancy saves '
+        'more than the paper says, if its standard drone is a Crazyflie.',
+        "Navigation: the paper's strategies take 190 to 211 mW more than hovering, read here as "
+        'the light board and its computing. Flying 0.5 m/s against drag costs '
+        f'{1e3 * (flown.power - found.tasks["hovering"].power):.0f} mW more than hovering with '
+        'these rotors, which that does not leave room for; ours take both, and turns besides.',
+        "Idle and transmitting are the paper's own figures, taken over. Rotors: power affine in "
+        "thrust by a fit to Bitcraze's bench; ours may be better or worse than the paper's.",
+    ]
+
+
+def tasks_picture(found: Budget) -> Figure:
+    """Return a bar for each task, and what the paper prints."""
+    figure = blank()
+    every = {**found.tasks, f'{found.standard}, hovering': found.hover}
+    names = list(every)
+    for key, colour, opacity in (('electronics', RAW, 1.0), ('rotors', TRUTH, 1.0)):
+        figure.add_trace(
+            Bar(
+                x=names, y=[1e3 * getattr(each, key) for each in every.values()], name=key,
+                marker={'color': colour}, opacity=opacity, hovertemplate='%{y:.0f} mW',
+            )
+        )  # fmt: skip
+    marks = [(name, float(word)) for name, each in found.tasks.items() for word in printed(each)]
+    marks.append((names[-1], 1e3 * paper.STANDARD))
+    figure.add_trace(
+        Scatter(
+            x=[name for name, _ in marks], y=[power for _, power in marks], mode='markers',
+            name='paper', marker={'color': ESTIMATE, 'size': 9, 'symbol': 'diamond'},
+            hovertemplate='paper %{y:.0f} mW',
+        )
+    )  # fmt: skip
+    for name, each in every.items():
+        figure.add_annotation(
+            x=name, y=1e3 * each.power, yanchor='bottom', text=f'{1e3 * each.power:.0f}',
+            font={'color': INK, 'size': 11},
+        )  # fmt: skip
+    figure.update_layout(
+        barmode='stack', bargap=0.35, showlegend=True, legend={'orientation': 'h', 'y': 1.1}
+    )
+    figure.update_xaxes(automargin=True)
+    return figure.update_yaxes(title_text='power [mW]')
+
+
+def motors_picture(found: Budget) -> Figure:
+    """Return a rotor's power by duty at some voltages, and the bench."""
+    figure = blank()
+    duty = np.linspace(0.0, 1.0, 101)
+    loads, labels = found.loads, []
+    for voltage, colour in VOLTAGES:
+        power = [
+            rotor.power_at(each, voltage, loads.rotor_offset, loads.rotor_slope)
+            for each in duty.tolist()
+        ]
+        figure.add_trace(
+            Scatter(x=duty, y=power, mode='lines', name=f'{voltage} V',
+                    line={'color': colour, 'width': 1.6}, hovertemplate='%{y:.2f} W')
+        )  # fmt: skip
+        labels.append(Label(f'{voltage} V', power[-1], colour))
+    idle = rotor.BENCH[0].power
+    figure.add_trace(
+        Scatter(
+            x=[row.duty for row in rotor.BENCH],
+            y=[(row.power - idle) / 4.0 for row in rotor.BENCH], mode='markers', name='bench',
+            marker={'color': LAMP, 'size': 6},
+            text=[f'{row.voltage} V' for row in rotor.BENCH],
+            hovertemplate='bench %{y:.2f} W at %{text}',
+        )
+    )  # fmt: skip
+    label_ends(figure, labels, (0.0, 5.6))
+    figure.update_xaxes(title_text='duty', title_font={'color': SOFT})
+    return figure.update_yaxes(title_text='power of one rotor [W]')

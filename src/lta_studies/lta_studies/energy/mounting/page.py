@@ -1,0 +1,173 @@
+"""The comparison of mounts as one self-contained page."""
+
+from collections.abc import Mapping
+from html import escape
+import math
+from pathlib import Path
+from typing import Final
+
+from lta_bridge.provenance import commit
+from lta_report.curves import Array
+from lta_report.drawing import blank, extent, Label, label_ends, line
+from lta_report.formatting import Tile
+from lta_report.frame import framed, written
+from lta_report.palette import ESTIMATE, GOOD, LAMP, SETPOINT, TRUTH, WALL
+from lta_report.pieces import section, tile_html
+from lta_studies.energy.mounting import verdict
+from lta_studies.energy.mounting.lit import LIGHTS
+from lta_studies.energy.mounting.rows import tables
+from lta_studies.energy.mounting.run import Study, Tried
+from lta_studies.energy.mounting.straight import AWAY, END, HELD, LIFT_OFF
+from lta_studies.energy.tables import table_html
+from lta_vehicle.figures.weighing import DEGREES
+import numpy as np
+from plotly.graph_objects import Bar, Figure
+
+COLOURS: Final = (ESTIMATE, TRUTH, GOOD, LAMP, SETPOINT)
+ABOUT: Final = (
+    'The same panels at the side, at the bottom and on top: weight, balance, swing, drag and '
+    'shade follow from the place alone.'
+)
+STRAIGHT: Final = (
+    'Pitch, nose up positive, in the closed loop, seed 1, all in a hull that carries every mount. '
+    'Above: panels in place. Below: out of place, ahead. Dotted: let go by the hand, '
+    'lift-off, and the start of the way at 0.1 m/s.'
+)
+SWUNG: Final = 'Let go at 5° in still air, motors off. Dashed: the envelope by hand, linearised.'
+OVER: Final = (
+    'The top mount let go at 5°, with its centre of gravity below, at and above the centre of '
+    'buoyancy, all else the same. Coinciding centres right nothing: it stays as it is left.'
+)
+SHINE: Final = (
+    'Of what a plate gets that faces the light and nothing shades; of the overcast sky, what a '
+    'level plate gets. Full: the two panels in series, of which the darker rules. Pale: each by '
+    'itself.'
+)
+METHOD: Final = (
+    'Each mount is a file in config/mounts, whose parts take the place of a layer of the vehicle. '
+    'By hand: righting moment, inertia and the moving air, rotational drag linearised at 5°. '
+    'Simulated: the 6-DoF kernel. The cascade has no rotor against pitch: it can only avoid to '
+    'excite it, and what it does with its forward rotors damps it.',
+    'Left out: the jets of the up rotors on the arms of the bottom mount, what flows around '
+    'panels that lie on the hull, and the tilt of the drone in the shares of light.',
+)
+
+
+def write_page(study: Study, commands: Mapping[str, str], out: Path) -> Path:
+    """Write the page and return where it is; `BadInput` where it cannot be written."""
+    return written(page(study, commands), out)
+
+
+def page(study: Study, commands: Mapping[str, str]) -> str:
+    """Return the whole page."""
+    first, *pictures = (
+        section('straight', 'Straight on at 0.1 m/s', STRAIGHT, straight_picture(study)),
+        section('light', 'Light on the panels', SHINE, light_picture(study)),
+        section('swing', 'Let go', SWUNG, swing_picture(study)),
+        section('over', 'Centre of gravity below, at and above', OVER, over_picture(study)),
+    )
+    notes = [*verdict.sentences(study), *METHOD]
+    return framed(
+        'energy.html',
+        title=escape(verdict.title(study)),
+        kicker=escape(f'energy mounting · {study.vehicle}'),
+        about=ABOUT,
+        tiles='\n'.join(tile_html(*each) for each in tiles(study)),
+        first=first,
+        pictures=''.join(pictures),
+        tables=''.join(table_html(each) for each in tables(study)),
+        method=''.join(f'<p class="note">{escape(each)}</p>' for each in notes),
+        facts={'vehicle': study.vehicle, 'commit': commit()},
+        commands=commands,
+    )
+
+
+def tiles(study: Study) -> list[Tile]:
+    """Return pitch and light of each mount."""
+    made = []
+    swing, light = verdict.rms(study), verdict.gained(study)
+    for name in study.shared:
+        short = 1e3 * study.lacking[name]
+        carried = f'{short:.1f} g too heavy' if short > 0.0 else f'{-short:.1f} g to spare'
+        made.append(Tile(name, f'{DEGREES * swing[name]:.3f}', '° rms', 'of pitch at 0.1 m/s'))
+        made.append(Tile(name, f'{100 * light[name]:.0f}', '% of light', carried))
+    return made
+
+
+def straight_picture(study: Study) -> Figure:
+    """Return pitch over time, the mounts in place and out of place."""
+    figure = blank(2, (0.5, 0.5))
+    for row, group in enumerate((study.shared, study.misplaced), start=1):
+        ends, labels = [], []
+        for colour, (name, each) in zip(COLOURS, group.items(), strict=False):
+            flown = each.flights[0].flown.between(LIFT_OFF - 4.0, END)
+            degrees = DEGREES * flown.pitch
+            figure.add_trace(line(name, flown.time, degrees, colour, unit='°', width=1.2), row, 1)
+            labels.append(Label(name, float(degrees[-1000:].mean()), colour))
+            ends.append(degrees)
+        label_ends(figure, labels, extent(*ends), row)
+        figure.update_yaxes(title_text='pitch [°]', row=row)
+        for time in (HELD, LIFT_OFF, AWAY):
+            figure.add_vline(
+                x=time, row=row, col=1, line={'color': WALL, 'width': 1, 'dash': '2px,3px'}
+            )
+    return figure.update_xaxes(title_text='time [s]', row=2)
+
+
+def swing_picture(study: Study) -> Figure:
+    """Return the free swing of each mount and its envelope by hand."""
+    figure = blank()
+    labels = []
+    for colour, (name, each) in zip(COLOURS, study.shared.items(), strict=False):
+        time, tilt = each.release.time, DEGREES * each.release.tilt
+        figure.add_trace(line(name, time, tilt, colour, unit='°', width=1.3))
+        figure.add_trace(
+            line(f'{name}, by hand', time, envelope(each, time), colour, unit='°', dash='4px,3px')
+        )
+        labels.append(Label(name, float(tilt[-1]), colour))
+    label_ends(figure, labels, (-6.0, 6.0))
+    figure.update_xaxes(title_text='time [s]')
+    return figure.update_yaxes(title_text='pitch [°]')
+
+
+def envelope(each: Tried, time: Array) -> Array:
+    """Return how large the swing is by hand. [°]"""
+    ratio, period = each.swing.ratio or 0.0, each.swing.period or math.inf
+    first = DEGREES * float(each.release.tilt[0])
+    return first * np.exp(-ratio * 2.0 * math.pi / period * time)
+
+
+def over_picture(study: Study) -> Figure:
+    """Return what becomes of a tilt with the centre of gravity below, at and above."""
+    figure = blank()
+    labels = []
+    for colour, each in zip((TRUTH, GOOD, ESTIMATE), study.overturning, strict=True):
+        where = 'coincident' if each.height == 0.0 else 'above' if each.height > 0.0 else 'below'
+        name = f'{where} ({100 * each.height:+.1f} cm)' if each.height else where
+        tilt = DEGREES * each.release.tilt
+        figure.add_trace(line(name, each.release.time, tilt, colour, unit='°', width=1.4))
+        labels.append(Label(where, float(tilt[-1]), colour))
+    lines = [DEGREES * each.release.tilt for each in study.overturning]
+    label_ends(figure, labels, extent(*lines))
+    figure.update_xaxes(title_text='time [s]')
+    return figure.update_yaxes(title_text='tilt [°]')
+
+
+def light_picture(study: Study) -> Figure:
+    """Return the shares of light as bars: in series full, each by itself behind it."""
+    figure = blank()
+    names = [light.name for light in LIGHTS]
+    for colour, (mount, found) in zip(COLOURS, study.light.items(), strict=False):
+        for key, opacity in (('apart', 0.35), ('series', 1.0)):
+            figure.add_trace(
+                Bar(
+                    x=names, y=[100.0 * getattr(found[name], key) for name in names],
+                    name=mount, offsetgroup=mount, opacity=opacity,
+                    marker={'color': colour}, showlegend=key == 'series',
+                    hovertemplate='%{y:.0f} %',
+                )
+            )  # fmt: skip
+    figure.update_layout(
+        barmode='group', bargap=0.3, showlegend=True, legend={'orientation': 'h', 'y': 1.1}
+    )
+    return figure.update_yaxes(title_text='share of light [%]')

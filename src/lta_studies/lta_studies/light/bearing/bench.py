@@ -1,0 +1,119 @@
+"""One vehicle held still before a lamp: what its diodes read, and what is made of it."""
+
+from dataclasses import dataclass
+import math
+from typing import final
+
+from lta_config.compilation.compiled import compiled
+from lta_config.topics import topic_table
+from lta_control.cascade import wrap
+from lta_flight.ingredients import Ingredients, parts_of
+from lta_model.light.setting import set_for
+from lta_model.light.view import LightView
+from lta_model.sensors.photodiode import PhotodiodeArray
+from lta_studies.light.bearing.poses import Pose
+from lta_vlc.array import bearing
+from lta_vlc.demodulation import demodulate, plan_bins
+from lta_vlc.diodes import diodes_of
+from lta_vlc.direction import DirectionFinder
+from lta_vlc.fit import fit
+import numpy as np
+from numpy.random import Generator
+from scipy.spatial.transform import Rotation
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """
+    One light block, by both estimators; NaN where one gives nothing.
+
+    Parameters
+    ----------
+    snr : float
+        Of the diode that hears the lamp best.
+    paper, ours : float
+        Error of the bearing. [rad]
+    deviation : float
+        Standard deviation of the bearing that the fit states. [rad]
+    elevation : float
+        Error of the elevation. [rad]
+    elevation_deviation : float
+        Its standard deviation as the fit states it. [rad]
+
+    """
+
+    snr: float
+    paper: float
+    ours: float
+    deviation: float
+    elevation: float
+    elevation_deviation: float
+
+
+@final
+class Bench:
+    """
+    A vehicle in a scene.
+
+    Parameters
+    ----------
+    made_of : Ingredients
+        Vehicle, scene and settings.
+
+    """
+
+    def __init__(self, made_of: Ingredients) -> None:
+        self._vehicle, self.scenario, self._policy = parts_of(made_of)
+        table = topic_table()
+        self._rate, self._samples = table.light.sample_rate.si, table.light.samples
+        self._bins = plan_bins(self._policy.demodulation, self._rate, self._samples)
+        believed = diodes_of(self._vehicle.file.sensors.diodes)
+        self._ring = believed.ring
+        self._finder = DirectionFinder(believed, compiled(fit)[0], np.array)
+        self._diodes = set_for(self.scenario.light_field, self._vehicle)
+        self._middle = self._vehicle.diodes.planes[:, :3].mean(axis=0)
+        self._lamp = np.array(self.scenario.goal_lamp.position.vector)
+
+    def drawn(self, chance: Generator) -> PhotodiodeArray:
+        """Return the diodes of one such vehicle, their gains by chance."""
+        return self._diodes.drawn(chance)
+
+    def read(self, pose: Pose, diodes: PhotodiodeArray, chance: Generator) -> Reading:
+        """
+        Return what one light block says.
+
+        Parameters
+        ----------
+        pose : tuple of float
+            Of the hull, which stands still. [m, map]
+        diodes : PhotodiodeArray
+            As they are.
+        chance : Generator
+            Of the noise, and of the lamp's phase.
+
+        """
+        view = LightView(self.scenario.light_field, self._vehicle, diodes)
+        view.pass_by(pose)
+        start = int(chance.integers(1_000_000_000))
+        block = view.block(start, self._rate, self._samples, chance)
+        peaks = demodulate(block, self._bins)
+        threshold, prior = self._policy.demodulation.threshold, self._policy.prior
+        azimuth, elevation = self.truth(pose)
+        paper = bearing(peaks, self._ring, threshold)
+        ours = self._finder.find(peaks, threshold, prior)
+        nan = math.nan
+        return Reading(
+            float(peaks.snr.max()),
+            nan if paper is None else wrap(paper.angle - azimuth),
+            nan if ours is None else wrap(ours.azimuth - azimuth),
+            nan if ours is None else math.sqrt(ours.azimuth_variance),
+            nan if ours is None else ours.elevation - elevation,
+            nan if ours is None else math.sqrt(ours.elevation_variance),
+        )
+
+    def truth(self, pose: Pose) -> tuple[float, float]:
+        """Return azimuth and elevation of the lamp from the middle of the diodes. [rad, body]"""
+        turn = Rotation.from_quat(pose[3:])
+        x, y, z = turn.inv().apply(self._lamp - np.array(pose[:3])) - self._middle
+        return math.atan2(y, x), math.atan2(z, math.hypot(x, y))

@@ -1,0 +1,210 @@
+"""How good bearings are as one self-contained page, in the look of a flight's page."""
+
+from collections.abc import Sequence
+from html import escape
+import math
+from pathlib import Path
+from typing import Final
+
+from lta_bridge.provenance import commit
+from lta_config.typed import typed
+from lta_report.drawing import blank
+from lta_report.formatting import Tile
+from lta_report.frame import framed, written
+from lta_report.palette import ESTIMATE, SOFT, TIME, TRUTH, WALL
+from lta_report.pieces import section, tile_html
+from lta_studies.light.bearing.places import PLACES
+from lta_studies.light.bearing.run import Asked, Judged
+from lta_studies.light.bearing.score import column, within
+import numpy as np
+from plotly.graph_objects import Figure, Scatter
+from scipy.special import ndtri
+
+MISSING: Final = '\N{EN DASH}'
+CAPTION: Final = (
+    'Dots: the median error of the bearing. Lines above them: up to the error that 95 % of the '
+    "readings stay below. Orange is the paper's weighted mean, blue the fit."
+)
+HONEST: Final = (
+    'How many of the true bearings lie within the interval that the fit states, against how many '
+    'should: on the dashed line it is honest, above it too careful, below it too sure.'
+)
+METHOD: Final = (
+    'Each reading is one light block of 100 ms through the simulated diodes, amplifiers and '
+    "converter, at a random pose within 60 degrees of the lamp's axis: heading at random, the "
+    'hull 0.5 to 1.5 m up, pitch and roll 2 degrees rms, and every pose with diodes of its own, '
+    'gains drawn by their spread. The truth is the direction from the middle of the diodes to the '
+    'lamp. "Holds" is the part of the true bearings within the fit\'s own 95 % interval. A level '
+    'ring does not tell the elevation: what is said of it is what was expected.'
+)
+TICKS: Final = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)  # degrees
+HEAD: Final = (
+    'place', 'diodes', 'range [m]', 'SNR',
+    'paper [°]', 'paper 95 % [°]', 'fit [°]', 'fit 95 % [°]', 'stated [°]', 'holds [%]',
+    'elevation [°]', 'holds [%]', 'lost: paper, fit [%]',
+)  # fmt: skip
+
+
+def write_page(found: Sequence[Judged], asked: Asked, out: Path) -> Path:
+    """Write the page and return where it is; `BadInput` where it cannot be written."""
+    return written(page(found, asked), out)
+
+
+def page(found: Sequence[Judged], asked: Asked) -> str:
+    """Return the whole page."""
+    places = ' · '.join(f'{name}: {PLACES[name].about}' for name in asked.places)
+    return framed(
+        'bearing.html',
+        title=escape(title(found)),
+        kicker='light · bearing',
+        about=escape(f'{places}. {asked.poses} random poses of each kind.'),
+        tiles='\n'.join(tile_html(*each) for each in tiles(found)),
+        table=table_html(rows(found)),
+        notes=f'<p class="note">{escape(METHOD)}</p>',
+        picture=section('errors', 'Error of the bearing', CAPTION, errors(found)),
+        honest=section('honest', 'Is the interval honest?', HONEST, honesty(found)),
+        facts={
+            'vehicle': asked.vehicle,
+            'seed': str(asked.seed),
+            'readings': str(asked.total),
+            'commit': commit(),
+        },
+        commands={'Find it again': typed(*words(asked))},
+    )
+
+
+def words(asked: Asked) -> list[str]:
+    """Return the command line that finds it again."""
+    told = ['light', 'bearing', '--vehicle', asked.vehicle]
+    for place in asked.places:
+        told += ['--place', place]
+    for count in asked.counts:
+        told += ['--diodes', str(count)]
+    for distance in asked.ranges:
+        told += ['--range', far(distance)]
+    return [*told, '--poses', str(asked.poses), '--seed', str(asked.seed)]
+
+
+def far(distance: float | None) -> str:
+    """Return a range as it is typed. [m]"""
+    return 'any' if distance is None else f'{distance:g}'
+
+
+def degrees(angle: float, digits: int = 2) -> str:
+    """Return an angle in degrees; a dash where there is none."""
+    return f'{math.degrees(angle):.{digits}f}' if math.isfinite(angle) else MISSING
+
+
+def percent(part: float) -> str:
+    """Return a part in percent; a dash where there is none."""
+    return f'{100.0 * part:.1f}' if math.isfinite(part) else MISSING
+
+
+def rows(found: Sequence[Judged]) -> list[tuple[str, ...]]:
+    """Return the table as text, its first row the head."""
+    told: list[tuple[str, ...]] = [HEAD]
+    for each in found:
+        s = each.score
+        told.append((
+            each.place, str(each.count), far(each.range), f'{s.snr:.0f}',
+            degrees(s.paper), degrees(s.paper_most, 1), degrees(s.ours), degrees(s.ours_most, 1),
+            degrees(s.deviation), percent(s.holds), degrees(s.elevation, 1),
+            percent(s.elevation_holds), f'{percent(s.paper_lost)}, {percent(s.ours_lost)}',
+        ))  # fmt: skip
+    return told
+
+
+def title(found: Sequence[Judged]) -> str:
+    """Return what came out, in a sentence."""
+    best = min(found, key=lambda each: (each.count != 8, each.range != 3.0))
+    where = 'anywhere' if best.range is None else f'at {best.range:g} m'
+    return (
+        f'{best.place.capitalize()}, {best.count} diodes, {where}: the fit errs by '
+        f"{degrees(best.score.ours)}°, the paper's weighted mean by "
+        f'{degrees(best.score.paper)}° (medians).'
+    )
+
+
+def tiles(found: Sequence[Judged]) -> list[Tile]:
+    """Return the fit's median of each kind, up to eight."""
+    return [
+        Tile(
+            f'{each.place}, {each.count}, {far(each.range)} m'.replace('any m', 'anywhere'),
+            degrees(each.score.ours),
+            '°',
+            f'paper {degrees(each.score.paper)}°; interval holds {percent(each.score.holds)} %',
+        )
+        for each in found[:8]
+    ]
+
+
+def table_html(told: Sequence[Sequence[str]]) -> str:
+    """Return a table whose first row is its head."""
+    head = ''.join(f'<th scope="col">{escape(cell)}</th>' for cell in told[0])
+    lines = ''.join(
+        f'<tr><th scope="row">{escape(row[0])}</th>'
+        + ''.join(f'<td>{escape(cell)}</td>' for cell in row[1:])
+        + '</tr>'
+        for row in told[1:]
+    )
+    return (
+        '<table class="limits"><caption class="hidden">Errors of the bearing</caption>'
+        f'<thead><tr>{head}</tr></thead><tbody>{lines}</tbody></table>'
+    )
+
+
+def errors(found: Sequence[Judged]) -> Figure:
+    """Return median and 95 % of both estimators, kind by kind."""
+    figure = blank()
+    names = [f'{each.place}<br>{each.count} diodes<br>{far(each.range)}' for each in found]
+    pairs = (
+        ('paper', ESTIMATE, -0.12, [(e.score.paper, e.score.paper_most) for e in found]),
+        ('fit', TRUTH, 0.12, [(e.score.ours, e.score.ours_most) for e in found]),
+    )
+    for name, colour, aside, told in pairs:
+        middle, most = np.degrees(np.array(told)).T
+        figure.add_trace(
+            Scatter(
+                x=np.arange(len(found)) + aside, y=middle, mode='markers', name=name,
+                marker={'color': colour, 'size': 9},
+                error_y={
+                    'type': 'data', 'array': most - middle, 'arrayminus': 0.0 * middle,
+                    'color': colour, 'thickness': 1.4, 'width': 3, 'symmetric': False,
+                },
+                hovertemplate='%{y:.2f}°',
+            )
+        )  # fmt: skip
+    figure.update_xaxes(tickvals=list(range(len(found))), ticktext=names, tickfont={'size': 10})
+    figure.update_yaxes(
+        title_text='error of the bearing [°]', type='log', tickvals=TICKS,
+        ticktext=[f'{each:g}' for each in TICKS],
+    )  # fmt: skip
+    return figure.update_layout(margin={'b': 70})
+
+
+def honesty(found: Sequence[Judged]) -> Figure:
+    """Return the part of the truths inside intervals of every width, against the part stated."""
+    figure = blank()
+    stated = np.linspace(0.02, 0.99, 60)
+    widths = ndtri(0.5 + 0.5 * stated)
+    figure.add_trace(
+        Scatter(
+            x=100.0 * stated, y=100.0 * stated, mode='lines', name='honest', hoverinfo='skip',
+            line={'color': WALL, 'width': 1, 'dash': '4px,4px'},
+        )
+    )  # fmt: skip
+    for k, each in enumerate(found):
+        own, deviation = column(each.readings, 'ours'), column(each.readings, 'deviation')
+        figure.add_trace(
+            Scatter(
+                x=100.0 * stated,
+                y=[100.0 * within(own, deviation, float(width)) for width in widths],
+                mode='lines', name=f'{each.place}, {each.count}, {far(each.range)}',
+                line={'color': TIME[k % len(TIME)], 'width': 1.4}, hovertemplate='%{y:.0f} %',
+            )
+        )  # fmt: skip
+    figure.update_xaxes(title_text='stated [%]', range=[0, 100])
+    figure.update_yaxes(title_text='true bearings inside [%]', range=[0, 101])
+    return figure.add_annotation(
+        x=55, y=50, text='honest', showarrow=False, font={'size': 11, 'color': SOFT}
+    )

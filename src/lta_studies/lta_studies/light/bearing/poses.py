@@ -1,0 +1,79 @@
+"""Random poses of a drone before a lamp."""
+
+import math
+from typing import Final
+
+from lta_config.errors import BadInput
+from lta_model.scenario import Scenario
+import numpy as np
+from numpy.random import Generator
+from scipy.spatial.transform import Rotation
+
+HEIGHTS: Final = 0.5, 1.5  # of the hull centre, drawn evenly [m]
+TILT: Final = math.radians(2.0)  # standard deviation of pitch and roll [rad]
+BESIDE: Final = math.radians(60.0)  # largest angle to the lamp's axis, seen from above [rad]
+CLEAR: Final = 0.6  # least distance of the hull centre to a wall [m]
+NEAREST: Final = 1.5  # of places drawn anywhere in the room: nearer, the lamp saturates [m]
+FARTHEST: Final = 12.0  # of places drawn anywhere in a field [m]
+TRIES: Final = 10_000
+
+Pose = tuple[float, ...]  # position and quaternion x y z w
+
+
+def draw_pose(scenario: Scenario, distance: float | None, chance: Generator) -> Pose:
+    """
+    Return a random pose within the lamp's beam.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The scene.
+    distance : float or None
+        Horizontal distance to the lamp; None for a place anywhere in the room. [m]
+    chance : Generator
+        Of the draws.
+
+    Raises
+    ------
+    BadInput
+        If no place of that distance is in the room.
+
+    """
+    height = chance.uniform(*HEIGHTS)
+    for _ in range(TRIES):
+        x, y = draw_place(scenario, distance, chance)
+        if is_before_the_lamp(scenario, x, y):
+            pitch, roll = TILT * chance.standard_normal(2)
+            turn = Rotation.from_euler('ZYX', [chance.uniform(-math.pi, math.pi), pitch, roll])
+            return (x, y, height, *turn.as_quat().tolist())
+    raise BadInput(
+        f'No place at {distance:g} m from its lamp is inside the scenario {scenario.name}; '
+        'choose a shorter --range.'
+    )
+
+
+def draw_place(
+    scenario: Scenario, distance: float | None, chance: Generator
+) -> tuple[float, float]:
+    """Return a place on the plan, at a distance from the lamp or anywhere. [m]"""
+    lamp_x, lamp_y, _ = scenario.goal_lamp.position.vector
+    length, width, _ = scenario.room.size.vector
+    if distance is None:
+        reach = [min(0.5 * side - CLEAR, FARTHEST) for side in (length, width)]
+        x, y = (chance.uniform(-each, each) for each in reach)
+        return x, y
+    ahead_x, ahead_y, _ = scenario.goal_lamp.facing.vector
+    angle = math.atan2(ahead_y, ahead_x) + chance.uniform(-BESIDE, BESIDE)
+    return lamp_x + distance * math.cos(angle), lamp_y + distance * math.sin(angle)
+
+
+def is_before_the_lamp(scenario: Scenario, x: float, y: float) -> bool:
+    """Tell whether a place [m] is in the room, not too near the lamp and within its beam."""
+    lamp_x, lamp_y, _ = scenario.goal_lamp.position.vector
+    ahead = np.array(scenario.goal_lamp.facing.vector[:2])
+    length, width, _ = scenario.room.size.vector
+    way = np.array([x - lamp_x, y - lamp_y])
+    away = math.hypot(*way)
+    inside = abs(x) <= 0.5 * length - CLEAR and abs(y) <= 0.5 * width - CLEAR
+    within = way @ ahead >= (math.cos(BESIDE) - 1e-9) * away * math.hypot(*ahead)
+    return inside and bool(within) and away >= NEAREST

@@ -1,0 +1,101 @@
+"""What many readings come to: medians, how often the interval holds, how often nothing is said."""
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+import math
+from typing import Final, final
+
+from lta_report.json_value import finite
+from lta_studies.light.bearing.bench import Reading
+import numpy as np
+from numpy.typing import NDArray
+
+INTERVAL: Final = 1.959964  # half width of the 95 % interval in standard deviations
+PERCENT: Final = 95.0
+Array = NDArray[np.float64]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Score:
+    """
+    Readings of one kind; angles in radians, NaN where nothing was said.
+
+    Parameters
+    ----------
+    readings : int
+        How many.
+    snr : float
+        Median of the best diode's.
+    paper, paper_most, paper_lost : float
+        Median error of the paper's estimator, its 95 % quantile, and the part without a bearing.
+    ours, ours_most, ours_lost : float
+        Those of the fit.
+    deviation : float
+        Median of the standard deviation that the fit states.
+    holds : float
+        Part of the true bearings within its 95 % interval.
+    elevation, elevation_deviation, elevation_holds : float
+        Median error of the elevation, and what is stated of it.
+
+    """
+
+    readings: int
+    snr: float
+    paper: float
+    paper_most: float
+    paper_lost: float
+    ours: float
+    ours_most: float
+    ours_lost: float
+    deviation: float
+    holds: float
+    elevation: float
+    elevation_deviation: float
+    elevation_holds: float
+
+    def to_json(self) -> dict[str, float | None]:
+        """Return it for JSON, which has no NaN."""
+        known: dict[str, float | None] = finite(asdict(self))
+        return known
+
+
+def score(readings: Sequence[Reading]) -> Score:
+    """Return what readings come to."""
+    paper, ours = column(readings, 'paper'), column(readings, 'ours')
+    deviation = column(readings, 'deviation')
+    elevation, up = column(readings, 'elevation'), column(readings, 'elevation_deviation')
+    return Score(
+        readings=len(readings),
+        snr=float(np.median(column(readings, 'snr'))),
+        paper=quantile(paper, 50.0),
+        paper_most=quantile(paper, PERCENT),
+        paper_lost=float(np.mean(np.isnan(paper))),
+        ours=quantile(ours, 50.0),
+        ours_most=quantile(ours, PERCENT),
+        ours_lost=float(np.mean(np.isnan(ours))),
+        deviation=quantile(deviation, 50.0),
+        holds=within(ours, deviation, INTERVAL),
+        elevation=quantile(elevation, 50.0),
+        elevation_deviation=quantile(up, 50.0),
+        elevation_holds=within(elevation, up, INTERVAL),
+    )
+
+
+def column(readings: Sequence[Reading], name: str) -> Array:
+    """Return one number of all readings, shape (n,)."""
+    return np.array([getattr(reading, name) for reading in readings], dtype=np.float64)
+
+
+def quantile(errors: Array, percent: float) -> float:
+    """Return a quantile of the sizes of errors, NaN where there are none."""
+    known = np.abs(errors[np.isfinite(errors)])
+    return float(np.percentile(known, percent)) if known.size else math.nan
+
+
+def within(errors: Array, deviations: Array, width: float) -> float:
+    """Return the part of the errors within so many of their deviations. [1]"""
+    known = np.isfinite(errors)
+    if not known.any():
+        return math.nan
+    return float(np.mean(np.abs(errors[known]) < width * deviations[known]))

@@ -1,0 +1,139 @@
+"""The study of the number of photodiodes as one self-contained page."""
+
+from collections.abc import Sequence
+from html import escape
+import math
+from pathlib import Path
+from typing import Final
+
+from lta_bridge.provenance import commit
+from lta_config.typed import typed
+from lta_report.drawing import blank
+from lta_report.formatting import Tile
+from lta_report.frame import framed, written
+from lta_report.palette import GOOD, LAMP, TRUTH
+from lta_report.pieces import section, tile_html
+from lta_studies.light.bearing.page import degrees, table_html
+from lta_studies.light.bearing.places import PLACES
+from lta_studies.light.bearing.study import (
+    COUNTS,
+    DIRECTIONS,
+    directions,
+    DISTANCE,
+    Studied,
+    verdicts,
+    within,
+)
+import numpy as np
+from plotly.graph_objects import Figure, Scatter
+
+COLOURS: Final = dict(zip(COUNTS, (LAMP, TRUTH, GOOD), strict=True))
+HEAD: Final = (
+    'place', 'diodes', 'SNR', 'paper: median [°]', 'worst [°]', 'below 2°', 'fit: median [°]',
+    'worst [°]', 'below 2°',
+)  # fmt: skip
+CAPTION: Final = 'Median error in each of 16 directions. Full lines: the fit. Dotted: the paper.'
+DEFECT: Final = (
+    "Where the paper's own statement cannot hold: with ideal cosine diodes its weighted mean is "
+    'exact for 4, 8 and 16 diodes at every angle, and equal diodes of any response make eight '
+    'exact at all 16 test angles, so that the errors it prints need a response that is no cosine, '
+    'unequal gains and reflections; these are simulated here. Steady sunlight adds nothing at the '
+    "lamp's frequency but noise: where outdoors is better than indoors, it is because only the "
+    'ground reflects.'
+)
+METHOD: Final = (
+    f'The lamp is {DISTANCE:g} m away, 45 degrees off its axis; the hull stands level, half a '
+    'metre up, and turns through 16 directions. One vehicle, its gains drawn once. Medians over '
+    'the readings, each one light block with noise of its own.'
+)
+
+
+def write_page(
+    found: Sequence[Studied], vehicle: str, readings: int, seed: int, out: Path
+) -> Path:
+    """Write the page and return where it is; `BadInput` where it cannot be written."""
+    eight = next(each for each in found if (each.place, each.count) == ('indoor', 8))
+    pictures = [
+        section(
+            place, f'{place.capitalize()}: {PLACES[place].about}', CAPTION, picture(found, place)
+        )
+        for place in PLACES
+    ]
+    return written(
+        framed(
+            'study.html',
+            title=escape(
+                f'Indoors the fit finds the lamp to {degrees(median(eight.ours))}° with eight '
+                f"diodes, the paper's weighted mean to {degrees(median(eight.paper))}°."
+            ),
+            kicker='light · study of the number of photodiodes',
+            about=escape(f'{DIRECTIONS} directions, {readings} readings each.'),
+            tiles='\n'.join(tile_html(*each) for each in tiles(found)),
+            table=table_html(rows(found)),
+            claims=table_html(claims(found)),
+            notes=''.join(f'<p class="note">{escape(each)}</p>' for each in (METHOD, DEFECT)),
+            pictures='\n'.join(pictures),
+            facts={'vehicle': vehicle, 'seed': str(seed), 'commit': commit()},
+            commands={
+                'Find it again': typed(
+                    'light', 'study', '--vehicle', vehicle, '--readings', str(readings),
+                    '--seed', str(seed),
+                )
+            },
+        ),
+        out,
+    )  # fmt: skip
+
+
+def claims(found: Sequence[Studied]) -> list[tuple[str, str, str]]:
+    """Return what the paper says, counted, its first row the head."""
+    return [('the paper, indoors', 'its estimator', 'the fit'), *verdicts(found)]
+
+
+def median(errors: Sequence[float]) -> float:
+    """Return the median over the directions; NaN where one has no bearing."""
+    return float(np.median(errors))
+
+
+def rows(found: Sequence[Studied]) -> list[tuple[str, ...]]:
+    """Return the table as text, its first row the head."""
+    told: list[tuple[str, ...]] = [HEAD]
+    for each in found:
+        cells = [each.place, str(each.count), f'{each.snr:.0f}']
+        for errors in (each.paper, each.ours):
+            below = f'{within(errors, math.radians(2.0))} of {DIRECTIONS}'
+            cells += [degrees(median(errors)), degrees(max(errors)), below]
+        told.append(tuple(cells))
+    return told
+
+
+def tiles(found: Sequence[Studied]) -> list[Tile]:
+    """Return the fit's worst direction of each ring."""
+    return [
+        Tile(
+            f'{each.place}, {each.count} diodes', degrees(max(each.ours)), '°',
+            f'worst direction; paper {degrees(max(each.paper))}°',
+        )
+        for each in found
+    ]  # fmt: skip
+
+
+def picture(found: Sequence[Studied], place: str) -> Figure:
+    """Return the error by direction, ring by ring."""
+    figure = blank()
+    angles = np.degrees(directions())
+    for each in found:
+        if each.place != place:
+            continue
+        for name, errors, dash in (('paper', each.paper, '2px,3px'), ('fit', each.ours, 'solid')):
+            figure.add_trace(
+                Scatter(
+                    x=angles, y=np.degrees(errors), mode='lines+markers',
+                    name=f'{each.count} diodes, {name}', marker={'size': 5},
+                    line={'color': COLOURS[each.count], 'width': 1.4, 'dash': dash},
+                    hovertemplate='%{y:.2f}°',
+                )
+            )  # fmt: skip
+    figure.update_xaxes(title_text='direction of the lamp from the ring [°]', dtick=45)
+    figure.update_yaxes(title_text='median error [°]', rangemode='tozero')
+    return figure.update_layout(showlegend=True, legend={'orientation': 'h', 'y': 1.12})

@@ -1,0 +1,205 @@
+"""The pictures of the evaluation: paths, success along an axis, and what each factor changes."""
+
+from collections.abc import Mapping, Sequence
+from itertools import groupby
+import math
+from typing import Any, Final
+
+from lta_flight.sweep.statistics import Share
+from lta_report.drawing import blank
+from lta_report.palette import ESTIMATE, GOOD, INK, LAMP, PAPER, SOFT, TIME, TRUTH
+from lta_studies.light.evaluation import paper, pilot, words
+from lta_studies.light.evaluation.cells import Cell, pilots
+from lta_studies.light.evaluation.intervals import Mean
+from lta_studies.light.evaluation.sets import Axis
+from plotly.graph_objects import Figure, Scatter
+
+COLOURS: Final[Mapping[str, str]] = {
+    'bag': TRUTH, 'dga': LAMP, 'des': ESTIMATE, 'homing': GOOD, pilot.NAME: SOFT,
+}  # fmt: skip
+SYMBOLS: Final[Mapping[str, str]] = {
+    'bag': 'circle', 'dga': 'square', 'des': 'diamond', 'homing': 'triangle-up', pilot.NAME: 'x',
+}  # fmt: skip
+Interval = Mean | Share
+APART: Final = 0.012  # of the axis, between the marks of two strategies at one place
+WANTED: Final = {'dash': '4px,3px', 'color': SOFT, 'width': 1.2}
+LEGEND: Final = {'orientation': 'h', 'x': 0, 'y': 1.02, 'xanchor': 'left', 'yanchor': 'bottom'}
+
+
+def colour(strategy: str) -> str:
+    """Return the colour of a strategy, the same in every picture."""
+    return COLOURS.get(strategy, TIME[0])
+
+
+def spread(values: Sequence[Interval], colour: str) -> dict[str, Any]:
+    """Return error bars from intervals."""
+    return {
+        'type': 'data', 'symmetric': False, 'thickness': 1.4, 'width': 5, 'color': colour,
+        'array': [bounded(each.high - each.value) for each in values],
+        'arrayminus': [bounded(each.value - each.low) for each in values],
+    }  # fmt: skip
+
+
+def bounded(length: float) -> float | None:
+    """Return the length of an error bar, None where there is none."""
+    return None if math.isnan(length) else length
+
+
+def marks(
+    name: str, x: Sequence[Any], values: Sequence[Interval], *, joined: bool, legend: bool
+) -> Scatter:
+    """Return the figures of one strategy with their intervals."""
+    shade = colour(name)
+    return Scatter(
+        x=list(x), y=[bounded(each.value) for each in values], error_y=spread(values, shade),
+        mode='lines+markers' if joined else 'markers', name=words.strategy(name),
+        line={'color': shade, 'width': 1.4}, showlegend=legend, legendgroup=name,
+        marker={'color': shade, 'size': 8, 'symbol': SYMBOLS.get(name, 'circle')},
+        hovertemplate='%{y:.3~g}',
+    )  # fmt: skip
+
+
+def beside_paper(cells: Sequence[Cell]) -> Figure:
+    """Return path, time and success of each strategy indoors, the paper's flights beside them."""
+    figure = blank(3, [0.42, 0.34, 0.24])
+    for cell in cells:
+        name = words.strategy(cell.strategy)
+        shown: tuple[Interval, ...] = (
+            cell.mean('path_length'),
+            cell.mean('search_time'),
+            cell.reached,
+        )
+        for row, value in enumerate(shown, start=1):
+            figure.add_trace(
+                marks(cell.strategy, [name], [value], joined=False, legend=False), row=row, col=1
+            )
+    known = [cell.strategy for cell in cells if cell.strategy in paper.INDOORS]
+    for row, part in enumerate(('path', 'time'), start=1):
+        figure.add_trace(
+            Scatter(
+                x=[words.strategy(name) for name in known],
+                y=[getattr(paper.INDOORS[name], part) for name in known],
+                mode='markers', name='paper, one flight', showlegend=row == 1,
+                marker={'symbol': 'star', 'size': 11, 'color': PAPER,
+                        'line': {'color': INK, 'width': 1.3}},
+                hovertemplate='paper %{y:.3~g}<extra></extra>',
+            ),
+            row=row, col=1,
+        )  # fmt: skip
+    figure.update_yaxes(title_text='path [m]', rangemode='tozero', row=1)
+    figure.update_yaxes(title_text='time [s]', rangemode='tozero', row=2)
+    as_shares(figure, 3)
+    figure.update_xaxes(type='category')
+    return figure.update_layout(
+        hovermode='closest', showlegend=True, legend=LEGEND, margin={'r': 16, 't': 26}
+    )
+
+
+def as_shares(figure: Figure, row: int) -> None:
+    """Make the axis of a row one of shares."""
+    figure.update_yaxes(
+        title_text='reached', range=[-0.06, 1.06], tickvals=[0, 0.5, 1], tickformat='.0%', row=row
+    )
+
+
+def along(cells: Sequence[Cell], axis: Axis) -> Figure:
+    """Return who reaches the lamp along an axis, and over which path; a row a family of cases."""
+    families = families_of(cells)
+    piloted = bool(pilots(cells))
+    figure = blank(len(families) + piloted, None)
+    places = sorted({cell.place for cell in cells})
+    seen: set[str] = set()
+    for row, (family, own) in enumerate(families.items(), start=1):
+        for name, line in by_strategy(own).items():
+            x = apart(line, places, axis, name)
+            shares = [cell.reached for cell in line]
+            figure.add_trace(
+                marks(name, x, shares, joined=True, legend=name not in seen), row=row, col=1
+            )
+            seen.add(name)
+        as_shares(figure, row)
+        if family:
+            figure.update_yaxes(title_text=wrapped(words.factor(family)), row=row)
+    if piloted:
+        add_ratios(figure, cells, places, axis, len(families) + 1)
+    last = len(families) + piloted
+    figure.update_xaxes(title_text=f'{axis.title} [{axis.unit}]', row=last)
+    if axis.decades:
+        figure.update_xaxes(
+            tickvals=list(range(len(places))),
+            ticktext=['dark' if place == 0.0 else f'{place:,.0f}' for place in places],
+        )
+    return figure.update_layout(
+        hovermode='closest', showlegend=True, legend=LEGEND, margin={'r': 16, 't': 26}
+    )
+
+
+def add_ratios(
+    figure: Figure, cells: Sequence[Cell], places: Sequence[float], axis: Axis, row: int
+) -> None:
+    """Draw the path of each strategy over the pilot's; of all families together."""
+    best = pilots(cells)
+    worst = 1.5
+    for name, line in by_strategy(cells).items():
+        if name == pilot.NAME:
+            continue
+        ratios = [cell.against(best.get(cell.case)) for cell in line]
+        x = apart(line, places, axis, name)
+        figure.add_trace(marks(name, x, ratios, joined=False, legend=False), row=row, col=1)
+        worst = max([worst, *(each.value for each in ratios if each.value == each.value)])
+    figure.add_hline(y=1.0, line={'color': SOFT, 'width': 1}, row=row, col=1)
+    figure.update_yaxes(title_text='path / pilot', range=[0.8, min(1.1 * worst, 4.0)], row=row)
+
+
+def families_of(cells: Sequence[Cell]) -> dict[str, list[Cell]]:
+    """Return cells by family; what has none stands in all of them."""
+    names = list(dict.fromkeys(cell.family for cell in cells if cell.family)) or ['']
+    return {name: [cell for cell in cells if cell.family in {name, ''}] for name in names}
+
+
+def by_strategy(cells: Sequence[Cell]) -> dict[str, list[Cell]]:
+    """Return cells by strategy, along the axis."""
+    ordered = sorted(cells, key=lambda cell: (cell.strategy, cell.place))
+    grouped = groupby(ordered, key=lambda cell: cell.strategy)
+    own = {name: list(line) for name, line in grouped}
+    return {cell.strategy: own[cell.strategy] for cell in cells}
+
+
+def apart(line: Sequence[Cell], places: Sequence[float], axis: Axis, name: str) -> list[float]:
+    """Return where the cells of a strategy are drawn, a little beside those of others."""
+    order = list(COLOURS).index(name) if name in COLOURS else len(COLOURS)
+    span = len(places) - 1.0 if axis.decades else places[-1] - places[0]
+    shift = APART * (order - 2) * (span or 1.0)
+    return [(places.index(cell.place) if axis.decades else cell.place) + shift for cell in line]
+
+
+def factors(cells: Sequence[Cell]) -> Figure:
+    """Return the mean path of each strategy with one factor changed at a time."""
+    figure = blank(2, [0.62, 0.38])
+    cases = list(dict.fromkeys(cell.case for cell in cells))
+    for name, line in by_strategy(cells).items():
+        order = list(COLOURS).index(name) if name in COLOURS else len(COLOURS)
+        x = [cases.index(cell.case) + 0.09 * (order - 2) for cell in line]
+        paths = [cell.mean('path_length') for cell in line]
+        figure.add_trace(marks(name, x, paths, joined=False, legend=True), row=1, col=1)
+        shares = [cell.reached for cell in line]
+        figure.add_trace(marks(name, x, shares, joined=False, legend=False), row=2, col=1)
+    figure.update_yaxes(title_text='path [m]', rangemode='tozero', row=1)
+    as_shares(figure, 2)
+    figure.update_xaxes(
+        tickvals=list(range(len(cases))), range=[-0.5, len(cases) - 0.5],
+        ticktext=[wrapped(words.factor(case)) for case in cases],
+    )  # fmt: skip
+    return figure.update_layout(
+        hovermode='closest', showlegend=True, legend=LEGEND, margin={'r': 16, 't': 26, 'b': 64}
+    )
+
+
+def wrapped(text: str, width: int = 16) -> str:
+    """Return words in lines of about so many letters, as plotly breaks them."""
+    lines = ['']
+    for word in text.split():
+        if lines[-1] and len(lines[-1]) + len(word) >= width:
+            lines.append('')
+        lines[-1] = f'{lines[-1]} {word}'.strip()
+    return '<br>'.join(lines)

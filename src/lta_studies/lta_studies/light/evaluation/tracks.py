@@ -1,0 +1,86 @@
+"""A flight of each strategy, drawn from above: the same seed for all."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import final
+
+from lta_flight.loop_view import LoopView
+from lta_flight.report.room import draw_room
+from lta_flight.sweep.plan import Plan
+from lta_model.scenario import Scenario
+from lta_report.curves import Array
+from lta_report.drawing import blank
+from lta_studies.light.evaluation import words
+from lta_studies.light.evaluation.cells import Cell
+from lta_studies.light.evaluation.flying import begun, whole
+from lta_studies.light.evaluation.pictures import colour, LEGEND
+import numpy as np
+from plotly.graph_objects import Figure, Scatter
+
+BEADS = 400
+MARGIN = 0.25  # m of paper around the room
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Drawn:
+    """The way of one flight over the ground by time. [s], [m, map]"""
+
+    strategy: str
+    time: Array
+    x: Array
+    y: Array
+    reached: bool
+
+
+def shown_seed(cells: Sequence[Cell]) -> int:
+    """Return the first seed with which the most strategies reach the lamp."""
+    seeds = sorted({seed for cell in cells for seed in cell.rows})
+    return max(seeds, key=lambda seed: (sum(seed in cell.arrivals for cell in cells), -seed))
+
+
+def fly_again(plan: Plan, cells: Sequence[Cell], seed: int) -> tuple[list[Drawn], Scenario]:
+    """Return the flights of one seed, flown again: rows keep figures, not tracks."""
+    drawn = []
+    for cell in cells:
+        if seed not in cell.rows:
+            continue
+        row = cell.rows[seed]
+        loop = begun(whole(plan, plan.job(row.index), row.index))
+        view = LoopView(loop)
+        for _ in loop.flight():
+            view.take()
+        truth = view.truth
+        keep = slice(None, None, max(1, len(truth.x) // BEADS))
+        way = (truth.time[keep], truth.x[keep], truth.y[keep])
+        drawn.append(Drawn(cell.strategy, *way, seed in cell.arrivals))
+    return drawn, loop.world.scenario
+
+
+def picture(flown: Sequence[Drawn], scenario: Scenario, height: float) -> Figure:
+    """Return the ways of some flights in their room."""
+    figure = blank()
+    draw_room(figure, scenario, height)
+    figure.update_traces(showlegend=False)
+    for each in flown:
+        shade = colour(each.strategy)
+        figure.add_trace(
+            Scatter(
+                x=each.x.astype(np.float32), y=each.y.astype(np.float32), mode='lines',
+                name=words.strategy(each.strategy), line={'color': shade, 'width': 1.8},
+                showlegend=True, hoverinfo='name',
+            )
+        )  # fmt: skip
+    length, width, _ = scenario.room.size.vector
+    shared = {'showgrid': False, 'dtick': 1, 'constrain': 'domain'}
+    figure.update_xaxes(
+        range=[-length / 2 - MARGIN, length / 2 + MARGIN], title_text='x [m]', **shared
+    )
+    figure.update_yaxes(
+        range=[-width / 2 - MARGIN, width / 2 + MARGIN], title_text='y [m]', scaleanchor='x',
+        constraintoward='top', **shared,
+    )  # fmt: skip
+    return figure.update_layout(
+        hovermode='closest', showlegend=True, legend=LEGEND,
+        margin={'l': 44, 'r': 12, 't': 26, 'b': 40},
+    )  # fmt: skip

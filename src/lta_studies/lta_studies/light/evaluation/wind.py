@@ -1,0 +1,44 @@
+"""
+How much of the top airspeed the wind of a flight takes: its mean and one deviation.
+
+The top airspeed is the least of what the vehicle can fly level by its numbers ("lta wind") and
+of what its controller allows.
+"""
+
+from functools import cache
+import math
+from typing import Final
+
+from lta_config.quantity import Quantity
+from lta_control.cascade import CascadeGains
+from lta_flight.ingredients import Ingredients, parts_of
+from lta_model.vehicle import load_vehicle
+from lta_sim import wind_limits
+
+ALLOWED: Final = 0.9  # of the top airspeed, up to which a strategy has to reach the lamp
+
+
+def share_of_top(made_of: Ingredients) -> float:
+    """Return mean wind plus one deviation at the hull, over the top airspeed. [1]"""
+    vehicle, scenario, policy = parts_of(made_of)
+    air = scenario.air
+    mean = math.hypot(*air.wind.vector)
+    if scenario.outside is not None:
+        mean = max(mean, math.hypot(*scenario.outside.wind.vector))
+    if (profile := air.profile) is not None:
+        mean += profile.wind.si * wind_limits.share_at_hull(
+            vehicle, policy.mission.altitude, profile.height.si, profile.roughness.si
+        )
+    turbulence = air.turbulence
+    intensity = getattr(turbulence, 'intensity', None)
+    deviation = max(intensity.vector) if isinstance(intensity, Quantity) else 0.0
+    top = level_airspeed(made_of.names['vehicle'], air.density)
+    if isinstance(policy.gains, CascadeGains):
+        top = min(top, policy.gains.speed_limit)
+    return (mean + deviation) / top
+
+
+@cache
+def level_airspeed(vehicle: str, density: float) -> float:
+    """Return the airspeed up to which a vehicle flies level, by its numbers. [m/s]"""
+    return wind_limits.static_limit(load_vehicle(vehicle, density))

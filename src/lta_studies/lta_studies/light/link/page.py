@@ -1,0 +1,160 @@
+"""The link as one self-contained page, in the look of a flight's page."""
+
+from collections.abc import Callable, Sequence
+from html import escape
+from pathlib import Path
+from typing import Final
+
+from lta_bridge.provenance import commit
+from lta_config.typed import typed
+from lta_report.drawing import blank
+from lta_report.formatting import Tile
+from lta_report.frame import framed, written
+from lta_report.palette import ESTIMATE, GOOD, LAMP, SETPOINT, SOFT, TRUTH, WALL
+from lta_report.pieces import section, tile_html
+from lta_studies.light.link.measured import At, Link
+from plotly.graph_objects import Figure, Scatter
+
+COLOURS: Final = (TRUTH, ESTIMATE, GOOD, LAMP, SETPOINT)
+PAPER_DISTANCE: Final = 7.0  # m
+PAPER_LUX: Final = (20.0, 90.0)  # "several tens of lux"
+NEEDED: Final = 10.0  # SNR at that distance
+LUX: Final = (
+    'Solid: what the diode that gets most reads of the lamp while it is on, its response and the '
+    'echo included. Dotted: direct light alone, on a plane that faces the lamp. Band: several '
+    'tens of lux at 7 m, the paper.'
+)
+SNR: Final = (
+    'Of the diode that hears the lamp best, as the demodulator tells it: the median of several '
+    'blocks with gains, noise and a heading of their own.'
+)
+METHOD: Final = (
+    'The drone stands level before the lamp, its nose at most 22.5 degrees off. Light falls by '
+    'the inverse square; surfaces throw it back by place; the hull shades the diodes under it.'
+)
+
+
+def write_page(found: Sequence[Link], again: str, vehicle: str, out: Path) -> Path:
+    """Write the page and return where it is; `BadInput` where it cannot be written."""
+    return written(page(found, again, vehicle), out)
+
+
+def page(found: Sequence[Link], again: str, vehicle: str) -> str:
+    """Return the whole page; `again` is what to type to find it again."""
+    first = found[0].scenario
+    return framed(
+        'light_link.html',
+        title=escape(title(found)),
+        kicker=escape(f'light link · {vehicle}'),
+        about='Light and signal-to-noise ratio of a lamp against the distance from it.',
+        tiles='\n'.join(tile_html(*each) for each in tiles(found)),
+        lux=section('lux', 'Light on the diodes', LUX, lux_picture(found)),
+        snr=section('snr', 'Signal-to-noise ratio', SNR, snr_picture(found)),
+        table=''.join(table_html(each) for each in found),
+        method=escape(METHOD),
+        facts={'vehicle': vehicle, 'commit': commit()},
+        commands={
+            'Find it again': again,
+            'Fly in the first scene': typed('simulate', '--scenario', first),
+        },
+    )  # fmt: skip
+
+
+def nearest(link: Link) -> At:
+    """Return the link nearest to the paper's distance."""
+    return min(link.at, key=lambda at: abs(at.distance - PAPER_DISTANCE))
+
+
+def title(found: Sequence[Link]) -> str:
+    """Return what came out, in a sentence."""
+    told = [f'{nearest(each).snr:.0f} in {each.scenario}' for each in found]
+    distances = {f'{nearest(each).distance:g}' for each in found}
+    return f'At {"/".join(sorted(distances))} m the SNR is {", ".join(told)}.'
+
+
+def tiles(found: Sequence[Link]) -> list[Tile]:
+    """Return light and SNR of each scene at the paper's distance."""
+    made = []
+    for each in found:
+        at = nearest(each)
+        note = f'direct, at {at.distance:g} m; paper: several tens'
+        made.append(Tile(each.scenario, f'{at.lux:.0f}', 'lx', note))
+        made.append(Tile(each.scenario, f'{at.snr:.0f}', '', f'SNR at {at.distance:g} m'))
+    return made
+
+
+def lux_picture(found: Sequence[Link]) -> Figure:
+    """Return light against distance."""
+    figure = drawn(found, lambda at: at.read, '%{y:.3g} lx')
+    for k, link in enumerate(found):
+        figure.add_trace(
+            Scatter(
+                x=[at.distance for at in link.at], y=[at.lux for at in link.at], mode='lines',
+                name=f'{link.scenario}, direct', hovertemplate='%{y:.3g} lx direct',
+                line={'color': COLOURS[k % len(COLOURS)], 'width': 1.2, 'dash': 'dot'},
+            )
+        )  # fmt: skip
+    figure.add_shape(
+        type='line', x0=PAPER_DISTANCE, x1=PAPER_DISTANCE, y0=PAPER_LUX[0], y1=PAPER_LUX[1],
+        line={'color': WALL, 'width': 8}, layer='below',
+    )  # fmt: skip
+    figure.update_yaxes(title_text='light [lx]')
+    return figure
+
+
+def snr_picture(found: Sequence[Link]) -> Figure:
+    """Return SNR against distance."""
+    figure = drawn(found, lambda at: at.snr, 'SNR %{y:.3g}')
+    figure.add_shape(
+        type='line', x0=0.0, x1=1.0, xref='paper', y0=NEEDED, y1=NEEDED, layer='below',
+        line={'color': SOFT, 'width': 1, 'dash': '2px,3px'},
+    )  # fmt: skip
+    figure.update_yaxes(title_text='SNR')
+    return figure
+
+
+def drawn(found: Sequence[Link], figure_of: Callable[[At], float], words: str) -> Figure:
+    """Return one line a scene, on logarithmic axes."""
+    figure = blank()
+    for k, link in enumerate(found):
+        figure.add_trace(
+            Scatter(
+                x=[at.distance for at in link.at], y=[figure_of(at) for at in link.at],
+                mode='lines+markers', name=link.scenario, hovertemplate=words,
+                line={'color': COLOURS[k % len(COLOURS)], 'width': 1.6}, showlegend=True,
+            )
+        )  # fmt: skip
+    ticks = [at.distance for at in max(found, key=lambda link: len(link.at)).at]
+    figure.update_xaxes(
+        type='log', title_text='distance from the lamp [m]', tickvals=ticks,
+        ticktext=[f'{each:g}' for each in ticks],
+    )  # fmt: skip
+    figure.update_yaxes(type='log', dtick=1)
+    figure.update_layout(showlegend=True, legend={'orientation': 'h', 'y': 1.08})
+    return figure
+
+
+HEADS: Final = ('distance [m]', 'direct [lx]', 'read [lx]', 'echo [lx]', 'steady [lx]', 'SNR')
+
+
+def cells(at: At) -> list[str]:
+    """Return one row as text."""
+    snr = f'{at.snr:.1f}' + (' clipped' if at.clipped else '')
+    numbers = (at.lux, at.read, at.echo, at.steady)
+    return [f'{at.distance:g}', *(f'{number:.1f}' for number in numbers), snr]
+
+
+def table_html(link: Link) -> str:
+    """Return the link of one scene."""
+    head = ''.join(f'<th scope="col">{each}</th>' for each in HEADS)
+    rows = []
+    for at in link.at:
+        first, *rest = cells(at)
+        own = ''.join(f'<td>{escape(cell)}</td>' for cell in rest)
+        rows.append(f'<tr><th scope="row">{escape(first)}</th>{own}</tr>')
+    told = f'{link.scenario}, feedback resistor of {link.feedback / 1e3:g} kohm'
+    return (
+        f'<h3>{escape(told)}</h3><p class="note">{escape(link.about)}</p><table>'
+        f'<caption class="hidden">{escape(told)}</caption>'
+        f'<thead><tr>{head}</tr></thead><tbody>{"".join(rows)}</tbody></table>'
+    )

@@ -1,0 +1,53 @@
+"""
+What lamps leave of themselves where another is listened for.
+
+The wave of each lamp goes through the amplifier's pole and the demodulator's spectrum, as in the
+simulator; what it reads in the search window of another lamp and in the bins that tell that one's
+noise is what the two disturb each other by.
+"""
+
+from collections.abc import Sequence
+import math
+
+from lta_model.light.modulation import NANOSECONDS, SquareWave
+from lta_studies.light.plan.ear import Ear
+from lta_studies.light.plan.polygon import Array
+from lta_vlc.demodulation import find_peaks, plan_bins
+from lta_vlc.spectral.spectrum import amplitude_spectrum
+import numpy as np
+
+
+def crosstalk(ear: Ear, frequencies: Sequence[float], duty: float) -> tuple[Array, Array]:
+    """
+    Return what a unit wave of each lamp leaves where each other is listened for.
+
+    Parameters
+    ----------
+    ear : Ear
+        Diodes and demodulation.
+    frequencies : sequence of float
+        Of the lamps. [Hz]
+    duty : float
+        Of all of them.
+
+    Returns
+    -------
+    window, quiet : ndarray, shape (k, k)
+        In row i and column j: the magnitude that lamp j reads in the window of lamp i, and its
+        mean over the quiet bins of lamp i. Zero on the diagonal.
+
+    """
+    rate, samples = ear.light.sample_rate.si, ear.light.samples
+    times = np.rint(np.arange(samples) * (NANOSECONDS / rate)).astype(np.int64)
+    lag = 1.0 / (2.0 * math.pi * ear.vehicle.diodes.bandwidth)
+    waves = np.stack([SquareWave(f, duty).lagged(times, lag) for f in frequencies], axis=1)
+    spectrum = amplitude_spectrum(waves)
+    window, quiet = np.zeros((2, len(frequencies), len(frequencies)))
+    for i, frequency in enumerate(frequencies):
+        settings = ear.demodulation.model_copy(update={'frequency': frequency})
+        bins = plan_bins(settings, rate, samples)
+        window[i] = find_peaks(spectrum, bins).amplitude
+        quiet[i] = spectrum[bins.quiet].mean(axis=0)
+    np.fill_diagonal(window, 0.0)
+    np.fill_diagonal(quiet, 0.0)
+    return window, quiet

@@ -1,0 +1,141 @@
+"""
+The floor in cells: where the hull fits, where a lamp must be heard, and what light cannot pass.
+
+A cell is free where the centre of the hull can be at flight altitude: inside the hall and at least
+the hull's radius from every wall and from whatever reaches up to its lowest part.
+"""
+
+from dataclasses import dataclass
+from typing import final
+
+from lta_config.errors import BadInput
+from lta_model.hull import half_axes
+from lta_model.vehicle import Vehicle
+from lta_studies.light.plan.floor_plan import FloorPlan
+from lta_studies.light.plan.polygon import Array, distance, edges_of, inside, Mask, signed_area
+import numpy as np
+
+MOST_CELLS = 200_000
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Floor:
+    """
+    A hall as cells.
+
+    Attributes
+    ----------
+    x, y : ndarray, shapes (nx,) and (ny,)
+        Centres of the cells. [m]
+    cell : float
+        Their side. [m]
+    free : ndarray of bool, shape (ny, nx)
+        Where the hull fits.
+    wanted : ndarray of bool, shape (ny, nx)
+        Where it must hear a lamp: free, and in an area of `hear` if there are any.
+    walls : ndarray, shape (w, 5)
+        What light does not pass, as upright faces on the floor: x0 y0 x1 y1 and height. [m]
+    area : float
+        Of the whole floor. [m2]
+
+    """
+
+    x: Array
+    y: Array
+    cell: float
+    free: Mask
+    wanted: Mask
+    walls: Array
+    area: float
+
+    @property
+    def centres(self) -> Array:
+        """The centres of the wanted cells, shape (m, 2). [m]"""
+        rows, columns = np.nonzero(self.wanted)
+        return np.stack([self.x[columns], self.y[rows]], axis=1)
+
+    def at(self, points: Array) -> tuple[Array, Array]:
+        """Return rows and columns of the cells in which points of shape (..., 2) lie."""
+        column = np.floor((points[..., 0] - self.x[0]) / self.cell + 0.5)
+        row = np.floor((points[..., 1] - self.y[0]) / self.cell + 0.5)
+        return row.astype(np.intp), column.astype(np.intp)
+
+
+def floor_of(plan: FloorPlan, vehicle: Vehicle, cell: float) -> Floor:
+    """
+    Return the floor of a plan as a vehicle meets it.
+
+    Parameters
+    ----------
+    plan : FloorPlan
+        The hall.
+    vehicle : Vehicle
+        What flies.
+    cell : float
+        Side of the cells. [m]
+
+    Raises
+    ------
+    BadInput
+        If the hull does not fit at that altitude, or anywhere, or there are too many cells.
+
+    """
+    _check_height(plan, vehicle)
+    corners = plan.outline.corners
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    counts = np.maximum(np.ceil((high - low) / cell - 1e-9).astype(int), 1)
+    if counts.prod() > MOST_CELLS:
+        raise BadInput(
+            f'Cells of {cell:g} m make {counts.prod()} of the floor of {plan.name}, but at most '
+            f'{MOST_CELLS} are looked at; choose larger ones with --cell.'
+        )
+    x, y = (low[k] + (np.arange(counts[k]) + 0.5) * cell for k in (0, 1))
+    points = np.stack(np.meshgrid(x, y), axis=-1)
+    free = inside(points, corners)
+    radius, lowest = hull_radius(vehicle), plan.altitude.si - vehicle.standing_height
+    in_the_way = [edges_of(corners)]
+    walls = [_faces(corners, plan.height.si)]
+    for obstacle in plan.obstacles.values():
+        for footprint in obstacle.footprints:
+            walls.append(_faces(footprint, obstacle.height.si))
+            if obstacle.height.si > lowest:
+                free &= ~inside(points, footprint)
+                in_the_way.append(edges_of(footprint))
+    free &= distance(points, np.vstack(in_the_way)) >= radius
+    wanted = free
+    if plan.hear:
+        wanted = free & np.any([inside(points, a.corners) for a in plan.hear.values()], axis=0)
+    if not wanted.any():
+        raise BadInput(
+            f'{vehicle.file.name}, {2 * radius:g} m wide, fits into no cell of {plan.name} where '
+            f'it must hear a lamp at {plan.altitude.si:g} m; fly higher than what stands there, '
+            'choose smaller cells with --cell, or a smaller vehicle.'
+        )
+    return Floor(x, y, cell, free, wanted, np.vstack(walls), abs(signed_area(corners)))
+
+
+def hull_radius(vehicle: Vehicle) -> float:
+    """Return how far the hull reaches sideways from its centre. [m]"""
+    return max(half_axes(vehicle.file.hull)[:2])
+
+
+def _check_height(plan: FloorPlan, vehicle: Vehicle) -> None:
+    """Refuse an altitude at which the vehicle would be in the floor or in the ceiling."""
+    altitude, name = plan.altitude.si, vehicle.file.name
+    standing, above = vehicle.standing_height, half_axes(vehicle.file.hull)[2]
+    if altitude < standing:
+        raise BadInput(
+            f'{plan.name} is flown at {altitude:g} m, but the hull centre of {name} is at '
+            f'{standing:.2f} m when it stands on the floor; fly higher.'
+        )
+    if altitude + above > plan.height.si:
+        raise BadInput(
+            f'{plan.name} is flown at {altitude:g} m, but {name} reaches {above:.2f} m above its '
+            f'hull centre and the ceiling is at {plan.height.si:g} m; fly lower.'
+        )
+
+
+def _faces(corners: Array, height: float) -> Array:
+    edges = edges_of(corners)
+    return np.hstack([edges, np.full((len(edges), 1), height)])

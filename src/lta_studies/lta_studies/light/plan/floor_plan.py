@@ -1,0 +1,158 @@
+"""
+The floor plan file: a hall, what stands in it, how high the drone flies, and the lamps to lay out.
+
+Lengths are on the plan's own axes, z up from the floor. Everything that stands reaches from the
+floor to its height; walls reach to the ceiling.
+"""
+
+import math
+from typing import Annotated, final, Literal, Self
+
+from lta_config.files import Record
+from lta_config.quantity import Quantity, si
+from lta_model.light.lamp import order_of
+from lta_model.light.refuse import MOST_EFFICACY
+from lta_model.scenario_light import AmbientScene
+from lta_studies.light.plan.polygon import Array, distance, edges_of, flaw, inside
+import numpy as np
+from pydantic import AliasChoices, Field, model_validator
+
+Name = Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
+Length = Annotated[Quantity, si('m', above=0.0, high=1000.0)]
+Albedo = Annotated[float, Field(ge=0.0, lt=1.0)]
+MOST_CORNERS, MOST_ROWS = 1000, 200
+NO_STEP = Quantity(value=(0.0, 0.0), unit='m')
+ON_WALL = 1e-6  # m
+
+
+class Area(Record):
+    """A simple polygon, its corners one after the other."""
+
+    x: Quantity
+    y: Quantity
+
+    @model_validator(mode='after')
+    def _simple(self) -> Self:
+        across, up = len(self.x.vector), len(self.y.vector)
+        if self.x.dimension != 'm' or self.y.dimension != 'm':
+            raise ValueError('has corners that are not in m or its like')
+        if across != up or not 3 <= across <= MOST_CORNERS:
+            raise ValueError(
+                f'has {across} numbers in x and {up} in y; give as many in both, from 3 to '
+                f'{MOST_CORNERS}'
+            )
+        if wrong := flaw(self.corners):
+            raise ValueError(wrong)
+        return self
+
+    @property
+    def corners(self) -> Array:
+        """The corners, shape (k, 2). [m]"""
+        return np.stack([self.x.vector, self.y.vector], axis=1)
+
+
+@final
+class Obstacle(Area):
+    """What stands on the floor: a rack, a bench, a row of crops; `count` of them, `step` apart."""
+
+    height: Length
+    count: Annotated[int, Field(ge=1, le=MOST_ROWS)] = 1
+    step: Annotated[Quantity, si('m', low=-1000.0, high=1000.0, length=2)] = NO_STEP
+
+    @model_validator(mode='after')
+    def _apart(self) -> Self:
+        if self.count > 1 and not any(self.step.vector):
+            raise ValueError(f'stands {self.count} times in one place; give the step between them')
+        return self
+
+    @property
+    def footprints(self) -> list[Array]:
+        """The corners of each, shape (k, 2). [m]"""
+        step = np.array(self.step.vector)
+        return [self.corners + k * step for k in range(self.count)]
+
+
+@final
+class LampKind(Record):
+    """
+    The lamps to lay out: all alike, at one height.
+
+    They face the floor, hung from the ceiling; or sideways, on walls and on what stands higher
+    than they hang. `spacing` is that of the places that are tried.
+    """
+
+    flux: Annotated[Quantity, si('lm', above=0.0, high=1e7)]
+    half_power: Annotated[Quantity, si('rad', low=math.radians(1.0), high=1.55)]
+    efficacy: Annotated[Quantity, si('lm/W', above=0.0, high=MOST_EFFICACY)]
+    duty: Annotated[Quantity, si('1', low=0.01, high=0.99)]
+    height: Length
+    facing: Literal['down', 'sideways']
+    spacing: Annotated[Quantity, si('m', low=0.25, high=50.0)]
+
+    @property
+    def order(self) -> float:
+        """Lambertian order."""
+        return order_of(self.half_power.si)
+
+
+@final
+class Standing(Record):
+    """A lamp that is there already, of the same kind; its frequency is kept where it has one."""
+
+    position: Annotated[Quantity, si('m', low=-1000.0, high=1000.0, length=3)]
+    facing: Annotated[Quantity, si('1', length=3)]
+    frequency: Annotated[Quantity, si('Hz', above=0.0, high=1e5)] | None = None
+
+    @model_validator(mode='after')
+    def _faces(self) -> Self:
+        if not any(self.facing.vector):
+            raise ValueError('faces [0, 0, 0]; give the direction of the middle of its beam')
+        return self
+
+
+class FloorPlan(Record):
+    """A whole floor plan file; `hear` is where the drone must hear a lamp, else everywhere."""
+
+    schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
+    name: Name
+    about: str
+    outline: Area
+    height: Length
+    albedo: Albedo
+    altitude: Length
+    lamp: LampKind
+    ambient: AmbientScene
+    obstacles: dict[Name, Obstacle] = Field(default_factory=dict)
+    hear: dict[Name, Area] = Field(default_factory=dict)
+    forbidden: dict[Name, Area] = Field(default_factory=dict)
+    lamps: dict[Name, Standing] = Field(default_factory=dict)
+
+    @model_validator(mode='after')
+    def _fits(self) -> Self:
+        ceiling, lamp = self.height.si, self.lamp.height.si
+        if lamp > ceiling:
+            raise ValueError(
+                f'hangs its lamps at {lamp:g} m, above the ceiling at {ceiling:g} m; lower '
+                'lamp.height'
+            )
+        if self.altitude.si >= ceiling:
+            raise ValueError(
+                f'is flown at {self.altitude.si:g} m, but the ceiling is at {ceiling:g} m; lower '
+                'the altitude'
+            )
+        for name, obstacle in self.obstacles.items():
+            if obstacle.height.si > ceiling:
+                raise ValueError(
+                    f'has the obstacle {name} of {obstacle.height.si:g} m under a ceiling of '
+                    f'{ceiling:g} m; make it lower'
+                )
+        for name, standing in self.lamps.items():
+            x, y, z = standing.position.vector
+            place, corners = np.array([x, y]), self.outline.corners
+            off = distance(place, edges_of(corners))
+            if not (inside(place, corners) or off <= ON_WALL) or not 0.0 <= z <= ceiling:
+                raise ValueError(
+                    f'has the lamp {name} at ({x:g}, {y:g}, {z:g}) m, outside the hall; correct '
+                    'its position'
+                )
+        return self

@@ -1,0 +1,69 @@
+"""Where too few lamps are heard, as patches of the floor, and why."""
+
+from collections.abc import Sequence
+from typing import final, NamedTuple
+
+from lta_studies.light.plan.layout import Layout
+import numpy as np
+from scipy import ndimage
+
+BEYOND = 'no place for a lamp is heard there'
+DROWNED = 'other lamps drown what is heard there'
+FEW = 'too few lamps'
+
+
+@final
+class Gap(NamedTuple):
+    """
+    A patch of cells that hear too few lamps.
+
+    Attributes
+    ----------
+    area : float
+        [m2]
+    west, south, east, north : float
+        The box around it. [m]
+    why : str
+        What most of its cells lack.
+
+    """
+
+    area: float
+    west: float
+    south: float
+    east: float
+    north: float
+    why: str
+
+
+def gaps_of(layout: Layout) -> list[Gap]:
+    """Return the gaps of a layout, the largest first."""
+    floor, half = layout.floor, 0.5 * layout.floor.cell
+    lacking = layout.count < layout.overlap
+    grid = np.zeros(floor.wanted.shape, dtype=bool)
+    grid[floor.wanted] = lacking
+    causes = np.full(floor.wanted.shape, '', dtype=object)
+    causes[floor.wanted] = _causes(layout)
+    labels, count = ndimage.label(grid, structure=np.ones((3, 3)))
+    found = []
+    for k in range(1, count + 1):
+        rows, columns = np.nonzero(labels == k)
+        x, y = floor.x[columns], floor.y[rows]
+        why = _commonest(causes[rows, columns].tolist())
+        west, south = float(x.min()) - half, float(y.min()) - half
+        east, north = float(x.max()) + half, float(y.max()) + half
+        found.append(Gap(len(rows) * floor.cell**2, west, south, east, north, why))
+    return sorted(found, key=lambda gap: -gap.area)
+
+
+def _causes(layout: Layout) -> list[str]:
+    """Return for each wanted cell what it would lack."""
+    alone = (layout.light >= layout.least).sum(axis=0)
+    return [
+        BEYOND if reach < layout.overlap else DROWNED if near >= layout.overlap else FEW
+        for reach, near in zip(layout.reachable, alone, strict=True)
+    ]
+
+
+def _commonest(words: Sequence[str]) -> str:
+    return max(sorted(set(words)), key=words.count)

@@ -1,0 +1,109 @@
+"""
+Which lamp hands over to which, and a route along them.
+
+A flight to a lamp ends in the cell nearest to it that hears it: under a lamp overhead the drone's
+own hull hides it. The lamp hands over to every other lamp that is heard from there, if the
+straight way to where the flight to that one ends is free.
+"""
+
+from dataclasses import dataclass
+from typing import final
+
+from lta_studies.light.plan.floor import Floor
+from lta_studies.light.plan.layout import Layout
+from lta_studies.light.plan.polygon import Array, Mask
+import numpy as np
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import shortest_path
+
+Place = tuple[float, float]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Handover:
+    """
+    How a drone gets from lamp to lamp.
+
+    Attributes
+    ----------
+    arrivals : tuple of (tuple of 2 floats or None)
+        Where a flight to each lamp ends; None where it is heard nowhere. [m]
+    edges : tuple of (int, int)
+        From which lamp to which.
+    route : tuple of int
+        The longest of the shortest ways from a lamp to another, by lamps passed.
+    start : tuple of 2 floats or None
+        Where the route begins: as far from its first lamp as that is flown to straight. [m]
+
+    """
+
+    arrivals: tuple[Place | None, ...]
+    edges: tuple[tuple[int, int], ...]
+    route: tuple[int, ...]
+    start: Place | None
+
+
+def handover_of(layout: Layout) -> Handover:
+    """Return how a drone gets from lamp to lamp of a layout."""
+    centres, heard = layout.floor.centres, layout.heard
+    ends = [arrival(centres, heard[k], layout, k) for k in range(len(layout.lamps))]
+    edges = []
+    for i, here in enumerate(ends):
+        for j, there in enumerate(ends):
+            if i == j or here is None or there is None or not heard[j, here]:
+                continue
+            if way_is_free(layout.floor, centres[here], centres[there]):
+                edges.append((i, j))
+    route = longest(len(ends), edges)
+    start = None
+    if route and (end := ends[route[0]]) is not None:
+        start = far_off(layout.floor, centres, heard[route[0]], end)
+    places = tuple(None if end is None else _two(centres[end]) for end in ends)
+    return Handover(places, tuple(edges), route, start)
+
+
+def arrival(centres: Array, heard: Mask, layout: Layout, lamp: int) -> int | None:
+    """Return the cell where a flight to a lamp ends."""
+    if not heard.any():
+        return None
+    off = np.hypot(*(centres - layout.lamps[lamp].mount.position[:2]).T)
+    return int(np.where(heard, off, np.inf).argmin())
+
+
+def way_is_free(floor: Floor, here: Array, there: Array) -> bool:
+    """Return whether the hull fits all along the straight way between two places. [m]"""
+    steps = max(int(np.ceil(2.0 * np.hypot(*(there - here)) / floor.cell)), 1)
+    points = here + np.linspace(0.0, 1.0, steps + 1)[:, None] * (there - here)
+    rows, columns = floor.at(points)
+    return bool(floor.free[rows, columns].all())
+
+
+def longest(count: int, edges: list[tuple[int, int]]) -> tuple[int, ...]:
+    """Return the longest of the shortest ways in a graph of so many nodes, node by node."""
+    if not edges:
+        return (0,) if count else ()
+    rows, columns = np.array(edges).T
+    graph = csr_array((np.ones(len(edges)), (rows, columns)), shape=(count, count))
+    lengths, before = shortest_path(graph, unweighted=True, return_predecessors=True)
+    lengths[~np.isfinite(lengths)] = -1.0
+    first, node = (int(k) for k in np.unravel_index(lengths.argmax(), lengths.shape))
+    way = [node]
+    while node != first:
+        node = int(before[first, node])
+        way.append(node)
+    return tuple(reversed(way))
+
+
+def far_off(floor: Floor, centres: Array, heard: Mask, end: int) -> Place:
+    """Return the farthest place that hears a lamp and from where one flies straight to it. [m]"""
+    off = np.where(heard, np.hypot(*(centres - centres[end]).T), -1.0)
+    for cell in np.argsort(-off):
+        if off[cell] >= 0.0 and way_is_free(floor, centres[cell], centres[end]):
+            return _two(centres[cell])
+    return _two(centres[end])
+
+
+def _two(place: Array) -> Place:
+    x, y = place.tolist()
+    return x, y

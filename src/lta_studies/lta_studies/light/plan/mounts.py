@@ -1,0 +1,132 @@
+"""The places where a lamp can be mounted, and those of the lamps that are there already."""
+
+from typing import final, NamedTuple
+
+from lta_config.errors import BadInput
+from lta_studies.light.plan.floor_plan import FloorPlan
+from lta_studies.light.plan.polygon import Array, edges_of, inside, Mask, signed_area
+import numpy as np
+
+OFF = 0.05  # m, from the face that a lamp is mounted on to its own
+DOWN = (0.0, 0.0, -1.0)
+MOST = 5000
+
+Vector = tuple[float, float, float]
+
+
+@final
+class Mount(NamedTuple):
+    """
+    A place for a lamp.
+
+    Attributes
+    ----------
+    position : tuple of 3 floats
+        Of the lamp. [m]
+    axis : tuple of 3 floats
+        Unit vector along the middle of its beam.
+    name : str
+        Of a lamp that is there already; else empty.
+    frequency : float or None
+        That a lamp there already keeps. [Hz]
+
+    """
+
+    position: Vector
+    axis: Vector
+    name: str = ''
+    frequency: float | None = None
+
+
+def mounts_of(plan: FloorPlan) -> list[Mount]:
+    """
+    Return all places for lamps, first the lamps that are there already.
+
+    Raises
+    ------
+    BadInput
+        If there is no place for a lamp, or far too many.
+
+    """
+    standing = []
+    for name, lamp in plan.lamps.items():
+        x, y, z = lamp.position.vector
+        axis = np.array(lamp.facing.vector) / np.linalg.norm(lamp.facing.vector)
+        frequency = None if lamp.frequency is None else lamp.frequency.si
+        standing.append(Mount((x, y, z), _three(axis), name, frequency))
+    new = under_ceiling(plan) if plan.lamp.facing == 'down' else on_faces(plan)
+    found = standing + new
+    if not found:
+        raise BadInput(
+            f'{plan.name} has no place for a lamp facing {plan.lamp.facing} at '
+            f'{plan.lamp.height.si:g} m; forbid less, hang them elsewhere, or lower lamp.spacing.'
+        )
+    if len(found) > MOST:
+        raise BadInput(
+            f'{plan.name} has {len(found)} places for lamps, but at most {MOST} are tried; raise '
+            'lamp.spacing.'
+        )
+    return found
+
+
+def under_ceiling(plan: FloorPlan) -> list[Mount]:
+    """Return the places of lamps that face the floor: an even grid over the hall."""
+    corners, spacing = plan.outline.corners, plan.lamp.spacing.si
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    axes = [
+        low[k] + (np.arange(count) + 0.5) * (high[k] - low[k]) / count
+        for k in (0, 1)
+        for count in [max(round(float(high[k] - low[k]) / spacing), 1)]
+    ]
+    points = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2)
+    kept = points[_allowed(plan, points)]
+    return [Mount((float(x), float(y), plan.lamp.height.si), DOWN) for x, y in kept]
+
+
+def on_faces(plan: FloorPlan) -> list[Mount]:
+    """Return the places of lamps that face sideways: along walls, and on what stands higher."""
+    faces = [_along(plan.outline.corners, plan.lamp.spacing.si, inwards=True)]
+    for obstacle in plan.obstacles.values():
+        if obstacle.height.si > plan.lamp.height.si:
+            faces += [
+                _along(footprint, plan.lamp.spacing.si, inwards=False)
+                for footprint in obstacle.footprints
+            ]
+    points, axes = (np.vstack(part) for part in zip(*faces, strict=True))
+    allowed = _allowed(plan, points)
+    return [
+        Mount((float(x), float(y), plan.lamp.height.si), (float(a), float(b), 0.0))
+        for (x, y), (a, b) in zip(points[allowed], axes[allowed], strict=True)
+    ]
+
+
+def _along(corners: Array, spacing: float, inwards: bool) -> tuple[Array, Array]:
+    """Return points just off the sides of a polygon, and the direction away from each side."""
+    left = 1.0 if (signed_area(corners) > 0.0) == inwards else -1.0
+    points, axes = [], []
+    for x0, y0, x1, y1 in edges_of(corners):
+        side = np.array([x1 - x0, y1 - y0])
+        length = float(np.hypot(*side))
+        count = max(round(length / spacing), 1)
+        away = left * np.array([-side[1], side[0]]) / length
+        parts = (np.arange(count)[:, None] + 0.5) / count
+        points.append((x0, y0) + parts * side + OFF * away)
+        axes.append(np.tile(away, (count, 1)))
+    return np.vstack(points), np.vstack(axes)
+
+
+def _allowed(plan: FloorPlan, points: Array) -> Mask:
+    """Return which points are in the hall, not forbidden and not inside what stands there."""
+    allowed = inside(points, plan.outline.corners)
+    for area in plan.forbidden.values():
+        allowed &= ~inside(points, area.corners)
+    for obstacle in plan.obstacles.values():
+        if obstacle.height.si > plan.lamp.height.si:
+            for footprint in obstacle.footprints:
+                allowed &= ~inside(points, footprint)
+    return allowed
+
+
+def _three(vector: Array) -> Vector:
+    x, y, z = vector.tolist()
+    return x, y, z

@@ -1,0 +1,216 @@
+"""The layout as one self-contained page, in the look of a flight's page."""
+
+from collections.abc import Sequence
+from html import escape
+import math
+from pathlib import Path
+from typing import Final
+
+from lta_bridge.provenance import commit
+from lta_report.formatting import MISSING, Tile
+from lta_report.frame import framed, written
+from lta_report.pieces import section, tile_html
+from lta_studies.light.plan.gaps import Gap, gaps_of
+from lta_studies.light.plan.handover import Handover
+from lta_studies.light.plan.layout import Layout
+from lta_studies.light.plan.pictures import coverage, hand_overs
+from lta_studies.light.plan.together import PURE
+
+PAPER: Final = 150.0  # m2 a lamp, of the seed paper
+MOST_GAPS: Final = 12
+HEIGHTS: Final = (360.0, 900.0)  # px of a picture
+WIDTH: Final = 1100.0  # px, about that of a picture on a desktop
+COVERED: Final = (
+    'Colour: the SNR of the lamp that is heard best over each cell, at the heading at which it is '
+    'heard worst. Grey: what stands on the floor. White: where the hull does not fit. Hatched: '
+    'too few lamps are heard.'
+)
+HANDED: Final = (
+    'Rings: where a flight to a lamp ends, the cell nearest to it that hears it. Thin lines: '
+    'from there another lamp is heard, and the straight way to where the flight to it ends is '
+    'free. Thick: the longest of the shortest routes along them.'
+)
+METHOD: Final = (
+    'A lamp is heard over a cell if, at every heading and with all other lamps on, its SNR on its '
+    'best diode is at least {needed:g} ({margin:g} times the threshold of the demodulator), and '
+    'the ring hears it {pure:g} times as loud in its search window as what others leave there. '
+    "Light, diodes, noise and demodulation are the simulator's. Light passes neither walls nor "
+    "what stands on the floor, nor the drone's own hull above the diodes. Left out, to the safe "
+    'side: reflections from walls and floor. Left out besides: tilt, and what is narrower than a '
+    'cell of {cell:g} m.'
+)
+
+
+def write_page(
+    layout: Layout, handover: Handover, again: str, scene: str, next_step: str, out: Path
+) -> Path:
+    """Write the page and return where it is; `BadInput` where it cannot be written."""
+    return written(page(layout, handover, again, scene, next_step), out)
+
+
+def page(layout: Layout, handover: Handover, again: str, scene: str, next_step: str) -> str:
+    """
+    Return the whole page.
+
+    Parameters
+    ----------
+    layout, handover
+        What came out.
+    again, next_step : str
+        What to type to find it again, and to go on.
+    scene : str
+        The scenario file.
+
+    """
+    plan, gaps = layout.plan, gaps_of(layout)
+    return framed(
+        'light_plan.html',
+        title=escape(title(layout)),
+        kicker=escape(f'light plan · {plan.name}'),
+        about=escape(plan.about),
+        tiles='\n'.join(tile_html(*each) for each in tiles(layout, handover)),
+        height=f'{height(layout):.0f}',
+        pictures=section('coverage', 'Coverage at flight altitude', COVERED, coverage(layout))
+        + section('handover', 'Hand-overs and a route', HANDED, hand_overs(layout, handover)),
+        lamps=lamps_html(layout, handover),
+        law=escape(law(layout)),
+        gaps=gaps_html(gaps),
+        method=escape(
+            METHOD.format(
+                needed=layout.ear.needed, margin=layout.ear.margin, pure=PURE,
+                cell=layout.floor.cell,
+            )
+        ),
+        facts=facts(layout),
+        commands={'Find it again': again, 'Fly in it': next_step},
+        files={'The scenario file': scene},
+    )  # fmt: skip
+
+
+def title(layout: Layout) -> str:
+    """Return what came out, in a sentence."""
+    count, where = len(layout.lamps), layout.plan.name.replace('_', ' ')
+    heard = 'one' if layout.overlap == 1 else f'{layout.overlap} of them'
+    return (
+        f'{count} lamp{"s" if count > 1 else ""}: a drone hears {heard} over '
+        f'{percent(layout.coverage)} % of the {where}, at any heading.'
+    )
+
+
+def percent(share: float) -> str:
+    """Return a share in percent, 100 only where nothing lacks."""
+    return '100' if share == 1.0 else f'{math.floor(1000.0 * share) / 10.0:g}'
+
+
+def tiles(layout: Layout, handover: Handover) -> list[Tile]:
+    """Return the figures of the layout."""
+    count, floor = len(layout.lamps), layout.floor
+    wanted = float(floor.wanted.sum()) * floor.cell**2
+    weakest = float(layout.snr.max(axis=0).min())
+    two = percent(float((layout.count >= 2).mean()))
+    tones = [lamp.frequency for lamp in layout.lamps]
+    steps = len(handover.route)
+    return [
+        Tile('covered', percent(layout.coverage), '%', f'of {wanted:.0f} m² where the hull fits'),
+        Tile('lamps', str(count), '', f'no fewer than {layout.bound} could cover it'),
+        Tile(
+            'lamps by area', f'{100.0 * count / floor.area:.2f}', 'per 100 m²',
+            f'one for {floor.area / max(count, 1):.0f} m²; the paper says {PAPER:g}',
+        ),
+        Tile('two lamps heard', two, '%', 'of the same floor: room for hand-over'),
+        Tile(
+            'weakest spot', f'{weakest:.0f}', 'SNR',
+            f'{layout.ear.needed:g} counts as heard',
+        ),
+        Tile(
+            'frequencies', f'{min(tones):g} to {max(tones):g}', 'Hz',
+            f'{len(handover.edges)} hand-overs; the route passes {steps} lamps',
+        ),
+    ]  # fmt: skip
+
+
+def height(layout: Layout) -> float:
+    """Return the height of a picture of the floor at the width of a desktop. [px]"""
+    corners = layout.plan.outline.corners
+    across, up = corners.max(axis=0) - corners.min(axis=0)
+    return min(max(float(up / across) * WIDTH + 60.0, HEIGHTS[0]), HEIGHTS[1])
+
+
+def lamps_html(layout: Layout, handover: Handover) -> str:
+    """Return the table of the lamps."""
+    heads = ('x [m]', 'y [m]', 'z [m]', 'frequency [Hz]', 'heard over [m²]')
+    names = [lamp.name for lamp in layout.lamps]
+    lines = []
+    for k, lamp in enumerate(layout.lamps):
+        area = float(layout.heard[k].sum()) * layout.floor.cell**2
+        numbers = [*(f'{part:.1f}' for part in lamp.mount.position), f'{lamp.frequency:g}']
+        cells = ''.join(f'<td>{cell}</td>' for cell in (*numbers, f'{area:.0f}'))
+        others = [str(j + 1) for i, j in handover.edges if i == k]
+        to = ', '.join(others) or MISSING
+        there = ', there already' if lamp.mount.name else ''
+        words = (faces(lamp.mount.axis) + there, to)
+        cells += ''.join(f'<td class="text">{escape(word)}</td>' for word in words)
+        lines.append(f'<tr><th scope="row"><b>{k + 1}</b> {escape(names[k])}</th>{cells}</tr>')
+    own = ''.join(f'<th scope="col">{head}</th>' for head in ('lamp', *heads))
+    own += ''.join(f'<th scope="col" class="text">{w}</th>' for w in ('faces', 'hands over to'))
+    return (
+        '<table class="lamps"><caption class="hidden">The lamps</caption>'
+        f'<thead><tr>{own}</tr></thead><tbody>{"".join(lines)}</tbody></table>'
+    )
+
+
+def faces(axis: tuple[float, float, float]) -> str:
+    """Return where a lamp faces, in a word."""
+    if abs(axis[2]) > 0.9:
+        return 'down' if axis[2] < 0.0 else 'up'
+    return f'{math.degrees(math.atan2(axis[1], axis[0])) % 360.0:.0f}°'
+
+
+def law(layout: Layout) -> str:
+    """Return how the frequencies stand to each other."""
+    ear = layout.ear
+    width = ear.light.sample_rate.si / ear.light.samples
+    half = ear.demodulation.window * width
+    return (
+        f'Directions anticlockwise from x. All frequencies stand in the middle of a bin of '
+        f'{width:g} Hz, more than {2 * half:g} Hz apart and more than {half:g} Hz off every '
+        f'multiple of {layout.plan.ambient.mains_frequency.si:g} Hz (mains); no harmonic of a '
+        f'lamp up to its {layout.order}th, folded at {ear.light.sample_rate.si:g} samples/s, '
+        'comes into the search window of another.'
+    )
+
+
+def gaps_html(gaps: Sequence[Gap]) -> str:
+    """Return the table of the gaps, or that there are none."""
+    if not gaps:
+        return '<p class="note">None: the whole floor where the hull fits is covered.</p>'
+    heads = ''.join(f'<th scope="col">{h}</th>' for h in ('gap', 'area [m²]', 'x [m]', 'y [m]'))
+    lines = ''.join(
+        f'<tr><th scope="row">{k}</th><td>{gap.area:.2f}</td>'
+        f'<td>{gap.west:.1f} to {gap.east:.1f}</td><td>{gap.south:.1f} to {gap.north:.1f}</td>'
+        f'<td class="text">{escape(gap.why)}</td></tr>'
+        for k, gap in enumerate(gaps[:MOST_GAPS], start=1)
+    )
+    more = len(gaps) - MOST_GAPS
+    rest = f'<p class="note">and {more} smaller ones, in plan.json.</p>' if more > 0 else ''
+    return (
+        '<table class="lamps"><caption class="hidden">The gaps</caption><thead><tr>'
+        f'{heads}<th scope="col" class="text">why</th></tr></thead><tbody>{lines}</tbody></table>'
+        + rest
+    )
+
+
+def facts(layout: Layout) -> dict[str, str]:
+    """Return where the layout comes from."""
+    plan, lamp = layout.plan, layout.plan.lamp
+    angle = math.degrees(lamp.half_power.si)
+    return {
+        'vehicle': f'{layout.ear.vehicle.file.name}, hull centre at {plan.altitude.si:g} m',
+        'lamps': f'{lamp.flux.si:g} lm, half power at {angle:g}°, at {lamp.height.si:g} m, '
+        f'facing {lamp.facing}; {layout.places} places tried',
+        'ambient light': f'{plan.ambient.steady.si:g} lx, mains '
+        f'{plan.ambient.mains_amplitude.si:g} lx at {plan.ambient.mains_frequency.si:g} Hz',
+        'light needed': f'{layout.least:.2g} lx on the diode, were the lamp alone',
+        'cells': f'{layout.floor.cell:g} m',
+        'commit': commit(),
+    }

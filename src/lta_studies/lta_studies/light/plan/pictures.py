@@ -1,0 +1,197 @@
+"""The floor from above: how well a lamp is heard, what is not covered, who hands over to whom."""
+
+from collections.abc import Sequence
+from itertools import pairwise
+import math
+from typing import Final
+
+from lta_report.drawing import blank
+from lta_report.palette import (
+    ESTIMATE,
+    GOOD,
+    HEAT,
+    INK,
+    LAMP,
+    PAPER,
+    RAW,
+    scale,
+    TRUTH,
+    VEIL,
+    WALL,
+)
+from lta_studies.light.plan.handover import Handover, Place
+from lta_studies.light.plan.layout import Layout
+import numpy as np
+from numpy.typing import NDArray
+from plotly.graph_objects import Figure, Heatmap, Scatter
+
+STEPS: Final = (1, 2, 5)  # of the colour scale's labels, times powers of ten
+AIR: Final = 0.02  # of the longer side, around the hall
+SIDEWAYS: Final = 0.4  # part of a lamp's axis on the floor from which it is drawn as an arrow
+CHARACTER: Final = 6.0  # px
+
+
+def coverage(layout: Layout) -> Figure:
+    """Return the SNR of the best heard lamp over the floor, lamps, and gaps hatched."""
+    figure = ground(layout)
+    floor = layout.floor
+    best = np.full(floor.wanted.shape, np.nan)
+    names = np.full(floor.wanted.shape, '', dtype=object)
+    best[floor.wanted] = layout.snr.max(axis=0)
+    names[floor.wanted] = [layout.lamps[k].name for k in layout.snr.argmax(axis=0)]
+    low, high = extent(layout)
+    figure.add_trace(
+        Heatmap(
+            x=floor.x.astype(np.float32), y=floor.y.astype(np.float32),
+            z=np.log10(np.clip(best, 10.0**low, None)).astype(np.float32),
+            customdata=np.stack([np.round(best, 1).astype(object), names], axis=-1),
+            zmin=low, zmax=high, colorscale=scale(HEAT), hoverongaps=False,
+            hovertemplate='SNR %{customdata[0]} of %{customdata[1]}<extra></extra>',
+            colorbar={
+                'title': {'text': 'SNR', 'side': 'top'}, 'thickness': 12, 'len': 0.9,
+                'tickvals': [math.log10(t) for t in marks(low, high)],
+                'ticktext': [f'{t:g}' for t in marks(low, high)], 'outlinewidth': 0,
+            },
+        )
+    )  # fmt: skip
+    hatch(figure, layout)
+    draw_lamps(figure, layout, [f'{lamp.frequency:g} Hz' for lamp in layout.lamps])
+    return figure
+
+
+def hand_overs(layout: Layout, handover: Handover) -> Figure:
+    """Return where flights to lamps end, the hand-overs between them, and the route."""
+    figure = ground(layout)
+    ends = handover.arrivals
+    ways = [(a, b) for i, j in handover.edges if (a := ends[i]) and (b := ends[j])]
+    draw_ways(figure, ways, RAW, 1.2, 'hand-over')
+    stops = [handover.start, *(ends[k] for k in handover.route)]
+    known = [stop for stop in stops if stop is not None]
+    draw_ways(figure, list(pairwise(known)), GOOD, 3.0, 'route')
+    reached = [place for place in ends if place is not None]
+    figure.add_trace(
+        Scatter(
+            x=[x for x, _ in reached], y=[y for _, y in reached], mode='markers', name='arrival',
+            marker={'size': 6, 'color': PAPER, 'line': {'color': TRUTH, 'width': 1.5}},
+            hovertemplate='a flight to the lamp ends here<extra></extra>',
+        )
+    )  # fmt: skip
+    if handover.start is not None:
+        x, y = handover.start
+        figure.add_annotation(
+            x=x, y=y, text='start', yshift=-14, font={'color': GOOD, 'size': 11}, bgcolor=VEIL
+        )
+    draw_lamps(figure, layout, ['' for _ in layout.lamps])
+    return figure
+
+
+def ground(layout: Layout) -> Figure:
+    """Return walls and what stands on the floor."""
+    plan = layout.plan
+    figure = blank()
+    corners = plan.outline.corners
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    air = AIR * float((high - low).max())
+    figure.update_xaxes(title_text='x [m]', showgrid=False, range=[low[0] - air, high[0] + air])
+    figure.update_yaxes(
+        title_text='y [m]', showgrid=False, scaleanchor='x', range=[low[1] - air, high[1] + air]
+    )
+    for obstacle in plan.obstacles.values():
+        for footprint in obstacle.footprints:
+            figure.add_shape(
+                type='path', path=outline(footprint), layer='below', line={'width': 0},
+                fillcolor=RAW,
+            )  # fmt: skip
+    figure.add_shape(
+        type='path', path=outline(corners), layer='below', line={'color': WALL, 'width': 3}
+    )
+    return figure.update_layout(hovermode='closest', margin={'l': 48, 'r': 16, 't': 12, 'b': 40})
+
+
+def outline(corners: NDArray[np.float64]) -> str:
+    """Return a polygon as the path of a shape."""
+    return 'M ' + ' L '.join(f'{x:g} {y:g}' for x, y in corners) + ' Z'
+
+
+def extent(layout: Layout) -> tuple[float, float]:
+    """Return the ends of the colour scale: log10 of the SNR needed, and of the greatest shown."""
+    low = math.log10(layout.ear.needed)
+    best = layout.snr.max(axis=0)
+    return low, max(math.log10(max(float(np.quantile(best, 0.98)), 1e-9)), low + 0.5)
+
+
+def marks(low: float, high: float) -> list[float]:
+    """Return round numbers between two powers of ten."""
+    decades = range(math.floor(low), math.ceil(high) + 1)
+    steps = [step * 10.0**k for k in decades for step in STEPS]
+    return [step for step in steps if low <= math.log10(step) <= high]
+
+
+def hatch(figure: Figure, layout: Layout) -> None:
+    """Hatch the cells that hear too few lamps."""
+    floor, half = layout.floor, 0.5 * layout.floor.cell
+    grid = np.zeros(floor.wanted.shape, dtype=bool)
+    grid[floor.wanted] = layout.count < layout.overlap
+    x: list[float | None] = []
+    y: list[float | None] = []
+    for row, line in enumerate(grid):
+        edges = np.flatnonzero(np.diff(np.concatenate([[False], line, [False]]).astype(int)))
+        for first, last in edges.reshape(-1, 2):
+            west, east = float(floor.x[first]) - half, float(floor.x[last - 1]) + half
+            south, north = float(floor.y[row]) - half, float(floor.y[row]) + half
+            x += [west, east, east, west, west, None]
+            y += [south, south, north, north, south, None]
+    if x:
+        figure.add_trace(
+            Scatter(
+                x=x, y=y, mode='lines', fill='toself', line={'width': 0}, name='gap',
+                hoverinfo='skip', fillcolor=PAPER,
+                fillpattern={'shape': '/', 'fgcolor': ESTIMATE, 'size': 6, 'solidity': 0.4,
+                             'fillmode': 'overlay'},
+            )
+        )  # fmt: skip
+
+
+def draw_lamps(figure: Figure, layout: Layout, words: Sequence[str]) -> None:
+    """Draw the lamps, each turned to where it faces, with its number and some words before it."""
+    facing = [lamp.mount.axis[:2] for lamp in layout.lamps]
+    sideways = [math.hypot(*axis) > SIDEWAYS for axis in facing]
+    figure.add_trace(
+        Scatter(
+            x=[lamp.mount.position[0] for lamp in layout.lamps],
+            y=[lamp.mount.position[1] for lamp in layout.lamps],
+            mode='markers', name='lamp', cliponaxis=False,
+            marker={
+                'symbol': ['triangle-up' if side else 'circle' for side in sideways], 'size': 13,
+                'color': LAMP, 'line': {'color': PAPER, 'width': 1.5},
+                'angle': [
+                    90.0 - math.degrees(math.atan2(y, x)) if side else 0.0
+                    for (x, y), side in zip(facing, sideways, strict=True)
+                ],
+            },
+            customdata=[[lamp.name, lamp.frequency] for lamp in layout.lamps],
+            hovertemplate='%{customdata[0]}, %{customdata[1]} Hz<extra></extra>',
+        )
+    )  # fmt: skip
+    for k, (lamp, word) in enumerate(zip(layout.lamps, words, strict=True)):
+        along, up = lamp.mount.axis[:2] if sideways[k] else (0.0, 1.0)
+        text = f'<b>{k + 1}</b> {word}'.strip()
+        reach = 14.0 + CHARACTER * (len(str(k + 1)) + len(word)) / 2.0
+        figure.add_annotation(
+            x=lamp.mount.position[0], y=lamp.mount.position[1], xshift=reach * along,
+            yshift=18.0 * up, text=text, font={'color': INK, 'size': 10}, bgcolor=VEIL,
+            borderpad=1,
+        )  # fmt: skip
+
+
+def draw_ways(
+    figure: Figure, ways: Sequence[tuple[Place, Place]], colour: str, width: float, name: str
+) -> None:
+    """Draw straight ways between places as one broken line."""
+    figure.add_trace(
+        Scatter(
+            x=[x for (a, _), (b, _) in ways for x in (a, b, None)],
+            y=[y for (_, a), (_, b) in ways for y in (a, b, None)],
+            mode='lines', name=name, hoverinfo='skip', line={'color': colour, 'width': width},
+        )
+    )  # fmt: skip

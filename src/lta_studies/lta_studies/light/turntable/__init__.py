@@ -1,0 +1,1 @@
+"""A real light board on a turntable before a lamp."""

@@ -1,0 +1,125 @@
+"""
+What the diodes make of light, from a turn: exponent of the cosine, gain of each, pedestal.
+
+Diode i, whose axis lies at an angle from the lamp, is taken to read
+
+    M_i = g_i (S max(0, cos angle)^p + P)
+
+with gains of mean 1. The spread of the estimates is a jackknife over the directions: what is wrong
+with the model (the room's echo, an axis that is bent) differs from direction to direction, so that
+noise alone would promise too much.
+"""
+
+import math
+from typing import final, NamedTuple
+
+from lta_studies.light.turntable.turntable import grouped, Readings
+from lta_vlc.diodes import Diodes
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+
+Array = NDArray[np.float64]
+BEGIN_AT = 1.2  # exponent
+EXPONENTS = (0.1, 20.0)  # as the vehicle file allows
+
+
+@final
+class Response(NamedTuple):
+    """
+    The diodes, each with its standard deviation.
+
+    Attributes
+    ----------
+    exponent, exponent_deviation : float
+        p.
+    gains, gain_deviations : tuple of float
+        Of each diode; their mean is 1.
+    strength : float
+        S, a nominal diode that faces the lamp. [counts]
+    pedestal : float
+        P, part of S.
+    misfit : float
+        Root mean square of what the model leaves, part of S.
+
+    """
+
+    exponent: float
+    exponent_deviation: float
+    gains: tuple[float, ...]
+    gain_deviations: tuple[float, ...]
+    strength: float
+    pedestal: float
+    misfit: float
+
+    @property
+    def spread(self) -> float:
+        """Standard deviation of the gains among the diodes."""
+        return float(np.std(self.gains, ddof=1)) if len(self.gains) > 1 else 0.0
+
+
+def cosines(direction: Array, diodes: Diodes) -> Array:
+    """Return the cosine between each diode's axis and a level lamp, shape (n, diodes)."""
+    axes = np.array(diodes.axes)
+    cosine: Array = np.outer(np.cos(direction), axes[:, 0])
+    cosine += np.outer(np.sin(direction), axes[:, 1])
+    return np.maximum(cosine, 0.0)
+
+
+def response(readings: Readings, diodes: Diodes, zero: float = 0.0) -> Response:
+    """
+    Return what fits the readings of a whole turn best; see the module.
+
+    Parameters
+    ----------
+    readings : Readings
+        Of a whole turn.
+    diodes : Diodes
+        Their axes count.
+    zero : float
+        Error of the table's zero. [rad]
+
+    """
+    groups = [group for group in grouped(readings.direction) if len(group)]
+    cosine = np.stack(
+        [cosines(readings.direction[group] + zero, diodes).mean(axis=0) for group in groups]
+    )
+    amplitude = np.stack([np.median(readings.amplitude[group], axis=0) for group in groups])
+    best = _fitted(cosine, amplitude)
+    keep = ~np.eye(len(groups), dtype=bool)
+    others = np.array([_fitted(cosine[some], amplitude[some]) for some in keep])
+    count = len(groups)
+    about = others - others.mean(axis=0)
+    deviation = np.sqrt((count - 1) / count * np.sum(about * about, axis=0))
+    exponent, strength, pedestal, gains = best[0], best[1], best[2], best[3:]
+    left = _model(best, cosine) - amplitude
+    return Response(
+        float(exponent), float(deviation[0]), tuple(gains.tolist()),
+        tuple(deviation[3:].tolist()), float(strength), float(pedestal / strength),
+        float(math.sqrt(np.mean(left * left)) / strength),
+    )  # fmt: skip
+
+
+def _model(values: Array, cosine: Array) -> Array:
+    exponent, strength, pedestal, gains = values[0], values[1], values[2], values[3:]
+    told: Array = gains * (strength * np.power(cosine, exponent) + pedestal)
+    return told
+
+
+def _fitted(cosine: Array, amplitude: Array) -> Array:
+    """Return exponent, strength, pedestal and gains; the gains' mean is kept at 1."""
+    top = float(amplitude.max())
+
+    def whole(values: Array) -> Array:
+        gains = np.append(values[3:], amplitude.shape[1] - values[3:].sum())
+        return np.concatenate([values[:1], top * values[1:3], gains])
+
+    def left(values: Array) -> Array:
+        over: Array = (_model(whole(values), cosine) - amplitude) / top
+        return over.ravel()
+
+    begin = np.concatenate([[BEGIN_AT, 1.0, 0.01], np.ones(amplitude.shape[1] - 1)])
+    low = np.concatenate([[EXPONENTS[0], 0.0, 0.0], np.zeros(len(begin) - 3)])
+    high = np.concatenate([[EXPONENTS[1], 10.0, 10.0], np.full(len(begin) - 3, np.inf)])
+    found = least_squares(left, begin, bounds=(low, high))
+    return whole(found.x)

@@ -1,0 +1,81 @@
+"""
+The paper's ratios of charging to flying at 80 klx, and what panel and flights here make of them.
+
+The paper: an hour at 80 klx gives 4:1 of charge to flight, 3:1 of charge to hover, and some 18
+minutes of flight. Idle, hover and navigation are its own: 97, 1333 and 1523 to 1544 mW. A ratio r
+against a power P implies a net charging power of P / r.
+"""
+
+from typing import Final, NamedTuple
+
+from lta_energy.harvest import Harvest
+from lta_energy.light_of_days import DARK
+from lta_model.electrical.power_path import Charger, output
+from lta_studies.energy.tables import Table
+
+LUX: Final = 80e3
+LED, SUN = 300.0, 110.0  # lm/W
+HOVER, NAVIGATE, IDLE = 1.333, 1.533, 0.097  # W, the paper's; 1.533 is the middle of 1523 to 1544
+HOUR: Final = 60.0  # min
+WORDS: Final = (
+    'The ratios agree with one another only if flying costs 4/3 of hovering, 1777 mW: '
+    "4 : 1 against the paper's own navigation power implies 383 mW of net charging, 3 : 1 against "
+    'its hover power 444 mW. 18 minutes an hour is neither 15 (all flying) nor 20 (all hovering) '
+    'but a third of the one and two thirds of the other. A white LED of 80 klx that flickers half '
+    'of the time, as the beacon does, brings less than half of what a steady one brings, and the '
+    'sun at the same illuminance 2.7 times as much: with the same lux all of it can be true.'
+)
+
+
+class Ratio(NamedTuple):
+    """Net charging power [W], charge to flight [1], minutes of flight an hour of charging."""
+
+    name: str
+    net: float
+    ratio: float
+    minutes: float
+
+
+def ratios(harvest: Harvest, charger: Charger, idle: float, flight: float) -> list[Ratio]:
+    """
+    Return the paper's ratios and those of a panel under 80 klx of three kinds.
+
+    Parameters
+    ----------
+    harvest, charger : Harvest, Charger
+        The array and what comes behind it.
+    idle : float
+        Drawn on the perch. [W]
+    flight : float
+        Mean power in flight. [W]
+
+    """
+    lights = {
+        'here: steady white LED': DARK._replace(lamps=LUX / LED),
+        'here: white LED, flickering 50 %': DARK._replace(beacon=LUX / LED, duty=0.5),
+        'here: sun': DARK._replace(sun=LUX / SUN),
+    }
+    found = [
+        Ratio('paper: charge to fly', NAVIGATE / 4.0, 4.0, HOUR / 4.0),
+        Ratio('paper: charge to hover', HOVER / 3.0, 3.0, HOUR / 3.0),
+        Ratio('paper: 18 minutes an hour', NAVIGATE * 0.3, HOUR / 18.0, 18.0),
+    ]
+    for name, light in lights.items():
+        net = output(charger, harvest(light)) - idle
+        found.append(Ratio(name, net, flight / net, HOUR * net / flight))
+    return found
+
+
+def table(found: list[Ratio]) -> Table:
+    """Return the ratios as a table."""
+    rows = [
+        [
+            each.name,
+            f'{1e3 * each.net:.0f}',
+            f'{each.ratio:.1f} : 1' if each.net > 0.0 else 'never',
+            f'{max(each.minutes, 0.0):.0f}',
+        ]
+        for each in found
+    ]
+    heads = ['at 80 klx', 'net [mW]', 'charge to flight', 'flight an hour of charging [min]']
+    return Table('Charging and flying at 80 klx', heads, rows, WORDS)

@@ -1,0 +1,158 @@
+"""The pictures of a mission: charge with the light, minutes flown by the hour, the energy."""
+
+from collections.abc import Sequence
+
+from lta_energy.diary import ALOFT, ASLEEP, AWAY, OUT, PERCHED
+from lta_energy.light_of_days import LightOfDays, MINUTE
+from lta_report.drawing import blank
+from lta_report.palette import ESTIMATE, GOOD, LAMP, SETPOINT, SOFT, TRUTH, WALL
+from lta_studies.mission.figures import by_hour
+from lta_studies.mission.lived import AWARE
+from lta_studies.mission.run import Told
+import numpy as np
+from plotly.graph_objects import Bar, Figure, Scatter
+
+COLOURS = (TRUTH, ESTIMATE, GOOD)
+STATES = {
+    PERCHED: ('perched, awake', LAMP), ASLEEP: ('asleep', SOFT), ALOFT: ('in flight', TRUTH),
+    AWAY: ('waits to be fetched', ESTIMATE), OUT: ('empty', ESTIMATE),
+}  # fmt: skip
+EVERY = 5  # minutes of a point of the light
+
+
+def day_picture(lives: Sequence[Told], light: LightOfDays, reserve: float) -> Figure:
+    """Return the state of charge of each schedule over the light of one seed."""
+    figure = blank(2, (0.36, 0.64))
+    lux = light.lux()
+    hours = (np.arange(len(lux)) + 0.5) * MINUTE / 3600.0
+    figure.add_trace(
+        Scatter(
+            x=hours[::EVERY], y=lux[::EVERY] / 1e3, name='light', mode='lines',
+            line={'color': LAMP, 'width': 1.2, 'shape': 'hv'}, hovertemplate='%{y:.1f} klx',
+            showlegend=False,
+        ),
+        row=1,
+        col=1,
+    )  # fmt: skip
+    for k, life in enumerate(lives):
+        figure.add_trace(
+            Scatter(
+                x=np.array(life.diary.time) / 3600.0, y=100.0 * np.array(life.diary.charge),
+                name=life.schedule, mode='lines', hovertemplate='%{y:.0f} %',
+                line={'color': COLOURS[k], 'width': 1.3}, showlegend=True,
+            ),
+            row=2,
+            col=1,
+        )  # fmt: skip
+    figure.add_shape(
+        type='line', x0=0.0, x1=light.end / 3600.0, y0=100.0 * reserve, y1=100.0 * reserve,
+        line={'color': WALL, 'width': 1, 'dash': '2px,3px'}, row=2, col=1,
+    )  # fmt: skip
+    figure.add_annotation(
+        x=light.end / 3600.0, y=100.0 * reserve, text='reserve', xanchor='right', yanchor='top',
+        row=2, col=1,
+    )  # fmt: skip
+    figure.update_yaxes(title_text='light [klx]', rangemode='tozero', row=1)
+    figure.update_yaxes(title_text='charge [%]', range=[0.0, 102.0], row=2)
+    return timed(figure, light, 2)
+
+
+def timeline(lives: Sequence[Told], light: LightOfDays) -> Figure:
+    """Return what the drone did when, a row a schedule."""
+    figure = blank()
+    for state, (name, colour) in STATES.items():
+        x: list[float | None] = []
+        y: list[str | None] = []
+        for life in lives:
+            for begin, end in stretches(life, state):
+                x += [begin, end, None]
+                y += [life.schedule, life.schedule, None]
+        if x:
+            figure.add_trace(
+                Scatter(
+                    x=x, y=y, name=name, mode='lines', line={'color': colour, 'width': 22},
+                    hovertemplate=name, showlegend=True, connectgaps=False,
+                )
+            )  # fmt: skip
+    figure.update_yaxes(type='category')
+    figure.update_layout(hovermode='closest')
+    return timed(figure, light)
+
+
+def stretches(life: Told, state: int) -> list[tuple[float, float]]:
+    """Return when a drone was in a state. [h]"""
+    diary = life.diary
+    found: list[tuple[float, float]] = []
+    for begin, end, own in zip(diary.time[:-1], diary.time[1:], diary.state[:-1], strict=True):
+        if own != state:
+            continue
+        if found and begin / 3600.0 - found[-1][1] < 1e-6:
+            found[-1] = (found[-1][0], end / 3600.0)
+        else:
+            found.append((begin / 3600.0, end / 3600.0))
+    return found
+
+
+def hours_picture(lives: Sequence[Told], light: LightOfDays) -> Figure:
+    """Return the minutes flown in each hour."""
+    figure = blank()
+    for k, life in enumerate(lives):
+        flown = by_hour(life.diary, light)
+        figure.add_trace(
+            Bar(
+                x=[hour + 0.5 for hour in range(len(flown))], y=flown, name=life.schedule,
+                marker={'color': COLOURS[k]}, hovertemplate='%{y:.1f} min', showlegend=True,
+            )
+        )  # fmt: skip
+    figure.add_shape(
+        type='line', x0=0.0, x1=light.end / 3600.0, y0=18.0, y1=18.0, layer='below',
+        line={'color': WALL, 'width': 1, 'dash': '2px,3px'},
+    )  # fmt: skip
+    figure.add_annotation(
+        x=0.0, y=18.0, text='paper: 18 min an hour at 80 klx', xanchor='left', yanchor='bottom'
+    )
+    figure.update_yaxes(title_text='flown [min/h]', rangemode='tozero')
+    return timed(figure, light)
+
+
+def books_picture(lives: Sequence[Told]) -> Figure:
+    """Return where the light's energy went."""
+    figure = blank()
+    names = [f'{each.schedule}' for each in lives]
+    parts = {
+        'flight': (TRUTH, [flights_of(each) for each in lives]),
+        'perch': (LAMP, [each.figures.consumed - flights_of(each) for each in lives]),
+        'heat in the cell': (ESTIMATE, [each.figures.lost for each in lives]),
+        'stored': (GOOD, [max(each.figures.stored, 0.0) for each in lives]),
+        'not harvested, cell full': (SETPOINT, [each.figures.curtailed for each in lives]),
+    }
+    for name, (colour, values) in parts.items():
+        figure.add_trace(
+            Bar(
+                y=names, x=[value / 1e3 for value in values], name=name, orientation='h',
+                marker={'color': colour}, hovertemplate='%{x:.2f} kJ', showlegend=True,
+            )
+        )  # fmt: skip
+    figure.update_layout(barmode='stack', legend={'orientation': 'h', 'y': 1.12})
+    figure.update_xaxes(title_text='energy [kJ]')
+    figure.update_yaxes(automargin=True)
+    return figure
+
+
+def flights_of(life: Told) -> float:
+    """Return what the flights of a mission consumed. [J]"""
+    return sum(each.spent.consumed for each in life.diary.flights)
+
+
+def timed(figure: Figure, light: LightOfDays, rows: int = 1) -> Figure:
+    """Return a picture over the hours of the mission."""
+    hours = light.end / 3600.0
+    figure.update_xaxes(range=[0.0, hours], dtick=3 if hours <= 48 else 12)
+    figure.update_xaxes(title_text='time [h]', row=rows, col=1)
+    figure.update_layout(showlegend=True, legend={'orientation': 'h', 'y': 1.12})
+    return figure
+
+
+def main(lives: Sequence[Told]) -> Told:
+    """Return the life that a page tells of: ours, or the only one."""
+    return next((each for each in lives if each.schedule == AWARE), lives[0])

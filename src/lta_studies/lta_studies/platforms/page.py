@@ -1,0 +1,240 @@
+"""A comparison of platforms as one self-contained HTML file, in the look of a flight's page."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from html import escape
+import math
+from pathlib import Path
+from typing import final
+
+from lta_config.constants import STANDARD_GRAVITY
+from lta_config.schema.comparison_file import Comparison
+from lta_config.schema.manoeuvre_file import load_manoeuvre, Manoeuvre
+from lta_model.scenario import load_scenario
+from lta_report.formatting import number, Tile
+from lta_report.frame import framed, written
+from lta_report.pieces import section, table_html, tile_html
+from lta_studies.platforms.entries import entrant
+from lta_studies.platforms.flying import Entrant
+from lta_studies.platforms.pictures import called, changed, following, limits, UNIT
+from lta_studies.platforms.run import ABLATION, CONTESTANT, Row
+from lta_studies.platforms.summary import Cell, cell, fastest, margin, Mean
+from lta_studies.platforms.verdict import decided, title
+import yaml
+
+NAME = 'report.html'
+HEADS = ('platform', 'manoeuvre', 'held', 'overshoot', 'settles', 'steady error', 'rms', 'ripple',
+         'height error', 'tilt')  # fmt: skip
+DASHED = 'Dashed: what is asked. Flights of seed 1.'
+LIMITED = (
+    'Asked for ever more speed, one flight after the other. Dashed: speed reached as asked. What '
+    'each changes stands below, under "What decides".'
+)
+METHOD = (
+    'Held: from the time it settles to the end within the band, height within 0.2 m, not turned '
+    'over. Steady error (asked less flown) and ripple over the last quarter; rms over all that is '
+    'judged. Means over the seeds with their 95 % interval (Student); a figure of one seed, or of '
+    'seeds that agree to all digits shown, has none. Settling time only of those that settle.'
+)
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Told:
+    """What the page is made of."""
+
+    comparison: Comparison
+    rows: Sequence[Row]
+    folder: Path
+    origin: Mapping[str, str]
+
+
+def write_page(told: Told) -> Path:
+    """Write the page and return where it is; `BadInput` where it cannot be written."""
+    return written(page(told), told.folder / NAME)
+
+
+def page(told: Told) -> str:
+    """Return the whole page."""
+    comparison, rows = told.comparison, told.rows
+    shown, common = pictures(comparison, rows), len(comparison.manoeuvres)
+    return framed(
+        'platforms.html',
+        title=escape(title(comparison, rows)),
+        kicker=escape(f'comparison {comparison.name} · {comparison.scenario}'),
+        about=escape(comparison.about),
+        tiles='\n'.join(tile_html(*each) for each in tiles(comparison, rows)),
+        first='\n'.join(shown[:common]),
+        pictures='\n'.join(shown[common:]),
+        results=table_html(HEADS, result_lines(comparison, rows))
+        + f'<p class="note">{METHOD}</p>',
+        why=decided(comparison, rows)
+        + ''.join(['<ul>', *(f'<li>{escape(each)}</li>' for each in reasons(told)), '</ul>']),
+        margins=margins(comparison),
+        facts=told.origin,
+        files={
+            'Comparison file': yaml.safe_dump(
+                comparison.model_dump(exclude_none=True), sort_keys=False
+            )
+        },
+    )
+
+
+def flown_by(comparison: Comparison, name: str) -> list[str]:
+    """Return the manoeuvres of a contestant."""
+    return comparison.contestants[name].manoeuvres or comparison.manoeuvres
+
+
+def tiles(comparison: Comparison, rows: Sequence[Row]) -> list[Tile]:
+    """Return how many manoeuvres each platform held."""
+    found = []
+    for name, contestant in comparison.contestants.items():
+        own = flown_by(comparison, name)
+        cells = [cell(rows, CONTESTANT, name, each) for each in own]
+        held = sum(all(row.held for row in part.rows) for part in cells)
+        lost = [each for each, part in zip(own, cells, strict=True)
+                if not all(row.held for row in part.rows)]  # fmt: skip
+        note = f'not: {", ".join(lost)}' if lost else 'manoeuvres held'
+        found.append(Tile(contestant.title, f'{held}/{len(own)}', '', note))
+    return found
+
+
+def pictures(comparison: Comparison, rows: Sequence[Row]) -> list[str]:
+    """Return a picture for each manoeuvre, of the ablations, and of the speed limits."""
+    own = [each for name in comparison.contestants for each in flown_by(comparison, name)]
+    names = dict.fromkeys([*comparison.manoeuvres, *own])  # what all fly comes first
+    titles = {name: each.title for name, each in comparison.contestants.items()}
+    found = []
+    for name in names:
+        manoeuvre = load_manoeuvre(name)
+        picture = following(rows, titles, manoeuvre)
+        found.append(
+            section(f'flown-{name}', name.capitalize(), f'{manoeuvre.about} {DASHED}', picture)
+        )
+    flown = dict.fromkeys(
+        each for ablation in comparison.ablations.values() for each in ablation.manoeuvres
+    )
+    for name in flown:
+        manoeuvre = load_manoeuvre(name)
+        found.append(
+            section(f'changed-{name}', f'{name.capitalize()}, one thing changed',
+                    f'What each changes stands below, under "What decides". {DASHED}',
+                    changed(rows, comparison, manoeuvre))
+        )  # fmt: skip
+    if comparison.limits:
+        found.append(section('limits', 'How fast', LIMITED, limits(rows, comparison)))
+    return found
+
+
+def result_lines(comparison: Comparison, rows: Sequence[Row]) -> list[list[str]]:
+    """Return a line for each platform and manoeuvre, the ablations below."""
+    lines = [
+        [contestant.title, *figures(cell(rows, CONTESTANT, name, each), each)]
+        for name, contestant in comparison.contestants.items()
+        for each in flown_by(comparison, name)
+    ]
+    return lines + [
+        [called(comparison, name), *figures(cell(rows, ABLATION, name, each), each)]
+        for name, ablation in comparison.ablations.items()
+        for each in ablation.manoeuvres
+    ]
+
+
+def figures(part: Cell, name: str) -> list[str]:
+    """Return the cells of one line."""
+    manoeuvre = load_manoeuvre(name)
+    held = sum(row.held for row in part.rows)
+    unit, factor = UNIT[manoeuvre.judge], factor_of(manoeuvre)
+    degrees = 180.0 / math.pi
+    return [
+        name,
+        f'{held} of {len(part.rows)}',
+        told_mean(part.mean('overshoot'), '%', 100.0, 1),
+        told_mean(part.mean('settling_time'), 's', 1.0, 1),
+        *(told_mean(part.mean(each), unit, factor, 3 if factor == 1.0 else 1)
+          for each in ('steady_error', 'rms', 'ripple')),
+        told_mean(part.mean('steady_error', 'height'), 'm', 1.0, 3),
+        number(max((row.tilt for row in part.rows), default=0.0), 1, degrees) + UNIT['heading'],
+    ]  # fmt: skip
+
+
+def factor_of(manoeuvre: Manoeuvre) -> float:
+    """Return what turns SI into the unit that is shown."""
+    return 180.0 / math.pi if manoeuvre.judge == 'heading' else 1.0
+
+
+def told_mean(value: Mean, unit: str, factor: float, digits: int) -> str:
+    """Return a mean with half its interval."""
+    if math.isnan(value.value):
+        return '\N{EN DASH}'
+    text = number(value.value, digits, factor)
+    half = 0.0 if math.isnan(value.high) else (value.high - value.value) * factor
+    spread = f' \N{PLUS-MINUS SIGN} {half:.{digits}f}' if round(half, digits) else ''
+    return f'{text}{spread}{"" if unit == UNIT["heading"] else " "}{unit}'
+
+
+def reasons(told: Told) -> list[str]:
+    """Return what open loops are told, and the limits of speed."""
+    comparison, rows = told.comparison, told.rows
+    found = inputs(comparison, rows)
+    for name, limit in comparison.limits.items():
+        held, reached = fastest(comparison, rows, name)
+        title = comparison.contestants[limit.of].title
+        why = f' ({limit.why})' if limit.why else ''
+        found.append(
+            f'{title}{why}: holds speed and height up to {held:.2f} m/s of those asked for, and '
+            f'reaches {reached:.2f} m/s at most.'
+        )
+    return found
+
+
+def inputs(comparison: Comparison, rows: Sequence[Row]) -> list[str]:
+    """Return what open loops are told to do in the manoeuvre of altitude: their duties."""
+    told = []
+    for name, contestant in comparison.contestants.items():
+        flying = entrant_of(comparison, name)
+        for row in rows:
+            same = (row.job.kind, row.job.name) == (CONTESTANT, name) and row.duties is not None
+            if flying.law.name == 'open_loop' and same and row.job.manoeuvre == 'climb':
+                steps = [
+                    f'from {time:.1f} s {", ".join(f"{each:.3f}" for each in duties)}'
+                    for time, duties in stretches(row)
+                ]
+                order = ', '.join(flying.vehicle.rotor_names)
+                told.append(
+                    f'{contestant.title}: its input in climb, the duties of {order}, is '
+                    f'{"; ".join(steps)}.'
+                )
+    return told
+
+
+def stretches(row: Row) -> list[tuple[float, list[float]]]:
+    """Return from when on which duties were held."""
+    found: list[tuple[float, list[float]]] = []
+    for time, duties in zip(row.flown[:, 0].tolist(), row.duties.tolist(), strict=True):
+        if not found or max(abs(p - q) for p, q in zip(found[-1][1], duties, strict=True)) > 1e-3:
+            found.append((time, duties))
+    return found[:8]
+
+
+def entrant_of(comparison: Comparison, name: str) -> Entrant:
+    """Return a contestant as it flew."""
+    density = load_scenario(comparison.scenario).air.density
+    return entrant(comparison.contestants[name], density)
+
+
+def margins(comparison: Comparison) -> str:
+    """Return the table of laws, what they see, and static margins."""
+    lines = []
+    for name, contestant in comparison.contestants.items():
+        flying = entrant_of(comparison, name)
+        lift, weight = margin(flying.vehicle)
+        newtons = [f'{number(force, 1, 1e3)} mN' for force in (lift, weight, lift - weight)]
+        grams = f'{number((lift - weight) / STANDARD_GRAVITY, 1, 1e3)} g'
+        seen = str(flying.law.feedback)
+        lines.append([contestant.title, flying.law.name.replace('_', ' '), seen, *newtons, grams])
+    heads = ('platform', 'law', 'sees by', 'lift at full thrust', 'to carry', 'margin', 'margin')
+    return table_html(heads, lines) + (
+        '<p class="note">Lift of all lifting rotors at full thrust, straight up. A law that sees '
+        'by the tracker is told pose and velocity from outside, as its authors did it.</p>'
+    )

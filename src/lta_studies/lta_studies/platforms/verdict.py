@@ -1,0 +1,71 @@
+"""What came out of a comparison: one sentence, and the table of what each change turns."""
+
+from collections.abc import Sequence
+from html import escape
+
+from lta_config.schema.comparison_file import Comparison
+from lta_studies.platforms.pictures import called
+from lta_studies.platforms.run import ABLATION, CONTESTANT, Row
+from lta_studies.platforms.summary import Cell, cell
+
+
+def title(comparison: Comparison, rows: Sequence[Row]) -> str:
+    """Return what came out, in a sentence."""
+    lost = []
+    for name, contestant in comparison.contestants.items():
+        found = [row for row in rows if (row.job.kind, row.job.name) == (CONTESTANT, name)]
+        if not found or not all(row.held for row in found):
+            lost.append(contestant.title)
+    count = len(comparison.contestants)
+    if not lost:
+        who = f'All {count} contestants hold' if count > 1 else 'The one contestant holds'
+        return f'{who} every manoeuvre.'
+    if len(lost) == count:
+        return 'No contestant holds every manoeuvre.'
+    return f'{count - len(lost)} of {count} contestants hold every manoeuvre; {listed(lost)} not.'
+
+
+def listed(names: Sequence[str]) -> str:
+    """Return names as they are listed in a sentence."""
+    *others, last = names
+    return f'{", ".join(others)} and {last} do' if others else f'{last} does'
+
+
+def decided(comparison: Comparison, rows: Sequence[Row]) -> str:
+    """Return the table of ablations: flights that held before the change, and with it."""
+    flown = list(
+        dict.fromkeys(each for part in comparison.ablations.values() for each in part.manoeuvres)
+    )
+    lines = []
+    for name, ablation in comparison.ablations.items():
+        cells = []
+        for each in flown:
+            pair = cell(rows, CONTESTANT, ablation.of, each), cell(rows, ABLATION, name, each)
+            cells.append(f'<td>{before_and_after(*pair)}</td>')
+        title = comparison.contestants[ablation.of].title
+        what = (called(comparison, name), title, ablation.why)
+        first = ''.join(f'<td>{escape(text)}</td>' for text in what)
+        lines.append(f'<tr>{first}{"".join(cells)}</tr>')
+    if not lines:
+        return ''
+    heads = ''.join(
+        f'<th scope="col">{each}</th>'
+        for each in ('flown as', 'otherwise as', 'what is changed', *flown)
+    )
+    return (
+        f'<div class="wide"><table class="results changes"><thead><tr>{heads}</tr></thead><tbody>'
+        f'{"".join(lines)}</tbody></table></div><p class="note">Flights held, before and after '
+        'one thing is changed; in bold where that turns most of them.</p>'
+    )
+
+
+def before_and_after(base: Cell, changed: Cell) -> str:
+    """Return how many held without and with a change, bold where it turns most of them."""
+    if not base.rows or not changed.rows:
+        return '\N{EN DASH}'
+    held = [sum(row.held for row in part.rows) for part in (base, changed)]
+    counts = [len(part.rows) for part in (base, changed)]
+    most = [2 * few > all_of for few, all_of in zip(held, counts, strict=True)]
+    ends = [f'{few}/{all_of}' for few, all_of in zip(held, counts, strict=True)]
+    text = ' \N{RIGHTWARDS ARROW} '.join(ends)
+    return f'<b>{text}</b>' if most[0] != most[1] else text

@@ -1,0 +1,91 @@
+"""
+What a row rests on, so that what has been studied is studied again after it has changed.
+
+All files of the cores and of the configuration, those of other rows left out: effects and laws
+are found there at run time. Of the packages around them, which hold far more than the paper needs,
+what the row's study imports, and what that imports in turn.
+"""
+
+import ast
+from collections.abc import Iterator
+from functools import cache
+import hashlib
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Final
+
+from lta_config.files import share
+
+CORES: Final = ('lta_config', 'lta_control', 'lta_energy', 'lta_model', 'lta_sim', 'lta_vlc')
+AROUND: Final = (
+    'lta_bridge', 'lta_data', 'lta_flight', 'lta_graph', 'lta_report', 'lta_studies',
+    'lta_vehicle',
+)  # fmt: skip
+DATA: Final = ('*.yaml', '*.json')
+ROWS: Final = 'paper'  # folder with one file a row
+KEPT: Final = 'lta_studies.reproduce.kept'  # how a row is kept
+
+
+def digest(name: str) -> str:
+    """Return a hash that changes when the figures of a row may."""
+    found = hashlib.sha256()
+    for path in sources(name):
+        found.update(f'{path.parent.name}/{path.name}'.encode())
+        found.update(path.read_bytes())
+    return found.hexdigest()
+
+
+def sources(name: str) -> Iterator[Path]:
+    """Yield the files that a row rests on, in the same order everywhere."""
+    for pattern in DATA:
+        for path in sorted(share().rglob(pattern)):
+            if path.parent.name != ROWS or path.stem == name:
+                yield path
+    for package in CORES:
+        yield from sorted(folder(package).rglob('*.py'))
+    study = f'lta_studies.reproduce.studies.{name}'
+    yield from sorted(imported(study) | imported(KEPT))
+
+
+def imported(module: str) -> set[Path]:
+    """Return the files around the cores that a module is made of, by all that it imports."""
+    found: set[Path] = set()
+    todo = [module]
+    while todo:
+        path = file_of(todo.pop())
+        if path is not None and path not in found:
+            found.add(path)
+            todo += named_in(path)
+    return found
+
+
+@cache
+def named_in(path: Path) -> tuple[str, ...]:
+    """Return every module that a file may import, wherever in it that stands."""
+    names = []
+    for node in ast.walk(ast.parse(path.read_bytes())):
+        if isinstance(node, ast.Import):
+            names += [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            names += [node.module, *(f'{node.module}.{alias.name}' for alias in node.names)]
+    return tuple(names)
+
+
+@cache
+def file_of(module: str) -> Path | None:
+    """Return the file of a module around the cores; None if it is none of them."""
+    package, *below = module.split('.')
+    if package not in AROUND:
+        return None
+    place = folder(package).joinpath(*below)
+    files = (place / '__init__.py', place.with_suffix('.py'))
+    return next((path for path in files if path.is_file()), None)
+
+
+@cache
+def folder(package: str) -> Path:
+    """Return the folder of a package."""
+    spec = find_spec(package)
+    assert spec is not None
+    assert spec.origin is not None
+    return Path(spec.origin).parent

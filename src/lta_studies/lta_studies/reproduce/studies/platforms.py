@@ -1,0 +1,168 @@
+"""Five platforms by six criteria: each a task that is flown, or a number of the vehicle's file."""
+
+from collections.abc import Callable, Mapping, Sequence
+from itertools import combinations
+import math
+from typing import Final
+
+from lta_config.constants import AIR_DENSITY, STANDARD_GRAVITY
+from lta_config.typed import typed
+from lta_model import hull
+from lta_model.hover import lifting
+from lta_model.vehicle import Vehicle
+from lta_report.drawing import blank
+from lta_report.palette import GRID, INK, PAPER, TRUTH
+from lta_studies.platforms.entries import entrant
+from lta_studies.reproduce.found import Asked, Found, Picture, Value
+from lta_studies.reproduce.manoeuvres import Flights, fly, limit
+import numpy as np
+from plotly.graph_objects import Figure, Heatmap
+
+LOW, MEDIUM_LOW, MEDIUM, HIGH = range(4)
+WORDS: Final = ('Low', 'Medium Low', 'Medium', 'High')
+# Seed paper, table of platforms: planar, vertical, attitude, endurance, size, complexity.
+RANKED: Final = {
+    'multirotor': (HIGH, HIGH, HIGH, LOW, LOW, LOW),
+    'skye': (MEDIUM, MEDIUM, MEDIUM, HIGH, HIGH, HIGH),
+    'sblimp': (MEDIUM_LOW, MEDIUM, MEDIUM_LOW, HIGH, MEDIUM, MEDIUM),
+    'gtmab': (MEDIUM_LOW, MEDIUM, HIGH, HIGH, MEDIUM, LOW),
+    'beavis': (HIGH, MEDIUM_LOW, MEDIUM_LOW, HIGH, MEDIUM, LOW),
+}
+# What is measured of each, its unit in a picture, and whether more of it ranks higher.
+CRITERIA: Final = {
+    'planar': ('m/s', 1.0, False), 'vertical': ('m', 1.0, False),
+    'attitude': ('°', 180.0 / math.pi, False), 'endurance': ('%', 100.0, False),
+    'size': ('m', 1.0, True), 'complexity': ('', 1.0, True),
+}  # fmt: skip
+FLOWN: Final = {'planar': 'cruise', 'vertical': 'climb', 'attitude': 'turn'}
+SAME: Final = math.cos(math.radians(5.0))  # two rotors that point the same way, or oppositely
+LIMIT_SEEDS: Final = 3
+CAPTION: Final = (
+    'Rms error over a cruise at 0.5 m/s, a climb of 1.5 m and a turn by 90°; share of the weight '
+    'that rotors carry while hovering; greatest extent; directions in which rotors push. In '
+    "brackets what the paper's table says. Darker ranks higher, within a column."
+)
+FOLLOWED: Final = {
+    'cruise': ('Planar: told to fly at 0.5 m/s', 'Speed along the course; asked dashed, seed 1.'),
+    'climb': ('Vertical: told to rise by 1.5 m', 'Rise; asked dashed, seed 1.'),
+    'turn': ('Attitude: told to turn by 90°', 'Heading; asked dashed, seed 1.'),
+}
+
+
+def study(asked: Asked) -> Found:
+    """Return the table of the paper, measured, and how far its ranking is found again."""
+    flown = () if asked.quick else tuple(FLOWN.values())
+    flights = fly([(name, each) for name in RANKED for each in flown], asked.seeds)
+    measured = {
+        criterion: {name: measure(name) for name in RANKED}
+        for criterion, measure in measures(flights).items()
+        if criterion not in FLOWN or FLOWN[criterion] in flown
+    }
+    values = {
+        f'{name}_{criterion}': value
+        for criterion, each in measured.items()
+        for name, value in each.items()
+    }
+    for criterion, each in measured.items():
+        values[f'{criterion}_order'] = Value(concordance(criterion, each), seeds=asked.seeds)
+    if not asked.quick:
+        values['sblimp_limit'] = limit('sblimp', min(asked.seeds, LIMIT_SEEDS))
+    command = typed('platforms', '--seeds', str(asked.seeds))
+    titles = [flights.title(name) for name in RANKED]
+    pictures = [
+        Picture('table', 'Six criteria, measured', CAPTION, table(titles, measured), command)
+    ]
+    pictures += [
+        Picture(each, *FOLLOWED[each], flights.picture(each, RANKED), command,
+                flights.record(each, RANKED, asked.folder / each))
+        for each in flown
+    ]  # fmt: skip
+    return Found(values, pictures)
+
+
+def measures(flights: Flights) -> dict[str, Callable[[str], Value]]:
+    """Return how each criterion is measured, of a platform by name."""
+
+    def vehicle(name: str) -> Vehicle:
+        return entrant(flights.comparison.contestants[name], AIR_DENSITY).vehicle
+
+    return {
+        'planar': lambda name: flights.value(name, 'cruise', 'rms'),
+        'vertical': lambda name: flights.value(name, 'climb', 'rms'),
+        'attitude': lambda name: flights.value(name, 'turn', 'rms'),
+        'endurance': lambda name: Value(carried(vehicle(name))),
+        'size': lambda name: Value(extent(vehicle(name))),
+        'complexity': lambda name: Value(float(directions(vehicle(name)))),
+    }
+
+
+def carried(vehicle: Vehicle) -> float:
+    """Return what rotors push while it hovers, all of them together, by its weight. [1]"""
+    own, per_newton = lifting(vehicle.rotors, vehicle.file.aero.coupling)
+    thrust = max(vehicle.heaviness, 0.0) * STANDARD_GRAVITY / per_newton * len(own)
+    return thrust / (vehicle.mass * STANDARD_GRAVITY)
+
+
+def extent(vehicle: Vehicle) -> float:
+    """Return the greatest extent: of the hull, or between two rotors. [m]"""
+    places = [rotor.place for rotor in vehicle.rotors]
+    span = max(math.dist(a, b) for a, b in combinations(places, 2))
+    if vehicle.file.hull.shape == 'none':
+        return span
+    return max(span, 2.0 * max(hull.half_axes(vehicle.file.hull)))
+
+
+def directions(vehicle: Vehicle) -> int:
+    """Return along how many different lines rotors push."""
+    lines: list[tuple[float, float, float]] = []
+    for rotor in vehicle.rotors:
+        if all(abs(float(np.dot(rotor.axis, other))) < SAME for other in lines):
+            lines.append(rotor.axis)
+    return len(lines)
+
+
+def concordance(criterion: str, found: Mapping[str, Value]) -> float:
+    """Return how many pairs that the paper ranks apart are measured in that order. [1]"""
+    column = list(CRITERIA).index(criterion)
+    sign = 1.0 if CRITERIA[criterion][2] else -1.0
+    pairs = [
+        (higher, lower)
+        for higher in RANKED
+        for lower in RANKED
+        if RANKED[higher][column] > RANKED[lower][column]
+    ]
+    right = [sign * (number(found[a]) - number(found[b])) > 0.0 for a, b in pairs]
+    return sum(right) / len(right)
+
+
+def number(value: Value) -> float:
+    """Return a value, which is a number."""
+    assert not isinstance(value.value, str)
+    return value.value
+
+
+def table(titles: Sequence[str], measured: Mapping[str, Mapping[str, Value]]) -> Figure:
+    """Return the paper's table with what was measured."""
+    figure = blank()
+    shades, texts = [], []
+    for name in RANKED:
+        row, words = [], []
+        for criterion, found in measured.items():
+            unit, factor, more = CRITERIA[criterion]
+            ordered = sorted((number(each) for each in found.values()), reverse=not more)
+            row.append(ordered.index(number(found[name])))
+            paper = WORDS[RANKED[name][list(CRITERIA).index(criterion)]]
+            words.append(f'{factor * number(found[name]):.3g} {unit}<br>({paper})')
+        shades.append(row)
+        texts.append(words)
+    figure.add_trace(
+        Heatmap(
+            z=shades, x=list(measured), y=list(titles), text=texts,
+            texttemplate='%{text}', textfont={'color': INK, 'size': 9},
+            colorscale=[[0.0, PAPER], [0.001, GRID], [1.0, TRUTH]], opacity=0.4, showscale=False,
+            xgap=2, ygap=2, hovertemplate='%{y}, %{x}: %{text}<extra></extra>',
+        )
+    )  # fmt: skip
+    figure.update_yaxes(autorange='reversed', showgrid=False, ticksuffix=' ')
+    figure.update_xaxes(side='top', showgrid=False)
+    return figure.update_layout(hovermode='closest', margin={'l': 110, 'r': 20})

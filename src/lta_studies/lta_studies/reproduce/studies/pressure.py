@@ -1,0 +1,134 @@
+"""Pressure on hulls: in flight by potential flow, under jets by our tunnel, beside the paper's."""
+
+from collections.abc import Mapping
+import math
+from typing import Final
+
+from lta_config.constants import AIR_DENSITY
+from lta_config.files import share
+from lta_config.typed import typed
+from lta_model.vehicle import Vehicle
+from lta_report.drawing import blank
+from lta_report.palette import ESTIMATE, LAMP, TRUTH, WALL
+from lta_report.palette import PAPER as WHITE
+from lta_sim.cfd.potential import extremes
+from lta_sim.cfd.sweep_table import Blow, Pressed, read_sweep
+from lta_sim.wind_limits import static_limit
+from lta_studies.reproduce.found import Picture, Value
+import numpy as np
+from plotly.graph_objects import Bar, Figure, Heatmap
+
+PAPER: Final = {'BEAVIS': 102.0, 'GT-MAB': 571.9}  # Pa, seed paper, LaTeX comment
+PROPELLER: Final = 0.047  # m, seed paper
+SURGE: Final = 0
+SHOWN: Final = {  # what the shipped flows blow: file, pattern, what it is called
+    'gtmab': ('gtmab', 'both_up', 'GT-MAB, both upward rotors at full thrust'),
+    'reversed': ('gtmab', 'up_left_reversed', 'GT-MAB, one upward rotor reversed, onto the hull'),
+    'beavis': ('beavis', 'all', 'BEAVIS, all four rotors at full thrust'),
+}
+BESIDE: Final = (
+    'Pascals, in decades. Orange: what the paper has. Blue: what can be; the hull in flight by '
+    'potential flow, a jet onto a wall by momentum theory, the rest by flows of our wind tunnel.'
+)
+MAP: Final = (
+    'The hull from below, nose right: pressure over that far away, steady flow of our wind tunnel '
+    '(preview).'
+)
+
+
+def blown(name: str) -> Blow:
+    """Return a flow of those that are shown, as `lta cfd run` left it."""
+    file, pattern, _ = SHOWN[name]
+    return read_sweep(share() / 'aero' / f'{file}.blown.json').blows[pattern]
+
+
+def values(vehicle: Vehicle, disk_loading: float) -> dict[str, Value]:
+    """Return pressures in flight and under jets, and what it takes to be the paper's. [SI]"""
+    low, high = extremes(vehicle.file.hull, SURGE, static_limit(vehicle), AIR_DENSITY)
+    found = {
+        'flight_nose': Value(high),
+        'flight_side': Value(low),
+        'jet_speed': Value(speed_of(disk_loading)),
+    }
+    for told, pressure in PAPER.items():
+        found[f'{told.lower().replace("-", "")}_pressure_speed'] = Value(speed_of(pressure))
+    turns = speed_of(PAPER['GT-MAB']) / (math.pi * PROPELLER)
+    found['blade_rate'] = Value(2.0 * math.pi * turns)
+    for name in SHOWN:
+        bodies = blown(name).pressed
+        found[f'{name}_most'] = Value(max(each.most for each in bodies.values()))
+        found[f'{name}_least'] = Value(min(each.least for each in bodies.values()))
+        found[f'{name}_hull_least'] = Value(bodies['envelope'].least)
+        found[f'{name}_hull_most'] = Value(bodies['envelope'].most)
+    found['beavis_blown_up'] = Value(blown('beavis').force[2])
+    return found
+
+
+def speed_of(pressure: float) -> float:
+    """Return the speed of the air that has this dynamic pressure [Pa]. [m/s]"""
+    return math.sqrt(2.0 * pressure / AIR_DENSITY)
+
+
+def pictures(found: Mapping[str, Value]) -> list[Picture]:
+    """Return all pressures side by side, and maps of the hulls from below."""
+    made = [
+        Picture('pressure', 'Pressures side by side', BESIDE, beside(found),
+                typed('reproduce', 'forces'))
+    ]  # fmt: skip
+    for name, (file, pattern, heading) in SHOWN.items():
+        again = typed('cfd', 'run', file, '--only', pattern)
+        hull = blown(name).pressed['envelope']
+        made.append(Picture(f'map_{name}', heading, MAP, under(hull), again))
+    return made
+
+
+def beside(found: Mapping[str, Value]) -> Figure:
+    """Return the pressures as bars over decades."""
+
+    def size(name: str) -> float:
+        value = found[name].value
+        assert not isinstance(value, str)
+        return abs(value)
+
+    rows = [
+        ('GT-MAB: suction on its hull, both rotors up', size('gtmab_hull_least'), TRUTH),
+        ('GT-MAB: nose at its level limit, 1.09 m/s', size('flight_nose'), TRUTH),
+        ('GT-MAB: suction at the bar beside its rotors', size('gtmab_least'), TRUTH),
+        ('GT-MAB: jet of a reversed rotor on its hull', size('reversed_most'), TRUTH),
+        ('BEAVIS: jets on its hull, all rotors on', size('beavis_hull_most'), TRUTH),
+        ('BEAVIS: jets on the box below', size('beavis_most'), TRUTH),
+        ('An ideal jet onto a wall', size('disk_loading'), LAMP),
+        ('Paper: BEAVIS', PAPER['BEAVIS'], ESTIMATE),
+        ('Paper: GT-MAB', PAPER['GT-MAB'], ESTIMATE),
+    ]
+    names, sizes, colours = zip(*rows, strict=True)
+    figure = blank()
+    figure.add_trace(
+        Bar(x=sizes, y=names, orientation='h', marker={'color': colours},
+            text=[f'{each:.3g} Pa' for each in sizes], textposition='outside',
+            cliponaxis=False, hovertemplate='%{x:.3g} Pa<extra></extra>')
+    )  # fmt: skip
+    figure.update_xaxes(type='log', title_text='pressure [Pa]', dtick=1, range=[-1.2, 3.2])
+    figure.update_yaxes(autorange='reversed', automargin=True, showgrid=False, ticksuffix=' ')
+    return figure.update_layout(hovermode='closest', margin={'r': 40})
+
+
+def under(hull: Pressed) -> Figure:
+    """Return the pressure on a hull as seen from below."""
+    largest = max(abs(hull.least), abs(hull.most))
+    places = hull.side * ((np.arange(len(hull.below)) + 0.5) / len(hull.below) - 0.5)
+    figure = blank()
+    figure.add_trace(
+        Heatmap(
+            x=places, y=places, z=hull.below, zmin=-largest, zmax=largest, hoverongaps=False,
+            colorscale=[[0.0, ESTIMATE], [0.5, WHITE], [1.0, TRUTH]],
+            colorbar={'title': {'text': 'Pa'}, 'thickness': 12},
+            hovertemplate='%{x:.2f}, %{y:.2f} m: %{z:.3g} Pa<extra></extra>',
+        )
+    )  # fmt: skip
+    bare = {'showgrid': False, 'constrain': 'domain'}
+    figure.update_xaxes(title_text='x [m]', **bare)
+    figure.update_yaxes(
+        title_text='y [m], left positive', scaleanchor='x', autorange='reversed', **bare
+    )
+    return figure.update_layout(plot_bgcolor=WALL, hovermode='closest')

@@ -1,0 +1,75 @@
+"""What the wind tunnel gave of GT-MAB: fits of drag, rotors on, and B beside BEAVIS's."""
+
+from collections.abc import Mapping, Sequence
+from typing import Final
+
+from lta_config.files import share
+from lta_config.typed import typed
+from lta_model.vehicle import Vehicle
+from lta_report.drawing import blank
+from lta_report.palette import ESTIMATE, PAPER, TRUTH
+from lta_sim.cfd.refit import fits_of
+from lta_sim.cfd.sweep_table import read_sweep, Sweep
+from lta_studies.cfd.pictures import drag_picture
+from lta_studies.reproduce.found import Picture, Value
+import numpy as np
+from plotly.graph_objects import Figure, Heatmap
+
+BOTH_UP: Final = 'both_up'  # pattern of the tunnel file: the upward rotors at full thrust
+WRENCH: Final = ('Fx', 'Fy', 'Fz', 'Mx [m]', 'My [m]', 'Mz [m]')
+POINTS: Final = (
+    'Points: flows that were solved, with the swing of their averaged window. Lines: linear and '
+    'quadratic terms fitted to them. Dotted: estimated by hand.'
+)
+MATRIX: Final = (
+    'B of the vehicle files, one column a rotor: force and moment about the hull centre per '
+    'newton of thrust, jets on the hull included.'
+)
+
+
+def shipped() -> Sweep:
+    """Return the raw sweep of GT-MAB that `lta cfd run` left."""
+    return read_sweep(share() / 'aero' / 'gtmab.sweep.json')
+
+
+def fitted(sweep: Sweep) -> dict[str, Value]:
+    """Return the coefficients of drag, and the net force of the upward rotors together. [SI]"""
+    fits = fits_of(sweep)
+    found = {'tunnel_up': Value(sweep.blows[BOTH_UP].force[2])}
+    for axis in ('surge', 'heave', 'roll', 'pitch', 'yaw'):
+        found[f'tunnel_{axis}_linear'] = Value(fits[axis].linear)
+        found[f'tunnel_{axis}'] = Value(fits[axis].quadratic)
+    return found
+
+
+def pictures(sweep: Sweep, vehicles: Mapping[str, Vehicle]) -> list[Picture]:
+    """Return drag along and about the axes, and B of some vehicles by name."""
+    flown, shown = typed('cfd', 'run', 'gtmab'), typed('vehicle', 'show', 'gtmab')
+    along, about = drag_picture(sweep, turning=False), drag_picture(sweep, turning=True)
+    return [
+        Picture('drag', 'Drag along the axes', POINTS, along, flown),
+        Picture('turning', 'Drag about the axes', POINTS, about, flown),
+        Picture('matrix', 'Thrust allocation', MATRIX, matrix_picture(vehicles), shown),
+    ]
+
+
+def matrix_picture(vehicles: Mapping[str, Vehicle]) -> Figure:
+    """Return B of each vehicle, side by side, its numbers in the cells."""
+    names: list[str] = []
+    columns: list[Sequence[float]] = []
+    for told, vehicle in vehicles.items():
+        names += [f'{told}<br>{name.replace("_", "<br>")}' for name in vehicle.rotor_names]
+        columns += vehicle.allocation
+    values = np.array(columns).T
+    written = [[f'{each:.2f}' if round(abs(each), 2) else '' for each in row] for row in values]
+    figure = blank()
+    figure.add_trace(
+        Heatmap(
+            x=names, y=list(WRENCH), z=values.tolist(), zmin=-1.0, zmax=1.0, showscale=False,
+            colorscale=[[0.0, ESTIMATE], [0.5, PAPER], [1.0, TRUTH]], xgap=2, ygap=2,
+            text=written, texttemplate='%{text}',
+            hovertemplate='%{x}: %{y} %{z:.3f}<extra></extra>',
+        )
+    )  # fmt: skip
+    figure.update_xaxes(tickangle=0, automargin=True)
+    return figure.update_yaxes(autorange='reversed')

@@ -1,0 +1,99 @@
+"""The pictures of a tuning: steps before and after over the spread, the search, costs by loss."""
+
+from collections.abc import Sequence
+import math
+
+from lta_report.drawing import blank, extent, line
+from lta_report.palette import ESTIMATE, SETPOINT, SOFT, TRUTH
+from lta_studies.tune.compare import Flights
+from lta_studies.tune.exam import Array, Channel, Step, STEPS, Trace
+import numpy as np
+from plotly.graph_objects import Figure, Scatter
+
+OLD, NEW = ESTIMATE, TRUTH
+TITLES: dict[Channel, str] = {
+    'altitude': 'altitude [m]',
+    'heading': 'heading [\N{DEGREE SIGN}]',
+    'speed': 'speed [m/s]',
+    'course': 'course [\N{DEGREE SIGN}]',
+}
+MARGIN = 1.0  # s before a step that is shown
+
+
+def responses(
+    channel: Channel,
+    old: Sequence[tuple[float, Trace]],
+    new: Sequence[tuple[float, Trace]],
+) -> Figure:
+    """Return the steps of one channel, flown with old and new gains at each loss [kg]."""
+    figure = blank()
+    steps = [step for step in STEPS if step.channel == channel]
+    factor = 180.0 / math.pi if channel in ('heading', 'course') else 1.0
+    begin, end = steps[0].start - MARGIN, steps[-1].end
+    shown = []
+    for name, colour, traces in (('old', OLD, old), ('new', NEW, new)):
+        for k, (loss, trace) in enumerate(traces):
+            part = (trace.time >= begin) & (trace.time < end)
+            values = factor * trace.of(channel)[part]
+            shown.append(values)
+            words = f'{name}, {1e3 * loss:.1f} g lost'
+            drawn = line(words, trace.time[part] - begin, values, colour, unit='', width=1.2)
+            opacity = 1.0 - 0.6 * k / max(1, len(traces) - 1)
+            figure.add_trace(drawn.update(opacity=opacity))
+    time, values = asked(steps, begin, end)
+    figure.add_trace(
+        line('asked', time, factor * values, SETPOINT, unit='', dash='dot', width=1.0)
+    )
+    low, high = extent(*shown, factor * values)
+    figure.update_layout(hovermode='closest', margin={'r': 24})
+    figure.update_xaxes(title_text='time [s]')
+    figure.update_yaxes(title_text=TITLES[channel], range=[low, high])
+    return legend(figure)
+
+
+def asked(steps: Sequence[Step], begin: float, end: float) -> tuple[Array, Array]:
+    """Return the setpoint as a line."""
+    time, values = [0.0], [steps[0].before]
+    for step in steps:
+        time += [step.start - begin, step.start - begin]
+        values += [values[-1], step.after]
+    return np.array([*time, end - begin]), np.array([*values, values[-1]])
+
+
+def legend(figure: Figure) -> Figure:
+    """Write what the two colours are."""
+    for words, colour, place in (('old gains', OLD, 0.0), ('new gains', NEW, 0.14)):
+        figure.add_annotation(
+            x=place, y=1.0, xref='paper', yref='paper', xanchor='left', yanchor='bottom',
+            text=words, font={'color': colour, 'size': 11},
+        )  # fmt: skip
+    return figure
+
+
+def costs(old: Flights, new: Flights) -> Figure:
+    """Return the cost of each fresh draw by its loss."""
+    figure = blank()
+    for name, colour, flights in (('old', OLD, old), ('new', NEW, new)):
+        figure.add_trace(
+            Scatter(
+                x=[1e3 * loss for loss in flights.losses],
+                y=[report.cost for report in flights.reports],
+                mode='markers', name=name, marker={'color': colour, 'size': 7, 'opacity': 0.8},
+                hovertemplate=f'{name}: %{{y:.3f}} at %{{x:.2f}} g<extra></extra>',
+            )
+        )  # fmt: skip
+    figure.update_layout(hovermode='closest', margin={'r': 24})
+    figure.update_xaxes(title_text='lift lost [g]')
+    figure.update_yaxes(title_text='cost', rangemode='tozero')
+    return legend(figure)
+
+
+def search(history: Sequence[float], cases: int) -> Figure:
+    """Return how the least cost fell with the flights."""
+    figure = blank()
+    flights = cases * np.arange(1.0, len(history) + 1.0)
+    figure.add_trace(line('best', flights, np.array(history), NEW, unit='', steps=True))
+    figure.add_hline(y=history[0], line={'color': SOFT, 'width': 1, 'dash': 'dot'})
+    figure.update_layout(margin={'r': 24})
+    figure.update_xaxes(title_text='flights')
+    return figure.update_yaxes(title_text='least cost so far')

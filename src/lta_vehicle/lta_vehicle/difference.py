@@ -1,0 +1,216 @@
+"""Where two vehicle files differ, and what follows from it."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+import math
+from typing import Any, final
+
+from lta_config.errors import BadInput, unknown
+from lta_config.files import checked, find, load_yaml
+from lta_config.override import assignment, override
+from lta_config.schema.vehicle_file import VehicleFile
+from lta_model.vehicle import Vehicle
+from lta_vehicle.figures.entries import entries, Entry
+from lta_vehicle.figures.figure import Figure
+from lta_vehicle.figures.sheet import Sheet, sheet_of
+from lta_vehicle.outdated import kept
+
+ROOT = 'vehicle.'  # may stand before a path, as lta simulate --set has it
+SAME = 1e-12  # relative: two ways to write one number in other units
+# What is one thing of many numbers: how many words its place has.
+WHOLE = {'layers': 3, 'rotors': 2, 'aero.thrust_allocation': 3}
+WORDS = ('name', 'about')  # of these nothing follows
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Change:
+    """A number or choice of the file that is not the same; None where a file has none."""
+
+    place: str
+    before: Entry | None
+    after: Entry | None
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Consequence:
+    """A derived figure that is not the same; None where a vehicle has none."""
+
+    before: Figure | None
+    after: Figure | None
+
+    @property
+    def figure(self) -> Figure:
+        """The figure that there is, the later one first."""
+        found = self.after or self.before
+        if found is None:
+            raise ValueError('a consequence of nothing')
+        return found
+
+    @property
+    def shift(self) -> float | None:
+        """How much greater the later one is, in its unit; None where one is missing."""
+        if self.before is None or self.after is None:
+            return None
+        a, b = self.before.value, self.after.value
+        if a is None or b is None or math.isinf(a) or math.isinf(b):
+            return None
+        return b - a
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """What differs between two vehicles: their sheets, changes of files, and consequences."""
+
+    before: Sheet
+    after: Sheet
+    changes: Sequence[Change]
+    consequences: Sequence[Consequence]
+
+    @property
+    def effects(self) -> list[str]:
+        """The effects that differ, of which no figure need say anything."""
+        places = [change.place.split('.') for change in self.changes]
+        return list(dict.fromkeys(place[1] for place in places if place[0] == 'effects'))
+
+    @property
+    def kept(self) -> list[str]:
+        """Sentences on what of the aero block did not follow rotors and hull."""
+        columns = self.after.vehicle.file.aero.thrust_allocation
+        return list(kept([change.place for change in self.changes], columns))
+
+
+def vehicle_with(name: str, sets: Sequence[str] = (), swaps: Sequence[str] = ()) -> Vehicle:
+    """
+    Return a vehicle, perhaps with numbers or layers replaced.
+
+    Parameters
+    ----------
+    name : str
+        Vehicle name or file.
+    sets : sequence of str
+        PATH=VALUE each, as `lta simulate --set` takes them; 'vehicle.' may be left out.
+    swaps : sequence of str
+        LAYER=VEHICLE each: the layer of that name out of another vehicle file.
+
+    Raises
+    ------
+    BadInput
+        If a file cannot be read, or there is no such place or layer.
+
+    """
+    path = find('vehicle', name)
+    content = load_yaml(path)
+    where = str(path)
+    if sets or swaps:
+        content = checked_mapping(content, where)
+    for swap in swaps:
+        content = _with_layer(content, swap, where)
+    for text in sets:
+        place, value = assignment(text)
+        content = override(content, place.removeprefix(ROOT), value, 'vehicle')
+    if changed := ', '.join([*swaps, *sets]):
+        where += f' with {changed}'
+    try:
+        return Vehicle(checked(VehicleFile, content, where))
+    except BadInput as error:
+        text = str(error)
+        raise BadInput(text if text.startswith(where) else f'{where}: {text}') from None
+
+
+def checked_mapping(content: Any, where: str) -> dict[str, Any]:  # noqa: ANN401 - as YAML has it
+    """Return what a file held if that is a mapping; `BadInput` else."""
+    if not isinstance(content, dict):
+        raise BadInput(f'{where} holds no mapping of keys; compare it with a shipped file.')
+    return content
+
+
+def _with_layer(content: dict[str, Any], swap: str, where: str) -> dict[str, Any]:
+    """Return a file's content with one layer out of another file."""
+    layer, mark, donor = swap.partition('=')
+    if not mark or not layer or not donor:
+        raise BadInput(
+            f"'{swap}' swaps nothing; write LAYER=VEHICLE, as in 'harvesting=my_blimp.yaml'."
+        )
+    path = find('vehicle', donor)
+    given = checked_mapping(load_yaml(path), str(path)).get('layers')
+    own = content.get('layers')
+    for layers, of in ((own, where), (given, str(path))):
+        if not isinstance(layers, Mapping) or layer not in layers:
+            names = [str(key) for key in layers] if isinstance(layers, Mapping) else []
+            raise unknown(f'layer of {of}', layer, names)
+    return {**content, 'layers': {**own, layer: given[layer]}}  # type: ignore[dict-item, index]
+
+
+def difference(before: Vehicle, after: Vehicle) -> Difference:
+    """Return where two vehicles differ."""
+    a, b = sheet_of(before), sheet_of(after)
+    return Difference(a, b, changes(before.file, after.file), consequences(a, b))
+
+
+def changes(before: VehicleFile, after: VehicleFile) -> list[Change]:
+    """Return the numbers and choices that differ, in the order of the later file."""
+    a = {entry.place: entry for entry in entries(before)}
+    b = {entry.place: entry for entry in entries(after)}
+    for own, other in ((a, b), (b, a)):
+        _fold(own, other)
+    places = [*b, *(place for place in a if place not in b)]
+    return [
+        Change(place, a.get(place), b.get(place))
+        for place in places
+        if place not in WORDS and not same(a.get(place), b.get(place))
+    ]
+
+
+def _fold(own: dict[str, Entry], other: Mapping[str, Entry]) -> None:
+    """Put one entry in place of all those of a part, rotor or column that the other lacks."""
+    groups: dict[str, list[Entry]] = {}
+    for entry in own.values():
+        keys = entry.place.split('.')
+        for head, depth in WHOLE.items():
+            if entry.place.startswith(f'{head}.') and len(keys) > depth:
+                groups.setdefault('.'.join(keys[:depth]), []).append(entry)
+    for group, parts in groups.items():
+        if any(place.startswith(f'{group}.') for place in other):
+            continue
+        first = next((part for part in parts if part.place.endswith('.mass')), parts[0])
+        value = first.value if first.numbers and first.place.endswith('.mass') else 'as a whole'
+        for part in parts:
+            del own[part.place]
+        own[group] = Entry(group, value, first.source)
+
+
+def same(a: Entry | None, b: Entry | None) -> bool:
+    """Tell whether two entries say the same; a source alone makes no difference."""
+    if a is None or b is None:
+        return a is b
+    if not a.numbers and not b.numbers:
+        return a.value == b.value
+    return (
+        a.unit == b.unit
+        and len(a.numbers) == len(b.numbers)
+        and all(
+            math.isclose(x, y, rel_tol=SAME, abs_tol=0.0)
+            for x, y in zip(a.numbers, b.numbers, strict=True)
+        )
+    )
+
+
+def consequences(a: Sheet, b: Sheet) -> list[Consequence]:
+    """Return the derived figures that differ as they are shown."""
+    before, after = a.by_key, b.by_key
+    keys = [*after, *(key for key in before if key not in after)]
+    return [
+        Consequence(before.get(key), after.get(key))
+        for key in keys
+        if _value(before.get(key)) != _value(after.get(key))
+    ]
+
+
+def _value(figure: Figure | None) -> object:
+    """Return what is compared: the value, rounded as it is shown."""
+    if figure is None or figure.value is None:
+        return None
+    return round(figure.value, figure.digits) + 0.0

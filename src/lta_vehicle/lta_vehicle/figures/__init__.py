@@ -1,0 +1,1 @@
+"""The figures that follow from a vehicle file."""

@@ -1,0 +1,256 @@
+"""
+How heavy a vehicle really is, from the duties that carried it in flight.
+
+While it hangs at one height the rotors carry what the gas does not. Over a stretch of time T, with
+z the map's vertical, R the attitude and w the climb rate,
+
+    m_h g T = int (R B T(u))_z dt - int (R D(v))_z dt - (m + A_z) (w_end - w_begin)
+
+where B T(u) is what the rotors give at their duties, lagging as the file says, D the drag along
+the body axes through still air, and m + A_z the mass that rises, air included. Stretches of two
+seconds in which it neither climbed nor flew fast are weighed; m_h is their mean, and its error
+follows from their scatter (Student's t, 95 %; stretches are taken as independent).
+
+What cannot be told from this: an error of the thrust curve, which is in m_h in full.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+import math
+from typing import Final, final
+
+from lta_config.constants import STANDARD_GRAVITY
+from lta_config.errors import BadInput
+from lta_data.even_grid import even_grid
+from lta_model.declared import Effects, OTHER_CURVES
+from lta_model.vehicle import Vehicle
+from lta_vehicle.recorded import Array, Commands, Path
+import numpy as np
+from scipy.special import stdtrit
+
+STRETCH: Final = 2.0  # s
+CALM_CLIMB: Final = 0.05  # m/s, mean over a stretch
+CALM_SPEED: Final = 0.4  # m/s over the ground; drag is counted, but not known well
+FEWEST: Final = 3  # stretches
+SMOOTH: Final = 0.3  # s; window of the fit that gives velocities
+CONFIDENCE: Final = 0.95
+# The Crazyflie constants a, b that the shipped files use, against Bitcraze's bench table.
+CURVE_ERROR: Final = 0.0029  # N rms a rotor
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Weighing:
+    """
+    What a flight says of the vehicle's weight.
+
+    Attributes
+    ----------
+    heaviness : float
+        Mass less displaced air. [kg]
+    error : float
+        Half of the 95 % interval, from the scatter of the stretches. [kg]
+    curve_error : float
+        What the thrust curve may be wrong by (1 sigma), in kilograms of heaviness.
+    declared : float
+        What the file says. [kg]
+    duration : float
+        Time that was weighed. [s]
+    duty : float
+        Mean duty of the rotors that lift. [1]
+
+    """
+
+    heaviness: float
+    error: float
+    curve_error: float
+    declared: float
+    duration: float
+    duty: float
+
+    @property
+    def add(self) -> float:
+        """Ballast to add for the declared heaviness; negative is to take off. [kg]"""
+        return self.declared - self.heaviness
+
+
+def weigh(vehicle: Vehicle, path: Path, commands: Commands) -> Weighing:
+    """
+    Return how heavy a vehicle was in a flight.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        As its file has it; mass and drag are taken from it, and what it should weigh.
+    path : Path
+        Where it was.
+    commands : Commands
+        What its rotors were told.
+
+    Raises
+    ------
+    BadInput
+        If it never hung still for long enough.
+
+    """
+    grid = _common_grid(path, commands)
+    velocity = _velocity(path, grid)
+    rotation = _rotations(path, grid)
+    up = _force_up(vehicle, commands, grid, rotation)
+    up -= _drag_up(vehicle, velocity, rotation)
+    flying = _duties_at(commands, grid).max(axis=1) > 0.0
+    rising = vehicle.mass + vehicle.added_mass[2]
+    length = max(2, round(STRETCH / (grid[1] - grid[0])))
+    found = []
+    kept = []
+    for first in range(0, len(grid) - length, length):
+        part = slice(first, first + length + 1)
+        if not flying[part].all() or not _calm(velocity[part]):
+            continue
+        took = grid[first + length] - grid[first]
+        gained = rising * (velocity[first + length, 2] - velocity[first, 2]) / took
+        found.append((float(up[part].mean()) - gained) / STANDARD_GRAVITY)
+        kept.append(part)
+    if len(found) < FEWEST:
+        raise BadInput(
+            f'The flight hangs still for {STRETCH * len(found):.0f} s only, slower than '
+            f'{CALM_CLIMB:g} m/s up or down and {CALM_SPEED:g} m/s over the ground; let it hover '
+            'in still air for 20 s.'
+        )
+    return _weighed(vehicle, found, commands, grid, kept)
+
+
+def _weighed(
+    vehicle: Vehicle, found: Sequence[float], commands: Commands, grid: Array, kept: list[slice]
+) -> Weighing:
+    values = np.array(found)
+    spread = float(values.std(ddof=1)) / math.sqrt(len(values))
+    factor = float(stdtrit(len(values) - 1, 0.5 + 0.5 * CONFIDENCE))
+    lifts = [max(rotor.column[2], 0.0) for rotor in vehicle.rotors]
+    busy = [i for i, lift in enumerate(lifts) if lift > 0.5] or list(range(len(lifts)))
+    duties = np.concatenate([_duties_at(commands, grid)[part] for part in kept])
+    curve = CURVE_ERROR * math.sqrt(sum(lifts[i] ** 2 for i in busy)) / STANDARD_GRAVITY
+    return Weighing(
+        heaviness=float(values.mean()),
+        error=factor * spread,
+        curve_error=curve,
+        declared=vehicle.heaviness,
+        duration=STRETCH * len(values),
+        duty=float(duties[:, busy].mean()),
+    )
+
+
+def _calm(velocity: Array) -> bool:
+    mean = velocity.mean(axis=0)
+    return abs(mean[2]) < CALM_CLIMB and math.hypot(mean[0], mean[1]) < CALM_SPEED
+
+
+def _common_grid(path: Path, commands: Commands) -> Array:
+    """Return the times of the commands that lie within the path."""
+    inside = (commands.time >= path.time[0]) & (commands.time <= path.time[-1])
+    grid = commands.time[inside]
+    if len(grid) < FEWEST or len(path.time) < FEWEST:
+        raise BadInput('The recording has no motors or no poses to weigh by; record both.')
+    return np.linspace(grid[0], grid[-1], len(grid))
+
+
+def _velocity(path: Path, grid: Array) -> Array:
+    """Return the velocity at some times, the slope of a line through the poses around each."""
+    step = float(np.median(np.diff(path.time)))
+    half = max(1, round(0.5 * SMOOTH / step))
+    uniform = even_grid(path.time[0], path.time[-1], step, len(path.time))
+    if not len(uniform):
+        raise BadInput(
+            f'The stamps of the poses reach over {path.time[-1] - path.time[0]:.0f} s, too far '
+            f'for {len(path.time)} of them; a clock was set meanwhile: see `lta bag check`.'
+        )
+    weights = np.arange(-half, half + 1) / (step * sum(k * k for k in range(-half, half + 1)))
+    velocity = np.zeros((len(grid), 3))
+    for axis in range(3):
+        even = np.interp(uniform, path.time, path.place[:, axis])
+        padded = np.concatenate(
+            [2 * even[0] - even[half:0:-1], even, 2 * even[-1] - even[-2 : -half - 2 : -1]]
+        )
+        slope = np.convolve(padded, weights[::-1], mode='valid')
+        velocity[:, axis] = np.interp(grid, uniform, slope)
+    return velocity
+
+
+def _rotations(path: Path, grid: Array) -> Array:
+    """Return the attitudes at some times as matrices from body to map, shape (n, 3, 3)."""
+    nearest = np.clip(np.searchsorted(path.time, grid), 0, len(path.time) - 1)
+    x, y, z, w = path.attitude[nearest].T
+    return np.stack(
+        [
+            np.stack([1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)], axis=-1),
+            np.stack([2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)], axis=-1),
+            np.stack([2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)], axis=-1),
+        ],
+        axis=1,
+    )
+
+
+def _duties_at(commands: Commands, grid: Array) -> Array:
+    """Return the duties that were in force at some times."""
+    index = np.clip(np.searchsorted(commands.time, grid, side='right') - 1, 0, None)
+    return commands.duties[index]
+
+
+def _force_up(vehicle: Vehicle, commands: Commands, grid: Array, rotation: Array) -> Array:
+    """Return what the rotors push upwards in the map. [N]."""
+    duties = _duties_at(commands, grid)
+    effects = vehicle.effects()
+    _refuse_other_curves(vehicle, effects)
+    scale = effects.get('thrust_scale', {}).get('factor', 1.0)
+    lag = effects.get('motor_lag', {})
+    up, down = lag.get('up', 0.0), lag.get('down', 0.0)
+    body = np.zeros((len(grid), 3))
+    given = []
+    for rotor, duty in zip(vehicle.rotors, duties.T, strict=True):
+        turning = _lagged(duty, grid, up, down)
+        thrust = scale * np.sign(turning) * (rotor.a * turning**2 + rotor.b * abs(turning))
+        given.append(thrust)
+        forward, reverse = np.array(rotor.column[:3]), np.array(rotor.reverse[:3])
+        body += np.where(
+            thrust[:, None] >= 0.0, thrust[:, None] * forward, thrust[:, None] * reverse
+        )
+    coupling = vehicle.file.aero.coupling
+    if coupling:
+        sign = -1.0 if coupling.reversed else 1.0
+        names = [rotor.name for rotor in vehicle.rotors]
+        shares = [np.maximum(sign * given[names.index(name)], 0.0) for name in coupling.rotors]
+        body += np.min(shares, axis=0)[:, None] * np.array(coupling.force.vector)
+    return np.asarray(np.einsum('nj,nj->n', rotation[:, 2], body))
+
+
+def _refuse_other_curves(vehicle: Vehicle, effects: Effects) -> None:
+    """Refuse thrust that follows from more than the duty."""
+    if other := [name for name in OTHER_CURVES if name in effects]:
+        raise BadInput(
+            f'{vehicle.file.name} has its thrust from {other[0]}, which depends on what a bag '
+            'does not tell; give it a thrust_curve.'
+        )
+
+
+def _lagged(target: Array, grid: Array, up: float, down: float) -> Array:
+    """Return the duty that a motor has reached; time constants up and down [s]. [1]."""
+    if up <= 0.0 and down <= 0.0:
+        return target
+    step = float(grid[1] - grid[0])
+    gain_up, gain_down = (1.0 - math.exp(-step / c) if c > 0.0 else 1.0 for c in (up, down))
+    now, out = float(target[0]), np.empty_like(target)
+    for k, aim in enumerate(target):
+        out[k] = now
+        now += (gain_up if abs(aim) > abs(now) else gain_down) * (float(aim) - now)
+    return out
+
+
+def _drag_up(vehicle: Vehicle, velocity: Array, rotation: Array) -> Array:
+    """Return the force of still air on the moving hull, upwards in the map, negated. [N]."""
+    effects = vehicle.effects()
+    axes = ('surge', 'sway', 'heave')
+    linear = np.array([effects['linear_drag'][axis] for axis in axes])
+    quadratic = np.array([effects['quadratic_drag'][axis] for axis in axes])
+    body = np.einsum('nij,ni->nj', rotation, velocity)
+    force = (linear + quadratic * abs(body)) * body
+    return np.asarray(np.einsum('nj,nj->n', rotation[:, 2], force))

@@ -1,0 +1,1 @@
+"""A vehicle in words, tables and drawings."""

@@ -1,0 +1,176 @@
+"""A vehicle on a terminal: its sentences, a picture in braille dots, and tables."""
+
+from collections.abc import Sequence
+
+from lta_vehicle.difference import Consequence, Difference
+from lta_vehicle.figures.entries import Entry, GUESSED
+from lta_vehicle.figures.figure import Figure, MISSING
+from lta_vehicle.figures.sheet import Sheet
+from lta_vehicle.views.side_view import side_view
+from lta_vehicle.views.words import headline, sentences
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+QUIET = 'dim'
+GUESS = 'yellow'
+HEAD = 'bold'
+PICTURE = 46  # characters
+WIDE = 100
+
+
+def show_sheet(sheet: Sheet, warnings: Sequence[str], console: Console, everything: bool) -> None:
+    """Print what a vehicle is and can do; every number of its file if everything is wanted."""
+    console.print(Text(f'{headline(sheet)}.', HEAD))
+    console.print(Text(sheet.vehicle.file.about, QUIET))
+    console.print()
+    picture = side_view(sheet, PICTURE)
+    words = Text('\n'.join(f'• {line}' for line in sentences(sheet)))
+    if console.width >= PICTURE + 44:
+        table = Table.grid(padding=(0, 3))
+        table.add_column(no_wrap=True, width=PICTURE)
+        table.add_column()
+        table.add_row(picture, words)
+        console.print(table)
+    else:
+        console.print(picture)
+        console.print(words)
+    console.print()
+    console.print(budget_table(sheet))
+    for name, figures in sheet.groups.items():
+        console.print()
+        console.print(figures_table(name, figures, sheet, console.width))
+    if everything:
+        console.print()
+        console.print(numbers_table(sheet.numbers, console.width >= WIDE))
+    console.print()
+    show_warnings(warnings, console)
+
+
+def show_warnings(warnings: Sequence[str], console: Console) -> None:
+    """Print what should be looked at."""
+    for line in warnings:
+        console.print(Text.assemble(('! ', GUESS), line))
+
+
+def budget_table(sheet: Sheet) -> Table:
+    """Return what the mass is made of, by layer."""
+    table = _table('What its mass is made of')
+    table.add_column('layer', style=HEAD)
+    table.add_column('mass', justify='right', no_wrap=True)
+    table.add_column('parts')
+    layers: dict[str, list[tuple[str, float]]] = {}
+    for share in sheet.budget:
+        layers.setdefault(share.layer, []).append((share.part, share.mass))
+    for layer, parts in layers.items():
+        total = sum(mass for _, mass in parts)
+        names = ', '.join(f'{part.replace("_", " ")} {1e3 * mass:.1f}' for part, mass in parts)
+        table.add_row(layer.replace('_', ' '), f'{1e3 * total:.1f} g', Text(names, QUIET))
+    return table
+
+
+def figures_table(name: str, figures: Sequence[Figure], sheet: Sheet, console_width: int) -> Table:
+    """Return one group of derived figures, all groups alike in width where there is room."""
+    table = _table(name)
+    wide = console_width >= WIDE
+    table.add_column('figure', width=40 if wide else None)
+    table.add_column('value', justify='right', no_wrap=True, style=HEAD, width=11)
+    table.add_column('follows from', width=console_width - 72 if wide else None)
+    table.add_column('assumed', justify='right', no_wrap=True)
+    for figure in figures:
+        used, guessed = sheet.rests_on(figure)
+        words = Text(figure.words)
+        if figure.note:
+            words.append(f'\n{figure.note}', QUIET)
+        share = Text(f'{guessed} of {used}' if used else '', GUESS if guessed else QUIET)
+        guess = any(word in figure.source for word in GUESSED)
+        if guess:
+            share = Text('the rule', GUESS)
+        source = Text(figure.source, GUESS if guess else QUIET)
+        table.add_row(words, figure.shown, source, share)
+    return table
+
+
+def numbers_table(numbers: Sequence[Entry], wide: bool) -> Table:
+    """Return every number of the file with its source."""
+    table = _table('Every number of its file')
+    table.add_column('place', overflow='fold', no_wrap=wide)
+    table.add_column('value', justify='right', style=HEAD)
+    table.add_column('source')
+    for entry in numbers:
+        table.add_row(entry.place, entry.value, Text(entry.source, GUESS if entry.assumed else ''))
+    return table
+
+
+def show_difference(found: Difference, names: tuple[str, str], console: Console) -> None:
+    """Print where two vehicles differ, and what follows."""
+    if not found.changes:
+        console.print(f'{names[0]} and {names[1]} say the same.', highlight=False)
+        return
+    changed = _table(f'What differs: {names[0]} → {names[1]}')
+    changed.add_column('place', overflow='fold')
+    changed.add_column('before', justify='right')
+    changed.add_column('after', justify='right', style=HEAD)
+    changed.add_column('source of the newer')
+    for change in found.changes:
+        newer = change.after or change.before
+        source = newer.source if newer else ''
+        style = GUESS if newer is not None and newer.assumed else QUIET
+        changed.add_row(
+            change.place,
+            change.before.value if change.before else MISSING,
+            change.after.value if change.after else MISSING,
+            Text(source if change.after else 'taken away', style),
+        )
+    console.print(changed)
+    if found.effects:
+        console.print(
+            f'The figures of a vehicle know little of effects: what {", ".join(found.effects)} '
+            'does is seen where it flies with and without it (lta simulate, lta compare).',
+            highlight=False,
+        )
+    show_warnings(found.kept, console)
+    if not found.consequences:
+        if not found.effects and not found.kept:
+            console.print('Nothing follows from that.')
+        return
+    follows = _table('What follows')
+    follows.add_column('figure')
+    for name, style in (('before', ''), ('after', HEAD), ('change', '')):
+        follows.add_column(name, justify='right', no_wrap=True, style=style)
+    for item in found.consequences:
+        follows.add_row(*consequence_row(item))
+    console.print(follows)
+
+
+def consequence_row(item: Consequence) -> tuple[str, str, str, str]:
+    """Return one figure before and after, and by how much it changed."""
+    shown = [figure.shown if figure else MISSING for figure in (item.before, item.after)]
+    return item.figure.words, shown[0], shown[1], changed_by(item)
+
+
+def changed_by(item: Consequence) -> str:
+    """Return a change as people write it: '+1.2 g (+8 %)'."""
+    shift = item.shift
+    if shift is None or item.before is None:
+        return ''
+    figure = item.figure
+    unit = 'points' if figure.unit == '%' else figure.unit
+    text = f'{shift:+.{figure.digits}f} {unit}'.replace('-', '\N{MINUS SIGN}')
+    if figure.unit == '%':
+        return text  # a share of a share tells nobody anything
+    if not item.before.value or abs(shift / item.before.value) > 10.0:
+        return text
+    share = f'{100.0 * shift / abs(item.before.value):+.1f}'.replace('-', '\N{MINUS SIGN}')
+    return f'{text} ({share} %)'
+
+
+def _table(title: str) -> Table:
+    return Table(
+        title=title,
+        title_justify='left',
+        title_style='bold',
+        box=None,
+        padding=(0, 2, 0, 0),
+        header_style=QUIET,
+    )

@@ -1,0 +1,21 @@
+"""Install lta_vehicle as an ament_python package."""
+
+from setuptools import find_packages, setup
+
+setup(
+    name='lta_vehicle',
+    version='1.0.0',
+    packages=find_packages(),
+    package_data={'lta_vehicle': ['py.typed']},
+    data_files=[
+        ('share/ament_index/resource_index/packages', ['resource/lta_vehicle']),
+        ('share/lta_vehicle', ['package.xml']),
+    ],
+    install_requires=['setuptools'],
+    zip_safe=False,
+    maintainer='LTA maintainers',
+    maintainer_email='maintainers@users.noreply.github.com',
+    description='Vehicle files: what follows from one, what is wrong with it, how two differ.',
+    license='Apache-2.0',
+    entry_points={'console_scripts': []},
+)

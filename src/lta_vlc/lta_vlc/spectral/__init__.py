@@ -1,0 +1,1 @@
+"""The spectrum of a light block: its bins, tones and noise."""

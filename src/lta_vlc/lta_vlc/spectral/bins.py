@@ -1,0 +1,123 @@
+"""Where beacons stand in the spectrum of blocks of one length, and what is quiet there."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import final, TYPE_CHECKING
+
+from lta_config.errors import BadInput
+from lta_vlc.spectral.separation import mains_flicker
+from lta_vlc.spectral.snr import quiet_bins
+from lta_vlc.spectral.spectrum import target_bin
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from lta_vlc.settings import Demodulation
+
+QUIET_BINS = 16  # the mean of so many Rayleigh distributed magnitudes is known to 13 %
+BESIDE = 1.5  # bins on either side of the flicker of the mains, whose frequency wanders
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Bins:
+    """
+    Where one beacon is looked for in blocks of one length.
+
+    Parameters
+    ----------
+    first, last : int
+        Closed range of bins in which its peak is sought.
+    quiet : ndarray of int
+        Bins whose mean is the noise: away from the harmonics of every beacon.
+    unlit : ndarray of int
+        Those of the quiet bins that hold no flicker of the mains either.
+    width : float
+        Width of a bin. [Hz]
+    samples : int
+        Samples in a block.
+
+    """
+
+    first: int
+    last: int
+    quiet: NDArray[np.intp]
+    unlit: NDArray[np.intp]
+    width: float
+    samples: int
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """Lowest and highest frequency whose nearest bin is searched. [Hz]"""
+        return (self.first - 0.5) * self.width, (self.last + 0.5) * self.width
+
+
+def plan_beacons(
+    beacons: Sequence[float], settings: 'Demodulation', sample_rate: float, samples: int
+) -> tuple[Bins, ...]:
+    """
+    Return where each beacon stands in blocks of a given rate and length.
+
+    Parameters
+    ----------
+    beacons : sequence of float
+        Their frequencies. [Hz]
+    settings : Demodulation
+        How to listen.
+    sample_rate : float
+        Samples a second of each diode. [Hz]
+    samples : int
+        Samples in a block.
+
+    Raises
+    ------
+    BadInput
+        If a beacon is at or above the Nyquist frequency, too near to zero, or if the block is
+        too short to tell it from the harmonics of all.
+
+    """
+    block = f'a block of {samples} samples at {sample_rate:g} samples/s'
+    width = sample_rate / samples
+    ranges = [_range(beacon, settings.window, sample_rate, samples, block) for beacon in beacons]
+    quiet = quiet_bins(beacons, sample_rate, samples, settings.window, settings.harmonics)
+    if quiet.size < QUIET_BINS:
+        raise BadInput(
+            f'{_named(beacons)} and {"its" if len(beacons) == 1 else "their"} harmonics leave '
+            f'{quiet.size} bins of {block} to measure the noise in, but {QUIET_BINS} are needed; '
+            'take longer blocks, a narrower window or fewer harmonics.'
+        )
+    hum = np.array(mains_flicker(settings.mains, sample_rate)) / width
+    unlit = quiet[np.abs(quiet[:, None] - hum).min(axis=1, initial=samples) > BESIDE]
+    return tuple(Bins(first, last, quiet, unlit, width, samples) for first, last in ranges)
+
+
+def _named(beacons: Sequence[float]) -> str:
+    """Return what a sentence calls the beacons."""
+    if len(beacons) == 1:
+        return f'The beacon at {beacons[0]:g} Hz'
+    return f'The beacons at {", ".join(f"{beacon:g}" for beacon in beacons)} Hz'
+
+
+def _range(
+    frequency: float, window: int, sample_rate: float, samples: int, block: str
+) -> tuple[int, int]:
+    """Return the bins in which a beacon is sought, or refuse it."""
+    beacon = _named([frequency])
+    if not frequency < sample_rate / 2:
+        raise BadInput(
+            f'{beacon} cannot be seen at {sample_rate:g} samples/s; sample at more than twice '
+            'its frequency.'
+        )
+    target = target_bin(frequency, sample_rate, samples)
+    first, last = target - window, target + window
+    if first < 1:
+        raise BadInput(
+            f'{beacon} stands in bin {target} of {block}, too near to zero for a window of '
+            f'{window} bins; take longer blocks or a narrower window.'
+        )
+    if last > samples // 2:
+        raise BadInput(
+            f'{beacon} stands in bin {target} of {block}, too near to the Nyquist frequency for '
+            f'a window of {window} bins; sample faster or narrow the window.'
+        )
+    return first, last

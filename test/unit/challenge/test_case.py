@@ -1,0 +1,146 @@
+"""Cases are drawn from seed and number alone, and their answers stay out of sight."""
+
+from pathlib import Path
+import shutil
+
+from lta_challenge.case import Case, clear, Drawing
+from lta_challenge.course import COURSES
+from lta_challenge.hiding import candidates, CLEAR
+from lta_challenge.make import folder_of, known, make, Order
+from lta_challenge.outside import OUTSIDE, STRANGE, STRUCTURED
+from lta_challenge.rows import Kind, KINDS, row, ROWS
+from lta_challenge.score import score
+from lta_challenge.sealed import NAME, opened, seal
+from lta_challenge.vessel import composed
+from lta_config.errors import BadInput
+from lta_data.bag.flight import open_flight
+import numpy as np
+import pytest
+
+SHORT = (20.0, 24.0)
+
+
+def drawn(number: int, kind: Kind | None = None, row_name: str = 'base', seed: int = 2) -> Case:
+    """Draw a short case."""
+    return Drawing(known(), seed, number, row_name, kind, SHORT).drawn()
+
+
+def test_a_case_depends_on_seed_and_number_alone() -> None:
+    first, again, other = drawn(3), drawn(3), drawn(4)
+    assert first.answer == again.answer != other.answer
+    for one, two in zip(first.flights, again.flights, strict=True):
+        for topic, (time, values) in one.streams.items():
+            assert np.array_equal(time, two.streams[topic][0])
+            assert np.array_equal(values, two.streams[topic][1], equal_nan=True)
+
+
+def test_kinds_hide_what_they_say() -> None:
+    for kind, (count, outside) in {
+        'clean': (0, False), 'single': (1, False), 'pair': (2, False), 'outside': (0, True),
+        'mixed': (1, True),
+    }.items():  # fmt: skip
+        answer = drawn(1, kind).answer  # type: ignore[arg-type]
+        assert len(answer['hidden']) == count
+        assert bool(answer['outside']) == outside
+        assert (answer['floors'] > 0.0) == outside
+    assert sum(KINDS.values()) == pytest.approx(1.0)
+
+
+# The other simulator has a pilot, and tests, of its own.
+@pytest.mark.parametrize('name', [name for name in ROWS if not row(name).independent])
+def test_each_row_records_what_it_says(name: str) -> None:
+    case = drawn(0, 'clean', name)
+    command = 'wrench_command' if row(name).pushed else 'motors'
+    for flight in case.flights:
+        assert set(flight.streams) == {*row(name).topics, command}
+        assert flight.course in row(name).courses
+        time = flight.streams[command][0]
+        assert SHORT[0] - 1.0 <= time[-1] <= SHORT[1] + 1.0
+        height = flight.streams['ground_truth/odom'][1][:, 2]
+        assert 0.3 < np.median(height) < 5.0
+
+
+@pytest.mark.long
+def test_what_is_outside_comes_to_the_strength_that_was_drawn() -> None:
+    reached = [drawn(number, 'outside').answer['floors'] for number in range(12)]
+    assert sum(0.4 * CLEAR[0] < each < 1.6 * CLEAR[1] for each in reached) >= 11
+    assert clear(np.outer(np.sin(np.arange(6283) * 1e-3), [4e-3, 0, 0, 0, 0, 0])) == (
+        pytest.approx(10.0 / np.sqrt(2.0), rel=1e-3)
+    )
+
+
+def test_what_is_outside_is_known_to_the_truth_alone() -> None:
+    assert len(OUTSIDE) >= 8
+    assert set(STRANGE) == {*OUTSIDE, *STRUCTURED} == set(composed().strange)
+    for name, kind in STRANGE.items():
+        assert kind.effect.name == name
+        assert kind.effect.parameters[0].name == 'size'
+        assert set(kind.usual) <= {known.name for known in kind.effect.parameters}
+
+
+def test_only_what_such_data_can_show_is_hidden() -> None:
+    names = {knob.name for knob in candidates(known().knobs, row('pose'))}
+    assert 'range_offset.offset' not in names
+    assert 'superheat.warming' not in {k.name for k in candidates(known().knobs, row('base'))}
+    assert {'linear_drag.surge', 'motor_lag', 'tracker_delay.delay'} <= names
+    assert set(COURSES) == {course for each in ROWS.values() for course in each.courses}
+
+
+def test_bags_say_nothing_of_what_is_hidden(tmp_path: Path) -> None:
+    folder = tmp_path / 'challenge'
+    make(Order(5, 1, 'base', 'single', SHORT), folder)
+    hidden = opened(folder / NAME)['0']['hidden'][0]['knob']
+    case = folder / folder_of(0)
+    files = [path for path in case.rglob('*') if path.is_file()]
+    assert {path.name for path in files} >= {'vehicle.yaml', 'metadata.yaml', 'train_0.mcap'}
+    effect = hidden.partition('.')[0].encode()
+    for path in [*files, folder / 'challenge.json', folder / NAME]:
+        if path.name != 'vehicle.yaml':
+            assert effect not in path.read_bytes()
+    flight = open_flight(case / 'train')
+    streams = drawn_like(folder)
+    said = flight.series('motors')
+    assert len(said) == len(streams['motors'][0])
+    assert said.numbers['effort[2]'] == pytest.approx(streams['motors'][1][:, 2], abs=1e-12)
+    place = flight.series('ground_truth/odom').vector('pose.pose.position')
+    assert place == pytest.approx(streams['ground_truth/odom'][1][:, :3], abs=1e-12)
+
+
+def drawn_like(folder: Path) -> dict:  # type: ignore[type-arg]
+    """Return the streams of the first flight of that challenge, drawn again."""
+    assert folder.is_dir()
+    return dict(Drawing(known(), 5, 0, 'base', 'single', SHORT).drawn().flights[0].streams)
+
+
+def test_answers_that_were_changed_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / NAME
+    seal({'0': {'hidden': []}}, path)
+    assert opened(path) == {'0': {'hidden': []}}
+    note, digest, data = path.read_text().splitlines()
+    path.write_text(f'{note}\n{digest[::-1]}\n{data}\n')
+    with pytest.raises(BadInput, match='changed after it was sealed'):
+        opened(path)
+    path.write_text('something else\n')
+    with pytest.raises(BadInput, match='no sealed answers'):
+        opened(path)
+
+
+def test_a_challenge_of_which_something_is_gone_is_not_scored(tmp_path: Path) -> None:
+    folder = tmp_path / 'hidden'
+    make(Order(5, 1, 'base', 'clean', SHORT), folder)
+    assert sorted(one.name for one in folder.iterdir()) == [NAME, 'case_0000', 'challenge.json']
+    shutil.rmtree(folder / 'case_0000')
+    with pytest.raises(BadInput, match='is gone'):
+        score(folder)
+    seal({'0': {'hidden': []}}, folder / NAME)
+    with pytest.raises(BadInput, match='changed after it was sealed'):
+        score(folder)
+
+
+def test_a_challenge_that_is_stopped_leaves_nothing(tmp_path: Path) -> None:
+    def stop(_: int) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        make(Order(5, 2, 'base', 'clean', SHORT), tmp_path / 'hidden', 1, stop)
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,32 @@
+"""A score is known by the effects and the vehicle that it is about."""
+
+from dataclasses import replace
+
+from lta_challenge import digest
+from lta_model.effects import EFFECTS
+from lta_model.effects.aerodynamics import linear_drag
+import pytest
+
+
+def test_a_changed_spread_or_equation_is_another_registry(monkeypatch: pytest.MonkeyPatch) -> None:
+    before = digest.registry_digest()
+    assert before == digest.registry_digest()
+    effect = EFFECTS['linear_drag']
+    wider = tuple(replace(p, spread=2.0 * p.spread) for p in effect.parameters)
+    monkeypatch.setitem(EFFECTS, 'linear_drag', replace(effect, parameters=wider))
+    assert digest.registry_digest() != before
+    monkeypatch.setitem(EFFECTS, 'linear_drag', replace(effect, wrench=still))
+    assert digest.registry_digest() != before
+    other = tuple(replace(p, source='elsewhere') for p in effect.parameters)
+    monkeypatch.setitem(EFFECTS, 'linear_drag', replace(linear_drag.EFFECT, parameters=other))
+    assert digest.registry_digest() == before
+
+
+def still(p, memory, motion, thrust):  # type: ignore[no-untyped-def]
+    """Return nothing."""
+    surge, sway, heave = p  # noqa: RUF059
+    return (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+def test_vehicles_differ() -> None:
+    assert digest.vehicle_digest('gtmab') != digest.vehicle_digest('beavis')

@@ -1,0 +1,177 @@
+"""Cases are judged by hand-made answers and findings, and counted."""
+
+from pathlib import Path
+from typing import Any
+
+from lta_challenge.judged import confused, Judged, judged
+from lta_challenge.page import page
+from lta_challenge.score import Scored
+from lta_challenge.tally import by_strength, figures, ladder
+from lta_challenge.told import markdown, outside_lines, percent
+import pytest
+
+
+def case(
+    hidden: dict[str, float],
+    named: dict[str, float],
+    *,
+    kind: str = 'single',
+    outside: str = '',
+    verdict: str = 'named',
+    sigma: float = 10.0,
+    gap: tuple[float, float] = (0.02, 0.02),
+) -> Judged:
+    """Return a judged case: knobs of linear_drag hidden and named with values."""
+    given: dict[str, dict[str, float]] = {}
+    for knob, value in hidden.items():
+        effect, _, name = knob.partition('.')
+        given.setdefault(effect, {})[name] = value
+    answer = {
+        'kind': kind, 'row': 'base', 'outside': outside, 'floors': 0.0,
+        'hidden': [{'knob': k, 'value': v} for k, v in hidden.items()],
+        'nominal': {'given': given},
+    }  # fmt: skip
+
+    def told(after: float) -> list[dict[str, Any]]:
+        return [
+            {'channel': 'position', 'horizon_s': 3.0, 'before': 0.1, 'tuned': 0.05,
+             'after': after, 'coast': 1.0, 'noise_floor': 0.002}
+        ]  # fmt: skip
+
+    effects = [
+        {
+            'name': k.partition('.')[0], 'knobs': [k],
+            'parameters': [
+                {'name': k.partition('.')[2], 'before': 0.0, 'value': v,
+                 'ci95': (v - 0.01, v + 0.01)}
+            ],
+        }
+        for k, v in named.items()
+    ]  # fmt: skip
+    found = {
+        'effects': effects, 'verdict': verdict, 'refused': '', 'gaps': told(gap[0]),
+        'cpu_s': 3.0,
+        'oracle': {'gaps': told(gap[1]), 'sigma': dict.fromkeys(hidden, sigma)},
+    }  # fmt: skip
+    return judged(0, answer, found)
+
+
+def test_the_class_counts_and_not_the_name() -> None:
+    one = case({'payload.mass': 0.002}, {'net_lift.force': -0.02})
+    assert one.exact
+    assert one.outcome == 'exact'
+    assert one.intervals == ()  # another parameter, of which the truth is not known
+    assert confused(one) == ('payload', 'payload')
+
+
+def test_one_right_name_does_not_excuse_a_wrong_one() -> None:
+    one = case({'linear_drag.surge': 0.03}, {'linear_drag.surge': 0.032, 'motor_lag': 0.01})
+    assert one.outcome == 'wrong'
+    assert one.wrong == ('motor_lag',)
+    assert one.missed == ()
+    assert confused(one) == ('linear_drag', 'motor_lag')
+
+
+def test_intervals_and_errors_are_held_against_the_truth() -> None:
+    near = case({'linear_drag.surge': 0.03}, {'linear_drag.surge': 0.033}).intervals[0]
+    far = case({'linear_drag.surge': 0.03}, {'linear_drag.surge': 0.05}).intervals[0]
+    assert (near.covers, far.covers) == (True, False)
+    assert near.error == pytest.approx(0.1)
+    assert far.error == pytest.approx(2.0 / 3.0)
+
+
+def test_figures_are_counted_by_kind_and_strength() -> None:
+    drag = {'linear_drag.surge': 0.03}
+    both = {**drag, 'cg_offset.x': 0.01}
+    cases = [
+        *(case(drag, drag) for _ in range(9)),
+        case(drag, {'motor_lag': 0.1}),
+        case(drag, {}, sigma=4.0, verdict='none'),
+        case(drag, drag, sigma=4.0),
+        case(both, both, kind='pair'),
+        case(both, drag, kind='pair', gap=(0.03, 0.02)),
+        case({}, {}, kind='clean', verdict='none'),
+        case({}, drag, kind='clean'),
+        case({}, {}, kind='outside', outside='tether', verdict='unexplained'),
+        case(drag, drag, kind='mixed', outside='skin', verdict='named+unexplained'),
+    ]
+    found = {each.name: each for each in figures(cases)}
+    clear = found['one effect, 6 sigma or more: exact']
+    assert (clear.share.hits, clear.share.of, clear.met) == (9, 10, 'no')
+    assert found['one effect, 3 to 6 sigma: exact'].share.value == 0.5
+    assert found['one effect: a wrong name'].share[:2] == (1, 12)
+    assert found['two effects, both 6 sigma or more: both exact'].share[:2] == (1, 2)
+    assert found['nothing hidden: any name'].share[:2] == (1, 2)
+    assert found['outside the library: unexplained'].met == 'yes'
+    assert found['an effect and something outside: named and unexplained'].met == 'yes'
+    assert found['held-out error within 1.05 of the oracle'].share[:2] == (15, 16)
+    bands = {low: (exact.hits, exact.of) for low, _, exact, _, _ in by_strength(cases)}
+    assert bands[3.0] == (1, 2)
+    assert bands[10.0] == (9, 10)
+    assert ladder(cases)['tuned'] == 0.05
+    assert percent(clear.share) == '9/10 = 90 % (60 to 98)'
+
+
+def test_kinds_that_were_kept_from_discovery_have_lines_of_their_own() -> None:
+    drag = {'linear_drag.surge': 0.03}
+    cases = [
+        *(case({}, {}, kind='outside', outside='tether', verdict='unexplained') for _ in 'abc'),
+        case({}, {}, kind='outside', outside='leash', verdict='unexplained'),
+        case({}, drag, kind='outside', outside='tray'),
+        case(drag, drag, kind='mixed', outside='skin', verdict='named+unexplained'),
+        case(drag, drag, kind='mixed', outside='drying'),
+        case(drag, drag),
+    ]
+    assert [one.late for one in cases] == [False] * 3 + [True] * 2 + [False, True, False]
+    found = {each.name: each.share[:2] for each in figures(cases)}
+    alone, beside = 'outside the library', 'an effect and something outside'
+    for when, flagged, named, both in (
+        ('', (4, 5), (1, 5), (1, 2)),
+        (', early kinds', (3, 3), (0, 3), (1, 1)),
+        (', late kinds', (1, 2), (1, 2), (0, 1)),
+    ):
+        assert found[f'{alone}{when}: unexplained'] == flagged
+        assert found[f'{alone}{when}: a name'] == named
+        assert found[f'{beside}{when}: named and unexplained'] == both
+    lines = {line[0]: line[2:] for line in outside_lines(cases)}
+    assert lines == {
+        'tether': ['early', '3', '3', '0'],
+        'leash': ['late', '1', '1', '0'],
+        'tray': ['late', '1', '0', '1'],
+    }
+    text = page(Scored({**ABOUT, 'cases': 8}, tuple(cases)), Path('somewhere'))
+    assert 'outside the library, late kinds: unexplained' in text
+
+
+ABOUT = {
+    'registry': 'abc', 'vehicle': 'gtmab', 'vehicle_digest': 'def', 'commit': 'c0ffee',
+    'row': 'base', 'kind': '', 'seed': 1, 'scored': 1, 'seconds': [60.0, 180.0],
+}  # fmt: skip
+
+
+def test_the_page_says_what_it_scored() -> None:
+    cases = [case({'motor_lag': 0.1}, {'linear_drag.surge': 0.03})]
+    text = markdown([(ABOUT, cases)])
+    assert 'effects `abc`, vehicle `gtmab` `def`, commit `c0ffee`.' in text
+    assert '| one effect: a wrong name | 1/1 = 100 % (21 to 100) | <= 2 % | no |' in text
+    assert '| 0 | base | single | motor_lag (10.0) | linear_drag.surge |' in text
+    assert '## All rows' not in text
+
+
+def test_a_page_has_the_challenges_of_a_row_together_and_the_rows_side_by_side() -> None:
+    wrong = [case({'motor_lag': 0.1}, {'linear_drag.surge': 0.03})]
+    clean = [case({}, {}, kind='clean', verdict='none')] * 3
+    other = {**ABOUT, 'kind': 'clean', 'seed': 7, 'scored': 3, 'commit': 'c0ffee, decaf'}
+    text = markdown([({**ABOUT, 'row': 'pose'}, wrong), (ABOUT, wrong), (other, clean)])
+    assert 'commit `c0ffee`, `decaf`.' in text
+    assert '| figure | wanted | base | pose |' in text
+    assert '| cases |  | 4 | 1 |' in text
+    dash = '\N{EN DASH}'
+    assert f'| nothing hidden: any name | <= 1 % | 0/3 = 0 % | {dash} |' in text
+    assert '| one effect: a wrong name | <= 2 % | 1/1 = 100 % | 1/1 = 100 % |' in text
+    heads = [line for line in text.splitlines() if line.startswith('## ')]
+    assert [head.split(':')[0] for head in heads] == ['## All rows', '## Base', '## Pose']
+    assert (
+        '4 cases: 1 of all kinds (seed 1, flights of 60 to 180 s), '
+        '3 clean (seed 7, flights of 60 to 180 s).'
+    ) in text

@@ -1,0 +1,123 @@
+"""The command line around the verbs."""
+
+import subprocess
+import sys
+
+from lta_cli import app
+import pytest
+from typer.main import get_command
+
+
+@pytest.mark.parametrize('words', [(), ('bag',)])
+def test_without_a_verb_it_helps(call, words):
+    status, said = call(*words)
+    assert (status, said.err) == (0, '')
+    assert 'COMMAND [ARGS]...' in said.out
+
+
+def test_it_tells_its_version(call, monkeypatch):
+    monkeypatch.setattr(app, 'VERSION', '1.2.3')
+    status, said = call('--version')
+    assert (status, said.out) == (0, 'lta 1.2.3\n')
+
+
+def test_help_flows_at_any_width(call):
+    _, said = call('fly', '--help', columns=80)
+    text = said.out.partition('In lockstep')[0].splitlines()
+    whole = [line.strip() for line in text if line.strip().startswith('Fly:')]
+    assert whole == [
+        'Fly: the whole graph, one process a node, recorded to MCAP and reported as a'
+    ]
+
+
+def test_an_empty_folder_is_refused(call):
+    status, said = call('fly', '--out', '')
+    assert status == 2
+    assert said.err == "Invalid value for '--out': it is empty; give a folder; see --help.\n"
+
+
+@pytest.mark.parametrize(
+    'words', [('vehicle', 'show'), ('bag', 'info'), ('cfd', 'run'), ('launch',)], ids=' '.join
+)
+def test_a_place_that_cannot_be_used_is_one_sentence(call, words):
+    """A name that is too long; a folder that may not be entered ends so too, but not for root."""
+    status, said = call(*words, f'./{"long" * 80}.launch.yaml')
+    assert status == 2
+    assert 'long' in said.err
+    assert said.err.endswith('.\n')
+    assert len(said.err.splitlines()) == 1
+
+
+def test_only_the_verb_that_is_asked_for_is_loaded():
+    """All of them take a second, and `lta bag info` a tenth of it."""
+    code = (
+        'import sys; from lta_cli.app import put_together; put_together(["bag", "info"]);'
+        'print(*[name for name in sys.modules if name.startswith("lta_cli.verbs.")],'
+        '"plotly" in sys.modules, "rclpy" in sys.modules)'
+    )
+    done = subprocess.run([sys.executable, '-c', code], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ['lta_cli.verbs.bag', 'lta_cli.verbs.bag.info', 'False', 'False']
+
+
+def test_every_verb_of_the_registry_is_there(call):
+    status, said = call('--help')
+    assert status == 0
+    shown = {line.split()[1] for line in said.out.splitlines() if line.startswith('│ ')}
+    assert set(app.VERBS) <= shown
+    first = [line[2:].split(' ')[0] for line in said.out.splitlines() if line.startswith('│ ')]
+    assert [name for name in first if name in app.VERBS] == list(app.VERBS)
+    for name, verb in app.VERBS.items():
+        inner = verb.verbs if isinstance(verb, app.Group) else {}
+        for word in inner:
+            status, said = call(name, word, '--help')
+            assert status == 0
+            assert f'lta {name} {word}' in said.out
+
+
+def test_a_list_says_what_loaded_verbs_say_of_themselves():
+    """It is read from their files, in a tenth of the time that they take to load."""
+    loaded = get_command(app.put_together()).commands
+    listed = get_command(app.put_together(['--help'])).commands
+    assert {name: verb.help for name, verb in listed.items()} == {
+        name: verb.help for name, verb in loaded.items()
+    }
+    inner = get_command(app.put_together(['light', '--help'])).commands['light'].commands
+    for name, verb in loaded['light'].commands.items():
+        assert inner[name].help == verb.help
+
+
+def test_a_list_loads_no_verb():
+    code = (
+        'import sys; from lta_cli.app import put_together; put_together(["--help"]);'
+        'heavy = "lta_cli.verbs", "numpy";'
+        'print(*[name for name in sys.modules if name.startswith(heavy)])'
+    )
+    done = subprocess.run([sys.executable, '-c', code], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == []
+
+
+def test_a_verb_comes_first(call):
+    status, said = call('--', 'fly')
+    assert (status, said.err) == (2, "A verb comes first: 'lta fly ...'.\n")
+
+
+def test_options_of_several_values_may_stand_once():
+    words = [
+        'discover',
+        '--train',
+        'a',
+        'b',
+        '--confirm',
+        'c',
+        '--seed',
+        '3',
+        '--holdout',
+        'd',
+        'e',
+    ]
+    assert app.repeated(words) == [
+        'discover', '--train', 'a', '--train', 'b', '--confirm', 'c', '--seed', '3',
+        '--holdout', 'd', '--holdout', 'e',
+    ]  # fmt: skip
+    assert app.repeated(['simulate', '--train', 'a', 'b']) == ['simulate', '--train', 'a', 'b']
+    assert app.repeated([]) == []

@@ -1,0 +1,59 @@
+"""What `lta fly` prints."""
+
+import json
+
+from lta_cli.verbs import fly as verb
+from lta_config.errors import BadInput
+from lta_flight.flight import Flown
+from lta_flight.report.results import Results
+import pytest
+
+RESULTS = Results(success=True, path_length=6.0, search_time=12.0, closest=0.9)
+
+
+@pytest.fixture
+def flown(monkeypatch, tmp_path):
+    """Return a function that makes the next flight end in some way."""
+    monkeypatch.setattr(verb, 'write_page', lambda bag, out: RESULTS)
+    monkeypatch.setattr(verb, 'open_flight', lambda bag: bag)
+    monkeypatch.setattr(verb, 'View', lambda flight: flight)
+    monkeypatch.setattr(verb, 'results_of', lambda view: RESULTS)
+
+    def ends(outcome, sentence):
+        end = Flown(tmp_path, tmp_path / 'bag', outcome, sentence, 2.5)
+        monkeypatch.setattr(verb, 'fly_once', lambda order, watcher: end)
+
+    return ends
+
+
+@pytest.mark.parametrize('page', [True, False])
+def test_every_figure_is_there_and_has_its_unit(flown, capsys, page):
+    flown('reached', 'reached its goal')
+    verb.fly(json=True, page=page)
+    found = json.loads(capsys.readouterr().out)
+    units = found.pop('units')
+    assert units['pace'] == '1'
+    numbers = found.keys() - {'outcome', 'bag', 'page', 'success'}
+    assert units.keys() == numbers
+    assert (found['path_length'], units['path_length']) == (6.0, 'm')
+    assert ('page' in found) is page
+
+
+def test_the_terminal_says_what_the_page_says(flown, capsys):
+    flown('reached', 'reached its goal at 15.0 s')
+    verb.fly(page=False)
+    said = capsys.readouterr().out.splitlines()
+    assert said[0] == 'The drone found the lamp and reached it in 12.0 s over 6.0 m.'
+    assert said[1].startswith('Bag ')
+
+
+def test_a_broken_flight_without_a_recording_is_no_bad_input(flown, monkeypatch, capsys):
+    def refuse(bag, out):
+        raise BadInput('There is no recording.')
+
+    flown('failed', 'did not finish: the graph broke')
+    monkeypatch.setattr(verb, 'write_page', refuse)
+    with pytest.raises(verb.typer.Exit) as left:
+        verb.fly()
+    assert left.value.exit_code == 1
+    assert capsys.readouterr().out == 'The drone did not finish: the graph broke.\n'

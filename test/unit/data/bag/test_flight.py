@@ -1,0 +1,256 @@
+"""Flights as arrays: values against what was sent, times against the stamps."""
+
+from lta_config.errors import BadInput
+from lta_data.bag import open_flight
+from lta_model.attitude import angles
+import numpy as np
+import pytest
+
+START = 1_000_000_000
+
+
+def header(types, time):
+    stamp = types['builtin_interfaces/msg/Time'](time // 10**9, time % 10**9)
+    return types['std_msgs/msg/Header'](stamp, 'base_link')
+
+
+def test_series_holds_every_number_under_its_path(flight_bag):
+    flight = open_flight(flight_bag)
+    odom = flight.series('odom')
+    i = np.arange(40)
+    assert flight.robot == 'lta1'
+    assert flight.start == START
+    assert flight.topics == ['odom', 'energy/reserve']
+    assert len(odom) == 40
+    np.testing.assert_allclose(odom.time, 0.01 * i, rtol=0, atol=1e-12)
+    np.testing.assert_array_equal(odom['pose.pose.position.x'], 0.1 * i)
+    np.testing.assert_array_equal(odom['pose.covariance[35]'], 35.0 + i)
+    np.testing.assert_array_equal(odom['header.stamp.sec'], np.ones(40))
+    assert len(odom.numbers) == 2 + 3 + 4 + 36 + 6 + 36
+    assert set(odom.texts) == {'header.frame_id', 'child_frame_id'}
+    assert odom.texts['child_frame_id'].tolist() == ['base_link'] * 40
+    np.testing.assert_array_equal(
+        odom.vector('pose.pose.position'), np.stack([0.1 * i, -0.2 * i, np.full(40, 0.5)], 1)
+    )
+
+
+def test_yaw_of_a_turning_robot(flight_bag):
+    turn = open_flight(flight_bag).series('odom').vector('pose.pose.orientation')
+    found = angles(turn)
+    expected = np.angle(np.exp(0.1j * np.arange(40)))
+    np.testing.assert_allclose(found.yaw, expected, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(found.pitch, 0.0, atol=1e-12)
+    np.testing.assert_allclose(found.roll, 0.0, atol=1e-12)
+
+
+def test_angles_compose_as_yaw_pitch_roll():
+    yaw, pitch, roll = 0.7, -0.4, 1.1
+    cy, sy, cp, sp, cr, sr = (f(0.5 * a) for a in (yaw, pitch, roll) for f in (np.cos, np.sin))
+    # The product of the three elementary rotations, written out.
+    w = cr * cp * cy + sr * sp * sy
+    x = sr * cp * cy - cr * sp * sy
+    y = cr * sp * cy + sr * cp * sy
+    z = cr * cp * sy - sr * sp * cy
+    found = angles([[x, y, z, w], [0.0, 0.0, 0.0, 0.0]])
+    np.testing.assert_allclose([a[0] for a in found], [yaw, pitch, roll], rtol=0, atol=1e-12)
+    assert all(np.isnan(a[1]) for a in found)
+
+
+def test_unstamped_messages_are_placed_by_their_log_time(flight_bag):
+    reserve = open_flight(flight_bag).series('energy/reserve')
+    np.testing.assert_allclose(reserve.time, [0.0, 0.1, 0.2, 0.3], rtol=0, atol=1e-12)
+    assert reserve['data'].tolist() == [False, False, True, True]
+
+
+def test_clock_is_its_own_stamp(flight_bag):
+    np.testing.assert_allclose(open_flight(flight_bag).series('/clock').time[-1], 0.39)
+
+
+def test_arrays_of_any_length(record, types):
+    joint = types['sensor_msgs/msg/JointState']
+    none = np.empty(0)
+    messages = [
+        joint(header(types, START), ['up', 'left'], none, none, np.array([0.1, 0.2])),
+        joint(header(types, START + 10**7), ['up'], none, none, np.array([0.3])),
+    ]
+    rows = [('/lta1/motors', 'sensor_msgs/msg/JointState', m, 0) for m in messages]
+    motors = open_flight(record(rows)).series('motors')
+    np.testing.assert_array_equal(motors['effort[0]'], [0.1, 0.3])
+    np.testing.assert_array_equal(motors['effort[1]'], [0.2, np.nan])
+    assert motors.texts['name[0]'].tolist() == ['up', 'up']
+    assert motors.texts['name[1]'].tolist() == ['left', '']
+    with pytest.raises(BadInput, match="Unknown field 'effort'; known: effort"):
+        motors['effort']
+
+
+def test_constants_and_bytes_are_no_columns(record, types):
+    cell = types['sensor_msgs/msg/BatteryState'](
+        header(types, START), 3.9, 25.0, -0.2, 0.2, 0.25, 0.25, 0.8, 2, 1, 3, True,
+        np.array([3.9], np.float32), np.empty(0, np.float32), 'nose', 'cell 4',
+    )  # fmt: skip
+    rows = [('/lta1/battery', 'sensor_msgs/msg/BatteryState', cell, 0)]
+    battery = open_flight(record(rows)).series('battery')
+    assert set(battery.numbers) == {
+        'header.stamp.sec', 'header.stamp.nanosec', 'voltage', 'temperature', 'current', 'charge',
+        'capacity', 'design_capacity', 'percentage', 'power_supply_status', 'power_supply_health',
+        'power_supply_technology', 'present', 'cell_voltage[0]',
+    }  # fmt: skip
+    assert battery['voltage'][0] == np.float32(3.9)
+
+
+@pytest.mark.parametrize('big', [0, 1])
+def test_adc_blocks(record, types, big):
+    rng = np.random.default_rng(2)
+    sent = rng.integers(0, 4096, (5, 100, 8), dtype=np.uint16)
+    rows = []
+    for i, block in enumerate(sent):
+        data = np.frombuffer(block.astype('>u2' if big else '<u2').tobytes(), np.uint8)
+        image = types['sensor_msgs/msg/Image'](
+            header(types, START + i * 10**8), 100, 8, '16UC1', big, 16, data
+        )
+        rows.append(('/lta1/photodiodes', 'sensor_msgs/msg/Image', image, 0))
+    flight = open_flight(record(rows))
+    blocks = flight.blocks('photodiodes')
+    np.testing.assert_array_equal(blocks.samples, sent)
+    assert blocks.samples.dtype == np.uint16
+    np.testing.assert_allclose(blocks.time, 0.1 * np.arange(5), rtol=0, atol=1e-12)
+    assert 'data[0]' not in flight.series('photodiodes').numbers
+
+
+def test_padded_rows_and_wrong_blocks(record, types):
+    padded = np.arange(24, dtype=np.uint8)
+    image = types['sensor_msgs/msg/Image']
+    good = image(header(types, START), 3, 2, '16UC1', 0, 8, padded)
+    short = image(header(types, START), 3, 2, '16UC1', 0, 8, padded[:20])
+    colour = image(header(types, START), 3, 2, 'rgb8', 0, 8, padded)
+    other = image(header(types, START), 2, 2, '16UC1', 0, 8, padded)
+    kinds = {'good': [good], 'short': [short], 'colour': [colour], 'mixed': [good, other]}
+    rows = [
+        (f'/r/{name}', 'sensor_msgs/msg/Image', message, 0)
+        for name, messages in kinds.items()
+        for message in messages
+    ]
+    flight = open_flight(record(rows))
+    rows_of = [[0x0100, 0x0302], [0x0908, 0x0B0A], [0x1110, 0x1312]]
+    np.testing.assert_array_equal(flight.blocks('good').samples, [rows_of])
+    with pytest.raises(BadInput, match='holds 20 bytes with 8 a row'):
+        flight.blocks('short')
+    with pytest.raises(BadInput, match="Unknown image encoding 'rgb8'"):
+        flight.blocks('colour')
+    with pytest.raises(BadInput, match='different shape'):
+        flight.blocks('mixed')
+    with pytest.raises(BadInput, match="is of type 'sensor_msgs/msg/Image', not"):
+        flight.points('good')
+
+
+def test_point_lists(record, types):
+    field = types['sensor_msgs/msg/PointField']
+    fields = [field('x', 0, 7, 1), field('snr', 8, 8, 1), field('id', 4, 4, 1)]
+    kind = np.dtype({'names': ['x', 'id', 'snr'], 'formats': ['<f4', '<u2', '<f8'],
+                     'offsets': [0, 4, 8], 'itemsize': 16})  # fmt: skip
+    rows = []
+    for i, count in enumerate((8, 3)):
+        points = np.zeros(count, kind)
+        points['x'], points['id'], points['snr'] = 0.5 + i, np.arange(count), -1.25 * i
+        data = np.frombuffer(points.tobytes(), np.uint8)
+        cloud = types['sensor_msgs/msg/PointCloud2'](
+            header(types, START + i * 10**8), 1, count, fields, False, 16, 16 * count, data, True
+        )
+        rows.append(('/lta1/light/peaks', 'sensor_msgs/msg/PointCloud2', cloud, 0))
+    peaks = open_flight(record(rows)).points('light/peaks')
+    assert list(peaks.fields) == ['x', 'snr', 'id']
+    np.testing.assert_array_equal(peaks.fields['id'][0], np.arange(8))
+    np.testing.assert_array_equal(peaks.fields['x'][1], [1.5] * 3 + [np.nan] * 5)
+    np.testing.assert_array_equal(peaks.fields['snr'][1, :3], [-1.25] * 3)
+    np.testing.assert_allclose(peaks.time, [0.0, 0.1], rtol=0, atol=1e-12)
+
+
+def test_unknown_topic_names_the_known(flight_bag):
+    with pytest.raises(BadInput, match=r"Unknown topic 'imu'; known: energy/reserve, odom\."):
+        open_flight(flight_bag).series('imu')
+
+
+def test_two_robots_are_told_apart(record, types):
+    flag = types['std_msgs/msg/Bool'](True)
+    bag = record([(f'/{name}/flag', 'std_msgs/msg/Bool', flag, 5) for name in ('lta2', 'lta1')])
+    with pytest.raises(
+        BadInput, match=r'several robots \(lta1, lta2\); name the one.*--robot lta2'
+    ):
+        open_flight(bag)
+    with pytest.raises(BadInput, match="Unknown robot 'lta3'"):
+        open_flight(bag, 'lta3')
+    assert open_flight(bag, 'lta2').series('flag')['data'].tolist() == [True]
+
+
+def test_each_of_two_robots_has_its_own_origin(record, types):
+    flag = types['std_msgs/msg/Bool'](True)
+    told = {'robots': 'lta1 lta2', 'scenario': 'room', 'lta1/seed': '1', 'lta2/seed': '2'}
+    names = ('lta1', 'lta2')
+    bag = record(
+        [(f'/{name}/flag', 'std_msgs/msg/Bool', flag, 5) for name in names], provenance=told
+    )
+    assert [open_flight(bag, name).provenance for name in names] == [
+        {'scenario': 'room', 'seed': '1'},
+        {'scenario': 'room', 'seed': '2'},
+    ]
+
+
+def test_bag_without_namespace_or_messages(record, types):
+    flag = types['std_msgs/msg/Bool'](True)
+    flight = open_flight(record([('/flag', 'std_msgs/msg/Bool', flag, 7)], 'one'))
+    assert (flight.robot, flight.start, flight.topics) == ('', 7, ['flag'])
+    assert flight.series('flag').time.tolist() == [0.0]
+    assert open_flight(record([], 'two')).topics == []
+
+
+def test_topic_without_messages_is_empty(record, tmp_path):
+    from lta_bridge.bag import BagWriter
+
+    with BagWriter(tmp_path / 'b', {}) as bag:
+        bag.add_topic('/lta1/odom', 'nav_msgs/msg/Odometry', [])
+        bag.add_topic('/lta1/photodiodes', 'sensor_msgs/msg/Image', [])
+    flight = open_flight(tmp_path / 'b')
+    assert len(flight.series('odom')) == 0
+    assert flight.blocks('photodiodes').samples.shape == (0, 0, 0)
+
+
+def test_a_topic_that_cannot_be_read_leaves_the_others_as_they_are(tmp_path, types):
+    from lta_bridge.bag import BagWriter
+    from lta_bridge.bag.schemas import jazzy
+
+    with BagWriter(tmp_path / 'b', {}) as bag:
+        bag.add_topic('/lta1/broken', 'sensor_msgs/msg/Imu', [])
+        bag.add_topic('/lta1/wind', 'geometry_msgs/msg/Vector3Stamped', [])
+        bag.write('/lta1/broken', b'\0\1\0\0nothing', 1)
+        wind = types['geometry_msgs/msg/Vector3Stamped'](
+            header(types, START), types['geometry_msgs/msg/Vector3'](1.0, 2.0, 3.0)
+        )
+        data = bytes(jazzy().serialize_cdr(wind, 'geometry_msgs/msg/Vector3Stamped'))
+        bag.write('/lta1/wind', data, 2)
+    flight = open_flight(tmp_path / 'b')
+    assert flight.start == START
+    assert flight.series('wind')['vector.y'].tolist() == [2.0]
+    with pytest.raises(BadInput, match="does not fit the bag's own definition"):
+        flight.series('broken')
+
+
+def test_several_topics_come_from_one_pass_and_are_the_same(flight_bag, monkeypatch):
+    flight = open_flight(flight_bag)
+    passes = []
+    messages = flight.bag.messages
+
+    def counted(names):
+        passes.append(names)
+        return messages(names)
+
+    monkeypatch.setattr(flight.bag, 'messages', counted)
+    found = flight.read(['odom', 'energy/reserve', '/lta1/odom'])
+    assert len(passes) == 1
+    assert found['odom'] is found['/lta1/odom']
+    monkeypatch.undo()
+    alone = flight.series('odom')
+    np.testing.assert_array_equal(found['odom'].stamps, alone.stamps)
+    np.testing.assert_array_equal(found['odom']['pose.covariance[7]'], alone['pose.covariance[7]'])
+    parts = list(flight.parts('odom', 15))
+    assert [len(part) for part in parts] == [15, 15, 10]
+    np.testing.assert_array_equal(np.concatenate([part.time for part in parts]), alone.time)

@@ -1,0 +1,202 @@
+"""Whole topics at a time give what object by object gives, for any message of any type."""
+
+from functools import cache
+
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+from lta_bridge.bag.schemas import definition, jazzy
+from lta_config.errors import BadInput
+from lta_config.topics import topic_table
+from lta_data.bag import gather
+from lta_data.bag.columns import columns
+from lta_data.bag.gather import Gathering, Typed
+from lta_data.bag.layout import layout_of, Misfit
+from lta_data.bag.mcap_file.decoder import Decoder
+from lta_data.bag.stamps import stamp_of
+from mcap.records import Schema
+import numpy as np
+import pytest
+from rosbags.interfaces import Nodetype
+
+OURS = sorted({topic.type for topic in topic_table().topics.values()})
+OTHERS = [
+    'geometry_msgs/msg/PolygonStamped',
+    'geometry_msgs/msg/TransformStamped',
+    'geometry_msgs/msg/WrenchStamped',
+    'nav_msgs/msg/Path',
+    'rcl_interfaces/msg/Log',
+    'sensor_msgs/msg/CameraInfo',
+    'sensor_msgs/msg/Joy',
+    'sensor_msgs/msg/LaserScan',
+    'sensor_msgs/msg/NavSatFix',
+    'std_msgs/msg/ByteMultiArray',
+    'std_msgs/msg/Empty',
+    'std_msgs/msg/Float64MultiArray',
+    'std_msgs/msg/Int64',
+    'std_msgs/msg/String',
+    'std_msgs/msg/UInt64',
+    'std_msgs/msg/UInt64MultiArray',
+    'tf2_msgs/msg/TFMessage',
+    'trajectory_msgs/msg/JointTrajectory',
+]
+NARROW, WIDE = 'abcxyz_/ 0123\0', 'é°'  # letters of one byte, and of two
+FLOATS = [0.0, -0.0, 1.5, -2e300, np.nan, np.inf, 1e-320]
+
+
+def drawn(type_name, shape, values):
+    """Return a message: its lengths are drawn from one generator, its values from the other."""
+    return jazzy().types[type_name](
+        *(part(described, shape, values) for _, described in jazzy().fielddefs[type_name][1])
+    )
+
+
+def part(described, shape, values):
+    kind, detail = described
+    if kind is Nodetype.NAME:
+        return drawn(detail, shape, values)
+    if kind is Nodetype.BASE:
+        return single(detail[0], shape, values)
+    item, count = detail
+    count = int(shape.integers(0, 4)) if kind is Nodetype.SEQUENCE else count
+    if item[0] is Nodetype.BASE and item[1][0] != 'string':
+        return np.array(
+            [single(item[1][0], shape, values) for _ in range(count)],
+            {'bool': 'bool', 'byte': 'int8', 'char': 'uint8'}.get(item[1][0], item[1][0]),
+        )
+    return [part(item, shape, values) for _ in range(count)]
+
+
+def single(name, shape, values):
+    if name == 'string':
+        widths = shape.integers(0, 4, shape.integers(0, 5))
+        sets = [NARROW if width else WIDE for width in widths]
+        return ''.join(letters[values.integers(len(letters))] for letters in sets)
+    if name == 'bool':
+        return bool(values.integers(2))
+    if name.startswith('float'):
+        value = FLOATS[values.integers(len(FLOATS))] if values.integers(2) else values.normal()
+        return (
+            float(np.float32(np.clip(value, -1e30, 1e30))) if name == 'float32' else float(value)
+        )
+    kind = np.dtype({'byte': 'int8', 'char': 'uint8'}.get(name, name))
+    limit = np.iinfo(kind)
+    return int(values.integers(limit.min, limit.max, dtype=kind, endpoint=True))
+
+
+@cache
+def typed(type_name):
+    """Return a type and how to read it, by the definition that a bag would bring."""
+    found = definition(type_name)
+    decoder = Decoder({type_name: Schema(1, found.text.encode(), 'ros2msg', type_name)})
+    return Typed(type_name, decoder.fields, lambda data: decoder.decode(type_name, data))
+
+
+def gathered(kind, messages):
+    maker = Gathering(kind)
+    for index, data in enumerate(messages):
+        maker.take(index, data)
+    return maker.result()
+
+
+def same(found, expected):
+    assert list(found) == list(expected)
+    for path, values in expected.items():
+        assert found[path].dtype == values.dtype, path
+        np.testing.assert_array_equal(found[path], values, path)
+
+
+def check(type_name, messages):
+    kind = typed(type_name)
+    objects = [kind.decode(data) for data in messages]
+    numbers, texts = columns(objects)
+    found = gathered(kind, messages)
+    same(found.numbers, numbers)
+    same(found.texts, texts)
+    assert found.stamps.tolist() == [stamp_of(message) or 0 for message in objects]
+    assert found.logged == list(range(len(messages)))
+
+
+@pytest.mark.parametrize('type_name', OURS + OTHERS)
+@settings(max_examples=8)
+@example(turns=[], shapes=[0], seed=0, batch=4, new=1)
+@example(turns=[(0, False), (0, False)], shapes=[0] * 4, seed=0, batch=1, new=0)
+@given(
+    turns=st.lists(st.tuples(st.integers(0, 3), st.booleans()), max_size=12),
+    shapes=st.lists(st.integers(0, 2**31), min_size=4, max_size=4),
+    seed=st.integers(0, 2**31),
+    batch=st.integers(1, 8),
+    new=st.integers(0, 3),
+)
+def test_whole_topics_give_what_single_messages_give(type_name, turns, shapes, seed, batch, new):
+    values = np.random.default_rng(seed)
+    messages = []
+    for which, little in turns:
+        message = drawn(type_name, np.random.default_rng(shapes[which % len(shapes)]), values)
+        data = bytes(jazzy().serialize_cdr(message, type_name, little_endian=little))
+        # Writers fill the end of a message to a multiple of four, or do not.
+        messages.append(data + bytes(-len(data) % 4 if values.integers(2) else 0))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(gather, 'BATCH_MESSAGES', batch)
+        patch.setattr(gather, 'NEW_LAYOUTS', new)
+        check(type_name, messages)
+
+
+@pytest.mark.parametrize('type_name', OURS)
+def test_of_messages_of_one_layout_only_the_first_is_made_an_object(type_name):
+    values = np.random.default_rng(1)
+    messages = [
+        bytes(jazzy().serialize_cdr(drawn(type_name, np.random.default_rng(2), values), type_name))
+        for _ in range(5)
+    ]
+    kind = typed(type_name)
+    expected, _ = columns([kind.decode(data) for data in messages])
+    made = []
+    found = gathered(kind._replace(decode=made.append), messages)
+    same(found.numbers, expected)
+    assert made == messages[:1]
+
+
+def test_a_layout_is_worked_out_once(monkeypatch):
+    made = []
+    monkeypatch.setattr(gather, 'BATCH_MESSAGES', 10)
+    monkeypatch.setattr(gather, 'layout_of', lambda *given: made.append(1) or layout_of(*given))
+    values = np.random.default_rng(1)
+    messages = [
+        bytes(
+            jazzy().serialize_cdr(
+                drawn('sensor_msgs/msg/Imu', np.random.default_rng(7), values),
+                'sensor_msgs/msg/Imu',
+            )
+        )
+        for _ in range(95)
+    ]
+    assert len(gathered(typed('sensor_msgs/msg/Imu'), messages).numbers['orientation.x']) == 95
+    assert len(made) == 1
+
+
+@pytest.mark.parametrize(
+    ('change', 'at'), [(b'\xff', 12), (b'\x09', 16 + 3), (b'\xff', 16), (b'\x02', 1), (b'', -2)]
+)
+def test_what_does_not_fit_is_refused_as_an_object_is(change, at):
+    kind = 'sensor_msgs/msg/Range'
+    message = drawn(kind, np.random.default_rng(3), np.random.default_rng(3))
+    message.header.frame_id = 'ray'
+    good = bytes(jazzy().serialize_cdr(message, kind))
+    bad = good[:at] + change + good[at + 1 :] if change else good[:at]
+    with pytest.raises(BadInput, match='does not fit'):
+        typed(kind).decode(bad)
+    for messages in ([bad], [good, bad], [good] * 5 + [bad] * 5):
+        with pytest.raises(BadInput, match='does not fit'):
+            gathered(typed(kind), messages)
+
+
+@given(data=st.binary(max_size=60), type_name=st.sampled_from(OURS + OTHERS))
+@settings(max_examples=150)
+def test_any_bytes_have_a_layout_only_where_they_are_a_message(data, type_name):
+    kind = typed(type_name)
+    data = b'\x00\x01\x00\x00' + data
+    try:
+        layout_of(type_name, data, kind.fields)
+    except Misfit:
+        return
+    kind.decode(data)

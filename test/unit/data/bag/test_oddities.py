@@ -1,0 +1,286 @@
+"""Strange recordings: each oddity is one sentence, and the rest is read."""
+
+import struct
+
+from lta_bridge.bag import BagWriter
+from lta_bridge.bag.records import encoded, MAGIC
+from lta_bridge.bag.schemas import definition
+from lta_config.errors import BadInput
+from lta_data.bag import bag_info, read_bag
+from lta_data.bag.mcap_file import packing
+from lta_data.bag.mcap_file.decoder import undecodable
+from mcap.reader import make_reader
+from mcap.records import Channel, Chunk, Header, Message, Schema
+from mcap.writer import CompressionType, Writer
+import pytest
+from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin
+from rosbags.rosbag2 import Writer as RosbagsWriter
+from rosbags.typesys import get_typestore, Stores
+import zstandard
+
+TRUE = b'\0\1\0\0\1'
+
+
+def write(path, topics, messages, **options):
+    """Write topics {name: (type, encoding, message encoding, text)} and (topic, time) by mcap."""
+    with path.open('wb') as stream:
+        writer = Writer(stream, **options)
+        writer.start('ros2')
+        channels = {}
+        for topic, (name, encoding, message_encoding, text) in topics.items():
+            schema = writer.register_schema(name, encoding, text) if name else 0
+            channels[topic] = writer.register_channel(topic, message_encoding, schema)
+        for topic, time in messages:
+            writer.add_message(channels[topic], time, TRUE, time)
+        writer.finish()
+    return path
+
+
+BOOL = ('std_msgs/msg/Bool', 'ros2msg', 'cdr', b'bool data')
+ODD = {
+    '/proto': (('p.Thing', 'protobuf', 'protobuf', b'\xff'), "are encoded as 'protobuf', not as"),
+    '/idl': (('p/msg/T', 'omgidl', 'cdr', b'x'), "are of type 'p/msg/T', defined in 'omgidl'"),
+    '/none': (('', '', 'cdr', b''), 'are of a type that the bag does not define'),
+    '/blank': (('p/msg/T2', 'ros2msg', 'cdr', b''), "'p/msg/T2', which the bag does not define"),
+}
+
+
+def test_topics_that_cannot_be_decoded_are_kept_and_shown(tmp_path):
+    topics = {'/good': BOOL} | {topic: odd for topic, (odd, _) in ODD.items()}
+    file = write(tmp_path / 'odd.mcap', topics, [(topic, i) for i, topic in enumerate(topics)])
+    info = bag_info(file)
+    assert {topic.name: topic.count for topic in info.topics} == dict.fromkeys(topics, 1)
+    assert info.complete
+    bag = read_bag(file)
+    assert bag.decode('/good', TRUE).data is True
+    for topic, (_, sentence) in ODD.items():
+        assert [data for _, _, data in bag.messages([topic])] == [TRUE]
+        with pytest.raises(BadInput, match=rf"^The messages of '{topic}' .*{sentence}.*\.$"):
+            bag.decode(topic, TRUE)
+        [remark] = [remark for remark in info.remarks if f"'{topic}'" in remark]
+        assert sentence in remark
+
+
+def test_a_message_without_fields_needs_no_text():
+    assert undecodable(Schema(1, b'', 'ros2msg', 'std_msgs/msg/Empty'), 'cdr') is None
+    assert undecodable(Schema(1, b'bool data', 'ros2msg', 'std_msgs/msg/Bool'), 'cdr') is None
+
+
+def chunked(path, *chunks):
+    """Write a file of given chunks (name, packed bytes, size, CRC), without a summary."""
+    records = [
+        Header('ros2', ''),
+        Schema(1, b'bool data', 'ros2msg', 'std_msgs/msg/Bool'),
+        Channel(1, '/x', 'cdr', {}, 1),
+        *(Chunk(name, data, 0, 0, crc, size) for name, data, size, crc in chunks),
+    ]
+    path.write_bytes(MAGIC + encoded(records))
+    return path
+
+
+def message(time):
+    return encoded([Message(1, time, TRUE, time, 0)])
+
+
+def test_unknown_compression_is_named(tmp_path):
+    good = message(7)
+    file = chunked(tmp_path / 'a.mcap', ('br', b'what is this', 50, 1), ('', good, len(good), 0))
+    bag = read_bag(file)
+    assert [time for _, time, _ in bag.messages()] == [7]
+    assert "are compressed as 'br', which is unknown here" in bag.losses[0]
+
+
+def test_chunks_that_claim_too_much_cost_no_memory(tmp_path, monkeypatch):
+    monkeypatch.setattr(packing, 'CHUNK_BYTES', 1 << 20)
+    zeros = bytes(4 << 20)
+    told = zstandard.ZstdCompressor().compress(zeros)
+    silent = zstandard.ZstdCompressor(write_content_size=False).compress(zeros)
+    packed_lz4 = packing.lz4.frame.compress(zeros, store_size=False)
+    liar = bytearray(zstandard.ZstdCompressor().compress(bytes(300_000)))
+    liar[5:9] = b'\xff\xff\xff\x7f'  # the content size, in 4 bytes behind magic and descriptor
+    for kind, packed in (('zstd', told), ('zstd', silent), ('lz4', packed_lz4), ('zstd', liar)):
+        with pytest.raises(packing.Damaged, match=r'hold|^$'):
+            packing.inflated(kind, bytes(packed))
+    good = message(7)
+    bombs = [('zstd', told, len(zeros), 1), ('lz4', packed_lz4, len(zeros), 1)]
+    bag = read_bag(chunked(tmp_path / 'a.mcap', *bombs, ('', good, len(good), 0)))
+    assert [time for _, time, _ in bag.messages()] == [7]
+    assert 'claim to hold 4194304 bytes' in bag.losses[0]
+    assert 'hold more than 1048576 bytes' in bag.losses[1]
+
+
+def test_time_that_runs_backwards_is_named(tmp_path):
+    times = [0, 10, 20, 5, 15, 30, 29, 40]  # s; back by 15 at /b, then by 1 at /a
+    messages = [('/b' if t == 5 else '/a', t * 10**9) for t in times]
+    for options in ({}, {'chunk_size': 60}, {'use_chunking': False}):
+        file = write(tmp_path / 'a.mcap', {'/a': BOOL, '/b': BOOL}, messages, **options)
+        info = bag_info(file)
+        [remark] = [remark for remark in info.remarks if 'backwards' in remark]
+        assert remark.startswith('Time runs backwards at 2 of 8 messages, by up to 15 s')
+        assert remark.endswith('; they are kept in the order of recording.')
+        if 'chunk_size' not in options:
+            assert "(on '/b')" in remark
+        assert [time for _, time, _ in read_bag(file).messages()] == [t * 10**9 for t in times]
+
+
+@pytest.mark.parametrize('chunking', [True, False])
+def test_long_silences_are_named(tmp_path, chunking):
+    times = [i * 10**7 for i in range(500)]  # to 4.99 s
+    times += [60 * 10**9 + time for time in times]  # from 60 s: silent for 55.01 s
+    file = write(
+        tmp_path / 'a.mcap', {'/a': BOOL}, [('/a', t) for t in times], use_chunking=chunking
+    )
+    assert bag_info(file).remarks == ['Nothing was recorded for 55.01 s from 4.99 s on.']
+    slow = [('/a', i * 6 * 10**9) for i in range(50)]  # a message every 6 s is no silence
+    assert bag_info(write(tmp_path / 'b.mcap', {'/a': BOOL}, slow)).remarks == []
+
+
+def test_bags_without_messages(tmp_path):
+    with BagWriter(tmp_path / 'bag', {}) as writer:
+        writer.add_topic('/x', 'std_msgs/msg/Bool', [])
+    info = bag_info(tmp_path / 'bag')
+    assert (info.messages, info.complete, info.remarks) == (0, True, ['It holds no message.'])
+
+
+@pytest.mark.parametrize(
+    ('head', 'sentence'),
+    [
+        (b'', 'is empty; nothing was recorded.'),
+        (b'SQLite format 3\0', 'is a bag in SQLite; read it in with `lta import`.'),
+        (b'#ROSBAG V2.0\n', 'is a bag of ROS 1; read it in with `lta import`.'),
+        (b'ULog\x01\x12\x35\x01', 'is a log of PX4; read it in with `lta import`.'),
+        (b'\x28\xb5\x2f\xfd', 'is compressed as a whole; unpack it with `zstd -d` first.'),
+        (b'hello, world', 'is not a recording in MCAP; give a rosbag2 folder or an .mcap file.'),
+    ],
+)
+def test_other_files_are_told_by_what_they_are(tmp_path, head, sentence):
+    (tmp_path / 'x').write_bytes(head)
+    with pytest.raises(BadInput) as caught:
+        read_bag(tmp_path / 'x')
+    assert str(caught.value) == f"'{tmp_path / 'x'}' {sentence}"
+
+
+@pytest.mark.parametrize('mode', [CompressionMode.MESSAGE, CompressionMode.FILE])
+def test_compression_by_message_or_file(tmp_path, mode):
+    writer = RosbagsWriter(tmp_path / 'bag', version=9, storage_plugin=StoragePlugin.MCAP)
+    writer.set_compression(mode, CompressionFormat.ZSTD)
+    with writer:
+        types = get_typestore(Stores.ROS2_JAZZY)
+        link = writer.add_connection('/x', 'std_msgs/msg/Bool', typestore=types)
+        writer.write(link, 5, TRUE)
+    if mode is CompressionMode.FILE:
+        with pytest.raises(BadInput, match='compressed as a whole; unpack it'):
+            read_bag(tmp_path / 'bag')
+    else:
+        assert list(read_bag(tmp_path / 'bag').messages()) == [('/x', 5, TRUE)]
+
+
+def test_files_that_metadata_lists_outside_are_not_read(tmp_path):
+    (tmp_path / 'bag').mkdir()
+    write(tmp_path / 'secret.mcap', {'/secret': BOOL}, [('/secret', 1)])
+    write(tmp_path / 'bag' / 'own.mcap', {'/own': BOOL}, [('/own', 1)])
+    listed = ['../secret.mcap', str(tmp_path / 'secret.mcap'), 300 * 'x' + '.mcap']
+    (tmp_path / 'bag' / 'metadata.yaml').write_text(
+        f'rosbag2_bagfile_information: {{relative_file_paths: {listed}}}'
+    )
+    bag = read_bag(tmp_path / 'bag')
+    assert list(bag.topics) == ['/own']
+    assert "metadata.yaml lists 'secret.mcap', which is not in the folder." in bag.losses
+
+
+def test_thousands_of_channels(tmp_path):
+    topics = {f'/t{i}': BOOL for i in range(3000)}
+    file = write(tmp_path / 'a.mcap', topics, [('/t5', 1), ('/t2999', 2)])
+    assert len(bag_info(file).topics) == 3000
+    file.write_bytes(file.read_bytes()[:-1])
+    assert [topic for topic, _, _ in read_bag(file).messages()] == ['/t5', '/t2999']
+
+
+def test_hostile_bytes_cost_bounded_effort(tmp_path):
+    claims = encoded([Chunk('', b'', 0, 0, 1, 90_000)])[:49] + (90_000).to_bytes(8, 'little')
+    fillings = (
+        b'\x05\x16' + bytes(29),  # bare messages without a channel
+        b'\x06' + (90_000).to_bytes(8, 'little') + claims[9:],
+        b'\x28\xb5\x2f\xfd',
+        b'\x04\x22\x4d\x18',
+        b'\x03' + (14).to_bytes(8, 'little') + bytes(5),
+        bytes(64),
+    )
+    for filling in fillings:
+        (tmp_path / 'a.mcap').write_bytes(MAGIC + filling * (60_000 // len(filling)))
+        bag = read_bag(tmp_path / 'a.mcap')
+        assert sum(1 for _ in bag.messages()) <= 60_000 // 31
+        assert len(bag.losses) < 120
+
+
+def test_summary_that_lies_about_its_indexes(tmp_path):
+    messages = [('/x', i) for i in range(20)]
+    file = write(tmp_path / 'a.mcap', {'/x': BOOL}, messages, enable_crcs=False)
+    data = bytearray(file.read_bytes())
+    with file.open('rb') as stream:
+        [index] = make_reader(stream).get_summary().chunk_indexes
+    told = struct.pack('<HQQ', 1, index.message_index_offsets[1], index.message_index_length)
+    at = data.rindex(told)
+    for offset, length in ((1 << 63, 1 << 62), (8, 1 << 50), (1 << 40, 5)):
+        data[at : at + len(told)] = struct.pack('<HQQ', 1, offset, length)
+        file.write_bytes(data)
+        info = bag_info(file)
+        assert (info.messages, info.remarks) == (20, [])
+        assert [time for _, time, _ in read_bag(file).messages()] == list(range(20))
+
+
+def test_lost_names_come_from_metadata(tmp_path):
+    with BagWriter(tmp_path / 'bag', {}) as writer:
+        for topic in ('/a', '/b'):
+            writer.add_topic(topic, 'std_msgs/msg/Bool', [])
+        writer.write('/a', TRUE, 1)
+        writer.write('/b', TRUE, 2)
+    file = tmp_path / 'bag' / 'bag_0.mcap'
+    data = file.read_bytes()
+    first = data.index(b'std_msgs/msg/Bool')
+    # From the schema on until before the chunk, then nothing behind the chunk's indexes.
+    cut = data.index(encoded([Schema(1, b'', '', '')])[:1], data.index(b'zstd'))
+    broken = data[:first] + bytes(data.index(b'\x06', data.index(b'/b')) - first)
+    file.write_bytes(broken + data[len(broken) : max(cut, len(broken) + 150)])
+    bag = read_bag(tmp_path / 'bag')
+    assert list(bag.messages()) == [('/a', 1, TRUE), ('/b', 2, TRUE)]
+    assert bag.decode('/b', TRUE).data is True
+    assert any("Channel 2 has lost its name; metadata.yaml says '/b'." in r for r in bag.remarks)
+    (tmp_path / 'bag' / 'metadata.yaml').unlink()
+    bag = read_bag(tmp_path / 'bag')
+    assert [topic for topic, _, _ in bag.messages()] == ['/channel_1', '/channel_2']
+    with pytest.raises(BadInput, match='of a type that the bag does not define'):
+        bag.decode('/channel_1', TRUE)
+
+
+def test_writer_keeps_a_definition_that_is_given(tmp_path):
+    own = definition('std_msgs/msg/Bool')
+    with BagWriter(tmp_path / 'bag', {}) as writer:
+        writer.add_topic('/x', own, [])
+        writer.write('/x', TRUE, 1)
+    assert read_bag(tmp_path / 'bag').channels['/x'][1].data.decode() == own.text
+
+
+def test_chunks_without_the_topic_are_not_unpacked(tmp_path, monkeypatch):
+    messages = [('/often', i) for i in range(200)] + [('/rare', 201)]
+    file = write(
+        tmp_path / 'a.mcap',
+        {'/often': BOOL, '/rare': BOOL},
+        messages,
+        chunk_size=300,
+        compression=CompressionType.ZSTD,
+    )
+    seen = []
+    monkeypatch.setattr(
+        'lta_data.bag.mcap_file.chunks.inflated',
+        lambda kind, data: seen.append(kind) or packing.inflated(kind, data),
+    )
+    assert len(list(read_bag(file).messages(['/rare']))) == 1
+    assert len(seen) == 1
+
+
+def test_topics_that_interleave_by_less_than_a_second_are_nothing_odd(tmp_path):
+    """Log time is that of publication: a recorder hears one topic a little after another."""
+    times = (1_000_000_000, 1_900_000_000, 1_010_000_000, 1_910_000_000)
+    file = write(tmp_path / 'a.mcap', {'/a': BOOL}, [('/a', time) for time in times])
+    assert bag_info(file).remarks == []

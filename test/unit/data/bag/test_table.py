@@ -1,0 +1,216 @@
+"""Tables of a recording: columns, units, rows, and the frames of other libraries."""
+
+import subprocess
+import sys
+
+import lta_analysis
+from lta_config.errors import BadInput
+from lta_data.bag import table as table_module
+import numpy as np
+import polars
+import pytest
+
+START = 1_000_000_000
+
+
+def header(types, time):
+    stamp = types['builtin_interfaces/msg/Time'](time // 10**9, time % 10**9)
+    return types['std_msgs/msg/Header'](stamp, 'base_link')
+
+
+def test_importing_the_package_imports_nothing_else():
+    code = (
+        f'import sys; sys.path[:0] = {sys.path!r}; import lta_analysis; '
+        "heavy = {'numpy', 'pyarrow', 'rosbags', 'pandas'} & set(sys.modules); "
+        'assert not heavy, heavy; assert callable(lta_analysis.open); '
+        "assert 'numpy' in sys.modules"
+    )
+    subprocess.run([sys.executable, '-S', '-c', code], check=True)
+    with pytest.raises(AttributeError, match="no attribute 'shut'"):
+        lta_analysis.shut  # noqa: B018
+
+
+def test_a_topic_is_a_table_that_is_read_once(flight_bag):
+    flight = lta_analysis.open(flight_bag)
+    assert list(flight) == flight.topics == ['odom', 'energy/reserve']
+    assert ('odom' in flight, 'imu' in flight, len(flight), flight.robot) == (
+        True,
+        False,
+        2,
+        'lta1',
+    )
+    odom = flight['odom']
+    assert flight['odom'] is odom
+    flight.forget()
+    assert flight['odom'] is not odom
+    i = np.arange(40)
+    np.testing.assert_array_equal(odom.stamp_ns, START + i * 10**7)
+    np.testing.assert_allclose(odom.time, 0.01 * i, rtol=0, atol=1e-12)
+    np.testing.assert_array_equal(odom['pose.pose.position.x'], 0.1 * i)
+    expected = np.angle(np.exp(0.1j * i))
+    np.testing.assert_allclose(odom['pose.pose.orientation.yaw'], expected, atol=1e-12)
+    names = odom.columns
+    place = names.index('pose.pose.orientation.w')
+    assert names[place + 1 : place + 4] == [
+        f'pose.pose.orientation.{p}' for p in ('yaw', 'pitch', 'roll')
+    ]
+    assert {name: odom.units[name] for name in names if name.startswith('pose.pose.')} == {
+        **{f'pose.pose.position.{axis}': 'm' for axis in 'xyz'},
+        **{f'pose.pose.orientation.{axis}': '1' for axis in 'xyzw'},
+        **{f'pose.pose.orientation.{part}': 'rad' for part in ('yaw', 'pitch', 'roll')},
+    }
+    assert odom.units['twist.twist.angular.z'] == 'rad/s'
+    assert 'child_frame_id' not in odom.units
+    np.testing.assert_array_equal(odom.array('pose.covariance'), i[:, None] + np.arange(36.0))
+    assert flight['/clock'].stamp_ns[-1] == START + 39 * 10**7
+    # A message without a stamp stands where its log time is on the clock of the stamps.
+    np.testing.assert_array_equal(flight['energy/reserve'].stamp_ns, START + np.arange(4) * 10**8)
+
+
+def test_what_is_not_there_is_told_with_what_is(flight_bag):
+    flight = lta_analysis.open(flight_bag)
+    with pytest.raises(BadInput, match=r"Unknown topic 'imu'; known: energy/reserve, odom\."):
+        flight['imu']
+    with pytest.raises(BadInput, match=r"Unknown column 'yaw'; known: child_frame_id, pose.pose"):
+        flight['odom']['yaw']
+    with pytest.raises(BadInput, match=r"Unknown array 'pose'; known: none\."):
+        flight['odom'].array('pose')
+    with pytest.raises(BadInput, match="'odom' carries no samples; only topics of images do"):
+        flight['odom'].samples  # noqa: B018
+    with pytest.raises(BadInput, match="Unknown column 'speed\\*'"):
+        flight['odom'].select('speed*')
+    with pytest.raises(BadInput, match='does not exist; give a rosbag2 folder'):
+        lta_analysis.open(flight_bag / 'nothing')
+
+
+def test_rows_and_columns_are_chosen(flight_bag):
+    odom = lta_analysis.open(flight_bag)['odom']
+    part = odom.between(0.1, 0.15)
+    np.testing.assert_array_equal(part['pose.pose.position.x'], 0.1 * np.arange(10, 16))
+    np.testing.assert_array_equal(part.time, odom.time[10:16])
+    assert np.shares_memory(part['pose.pose.position.x'], odom['pose.pose.position.x'])
+    assert len(odom.between(3.0, 4.0)) == 0
+    few = odom.select('pose.pose.orientation.*', 'twist.twist.linear.x')
+    assert few.stored == [
+        *(f'pose.pose.orientation.{axis}' for axis in 'xyzw'),
+        'twist.twist.linear.x',
+    ]
+    assert len(few.columns) == 8
+    assert few.units == {name: odom.units[name] for name in few.columns}
+
+
+def test_the_look_of_a_recording_and_of_a_table(flight_bag):
+    flight = lta_analysis.open(flight_bag)
+    lines = repr(flight).splitlines()
+    assert lines[0] == f'{flight_bag}: 2 topics of lta1, 0.4 s'
+    assert lines[1].split() == ['odom', '40', 'nav_msgs/msg/Odometry']
+    lines = repr(flight['odom']).splitlines()
+    assert lines[0] == 'odom: 40 rows from 0.00 to 0.39 s, 100 Hz, nav_msgs/msg/Odometry'
+    assert lines[1].split() == ['pose.pose.position.x', 'm', '0', 'to', '3.9']
+    assert lines[-2].split() == ['child_frame_id', 'base_link']
+    assert lines[-1] == '  and 75 more, in .columns'
+    assert repr(flight['energy/reserve']).splitlines()[1].split() == ['data', 'False,', 'True']
+    assert repr(flight['odom'].between(5, 6)).startswith('odom: no rows')
+
+
+def test_frames_of_other_libraries_have_the_values_and_the_units(flight_bag):
+    odom = lta_analysis.open(flight_bag)['odom']
+    frame, lazy, arrow = odom.to_pandas(), odom.to_polars(), odom.to_arrow()
+    assert frame.attrs['units']['pose.pose.position.x'] == 'm'
+    assert frame.attrs['units']['time'] == 's'
+    assert list(frame.columns) == odom.columns
+    assert lazy.columns == ['time', *odom.columns]
+    assert arrow.column_names == ['stamp_ns', 'time', *odom.columns]
+    assert arrow.field('twist.twist.linear.x').metadata == {b'unit': b'm/s'}
+    assert arrow.field('child_frame_id').metadata is None
+    assert arrow.schema.metadata == {b'topic': b'odom', b'type': b'nav_msgs/msg/Odometry'}
+    np.testing.assert_array_equal(frame.index, odom.time)
+    for column in odom:
+        np.testing.assert_array_equal(frame[column], odom[column])
+        np.testing.assert_array_equal(lazy[column].to_numpy(), odom[column])
+        np.testing.assert_array_equal(arrow[column].to_numpy(), odom[column])
+    assert isinstance(lazy, polars.DataFrame)
+
+
+@pytest.mark.parametrize('library', ['pandas', 'polars'])
+def test_a_library_that_is_missing_is_told_with_the_remedy(flight_bag, monkeypatch, library):
+    def missing(name):
+        raise ModuleNotFoundError(name)
+
+    monkeypatch.setattr(table_module, 'import_module', missing)
+    odom = lta_analysis.open(flight_bag)['odom']
+    with pytest.raises(
+        BadInput, match=f'needs {library}, which is not installed; .*pip install {library}'
+    ):
+        getattr(odom, f'to_{library}')()
+
+
+def test_joints_are_called_by_their_names(record, types):
+    def joints(k, names):
+        none, effort = np.empty(0), np.array([0.1, 0.2]) + k
+        return types['sensor_msgs/msg/JointState'](
+            header(types, START + k), names, none, none, effort
+        )
+
+    one, other = ['up', 'left'], ['left', 'up']
+    rows = [
+        (topic, 'sensor_msgs/msg/JointState', joints(k, names), 0)
+        for topic, orders in (('/lta1/motors', [one, one]), ('/lta1/mixed', [one, other]))
+        for k, names in enumerate(orders)
+    ]
+    flight = lta_analysis.open(record(rows))
+    motors = flight['motors']
+    assert {'effort.up', 'effort.left'} <= set(motors.columns)
+    assert 'effort[0]' not in motors.columns
+    assert motors.units['effort.left'] == '1'
+    np.testing.assert_array_equal(motors['effort.left'], [0.2, 1.2])
+    np.testing.assert_array_equal(motors['effort[1]'], motors['effort.left'])
+    np.testing.assert_array_equal(motors.array('effort'), [[0.1, 0.2], [1.1, 1.2]])
+    np.testing.assert_array_equal(motors.rows(np.array([1]))['effort[0]'], [1.1])
+    assert 'effort[0]' in flight['mixed'].columns
+
+
+def test_samples_and_points_come_as_arrays(record, types):
+    rng = np.random.default_rng(5)
+    sent = rng.integers(0, 4096, (4, 10, 3), dtype=np.uint16)
+    rows = []
+    for i, block in enumerate(sent):
+        image = types['sensor_msgs/msg/Image'](
+            header(types, START + i * 10**8), 10, 3, '16UC1', 0, 6,
+            np.frombuffer(block.astype('<u2').tobytes(), np.uint8),
+        )  # fmt: skip
+        rows.append(('/lta1/photodiodes', 'sensor_msgs/msg/Image', image, 0))
+        points = np.array([(1.0 * i, 2.0), (3.0, 4.0 * i)], [('x', '<f4'), ('snr', '<f4')])
+        field = types['sensor_msgs/msg/PointField']
+        fields = [field('x', 0, 7, 1), field('snr', 4, 7, 1)]
+        cloud = types['sensor_msgs/msg/PointCloud2'](
+            header(types, START + i * 10**8), 1, 2, fields,
+            False, 8, 16, np.frombuffer(points.tobytes(), np.uint8), True,
+        )  # fmt: skip
+        rows.append(('/lta1/light/peaks', 'sensor_msgs/msg/PointCloud2', cloud, 0))
+    flight = lta_analysis.open(record(rows))
+    np.testing.assert_array_equal(flight['photodiodes'].samples, sent)
+    np.testing.assert_array_equal(flight['photodiodes'].between(0.1, 0.25).samples, sent[1:3])
+    assert flight['photodiodes']['step'].tolist() == [6] * 4
+    peaks = flight['light/peaks']
+    assert peaks.columns == ['x[0]', 'x[1]', 'snr[0]', 'snr[1]']
+    np.testing.assert_array_equal(peaks.array('snr'), [[2, 0], [2, 4], [2, 8], [2, 12]])
+    np.testing.assert_array_equal(peaks.stamp_ns, START + np.arange(4) * 10**8)
+    assert peaks.units['snr[1]'] == '1'
+
+
+def test_rows_are_chosen_as_of_an_array(flight_bag):
+    odom = lta_analysis.open(flight_bag, robot='/lta1/')['odom']
+    z = odom['pose.pose.position.z']
+    assert len(odom) > 3
+    assert odom[1:3]['pose.pose.position.z'].tolist() == z[1:3].tolist()
+    assert odom[::-1].stamp_ns.tolist() == odom.stamp_ns[::-1].tolist()
+    assert len(odom[z > z.min()]) == (z > z.min()).sum()
+    assert odom[np.array([2, 0])].time.tolist() == [odom.time[2], odom.time[0]]
+    mixed = np.array([0, 2, 1, 2])  # as long as from the first to the last of 0, 1, 2, 3
+    assert odom.rows(np.array([0, 3, 1, 3])).time.tolist() == odom.time[[0, 3, 1, 3]].tolist()
+    assert odom[mixed].time.tolist() == odom.time[mixed].tolist()
+    assert len(odom[5:2]) == 0
+    for wrong in (np.array([10**6]), np.array([True]), np.array([0.5])):
+        with pytest.raises(BadInput, match='are not among the'):
+            odom[wrong]

@@ -1,0 +1,172 @@
+"""Comparing bags: offsets, frames, faults and partings that are known by hand."""
+
+from lta_config.errors import BadInput
+from lta_data.bag import open_flight
+from lta_data.bag.channels import Channel
+from lta_data.compare.comparison import Asked, compare, compare_flights
+from lta_data.compare.pairs import wanted_pairs
+from lta_data.compare.side import side_from
+from lta_data.compare.words import fault_words, verdict
+import numpy as np
+import pytest
+
+from ...report_flight import make, pose, write_flight  # noqa: TID252 - `test` is Python's own
+from .compare_flight import stamped
+from .compare_two import channel, NOISY, OTHER, YAW, Z
+from .compare_two import two as two
+
+ODOMETRY = 'nav_msgs/msg/Odometry'
+
+
+def test_a_tracker_and_a_recorder_aboard_are_laid_on_each_other(two):
+    turned = {'turn': 0.6, 'shift': (3.0, -1.0, 0.25), 'frame': 'tracker'}
+    found = two(NOISY, OTHER | {'offset': 0.1234} | turned)
+    timing = found.timing
+    assert (timing.how, timing.on_stamps) == ('clock', True)
+    assert abs(timing.offset - 0.1234) < 4 * timing.sigma < 0.02
+    (frame,) = found.frames
+    assert frame.applied
+    assert frame.fit.yaw == pytest.approx(-0.6, abs=0.003)
+    assert frame.fit.z == pytest.approx(-0.25, abs=0.003)
+    assert frame.fit.after < 0.03
+    for each in found.channels:
+        assert each.verdict == 'together', each.name
+        if each.name.startswith('odom/pose.pose.position'):
+            # The slower is B; A's noise between two instants is a little smoothed.
+            assert 0.010 < each.measures.rms < 0.0145
+    assert found.verdict == 'same'
+    assert verdict(found).startswith('The same within their noise')
+
+
+def test_clocks_that_share_nothing_count_from_each_start(two):
+    found = two(NOISY, OTHER | {'start': 1_000_000_000, 'offset': 0.4})
+    assert (found.timing.how, found.timing.on_stamps) == ('clock', False)
+    # B's own time begins at its first message, which is 3 ms into the motion.
+    assert found.timing.offset == pytest.approx(-0.003, abs=4 * found.timing.sigma)
+
+
+def test_a_frame_of_the_same_name_is_fitted_where_one_run_shows_that_it_differs(two):
+    found = two(NOISY, OTHER | {'offset': 0.1234, 'turn': 0.6})
+    assert found.frames[0].applied
+    given = two(NOISY, OTHER | {'offset': 0.1234, 'turn': 0.6}, frames='given')
+    assert not given.frames[0].applied
+    assert channel(given, YAW).measures.bias == pytest.approx(0.6, abs=0.01)
+    assert channel(given, YAW).parting.at is not None
+
+
+def test_a_step_is_found_as_the_parting_and_comes_first(two):
+    step = {'step': (20.0, 0.3)}
+    found = two(NOISY, OTHER | {'offset': 0.1234} | step)
+    worst = found.channels[0]
+    assert (worst.name, worst.verdict) == (Z, 'parted')
+    assert worst.parting.at == pytest.approx(20.0, abs=0.05)
+    assert found.verdict == 'different'
+    assert 'at 20.0' in verdict(found)
+    assert 'altitude of odom' in verdict(found)
+
+
+def test_a_tolerance_takes_the_place_of_the_noise(two):
+    step = OTHER | {'offset': 0.1234, 'step': (20.0, 0.3)}
+    wide = two(NOISY, step, tolerances={'odom/*position*': 0.5})
+    assert channel(wide, Z).parting.band == 0.5
+    assert wide.verdict == 'same'
+    with pytest.raises(BadInput, match=r"No channel that both flights have is called 'nose'"):
+        two(NOISY, step, tolerances={'nose': 0.5})
+
+
+def test_an_offset_by_hand_is_taken_as_it_is(two):
+    found = two(NOISY, OTHER | {'offset': 0.1234}, offset=0.2)
+    assert (found.timing.how, found.timing.offset, found.timing.sigma) == ('given', 0.2, 0.0)
+    lag = channel(found, Z).peak.lag
+    assert lag == pytest.approx(0.1234 - 0.2, abs=0.01)
+
+
+def test_the_same_stamps_are_one_clock(two):
+    found = two(NOISY, NOISY | {'seed': 3})
+    assert (found.timing.how, found.timing.offset) == ('none', 0.0)
+    assert 'same stamps' in found.timing.reason
+
+
+def test_a_bag_beside_itself_is_identical(two):
+    found = two(NOISY, NOISY)
+    assert found.identical
+    assert found.verdict == 'identical'
+    assert found.identical_topics == ('odom',)
+    assert verdict(found) == 'Identical: the one topic is the same byte for byte.'
+    assert all(each.measures is None or each.measures.rms == 0.0 for each in found.channels)
+
+
+def test_gaps_are_named_and_never_bridged(two):
+    found = two(NOISY, OTHER | {'offset': 0.1234, 'drop': (10.0, 15.0)})
+    (gap,) = found.faults_b['odom'].gaps
+    assert gap.end - gap.begin == pytest.approx(5.0, abs=0.07)
+    assert found.faults_a['odom'].clean
+    both = channel(found, Z).both
+    inside = (both.time > 10.1) & (both.time < 14.9)
+    assert not np.isfinite(both.difference[inside]).any()
+    assert found.verdict == 'same'
+
+
+def test_doubled_and_backward_messages_are_counted(record):
+    def at(k):
+        covered = make('geometry_msgs/msg/PoseWithCovariance', pose=pose(0.01 * k, 0.0, 1.0, 0.0))
+        time = 1_000_000_000 + 10_000_000 * k
+        message = make(ODOMETRY, header=stamped(time, 'map'), pose=covered)
+        return '/lta1/odom', ODOMETRY, message, time
+
+    order = [*range(50), 49, *range(50, 80), 75, *range(80, 100)]
+    a = open_flight(record([at(k) for k in range(100)], 'a'))
+    b = open_flight(record([at(k) for k in order], 'b'))
+    found = compare_flights(a, b, Asked())
+    wrong = found.faults_b['odom']
+    assert (wrong.count, wrong.same_stamp, wrong.repeated) == (102, 2, 1)
+    assert wrong.backwards_count == 1
+    assert tuple(wrong.backwards[0]) == pytest.approx((0.79, 0.75))
+    assert found.faults_a['odom'].clean
+    assert not found.identical
+    assert found.same
+    told = fault_words(wrong)
+    assert '2 messages at the time of another, 1 of them byte for byte' in told
+    assert 'time runs backwards 1 time, first from 0.790 to 0.750 s' in told
+
+
+def test_the_sentence_names_what_the_ranking_has_first(tmp_path):
+    t = np.arange(0.0, 20.0, 0.02)
+    chance = np.random.default_rng(0)
+
+    def side(label, faster, slip):
+        noise = 1e-4 * chance.normal(size=(3, len(t)))
+        lines = {
+            'odom/pose.pose.position.x': np.sin(t) + noise[0],
+            'odom/twist.twist.linear.x': np.cos(t) + noise[1] + faster * (t > 5.0),
+            'odom/twist.twist.linear.y': 0.1 * np.cos(t) + noise[2] + slip * (t > 8.0),
+        }
+        return side_from([Channel(name, 'm', t, line) for name, line in lines.items()], label)
+
+    a, b = side('A', 0.0, 0.0), side('B', 0.01, 0.2)
+    found = compare(a, b, wanted_pairs((), (), ['odom'], ['odom']), Asked(align='none'))
+    assert found.channels[0].name == 'odom/twist.twist.linear.y'
+    assert verdict(found).startswith('The flights part at 5.02 s, first in forward speed of odom')
+    assert 'and most in sideways speed of odom' in verdict(found)
+
+
+def test_a_bag_is_gone_through_a_few_times_whatever_it_holds(tmp_path, monkeypatch):
+    write_flight(tmp_path / 'bag')
+    flight = open_flight(tmp_path / 'bag')
+    passes = []
+    read = type(flight.bag).records
+
+    def counted(bag, topics=None, at=None):
+        passes.append(topics)
+        return read(bag, topics, at)
+
+    monkeypatch.setattr(type(flight.bag), 'records', counted)
+    found = compare_flights(flight, flight, Asked())
+    assert found.verdict == 'identical'
+    single = [
+        name for name in flight.topics
+        if 'Image' in flight.type_of(name) or 'PointCloud' in flight.type_of(name)
+    ]  # fmt: skip
+    assert len(flight.topics) > 5
+    # All bytes once, all numbers once, and what has blocks or points by itself.
+    assert len(passes) == 2 + len(single)

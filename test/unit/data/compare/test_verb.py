@@ -1,0 +1,116 @@
+"""`lta compare`: its status, its page and figures, and bad input in one sentence."""
+
+import json
+import sys
+
+from lta_bridge.bag import BagWriter
+from lta_bridge.bag.schemas import jazzy
+from lta_cli import app
+import pytest
+
+from ...report_flight import make, pose  # noqa: TID252 - `test` is Python's own
+from .compare_flight import stamped, write_motion
+from .compare_two import NOISY, OTHER, X, Z
+
+ODOMETRY = 'nav_msgs/msg/Odometry'
+
+
+def run(monkeypatch, *words):
+    monkeypatch.setattr(sys, 'argv', ['lta', 'compare', *map(str, words)])
+    return app.status()
+
+
+def test_the_command_writes_page_and_figures_and_tells_by_its_status(
+    tmp_path, monkeypatch, capsys
+):
+    a = write_motion(tmp_path / 'a', **NOISY, until=20.0)
+    b = write_motion(tmp_path / 'b', **OTHER, offset=0.1234, step=(10.0, 0.3), until=20.0)
+    out = tmp_path / 'out'
+    assert run(monkeypatch, a, b, '--out', out, '--json') == 0
+    printed = json.loads(capsys.readouterr().out)
+    assert printed['verdict'] == 'different'
+    assert printed['timing']['offset'] == pytest.approx(0.1234, abs=0.01)
+    assert printed['channels'][0]['name'] == Z
+    assert printed['channels'][0]['parting']['at'] == pytest.approx(10.0, abs=0.05)
+    kept = json.loads((out / 'compare.json').read_text())
+    assert kept == {key: value for key, value in printed.items() if key != 'page'}
+    page = (out / 'compare.html').read_text(encoding='utf-8')
+    assert 'altitude of odom' in page
+    assert 'http' not in page.split('<script>')[0]
+    again = ['--no-page', '--topic', 'odom']
+    assert run(monkeypatch, a, b, '--out', tmp_path / '1', '--same', *again) == 1
+    wide = ['--tolerance', 'odom/*=40 cm', '--offset', '123.4ms']
+    assert run(monkeypatch, a, b, '--out', tmp_path / '2', '--same', *again, *wide) == 0
+    assert not (tmp_path / '2' / 'compare.html').exists()
+    assert run(monkeypatch, a, a, '--out', tmp_path / '3', '--same', '--no-page') == 0
+
+
+def test_the_pictures_of_the_page_are_taken_if_asked_for(tmp_path, monkeypatch, capsys):
+    taken = []
+    monkeypatch.setattr('lta_cli.options.pictures_option.find_chromium', lambda: 'chromium')
+    monkeypatch.setattr('lta_cli.verbs.compare.write_pictures', lambda *given: taken.append(given))
+    bag, out, pictures = write_motion(tmp_path / 'a', until=5.0), tmp_path / 'out', tmp_path / 'p'
+    assert run(monkeypatch, bag, bag, '--out', out, '--pictures', pictures) == 0
+    assert taken == [(out / 'compare.html', pictures)]
+    (pictures / 'mine').mkdir(parents=True)
+    assert run(monkeypatch, bag, bag, '--out', tmp_path / '2', '--pictures', pictures) == 2
+    assert 'is not empty' in capsys.readouterr().err
+    assert not (tmp_path / '2').exists()
+
+
+@pytest.mark.parametrize(
+    ('words', 'sentence'),
+    [
+        (['--pair', 'odom'], "'odom' is no pair; write A's topic"),
+        (['--pair', 'odom=nose'], "B has no topic or channel 'nose'; its topics: odom."),
+        (['--pair', 'odom/nose=odom/nose'], "Topic 'odom' has no channel 'nose'; it has: pose"),
+        (['--topic', 'motors'], "Topic 'motors' is not compared; those that are: odom."),
+        (['--offset', 'soon'], "--offset is 'soon'; give a number"),
+        (['--offset', '3 m'], "--offset is '3 m'; give a number"),
+        (['--offset', '500'], 'The flights have no time in common'),
+        (['--tolerance', 'odom'], "'odom' is no tolerance; write CHANNEL=VALUE"),
+        (['--tolerance', f'{Z}=-1'], f'The tolerance of {Z} is -1; give zero or more.'),
+        (['--tolerance', f'{Z}=5 deg'], f"The tolerance of {Z} is '5 deg', but {Z} is in m;"),
+        (['--robot', 'lta7'], "Unknown robot 'lta7'; known: lta1"),
+        (['--align', 'motion'], 'The flights show no start of motion or commands'),
+        (
+            ['--pictures', 'p', '--no-page'],
+            '--pictures are taken of the page; leave --no-page out.',
+        ),
+    ],
+)
+def test_bad_input_is_one_sentence(words, sentence, tmp_path, monkeypatch, capsys):
+    bag = write_motion(tmp_path / 'a', until=5.0)
+    assert run(monkeypatch, bag, bag, '--out', tmp_path / 'out', *words) == 2
+    told = capsys.readouterr().err
+    assert told.startswith(sentence)
+    assert told.count('\n') == 1
+    assert not (tmp_path / 'out').exists()
+
+
+def test_robots_of_one_bag_are_named_and_compared(tmp_path, monkeypatch, capsys):
+    bag = tmp_path / 'pair'
+    with BagWriter(bag, {}) as writer:
+        for robot in ('lta1', 'lta2'):
+            writer.add_topic(f'/{robot}/odom', ODOMETRY, [])
+        for k in range(100):
+            for robot, x in (('lta1', 0.0), ('lta2', 0.5)):
+                place = make(
+                    'geometry_msgs/msg/PoseWithCovariance', pose=pose(x, 0.0, 0.01 * k, 0)
+                )
+                time = 1_000_000_000 + 10_000_000 * k
+                message = make(ODOMETRY, header=stamped(time, 'map'), pose=place)
+                writer.write(
+                    f'/{robot}/odom', bytes(jazzy().serialize_cdr(message, ODOMETRY)), time
+                )
+    out = ['--out', tmp_path / 'out', '--no-page', '--json']
+    assert run(monkeypatch, bag, bag, *out) == 2
+    told = capsys.readouterr().err
+    assert told.startswith(f"A: '{bag}' holds several robots (lta1, lta2);")
+    assert told.count('\n') == 1
+    assert run(monkeypatch, bag, bag, '--robot', 'lta1:lta2', *out) == 0
+    content = json.loads(capsys.readouterr().out)
+    assert [content[side]['robot'] for side in 'ab'] == ['lta1', 'lta2']
+    x = next(each for each in content['channels'] if each['name'] == X)
+    assert x['measures']['bias'] == pytest.approx(0.5)
+    assert x['parting']['at'] == 0.0

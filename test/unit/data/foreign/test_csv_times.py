@@ -1,0 +1,88 @@
+"""Times of a text with columns: every nanosecond, dates, and what is no time."""
+
+from hypothesis import given
+from hypothesis import strategies as st
+from lta_config.errors import BadInput
+from lta_data.foreign.readers.row_times import exact
+import pytest
+
+from .csv_texts import ODOM, POSE, text
+
+
+def test_rows_keep_the_order_of_the_file(bring, tmp_path):
+    """Two topics of a row come one after the other, also where the time goes back."""
+    mapping = POSE + '  - topic: range\n    range: {column: h, unit: mm}\n'
+    source = text(tmp_path / 'a.csv', 't,x,y,z,h', '9,1,2,3,4', '8,1,2,3,', '7,1,2,3,5')
+    found = bring(source, mapping)
+    from lta_data.bag.reader import read_bag
+
+    met = [(topic, time) for topic, time, _ in read_bag(found.imported.bag).messages()]
+    second = 1_000_000_000
+    assert met == [
+        (ODOM, 9 * second),
+        ('/lta1/range', 9 * second),
+        (ODOM, 8 * second),
+        (ODOM, 7 * second),
+        ('/lta1/range', 7 * second),
+    ]
+
+
+@pytest.mark.parametrize(
+    ('time', 'expected'),
+    [
+        ('time: {rate: 60 Hz}', [1_000_000_000, 1_016_666_667, 1_033_333_333]),
+        ('time: {step: 5 ms}', [1_000_000_000, 1_005_000_000, 1_010_000_000]),
+        (
+            'time: {rate: 50 Hz, start: 100 s}',
+            [100_000_000_000 + k * 20_000_000 for k in range(3)],
+        ),
+        ('time: {column: t}', [1_500_000_000, 1_600_000_000, 2_700_000_000]),
+        ('time: {column: t, start: 10 s}', [10_500_000_000, 10_600_000_000, 11_700_000_000]),
+    ],
+)
+def test_times_that_are_missing_or_begin_at_zero(bring, tmp_path, time, expected):
+    source = text(tmp_path / 'a.csv', 't,x,y,z', '0.5,1,2,3', '0.6,1,2,3', '1.7,1,2,3')
+    found = bring(source, POSE.replace('time: {column: t, unit: s}', time))
+    assert found.stamps(ODOM) == expected
+    assert ('1 s were added to all times' in found.notes) == ('start' not in time)
+
+
+@given(st.integers(0, 2**31 - 1), st.integers(0, 999_999_999))
+def test_a_time_keeps_every_nanosecond(seconds, nanoseconds):
+    texts = [f'{seconds}.{nanoseconds:09d}', str(seconds * 10**9 + nanoseconds)]
+    whole = seconds * 10**9 + nanoseconds
+    assert exact(texts[:1], 's', 't', 0).times.tolist() == [whole]
+    assert exact(texts[1:], 'ns', 't', 0).times.tolist() == [whole]
+
+
+DATES = {
+    'zulu': (('2026-11-20T13:25:48Z', '2026-11-20T13:25:48.123456789Z'), 123_456_789),
+    'offset': (('2026-11-20T15:25:48+02:00', '2026-11-20T15:25:48.5+0200'), 500_000_000),
+    'blank': (('2026-11-20 13:25:48', '2026-11-20 13:25:48,000001'), 1_000),
+    'basic': (('20261120T132548Z', '20261120T132548.25Z'), 250_000_000),
+}
+
+
+@pytest.mark.parametrize('case', DATES)
+def test_dates_are_times_to_the_last_digit(bring, tmp_path, case):
+    times, fraction = DATES[case]
+    source = text(tmp_path / 'a.csv', 't;x;y;z', *(f'{time};1;2;3' for time in times))
+    found = bring(source, POSE.replace('format: csv', 'format: csv\ntext: {delimiter: ";"}'))
+    start = 1_795_181_148 * 10**9  # date -u -d '2026-11-20 13:25:48' +%s
+    assert found.stamps(ODOM) == [start, start + fraction]
+    assert ('taken as UTC' in found.notes) == (case == 'blank')
+
+
+@pytest.mark.parametrize(
+    ('times', 'sentence'),
+    [
+        (('2026-11-20T13:25:48Z', '12.5'), "Column 't' has '12.5' in row 2, which is no time"),
+        (('12.5', '2026-11-20T13:25:48Z'), "'2026-11-20T13:25:48Z' in row 2, which is no time"),
+        (('2026-02-30T13:25:48Z',), "'2026-02-30T13:25:48Z' in row 1, which is no time"),
+    ],
+)
+def test_what_is_no_time_is_named_with_its_row(bring, tmp_path, times, sentence):
+    source = text(tmp_path / 'a.csv', 't,x,y,z', *(f'{time},1,2,3' for time in times))
+    with pytest.raises(BadInput) as told:
+        bring(source, POSE)
+    assert sentence in str(told.value)

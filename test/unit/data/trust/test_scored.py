@@ -1,0 +1,111 @@
+"""The trust checks, by few of the flights and corruptions of `make trust`."""
+
+from dataclasses import replace
+from pathlib import Path
+import sys
+
+from lta_data.trust.finding import Severity
+from lta_data.trust.registry import checked, CHECKS
+from lta_data.trust.roles import family
+from lta_data.trust.twins import twins
+import numpy as np
+import pytest
+
+FOLDER = Path(__file__).resolve().parents[3] / 'score'
+
+
+@pytest.fixture(scope='module')
+def bench():
+    """Return the modules of the score."""
+    sys.path.insert(0, str(FOLDER))
+    import trust_corruptions
+    import trust_flights
+
+    yield trust_flights, trust_corruptions
+    sys.path.remove(str(FOLDER))
+    for name in [name for name in sys.modules if name.startswith('trust_')]:
+        sys.modules.pop(name)
+
+
+@pytest.fixture(scope='module')
+def clean(bench):
+    """Return a few clean simulated flights."""
+    flights, _ = bench
+    return [flights.simulated(seed) for seed in (1, 5, 6, 32)]
+
+
+def test_clean_simulated_flights_have_no_findings_and_each_check_is_pure(clean):
+    for flight in clean:
+        before = {name: channel.values.copy() for name, channel in flight.channels.items()}
+        assert [f for f in checked(flight).findings if f.grave] == []
+        for name, values in before.items():
+            np.testing.assert_array_equal(flight.channels[name].values, values)
+
+
+CASES = {
+    'constant': 4, 'frozen': 4, 'clipped': 4, 'duplicate': 2, 'impossible': 6, 'filtered': 3,
+    'unit': 6, 'axes': 6, 'clock': 5, 'stamps': 4, 'held': 4,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize('kind', CASES)
+def test_corruptions_of_simulated_flights_are_found(bench, clean, kind):
+    _, corruptions = bench
+    rng = np.random.default_rng(list(kind.encode()))
+    done = missed = 0
+    for attempt in range(200):
+        wrong = corruptions.CORRUPTIONS[kind](clean[attempt % len(clean)], rng)
+        if wrong is None:
+            continue
+        names = {*wrong.names, *map(family, wrong.names)}
+        found = [f for f in checked(wrong.recording).findings if f.kind == kind]
+        right = [f for f in found if {f.channel, family(f.channel)} & names]
+        missed += not any(f.from_s <= wrong.to_s and f.to_s >= wrong.from_s for f in right)
+        done += 1
+        if done == CASES[kind]:
+            break
+    assert done == CASES[kind]
+    assert missed == 0  # of these few; docs/trust.md has the shares of many
+
+
+def test_every_kind_of_check_is_scored(bench):
+    _, corruptions = bench
+    assert set(corruptions.CORRUPTIONS) == set(CHECKS) == set(CASES)
+
+
+def test_one_run_again_is_found_and_two_runs_are_not(bench, clean):
+    _, corruptions = bench
+    first, second = clean[:2]
+    copy = corruptions.twin(first, np.random.default_rng(4))
+    found = twins([('a', first), ('b', second), ('copy of a', copy.recording)])
+    assert list(found) == ['copy of a']
+    (twin,) = found['copy of a']
+    assert twin.values['agreement'] > 0.99
+    assert "'a'" in twin.evidence
+
+
+def test_two_flights_of_one_plan_in_still_air_are_two(bench, clean):
+    seeds = [
+        replace(clean[0], provenance={'data': 'simulated', 'seed': seed})
+        for seed in ('1', '2', '2')
+    ]
+    found = twins(list(zip('abc', seeds, strict=True)))
+    assert {name: len(twin) for name, twin in found.items()} == {'c': 1}
+    assert "'b'" in found['c'][0].evidence
+
+
+def test_real_flights_are_clean_and_rgblimp_is_told_to_be_filtered(bench):
+    flights, _ = bench
+    if not flights.rgblimp_files():
+        pytest.skip('needs ../shared/data (published flights of others)')
+    for path in flights.rgblimp_files()[::20]:
+        found = checked(flights.rgblimp(path)).findings
+        assert {(f.kind, f.severity) for f in found} == {('filtered', Severity.WARNING)}
+    for path in flights.crazyflie_files()[:2]:
+        assert checked(flights.crazyflie(path)).findings == ()
+
+
+def test_the_page_tells_of_every_kind():
+    page = (FOLDER.parents[1] / 'docs/trust.md').read_text(encoding='utf-8')
+    rows = {line.split('|')[1].strip() for line in page.splitlines() if line.startswith('| ')}
+    assert {*CHECKS, 'twin'} <= rows

@@ -1,0 +1,313 @@
+"""The trust checks, by hand-made channels with known faults."""
+
+from dataclasses import replace
+
+from lta_config.files import find, load_yaml
+from lta_data.bag.channels import Channel
+from lta_data.trust.checks.duplicated import hashes
+from lta_data.trust.checks.filtered import noise
+from lta_data.trust.evidence import Evidence
+from lta_data.trust.finding import Severity
+from lta_data.trust.limits import Limits
+from lta_data.trust.recording import Recording
+from lta_data.trust.registry import checked
+from lta_data.trust.roles import family, measured_topic
+from lta_data.trust.runs import merged, runs
+from lta_data.trust.smooth import kernel, smoothed
+import numpy as np
+import pytest
+import yaml
+
+GYRO, FORCE = 'imu/angular_velocity', 'imu/linear_acceleration'
+
+
+def recording(**channels):
+    """Return a recording of channels by 'topic/field', each a pair of times and values."""
+    made = {
+        n: Channel(n, '', np.asarray(t), np.asarray(v, float)) for n, (t, v) in channels.items()
+    }
+    return Recording(made)
+
+
+def resting(seed=0, count=1000):
+    """Return a resting IMU of 100 Hz with the noise of a data sheet."""
+    rng = np.random.default_rng(seed)
+    time = np.arange(count) * 0.01
+    rates = {f'{GYRO}.{axis}': (time, rng.normal(0.0, 1.4e-3, count)) for axis in 'xyz'}
+    level = {'x': 0.0, 'y': 0.0, 'z': 9.80665}
+    force = {f'{FORCE}.{a}': (time, rng.normal(g, 0.01, count)) for a, g in level.items()}
+    return rates | force
+
+
+def kinds(flight):
+    """Return kinds and channels of what was found."""
+    return {(finding.kind, finding.channel) for finding in checked(flight).findings}
+
+
+def test_a_resting_sensor_is_clean_and_what_cannot_be_judged_is_said():
+    report = checked(recording(**resting()))
+    assert report.findings == ()
+    assert any('cannot be judged' in sentence for sentence in report.unjudged)
+
+
+def test_an_empty_recording_has_no_findings():
+    assert checked(Recording({})).findings == ()
+
+
+def test_a_constant_axis_is_named_and_an_unfilled_vector_is_a_note():
+    data = resting()
+    time = data[f'{GYRO}.x'][0]
+    data[f'{GYRO}.y'] = (time, np.full(len(time), 0.25))
+    assert ('constant', f'{GYRO}.y') in kinds(recording(**data))
+    for axis in 'xyz':
+        data[f'{GYRO}.{axis}'] = (time, np.zeros(len(time)))
+    (found,) = checked(recording(**data)).findings
+    assert (found.channel, found.severity, found.grave) == (GYRO, Severity.NOTE, False)
+
+
+def test_a_stop_is_found_where_it_is():
+    data = resting()
+    time, values = data[f'{GYRO}.x']
+    values[400:450] = values[400]
+    (found,) = checked(recording(**data)).findings
+    assert (found.kind, found.channel) == ('frozen', f'{GYRO}.x')
+    assert (found.from_s, found.to_s) == pytest.approx((time[400], time[449]))
+    assert found.values['readings'] == 50
+
+
+def test_a_slow_instrument_sampled_fast_is_not_frozen():
+    data = resting()
+    for name, (time, values) in data.items():
+        data[name] = (time, np.repeat(values[::10], 10))
+    assert not {kind for kind, _ in kinds(recording(**data))} & {'frozen', 'constant', 'duplicate'}
+
+
+def test_a_limit_is_found_at_the_values_that_reach_it():
+    data = resting()
+    time, values = data[f'{GYRO}.x']
+    tone = 0.1 * np.sin(2.0 * np.pi * 0.5 * time) + values
+    data[f'{GYRO}.x'] = (time, np.minimum(tone, 0.09))
+    found = [f for f in checked(recording(**data)).findings if f.kind == 'clipped']
+    assert [f.channel for f in found] == [f'{GYRO}.x']
+    assert found[0].values == {'limit': 0.09, 'readings': float((tone >= 0.09).sum())}
+
+
+def lit(counts, bits):
+    """Return light blocks that reach so many counts, of a vehicle with so many bits or of none."""
+    time = np.arange(10) * 0.1
+    blocks = {'max': counts, 'min': counts - 10.0, 'mean': counts - 5.0, 'std': counts / 2.0}
+    made = {f'photodiodes/{what}[0]': (time, np.full(10, v)) for what, v in blocks.items()}
+    made |= {'light/peaks/amplitude[0]': (time, np.full(10, counts / 2.0))}
+    told = {'vehicle_file': yaml.safe_dump(with_bits(bits))} if bits else {}
+    return replace(recording(**made), provenance=told)
+
+
+def with_bits(bits):
+    """Return what a vehicle file holds whose converter has so many bits."""
+    content = load_yaml(find('vehicle', 'gtmab'))
+    content['sensors']['diodes']['bits'] = bits
+    return content
+
+
+@pytest.mark.parametrize('bits', [8, 12, 16])
+def test_what_light_can_read_is_the_top_of_the_vehicles_converter(bits):
+    top = 2.0**bits - 1.0
+    assert not checked(lit(top - 1.0, bits)).findings
+    (found,) = checked(lit(top, bits)).findings
+    assert (found.kind, found.channel) == ('clipped', 'photodiodes/max[0]')
+    assert found.values == {'limit': top, 'blocks': 10.0}
+    beyond = {f.channel for f in checked(lit(top + 8.0, bits)).findings if f.kind == 'impossible'}
+    assert beyond == {f'photodiodes/{what}[0]' for what in ('max', 'mean', 'std')}
+
+
+@pytest.mark.parametrize('file', [None, 'name: of another version'])
+def test_without_a_vehicle_nobody_knows_where_a_converter_ends(file):
+    flight = lit(60000.0, None)
+    flight = flight if file is None else replace(flight, provenance={'vehicle_file': file})
+    report = checked(flight)
+    assert report.findings == ()
+    assert [text for text in report.unjudged if 'converter' in text]
+    assert {f.kind for f in checked(lit(-3.0, None)).findings} == {'impossible'}
+
+
+def test_a_stretch_again_names_both():
+    data = resting()
+    time, values = data[f'{FORCE}.y']
+    values[700:760] = values[100:160]
+    (found,) = checked(recording(**data)).findings
+    assert (found.kind, found.from_s) == ('duplicate', pytest.approx(time[700]))
+    assert found.values == {'from_s': pytest.approx(time[100]), 'readings': 60.0}
+
+
+def test_hashes_are_those_of_equal_windows_only():
+    values = np.array([1.0, 2.0, 3.0, 9.0, 1.0, 2.0, 3.0, 2.0, 1.0])
+    told = hashes(values, 3)
+    assert told[0] == told[4]
+    assert len(set(told.tolist())) == len(told) - 1
+
+
+@pytest.mark.parametrize(
+    ('name', 'value', 'reason'),
+    [
+        ('range/range', -0.5, 'not negative'),
+        ('illuminance/illuminance', -1.0, 'not negative'),
+        ('battery/voltage', 4.7, 'no cell has'),
+        ('motors/effort.left', 1.2, 'a duty is'),
+        ('photodiodes/max[0]', -1.0, 'not negative'),
+        ('pressure/fluid_pressure', 2e5, 'air'),
+    ],
+)
+def test_values_that_cannot_be_are_errors(name, value, reason):
+    time = np.arange(200) * 0.1
+    rng = np.random.default_rng(2)
+    usual = {'battery/voltage': 3.9, 'pressure/fluid_pressure': 101325.0}.get(name, 0.5)
+    values = usual + 0.01 * rng.normal(size=200)
+    values[50:53] = value
+    (found,) = checked(recording(**{name: (time, values)})).findings
+    assert (found.kind, found.severity) == ('impossible', Severity.ERROR)
+    assert (found.from_s, found.to_s) == pytest.approx((5.0, 5.2))
+    assert reason in found.evidence
+
+
+@pytest.mark.parametrize('voltage', [3.7, 7.4, 11.1, 22.2])
+def test_packs_of_cells_are_possible(voltage):
+    time = np.arange(100) * 0.1
+    values = voltage - 0.001 * np.arange(100)
+    assert checked(recording(**{'battery/voltage': (time, values)})).findings == ()
+
+
+def test_gravity_tells_the_unit_and_the_sign_of_an_accelerometer():
+    data = resting()
+    in_g = {n: (t, v / 9.80665 if n.startswith(FORCE) else v) for n, (t, v) in data.items()}
+    assert ('unit', FORCE) in kinds(recording(**in_g))
+    time, values = data[f'{FORCE}.z']
+    turned = data | {f'{FORCE}.z': (time, -values)}
+    assert kinds(recording(**turned)) == {('axes', f'{FORCE}.z')}
+
+
+def test_a_rest_that_does_not_feel_gravity_is_impossible():
+    data = resting()
+    time, values = data[f'{FORCE}.z']
+    data[f'{FORCE}.z'] = (time, values + 1.5)
+    assert kinds(recording(**data)) == {('impossible', FORCE)}
+
+
+def test_the_noise_is_that_of_white_noise():
+    values = np.random.default_rng(3).normal(0.0, 0.02, 20_000)
+    # The median over windows is below the mean of an exponential: ln 2.
+    assert noise(values) == pytest.approx(0.02 * np.sqrt(np.log(2.0)), rel=0.05)
+    slow = np.sin(np.arange(20_000) * 0.01)
+    assert noise(slow) < 1e-7
+
+
+def test_smooth_data_is_a_warning_unless_it_says_that_it_is_simulated():
+    time = np.arange(1000) * 0.01
+    data = {f'{GYRO}.{a}': (time, 0.1 * np.sin(time + i)) for i, a in enumerate('xyz')}
+    found = checked(recording(**data)).findings
+    assert [(f.kind, f.severity, f.grave) for f in found] == [('filtered', 'warning', False)]
+    declared = replace(recording(**data), provenance={'data': 'simulated'})
+    assert checked(declared).findings == ()
+
+
+def swinging(late=0.0, factor=1.0, sign=1.0):
+    """Return a craft that yaws by 0.4 sin(w t) and swings, with a gyroscope beside its pose."""
+    data = resting(count=2000)
+    time = np.arange(2000) * 0.01
+    rng = np.random.default_rng(8)
+    tones = [0.4 * np.sin(2.1 * time) + 0.2 * np.sin(3.7 * time), 0.05 * np.sin(4.0 * time)]
+    rates = [0.84 * np.cos(2.1 * (time - late)) + 0.74 * np.cos(3.7 * (time - late)),
+             0.2 * np.cos(4.0 * (time - late))]  # fmt: skip
+    yaw, pitch = (tone + rng.normal(0.0, 3e-4, 2000) for tone in tones)
+    for part, values in (('yaw', yaw), ('pitch', pitch), ('roll', rng.normal(0.0, 3e-4, 2000))):
+        data[f'ground_truth/odom/pose.pose.orientation.{part}'] = (time, values)
+    # By hand, for turns about z, then y: wx = -yaw' sin(pitch), wy = pitch', wz = yaw' cos(pitch).
+    tilt = 0.05 * np.sin(4.0 * (time - late))
+    told = [-rates[0] * np.sin(tilt), rates[1], sign * rates[0] * np.cos(tilt)]
+    for axis, values in zip('xyz', told, strict=True):
+        data[f'{GYRO}.{axis}'] = (time, factor * (values + rng.normal(0.0, 1.4e-3, 2000)))
+    return recording(**data)
+
+
+def test_a_gyroscope_beside_its_attitude_is_clean():
+    assert [f for f in checked(swinging()).findings if f.grave] == []
+
+
+@pytest.mark.parametrize('late', [0.1, -0.25, 0.8])
+def test_the_lag_of_a_gyroscope_is_told_with_its_error(late):
+    found = [f for f in checked(swinging(late=late)).findings if f.kind == 'clock']
+    assert [f.channel for f in found] == [GYRO]
+    assert found[0].values['lag'] == pytest.approx(late, abs=0.01)
+    assert found[0].values['error'] < 0.02
+
+
+def test_degrees_and_a_turned_sign_of_a_gyroscope_are_told():
+    (unit,) = [f for f in checked(swinging(factor=180.0 / np.pi)).findings if f.kind == 'unit']
+    assert unit.channel == GYRO
+    assert unit.values['factor'] == pytest.approx(57.3, rel=0.03)
+    assert 'deg/s' in unit.evidence
+    (turned,) = [f for f in checked(swinging(sign=-1.0)).findings if f.kind == 'axes']
+    assert turned.channel == f'{GYRO}.z'
+    assert '-z is z' in turned.evidence
+
+
+def test_a_clock_that_was_set_by_decades_is_named_and_fills_no_memory():
+    """From 1970 to today, as of a computer without a battery for its clock."""
+    data = {name: (one.time, one.values) for name, one in swinging().channels.items()}
+    time = data[f'{GYRO}.x'][0]
+    for axis in 'xyz':
+        data[f'ground_truth/odom/pose.pose.position.{axis}'] = (time, 0.1 * np.sin(time))
+    data = {n: (np.where(t > 10.0, t + 1.77e9, t), v) for n, (t, v) in data.items()}
+    found = [f for f in checked(recording(**data)).findings if f.kind == 'stamps']
+    assert found
+    assert max(f.to_s - f.from_s for f in found) == pytest.approx(1.77e9, rel=1e-6)
+
+
+def test_stamps_that_go_back_or_leave_out_are_found():
+    data = resting()
+    late = {n: (np.where(t > 5.0, t - 0.3, t), v) for n, (t, v) in data.items()}
+    found = {f.evidence for f in checked(recording(**late)).findings if f.kind == 'stamps'}
+    assert len(found) == 1
+    assert 'go back by 0.290 s' in found.pop()
+    hole = {n: (np.delete(t, range(300, 360)), np.delete(v, range(300, 360)))
+            for n, (t, v) in data.items()}  # fmt: skip
+    (gap,) = checked(recording(**hole)).findings
+    assert (gap.from_s, gap.to_s) == pytest.approx((2.99, 3.6))
+
+
+def test_log_times_that_part_from_stamps_are_found():
+    flight = recording(**resting())
+    arrived = np.arange(1000) * 0.01
+    assert checked(replace(flight, arrivals={'imu': arrived + 3.0})).findings == ()
+    arrived[500:] += 2.0
+    (found,) = checked(replace(flight, arrivals={'imu': arrived})).findings
+    assert found.values['jump'] == pytest.approx(-2.0)
+
+
+def test_runs_and_what_is_put_together():
+    true = np.array([1, 1, 0, 1, 0, 0, 0, 1], dtype=bool)
+    assert runs(true).tolist() == [[0, 2], [3, 4], [7, 8]]
+    assert list(merged(runs(true), 1)) == [(0, 4), (7, 8)]
+    assert runs(np.zeros(3, dtype=bool)).shape == (0, 2)
+
+
+def test_a_kernel_keeps_the_mean_and_a_straight_line():
+    weights = kernel(0.25, 0.01)
+    assert weights.sum() == pytest.approx(1.0)
+    line = np.arange(100.0)[:, None] * [1.0, -2.0]
+    np.testing.assert_allclose(smoothed(line, weights)[20:-20], line[20:-20])
+
+
+def test_families_and_roles():
+    assert family('odom/pose.pose.position.x') == 'odom/pose.pose.position'
+    assert family('battery/voltage') == 'battery/voltage'
+    assert not measured_topic('light/estimate')
+    assert measured_topic('ground_truth/odom')
+
+
+def test_every_limit_has_a_reason():
+    assert all(field.description for field in Limits.model_fields.values())
+
+
+def test_pairs_are_worked_out_once():
+    evidence = Evidence(recording(**resting()), Limits())
+    assert evidence.likenesses is evidence.likenesses

@@ -1,0 +1,118 @@
+"""A vehicle file that is far off is fitted from the beginnings of the pieces on."""
+
+from types import SimpleNamespace
+
+from lta_config.errors import BadInput
+from lta_discovery.fit.early import begun, shortened
+from lta_discovery.fit.evidence import floor_of, own_variance, Prior, shared
+from lta_discovery.fit.fit import Fitter
+from lta_discovery.model.knobs import Knob
+from lta_discovery.model.nominal import Nominal
+from lta_discovery.replay.linear import origin, Point
+from lta_discovery.replay.linearise import Linearised
+import numpy as np
+import pytest
+
+from ..hidden_flight import flown, prepared  # noqa: TID252 - `test` is Python's own
+
+Start = tuple[Fitter, Prior, list[Point]]
+
+LOW = {'vehicle.effects.cg_height.z': {'value': 0.06, 'unit': 'm'}}  # 20 of its tolerances
+
+
+def test_only_the_beginning_of_each_piece_of_a_shortened_flight_counts(clean: Linearised) -> None:
+    short = shortened(clean, 0.8)
+    assert short.replay.cut.inside[0, :20].all()
+    assert not short.replay.cut.inside[:, 20:].any()
+    assert clean.replay.cut.inside[0].all()
+    assert short.replay.flight is clean.replay.flight
+
+
+@pytest.fixture
+def start(gtmab: tuple[Nominal, list[Knob]], clean: Linearised) -> Start:
+    """What `begun` takes: a flight to be fitted, a prior, and the point of the vehicle file."""
+    nominal, knobs = gtmab
+    fitter = Fitter(nominal, [clean], own_variance(knobs), floor_of(nominal))
+    return fitter, shared(knobs), [origin(nominal, knobs, clean.replay.cut)]
+
+
+def test_a_stage_that_ends_lost_is_no_place_to_go_on_from(
+    start: Start, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fitter, prior, points = start
+    lost = SimpleNamespace(deviations=np.where(np.arange(6) == 4, 1000.0, 1.0) * fitter.floor)
+    stages: list[Fitter] = []
+    monkeypatch.setattr(Fitter, 'fit', lambda self, *_, **__: stages.append(self) or lost)
+    at, then, deviations = begun(fitter, prior, points)
+    assert len(stages) == 1
+    assert (then, at is points[0].values) == (points, True)
+    np.testing.assert_array_equal(deviations, fitter.floor)
+
+
+def test_each_stage_starts_from_the_result_of_the_stage_before(
+    start: Start, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """
+    The stages fit the first 0.8 s and 2.4 s of each piece, which are 20 and 60 points at 25 Hz.
+
+    The second starts with the deviations that the first found, limited to 2.5 floors.
+    """
+    fitter, prior, points = start
+    left = [np.array([299.0, 2.4, 2.6, 0.5, 1.0, 1.0]), np.full(6, 9.0)]
+    seen, begun_with = [], []
+
+    def about(self, at, there, prior=None):
+        seen.append((at, there, self.flights[0].replay.cut.inside[0].sum()))
+        return f'about {at}'
+
+    def fitted(self, prior, group, deviations, rounds, rest, narrow):
+        begun_with.append((group, deviations / self.floor, rounds, rest, narrow))
+        return SimpleNamespace(deviations=left[len(begun_with) - 1] * self.floor)
+
+    monkeypatch.setattr(Fitter, 'about', about)
+    monkeypatch.setattr(Fitter, 'fit', fitted)
+    monkeypatch.setattr(Fitter, 'onward', lambda *_: (f'at {len(seen)}', [f'point {len(seen)}']))
+    at, then, deviations = begun(fitter, prior, points)
+    assert [each[2] for each in seen] == [20, 60]
+    assert seen[1][:2] == ('at 1', ['point 1'])
+    assert [each[0] for each in begun_with][1:] == ['about at 1']
+    assert [each[2:] for each in begun_with] == [(6, 10.0, True)] * 2
+    np.testing.assert_allclose(begun_with[0][1], 1.0)
+    np.testing.assert_allclose(begun_with[1][1], [2.5, 2.4, 2.5, 0.5, 1.0, 1.0])
+    assert (at, then) == ('at 2', ['point 2'])
+    np.testing.assert_allclose(deviations, 2.5 * fitter.floor)
+
+
+def test_a_stage_whose_vehicle_is_impossible_is_the_last(
+    start: Start, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fitter, prior, points = start
+    tried: list[Fitter] = []
+
+    def about(self, *_):
+        tried.append(self)
+        raise BadInput('no such vehicle can be')
+
+    monkeypatch.setattr(Fitter, 'about', about)
+    at, then, deviations = begun(fitter, prior, points)
+    assert len(tried) == 1
+    assert (then, at is points[0].values) == (points, True)
+    np.testing.assert_array_equal(deviations, fitter.floor)
+
+
+@pytest.mark.long
+def test_a_centre_of_gravity_far_too_low_does_not_run_away(
+    gtmab: tuple[Nominal, list[Knob]],
+) -> None:
+    nominal, knobs = gtmab
+    flight, floor, prior = prepared(flown(LOW, 40, 26.0), knobs), floor_of(nominal), shared(knobs)
+    fitter = Fitter(nominal, [flight], own_variance(knobs), floor)
+    points = [origin(nominal, knobs, flight.replay.cut)]
+    at, then, deviations = begun(fitter, prior, points)
+    found = fitter.fit(prior, fitter.about(at, then), deviations)
+    # Its tolerance, stretched, explains it: nothing is left to a latent wrench.
+    assert np.all(found.deviations < floor)
+    assert found.rounds <= 2
+    lost = fitter.fit(prior, fitter.about(points[0].values, points), floor)
+    assert lost.evidence < found.evidence + 1.0
+    assert lost.rounds > found.rounds

@@ -1,0 +1,170 @@
+"""A recording on the grid: what is there, how noisy it is, and what is left out."""
+
+from dataclasses import replace
+
+from lta_config.errors import BadInput
+from lta_data.bag.channels import all_channels
+from lta_data.bag.flight import open_flight
+from lta_discovery.flights.held_means import held_means
+from lta_discovery.flights.measured import measured, PERIOD, Stream, Streams, WARM_UP
+from lta_discovery.flights.noise import noise_of, pose_noise
+from lta_discovery.flights.streams import streams_of
+from lta_discovery.flights.windows import windows
+from lta_discovery.model.rotations import exponential
+import numpy as np
+import pytest
+
+from ...report_flight import place, ROTORS, write_flight  # noqa: TID252 - `test` is Python's own
+
+RNG = np.random.default_rng(3)
+TIME = np.arange(0.0, 30.0, 0.01)
+# A helix that turns with its way: body velocity (0.5, 0, 0.1) m/s and a rate of 0.4 rad/s.
+SPEED, CLIMB, RATE = 0.5, 0.1, 0.4
+
+
+def helix(noise: float = 0.0) -> Streams:
+    """Return a flight with a closed form, at 100 Hz."""
+    turn = RATE * TIME
+    position = np.column_stack(
+        [SPEED / RATE * np.sin(turn), SPEED / RATE * (1.0 - np.cos(turn)), 1.0 + CLIMB * TIME]
+    )
+    quaternion = exponential(np.column_stack([0.0 * turn, 0.0 * turn, turn]))
+    position += noise * RNG.standard_normal(position.shape)
+    pose = Stream(TIME, np.column_stack([position, quaternion]))
+    return Streams(pose, Stream(TIME, np.zeros((len(TIME), 4))))
+
+
+def test_noise_is_that_which_was_added_whatever_the_motion() -> None:
+    smooth = np.sin(0.7 * TIME)
+    noisy = smooth + 0.003 * RNG.standard_normal(len(TIME))
+    assert noise_of(noisy) == pytest.approx(0.003, rel=0.06)
+    noisy[::50] += 1.0  # outliers
+    noisy[100:110] = np.inf
+    assert noise_of(noisy) == pytest.approx(0.003, rel=0.2)
+    assert noise_of(np.full(100, np.nan)) == np.inf
+
+
+def test_a_gap_is_not_filled_and_the_floor_and_the_warm_up_do_not_count() -> None:
+    told = helix()
+    keep = (TIME < 10.0) | (TIME > 10.6)
+    pose = Stream(TIME[keep], told.pose.values[keep])
+    found = measured(Streams(pose, told.commands, floor=1.5))
+    hole = (found.time > 10.05) & (found.time < 10.55)
+    assert hole.any()
+    assert np.isnan(found.position[hole]).all()
+    assert not found.usable[hole].any()
+    assert not found.usable[found.time - found.time[0] < WARM_UP - 1e-9].any()
+    assert found.usable[(found.time > 5.1) & ~((found.time > 9.9) & (found.time < 10.7))].all()
+    assert not found.usable[found.time < 4.99].any()  # below 1.5 m
+    assert np.isinf(found.noise[6:]).all()  # no other sensors
+
+
+def test_pieces_begin_in_the_state_of_the_closed_form() -> None:
+    cut = windows(measured(helix(noise=0.001)), 6.0)
+    assert len(cut.first) == 5
+    assert (np.diff(cut.first) == 150).all()
+    expected = np.array([SPEED, 0.0, CLIMB, 0.0, 0.0, RATE])
+    np.testing.assert_allclose(
+        cut.start[:-1, 7:], np.tile(expected, (len(cut.start) - 1, 1)), atol=0.01
+    )
+    time = cut.first * PERIOD
+    np.testing.assert_allclose(cut.start[:, 2], 1.0 + CLIMB * time, atol=0.002)
+
+
+@pytest.mark.parametrize(
+    ('seconds', 'pieces', 'longest'),
+    [(28.0, 5, 6.0), (15.0, 3, 6.0), (5.0, 2, 2.52), (4.5, 2, 2.28)],
+)
+def test_a_short_flight_is_cut_in_two(seconds: float, pieces: int, longest: float) -> None:
+    """One piece alone tells nothing of the next; two shorter ones do not overlap."""
+    flight = measured(helix(noise=0.001))
+    usable = flight.usable & (flight.time < flight.time[flight.usable][0] + seconds)
+    cut = windows(replace(flight, usable=usable))
+    used = cut.inside.sum(axis=1) * PERIOD
+    assert len(cut.first) == pieces
+    assert used.max() <= longest + 1e-9
+    assert used.min() >= 1.0
+    assert used.sum() == pytest.approx(usable.sum() * PERIOD, abs=2 * PERIOD)
+    assert (cut.first[1:] >= cut.first[:-1] + cut.inside.sum(axis=1)[:-1]).all()
+
+
+def test_a_bag_gives_poses_and_commands(tmp_path) -> None:
+    flight = open_flight(write_flight(tmp_path / 'bag'))
+    told = streams_of(all_channels(flight).channels, list(ROTORS))
+    x, z, _ = place(20.0)
+    k = int(np.argmin(np.abs(told.pose.time - 20.0)))
+    np.testing.assert_allclose(told.pose.values[k], [x, 0.0, z, 0.0, 0.0, 0.0, 1.0], atol=0.01)
+    assert told.commands.values.shape[1] == len(ROTORS)
+    assert set(told.commands.values[-1]) <= {0.0, 0.3, 0.5}
+    assert 'voltage' in told.others
+
+
+def test_without_a_tracker_or_a_rotor_it_says_what_is_missing(tmp_path) -> None:
+    flight = open_flight(write_flight(tmp_path / 'bag'))
+    channels = all_channels(flight).channels
+    with pytest.raises(BadInput, match='no command of tail'):
+        streams_of(channels, ['tail'])
+    blind = {name: c for name, c in channels.items() if not name.startswith('ground_truth')}
+    with pytest.raises(BadInput, match='no pose from a tracker'):
+        streams_of(blind, list(ROTORS))
+
+
+def test_a_held_value_counts_from_when_it_came() -> None:
+    told = Stream(np.array([0.5, 1.25, 1.5]), np.array([[1.0], [3.0], [-2.0]]))
+    means = held_means(told, np.array([0.0, 1.0, 2.0, 3.0]))
+    # 0.5 s of 1; 0.25 s of 1, 0.25 s of 3, 0.5 s of -2; all -2.
+    np.testing.assert_allclose(means[:, 0], [0.5, 0.0, -2.0], atol=1e-12)
+
+
+def _shaking(amplitudes: list[float], count: int = 40) -> np.ndarray:
+    """Return series alternating between +- an amplitude; third differences are 8 times that."""
+    return np.outer((-1.0) ** np.arange(count), amplitudes)
+
+
+# The noise that is found in a series alternating between -1 and 1: the median size of white noise
+# is 0.6745 deviations, and a third difference has 1 + 9 + 9 + 1 times the variance of a reading.
+UNIT = 8.0 / 0.6745 / 20.0**0.5
+
+
+@pytest.mark.parametrize(('count', 'known'), [(10, False), (11, True), (40, True)])
+def test_noise_needs_at_least_eight_third_differences(count: int, known: bool) -> None:
+    found = noise_of(_shaking([0.5], count)[:, 0])
+    assert found == (pytest.approx(0.5 * UNIT) if known else np.inf)
+
+
+def test_rotation_noise_is_twice_that_of_a_free_quaternion_component() -> None:
+    """The four components share the noise of three free ones, each of which is half an angle."""
+    levels, alike = pose_noise(_shaking([0.01, 0.02, 0.03, 1e-3, 2e-3, 3e-3, 4e-3]))
+    turn = 2.0 * np.sqrt((1.0 + 4.0 + 9.0 + 16.0) / 3.0) * 1e-3
+    np.testing.assert_allclose(levels, UNIT * np.array([0.01, 0.02, 0.03, turn, turn, turn]))
+    assert alike == 1.0
+
+
+@pytest.mark.parametrize(('middle', 'filtered'), [(0.19, True), (0.21, False)])
+def test_a_tracker_below_a_fifth_of_the_least_noise_counts_as_filtered(
+    middle: float, filtered: bool
+) -> None:
+    """
+    The median over the axes of position decides.
+
+    Filtered poses get at least 8 mm and 16 mrad, times sqrt(12.5) since 12.5 of them say the same.
+    """
+    size = [0.0, middle * 5e-4 / UNIT, 0.1, 0.0, 0.0, 0.0, 0.0]
+    levels, alike = pose_noise(_shaking(size))
+    largest = 0.1 * UNIT
+    if filtered:
+        expected = np.array([8e-3, 8e-3, largest, 16e-3, 16e-3, 16e-3]) * 12.5**0.5
+    else:
+        expected = np.array([5e-4, 5e-4, largest, 1e-3, 1e-3, 1e-3])
+    np.testing.assert_allclose(levels, expected)
+    assert alike == (12.5 if filtered else 1.0)
+
+
+def test_readings_that_never_change_get_the_least_noise_of_their_sensor() -> None:
+    """That is 0.3 mrad/s, 3 mm/s2, 1 mm and 0.3 Pa."""
+    told = helix()
+    others = {'rates': np.zeros((len(TIME), 3)), 'force': np.zeros((len(TIME), 3)),
+              'range': np.zeros((len(TIME), 1)), 'pressure': np.zeros((len(TIME), 1))}  # fmt: skip
+    streams = {name: Stream(TIME, values) for name, values in others.items()}
+    found = measured(replace(told, others=streams))
+    assert found.noise[6:].tolist() == [3e-4] * 3 + [3e-3] * 3 + [1e-3, 0.3]

@@ -1,0 +1,288 @@
+"""What of a recording can be used, what is cut out, and what is refused."""
+
+from dataclasses import replace
+
+from lta_config.errors import BadInput
+from lta_discovery.flights.bags import read_bags
+from lta_discovery.flights.trusted import believed
+from lta_model.vehicle import load_vehicle
+import numpy as np
+import pytest
+
+TRUTH = 'ground_truth/odom/'
+
+
+@pytest.fixture(scope='module')
+def gtmab():
+    return load_vehicle('gtmab')
+
+
+@pytest.fixture(scope='module')
+def flights(hidden_bags):
+    a, b, c = hidden_bags
+    return read_bags({'train': [a], 'confirm': [b], 'holdout': [c]})
+
+
+def _changed(flight, change, *topics):
+    """Return a flight with the channels of some topics changed; None leaves one out."""
+    channels = {}
+    for name, channel in flight.recording.channels.items():
+        new = change(channel) if name.startswith(topics) else channel
+        if new is not None:
+            channels[name] = new
+    return replace(flight, recording=replace(flight.recording, channels=channels, arrivals={}))
+
+
+def _only(channel, keep):
+    """Return a channel with some of its messages."""
+    return replace(channel, time=channel.time[keep], values=channel.values[keep])
+
+
+def _believed(flights, gtmab, *changed):
+    return believed([*changed, *flights[len(changed) :]], gtmab)
+
+
+def test_whole_flights_are_used_whole_and_told_to_be_simulated(flights, gtmab):
+    found = believed(flights, gtmab)
+    assert [(name, role) for name, role, _ in found.flights] == [
+        ('A', 'train'), ('B', 'confirm'), ('C', 'holdout'),
+    ]  # fmt: skip
+    assert found.cuts == ()
+    assert found.warnings == (
+        'A, B, C are declared as simulated: nothing follows for a real vehicle.',
+    )
+    for _, _, flight in found.flights:
+        assert flight.usable[flight.time > 4.0].all()  # until then it stands on the floor
+        assert np.isfinite(flight.noise).all()
+
+
+def test_a_frozen_tracker_is_cut_out_of_the_flight(flights, gtmab):
+    def freeze(channel):
+        values = channel.values.copy()
+        inside = (channel.time > 12.0) & (channel.time < 15.0)
+        values[inside] = values[inside][0]
+        return replace(channel, values=values)
+
+    found = _believed(flights, gtmab, _changed(flights[0], freeze, TRUTH))
+    flight = found.flights[0][2]
+    inside = (flight.time > 12.2) & (flight.time < 14.8)
+    assert not flight.usable[inside].any()
+    assert flight.usable[(flight.time > 17.0) & (flight.time < 28.0)].all()
+    assert any(cut.flight == 'A' and cut.channel.startswith(TRUTH) for cut in found.cuts)
+
+
+def test_a_frozen_gyroscope_costs_its_readings_only(flights, gtmab):
+    def freeze(channel):
+        values = channel.values.copy()
+        inside = (channel.time > 12.0) & (channel.time < 15.0)
+        values[inside] = values[inside][0]
+        return replace(channel, values=values)
+
+    one = _changed(flights[0], freeze, 'imu/angular_velocity')
+    flight = _believed(flights, gtmab, one).flights[0][2]
+    inside = (flight.time > 12.2) & (flight.time < 14.8)
+    assert flight.usable[inside].all()
+    assert np.isnan(flight.readings[inside, :3]).all()
+    assert np.isfinite(flight.readings[inside, 3:6]).all()
+
+
+def test_a_range_in_the_wrong_unit_is_done_without(flights, gtmab):
+    one = _changed(flights[0], lambda c: replace(c, values=1e3 * c.values), 'range/')
+    found = _believed(flights, gtmab, one)
+    assert np.isinf(found.flights[0][2].noise[12])
+    assert any('range' in word and 'done without' in word for word in found.warnings)
+
+
+def test_a_range_finder_beyond_its_range_is_left_out_there(flights, gtmab):
+    noise = 0.05 * np.random.default_rng(1).standard_normal(10_000)
+
+    def loud(channel):
+        inside = (channel.time > 12.0) & (channel.time < 16.0)
+        more = np.where(inside, noise[: len(channel.time)], 0.0)
+        return replace(channel, values=channel.values + more)
+
+    found = _believed(flights, gtmab, _changed(flights[0], loud, 'range/range'))
+    flight = found.flights[0][2]
+    inside = (flight.time > 13.0) & (flight.time < 15.0)
+    assert np.isnan(flight.readings[inside, 6]).all()
+    assert flight.usable[inside].all()
+    quiet = (flight.time > 18.0) & (flight.time < 28.0)
+    assert np.isfinite(flight.readings[quiet, 6]).all()
+    assert {cut.channel for cut in found.cuts} == {'range'}
+
+
+def test_gaps_of_the_tracker_are_told(flights, gtmab):
+    def gaps(channel):
+        return _only(channel, ~((channel.time > 8.0) & (channel.time < 12.0)))
+
+    found = _believed(flights, gtmab, _changed(flights[0], gaps, TRUTH))
+    assert any('says nothing for 13 % of the flight, in 1 gap' in word for word in found.warnings)
+    assert not found.flights[0][2].usable[(found.flights[0][2].time > 8.2)][:80].any()
+
+
+def test_what_comes_after_a_jump_of_the_clock_is_not_used(flights, gtmab):
+    one = _changed(
+        flights[0],
+        lambda c: replace(c, time=np.where(c.time > 28.5, c.time - 3.0, c.time)),
+        TRUTH,
+    )
+    flight = _believed(flights, gtmab, one).flights[0][2]
+    assert not flight.usable[flight.time > 25.5].any()
+    assert flight.usable[(flight.time > 5.0) & (flight.time < 22.0)].all()
+
+
+def test_a_pose_at_five_hertz_is_refused(flights, gtmab):
+    one = _changed(flights[0], lambda c: _only(c, slice(None, None, 20)), TRUTH)
+    with pytest.raises(BadInput, match=r'A: the pose comes 5 times a second'):
+        _believed(flights, gtmab, one)
+
+
+@pytest.mark.parametrize(('gone', 'lacks'), [('motors/', 'command of up_left'), (TRUTH, 'pose')])
+def test_flights_without_commands_or_pose_are_refused(flights, gtmab, gone, lacks):
+    one = _changed(flights[0], lambda _: None, gone)
+    with pytest.raises(BadInput, match=f'A: The recording has no {lacks}'):
+        _believed(flights, gtmab, one)
+
+
+def _still(level):
+    return lambda channel: replace(channel, values=np.full_like(channel.values, level))
+
+
+def test_a_moving_mass_that_moves_is_a_command(flights, gtmab):
+    """Judged over all training flights together: here another place in each."""
+    standing = [_changed(one, _still(0.3), 'motors/effort') for one in flights[:2]]
+    standing = [replace(one, role='train') for one in standing]
+    for k, one in enumerate(standing):
+        told = one.recording.channels['motors/effort.up_left']
+        places = {
+            f'motors/position.moving_mass_{axis}': replace(
+                told, values=np.full_like(told.values, 0.05 + 0.01 * k)
+            )
+            for axis in 'xyz'
+        }
+        channels = {**one.recording.channels, **places}
+        standing[k] = replace(one, recording=replace(one.recording, channels=channels))
+    found = believed([*standing, flights[2]], gtmab)
+    assert len(found.flights) == 3
+
+
+def test_commands_in_newtons_are_read_as_duties(flights, gtmab):
+    """As an import says: at 0.5 of a duty 0.0915 / 4 + 0.0677 / 2 N."""
+    newtons = 'topics: [{topic: motors, actuators: {up_left: {effort: {column: a, unit: N}}}}]'
+    full = 0.0915 / 4.0 + 0.0677 / 2.0
+    one = _changed(flights[1], _still(full), 'motors/effort')
+    told = {**one.recording.provenance, 'mapping_file': newtons}
+    one = replace(one, recording=replace(one.recording, provenance=told))
+    found = believed([flights[0], one, flights[2]], gtmab)
+    np.testing.assert_allclose(found.flights[1][2].commands.values, 0.5, rtol=2e-3)
+
+
+@pytest.mark.parametrize('value', [np.nan, np.inf])
+def test_a_flight_without_one_whole_pose_is_refused(flights, gtmab, value):
+    def lose(channel):
+        return replace(channel, values=np.full_like(channel.values, value))
+
+    with pytest.raises(BadInput, match='A: no pose is whole'):
+        _believed(flights, gtmab, _changed(flights[0], lose, TRUTH))
+
+
+def test_an_absurd_pose_costs_itself_and_says_nothing_else(flights, gtmab):
+    def spoil(channel):
+        values = channel.values.copy()
+        values[1000] = 1e300
+        return replace(channel, values=values)
+
+    place = f'{TRUTH}pose.pose.position'
+    found = _believed(flights, gtmab, _changed(flights[0], spoil, place))
+    assert [name for name, *_ in found.flights] == ['A', 'B', 'C']
+
+
+def test_commands_that_never_move_are_refused(flights, gtmab):
+    one = _changed(flights[0], _still(0.3), 'motors/effort')
+    with pytest.raises(BadInput, match='commands do not move'):
+        _believed(flights, gtmab, one)
+
+
+def test_commands_may_be_constant_in_each_flight_if_they_differ_between_them(flights, gtmab):
+    one = _changed(flights[0], _still(0.3), 'motors/effort')
+    two = _changed(flights[1], _still(0.5), 'motors/effort')
+    found = believed([one, replace(two, role='train'), replace(flights[2], role='confirm')], gtmab)
+    assert len(found.flights) == 3
+
+
+def test_rotors_at_full_duty_are_told(flights, gtmab):
+    def full(channel):
+        return replace(channel, values=np.where(channel.time > 8.0, 1.0, channel.values))
+
+    found = _believed(flights, gtmab, _changed(flights[0], full, 'motors/effort'))
+    assert any('all rotors are at full duty for 7' in word for word in found.warnings)
+
+
+def test_one_run_in_two_roles_is_refused_however_it_was_trimmed(flights, gtmab):
+    def trimmed(channel):
+        late = channel.time > 3.0
+        return replace(_only(channel, late), time=channel.time[late] - 3.0)
+
+    copy = replace(_changed(flights[0], trimmed, ''), name='copy', role='confirm')
+    with pytest.raises(BadInput, match=r"copy: The same run as 'A'.*confirms nothing"):
+        believed([flights[0], copy], gtmab)
+
+
+def test_flights_of_different_vehicles_are_refused(flights, gtmab):
+    told = flights[1].recording.provenance
+    other = {**told, 'vehicle_file': told['vehicle_file'].replace('name: gtmab', 'name: other')}
+    strange = replace(flights[1], recording=replace(flights[1].recording, provenance=other))
+    with pytest.raises(BadInput, match=r"different vehicles \('A' gtmab; 'B' other\)"):
+        believed([flights[0], strange], gtmab)
+
+
+def test_flights_with_different_rotors_are_refused(flights, gtmab):
+    def renamed(channel):
+        return replace(channel, name=channel.name.replace('up_left', 'lift'))
+
+    one = _changed(flights[1], renamed, 'motors/effort.up_left')
+    channels = {c.name: c for c in one.recording.channels.values()}
+    two = replace(one, recording=replace(one.recording, channels=channels))
+    with pytest.raises(BadInput, match='command different vehicles'):
+        believed([flights[0], two], gtmab)
+
+
+def test_too_little_that_can_be_used_is_refused(flights, gtmab):
+    one = _changed(flights[0], lambda c: _only(c, c.time < 15.0), TRUTH)
+    with pytest.raises(BadInput, match=r'Only 1\d s of the flights to train can be used'):
+        _believed(flights, gtmab, one)
+
+
+def test_a_short_flight_among_others_is_left_out(flights, gtmab):
+    one = _changed(flights[1], lambda c: _only(c, c.time < 6.0), TRUTH)
+    found = believed([flights[0], one, replace(flights[2], role='confirm')], gtmab)
+    assert [name for name, _, _ in found.flights] == ['A', 'C']
+    assert any(word.startswith('B: only ') for word in found.warnings)
+
+
+def test_poses_without_noise_that_nobody_calls_simulated_are_a_warning(flights, gtmab):
+    def smooth(channel):
+        kernel = np.hanning(41) / np.hanning(41).sum()
+        return replace(channel, values=np.convolve(channel.values, kernel, 'same'))
+
+    one = _changed(flights[0], smooth, f'{TRUTH}pose.pose.position')
+    one = replace(one, recording=replace(one.recording, provenance={}))
+    found = _believed(flights, gtmab, one)
+    assert any('smoother than any instrument' in word for word in found.warnings)
+
+
+def test_stamps_that_are_wrong_in_a_pattern_cost_nothing_and_are_said(flights, gtmab):
+    """The errors of 120 Hz in steps of 2 ms."""
+    wrong = np.array([0.0, -1.0, 2.0, 1.0, -2.0, 3.0]) / 3.0 * 1e-3  # s
+
+    def shake(channel):
+        return replace(channel, time=channel.time + np.resize(wrong, len(channel.time)))
+
+    plain = believed(flights, gtmab)
+    found = _believed(flights, gtmab, _changed(flights[0], shake, TRUTH))
+    assert any("A: the tracker's stamps jitter" in word for word in found.warnings)
+    was, now = plain.flights[0][2], found.flights[0][2]
+    steps = np.round((now.time - was.time[0]) / 0.04).astype(int)
+    inside = (steps >= 0) & (steps < len(was.time)) & now.usable
+    off = now.position[inside] - was.position[steps[inside]]
+    assert np.nanstd(off) < 7e-5  # 0.14 mm with the stamps as they are

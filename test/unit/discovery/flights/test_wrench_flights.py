@@ -1,0 +1,123 @@
+"""Vehicles that are told forces and moments, seen by a slow tracker alone, with gaps."""
+
+from dataclasses import replace
+from typing import Final
+
+from lta_discovery.fit.evidence import floor_of, own_variance, shared
+from lta_discovery.fit.fit import Fitter
+from lta_discovery.flights.measured import measured, PERIOD, Stream, Streams
+from lta_discovery.flights.windows import windows
+from lta_discovery.model.knobs import knobs
+from lta_discovery.model.nominal import Nominal
+from lta_discovery.replay.linear import origin
+from lta_discovery.replay.linearise import Linearised
+from lta_discovery.replay.replay import Replay
+from lta_discovery.replay.sensing import Places
+from lta_model.effects.protocol import AXES
+from lta_model.vehicle import load_vehicle, Vehicle
+import numpy as np
+from numpy.typing import NDArray
+import pytest
+
+from ..hidden_flight import flown  # noqa: TID252 - `test` is Python's own
+
+Array = NDArray[np.float64]
+RATE: Final = 30.0  # Hz
+ARRIVES: Final = 0.8  # of the force that is commanded ahead
+GAPS: Final = ((7.0, 7.3), (15.0, 16.5))  # s
+
+
+def seen(told: Streams, rng: np.random.Generator) -> Stream:
+    """Return the poses of a slow tracker whose clock jitters, with gaps."""
+    time = np.arange(told.pose.time[0] + 0.1, told.pose.time[-1] - 0.1, 1.0 / RATE)
+    time = np.sort(time + rng.uniform(-2e-3, 2e-3, len(time)))
+    time = time[~np.any([(time > a) & (time < b) for a, b in GAPS], axis=0)]
+    table = np.column_stack([np.interp(time, told.pose.time, each) for each in told.pose.values.T])
+    table[:, 3:] /= np.linalg.norm(table[:, 3:], axis=1, keepdims=True)
+    return Stream(time, table)
+
+
+def commanded(vehicle: Vehicle, told: Streams) -> Stream:
+    """Return the wrench that the rotors gave, lag and all, too much of it ahead."""
+    nominal, flight = Nominal.of(vehicle), measured(told)
+    replay = Replay(flight, windows(flight), vehicle.command(()))
+    thrusts = replay.thrusts(nominal.rows())
+    out = np.zeros((len(thrusts), 6))
+    for i, thrust in enumerate(thrusts.T[: len(nominal.rotors)], 1):
+        given = [nominal.value('rotor_thrust', f'{axis}_{i}') for axis in AXES]
+        out += thrust[:, None] * np.array(given)
+    out[:, 0] /= ARRIVES
+    return Stream(flight.time[0] + replay.dt * np.arange(len(out)), out)
+
+
+@pytest.fixture(scope='module')
+def driven() -> Linearised:
+    """A GT-MAB that was told wrenches."""
+    told, vehicle = flown({}, 5, 32.0), load_vehicle('gtmab')
+    wrench = commanded(vehicle, told)
+    still = Stream(told.pose.time[:1], np.zeros((1, len(vehicle.rotor_names))))
+    only = Streams(seen(told, np.random.default_rng(3)), still, floor=told.floor, wrench=wrench)
+    flight = measured(only)
+    replay = Replay(flight, windows(flight), vehicle.command(()))
+    known = knobs(Nominal.of(vehicle), wrench=True)
+    return Linearised(replay, known, Places.of(vehicle, 101325.0))
+
+
+def test_what_arrives_of_a_commanded_wrench_is_found(driven: Linearised) -> None:
+    """Four fifths ahead, all of it upwards, from poses at 30 Hz."""
+    nominal = Nominal.of(load_vehicle('gtmab'))
+    floor, own = floor_of(nominal), own_variance(driven.knobs)
+    start = origin(nominal, driven.knobs, driven.replay.cut)
+    fitter = Fitter(nominal, [driven], own, floor)
+    found = fitter.fit(shared(driven.knobs), fitter.about(start.values, [start]), floor, 3)
+    names = [knob.name for knob in driven.knobs]
+    for axis, gain in (('surge', ARRIVES), ('heave', 1.0)):
+        k = names.index(f'wrench_gain.{axis}')
+        spread = float(np.sqrt(found.fitted.covariance[k, k]))
+        assert spread < 0.1  # 0.2 before
+        assert abs(1.0 + found.fitted.mean[k] - gain) < 3.0 * spread + 0.03
+
+
+def test_a_short_gap_ends_no_piece(driven: Linearised) -> None:
+    """0.3 s without poses is flown through, 1.5 s is not, and nothing is made up in either."""
+    flight = driven.replay.flight
+    for begin, end in GAPS:
+        inside = (flight.time > begin + 0.05) & (flight.time < end - 0.05)
+        assert inside.any()
+        assert not np.isfinite(flight.position[inside]).any()
+        assert flight.usable[inside].all() == (end - begin < 0.5)
+
+
+def test_poses_smoother_than_any_tracker_count_for_less() -> None:
+    """Half a second of filtered poses says what one says; noise as a tracker has it counts."""
+    time = np.arange(0.0, 20.0, 1.0 / 60.0)
+    pose = np.column_stack([np.sin(0.3 * time), np.cos(0.3 * time), 1.0 + 0.01 * time])
+    turn = np.column_stack([np.zeros((len(time), 3)), np.ones(len(time))])
+    still = Stream(time[:1], np.zeros((1, 2)))
+    smooth = measured(Streams(Stream(time, np.hstack([pose, turn])), still))
+    assert smooth.error[:3] == pytest.approx(0.008)
+    assert smooth.noise[:3] == pytest.approx(0.008 * 12.5**0.5)
+    rng = np.random.default_rng(1)
+    noisy = pose + 1e-3 * rng.standard_normal(pose.shape)
+    raw = measured(Streams(Stream(time, np.hstack([noisy, turn])), still))
+    assert raw.noise[:3] == pytest.approx(1e-3, rel=0.2)
+    assert smooth.usable[0] == raw.usable[0] == False  # noqa: E712 (motors settle)
+    assert smooth.usable[round(0.6 / PERIOD)]
+
+
+def test_a_vehicle_is_weighed_with_its_moving_mass_where_it_is() -> None:
+    """Moved 1 cm ahead, and back again; CG and inertia by hand."""
+    nominal = Nominal.of(load_vehicle('rgblimp'))
+    own = nominal.given['moving_mass']
+    rest = np.array([own[axis] for axis in 'xyz'])
+    ahead = nominal.placed(rest + np.array([0.01, 0.0, 0.0]))
+    assert ahead.cg[0] - nominal.cg[0] == pytest.approx(0.05407 * 0.01 / nominal.mass)
+    hull = [
+        each.inertia[2, 2] + each.mass * (each.cg[0] ** 2 + each.cg[1] ** 2)
+        for each in (nominal, ahead)
+    ]
+    gained = 0.05407 * ((rest[0] + 0.01) ** 2 - rest[0] ** 2)
+    assert hull[1] - hull[0] == pytest.approx(gained)
+    back = ahead.placed(rest)
+    assert back.inertia == pytest.approx(nominal.inertia, abs=1e-12)
+    assert replace(back, given=nominal.given).cg == pytest.approx(nominal.cg)

@@ -1,0 +1,20 @@
+"""Bags in which something is hidden, flown once for all tests that read them."""
+
+from pathlib import Path
+
+from lta_discovery.demo.hidden import fly_hidden, Hidden
+import pytest
+
+DRAG = Hidden('linear_drag.surge', 0.04, 'N s/m')
+SECONDS = (30.0, 14.0, 14.0)  # tests damage the first flight only
+
+
+@pytest.fixture(scope='session')
+def hidden_bags(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path, Path]:
+    """Three flights of a GT-MAB with more drag than its file says."""
+    folder = tmp_path_factory.mktemp('hidden')
+    a, b, c = (
+        fly_hidden(DRAG, 40 + k, seconds, folder / name)
+        for k, (name, seconds) in enumerate(zip('ABC', SECONDS, strict=True))
+    )
+    return a, b, c

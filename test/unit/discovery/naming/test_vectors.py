@@ -1,0 +1,107 @@
+"""Components of one thing are one candidate, and an effect may be many typical sizes large."""
+
+from types import SimpleNamespace
+
+from lta_discovery.fit.evidence import Fitted, Prior, Reduced, shared, tolerances
+from lta_discovery.model.candidates import components, VECTORS, whole
+from lta_discovery.model.knobs import Knob
+from lta_discovery.model.nominal import Nominal
+from lta_discovery.naming.proof import Proven
+from lta_discovery.naming.scan import scan, SIZES
+import numpy as np
+import pytest
+
+Known = tuple[Nominal, list[Knob]]
+
+
+def test_wind_balance_tilt_and_toe_are_vectors_and_no_name_is_in_two(gtmab: Known) -> None:
+    assert components('steady_wind.y') == ('steady_wind.x', 'steady_wind.y')
+    assert components('cg_offset.x') == ('cg_offset.x', 'cg_offset.y')
+    assert components('net_lift.force') == ('net_lift.force',)
+    assert whole(['rotor_misalignment.second_2', 'ballast.mass']) == {
+        'rotor_misalignment.first_2', 'rotor_misalignment.second_2', 'ballast.mass',
+    }  # fmt: skip
+    every = [name for vector in VECTORS for name in vector]
+    assert len(every) == len(set(every))
+    names = {knob.name for knob in gtmab[1]}
+    assert all(set(vector) <= names or not set(vector) & names for vector in VECTORS)
+
+
+def test_all_components_of_a_named_vector_are_free(gtmab: Known) -> None:
+    names = [knob.name for knob in gtmab[1]]
+    free = shared(gtmab[1], ('steady_wind.x',)).free[: len(names)]
+    wind = [free[names.index(f'steady_wind.{axis}')] for axis in 'xyz']
+    assert wind == [True, True, False]
+
+
+def test_a_named_effect_may_have_several_typical_sizes() -> None:
+    """Variances: 0.1^2 of the tolerance and (5 x 0.3)^2 of the effect; that of the other 0.2^2."""
+    knobs = [
+        SimpleNamespace(name='a', tolerance=0.1, typical=0.3, per_flight=False),
+        SimpleNamespace(name='b', tolerance=0.0, typical=0.2, per_flight=False),
+    ]
+    found = tolerances(knobs, ('a', 'b'), {'a': 5.0}).covariance
+    np.testing.assert_allclose(np.diag(found)[:2], [0.01 + 2.25, 0.04])
+
+
+@pytest.mark.parametrize(('value', 'size'), [(0.5, 1.0), (12.0, 5.0), (70.0, 25.0)])
+def test_a_glance_finds_the_size_that_makes_a_value_most_probable(
+    value: float, size: float
+) -> None:
+    """
+    One candidate of typical size 1, of which the data know the value to 4.
+
+    Its log Bayes factor by hand: the density of the value with variance 16 + size^2, by that with
+    16 alone, less what the size costs.
+    """
+    information = 1.0 / 16.0
+    products = information * np.array([[1.0, value], [value, value**2]])
+    knob = SimpleNamespace(name='a', typical=1.0)
+    prior = Prior(np.zeros(1), np.zeros((1, 1)))
+    (seen,) = scan(Reduced(products, 0.0), np.zeros(1), prior, [knob])
+    gains = {
+        one: 0.5 * value**2 * (1.0 / 16.0 - 1.0 / (16.0 + one**2))
+        - 0.5 * np.log(1.0 + one**2 / 16.0)
+        - cost
+        for one, cost in SIZES.items()
+    }
+    assert seen.size == size == max(gains, key=lambda one: gains[one])
+    assert seen.gain == pytest.approx(gains[size])
+
+
+@pytest.mark.parametrize(
+    ('mean', 'told'),
+    [
+        ((0.2, 0.1), (0, 1)),
+        ((0.2, 0.01), (0,)),
+        ((0.01, 0.2), (1,)),
+        ((0.01, 0.0), (0,)),
+        ((0.2, 0.039), (0,)),  # known well, and a trifle
+        ((0.2, 0.041), (0, 1)),
+    ],
+)
+def test_the_components_that_stand_out_are_told(
+    mean: tuple[float, float], told: tuple[int, ...]
+) -> None:
+    """
+    They are known to 0.01 and 0.005; three deviations are asked for, and 4 % of a typical size.
+
+    Where nothing stands out the name itself is told.
+    """
+    knobs = [
+        SimpleNamespace(name=f'steady_wind.{axis}', typical=1.0, tolerance=0.0) for axis in 'xy'
+    ]
+    measured = SimpleNamespace(fitted=Fitted(0.0, np.array(mean), np.eye(2)))
+    proven = Proven(('steady_wind.x',), {}, {}, {}, None, None, measured)
+    assert proven.told(knobs, np.array([0.01, 0.005])) == {'steady_wind.x': told}
+
+
+@pytest.mark.parametrize(('side', 'told'), [(0.0005, (1,)), (0.0016, (0, 1))])
+def test_a_component_within_its_tolerance_is_not_told(side: float, told: tuple[int, ...]) -> None:
+    """A balance is off by 0.5 mm as vehicles are, however well that is known."""
+    knobs = [
+        SimpleNamespace(name=f'cg_offset.{axis}', typical=0.005, tolerance=0.0005) for axis in 'xy'
+    ]
+    measured = SimpleNamespace(fitted=Fitted(0.0, np.array([side, 0.0138]), np.eye(2)))
+    proven = Proven(('cg_offset.x',), {}, {}, {}, None, None, measured)
+    assert proven.told(knobs, np.array([5e-6, 1e-4])) == {'cg_offset.x': told}

@@ -1,0 +1,177 @@
+"""What has no name is described: its axis, its size, and what it follows on both flights."""
+
+from types import SimpleNamespace
+
+from lta_discovery.fit.evidence import FLOOR, tolerances
+from lta_discovery.fit.fit import fit
+from lta_discovery.model.knobs import Knob
+from lta_discovery.model.nominal import Nominal
+from lta_discovery.outside import unexplained
+from lta_discovery.outside.unexplained import followed, knots_of, remaining, states_at_knots, terms
+from lta_discovery.replay.linear import origin, unknowns
+from lta_model.effects.protocol import AXES
+import numpy as np
+import pytest
+from scipy.linalg import hadamard
+
+from ..hidden_flight import flown, prepared  # noqa: TID252 - `test` is Python's own
+
+Known = tuple[Nominal, list[Knob]]
+RANDOM = unknowns(9)
+RNG = np.random.default_rng(5)
+
+
+def _states(count: int) -> np.ndarray:
+    states = RNG.normal(size=(count, 13))
+    states[:, 3:7] /= np.linalg.norm(states[:, 3:7], axis=1, keepdims=True)
+    return states
+
+
+def test_a_force_that_follows_a_product_is_described_by_it() -> None:
+    pair = [_states(120), _states(90)]
+    forces = [s[:, 7] * s[:, 12] + 0.5 * RNG.standard_normal(len(s)) for s in pair]
+    names, share = followed(pair, forces)
+    assert names == ('surge speed x yaw rate',)
+    assert share == pytest.approx(0.8, abs=0.12)  # 1 / (1 + 0.25) of the variance
+
+
+def test_noise_follows_nothing() -> None:
+    pair = [_states(120), _states(90)]
+    names, share = followed(pair, [RNG.standard_normal(len(s)) for s in pair])
+    assert names == ()
+    assert share < 0.15
+
+
+@pytest.mark.long
+def test_turbulence_remains_on_the_axes_that_it_pushes(gtmab: Known) -> None:
+    air = {
+        f'vehicle.effects.turbulence.{name}': {'value': value, 'unit': unit}
+        for name, value, unit in (
+            ('along', 0.06, 'm/s'), ('across', 0.06, 'm/s'), ('up', 0.0, 'm/s'),
+            ('along_length', 2.0, 'm'), ('across_length', 2.0, 'm'), ('up_length', 2.0, 'm'),
+        )
+    }  # fmt: skip
+    nominal, knobs = gtmab
+    flights = tuple(prepared(flown(air, seed, 26.0), knobs) for seed in (81, 82))
+    prior = tolerances(knobs)
+    fits = [
+        fit(flight, nominal, prior, origin(nominal, knobs, flight.replay.cut))
+        for flight in flights
+    ]
+    left = remaining([[one] for one in flights], [[one] for one in fits])
+    assert {'surge', 'sway'} <= {one.axis for one in left}
+    for one in left:
+        assert one.size == pytest.approx(one.floors * FLOOR[AXES.index(one.axis)])
+
+
+def test_knots_have_a_row_for_each_knot_of_each_piece_and_a_column_for_each_axis() -> None:
+    """A piece has twelve unknowns of its state, then nine knots of surge, nine of sway, ..."""
+    asked = []
+
+    def solved(deviations, change):
+        asked.append((deviations, change))
+        return np.arange(3.0 * RANDOM).reshape(3, RANDOM)
+
+    fitted = SimpleNamespace(
+        pieces=SimpleNamespace(solved=solved),
+        deviations='these',
+        linear=SimpleNamespace(names=tuple('abc'), knots=9),
+    )
+    knots = knots_of(fitted)
+    assert knots.shape == (27, 6)
+    for piece, knot, axis in ((0, 0, 0), (0, 8, 1), (2, 3, 5)):
+        assert knots[9 * piece + knot, axis] == RANDOM * piece + 12 + 9 * axis + knot
+    assert asked[0][0] == 'these'
+    np.testing.assert_array_equal(asked[0][1], np.zeros(3))
+
+
+def test_states_are_taken_at_nine_evenly_spaced_knots_of_each_piece() -> None:
+    states = np.arange(2.0 * 17 * 13).reshape(2, 17, 13)
+    flight = SimpleNamespace(trajectory=lambda point: states if point == 'here' else None)
+    fitted = SimpleNamespace(linear=SimpleNamespace(point='here', knots=9))
+    found = states_at_knots(flight, fitted)
+    np.testing.assert_array_equal(found, np.vstack([states[0, ::2], states[1, ::2]]))
+
+
+def test_terms_are_functions_of_the_state() -> None:
+    """The state is yawed by 30 degrees."""
+    half = np.radians(15.0)
+    state = [1.0, 2.0, 3.0, 0.0, 0.0, np.sin(half), np.cos(half), 0.1, -0.2, 0.3, 0.4, 0.5, -0.6]
+    found = {name: float(value[0]) for name, value in terms(np.array([state])).items()}
+    expected = {
+        'constant': 1.0, 'x': 1.0, 'y': 2.0, 'height': 3.0, 'heading (cosine)': 0.75**0.5,
+        'heading (sine)': 0.5, 'surge speed': 0.1, 'sway speed squared': -0.04,
+        'sway speed either way': 0.2, 'heave speed squared': 0.09, 'yaw rate either way': 0.6,
+        'surge speed x sway speed': -0.02, 'surge speed x yaw rate': -0.06,
+        'pitch rate x yaw rate': -0.3,
+    }  # fmt: skip
+    assert {name: found[name] for name in expected} == pytest.approx(expected)
+    assert len(found) == 6 + 3 * 6 + 15
+
+
+# Seven mutually orthogonal series, each with a mean square of 1.
+APART = hadamard(64)[:, [1, 2, 4, 8, 16, 32, 63]].astype(float)
+
+
+@pytest.mark.parametrize(
+    ('shares', 'names', 'told'),
+    [
+        ((0.90, 0.06, 0.04), 'ab', 0.96),  # a further term has to explain 0.05
+        ((0.30, 0.25, 0.20, 0.15), 'abc', 0.75),  # there are three terms at most
+        ((0.10, 0.20), 'ba', 0.30),  # the strongest term comes first
+        ((0.16,), 'a', 0.16),
+        ((0.14,), '', 0.14),  # gusts explain 0.15 by chance
+        ((0.04,), '', 0.0),
+    ],
+)
+def test_a_force_follows_the_terms_that_explain_most_of_its_variance(
+    monkeypatch: pytest.MonkeyPatch, shares: tuple[float, ...], names: str, told: float
+) -> None:
+    known = dict(zip('abcdef', 0.01 * APART.T, strict=False))
+    monkeypatch.setattr(unexplained, 'terms', lambda states: known)
+    parts = np.zeros(7)
+    parts[: len(shares)] = shares
+    parts[6] = 1.0 - sum(shares)  # no term explains this share
+    force = 3.0 * APART @ np.sqrt(parts)
+    found, share = followed([APART, APART], [force, force])
+    assert ''.join(found) == names
+    assert share == pytest.approx(told, abs=1e-4)
+
+
+def test_a_term_that_explains_one_flight_alone_is_not_followed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A fit to either flight has to explain the other one."""
+    known = dict(zip('abcd', APART[:, [0, 3, 4, 5]].T, strict=True))
+    monkeypatch.setattr(unexplained, 'terms', lambda states: known)
+    for pair in ((APART[:, 0], APART[:, 1]), (APART[:, 1], APART[:, 0])):
+        assert followed([APART, APART], pair) == ((), 0.0)
+    # If the force is twice as strong on one flight, a fit to that explains 1 - (1 - 2)^2 = 0 of
+    # the other, and a fit to the other 1 - (1 - 1 / 2)^2 = 3 / 4 of it. The smaller share counts.
+    assert followed([APART, APART], [APART[:, 0], 2.0 * APART[:, 0]]) == ((), 0.0)
+    # If it is 1.5 times as strong, the smaller share is 1 - (1 - 1.5)^2 = 3 / 4.
+    names, share = followed([APART, APART], [APART[:, 0], 1.5 * APART[:, 0]])
+    assert (names, share) == (('a',), pytest.approx(0.75, abs=1e-2))
+
+
+def test_an_axis_counts_if_the_mean_of_all_flights_is_above_2_5_floors(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The geometric means of the two sides are 2.449, 2.550, 3, 10, 1 and 2.49 floors."""
+    sizes = ([1.0, 1.3, 9.0, 4.0, 1.0, 2.49], [6.0, 5.0, 1.0, 25.0, 1.0, 2.49])
+    fits = [[SimpleNamespace(deviations=np.array(size) * FLOOR)] for size in sizes]
+    knots = [np.arange(12.0).reshape(2, 6), np.arange(12.0, 24.0).reshape(2, 6)]
+    monkeypatch.setattr(unexplained, '_known', lambda flights, fits: (['states'], knots))
+    asked = []
+    monkeypatch.setattr(
+        unexplained, 'followed', lambda states, forces: asked.append(forces) or (('x',), 0.5)
+    )
+    found = remaining([[], []], fits)
+    assert [one.axis for one in found] == ['roll', 'heave', 'sway']
+    np.testing.assert_allclose([one.floors for one in found], [10.0, 3.0, 6.5**0.5])
+    np.testing.assert_allclose([one.size for one in found], [8e-4, 12e-4, 4e-4 * 6.5**0.5])
+    assert [[each.tolist() for each in forces] for forces in asked] == [
+        [[k, k + 6.0], [k + 12.0, k + 18.0]] for k in (1.0, 2.0, 3.0)
+    ]
+    lower = remaining([[], []], fits, 0.5 * FLOOR, 4.95)
+    assert [one.axis for one in lower] == ['roll', 'heave', 'sway', 'yaw']

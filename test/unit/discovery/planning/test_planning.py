@@ -1,0 +1,183 @@
+"""The next flight: what is supposed, what is safe, what decides, and what is said of it."""
+
+from dataclasses import replace
+import math
+
+from lta_config.course import Course
+from lta_config.errors import BadInput
+from lta_config.files import find, load_yaml
+from lta_discovery.finding import Finding, NamedEffect
+from lta_discovery.flights.measured import Stream, Streams
+from lta_discovery.model.knobs import Knob
+from lta_discovery.model.nominal import Nominal
+from lta_discovery.planning.advice import advice
+from lta_discovery.planning.choice import Planner, Rival, WANTED
+from lta_discovery.planning.flyable import extent, objections
+from lta_discovery.planning.manoeuvres import family, manoeuvre, Space
+from lta_discovery.planning.next_flight import (
+    between,
+    CERTAIN,
+    doubted,
+    FILE,
+    hint,
+    Next,
+    of_study,
+)
+from lta_discovery.planning.rehearsal import Rehearsed
+from lta_discovery.planning.supposed import supposed
+from lta_discovery.replay.linearise import Linearised
+from lta_discovery.study import Flown, Study
+from lta_flight.ingredients import gather
+from lta_model.scenario import load_scenario, Scenario
+from lta_model.vehicle import load_vehicle
+from lta_sim.readings import Outcome
+import numpy as np
+import pytest
+
+Known = tuple[Nominal, list[Knob]]
+TEXT = find('vehicle', 'gtmab').read_text(encoding='utf-8')
+SPACE = Space(0.5, 2.0)
+
+
+@pytest.fixture(scope='module')
+def planner() -> Planner:
+    """Plans for a GT-MAB in a hall, seen by a tracker and all sensors."""
+    return Planner(gather('gtmab', 'hall', 'bag', ''), TEXT)
+
+
+@pytest.mark.parametrize(
+    ('name', 'value'),
+    [('linear_drag.surge', 0.03), ('rotor_fault.lost_3', 0.14), ('cg_offset.x', -0.004),
+     ('motor_lag', 0.03), ('command_delay.delay', 0.04), ('net_lift.force', -0.01)],
+)  # fmt: skip
+def test_a_vehicle_is_what_it_is_supposed_to_be(
+    gtmab: Known, tmp_path, name: str, value: float
+) -> None:
+    knob = next(one for one in gtmab[1] if one.name == name)
+    turned = knob.turned(gtmab[0], value)
+    path = tmp_path / 'supposed.yaml'
+    path.write_text(supposed(TEXT, load_vehicle('gtmab'), turned))
+    for (effect, parameter), rate in knob.moves.items():
+        before = gtmab[0].value(effect, parameter)
+        found = Nominal.of(load_vehicle(str(path))).value(effect, parameter)
+        assert found == pytest.approx(before + rate * value)
+
+
+def test_every_manoeuvre_takes_off_stays_between_its_heights_and_lands() -> None:
+    for one in family(SPACE):
+        course = Course.model_validate(one.course)
+        heights = [row.altitude.si for row in course.rows]
+        assert heights[-1] == 0.0
+        assert SPACE.low <= min(heights[:-1]) <= max(heights) <= SPACE.high
+        assert course.rows[-1].at.si < one.length
+    costs = [one.cost for one in family(SPACE)]
+    assert costs == sorted(costs)
+    turns = Course.model_validate(manoeuvre('yaws', SPACE, 20.0, 0.0).course)
+    assert {round(row.heading.si, 2) for row in turns.rows} == {1.2, -1.2}
+
+
+def _rehearsed(**changes: object) -> Rehearsed:
+    """Return a quiet flight of 2 m that lands."""
+    path = np.zeros((100, 3))
+    path[:, 0], path[:, 2] = np.linspace(0.0, 2.0, 100), 0.42 + np.hanning(100)
+    still = Streams(
+        Stream(np.arange(2.0), np.zeros((2, 7))), Stream(np.zeros(1), np.zeros((1, 4)))
+    )
+    sound = Rehearsed(still, Outcome.REACHED, path, np.full((100, 4), 0.3), 0.1, 0.42)
+    return replace(sound, **changes)  # type: ignore[arg-type]
+
+
+def test_what_is_not_safe_is_said() -> None:
+    vehicle, hall = load_vehicle('gtmab'), load_scenario('lamp_room')
+    assert objections(_rehearsed(), vehicle, hall) == []
+    x, y, z = extent(_rehearsed(), vehicle)
+    assert x - y == pytest.approx(2.0)  # the way, and the hull in every direction
+    assert 0.5 * y > z - 1.42 > 0.25  # a hull that is wider than high
+    far, high, up = (_rehearsed().path.copy() for _ in range(3))
+    far[50, 0], high[50, 2], up[-1, 2] = 4.6, 2.6, 0.9
+    duties = np.full((100, 4), 0.3)
+    duties[:20, 1] = 1.0
+    for wrong, words in (
+        (_rehearsed(outcome=Outcome.ESCAPED), 'left the room'),
+        (_rehearsed(path=far), 'near a wall'),
+        (_rehearsed(path=high), 'near the ceiling'),
+        (_rehearsed(tilt=math.radians(31.0)), 'tilts by 31 degrees'),
+        (_rehearsed(duties=duties), 'at its limit'),
+        (_rehearsed(path=up), 'does not come down'),
+    ):
+        (said,) = objections(wrong, vehicle, hall)
+        assert words in said
+
+
+@pytest.mark.long
+def test_steps_of_height_tell_a_wind_from_one_that_grows_with_height(planner: Planner) -> None:
+    """Both have one size at one height: only another height tells them apart."""
+    wind, grows = planner.knob('steady_wind.x'), planner.knob('wind_gradient.x_z')
+    first = Rival(wind, 0.004)
+    hover, steps = (
+        planner.promised(manoeuvre(name, planner.space, 45.0, 0.0), first, [Rival(grows, 0.004)])
+        for name in ('hover', 'heights')
+    )
+    assert hover is not None
+    assert steps is not None
+    assert steps > 2.0 * hover
+
+
+@pytest.mark.long
+def test_the_flight_that_tells_two_drags_apart_changes_its_speed(planner: Planner) -> None:
+    drags = [planner.knob(f'{name}.surge') for name in ('linear_drag', 'quadratic_drag')]
+    first, other = (Rival(knob, value) for knob, value in zip(drags, (0.02, 0.15), strict=True))
+    chosen = planner.choose(first, [other])
+    assert chosen is not None
+    assert chosen.nats >= WANTED
+    speeds = {row['speed']['value'] for row in chosen.manoeuvre.course['rows']}
+    assert len(speeds) > 2
+    scene = Scenario.model_validate(chosen.made.contents['scenario'])
+    assert scene.course is not None
+    assert scene.goal.time_limit.si == chosen.manoeuvre.length
+
+
+def test_where_nothing_in_flight_decides_it_says_what_to_measure(tmp_path) -> None:
+    found = between('gtmab', 'net_lift.force', 'payload.mass')
+    assert found.scenario is None
+    assert 'weigh the vehicle' in found.text
+    assert found.write(tmp_path) is None
+    assert 'clocks' in between('gtmab', 'tracker_delay.delay', 'clock_offset.offset').text
+    assert advice('linear_drag.surge', ('quadratic_drag.surge',), 'wrench') == (
+        'record the duties of the motors as well'
+    )
+    assert advice('net_lift.force', ('payload.mass',), 'pose').startswith('they are one constant')
+
+
+def test_what_cannot_be_planned_is_refused() -> None:
+    with pytest.raises(BadInput, match=r"effect 'net_lift\.foce'"):
+        between('gtmab', 'net_lift.foce', 'payload.mass')
+    with pytest.raises(BadInput, match='from itself'):
+        between('gtmab', 'cg_offset.x', 'cg_offset.x')
+
+
+def test_a_scenario_is_written_with_what_it_is_for(tmp_path) -> None:
+    content = load_yaml(find('scenario', 'hall'))
+    content['course'] = dict(manoeuvre('heights', SPACE, 20.0, 0.2).course)
+    path = Next('To tell a from b, climb.', content, 20.0).write(tmp_path)
+    assert path == tmp_path / FILE
+    assert path.read_text().startswith('# To tell a from b, climb.\n')
+    assert load_scenario(str(path)).course == Course.model_validate(content['course'])
+
+
+def test_a_study_with_a_doubtful_name_says_what_comes_next(
+    gtmab: Known, clean: Linearised
+) -> None:
+    lift = NamedEffect('net_lift', ('net_lift.force',), (), 30.0)
+    finding = Finding('named', (lift,), (), (), (), False, (), (), 1, {}, 'gtmab')
+    study = Study(finding, gtmab[0], gtmab[0], [Flown('a', 'train', clean)], ())
+    wide = doubted(study)
+    same = set(wide.finding.effects[0].confusable_with)
+    assert same >= {'gas_purity.purity', 'ballast.mass'}
+    assert 'payload.mass' not in same  # it lifts, and a payload weighs
+    assert 'linear_drag.surge' not in same
+    assert 'weigh the vehicle' in hint(wide)
+    tied = replace(finding, effects=(replace(lift, confusable_with=('linear_drag.heave',)),))
+    assert '--plan' in hint(replace(study, finding=tied))
+    assert hint(study) == ''
+    assert of_study(study, 'gtmab') == Next(CERTAIN)

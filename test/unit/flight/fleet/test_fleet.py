@@ -1,0 +1,253 @@
+"""A batch flies what the loop flies: the same parts, and the same on a GPU."""
+
+from dataclasses import replace
+from importlib.util import find_spec
+import math
+import os
+import subprocess
+import sys
+import textwrap
+
+from lta_config.errors import BadInput
+from lta_config.override import assignment
+from lta_config.topics import topic_table
+from lta_control.cascade import Setpoint
+from lta_control.mission import mission_step, MissionSettings
+from lta_control.phases import Mission, Phase
+from lta_control.reserve import Order
+from lta_control.strategies.bearing_angle import STRATEGY
+from lta_control.strategies.protocol import Sight
+from lta_flight.fleet import flight
+from lta_flight.fleet.craft import made_of
+from lta_flight.fleet.fly import fly_many
+from lta_flight.fleet.text import FIGURES
+from lta_flight.ingredients import gather, loop_of, parts_of
+from lta_flight.loop_view import LoopView
+from lta_flight.report.results import results_of
+from lta_model.scenario import load_scenario
+from lta_sim.in_scene import reach
+from lta_sim.readings import Outcome
+from lta_sim.referee import Referee
+import numpy as np
+import pytest
+
+TABLE = topic_table()
+PHASES = tuple(Phase)
+DUTIES = (0.16, 0.14, 0.3, 0.25)
+needs_cuda = pytest.mark.skipif(
+    find_spec('numba.cuda') is None, reason='this numba needs numba-cuda (requirements-gpu.txt)'
+)
+
+
+def ingredients(*changes, scene='lamp_room'):
+    return gather('gtmab', scene, 'bag', 'gtmab').with_values(dict(map(assignment, changes)))
+
+
+def made(*changes, duties=(), scene='lamp_room'):
+    return made_of(*parts_of(ingredients(*changes, scene=scene)), TABLE, duties)
+
+
+def opened(*changes, seed=1, scene='lamp_room'):
+    """Return the world after an open loop, and its path."""
+    world = loop_of(ingredients(*changes, scene=scene), seed).world
+    path = [world.state[:2].copy()]
+    while world.outcome is Outcome.FLYING:
+        world.advance(DUTIES)
+        path.append(world.state[:2].copy())
+    return world, np.array(path)
+
+
+def figures(row):
+    return dict(zip(FIGURES, row.tolist(), strict=True))
+
+
+def test_the_mission_is_the_mission():
+    settings, chance = MissionSettings(), np.random.default_rng(1)
+    mission, phase, memory = Mission(), 0, (0.0,)
+    for k in range(3000):
+        if k % 150 == 0:
+            mission, phase, memory = Mission(), 0, (0.0,)
+        heading, bearing, altitude = chance.uniform(-3.0, 3.0, 3).tolist()
+        sight = Sight(bool(chance.random() < 0.5), bearing, heading, (0.0,), 0.1)
+        ready, reserve = bool(chance.random() < 0.7), bool(chance.random() < 0.02)
+        expected, mission = mission_step(
+            settings,
+            STRATEGY,
+            mission,
+            sight,
+            altitude / 3 if ready else None,
+            Order.RESERVE if reserve else Order.FLY,
+        )
+        told, phase, memory = flight.guide(
+            settings, phase, memory, sight, ready, altitude / 3, reserve
+        )
+        assert told == expected
+        assert PHASES[phase] is mission.phase
+        assert not mission.memory or memory == mission.memory
+
+
+def test_the_referee_is_the_referee():
+    referee, goal = Referee(load_scenario('lamp_room')), made().craft.goal
+    places = np.random.default_rng(2).uniform((-6, -5, 0, 0), (6, 5, 4, 70), (2000, 4)).tolist()
+    for place in places:
+        assert tuple(Outcome)[flight.judge(goal, *place)] is referee.judge(*place)
+
+
+def test_numbers_that_run_away_end_a_flight():
+    craft = made().craft
+    cell, tally = flight.full(0.9), flight.begun(craft)
+    for k, value, outcome in (
+        (7, 999.0, flight.FLYING),
+        (9, -1001.0, flight.RAN_AWAY),
+        (12, math.nan, flight.RAN_AWAY),
+    ):
+        state = [*craft.place, 0.0, 0.0, 0.0, 1.0, *[0.0] * 6]
+        state[k] = value
+        assert flight.flown(craft, tally, (0.0, 0.0), state, cell, 0.01, 0.01).outcome == outcome
+
+
+BRIEF = (
+    'scenario.goal.time_limit=0.25 s',
+    'estimator.rest_time=0.15',
+    'scenario.start.charge=60 %',
+)
+NAMES = ('x', 'y', 'z', 'charge', 'path_length', 'end')
+
+
+def ending(world, path):
+    """Return what NAMES call of a world's flight."""
+    length = np.linalg.norm(np.diff(path, axis=0), axis=1).sum()
+    return [*world.state[:3], world.charge, length, world.elapsed]
+
+
+def test_an_open_loop_is_the_worlds_to_rounding(batches):
+    seconds = 20 if batches == 'compiled' else 2  # it has left the floor after 1.73 s
+    changes = ('scenario.start.heading_spread=0 deg', f'scenario.goal.time_limit={seconds} s')
+    world, path = opened(*changes)
+    (row,) = fly_many([made(*changes, duties=DUTIES)], [1], closed=False)
+    told = figures(row)
+    assert tuple(Outcome)[int(told['outcome'])] is world.outcome
+    found = [told[name] for name in NAMES]
+    np.testing.assert_allclose(found, ending(world, path), rtol=1e-9, atol=1e-9)
+
+
+@pytest.mark.long
+def test_the_air_and_the_walls_of_a_scene_are_the_worlds():
+    """A gust drives one hull against a wall, to rounding; eddies stir others, by chance."""
+    still = 'scenario.start.heading_spread=0 deg'
+    calm = (
+        still,
+        'scenario.goal.time_limit=17 s',
+        'scenario.air.turbulence.intensity=0 m/s',
+        'scenario.room.size=[9, 3, 3] m',
+    )
+    stirred = (still, 'scenario.goal.time_limit=8 s', 'scenario.air.turbulence.intensity=0.2 m/s')
+    flights = [made(*each, duties=DUTIES, scene='gusty_hall') for each in (calm, stirred)]
+    which = np.array([0] + [1] * 400)
+    rows = fly_many(flights, range(len(which)), closed=False, which=which)
+    world, path = opened(*calm, scene='gusty_hall')
+    limit = 1.5 - reach(world.vehicle)[0]
+    assert path[:, 1].max() > limit
+    found = [figures(rows[0])[name] for name in NAMES]
+    np.testing.assert_allclose(found, ending(world, path), rtol=1e-8, atol=1e-8)
+    few = np.array([ending(*opened(*stirred, seed=k, scene='gusty_hall')) for k in range(40)])
+    own = rows[1:, [FIGURES.index(name) for name in NAMES]]
+    for k in (0, 1, 2, 4):
+        deviation = own[:, k].std()
+        assert deviation > 0.01
+        assert abs(few[:, k].mean() - own[:, k].mean()) < 4 * deviation * math.sqrt(
+            1 / 40 + 1 / 400
+        )
+        assert abs(math.log(few[:, k].std() / deviation)) < 4 * math.sqrt(1 / 80 + 1 / 800)
+
+
+def test_each_flight_of_a_batch_is_what_it_is_alone(batches):
+    brief = () if batches == 'compiled' else BRIEF
+    changes = ((), ('vehicle.trim.heaviness=4 g',), ('scenario.start.charge=70 %',))
+    flights = [made(*brief, *each) for each in changes]
+    which, seeds = np.array([2, 0, 1, 0, 2]), [1, 1, 2, 3, 1]
+    together = fly_many(flights, seeds, which=which)
+    alone = [fly_many([flights[w]], [s])[0] for w, s in zip(which, seeds, strict=True)]
+    np.testing.assert_array_equal(together, alone)
+    np.testing.assert_array_equal(together[0], together[4])
+    assert len(np.unique(np.nan_to_num(together), axis=0)) == 4
+
+
+# Its parts are held to the loop's one by one above, and its text flies in the test before.
+@pytest.mark.long
+def test_its_flights_are_those_of_the_loop_in_distribution():
+    flown = []
+    for seed in range(1001, 1013):
+        loop = loop_of(ingredients(), seed)
+        view = LoopView(loop)
+        for _ in loop.flight():
+            view.take()
+        flown.append(results_of(view))
+    batch = [figures(row) for row in fly_many([made()], range(60), which=np.zeros(60, int))]
+    assert all(told['outcome'] == flight.REACHED for told in batch)
+    for name in ('path_length', 'end', 'energy', 'lift_off', 'search_start'):
+        own, few = (np.array([told[name] for told in batch]),
+                    np.array([getattr(results, name) for results in flown]))  # fmt: skip
+        error = own.std() * math.sqrt(1 / len(few) + 1 / len(own))
+        assert abs(few.mean() - own.mean()) < 3.5 * error, name
+
+
+def test_what_a_batch_does_not_know_it_refuses():
+    with pytest.raises(BadInput, match=r'A batch has no effect gyro_scale'):
+        made('vehicle.effects.gyro_scale.z={value: 1.1, unit: "1", source: assumed}')
+    sblimp = parts_of(gather('sblimp', 'lamp_room', 'bag', ''))
+    with pytest.raises(BadInput, match=r'knows the control law cascade only, not velocity'):
+        made_of(*sblimp, TABLE)
+    vehicle, scenario, policy = parts_of(ingredients())
+    with pytest.raises(BadInput, match=r'not along a course; leave --device out'):
+        made_of(vehicle, scenario, replace(policy, course=lambda _: Setpoint(1, 0, 0)), TABLE)
+    air = scenario.air.model_copy(update={'recorded': 'wind.csv'})
+    windy = scenario.model_copy(update={'air': air})
+    with pytest.raises(BadInput, match=r'recorded wind, which the scenario lamp_room has; leave'):
+        made_of(vehicle, windy, policy, TABLE)
+
+
+LIT = ('scenario.goal.time_limit=0.5 s', *BRIEF[1:])
+SIMULATED = """
+    import sys
+    from lta_flight.fleet import fly
+    from lta_flight.fleet.craft import made_of
+    from lta_flight.ingredients import gather, parts_of
+    from lta_config.override import assignment
+    from lta_config.topics import topic_table
+    import numpy as np
+
+    fly.THREADS = 2
+    out, device, *changes = sys.argv[1:]
+    base = gather('gtmab', 'lamp_room', 'bag', 'gtmab').with_values(
+        dict(map(assignment, changes))
+    )
+    flights = [
+        made_of(*parts_of(base.with_values({'mission.speed': speed})), topic_table())
+        for speed in (0.3, 0.5)
+    ]
+    told = fly.fly_many(flights, [1, 2, 3], device, which=np.array([0, 1, 1]))
+    np.save(out, told)
+"""
+
+
+@pytest.mark.long
+@needs_cuda
+def test_a_thread_of_a_gpu_flies_the_same_closed_loop(tmp_path):
+    told = {}
+    for device, simulated in (('cpu-batch', '0'), ('gpu', '1')):
+        out = tmp_path / f'{device}.npy'
+        script = [sys.executable, '-c', textwrap.dedent(SIMULATED), str(out), device, *LIT]
+        path = os.pathsep.join(filter(None, sys.path))
+        done = subprocess.run(
+            script,
+            env=os.environ | {'PYTHONPATH': path, 'NUMBA_ENABLE_CUDASIM': simulated},
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert done.returncode == 0, done.stderr
+        told[device] = np.load(out)
+    assert set(told['gpu'][:, FIGURES.index('outcome')]) == {flight.TIMEOUT}
+    assert told['gpu'][:, FIGURES.index('path_length')].min() > 0.0
+    np.testing.assert_allclose(told['gpu'], told['cpu-batch'], rtol=1e-12, atol=1e-12)

@@ -1,0 +1,269 @@
+"""What counts as identical, the same or different; and what a replay is started with."""
+
+from dataclasses import replace
+import errno
+import math
+import os
+from pathlib import Path
+from types import SimpleNamespace
+
+from lta_bridge.playback.cast import roles
+from lta_config.errors import BadInput
+from lta_config.files import find, parse_yaml
+from lta_config.topics import topic_table
+from lta_flight.replay.against import allowed, compared, elsewhere, unequal
+from lta_flight.replay.decisions import between, Decision, decisions
+from lta_flight.replay.given import NODES, settings_of
+from lta_flight.replay.heard import Heard
+from lta_flight.replay.order import check, kept, nodes_of, Order, plan_of, recorded_settings
+from lta_flight.replay.page import largest
+from lta_flight.replay.verdict import Verdict
+from lta_model.vehicle import load_vehicle
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).resolve().parents[4]
+NAN = math.nan
+
+
+def heard(keys, texts=None, **numbers):
+    return Heard(
+        np.array(keys, np.int64),
+        {name.replace('__', '.'): np.array(column) for name, column in numbers.items()},
+        {name: np.array(column) for name, column in (texts or {}).items()},
+    )
+
+
+def verdict(*found, place=()):
+    return Verdict(tuple(found), tuple(decisions(found)), tuple(place), 0)
+
+
+def test_bits_decide_and_nothing_is_as_good_as_nothing():
+    x = np.array([1.0, NAN, 0.0, np.inf, 1.0, NAN])
+    y = np.array([1.0, NAN, -0.0, np.inf, np.nextafter(1.0, 2.0), 0.0])
+    assert unequal(x, y).tolist() == [False, False, True, False, True, True]
+    assert unequal(np.array([2**53, 2**53 + 1]), np.array([2**53, 2**53])).tolist() == [
+        False,
+        True,
+    ]
+    assert unequal(np.array(['a', 'b']), np.array(['a', ''])).tolist() == [False, True]
+
+
+def test_what_may_differ_between_machines_is_a_share_of_the_largest_value():
+    values = np.array([0.1, -40.0, NAN])
+    assert allowed(values, values) == pytest.approx(4e-8)
+    single = np.array([0.5, 40.0], np.float32).astype(np.float64)
+    assert allowed(single, single) == pytest.approx(40.0 * 2.0**-23)
+    assert allowed(np.array([NAN]), np.array([NAN])) == 0.0
+
+
+def test_a_field_that_differs_is_told_with_its_first_and_largest_difference():
+    a = heard([10, 20, 30], {'name': ['x', 'y', 'z']}, speed=[1.0, 2.0, 3.0], turns=[1, 2, 3])
+    b = heard([10, 20, 40], {'name': ['x', 'w', 'z']}, speed=[1.0, 2.5, 9.0], turns=[1, 2, 9])
+    found = compared('odom', a, b, stamped=True)
+    assert (found.count, found.differing, found.unmatched) == (2, 1, (1, 1))
+    by_path = {each.path: each for each in found.channels}
+    assert set(by_path) == {'speed', 'name'}
+    speed = by_path['speed']
+    assert (speed.count, speed.first, speed.largest) == (1, 1, 0.5)
+    assert (speed.recorded, speed.again, speed.close) == (2.0, 2.5, False)
+    assert (by_path['name'].recorded, by_path['name'].again) == ('y', 'w')
+
+
+def test_what_only_one_run_has_differs():
+    found = compared('odom', heard([1], x=[1.0]), heard([1], x=[1.0], y=[2.0]), stamped=True)
+    assert [(each.path, each.largest) for each in found.channels] == [('y', math.inf)]
+
+
+def test_without_stamps_the_turn_counts_where_none_is_missing_else_the_log_time():
+    a, b = heard([100, 200, 300], data=[0, 0, 1]), heard([101, 201, 301], data=[0, 1, 1])
+    assert compared('energy/reserve', a, b, stamped=False).differing == 1
+    late = heard([200, 300], data=[0, 1])
+    found = compared('energy/reserve', a, late, stamped=False)
+    assert (found.count, found.differing, found.unmatched) == (2, 0, (1, 0))
+
+
+def test_a_last_bit_is_the_same_elsewhere_and_different_here():
+    a = heard([1, 2], twist__linear__x=[0.5, 0.25])
+    b = heard([1, 2], twist__linear__x=[np.nextafter(0.5, 1.0), 0.25])
+    found = compared('setpoint/velocity', a, b, stamped=True)
+    assert verdict(found).word == 'different'
+    assert verdict(found, place=['commit']).word == 'same'
+    far = compared(
+        'setpoint/velocity', a, heard([1, 2], twist__linear__x=[0.5 + 1e-8, 0.25]), stamped=True
+    )
+    assert verdict(far, place=['commit']).word == 'different'
+    same = compared('setpoint/velocity', a, a, stamped=True)
+    assert verdict(same).word == 'identical'
+    assert verdict(same).sentence == (
+        'Identical to the last bit: 2 messages (2 of setpoint/velocity)'
+    )
+
+
+def test_a_whole_number_is_never_nearly_the_same():
+    found = compared('odom', heard([1], n=[10**12]), heard([1], n=[10**12 + 1]), stamped=True)
+    assert not found.close
+    assert verdict(found, place=['platform']).word == 'different'
+
+
+def test_a_lamp_that_is_lost_is_a_changed_decision_even_within_the_tolerance():
+    """The covariance may be as near as it likes: seen or not is a decision."""
+    a = heard([1, 2], **{'pose__covariance[0]': [1e-12, 1e9]})
+    b = heard([1, 2], **{'pose__covariance[0]': [-1e-12, 1e9]})
+    found = compared('light/estimate', a, b, stamped=True)
+    assert found.close
+    made = verdict(found, place=['platform'])
+    assert made.decisions[0].changed == 1
+    assert made.word == 'different'
+
+
+def test_headings_are_compared_on_the_shorter_side():
+    turned = between(np.radians([179.0, 10.0]), np.radians([-179.0, 10.0]), turning=True)
+    assert np.degrees(turned) == pytest.approx([2.0, 0.0])
+    assert between(np.array([NAN, 1.0]), np.array([NAN, NAN]), turning=False).tolist() == [
+        0.0,
+        math.inf,
+    ]
+
+
+def test_a_heading_is_read_from_its_quaternion():
+    half = np.radians(np.array([0.0, 45.0, 85.0]))
+    pose = {'pose__orientation__z': np.sin(half), 'pose__orientation__w': np.cos(half)}
+    other = {
+        'pose__orientation__z': np.sin(half + 0.05),
+        'pose__orientation__w': np.cos(half + 0.05),
+    }
+    found = compared('setpoint/pose', heard([1, 2, 3], **pose), heard([1, 2, 3], **other), True)
+    (heading,) = decisions([found])
+    assert np.degrees(heading.recorded) == pytest.approx([0.0, 90.0, 170.0])
+    assert heading.largest == pytest.approx(0.1)
+
+
+def test_only_what_moves_the_last_bit_makes_a_bag_one_from_elsewhere():
+    told = {'platform': 'a', 'libraries': 'b', 'commit': 'c', 'created': 'then'}
+    assert elsewhere(told, {**told, 'created': 'now'}) == []
+    assert elsewhere({**told, 'commit': 'd'}, told) == ['commit']
+    assert elsewhere({}, told) == ['platform', 'libraries', 'commit']
+
+
+def test_settings_are_of_the_type_that_the_node_declares():
+    nodes = ('demodulator', 'navigator')
+    given = ['demodulator.window=4', 'demodulator.prior.distance=4', 'navigator.altitude=1']
+    found = settings_of(given, nodes)
+    assert found == {
+        'demodulator': {'window': 4, 'prior.distance': 4.0},
+        'navigator': {'altitude': 1.0},
+    }
+    assert type(found['navigator']['altitude']) is float
+
+
+@pytest.mark.parametrize(
+    ('given', 'words'),
+    [
+        ('demodulator.window', 'write NODE.PARAMETER=VALUE'),
+        ('window=4', 'write NODE.PARAMETER=VALUE'),
+        ('estimator.x=4', "Unknown node that is run again 'estimator'; known: demodulator"),
+        ('demodulator.windo=4', "Unknown parameter of demodulator 'windo'"),
+        ('demodulator.window=many', 'demodulator: parameter window'),
+        ('demodulator.window=101', 'must be at most 100'),
+    ],
+)
+def test_a_setting_that_cannot_be_is_refused_before_anything_starts(given, words):
+    with pytest.raises(BadInput, match=words):
+        settings_of([given], ['demodulator'])
+
+
+def test_nodes_are_those_of_the_graph():
+    assert set(NODES) == set(roles(topic_table()))
+    assert nodes_of('navigator, demodulator,navigator') == ('navigator', 'demodulator')
+    with pytest.raises(BadInput, match="Unknown node 'recorder'; known: controller"):
+        nodes_of('recorder')
+    with pytest.raises(BadInput, match='No node is named'):
+        nodes_of(',')
+
+
+def test_what_a_flight_in_one_process_was_set_to_is_given_to_the_nodes_again():
+    told = {'set': 'scenario.goal.time_limit=4 s; mission.altitude=60 cm; prior.distance=2'}
+    assert recorded_settings(told) == {
+        'navigator': {'altitude': 0.6},
+        'demodulator': {'prior.distance': 2},
+    }
+    assert recorded_settings({}) == {}
+
+
+def given_to(process):
+    """Return the parameters on a process's command line; the last of a name counts."""
+    words = [word.partition(':=') for word in process.arguments]
+    return {
+        name: parse_yaml(value, name) for name, mark, value in words if mark and name[0] != '_'
+    }
+
+
+def flight(**told):
+    topics = ['photodiodes', 'odom', 'energy/reserve', 'imu']
+    return SimpleNamespace(provenance=told, robot='lta2', topics=topics)
+
+
+@pytest.mark.usefixtures('installed')
+def test_a_replay_starts_the_player_and_the_nodes_with_what_the_bag_carries(tmp_path):
+    text = find('vehicle', 'gtmab').read_text(encoding='utf-8')
+    gains = find('gains', 'gtmab').read_text(encoding='utf-8')
+    told = {'vehicle_file': text, 'gains_file': gains, 'set': 'mission.altitude=0.6 m'}
+    settings = {'navigator': {'speed': 0.3}}
+    order = Order(tmp_path / 'bag', ('navigator', 'controller'), settings)
+    plan = plan_of(order, flight(**told), tmp_path)
+    by_name = {process.name: given_to(process) for process in plan.processes}
+    assert list(by_name) == ['player', 'controller', 'navigator']
+    assert plan.namespaces == ['lta2']
+    player = by_name['player']
+    assert player['bag'] == str(tmp_path / 'bag')
+    assert player['nodes'] == 'navigator controller'
+    assert player['roles'] == 'estimator demodulator energy_monitor'
+    assert (player['time'], player['source'], player['robot']) == ('lockstep', 'replay', 'lta2')
+    assert player['answers'] == str(tmp_path / 'bag')
+    assert (by_name['navigator']['altitude'], by_name['navigator']['speed']) == (0.6, 0.3)
+    carried = Path(by_name['controller']['vehicle'])
+    assert carried.read_text(encoding='utf-8') == text
+    assert load_vehicle(str(carried)).rotor_names == load_vehicle('gtmab').rotor_names
+    words = next(p.arguments for p in plan.processes if p.name == 'controller')
+    assert Path(words[words.index('--params-file') + 1]).read_text(encoding='utf-8') == gains
+
+
+@pytest.mark.usefixtures('installed')
+def test_what_is_asked_for_replaces_what_the_bag_carries(tmp_path):
+    told = {'vehicle_file': 'none of it is read', 'gains_file': 'neither is this'}
+    order = Order(tmp_path, ('controller',), vehicle='gtmab', gains='gtmab', rate=2)
+    plan = plan_of(order, flight(**told), tmp_path)
+    by_name = {process.name: given_to(process) for process in plan.processes}
+    assert by_name['controller']['vehicle'] == 'gtmab'
+    assert (by_name['player']['time'], by_name['player']['rate']) == ('realtime', 2.0)
+    assert order.changes == ['vehicle gtmab', 'gains gtmab']
+    assert list(tmp_path.glob('*.yaml')) == []
+
+
+def test_a_node_without_what_it_answers_cannot_be_replayed(tmp_path):
+    order = Order(tmp_path / 'bag', ('energy_monitor',))
+    with pytest.raises(BadInput, match=r"has no 'battery', which energy_monitor answers; leave"):
+        check(order, flight())  # nobody can run a vehicle again
+    with pytest.raises(BadInput, match=r'run estimator again as well, or leave controller out'):
+        check(Order(tmp_path / 'bag', ('controller',)), SimpleNamespace(topics={}))
+    both = Order(tmp_path / 'bag', ('controller', 'estimator'))
+    check(both, flight())  # odom comes from the estimator
+    with pytest.raises(BadInput, match='Unknown'):
+        check(Order(tmp_path, ('navigator', 'demodulator'), strategy='none'), flight())
+
+
+def test_a_full_disk_is_one_sentence_before_anything_starts(tmp_path, monkeypatch):
+    def full(*_args, **_words):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(Path, 'write_text', full)
+    with pytest.raises(BadInput, match=r'vehicle.yaml. cannot be written \(No space left'):
+        kept({'vehicle_file': 'name: mine'}, 'vehicle', tmp_path)
+
+
+def test_a_change_without_a_unit_is_told_without_one():
+    keys, values = np.arange(2), np.array([0.0, 0.5])
+    duty = Decision('duty 1', '1', keys, np.zeros(2), values, values)
+    assert largest(duty) == 'by up to 0.5'
+    assert largest(replace(duty, unit='m')) == 'by up to 0.5 m'

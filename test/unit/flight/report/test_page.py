@@ -1,0 +1,207 @@
+"""The page of a flight: whole, self-contained, and honest about what is missing."""
+
+from html.parser import HTMLParser
+import json
+import re
+
+from lta_config.errors import BadInput
+from lta_config.typed import near
+from lta_data.bag import open_flight
+from lta_flight.report import write_page
+from lta_flight.report.page import again, commands
+from lta_flight.report.panels.registry import PANELS
+from lta_flight.report.track import track_of
+from lta_flight.report.view import View
+from lta_report import pieces
+import numpy as np
+from plotly.graph_objects import Figure
+import pytest
+
+from ...report_flight import provenance, STREAMS, write_flight  # noqa: TID252 - `test` is Python's own
+
+VOID = {'meta', 'link', 'img', 'input', 'br', 'hr', 'base', 'source'}
+BASIC = {'odom', 'motors', 'light/bearing'}  # topics without which a page is tried every time
+FETCHING = {'src', 'href', 'srcset', 'data', 'poster', 'action'}
+
+
+class Reading(HTMLParser):
+    """A page as a browser without a network sees it."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.open, self.ids, self.addresses, self.data, self.text = [], [], [], {}, ''
+        self.feed(text)
+        self.close()
+
+    def handle_starttag(self, tag, attrs):
+        found = dict(attrs)
+        self.ids += [found['id']] if 'id' in found else []
+        self.addresses += [value for key, value in attrs if key in FETCHING]
+        if tag not in VOID:
+            self.open.append((tag, found))
+
+    def handle_endtag(self, tag):
+        assert self.open.pop()[0] == tag
+
+    def handle_data(self, data):
+        tag, attributes = self.open[-1] if self.open else ('', {})
+        if tag == 'script' and attributes.get('type') == 'application/json':
+            self.data[attributes['id']] = json.loads(data)
+        elif tag not in ('script', 'style'):
+            self.text += data
+
+
+@pytest.fixture(scope='module')
+def bag(tmp_path_factory):
+    return write_flight(tmp_path_factory.mktemp('flight') / 'bag')
+
+
+@pytest.fixture(scope='module')
+def written(bag):
+    out = bag.parent / 'page.html'
+    write_page(bag, out)
+    return out
+
+
+@pytest.fixture(scope='module')
+def reading(written):
+    return Reading(written.read_text(encoding='utf-8'))
+
+
+def test_page_is_well_formed_and_every_id_is_unique(reading):
+    assert reading.open == []
+    assert len(reading.ids) == len(set(reading.ids))
+
+
+def test_page_has_every_panel_with_figure_and_caption(reading):
+    for panel in PANELS:
+        assert f'panel-{panel.name}' in reading.ids
+        figure = reading.data[f'figure-{panel.name}']
+        Figure(figure)  # plotly itself finds it valid
+        assert panel.title in reading.text
+        assert panel.caption in reading.text
+
+
+def test_page_fetches_nothing(written, reading):
+    assert [address for address in reading.addresses if not address.startswith('#')] == []
+    text = written.read_text(encoding='utf-8')
+    style = re.search(r'<style>(.*?)</style>', text, re.DOTALL).group(1)
+    assert '@import' not in style
+    assert 'url(' not in style
+
+
+def test_page_says_the_outcome_and_where_the_truth_comes_from(reading):
+    assert 'The drone found the lamp and reached it in 12.0 s over 6.0 m.' in reading.text
+    assert '"Truth" is the state of the simulator' in reading.text
+    assert '8.4 s is 0.87 m/s, not 0.5 m/s' in reading.text
+    command = 'lta fly --vehicle gtmab --scenario lamp_room --strategy bag --seed 7'
+    assert f'{command} --time lockstep' in reading.text
+
+
+def test_page_shows_commands_that_can_be_copied(tmp_path, monkeypatch):
+    view = View(open_flight(write_flight(tmp_path / 'my runs' / 'bag', until=6.0)))
+    monkeypatch.setenv('LTA_CALLED', './lta')
+    monkeypatch.chdir(tmp_path)
+    lines = commands(view, near(tmp_path / 'my runs' / 'bag'))
+    assert lines['List what was recorded'] == "./lta bag info 'my runs/bag'"
+    assert re.fullmatch(r"plotjuggler -d 'my runs/bag/\w+\.mcap'", lines['Plot any topic'])
+    assert lines['Replay in ROS 2'].startswith("ros2 bag play 'my runs/bag'")
+    clocked = lines['Replay in ROS 2'].endswith(' --clock')
+    assert clocked is ('/clock' not in view.flight.bag.topics)
+    assert lines['Fly it again'].startswith('./lta fly --vehicle gtmab ')
+
+
+def test_page_is_small_enough_to_send(written):
+    assert written.stat().st_size < 6e6
+
+
+def test_every_axis_has_a_title_with_unit(reading):
+    for panel in PANELS:
+        layout = reading.data[f'figure-{panel.name}']['layout']
+        axes = {key: axis for key, axis in layout.items() if re.match('[xy]axis', key)}
+        titles = [axis['title']['text'] for axis in axes.values() if 'title' in axis]
+        assert titles, panel.name
+        for title in titles:
+            assert re.search(r'\[.+\]$', title), (panel.name, title)
+        for side in 'xy':
+            assert any(key[0] == side and 'title' in axis for key, axis in axes.items())
+
+
+def test_page_of_the_same_bag_is_the_same(bag, written, tmp_path):
+    again = bag.parent / 'again.html'
+    write_page(bag, again)
+    assert again.read_bytes() == written.read_bytes()
+
+
+@pytest.mark.parametrize(
+    'missing',
+    [
+        pytest.param(name, marks=() if name in BASIC else pytest.mark.long)
+        for name in sorted(STREAMS)
+    ],
+)
+def test_page_does_without_any_one_topic(tmp_path, missing):
+    write_page(write_flight(tmp_path / 'bag', without=[missing], until=6.0), tmp_path / 'p.html')
+    reading = Reading((tmp_path / 'p.html').read_text(encoding='utf-8'))
+    lost = {panel.name for panel in PANELS if missing in panel.needs}
+    assert {panel.name for panel in PANELS if f'figure-{panel.name}' not in reading.data} == lost
+    assert reading.text.count(f'The recording has nothing on {missing}.') == len(lost)
+
+
+def test_page_of_a_bag_without_anything_we_know(tmp_path):
+    folder = write_flight(tmp_path / 'bag', without=list(STREAMS), facts={})
+    results = write_page(folder, tmp_path / 'p.html')
+    reading = Reading((tmp_path / 'p.html').read_text(encoding='utf-8'))
+    assert results.success is None
+    assert reading.text.count('The recording has nothing on') == len(PANELS)
+
+
+def test_page_without_scenario_draws_the_path_alone(tmp_path):
+    write_page(write_flight(tmp_path / 'bag', until=6.0, facts={}), tmp_path / 'p.html')
+    reading = Reading((tmp_path / 'p.html').read_text(encoding='utf-8'))
+    assert set(reading.data) >= {f'figure-{panel.name}' for panel in PANELS}
+    assert 'The recording brings no scenario.' in reading.text
+
+
+def test_provenance_cannot_inject_anything(tmp_path):
+    evil = '</script><script>alert(1)</script><b>&'
+    facts = provenance() | {'vehicle': evil, 'note': evil}
+    write_page(write_flight(tmp_path / 'bag', until=0.5, facts=facts), tmp_path / 'p.html')
+    text = (tmp_path / 'p.html').read_text(encoding='utf-8')
+    assert '<script>alert' not in text
+    assert evil in Reading(text).text
+
+
+def test_data_for_the_script_cannot_end_their_element():
+    text = pieces.embedded('x', {'a': '</script><!-- b'})
+    assert text.count('</script') == 1
+    assert '<!--' not in text
+    assert Reading(text).data == {'x': {'a': '</script><!-- b'}}
+
+
+def test_page_that_cannot_be_written_is_one_sentence(bag, tmp_path):
+    with pytest.raises(
+        BadInput,
+        match=r'cannot be written \(.+\); make room, or choose another folder with --out\.$',
+    ):
+        write_page(bag, tmp_path / 'no' / 'such' / 'page.html')
+
+
+def test_replay_is_the_flight_at_even_instants(bag):
+    track = track_of(View(open_flight(bag)))
+    length = len(track['time'])
+    assert all(len(track[name]) == length for name in track.keys() - {'start', 'radius'})
+    time = np.array(track['time'])
+    np.testing.assert_allclose(np.diff(time), 17.0 / (length - 1), atol=2e-3)
+    expected = -3.5 + 0.5 * np.clip(time - 4.0, 0.0, 12.0)
+    np.testing.assert_allclose(track['x'], expected, atol=2e-3)
+    assert track['radius'] == [0.5]
+    gated = (time > 10.06) & (time < 12.04)
+    assert all(track['bearing'][k] is None for k in np.flatnonzero(gated))
+
+
+def test_a_moved_start_is_flown_again_by_the_launch_file():
+    given = {'vehicle': 'gtmab', 'seed': '2', 'time': 'lockstep', 'commit': 'abc'}
+    assert again(given).endswith('fly --vehicle gtmab --seed 2 --time lockstep')
+    moved = again({**given, 'offset_y': '-2.0'})
+    assert moved.endswith('launch fly vehicle:=gtmab seed:=2 time:=lockstep offset_y:=-2.0')

@@ -1,0 +1,182 @@
+"""The results of a flight against figures worked out by hand."""
+
+import math
+from types import SimpleNamespace
+
+from lta_config.errors import BadInput
+from lta_data.bag import open_flight
+from lta_flight.report.goal import wrapped
+from lta_flight.report.outcome import tiles
+from lta_flight.report.results import cruising, Phases, Results, results_of
+from lta_flight.report.view import View
+from lta_report.curves import held, Track
+import numpy as np
+import pytest
+
+from ...report_flight import header, make, Stream, vector, write_flight  # noqa: TID252 - `test` is Python's own
+
+
+def results(folder):
+    return results_of(View(open_flight(folder)))
+
+
+@pytest.fixture(scope='module')
+def found(tmp_path_factory):
+    return results(write_flight(tmp_path_factory.mktemp('flight') / 'bag'))
+
+
+def test_phases_and_path(found):
+    assert found.success is True
+    assert found.lift_off == pytest.approx(2.25, abs=0.021)  # 1 cm of 8 cm in 2 s, truth at 50 Hz
+    assert found.search_start == pytest.approx(4.0)
+    assert found.end == pytest.approx(16.0)
+    assert found.search_time == pytest.approx(12.0)
+    assert found.flight_time == pytest.approx(16.0 - found.lift_off)
+    assert found.path_length == pytest.approx(6.0)
+    assert found.straight_length == pytest.approx(6.0)
+    assert found.closest == pytest.approx(1.0)
+
+
+def test_cruise(found):
+    assert found.airspeed == pytest.approx(0.5)
+    assert found.airspeed_spread == pytest.approx(0.0, abs=1e-12)
+    assert found.altitude == pytest.approx(0.5)
+    assert found.altitude_error == pytest.approx(0.0, abs=1e-12)
+    assert found.heading_error == pytest.approx(0.0, abs=1e-12)
+
+
+def test_light(found):
+    assert found.lamp_error == pytest.approx(0.02)  # what the drone steers by
+    assert found.lamp_share == pytest.approx(110 / 120)
+    assert found.bearing_error == pytest.approx(0.05)  # the paper's
+    assert found.bearing_share == pytest.approx(100 / 120)  # blocks of 12 s, those of 2 s without
+    # 10 x 500 counts m2 / r^2 at the median of the first and last five blocks, 6.9 m and 1.15 m.
+    assert found.snr_start == pytest.approx(5000.0 / 6.9**2, rel=1e-6)
+    assert found.snr_end == pytest.approx(5000.0 / 1.15**2, rel=1e-6)
+
+
+def test_the_tile_is_of_what_the_drone_steers_by(found):
+    (tile,) = [each for each in tiles(found) if each.name == 'Direction of the lamp']
+    assert (tile.value, tile.unit) == ('1.1', '° RMS off')
+    assert tile.note == "as the drone steers by it; the paper's bearing 2.9°"
+
+
+def test_estimator_errors(found):
+    assert found.altitude_estimate_error == pytest.approx(0.02)
+    total = round((found.end - found.lift_off) / 0.01) + 1  # estimates in flight, 1201 cruising
+    # One more falls between two samples of the truth, at rest and at 0.5 m/s: it is 0.25 m/s off.
+    squares = 1201 * 0.05**2 + 0.25**2
+    assert found.airspeed_estimate_error == pytest.approx(math.sqrt(squares / total))
+    squares = 1200 * 1201 * 2401 / 6  # of 0, 1, ... 1200
+    assert found.heading_estimate_error == pytest.approx(1e-4 * math.sqrt(squares / total))
+    assert found.heading_drift == pytest.approx(0.12)
+
+
+def test_energy_is_4_volt_times_400_milliampere_over_the_flight(found):
+    assert found.power == pytest.approx(1.6, rel=1e-6)
+    assert found.cruise_power == pytest.approx(1.6, rel=1e-6)
+    assert found.energy == pytest.approx(1.6 * found.flight_time, rel=1e-6)
+
+
+def test_estimate_is_laid_on_the_truth_where_both_begin(tmp_path):
+    view = View(open_flight(write_flight(tmp_path / 'bag', until=8.0)))
+    truth_x = np.interp(view.estimate.time, view.truth.time, view.truth.x)
+    np.testing.assert_allclose(view.estimate.x, truth_x, atol=1e-9)
+    np.testing.assert_allclose(view.estimate.y, 0.0, atol=1e-9)
+    np.testing.assert_allclose(view.heading_setpoint.value, 0.0, atol=1e-9)
+
+
+def test_range_is_raised_to_the_hull_centre(tmp_path):
+    view = View(open_flight(write_flight(tmp_path / 'bag', until=1.0)))
+    np.testing.assert_allclose(view.range.value, 0.42, atol=1e-6)
+
+
+def test_wind_is_taken_off_the_speed(tmp_path):
+    wind = Stream(
+        0.1,
+        lambda t: make(
+            'geometry_msgs/msg/Vector3Stamped', header=header(t), vector=vector(-0.2, 0.1, 0.0)
+        ),
+    )
+    folder = write_flight(tmp_path / 'bag', instead={'wind': wind})
+    assert results(folder).airspeed == pytest.approx(0.7)
+
+
+def test_flight_that_ends_early_has_not_reached(tmp_path):
+    found = results(write_flight(tmp_path / 'bag', until=10.0))
+    assert found.success is False
+    assert found.flight_time is None
+    assert found.search_time is None
+    assert found.closest == pytest.approx(4.0)  # 3 m of 7 m flown
+    assert found.path_length == pytest.approx(3.0)
+
+
+@pytest.mark.parametrize(
+    ('missing', 'unknown', 'known'),
+    [
+        ('ground_truth/odom', ['success', 'airspeed', 'heading_drift', 'energy'], ['snr_end']),
+        ('odom', ['altitude_estimate_error', 'heading_drift'], ['airspeed', 'energy']),
+        ('battery', ['energy', 'power', 'cruise_power'], ['airspeed']),
+        ('light/bearing', ['bearing_error', 'bearing_share'], ['snr_start', 'lamp_error']),
+        ('light/estimate', ['lamp_error', 'lamp_share'], ['snr_start', 'bearing_error']),
+        ('light/peaks', ['snr_start', 'snr_end'], ['bearing_error']),
+        ('setpoint/velocity', ['search_time', 'airspeed', 'snr_start'], ['path_length']),
+        ('setpoint/pose', ['altitude_error'], ['altitude']),
+        ('wind', [], ['airspeed']),
+    ],
+)
+def test_missing_topic_leaves_its_figures_unknown(tmp_path, missing, unknown, known):
+    found = results(write_flight(tmp_path / 'bag', without=[missing]))
+    assert [name for name in unknown if getattr(found, name) is not None] == []
+    assert [name for name in known if getattr(found, name) is None] == []
+
+
+def test_without_scenario_nobody_knows_where_the_lamp_is(tmp_path):
+    found = results(write_flight(tmp_path / 'bag', facts={'seed': '1'}))
+    assert (found.success, found.path_length, found.bearing_error) == (None, None, None)
+    assert found.end == pytest.approx(17.0)
+
+
+@pytest.mark.parametrize('key', ['scenario_file', 'vehicle_file'])
+@pytest.mark.parametrize('text', ['schema: 1', '[', '- a'])
+def test_unreadable_file_in_the_bag_is_one_sentence(tmp_path, key, text):
+    folder = write_flight(tmp_path / 'bag', until=0.5, facts={key: text})
+    with pytest.raises(BadInput, match=rf"^The bag's {key} is .*[^.]\.$"):
+        results(folder)
+
+
+def test_a_whole_recording_tells_every_figure(found):
+    assert [name for name, value in found.to_dict().items() if value is None] == []
+
+
+def test_units_are_told_by_name():
+    units = Results.units()
+    assert (units['path_length'], units['heading_error'], units['snr_end']) == ('m', 'rad', '1')
+    assert 'success' not in units
+    assert units.keys() < Results().to_dict().keys()
+
+
+def test_every_figure_says_what_it_is():
+    for field in Results.__dataclass_fields__.values():
+        assert set(field.metadata) == {'unit', 'about'}
+        assert field.metadata['about']
+
+
+def test_wrapped_angles():
+    given = np.array([0.0, 3.2, -3.2, 2 * math.pi, math.pi])
+    expected = [0.0, 3.2 - 2 * math.pi, 2 * math.pi - 3.2, 0.0, -math.pi]
+    np.testing.assert_allclose(wrapped(given), expected, atol=1e-12)
+
+
+def test_set_point_holds_until_the_next_one():
+    track = Track(np.array([1.0, 2.0]), np.array([5.0, 7.0]))
+    given = held(np.array([0.5, 1.0, 1.9, 2.0, 9.0]), track)
+    np.testing.assert_array_equal(given, [np.nan, 5.0, 5.0, 7.0, 7.0])
+
+
+def test_a_rest_at_a_lamp_of_the_route_is_not_cruised():
+    asked = Track(np.array([1.0, 4.0, 6.0]), np.array([0.5, 0.0, 0.5]))
+    flight = SimpleNamespace(has=lambda _: True, speed_setpoint=asked)
+    time = np.arange(10.0)
+    flown = cruising(flight, Phases(0.0, 1.0, 2.0, 8.0), time)
+    assert time[flown].tolist() == [2.0, 3.0, 6.0, 7.0, 8.0]

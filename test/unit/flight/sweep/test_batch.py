@@ -1,0 +1,151 @@
+"""A sweep flown as one batch goes on, keeps what failed, and draws its map like any other."""
+
+from collections import Counter
+import io
+
+from lta_cli.verbs.sweep import duties_in, refuse_both
+from lta_config.errors import BadInput
+from lta_config.schema.sweep_file import load_sweep
+from lta_flight.fleet.craft import made_of
+from lta_flight.fleet.flight import RAN_AWAY
+from lta_flight.fleet.fly import fly_many
+from lta_flight.fleet.text import FIGURES
+from lta_flight.sweep import fleet_crew
+from lta_flight.sweep.flown import Row
+from lta_flight.sweep.heat import heat, two_lists
+from lta_flight.sweep.plan import Plan
+from lta_flight.sweep.run import Order, sweep_once
+from lta_flight.sweep.statistics import groups, reached_share
+from pyarrow import parquet
+import pytest
+from rich.console import Console
+import yaml
+
+HEAVY, SIDE = 'vehicle.trim.heaviness', 'scenario.air.wind.1'
+SHORT = {'scenario.goal.time_limit': '0.05 s'}
+QUIET = Console(file=io.StringIO())
+
+
+@pytest.fixture
+def sweep(tmp_path, batches):
+    """Return a function that writes a sweep file of short flights."""
+
+    def write(**content):
+        given = {
+            'schema': 1, 'name': 'short', 'about': 'Short flights.', 'vehicle': 'gtmab',
+            'scenario': 'lamp_room', 'strategy': 'bag', 'gains': 'gtmab', 'seeds': {'count': 2},
+            'set': SHORT,
+            'vary': {SIDE: ['0 m/s', '0.1 m/s', '0.2 m/s'], HEAVY: ['1 g', '2 g', '3 g']},
+        }  # fmt: skip
+        path = tmp_path / 'short.yaml'
+        path.write_text(yaml.safe_dump(given | content))
+        return str(path)
+
+    return write
+
+
+def run(file, folder, **options):
+    return sweep_once(Order(file, folder, **{'device': 'cpu-batch', **options}), QUIET)
+
+
+def test_it_is_flown_once_and_has_table_and_page(sweep, tmp_path):
+    file, folder = sweep(), tmp_path / 'out'
+    done = run(file, folder)
+    assert (done.flown, len(done.rows)) == (18, 18)
+    assert Counter(row.outcome for row in done.rows) == {'timeout': 18}
+    table = parquet.read_table(done.table)
+    assert table.column('path_length').null_count == 0
+    assert table.column('altitude_estimate_error').null_count == 18
+    assert table.schema.metadata[b'flown as'] == b'--device cpu-batch'
+    page = done.page.read_text()
+    assert 'id="panel-heat"' in page
+    assert '--device cpu-batch' in page
+    again = run(file, folder)
+    assert again.flown == 0
+    assert again.rows == done.rows
+
+
+def test_flights_of_another_kind_do_not_go_into_its_log(sweep, tmp_path):
+    file, folder = sweep(), tmp_path / 'out'
+    run(file, folder, page=False)
+    with pytest.raises(BadInput, match=r'is of another sweep; choose another --out'):
+        run(file, folder, duties=(0.1, 0.1, 0.1, 0.1))
+
+
+@pytest.mark.long
+@pytest.mark.parametrize('batches', ['compiled'], indirect=True)
+def test_an_open_loop_asks_nothing_of_the_drone(sweep, tmp_path):
+    file = sweep(vary={HEAVY: ['1 g', '2 g']}, set={'scenario.goal.time_limit': '3 s'})
+    done = run(file, tmp_path / 'out', duties=(0.4, 0.4, 0.0, 0.0))
+    figures = [row.figures for row in done.rows]
+    assert all(told['search_start'] is None for told in figures)
+    assert all(0.0 < told['lift_off'] < 2.0 for told in figures)
+
+
+def test_what_cannot_be_built_is_kept_as_failed(sweep, tmp_path, monkeypatch):
+    def picky(vehicle, *others):
+        if vehicle.heaviness > 2.5e-3:
+            raise BadInput('It is too heavy; take less.')
+        return made_of(vehicle, *others)
+
+    monkeypatch.setattr(fleet_crew, 'made_of', picky)
+    file = sweep(vary={HEAVY: ['1 g', '3 g']})
+    done = run(file, tmp_path / 'out', page=False)
+    assert Counter(row.outcome for row in done.rows) == {'timeout': 2, 'failed': 2}
+    assert {row.sentence for row in done.rows if row.outcome == 'failed'} == {
+        'It is too heavy; take less.'
+    }
+
+
+def test_a_flight_whose_numbers_ran_away_has_failed(sweep, tmp_path, monkeypatch):
+    def wild(made, seeds, *others, **options):
+        told = fly_many(made, seeds, *others, **options)
+        told[0, FIGURES.index('outcome')] = RAN_AWAY
+        return told
+
+    monkeypatch.setattr(fleet_crew, 'fly_many', wild)
+    first, *others = run(sweep(), tmp_path / 'out', page=False).rows
+    assert first.outcome == 'failed'
+    assert first.sentence.startswith('The numbers of gtmab ran away 0.05 s after the start')
+    assert {row.outcome for row in others} == {'timeout'}
+
+
+def test_a_map_shows_shares_and_medians(sweep, tmp_path):
+    done = run(sweep(), tmp_path / 'out', page=False)
+    first, *others = done.rows
+    reached = type(first)(
+        first.index, first.seed, first.values, 'reached', '', 0.0, {'search_time': 7.0}
+    )
+    both = two_lists(done.plan)
+    assert both == (SIDE, HEAVY)
+    share, times = heat([reached, *others], both, done.plan.units).data
+    assert share.z[0][0] == 50.0
+    assert share.z[2][2] == 0.0
+    assert times.z[0][0] == 7.0
+    assert times.z[2][2] is None
+
+
+def test_a_sweep_over_few_values_is_no_map(sweep):
+    assert two_lists(Plan(load_sweep(sweep(vary={HEAVY: ['1 g', '2 g', '3 g']})))) is None
+
+
+def test_options_that_exclude_each_other_are_refused():
+    with pytest.raises(BadInput, match=r'An open loop \(--duties\) is flown as a batch'):
+        refuse_both(None, (0.1,), None, None)
+    with pytest.raises(BadInput, match=r'needs no --workers and no --scheduler'):
+        refuse_both('gpu', (), 2, None)
+    with pytest.raises(BadInput, match=r"The duties are '1,x'; give numbers from -1 to 1"):
+        duties_in('1,x')
+    assert duties_in('0.1,-0.5') == (0.1, -0.5)
+
+
+def test_values_of_a_grid_are_not_cut_in_two():
+    """Ten values against another parameter that decides: all must look alike."""
+    rows = [
+        Row(k, 1, {'a': float(k // 100), 'b': float(k % 100)}, outcome, '')
+        for k in range(1000)
+        for outcome in (['timeout', 'reached'][k % 100 < 50],)
+    ]
+    found = groups(rows, 'a')
+    assert [group.place for group in found] == list(range(10))
+    assert {reached_share(group.rows).value for group in found} == {0.5}

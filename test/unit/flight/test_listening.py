@@ -1,0 +1,62 @@
+"""A scene whose lamp the drone does not listen for is refused before it flies."""
+
+from dataclasses import replace
+
+from lta_config.errors import BadInput
+from lta_config.files import known
+from lta_flight.flight import fly_once, Order
+from lta_flight.ingredients import gather, parts_of
+from lta_flight.listening import check_listening
+from lta_model.scenario import load_scenario
+from lta_vlc.settings import Demodulation
+from lta_vlc.spectral.bins import plan_beacons
+import pytest
+import yaml
+
+ROW = {'at': '0 s', 'altitude': '1 m', 'heading': '0 deg', 'speed': '0 m/s'}
+
+
+@pytest.fixture
+def other():
+    """Return a function that makes a flight in the lamp room, its lamp at 230 Hz."""
+    made = gather('gtmab', 'lamp_room', 'homing', '')
+    made = made.with_values({'scenario.lamp.frequency': '230 Hz'})
+
+    def of(**keys):
+        scene = made.contents['scenario'] | keys
+        return replace(made, contents={**made.contents, 'scenario': scene})
+
+    return of
+
+
+def test_a_lamp_that_nobody_listens_for_is_refused_with_both_frequencies(other):
+    with pytest.raises(BadInput, match=r'flickers at 230 Hz.* listens at 150 Hz.*route: \[lamp\]'):
+        parts_of(other())
+
+
+def test_either_remedy_lets_it_fly(other):
+    parts_of(other(route=['lamp']))
+    parts_of(other().with_values({'demodulator.frequency': 230.0}))
+
+
+def test_on_a_course_nobody_seeks_a_lamp(other):
+    parts_of(other(course={'between': 'step', 'rows': [ROW]}))
+
+
+def test_the_line_is_where_another_bin_is_the_nearest_one():
+    bins = plan_beacons((150.0,), Demodulation(), 10_000.0, 1000)[0]
+    assert (bins.first, bins.last, bins.limits) == (13, 17, (125.0, 175.0))
+
+
+@pytest.mark.parametrize('name', known('scenarios'))
+def test_every_shipped_scene_is_heard(name):
+    check_listening(load_scenario(name), Demodulation())
+
+
+def test_the_graph_is_not_even_started(other, tmp_path):
+    scene = tmp_path / 'other.yaml'
+    scene.write_text(yaml.safe_dump(other().contents['scenario']))
+    order = Order('gtmab', str(scene), 'bag', 1, 'lockstep', tmp_path / 'out')
+    with pytest.raises(BadInput, match='flickers at 230 Hz'):
+        fly_once(order, None)
+    assert not (tmp_path / 'out').exists()

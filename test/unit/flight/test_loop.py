@@ -1,0 +1,340 @@
+"""Whole flights in one process: they reach the lamp in good order, step by step as the graph."""
+
+from dataclasses import dataclass, replace
+from functools import cache
+import math
+
+from lta_config.files import find, load_yaml
+from lta_config.topics import topic_table
+from lta_control import carried
+from lta_control.allocation import new_scratch
+from lta_control.attitude import heading
+from lta_control.autopilot import drone_of, MEMORY
+from lta_control.cascade import Setpoint, wrap
+from lta_control.estimator import EstimatorSettings
+from lta_control.gains_file import load_gains
+from lta_control.mission import MissionSettings
+from lta_control.onboard import Heard, Onboard, onboard_step
+from lta_control.phases import Phase
+from lta_control.strategies import strategy
+from lta_control.strategies.bearing_angle import STRATEGY
+from lta_flight.loop import Loop
+from lta_flight.policy import Policy
+from lta_model.scenario import load_scenario, Scenario
+from lta_model.vehicle import load_vehicle
+from lta_sim.readings import Outcome
+from lta_sim.world import World
+from lta_vlc.faults import Fault
+import numpy as np
+import pytest
+import yaml
+
+BLOCKS = 11  # control steps until the first light block is read
+SEEDS = (1, 2, 3, 4, 5)
+SPEED = 0.5
+
+
+def start(seed, vehicle='gtmab', **policy):
+    scenario = load_scenario('lamp_room')
+    vehicle = load_vehicle(str(vehicle), scenario.air.density)
+    table = topic_table()
+    policy = {'strategy': strategy('bag'), 'gains': load_gains('gtmab'), **policy}
+    world = World(vehicle, scenario, table, seed)
+    return Loop(world, table, Policy(**policy))
+
+
+@dataclass
+class Flight:
+    outcome: Outcome
+    time: np.ndarray
+    position: np.ndarray  # true, map [m]
+    surge: np.ndarray  # true, body; through still air [m/s]
+    estimated: np.ndarray  # surge, altitude
+    phases: list
+
+    @property
+    def path(self):
+        return np.linalg.norm(np.diff(self.position[:, :2], axis=0), axis=1).sum()
+
+    @property
+    def cruise(self):
+        """From where 90 % of the set speed is first reached."""
+        return slice(int(np.argmax(self.surge >= 0.9 * SPEED)), None)
+
+
+@cache
+def fly(seed):
+    loop = start(seed)
+    rows, phases, outcome = [(0.0, *loop.world.state[:3], 0.0, 0.0, 0.0)], [Phase.REST], None
+    while (outcome := loop.step()) is Outcome.FLYING:
+        state, estimate = loop.world.state, loop.estimate
+        guess = estimate.airspeed.surge, estimate.altitude.height
+        rows.append((loop.world.elapsed, *state[:3], state[7], *guess))
+        phases.append(loop.mission.phase)
+    rows.append((loop.world.elapsed, *loop.world.state[:3], loop.world.state[7], *guess))
+    table = np.array(rows)
+    return Flight(outcome, table[:, 0], table[:, 1:4], table[:, 4], table[:, 5:], phases)
+
+
+@pytest.mark.parametrize('seed', SEEDS)
+def test_it_reaches_the_lamp(seed):
+    flight = fly(seed)
+    assert flight.outcome is Outcome.REACHED
+    assert math.dist(flight.position[-1, :2], (3.5, 0.0)) <= 1.0
+    assert 6.0 <= flight.path < 12.0  # 7 m to the lamp, which is reached at 1 m
+    assert flight.time[-1] < 40.0
+
+
+@pytest.mark.parametrize('seed', SEEDS)
+def test_it_cruises_at_half_a_metre_a_second(seed):
+    flight = fly(seed)
+    assert flight.surge[flight.cruise].mean() == pytest.approx(SPEED, abs=0.1)
+    assert len(flight.surge[flight.cruise]) > 300
+
+
+@pytest.mark.parametrize('seed', SEEDS)
+def test_it_holds_half_a_metre_of_altitude(seed):
+    flight = fly(seed)
+    error = flight.position[flight.cruise, 2] - 0.5
+    assert math.sqrt(np.mean(error**2)) < 0.05
+
+
+@pytest.mark.parametrize('seed', SEEDS)
+def test_it_knows_its_speed_and_altitude(seed):
+    """Believed against true, rms: 20 mm of offset of the range, and the model's airspeed."""
+    flight = fly(seed)
+    cruise = flight.cruise
+    speed = flight.estimated[cruise, 0] - flight.surge[cruise]
+    altitude = flight.estimated[cruise, 1] - flight.position[cruise, 2]
+    assert math.sqrt(np.mean(speed**2)) < 0.06
+    assert math.sqrt(np.mean(altitude**2)) < 0.03
+
+
+@pytest.mark.parametrize('seed', SEEDS)
+def test_the_mission_goes_forward(seed):
+    phases = fly(seed).phases
+    order = list(Phase)
+    places = [order.index(phase) for phase in phases]
+    assert places == sorted(places)
+    assert set(phases) == {Phase.REST, Phase.CLIMB, Phase.SEEK}
+
+
+def test_a_lamp_behind_is_reached_without_flying_away_from_it():
+    """Seed 5 starts 160 degrees off: the push waits for the nose, so that little way is lost."""
+    flight = fly(5)
+    away = np.hypot(flight.position[:, 0] - 3.5, flight.position[:, 1])
+    assert away[0] == pytest.approx(7.0)
+    assert away.max() < 8.2
+
+
+@pytest.mark.long
+def test_nineteen_of_twenty_reach_the_lamp():
+    flights = [fly(seed) for seed in range(1, 21)]
+    assert sum(flight.outcome is Outcome.REACHED for flight in flights) >= 19
+    cruises = [flight.surge[flight.cruise].mean() for flight in flights]
+    assert np.mean(cruises) == pytest.approx(SPEED, abs=0.1)
+
+
+def test_one_seed_is_one_flight():
+    a, b = start(7), start(7)
+    for _ in range(700):
+        assert a.step() is b.step()
+    assert a.estimate == b.estimate
+    assert a.duties == b.duties
+    np.testing.assert_array_equal(a.world.state, b.world.state)
+
+
+def test_the_motors_wait_for_the_estimator():
+    loop = start(2)
+    for step in range(230):
+        loop.step()
+        assert (loop.measured() is None) == (step < 199)  # 200 samples of rest
+        assert step >= 199 or not any(loop.duties)
+    assert any(loop.duties)
+    assert loop.mission.phase is Phase.CLIMB
+
+
+def test_a_setpoint_acts_one_step_after_its_light_block():
+    loop, changes, before = start(2), [], None
+    for step in range(900):
+        loop.step()
+        if loop.setpoint != before:
+            changes.append(step)
+        before = loop.setpoint
+    assert changes[0] == 11  # the first block is whole at step 10
+    assert len(changes) > 20
+    assert {step % 10 for step in changes} == {1}
+
+
+def test_a_bearing_is_added_to_the_heading_at_the_middle_of_its_block():
+    seen, headings = [], []
+
+    def spy(settings, memory, sight):
+        seen.append((len(headings), sight.heading))
+        return STRATEGY.steer(settings, memory, sight)
+
+    loop = start(2, strategy=replace(STRATEGY, steer=spy))
+    for _ in range(900):
+        loop.step()
+        headings.append(heading(loop.estimate.attitude))
+    assert len(seen) > 20
+    for step, believed in seen:
+        assert believed == headings[step - 5]
+
+
+def test_it_decides_as_plain_python_does():
+    """A whole climb and search: the compiled step and the same functions in Python, to the bit."""
+    loop, scratch = start(2), new_scratch()
+    vehicle = load_vehicle('gtmab')
+    drone = drone_of(vehicle, EstimatorSettings(), load_gains('gtmab'), 0.01)
+    memory, taken = Onboard(), []
+    sense = loop.world.sense
+    loop.world.sense = lambda: taken.append(sense()) or taken[-1]
+    for _ in range(900):
+        loop.step()
+        readings = taken.pop()
+        heard = Heard(
+            readings.rates,
+            readings.force,
+            carried.single(readings.ranges[-1][1]) if readings.ranges else math.nan,
+            math.nan if readings.pressure is None else readings.pressure,
+        )
+        if loop.setpoint is not None:
+            height, yaw, speed = loop.setpoint
+            asked = carried.setpoint(height, carried.level(yaw), speed)
+            memory = memory._replace(setpoint=asked, guided=True)
+        memory = onboard_step(drone, memory, heard, scratch)
+        np.testing.assert_array_equal(MEMORY.write(loop.autopilot.memory), MEMORY.write(memory))
+        assert loop.duties == memory.duties[:4]
+    assert loop.mission.phase is Phase.SEEK
+    assert any(loop.duties)
+
+
+def test_the_controller_never_sees_the_truth():
+    """What the cascade acts on is the estimate, which differs from the truth."""
+    loop, pairs = start(2), []
+    for _ in range(600):
+        loop.step()
+        if (measured := loop.measured()) is not None:
+            pairs.append((measured.altitude, loop.world.state[2]))
+    assert len(pairs) > 300
+    assert all(believed != true for believed, true in pairs)
+
+
+def test_it_hovers_at_the_altitude_it_is_told():
+    loop = start(2, mission=MissionSettings(altitude=0.8, speed=0.0))
+    heights = []
+    for _ in range(4000):
+        loop.step()
+        heights.append(loop.world.state[2])
+    # The range's own offset, up to 20 mm, is what it cannot know.
+    assert np.mean(heights[-1000:]) == pytest.approx(0.8, abs=0.021)
+    assert np.ptp(heights[-1000:]) < 0.02
+
+
+@pytest.mark.parametrize(('gain', 'calm'), [(None, True), (0.0, False)])
+def test_the_forward_rotors_keep_the_hull_from_swinging(gain, calm):
+    """The last 20 s of a minute of cruise; without their help it swings up by itself."""
+    scenario = load_scenario('hall')
+    table, gains = topic_table(), load_gains('gtmab')
+    if gain is not None:
+        gains = gains.model_copy(update={'swing_gain': gain})
+    world = World(load_vehicle('gtmab', scenario.air.density), scenario, table, 1)
+    loop = Loop(
+        world,
+        table,
+        Policy(strategy('bag'), gains, course=lambda time: Setpoint(0.6, 0.0, 0.6)),
+    )
+    tilts = []
+    while world.elapsed < 60.0:
+        loop.step()
+        x, y = world.state[3], world.state[4]
+        tilts.append(math.acos(1.0 - 2.0 * (x * x + y * y)))
+    last = np.degrees(tilts[-2000:])
+    assert (last.std() < 0.3) == calm
+    assert (last.max() > 10.0) != calm
+
+
+def with_rotors(path, change):
+    """Write GT-MAB with other rotors: name to position [cm], force and moment per newton."""
+    content = load_yaml(find('vehicle', 'gtmab'))
+    rotors, columns = content['rotors'], content['aero']['thrust_allocation']
+    for name, values in change.items():
+        rotors.pop(name, None)
+        columns.pop(name, None)
+        if values:
+            place, force, moment = (
+                {'value': list(value), 'unit': unit, 'source': 'assumed'}
+                for value, unit in zip(values, ('cm', 'N/N', 'm'), strict=True)
+            )
+            axis = {'value': [round(x) for x in values[1]], 'unit': '1', 'source': 'assumed'}
+            rotors[name] = {'reversible': False, 'position': place, 'axis': axis}
+            columns[name] = {'force': force, 'moment': moment}
+    path.write_text(yaml.safe_dump(content, sort_keys=False), encoding='utf-8')
+    return path
+
+
+FLEETS = {
+    3: {'up_left': None, 'up_right': None, 'up': ((0, 0, -34), (0, 0, 0.96), (0, 0, 0))},
+    6: {
+        'up_front': ((19, 0, -34), (0, 0, 0.96), (0, -0.188, 0)),
+        'up_back': ((-19, 0, -34), (0, 0, 0.96), (0, 0.188, 0)),
+    },
+    8: {
+        'up_front': ((19, 0, -34), (0, 0, 0.96), (0, -0.188, 0)),
+        'up_back': ((-19, 0, -34), (0, 0, 0.96), (0, 0.188, 0)),
+        'turn_left': ((30, 0, -34), (0, 0.96, 0), (0, 0, 0.3)),
+        'turn_right': ((30, 0, -34), (0, -0.96, 0), (0, 0, -0.3)),
+    },
+}
+
+
+@pytest.mark.parametrize('number', FLEETS)
+def test_any_number_of_rotors_reaches_the_lamp(number, tmp_path):
+    loop = start(1, with_rotors(tmp_path / 'rotors.yaml', FLEETS[number]))
+    assert len(loop.duties) == number
+    used = np.zeros(number)
+    while (outcome := loop.step()) is Outcome.FLYING:
+        used = np.maximum(used, loop.duties)
+    assert outcome is Outcome.REACHED
+    assert loop.world.elapsed < 40.0
+    assert (used > 0.05).all()
+
+
+def test_a_course_ends_on_the_floor_with_its_motors_off_and_counts_as_reached():
+    scene = load_yaml(find('scenario', 'hall'))
+    scene['goal']['time_limit'] = '40 s'
+    up = {'at': '2 s', 'altitude': '0.9 m', 'heading': '90 deg', 'speed': '0 m/s'}
+    down = {**up, 'at': '15 s', 'altitude': '0 m'}
+    scene['course'] = {'between': 'step', 'rows': [up, down]}
+    table, vehicle = topic_table(), load_vehicle('gtmab')
+    world = World(vehicle, Scenario.model_validate(scene), table, 1)
+    loop = Loop(world, table, Policy(strategy('bag'), load_gains('gtmab')))
+    heights, began = {}, world.state[2]
+    turned = heading(tuple(world.state[3:7].tolist()))
+    for _ in loop.flight():
+        heights[round(world.elapsed, 2)] = float(world.state[2])
+        if round(world.elapsed, 2) == 14.9:
+            turned = wrap(heading(tuple(world.state[3:7].tolist())) - turned)
+    assert world.outcome is Outcome.REACHED
+    assert heights[1.9] == pytest.approx(began, abs=0.01)
+    assert heights[14.9] == pytest.approx(0.9, abs=0.1)
+    assert heights[40.0] == pytest.approx(began, abs=0.02)
+    assert turned == pytest.approx(math.pi / 2, abs=0.1)
+    assert set(loop.duties) == {0.0}
+
+
+def test_a_finer_converter_hears_the_lamp_as_well(tmp_path):
+    """Sixteen times as many counts, by the vehicle file; as of 12 bits all would be clipped."""
+    content = load_yaml(find('vehicle', 'gtmab'))
+    snr = []
+    for bits in (12, 16):
+        content['sensors']['diodes']['bits'] = bits
+        path = tmp_path / f'{bits}.yaml'
+        path.write_text(yaml.safe_dump(content, sort_keys=False), encoding='utf-8')
+        loop = start(1, path)
+        for _ in range(BLOCKS):
+            loop.step()
+        assert set(loop.light.hearing.faults) == {Fault.NONE}
+        snr.append(loop.light.hearing.peaks[0].snr.max())
+    assert snr[1] > 0.9 * snr[0] > 10.0

@@ -1,0 +1,73 @@
+"""A launch plan is checked before anything starts."""
+
+from lta_config.errors import BadInput
+from lta_config.files import find, known
+from lta_flight.preflight import check
+from lta_graph.launch_file import LaunchPlan, load
+from lta_graph.launch_node import Process
+import pytest
+
+
+def plan(*words, package='lta_sim'):
+    arguments = ['--ros-args', *(part for word in words for part in ('-p', word))]
+    return LaunchPlan((Process(package, 'node', 'node', '/', tuple(arguments), False),))
+
+
+@pytest.mark.parametrize(
+    ('word', 'sentence'),
+    [
+        (
+            'vehicle:="nope"',
+            f"Unknown vehicle 'nope'; known: {', '.join(known('vehicles'))}.",
+        ),
+        (
+            'scenario:="moon"',
+            f"Unknown scenario 'moon'; known: {', '.join(known('scenarios'))}.",
+        ),
+        ('strategy:="luck"', "Unknown strategy 'luck'; known: bag, des, dga, homing."),
+        ('seed:=-1', 'The seed is -1, but must be a whole number from 0 to 2147483647.'),
+        ('seed:="1"', 'The seed is 1, but must be a whole number from 0 to 2147483647.'),
+        ('seed:=true', 'The seed is True, but must be a whole number from 0 to 2147483647.'),
+    ],
+)
+def test_what_a_node_would_refuse_is_refused_before(word, sentence):
+    with pytest.raises(BadInput) as caught:
+        check(plan(word))
+    assert str(caught.value) == sentence
+    check(plan(word, package='their_sim'))
+
+
+def test_a_good_plan_passes():
+    check(plan('vehicle:="gtmab"', 'scenario:="lamp_room"', 'strategy:="bag"', 'seed:=0'))
+
+
+@pytest.fixture
+def other(tmp_path):
+    """Return the file of a scene whose lamp flickers at 230 Hz."""
+    path = tmp_path / 'other.yaml'
+    path.write_text(find('scenario', 'lamp_room').read_text().replace('150 Hz', '230 Hz'))
+    return path
+
+
+@pytest.mark.parametrize('name', ['fly', 'pair'])
+def test_a_lamp_that_nobody_listens_for_is_refused_for_every_drone(name, other):
+    path = find('launch file', name, '.launch.yaml')
+    check(load(path, {}))
+    with pytest.raises(BadInput, match='flickers at 230 Hz, but the demodulator listens at 150'):
+        check(load(path, {'scenario': str(other)}))
+
+
+def test_a_demodulator_that_is_set_to_the_lamp_hears_it(other):
+    navigator = ('--ros-args', '-p', f'scenario:="{other}"')
+    for own, heard in [
+        (('-p', 'frequency:=230.0'), True), (('--params-file', 'own.yaml'), True), ((), False),
+    ]:  # fmt: skip
+        plan = LaunchPlan((
+            Process('lta_control', 'navigator', 'navigator', '/a', navigator, False),
+            Process('lta_vlc', 'demodulator', 'demodulator', '/a', ('--ros-args', *own), False),
+        ))  # fmt: skip
+        if heard:
+            check(plan)
+            continue
+        with pytest.raises(BadInput, match='flickers at 230 Hz'):
+            check(plan)

@@ -1,0 +1,87 @@
+"""A flight in this process: its figures are those of its bag, and its changes are kept."""
+
+import json
+
+from lta_bridge import provenance
+from lta_cli.verbs import simulate as verb
+from lta_config.errors import BadInput
+from lta_config.topics import topic_table
+from lta_data.bag import open_flight, read_bag
+from lta_flight.report.results import results_of
+from lta_flight.report.view import View
+from lta_flight.simulate import simulate_once, Simulated
+import pytest
+import yaml
+
+TABLE = topic_table()
+
+
+@pytest.fixture(autouse=True)
+def _unbuilt(monkeypatch):
+    """Run without a built workspace as well, whose version would not be found."""
+    monkeypatch.setattr(provenance, 'version', lambda _: '0')
+
+
+class Silent:
+    def at(self, time, distance, pace):
+        pass
+
+    def say(self, sentence):
+        pass
+
+
+def simulated(folder, *changes, **options):
+    order = Simulated('gtmab', 'lamp_room', 'bag', 'gtmab', 3, changes, folder, **options)
+    return simulate_once(order, Silent())
+
+
+def test_the_figures_without_a_bag_are_those_of_the_bag(tmp_path):
+    """To the last bit but for the clock: a bag's times are differences of large whole numbers."""
+    change = 'scenario.goal.radius=4 m'
+    flight, figures = simulated(tmp_path / 'a', change)
+    assert flight.outcome == 'reached'
+    of_bag = results_of(View(open_flight(flight.bag))).to_dict()
+    assert figures.to_dict() == pytest.approx(of_bag, rel=1e-12, nan_ok=False)
+    assert None not in of_bag.values()
+    _, bare = simulated(tmp_path / 'b', change, record=False)
+    assert bare == figures
+    assert not (tmp_path / 'b').exists()
+
+
+def test_the_bag_has_every_message_that_the_rhythm_makes_due(tmp_path):
+    flight, _ = simulated(tmp_path / 'out', 'scenario.goal.time_limit=2.05 s')
+    bag = read_bag(flight.bag)
+    assert bag.complete
+    end = max(when for _, when, _ in bag.messages(['/lta1/imu']))
+    assert end == TABLE.start_ns + 2_110_000_000  # one step after the light block
+    repeatable = {f'/lta1/{name}' for name, topic in TABLE.topics.items() if topic.repeatable}
+    assert set(bag.topics) == repeatable
+    for name in repeatable:
+        assert bag.topics[name].count == TABLE.due(name.removeprefix('/lta1/'), end), name
+
+
+def test_what_was_changed_is_kept_and_told(tmp_path):
+    changes = ('vehicle.trim.heaviness=4 g', 'gains.heading_kp=0.5', 'mission.altitude=0.7')
+    flight, _ = simulated(tmp_path / 'out', *changes, 'scenario.goal.time_limit=0.1 s')
+    kept = {path.name: yaml.safe_load(path.read_text()) for path in flight.folder.glob('*.yaml')}
+    assert kept['vehicle.yaml']['trim']['heaviness']['value'] == 4.0
+    told = read_bag(flight.bag).provenance
+    assert yaml.safe_load(told['vehicle_file']) == kept['vehicle.yaml']
+    assert 'heading_kp: 0.5' in told['gains_file']
+    assert 'mission.altitude=0.7' in told['set']
+
+
+def test_nothing_is_made_for_what_cannot_be_flown(tmp_path):
+    with pytest.raises(BadInput, match='Unknown key'):
+        simulated(tmp_path / 'out', 'vehicle.trim.weight=4 g')
+    assert not (tmp_path / 'out').exists()
+
+
+def test_a_model_that_is_compiled_first_is_told_where_no_bar_shows(call, monkeypatch):
+    few = ('--no-bag', '--json', '--set', 'scenario.goal.time_limit=0.1 s')
+    monkeypatch.setattr(verb, 'is_compiled', lambda: False)
+    _, said = call('simulate', *few)
+    assert said.err.splitlines()[0] == f'{verb.COMPILING} ...'
+    assert json.loads(said.out)['outcome'] == 'timeout'
+    monkeypatch.setattr(verb, 'is_compiled', lambda: True)
+    assert verb.COMPILING not in call('simulate', *few)[1].err

@@ -1,0 +1,165 @@
+"""lta cfd, as it is typed, with programs that stand in for OpenFOAM."""
+
+import json
+import math
+import shutil
+import sys
+
+from lta_config.files import share
+from lta_sim.cfd.model import model_of
+from lta_sim.cfd.plan import flows
+from lta_sim.cfd.sweep_table import read_sweep, without_maps
+from lta_sim.cfd.validation import Judged
+from lta_studies.cfd.pictures import sphere_picture
+from lta_studies.cfd.progress import TunnelProgress
+from lta_studies.cfd.tables import coefficients, patterns
+from lta_studies.energy.tables import show
+import pytest
+from rich.console import Console
+
+
+@pytest.fixture
+def run(fake, call, monkeypatch, tmp_path):
+    """Return a function that calls `lta cfd run gtmab` in the fake's folder."""
+    monkeypatch.chdir(tmp_path)
+    common = ('cfd', 'run', 'gtmab', '--cache', fake, '--out', 'done')
+    return lambda *words: call(*common, *words)
+
+
+def test_a_run_leaves_a_page_a_sweep_and_an_aero_file(run, tmp_path):
+    status, said = run('--only', 'heave', '--only', 'up_left', '--jobs', 1)
+    assert status == 0
+    assert 'brakes with' in said.out
+    assert sorted(path.name for path in (tmp_path / 'done').iterdir()) == [
+        'gtmab.aero.yaml', 'gtmab.blown.json', 'gtmab.sweep.json', 'report.html',
+    ]  # fmt: skip
+    sweep = read_sweep(tmp_path / 'done/gtmab.sweep.json')
+    mapped = read_sweep(tmp_path / 'done/gtmab.blown.json')
+    assert sweep == without_maps(mapped) != mapped
+    assert (list(sweep.axes), list(sweep.blows)) == (['heave'], ['up_left'])
+
+
+def test_what_dies_is_said_and_the_rest_is_kept(run, monkeypatch, tmp_path):
+    monkeypatch.setenv('FAKE_FAULT', 'surge:diverges')
+    status, said = run('--only', 'heave', '--only', 'surge')
+    assert status == 0
+    assert 'surge: simpleFoam diverged' in said.out
+    assert list(read_sweep(tmp_path / 'done/gtmab.sweep.json').axes) == ['heave']
+
+
+@pytest.mark.parametrize('name', ['beavis', 'blimp2b', 'gtmab', 'sblimp', 'skye'])
+def test_no_number_is_cut_on_a_terminal_of_80_columns(name):
+    sweep = read_sweep(share() / 'aero' / f'{name}.sweep.json')
+    console = Console(width=80, record=True)
+    for table in (coefficients(sweep), patterns(sweep)):
+        show(table, console)
+    said = [line.split() for line in console.export_text().splitlines()]
+    for table in (coefficients(sweep), patterns(sweep)):
+        assert all(' '.join(row).split() in said for row in table.rows)
+
+
+def test_nothing_solved_is_status_1(run, monkeypatch):
+    monkeypatch.setenv('FAKE_FAULT', 'heave mesh:killed')
+    assert run('--only', 'heave')[0] == 1
+
+
+@pytest.mark.parametrize(
+    ('words', 'said'),
+    [
+        (('--only', 'heavy'), "'heavy'"),
+        (('--memory', '0.1', '--only', 'heave'), 'needs about'),
+        (('--scheduler', 'tcp://127.0.0.1:1', '--jobs', '2'), 'leave --jobs out'),
+    ],
+)
+def test_bad_input_is_one_sentence_and_leaves_no_folder(run, tmp_path, words, said):
+    status, told = run(*words)
+    assert status == 2
+    assert said in told.err
+    assert not (tmp_path / 'done').exists()
+
+
+def test_without_openfoam_nothing_is_begun(run, monkeypatch, tmp_path):
+    monkeypatch.setattr(shutil, 'which', lambda _: None)
+    status, told = run()
+    assert status == 2
+    assert 'apt-get install' in told.err
+    assert not (tmp_path / 'done').exists()
+
+
+def test_a_cluster_without_dask_is_one_sentence(run, monkeypatch):
+    monkeypatch.setitem(sys.modules, 'distributed', None)
+    status, told = run('--scheduler', 'tcp://127.0.0.1:1')
+    assert status == 2
+    assert '-r requirements-dask' in told.err
+
+
+@pytest.mark.long
+def test_a_sphere_is_judged(fake, call, monkeypatch, tmp_path):
+    """The transients begin with a small step, whatever the steady flow before them took."""
+    monkeypatch.chdir(tmp_path)
+    words = ('cfd', 'validate', '--fidelity', 'reference', '--cache', fake, '--out', 'ball')
+    assert call(*words)[0] == 0
+    found = json.loads((tmp_path / 'ball/sphere.json').read_text())
+    alone = {'steady': 4.0, 'transient': 1.0}  # a quarter of the air is solved, or all of it
+    assert {each['setting'].split(',')[0] for each in found} == alone.keys()
+    for each in found:  # 0.05 N at 1 kg/m3 and 1 m/s, on the shadow of a sphere of 1 m
+        share = alone[each['setting'].split(',')[0]]
+        assert each['coefficient'] == pytest.approx(0.4 / math.pi * share, rel=1e-3)
+
+
+@pytest.fixture
+def cluster(fake):
+    """Return the address of a scheduler with two workers in this process; needs Dask."""
+    distributed = pytest.importorskip('distributed')
+    options = {'processes': False, 'n_workers': 2, 'threads_per_worker': 1}
+    with distributed.LocalCluster(**options, dashboard_address=None) as there:
+        yield there.scheduler_address
+
+
+def test_a_cluster_solves_what_this_machine_solves(cluster, run, call, tmp_path, fake):
+    words = ('--only', 'heave', '--only', 'surge', '--only', 'up_left')
+    assert run(*words, '--scheduler', cluster)[0] == 0
+    there = read_sweep(tmp_path / 'done/gtmab.sweep.json')
+    shutil.rmtree(fake)
+    shutil.rmtree(tmp_path / 'done')
+    assert run(*words)[0] == 0
+    assert read_sweep(tmp_path / 'done/gtmab.sweep.json') == there
+
+
+def test_what_dies_on_a_cluster_is_said_and_the_rest_is_kept(cluster, run, monkeypatch, tmp_path):
+    monkeypatch.setenv('FAKE_FAULT', 'still mesh:killed')
+    status, said = run('--only', 'heave', '--only', 'up_left', '--scheduler', cluster)
+    assert status == 0
+    assert 'up_left: blockMesh was killed' in said.out
+    sweep = read_sweep(tmp_path / 'done/gtmab.sweep.json')
+    assert (list(sweep.axes), list(sweep.refused)) == (['heave'], ['up_left'])
+
+
+def test_a_worker_without_openfoam_is_one_sentence(cluster, run, monkeypatch, tmp_path):
+    monkeypatch.setattr(shutil, 'which', lambda _: None)
+    status, told = run('--scheduler', cluster)
+    assert status == 2
+    assert 'is not installed where the worker' in told.err
+    assert not (tmp_path / 'done').exists()
+
+
+def test_every_setting_of_the_sphere_is_drawn():
+    names = [f'transient, {cells} cells' for cells in range(5)]
+    drawn = sphere_picture([
+        Judged(name, 1, 1.0, 6.7e4, 0.48, 0.02, 0.41, 0.0, 1.0) for name in names
+    ])  # fmt: skip
+    assert [trace.name for trace in drawn.data][2:] == names
+
+
+def test_the_bar_tells_who_runs_how_settled_and_how_far():
+    model = model_of('gtmab')
+    (flow,) = (each for each in flows(model, 'preview', (1.2, 1.5e-5), ('yaw',)))
+    bar = TunnelProgress(Console(), [flow])
+    first, *_ = flow.case.steps
+    bar.tell(flow.case, first, 0.5, 3e-4)
+    (task,) = bar._bar.tasks
+    assert task.description == 'yaw 28 % 3e-04'
+    # Half of the first 200 of 360 rounds; the mesh before is 120 more, of as many cells.
+    assert task.percentage == pytest.approx(100 * 100 / (360 + 120))
+    bar.tell(flow.case, flow.case.steps[-1], 1.0, math.nan)
+    assert task.description == ''

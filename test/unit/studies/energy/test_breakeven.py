@@ -1,0 +1,37 @@
+"""lta energy breakeven: the map as JSON, and what is refused."""
+
+import json
+
+from lta_cli.app import status
+import pytest
+
+
+def run(monkeypatch, *words):
+    monkeypatch.setattr('sys.argv', ['lta', 'energy', 'breakeven', *words])
+    return status()
+
+
+def test_the_map_is_told(tmp_path, monkeypatch, capsys):
+    assert run(monkeypatch, '--cell', 'dracula', '--json', '--out', str(tmp_path / 'o')) == 0
+    told = json.loads(capsys.readouterr().out)
+    own = told['break_even_lux']['2 x anysolar (as it is)']
+    assert 5e3 < own['sun']['idle'] < 9e3
+    assert own['white LED']['flying (paper)'] is None
+    assert own['sun']['idle'] < own['sun']['transmitting'] < own['sun']['hovering (paper)']
+    assert '29 x dracula' in told['break_even_lux']
+    assert (tmp_path / 'o' / 'report.html').is_file()
+
+
+@pytest.mark.parametrize(
+    ('words', 'told'),
+    [
+        (('--cell', 'kitronik', '--budget', '50'), 'One panel kitronik weighs 60.0 g'),
+        (('--vehicle', 'multirotor'), 'has no solar array'),
+        (('--cell', 'moon'), 'moon'),
+    ],
+)
+def test_what_cannot_be_is_one_sentence(tmp_path, monkeypatch, capsys, words, told):
+    assert run(monkeypatch, *words, '--out', str(tmp_path / 'o')) == 2
+    error = capsys.readouterr().err
+    assert told in error
+    assert error.count('\n') == 1

@@ -1,0 +1,58 @@
+"""Small halls for the tests of `lta light plan`."""
+
+from lta_config.topics import topic_table
+from lta_model.vehicle import load_vehicle
+from lta_studies.light.plan.ear import Ear
+from lta_studies.light.plan.floor import floor_of
+from lta_studies.light.plan.floor_plan import FloorPlan
+from lta_studies.light.plan.laying import lay_out
+from lta_studies.light.plan.mounts import mounts_of
+from lta_vlc.settings import Demodulation
+import yaml
+
+HALL = """
+schema: 1
+name: test
+about: A hall.
+outline: {x: {value: [0, 12, 12, 0], unit: m}, y: {value: [0, 0, 12, 12], unit: m}}
+height: 5 m
+albedo: 0.5
+altitude: 2 m
+lamp: {flux: 10000 lm, half_power: 60 deg, efficacy: 300 lm/W, duty: 50 %, height: 1.67 m,
+  facing: sideways, spacing: 3 m}
+ambient: {steady: 100 lx, mains_amplitude: 0 lx, mains_frequency: 100 Hz, efficacy: 300 lm/W}
+"""
+
+
+def rectangle(west, south, east, north):
+    """Return an area as a file has it. [m]"""
+    return {
+        'x': {'value': [west, east, east, west], 'unit': 'm'},
+        'y': {'value': [south, south, north, north], 'unit': 'm'},
+    }
+
+
+def content(**changes):
+    """Return what the file of a hall holds, with other blocks; keys of `lamp` one by one."""
+    lamp = changes.pop('lamp', {})
+    hall = yaml.safe_load(HALL) | changes
+    return hall | {'lamp': hall['lamp'] | lamp}
+
+
+def hall(**changes):
+    """Return a hall; parameters as `content`."""
+    return FloorPlan.model_validate(content(**changes))
+
+
+def ear(margin=2.0, **settings):
+    """Return GT-MAB listening."""
+    return Ear(load_vehicle('gtmab'), Demodulation(**settings), topic_table().light, margin)
+
+
+def laid_out(plan, cell=0.5, overlap=1, most=None, listener=None):
+    """Return the layout of a hall."""
+    who = listener or ear()
+    floor = floor_of(plan, who.vehicle, cell)
+    return lay_out(
+        plan, who, floor, mounts_of(plan), overlap, most, lambda: None, lambda words: None
+    )

@@ -1,0 +1,127 @@
+"""Judging bearings: poses, scores by hand, and both estimators through the whole chain."""
+
+import json
+import math
+import sys
+
+from lta_cli import app
+from lta_config.errors import BadInput
+from lta_model.scenario import load_scenario
+from lta_studies.light.bearing.bench import Bench, Reading
+from lta_studies.light.bearing.places import made_of, PLACES
+from lta_studies.light.bearing.poses import BESIDE, CLEAR, draw_pose, NEAREST
+from lta_studies.light.bearing.run import Asked, judge
+from lta_studies.light.bearing.score import score
+from lta_studies.light.bearing.study import before, directions, DISTANCE
+import numpy as np
+import pytest
+
+SCENE = load_scenario('lamp_room')
+LAMP = np.array(SCENE.goal_lamp.position.vector)
+
+
+@pytest.fixture(scope='module')
+def bench():
+    return Bench(made_of(PLACES['indoor'], 'gtmab', 8))
+
+
+@pytest.mark.parametrize('distance', [3.0, 6.0, None])
+def test_poses_are_in_the_room_and_within_the_beam(distance):
+    chance = np.random.default_rng(3)
+    for _ in range(200):
+        x, y, z, *_ = draw_pose(SCENE, distance, chance)
+        away = math.hypot(LAMP[0] - x, LAMP[1] - y)
+        assert abs(x) <= 5.0 - CLEAR
+        assert abs(y) <= 4.0 - CLEAR
+        assert 0.5 <= z <= 1.5
+        assert away == pytest.approx(distance) if distance else away >= NEAREST
+        # The lamp faces -x.
+        assert (LAMP[0] - x) / away >= math.cos(BESIDE) - 1e-6
+
+
+def test_a_distance_that_the_room_does_not_have_is_refused():
+    with pytest.raises(BadInput, match='20 m'):
+        draw_pose(SCENE, 20.0, np.random.default_rng(1))
+
+
+def test_scores_by_hand():
+    nan = math.nan
+    readings = [
+        Reading(9.0, 0.1, 0.02, 0.01, 0.3, 0.2),
+        Reading(7.0, -0.3, -0.01, 0.01, -0.1, 0.2),
+        Reading(8.0, 0.2, 0.015, 0.01, 0.5, 0.2),
+        Reading(1.0, nan, nan, nan, nan, nan),
+    ]
+    found = score(readings)
+    assert found.snr == 7.5
+    assert found.paper == pytest.approx(0.2)
+    assert found.ours == pytest.approx(0.015)
+    assert (found.paper_lost, found.ours_lost) == (0.25, 0.25)
+    # 0.02 is more than 1.96 x 0.01; 0.5 more than 1.96 x 0.2.
+    assert found.holds == pytest.approx(2.0 / 3.0)
+    assert found.elevation_holds == pytest.approx(2.0 / 3.0)
+    assert score(readings[3:]).to_json()['ours'] is None
+
+
+@pytest.mark.parametrize('direction', directions()[::3])
+def test_the_study_turns_the_ring_and_not_the_lamp(bench, direction):
+    pose = before(bench, direction)
+    azimuth, _ = bench.truth(pose)
+    assert math.remainder(azimuth - direction, math.tau) == pytest.approx(0.0, abs=1e-9)
+    assert math.hypot(LAMP[0] - pose[0], LAMP[1] - pose[1]) == pytest.approx(DISTANCE)
+
+
+def test_the_fit_is_better_than_the_papers_mean_where_walls_reflect_and_knows_how_good_it_is():
+    asked = Asked('gtmab', ('indoor',), (8,), (3.0,), 150, 5)
+    (found,) = judge(asked, lambda: None)
+    assert found.score.ours < math.radians(1.0)
+    assert found.score.ours < 0.7 * found.score.paper
+    # 150 readings know a share of 90 % to 2.4 %.
+    assert 0.82 <= found.score.holds <= 1.0
+    assert found.score.ours_lost == 0.0
+
+
+def test_one_seed_is_one_result(bench):
+    asked = Asked('gtmab', ('indoor',), (4,), (None,), 3, 2)
+    assert judge(asked, lambda: None) == judge(asked, lambda: None)
+
+
+def lta(*words, monkeypatch):
+    """Return the status of the command."""
+    monkeypatch.setattr(sys, 'argv', ['lta', *map(str, words)])
+    return app.status()
+
+
+def test_both_verbs_write_a_table_and_a_page(tmp_path, monkeypatch, capsys):
+    words = ('light', 'bearing', '--place', 'indoor', '--diodes', 4, '--range', 3, '--poses', 4)
+    out = tmp_path / 'bearing'
+    assert lta(*words, '--json', '--out', out, monkeypatch=monkeypatch) == 0
+    printed = json.loads(capsys.readouterr().out)
+    assert printed['rows'][0]['diodes'] == 4
+    assert (out / 'report.html').stat().st_size > 1000
+    assert json.loads((out / 'bearing.json').read_text())['rows'] == printed['rows']
+    out = tmp_path / 'study'
+    words = ('light', 'study', '--readings', 1, '--json', '--out', out)
+    assert lta(*words, monkeypatch=monkeypatch) == 0
+    printed = json.loads(capsys.readouterr().out)
+    assert [ring['diodes'] for ring in printed['rings']] == [4, 8, 16] * 2
+    assert len(printed['claims']) == 3
+    assert (out / 'report.html').stat().st_size > 1000
+
+
+@pytest.mark.parametrize(
+    ('words', 'sentence'),
+    [
+        (('--place', 'moon'), 'moon'),
+        (('--range', 'far'), 'far'),
+        (('--range', '0.2'), '0.2'),
+        (('--vehicle', 'zeppelin'), 'zeppelin'),
+    ],
+)
+def test_bad_input_is_one_sentence(words, sentence, tmp_path, monkeypatch, capsys):
+    out = tmp_path / 'out'
+    status = lta('light', 'bearing', '--out', out, *words, monkeypatch=monkeypatch)
+    told = capsys.readouterr().err
+    assert status == 2
+    assert sentence in told
+    assert not out.exists()

@@ -1,0 +1,310 @@
+"""The evaluation of strategies: its statistics, its sets, and that it goes on where it was."""
+
+from collections import Counter
+from dataclasses import replace
+from importlib import import_module
+import io
+from itertools import product
+import json
+import math
+import sys
+
+from lta_cli import app
+from lta_config.errors import BadInput
+from lta_config.files import known
+from lta_config.schema.sweep_file import load_sweep
+from lta_flight.ingredients import gather
+from lta_flight.sweep.flown import Row
+from lta_flight.sweep.plan import Plan
+from lta_studies.light.evaluation import grounds, order, pilot, scores_page, sets, wind
+from lta_studies.light.evaluation.cells import Cell
+from lta_studies.light.evaluation.findings import Findings
+from lta_studies.light.evaluation.flying import plan_of, points, tasks
+from lta_studies.light.evaluation.intervals import mean, ratio
+from lta_studies.light.evaluation.page import write_page
+from lta_studies.light.evaluation.paper import ORDER
+from lta_studies.light.evaluation.run import evaluate, Order
+from lta_studies.light.evaluation.sets import FlightSet, SETS
+import numpy as np
+import pytest
+from rich.console import Console
+import yaml
+
+QUIET = Console(file=io.StringIO())
+LONG = ('uniform', 'range', 'winds', 'roughness', 'ambient')  # built as the others are
+NEAR = {
+    'schema': 1, 'name': 'near', 'about': 'From close by.', 'vehicle': 'gtmab',
+    'scenario': 'lamp_room', 'strategy': 'bag', 'gains': 'gtmab', 'seeds': {'count': 3},
+    'set': {'scenario.start.position.0': '2.2 m', 'scenario.goal.time_limit': '12 s',
+            'scenario.start.heading': '0 deg', 'scenario.start.heading_spread': '20 deg'},
+    'cases': {'as_flown': {}, 'draught': {'scenario.air.wind': '[-0.05, 0, 0] m/s'}},
+    'vary': {'strategy': ['bag']},
+}  # fmt: skip
+
+
+def cell(paths, strategy='bag', lost=0, case='as_flown'):
+    """Return a cell of flights over such paths, and of some that did not arrive."""
+    rows = {
+        seed: Row(seed, seed, {}, 'reached', '', figures={'path_length': path})
+        for seed, path in enumerate(paths)
+    }
+    rows |= {100 + k: Row(100 + k, 100 + k, {}, 'timeout', '') for k in range(lost)}
+    return Cell(strategy, case, '', math.nan, 0.0, rows)
+
+
+def test_a_mean_has_the_interval_of_all_ways_to_resample_it():
+    """Of three flights there are 27 ways; the draws come to the same ends."""
+    values = [1.0, 2.0, 6.0]
+    ways = [np.mean(way) for way in product(values, repeat=3)]
+    found = mean(values)
+    assert found.value == 3.0
+    expected = np.percentile(ways, (2.5, 97.5), method='inverted_cdf')
+    assert (found.low, found.high) == pytest.approx(tuple(expected))
+    assert mean([4.0])[:1] == (4.0,)
+    assert math.isnan(mean([4.0]).low)
+    assert math.isnan(mean([]).value)
+
+
+def test_a_ratio_is_of_means_over_the_same_seeds():
+    """Flights that are all the same multiple of the best have no spread at all."""
+    best = [6.0, 7.0, 9.0, 6.5]
+    found = ratio([1.1 * each for each in best], best)
+    assert found[:3] == pytest.approx((1.1, 1.1, 1.1))
+    assert ratio([6.0, 12.0], [6.0, 6.0]).value == pytest.approx(1.5)
+
+
+def test_a_cell_is_compared_over_the_seeds_with_which_both_arrived():
+    ours, best = cell([8.0, 9.0, 30.0]), cell([4.0, 4.0], 'pilot', lost=1)
+    assert ours.against(best)[::3] == (pytest.approx(17.0 / 8.0), 2)
+    assert math.isnan(ours.against(None).value)
+    assert cell([5.0], lost=3).reached.value == 0.25
+
+
+def test_an_order_is_sure_only_where_chance_would_not_make_it():
+    def case(*starts):
+        names = zip(ORDER, starts, strict=True)
+        return [cell([begin + 0.3 * k for k in range(5)], name) for name, begin in names]
+
+    (found,) = order.orders(case(6.0, 9.0, 12.0))
+    assert (found.holds, found.share, found.sure) == (True, 1.0, True)
+    (found,) = order.orders(case(6.0, 6.01, 6.02))
+    assert found.holds
+    assert not found.sure
+    few = case(6.0, 9.0, 12.0)
+    (found,) = order.orders([*few[:2], replace(few[2], rows={1: few[2].rows[1]})])
+    assert found.holds
+    assert not found.sure  # one arrival has no spread
+    # Of flights that are 0 or 2 the mean of five draws is below 1 in as many cases as above it.
+    assert order.share([[0.0, 2.0] * 3, [1.0] * 6]) == pytest.approx(0.5 - 0.5 * 20 / 64, abs=0.03)
+    assert math.isnan(order.share([[1.0] * 5, []]))
+
+
+def test_the_factor_that_makes_the_order_is_named():
+    def case(name, **starts):
+        return [cell([begin + 0.1 * k for k in range(6)], who, case=name)
+                for who, begin in starts.items()]  # fmt: skip
+
+    here = case('as_flown', bag=6, dga=14, des=8)
+    changed = case('start_heading', bag=6, dga=8, des=12)
+    titles = {'start_heading': 'the start heading'}
+    said = order.statement([], order.orders([*here, *changed]), titles)
+    assert 'does not hold beyond chance as flown here (in 0 % of resampled flights)' in said
+    assert said.endswith('One factor alone brings it about: the start heading (in 100 % of '
+                         'resampled flights).')  # fmt: skip
+    said = order.statement([], order.orders(here), titles)
+    assert said.endswith(', and none of the factors alone brings it about.')
+
+
+@pytest.mark.parametrize(
+    'name', [pytest.param(name, marks=pytest.mark.long if name in LONG else ()) for name in SETS]
+)
+def test_a_set_is_a_sweep_that_can_be_flown(name):
+    """Each case builds; the pilot is there; places on the axis differ from case to case."""
+    plan = plan_of(name)
+    own = Plan(load_sweep(SETS[name].file))
+    assert own.file.draws == 50
+    assert set(ORDER) <= set(own.lists['strategy'])
+    assert len(plan.lists['strategy']) == len(own.lists['strategy']) + SETS[name].piloted
+    assert points(plan) * 50 == own.count // len(own.lists['strategy']) * len(
+        plan.lists['strategy']
+    )
+    axis = SETS[name].axis
+    if axis is not None:
+        flights = [own.job(k) for k in range(0, own.count, own.file.draws)]
+        made = [own.base.with_values(job.changes) for job in flights]
+        assert len({round(axis.place(each), 6) for each in made}) > 3
+
+
+def test_every_shipped_sweep_of_the_light_is_a_set():
+    assert {part.file for part in SETS.values()} == {
+        name for name in known('sweeps') if name.startswith('light_')
+    }
+
+
+@pytest.mark.long
+def test_a_wind_is_told_as_share_of_what_the_vehicle_flies():
+    """8 m/s at 10 m over 0.3 m are 1.09 m/s at the hull; 1.05 m/s is what it flies at most."""
+    field = gather('gtmab', 'windy_field', 'bag', 'gtmab')
+    assert wind.share_of_top(field) == pytest.approx(8.0 * 0.1357 / 1.05, abs=0.01)
+    gusty = gather('gtmab', 'gusty_hall', 'bag', 'gtmab')
+    assert wind.share_of_top(gusty) == pytest.approx(
+        0.25 / 1.05
+    )  # 0.15 m/s and 0.1 m/s of turbulence
+    worst = plan_of(sets.UNIFORM)
+    job = next(job for job in map(worst.job, range(0, worst.count, 1000))
+               if job.values['case'] == 'head_90')  # fmt: skip
+    made_of = worst.base.with_values(job.case)
+    assert wind.share_of_top(made_of) == pytest.approx(0.9, abs=0.002)
+
+
+def test_the_pilot_keeps_its_track_straight():
+    """The 3-4-5 triangle; and the bounds: no more than the top, and slowly only where it must."""
+    assert pilot.through_air(0.0, 0.3, 0.5, 1.0) == pytest.approx((0.4, -0.3))
+    assert pilot.through_air(-0.4, 0.0, 0.5, 1.0) == pytest.approx((1.0, 0.0))
+    assert pilot.through_air(0.0, -0.6, 0.5, 1.0) == pytest.approx((0.8, 0.6))
+    assert pilot.through_air(0.0, 2.0, 0.5, 1.0) == pytest.approx((0.0, -1.0))
+    assert pilot.through_air(0.9, 0.0, 0.5, 1.0) == pytest.approx((0.5, 0.0))
+
+
+@pytest.fixture(scope='module')
+def shipped(tmp_path_factory):
+    """Take a small sweep for two of the sets, whoever asks."""
+    # Its help names the sets when it is first imported, for every later test of this process.
+    import_module('lta_cli.verbs.light.evaluate')
+    path = tmp_path_factory.mktemp('sweep') / 'near.yaml'
+    path.write_text(yaml.safe_dump(NEAR))
+    small = {
+        sets.INDOORS: FlightSet(str(path), 'Near', 'From close by.'),
+        sets.ABLATIONS: FlightSet(str(path), 'Changed', 'From close by.', piloted=False),
+    }
+    # All at once, and back: what monkeypatch deletes one by one comes back in another order.
+    before = dict(SETS)
+    SETS.clear()
+    SETS.update(small)
+    yield
+    SETS.clear()
+    SETS.update(before)
+
+
+@pytest.fixture(scope='module')
+def done(shipped, tmp_path_factory):
+    """An evaluation of two seeds, flown once by one process."""
+    folder = tmp_path_factory.mktemp('evaluation') / 'out'
+    return evaluate(Order((sets.INDOORS, sets.ABLATIONS), 2, folder, workers=1), QUIET)
+
+
+def test_two_seeds_are_flown_from_end_to_end(done):
+    assert (done.flown, done.total, done.stopped) == (12, 12, False)
+    cells = {(each.case, each.strategy): each for each in done.cells[sets.INDOORS]}
+    assert set(cells) == set(product(('as_flown', 'draught'), ('bag', 'pilot')))
+    for each in cells.values():
+        assert sorted(each.rows) == [1, 2]
+        assert (each.failed, each.reached.value) == (0, 1.0)
+    # 1.3 m away, the goal circle 0.3 m ahead.
+    paths = cells['as_flown', 'bag'].figure('path_length')
+    assert all(0.29 < path < 0.6 for path in paths.values())
+    best = cells['draught', 'pilot']
+    assert cells['draught', 'bag'].against(best).value == pytest.approx(1.0, abs=0.1)
+
+
+def test_what_was_flown_is_not_flown_again_and_more_seeds_only_add(done, monkeypatch):
+    again = evaluate(done.order, QUIET)
+    assert again.flown == 0
+    assert again.cells == done.cells
+    flown = []
+
+    class Here:
+        """A crew that flies nothing, and says what it should."""
+
+        deaths = 0
+
+        def __init__(self, *_):
+            pass
+
+        def __enter__(self):
+            return self
+
+        def __exit__(self, *_):
+            pass
+
+        def fly(self, jobs):
+            for job in jobs:
+                flown.append(job)
+                yield Row(job.index, job.seed, dict(job.values), 'timeout', 'made up')
+                if len(flown) == 4:
+                    raise KeyboardInterrupt
+
+    monkeypatch.setattr('lta_studies.light.evaluation.run.LocalCrew', Here)
+    more = Order(done.order.sets, 3, done.order.folder, workers=1)
+    stopped = evaluate(more, QUIET)
+    assert stopped.stopped
+    assert {job.seed for job in flown} == {3}
+    assert Counter(job.values['strategy'] for job in flown)['pilot'] == 2
+    assert (stopped.flown, stopped.total) == (4, 18)
+    for name, own in done.cells.items():  # the flights of two seeds are as they were
+        kept = {(each.case, each.strategy): each for each in stopped.cells[name]}
+        for each in own:
+            rows = kept[each.case, each.strategy].rows
+            assert {seed: rows[seed] for seed in (1, 2)} == each.rows
+    assert evaluate(done.order, QUIET).cells == done.cells
+
+
+def test_all_sets_fly_a_seed_before_any_flies_the_next():
+    plans = {name: plan_of(name) for name in ('indoors', 'ablations')}
+    found = list(tasks(plans, 3))
+    assert [task.job.seed for task in found] == sorted(task.job.seed for task in found)
+    assert len({(task.part, task.job.index) for task in found}) == len(found)
+    assert len(found) == 3 * sum(map(points, plans.values()))
+
+
+def test_page_figures_and_docs_say_the_same(done, tmp_path):
+    found = Findings(done)
+    text = write_page(found).read_text(encoding='utf-8')
+    assert 'the lamp is reached by BAG 100 %' in text
+    for name in ('indoors', 'tracks', 'ablations'):
+        assert f'id="panel-{name}"' in text
+    content = found.to_dict()
+    json.dumps(content, allow_nan=False)
+    first = content['sets'][sets.INDOORS][0]
+    assert (first['case'], first['strategy'], first['flights']) == ('as_flown', 'bag', 2)
+    assert first['reached']['value'] == 1.0
+    page = scores_page.page(found)
+    path = f'{first["path_length"]["value"]:.1f} ({first["path_length"]["low"]:.1f}'
+    assert path in page
+    assert path in text
+    assert '--seeds 2' in page
+
+
+def test_the_command_takes_sets_without_repeating_the_option(done, capsys, monkeypatch):
+    words = ['light', 'evaluate', '--sets', 'indoors', 'ablations', '--seeds', '2', '--markdown']
+    monkeypatch.setattr(sys, 'argv', ['lta', *words, '--out', str(done.order.folder)])
+    assert app.status() == 0
+    said = capsys.readouterr()
+    assert said.out.startswith('# Scores of navigation')
+    assert 'All of it had been flown before.' in said.err
+    monkeypatch.setattr(sys, 'argv', ['lta', 'light', 'evaluate', '--sets', 'indoor'])
+    assert app.status() == 2
+    assert "Unknown set 'indoor'; known: ablations, indoors (" in capsys.readouterr().err
+
+
+def test_a_set_without_strategies_is_refused(tmp_path, monkeypatch):
+    path = tmp_path / 'none.yaml'
+    path.write_text(yaml.safe_dump({**NEAR, 'vary': {}}))
+    monkeypatch.setitem(SETS, 'none', FlightSet(str(path), 'None', 'None.'))
+    with pytest.raises(BadInput, match='must list strategies'):
+        plan_of('none')
+
+
+def test_the_ground_over_which_the_papers_wind_is_flown_is_told():
+    def over(place, paths, lost):
+        return replace(cell(paths, lost=lost), place=place)
+
+    cells = [
+        over(0.3, [], 2),
+        over(0.35, [6.0], 1),
+        over(0.4, [6.0, 7.0], 1),
+        over(0.45, [6.0], 0),
+    ]
+    assert 'BAG over 0.4 m and more' in grounds.statement(cells)
+    assert 'BAG over none of these grounds' in grounds.statement(cells[:2])
+    assert grounds.statement([]) == ''

@@ -1,0 +1,281 @@
+"""Lamps laid out: known optima, set cover against brute force, gaps, hand-overs, the command."""
+
+from itertools import combinations
+import json
+
+from hypothesis import given
+from hypothesis import strategies as st
+from lta_cli.app import put_together
+from lta_config.errors import BadInput
+from lta_config.files import find, known, load
+from lta_model.scenario import load_scenario
+from lta_studies.light.plan.cover import demand, distinct, fewest, greedy, improved
+from lta_studies.light.plan.floor import floor_of
+from lta_studies.light.plan.floor_plan import FloorPlan
+from lta_studies.light.plan.gaps import BEYOND, DROWNED, FEW, gaps_of
+from lta_studies.light.plan.handover import handover_of, longest
+from lta_studies.light.plan.mounts import mounts_of
+from lta_studies.light.plan.polygon import distance, edges_of, flaw, inside, signed_area
+import numpy as np
+from pydantic import ValidationError
+import pytest
+from typer.testing import CliRunner
+import yaml
+
+from .halls import content, ear, hall, laid_out, rectangle
+
+CROSS = {
+    'across': rectangle(0.1, 5.5, 11.9, 6.5) | {'height': '5 m'},
+    'along': rectangle(5.5, 0.1, 6.5, 11.9) | {'height': '5 m'},
+}
+
+
+def test_an_empty_square_room_takes_one_lamp():
+    layout = laid_out(hall())
+    assert len(layout.lamps) == layout.bound == 1
+    assert layout.coverage == 1.0
+    assert gaps_of(layout) == []
+
+
+def test_four_rooms_take_four_lamps_and_no_three_do():
+    layout = laid_out(hall(obstacles=CROSS))
+    assert len(layout.lamps) == layout.bound == 4
+    assert layout.coverage == 1.0
+    corners = {(lamp.mount.position[0] > 6, lamp.mount.position[1] > 6) for lamp in layout.lamps}
+    assert len(corners) == 4
+    three = laid_out(hall(obstacles=CROSS), most=3)
+    assert three.coverage == pytest.approx(0.75)
+    (gap,) = gaps_of(three)
+    assert gap.area == pytest.approx(len(three.floor.centres) / 4 * 0.25)
+    assert gap.why == FEW
+    # Nobody flies through the racks.
+    assert handover_of(layout).edges == ()
+
+
+def test_two_lamps_each_where_two_are_asked_for():
+    layout = laid_out(hall(), overlap=2)
+    assert len(layout.lamps) == 2
+    # But within 2 m of one that fills the converter, by the inverse square of 10 klm at 2 klx.
+    near = np.min(
+        [np.hypot(*(layout.floor.centres - lamp.mount.position[:2]).T) for lamp in layout.lamps],
+        axis=0,
+    )
+    assert layout.count[near > 2.0].min() == 2
+    assert {gap.why for gap in gaps_of(layout)} <= {DROWNED}
+    handover = handover_of(layout)
+    assert handover.edges
+    assert set(handover.edges) <= {(0, 1), (1, 0)}
+    assert len(handover.route) == 2
+
+
+def test_lamps_that_are_there_are_kept():
+    old = {'position': {'value': [12, 6, 1.67], 'unit': 'm'},
+           'facing': {'value': [-2, 0, 0], 'unit': '1'}, 'frequency': '450 Hz'}  # fmt: skip
+    layout = laid_out(hall(lamps={'old': old}, obstacles=CROSS))
+    lamps = {lamp.name: lamp for lamp in layout.lamps}
+    assert lamps['old'].frequency == 450.0
+    assert lamps['old'].mount.axis == (-1.0, 0.0, 0.0)
+    assert 150.0 not in [lamp.frequency for lamp in layout.lamps]
+
+
+def test_where_no_lamp_may_hang_is_a_gap():
+    # Of two rooms, one may have no lamp.
+    wall = {'wall': rectangle(5.5, 0.1, 6.5, 11.9) | {'height': '5 m'}}
+    layout = laid_out(hall(obstacles=wall, forbidden={'east': rectangle(6, 0, 12, 12)}))
+    assert layout.coverage == pytest.approx(0.5)
+    (gap,) = gaps_of(layout)
+    assert gap.why == BEYOND
+    assert gap.west >= 6.5
+
+
+def test_the_hull_needs_room():
+    floor = floor_of(hall(obstacles=CROSS), ear().vehicle, 0.25)
+    x, y = floor.centres.T
+    assert np.all(np.minimum.reduce([x, y, 12 - x, 12 - y]) >= 0.5)
+    assert np.all((np.abs(x - 6) >= 1.0) & (np.abs(y - 6) >= 1.0))
+    low = {'bench': rectangle(4, 4, 8, 8) | {'height': '1.5 m'}}
+    over = floor_of(hall(obstacles=low), ear().vehicle, 0.25)
+    assert over.wanted[over.at(np.array([6.0, 6.0]))]
+    assert len(over.walls) == 8
+    part = floor_of(hall(hear={'west': rectangle(0, 0, 3, 12)}), ear().vehicle, 0.25)
+    assert part.centres[:, 0].max() < 3.0
+    assert part.free.sum() > part.wanted.sum()
+
+
+def test_lamps_hang_on_walls_and_racks_and_face_away_from_them():
+    mounts = mounts_of(hall(obstacles={'rack': rectangle(4, 4, 8, 8) | {'height': '3 m'}}))
+    assert len(mounts) == 16 + 4
+    for mount in mounts:
+        x, y = np.array(mount.position[:2]) + 0.1 * np.array(mount.axis[:2])
+        assert 0 < x < 12
+        assert 0 < y < 12
+        assert not (4 < x < 8 and 4 < y < 8)
+    low = {'rack': rectangle(4, 4, 8, 8) | {'height': '1 m'}}
+    assert len(mounts_of(hall(obstacles=low))) == 16
+    down = mounts_of(hall(lamp={'facing': 'down', 'height': '4 m'}))
+    assert len(down) == 16
+    assert {mount.axis for mount in down} == {(0.0, 0.0, -1.0)}
+
+
+@given(
+    heard=st.lists(st.lists(st.booleans(), min_size=9, max_size=9), min_size=3, max_size=7),
+    overlap=st.integers(1, 2),
+)
+def test_a_cover_covers_and_the_bound_holds_against_brute_force(heard, overlap):
+    table = np.array(heard)
+    needed = demand(table, overlap)
+    cells, asks = distinct(table, needed)
+    bound = fewest(cells, asks, [])
+    found = greedy(table, needed, [], len(table))
+    better = improved(table, needed, found, [], bound, np.random.default_rng(0))
+    assert np.all(table[better].sum(axis=0) >= needed)
+    best = next(
+        size
+        for size in range(len(table) + 1)
+        for some in combinations(range(len(table)), size)
+        if np.all(table[list(some)].sum(axis=0) >= needed)
+    )
+    assert bound <= best <= len(better) <= len(found)
+
+
+def test_a_greedy_choice_that_is_too_large_is_mended():
+    # The greedy choice takes the 8 in the middle first, and then needs both rows.
+    rows = np.zeros((3, 14), dtype=bool)
+    rows[0, :7] = rows[1, 7:] = True
+    rows[2, [0, 1, 2, 3, 7, 8, 9, 10]] = True
+    needed = demand(rows, 1)
+    first = greedy(rows, needed, [], 3)
+    assert sorted(first) == [0, 1, 2]
+    assert sorted(improved(rows, needed, first, [], 2, np.random.default_rng(0))) == [0, 1]
+    assert 2 in improved(rows, needed, first, [2], 2, np.random.default_rng(0))
+
+
+def test_the_longest_of_the_shortest_ways():
+    assert longest(4, [(0, 1), (1, 2), (2, 3), (0, 3)]) == (0, 1, 2)
+    assert longest(3, []) == (0,)
+
+
+def test_polygons_by_hand():
+    shape = np.array([[0, 0], [4, 0], [4, 1], [1, 1], [1, 3], [0, 3]], dtype=float)
+    assert signed_area(shape) == 6.0
+    assert signed_area(shape[::-1]) == -6.0
+    points = np.array([[0.5, 2.0], [2.0, 2.0], [3.0, 0.5], [-1.0, 0.5]])
+    assert inside(points, shape).tolist() == [True, False, True, False]
+    assert distance(points, edges_of(shape)) == pytest.approx([0.5, 1.0, 0.5, 1.0])
+    assert flaw(shape) is None
+
+
+@pytest.mark.parametrize(
+    ('corners', 'words'),
+    [
+        ([[0, 0], [4, 4], [4, 0], [0, 4]], 'crosses itself: its side from'),
+        ([[0, 0], [4, 0], [4, 0], [0, 4]], 'has the corner (4, 0) m twice in a row'),
+        ([[0, 0], [4, 0], [2, 0]], 'encloses no area'),
+    ],
+)
+def test_what_is_no_polygon_is_refused(corners, words):
+    assert words in flaw(np.array(corners, dtype=float))
+
+
+@pytest.mark.parametrize(
+    ('changes', 'words'),
+    [
+        ({'outline': {'x': {'value': [0, 4, 4, 0], 'unit': 'm'},
+                      'y': {'value': [0, 4, 0, 4], 'unit': 'm'}}}, 'crosses itself'),
+        ({'outline': {'x': {'value': [0, 4, 4], 'unit': 'm'},
+                      'y': {'value': [0, 4], 'unit': 'm'}}}, 'has 3 numbers in x and 2 in y'),
+        ({'lamp': {'height': '6 m'}}, 'hangs its lamps at 6 m, above the ceiling at 5 m'),
+        ({'altitude': '5 m'}, 'is flown at 5 m, but the ceiling is at 5 m'),
+        ({'lamp': {'facing': 'up'}}, "'down' or 'sideways'"),
+        ({'obstacles': {'rack': rectangle(1, 1, 2, 2) | {'height': '9 m'}}},
+         'has the obstacle rack of 9 m under a ceiling of 5 m'),
+        ({'obstacles': {'rack': rectangle(1, 1, 2, 2) | {'height': '1 m', 'count': 3}}},
+         'stands 3 times in one place'),
+        ({'lamps': {'old': {'position': {'value': [20, 6, 1], 'unit': 'm'},
+                            'facing': {'value': [1, 0, 0], 'unit': '1'}}}}, 'outside the hall'),
+        ({'lamps': {'old': {'position': {'value': [2, 6, 1], 'unit': 'm'},
+                            'facing': {'value': [0, 0, 0], 'unit': '1'}}}}, r'faces \[0, 0, 0\]'),
+        ({'racks': {}}, 'racks'),
+    ],
+)  # fmt: skip
+def test_a_file_that_cannot_be_is_refused(changes, words):
+    with pytest.raises(ValidationError, match=words):
+        FloorPlan.model_validate(content(**changes))
+
+
+@pytest.mark.parametrize(
+    ('changes', 'asked', 'words'),
+    [
+        ({'altitude': '0.3 m'}, {}, 'when it stands on the floor; fly higher'),
+        ({'altitude': '4.9 m'}, {}, r'reaches 0\.30 m above its hull centre'),
+        ({'obstacles': {'all': rectangle(0.2, 0.2, 11.8, 11.8) | {'height': '3 m'}}}, {},
+         'fits into no cell'),
+        ({}, {'cell': 0.01}, 'choose larger ones with --cell'),
+        ({'forbidden': {'all': rectangle(-1, -1, 13, 13)}}, {}, 'has no place for a lamp'),
+        ({'lamp': {'facing': 'down', 'height': '4.5 m', 'flux': '1 lm'}}, {}, 'hears no lamp of'),
+        ({'lamp': {'spacing': '0.25 m', 'facing': 'down', 'height': '4 m'},
+          'outline': rectangle(0, 0, 120, 12)}, {}, r'raise lamp\.spacing'),
+    ],
+)  # fmt: skip
+def test_a_plan_that_cannot_work_is_one_sentence(changes, asked, words):
+    with pytest.raises(BadInput, match=words):
+        laid_out(hall(**changes), **asked)
+
+
+@pytest.mark.parametrize('name', known('floor_plans'))
+def test_shipped_floor_plans_are_what_their_files_are_called(name):
+    assert load(FloorPlan, find('floor plan', name)).name == name
+
+
+def call(*words):
+    return CliRunner().invoke(put_together(), ['light', 'plan', *map(str, words)])
+
+
+def test_the_command_writes_page_numbers_and_scenario(tmp_path):
+    file = tmp_path / 'test.yaml'
+    file.write_text(yaml.safe_dump(content(obstacles=CROSS)))
+    told = call(file, '--out', tmp_path / 'out')
+    assert told.exit_code == 0, told.output
+    assert '4 lamps: a drone hears one over 100 % of the test, at any heading.' in told.stdout
+    results = json.loads((tmp_path / 'out/plan.json').read_text())
+    assert results['coverage'] == 1.0
+    assert results['lamps_at_least'] == 4
+    assert results['m2_per_lamp'] == 36.0
+    assert len({lamp['frequency'] for lamp in results['lamps']}) == 4
+    page = (tmp_path / 'out/report.html').read_text()
+    assert '$' not in page.split('<main ')[1].split('</main>')[0].split('<script')[0]
+    for words in (
+        'Coverage at flight altitude',
+        'Hand-overs and a route',
+        'None: the whole floor',
+    ):
+        assert words in page
+    scene = load_scenario(str(tmp_path / 'out/scenario.yaml'))
+    assert scene.beacons == tuple((lamp['name'], lamp['frequency']) for lamp in results['lamps'])
+    assert list(scene.route) == results['route']
+    for lamp, shining in zip(results['lamps'], scene.light_field.lamps, strict=True):
+        x, y, z = lamp['position']
+        assert shining.position == pytest.approx((x - 6, y - 6, z))
+        assert shining.direction == pytest.approx(tuple(lamp['facing']))
+        assert shining.order == pytest.approx(1.0)
+    again = call(file, '--out', tmp_path / 'out')
+    assert isinstance(again.exception, BadInput)
+    printed = call(file, '--out', tmp_path / 'json', '--json')
+    assert json.loads(printed.stdout) == results
+
+
+def test_more_lamps_there_than_asked_for_is_bad_input(tmp_path):
+    old = {'position': {'value': [12, 6, 1.67], 'unit': 'm'},
+           'facing': {'value': [-2, 0, 0], 'unit': '1'}}  # fmt: skip
+    file = tmp_path / 'test.yaml'
+    file.write_text(yaml.safe_dump(content(lamps={'a': old, 'b': old})))
+    told = call(file, '--lamps', 1, '--out', tmp_path / 'out')
+    assert 'has 2 lamps already, but at most 1 are asked for' in str(told.exception)
+    assert not (tmp_path / 'out').exists()
+
+
+def test_more_lamps_than_frequencies_says_how_many_fit(tmp_path):
+    told = call('warehouse', '--overlap', '3', '--cell', '1', '--out', tmp_path / 'out')
+    assert isinstance(told.exception, BadInput)
+    assert 'lamps want a frequency, but only' in str(told.exception)
+    assert not (tmp_path / 'out').exists()

@@ -1,0 +1,122 @@
+"""lta hardware light: known diodes and a simulated board on a turntable, found again."""
+
+import json
+import math
+
+from lta_config.errors import BadInput
+from lta_model.light.view import LightView
+from lta_studies.light.bearing.bench import Bench
+from lta_studies.light.bearing.places import made_of, PLACES
+from lta_studies.light.bearing.study import before
+from lta_studies.light.turntable.response import response
+from lta_studies.light.turntable.turntable import Readings, studied
+from lta_vlc.diodes import ring_of
+import numpy as np
+import pytest
+
+from ...conftest import header  # noqa: TID252 - `test` is Python's own
+
+GAINS = np.array([1.03, 0.98, 1.0, 0.97, 1.05, 0.99, 1.01, 0.97])
+STEP, HOLD_BLOCKS, START = math.radians(22.5), 6, 1_000_000_000
+ZERO = math.radians(1.5)  # by which the nose was off the lamp
+
+
+def readings_of(exponent, noise=0.0, blocks=4):
+    """A ring before a far lamp in an even pedestal of 8 %."""
+    ring = ring_of(8)
+    direction = np.repeat(np.arange(16) * STEP, blocks)
+    axes = np.array([math.atan2(y, x) for x, y, _ in ring.axes])
+    cosine = np.maximum(np.cos(direction[:, None] - axes), 0.0)
+    amplitude = 900.0 * GAINS * (cosine**exponent + 0.08)
+    amplitude += noise * np.random.default_rng(1).normal(size=amplitude.shape)
+    nothing = np.zeros(len(direction))
+    return Readings(direction, direction + 0.01, direction - 0.02, nothing, amplitude), ring
+
+
+@pytest.mark.parametrize('exponent', [1.0, 1.35])
+def test_exponent_gains_and_pedestal_are_found_again(exponent):
+    found = response(*readings_of(exponent))
+    assert found.exponent == pytest.approx(exponent, abs=1e-4)
+    assert found.gains == pytest.approx(tuple(GAINS), abs=1e-4)
+    assert found.strength == pytest.approx(900.0, rel=1e-4)
+    assert found.pedestal == pytest.approx(0.08, abs=1e-4)
+    assert found.spread == pytest.approx(np.std(GAINS, ddof=1), abs=1e-4)
+
+
+def test_the_deviations_hold_what_noise_does():
+    found = response(*readings_of(1.2, noise=9.0))
+    assert abs(found.exponent - 1.2) < 4.0 * found.exponent_deviation < 0.2
+    off = np.abs(np.array(found.gains) - GAINS) / np.array(found.gain_deviations)
+    assert off.max() < 5.0
+
+
+def test_errors_by_direction_by_hand():
+    readings, _ = readings_of(1.0)
+    found, blocks = studied(readings, 'bench')
+    assert blocks == [4] * 16
+    assert found.paper == pytest.approx((0.01,) * 16)
+    assert found.ours == pytest.approx((0.02,) * 16)
+    aligned, _ = studied(readings, 'bench', -0.02)
+    assert aligned.ours == pytest.approx((0.0,) * 16, abs=1e-12)
+
+
+def test_half_a_turn_is_refused_by_the_directions_it_lacks():
+    readings, _ = readings_of(1.0)
+    some = readings.direction < math.pi
+    half = Readings(*(getattr(readings, name)[some] for name in Readings.__slots__))
+    with pytest.raises(BadInput, match=r'No light block has the lamp at 180, 202\.5'):
+        studied(half, 'bench')
+
+
+@pytest.fixture
+def bag(record, types):
+    """The simulated board 3 m before the lamp, turned by 22.5 degrees every 0.6 s."""
+    bench = Bench(made_of(PLACES['indoor'], 'gtmab', 8))
+    chance = np.random.default_rng(5)
+    diodes = bench.drawn(chance)
+    messages = []
+    for k in range(16 * HOLD_BLOCKS):
+        turned = (k // HOLD_BLOCKS) * STEP
+        view = LightView(bench.scenario.light_field, bench._vehicle, diodes)
+        view.pass_by(before(bench, ZERO - turned))
+        time = START + k * 100_000_000
+        block = view.block(time, 1e4, 1000, chance)
+        image = types['sensor_msgs/msg/Image'](
+            header(time),
+            1000,
+            8,
+            '16UC1',
+            0,
+            16,
+            np.frombuffer(block.astype('<u2').tobytes(), np.uint8),
+        )
+        messages.append(('/lta1/photodiodes', 'sensor_msgs/msg/Image', image, time))
+    return record(messages)
+
+
+def test_a_simulated_turntable_is_studied_and_its_zero_found(call, bag, tmp_path):
+    words = ('--step', '22.5', '--hold', '0.6', '--out', tmp_path / 'out', '--json')
+    status, said = call('hardware', 'light', bag, *words)
+    assert status == 0, said.err
+    told = json.loads(said.out)
+    assert told['diodes'] == 8
+    assert told['blocks'] == [4] * 16  # of six, the first and the last of each hold are left
+    assert math.degrees(told['zero']) == pytest.approx(1.5, abs=1.0)
+    assert told['response']['exponent'] == pytest.approx(1.2, abs=0.15)
+    page = (tmp_path / 'out' / 'report.html').read_text()
+    assert 'On the turntable the fit finds the lamp' in page
+    assert 'scatterpolar' in page
+    status, said = call(
+        'hardware', 'light', bag, *words[:4], '--align', '--out', tmp_path / 'b', '--json'
+    )
+    aligned = json.loads(said.out)
+    assert np.median(aligned['fit']) < np.median(told['fit'])
+
+
+def test_a_recording_that_does_not_say_how_it_turned_asks(call, bag):
+    status, said = call('hardware', 'light', bag)
+    assert status == 2
+    assert said.err.startswith('The recording has no ground_truth/odom')
+    status, said = call('hardware', 'light', bag, '--step', '22.5')
+    assert status == 2
+    assert 'give --rate alone, or --step with --hold' in said.err

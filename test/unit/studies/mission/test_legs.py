@@ -1,0 +1,130 @@
+"""Legs of a mission: gone on with they are one flight, and they cost what the full loop costs."""
+
+from lta_config.schema.mission_file import load_mission
+from lta_energy.circuit import held
+from lta_energy.light_of_days import DARK
+from lta_model.light.pencils import LAMPS, scratch_for
+from lta_sim import counted_light as heard
+from lta_studies.mission.agreement import compare
+from lta_studies.mission.aloft import at_rest, DONE, DWELL, EMPTY, FLYING, GO, LAND, Leg, RESERVE
+from lta_studies.mission.legs import Pilot
+from lta_studies.mission.scene import brightness, Scenes
+import numpy as np
+import pytest
+
+pytestmark = pytest.mark.long  # a minute, most of it to compile a pilot
+
+LEG = Leg(GO, 120.0, 0.1, 0.0, 1.0, 0.0, 14.0, 10.0, 8.0)
+
+
+@pytest.fixture(scope='module')
+def scenes():
+    return Scenes(load_mission('warehouse'))
+
+
+@pytest.fixture(scope='module')
+def made(scenes):
+    return scenes.made('aisle', DARK, 1.0)
+
+
+@pytest.fixture(scope='module')
+def pilot(made):
+    return Pilot(made, LEG)
+
+
+def begun(pilot, scenes, charge=0.8):
+    state = pilot.standing(-3.2, -2.0, scenes.vehicle.standing_height, 0.4, 3)
+    return at_rest(charge, charge), state
+
+
+def go_on(pilot, made, leg, memory, state):
+    memory = memory._replace(outcome=FLYING, begun=memory.step)
+    return pilot.fly(pilot.constants(made), leg, memory, state, 3)
+
+
+def test_a_dwell_in_two_pieces_is_one_dwell(pilot, made, scenes):
+    """But for the echo of the room, which each leg gathers when it begins."""
+    arrived, there = go_on(pilot, made, LEG, *begun(pilot, scenes))
+    assert arrived.outcome == DONE
+    whole, whole_state = go_on(pilot, made, LEG._replace(kind=DWELL, limit=8.0), arrived, there)
+    memory, state = arrived, there
+    for part in (3.0, 5.0):
+        memory, state = go_on(pilot, made, LEG._replace(kind=DWELL, limit=part), memory, state)
+    np.testing.assert_allclose(whole_state, state, atol=1e-3)
+    assert memory.step == whole.step
+    assert memory.supply.consumed == pytest.approx(whole.supply.consumed, rel=1e-4)
+
+
+def test_a_leg_ends_by_its_reserve_and_by_an_empty_cell(pilot, made, scenes):
+    memory, _ = go_on(pilot, made, LEG._replace(reserve=0.795), *begun(pilot, scenes))
+    assert memory.outcome == RESERVE
+    assert 0.79 < memory.charge <= 0.795
+    memory, _ = go_on(pilot, made, LEG._replace(reserve=0.0), *begun(pilot, scenes, 0.004))
+    assert memory.outcome == EMPTY
+    assert memory.lowest < 3.4
+
+
+def test_it_lands_where_it_is_told_to(pilot, made, scenes):
+    memory, state = go_on(pilot, made, LEG, *begun(pilot, scenes))
+    memory, state = go_on(pilot, made, LEG._replace(kind=LAND, limit=60.0), memory, state)
+    assert memory.outcome == DONE
+    assert state[2] == pytest.approx(scenes.vehicle.standing_height, abs=0.02)
+
+
+def test_the_books_of_a_flight_balance(pilot, made, scenes):
+    cell = scenes.vehicle.battery
+    memory, state = begun(pilot, scenes)
+    before = held(cell, memory.supply.flow)
+    memory, state = go_on(pilot, made, LEG._replace(payload=0.05), memory, state)
+    books, now = memory.supply, memory.supply.flow
+    rest = books.harvested - books.consumed - books.lost - (held(cell, now) - before)
+    assert abs(rest) < 1e-6 * books.consumed
+
+
+def test_a_payload_draws_what_it_draws_while_it_dwells(pilot, made, scenes):
+    arrived, there = go_on(pilot, made, LEG, *begun(pilot, scenes))
+    spent = []
+    for watts in (0.0, 0.073):
+        leg = LEG._replace(kind=DWELL, limit=10.0, payload=watts)
+        memory, _ = go_on(pilot, made, leg, arrived, there)
+        spent.append(memory.supply.consumed - arrived.supply.consumed)
+    assert spent[1] - spent[0] == pytest.approx(0.73, rel=0.05)
+
+
+def test_a_payload_is_carried_and_not_trimmed_away(scenes):
+    mission = load_mission('greenhouse_inspection')
+    bare = Scenes(mission.model_copy(update={'payload': None}))
+    full = Scenes(mission)
+    assert 'inspection' in full.vehicle.file.layers
+    assert full.vehicle.mass == pytest.approx(bare.vehicle.mass, rel=1e-3)  # ballast gave way
+
+
+def test_the_brightness_that_homing_is_told_is_that_of_its_own_settings(scenes):
+    """In the shipped room homing's default of 2100 counts is that of its lamp at 0.8 off axis."""
+    dark = scenes.made('aisle', DARK, 1.0).craft
+    bright = scenes.made('aisle', DARK, 5e4).craft
+    lamp = scenes.lamp('aisle')
+    assert dark.mission.homing.brightness == pytest.approx(brightness(dark.listening, lamp))
+    assert bright.listening.counts < 0.2 * dark.listening.counts  # another resistor
+    assert bright.mission.homing.brightness < 0.2 * dark.mission.homing.brightness
+
+
+def test_flights_cost_what_the_full_loop_says(scenes):
+    rows = [
+        (np.median(leg[:, 0]), np.median(loop[:, 0]))
+        for _, leg, loop in compare(scenes, 'aisle', 3, 5)
+    ]
+    ours, full = np.array(rows).T
+    assert ours.sum() == pytest.approx(full.sum(), rel=0.02)
+    np.testing.assert_allclose(ours, full, rtol=0.03)
+
+
+def test_what_a_room_throws_back_of_a_lantern_is_a_number(scenes, made):
+    """Its light falls off slower than by the cosine: half power at 85 degrees."""
+    listening = made.craft.listening
+    out, scratch = np.zeros((LAMPS + 1, 8)), np.zeros(scratch_for(1))
+    heard.on_ring(listening, (0.0, -2.0, 1.3), (0.0, 0.0, 0.0, 1.0), out, scratch)
+    assert scenes.lamp('aisle').order < 0.3
+    assert np.isfinite(out).all()
+    assert out[LAMPS].max() == pytest.approx(out[LAMPS, 0])  # the diode that faces it
+    assert 30.0 < out[LAMPS, 0] < 300.0

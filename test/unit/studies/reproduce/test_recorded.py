@@ -1,0 +1,54 @@
+"""Flights behind figures in bags: made of what was flown, and told where they are."""
+
+from pathlib import Path
+
+from lta_config.errors import BadInput
+from lta_config.schema.vehicle_file import load_vehicle_file
+from lta_control.gains_file import load_gains_of
+from lta_model.scenario import load_scenario
+from lta_studies.platforms.run import ABLATION, CONTESTANT, Job, loop_of
+from lta_studies.reproduce.recorded import files, record, way, write
+from mcap.reader import make_reader
+import pytest
+
+
+def job(name, kind=CONTESTANT):
+    return Job('platforms', kind, name, 'climb', 1)
+
+
+@pytest.mark.parametrize(
+    'told',
+    [job('gtmab'), job('beavis_paper'), job('gtmab_open_loop', ABLATION)],
+    ids=lambda j: j.name,
+)
+def test_the_files_beside_a_bag_are_what_was_flown(told, tmp_path):
+    loop = loop_of(told)
+    names = {k: write(content, tmp_path / f'{k}.yaml') for k, content in files(loop).items()}
+    assert load_vehicle_file(names['vehicle']) == loop.world.vehicle.file
+    assert load_scenario(names['scenario']) == loop.world.scenario
+    assert load_gains_of(type(loop.policy.gains), names['gains']) == loop.policy.gains
+
+
+def test_a_flight_is_recorded_with_its_seed_and_its_duties(tmp_path):
+    folder = tmp_path / 'bags' / 'closed_loop' / 'climb' / 'gtmab'
+    record(loop_of(job('gtmab')), lambda loop: loop.world.elapsed > 0.5, folder)
+    bag = next((folder / 'bag').glob('*.mcap'))
+    with bag.open('rb') as stream:
+        reader = make_reader(stream)
+        summary = reader.get_summary()
+        counts = {
+            channel.topic.rpartition('/')[2]: summary.statistics.channel_message_counts.get(
+                channel.id, 0
+            )
+            for channel in summary.channels.values()
+        }
+        origin = {k: v for each in reader.iter_metadata() for k, v in each.metadata.items()}
+    assert counts['motors'] == counts['imu'] > 10
+    assert origin['seed'] == '1'
+    assert origin['law'] == 'cascade'
+    with pytest.raises(BadInput, match='not empty'):
+        record(loop_of(job('gtmab')), lambda loop: True, folder)
+
+
+def test_the_page_comes_to_bags_from_its_own_folder():
+    assert way(Path('/anywhere/paper/bags/beavis/turn')) == 'bags/beavis/turn'

@@ -1,0 +1,112 @@
+"""What a row rests on, how rows are taken up again, and what a person sees meanwhile."""
+
+from io import StringIO
+
+from lta_cli.verbs.reproduce import gathered
+from lta_studies.reproduce import run
+from lta_studies.reproduce.found import Found, Value
+from lta_studies.reproduce.run import Order, rows_of
+from lta_studies.reproduce.sources import digest, imported, sources
+import pytest
+from rich.console import Console
+
+NAMES = ('forces', 'cells')
+
+
+def named(paths):
+    return {f'{path.parent.name}/{path.name}' for path in paths}
+
+
+def test_a_row_rests_on_its_own_study_on_the_cores_and_on_what_is_configured():
+    found = named(sources('energy'))
+    own = {'studies/energy.py', 'paper/energy.yaml', 'energy/flown.py', 'reproduce/recorded.py'}
+    shared = {'vehicles/gtmab.yaml', 'aero/gtmab.sweep.json', 'lta_control/cascade.py'}
+    assert own | shared <= found
+    assert digest('energy') == digest('energy') != digest('beavis')
+
+
+def test_a_row_rests_neither_on_other_rows_nor_on_what_it_does_not_import():
+    found = named(sources('cells'))
+    assert not {'studies/beavis.py', 'paper/beavis.yaml'} & found
+    assert not {'hardware/calibration.py', 'discovery/run.py', 'verbs/reproduce.py'} & found
+
+
+def test_what_is_imported_is_followed_through_packages_and_functions():
+    found = named(imported('lta_studies.reproduce.studies.closed_loop'))
+    assert {'reproduce/manoeuvres.py', 'platforms/flying.py', 'lta_flight/loop.py'} <= found
+    assert 'bag/writer.py' in found  # of lta_bridge, by the recorder
+
+
+@pytest.fixture
+def studied(monkeypatch):
+    """Let every study be done at once, and tell which were."""
+    done = []
+
+    def instead(name):
+        def study(asked):
+            done.append(name)
+            return Found({}, [])
+
+        return study
+
+    for name in NAMES:
+        monkeypatch.setitem(run.STUDIES, name, instead(name))
+    return done
+
+
+def shown(folder, terminal):
+    """Return what a console was told while the rows were gathered, and the rows."""
+    console = Console(file=StringIO(), force_terminal=terminal, width=100)
+    kepts = gathered(Order(NAMES, True, folder, 1), rows_of(NAMES), console)
+    return console.file.getvalue(), kepts
+
+
+def test_a_person_sees_how_many_rows_are_done_and_which(tmp_path, studied):
+    text, kepts = shown(tmp_path, terminal=True)
+    assert set(kepts) == set(studied) == set(NAMES)
+    assert '2/2' in text
+    for name in NAMES:
+        assert f'{name}: 0 s' in text
+
+
+def test_nothing_moves_where_nobody_looks(tmp_path, studied):
+    assert shown(tmp_path, terminal=False)[0] == ''
+
+
+def test_rows_that_are_kept_are_not_studied_again_and_count_as_done(tmp_path, studied):
+    shown(tmp_path, terminal=False)
+    studied.clear()
+    text, kepts = shown(tmp_path, terminal=True)
+    assert studied == []
+    assert set(kepts) == set(NAMES)
+    assert '2/2' in text
+
+
+def test_what_was_studied_before_a_fault_is_kept_and_the_rest_goes_on(
+    tmp_path, studied, monkeypatch
+):
+    good = run.STUDIES['cells']
+
+    def fails(asked):
+        raise KeyboardInterrupt
+
+    monkeypatch.setitem(run.STUDIES, 'cells', fails)
+    with pytest.raises(KeyboardInterrupt):
+        shown(tmp_path, terminal=False)
+    assert studied == ['forces']
+    monkeypatch.setitem(run.STUDIES, 'cells', good)
+    assert set(shown(tmp_path, terminal=False)[1]) == set(NAMES)
+    assert studied == ['forces', 'cells']
+
+
+def test_bags_of_flights_that_may_fly_otherwise_now_are_taken_away(tmp_path, monkeypatch):
+    old = tmp_path / run.BAGS / 'cells' / 'climb' / 'bag'
+    old.mkdir(parents=True)
+
+    def study(asked):
+        assert not asked.folder.exists()
+        return Found({'sheet_factor': Value(2.0)}, [])
+
+    monkeypatch.setitem(run.STUDIES, 'cells', study)
+    run.study_row('cells', True, tmp_path)
+    assert not old.exists()

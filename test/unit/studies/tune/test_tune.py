@@ -1,0 +1,259 @@
+"""Tuning: what is turned, how it is searched and kept, and the verb around it."""
+
+import json
+import math
+
+from lta_config.constants import STANDARD_GRAVITY
+from lta_config.errors import BadInput
+from lta_config.settings import setting, Settings
+from lta_control.gains_file import load_gains
+from lta_studies.tune import crew, limit
+from lta_studies.tune.book import Book
+from lta_studies.tune.compare import difference, Flights, spread
+from lta_studies.tune.exam import Case, fly, Scene, Step
+from lta_studies.tune.find import find, robust
+from lta_studies.tune.gains_text import check_writable, gains_text, write_gains
+from lta_studies.tune.marks import mark_of, Report
+from lta_studies.tune.mission import seek, Sought
+from lta_studies.tune.numbers import changed, chosen, Number, numbers_of
+from lta_studies.tune.search import Search
+import numpy as np
+import pytest
+
+
+class Inner(Settings):
+    kd: float = setting(0.2, 'Damping.', unit='s', low=0.0, high=3.0)
+
+
+class Toy(Settings):
+    kp: float = setting(1.0, 'Stiffness.', unit='1/s', low=0.5, high=2.0)
+    limit: float = setting(5.0, 'Largest output.', low=0.0, high=9.0)
+    off: float = setting(0.0, 'Not used.', low=0.0, high=1.0)
+    inner: Inner = setting(Inner(), 'Within.')
+
+
+def test_numbers_are_found_with_their_bounds():
+    found = {number.path: number for number in numbers_of(Toy())}
+    assert list(found) == ['kp', 'limit', 'off', 'inner.kd']
+    kd = found['inner.kd']
+    assert (kd.value, kd.low, kd.high, kd.unit) == (0.2, 0.0, 3.0, 's')
+    assert found['kp'].ends(6.0) == (0.5, 2.0)
+    assert kd.ends(6.0) == pytest.approx((0.2 / 6.0, 1.2))
+
+
+def test_gains_are_turned_and_limits_are_not():
+    assert [number.path for number in chosen(Toy())] == ['kp', 'inner.kd']
+    assert [number.path for number in chosen(Toy(), ['limit'])] == ['limit']
+    with pytest.raises(BadInput, match='limt'):
+        chosen(Toy(), ['limt'])
+    with pytest.raises(BadInput, match='off starts at 0'):
+        chosen(Toy(), ['off'])
+
+
+def test_changed_numbers_are_checked():
+    assert changed(Toy(), {'inner.kd': 1.5}).inner.kd == 1.5
+    with pytest.raises(ValueError, match='less than or equal to 3'):
+        changed(Toy(), {'inner.kd': 4.0})
+
+
+def test_the_search_finds_the_end_of_a_bent_valley():
+    # Rosenbrock's function in four dimensions: the minimum is at (1, 1, 1, 1).
+    search = Search([-1.0, 1.0, -1.0, 1.0], 0.3, 3)
+    for _ in range(400):
+        points = search.ask()
+        a = [float(((1 - p[:-1]) ** 2 + 100 * (p[1:] - p[:-1] ** 2) ** 2).sum()) for p in points]
+        search.tell(points, a)
+    assert search.mean == pytest.approx(np.ones(4), abs=1e-6)
+
+
+def toy_costs(candidate):
+    # Plant 1/s^2 under u = -y - kd y': the integral of the squared step error is (1 + kd^2) /
+    # (2 kd), least at kd = 1 (Parseval).
+    return [0.5 * (1.0 + candidate['kd'] ** 2) / candidate['kd']]
+
+
+def tuned(folder, budget=61, fly=toy_costs):
+    two = [Number('kd', 0.3, 0.0, 100.0), Number('kp', 1.0, 0.9, 1.1)]
+    with Book(folder, 'toy') as book:
+        return find(two, fly, book, budget, 1)
+
+
+def test_a_toy_plant_is_tuned(tmp_path):
+    found = tuned(tmp_path)
+    assert found.numbers['kd'] == pytest.approx(1.0, rel=0.02)
+    assert 0.9 <= found.numbers['kp'] <= 1.1
+    assert found.first == pytest.approx(0.5 * (1.0 + 0.09) / 0.3)
+    assert len(found.history) == 61
+    assert list(found.history) == sorted(found.history, reverse=True)
+
+
+def test_a_stopped_search_goes_on_where_it_was(tmp_path):
+    whole = tuned(tmp_path / 'whole')
+    flown = []
+
+    def stop(candidate):
+        if len(flown) == 17:
+            raise KeyboardInterrupt
+        flown.append(candidate)
+        return toy_costs(candidate)
+
+    part = tuned(tmp_path / 'part', fly=stop)
+    assert part.stopped
+    assert len(part.history) == 17
+    # A kill may tear the last line off: it is flown again.
+    path = tmp_path / 'part' / 'search.jsonl'
+    path.write_text(path.read_text()[:-4])
+    again = []
+
+    def go_on(candidate):
+        again.append(candidate)
+        return toy_costs(candidate)
+
+    assert tuned(tmp_path / 'part', fly=go_on) == whole
+    assert len(again) == 61 - 16
+
+
+def test_two_searches_do_not_write_to_one_book(tmp_path):
+    with Book(tmp_path, 'a'), pytest.raises(BadInput, match='Another search writes'):
+        Book(tmp_path, 'a')
+
+
+def test_the_worst_counts_as_much_as_the_mean():
+    assert robust([1.0, 2.0, 6.0]) == pytest.approx(4.5)
+
+
+def test_marks_of_a_second_order_step():
+    # Damping 0.5: overshoot exp(-pi 0.5 / sqrt(0.75)) = 16.3 %.
+    time = np.arange(0.0, 20.0, 0.05)
+    w = math.sqrt(0.75)
+    value = 1.0 - np.exp(-0.5 * time) * (np.cos(w * time) + 0.5 / w * np.sin(w * time))
+    mark = mark_of(time + 7.0, 3.0 - 2.0 * value, Step(7.0, 27.0, 'altitude', 3.0, 1.0))
+    assert mark.overshoot == pytest.approx(0.163, abs=1e-3)
+    outside = np.abs(value - 1.0) > 0.1
+    assert mark.settle == pytest.approx(time[np.flatnonzero(outside)[-1] + 1], abs=1e-9)
+    assert mark.steady < 1e-3
+
+
+def test_a_step_that_never_settles_is_infinitely_long():
+    time = np.arange(0.0, 10.0, 0.1)
+    mark = mark_of(time, np.zeros(100), Step(0.0, 10.0, 'speed', 0.0, 0.4))
+    assert (mark.settle, mark.overshoot, mark.steady, mark.error) == (math.inf, 0.0, 1.0, 1.0)
+    assert spread([1.0, 2.0, math.inf]).median == 2.0
+
+
+def test_the_difference_has_students_interval():
+    def flights(*holds):
+        return Flights((0.0,) * 3, tuple(Report((MARK,), h, 0.0, 0.0, False, 0.0) for h in holds))
+
+    gap = difference(flights(0.4, 0.4, 0.4), flights(0.0, 0.04, 0.08))
+    # Differences -1, -0.9, -0.8: mean -0.9, s 0.1, t(0.975, 2) = 4.303.
+    assert gap.mean == pytest.approx(-0.9)
+    assert gap.high - gap.mean == pytest.approx(4.303 * 0.1 / math.sqrt(3.0), rel=1e-3)
+
+
+MARK = mark_of(np.arange(4.0), np.zeros(4), Step(0.0, 4.0, 'speed', 0.0, 1.0))
+
+
+def test_written_gains_are_read_back(tmp_path):
+    gains = changed(load_gains('gtmab'), {'climb.kp': 0.8123, 'altitude_kp': 0.45})
+    path = tmp_path / 'gains.yaml'
+    write_gains(gains, ['Found by: lta tune'], path)
+    assert load_gains(str(path)) == gains
+    assert gains_text(gains, ['Found by: lta tune']).startswith('# Found by: lta tune\n/**/')
+
+
+def test_lost_lift_is_carried_by_the_rotors_and_not_told():
+    scene = Scene('gtmab')
+    assert scene.true(3e-3).effects()['net_lift']['force'] == pytest.approx(
+        -3e-3 * STANDARD_GRAVITY
+    )
+    assert 'net_lift' not in scene.known.effects()
+    short = (Step(12.0, 14.0, 'altitude', 1.0, 1.0 + 1e-9),)
+    one, same = (fly(scene, load_gains('gtmab'), Case(3e-3, 5), short) for _ in range(2))
+    assert np.array_equal(one.altitude, same.altitude)
+    assert one.altitude[-1] == pytest.approx(1.0, abs=0.1)
+
+
+@pytest.mark.long
+def test_a_mission_that_is_too_heavy_is_not_reached():
+    # The climb may ask for 0.2 N: 20.4 g, 18.4 g beyond the trim.
+    scene, gains = Scene('gtmab'), load_gains('gtmab')
+    light, heavy = (seek(scene, gains, Case(loss, 1)) for loss in (0.0, 24e-3))
+    assert light.reached
+    assert 0.1 < light.time < 0.5
+    assert heavy == Sought(False, pytest.approx(1.0))
+
+
+def test_what_the_rotors_carry():
+    # Two rotors of 0.0915 + 0.0677 N, 0.961 of it upwards, less the 2 g of the trim.
+    most = 2 * 0.961 * (0.0915 + 0.0677) / STANDARD_GRAVITY - 2e-3
+    assert limit.rotors_carry(Scene('gtmab').known) == pytest.approx(most, rel=1e-9)
+
+
+def test_a_limit_is_bracketed():
+    low, high = limit.bracket(lambda value: value < 17.0, 30.0)
+    assert low < 17.0 <= high
+    assert high - low == pytest.approx(5.0 / 2**limit.HALVINGS)
+    assert limit.bracket(lambda value: True, 30.0) == (30.0, math.inf)
+    assert limit.bracket(lambda value: False, 30.0) == (None, 0.0)
+
+
+@pytest.mark.long
+def test_gains_that_may_ask_for_less_hold_less(monkeypatch):
+    monkeypatch.setattr(limit, 'TRIED', 2)
+    monkeypatch.setattr(limit, 'HALVINGS', 0)
+    shipped = load_gains('gtmab')
+    weak = changed(shipped, {'climb.limit': 0.1})  # N; carries 10.2 g, 8.2 g beyond the trim
+    strong, feeble = (limit.helium_limit('gtmab', gains) for gains in (shipped, weak))
+    assert feeble.demand == pytest.approx(1e3 * 0.1 / STANDARD_GRAVITY - 2.0)
+    assert (feeble.grams, feeble.fails) == (0.0, pytest.approx(14.6, abs=0.05))
+    assert strong.grams == pytest.approx(14.6, abs=0.05)
+    # 0.5 to 2.3 g a day through 2.5 m2 (lta_model.effects.weight.helium_leak).
+    assert strong.days == pytest.approx((14.6 / 2.3, 14.6 / 0.5), rel=0.05)
+
+
+@pytest.mark.long
+def test_the_verb_tunes(call, tmp_path, monkeypatch):
+    monkeypatch.setattr(limit, 'TRIED', 1)
+    monkeypatch.setattr(limit, 'HALVINGS', 0)
+    monkeypatch.setattr(crew, 'seek', lambda *_: Sought(True, 0.3))
+    out = tmp_path / 'found.yaml'
+    words = ('--budget=2', '--draws=2', '--cases=1', '--workers=1', '--number=climb.kp', '--json')
+    status, said = call(
+        'tune', 'gtmab', '--most=0 g', *words, f'--folder={tmp_path / "t"}', f'--out={out}'
+    )
+    assert status == 0
+    told = json.loads(said.out)
+    assert (told['candidates'], told['flights']) == (2, 2)
+    assert load_gains(str(out)).climb.kp == pytest.approx(told['gains']['climb.kp'], rel=1e-3)
+    assert 'lta tune gtmab' in out.read_text().splitlines()[0]
+    altitude = next(row for row in told['old']['margins'] if row['loop'] == 'altitude')
+    assert altitude['phase'] == pytest.approx(31.6, abs=0.5)
+    page = (tmp_path / 't' / 'report.html').read_text(encoding='utf-8')
+    assert 'Stability margins' in page
+    assert page.count('class="plot"') == 6
+
+
+@pytest.mark.parametrize(
+    ('words', 'complaint'),
+    [
+        (('skye',), 'flies by the control law omnidirectional'),
+        (('gtmab', '--least=5 g', '--most=1 g'), 'give the smaller loss first'),
+        (('gtmab', '--most=40 g'), 'ends at 29.2 g; take a smaller --most'),
+        (('gtmab', '--most=6 m'), 'is no mass'),
+        (('gtmab', '--number=kp'), 'kp'),
+    ],
+)
+def test_bad_orders_are_refused(call, tmp_path, words, complaint):
+    status, said = call('tune', *words, f'--folder={tmp_path / "t"}')
+    assert status == 2
+    assert complaint in said.err
+    assert not (tmp_path / 't').exists()
+
+
+def test_a_place_that_cannot_be_written_is_refused_before_the_search(tmp_path):
+    (tmp_path / 'file').touch()
+    with pytest.raises(BadInput, match='choose another --out'):
+        check_writable(tmp_path / 'file' / 'gains.yaml')
+    check_writable(tmp_path / 'gains.yaml')
+    assert not (tmp_path / 'gains.yaml').exists()

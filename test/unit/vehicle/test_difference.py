@@ -1,0 +1,115 @@
+"""Where two vehicles differ, and what follows from it."""
+
+from lta_config.errors import BadInput
+from lta_config.files import find
+from lta_model.vehicle import load_vehicle
+from lta_vehicle.difference import changes, difference, vehicle_with
+from lta_vehicle.views.scripts import plain_difference
+import pytest
+
+BATTERY = 'layers.propulsion_and_control.battery.mass'
+
+
+@pytest.fixture(scope='module')
+def gtmab():
+    return load_vehicle('gtmab')
+
+
+def shifts(found):
+    return {item.figure.key: item.shift for item in found.consequences}
+
+
+def test_a_heavier_battery_takes_its_weight_off_the_ballast(gtmab):
+    """7 g move from 39.5 to 36.5 cm below the centre: the CG of 415.3 g rises by 0.0506 cm."""
+    found = difference(gtmab, vehicle_with('gtmab', [f'{BATTERY}=14 g']))
+    assert [change.place for change in found.changes] == [BATTERY]
+    (change,) = found.changes
+    assert (change.before.value, change.after.value) == ('7 g', '14 g')
+    shift = shifts(found)
+    assert shift['ballast'] == pytest.approx(-7.0)
+    assert shift['cg_depth'] == pytest.approx(-7.0 * 3.0 / 415.28, rel=1e-3)
+    assert 'heaviness' not in shift
+    assert 'mass' not in shift
+    assert 'hover_duty' not in shift
+
+
+def test_a_heavier_vehicle_hovers_harder(gtmab):
+    found = difference(gtmab, vehicle_with('gtmab', ['vehicle.trim.heaviness=4 g']))
+    shift = shifts(found)
+    assert shift['ballast'] == pytest.approx(2.0)
+    assert shift['mass'] == pytest.approx(2.0)
+    assert shift['hover_loss'] == pytest.approx(-2.0)
+    assert shift['hover_duty'] > 0.0
+    assert 'level_speed' not in shift
+
+
+def test_a_layer_is_taken_from_another_file(gtmab, tmp_path):
+    text = find('vehicle', 'gtmab').read_text('utf-8').replace('value: 61.1', 'value: 41.1')
+    (tmp_path / 'light.yaml').write_text(text)
+    swapped = vehicle_with('gtmab', swaps=[f'sensors={tmp_path / "light.yaml"}'])
+    found = difference(gtmab, swapped)
+    assert [change.place for change in found.changes] == ['layers.sensors.light_board.mass']
+    assert shifts(found)['ballast'] == pytest.approx(20.0)
+
+
+def test_the_same_in_other_units_is_no_difference(tmp_path):
+    text = find('vehicle', 'gtmab').read_text('utf-8')
+    text = text.replace('value: 116.8, unit: g', 'value: 0.1168, unit: kg')
+    (tmp_path / 'same.yaml').write_text(text)
+    found = difference(load_vehicle('gtmab'), load_vehicle(str(tmp_path / 'same.yaml')))
+    assert found.changes == []
+    assert found.consequences == []
+
+
+def test_an_effect_that_is_switched_on_comes_with_its_source(gtmab, tmp_path):
+    text = (
+        find('vehicle', 'gtmab')
+        .read_text('utf-8')
+        .replace(
+            '\neffects:\n',
+            '\neffects:\n  thrust_scale:\n'
+            '    factor: {value: 0.93, unit: "1", source: "discovery: 0.93, 95 % 0.91 to 0.95"}\n',
+        )
+    )
+    (tmp_path / 'learned.yaml').write_text(text)
+    other = load_vehicle(str(tmp_path / 'learned.yaml'))
+    (change,) = changes(gtmab.file, other.file)
+    assert change.place == 'effects.thrust_scale.factor'
+    assert change.before is None
+    assert change.after.source == 'discovery: 0.93, 95 % 0.91 to 0.95'
+
+
+def test_a_part_that_only_one_has_is_one_change(gtmab):
+    found = changes(gtmab.file, load_vehicle('sblimp').file)
+    by_place = {change.place: change for change in found}
+    motors = by_place['layers.quadrotor.motors']
+    assert motors.before is None
+    assert motors.after.value == '11.6 g'
+    assert not any(place.startswith('layers.quadrotor.motors.') for place in by_place)
+    assert by_place['rotors.up_left'].after is None
+    assert 'hull.diameter' in by_place
+
+
+def test_scripts_get_numbers_in_si(gtmab):
+    found = plain_difference(difference(gtmab, vehicle_with('gtmab', [f'{BATTERY}=14 g'])))
+    (change,) = found['changes']
+    assert change['before']['value'] == pytest.approx(0.007)
+    assert change['after']['unit'] == 'kg'
+    ballast = found['consequences']['ballast']
+    assert ballast['after'] - ballast['before'] == pytest.approx(-7.0)
+
+
+@pytest.mark.parametrize(
+    ('sets', 'swaps', 'sentence'),
+    [
+        (['trim.heavyness=4 g'], [], "Unknown key of vehicle.trim 'heavyness'"),
+        (['trim.heaviness=4 m'], [], 'vehicle.trim.heaviness is in m, but must be in g'),
+        (['trim.heaviness'], [], 'sets nothing'),
+        ([], ['sensors'], "'sensors' swaps nothing; write LAYER=VEHICLE"),
+        ([], ['wings=sblimp'], "Unknown layer of .* 'wings'; known: .*sensors"),
+        ([f'{BATTERY}=100 g'], [], r'gtmab.yaml with .*battery.*g too heavy for its lift'),
+    ],
+)
+def test_what_cannot_be_changed_is_said(sets, swaps, sentence):
+    with pytest.raises(BadInput, match=sentence):
+        vehicle_with('gtmab', sets, swaps)

@@ -1,0 +1,123 @@
+"""A vehicle weighed by its flight: the loop flies one that is heavier or lighter than its file."""
+
+import math
+
+from lta_config.errors import BadInput
+from lta_data.bag.flight import open_flight
+from lta_model.vehicle import load_vehicle
+from lta_vehicle.recorded import Commands, Path, recorded
+from lta_vehicle.trim import weigh
+from lta_vehicle.trimmed import plain_weighing, told
+import numpy as np
+import pytest
+
+from .weighed_flight import write_hover
+
+G = 9.80665
+THRUST = 0.002 * G / (2 * 0.961)  # of each of two rotors of GT-MAB that carry 2 g
+DUTY = (-0.0677 + math.sqrt(0.0677**2 + 4 * 0.0915 * THRUST)) / (2 * 0.0915)
+LEVEL = np.array([0.0, 0.0, 0.0, 1.0])
+
+
+@pytest.fixture(scope='module')
+def gtmab():
+    return load_vehicle('gtmab')
+
+
+@pytest.fixture(scope='module')
+def hover(tmp_path_factory):
+    """Return the bag of a flight with 1.5 g more on board than the file says."""
+    folder = tmp_path_factory.mktemp('hover') / 'bag'
+    more = ('vehicle.effects.payload.mass=1.5 g', 'vehicle.effects.payload.z=-0.4 m')
+    return write_hover(folder, *more)
+
+
+def hanging(seconds=20.0, duty=DUTY, height=lambda t: 0.0 * t, ahead=lambda t: 0.0 * t):
+    time = np.arange(0.0, seconds, 0.01)
+    place = np.stack([ahead(time), 0.0 * time, 1.0 + height(time)], axis=1)
+    attitude = np.tile(LEVEL, (len(time), 1))
+    duties = np.tile([duty, duty, 0.0, 0.0], (len(time), 1))
+    return Path(time, place, attitude), Commands(time, duties)
+
+
+def test_a_hover_at_the_duty_of_two_grams_weighs_two_grams(gtmab):
+    found = weigh(gtmab, *hanging())
+    assert found.heaviness == pytest.approx(0.002, rel=1e-5)
+    assert found.error == pytest.approx(0.0, abs=1e-9)
+    assert found.add == pytest.approx(0.0, abs=1e-7)
+    assert found.duty == pytest.approx(DUTY)
+
+
+def test_a_slow_rise_under_the_same_duty_means_less_weight(gtmab):
+    """At 4 cm/s the drag of 0.359 N s2/m2 is 0.574 mN, which is 0.0586 g."""
+    found = weigh(gtmab, *hanging(height=lambda t: 0.04 * t))
+    assert found.heaviness == pytest.approx(0.002 - 0.359 * 0.04**2 / G, rel=1e-4)
+
+
+def test_what_it_gains_in_speed_is_not_weight(gtmab):
+    """Rising ever faster by 2 mm/s2: 0.415 kg and the 0.343 kg of air that rises with it."""
+    path, commands = hanging(20.0, height=lambda t: 0.001 * t**2)
+    found = weigh(gtmab, path, commands)
+    rising = (gtmab.mass + gtmab.added_mass[2]) * 0.002 / G
+    drag = 0.359 * 0.02**2 / G  # at most, at the end of what counts as calm: a few milligrams
+    assert found.heaviness == pytest.approx(0.002 - rising, abs=3.0 * drag)
+
+
+def test_no_still_stretch_is_one_sentence(gtmab):
+    with pytest.raises(BadInput, match='hangs still for 0 s only'):
+        weigh(gtmab, *hanging(ahead=lambda t: 0.5 * t))
+
+
+def test_a_flown_load_is_found_to_a_fifth_of_a_gram(gtmab, hover):
+    """1.5 g more on board than the file says, flown by the loop with all its sensor noise."""
+    found = weigh(gtmab, *recorded(open_flight(hover), gtmab)[:2])
+    assert found.heaviness == pytest.approx(0.0035, abs=0.0002)
+    assert abs(found.heaviness - 0.0035) < 2.0 * found.error
+    assert found.add == pytest.approx(-0.0015, abs=0.0002)
+    assert found.duration >= 10.0
+
+
+@pytest.mark.long
+def test_lost_lift_and_another_seed_as_well(gtmab, tmp_path):
+    """0.01 N of lift gone: 1.02 g."""
+    bag = write_hover(tmp_path / 'bag', 'vehicle.effects.net_lift.force=-0.01 N', seed=2)
+    found = weigh(gtmab, *recorded(open_flight(bag), gtmab)[:2])
+    assert found.heaviness == pytest.approx(0.002 + 0.01 / G, abs=0.0002)
+
+
+def test_the_estimate_alone_will_do(gtmab, hover):
+    """Without a tracker: the drone's own odometry."""
+    flight = open_flight(hover)
+    poses = flight.series('odom')
+    path = Path(
+        poses.time, poses.vector('pose.pose.position'), poses.vector('pose.pose.orientation')
+    )
+    _, commands, topic = recorded(flight, gtmab)
+    assert topic == 'ground_truth/odom'
+    assert weigh(gtmab, path, commands).heaviness == pytest.approx(0.0035, abs=0.0003)
+
+
+def test_words_say_what_to_do(gtmab):
+    heavy = weigh(gtmab, *hanging(duty=0.2))
+    text = told(heavy, 'gtmab', simulated=True)
+    grams = 1e3 * 2 * 0.961 * (0.0915 * 0.04 + 0.0677 * 0.2) / G
+    assert f'gtmab was {grams:.2f} g heavier than air' in text
+    assert f'Take off {grams - 2.0:.2f} g of ballast to be 2.00 g heavy' in text
+    light = weigh(gtmab, *hanging(duty=0.05))
+    assert 'Add 1.' in told(light, 'gtmab', simulated=True)
+    assert 'leave the ballast' in told(weigh(gtmab, *hanging()), 'gtmab', simulated=True)
+
+
+def test_a_real_flight_is_told_of_the_thrust_curve(gtmab):
+    """2.9 mN a rotor, two of them at 0.961: 0.40 g."""
+    found = weigh(gtmab, *hanging())
+    assert 'thrust curve' not in told(found, 'gtmab', simulated=True)
+    assert '0.4 g if it is as good' in told(found, 'gtmab', simulated=False)
+    expected = 0.0029 * 0.961 * math.sqrt(2.0) / G
+    assert plain_weighing(found)['thrust_curve_error'] == pytest.approx(expected)
+
+
+def test_duties_of_another_vehicle_are_refused(hover):
+    beavis = load_vehicle('beavis')
+    with pytest.raises(BadInput, match='no duty of front, left, rear, right of beavis'):
+        recorded(open_flight(hover), beavis)
