@@ -26,9 +26,12 @@ def steer(settings, memory, sight):
 STRATEGY = Strategy('straight', start, steer)
 """
 VERB = """
+from lta_cli.options.plain_console import plain_console
+
+
 def greet(name: str = 'lamp') -> None:
     \"\"\"Say hello.\"\"\"
-    print(f'hello, {name}')
+    plain_console().print(f'hello, {name}')
 """
 LINK = """
 from queue import SimpleQueue

@@ -13,6 +13,7 @@ import time
 from lta_cli.doctor import CHECKS
 from lta_config.compilation.kernel_cache import cache_root
 from lta_config.files import known
+from lta_control.strategies import STRATEGIES
 import pytest
 from waiting import PATIENCE
 import yaml
@@ -28,7 +29,7 @@ COMMANDS = {
     ),
     'strategy': (
         ['fly', '--strategy', 'luck'],
-        "Unknown strategy 'luck'; known: bag, des, dga, homing.",
+        f"Unknown strategy 'luck'; known: {', '.join(STRATEGIES)}.",
     ),
     'vehicle path': (['fly', '--vehicle', 'no/such.yaml'], 'There is no vehicle file'),
     'seed': (['fly', '--seed', '-1'], "Invalid value for '--seed'"),

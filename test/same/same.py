@@ -24,6 +24,8 @@ from tempfile import TemporaryDirectory
 
 from commands import COMMANDS, FLIGHTS, ROOT, run_command
 from fingerprint import describe_machine
+from lta_config.errors import BadInput
+from lta_flight.sweep.run import cores
 from lta_report.children import done_by
 from rich.progress import track
 from simulations import list_flights, simulate_flight
@@ -110,11 +112,14 @@ def list_differences(frozen: Table, rows: Table) -> list[str]:
 def freeze(folder: Path, tables: list[str], jobs: int) -> None:
     """Compute and write the tables."""
     folder.mkdir(exist_ok=True)
+    kept = folder / MACHINE
+    if len(tables) < len(TABLES) and kept.exists() and kept.read_text() != describe_machine():
+        raise BadInput(f'{kept} is of another machine: freeze all tables, without --only.')
     for name in tables:
         rows = TABLES[name](jobs, True)
         write_table(folder / f'{name}.csv', rows)
         sys.stdout.write(f'{name}: {len(rows)} rows written.\n')
-    (folder / MACHINE).write_text(describe_machine(), encoding='utf-8')
+    kept.write_text(describe_machine(), encoding='utf-8')
 
 
 def compare(folder: Path, tables: list[str], jobs: int) -> int:
@@ -151,12 +156,16 @@ def main() -> int:
     parser.add_argument('--freeze', action='store_true', help='write the tables')
     parser.add_argument('--against', metavar='COMMIT', help='compare with a commit')
     parser.add_argument('--only', choices=TABLES, action='append', help='one table; repeatable')
-    parser.add_argument('--jobs', type=int, default=len(os.sched_getaffinity(0)))
+    parser.add_argument('--jobs', type=int, default=cores())
     parser.add_argument('--out', type=Path, default=FROZEN, help='folder of the tables')
     order = parser.parse_args()
     tables = order.only or list(TABLES)
     if order.freeze:
-        freeze(order.out, tables, order.jobs)
+        try:
+            freeze(order.out, tables, order.jobs)
+        except BadInput as refusal:
+            sys.stderr.write(f'{refusal}\n')
+            return 2
         return 0
     if order.against:
         with TemporaryDirectory() as folder:

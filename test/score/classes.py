@@ -21,7 +21,7 @@ import numpy as np
 import yaml
 
 ROOT = Path(__file__).resolve().parents[2]
-TABLE = ROOT / 'src/lta_discovery/lta_discovery//naming' / FILE.name
+TABLE = ROOT / 'src/lta_discovery/lta_discovery/naming' / FILE.name
 PAGE = ROOT / 'docs/discovery_classes.md'
 NEAR = 0.9  # of a cosine, from which a pair is listed
 TOLD = {

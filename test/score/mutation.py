@@ -47,7 +47,7 @@ class Area(NamedTuple):
     Attributes
     ----------
     package : str
-        Folder of the modules.
+        Folder of the modules, which may be in several packages.
     modules : tuple of str
         Patterns within it.
     folder : str
@@ -71,8 +71,11 @@ class Area(NamedTuple):
 
 AREAS: Final = {
     'effects': Area(
-        'src/lta_model/lta_model',
-        ('effects/*/[!_]*.py', 'rigid_body.py', 'mass.py', 'hull.py', 'gas.py', 'rotor_sum.py'),
+        'src',
+        ('lta_model/lta_model/effects/*/[!_]*.py', 'lta_model/lta_model/rigid_body.py',
+         'lta_model/lta_model/mass.py', 'lta_model/lta_model/hull.py',
+         'lta_model/lta_model/gas.py', 'lta_model/lta_model/rotor_sum.py',
+         'lta_sim/lta_sim/supply_step.py'),
         'test/unit/sim',
         ('test/unit/sim/test_effects.py', 'test/unit/sim/test_kernel_oracle.py',
          'test/unit/sim/test_measurement_effects.py', 'test/unit/sim/test_lift_effects.py'),
@@ -80,9 +83,11 @@ AREAS: Final = {
                   'lambertian', 'extract', 'derivatives', 'physics'),
     ),
     'vlc': Area(
-        'src/lta_vlc/lta_vlc',
-        ('[adf]*.py', 'condition.py', 'lamp*.py', 'presence.py', 'se*.py', 'spectral/[!_]*.py',
-         'tracker.py'),
+        'src',
+        ('lta_vlc/lta_vlc/[adf]*.py', 'lta_vlc/lta_vlc/condition.py', 'lta_vlc/lta_vlc/lamp*.py',
+         'lta_vlc/lta_vlc/presence.py', 'lta_vlc/lta_vlc/se*.py',
+         'lta_vlc/lta_vlc/spectral/[!_]*.py', 'lta_vlc/lta_vlc/tracker.py',
+         'lta_model/lta_model/light/modulation.py', 'lta_model/lta_model/ring.py'),
         'test/unit/vlc',
         ('test/unit/vlc/test_lamp.py',),
         compiled=True,
@@ -95,8 +100,10 @@ AREAS: Final = {
         ('test/property/test_laws.py', 'test/property/test_control.py'),
     ),
     'energy': Area(
-        'src/lta_energy/lta_energy',
-        ('[bcghlr]*.py', 'mission.py', 'schedule.py', 'monitoring/[!_]*.py', 'faults/*.py'),
+        'src',
+        ('lta_energy/lta_energy/[bcghlr]*.py', 'lta_energy/lta_energy/mission.py',
+         'lta_energy/lta_energy/schedule.py', 'lta_energy/lta_energy/monitoring/[!_]*.py',
+         'lta_energy/lta_energy/faults/*.py', 'lta_model/lta_model/electrical/[!_]*.py'),
         'test/unit/energy',
     ),
     'discovery': Area(

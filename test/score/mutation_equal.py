@@ -8,7 +8,7 @@ from typing import Final
 
 Line = tuple[str, str, str]
 
-DISCOVERY: Final = 'src/lta_discovery/lta_discovery//'
+DISCOVERY: Final = 'src/lta_discovery/lta_discovery/'
 EQUAL: Final[dict[Line, str]] = {
     (
         f'{DISCOVERY}where/conditions.py',

@@ -23,7 +23,7 @@ kinds have it in common.
 The flights share the equations of the effects with the model that is put to the test, and
 nothing else: rigid body (rotation matrix and momenta in the axes of the map), integrator
 (Dormand and Prince), weight, rotors and their toe, the way of a command, pilot, battery,
-sensors and noise are written apart (`lta_challenge//truth_*.py`, `watched.py`). Without
+sensors and noise are written apart (`lta_challenge/truth_*.py`, `watched.py`). Without
 noise and tolerance both fly alike to 1e-4 with each effect (4e-3 with a toed rotor, which the
 model turns to first order) (`test/unit/challenge/test_truth.py`). Flights of the row
 `other` share no equation at all: `lta_challenge/other/` has a simulator of its own, with

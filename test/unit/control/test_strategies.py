@@ -1,7 +1,7 @@
 """The strategies by name, and BAG."""
 
 from lta_config.errors import BadInput
-from lta_control.strategies import strategy
+from lta_control.strategies import STRATEGIES, strategy
 from lta_control.strategies.bearing_angle import STRATEGY
 from lta_control.strategies.protocol import Course, Sight
 from lta_control.strategies.settings import StrategySettings
@@ -20,7 +20,7 @@ def test_bag_is_known():
 def test_an_unknown_name_is_refused_with_the_known_ones():
     with pytest.raises(BadInput) as caught:
         strategy('bug')
-    known = 'bag, des, dga, homing'
+    known = ', '.join(STRATEGIES)
     assert str(caught.value) == f"Unknown strategy 'bug'; known: {known} (did you mean 'bag'?)."
 
 

@@ -2,6 +2,7 @@
 
 from lta_config.errors import BadInput
 from lta_config.files import find, known
+from lta_control.strategies import STRATEGIES
 from lta_flight.preflight import check
 from lta_graph.launch_file import LaunchPlan, load
 from lta_graph.launch_node import Process
@@ -24,7 +25,7 @@ def plan(*words, package='lta_sim'):
             'scenario:="moon"',
             f"Unknown scenario 'moon'; known: {', '.join(known('scenarios'))}.",
         ),
-        ('strategy:="luck"', "Unknown strategy 'luck'; known: bag, des, dga, homing."),
+        ('strategy:="luck"', f"Unknown strategy 'luck'; known: {', '.join(STRATEGIES)}."),
         ('seed:=-1', 'The seed is -1, but must be a whole number from 0 to 2147483647.'),
         ('seed:="1"', 'The seed is 1, but must be a whole number from 0 to 2147483647.'),
         ('seed:=true', 'The seed is True, but must be a whole number from 0 to 2147483647.'),

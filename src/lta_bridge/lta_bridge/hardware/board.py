@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import time
 from typing import Final, final
 
-from lta_bridge.hardware.look import Check
+from lta_bridge.hardware.check_result import Check
 from lta_bridge.teensy.light_board import LightBlock, LightBoard, LightPeaks
 from lta_bridge.teensy.reader import Reader
 from lta_config.schema.vehicle_diodes import Diodes

@@ -14,8 +14,8 @@ from lta_bridge.crazyflie.log_table import BLOCKS
 from lta_bridge.devices import BOARD, devices, DRONE, Found, Port, ports, RADIO
 from lta_bridge.hardware import board, drone
 from lta_bridge.hardware.board import BoardHeard
+from lta_bridge.hardware.check_result import Check, State
 from lta_bridge.hardware.drone import DroneHeard
-from lta_bridge.hardware.look import Check, State
 from lta_config.errors import BadInput
 from lta_config.schema.crazyflie_file import crazyflie_of
 from lta_config.schema.vehicle_file import load_vehicle_file

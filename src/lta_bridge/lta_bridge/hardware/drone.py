@@ -14,7 +14,7 @@ from lta_bridge.crazyflie.link import Link, LogPacket, Lost, Ping
 from lta_bridge.crazyflie.log_table import BLOCKS
 from lta_bridge.crazyflie.round_trips import RoundTrips
 from lta_bridge.crazyflie.supervisor import Bit, trouble
-from lta_bridge.hardware.look import Check
+from lta_bridge.hardware.check_result import Check
 from lta_bridge.hardware.stream import Streamed, streamed
 from lta_config.schema.crazyflie_file import CrazyflieFile, Expected
 

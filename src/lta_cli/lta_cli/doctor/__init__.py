@@ -7,7 +7,7 @@ fundamental first, and none of them changes anything.
 
 from collections.abc import Callable, Iterable, Iterator
 
-from lta_bridge.hardware.look import Check, State
+from lta_bridge.hardware.check_result import Check, State
 from lta_cli.doctor.dds import conversation, ports
 from lta_cli.doctor.machine import cores, disk, memory, platform, python
 from lta_cli.doctor.software import browser, packages, versions, wheels

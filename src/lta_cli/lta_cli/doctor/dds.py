@@ -7,7 +7,7 @@ import subprocess
 import sys
 import time
 
-from lta_bridge.hardware.look import Check
+from lta_bridge.hardware.check_result import Check
 
 DEADLINE = 10.0  # s for everything; two processes start and find each other in about 1 s
 SLOW = 3.0  # s; discovery that takes this long makes a launch look stuck

@@ -6,7 +6,7 @@ import platform as host
 import shutil
 import sys
 
-from lta_bridge.hardware.look import Check, graded, MEGABYTE
+from lta_bridge.hardware.check_result import Check, graded, MEGABYTE
 
 OLDEST_PYTHON, NEWEST_PYTHON = (3, 11), (3, 14)  # which `make` takes; a test compares
 

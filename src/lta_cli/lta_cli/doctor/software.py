@@ -8,7 +8,7 @@ import shutil
 import subprocess
 import sys
 
-from lta_bridge.hardware.look import Check
+from lta_bridge.hardware.check_result import Check
 
 MODULES = ('rclpy', 'sensor_msgs', 'numpy', 'scipy', 'numba', 'pydantic', 'yaml', 'mcap', 'plotly')
 PACKAGES = ('analysis', 'bridge', 'config', 'control', 'energy', 'graph', 'sim', 'vlc')

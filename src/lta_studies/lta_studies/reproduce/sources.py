@@ -17,10 +17,6 @@ from typing import Final
 from lta_config.files import share
 
 CORES: Final = ('lta_config', 'lta_control', 'lta_energy', 'lta_model', 'lta_sim', 'lta_vlc')
-AROUND: Final = (
-    'lta_bridge', 'lta_data', 'lta_flight', 'lta_graph', 'lta_report', 'lta_studies',
-    'lta_vehicle',
-)  # fmt: skip
 DATA: Final = ('*.yaml', '*.json')
 ROWS: Final = 'paper'  # folder with one file a row
 KEPT: Final = 'lta_studies.reproduce.kept'  # how a row is kept
@@ -75,7 +71,7 @@ def named_in(path: Path) -> tuple[str, ...]:
 def file_of(module: str) -> Path | None:
     """Return the file of a module around the cores; None if it is none of them."""
     package, *below = module.split('.')
-    if package not in AROUND:
+    if not package.startswith('lta_') or package in CORES:
         return None
     place = folder(package).joinpath(*below)
     files = (place / '__init__.py', place.with_suffix('.py'))

@@ -4,7 +4,7 @@ import io
 import socket
 from types import SimpleNamespace
 
-from lta_bridge.hardware.look import Check, graded
+from lta_bridge.hardware.check_result import Check, graded
 from lta_cli import doctor
 from lta_cli.doctor import dds, machine, software
 import pytest

@@ -1,6 +1,7 @@
 """Names that are one to a kind of data: by hand, and as they are frozen."""
 
 from dataclasses import replace
+import os
 from pathlib import Path
 import subprocess
 import sys
@@ -102,9 +103,11 @@ def test_the_frozen_file_is_that_of_the_candidates_as_they_are(gtmab: Known) -> 
 def test_the_frozen_classes_are_those_that_follow_now() -> None:
     """From vehicle, gains, scene and simulator as they are, of which the digest knows nothing."""
     script = Path(__file__).resolve().parents[3] / 'score/classes.py'
+    paths = {'PYTHONPATH': os.pathsep.join(sys.path)}
     done = subprocess.run(
-        [sys.executable, script, '--check'], capture_output=True, text=True, check=False
-    )
+        [sys.executable, script, '--check'],
+        env=os.environ | paths, capture_output=True, text=True, check=False,
+    )  # fmt: skip
     assert done.returncode == 0, done.stdout + done.stderr
 
 
