@@ -12,7 +12,7 @@ from lta_control.cascade import Setpoint
 from lta_control.control import control_step, ControlMemory
 from lta_control.gains_file import load_gains, load_gains_of
 from lta_control.laws import law, LAWS
-from lta_control.laws.aboard import Aboard, law_named
+from lta_control.laws.aboard import Aboard, check_aboard, law_named
 from lta_control.laws.frames import from_angles, to_body, to_world, turn_to, turned
 from lta_control.laws.lateral import mixed
 from lta_control.laws.protocol import Command, Feedback, Heard, Motion
@@ -192,6 +192,16 @@ def test_a_law_that_needs_a_tracker_is_refused_aboard():
     assert law_named(vehicle) == 'omnidirectional'
     with pytest.raises(BadInput, match='needs a tracker'):
         Aboard('omnidirectional', vehicle)
+
+
+@pytest.mark.parametrize('name', known('vehicles'))
+def test_a_vehicle_flies_by_its_own_sensors_unless_its_law_needs_a_tracker(name):
+    vehicle = load_vehicle(name)
+    if law(law_named(vehicle)).feedback is Feedback.TRACKER:
+        with pytest.raises(BadInput, match='needs a tracker'):
+            check_aboard(vehicle)
+    else:
+        check_aboard(vehicle)
 
 
 def test_aboard_a_law_keeps_its_memory_until_it_is_told_to_forget():
