@@ -12,7 +12,7 @@ import sys
 import lta_analysis
 
 flight = lta_analysis.open(sys.argv[1])
-both = flight.aligned('odom', 'ground_truth/odom', rate=50.0, method='linear')
+both = flight.align_topics('odom', 'ground_truth/odom', rate=50.0, method='linear')
 frame = both.to_pandas()
 truth = frame['ground_truth/odom/twist.twist.linear.x']
 frame['error'] = frame['odom/twist.twist.linear.x'] - truth

@@ -7,17 +7,17 @@ In the environment of LTA:
 """
 
 # %% What follows from every shipped file
-from lta_config.files import known
+from lta_config.files import list_shipped
 from lta_model.vehicle import load_vehicle
-from lta_vehicle.figures.sheet import sheet_of
+from lta_vehicle.figures.sheet import build_sheet
 
-sheets = [sheet_of(load_vehicle(name)) for name in known('vehicles')]
+sheets = [build_sheet(load_vehicle(name)) for name in list_shipped('vehicles')]
 
 # %% How much of its mass the air carries, and how many numbers of its file somebody measured
 for sheet in sheets:
     figures, entries = sheet.by_key, len(sheet.numbers)
     mass, heavy = figures['mass'].value, figures['heaviness'].value
     carried = 100.0 * (1.0 - heavy / mass)
-    measured = entries - sheet.assumed
+    measured = entries - sheet.assumed_count
     name = sheet.vehicle.file.name
     print(f'{name:12} {carried:5.1f} % by the air, {measured:3} of {entries} numbers known')

@@ -12,14 +12,14 @@ The second way solves the flow of each at 0.5 m/s by OpenFOAM (a minute or two e
 import sys
 
 from lta_model.gas import AIR_DENSITY, HELIUM_DENSITY
-from lta_sim.cfd.analytic import drag
-from lta_sim.cfd.crew import Threads
-from lta_sim.cfd.model import Model
-from lta_sim.cfd.openfoam.stage import cache_folder
-from lta_sim.cfd.plan import Flow
-from lta_sim.cfd.shape import ellipse, mylar, revolved, TURNED
-from lta_sim.cfd.solve import solve
-from lta_sim.cfd.tunnel import PREVIEW, steady_wind
+from lta_sim.cfd.analytic import drag_force
+from lta_sim.cfd.flow_plan import TunnelFlow
+from lta_sim.cfd.flow_solvers import ThreadedFlowSolver
+from lta_sim.cfd.openfoam.case_runner import cache_folder
+from lta_sim.cfd.shape import ellipse_profile, mylar_profile, revolve_profile, TURNED
+from lta_sim.cfd.solve import solve_sweep
+from lta_sim.cfd.tunnel import build_steady_wind, PREVIEW
+from lta_sim.cfd.tunnel_model import TunnelModel
 import plotly.graph_objects as go
 from trimesh import Trimesh
 
@@ -31,38 +31,38 @@ DIAMETERS = (0.6, 0.7, 0.8, 0.9, 1.0, 1.1)  # m
 
 def balloon(diameter: float) -> Trimesh:
     """Two discs of foil, joined at the rim (flies edge-on)."""
-    return revolved(mylar(), diameter / 2, 0.599 * diameter)
+    return revolve_profile(mylar_profile(), diameter / 2, 0.599 * diameter)
 
 
 def sphere(diameter: float) -> Trimesh:
     """Of gores: more seams, the least foil."""
-    return revolved(ellipse(), diameter / 2, diameter)
+    return revolve_profile(ellipse_profile(), diameter / 2, diameter)
 
 
 def cigar(diameter: float) -> Trimesh:
     """Twice as long as thick, nose first; thinner than the sphere, for its volume."""
-    mesh = revolved(ellipse(), 0.4 * diameter, 1.6 * diameter)
+    mesh = revolve_profile(ellipse_profile(), 0.4 * diameter, 1.6 * diameter)
     return mesh.apply_transform(TURNED['x'])
 
 
-def solved(model: Model) -> float:
+def solved(model: TunnelModel) -> float:
     """Return the drag that the wind tunnel finds. [N]."""
-    case = steady_wind(model, 'surge', AIR[1], PREVIEW, (SPEED,))
-    flow = Flow('wind', 'surge', case, (SPEED,))
-    crew = Threads(cache_folder(), 1, lambda *_: None)
-    axes, _, refused, _ = solve(crew, model, [flow], AIR, print)
+    case = build_steady_wind(model, 'surge', AIR[1], PREVIEW, (SPEED,))
+    flow = TunnelFlow('wind', 'surge', case, (SPEED,))
+    crew = ThreadedFlowSolver(cache_folder(), 1, lambda *_: None)
+    axes, _, refused, _ = solve_sweep(crew, model, [flow], AIR, print)
     return float('nan') if refused else -axes['surge'][0].force[0]
 
 
-def by_hand(model: Model) -> float:
+def by_hand(model: TunnelModel) -> float:
     """Return the drag that Hoerner's formula gives. [N]."""
-    return drag(model, 0, SPEED, AIR)
+    return drag_force(model, 0, SPEED, AIR)
 
 
 found = []
 for shape in (balloon, sphere, cigar):
     for diameter in DIAMETERS:
-        model = Model(shape.__name__, {'envelope': shape(diameter)}, {}, {})
+        model = TunnelModel(shape.__name__, {'envelope': shape(diameter)}, {}, {})
         lift = 0.93 * model.hull.volume * (AIR_DENSITY - HELIUM_DENSITY)  # 93 % pure
         carried = 1e3 * (lift - FOIL * model.hull.area)  # g
         braked = 1e3 * (solved if 'solve' in sys.argv else by_hand)(model)  # mN

@@ -12,17 +12,17 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.append(str(ROOT / 'test' / 'unit'))
 
 from discovery.hidden_flight import flown, nominal, prepared  # noqa: E402
-from lta_challenge.case import Drawing  # noqa: E402
-from lta_challenge.make import known  # noqa: E402
-from lta_discovery.replay.linear import origin  # noqa: E402
+from lta_challenge.case import CaseGenerator  # noqa: E402
+from lta_challenge.make import load_challenge_vehicle  # noqa: E402
+from lta_discovery.replay.linearized_flight import build_origin  # noqa: E402
 
 
 def main() -> None:
     """Linearise a short flight, and draw a case of the challenge."""
     vehicle, knobs = nominal()
     flight = prepared(flown({}, seed=1, length=8.0), knobs)
-    flight.at(origin(vehicle, knobs, flight.replay.cut))
-    Drawing(known(), 0, 0, 'base', 'clean', (20.0, 24.0)).drawn()
+    flight.at(build_origin(vehicle, knobs, flight.replay.cut))
+    CaseGenerator(load_challenge_vehicle(), 0, 0, 'base', 'clean', (20.0, 24.0)).generate_case()
 
 
 if __name__ == '__main__':

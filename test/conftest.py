@@ -101,7 +101,7 @@ def call(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) ->
     def call(*words: object, columns: int = 120) -> tuple[int, Any]:
         monkeypatch.setenv('COLUMNS', str(columns))
         monkeypatch.setattr(sys, 'argv', ['lta', *map(str, words)])
-        return app.status(), capsys.readouterr()
+        return app.run_command_line(), capsys.readouterr()
 
     return call
 

@@ -51,7 +51,7 @@ def set_by_name(name: str, kind: int, value: int) -> Packet:
 
 def duties(level: float, hold_ms: int = 200) -> Callable[[int], Packet]:
     """Return a stream's packets to the app, by their number."""
-    return lambda number: (13, 2, duties_packet.packed(number, (level,) * 4, hold_ms))
+    return lambda number: (13, 2, duties_packet.pack_duties(number, (level,) * 4, hold_ms))
 
 
 class Stream(NamedTuple):

@@ -1,14 +1,14 @@
 """Rows of the paper from the figures that a run kept: docs/paper.md is held to them."""
 
-from lta_studies.reproduce.kept import Drawn, Kept, values_in
+from lta_studies.reproduce.row_store import decode_values, StoredPicture, StoredRow
 
 
 def kepts_in(found):
     """Return rows from their figures; the pictures without what is drawn."""
     return {
-        name: Kept(
-            values_in(each['values']),
-            [Drawn(**picture, figure='') for picture in each['pictures']],
+        name: StoredRow(
+            decode_values(each['values']),
+            [StoredPicture(**picture, figure='') for picture in each['pictures']],
             (),
             each['seeds'],
             each['seconds'],

@@ -21,7 +21,7 @@ Written by tools/dialect.py from firmware/light_board/mavlink/link.xml; do not e
 
 from typing import Final
 
-from lta_bridge.teensy.message import Message
+from lta_bridge.teensy.message import MavlinkMessage
 import numpy as np
 '''
 KINDS = {'int': 'i', 'uint': 'u', 'float': 'f'}
@@ -44,7 +44,7 @@ def text() -> str:
     lines = [HEAD]
     for message in messages:
         lines += [
-            f'{message.name}: Final = Message(',
+            f'{message.name}: Final = MavlinkMessage(',
             f'    {message.id},',
             f"    '{message.name}',",
             f'    {message.crc_extra},',

@@ -11,11 +11,11 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import Annotated, Final, final, Literal, NamedTuple, Self
 
-from lta_config.files import Record
-from lta_config.quantity import Quantity, si
+from lta_config.files import StrictModel
+from lta_config.quantity import Quantity, si_quantity
 from pydantic import Field, model_validator
 
-Time = Annotated[Quantity, si('s', low=0.0, high=3600.0)]
+Time = Annotated[Quantity, si_quantity('s', low=0.0, high=3600.0)]
 Between = Literal['step', 'ramp']
 APART: Final = 0.618034  # of a hold, from rotor to rotor: they change one after the other
 WORD: Final = (1 << 64) - 1
@@ -24,25 +24,25 @@ GAMMA, MIX, MIX_AGAIN = 0x9E3779B97F4A7C15, 0xBF58476D1CE4E5B9, 0x94D049BB133111
 
 
 @final
-class Row(Record):
+class CourseRow(StrictModel):
     """What is asked for from one time on; the heading counts from that of the start."""
 
     at: Time
-    altitude: Annotated[Quantity, si('m', low=0.0, high=1000.0)]
-    heading: Annotated[Quantity, si('rad', low=-100.0, high=100.0)]
-    speed: Annotated[Quantity, si('m/s', low=0.0, high=50.0)]
+    altitude: Annotated[Quantity, si_quantity('m', low=0.0, high=1000.0)]
+    heading: Annotated[Quantity, si_quantity('rad', low=-100.0, high=100.0)]
+    speed: Annotated[Quantity, si_quantity('m/s', low=0.0, high=50.0)]
 
 
 @final
-class Shake(Record):
+class MotorExcitation(StrictModel):
     """Numbers within +-`duty`, one a rotor, each for as long as `hold`."""
 
-    duty: Annotated[Quantity, si('1', above=0.0, high=0.5)]
-    hold: Annotated[Quantity, si('s', low=0.05, high=60.0)]
+    duty: Annotated[Quantity, si_quantity('1', above=0.0, high=0.5)]
+    hold: Annotated[Quantity, si_quantity('s', low=0.05, high=60.0)]
 
 
 @final
-class Asked(NamedTuple):
+class CourseSetpoint(NamedTuple):
     """Altitude of the hull centre [m], heading [rad] and forward airspeed [m/s]."""
 
     altitude: float
@@ -51,7 +51,7 @@ class Asked(NamedTuple):
 
 
 @final
-class Course(Record):
+class Course(StrictModel):
     """
     A whole course.
 
@@ -60,21 +60,23 @@ class Course(Record):
     """
 
     between: Between
-    rows: Annotated[list[Row], Field(min_length=1, max_length=1000)]
-    shake: Shake | None = None
+    rows: Annotated[list[CourseRow], Field(min_length=1, max_length=1000)]
+    shake: MotorExcitation | None = None
 
     @model_validator(mode='after')
-    def _in_order(self) -> Self:
-        in_order([row.at.si for row in self.rows])
+    def _check_order(self) -> Self:
+        check_rising_times([row.at.si for row in self.rows])
         return self
 
-    def asked(self, time: float) -> Asked:
+    def setpoint_at(self, time: float) -> CourseSetpoint:
         """Return what is asked for at a time; to stay on the floor before the first row. [s]"""
         rows = [(row.altitude.si, row.heading.si, row.speed.si) for row in self.rows]
         before = (0.0, rows[0][1], 0.0)
-        return Asked(*along([row.at.si for row in self.rows], rows, self.between, time, before))
+        return CourseSetpoint(
+            *interpolate_rows([row.at.si for row in self.rows], rows, self.between, time, before)
+        )
 
-    def shaken(
+    def excite_duties(
         self, time: float, duties: tuple[float, ...], reversible: Sequence[bool]
     ) -> tuple[float, ...]:
         """
@@ -96,18 +98,18 @@ class Course(Record):
         size, hold = self.shake.duty.si, self.shake.hold.si
         out = list(duties)
         for k, back in enumerate(reversible):
-            more = size * even(int(time / hold + APART * k), k)
+            more = size * hashed_uniform(int(time / hold + APART * k), k)
             out[k] = min(max(out[k] + more, -1.0 if back else 0.0), 1.0)
         return tuple(out)
 
 
-def in_order(times: Sequence[float]) -> None:
+def check_rising_times(times: Sequence[float]) -> None:
     """Refuse rows that are not in rising order of time; `ValueError`. [s]"""
     if any(later <= earlier for earlier, later in pairwise(times)):
         raise ValueError(f'has rows at {list(times)} s; give them in rising order of time')
 
 
-def along(
+def interpolate_rows(
     times: Sequence[float],
     rows: Sequence[tuple[float, float, float]],
     between: Between,
@@ -142,7 +144,7 @@ def along(
     return a, b, c
 
 
-def even(index: int, rotor: int) -> float:
+def hashed_uniform(index: int, rotor: int) -> float:
     """Return a number drawn evenly from [-1, 1) for one hold of one rotor: splitmix64."""
     word = (GAMMA * (index * 64 + rotor + 1)) & WORD
     word = ((word ^ (word >> 30)) * MIX) & WORD

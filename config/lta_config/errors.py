@@ -13,17 +13,17 @@ class BadInput(ValueError):
     """
 
     def __init__(self, text: str) -> None:
-        super().__init__(one_line(text))
+        super().__init__(to_one_line(text))
 
 
-def one_line(text: str) -> str:
+def to_one_line(text: str) -> str:
     """Return a text with a blank for each line break and whatever else cannot be printed."""
     if text.isprintable():
         return text
     return ''.join(part if part.isprintable() else ' ' for part in text)
 
 
-def without_controls(text: str) -> str:
+def strip_control_codes(text: str) -> str:
     """
     Return a text without what commands a terminal; its lines stay.
 
@@ -35,7 +35,7 @@ def without_controls(text: str) -> str:
     return ''.join(part if part.isprintable() or part in '\t\n\r' else ' ' for part in text)
 
 
-def unknown(kind: str, name: str, known: list[str]) -> BadInput:
+def unknown_name(kind: str, name: str, names: list[str]) -> BadInput:
     """
     Return the error for a name that is not in a registry or folder.
 
@@ -49,8 +49,8 @@ def unknown(kind: str, name: str, known: list[str]) -> BadInput:
         The names that exist.
 
     """
-    likely = get_close_matches(name, known, 1)
+    likely = get_close_matches(name, names, 1)
     meant = f" (did you mean '{likely[0]}'?)" if likely else ''
     return BadInput(
-        f"Unknown {kind} '{name}'; known: {', '.join(sorted(known)) or 'none'}{meant}."
+        f"Unknown {kind} '{name}'; known: {', '.join(sorted(names)) or 'none'}{meant}."
     )

@@ -14,9 +14,9 @@ from pathlib import Path
 import re
 from typing import Any, TypeVar
 
-from lta_config.errors import BadInput, unknown
+from lta_config.errors import BadInput, unknown_name
 from lta_config.limits import YAML_BYTES, YAML_DEPTH, YAML_DIGITS
-from lta_config.sentence import sentence
+from lta_config.validation_errors import format_error
 from pydantic import BaseModel, ConfigDict, ValidationError
 import yaml
 
@@ -48,7 +48,7 @@ FOLDERS = {
 }
 
 
-class Record(BaseModel):
+class StrictModel(BaseModel):
     """Base of everything read from a file: immutable, nothing unknown, nothing coerced."""
 
     model_config = ConfigDict(frozen=True, extra='forbid', strict=True)
@@ -70,19 +70,19 @@ class _UniqueKeys(yaml.CSafeLoader):
             if key in seen:
                 raise BadInput(
                     f"{key_node.start_mark.name}: the key '{key}' stands twice "
-                    f'({_lines(seen[key], line)}); merge them.'
+                    f'({_format_lines(seen[key], line)}); merge them.'
                 )
             seen[key] = line
         return super().construct_mapping(node, deep)
 
 
-def _lines(first: int, second: int) -> str:
+def _format_lines(first: int, second: int) -> str:
     """Return the places of two keys, as one finds them in an editor."""
     return f'lines {first} and {second}' if first != second else f'line {first}'
 
 
 @cache
-def share() -> Path:
+def share_folder() -> Path:
     """Return the folder with LTA's own data: topics.yaml, vehicles/, scenarios/, launch/ ..."""
     here = Path(__file__).resolve()
     for parent in here.parents:
@@ -92,12 +92,14 @@ def share() -> Path:
     raise BadInput(f'LTA cannot find its data beside {here}; build the workspace again (make).')
 
 
-def known(folder: str, suffix: str = '.yaml') -> list[str]:
-    """Return the names of the files that LTA ships in one folder of `share()`."""
-    return sorted(path.name.removesuffix(suffix) for path in (share() / folder).glob(f'*{suffix}'))
+def list_shipped(folder: str, suffix: str = '.yaml') -> list[str]:
+    """Return the names of the files that LTA ships in one folder of `share_folder()`."""
+    return sorted(
+        path.name.removesuffix(suffix) for path in (share_folder() / folder).glob(f'*{suffix}')
+    )
 
 
-def find(kind: str, name: str, suffix: str = '.yaml') -> Path:
+def find_file(kind: str, name: str, suffix: str = '.yaml') -> Path:
     """
     Return the file that a name or a path means.
 
@@ -122,10 +124,10 @@ def find(kind: str, name: str, suffix: str = '.yaml') -> Path:
             )
         return path
     folder = FOLDERS[kind]
-    names = known(folder, suffix)
+    names = list_shipped(folder, suffix)
     if name not in names:
-        raise unknown(kind, name, names)
-    return share() / folder / f'{name}{suffix}'
+        raise unknown_name(kind, name, names)
+    return share_folder() / folder / f'{name}{suffix}'
 
 
 def load_yaml(path: Path) -> Any:  # noqa: ANN401 - YAML holds anything
@@ -169,14 +171,14 @@ def parse_yaml(text: str | bytes, where: str) -> Any:  # noqa: ANN401 - YAML hol
     if len(text) > YAML_BYTES:
         raise BadInput(f'{where} is larger than {YAML_BYTES} bytes; that is no file of ours.')
     if len(text) > YAML_KEPT:
-        return _parsed(text, where)
-    return copy.deepcopy(_kept(text, where))  # callers may change it
+        return _parse_strict(text, where)
+    return copy.deepcopy(_parse_cached(text, where))  # callers may change it
 
 
-def _parsed(text: str | bytes, where: str) -> Any:  # noqa: ANN401 - YAML holds anything
+def _parse_strict(text: str | bytes, where: str) -> Any:  # noqa: ANN401 - YAML holds anything
     try:
-        _check_shape(where, yaml.parse(_named(text, where), Loader=_UniqueKeys))
-        return yaml.load(_named(text, where), Loader=_UniqueKeys)
+        _check_shape(where, yaml.parse(_open_named(text, where), Loader=_UniqueKeys))
+        return yaml.load(_open_named(text, where), Loader=_UniqueKeys)
     except BadInput:
         raise
     except (yaml.YAMLError, *MISFITS) as error:
@@ -185,12 +187,12 @@ def _parsed(text: str | bytes, where: str) -> Any:  # noqa: ANN401 - YAML holds 
 
 
 @lru_cache(maxsize=64)
-def _kept(text: str | bytes, where: str) -> Any:  # noqa: ANN401 - YAML holds anything
+def _parse_cached(text: str | bytes, where: str) -> Any:  # noqa: ANN401 - YAML holds anything
     """Parse a short text once: copying the result takes a twentieth of the time."""
-    return _parsed(text, where)
+    return _parse_strict(text, where)
 
 
-def _named(text: str | bytes, where: str) -> io.StringIO | io.BytesIO:
+def _open_named(text: str | bytes, where: str) -> io.StringIO | io.BytesIO:
     """Return a text as a stream whose name the reader puts into its complaints."""
     stream = io.StringIO(text) if isinstance(text, str) else io.BytesIO(text)
     stream.name = where
@@ -231,7 +233,7 @@ def _check_number(where: str, event: yaml.ScalarEvent) -> None:
         raise BadInput(f'{where} holds a number of more than {YAML_DIGITS} digits; shorten it.')
 
 
-def load(model: type[Model], path: Path) -> Model:
+def load_file(model: type[Model], path: Path) -> Model:
     """
     Return a file's content, checked against its model.
 
@@ -241,12 +243,12 @@ def load(model: type[Model], path: Path) -> Model:
         One sentence on the first thing that is wrong: where, what, and how to write it.
 
     """
-    return checked(model, load_yaml(path), str(path))
+    return validate_content(model, load_yaml(path), str(path))
 
 
-def checked(model: type[Model], content: Any, where: str) -> Model:  # noqa: ANN401 - YAML holds anything
+def validate_content(model: type[Model], content: Any, where: str) -> Model:  # noqa: ANN401 - YAML holds anything
     """
-    Return what a file held, checked against its model; errors as `load`.
+    Return what a file held, checked against its model; errors as `load_file`.
 
     Parameters
     ----------
@@ -263,4 +265,4 @@ def checked(model: type[Model], content: Any, where: str) -> Model:  # noqa: ANN
     try:
         return model.model_validate(content)
     except ValidationError as error:
-        raise BadInput(f'{where}: {sentence(error)}') from None
+        raise BadInput(f'{where}: {format_error(error)}') from None

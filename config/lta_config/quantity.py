@@ -98,26 +98,26 @@ UNSOURCED = 'has no source; add "source: ..." (measured, datasheet, assumed...)'
 _TEXT = re.compile(r'(?a)^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S.*?)?\s*$')
 
 
-def _is_written(number: object) -> bool:
+def _is_plain_number(number: object) -> bool:
     """Tell whether a text is that of a plain number."""
     found = _TEXT.match(number) if isinstance(number, str) else None
     return found is not None and found[2] is None
 
 
-def _number_or_numbers(given: Any) -> float | tuple[float, ...]:  # noqa: ANN401 - as the file has it
-    numbers = given if isinstance(given, list | tuple) else [given]
+def _parse_numbers(value: Any) -> float | tuple[float, ...]:  # noqa: ANN401 - as the file has it
+    numbers = value if isinstance(value, list | tuple) else [value]
     for number in numbers:
         if isinstance(number, bool) or not isinstance(number, int | float):
             # YAML 1.1, which ROS reads as well, takes an exponent without a point for text.
-            hint = ' with a decimal point, as 1.0e-3' if _is_written(number) else ''
+            hint = ' with a decimal point, as 1.0e-3' if _is_plain_number(number) else ''
             raise ValueError(
-                f'has the value {given!r}, but needs a number or a list of numbers{hint}'
+                f'has the value {value!r}, but needs a number or a list of numbers{hint}'
             )
     try:
         floats = tuple(float(number) for number in numbers)
     except OverflowError:
         raise ValueError('has a value too large for a number') from None
-    return floats if isinstance(given, list | tuple) else floats[0]
+    return floats if isinstance(value, list | tuple) else floats[0]
 
 
 @final
@@ -132,51 +132,51 @@ class Quantity(BaseModel):
 
     @model_validator(mode='before')
     @classmethod
-    def _from_text(cls, given: Any) -> Any:  # noqa: ANN401 - whatever the file held
-        if isinstance(given, bool | int | float):
-            raise ValueError(f'{given} has no unit; write it behind the number, as in "7 m"')
-        if isinstance(given, str):
-            match = _TEXT.match(given)
+    def _from_text(cls, value: Any) -> Any:  # noqa: ANN401 - whatever the file held
+        if isinstance(value, bool | int | float):
+            raise ValueError(f'{value} has no unit; write it behind the number, as in "7 m"')
+        if isinstance(value, str):
+            match = _TEXT.match(value)
             if match is None or match.group(2) is None:
-                raise ValueError(f'"{given}" is not a number and a unit, such as "7 m"')
+                raise ValueError(f'"{value}" is not a number and a unit, such as "7 m"')
             return {'value': float(match.group(1)), 'unit': match.group(2)}
-        if isinstance(given, dict):
-            if 'unit' not in given:
+        if isinstance(value, dict):
+            if 'unit' not in value:
                 raise ValueError('has no unit; add "unit: ..."')
-            if 'value' in given:
-                given = {**given, 'value': _number_or_numbers(given['value'])}
-        return given
+            if 'value' in value:
+                value = {**value, 'value': _parse_numbers(value['value'])}
+        return value
 
     @model_validator(mode='after')
-    def _check(self) -> 'Quantity':
+    def _check_value(self) -> 'Quantity':
         if self.unit not in UNITS:
             raise ValueError(f'has the unknown unit "{self.unit}"; known: {", ".join(UNITS)}')
         if not all(math.isfinite(number) for number in self.vector):
             raise ValueError(f'is {self.value}, which is not a finite number')
         return self
 
-    def _numbers(self) -> tuple[float, ...]:
+    def _as_tuple(self) -> tuple[float, ...]:
         return self.value if isinstance(self.value, tuple) else (self.value,)
 
     @property
     def dimension(self) -> str:
-        """The SI unit that `si` is in."""
+        """The SI unit that `si_quantity` is in."""
         return UNITS[self.unit][0]
 
     @property
     def si(self) -> float:
         """The number in SI; an error if this quantity is a list."""
-        (number,) = self._numbers()
+        (number,) = self._as_tuple()
         return number * UNITS[self.unit][1]
 
     @property
     def vector(self) -> tuple[float, ...]:
         """All numbers in SI, also of a quantity that has just one."""
         factor = UNITS[self.unit][1]
-        return tuple(number * factor for number in self._numbers())
+        return tuple(number * factor for number in self._as_tuple())
 
 
-def si(
+def si_quantity(
     dimension: str,
     *,
     low: float = -math.inf,
@@ -203,20 +203,20 @@ def si(
 
     """
 
-    def check(given: Any, read: ValidatorFunctionWrapHandler) -> Quantity:  # noqa: ANN401
-        if isinstance(given, int | float) and not isinstance(given, bool):
-            raise ValueError(f'{given} has no unit; write for example "{given} {dimension}"')
-        quantity: Quantity = read(given)
-        if complaint := misfit(quantity, dimension, low, high, above, length):
+    def check_quantity(value: Any, read: ValidatorFunctionWrapHandler) -> Quantity:  # noqa: ANN401
+        if isinstance(value, int | float) and not isinstance(value, bool):
+            raise ValueError(f'{value} has no unit; write for example "{value} {dimension}"')
+        quantity: Quantity = read(value)
+        if complaint := describe_misfit(quantity, dimension, low, high, above, length):
             raise ValueError(complaint)
         if sourced and not quantity.source:
             raise ValueError(UNSOURCED)
         return quantity
 
-    return WrapValidator(check)
+    return WrapValidator(check_quantity)
 
 
-def misfit(
+def describe_misfit(
     quantity: Quantity,
     dimension: str,
     low: float = -math.inf,
@@ -224,7 +224,7 @@ def misfit(
     above: float | None = None,
     length: int = 1,
 ) -> str | None:
-    """Return what is wrong with a quantity, to be put behind its name; parameters as `si`."""
+    """Return what is wrong with a quantity, put behind its name; parameters as `si_quantity`."""
     if quantity.dimension != dimension:
         return f'is in {quantity.unit}, but must be in {dimension} or its like'
     if len(quantity.vector) != length:
@@ -232,24 +232,24 @@ def misfit(
     floor = -math.inf if above is None else above
     if all(low <= number <= high and number > floor for number in quantity.vector):
         return None
-    allowed = bounds(low if above is None else None, above, high, quantity.unit)
-    return f'is {written(quantity)}, but must be {allowed}'
+    allowed = format_bounds(low if above is None else None, above, high, quantity.unit)
+    return f'is {format_quantity(quantity)}, but must be {allowed}'
 
 
-def written(quantity: Quantity) -> str:
+def format_quantity(quantity: Quantity) -> str:
     """Return a quantity as people write it: `[0, 0, -8] cm`."""
     numbers = quantity.value if isinstance(quantity.value, tuple) else [quantity.value]
     texts = [f'{number:.12g}' for number in numbers]
     text = f'[{", ".join(texts)}]' if isinstance(quantity.value, tuple) else texts[0]
-    return with_unit(text, quantity.unit)
+    return add_unit(text, quantity.unit)
 
 
-def with_unit(text: str, unit: str) -> str:
+def add_unit(text: str, unit: str) -> str:
     """Return a number with its unit; a bare number has none."""
     return text if unit == '1' else f'{text} {unit}'
 
 
-def bounds(low: float | None, above: float | None, high: float, unit: str) -> str:
+def format_bounds(low: float | None, above: float | None, high: float, unit: str) -> str:
     """Return the bounds of a quantity in words and in a unit; the bounds themselves are in SI."""
     factor = UNITS[unit][1]
     least, floor, most = (
@@ -257,10 +257,10 @@ def bounds(low: float | None, above: float | None, high: float, unit: str) -> st
         for number in (low, above, high)
     )
     if least is not None and most is not None:
-        return with_unit(f'from {least} to {most}', unit)
+        return add_unit(f'from {least} to {most}', unit)
     words = [
         word + number
         for word, number in (('at least ', least), ('above ', floor), ('at most ', most))
         if number is not None
     ]
-    return with_unit(' and '.join(words), unit)
+    return add_unit(' and '.join(words), unit)

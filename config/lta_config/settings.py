@@ -4,13 +4,13 @@ from collections import namedtuple
 from functools import cache
 from typing import Any, cast, TypeVar
 
-from lta_config.files import Record
+from lta_config.files import StrictModel
 from pydantic import BaseModel, Field
 
 Model = TypeVar('Model', bound=BaseModel)
 
 
-class Settings(Record):
+class Settings(StrictModel):
     """Base of the settings that become ROS parameters; every field has a default."""
 
 
@@ -51,16 +51,18 @@ def setting(
 
 
 @cache
-def _plain_type(model: type[BaseModel]) -> Any:  # noqa: ANN401 - a type made here
+def _named_tuple_type(model: type[BaseModel]) -> Any:  # noqa: ANN401 - a type made here
     return namedtuple(model.__name__, model.model_fields)
 
 
-def plain(settings: Model) -> Model:
+def to_named_tuple(settings: Model) -> Model:
     """
     Return settings as named tuples of numbers, nested as they are.
 
     Cores only read attributes, so they take either; compiled, they take this.
     """
     values = (getattr(settings, name) for name in type(settings).model_fields)
-    numbers = (plain(value) if isinstance(value, BaseModel) else value for value in values)
-    return cast('Model', _plain_type(type(settings))(*numbers))
+    numbers = (
+        to_named_tuple(value) if isinstance(value, BaseModel) else value for value in values
+    )
+    return cast('Model', _named_tuple_type(type(settings))(*numbers))

@@ -5,20 +5,20 @@ from functools import cache, cached_property
 import re
 from typing import Annotated, Literal
 
-from lta_config.errors import unknown
-from lta_config.files import load, Record, share
-from lta_config.quantity import Quantity, si
+from lta_config.errors import unknown_name
+from lta_config.files import load_file, share_folder, StrictModel
+from lta_config.quantity import Quantity, si_quantity
 from pydantic import AliasChoices, Field
 
 Qos = Literal['sensor', 'command', 'default', 'latched', 'clock']
 
 
-def nanoseconds(time: Quantity) -> int:
+def to_nanoseconds(time: Quantity) -> int:
     """Return a time as integer nanoseconds."""
     return round(time.si * 1e9)
 
 
-class Topic(Record):
+class Topic(StrictModel):
     """One row of the table; see the head of `topics.yaml` for the meaning of the columns."""
 
     type: Annotated[str, Field(pattern=r'^\w+/msg/\w+$')]
@@ -28,8 +28,8 @@ class Topic(Record):
     about: str
     source: Annotated[str, Field(validation_alias=AliasChoices('from'))]
     subscribers: Annotated[Mapping[str, int], Field(validation_alias=AliasChoices('to'))]
-    period: Annotated[Quantity, si('s', above=0.0)] | None = None
-    latency: Annotated[Quantity, si('s', low=0.0)] = Quantity(value=0.0, unit='s')
+    period: Annotated[Quantity, si_quantity('s', above=0.0)] | None = None
+    latency: Annotated[Quantity, si_quantity('s', low=0.0)] = Quantity(value=0.0, unit='s')
     answers: str = ''
     stamped: bool = True
     recorded: bool = True
@@ -48,45 +48,45 @@ class Topic(Record):
     @cached_property
     def period_ns(self) -> int:
         """Time between two stamps; 0 where the topic has no rhythm. [ns]"""
-        return 0 if self.period is None else nanoseconds(self.period)
+        return 0 if self.period is None else to_nanoseconds(self.period)
 
     @cached_property
     def latency_ns(self) -> int:
         """Time from the stamp to the publication. [ns]"""
-        return nanoseconds(self.latency)
+        return to_nanoseconds(self.latency)
 
 
-class Light(Record):
+class AdcBlockShape(StrictModel):
     """The shape of an ADC block."""
 
-    sample_rate: Annotated[Quantity, si('Hz', above=0.0)]
+    sample_rate: Annotated[Quantity, si_quantity('Hz', above=0.0)]
     samples: Annotated[int, Field(ge=2)]
 
 
-class TopicTable(Record):
+class TopicTable(StrictModel):
     """Every topic of the graph, with the times they share."""
 
     schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
-    start: Annotated[Quantity, si('s', above=0.0)]
-    control_period: Annotated[Quantity, si('s', above=0.0)]
-    light: Light
+    start: Annotated[Quantity, si_quantity('s', above=0.0)]
+    control_period: Annotated[Quantity, si_quantity('s', above=0.0)]
+    light: AdcBlockShape
     topics: Mapping[str, Topic]
 
     def __getitem__(self, name: str) -> Topic:
         """Return one topic; an unknown name is a `BadInput` that lists the known ones."""
         if name not in self.topics:
-            raise unknown('topic', name, list(self.topics))
+            raise unknown_name('topic', name, list(self.topics))
         return self.topics[name]
 
     @cached_property
     def start_ns(self) -> int:
         """The first stamp of a simulated flight. [ns]"""
-        return nanoseconds(self.start)
+        return to_nanoseconds(self.start)
 
     @cached_property
     def control_ns(self) -> int:
         """The control period. [ns]"""
-        return nanoseconds(self.control_period)
+        return to_nanoseconds(self.control_period)
 
     def published_by(self, role: str) -> list[str]:
         """Return the topics that a role publishes."""
@@ -96,11 +96,11 @@ class TopicTable(Record):
         """Return the topics that a role must wait for."""
         return [name for name, topic in self.topics.items() if role in topic.subscribers]
 
-    def trigger(self, role: str) -> str:
+    def trigger_topic(self, role: str) -> str:
         """Return the topic that a role answers message by message; empty where it answers none."""
         return next((self[name].answers for name in self.published_by(role)), '')
 
-    def due(self, name: str, now_ns: int, lag: int = 0) -> int:
+    def count_due(self, name: str, now_ns: int, lag: int = 0) -> int:
         """
         Return how many messages of a topic are out at a control step.
 
@@ -118,7 +118,7 @@ class TopicTable(Record):
         newest = now_ns - topic.latency_ns - lag * self.control_ns - self.start_ns
         return max(0, newest // topic.period_ns + 1)
 
-    def settled(self, now_ns: int) -> bool:
+    def is_settled(self, now_ns: int) -> bool:
         """Tell whether a control step is the one after a light block: all is answered then."""
         since = now_ns - self.start_ns - self.control_ns
         return since % self['photodiodes'].period_ns == 0
@@ -135,6 +135,6 @@ def is_name(text: str) -> bool:
 
 
 @cache
-def topic_table() -> TopicTable:
+def load_topic_table() -> TopicTable:
     """Return the table that LTA ships."""
-    return load(TopicTable, share() / 'topics.yaml')
+    return load_file(TopicTable, share_folder() / 'topics.yaml')

@@ -6,7 +6,7 @@ A test holds the page in docs/ against this.
 
 import sys
 
-from lta_config.topics import topic_table, TopicTable
+from lta_config.topics import load_topic_table, TopicTable
 
 HEAD = """# Topics
 
@@ -22,12 +22,12 @@ its publication. A reader with *+1* uses a message one control period later. Lig
 """
 
 
-def milliseconds(nanoseconds: int) -> str:
+def format_milliseconds(nanoseconds: int) -> str:
     """Return a time for a table cell, empty for none."""
     return f'{nanoseconds / 1e6:g} ms' if nanoseconds else ''
 
 
-def page(table: TopicTable) -> str:
+def render_page(table: TopicTable) -> str:
     """Return the page, one row a topic."""
     rows = []
     for name, topic in table.topics.items():
@@ -39,8 +39,8 @@ def page(table: TopicTable) -> str:
             topic.type.replace('/msg/', '/'),
             topic.source,
             readers or 'users',
-            milliseconds(topic.period_ns),
-            milliseconds(topic.latency_ns),
+            format_milliseconds(topic.period_ns),
+            format_milliseconds(topic.latency_ns),
             topic.qos,
             topic.unit,
             topic.about,
@@ -51,4 +51,4 @@ def page(table: TopicTable) -> str:
 
 
 if __name__ == '__main__':
-    sys.stdout.write(page(topic_table()))
+    sys.stdout.write(render_page(load_topic_table()))

@@ -13,10 +13,10 @@ from importlib import import_module
 import sys
 from typing import Annotated, Literal, NamedTuple, Self
 
-from lta_config.errors import BadInput, unknown
-from lta_config.files import load, Record, share
+from lta_config.errors import BadInput, unknown_name
+from lta_config.files import load_file, share_folder, StrictModel
 from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_config.topics import is_name, robot_topic, Topic, topic_table
+from lta_config.topics import is_name, load_topic_table, robot_topic, Topic
 from pydantic import AliasChoices, Field, model_validator
 
 KINDS = ('plot', 'states', 'scene', 'lamps', 'image', 'health', 'status')
@@ -24,7 +24,7 @@ LAYOUTS = ('foxglove', 'plotjuggler')
 ANGLES = ('roll', 'pitch', 'yaw')
 
 
-class Panel(Record):
+class ViewPanel(StrictModel):
     """One panel: exactly one of the kinds, and its title."""
 
     title: str
@@ -39,7 +39,7 @@ class Panel(Record):
     named: str = ''
 
     @model_validator(mode='after')
-    def _one_kind(self) -> Self:
+    def _check_one_kind(self) -> Self:
         given = [kind for kind in KINDS if getattr(self, kind) is not None]
         if len(given) != 1:
             raise ValueError(f'must be one of {", ".join(KINDS)}; {self.title} is {given}')
@@ -56,16 +56,16 @@ class Panel(Record):
         return self.plot or self.states or {}
 
 
-class Views(Record):
+class Views(StrictModel):
     """The whole declaration."""
 
     schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
     robot: str
     vehicle: str
-    tabs: Mapping[str, list[Annotated[list[Panel], Field(min_length=1)]]]
+    tabs: Mapping[str, list[Annotated[list[ViewPanel], Field(min_length=1)]]]
 
     @model_validator(mode='after')
-    def _robot_is_a_name(self) -> Self:
+    def _check_robot_name(self) -> Self:
         if not is_name(self.robot):
             raise ValueError(f"has the robot '{self.robot}', which is no name")
         return self
@@ -76,23 +76,23 @@ class Views(Record):
         return list(load_vehicle_file(self.vehicle).rotors)
 
     @property
-    def top(self) -> float:
+    def largest_reading(self) -> float:
         """Largest reading of the vehicle's photodiodes. [counts]"""
-        return load_vehicle_file(self.vehicle).sensors.diodes.top
+        return load_vehicle_file(self.vehicle).sensors.diodes.largest_reading
 
-    def panels(self) -> Iterator[Panel]:
+    def iterate_panels(self) -> Iterator[ViewPanel]:
         """Yield every panel."""
         for columns in self.tabs.values():
             for column in columns:
                 yield from column
 
-    def topic(self, name: str) -> str:
+    def absolute_topic(self, name: str) -> str:
         """Return the absolute name of a topic; an unknown one is a `BadInput`."""
-        _ = topic_table()[name]
+        _ = load_topic_table()[name]
         return robot_topic(self.robot, name)
 
 
-class Place(NamedTuple):
+class SeriesPath(NamedTuple):
     """A series taken apart: its topic's name, row and absolute name, and the fields' names."""
 
     name: str
@@ -107,7 +107,7 @@ class Place(NamedTuple):
         return last if owner == 'orientation' and last in ANGLES else ''
 
 
-def place_of(views: Views, series: str) -> Place:
+def parse_series(views: Views, series: str) -> SeriesPath:
     """
     Return a series taken apart.
 
@@ -120,20 +120,20 @@ def place_of(views: Views, series: str) -> Place:
     name, *steps = series.split('.')
     if not steps or not all(steps):
         raise BadInput(f"The series '{series}' names no field; write TOPIC.FIELD.")
-    return Place(name, topic_table()[name], views.topic(name), tuple(steps))
+    return SeriesPath(name, load_topic_table()[name], views.absolute_topic(name), tuple(steps))
 
 
 def load_views() -> Views:
     """Return the views that LTA ships."""
-    return load(Views, share() / 'views.yaml')
+    return load_file(Views, share_folder() / 'views.yaml')
 
 
 def main(words: list[str]) -> None:
     """Write one layout to standard output."""
     if len(words) != 1 or words[0] not in LAYOUTS:
-        raise unknown('layout', ' '.join(words), list(LAYOUTS))
+        raise unknown_name('layout', ' '.join(words), list(LAYOUTS))
     maker = import_module(f'lta_config.views_{words[0]}')
-    sys.stdout.write(maker.layout(load_views()))
+    sys.stdout.write(maker.build_layout(load_views()))
 
 
 if __name__ == '__main__':

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 import json
 from typing import Any
 
-from lta_config.views import Panel, Place, place_of, Views
+from lta_config.views import parse_series, SeriesPath, ViewPanel, Views
 
 COLOURS = {'truth': '#7f7f7f', 'estimate': '#1f77b4', 'setpoint': '#d62728'}
 OTHERS = ('#1f77b4', '#ff7f0e', '#2ca02c', '#d62728', '#9467bd', '#8c564b')
@@ -24,7 +24,7 @@ CAMERA = {
 Config = dict[str, Any]
 
 
-def path(views: Views, series: str) -> str:
+def message_path(views: Views, series: str) -> str:
     """
     Return a series as Foxglove's message path.
 
@@ -36,9 +36,9 @@ def path(views: Views, series: str) -> str:
         As in `views.yaml`.
 
     """
-    place = place_of(views, series)
+    place = parse_series(views, series)
     if place.topic.message == 'DiagnosticArray':
-        return _figure(views, place)
+        return _diagnostic_path(views, place)
     if place.topic.message == 'JointState' and place.steps[-1] in views.actuators:
         *fields, name = place.steps
         return f'{place.absolute}.{".".join(fields)}[{views.actuators.index(name)}]'
@@ -48,17 +48,17 @@ def path(views: Views, series: str) -> str:
     return '.'.join((place.absolute, *place.steps))
 
 
-def _figure(views: Views, place: Place) -> str:
+def _diagnostic_path(views: Views, place: SeriesPath) -> str:
     """Return the path of one figure of a diagnostic array."""
     status, key = place.steps
     own = f'{{hardware_id=="{views.robot}"}}' if place.name.startswith('/') else ''
     return f'{place.absolute}.status[:]{own}{{name=="{status}"}}.values[:]{{key=="{key}"}}.value'
 
 
-def _series(views: Views, panel: Panel) -> list[Config]:
+def _build_series(views: Views, panel: ViewPanel) -> list[Config]:
     return [
         {
-            'value': path(views, series),
+            'value': message_path(views, series),
             'label': label,
             'enabled': True,
             'timestampMethod': 'receiveTime',
@@ -70,9 +70,9 @@ def _series(views: Views, panel: Panel) -> list[Config]:
     ]
 
 
-def _plot(views: Views, panel: Panel) -> Config:
+def _build_plot(views: Views, panel: ViewPanel) -> Config:
     return {
-        'paths': _series(views, panel),
+        'paths': _build_series(views, panel),
         'isSynced': True,
         'xAxisVal': 'timestamp',
         'showLegend': True,
@@ -85,24 +85,24 @@ def _plot(views: Views, panel: Panel) -> Config:
     }
 
 
-def _states(views: Views, panel: Panel) -> Config:
+def _build_states(views: Views, panel: ViewPanel) -> Config:
     kept = ('value', 'label', 'enabled', 'timestampMethod')
-    paths = [{key: item[key] for key in kept} for item in _series(views, panel)]
+    paths = [{key: item[key] for key in kept} for item in _build_series(views, panel)]
     return {'isSynced': True, 'paths': paths}
 
 
-def _scene(views: Views, panel: Panel) -> Config:
+def _build_scene(views: Views, panel: ViewPanel) -> Config:
     return {
         'cameraState': CAMERA,
         'followMode': 'follow-none',
         'followTf': panel.scene,
         'scene': {'transforms': {'showLabel': False, 'axisSize': 0.2, 'lineWidth': 0.0}},
         'topics': {f'/{views.robot}/scene': {'visible': True}},
-        'layers': {'grid': _grid(str(panel.scene), 10.0)},
+        'layers': {'grid': _build_grid(str(panel.scene), 10.0)},
     }
 
 
-def _lamps(views: Views, panel: Panel) -> Config:
+def _build_lamp_view(views: Views, panel: ViewPanel) -> Config:
     """Return a look from above at the ring of photodiodes, each a dot of its SNR."""
     dots = {
         'visible': True,
@@ -120,14 +120,14 @@ def _lamps(views: Views, panel: Panel) -> Config:
         'followTf': 'base_link',
         'scene': {'transforms': {'showLabel': False, 'axisSize': 0.3}},
         'topics': {
-            views.topic(str(panel.lamps)): dots,
+            views.absolute_topic(str(panel.lamps)): dots,
             f'/{views.robot}/scene': {'visible': True},
         },
         'layers': {},
     }
 
 
-def _grid(frame: str, size: float) -> Config:
+def _build_grid(frame: str, size: float) -> Config:
     return {
         'visible': True,
         'layerId': 'foxglove.Grid',
@@ -143,21 +143,21 @@ def _grid(frame: str, size: float) -> Config:
     }
 
 
-def _image(views: Views, panel: Panel) -> Config:
+def _build_image(views: Views, panel: ViewPanel) -> Config:
     return {
         'imageMode': {
-            'imageTopic': views.topic(str(panel.image)),
+            'imageTopic': views.absolute_topic(str(panel.image)),
             'colorMode': 'colormap',
             'colorMap': 'turbo',
             'minValue': 0.0,
-            'maxValue': views.top,
+            'maxValue': views.largest_reading,
         }
     }
 
 
-def _health(views: Views, panel: Panel) -> Config:
+def _build_health(views: Views, panel: ViewPanel) -> Config:
     return {
-        'topicToRender': views.topic(str(panel.health)),
+        'topicToRender': views.absolute_topic(str(panel.health)),
         'minLevel': 0,
         'pinnedIds': [],
         'hardwareIdFilter': views.robot,
@@ -165,26 +165,26 @@ def _health(views: Views, panel: Panel) -> Config:
     }
 
 
-def _status(views: Views, panel: Panel) -> Config:
+def _build_status(views: Views, panel: ViewPanel) -> Config:
     return {
-        'topicToRender': views.topic(str(panel.status)),
+        'topicToRender': views.absolute_topic(str(panel.status)),
         'selectedHardwareId': '',
         'selectedName': panel.named,
     }
 
 
-PANELS: dict[str, tuple[str, Callable[[Views, Panel], Config]]] = {  # by kind: Foxglove's name
-    'plot': ('Plot', _plot),
-    'states': ('StateTransitions', _states),
-    'scene': ('3D', _scene),
-    'lamps': ('3D', _lamps),
-    'image': ('Image', _image),
-    'health': ('DiagnosticSummary', _health),
-    'status': ('DiagnosticStatusPanel', _status),
+PANELS: dict[str, tuple[str, Callable[[Views, ViewPanel], Config]]] = {  # by kind: Foxglove's name
+    'plot': ('Plot', _build_plot),
+    'states': ('StateTransitions', _build_states),
+    'scene': ('3D', _build_scene),
+    'lamps': ('3D', _build_lamp_view),
+    'image': ('Image', _build_image),
+    'health': ('DiagnosticSummary', _build_health),
+    'status': ('DiagnosticStatusPanel', _build_status),
 }
 
 
-def split(direction: str, items: Sequence[tuple[Any, float]]) -> Any:  # noqa: ANN401 - JSON
+def split_layout(direction: str, items: Sequence[tuple[Any, float]]) -> Any:  # noqa: ANN401 - JSON
     """Return things side by side or one above the other, each with its share of the room."""
     (first, share), *rest = items
     if not rest:
@@ -192,12 +192,12 @@ def split(direction: str, items: Sequence[tuple[Any, float]]) -> Any:  # noqa: A
     return {
         'direction': direction,
         'first': first,
-        'second': split(direction, rest),
+        'second': split_layout(direction, rest),
         'splitPercentage': round(100.0 * share / sum(part for _, part in items), 3),
     }
 
 
-def layout(views: Views) -> str:
+def build_layout(views: Views) -> str:
     """Return the layout as the text of a JSON file."""
     configs: dict[str, Config] = {}
     tabs = []
@@ -211,8 +211,8 @@ def layout(views: Views) -> str:
                 title = {'foxglovePanelTitle': panel.title}
                 configs[name] = title | configured(views, panel)
                 pile.append((name, panel.share))
-            parts.append((split('column', pile), 1.0))
-        tabs.append({'title': tab, 'layout': split('row', parts)})
+            parts.append((split_layout('column', pile), 1.0))
+        tabs.append({'title': tab, 'layout': split_layout('row', parts)})
     configs['Tab!lta'] = {'activeTabIdx': 0, 'tabs': tabs}
     whole = {
         'configById': configs,

@@ -3,18 +3,18 @@
 from collections.abc import Sequence
 import xml.etree.ElementTree as ET
 
-from lta_config.views import Panel, place_of, Views
+from lta_config.views import parse_series, ViewPanel, Views
 from lta_config.views_foxglove import COLOURS, OTHERS
 
 
-def curve(views: Views, series: str) -> str:
+def curve_name(views: Views, series: str) -> str:
     """
     Return a series as PlotJuggler names it.
 
     Its parsers put the name of a joint before the field, take a diagnostic array apart by robot,
     status and key, and add the angles of the first quaternion in degrees.
     """
-    place = place_of(views, series)
+    place = parse_series(views, series)
     steps = list(place.steps)
     if place.topic.message == 'JointState' and steps[-1] in views.actuators:
         steps = [steps[-1], *steps[:-1]]
@@ -25,7 +25,7 @@ def curve(views: Views, series: str) -> str:
     return '/'.join((place.absolute, *steps))
 
 
-def _splitter(parent: ET.Element, upright: bool, shares: Sequence[float]) -> ET.Element:
+def _add_splitter(parent: ET.Element, upright: bool, shares: Sequence[float]) -> ET.Element:
     """Add a splitter; '-' piles up, '|' sets side by side."""
     total = sum(shares)
     return ET.SubElement(
@@ -37,7 +37,7 @@ def _splitter(parent: ET.Element, upright: bool, shares: Sequence[float]) -> ET.
     )
 
 
-def _plot(parent: ET.Element, views: Views, panel: Panel) -> None:
+def _add_plot(parent: ET.Element, views: Views, panel: ViewPanel) -> None:
     area = ET.SubElement(parent, 'DockArea', name=panel.title)
     plot = ET.SubElement(area, 'plot', style='Lines', mode='TimeSeries')
     plot.attrib |= {'flip_x': 'false', 'flip_y': 'false'}
@@ -45,10 +45,10 @@ def _plot(parent: ET.Element, views: Views, panel: Panel) -> None:
     ET.SubElement(plot, 'limitY')
     for k, (label, series) in enumerate(panel.series.items()):
         colour = COLOURS.get(label, OTHERS[k % len(OTHERS)])
-        ET.SubElement(plot, 'curve', name=curve(views, series), color=colour)
+        ET.SubElement(plot, 'curve', name=curve_name(views, series), color=colour)
 
 
-def layout(views: Views) -> str:
+def build_layout(views: Views) -> str:
     """Return the layout as the text of an XML file."""
     root = ET.Element('root')
     named = {'name': 'Main Window', 'parent': 'main_window'}
@@ -58,11 +58,11 @@ def layout(views: Views) -> str:
         container = ET.SubElement(page, 'Container')
         piles = [[panel for panel in column if panel.plot] for column in columns]
         piles = [pile for pile in piles if pile]
-        row = _splitter(container, upright=False, shares=[1.0] * len(piles))
+        row = _add_splitter(container, upright=False, shares=[1.0] * len(piles))
         for pile in piles:
-            column = _splitter(row, upright=True, shares=[panel.share for panel in pile])
+            column = _add_splitter(row, upright=True, shares=[panel.share for panel in pile])
             for panel in pile:
-                _plot(column, views, panel)
+                _add_plot(column, views, panel)
     ET.SubElement(widget, 'currentTabIndex', index='0')
     ET.SubElement(root, 'use_relative_time_offset', enabled='1')
     ET.SubElement(root, 'Plugins')

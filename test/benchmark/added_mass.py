@@ -8,10 +8,10 @@ the inertia of the air says F / m, nearly twice as much.
 
 from bench import Figure
 from lta_model.effects import initial_memory
-from lta_model.mass import spheroid_added_mass
-from lta_model.model import Model
-from lta_model.state import pack, VELOCITY
-from lta_sim.kernels.kernel import derivative
+from lta_model.mass_matrix import spheroid_added_mass
+from lta_model.model import VehicleModel
+from lta_model.state import pack_state, VELOCITY
+from lta_sim.kernels.kernel import state_derivative
 import numpy as np
 
 MASS = 0.358  # parts and gas of GT-MAB [kg]
@@ -34,14 +34,14 @@ def kernel() -> float:
         'weight_and_buoyancy': {'gravity': GRAVITY},
         'added_mass': dict(zip(axes, ADDED[:3], strict=True)),
     }
-    model = Model.build(
+    model = VehicleModel.build(
         effects,
         mass=MASS,
         cg=np.zeros(3),
         inertia=np.diag([0.015, 0.015, 0.018]),
         displaced=MASS + FORCE / GRAVITY,
     )
-    rate = derivative(pack(memory=initial_memory()), model, np.zeros(4))
+    rate = state_derivative(pack_state(memory=initial_memory()), model, np.zeros(4))
     return float(rate[VELOCITY][2])
 
 

@@ -17,12 +17,12 @@ from bench import Figure
 sys.path.append(str(Path(__file__).resolve().parents[1] / 'unit'))
 
 from discovery.hidden_flight import flown, nominal, prepared
-from lta_discovery.fit.evidence import tolerances
-from lta_discovery.fit.fit import fit
-from lta_discovery.flights.measured import PERIOD, Stream, Streams
-from lta_discovery.naming.scan import scan
-from lta_discovery.replay.linear import origin
-from lta_discovery.replay.linearise import Linearised
+from lta_discovery.fit.evidence import build_prior
+from lta_discovery.fit.joint_fit import fit_flight
+from lta_discovery.flights.measured_flight import FlightStreams, PERIOD, Stream
+from lta_discovery.replay.linearized_flight import build_origin
+from lta_discovery.replay.linearizer import FlightLinearizer
+from lta_discovery.selection.candidate_scan import scan_candidates
 import numpy as np
 from scipy.signal import savgol_filter
 
@@ -37,26 +37,28 @@ def cut(stream: Stream, until: float) -> Stream:
 
 
 @cache
-def whole() -> Streams:
+def whole() -> FlightStreams:
     """Return one long flight in which nothing is hidden."""
     return flown({}, 1, max(LENGTHS) + 2.0)
 
 
 @cache
-def flight(length: int) -> Linearised:
+def flight(length: int) -> FlightLinearizer:
     """Return its beginning, ready."""
     told = whole()
     others = {name: cut(stream, length) for name, stream in told.others.items()}
     commands = cut(told.commands, length)
-    return prepared(Streams(cut(told.pose, length), commands, others, told.floor), nominal()[1])
+    return prepared(
+        FlightStreams(cut(told.pose, length), commands, others, told.floor), nominal()[1]
+    )
 
 
 def look(length: int) -> None:
     """Fit a flight, then look at every candidate."""
     vehicle, knobs = nominal()
-    one, prior = flight(length), tolerances(knobs)
-    fitted = fit(one, vehicle, prior, origin(vehicle, knobs, one.replay.cut))
-    seen = scan(fitted.reduced, fitted.linear.point.values, prior, knobs)
+    one, prior = flight(length), build_prior(knobs)
+    fitted = fit_flight(one, vehicle, prior, build_origin(vehicle, knobs, one.replay.cut))
+    seen = scan_candidates(fitted.reduced, fitted.linear.point.values, prior, knobs)
     if len(seen) < 20:
         raise RuntimeError(f'only {len(seen)} candidates were looked at')
 
@@ -72,9 +74,9 @@ def taken(work: object, length: int) -> float:
 def peak(length: int) -> float:
     """Return the greatest memory that a linearisation takes. [MB]"""
     one, (vehicle, knobs) = flight(length), nominal()
-    point = origin(vehicle, knobs, one.replay.cut)
+    point = build_origin(vehicle, knobs, one.replay.cut)
     tracemalloc.start()
-    one.at(point)
+    one.linearize(point)
     most = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     return most / 1e6
@@ -85,7 +87,7 @@ def regress(length: int) -> None:
     vehicle, knobs = nominal()
     one = flight(length)
     first = one.random
-    columns, left = one.columns(origin(vehicle, knobs, one.replay.cut))
+    columns, left = one.compute_columns(build_origin(vehicle, knobs, one.replay.cut))
     # Of the pose: seconds differences of position and turn, of what is left and of each column.
     known = np.isfinite(left[..., :6]).all(axis=(1, 2))
     rates = [

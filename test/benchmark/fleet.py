@@ -10,20 +10,22 @@ its files, once for all flights that differ by their seed alone.
 import time
 
 from bench import Figure
-from lta_config.topics import topic_table
-from lta_flight.fleet.craft import Made, made_of
-from lta_flight.fleet.fly import Device, fly_many
-from lta_flight.fleet.text import FIGURES
-from lta_flight.ingredients import gather, parts_of
+from lta_config.topics import load_topic_table
+from lta_flight.batch.batch_flight import BatchFlight, build_flight
+from lta_flight.batch.codegen import FIGURES
+from lta_flight.batch.fly import Device, fly_many
+from lta_flight.flight_spec import build_parts, load_spec
 import numpy as np
 
 FLIGHTS = 200
 HOVER = (0.13, 0.13, 0.0, 0.0)  # of GT-MAB's vertical pair, about
 
 
-def flight(duties: tuple[float, ...] = ()) -> Made:
+def flight(duties: tuple[float, ...] = ()) -> BatchFlight:
     """Return the paper's flight."""
-    return made_of(*parts_of(gather('gtmab', 'lamp_room', 'bag', 'gtmab')), topic_table(), duties)
+    return build_flight(
+        *build_parts(load_spec('gtmab', 'lamp_room', 'bag', 'gtmab')), load_topic_table(), duties
+    )
 
 
 def realtime(device: Device, flights: int, duties: tuple[float, ...] = ()) -> float:

@@ -13,23 +13,25 @@ import tempfile
 from graph import Silent
 from lta_config.errors import BadInput
 from lta_data.bag import open_flight
-from lta_flight.flight import fly_once, Order
-from lta_flight.report.results import Results, results_of
-from lta_flight.report.view import View
+from lta_flight.flight import FlightRequest, fly_once
+from lta_flight.report.results import compute_results, FlightResults
+from lta_flight.report.view import FlightView
 
 PAPER = {'path_length': 7.3, 'search_time': 8.4, 'airspeed': 0.5}
 
 
-def flown(seed: int) -> tuple[str, Results]:
+def flown(seed: int) -> tuple[str, FlightResults]:
     """Return the outcome and the results of one seed; a flight that broke has none."""
     with tempfile.TemporaryDirectory() as folder:
-        order = Order('gtmab', 'lamp_room', 'bag', seed, 'lockstep', Path(folder) / 'flight')
+        order = FlightRequest(
+            'gtmab', 'lamp_room', 'bag', seed, 'lockstep', Path(folder) / 'flight'
+        )
         try:
             flight = fly_once(order, Silent())
-            return flight.outcome, results_of(View(open_flight(flight.bag)))
+            return flight.outcome, compute_results(FlightView(open_flight(flight.bag)))
         except BadInput as error:
             sys.stderr.write(f'seed {seed}: {error}\n')
-            return 'failed', Results()
+            return 'failed', FlightResults()
 
 
 def cell(value: float | None) -> str:
@@ -37,7 +39,7 @@ def cell(value: float | None) -> str:
     return '    -' if value is None else f'{value:5.2f}'
 
 
-def summary(flights: list[tuple[str, Results]]) -> list[str]:
+def summary(flights: list[tuple[str, FlightResults]]) -> list[str]:
     """Return how many reached the lamp, and the spread of each figure over those."""
     reached = [results for outcome, results in flights if outcome == 'reached']
     lines = [f'reached {len(reached)} of {len(flights)}']

@@ -17,7 +17,7 @@ from fleet import realtime
 from gtmab import scattered, STEP
 from lta_sim.kernels import gpu
 from lta_sim.kernels.batch import advance_many
-from lta_sim.kernels.fleet import Fleet
+from lta_sim.kernels.vehicle_batch import VehicleBatch
 import numpy as np
 
 STEPS = round(60.0 / STEP)
@@ -25,11 +25,11 @@ COMPARED = 1000
 MANY = 1_000_000
 
 
-def many(count: int) -> tuple[np.ndarray, Fleet, np.ndarray, np.ndarray]:
+def many(count: int) -> tuple[np.ndarray, VehicleBatch, np.ndarray, np.ndarray]:
     """Return that many flights, as copies of the first thousand."""
     states, fleet, duties, surroundings = scattered(COMPARED)
     rows = np.arange(count) % COMPARED
-    return states[rows], fleet.rows(rows), duties[rows], surroundings[rows]
+    return states[rows], fleet.select_vehicles(rows), duties[rows], surroundings[rows]
 
 
 def seconds(count: int, steps: int) -> float:

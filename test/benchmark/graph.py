@@ -18,8 +18,8 @@ import tempfile
 import time
 
 from bench import Figure
-from lta_flight.flight import fly_once, Order
-from lta_graph.ros.spin import spin
+from lta_flight.flight import FlightRequest, fly_once
+from lta_graph.ros.spin import spin_node
 import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
@@ -50,14 +50,14 @@ def flight(environment: dict[str, str]) -> float:
 def fly() -> float:
     """Return the pace of one flight. [s/s]"""
     with tempfile.TemporaryDirectory() as folder:
-        order = Order('gtmab', 'lamp_room', 'bag', 1, 'lockstep', Path(folder) / 'flight')
+        order = FlightRequest('gtmab', 'lamp_room', 'bag', 1, 'lockstep', Path(folder) / 'flight')
         return fly_once(order, Silent()).pace
 
 
 def turn(kind: str, node: Node, done: list[float]) -> None:
     """Run a node with one of the two executors until its work is done."""
     if kind == 'lean':
-        spin(node, lambda: not done, lambda: node.subscriptions, 20_000_000)
+        spin_node(node, lambda: not done, lambda: node.subscriptions, 20_000_000)
         return
     executor = SingleThreadedExecutor()
     executor.add_node(node)

@@ -9,10 +9,10 @@ from functools import cache
 
 from lta_model.effects import EFFECTS, initial_memory
 from lta_model.effects.protocol import Effect
-from lta_model.model import Model
-from lta_model.state import pack, ROTOR_PLACE, SURROUNDINGS
+from lta_model.model import VehicleModel
+from lta_model.state import pack_state, ROTOR_PLACE, SURROUNDINGS
 from lta_model.vehicle import load_vehicle
-from lta_sim.kernels.fleet import Fleet
+from lta_sim.kernels.vehicle_batch import VehicleBatch
 import numpy as np
 
 STEP = 2e-3
@@ -47,32 +47,34 @@ def nearby(effect: Effect) -> dict[str, float]:
 def numbers(every: bool) -> dict[str, dict[str, float]]:
     """Return the parameters of the effects that are on."""
     vehicle = load_vehicle('gtmab')
-    own, on = vehicle.effects(), vehicle.model().given
+    own, on = vehicle.collect_effects(), vehicle.build_model().given
     others = {name: nearby(effect) for name, effect in EFFECTS.items() if name not in on}
     return own | others if every else own
 
 
 @cache
-def vehicle(every: bool = False) -> Model:
+def vehicle(every: bool = False) -> VehicleModel:
     """Return GT-MAB, with its own effects or with every one."""
     loaded = load_vehicle('gtmab')
-    return Model.build(
+    return VehicleModel.build(
         numbers(every),
         mass=loaded.mass,
         cg=loaded.cg,
         inertia=loaded.inertia,
-        displaced=loaded.displaced,
+        displaced=loaded.displaced_mass,
         rotors=[(rotor.place, rotor.axis) for rotor in loaded.rotors],
     )
 
 
 def start() -> np.ndarray:
     """Return the vehicle at rest in the air."""
-    return pack((0.0, 0.0, 1.0), memory=initial_memory())
+    return pack_state((0.0, 0.0, 1.0), memory=initial_memory())
 
 
 @cache
-def scattered(count: int, every: bool = False) -> tuple[np.ndarray, Fleet, np.ndarray, np.ndarray]:
+def scattered(
+    count: int, every: bool = False
+) -> tuple[np.ndarray, VehicleBatch, np.ndarray, np.ndarray]:
     """Return states, different vehicles, their duties and what surrounds them."""
     generator = np.random.default_rng(1)
 
@@ -85,7 +87,7 @@ def scattered(count: int, every: bool = False) -> tuple[np.ndarray, Fleet, np.nd
     heavier = generator.uniform(0.95, 1.05, (count, 1))
     body = np.repeat(model.body[np.newaxis], count, axis=0)
     body[:, :ROTOR_PLACE] *= heavier
-    fleet = Fleet(
+    fleet = VehicleBatch(
         parameters, np.repeat(model.on[np.newaxis], count, axis=0), body, model.inverse / heavier
     )
     states = np.repeat(start()[np.newaxis], count, axis=0)

@@ -72,7 +72,7 @@ def talk() -> None:
     """Be one of the nodes: say when all others are heard, and at the end the longest silence."""
     from threading import Thread
 
-    from lta_graph.ros.spin import spin
+    from lta_graph.ros.spin import spin_node
     import rclpy
     from sensor_msgs.msg import Imu
 
@@ -97,7 +97,7 @@ def talk() -> None:
     node.create_timer(PERIOD, tick)
     over = Thread(target=sys.stdin.read)
     over.start()
-    spin(node, over.is_alive, lambda: node.subscriptions)
+    spin_node(node, over.is_alive, lambda: node.subscriptions)
     sys.stdout.write(f'{longest}\n')
     sys.stdout.flush()
     os._exit(0)  # what is killed beside it must not hold it up

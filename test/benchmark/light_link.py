@@ -18,10 +18,10 @@ import time
 from typing import NamedTuple
 
 from bench import Figure
-from lta_config.topics import topic_table
-from lta_emulation.teensy.emulator import Cable, EmulatedBoard
-from lta_graph.ros.message_types import message_type
-from lta_graph.ros.qos import profile
+from lta_config.topics import load_topic_table
+from lta_emulation.teensy.emulated_board import Cable, EmulatedBoard
+from lta_graph.ros.message_types import find_message_type
+from lta_graph.ros.qos import select_profile
 from lta_vlc.messages import to_block
 import numpy as np
 import rclpy
@@ -29,7 +29,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 from record import cpu
 
-TABLE = topic_table()
+TABLE = load_topic_table()
 BRIDGE = 'from lta_bridge.nodes.teensy_bridge import main; main()'
 FRAME = 15  # rows of 8 diodes
 FULL = 4096  # readings of a converter
@@ -59,19 +59,19 @@ class Board(threading.Thread):
         """Send until all is sent; count rows from when somebody listens."""
         board = EmulatedBoard(time.time_ns())
         while not self.live.is_set():
-            self.cable.write(board.answer(self.cable.read(0.01), time.time_ns()))
+            self.cable.write(board.answer_timesync(self.cable.read(0.01), time.time_ns()))
         samples = np.random.default_rng(1).integers(0, 4096, (FRAME, 8)).astype(np.uint16)
         begun = time.monotonic()
-        self.cable.write(board.status())
+        self.cable.write(board.encode_status())
         for turn in range(self._frames):
             left = begun + (turn + 1) * FRAME / self._rate - time.monotonic()
             asked = self.cable.read(max(0.0, left))
             if asked:
-                self.cable.write(board.answer(asked, time.time_ns()))
+                self.cable.write(board.answer_timesync(asked, time.time_ns()))
                 time.sleep(max(0.0, begun + (turn + 1) * FRAME / self._rate - time.monotonic()))
             samples[:, :2] = divmod(turn, FULL)  # which frame, for the other end
             self.ended.append(time.monotonic())
-            self.cable.write(board.light(samples))
+            self.cable.write(board.encode_light(samples))
 
 
 def measure(seconds: float) -> Run:
@@ -85,10 +85,10 @@ def measure(seconds: float) -> Run:
         node, came = rclpy.create_node('watch', namespace='/lta1'), []
         row = TABLE['photodiodes']
         node.create_subscription(
-            message_type(row),
+            find_message_type(row),
             'photodiodes',
             lambda image: came.append((frame_of(to_block(image)[-1]), time.monotonic())),
-            profile(row, lockstep=False),
+            select_profile(row, lockstep=False),
         )
         executor = SingleThreadedExecutor()
         executor.add_node(node)

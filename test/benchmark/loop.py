@@ -16,14 +16,14 @@ import time
 from typing import Any
 
 from bench import Figure
-from lta_config.topics import topic_table
+from lta_config.topics import load_topic_table
 from lta_control.gains_file import load_gains
-from lta_control.strategies import strategy
-from lta_flight.loop import Loop
-from lta_flight.policy import Policy
+from lta_control.strategies import find_strategy
+from lta_flight.closed_loop import ClosedLoop
+from lta_flight.flight_stack import FlightStack
 from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
-from lta_sim.readings import Outcome
+from lta_sim.readings import FlightOutcome
 from lta_sim.world import World
 
 SEED = 1
@@ -43,20 +43,20 @@ sys.stdout.write(str(time.process_time() - begin))
 """
 
 
-def start() -> Loop:
+def start() -> ClosedLoop:
     """Return a flight before its first step."""
-    scenario, table = load_scenario('lamp_room'), topic_table()
+    scenario, table = load_scenario('lamp_room'), load_topic_table()
     vehicle = load_vehicle('gtmab', scenario.air.density)
-    policy = Policy(strategy('bag'), load_gains('gtmab'))
-    return Loop(World(vehicle, scenario, table, SEED), table, policy)
+    policy = FlightStack(find_strategy('bag'), load_gains('gtmab'))
+    return ClosedLoop(World(vehicle, scenario, table, SEED), table, policy)
 
 
-def fly(loop: Loop) -> tuple[float, int]:
+def fly(loop: ClosedLoop) -> tuple[float, int]:
     """Return the time of a whole flight [s] and its steps."""
     begin, steps = time.process_time(), 1
-    while loop.step() is Outcome.FLYING:
+    while loop.step() is FlightOutcome.FLYING:
         steps += 1
-    if loop.world.outcome is not Outcome.REACHED:
+    if loop.world.outcome is not FlightOutcome.REACHED:
         raise AssertionError(f'the flight ended with {loop.world.outcome}; it must reach the lamp')
     return time.process_time() - begin, steps
 
@@ -64,7 +64,7 @@ def fly(loop: Loop) -> tuple[float, int]:
 def realtime() -> float:
     """Return simulated seconds a second."""
     spent, steps = fly(start())
-    return steps * topic_table().control_ns * 1e-9 / spent
+    return steps * load_topic_table().control_ns * 1e-9 / spent
 
 
 def part(name: str) -> float:

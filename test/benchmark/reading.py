@@ -17,9 +17,9 @@ import tempfile
 import time
 
 from bench import Figure
-from lta_bridge.bag import BagWriter, offered_qos
-from lta_bridge.bag.schemas import jazzy
-from lta_data.bag import bag_info, read_bag
+from lta_bridge.bag import BagWriter, build_offered_qos
+from lta_bridge.bag.schemas import load_jazzy_types
+from lta_data.bag import read_bag, summarize_bag
 import numpy as np
 from rosbags.highlevel import AnyReader
 
@@ -42,7 +42,7 @@ def bag() -> Path:
 def written(folder: Path, size: int) -> Path:
     """Write a bag of about that many bytes into a folder and return it."""
     rng = np.random.default_rng(1)
-    qos = [offered_qos('reliable', 'volatile', 10)]
+    qos = [build_offered_qos('reliable', 'volatile', 10)]
     types = {
         '/lta1/photodiodes': 'sensor_msgs/msg/Image',
         TOPIC: 'nav_msgs/msg/Odometry',
@@ -71,7 +71,7 @@ def written(folder: Path, size: int) -> Path:
 def listing() -> float:
     """Return how long a listing takes, in CPU time of this process. [s]"""
     begin = time.process_time()
-    if bag_info(bag()).messages < SIZE // BLOCK:
+    if summarize_bag(bag()).messages < SIZE // BLOCK:
         raise AssertionError('messages are missing')
     return time.process_time() - begin
 
@@ -82,7 +82,7 @@ def ours(topic: str) -> Callable[[], float]:
     def measure() -> float:
         begin = time.process_time()
         found = read_bag(bag())
-        if sum(1 for _ in found.messages([topic])) != found.topics[topic].count:
+        if sum(1 for _ in found.iterate_messages([topic])) != found.topics[topic].count:
             raise AssertionError('messages are missing')
         return time.process_time() - begin
 
@@ -130,7 +130,7 @@ def memory() -> float:
 
 def figures() -> list[Figure]:
     """Return what is measured here."""
-    jazzy()  # loaded once, before anything is measured
+    load_jazzy_types()  # loaded once, before anything is measured
     peer = f'rosbags {version("rosbags")}'
     found = [
         Figure('reading.list', 's', listing, rounds=3, choose=min),

@@ -23,18 +23,18 @@ import time
 
 from bench import Figure
 from graph import Silent
-from lta_config.topics import topic_table
+from lta_config.topics import load_topic_table
 from lta_data.bag.reader import read_bag
-from lta_flight.flight import fly_once, Order
-from lta_flight.simulate import simulate_once, Simulated
-from lta_graph.ros.message_types import message_type
-from lta_graph.ros.qos import profile
+from lta_flight.flight import FlightRequest, fly_once
+from lta_flight.simulate import simulate_once, SimulationRequest
+from lta_graph.ros.message_types import find_message_type
+from lta_graph.ros.qos import select_profile
 import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
-TABLE = topic_table()
+TABLE = load_topic_table()
 FAST = 10  # times real time
 TICK = os.sysconf('SC_CLK_TCK')
 RECORDER = 'from lta_bridge.nodes.recorder import main; main()'
@@ -97,7 +97,7 @@ def realtime() -> float:
     meter = Meter()
     meter.start()
     with tempfile.TemporaryDirectory() as folder:
-        order = Order('gtmab', 'lamp_room', 'bag', 1, 'realtime', Path(folder) / 'flight')
+        order = FlightRequest('gtmab', 'lamp_room', 'bag', 1, 'realtime', Path(folder) / 'flight')
         fly_once(order, Silent())
     meter.over.set()
     return meter.share
@@ -107,7 +107,9 @@ def wired(node: Node, make: Callable[..., object]) -> dict[str, object]:
     """Return what a function makes of each topic of a flight in one process."""
     rows = {name: row for name, row in TABLE.topics.items() if row.repeatable}
     return {
-        f'/lta1/{name}': make(message_type(row), f'/lta1/{name}', profile(row, lockstep=True))
+        f'/lta1/{name}': make(
+            find_message_type(row), f'/lta1/{name}', select_profile(row, lockstep=True)
+        )
         for name, row in rows.items()
     }
 
@@ -118,7 +120,7 @@ def play(bag: Path) -> None:
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     node = Node('player')
     outputs = wired(node, node.create_publisher)
-    messages = list(read_bag(bag).messages(list(outputs)))
+    messages = list(read_bag(bag).iterate_messages(list(outputs)))
     while any(output.get_subscription_count() < 2 for output in outputs.values()):
         time.sleep(0.05)
     sys.stdout.write('ready\n')
@@ -172,9 +174,11 @@ def process(*words: object) -> Iterator['subprocess.Popen[str]']:
 def played() -> dict[str, float]:
     """Play a flight to both, and return what each took."""
     with tempfile.TemporaryDirectory() as folder:
-        order = Simulated('gtmab', 'lamp_room', 'bag', 'gtmab', 1, out=Path(folder) / 'flight')
+        order = SimulationRequest(
+            'gtmab', 'lamp_room', 'bag', 'gtmab', 1, out=Path(folder) / 'flight'
+        )
         flown, _ = simulate_once(order, Silent())
-        sent = sum(1 for _ in read_bag(flown.bag).messages())
+        sent = sum(1 for _ in read_bag(flown.bag).iterate_messages())
         to = Path(folder) / 'recorded'
         options = ('--ros-args', '-r', '__ns:=/lta1', '-p', f'bag:={to}', '-p', 'time:=lockstep')
         with (

@@ -9,7 +9,7 @@ from functools import partial
 import time
 
 from bench import Figure
-from lta_model.scenario_faults import Faults
+from lta_model.scenario_faults import SupplyFaults
 from lta_model.vehicle import load_vehicle
 from lta_sim.supply import Supply
 import numpy as np
@@ -21,13 +21,13 @@ THRUSTS = (0.05, 0.05, 0.02, 0.02)
 def step(lit: bool) -> float:
     """Return the time of a step. [us]"""
     chance = {name: np.random.default_rng(0) for name in ('battery', 'panel')}
-    supply = Supply(load_vehicle('gtmab'), 0.8, chance, Faults())
-    supply.drain(THRUSTS, 0.01)  # loads what is compiled
+    supply = Supply(load_vehicle('gtmab'), 0.8, chance, SupplyFaults())
+    supply.feed_loads(THRUSTS, 0.01)  # loads what is compiled
     begin = time.process_time()
     for k in range(STEPS):
         if lit:
-            supply.shine(100.0 + 1e-3 * k)
-        supply.drain(THRUSTS, 0.01)
+            supply.set_irradiance(100.0 + 1e-3 * k)
+        supply.feed_loads(THRUSTS, 0.01)
     return 1e6 * (time.process_time() - begin) / STEPS
 
 

@@ -17,7 +17,7 @@ from typing import Any
 
 from bench import Figure
 import lta_analysis
-from lta_flight.simulate import simulate_once, Simulated
+from lta_flight.simulate import simulate_once, SimulationRequest
 import numpy as np
 import pandas
 from rosbags.highlevel import AnyReader
@@ -42,7 +42,7 @@ def bag() -> Path:
     """Return the bag of a flight."""
     folder = Path(tempfile.mkdtemp(prefix='lta-bench-'))
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
-    order = Simulated('gtmab', 'lamp_room', 'bag', '', 1, out=folder / 'flight')
+    order = SimulationRequest('gtmab', 'lamp_room', 'bag', '', 1, out=folder / 'flight')
     return simulate_once(order, Blind())[0].bag
 
 

@@ -13,13 +13,13 @@ from importlib.metadata import version
 import time
 
 from bench import Figure
-from lta_config.compilation.compiled import compiled
-from lta_vlc.diodes import ring_of
+from lta_config.compilation.compiler import compile_functions
+from lta_vlc.diodes import build_even_ring
 from lta_vlc.direction import DirectionFinder
-from lta_vlc.fit import fit
-from lta_vlc.lamp import lamp_estimate, LampPrior
-from lta_vlc.listener import Listener
-from lta_vlc.settings import Demodulation
+from lta_vlc.direction_fit import fit_direction
+from lta_vlc.lamp import estimate_lamp_position, LampPrior
+from lta_vlc.receiver import BeaconReceiver
+from lta_vlc.settings import DemodulationSettings
 import numpy as np
 from scipy import fft
 
@@ -55,15 +55,20 @@ def pace(taken: np.ndarray, work: Callable[[np.ndarray], object]) -> Callable[[]
 
 def seen(diodes: int) -> Callable[[np.ndarray], object]:
     """Return what makes a lamp estimate of a block."""
-    finder, prior = DirectionFinder(ring_of(diodes, 0.07), compiled(fit)[0], np.array), LampPrior()
-    settings = Demodulation()
-    ears = Listener(settings, SAMPLE_RATE, SAMPLES)
+    finder, prior = (
+        DirectionFinder(
+            build_even_ring(diodes, 0.07), compile_functions(fit_direction)[0], np.array
+        ),
+        LampPrior(),
+    )
+    settings = DemodulationSettings()
+    ears = BeaconReceiver(settings, SAMPLE_RATE, SAMPLES)
 
     def work(block: np.ndarray) -> object:
-        towards = finder.find(ears.hear(block).peaks[0], settings.threshold, prior)
+        towards = finder.find(ears.demodulate(block).peaks[0], settings.threshold, prior)
         if towards is None:
             raise AssertionError('the beacon is in every block')
-        return lamp_estimate(towards, prior)
+        return estimate_lamp_position(towards, prior)
 
     return work
 
@@ -93,14 +98,14 @@ def plain(quiet: np.ndarray, block: np.ndarray) -> list[tuple[np.ndarray, np.nda
 
 def figures() -> list[Figure]:
     """Return what is measured here."""
-    both = Demodulation(frequency=BEACONS[0], others=BEACONS[1:], window=WINDOW)
-    ears = Listener(both, SAMPLE_RATE, SAMPLES)
+    both = DemodulationSettings(frequency=BEACONS[0], others=BEACONS[1:], window=WINDOW)
+    ears = BeaconReceiver(both, SAMPLE_RATE, SAMPLES)
     taken = blocks(16, BEACONS)
     whole_bins = pace(taken, partial(plain, quiet_mask()))
     peer = f'numpy {version("numpy")}, scipy {version("scipy")}'
     return [
         Figure('vlc.realtime', 's/s', pace(blocks(8, BEACONS[:1]), seen(8)), rounds=20),
         Figure('vlc.realtime_16', 's/s', pace(blocks(16, BEACONS[:1]), seen(16)), rounds=20),
-        Figure('vlc.demodulation', 's/s', pace(taken, ears.hear), rounds=20),
+        Figure('vlc.demodulation', 's/s', pace(taken, ears.demodulate), rounds=20),
         Figure('vlc.plain', 's/s', whole_bins, rounds=20, of='vlc.demodulation', peer=peer),
     ]

@@ -7,7 +7,7 @@ from pathlib import Path
 import re
 
 from lta_cli.reference.thresholds import list_thresholds, PARTS, read_sources, SHAPES
-from lta_discovery.finding import Finding
+from lta_discovery.finding import DiscoveryFinding
 from lta_discovery.results.discovery_json import to_dict
 import pytest
 
@@ -62,7 +62,7 @@ def test_a_file_that_the_page_names_is_there():
     text = PAGE.read_text(encoding='utf-8')
     folder = Path(import_module('lta_discovery').__file__).parent
     named = set(re.findall(r'`([\w/]+\.py)`', text))
-    assert 'model/knobs.py' in named
+    assert 'model/parameters.py' in named
     assert sorted(name for name in named if not (folder / name).exists()) == []
 
 
@@ -70,5 +70,5 @@ def test_the_page_lists_the_keys_of_the_result():
     text = PAGE.read_text(encoding='utf-8')
     table = text[text.index('`discovery.json`:') : text.index('## The demonstration')]
     listed = re.findall(r'^\| (`[^|]+) \|', table, re.MULTILINE)
-    nothing = Finding('none', (), (), (), (), False, (), (), 1, {}, 'gtmab')
+    nothing = DiscoveryFinding('none', (), (), (), (), False, (), (), 1, {}, 'gtmab')
     assert {key.strip('`') for row in listed for key in row.split(', ')} == set(to_dict(nothing))

@@ -4,9 +4,9 @@ from importlib.util import find_spec
 import re
 
 from doc_blocks import blocks, PAGES, pieces, ROOT, run, settings_spoken, simple, spoken, stage
-from lta_cli.app import put_together, repeated
-from lta_config.files import find, known
-from lta_graph.launch_file import arguments
+from lta_cli.app import build_app, repeat_options
+from lta_config.files import find_file, list_shipped
+from lta_graph.launch_file import list_arguments
 import pytest
 from typer.main import get_command
 
@@ -18,8 +18,8 @@ SUFFIX = '.launch.yaml'
 
 def parse(words):
     """Ask Typer whether it knows a command line of lta, without running it."""
-    words = repeated(words)
-    command = get_command(put_together(words))
+    words = repeat_options(words)
+    command = get_command(build_app(words))
     name, rest = 'lta', list(words)
     while hasattr(command, 'commands'):
         if not rest or rest[0] == '--help':
@@ -36,7 +36,9 @@ def parse(words):
 
 def launch_arguments(words):
     """Ask the launch file whether it has the arguments that it is given."""
-    known = {argument.name for argument in arguments(find('launch file', words[0], SUFFIX))}
+    known = {
+        argument.name for argument in list_arguments(find_file('launch file', words[0], SUFFIX))
+    }
     given = {word.partition(':=')[0] for word in words[1:] if ':=' in word}
     assert given <= known, f'{given - known} are no arguments of {words[0]}'
 
@@ -82,8 +84,8 @@ def test_a_setting_in_running_text_is_one_of_a_launch_file_or_of_a_node(page, of
     if of_node:
         assert f'`{name}`' in (ROOT / 'docs/parameters.md').read_text()
         return
-    files = [find('launch file', one, SUFFIX) for one in known('launch', SUFFIX)]
-    assert name in {argument.name for file in files for argument in arguments(file)}
+    files = [find_file('launch file', one, SUFFIX) for one in list_shipped('launch', SUFFIX)]
+    assert name in {argument.name for file in files for argument in list_arguments(file)}
 
 
 def spoken_words(words):

@@ -4,7 +4,7 @@ from pathlib import Path
 from pkgutil import resolve_name
 import re
 
-from lta_cli.reference.effects_page import page
+from lta_cli.reference.effects_page import render_page
 from lta_graph.ros.node import PATIENCE, REPORT_PERIOD
 import pytest
 
@@ -61,7 +61,7 @@ def test_rates_of_health_are_those_of_the_nodes():
 
 
 def test_the_page_of_the_effects_is_that_of_the_registry():
-    assert (ROOT / 'docs/effects.md').read_text(encoding='utf-8') == page()
+    assert (ROOT / 'docs/effects.md').read_text(encoding='utf-8') == render_page()
 
 
 def test_every_picture_has_the_command_that_draws_it():

@@ -1,8 +1,8 @@
 """Launch files offer every strategy: `lta fly` flies what `lta simulate` flies."""
 
-from lta_config.files import find
+from lta_config.files import find_file
 from lta_control.strategies import STRATEGIES
-from lta_graph.launch_file import arguments
+from lta_graph.launch_file import list_arguments
 import pytest
 
 OFFERED = [
@@ -15,6 +15,6 @@ OFFERED = [
 
 @pytest.mark.parametrize(('file', 'name'), OFFERED)
 def test_a_launch_file_offers_every_strategy(file, name):
-    declared = arguments(find('launch file', file, '.launch.yaml'))
+    declared = list_arguments(find_file('launch file', file, '.launch.yaml'))
     (argument,) = (one for one in declared if one.name == name)
     assert set(argument.choices) == set(STRATEGIES)

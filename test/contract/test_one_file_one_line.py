@@ -58,7 +58,7 @@ class StringLink:
 LINK = StringLink
 """
 HELD = """
-from lta_bridge.crazyflie.keeper import Keeper
+from lta_bridge.crazyflie.connection_manager import Keeper
 from lta_bridge.crazyflie.links import link_to
 from lta_bridge.crazyflie.log_table import BLOCKS
 from lta_config.schema.crazyflie_file import Expected

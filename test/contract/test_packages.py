@@ -12,7 +12,7 @@ import runpy
 import sys
 
 from catkin_pkg.package import parse_package
-from lta_cli.doctor.machine import python
+from lta_cli.doctor.machine import check_python
 from lta_config.version import VERSION
 import pytest
 import yaml
@@ -49,14 +49,14 @@ ROS = re.compile(
 FENCED = re.compile(r'(rclpy|builtin_interfaces|rcl_interfaces|\w+_msgs|std_srvs)(\.|$)')
 BEYOND = re.compile(r'lta_graph\.ros(\.|$)|lta_\w+\.(nodes|messages)(\.|$)')
 CONDUCTORS = {  # start a graph and listen to it, record a flight as one, or ask what nodes take
-    'src/lta_discovery/lta_discovery/demo/hidden.py',
+    'src/lta_discovery/lta_discovery/demo/hidden_effect.py',
     'src/lta_flight/lta_flight/flight.py',
     'src/lta_flight/lta_flight/graph.py',
     'src/lta_cli/lta_cli/reference/parameters.py',
-    'src/lta_flight/lta_flight/replay/given.py',
+    'src/lta_flight/lta_flight/replay/node_settings.py',
     'src/lta_flight/lta_flight/replay/run.py',
     'src/lta_flight/lta_flight/simulate.py',
-    'src/lta_studies/lta_studies/reproduce/recorded.py',
+    'src/lta_studies/lta_studies/reproduce/recording.py',
     'src/lta_cli/lta_cli/verbs/call.py',
 }
 
@@ -215,9 +215,9 @@ def test_python_versions_are_the_same_everywhere():
     lock = runpy.run_path(str(ROOT / 'tools/lock.py'))
     assert lock['PYTHONS'] == tuple(f'3.{minor}' for minor in range(int(lowest), int(end)))
     for outside in (int(lowest) - 1, int(end)):
-        assert f'LTA needs {words}:' in python((3, outside)).remedy
+        assert f'LTA needs {words}:' in check_python((3, outside)).remedy
     for bound in (int(lowest), int(end) - 1):
-        assert python((3, bound)).state == 'ok'
+        assert check_python((3, bound)).state == 'ok'
 
 
 def test_packages_depend_to_the_left_only_as_the_architecture_says():

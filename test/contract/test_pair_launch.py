@@ -2,12 +2,12 @@
 
 from pathlib import Path
 
-from lta_bridge.nodes.recorder import Origin, RecorderSettings
+from lta_bridge.nodes.recorder import RecorderSettings, RobotOrigin
 from lta_config.errors import BadInput
-from lta_flight.preflight import check, parameters
-from lta_graph.launch_file import arguments, load
+from lta_flight.preflight import check_plan, parse_parameters
+from lta_graph.launch_file import list_arguments, load_plan
 from lta_graph.ros.node import GraphSettings
-from lta_graph.ros.parameters import leaves
+from lta_graph.ros.parameters import iterate_fields
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -19,8 +19,8 @@ pytestmark = pytest.mark.usefixtures('installed')
 
 def nodes(path, **given):
     """Return the parameters of each process by the plan's name for it."""
-    plan = load(path, given)
-    return {plan.label(process): parameters(process.arguments) for process in plan.processes}
+    plan = load_plan(path, given)
+    return {plan.label(process): parse_parameters(process.arguments) for process in plan.processes}
 
 
 def test_each_drone_is_the_graph_of_one_but_for_recorder_clock_and_peers():
@@ -41,16 +41,19 @@ def test_each_drone_is_the_graph_of_one_but_for_recorder_clock_and_peers():
 def test_the_gains_of_each_go_to_its_controller_and_into_the_bag(tmp_path):
     gains = tmp_path / 'gains.yaml'
     gains.write_bytes((ROOT / 'config/control/gtmab.yaml').read_bytes())
-    plan = load(PAIR, {'gains2': str(gains)})
+    plan = load_plan(PAIR, {'gains2': str(gains)})
     words = {plan.label(process): process.arguments for process in plan.processes}
     assert str(gains) in words['lta2/controller']
     assert str(gains) not in words['lta1/controller']
-    assert parameters(words['recorder'])['lta2.gains'] == str(gains)
+    assert parse_parameters(words['recorder'])['lta2.gains'] == str(gains)
 
 
 def test_the_recorder_is_told_all_of_both_and_knows_every_word():
-    own = {key for key, _, _ in [*leaves(RecorderSettings()), *leaves(GraphSettings())]}
-    each = {key for key, _, _ in leaves(Origin())}
+    own = {
+        key
+        for key, _, _ in [*iterate_fields(RecorderSettings()), *iterate_fields(GraphSettings())]
+    }
+    each = {key for key, _, _ in iterate_fields(RobotOrigin())}
     given = nodes(PAIR, robot1='a', robot2='b', vehicle2='2026-11-20')['recorder']
     assert given['robots'] == 'a b'
     assert given['b.vehicle'] == '2026-11-20'
@@ -59,7 +62,7 @@ def test_the_recorder_is_told_all_of_both_and_knows_every_word():
     for robot in 'ab':
         told = {key: given[f'{robot}.{key}'] for key in each}
         assert {key: type(value) for key, value in told.items()} == {
-            key: type(value) for key, _, value in leaves(Origin())
+            key: type(value) for key, _, value in iterate_fields(RobotOrigin())
         }
 
 
@@ -75,12 +78,12 @@ def test_each_has_a_live_view_of_its_own_where_one_is_asked_for():
     alone = nodes(FLY, live='true')['live']
     assert found['lta1/live'] == alone
     assert found['lta2/live'] == {**alone, 'port': 9000}
-    ports = {item.name: item.default for item in arguments(PAIR) if 'port' in item.name}
+    ports = {item.name: item.default for item in list_arguments(PAIR) if 'port' in item.name}
     assert ports['live_port1'] != ports['live_port2']
 
 
 def test_the_end_of_either_simulator_ends_the_launch_for_each_waits_for_the_other():
-    ending = [item for item in load(PAIR, {}).processes if item.on_exit_shutdown]
+    ending = [item for item in load_plan(PAIR, {}).processes if item.on_exit_shutdown]
     assert [(item.namespace, item.name) for item in ending] == [
         ('/lta1', 'simulator'),
         ('/lta2', 'simulator'),
@@ -88,16 +91,16 @@ def test_the_end_of_either_simulator_ends_the_launch_for_each_waits_for_the_othe
 
 
 def test_the_first_is_the_flight_that_people_know_and_both_are_checked_beforehand():
-    given = {item.name: item for item in arguments(PAIR)}
-    alone = {item.name: item for item in arguments(FLY)}
+    given = {item.name: item for item in list_arguments(PAIR)}
+    alone = {item.name: item for item in list_arguments(FLY)}
     for name in ('vehicle', 'gains', 'strategy', 'seed', 'offset_x', 'offset_y', 'robot'):
         assert given[f'{name}1'].default == alone[name].default, name
     assert all(item.description.endswith('.') for item in given.values())
-    check(load(PAIR, {}))
+    check_plan(load_plan(PAIR, {}))
     for words, sentence in (
         ({'vehicle2': 'nope'}, "Unknown vehicle 'nope'"),
         ({'seed2': '-1'}, 'The seed is -1'),
         ({'offset_y1': '9'}, 'outside the room'),
     ):
         with pytest.raises(BadInput, match=sentence):
-            check(load(PAIR, words))
+            check_plan(load_plan(PAIR, words))

@@ -5,7 +5,7 @@ from importlib import import_module
 from pathlib import Path
 import re
 
-from lta_bridge.crazyflie.settings import BridgeSettings
+from lta_bridge.crazyflie.settings import CrazyflieBridgeSettings
 from lta_bridge.nodes.description import DescriptionSettings
 from lta_bridge.nodes.live import LiveSettings
 from lta_bridge.nodes.player import PlayerSettings
@@ -13,18 +13,18 @@ from lta_bridge.nodes.recorder import RecorderSettings
 from lta_bridge.nodes.teensy_bridge import TeensyBridgeSettings
 from lta_bridge.nodes.teleop import TeleopSettings
 from lta_bridge.nodes.tracker import TrackerSettings
-from lta_bridge.playback.cast import cast_of, roles
+from lta_bridge.playback.node_selection import list_answering_roles, select_nodes
 from lta_config.settings import Settings
-from lta_config.topics import Topic, topic_table
+from lta_config.topics import load_topic_table, Topic
 from lta_control.nodes.controller import ControllerSettings
 from lta_control.nodes.estimator import EstimatorParameters
 from lta_control.nodes.navigator import NavigatorParameters
 from lta_energy.nodes.energy_monitor import EnergyMonitorParameters
-from lta_graph.launch_file import arguments, load
-from lta_graph.ros.message_types import message_type
+from lta_graph.launch_file import list_arguments, load_plan
+from lta_graph.ros.message_types import find_message_type
 from lta_graph.ros.node import GraphSettings
-from lta_graph.ros.parameters import describe, leaves
-from lta_graph.ros.qos import profile
+from lta_graph.ros.parameters import build_descriptor, iterate_fields
+from lta_graph.ros.qos import select_profile
 from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
 from lta_sim.simulator_settings import SimulatorSettings
@@ -34,7 +34,7 @@ from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 import yaml
 
 ROOT = Path(__file__).resolve().parents[2]
-TABLE = topic_table()
+TABLE = load_topic_table()
 LAUNCH = ROOT / 'config/launch/fly.launch.yaml'
 ROLES = {
     'simulator': 'vehicle',
@@ -46,7 +46,7 @@ SOURCES = {
     'crazyflie': 'crazyflie_bridge',
 }  # who plays the vehicle
 NODES = {
-    'crazyflie_bridge': BridgeSettings,
+    'crazyflie_bridge': CrazyflieBridgeSettings,
     'simulator': SimulatorSettings,
     'player': PlayerSettings,
     'estimator': EstimatorParameters,
@@ -153,7 +153,7 @@ def test_no_node_goes_around_the_table(name):
 @each_topic
 def test_a_topic_s_row_is_whole(name):
     topic = TABLE[name]
-    fields = message_type(topic).get_fields_and_field_types()
+    fields = find_message_type(topic).get_fields_and_field_types()
     assert topic.stamped == ('header' in fields), 'stamped says whether there is a header'
     assert topic.about.endswith('.')
     roles = {ROLES.get(node, node) for node in NODES}
@@ -171,7 +171,7 @@ def test_a_node_answers_what_the_table_says(name):
     answered = {TABLE[topic].answers for topic in TABLE.published_by(name)} - {''}
     if ROLES.get(name) != 'vehicle':  # who plays the vehicle answers nobody
         assert answered == triggers(name)
-        assert answered == ({TABLE.trigger(name)} - {''})
+        assert answered == ({TABLE.trigger_topic(name)} - {''})
         assert all(name in TABLE[topic].subscribers for topic in answered)
 
 
@@ -185,8 +185,8 @@ def test_an_answer_has_the_rhythm_of_what_it_answers():
 
 
 def test_a_replay_runs_or_plays_every_node_of_the_graph():
-    assert set(roles(TABLE)) == set(NODES) - {*SOURCES.values(), 'recorder', 'live'}
-    whole = cast_of(TABLE, [], [])
+    assert set(list_answering_roles(TABLE)) == set(NODES) - {*SOURCES.values(), 'recorder', 'live'}
+    whole = select_nodes(TABLE, [], [])
     sent = {*whole.played, *whole.answers}
     assert {name for name, topic in TABLE.topics.items() if topic.repeatable} == sent
 
@@ -194,7 +194,7 @@ def test_a_replay_runs_or_plays_every_node_of_the_graph():
 @each_topic
 def test_both_ends_offer_and_ask_the_same_quality(name):
     topic: Topic = TABLE[name]
-    real, step = profile(topic, lockstep=False), profile(topic, lockstep=True)
+    real, step = select_profile(topic, lockstep=False), select_profile(topic, lockstep=True)
     reliable = ReliabilityPolicy.BEST_EFFORT if topic.qos == 'sensor' else None
     assert real.reliability == (reliable or ReliabilityPolicy.RELIABLE)
     latched = DurabilityPolicy.TRANSIENT_LOCAL
@@ -212,14 +212,14 @@ def test_the_sensors_are_best_effort_and_the_command_is_one_deep():
         'photodiodes',
         'illuminance',
     }
-    assert profile(TABLE['motors'], lockstep=False).depth == 1
+    assert select_profile(TABLE['motors'], lockstep=False).depth == 1
 
 
 @pytest.mark.parametrize('name', [*NODES, *BRIDGES, *BESIDE])
 def test_every_parameter_is_described(name):
     settings = {**NODES, **BRIDGES, **BESIDE}[name]()
-    for key, info, value in [*leaves(GraphSettings()), *leaves(settings)]:
-        descriptor = describe(info, value)
+    for key, info, value in [*iterate_fields(GraphSettings()), *iterate_fields(settings)]:
+        descriptor = build_descriptor(info, value)
         assert descriptor.description.split('[')[0].strip(), key
         if isinstance(value, bool | str | tuple):
             continue  # ROS has ranges for numbers alone; the model holds the bounds of a list
@@ -252,9 +252,9 @@ BEGUN_WITH = {
 @pytest.mark.parametrize('name', [*NODES, *BRIDGES, *BESIDE])
 def test_structure_is_fixed_and_figures_are_not(name):
     """A name or a path needs a restart; a number can be tried in flight, but for those above."""
-    found = list(leaves({**NODES, **BRIDGES, **BESIDE}[name]()))
+    found = list(iterate_fields({**NODES, **BRIDGES, **BESIDE}[name]()))
     texts = {key for key, _, value in found if isinstance(value, str)}
-    fixed = {key for key, info, value in found if describe(info, value).read_only}
+    fixed = {key for key, info, value in found if build_descriptor(info, value).read_only}
     assert fixed == texts | BEGUN_WITH.get(name, set())
 
 
@@ -272,7 +272,7 @@ def nodes_of_launch():
 @pytest.mark.usefixtures('installed')
 @pytest.mark.parametrize('source', SOURCES)
 def test_the_launch_file_starts_every_node_under_its_name(source):
-    plan = load(LAUNCH, {'source': source, 'live': 'true'})
+    plan = load_plan(LAUNCH, {'source': source, 'live': 'true'})
     others = {name for key, name in SOURCES.items() if key != source}
     assert [process.name for process in plan.processes] == [n for n in NODES if n not in others]
     for process in plan.processes:
@@ -284,15 +284,21 @@ def test_the_launch_file_starts_every_node_under_its_name(source):
 
 @pytest.mark.usefixtures('installed')
 def test_the_light_board_is_started_where_there_is_one():
-    assert 'teensy_bridge' not in [process.name for process in load(LAUNCH, {}).processes]
-    plan = load(LAUNCH, {'light_board': 'true', 'light_port': 'udp://0.0.0.0:14550'})
+    assert 'teensy_bridge' not in [process.name for process in load_plan(LAUNCH, {}).processes]
+    plan = load_plan(LAUNCH, {'light_board': 'true', 'light_port': 'udp://0.0.0.0:14550'})
     (bridge,) = [process for process in plan.processes if process.name == 'teensy_bridge']
     assert (bridge.executable, bridge.package) == ('teensy_bridge', 'lta_bridge')
     words = dict(word.split(':=', 1) for word in bridge.arguments if re.match(r'\w+:=', word))
-    own = {key for key, _, _ in [*leaves(GraphSettings()), *leaves(TeensyBridgeSettings())]}
+    own = {
+        key
+        for key, _, _ in [
+            *iterate_fields(GraphSettings()),
+            *iterate_fields(TeensyBridgeSettings()),
+        ]
+    }
     assert words.keys() <= own | {'__node', '__ns'}
     assert yaml.safe_load(words['port']) == 'udp://0.0.0.0:14550'
-    given = {item.name: item.default for item in arguments(LAUNCH)}
+    given = {item.name: item.default for item in list_arguments(LAUNCH)}
     assert given['light_port'] == TeensyBridgeSettings().port
 
 
@@ -301,8 +307,8 @@ def test_every_text_of_the_launch_file_stays_a_text():
     """Names may look like numbers, dates or truths; only what is meant as such becomes one."""
     texts = {'vehicle': '1', 'scenario': 'yes', 'bag': '2026-11-20'}
     found = set()
-    for process in load(LAUNCH, {**texts, 'seed': '7', 'live': 'true'}).processes:
-        defaults = {key: value for key, _, value in leaves(NODES[process.name]())}
+    for process in load_plan(LAUNCH, {**texts, 'seed': '7', 'live': 'true'}).processes:
+        defaults = {key: value for key, _, value in iterate_fields(NODES[process.name]())}
         values = [word for word in process.arguments if re.match(r'\w+:=', word)]
         for key, value in (word.split(':=', 1) for word in values):
             read = yaml.safe_load(value)
@@ -316,7 +322,7 @@ def test_every_text_of_the_launch_file_stays_a_text():
 
 @each_node
 def test_the_launch_file_gives_only_parameters_that_are_declared(name):
-    own = {key for key, _, _ in [*leaves(GraphSettings()), *leaves(NODES[name]())]}
+    own = {key for key, _, _ in [*iterate_fields(GraphSettings()), *iterate_fields(NODES[name]())]}
     given = nodes_of_launch()[name]
     assert given - {'use_sim_time'} <= own
     # Who plays the vehicle makes the time that all others use.
@@ -329,7 +335,7 @@ def test_the_launch_file_gives_only_parameters_that_are_declared(name):
 def test_the_recorder_is_told_the_gains_that_the_controller_gets(tmp_path):
     gains = tmp_path / 'gains.yaml'
     gains.write_bytes((ROOT / 'config/control/gtmab.yaml').read_bytes())
-    words = {p.name: p.arguments for p in load(LAUNCH, {'gains': str(gains)}).processes}
+    words = {p.name: p.arguments for p in load_plan(LAUNCH, {'gains': str(gains)}).processes}
     assert str(gains) in words['controller']
     given = [word.partition(':=')[2] for word in words['recorder'] if word.startswith('gains:=')]
     assert [yaml.safe_load(value) for value in given] == [str(gains)]
@@ -337,7 +343,7 @@ def test_the_recorder_is_told_the_gains_that_the_controller_gets(tmp_path):
 
 @pytest.mark.usefixtures('installed')
 def test_launch_arguments_are_documented_and_default_to_what_is_shipped():
-    given = {item.name: item for item in arguments(LAUNCH)}
+    given = {item.name: item for item in list_arguments(LAUNCH)}
     assert all(item.description.endswith('.') for item in given.values())
     load_vehicle(given['vehicle'].default)
     load_scenario(given['scenario'].default)
@@ -345,7 +351,7 @@ def test_launch_arguments_are_documented_and_default_to_what_is_shipped():
         assert str(getattr(RecorderSettings(), name)) == given[name].default
     for name in ('host', 'port'):
         assert str(getattr(LiveSettings(), name)) == given[f'live_{name}'].default
-    assert 'live' not in [process.name for process in load(LAUNCH, {}).processes]
+    assert 'live' not in [process.name for process in load_plan(LAUNCH, {}).processes]
     assert given['time'].choices == ('realtime', 'lockstep')
     assert given['time'].default == GraphSettings().time
 
@@ -361,14 +367,14 @@ def test_the_shipped_gains_are_parameters_and_all_of_them():
             else:
                 yield prefix + key
 
-    known = {key for key, _, _ in leaves(ControllerSettings()) if key.startswith('gains.')}
+    known = {key for key, _, _ in iterate_fields(ControllerSettings()) if key.startswith('gains.')}
     assert set(flat(given, 'gains.')) == known
 
 
 @pytest.mark.parametrize('model', NODES.values(), ids=list(NODES))
 def test_a_setting_beyond_its_bounds_is_refused(model):
-    for key, info, value in leaves(model()):
-        ranges = describe(info, value).floating_point_range
+    for key, info, value in iterate_fields(model()):
+        ranges = build_descriptor(info, value).floating_point_range
         if not ranges:
             continue
         *path, last = key.split('.')

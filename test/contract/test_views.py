@@ -6,21 +6,21 @@ import re
 import xml.etree.ElementTree as ET
 
 import foxglove.layouts as sdk
-from lta_bridge.bag.schemas import jazzy
+from lta_bridge.bag.schemas import load_jazzy_types
 from lta_config import views_foxglove, views_plotjuggler
 from lta_config.errors import BadInput
-from lta_config.files import find, load_yaml
+from lta_config.files import find_file, load_yaml
 from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_config.topics import robot_topic, topic_table
-from lta_config.views import load_views, main, place_of, Views
-from lta_energy.messages import figures
+from lta_config.topics import load_topic_table, robot_topic
+from lta_config.views import load_views, main, parse_series, Views
+from lta_energy.messages import collect_energy_values
 from pydantic import ValidationError
 import pytest
 from rosbags.typesys.store import Nodetype
 import yaml
 
 ROOT = Path(__file__).resolve().parents[2]
-TABLE = topic_table()
+TABLE = load_topic_table()
 TYPES = {robot_topic('lta1', name): topic.type for name, topic in TABLE.topics.items()}
 SCENE = '/lta1/scene'  # not of the table: the live node draws it
 ROTORS = list(load_vehicle_file('gtmab').rotors)
@@ -49,7 +49,7 @@ def figure_exists(topic, status, key):
     """Return whether a status of a diagnostic array holds a figure."""
     if topic == '/lta1/energy/status':
         source = ROOT / 'src/lta_energy/lta_energy/messages.py'
-        assert figures.__module__ == 'lta_energy.messages'
+        assert collect_energy_values.__module__ == 'lta_energy.messages'
         return status == 'energy' and f"'{key}':" in source.read_text(encoding='utf-8')
     node, _, task = status.partition(': ')
     assert node in NODES, status
@@ -73,7 +73,7 @@ def follow(type_name, steps):
                 node = (Nodetype.BASE, ('float64', 0))
             assert node[0] == Nodetype.BASE
         elif name:
-            fields = dict(jazzy().fielddefs[detail][1])
+            fields = dict(load_jazzy_types().fielddefs[detail][1])
             assert name in fields, f'{detail} has no {name}'
             node = fields[name]
         elif index:
@@ -82,7 +82,7 @@ def follow(type_name, steps):
             if index != ':':
                 assert int(index) < len(ROTORS)
         else:
-            assert key in dict(jazzy().fielddefs[detail][1])
+            assert key in dict(load_jazzy_types().fielddefs[detail][1])
             filters[key] = value.strip('"')
     return node, filters
 
@@ -160,19 +160,19 @@ def test_a_curve_is_one_that_plotjuggler_makes(curve):
 
 def test_both_layouts_are_fresh():
     views = load_views()
-    made = views_foxglove.layout(views)
+    made = views_foxglove.build_layout(views)
     assert (ROOT / 'config/foxglove/lta.json').read_text(encoding='utf-8') == made
-    made = views_plotjuggler.layout(views)
+    made = views_plotjuggler.build_layout(views)
     assert (ROOT / 'config/plotjuggler/lta.xml').read_text(encoding='utf-8') == made
 
 
 def test_an_image_of_light_ends_where_the_vehicles_converter_does(tmp_path):
-    content = load_yaml(find('vehicle', 'gtmab'))
+    content = load_yaml(find_file('vehicle', 'gtmab'))
     content['sensors']['diodes']['bits'] = 16
     path = tmp_path / 'fine.yaml'
     path.write_text(yaml.safe_dump(content), encoding='utf-8')
     views = load_views().model_copy(update={'vehicle': str(path)})
-    configs = json.loads(views_foxglove.layout(views))['configById'].values()
+    configs = json.loads(views_foxglove.build_layout(views))['configById'].values()
     (image,) = [config['imageMode'] for config in configs if 'imageMode' in config]
     assert image['maxValue'] == 65535.0
 
@@ -233,15 +233,19 @@ def test_topics_of_other_panels_are_there_and_of_the_right_kind():
 def test_motors_are_shown_by_the_names_of_the_vehicle():
     views = load_views()
     for index, name in enumerate(ROTORS):
-        assert views_foxglove.path(views, f'motors.effort.{name}').endswith(f'.effort[{index}]')
-        assert views_plotjuggler.curve(views, f'motors.effort.{name}').endswith(f'/{name}/effort')
+        assert views_foxglove.message_path(views, f'motors.effort.{name}').endswith(
+            f'.effort[{index}]'
+        )
+        assert views_plotjuggler.curve_name(views, f'motors.effort.{name}').endswith(
+            f'/{name}/effort'
+        )
 
 
 def test_bad_views_are_refused():
     views = load_views()
     for series, words in (('odom', 'names no field'), ('nope.x', "Unknown topic 'nope'")):
         with pytest.raises(BadInput, match=words):
-            place_of(views, series)
+            parse_series(views, series)
     with pytest.raises(BadInput, match='foxglove, plotjuggler'):
         main(['rviz'])
     given = {'schema': 1, 'robot': 'lta1', 'vehicle': 'gtmab'}

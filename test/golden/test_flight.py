@@ -12,11 +12,11 @@ and still tells any change of a gain, a sign or an order, which moves the drone 
 from pathlib import Path
 import sys
 
-from lta_config.topics import topic_table
+from lta_config.topics import load_topic_table
 from lta_control.gains_file import load_gains
-from lta_control.strategies import strategy
-from lta_flight.loop import Loop
-from lta_flight.policy import Policy
+from lta_control.strategies import find_strategy
+from lta_flight.closed_loop import ClosedLoop
+from lta_flight.flight_stack import FlightStack
 from lta_model.scenario import load_scenario
 from lta_model.state import RIGID
 from lta_model.vehicle import load_vehicle
@@ -37,10 +37,12 @@ def flown(gains=None, nudge=0.0):
     """Return the true state and the reached duties of the flight, one row every 0.5 s."""
     scenario = load_scenario('lamp_room')
     vehicle = load_vehicle('gtmab', scenario.air.density)
-    table = topic_table()
+    table = load_topic_table()
     world = World(vehicle, scenario, table, SEED)
     world.state[2] += nudge
-    loop = Loop(world, table, Policy(strategy('bag'), gains=gains or load_gains('gtmab')))
+    loop = ClosedLoop(
+        world, table, FlightStack(find_strategy('bag'), gains=gains or load_gains('gtmab'))
+    )
     rows = []
     for step in range(1, STEPS + 1):
         loop.step()

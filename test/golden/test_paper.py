@@ -15,14 +15,14 @@ from pathlib import Path
 
 from kept_figures import kepts_in
 from lta_studies.reproduce import lines, markdown
-from lta_studies.reproduce.page import page
-from lta_studies.reproduce.run import Order, rows_of, study_all
-from lta_studies.reproduce.verdict import verdicts
+from lta_studies.reproduce.page import render_page
+from lta_studies.reproduce.run import ReproductionRequest, select_rows, study_all
+from lta_studies.reproduce.verdict import judge_claims
 import pytest
 
 HERE = Path(__file__).parent
 TOLD = json.loads((HERE / 'paper_quick.json').read_text(encoding='utf-8'))
-ROWS = rows_of([])
+ROWS = select_rows([])
 LONG = (  # seconds of flights each, and of compiling what flies
     'forces',
     'closed_loop',
@@ -43,7 +43,9 @@ def studied(tmp_path_factory):
 
     def studied(rows):
         todo = [row for row in rows if row.name not in kept]
-        kept.update(study_all(Order(tuple(row.name for row in todo), True, folder, 1), todo))
+        kept.update(
+            study_all(ReproductionRequest(tuple(row.name for row in todo), True, folder, 1), todo)
+        )
         return {row.name: kept[row.name] for row in rows}
 
     return studied
@@ -69,14 +71,14 @@ def test_every_figure_is_found_again_within_its_rounding(row, studied):
             assert (None if now.value != now.value else now.value) == value, name
         else:
             assert math.isclose(now.value, value, abs_tol=measure.rounding, rel_tol=1e-9), name
-    assert {k: str(v) for k, v in verdicts(row, found).items()} == told['verdicts']
+    assert {k: str(v) for k, v in judge_claims(row, found).items()} == told['verdicts']
 
 
 @pytest.mark.parametrize('rows', [QUICK, pytest.param(ROWS, marks=pytest.mark.long)])
 def test_the_page_tells_what_was_found(rows, studied):
     kepts = studied(rows)
-    text = page(rows, kepts, {})
-    assert lines.title(rows, kepts).replace("'", '&#x27;') in text
+    text = render_page(rows, kepts, {})
+    assert lines.format_title(rows, kepts).replace("'", '&#x27;') in text
     for row in rows:
         assert f'id="{row.name}"' in text
         for picture in kepts[row.name].pictures:
@@ -89,9 +91,11 @@ def test_the_document_is_made_of_the_full_run_and_of_the_rows_as_they_are():
     kepts = kepts_in(told)
     docs = HERE.parents[1] / 'docs'
     rows = [row for row in ROWS if row.name in kepts]
-    assert (docs / 'paper.md').read_text(encoding='utf-8') == markdown.page(rows, kepts)
+    assert (docs / 'paper.md').read_text(encoding='utf-8') == markdown.format_page(rows, kepts)
     for row in rows:
         first = kepts[row.name].pictures[0]
         assert (docs / markdown.IMAGES / f'{row.name}-{first.name}.png').exists()
-        found = {name: str(each) for name, each in verdicts(row, kepts[row.name].values).items()}
+        found = {
+            name: str(each) for name, each in judge_claims(row, kepts[row.name].values).items()
+        }
         assert found == told['rows'][row.name]['verdicts']

@@ -16,11 +16,11 @@ from lta_bridge.crazyflie import readings
 from lta_bridge.crazyflie.cflib_link import CflibLink
 from lta_bridge.crazyflie.link import LinkFailed, LogPacket
 from lta_bridge.crazyflie.log_table import BLOCKS
-from lta_bridge.crazyflie.supervisor import Bit
-from lta_emulation.crazyflie.build import Build
+from lta_bridge.crazyflie.supervisor_word import SupervisorBit
 from lta_emulation.crazyflie.firmware import Firmware
-from lta_emulation.crazyflie.server import Server
-from lta_emulation.emulated_hardware import flown
+from lta_emulation.crazyflie.firmware_build import FirmwareBuild
+from lta_emulation.crazyflie.server import CrazyflieServer
+from lta_emulation.emulated_hardware import build_simulated_body
 import pytest
 from waiting import PATIENCE, wait_until
 
@@ -30,7 +30,7 @@ PID, OUT_OF_TREE = 1, 6  # stabilizer.controller
 
 
 @contextmanager
-def served(build: Build) -> Iterator[str]:
+def served(build: FirmwareBuild) -> Iterator[str]:
     """Yield the URI of a Crazyflie: that of `LTA_CF_URI`, or an emulated one of a build."""
     uri = os.environ.get('LTA_CF_URI', '')
     if uri:
@@ -38,12 +38,12 @@ def served(build: Build) -> Iterator[str]:
             pytest.fail(f'{uri}: take the propellers off, and set LTA_CF_PROPELLERS=off.')
         yield uri
     else:
-        body = flown('multirotor', 'lamp_room', 1)
-        with Server(Firmware(body, build=build)) as server:
+        body = build_simulated_body('multirotor', 'lamp_room', 1)
+        with CrazyflieServer(Firmware(body, build=build)) as server:
             yield server.uri
 
 
-def turning(motors: readings.Motors) -> bool:
+def turning(motors: readings.MotorsReading) -> bool:
     """Tell whether any motor turns."""
     return any(duty >= PWM_STEP for duty in motors.duties)
 
@@ -95,12 +95,12 @@ class Drone:
         return 1e-3 * self.heard['motors'][-1].stamp_ms if 'motors' in self.heard else 0.0
 
     @property
-    def motors(self) -> readings.Motors:
-        return readings.motors(self.heard['motors'][-1].values)
+    def motors(self) -> readings.MotorsReading:
+        return readings.convert_motors(self.heard['motors'][-1].values)
 
     @property
-    def word(self) -> Bit:
-        return Bit(self.motors.word)
+    def word(self) -> SupervisorBit:
+        return SupervisorBit(self.motors.word)
 
     @property
     def turns(self) -> bool:
@@ -109,32 +109,34 @@ class Drone:
     @property
     def has_app(self) -> bool:
         """Whether the app of firmware/crazyflie is aboard."""
-        return self.link.parameter('lta.app') is not None
+        return self.link.read_parameter('lta.app') is not None
 
     @property
     def arms_itself(self) -> bool:
         """Whether this firmware arms itself, and again where somebody disarms it."""
-        return Bit.AUTO_ARM in self.word
+        return SupervisorBit.AUTO_ARM in self.word
 
     def turned(self, since: float) -> bool:
         """Tell whether a motor turned at any time since. [s]"""
         return any(
-            turning(readings.motors(packet.values))
+            turning(readings.convert_motors(packet.values))
             for packet in self.heard['motors']
             if 1e-3 * packet.stamp_ms > since
         )
 
     def hover(self) -> None:
-        self.link.hover(0.0, 0.0, 0.45)
+        self.link.send_hover_setpoint(0.0, 0.0, 0.45)
 
     def arm(self) -> None:
         """Ask until the supervisor says that it is armed."""
-        self.until(lambda: Bit.ARMED in self.word, lambda: self.link.arm(True))
+        self.until(
+            lambda: SupervisorBit.ARMED in self.word, lambda: self.link.request_arming(True)
+        )
 
     def control_by(self, controller: int) -> None:
         """Choose the firmware's controller, where there is more than its own."""
         if self.has_app:
-            self.link.write('stabilizer.controller', controller, PATIENCE)
+            self.link.write_parameter('stabilizer.controller', controller, PATIENCE)
 
     def fly(self) -> None:
         """Arm, and hover by the firmware's controller until motors have turned for a second."""
@@ -150,7 +152,7 @@ def connected(uri: str) -> Iterator[Drone]:
     drone = Drone(uri)
     try:
         drone.until(lambda: 'motors' in drone.heard)
-        if Bit.LOCKED in drone.word:
+        if SupervisorBit.LOCKED in drone.word:
             drone.link.close()
             restart = os.environ.get('LTA_CF_RESTART')
             if not restart:
@@ -158,11 +160,18 @@ def connected(uri: str) -> Iterator[Drone]:
             subprocess.run(restart, shell=True, check=True, timeout=PATIENCE)
             drone = Drone(uri)
         drone.until(lambda: 'motors' in drone.heard)
-        if Bit.ARMED in drone.word and Bit.AUTO_ARM not in drone.word:
-            drone.until(lambda: Bit.ARMED not in drone.word, lambda: drone.link.arm(False))
-        drone.until(lambda: Bit.CAN_BE_ARMED in drone.word or Bit.AUTO_ARM in drone.word)
+        if SupervisorBit.ARMED in drone.word and SupervisorBit.AUTO_ARM not in drone.word:
+            drone.until(
+                lambda: SupervisorBit.ARMED not in drone.word,
+                lambda: drone.link.request_arming(False),
+            )
+        drone.until(
+            lambda: (
+                SupervisorBit.CAN_BE_ARMED in drone.word or SupervisorBit.AUTO_ARM in drone.word
+            )
+        )
         yield drone
     finally:
         for _ in range(3):
-            drone.link.arm(False)
+            drone.link.request_arming(False)
         drone.link.close()

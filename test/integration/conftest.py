@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from lta_config.errors import BadInput
-from lta_graph.health import Fact
+from lta_graph.health import HealthFact
 from lta_graph.ros.listener import DiagnosticsListener
 from lta_report.browser import Browser
 import pytest
@@ -77,7 +77,7 @@ def diagnostics(domain_id: int) -> Iterator[DiagnosticsListener]:
 def hear(diagnostics: DiagnosticsListener, lta: Lta):
     """Return a function that listens until a condition on all facts holds."""
 
-    def wait(condition: Callable[[dict[str, Fact]], object]) -> None:
+    def wait(condition: Callable[[dict[str, HealthFact]], object]) -> None:
         def arrived() -> str:
             heard = {name: fact.message for name, fact in diagnostics.facts.items()}
             return f'{heard}; said:\n{lta.text}'
@@ -97,7 +97,7 @@ def flying(hear):
     """Return a function that waits until the simulator says that it has flown for a while [s]."""
 
     def wait(seconds: float) -> None:
-        def far(facts: dict[str, Fact]) -> bool:
+        def far(facts: dict[str, HealthFact]) -> bool:
             fact = facts.get('simulator: flight')
             return fact is not None and float(fact.values['time_s']) >= seconds
 

@@ -5,12 +5,12 @@ from typing import Any
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from lta_bridge.crazyflie.messages import RANGE
 from lta_control.cascade import Setpoint
-from lta_control.estimator import Estimate
+from lta_control.estimator import MotionEstimate
 from lta_control.messages import from_duties, from_estimate, from_setpoint
-from lta_graph.ros.message_types import message_type
+from lta_graph.ros.message_types import find_message_type
 from lta_graph.ros.stamps import to_stamp
 from lta_model import messages
-from lta_model.sensors.imu import bounds_of, ImuSettings
+from lta_model.sensors.imu import error_bounds, ImuSettings
 from lta_vlc.demodulation import Peaks
 from lta_vlc.lamp import LampEstimate
 from lta_vlc.messages import from_bearing, from_lamp, from_peaks
@@ -27,8 +27,8 @@ BEACON = 150.0  # Hz
 BLOCK = np.full((TABLE.light.samples, DIODES), 200, np.uint16)
 PEAKS = Peaks(*(np.full(DIODES, x) for x in (100.0, 20.0, BEACON, 5.0)))
 LAMP = LampEstimate(3.0, 0.5, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0, 1.0)
-NOISE = bounds_of(ImuSettings()).noise
-HOVER = Estimate(ready=True)
+NOISE = error_bounds(ImuSettings()).noise
+HOVER = MotionEstimate(ready=True)
 AHEAD = Setpoint(1.0, 0.0, 0.2)
 
 
@@ -44,13 +44,13 @@ def good(name: str, stamp_ns: int) -> Any:
     stamp = to_stamp(stamp_ns)
     header = Header(stamp=stamp, frame_id=TABLE[name].frame)
     made = {
-        'imu': lambda: messages.imu(stamp, (0.0, 0.0, 9.81), (0.0, 0.0, 0.0), NOISE),
-        'range': lambda: messages.range_(stamp, 1.0, RANGE),
-        'pressure': lambda: messages.pressure(stamp, 101325.0, 1.0),
-        'photodiodes': lambda: messages.light_block(stamp, BLOCK),
-        'illuminance': lambda: messages.illuminance(stamp, 300.0),
-        'battery': lambda: messages.branch(stamp, 3.9, -0.3, 'battery'),
-        'panel': lambda: messages.branch(stamp, 2.0, 0.01, 'panel'),
+        'imu': lambda: messages.build_imu(stamp, (0.0, 0.0, 9.81), (0.0, 0.0, 0.0), NOISE),
+        'range': lambda: messages.build_range(stamp, 1.0, RANGE),
+        'pressure': lambda: messages.build_pressure(stamp, 101325.0, 1.0),
+        'photodiodes': lambda: messages.build_light_block(stamp, BLOCK),
+        'illuminance': lambda: messages.build_illuminance(stamp, 300.0),
+        'battery': lambda: messages.build_battery_state(stamp, 3.9, -0.3, 'battery'),
+        'panel': lambda: messages.build_battery_state(stamp, 2.0, 0.01, 'panel'),
         'odom': lambda: odom(stamp),
         'ground_truth/odom': lambda: odom(stamp),
         'motors': lambda: from_duties(stamp, ROTORS, (0.1, 0.1, 0.1, 0.1)),
@@ -64,13 +64,13 @@ def good(name: str, stamp_ns: int) -> Any:
         'light/beacon': lambda: Float64(data=BEACON),
         'teleop/held': lambda: Bool(data=False),
         'energy/reserve': lambda: Bool(data=False),
-        'energy/battery': lambda: messages.branch(stamp, 3.9, -0.3, 'battery'),
+        'energy/battery': lambda: messages.build_battery_state(stamp, 3.9, -0.3, 'battery'),
         'energy/status': lambda: health('energy', power_in_W=0.1),
-        'wind': lambda: messages.wind(stamp, (0.1, 0.0, 0.0)),
+        'wind': lambda: messages.build_wind(stamp, (0.1, 0.0, 0.0)),
         '/clock': lambda: Clock(clock=stamp),
         '/diagnostics': lambda: health('controller: links', motors=2, held=False),
     }
-    message = made[name]() if name in made else message_type(TABLE[name])()
+    message = made[name]() if name in made else find_message_type(TABLE[name])()
     if hasattr(message, 'header'):
         message.header.stamp = stamp
     return message

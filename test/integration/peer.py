@@ -14,9 +14,9 @@ import sys
 import time
 from typing import Any, Self
 
-from lta_config.topics import topic_table
-from lta_graph.ros.message_types import message_type
-from lta_graph.ros.qos import profile
+from lta_config.topics import load_topic_table
+from lta_graph.ros.message_types import find_message_type
+from lta_graph.ros.qos import select_profile
 from rcl_interfaces.srv import SetParameters
 import rclpy
 from rclpy.context import Context
@@ -28,7 +28,7 @@ from time_report import process_started
 from waiting import PATIENCE, wait_until
 
 ROOT = Path(__file__).resolve().parents[2]
-TABLE = topic_table()
+TABLE = load_topic_table()
 LIBC = ctypes.CDLL(None)  # before any fork
 PR_SET_PDEATHSIG = 1  # linux/prctl.h
 # What a bridge answers where the machine, and not the drone, was too slow: another try may do.
@@ -143,20 +143,20 @@ class Peer:
     def hear(self, name: str, callback: Callable[[Any], object]) -> None:
         """Listen to a topic of the table."""
         row = TABLE[name]
-        quality = profile(row, lockstep=False)
+        quality = select_profile(row, lockstep=False)
 
         def take(message: Any) -> None:
             self.heard[name] += 1
             callback(message)
 
-        self.node.create_subscription(message_type(row), name, take, quality)
+        self.node.create_subscription(find_message_type(row), name, take, quality)
 
     def publisher(self, name: str) -> Any:
         """Return the publisher of a topic of the table, once somebody has found it."""
         if name not in self._publishers:
             row = TABLE[name]
-            quality = profile(row, lockstep=False)
-            self._publishers[name] = self.offering(name, message_type(row), quality)
+            quality = select_profile(row, lockstep=False)
+            self._publishers[name] = self.offering(name, find_message_type(row), quality)
         return self._publishers[name]
 
     def offering(self, name: str, kind: Any, quality: Any) -> Any:

@@ -10,11 +10,11 @@ import os
 
 from lta_bridge.crazyflie import duties_packet
 from lta_bridge.crazyflie.log_table import BLOCKS
-from lta_bridge.crazyflie.supervisor import Bit
+from lta_bridge.crazyflie.supervisor_word import SupervisorBit
 from lta_config.schema.crazyflie_file import REQUIRED
-from lta_config.topics import topic_table
-from lta_emulation.crazyflie.build import APP, ARMING, AS_SOLD
-from lta_graph.ros.message_types import message_type
+from lta_config.topics import load_topic_table
+from lta_emulation.crazyflie.firmware_build import APP, ARMING, AS_SOLD
+from lta_graph.ros.message_types import find_message_type
 from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest
@@ -27,7 +27,7 @@ pytestmark = pytest.mark.filterwarnings('ignore::pytest.PytestUnraisableExceptio
 
 STALE = 0.5  # s by which the emulated drone's clock and a busy machine may be late
 HEIGHT = 0.45  # m
-TABLE = topic_table()
+TABLE = load_topic_table()
 BUILDS = {'as sold': AS_SOLD, 'arming': ARMING, 'app': APP}
 
 
@@ -72,17 +72,17 @@ def test_disarmed_in_flight_it_stops_at_once_and_can_be_armed_again(drone):
         pytest.skip('this firmware arms itself again')
     drone.fly()
     before = drone.now
-    drone.until(lambda: not drone.turns, lambda: drone.link.arm(False))
+    drone.until(lambda: not drone.turns, lambda: drone.link.request_arming(False))
     assert drone.now - before < 0.2 + STALE
-    drone.until(lambda: Bit.CAN_BE_ARMED in drone.word)
+    drone.until(lambda: SupervisorBit.CAN_BE_ARMED in drone.word)
 
 
 def test_handed_over_it_lands_and_does_not_lock(drone):
     drone.fly()
     drone.link.hand_over(land=True)
     drone.until(lambda: not drone.turns)
-    drone.until(lambda: Bit.FLYING not in drone.word)
-    assert Bit.LOCKED not in drone.word
+    drone.until(lambda: SupervisorBit.FLYING not in drone.word)
+    assert SupervisorBit.LOCKED not in drone.word
 
 
 def test_duties_hold_for_as_long_as_their_packet_says(drone):
@@ -93,21 +93,21 @@ def test_duties_hold_for_as_long_as_their_packet_says(drone):
     numbers = itertools.count(1)
 
     def send():
-        drone.link.duties(duties_packet.packed(next(numbers), (0.1, 0.1, 0.1, 0.1), 200))
+        drone.link.send_duties(duties_packet.pack_duties(next(numbers), (0.1, 0.1, 0.1, 0.1), 200))
 
     drone.until(lambda: drone.turns, send)
     before = drone.now
     drone.until(lambda: not drone.turns)
     assert drone.now - before < 0.25 + STALE
-    drone.until(lambda: Bit.ARMED not in drone.word)
+    drone.until(lambda: SupervisorBit.ARMED not in drone.word)
     assert drone.now - before < 0.2 + 1.0 + 0.15 + STALE
-    assert Bit.LOCKED not in drone.word
+    assert SupervisorBit.LOCKED not in drone.word
 
 
 def test_no_motor_turns_once_the_bridge_has_set_what_every_drone_must_have(drone):
     """Where arming is required, Kconfig's idle thrust turns all motors as soon as it is armed."""
     for name, wanted in REQUIRED.items():
-        drone.link.write(name, wanted.value, PATIENCE)
+        drone.link.write_parameter(name, wanted.value, PATIENCE)
     drone.arm()
     before = drone.now
     drone.wait(1.0)
@@ -136,7 +136,7 @@ def test_the_bridge_flies_it_and_brings_it_down_unlocked(uri, domain_id, hear):
         def send():
             stamp = peer.node.get_clock().now().to_msg()
             for name, publisher in publishers.items():
-                message = message_type(TABLE[name])()
+                message = find_message_type(TABLE[name])()
                 message.header.stamp = stamp
                 if name == 'setpoint/pose':
                     message.pose.position.z = HEIGHT
@@ -154,30 +154,30 @@ def test_the_bridge_flies_it_and_brings_it_down_unlocked(uri, domain_id, hear):
         _, text = node.communicate(timeout=PATIENCE)
         assert node.returncode == 0, text
     with connected(uri) as drone:
-        assert Bit.LOCKED not in drone.word
+        assert SupervisorBit.LOCKED not in drone.word
 
 
 def test_an_emergency_stop_cuts_and_locks(drone):
     drone.fly()
     before = drone.now
-    drone.link.stop()
-    drone.until(lambda: Bit.LOCKED in drone.word and not drone.turns)
+    drone.link.send_emergency_stop()
+    drone.until(lambda: SupervisorBit.LOCKED in drone.word and not drone.turns)
     assert drone.now - before < 0.2 + STALE
     refuses(drone)
 
 
 def test_the_watchdog_locks_a_second_after_its_last_word(drone):
     drone.fly()
-    drone.link.watchdog()
+    drone.link.feed_watchdog()
     before = drone.now
-    drone.until(lambda: Bit.LOCKED in drone.word and not drone.turns, drone.hover)
+    drone.until(lambda: SupervisorBit.LOCKED in drone.word and not drone.turns, drone.hover)
     assert drone.now - before == pytest.approx(1.0, abs=0.2 + STALE)
 
 
 def test_two_seconds_of_silence_lock(drone):
     drone.fly()
     before = drone.now
-    drone.until(lambda: Bit.LOCKED in drone.word and not drone.turns)
+    drone.until(lambda: SupervisorBit.LOCKED in drone.word and not drone.turns)
     assert drone.now - before == pytest.approx(2.0, abs=0.2 + STALE)
     refuses(drone)
 
@@ -185,7 +185,7 @@ def test_two_seconds_of_silence_lock(drone):
 def refuses(drone):
     """Nothing turns any more, and nobody arms it."""
     before = drone.now
-    drone.link.arm(True)
+    drone.link.request_arming(True)
     drone.wait(0.5, drone.hover)
-    assert Bit.ARMED not in drone.word
+    assert SupervisorBit.ARMED not in drone.word
     assert not drone.turned(before)

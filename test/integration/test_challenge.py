@@ -3,11 +3,11 @@
 import json
 from pathlib import Path
 
-from lta_challenge.make import make, Order
+from lta_challenge.make import ChallengeRequest, make_challenge
 from lta_challenge.page import write_page
-from lta_challenge.score import keep, score, Scored
-from lta_challenge.tally import CLEAR
-from lta_studies.platforms.run import processors
+from lta_challenge.score import ChallengeScore, score_challenge, write_score
+from lta_challenge.score_statistics import CLEAR
+from lta_studies.platforms.run import count_processors
 import pytest
 
 pytestmark = pytest.mark.long
@@ -18,21 +18,21 @@ SECONDS = (60.0, 60.0)  # of a flight: the least that a challenge has by default
 
 
 @pytest.fixture(scope='module')
-def scored(tmp_path_factory: pytest.TempPathFactory) -> tuple[Scored, Path]:
+def scored(tmp_path_factory: pytest.TempPathFactory) -> tuple[ChallengeScore, Path]:
     """Make and score a challenge."""
     folder = tmp_path_factory.mktemp('challenge') / 'hidden'
-    make(Order(20, MANY, 'base', None, SECONDS), folder, processors())
-    return score(folder, processors()), folder
+    make_challenge(ChallengeRequest(20, MANY, 'base', None, SECONDS), folder, count_processors())
+    return score_challenge(folder, count_processors()), folder
 
 
-def test_every_case_is_answered(scored: tuple[Scored, Path]) -> None:
+def test_every_case_is_answered(scored: tuple[ChallengeScore, Path]) -> None:
     cases = scored[0].cases
     assert [one.number for one in cases] == list(range(MANY))
     assert [one.refused for one in cases] == [''] * MANY
     assert {one.kind for one in cases} == {'clean', 'single', 'pair', 'outside', 'mixed'}
 
 
-def test_names_are_right_and_clean_flights_have_none(scored: tuple[Scored, Path]) -> None:
+def test_names_are_right_and_clean_flights_have_none(scored: tuple[ChallengeScore, Path]) -> None:
     cases = scored[0].cases
     assert not [one.number for one in cases if one.kind == 'clean' and one.named]
     assert sum(bool(one.wrong) for one in cases) <= WRONG
@@ -40,19 +40,19 @@ def test_names_are_right_and_clean_flights_have_none(scored: tuple[Scored, Path]
     assert sum(one.exact for one in clear) >= 0.6 * len(clear)
 
 
-def test_a_study_is_as_good_as_the_oracle(scored: tuple[Scored, Path]) -> None:
+def test_a_study_is_as_good_as_the_oracle(scored: tuple[ChallengeScore, Path]) -> None:
     exact = [one.errors for one in scored[0].cases if one.exact and not one.outside]
     assert all(each['after'] < 1.1 * each['oracle'] for each in exact)
     assert all(each['noise'] < each['after'] < each['coast'] for each in exact)
 
 
-def test_a_second_run_only_counts(scored: tuple[Scored, Path]) -> None:
+def test_a_second_run_only_counts(scored: tuple[ChallengeScore, Path]) -> None:
     first, folder = scored
     done: list[tuple[int, int]] = []
-    again = score(folder, 1, tell=lambda now, whole: done.append((now, whole)))
+    again = score_challenge(folder, 1, tell=lambda now, whole: done.append((now, whole)))
     assert done == [(len(first.cases), len(first.cases))]
     assert again.cases == first.cases
-    told = json.loads(keep(again, folder))
+    told = json.loads(write_score(again, folder))
     assert sum(cells for kind in told['matrix'].values() for cells in kind.values()) == len(
         first.cases
     )

@@ -1,9 +1,15 @@
 """The page of a comparison in a real browser: nothing to complain of, any channel to pick."""
 
 from lta_data.bag import open_flight
-from lta_data.compare.comparison import Asked, compare_flights
+from lta_data.compare.comparison import compare_flights, ComparisonRequest
 from lta_data.compare.page import write_page
-from lta_report.screenshots import complaints, COUNT_PANELS, Drawn, fetched, show
+from lta_report.screenshots import (
+    collect_errors,
+    COUNT_PANELS,
+    list_requests,
+    open_page,
+    RenderedPicture,
+)
 import pytest
 
 from ..unit.data.compare.compare_flight import write_motion  # noqa: TID252 - `test` is Python's own
@@ -22,7 +28,7 @@ def page(browser, tmp_path_factory):
             frame='tracker', step=(15.0, 0.3), drop=(20.0, 23.0),
         ),
     ]  # fmt: skip
-    found = compare_flights(*map(open_flight, bags), Asked())
+    found = compare_flights(*map(open_flight, bags), ComparisonRequest())
     return write_page(found, folder / 'compare.html')
 
 
@@ -31,10 +37,10 @@ def page(browser, tmp_path_factory):
 )
 def test_every_picture_is_drawn_without_a_complaint_or_a_request(browser, page, theme, width):
     browser.events.clear()
-    show(browser, page, theme, width)
-    assert complaints(browser) == []
-    assert fetched(browser, page) == []
-    panels = [Drawn(**panel) for panel in browser.evaluate(COUNT_PANELS)]
+    open_page(browser, page, theme, width)
+    assert collect_errors(browser) == []
+    assert list_requests(browser, page) == []
+    panels = [RenderedPicture(**panel) for panel in browser.evaluate(COUNT_PANELS)]
     assert [panel.name for panel in panels] == PANELS
     for panel in panels:
         assert panel.marks > 0, panel
@@ -50,14 +56,14 @@ def test_a_channel_that_is_picked_is_drawn_over_time_and_by_frequency(browser, p
                part: time.layout.shapes[1].x0, coherence: frequency._fullData[3].y.length,
                picked: document.documentElement.dataset.channel ?? null };
     })()"""
-    show(browser, page, 'dark', 1280)
+    open_page(browser, page, 'dark', 1280)
     first = browser.evaluate(drawn)
     assert first['title'] == 'A, B [m]'
     assert first['part'] == pytest.approx(15.0, abs=0.05)
     select = "document.getElementById('channel')"
     yaw = 'odom/pose.pose.orientation.yaw'
     browser.evaluate(f"{select}.value = '{yaw}'; {select}.dispatchEvent(new Event('change'))")
-    browser.wait(f"{drawn}.title === 'A, B [°]'")
+    browser.wait_until(f"{drawn}.title === 'A, B [°]'")
     picked = browser.evaluate(drawn)
     assert picked['picked'] == yaw
     assert picked['coherence'] > 10
@@ -68,6 +74,6 @@ def test_a_channel_that_is_picked_is_drawn_over_time_and_by_frequency(browser, p
             'Input.dispatchKeyEvent', type=kind, key='Enter', code='Enter', text='\r',
             windowsVirtualKeyCode=13,
         )  # fmt: skip
-    browser.wait(f"{drawn}.title === 'A, B [m]'")
+    browser.wait_until(f"{drawn}.title === 'A, B [m]'")
     assert browser.evaluate(f'{select}.value') == Z
     assert browser.evaluate(drawn)['least'] == pytest.approx(first['least'])

@@ -8,11 +8,11 @@ from domain import free_domain
 from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState
 from lta_config.schema.crazyflie_file import load_crazyflie
-from lta_config.topics import topic_table
-from lta_emulation.crazyflie.body import Bench
+from lta_config.topics import load_topic_table
+from lta_emulation.crazyflie.body import BenchBody
 from lta_emulation.crazyflie.firmware import Firmware
-from lta_emulation.crazyflie.server import Server
-from lta_graph.ros.message_types import message_type
+from lta_emulation.crazyflie.server import CrazyflieServer
+from lta_graph.ros.message_types import find_message_type
 from lta_graph.ros.stamps import from_stamp
 from lta_model.vehicle import load_vehicle
 import pytest
@@ -23,7 +23,7 @@ from waiting import PATIENCE
 
 from .peer import Peer, running
 
-TABLE = topic_table()
+TABLE = load_topic_table()
 ROTORS = load_vehicle('gtmab').rotor_names
 FILE = load_crazyflie('gtmab')
 NODE = 'lta_bridge.nodes.crazyflie_bridge'
@@ -43,11 +43,11 @@ class Pair:
         if self.drone is None or self.bridge.poll() is not None:
             return False
         supervisor = self.drone.firmware.supervisor
-        return not (supervisor.armed or supervisor.locked or self.drone.down.silent)
+        return not (supervisor.armed or supervisor.is_locked or self.drone.down.silent)
 
     def renew(self, *words):
         self.after.close()
-        self.drone = self.after.enter_context(Server(Firmware(Bench(), drift=30e-6)))
+        self.drone = self.after.enter_context(CrazyflieServer(Firmware(BenchBody(), drift=30e-6)))
         words = ('-p', f'uri:={self.drone.uri}', *words)
         self.bridge = self.after.enter_context(running(NODE, *words))
 
@@ -89,7 +89,7 @@ def commanding(peer):
     motors = peer.publisher('motors')
 
     def send():
-        message = message_type(TABLE['motors'])(name=ROTORS, effort=DUTIES)
+        message = find_message_type(TABLE['motors'])(name=ROTORS, effort=DUTIES)
         message.header.stamp = peer.node.get_clock().now().to_msg()
         motors.publish(message)
 
@@ -159,7 +159,7 @@ def test_motors_turn_only_armed_and_ramp_down_when_commands_stop(peer, drone, br
     peer.until(lambda: turning(drone) == (0.0,) * 4)
     hear(lambda facts: 'disarmed: the newest command' in safety(facts))
     assert not drone.firmware.supervisor.armed
-    assert not drone.firmware.supervisor.locked
+    assert not drone.firmware.supervisor.is_locked
 
 
 def test_it_arms_once_the_nodes_hear_each_other(peer, drone, bridge):
@@ -211,13 +211,13 @@ def test_leaving_in_flight_comes_down_and_disarms(peer, drone, bridge):
     assert bridge.returncode == 0, text
     assert turning(drone) == (0.0,) * 4
     assert not drone.firmware.supervisor.armed
-    assert not drone.firmware.supervisor.locked
+    assert not drone.firmware.supervisor.is_locked
 
 
 def test_an_emergency_stop_locks_and_is_not_flown_out_of(peer, drone, bridge):
     send = fly(peer, drone)
     assert peer.ask(Trigger, STOP).success
-    peer.until(lambda: drone.firmware.supervisor.locked and not any(turning(drone)))
+    peer.until(lambda: drone.firmware.supervisor.is_locked and not any(turning(drone)))
     send()
     assert turning(drone) == (0.0,) * 4
     refused = peer.ask(SetBool, ARM, data=True)
@@ -234,7 +234,7 @@ def test_while_it_lands_to_be_deactivated_an_emergency_stop_is_heeded_at_once(pe
     deactivated = change.call_async(ChangeState.Request(transition=wanted))
     peer.until(lambda: turning(drone) != pytest.approx(DUTIES, abs=1e-3))  # the ramp has begun
     assert peer.ask(Trigger, STOP).success
-    peer.until(lambda: drone.firmware.supervisor.locked)
+    peer.until(lambda: drone.firmware.supervisor.is_locked)
     assert not deactivated.done()
     peer.until(deactivated.done)
     assert deactivated.result().success

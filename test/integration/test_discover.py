@@ -5,15 +5,15 @@ from pathlib import Path
 import re
 import subprocess
 
-from lta_cli.app import status
-from lta_discovery.demo.hidden import fly_hidden, Hidden
-from lta_discovery.model.nominal import Nominal
+from lta_cli.app import run_command_line
+from lta_discovery.demo.hidden_effect import DemoEffect, fly_hidden
+from lta_discovery.model.nominal import NominalVehicle
 from lta_model.vehicle import load_vehicle
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 import pytest
 
-HIDDEN = Hidden('linear_drag.surge', 0.04, 'N s/m')
+HIDDEN = DemoEffect('linear_drag.surge', 0.04, 'N s/m')
 SECONDS = 26.0
 PATIENCE = 600.0  # s of wall time; alone on a machine it takes ten
 ROOT = Path(__file__).resolve().parents[2]
@@ -47,7 +47,7 @@ def test_a_hidden_effect_is_found_added_and_shown(bags, tmp_path):
     assert json.loads((out / 'discovery.json').read_text()) | {'page': told['page']} == told
     assert Path(told['page']).read_text().count('linear drag (surge)') > 0
     learned = load_vehicle(str(out / 'vehicle.yaml'))
-    value = Nominal.of(learned).value('linear_drag', 'surge')
+    value = NominalVehicle.from_vehicle(learned).parameter_value('linear_drag', 'surge')
     assert value == pytest.approx(surge['value'], rel=1e-9)
     _is_overlay(out / 'overlay.mcap')
 
@@ -97,7 +97,7 @@ def test_what_cannot_be_studied_is_one_sentence(bags, words, said, tmp_path, mon
     paths = {bag.name: str(bag) for bag in bags}
     told = [paths.get(word, word) for word in words]
     monkeypatch.setattr('sys.argv', ['lta', 'discover', *told, '--out', str(tmp_path / 'none')])
-    assert status() == 2
+    assert run_command_line() == 2
     heard = capsys.readouterr().err
     assert said in heard
     assert heard.count('\n') == 1

@@ -2,11 +2,11 @@
 
 from dataclasses import replace
 
-from lta_discovery.outside.unexplained import Remainder
 from lta_discovery.page import write_page
-from lta_discovery.replay.linear import origin
-from lta_discovery.study import Shown
-from lta_report.screenshots import complaints, COUNT_PANELS, fetched, show
+from lta_discovery.replay.linearized_flight import build_origin
+from lta_discovery.study import StudyComparison
+from lta_discovery.unmodeled.remainders import Remainder
+from lta_report.screenshots import collect_errors, COUNT_PANELS, list_requests, open_page
 import pytest
 
 from ..unit.discovery.hidden_cases import CASES  # noqa: TID252 - `test` is Python's own
@@ -25,9 +25,9 @@ DRAWN = "document.querySelector('[data-panel=%s]').data"
 def page(browser, tmp_path_factory):
     found = study(nominal(), CASES[DRAG])
     shown = tuple(
-        Shown(
+        StudyComparison(
             one,
-            *(origin(each, one.flight.knobs, one.flight.replay.cut) for each in
+            *(build_origin(each, one.flight.knobs, one.flight.replay.cut) for each in
               (found.nominal, found.nominal, found.learned)),
         )
         for one in found.flights
@@ -40,9 +40,9 @@ def page(browser, tmp_path_factory):
 @pytest.mark.parametrize(('theme', 'width'), [('light', 390), ('dark', 1280)])
 def test_all_is_drawn_without_a_complaint_or_a_request(browser, page, theme, width):
     browser.events.clear()
-    show(browser, page, theme, width)
-    assert complaints(browser) == []
-    assert fetched(browser, page) == []
+    open_page(browser, page, theme, width)
+    assert collect_errors(browser) == []
+    assert list_requests(browser, page) == []
     assert browser.evaluate('document.documentElement.scrollWidth') <= width
     assert browser.evaluate(CONTRAST) == []
     assert browser.evaluate(NAMELESS) == []
@@ -62,11 +62,11 @@ def pick(browser, number):
 
 
 def test_any_flight_can_be_looked_at(browser, page):
-    show(browser, page, 'light', 1280)
+    open_page(browser, page, 'light', 1280)
     first = browser.evaluate(f'Array.from({DRAWN % "above"}[0].x).slice(0, 40)')
     assert pick(browser, 1) != first
     # How far a prediction is off starts small in every piece and is never negative.
     away = browser.evaluate(f'Array.from({DRAWN % "overtime"}[6].y).filter(Number.isFinite)')
     assert 0.0 <= min(away) < 0.02 < max(away)
     assert pick(browser, 0) == first
-    assert complaints(browser) == []
+    assert collect_errors(browser) == []

@@ -10,10 +10,10 @@ import sys
 
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Point, Pose, PoseWithCovariance
-from lta_config.files import find
-from lta_config.topics import topic_table
-from lta_graph.ros.message_types import message_type
-from lta_graph.ros.qos import profile
+from lta_config.files import find_file
+from lta_config.topics import load_topic_table
+from lta_graph.ros.message_types import find_message_type
+from lta_graph.ros.qos import select_profile
 from lta_graph.ros.stamps import from_stamp, to_stamp
 import pytest
 from rcl_interfaces.srv import SetParameters
@@ -32,7 +32,7 @@ pytestmark = [
 ]
 
 ROOT = Path(__file__).resolve().parents[2]
-TABLE = topic_table()
+TABLE = load_topic_table()
 INPUTS = ('battery', 'panel', 'illuminance', 'odom')
 OUTPUTS = ('energy/battery', 'energy/status', 'energy/reserve')
 RESTING = 3.84  # V; half full
@@ -68,12 +68,15 @@ class Vehicle:
         for name in INPUTS:
             row = TABLE[name]
             self._publishers[name] = self.node.create_publisher(
-                message_type(row), name, profile(row, lockstep)
+                find_message_type(row), name, select_profile(row, lockstep)
             )
         for name in OUTPUTS:
             row = TABLE[name]
             self.node.create_subscription(
-                message_type(row), name, self.answers[name].append, profile(row, lockstep)
+                find_message_type(row),
+                name,
+                self.answers[name].append,
+                select_profile(row, lockstep),
             )
         self.node.create_subscription(DiagnosticArray, '/diagnostics', self._on_health, 10)
         self._client = self.node.create_client(SetParameters, 'energy_monitor/set_parameters')
@@ -96,7 +99,7 @@ class Vehicle:
         return there and back and self._client.service_is_ready()
 
     def send(self, name: str, turn: int, **fields) -> None:
-        message = message_type(TABLE[name])(**fields)
+        message = find_message_type(TABLE[name])(**fields)
         message.header.frame_id = 'base_link'
         message.header.stamp = to_stamp(TABLE.start_ns + turn * TABLE[name].period_ns)
         self._publishers[name].publish(message)
@@ -255,7 +258,7 @@ def test_a_meter_mounted_the_wrong_way_round_is_named(vehicle: Vehicle) -> None:
 
 def test_it_knows_the_cell_of_its_vehicle(domain_id: int, tmp_path: Path) -> None:
     """A file with half the capacity: the same current counts twice, and it says so."""
-    text = find('vehicle', 'gtmab').read_text(encoding='utf-8')
+    text = find_file('vehicle', 'gtmab').read_text(encoding='utf-8')
     assert text.count('value: 250, unit: mA h') == 1
     path = tmp_path / 'small.yaml'
     path.write_text(text.replace('value: 250, unit: mA h', 'value: 125, unit: mA h'))

@@ -7,15 +7,15 @@ import signal
 import subprocess
 import time
 
-from lta_config.topics import topic_table
+from lta_config.topics import load_topic_table
 from lta_data.bag.reader import read_bag
-from lta_graph.suspicion import culprits
+from lta_graph.stall_attribution import find_stalled_roles
 import pytest
 
 NODES = ('estimator', 'controller', 'demodulator', 'navigator', 'energy_monitor', 'recorder')
 BUFFERED = 1.0  # s of flight that a dead recorder may lose
 SETTLED = 2.5  # s of flight after which DDS has found everyone
-TABLE = topic_table()
+TABLE = load_topic_table()
 
 
 def last_line(flight):
@@ -35,14 +35,14 @@ def test_a_node_that_hangs_and_then_dies_is_named_twice(lta, flying, hear, tmp_p
 
     os.kill(pid, signal.SIGSTOP)
     if name != 'recorder':  # for whom nobody waits
-        hear(lambda facts: culprits(facts.values()) == [name])
+        hear(lambda facts: find_stalled_roles(facts.values()) == [name])
     flight.said(f'Nothing comes from {name}.')
 
     os.kill(pid, signal.SIGKILL)
     flight.said(f'{name} was killed by SIGKILL.')
     assert flight.end() == 1
     assert 'Traceback' not in flight.text
-    assert read_bag(out / 'bag').complete == (name != 'recorder')
+    assert read_bag(out / 'bag').is_complete == (name != 'recorder')
 
 
 SECOND = 1_000_000_000
@@ -65,7 +65,7 @@ def test_what_is_a_second_old_survives_the_recorder(lta, call, flying, tmp_path,
         if topic.source == 'every node' or not topic.period_ns:
             continue
         full = f'/lta1/{name}'
-        times = sorted(when for _, when, _ in bag.messages([full]))
+        times = sorted(when for _, when, _ in bag.iterate_messages([full]))
         # In real time DDS may take a moment to bring a node and the recorder together.
         assert times[0] <= TABLE.start_ns + topic.latency_ns + SECOND, name
         # What never reached the recorder is not its loss; what it had written last is.
@@ -98,7 +98,7 @@ def test_a_full_disk_ends_the_flight_with_a_sentence_and_a_bag_that_opens(lta, s
     assert 'The disk' in sentence
     assert 'make room' in sentence
     bag = read_bag(small_disk / 'out' / 'bag')
-    assert bag.complete
+    assert bag.is_complete
     assert bag.topics['/lta1/imu'].count > 10
 
 
@@ -120,7 +120,7 @@ def test_ctrl_c_at_any_moment_leaves_no_process_and_no_torn_bag(lta, tmp_path, s
     )
     assert lta.left() == []
     if (out / 'bag' / 'metadata.yaml').exists():
-        assert read_bag(out / 'bag').complete
+        assert read_bag(out / 'bag').is_complete
 
 
 @pytest.mark.long  # test_launcher_stop.py has the order of signals, of small processes
@@ -134,7 +134,7 @@ def test_who_ends_or_hangs_up_a_flight_stops_it_in_order(lta, flying, tmp_path, 
     flying(0.1)
     os.kill(flight.popen.pid, number)
     assert (flight.end(), last_line(flight)) == (status, 'Stopped.')
-    assert read_bag(out / 'bag').complete
+    assert read_bag(out / 'bag').is_complete
 
 
 @pytest.mark.long
@@ -148,7 +148,7 @@ def test_a_second_ctrl_c_changes_nothing(lta, flying, tmp_path):
     assert flight.end() == 130
     assert last_line(flight) == 'Stopped.'
     bag = read_bag(out / 'bag')
-    assert bag.complete
+    assert bag.is_complete
     assert bag.topics['/lta1/imu'].count > 50  # a second was flown
 
 

@@ -3,17 +3,17 @@
 import json
 from pathlib import Path
 
-from lta_config.files import find, load_yaml
-from lta_config.topics import topic_table
-from lta_data.bag.flight import open_flight
+from lta_config.files import find_file, load_yaml
+from lta_config.topics import load_topic_table
 from lta_data.bag.reader import read_bag
+from lta_data.bag.recorded_flight import open_flight
 from lta_graph.ros.qos import LOCKSTEP_HISTORY_NS
 import pytest
 import yaml
 
 from .contents import contents
 
-TABLE = topic_table()
+TABLE = load_topic_table()
 REPEATABLE = [f'/lta1/{name}' for name, topic in TABLE.topics.items() if topic.repeatable]
 
 
@@ -57,7 +57,7 @@ def test_a_flight_to_the_lamp_is_whole_and_that_of_one_process(lta, call, tmp_pa
     """
     results = {}
     near = tmp_path / 'near.yaml'  # a shorter flight, but long enough for that
-    text = find('scenario', 'lamp_room').read_text(encoding='utf-8')
+    text = find_file('scenario', 'lamp_room').read_text(encoding='utf-8')
     near.write_text(text.replace('value: [-3.5, 0]', 'value: [-1.5, 0]'))
     words = ('--seed', '7', '--scenario', near, '--json', '--out')
     done = lta.run('fly', *words, tmp_path / 'fly')
@@ -83,8 +83,8 @@ def test_a_flight_to_the_lamp_is_whole_and_that_of_one_process(lta, call, tmp_pa
 def check_whole(path, call):
     """Hold a bag to every topic of the table, with every message that its rhythm makes due."""
     bag = read_bag(path)
-    assert bag.complete
-    end = max(when for _, when, _ in bag.messages(['/lta1/imu']))
+    assert bag.is_complete
+    end = max(when for _, when, _ in bag.iterate_messages(['/lta1/imu']))
     for name, topic in TABLE.topics.items():
         full = name if name.startswith('/') else f'/lta1/{name}'
         if not topic.recorded:
@@ -93,7 +93,7 @@ def check_whole(path, call):
         assert bag.topics[full].type_name == topic.type
         if topic.period_ns:
             # What lags may be answered after the end: the last step is not awaited by all.
-            due = TABLE.due(name, end)
+            due = TABLE.count_due(name, end)
             assert due - 1 <= bag.topics[full].count <= due, name
     for key in ('seed', 'commit', 'config_sha256', 'vehicle_file', 'scenario_file', 'strategy'):
         assert bag.provenance[key]
@@ -112,7 +112,7 @@ def test_a_changed_parameter_is_kept_in_files_that_the_graph_flies(lta, tmp_path
 
     It is a course with shaken motors, which navigator and controller read from the scenario.
     """
-    scene = load_yaml(find('scenario', 'lamp_room'))
+    scene = load_yaml(find_file('scenario', 'lamp_room'))
     up = {'at': '2 s', 'altitude': '0.8 m', 'heading': '30 deg', 'speed': '0.3 m/s'}
     scene['course'] = {
         'between': 'step',
@@ -140,6 +140,6 @@ def test_real_time_is_real_time(fly):
     flown = fly('real', '--time', 'realtime', time_limit='5 s')
     assert flown['outcome'] == 'timeout'
     assert flown['pace'] < 1.02
-    health = open_flight(flown['bag']).series('/diagnostics').texts
+    health = open_flight(flown['bag']).read_series('/diagnostics').texts
     said = any('cannot keep pace' in text for column in health.values() for text in column)
     assert flown['pace'] > 0.94 or said

@@ -7,7 +7,7 @@ import subprocess
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from lta_data.bag.reader import read_bag
-from lta_graph.ros.message_types import message_type
+from lta_graph.ros.message_types import find_message_type
 from lta_graph.ros.stamps import to_stamp
 import pytest
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
@@ -71,14 +71,14 @@ def recording(domain_id: int, tmp_path: Path) -> Iterator[Recording]:
 
 
 def odom(stamp_ns):
-    message = message_type(ROW)()
+    message = find_message_type(ROW)()
     message.header.stamp = to_stamp(stamp_ns)
     return message
 
 
 def heard(folder, topic):
     """Return log times of a topic in a bag that may still be growing."""
-    return [when for _, when, _ in read_bag(folder).messages([topic])]
+    return [when for _, when, _ in read_bag(folder).iterate_messages([topic])]
 
 
 def arrived(folder, topic, count):
@@ -101,7 +101,7 @@ def facts(folder, task):
     bag = read_bag(folder)
     return [
         (status.message, {item.key: item.value for item in status.values})
-        for topic, _, data in bag.messages(['/diagnostics'])
+        for topic, _, data in bag.iterate_messages(['/diagnostics'])
         for status in bag.decode(topic, data).status
         if status.name == f'recorder: {task}'
     ]
@@ -115,7 +115,7 @@ def test_it_stays_while_a_real_drone_comes_down_unless_told_twice(recording, twi
 
     def feel(count):
         def told():  # again: the first ones may find no reader yet
-            message = message_type(TABLE['imu'])()
+            message = find_message_type(TABLE['imu'])()
             message.header.stamp = recording.node.get_clock().now().to_msg()
             bridge.publish(message)
             return arrived(recording.bag, '/lta1/imu', count)
@@ -134,7 +134,7 @@ def test_it_stays_while_a_real_drone_comes_down_unless_told_twice(recording, twi
         recording.node.destroy_publisher(bridge)
     assert recording.wait() == (0, '')
     assert len(heard(recording.bag, '/lta1/imu')) > before
-    assert read_bag(recording.bag).complete
+    assert read_bag(recording.bag).is_complete
 
 
 def test_nonsense_is_recorded_counted_and_dates_nothing(recording):
@@ -151,7 +151,7 @@ def test_nonsense_is_recorded_counted_and_dates_nothing(recording):
     recording.until(lambda: arrived(recording.bag, '/lta1/odom', 4))
     recording.until(lambda: arrived(recording.bag, '/lta1/energy/status', 1))
     assert recording.end() == (0, '')
-    kept = [data for *_, data in read_bag(recording.bag).messages(['/lta1/energy/status'])]
+    kept = [data for *_, data in read_bag(recording.bag).iterate_messages(['/lta1/energy/status'])]
     assert kept == [torn]
     assert heard(recording.bag, '/lta1/odom') == [first, first, first, second]
     _, figures = facts(recording.bag, 'recording')[-1]
@@ -164,7 +164,9 @@ def test_everything_is_found_as_its_publishers_offer_it(recording):
     early.publish(String(data='before the recorder was there'))
     make(SetBool.Event, 'strange', 10)
     recording.start(topics='all')
-    weak = recording.offering('odom', message_type(ROW), BEST_EFFORT)  # the table says reliable
+    weak = recording.offering(
+        'odom', find_message_type(ROW), BEST_EFFORT
+    )  # the table says reliable
     late = recording.offering('late', Bool, BEST_EFFORT)
     recording.offering('late', Bool, LATCHED)
     other = make(Bool, '/lta2/late', 10)
@@ -194,7 +196,9 @@ def test_everything_is_found_as_its_publishers_offer_it(recording):
     assert 'is missed on /lta1/late' in facts(recording.bag, 'latched')[-1][0]
     assert offered['/lta1/motors'] == ('reliable', 'volatile')  # nobody is there: the table's
     bag = read_bag(recording.bag)
-    (latched,) = [bag.decode(topic, data) for topic, _, data in bag.messages(['/lta1/map'])]
+    (latched,) = [
+        bag.decode(topic, data) for topic, _, data in bag.iterate_messages(['/lta1/map'])
+    ]
     assert latched.data == 'before the recorder was there'
     words, named = facts(recording.bag, 'left out')[-1]
     assert 'common interfaces' in words
@@ -242,7 +246,7 @@ def test_an_unknown_topic_is_refused_in_a_sentence(recording):
 def test_snapshots_are_written_when_asked_for_and_at_a_fault(recording, chosen):
     """Diagnostics are heard whether or not they are recorded."""
     recording.start(snapshot=1.0, **chosen)
-    publisher = recording.offering('odom', message_type(ROW), QoSProfile(depth=1000))
+    publisher = recording.offering('odom', find_message_type(ROW), QoSProfile(depth=1000))
     diagnostics = recording.offering('/diagnostics', DiagnosticArray, 10)
     for step in range(100):
         publisher.publish(odom(START + step * 100_000_000))
@@ -269,7 +273,7 @@ def test_snapshots_are_written_when_asked_for_and_at_a_fault(recording, chosen):
     number = int(folder.name.rpartition('_')[2]) + 1
     fault = recording.bag / f'snapshot_{number}'
     recording.until(lambda: (fault / 'metadata.yaml').exists() and arrived(fault, '/lta1/odom', 1))
-    recording.until(lambda: read_bag(fault).complete)
+    recording.until(lambda: read_bag(fault).is_complete)
     assert read_bag(fault).provenance['snapshot'] == 'lta1/motors: state'
     assert recording.end() == (0, '')
     assert list(recording.bag.glob('*.mcap')) == []

@@ -3,8 +3,8 @@
 from contextlib import ExitStack
 from types import SimpleNamespace
 
-from lta_graph.health import Level
-from lta_graph.ros.message_types import message_type
+from lta_graph.health import HealthLevel
+from lta_graph.ros.message_types import find_message_type
 from lta_graph.ros.stamps import to_stamp
 from lta_model.sensors.pressure import PressureSettings
 from lta_model.sensors.range import RangeSettings
@@ -48,7 +48,7 @@ def paced(simulator, monkeypatch):
             simulator._tick()
 
     def command(duties, ahead=0.0, names=None):
-        message = message_type(simulator.table['motors'])()
+        message = find_message_type(simulator.table['motors'])()
         message.header.stamp = to_stamp(simulator._world.stamp_ns + round(1e9 * ahead))
         message.name, message.effort = names or simulator._world.vehicle.rotor_names, duties
         simulator._on_motors(SimpleNamespace(messages={'motors': [message]}))
@@ -61,7 +61,7 @@ def test_sensors_are_described_as_the_world_has_them(simulator):
     world.range_settings = RangeSettings(maximum=3.5)
     world.pressure_settings = PressureSettings(noise=2.5)
     simulator._outputs = {name: Kept() for name in simulator._outputs}
-    simulator._publish()
+    simulator._publish_step()
     (ranged,) = simulator._outputs['range'].messages
     (pressed,) = simulator._outputs['pressure'].messages
     assert ranged.max_range == pytest.approx(3.5)
@@ -110,7 +110,7 @@ def test_a_duty_that_cannot_be_meant_stops_the_motors_until_one_can(simulator, p
     passes(0.01)
     assert list(simulator._world.duties) == STILL
     told = {fact.task: fact for fact in simulator.health.facts}
-    assert told['command'].level == Level.ERROR
+    assert told['command'].level == HealthLevel.ERROR
     assert 'the motors are off' in told['command'].message
     command(DUTIES)
     passes(0.01)

@@ -2,10 +2,10 @@
 
 import re
 
-from lta_bridge.crazyflie.claim import Claim
-from lta_emulation.crazyflie.body import Bench
+from lta_bridge.crazyflie.drone_lock import DroneLock
+from lta_emulation.crazyflie.body import BenchBody
 from lta_emulation.crazyflie.firmware import Firmware
-from lta_emulation.crazyflie.server import Server
+from lta_emulation.crazyflie.server import CrazyflieServer
 from ports import free_port, UDP
 import pytest
 from std_srvs.srv import SetBool
@@ -26,7 +26,7 @@ REFUSED = [
 
 
 def test_what_cannot_be_ends_the_node_with_one_sentence_and_status_2(domain_id):
-    claim = Claim(TAKEN)
+    claim = DroneLock(TAKEN)
     started = [start(f'lta_bridge.nodes.{node}', '-p', word) for node, word, _ in REFUSED]
     told = [process.communicate(timeout=PATIENCE)[1] for process in started]
     claim.close()
@@ -66,7 +66,7 @@ DENIED = (  # as cflib passes on what libusb says
 def test_what_may_yet_come_is_told_and_waited_for_and_never_armed(
     domain_id, hear, uri, before, sentence
 ):
-    with Server(Firmware(Bench(), protocol=7)) as server, Peer(domain_id) as peer:
+    with CrazyflieServer(Firmware(BenchBody(), protocol=7)) as server, Peer(domain_id) as peer:
         place = server.uri if uri == 'old' else uri
         node = start(f'lta_bridge.nodes.{CRAZYFLIE}', '-p', f'uri:={place}', before=before)
         name = f'{CRAZYFLIE}: link'

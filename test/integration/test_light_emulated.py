@@ -13,17 +13,17 @@ import sys
 import time
 
 from lta_bridge.teensy.dialect import LTA_LIGHT_BLOCK, LTA_LIGHT_PEAKS, LTA_LIGHT_STATUS
-from lta_bridge.teensy.framing import Framing
+from lta_bridge.teensy.frame_parser import FrameParser
 from lta_bridge.teensy.light_board import LightBoard
-from lta_config.topics import topic_table
-from lta_emulation.teensy.emulator import Cable
+from lta_config.topics import load_topic_table
+from lta_emulation.teensy.emulated_board import Cable
 import numpy as np
 import pytest
 from waiting import PATIENCE
 
 FIRMWARE = Path(__file__).resolve().parents[2] / 'firmware/light_board'
 NEEDED = ('arm-none-eabi-gcc', 'qemu-system-arm', 'make')
-LIGHT = topic_table().light
+LIGHT = load_topic_table().light
 DIODES = 8
 ROW = 100_000  # ns
 FRAME = 15 * ROW  # ns: what the board knows and we have not heard yet
@@ -86,10 +86,10 @@ def pattern(first):
 
 
 def test_its_samples_come_through_the_bridge_whole_and_in_our_time(built, switched_on):
-    link, framing, blocks, now = LightBoard(LIGHT, DIODES), Framing(), [], BOOT
+    link, framing, blocks, now = LightBoard(LIGHT, DIODES), FrameParser(), [], BOOT
     for cable, data in switched_on(built / 'samples.elf'):
-        cable.write(link.due(now))
-        for frame in framing.take(data):
+        cable.write(link.compose_due_messages(now))
+        for frame in framing.parse_frames(data):
             record = frame.record
             if frame.message is LTA_LIGHT_BLOCK:
                 first, count = int(record['sequence']), int(record['rows'])
@@ -98,10 +98,10 @@ def test_its_samples_come_through_the_bridge_whole_and_in_our_time(built, switch
             elif frame.message is LTA_LIGHT_STATUS:
                 overruns = int(record['overruns'])
                 assert link.blocks.lost <= overruns  # none lost but by the board, which tells it
-        blocks += link.take(data, now + 2 * FRAME)
+        blocks += link.receive_data(data, now + 2 * FRAME)
         if len(blocks) >= ENOUGH:
             break
-    assert (link.wrong, link.framing.crc_errors, link.framing.unknown) == ('', 0, 0)
+    assert (link.fault, link.framing.crc_errors, link.framing.unknown) == ('', 0, 0)
     for block in blocks:
         low, high = map(int, block.samples[0, :2])
         first = low + (high << 12)
@@ -113,9 +113,9 @@ def test_its_samples_come_through_the_bridge_whole_and_in_our_time(built, switch
 
 def test_its_peaks_are_those_of_its_lamp(built, switched_on):
     """A square wave of height h has a fundamental of 2 h / pi; 15 cycles fill the window."""
-    framing, peaks = Framing(), []
+    framing, peaks = FrameParser(), []
     for _, data in switched_on(built / 'peaks.elf'):
-        peaks += [f.record for f in framing.take(data) if f.message is LTA_LIGHT_PEAKS]
+        peaks += [f.record for f in framing.parse_frames(data) if f.message is LTA_LIGHT_PEAKS]
         if len(peaks) >= ENOUGH:
             break
     heights = 100.0 * np.arange(DIODES)

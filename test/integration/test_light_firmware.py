@@ -8,19 +8,19 @@ import subprocess
 import sys
 import time
 
-from lta_bridge.teensy.clock import Exchange
+from lta_bridge.teensy.board_clock import ClockExchange
 from lta_bridge.teensy.dialect import LTA_LIGHT_PEAKS, TIMESYNC
-from lta_bridge.teensy.framing import Framing
+from lta_bridge.teensy.frame_parser import FrameParser
 from lta_bridge.teensy.light_board import LightBoard
-from lta_config.topics import topic_table
-from lta_emulation.teensy.emulator import Cable
+from lta_config.topics import load_topic_table
+from lta_emulation.teensy.emulated_board import Cable
 from lta_model.light.modulation import SquareWave
 import numpy as np
 import pytest
 from waiting import PATIENCE
 
 FIRMWARE = Path(__file__).resolve().parents[2] / 'firmware/light_board'
-LIGHT = topic_table().light
+LIGHT = load_topic_table().light
 RATE = LIGHT.sample_rate.si
 DRIFT = 80e-6
 
@@ -72,8 +72,8 @@ def test_every_sample_comes_through_in_order(built, tmp_path, diodes):
     samples = np.random.default_rng(1).integers(0, 4096, (6000, diodes)).astype(np.uint16)
     link, blocks, unsure = LightBoard(LIGHT, diodes), [], []
     for cable, data in run(built, tmp_path, samples, RATE, DRIFT):
-        cable.write(link.due(time.monotonic_ns()))
-        for block in link.take(data, time.monotonic_ns()):
+        cable.write(link.compose_due_messages(time.monotonic_ns()))
+        for block in link.receive_data(data, time.monotonic_ns()):
             blocks.append(block)
             unsure.append(link.clock.uncertainty)
     assert (link.blocks.lost, link.framing.crc_errors, link.framing.unknown) == (0, 0, 0)
@@ -85,7 +85,7 @@ def test_every_sample_comes_through_in_order(built, tmp_path, diodes):
     # A tenth of a second apart, as far as the clock knows: answers are late on a busy machine.
     off = np.abs(1e-9 * np.diff([block.stamp_ns for block in blocks]) - 1000 / RATE)
     assert np.median(off / (np.array(unsure[1:]) + unsure[:-1])) < 5.0
-    assert link.wrong == ''
+    assert link.fault == ''
 
 
 def test_a_board_that_was_held_up_loses_no_row(built, tmp_path):
@@ -96,16 +96,16 @@ def test_a_board_that_was_held_up_loses_no_row(built, tmp_path):
 
 def test_its_answers_tell_its_clock(built, tmp_path):
     """A second of questions: a clock that is 2 % fast is seen through any scheduler."""
-    framing, answers = Framing(), []
+    framing, answers = FrameParser(), []
     for cable, data in run(built, tmp_path, np.zeros((10_000, 8), np.uint16), RATE, 0.02):
         now = time.monotonic_ns()
-        told = [frame.record for frame in framing.take(data) if frame.message is TIMESYNC]
-        answers += [Exchange(int(r['ts1']), int(r['tc1']), now) for r in told]
-        cable.write(TIMESYNC.frame(0, 255, 191, ts1=time.monotonic_ns()))
+        told = [frame.record for frame in framing.parse_frames(data) if frame.message is TIMESYNC]
+        answers += [ClockExchange(int(r['ts1']), int(r['tc1']), now) for r in told]
+        cable.write(TIMESYNC.build_frame(0, 255, 191, ts1=time.monotonic_ns()))
     quick = sorted(answers, key=lambda answer: answer.round_trip)[: len(answers) // 2]
     assert len(quick) > 10
     first = quick[0]
-    ours = [1e-9 * (answer.middle - first.middle) for answer in quick]
+    ours = [1e-9 * (answer.midpoint - first.midpoint) for answer in quick]
     board = [1e-9 * (answer.board - first.board) for answer in quick]
     assert np.polyfit(ours, board, 1)[0] == pytest.approx(1.02, abs=5e-3)
 
@@ -113,12 +113,12 @@ def test_its_answers_tell_its_clock(built, tmp_path):
 def test_peaks_are_those_of_the_wave(built, tmp_path):
     """A square wave of height h has a fundamental of 2 h / pi sin(pi duty); the rest is known."""
     times = (np.arange(3000) * 1e9 / RATE).astype(np.int64)
-    wave = SquareWave(150.0).values(times)
+    wave = SquareWave(150.0).sample(times)
     heights = np.array([0, 10, 40, 160, 640, 1000, 2000, 3000])
     samples = 500 + np.outer(wave, heights)
-    framing, peaks = Framing(), []
+    framing, peaks = FrameParser(), []
     for _, data in run(built, tmp_path, samples, RATE, 0.0, peak=150.0):
-        peaks += [f.record for f in framing.take(data) if f.message is LTA_LIGHT_PEAKS]
+        peaks += [f.record for f in framing.parse_frames(data) if f.message is LTA_LIGHT_PEAKS]
     assert [int(p['sequence']) for p in peaks] == [0, 1000, 2000]
     for record in peaks:
         window = samples[int(record['sequence']) :][:1000].astype(float)
@@ -145,7 +145,7 @@ def test_the_lamp_keeps_frequency_and_duty(built, frequency, duty):
     assert found.mean() == pytest.approx(duty, abs=1e-4)
     # Midway between ticks, where rounding cannot decide.
     moments = ((np.arange(ticks) + 0.5) / (rate * (1.0 + drift)) * 1e9).astype(np.int64)
-    expected = SquareWave(frequency, duty).values(moments)
+    expected = SquareWave(frequency, duty).sample(moments)
     edges = 2 * frequency * ticks / rate
     assert np.count_nonzero(expected != found) <= edges
 

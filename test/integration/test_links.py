@@ -4,14 +4,14 @@ from collections.abc import Iterator
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from geometry_msgs.msg import Vector3Stamped
-from lta_config.topics import topic_table
-from lta_graph.ros.links import LINKS, Links
+from lta_config.topics import load_topic_table
+from lta_graph.ros.reader_links import LINKS, ReaderLinks
 import pytest
 from rclpy.context import Context
 from rclpy.node import Node
 from waiting import wait_until
 
-TOPICS = [name for name, row in topic_table().topics.items() if row.period_ns]
+TOPICS = [name for name, row in load_topic_table().topics.items() if row.period_ns]
 
 
 @pytest.fixture
@@ -32,15 +32,19 @@ def told(robot: str, **readers: int) -> DiagnosticArray:
     return DiagnosticArray(status=[status])
 
 
-def await_loose(links: Links, own: dict[str, int], wanted: list[str]) -> None:
+def await_loose(links: ReaderLinks, own: dict[str, int], wanted: list[str]) -> None:
     """Wait until just these topics are loose."""
-    wait_until(lambda: links.loose(own) == wanted, str(wanted), lambda: links.loose(own))
+    wait_until(
+        lambda: links.find_unready_topics(own) == wanted,
+        str(wanted),
+        lambda: links.find_unready_topics(own),
+    )
 
 
 def test_a_topic_is_loose_until_its_writer_has_found_every_reader_of_the_graph(node):
     out = node.create_publisher(DiagnosticArray, '/diagnostics', 10)
     rest = [name for name in TOPICS if name not in ('imu', 'wind')]
-    with Links(node, topic_table()) as links:
+    with ReaderLinks(node, load_topic_table()) as links:
         await_loose(links, {}, TOPICS)
         wait_until(out.get_subscription_count, 'a reader of /diagnostics')
         out.publish(told('lta2', wind=0))  # another drone's
@@ -53,5 +57,5 @@ def test_a_topic_is_loose_until_its_writer_has_found_every_reader_of_the_graph(n
         out.publish(told('lta1', wind=1))
         await_loose(links, {'imu': 0}, [])
         node.destroy_subscription(reader)
-        assert links.loose({}) == ['imu']
+        assert links.find_unready_topics({}) == ['imu']
     assert not list(node.subscriptions)

@@ -11,7 +11,7 @@ from pathlib import Path
 import subprocess
 import sys
 
-from lta_graph.suspicion import role_of
+from lta_graph.stall_attribution import find_role
 from ports import free_port, UDP
 import pytest
 from waiting import PATIENCE
@@ -98,7 +98,7 @@ def test_the_graph_listens_on_the_loopback_alone_and_plain_ros_finds_it(lta, hea
     )
     graph = lta.start('launch', 'emulated', *ports, 'record:=false', 'live:=true')
     nodes = {'crazyflie_bridge', 'teensy_bridge', 'estimator', 'demodulator', 'navigator', 'live'}
-    hear(lambda facts: nodes <= {role_of(task.partition(':')[0]) for task in facts})
+    hear(lambda facts: nodes <= {find_role(task.partition(':')[0]) for task in facts})
     found = {line: sockets(pid) for pid, line in processes(lta.mark).items()}
     assert sum(bool(addresses) for addresses in found.values()) > len(nodes)
     assert {line: told for line, told in found.items() if told - {'127.0.0.1'}} == {}

@@ -10,11 +10,11 @@ import signal
 import socket
 
 from lta_bridge.live.server import LiveServer
-from lta_config.topics import topic_table
-from lta_config.views import load_views, place_of
+from lta_config.topics import load_topic_table
+from lta_config.views import load_views, parse_series
 from lta_data.bag.reader import read_bag
-from lta_graph.ros.message_types import message_type
-from lta_graph.ros.qos import profile
+from lta_graph.ros.message_types import find_message_type
+from lta_graph.ros.qos import select_profile
 from lta_graph.ros.stamps import to_stamp
 from ports import free_port
 import pytest
@@ -28,7 +28,7 @@ import foxglove
 
 from .viewer import Viewer
 
-TABLE = topic_table()
+TABLE = load_topic_table()
 TOPICS = {name if name.startswith('/') else f'/lta1/{name}' for name in TABLE.topics}
 SILENT = {f'/lta1/{name}' for name, row in TABLE.topics.items() if row.source == 'teleop'}
 SCENE, FRAMES = '/lta1/scene', '/lta1/tf'
@@ -118,7 +118,7 @@ def look(viewer, port, hear):
 def compare(viewer, bag):
     """Hold what a viewer was sent against what was recorded."""
     recorded = {}
-    for topic, when, data in bag.messages():
+    for topic, when, data in bag.iterate_messages():
         recorded.setdefault(topic, set()).add((when, data))
     for topic in TOPICS - {GAPS} - UNDATED - SILENT:
         assert viewer.messages[topic], topic
@@ -165,7 +165,9 @@ def figures_are_told(viewer):
             for status in message.status:
                 told |= {(name, status.name, item.key) for item in status.values}
     views = load_views()
-    places = [place_of(views, s) for panel in views.panels() for s in panel.series.values()]
+    places = [
+        parse_series(views, s) for panel in views.iterate_panels() for s in panel.series.values()
+    ]
     wanted = {
         (place.name, *place.steps) for place in places if place.topic.message == 'DiagnosticArray'
     }
@@ -182,16 +184,16 @@ def test_a_viewer_that_takes_nothing_keeps_no_other_from_seeing(port):
             each.subscribe()
 
         def tell() -> None:
-            server.tell_time(1)
+            server.broadcast_time(1)
             viewer.until(lambda: viewer.times)
             viewer.times.clear()
 
-        wait_until(lambda: server.audience.viewers == 2, 'both viewers', step=tell)
-        assert server.audience.newcomer('/block')
-        assert not server.audience.newcomer('/block')
+        wait_until(lambda: server.audience.viewer_count == 2, 'both viewers', step=tell)
+        assert server.audience.pop_newcomer('/block')
+        assert not server.audience.pop_newcomer('/block')
         for k in range(2000):  # 32 MB: more than any socket holds
-            server.send('/block', bytes(16_000), k)
-        server.send('/block', b'the end', 2000)
+            server.send_message('/block', bytes(16_000), k)
+        server.send_message('/block', b'the end', 2000)
         viewer.until(lambda: viewer.messages.get('/block', [(0, b'')])[-1] == (2000, b'the end'))
     server.close()
 
@@ -203,14 +205,18 @@ def test_nonsense_ends_no_view(domain_id, lta, port, hear):
     rclpy.init(args=[], context=context, domain_id=domain_id)
     node = rclpy.create_node('peer', namespace='/lta1', context=context)
     row, clock = TABLE['odom'], TABLE['/clock']
-    odom = node.create_publisher(message_type(row), 'odom', profile(row, lockstep=False))
-    ticks = node.create_publisher(message_type(clock), '/clock', profile(clock, lockstep=False))
-    good, wild, early = (message_type(row)() for _ in range(3))
+    odom = node.create_publisher(
+        find_message_type(row), 'odom', select_profile(row, lockstep=False)
+    )
+    ticks = node.create_publisher(
+        find_message_type(clock), '/clock', select_profile(clock, lockstep=False)
+    )
+    good, wild, early = (find_message_type(row)() for _ in range(3))
     good.header.stamp = to_stamp(TABLE.start_ns)
     wild.header.stamp = to_stamp(2_000_000_000 * 10**9)
     early.header.stamp.sec = -5
     early.pose.pose.position.x = math.nan
-    backwards = message_type(clock)()
+    backwards = find_message_type(clock)()
     backwards.clock.sec = -1
     nonsense = [serialize_message(good)[:8], serialize_message(good)[:60], wild, early]
     with closing(Viewer(port)) as viewer:
@@ -241,9 +247,9 @@ def test_nonsense_ends_no_view(domain_id, lta, port, hear):
 def repeatable(path):
     """Return a digest of every topic of a whole bag that repeats itself."""
     bag = read_bag(path)
-    assert bag.complete
+    assert bag.is_complete
     found = {}
-    for topic, when, data in bag.messages():
+    for topic, when, data in bag.iterate_messages():
         if topic.startswith('/lta1/'):
             digest = found.setdefault(topic, sha256())
             digest.update(when.to_bytes(8, 'little') + data)

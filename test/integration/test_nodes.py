@@ -6,10 +6,10 @@ import math
 import signal
 
 from domain import free_domain
-from lta_graph.health import Level
-from lta_graph.ros.message_types import message_type
+from lta_graph.health import HealthLevel
+from lta_graph.ros.message_types import find_message_type
 from lta_graph.ros.publisher_conflict import OTHERS
-from lta_graph.ros.qos import profile
+from lta_graph.ros.qos import select_profile
 from lta_graph.ros.stamps import to_stamp
 import pytest
 from rcl_interfaces.srv import DescribeParameters
@@ -74,7 +74,7 @@ def flown(shared: tuple[int, Pilot], monkeypatch: pytest.MonkeyPatch) -> Pilot:
 
 def estimate(peer, step, **position):
     """Send an estimate of a drone at rest, level at 0.5 m, and return the duties in answer."""
-    odom = message_type(TABLE['odom'])()
+    odom = find_message_type(TABLE['odom'])()
     odom.header.stamp = to_stamp(TABLE.start_ns + step * STEP)
     odom.pose.pose.position.z = position.get('z', 0.5)
     half = 0.5 * position.get('roll', 0.0)
@@ -91,7 +91,7 @@ def estimate(peer, step, **position):
 def setpoint(peer, altitude, step):
     """Ask for an altitude, straight on and at rest, as seen at a control step."""
     for name in ('setpoint/velocity', 'setpoint/pose'):
-        message = message_type(TABLE[name])()
+        message = find_message_type(TABLE[name])()
         message.header.stamp = to_stamp(TABLE.start_ns + step * STEP)
         if name == 'setpoint/pose':
             message.pose.position.z = altitude
@@ -112,12 +112,12 @@ def flying_controller(peer):
 def motors(facts):
     """Return what the controller says of its motors when all is not well."""
     fact = facts.get('controller: motors')
-    return '' if fact is None or fact.level == Level.OK else fact.message
+    return '' if fact is None or fact.level == HealthLevel.OK else fact.message
 
 
 def test_one_half_of_a_setpoint_waits_for_the_other(flown):
     step = flying_controller(flown)
-    velocity = message_type(TABLE['setpoint/velocity'])()
+    velocity = find_message_type(TABLE['setpoint/velocity'])()
     velocity.twist.linear.x = 0.5
     for turn in range(30):  # the pose that came before is good for half a second
         velocity.header.stamp = to_stamp(TABLE.start_ns + (step + turn) * STEP)
@@ -131,7 +131,7 @@ def test_one_half_of_a_setpoint_waits_for_the_other(flown):
 def test_one_half_alone_keeps_no_setpoint_alive(flown, hear):
     """Its age is that of the older half: a speed that goes on coming does not renew a heading."""
     step = flying_controller(flown)
-    velocity = message_type(TABLE['setpoint/velocity'])()
+    velocity = find_message_type(TABLE['setpoint/velocity'])()
     velocity.twist.linear.x = 0.5
     velocity.header.stamp = to_stamp(TABLE.start_ns + (step + 80) * STEP)
     flown.publisher('setpoint/velocity').publish(velocity)
@@ -200,7 +200,7 @@ def test_a_flight_in_real_time_is_open_to_people(lta, peer, flying, hear, tmp_pa
     for name, topic in TABLE.topics.items():
         full = name if name.startswith('/') else f'/lta1/{name}'
         offered = [info.qos_profile for info in peer.node.get_publishers_info_by_topic(full)]
-        expected = profile(topic, lockstep=False)
+        expected = select_profile(topic, lockstep=False)
         # A flight replays nothing, and nobody is at its sticks.
         assert bool(offered) == (topic.source not in {'player', 'teleop'}), name
         for quality in offered:
@@ -221,7 +221,7 @@ def test_a_flight_in_real_time_is_open_to_people(lta, peer, flying, hear, tmp_pa
         assert answer.reason
 
     # Both the simulator and the estimator hear a command for some other drone.
-    wrong = message_type(TABLE['motors'])(name=['left', 'right'], effort=[1.0, 1.0])
+    wrong = find_message_type(TABLE['motors'])(name=['left', 'right'], effort=[1.0, 1.0])
     stranger = peer.publisher('motors')
 
     def refused(facts):

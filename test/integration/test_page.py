@@ -10,14 +10,14 @@ from lta_flight.report.panels.registry import PANELS
 from lta_report import screenshots
 from lta_report.browser import Browser, find_chromium, OVERRIDE
 from lta_report.screenshots import (
-    check,
-    complaints,
+    collect_errors,
     COUNT_PANELS,
-    Drawn,
-    fetched,
-    picture,
+    inspect_page,
+    list_requests,
+    open_page,
+    RenderedPicture,
     SHARPNESS,
-    show,
+    write_picture,
     write_pictures,
 )
 import pytest
@@ -51,7 +51,7 @@ def page(browser, tmp_path_factory):
 @pytest.fixture(scope='module')
 def session(browser, page):
     """Return a browser with the page open, which tests share and must leave as it was."""
-    show(browser, page, 'light', 1280)
+    open_page(browser, page, 'light', 1280)
     return browser
 
 
@@ -68,10 +68,10 @@ def press_space(session):
 )
 def test_every_panel_is_drawn_without_a_complaint_or_a_request(browser, page, theme, width):
     browser.events.clear()
-    show(browser, page, theme, width)
-    assert complaints(browser) == []
-    assert fetched(browser, page) == []
-    panels = [Drawn(**panel) for panel in browser.evaluate(COUNT_PANELS)]
+    open_page(browser, page, theme, width)
+    assert collect_errors(browser) == []
+    assert list_requests(browser, page) == []
+    panels = [RenderedPicture(**panel) for panel in browser.evaluate(COUNT_PANELS)]
     assert [panel.name for panel in panels] == NAMES
     for panel in panels:
         assert panel.traces > 0, panel
@@ -100,7 +100,7 @@ def test_pointing_at_one_panel_marks_the_instant_in_the_others(session):
       return [left + size.l + xaxis.d2p(8), top + height / 2];
     })()""")
     session.call('Input.dispatchMouseEvent', type='mouseMoved', x=spot[0], y=spot[1])
-    session.wait(f'Math.abs({CURSORS}[0] - 8) < 0.1')
+    session.wait_until(f'Math.abs({CURSORS}[0] - 8) < 0.1')
     assert session.evaluate(CURSORS) == pytest.approx([8.0] * len(TIMED), abs=0.1)
 
 
@@ -108,7 +108,7 @@ def test_zooming_one_panel_zooms_all_panels_over_time(session):
     before = session.evaluate(RANGES)
     session.evaluate("""Plotly.relayout(document.querySelector('[data-panel=duty]'),
                         { 'xaxis.range[0]': 5, 'xaxis.range[1]': 9 }).then(() => 0)""")
-    session.wait(f'{RANGES}.altitude[0] === 5')
+    session.wait_until(f'{RANGES}.altitude[0] === 5')
     after = session.evaluate(RANGES)
     for name in NAMES:
         assert after[name] == pytest.approx([5, 9] if name in TIMED else before[name])
@@ -119,10 +119,10 @@ def test_button_changes_the_paper_of_page_and_pictures(session):
                 document.querySelector('[data-panel=duty]')._fullLayout.paper_bgcolor]"""
     assert session.evaluate(paper) == ['rgb(255, 255, 255)', '#ffffff']
     session.evaluate("document.getElementById('theme').click()")
-    session.wait(f"{paper}[1] === '#151b24'")
+    session.wait_until(f"{paper}[1] === '#151b24'")
     assert session.evaluate(paper) == ['rgb(21, 27, 36)', '#151b24']
     session.evaluate("document.getElementById('theme').click()")
-    session.wait(f"{paper}[1] === '#ffffff'")
+    session.wait_until(f"{paper}[1] === '#ffffff'")
     assert session.evaluate(paper) == ['rgb(255, 255, 255)', '#ffffff']
 
 
@@ -130,7 +130,7 @@ def test_flight_plays_from_the_keyboard(session):
     session.evaluate("document.getElementById('play').focus()")
     start = session.evaluate("Number(document.getElementById('time').value)")
     press_space(session)
-    session.wait(f"Number(document.getElementById('time').value) > {start} + 0.3")
+    session.wait_until(f"Number(document.getElementById('time').value) > {start} + 0.3")
     assert session.evaluate("document.getElementById('play').ariaLabel") == 'Pause'
     press_space(session)
     assert session.evaluate("document.getElementById('play').ariaLabel") == 'Play the flight'
@@ -156,12 +156,12 @@ def test_pictures_of_the_whole_top_and_of_every_panel(page, tmp_path):
 @pytest.mark.long
 def test_picture_of_an_unknown_panel_names_the_known_ones(page, tmp_path):
     with pytest.raises(BadInput, match=r"Unknown panel 'nose'; known: .*path.*top"):
-        picture(page, tmp_path / 'x.png', 'nose')
+        write_picture(page, tmp_path / 'x.png', 'nose')
 
 
 def test_no_page_is_one_sentence(browser, tmp_path):
     with pytest.raises(BadInput, match=r"^There is no page '.+'; check the path\.$"):
-        show(browser, tmp_path / 'none.html', 'light', 1280)
+        open_page(browser, tmp_path / 'none.html', 'light', 1280)
 
 
 def test_complaints_and_requests_are_seen_and_the_browser_ends(monkeypatch, tmp_path):
@@ -177,7 +177,7 @@ def test_complaints_and_requests_are_seen_and_the_browser_ends(monkeypatch, tmp_
         '<script>document.documentElement.dataset.drawn = "1"; console.warn("odd");'
         'fetch("http://127.0.0.1:9/x").catch(() => 0); nothing.at.all;</script>'
     )
-    found = check(bad)
+    found = inspect_page(bad)
     assert 'odd' in found.messages
     assert any('nothing is not defined' in message for message in found.messages)
     assert found.fetched == ['http://127.0.0.1:9/x']

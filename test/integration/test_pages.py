@@ -5,18 +5,24 @@ from pathlib import Path
 import sys
 
 from lta_bridge.bag.writer import BagWriter
-from lta_bridge.playback.reel import shifted
+from lta_bridge.playback.message_iterator import shift_stamp
 from lta_cli import app
-from lta_data.bag.flight import open_flight
 from lta_data.bag.reader import read_bag
-from lta_flight.replay.order import Order
+from lta_data.bag.recorded_flight import open_flight
 from lta_flight.replay.page import write_page as write_replay
-from lta_flight.replay.verdict import judged
+from lta_flight.replay.request import ReplayRequest
+from lta_flight.replay.verdict import compare_flights
 from lta_flight.report import write_page
-from lta_report.screenshots import complaints, fetched, show, take, window
+from lta_report.screenshots import (
+    capture_part,
+    collect_errors,
+    list_requests,
+    open_page,
+    resize_window,
+)
 from lta_studies.light.evaluation.sets import FlightSet, SETS
-from lta_studies.tune import crew, limit
-from lta_studies.tune.mission import Sought
+from lta_studies.tune import helium_limit, workers
+from lta_studies.tune.lamp_flight import LampFlightResult
 import pytest
 import yaml
 
@@ -147,9 +153,9 @@ def evaluate(folder, call):
 
 def tune(folder, call):
     with pytest.MonkeyPatch.context() as patched:
-        patched.setattr(limit, 'TRIED', 1)
-        patched.setattr(limit, 'HALVINGS', 0)
-        patched.setattr(crew, 'seek', lambda *_: Sought(True, 0.3))
+        patched.setattr(helium_limit, 'TRIED', 1)
+        patched.setattr(helium_limit, 'HALVINGS', 0)
+        patched.setattr(workers, 'fly_to_lamp', lambda *_: LampFlightResult(True, 0.3))
         words = ('--budget=2', '--draws=2', '--cases=1', '--workers=1', '--number=climb.kp')
         files = (f'--folder={folder / "out"}', f'--out={folder / "found.yaml"}')
         call('tune', 'gtmab', '--most=0 g', *words, *files)
@@ -160,17 +166,19 @@ def replay(folder, call):
     """A replay that asks for each speed half a second earlier than was recorded."""
     stored = read_bag(LAMP)
     velocity = '/lta1/setpoint/velocity'
-    kept = [message for message in stored.messages() if message[0] != velocity]
-    speeds = [(at, data) for _, at, data in stored.messages([velocity])]
+    kept = [message for message in stored.iterate_messages() if message[0] != velocity]
+    speeds = [(at, data) for _, at, data in stored.iterate_messages([velocity])]
     with BagWriter(folder / 'bag', {}) as writer:
         for topic in stored.topics.values():
             writer.add_topic(topic.name, topic.type_name, [])
         for name, at, data in kept:
             writer.write(name, data, at)
         for at, data in speeds[5:]:
-            writer.write(velocity, shifted(data, -500_000_000), at - 500_000_000)
-    order = Order(LAMP, ('demodulator', 'navigator'))
-    found = judged(open_flight(LAMP), open_flight(folder / 'bag'), order.cast.answers)
+            writer.write(velocity, shift_stamp(data, -500_000_000), at - 500_000_000)
+    order = ReplayRequest(LAMP, ('demodulator', 'navigator'))
+    found = compare_flights(
+        open_flight(LAMP), open_flight(folder / 'bag'), order.node_selection.answers
+    )
     assert found.word == 'different'
     write_replay(found, order, stored.provenance, folder)
 
@@ -188,7 +196,7 @@ def typed(*words):
     """Run the command in this process."""
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(sys, 'argv', ['lta', *map(str, words)])
-        assert app.status() == 0
+        assert app.run_command_line() == 0
 
 
 # What takes long to make; the report that all share is looked at on the other pages.
@@ -215,7 +223,7 @@ def opened(browser):
     def opened(*asked):
         if last != [asked]:
             browser.events.clear()
-            show(browser, *asked)
+            open_page(browser, *asked)
             last[:] = [asked]
         return last  # emptied by who leaves the page otherwise than it was opened
 
@@ -224,11 +232,11 @@ def opened(browser):
 
 def shows_all(browser, page, width, picture):
     """Check an open page for complaints, requests, width and contrast, and take a picture."""
-    assert complaints(browser) == []
-    assert fetched(browser, page) == []
+    assert collect_errors(browser) == []
+    assert list_requests(browser, page) == []
     assert browser.evaluate('document.documentElement.scrollWidth') <= width
     assert browser.evaluate(CONTRAST) == []
-    take(browser, 'top', picture)
+    capture_part(browser, 'top', picture)
     assert picture.stat().st_size > 10_000
 
 
@@ -265,7 +273,7 @@ def test_it_is_used_by_keyboard_and_read_aloud(browser, opened, page):
     assert browser.evaluate(FOCUS) == 'theme'
     for theme, pressed in (('light', 'false'), ('dark', 'true')):
         press(browser, 'Enter', 13)
-        browser.wait(f"document.documentElement.dataset.theme === '{theme}'")
+        browser.wait_until(f"document.documentElement.dataset.theme === '{theme}'")
         assert browser.evaluate("document.getElementById('theme').ariaPressed") == pressed
     assert browser.evaluate('document.documentElement.lang') == 'en'
     assert browser.evaluate(NAMELESS) == []
@@ -280,13 +288,13 @@ def test_it_is_used_by_keyboard_and_read_aloud(browser, opened, page):
 
 def test_it_prints_on_white_paper_within_its_margins(browser, opened, page):
     opened(page, 'dark', 1280).clear()
-    window(browser, PAPER_WIDTH, 900)
+    resize_window(browser, PAPER_WIDTH, 900)
     browser.call('Emulation.setEmulatedMedia', media='print')
     browser.evaluate("dispatchEvent(new Event('beforeprint'))")
-    browser.wait("document.documentElement.dataset.theme === 'light'")
+    browser.wait_until("document.documentElement.dataset.theme === 'light'")
     assert not browser.evaluate("document.getElementById('theme').checkVisibility()")
     assert browser.evaluate('getComputedStyle(document.body).backgroundImage') == 'none'
-    browser.wait(f'document.documentElement.scrollWidth <= {PAPER_WIDTH}')  # pictures follow
+    browser.wait_until(f'document.documentElement.scrollWidth <= {PAPER_WIDTH}')  # pictures follow
     printed = browser.call('Page.printToPDF', paperWidth=8.27, paperHeight=11.69)
     assert len(printed['data']) > 20_000
     browser.call('Emulation.setEmulatedMedia', media='')

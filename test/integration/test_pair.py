@@ -5,17 +5,17 @@ import os
 import signal
 import time
 
-from lta_config.topics import topic_table
-from lta_data.bag.flight import open_flight
+from lta_config.topics import load_topic_table
 from lta_data.bag.reader import read_bag
+from lta_data.bag.recorded_flight import open_flight
 from lta_flight.progress import FlightProgress
-from lta_flight.simulate import simulate_once, Simulated
+from lta_flight.simulate import simulate_once, SimulationRequest
 import pytest
 from rich.console import Console
 
 from .contents import contents
 
-TABLE = topic_table()
+TABLE = load_topic_table()
 REPEATABLE = [name for name, topic in TABLE.topics.items() if topic.repeatable]
 GOALS = {'radius': '6.5 m', 'time_limit': '30 s'}  # 0.5 m from the one start, 0.8 from the other
 OFFSET = -2.0
@@ -55,7 +55,9 @@ def test_each_flies_as_it_would_alone(call, scenario, tmp_path, pair):
     for robot, seed, offset in (('lta1', 8, 0.0), ('lta2', 7, OFFSET)):
         alone = tmp_path / f'alone-{robot}'
         changes = (f'scenario.start.position.1={offset} m',)
-        order = Simulated('gtmab', str(scenario(**GOALS)), 'bag', 'gtmab', seed, changes, alone)
+        order = SimulationRequest(
+            'gtmab', str(scenario(**GOALS)), 'bag', 'gtmab', seed, changes, alone
+        )
         flown, _ = simulate_once(order, FlightProgress(Console(quiet=True)))
         assert flown.outcome == 'reached'
         single = contents(flown.bag)
@@ -64,13 +66,13 @@ def test_each_flies_as_it_would_alone(call, scenario, tmp_path, pair):
             assert both[f'/{robot}/{name}'] == single[f'/lta1/{name}'], (robot, name)
 
     # One /clock, which never goes back and outlasts the first that is there.
-    clock = open_flight(bag, 'lta1').series('/clock')
+    clock = open_flight(bag, 'lta1').read_series('/clock')
     times = clock['clock.sec'] + 1e-9 * clock['clock.nanosec']
     assert (times[1:] >= times[:-1]).all()
     start = 1e-9 * TABLE.start_ns
     assert times[-1] > start + float(told['lta1']['time_s'])
     assert times[-1] <= start + float(told['lta2']['time_s'])
-    assert read_bag(bag).complete
+    assert read_bag(bag).is_complete
     check_reading(call, bag)
 
 
@@ -96,7 +98,7 @@ def check_reading(call, bag):
     assert facts['robots'] == ['lta1', 'lta2']
     flight = open_flight(bag, 'lta2')
     assert flight.provenance['seed'] == '7'
-    start = flight.series('ground_truth/odom').vector('pose.pose.position')[0]
+    start = flight.read_series('ground_truth/odom').vector('pose.pose.position')[0]
     assert start[:2].tolist() == [-3.5, OFFSET]
 
 
@@ -121,7 +123,7 @@ def test_who_holds_both_up_is_named_with_its_robot_and_nobody_else(
     os.kill(pid, signal.SIGKILL)
     flight.said('lta2/estimator was killed by SIGKILL.')
     assert flight.end() == 1
-    assert read_bag(tmp_path / 'bag').complete
+    assert read_bag(tmp_path / 'bag').is_complete
 
 
 @pytest.mark.long

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator
 import os
 
-from lta_graph.health import Health, Level
+from lta_graph.health import Health, HealthLevel
 from lta_graph.ros.publisher_conflict import OTHERS, PublisherConflict
 import pytest
 from rclpy.context import Context
@@ -35,21 +35,21 @@ def test_a_stranger_is_named_until_it_is_gone(node):
     writers = {name: own.create_publisher(Header, name, 10) for name in ('/diagnostics', 'imu')}
     conflict = PublisherConflict(own, writers)
 
-    def told(level: Level) -> str:
+    def told(level: HealthLevel) -> str:
         def looked() -> bool:
-            conflict.look(health)
+            conflict.report(health)
             return bool(health.facts) and health.facts[0].level == level
 
         wait_until(looked, f'level {level}', lambda: health.facts)
         return health.facts[0].message
 
     stranger.create_publisher(Header, '/diagnostics', 10)  # of every node
-    conflict.look(health)
+    conflict.report(health)
     assert OTHERS not in health
     rival = stranger.create_publisher(Header, 'imu', 10)
     expected = f'published by others too: imu (/{ROBOT}/stranger); stop all but one'
-    assert told(Level.ERROR) == expected
-    conflict.look(health)
+    assert told(HealthLevel.ERROR) == expected
+    conflict.report(health)
     assert health.facts[0].message == expected
     stranger.destroy_publisher(rival)
-    assert told(Level.OK) == 'nobody else publishes the same'
+    assert told(HealthLevel.OK) == 'nobody else publishes the same'

@@ -8,15 +8,15 @@ from pathlib import Path
 import signal
 import subprocess
 
-from lta_bridge.bag.qos import offered_qos
+from lta_bridge.bag.qos import build_offered_qos
 from lta_bridge.bag.writer import BagWriter
-from lta_bridge.bookkeeping import stamp_of
-from lta_bridge.playback.reel import shifted
+from lta_bridge.message_accounting import read_stamp
+from lta_bridge.playback.message_iterator import shift_stamp
 from lta_data.bag.reader import read_bag
 from lta_flight.progress import FlightProgress
-from lta_flight.simulate import simulate_once, Simulated
-from lta_graph.ros.message_types import message_type
-from lta_graph.ros.qos import profile
+from lta_flight.simulate import simulate_once, SimulationRequest
+from lta_graph.ros.message_types import find_message_type
+from lta_graph.ros.qos import select_profile
 from lta_graph.ros.stamps import from_stamp
 import pytest
 from rich.console import Console
@@ -28,7 +28,7 @@ from .peer import Peer, ROOT, TABLE
 LAMP = ROOT / 'test/replay/lamp.mcap'
 NODES = 'estimator,controller,demodulator,navigator,energy_monitor'
 LATER = 1_700_000_000 * 10**9  # ns: as a clock on the wall would stamp
-QOS = [offered_qos('reliable', 'volatile', 10)]
+QOS = [build_offered_qos('reliable', 'volatile', 10)]
 
 
 @pytest.fixture(scope='module')
@@ -36,7 +36,9 @@ def recorded(tmp_path_factory):
     """Return the bag of a short flight of this very machine and version."""
     out = tmp_path_factory.mktemp('recorded') / 'flight'
     changes = ('scenario.goal.time_limit=4 s',)
-    order = Simulated('gtmab', 'lamp_room', 'bag', 'gtmab', seed=2, changes=changes, out=out)
+    order = SimulationRequest(
+        'gtmab', 'lamp_room', 'bag', 'gtmab', seed=2, changes=changes, out=out
+    )
     return simulate_once(order, FlightProgress(Console(quiet=True)))[0].bag
 
 
@@ -47,11 +49,11 @@ def copied(bag, folder, keep, later=0, strange=0):
         for name, topic in source.topics.items():
             writer.add_topic(name, topic.type_name, QOS)
         numbers = dict.fromkeys(source.topics, 0)
-        for name, log_time, data in source.messages():
+        for name, log_time, data in source.iterate_messages():
             numbers[name] += 1
             if keep(name.removeprefix('/lta1/'), numbers[name]):
                 row = TABLE[name.removeprefix('/lta1/')]
-                moved = shifted(data, later) if row.stamped else data
+                moved = shift_stamp(data, later) if row.stamped else data
                 moved = moved.replace(b'16UC1', b'32FC1') if numbers[name] == strange else moved
                 writer.write(name, moved, log_time + later)
     return folder
@@ -74,7 +76,9 @@ def test_every_node_answers_its_own_recording_to_the_last_bit(lta, recorded, tmp
     assert again.provenance['replay_of'] == str(recorded)
     # The answers are logged when the flight's own were, those without a stamp as well.
     for name in answered:
-        times = [[t for _, t, _ in bag.messages([f'/lta1/{name}'])] for bag in (whole, again)]
+        times = [
+            [t for _, t, _ in bag.iterate_messages([f'/lta1/{name}'])] for bag in (whole, again)
+        ]
         assert sorted(times[0]) == sorted(times[1]), name
     assert 'Identical to the last bit' in Path(said['page']).read_text(encoding='utf-8')
 
@@ -123,7 +127,7 @@ def test_a_graph_flies_through_gaps_of_a_recording_from_another_age(lta, recorde
             assert again.topics[f'/lta1/{name}'].count == expected, name
             if topic.answers in ('imu', 'photodiodes', 'battery'):
                 assert expected == played.topics[triggers].count
-    sent = [{d for _, _, d in bag.messages(['/lta1/imu'])} for bag in (played, again)]
+    sent = [{d for _, _, d in bag.iterate_messages(['/lta1/imu'])} for bag in (played, again)]
     assert sent[0] == sent[1]
 
 
@@ -137,7 +141,7 @@ class Controller(Peer):
             self.listen(name)
         row = TABLE['motors']
         self._motors = self.node.create_publisher(
-            message_type(row), 'motors', profile(row, lockstep=False)
+            find_message_type(row), 'motors', select_profile(row, lockstep=False)
         )
 
     def listen(self, name):
@@ -190,9 +194,9 @@ def meters(recorded, tmp_path):
     with BagWriter(tmp_path / 'meters', {}) as writer:
         for name, late in (('battery', 0), ('panel', 50_000_000)):
             writer.add_topic(f'/lta1/{name}', TABLE[name].type, QOS)
-            found = [data for _, _, data in source.messages([f'/lta1/{name}'])][:5]
-            for data in (shifted(item, late) for item in found):
-                writer.write(f'/lta1/{name}', data, stamp_of(data))
+            found = [data for _, _, data in source.iterate_messages([f'/lta1/{name}'])][:5]
+            for data in (shift_stamp(item, late) for item in found):
+                writer.write(f'/lta1/{name}', data, read_stamp(data))
     return tmp_path / 'meters'
 
 

@@ -4,7 +4,7 @@ import signal
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import PoseWithCovarianceStamped
-from lta_config.topics import topic_table
+from lta_config.topics import load_topic_table
 from lta_graph.ros.stamps import from_stamp, to_stamp
 from nav_msgs.msg import Odometry
 import pytest
@@ -13,7 +13,7 @@ from waiting import PATIENCE
 
 from .peer import complaints, Peer, start
 
-PERIOD = topic_table()['light/estimate'].period_ns
+PERIOD = load_topic_table()['light/estimate'].period_ns
 RESTING, ALOFT, LANDING = 0.0, 0.5, 0.3  # m; what the navigator asks for
 OK, WARN, ERROR = b'\x00', b'\x01', b'\x02'
 

@@ -3,8 +3,8 @@
 import json
 from pathlib import Path
 
-from lta_config.files import find, load_yaml
-from lta_data.bag.flight import open_flight
+from lta_config.files import find_file, load_yaml
+from lta_data.bag.recorded_flight import open_flight
 import pytest
 import yaml
 
@@ -14,7 +14,7 @@ pytestmark = pytest.mark.long
 @pytest.fixture
 def short(tmp_path):
     """Return the path of a hall with two lamps near each other, the drone looking at the first."""
-    scene = load_yaml(find('scenario', 'warehouse'))
+    scene = load_yaml(find_file('scenario', 'warehouse'))
     scene['route'] = ['gate', 'aisle']
     scene['lamps']['gate']['position'] = {'value': [-6.6, -2, 0.5], 'unit': 'm'}
     scene['lamps']['aisle']['position'] = {'value': [-4.2, -2, 0.5], 'unit': 'm'}
@@ -42,4 +42,4 @@ def test_it_hands_over_from_lamp_to_lamp(lta, short, tmp_path):
 
 def wishes(bag):
     """Return the frequencies that were asked for, in order. [Hz]"""
-    return open_flight(Path(bag)).series('light/beacon')['data'].tolist()
+    return open_flight(Path(bag)).read_series('light/beacon')['data'].tolist()

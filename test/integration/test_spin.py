@@ -2,7 +2,7 @@
 
 import time
 
-from lta_graph.ros.spin import spin
+from lta_graph.ros.spin import spin_node
 import pytest
 import rclpy
 from rclpy.clock import Clock, ClockType
@@ -23,7 +23,7 @@ def node(domain_id):
 def spin_until(node, done):
     """Spin until something holds; a test that waits in vain fails by what it asserts."""
     end = time.monotonic() + PATIENCE
-    spin(node, lambda: not done() and time.monotonic() < end, lambda: node.subscriptions)
+    spin_node(node, lambda: not done() and time.monotonic() < end, lambda: node.subscriptions)
 
 
 def test_a_service_is_answered_and_the_answer_taken(node):

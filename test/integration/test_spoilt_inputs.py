@@ -17,15 +17,15 @@ import sys
 from typing import Any
 
 from lta_bridge.nodes.crazyflie_bridge import CrazyflieBridge
-from lta_bridge.nodes.live import Live
+from lta_bridge.nodes.live import LiveNode
 from lta_bridge.nodes.teleop import Teleop
 from lta_control.nodes.controller import Controller
 from lta_control.nodes.estimator import Estimator
 from lta_control.nodes.navigator import Navigator
 from lta_energy.nodes.energy_monitor import EnergyMonitor
-from lta_graph.health import Fact, Level
+from lta_graph.health import HealthFact, HealthLevel
+from lta_graph.ros.message_validation import find_fault
 from lta_graph.ros.node import GraphNode
-from lta_graph.ros.sound import fault
 from lta_sim.nodes.simulator import Simulator
 from lta_vlc.nodes.demodulator import Demodulator
 import numpy as np
@@ -50,7 +50,7 @@ NODES: dict[str, type[GraphNode]] = {
     'simulator': Simulator,
     'crazyflie_bridge': CrazyflieBridge,
     'teleop': Teleop,
-    'live': Live,
+    'live': LiveNode,
 }
 BESIDE = {  # topics that a node hears as they come, beside what the table says that it answers
     'controller': ['teleop/held', 'teleop/pose', 'teleop/velocity'],
@@ -114,7 +114,7 @@ class Trial:
                 row = TABLE.topics.get(name)
                 if row is None or not row.period_ns:
                     continue
-                if TABLE.due(name, self.now, 0) > TABLE.due(name, self.now, 1):
+                if TABLE.count_due(name, self.now, 0) > TABLE.count_due(name, self.now, 1):
                     self.hear(name, good(name, self.now))
 
     def strike(self, name: str, spoils: Callable[[Any], Any]) -> None:
@@ -124,15 +124,15 @@ class Trial:
             self.hear(name, spoils(good(name, self.now)))
 
     @property
-    def faults(self) -> dict[str, Fact]:
+    def faults(self) -> dict[str, HealthFact]:
         """Return what the node tells in /diagnostics of what is not well."""
-        self.node._watch()
+        self.node._monitor_inputs()
         self.node.publish_health()
         told = self.said['/diagnostics'][-1].status
         return {
             status.name: (status.message, *(item.value for item in status.values))
             for status in told
-            if status.level > bytes([Level.OK]) and not status.name.endswith(': inputs')
+            if status.level > bytes([HealthLevel.OK]) and not status.name.endswith(': inputs')
         }
 
     @property
@@ -212,7 +212,7 @@ def test_a_node_hears_all_that_cannot_be_meant_and_goes_on(role, names, trial):
             trial.live(CURED)
     assert all(-1.0 <= duty <= 1.0 for duty in trial.duties)
     for topic, messages in trial.said.items():  # nothing of it stays
-        assert fault(messages[-1]) == '', topic
+        assert find_fault(messages[-1]) == '', topic
 
 
 @pytest.mark.parametrize('role', NODES)

@@ -8,17 +8,17 @@ import time
 from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState
 from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_emulation.teensy.emulator import Cable, EmulatedBoard
-from lta_graph.health import Level
+from lta_emulation.teensy.emulated_board import Cable, EmulatedBoard
+from lta_graph.health import HealthLevel
 from lta_graph.ros.stamps import from_stamp
 from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
 from lta_sim.world import World
-from lta_vlc.array import bearing
-from lta_vlc.diodes import diodes_of
-from lta_vlc.listener import Listener
+from lta_vlc.bearing import estimate_bearing
+from lta_vlc.diodes import build_diode_array
 from lta_vlc.messages import to_block
-from lta_vlc.settings import Demodulation
+from lta_vlc.receiver import BeaconReceiver
+from lta_vlc.settings import DemodulationSettings
 import pytest
 from waiting import PATIENCE
 
@@ -72,7 +72,7 @@ class Bench(Peer):
         while self._running:
             with self.hold:
                 asked = self.cable.read(0.005)
-                self.cable.write(self.board.answer(asked, time.time_ns()))
+                self.cable.write(self.board.answer_timesync(asked, time.time_ns()))
             time.sleep(0.001)  # whoever else wants the cable has it now
 
     def send(self, data):
@@ -84,7 +84,7 @@ class Bench(Peer):
         """Send the next light: the first is of now, however long the nodes took to start."""
         first = None if self.begun else time.time_ns()
         self.begun = self.begun or first
-        self.send(self.board.light(samples, first))
+        self.send(self.board.encode_light(samples, first))
 
     def end(self):
         """Pull the cable for good."""
@@ -122,7 +122,7 @@ def pull_and_replug(bench):
     with bench.hold:
         bench.cable.pull()
     bench.until(lambda: 'plug the light board in' in bench.facts[TASK][1])
-    assert bench.facts[TASK][0] == Level.ERROR
+    assert bench.facts[TASK][0] == HealthLevel.ERROR
     with bench.hold:
         bench.cable.plug()
     assert bench.told('light comes')['unplugged'] == '1'
@@ -147,8 +147,10 @@ def test_the_bearing_is_that_of_the_simulated_light_and_a_pulled_cable_is_shown(
     for process in nodes:
         ended(process)
 
-    listener = Listener(Demodulation(), TABLE.light.sample_rate.si, TABLE.light.samples)
-    ring = diodes_of(load_vehicle_file('gtmab').sensors.diodes).ring
+    listener = BeaconReceiver(
+        DemodulationSettings(), TABLE.light.sample_rate.si, TABLE.light.samples
+    )
+    ring = build_diode_array(load_vehicle_file('gtmab').sensors.diodes).ring
     blocks = {from_stamp(block.header.stamp): to_block(block) for block in bench.blocks}
     known = 5_000_000 + 1e6 * float(figures['round_trip_ms'])
     for stamp, found in sorted(bench.bearings.items()):
@@ -156,7 +158,9 @@ def test_the_bearing_is_that_of_the_simulated_light_and_a_pulled_cable_is_shown(
         samples = light[k % BLOCKS]
         assert stamp == pytest.approx(bench.begun + k * BLOCK_NS, abs=known)
         assert (blocks.get(stamp, samples) == samples).all()
-        towards = bearing(listener.hear(samples).peaks[0], ring, Demodulation().threshold)
+        towards = estimate_bearing(
+            listener.demodulate(samples).peaks[0], ring, DemodulationSettings().threshold
+        )
         assert found == ((towards.x, towards.y) if towards else (0.0, 0.0))
     assert any(x or y for x, y in bench.bearings.values())
     assert blocks
@@ -192,7 +196,7 @@ def test_another_dialect_is_told_and_its_light_is_not_published(domain_id, tmp_p
         bench.told('light comes')  # its heartbeat is that of any board
         bench.send(bench.board.status())
         bench.told('speaks version 2 of its messages and this bridge version 1; build both')
-        assert bench.facts[TASK][0] == Level.ERROR
+        assert bench.facts[TASK][0] == HealthLevel.ERROR
         light = simulated_light()[0]
         for _ in range(2):
             bench.light(light)
@@ -217,7 +221,7 @@ def test_a_port_that_one_may_not_open_is_refused_told_and_ends_with_one_sentence
     assert not bench.change(Transition.TRANSITION_CONFIGURE)
     sentence = f'You may not open {tmp_path}/ttyACM0; join its group'
     bench.told(sentence)
-    assert bench.facts[TASK][0] == Level.ERROR
+    assert bench.facts[TASK][0] == HealthLevel.ERROR
     ended(process)
     process = start(BRIDGE, *words, before=denied)
     _, errors = process.communicate(timeout=PATIENCE)
@@ -232,7 +236,9 @@ def test_a_second_source_of_light_is_told(bench, tmp_path):
     assert 'teensy_bridge: others' not in bench.facts
     bench.publisher('photodiodes')
     told = 'published by others too: photodiodes (/lta1/peer); stop all but one'
-    bench.until(lambda: bench.facts.get('teensy_bridge: others', ())[:2] == (Level.ERROR, told))
+    bench.until(
+        lambda: bench.facts.get('teensy_bridge: others', ())[:2] == (HealthLevel.ERROR, told)
+    )
     ended(process)
 
 

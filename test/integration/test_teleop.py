@@ -3,7 +3,7 @@
 import signal
 
 from diagnostic_msgs.msg import DiagnosticArray
-from lta_bridge.teleop.sticks import Layout
+from lta_bridge.teleop.sticks import GamepadLayout
 from lta_control.cascade import Setpoint
 from lta_control.messages import from_setpoint
 from nav_msgs.msg import Odometry
@@ -13,7 +13,7 @@ from waiting import PATIENCE
 
 from .peer import Peer, start
 
-LAYOUT = Layout()
+LAYOUT = GamepadLayout()
 
 
 class Cockpit:

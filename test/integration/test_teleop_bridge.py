@@ -4,10 +4,10 @@ import signal
 
 from lta_control.cascade import Setpoint
 from lta_control.messages import from_setpoint
-from lta_emulation.crazyflie.body import Bench
-from lta_emulation.crazyflie.build import AS_SOLD
+from lta_emulation.crazyflie.body import BenchBody
 from lta_emulation.crazyflie.firmware import Firmware
-from lta_emulation.crazyflie.server import Server
+from lta_emulation.crazyflie.firmware_build import AS_SOLD
+from lta_emulation.crazyflie.server import CrazyflieServer
 from nav_msgs.msg import Odometry
 import pytest
 from std_msgs.msg import Bool
@@ -20,7 +20,7 @@ class Watched:
     """A bench that remembers what it was asked to do."""
 
     def __init__(self):
-        self._bench, self.hover = Bench(), None
+        self._bench, self.hover = BenchBody(), None
 
     @property
     def duties(self):
@@ -28,10 +28,10 @@ class Watched:
 
     def fly(self, now, wish):
         self.hover = wish.hover
-        self._bench.fly(now, wish)
+        self._bench.advance(now, wish)
 
     def read(self):
-        return self._bench.read()
+        return self._bench.read_values()
 
 
 @pytest.fixture
@@ -41,7 +41,7 @@ def body():
 
 @pytest.fixture
 def drone(body):
-    with Server(Firmware(body, build=AS_SOLD)) as server:
+    with CrazyflieServer(Firmware(body, build=AS_SOLD)) as server:
         yield server
 
 

@@ -1,9 +1,9 @@
 """The page of a vehicle in a real browser: nothing to complain of, everything drawn, to scale."""
 
-from lta_config.files import known
+from lta_config.files import list_shipped
 from lta_model.vehicle import load_vehicle
-from lta_report.screenshots import complaints, fetched, show
-from lta_vehicle.figures.sheet import sheet_of
+from lta_report.screenshots import collect_errors, list_requests, open_page
+from lta_vehicle.figures.sheet import build_sheet
 from lta_vehicle.views.page import write_page
 import pytest
 
@@ -15,21 +15,21 @@ BOX = """(() => { const { x, y, width, height } = document.querySelector('%s').g
 @pytest.fixture(scope='module')
 def pages(browser, tmp_path_factory):
     folder = tmp_path_factory.mktemp('vehicles')
-    for name in known('vehicles'):
-        write_page(sheet_of(load_vehicle(name)), [WARNING], name, folder / f'{name}.html')
+    for name in list_shipped('vehicles'):
+        write_page(build_sheet(load_vehicle(name)), [WARNING], name, folder / f'{name}.html')
     return folder
 
 
-@pytest.mark.parametrize('name', known('vehicles'))
+@pytest.mark.parametrize('name', list_shipped('vehicles'))
 @pytest.mark.parametrize(('theme', 'width'), [('dark', 1280), ('light', 390)])
 def test_every_vehicle_has_a_page_without_a_complaint_or_a_request(
     browser, pages, name, theme, width
 ):
     browser.events.clear()
     page = pages / f'{name}.html'
-    show(browser, page, theme, width)
-    assert complaints(browser) == []
-    assert fetched(browser, page) == []
+    open_page(browser, page, theme, width)
+    assert collect_errors(browser) == []
+    assert list_requests(browser, page) == []
     assert browser.evaluate('document.documentElement.scrollWidth') <= width
     assert browser.evaluate("document.querySelectorAll('.views .rotor .disc').length") > 3
     # Nothing that is drawn leaves the paper.
@@ -41,26 +41,26 @@ def test_every_vehicle_has_a_page_without_a_complaint_or_a_request(
 
 
 def test_the_hull_is_drawn_to_scale(browser, pages):
-    show(browser, pages / 'gtmab.html', 'light', 1280)
+    open_page(browser, pages / 'gtmab.html', 'light', 1280)
     _, _, width, height = browser.evaluate(BOX % '.views .hull')
     assert height / width == pytest.approx(0.599, abs=1e-3)
 
 
 def test_dark_paper_has_its_own_colours(browser, pages):
     colour = "getComputedStyle(document.querySelector('.gravity .full')).fill"
-    show(browser, pages / 'gtmab.html', 'light', 1280)
+    open_page(browser, pages / 'gtmab.html', 'light', 1280)
     assert browser.evaluate(colour) == 'rgb(200, 80, 10)'
     browser.evaluate("document.getElementById('theme').click()")
-    browser.wait(f"{colour} === 'rgb(255, 154, 85)'")
+    browser.wait_until(f"{colour} === 'rgb(255, 154, 85)'")
 
 
 def test_only_what_is_assumed_is_left_on_demand(browser, pages):
     rows = """[...document.querySelectorAll('table.numbers tbody tr')].filter(
       (row) => row.checkVisibility()).length"""
-    sheet = sheet_of(load_vehicle('gtmab'))
+    sheet = build_sheet(load_vehicle('gtmab'))
     assumed = sum('assumed' in entry.source for entry in sheet.numbers)
     assert 0 < assumed < len(sheet.numbers)
-    show(browser, pages / 'gtmab.html', 'light', 1280)
+    open_page(browser, pages / 'gtmab.html', 'light', 1280)
     assert browser.evaluate(rows) == len(sheet.numbers)
     browser.evaluate("document.getElementById('only').focus()")
     for kind in ('keyDown', 'keyUp'):
@@ -68,9 +68,9 @@ def test_only_what_is_assumed_is_left_on_demand(browser, pages):
             'Input.dispatchKeyEvent', type=kind, key=' ', code='Space', text=' ',
             windowsVirtualKeyCode=32,
         )  # fmt: skip
-    browser.wait(f'{rows} === {assumed}')
+    browser.wait_until(f'{rows} === {assumed}')
 
 
 def test_warnings_stand_on_the_page(browser, pages):
-    show(browser, pages / 'gtmab.html', 'light', 1280)
+    open_page(browser, pages / 'gtmab.html', 'light', 1280)
     assert WARNING in browser.evaluate('document.body.textContent')

@@ -15,9 +15,9 @@ import sys
 import time
 
 from diagnostic_msgs.msg import DiagnosticArray
-from lta_config.files import find
-from lta_graph.child import environment as node_environment
-from lta_graph.launch_file import load
+from lta_config.files import find_file
+from lta_graph.child_process import build_environment as node_environment
+from lta_graph.launch_file import load_plan
 from ports import free_port
 import pytest
 import rclpy
@@ -236,9 +236,9 @@ def carried(environment: dict[str, str], installed: Path) -> dict[str, str]:
 
 
 def test_a_drone_s_computer_needs_no_simulator(installed, environment, domain_id, tmp_path):
-    launch_file = find('launch file', 'fly', '.launch.yaml')
+    launch_file = find_file('launch file', 'fly', '.launch.yaml')
     given = {'time': 'lockstep', 'bag': str(tmp_path / 'bag'), 'seed': '2'}
-    (world,) = (one for one in load(launch_file, given).processes if one.package == 'lta_sim')
+    (world,) = (one for one in load_plan(launch_file, given).processes if one.package == 'lta_sim')
     executable = installed / world.package / 'lib' / world.package / world.executable
     everywhere = {'ROS_DOMAIN_ID': str(domain_id), **node_environment()} | environment
     words = [sys.executable, '-c', DRONE, launch_file, json.dumps(given)]

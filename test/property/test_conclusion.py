@@ -10,15 +10,22 @@ from lta_challenge.contradictions import (
     find_contradictions,
     FITS,
     NOTHING,
-    render,
+    render_study,
     UNFIT,
 )
 from lta_discovery.conclusion import draw_conclusion
-from lta_discovery.finding import Assumed, Finding, Gap, Learned, NamedEffect, Rung
-from lta_discovery.fit.bounds import strained_words
-from lta_discovery.forecast.cautions import cautions
-from lta_discovery.outside.draught import Draught
-from lta_discovery.outside.unexplained import Remainder
+from lta_discovery.finding import (
+    AssumedValue,
+    DiscoveryFinding,
+    LadderRung,
+    NamedEffect,
+    ParameterEstimate,
+    PredictionGap,
+)
+from lta_discovery.fit.bounds import format_strained_tolerances
+from lta_discovery.forecast.forecast_warnings import list_forecast_warnings
+from lta_discovery.unmodeled.draught import DraughtFinding
+from lta_discovery.unmodeled.remainders import Remainder
 from lta_model.effects import EFFECTS
 import pytest
 
@@ -39,7 +46,7 @@ def gaps(draw, named):
     shrink, half = 1.0 - after / before, draw(st.floats(0.01, 0.5))
     channel = draw(st.sampled_from(['position', 'attitude', 'q']))
     ends = shrink - half, shrink + half
-    return Gap(
+    return PredictionGap(
         channel, 'm', draw(st.sampled_from([1.0, 3.0, 5.0])), before, tuned, after, coast, 0.001,
         shrink, ends, 9,
     )  # fmt: skip
@@ -52,11 +59,11 @@ def effects(draw):
     for knob in draw(st.lists(st.sampled_from(KNOBS), min_size=1, max_size=3, unique=True)):
         name, _, parameter = knob.partition('.')
         value = draw(st.floats(-1.0, 1.0))
-        learned = Learned(
+        learned = ParameterEstimate(
             parameter, '1', 0.0, value, (value - 0.1, value + 0.1), draw(st.booleans())
         )
         rivals = draw(st.lists(st.sampled_from(KNOBS), max_size=2, unique=True))
-        taken = (Assumed('radius', 'm', 0.0225),) if draw(st.booleans()) else ()
+        taken = (AssumedValue('radius', 'm', 0.0225),) if draw(st.booleans()) else ()
         out.append(NamedEffect(name, (knob,), (learned,), draw(NATS), tuple(rivals), taken))
     return tuple(out)
 
@@ -65,7 +72,7 @@ def effects(draw):
 def rungs(draw):
     """One candidate of a round."""
     numbers = (draw(NATS) for _ in range(3))
-    return Rung(draw(st.sampled_from(KNOBS)), *numbers, draw(st.floats(0.0, 9.0)), False)
+    return LadderRung(draw(st.sampled_from(KNOBS)), *numbers, draw(st.floats(0.0, 9.0)), False)
 
 
 @st.composite
@@ -82,47 +89,50 @@ def findings(draw):
             remains = (Remainder('surge', 0.007, 9.0, ('surge speed',), 0.8),)
         said = ('an oscillation of the pitch rate at 2.0 Hz, 0.02 rad/s',)
     ladder = [draw(st.lists(rungs(), max_size=3))]
-    ladder += [[Rung(knob, 60.0, 30.0, 30.0, 0.3, True)] for one in named for knob in one.knobs]
+    ladder += [
+        [LadderRung(knob, 60.0, 30.0, 30.0, 0.3, True)] for one in named for knob in one.knobs
+    ]
     if draw(st.booleans()):  # what a round named and the proof gave up
-        ladder.append([Rung(draw(st.sampled_from(KNOBS)), 12.0, 7.0, 7.0, 0.3, True)])
+        ladder.append([LadderRung(draw(st.sampled_from(KNOBS)), 12.0, 7.0, 7.0, 0.3, True)])
     told_gaps = tuple(draw(st.lists(gaps(bool(named)), max_size=4)))
     strained = ('vehicle.mass',) if draw(st.booleans()) else ()
-    warnings = strained_words(strained)
-    return Finding(
+    warnings = format_strained_tolerances(strained)
+    return DiscoveryFinding(
         verdict, named, tuple(map(tuple, ladder)), (), told_gaps, True, remains,
-        (*warnings, *cautions(told_gaps)), 1, {'train': ('a',), 'confirm': ('b',)}, 'gtmab',
-        unexplained=said, draught=Draught(0.001, 0.003) if draw(st.booleans()) else None,
+        (*warnings, *list_forecast_warnings(told_gaps)), 1,
+        {'train': ('a',), 'confirm': ('b',)}, 'gtmab',
+        unexplained=said, draught=DraughtFinding(0.001, 0.003) if draw(st.booleans()) else None,
         strained=strained,
     )  # fmt: skip
 
 
 @settings(max_examples=150)
 @given(findings())
-def test_no_study_contradicts_itself(found: Finding) -> None:
+def test_no_study_contradicts_itself(found: DiscoveryFinding) -> None:
     assert find_contradictions(found) == []
 
 
 @pytest.fixture
-def named() -> Finding:
+def named() -> DiscoveryFinding:
     """Drag was missing, and the flights cannot tell which."""
     drag = NamedEffect(
         'linear_drag', ('linear_drag.surge',),
-        (Learned('surge', 'N s/m', 0.01, 0.02, (0.019, 0.021)),), 40.0,
+        (ParameterEstimate('surge', 'N s/m', 0.01, 0.02, (0.019, 0.021)),), 40.0,
         ('quadratic_drag.surge',),
     )  # fmt: skip
-    gap = Gap('position', 'm', 5.0, 0.3, 0.2, 0.1, 1.0, 0.002, 0.66, (0.6, 0.7), 9)
-    rungs = ((Rung('linear_drag.surge', 30.0, 20.0, 20.0, 0.1, True),),)
+    gap = PredictionGap('position', 'm', 5.0, 0.3, 0.2, 0.1, 1.0, 0.002, 0.66, (0.6, 0.7), 9)
+    rungs = ((LadderRung('linear_drag.surge', 30.0, 20.0, 20.0, 0.1, True),),)
     bags = {'train': ('a',), 'confirm': ('b',)}
-    return Finding('named', (drag,), rungs, (), (gap,), True, (), (), 1, bags, 'gtmab')
+    return DiscoveryFinding('named', (drag,), rungs, (), (gap,), True, (), (), 1, bags, 'gtmab')
 
 
 def test_the_laws_find_a_page_that_retracts(
-    named: Finding, monkeypatch: pytest.MonkeyPatch
+    named: DiscoveryFinding, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Each law, broken by one word in one place."""
     assert find_contradictions(named) == []
     place = 'lta_challenge.contradictions'
-    said = render(named)
+    said = render_study(named)
     broken = {
         'the headline keeps silent': said._replace(headline='Linear drag (surge) is missing.'),
         'not to use it': said._replace(rest=f'{said.rest} keep the vehicle file'),
@@ -135,7 +145,7 @@ def test_the_laws_find_a_page_that_retracts(
         'the JSON alone': said._replace(headline=said.headline.partition(':')[0]),
         'not the same everywhere': said._replace(terminal=said.terminal.replace('Use', 'Keep')),
     }
-    other = replace(named, ladder=((Rung('net_lift.force', 30.0, 20.0, 20.0, 0.1, True),),))
+    other = replace(named, ladder=((LadderRung('net_lift.force', 30.0, 20.0, 20.0, 0.1, True),),))
     other = replace(other, unexplained=('a line',), verdict='named+unexplained')
     for words, changed in broken.items():
         monkeypatch.setattr(f'{place}.render', lambda _found, changed=changed: changed)
@@ -143,7 +153,7 @@ def test_the_laws_find_a_page_that_retracts(
         assert any(words in one for one in find_contradictions(finding)), words
 
 
-def test_each_phrase_of_the_laws_is_one_that_some_study_says(named: Finding) -> None:
+def test_each_phrase_of_the_laws_is_one_that_some_study_says(named: DiscoveryFinding) -> None:
     """A law about words that no page has any more could not fail."""
     gap = named.gaps[0]
     tight = replace(gap, tuned=0.29, after=0.29, shrink=0.03, shrink_ci95=(-0.1, 0.1))
@@ -152,16 +162,21 @@ def test_each_phrase_of_the_laws_is_one_that_some_study_says(named: Finding) -> 
     bare = replace(named, verdict='none', effects=(), ladder=())
     sure = replace(named.effects[0], confusable_with=())
     held = sure.parameters[0]._replace(in_file=False)
-    lacking = replace(sure, parameters=(held,), assumed=(Assumed('radius', 'm', 0.0225),))
+    lacking = replace(sure, parameters=(held,), assumed=(AssumedValue('radius', 'm', 0.0225),))
     findings = [
-        *(replace(named, gaps=(one,), warnings=tuple(cautions([one]))) for one in told_gaps),
+        *(
+            replace(named, gaps=(one,), warnings=tuple(list_forecast_warnings([one])))
+            for one in told_gaps
+        ),
         replace(named, effects=(lacking,)),
         replace(named, verdict='not_identifiable', unexplained=('a line',)),
         bare,
         replace(bare, gaps=(tight,)),
-        replace(bare, gaps=(tight,), strained=('a',), warnings=tuple(strained_words(['a']))),
+        replace(
+            bare, gaps=(tight,), strained=('a',), warnings=tuple(format_strained_tolerances(['a']))
+        ),
     ]
-    said = '\n'.join(render(one).all for one in findings)
+    said = '\n'.join(render_study(one).whole_text for one in findings)
     phrases = (
         *BETTER, *DOUBT, *UNFIT, FITS, NOTHING, 'Unexplained:', 'no force or moment is left over',
         'no cause for doubt', 'the file does not have it', 'assumed and not fitted',
@@ -170,7 +185,7 @@ def test_each_phrase_of_the_laws_is_one_that_some_study_says(named: Finding) -> 
     assert [one for one in phrases if one not in said] == []
 
 
-def test_the_advice_follows_the_forecasts(named: Finding) -> None:
+def test_the_advice_follows_the_forecasts(named: DiscoveryFinding) -> None:
     gap = named.gaps[0]
     assert draw_conclusion(named).advice == 'use'
     assert draw_conclusion(named).gain == gap

@@ -4,19 +4,27 @@ import math
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from lta_control.allocation import allocate, duty, new_scratch, RIDGE, Rotors, SCRATCH, WEIGHTS
-from lta_control.cascade import course, Measured, Setpoint, wrap
+from lta_control.allocation import (
+    allocate,
+    create_scratch,
+    RIDGE,
+    Rotors,
+    SCRATCH,
+    thrust_to_duty,
+    WEIGHTS,
+)
+from lta_control.cascade import CascadeMeasurement, Setpoint, steer_to_course, wrap_angle
 from lta_control.control import control_step, ControlMemory
 from lta_control.gains_file import load_gains
-from lta_control.per_rotor import NONE, slots
+from lta_control.per_rotor import NONE, pad_to_slots
 from lta_control.pid import pid_step
-from lta_control.vehicle_side import rotors_of
+from lta_control.vehicle_parameters import build_rotors
 from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest
 from scipy.optimize import lsq_linear
 
-ROTORS = rotors_of(load_vehicle('gtmab'))
+ROTORS = build_rotors(load_vehicle('gtmab'))
 REVERSIBLE = ROTORS._replace(low=tuple(-x for x in ROTORS.high))
 ROOT = np.sqrt(np.array(WEIGHTS))[:, None]
 FULL = ROTORS.high[0]
@@ -41,11 +49,11 @@ def any_rotors(number):
     return Rotors(
         number,
         (*map(tuple, columns.tolist()), *empty),
-        slots(low),
-        slots(high),
+        pad_to_slots(low),
+        pad_to_slots(high),
         0.0,
-        slots(a),
-        slots(b),
+        pad_to_slots(a),
+        pad_to_slots(b),
     )
 
 
@@ -72,8 +80,8 @@ def test_allocation_is_the_bounded_least_squares_solution(rotors, wrench, start)
     best = lsq_linear(ROOT * matrix, ROOT[:, 0] * wanted, limits, 'bvls', tol=1e-15)
     least = objective(best.x)
     asked = objective(np.zeros(rotors.number))  # what is at stake
-    for begin in NONE, start, slots(best.x.tolist()):
-        thrusts, delivered = allocate(rotors, wrench, begin, new_scratch())
+    for begin in NONE, start, pad_to_slots(best.x.tolist()):
+        thrusts, delivered = allocate(rotors, wrench, begin, create_scratch())
         # With the ridge it is the least of objective + ridge |t - begin|^2.
         away = best.x - np.clip(begin[used], *limits)
         kept = ridge * float(away @ away) if rotors.number > FELT else 0.0
@@ -85,19 +93,19 @@ def test_allocation_is_the_bounded_least_squares_solution(rotors, wrench, start)
 
 
 def test_the_scratch_numbers_do_not_matter():
-    wrench, start = (0.3, 0.0, 0.2, 0.0, 0.0, 0.01), slots((0.1, 0.0, 0.05))
+    wrench, start = (0.3, 0.0, 0.2, 0.0, 0.0, 0.01), pad_to_slots((0.1, 0.0, 0.05))
     spoiled = [math.nan] * SCRATCH
     for rotors in FLEET.values():
-        once = allocate(rotors, wrench, start, new_scratch())
+        once = allocate(rotors, wrench, start, create_scratch())
         assert allocate(rotors, wrench, start, spoiled) == once
         assert allocate(rotors, wrench, start, spoiled) == once
 
 
 @given(st.floats(-5.0, 5.0), st.floats(0.0, 1.0), st.floats(0.01, 1.0))
 def test_duty_inverts_any_curve(size, a, b):
-    u = duty(size, a, b)
+    u = thrust_to_duty(size, a, b)
     assert (a * abs(u) + b) * u == pytest.approx(size, rel=1e-12, abs=1e-300)
-    assert duty(-size, a, b) == -u
+    assert thrust_to_duty(-size, a, b) == -u
 
 
 @given(st.tuples(number, number, number, number), number, st.floats(0.001, 0.1))
@@ -111,21 +119,25 @@ def test_pid_stays_within_its_limits(signals, limit, dt):
 @given(angle, angle, number, number, st.floats(0.0, 3.0))
 def test_course_never_asks_for_more_than_the_setpoint(nose, wanted, surge, sway, speed):
     gains = load_gains('gtmab')
-    measured = Measured(0.5, 0.0, nose, 0.0, surge, sway, 0.0)
-    heading, asked, along, _ = course(gains, measured, Setpoint(0.5, wanted, speed))
+    measured = CascadeMeasurement(0.5, 0.0, nose, 0.0, surge, sway, 0.0)
+    heading, asked, along, _ = steer_to_course(gains, measured, Setpoint(0.5, wanted, speed))
     assert 0.0 <= asked <= speed
-    assert abs(wrap(heading - wanted)) <= gains.drift_limit + 1e-12
+    assert abs(wrap_angle(heading - wanted)) <= gains.drift_limit + 1e-12
     assert abs(along) <= math.hypot(surge, sway) + 1e-12
 
 
 @given(angle, angle, number, number, st.floats(0.0, 3.0))
 def test_course_is_the_same_mirrored(nose, wanted, surge, sway, speed):
     gains = load_gains('gtmab')
-    left = course(
-        gains, Measured(0.5, 0.0, nose, 0.0, surge, sway, 0.0), Setpoint(0.5, wanted, speed)
+    left = steer_to_course(
+        gains,
+        CascadeMeasurement(0.5, 0.0, nose, 0.0, surge, sway, 0.0),
+        Setpoint(0.5, wanted, speed),
     )
-    right = course(
-        gains, Measured(0.5, 0.0, -nose, 0.0, surge, -sway, 0.0), Setpoint(0.5, -wanted, speed)
+    right = steer_to_course(
+        gains,
+        CascadeMeasurement(0.5, 0.0, -nose, 0.0, surge, -sway, 0.0),
+        Setpoint(0.5, -wanted, speed),
     )
     assert right == pytest.approx((-left[0], left[1], left[2], left[3]), abs=1e-12)
 
@@ -143,10 +155,10 @@ def test_duties_are_what_the_rotors_accept(measured, setpoint):
             ROTORS,
             (0.0, 0.092),
             memory,
-            Measured(*measured),
+            CascadeMeasurement(*measured),
             Setpoint(*setpoint),
             0.01,
-            new_scratch(),
+            create_scratch(),
         )
         assert all(0.0 <= u <= 1.0 + 1e-12 for u in duties)
         assert all(map(math.isfinite, (*memory.cascade[:3], *memory.thrusts, *memory.shortfall)))

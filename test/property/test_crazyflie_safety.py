@@ -6,33 +6,41 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import invariant, rule, RuleBasedStateMachine
 from lta_bridge.crazyflie.safety import (
-    Asked,
-    Limits,
     LOST,
     LOW,
-    Order,
     RAMP,
-    Seen,
+    SafetyInputs,
+    SafetyLimits,
+    SafetyOutputs,
+    SafetyRequest,
+    SafetyStage,
+    SafetyState,
     SETTLING,
     SILENT,
-    Stage,
     STALE,
-    State,
+    step_state,
     STOPS,
-    tick,
 )
-from lta_bridge.crazyflie.supervisor import Bit, trouble
+from lta_bridge.crazyflie.supervisor_word import explain_fault, SupervisorBit
 import pytest
 
 PERIOD = 0.02
-LIMITS = Limits(voltage=3.2, time=600.0, height=4.0, distance=50.0)
+LIMITS = SafetyLimits(voltage=3.2, time=600.0, height=4.0, distance=50.0)
 
 words = st.sampled_from(
-    [0, Bit.CAN_BE_ARMED, Bit.ARMED, Bit.ARMED | Bit.FLYING, Bit.LOCKED, Bit.TUMBLED, Bit.CRASHED]
+    [
+        0,
+        SupervisorBit.CAN_BE_ARMED,
+        SupervisorBit.ARMED,
+        SupervisorBit.ARMED | SupervisorBit.FLYING,
+        SupervisorBit.LOCKED,
+        SupervisorBit.TUMBLED,
+        SupervisorBit.CRASHED,
+    ]
 )
 ages = st.one_of(st.floats(0.0, 1.0), st.just(math.inf))
 seen = st.builds(
-    Seen,
+    SafetyInputs,
     linked=st.booleans(),
     active=st.booleans(),
     word=words,
@@ -43,8 +51,8 @@ seen = st.builds(
     distance=st.floats(0.0, 100.0),
     place_age=ages,
 )
-asked = st.builds(Asked, arm=st.sampled_from([None, True, False]), stop=st.booleans())
-FIT = Seen(True, True, int(Bit.ARMED), 0.0, 0.0, 4.0, 1.0, 1.0)
+asked = st.builds(SafetyRequest, arm=st.sampled_from([None, True, False]), stop=st.booleans())
+FIT = SafetyInputs(True, True, int(SupervisorBit.ARMED), 0.0, 0.0, 4.0, 1.0, 1.0)
 
 
 class Bridge(RuleBasedStateMachine):
@@ -52,7 +60,12 @@ class Bridge(RuleBasedStateMachine):
 
     def __init__(self):
         super().__init__()
-        self.state, self.order, self.now, self.seen = State(), Order(), 0.0, Seen()
+        self.state, self.order, self.now, self.seen = (
+            SafetyState(),
+            SafetyOutputs(),
+            0.0,
+            SafetyInputs(),
+        )
         self.asked_to_arm = self.confirmed = self.stopped = False
         self.fresh_at = -math.inf
         self.drive = 0.0
@@ -63,11 +76,11 @@ class Bridge(RuleBasedStateMachine):
         self.asked_to_arm |= bool(asked.arm)
         self.stopped |= asked.stop
         self.fresh_at = max(self.fresh_at, self.now - seen.command_age)
-        self.state, self.order = tick(self.state, self.now, seen, asked, LIMITS)
+        self.state, self.order = step_state(self.state, self.now, seen, asked, LIMITS)
         self.seen = seen
-        if before.stage is Stage.ARMING and self.state.stage is Stage.READY:
-            self.confirmed = bool(seen.word & Bit.ARMED)
-        if self.state.stage is Stage.DISARMED:
+        if before.stage is SafetyStage.ARMING and self.state.stage is SafetyStage.READY:
+            self.confirmed = bool(seen.word & SupervisorBit.ARMED)
+        if self.state.stage is SafetyStage.DISARMED:
             self.confirmed = False
 
     @rule(seen=seen, asked=asked, dt=st.floats(0.001, 3.0))
@@ -76,21 +89,24 @@ class Bridge(RuleBasedStateMachine):
 
     @rule(count=st.integers(1, 60), age=st.floats(0.0, 0.2))
     def a_good_flight(self, count, age):
-        self.step(FIT, Asked(arm=True))
+        self.step(FIT, SafetyRequest(arm=True))
         for _ in range(count):
-            self.step(FIT._replace(command_age=age), Asked())
+            self.step(FIT._replace(command_age=age), SafetyRequest())
 
     @rule(part=seen)
     def a_first_command_in_whatever_trouble(self, part):
         waiting = FIT._replace(command_age=math.inf)
-        for asked in (Asked(arm=True), Asked()):
+        for asked in (SafetyRequest(arm=True), SafetyRequest()):
             self.step(waiting, asked)
-        self.step(part._replace(linked=True, word=int(Bit.ARMED), command_age=0.0), Asked())
+        self.step(
+            part._replace(linked=True, word=int(SupervisorBit.ARMED), command_age=0.0),
+            SafetyRequest(),
+        )
 
     @rule(count=st.integers(1, 80), part=seen)
     def commands_stop(self, count, part):
         for turn in range(count):
-            self.step(part._replace(command_age=STALE + turn * PERIOD), Asked())
+            self.step(part._replace(command_age=STALE + turn * PERIOD), SafetyRequest())
 
     @invariant()
     def motors_turn_only_when_they_may(self):
@@ -101,31 +117,31 @@ class Bridge(RuleBasedStateMachine):
         assert self.confirmed
         assert not self.stopped
         assert self.seen.linked
-        assert not trouble(self.seen.word)
-        assert self.state.stage in (Stage.FLYING, Stage.LANDING)
+        assert not explain_fault(self.seen.word)
+        assert self.state.stage in (SafetyStage.FLYING, SafetyStage.LANDING)
         assert order.stream
-        if self.state.stage is Stage.FLYING:
+        if self.state.stage is SafetyStage.FLYING:
             assert self.seen.command_age <= STALE
             assert self.seen.place_age <= LOST
-            assert self.seen.word & Bit.ARMED
+            assert self.seen.word & SupervisorBit.ARMED
             assert self.seen.active
             assert self.seen.silence <= SILENT
 
     @invariant()
     def a_ramp_only_falls(self):
-        if self.state.stage is Stage.LANDING and self.order.drive:
+        if self.state.stage is SafetyStage.LANDING and self.order.drive:
             assert self.order.drive <= self.drive or self.state.since == self.now
 
     @invariant()
     def nothing_is_armed_that_nobody_asked_for(self):
         if not self.asked_to_arm:
             assert self.order.arm is not True
-            assert self.state.stage in (Stage.DISARMED, Stage.STOPPED)
+            assert self.state.stage in (SafetyStage.DISARMED, SafetyStage.STOPPED)
 
     @invariant()
     def a_stop_is_for_good(self):
         if self.stopped:
-            assert self.state.stage is Stage.STOPPED
+            assert self.state.stage is SafetyStage.STOPPED
             assert not self.order.stream
             assert self.order.arm is None
 
@@ -138,16 +154,18 @@ TestBridge.settings = settings(max_examples=60, stateful_step_count=25, deadline
 @settings(max_examples=200)
 def test_stale_commands_end_in_rest_within_the_ramp(seen, gap):
     """Whatever else is known, the drive is gone when the newest command is this old."""
-    state = State(Stage.FLYING)
+    state = SafetyState(SafetyStage.FLYING)
     now = 0.0
     while now < STALE + RAMP + 2 * PERIOD + gap:
-        state, order = tick(state, now, seen._replace(command_age=now), Asked(), LIMITS)
+        state, order = step_state(
+            state, now, seen._replace(command_age=now), SafetyRequest(), LIMITS
+        )
         now += PERIOD
     assert order.drive == 0.0
 
 
 def flying():
-    return State(Stage.FLYING, began=0.0)
+    return SafetyState(SafetyStage.FLYING, began=0.0)
 
 
 def test_every_limit_lands():
@@ -159,18 +177,20 @@ def test_every_limit_lands():
         {'command_age': 0.31},
         {'place_age': 0.51},
     ):
-        state, order = tick(flying(), 1.0, FIT._replace(**change), Asked(), LIMITS)
-        assert state.stage is Stage.LANDING, change
+        state, order = step_state(flying(), 1.0, FIT._replace(**change), SafetyRequest(), LIMITS)
+        assert state.stage is SafetyStage.LANDING, change
         assert order.stream
-    state, _ = tick(flying(), 601.0, FIT, Asked(), LIMITS)
-    assert (state.stage, state.why) == (Stage.LANDING, 'the flight has lasted 600 s')
+    state, _ = step_state(flying(), 601.0, FIT, SafetyRequest(), LIMITS)
+    assert (state.stage, state.why) == (SafetyStage.LANDING, 'the flight has lasted 600 s')
 
 
 @given(seen=seen, drive=st.booleans())
 def test_no_motor_begins_to_turn_while_nobody_tells_the_place(seen, drive):
-    state = State(Stage.FLYING if drive else Stage.READY)
-    state, _ = tick(state, 0.0, seen._replace(place_age=LOST + 0.01), Asked(), LIMITS)
-    assert state.stage is not Stage.FLYING
+    state = SafetyState(SafetyStage.FLYING if drive else SafetyStage.READY)
+    state, _ = step_state(
+        state, 0.0, seen._replace(place_age=LOST + 0.01), SafetyRequest(), LIMITS
+    )
+    assert state.stage is not SafetyStage.FLYING
 
 
 @pytest.mark.parametrize(
@@ -179,39 +199,43 @@ def test_no_motor_begins_to_turn_while_nobody_tells_the_place(seen, drive):
 )
 def test_what_would_end_a_flight_lets_none_begin(change):
     """Armed and ready, with a command that is fresh."""
-    ready = State(Stage.READY, low_since=0.0)
-    state, order = tick(ready, 1.0, FIT, Asked(), LIMITS)
-    assert (state.stage, order.drive) == (Stage.FLYING, 1.0)
-    state, order = tick(ready, 1.0, FIT._replace(**change), Asked(), LIMITS)
-    assert (state.stage, order) == (Stage.DISARMED, Order(arm=False))
+    ready = SafetyState(SafetyStage.READY, low_since=0.0)
+    state, order = step_state(ready, 1.0, FIT, SafetyRequest(), LIMITS)
+    assert (state.stage, order.drive) == (SafetyStage.FLYING, 1.0)
+    state, order = step_state(ready, 1.0, FIT._replace(**change), SafetyRequest(), LIMITS)
+    assert (state.stage, order) == (SafetyStage.DISARMED, SafetyOutputs(arm=False))
 
 
 @pytest.mark.parametrize(
     ('word', 'asked_again'),
     [
-        (Bit.ARMED, 10),
-        (Bit.ARMED | Bit.AUTO_ARM, 0),  # it arms itself, whatever we ask
-        (Bit.ARMED | Bit.FLYING, 0),  # somebody else flies it
-        (Bit.CAN_BE_ARMED, 0),
+        (SupervisorBit.ARMED, 10),
+        (SupervisorBit.ARMED | SupervisorBit.AUTO_ARM, 0),  # it arms itself, whatever we ask
+        (SupervisorBit.ARMED | SupervisorBit.FLYING, 0),  # somebody else flies it
+        (SupervisorBit.CAN_BE_ARMED, 0),
     ],
 )
 def test_a_drone_that_is_found_armed_is_disarmed_unless_it_flies_or_arms_itself(word, asked_again):
-    state, seen, sent = State(), FIT._replace(word=int(word)), 0
+    state, seen, sent = SafetyState(), FIT._replace(word=int(word)), 0
     for turn in range(64):  # 1 s; asked at the first of these that is 0.1 s after the one before
-        state, order = tick(state, turn / 64, seen, Asked(), LIMITS)
-        assert order in (Order(), Order(arm=False))
+        state, order = step_state(state, turn / 64, seen, SafetyRequest(), LIMITS)
+        assert order in (SafetyOutputs(), SafetyOutputs(arm=False))
         sent += order.arm is False
-    assert (state.stage, sent) == (Stage.DISARMED, asked_again)
+    assert (state.stage, sent) == (SafetyStage.DISARMED, asked_again)
 
 
 def test_a_landing_of_which_nobody_says_that_it_ends_is_disarmed_after_ten_seconds():
-    state, _ = tick(flying(), 1.0, FIT, Asked(arm=False), LIMITS)
-    aloft = FIT._replace(word=int(Bit.ARMED | Bit.FLYING))
+    state, _ = step_state(flying(), 1.0, FIT, SafetyRequest(arm=False), LIMITS)
+    aloft = FIT._replace(word=int(SupervisorBit.ARMED | SupervisorBit.FLYING))
     end = 1.0 + RAMP + SETTLING
-    state, order = tick(state, end - PERIOD, aloft, Asked(), LIMITS)
-    assert (state.stage, order.arm) == (Stage.LANDING, None)
-    state, order = tick(state, end + PERIOD, aloft, Asked(), LIMITS)
-    assert (state.stage, state.why, order) == (Stage.DISARMED, 'asked to', Order(arm=False))
+    state, order = step_state(state, end - PERIOD, aloft, SafetyRequest(), LIMITS)
+    assert (state.stage, order.arm) == (SafetyStage.LANDING, None)
+    state, order = step_state(state, end + PERIOD, aloft, SafetyRequest(), LIMITS)
+    assert (state.stage, state.why, order) == (
+        SafetyStage.DISARMED,
+        'asked to',
+        SafetyOutputs(arm=False),
+    )
 
 
 def landed_after(voltages):
@@ -220,8 +244,8 @@ def landed_after(voltages):
     for turn in range(len(voltages) * each):
         now = turn * PERIOD
         seen = FIT._replace(voltage=voltages[turn // each])
-        state, _ = tick(state, now, seen, Asked(), LIMITS)
-        if state.stage is Stage.LANDING:
+        state, _ = step_state(state, now, seen, SafetyRequest(), LIMITS)
+        if state.stage is SafetyStage.LANDING:
             assert state.why.startswith('the cell has')
             return now
     return None
@@ -243,33 +267,39 @@ def test_voltages_that_end_with_a_low_one_land_too():
 
 
 def test_the_ramp_falls_in_a_line_and_then_it_hands_over_and_disarms():
-    state, _ = tick(flying(), 1.0, FIT, Asked(arm=False), LIMITS)
-    seen = FIT._replace(word=int(Bit.ARMED | Bit.FLYING))
-    state, order = tick(state, 1.1, seen, Asked(), LIMITS)
+    state, _ = step_state(flying(), 1.0, FIT, SafetyRequest(arm=False), LIMITS)
+    seen = FIT._replace(word=int(SupervisorBit.ARMED | SupervisorBit.FLYING))
+    state, order = step_state(state, 1.1, seen, SafetyRequest(), LIMITS)
     assert abs(order.drive - 0.8) < 1e-9  # 0.1 s of 0.5 s
-    state, order = tick(state, 1.5, seen, Asked(), LIMITS)
-    assert order == Order(hand_over=True)
-    state, order = tick(state, 4.0, FIT, Asked(), LIMITS)
-    assert (state.stage, state.why, order) == (Stage.DISARMED, 'asked to', Order(arm=False))
+    state, order = step_state(state, 1.5, seen, SafetyRequest(), LIMITS)
+    assert order == SafetyOutputs(hand_over=True)
+    state, order = step_state(state, 4.0, FIT, SafetyRequest(), LIMITS)
+    assert (state.stage, state.why, order) == (
+        SafetyStage.DISARMED,
+        'asked to',
+        SafetyOutputs(arm=False),
+    )
 
 
 def test_a_hiccup_is_flown_through_and_a_landing_that_was_asked_for_is_not():
     for change in ({'command_age': 0.31}, {'place_age': 0.51}):
-        state, _ = tick(flying(), 1.0, FIT._replace(**change), Asked(), LIMITS)
-        state, order = tick(state, 1.2, FIT, Asked(), LIMITS)
-        assert (state.stage, order.drive) == (Stage.FLYING, 1.0)
-    state, _ = tick(flying(), 1.0, FIT, Asked(arm=False), LIMITS)
-    state, order = tick(state, 1.2, FIT, Asked(), LIMITS)
-    assert (state.stage, round(order.drive, 9)) == (Stage.LANDING, 0.6)
+        state, _ = step_state(flying(), 1.0, FIT._replace(**change), SafetyRequest(), LIMITS)
+        state, order = step_state(state, 1.2, FIT, SafetyRequest(), LIMITS)
+        assert (state.stage, order.drive) == (SafetyStage.FLYING, 1.0)
+    state, _ = step_state(flying(), 1.0, FIT, SafetyRequest(arm=False), LIMITS)
+    state, order = step_state(state, 1.2, FIT, SafetyRequest(), LIMITS)
+    assert (state.stage, round(order.drive, 9)) == (SafetyStage.LANDING, 0.6)
 
 
 def test_arming_is_asked_again_until_it_is_confirmed_and_given_up_after_a_second():
-    state, order = tick(State(), 0.0, FIT._replace(word=1), Asked(arm=True), LIMITS)
+    state, order = step_state(
+        SafetyState(), 0.0, FIT._replace(word=1), SafetyRequest(arm=True), LIMITS
+    )
     requests = int(order.arm is True)
     now = 0.0
-    while state.stage is Stage.ARMING:
+    while state.stage is SafetyStage.ARMING:
         now += PERIOD
-        state, order = tick(state, now, FIT._replace(word=1), Asked(), LIMITS)
+        state, order = step_state(state, now, FIT._replace(word=1), SafetyRequest(), LIMITS)
         requests += order.arm is True
     assert 1.0 < now < 1.0 + 2 * PERIOD
     assert requests == 10  # at 0.0, 0.1 ... 0.9 s
@@ -278,22 +308,26 @@ def test_arming_is_asked_again_until_it_is_confirmed_and_given_up_after_a_second
 
 
 def test_a_word_older_than_the_request_confirms_nothing():
-    state, _ = tick(State(), 0.0, FIT, Asked(arm=True), LIMITS)
-    state, _ = tick(state, 0.02, FIT._replace(silence=0.03), Asked(), LIMITS)
-    assert state.stage is Stage.ARMING
-    state, _ = tick(state, 0.04, FIT._replace(silence=0.01), Asked(), LIMITS)
-    assert state.stage is Stage.READY
+    state, _ = step_state(SafetyState(), 0.0, FIT, SafetyRequest(arm=True), LIMITS)
+    state, _ = step_state(state, 0.02, FIT._replace(silence=0.03), SafetyRequest(), LIMITS)
+    assert state.stage is SafetyStage.ARMING
+    state, _ = step_state(state, 0.04, FIT._replace(silence=0.01), SafetyRequest(), LIMITS)
+    assert state.stage is SafetyStage.READY
 
 
-@pytest.mark.parametrize(('word', 'expected'), [(Bit.LOCKED, STOPS), (Bit.ARMED, 3 * STOPS)])
+@pytest.mark.parametrize(
+    ('word', 'expected'), [(SupervisorBit.LOCKED, STOPS), (SupervisorBit.ARMED, 3 * STOPS)]
+)
 def test_an_emergency_stop_is_sent_ten_times_and_until_the_drone_is_not_armed(word, expected):
     seen = FIT._replace(word=int(word))
-    for stage in Stage:
-        state, sent = State(stage), 0
+    for stage in SafetyStage:
+        state, sent = SafetyState(stage), 0
         for turn in range(3 * STOPS):
-            state, order = tick(state, turn * PERIOD, seen, Asked(stop=turn == 0), LIMITS)
+            state, order = step_state(
+                state, turn * PERIOD, seen, SafetyRequest(stop=turn == 0), LIMITS
+            )
             sent += order.stop
-        assert (state.stage, sent) == (Stage.STOPPED, expected)
+        assert (state.stage, sent) == (SafetyStage.STOPPED, expected)
 
 
 def test_refusals_name_the_remedy():
@@ -302,10 +336,12 @@ def test_refusals_name_the_remedy():
         ({'active': False}, 'activate'),
         ({'voltage': 3.0}, 'charge'),
         ({'voltage': math.nan}, 'has not told'),
-        ({'word': int(Bit.LOCKED)}, 'off and on'),
+        ({'word': int(SupervisorBit.LOCKED)}, 'off and on'),
         ({'silence': 1.0}, 'said nothing'),
         ({'silence': math.inf}, 'ask again'),
     ):
-        state, order = tick(State(), 0.0, FIT._replace(**change), Asked(arm=True), LIMITS)
+        state, order = step_state(
+            SafetyState(), 0.0, FIT._replace(**change), SafetyRequest(arm=True), LIMITS
+        )
         assert order.arm is None
         assert word in state.why

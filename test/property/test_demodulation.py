@@ -6,10 +6,10 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from lta_config.errors import BadInput
-from lta_vlc.demodulation import hear
-from lta_vlc.faults import Fault, SPOILT
-from lta_vlc.listener import Listener
-from lta_vlc.settings import Demodulation
+from lta_vlc.demodulation import demodulate_block
+from lta_vlc.faults import DiodeFault, SPOILT
+from lta_vlc.receiver import BeaconReceiver
+from lta_vlc.settings import DemodulationSettings
 import numpy as np
 import pytest
 
@@ -18,7 +18,7 @@ TIME = np.arange(SAMPLES) / RATE
 FREQUENCIES = st.floats(30.0, 4900.0)
 PHASES = st.floats(-math.pi, math.pi)
 SETTINGS = st.builds(
-    Demodulation,
+    DemodulationSettings,
     frequency=st.floats(1.0, 6000.0),
     others=st.lists(st.floats(1.0, 6000.0), max_size=3).map(tuple),
     window=st.integers(0, 3),
@@ -44,8 +44,8 @@ def lone(frequency: float, phase: float, shares: np.ndarray) -> np.ndarray:
     shares=hnp.arrays(np.float64, 5, elements=st.floats(0.1, 1e3)),
 )
 def test_a_tone_reads_its_frequency_and_amplitude_wherever_it_stands(frequency, phase, shares):
-    settings_ = Demodulation(frequency=frequency, mains=0.0, harmonics=1)
-    heard = Listener(settings_, RATE, SAMPLES).hear(lone(frequency, phase, shares))
+    settings_ = DemodulationSettings(frequency=frequency, mains=0.0, harmonics=1)
+    heard = BeaconReceiver(settings_, RATE, SAMPLES).demodulate(lone(frequency, phase, shares))
     # In the lowest bins the mirror image is near, in the highest that of the other end.
     near = 0.02 / min(frequency, RATE / 2.0 - frequency)
     assert heard.frequencies[0] == pytest.approx(frequency, abs=10.0 * near)
@@ -56,11 +56,11 @@ def test_a_tone_reads_its_frequency_and_amplitude_wherever_it_stands(frequency, 
 @given(chosen=SETTINGS, block=ANY_BLOCK | COUNTS)
 def test_any_block_is_refused_at_the_start_or_answered_with_numbers(chosen, block):
     try:
-        ears = Listener(chosen, 1000.0, 100)
+        ears = BeaconReceiver(chosen, 1000.0, 100)
     except BadInput:
         return
     for _ in range(3):
-        heard = ears.hear(block)
+        heard = ears.demodulate(block)
     assert len(heard.peaks) == len(chosen.beacons)
     assert len(heard.faults) == block.shape[1]
     sound = np.array([not fault & SPOILT for fault in heard.faults])
@@ -71,7 +71,7 @@ def test_any_block_is_refused_at_the_start_or_answered_with_numbers(chosen, bloc
             assert (numbers >= 0.0).all()
         assert not np.isnan(peaks.snr).any()
         assert (peaks.snr[~sound] == 0.0).all()
-    wild = np.array([Fault.NOT_A_NUMBER in fault for fault in heard.faults])
+    wild = np.array([DiodeFault.NOT_A_NUMBER in fault for fault in heard.faults])
     assert (wild == ~np.isfinite(block.astype(float)).all(axis=0)).all()
 
 
@@ -81,8 +81,10 @@ def test_any_block_is_refused_at_the_start_or_answered_with_numbers(chosen, bloc
 )
 def test_more_light_on_everything_changes_no_ratio(seed, count, scale):
     block = np.random.default_rng(seed).normal(500.0, 20.0, (SAMPLES, count))
-    bins = Listener(Demodulation(others=(250.0,)), RATE, SAMPLES)._planned((150.0, 250.0), (0, 0))
-    before, after = hear(block, bins), hear(scale * block, bins)
+    bins = BeaconReceiver(DemodulationSettings(others=(250.0,)), RATE, SAMPLES)._planned(
+        (150.0, 250.0), (0, 0)
+    )
+    before, after = demodulate_block(block, bins), demodulate_block(scale * block, bins)
     for one, other in zip(before.peaks, after.peaks, strict=True):
         assert other.snr == pytest.approx(one.snr, rel=1e-9)
         assert other.amplitude == pytest.approx(scale * one.amplitude, rel=1e-6)
@@ -95,8 +97,8 @@ def test_diodes_in_another_order_say_the_same(seed, count):
     chance = np.random.default_rng(seed)
     shares, order = chance.uniform(0.0, 100.0, count), chance.permutation(count)
     block = lone(153.3, 1.0, shares) + chance.normal(0.0, 3.0, (SAMPLES, count))
-    ears = [Listener(Demodulation(), RATE, SAMPLES) for _ in range(2)]
-    before, after = ears[0].hear(block), ears[1].hear(block[:, order])
+    ears = [BeaconReceiver(DemodulationSettings(), RATE, SAMPLES) for _ in range(2)]
+    before, after = ears[0].demodulate(block), ears[1].demodulate(block[:, order])
     assert after.peaks[0].snr == pytest.approx(before.peaks[0].snr[order], rel=1e-12)
     assert after.peaks[0].amplitude == pytest.approx(before.peaks[0].amplitude[order], rel=1e-9)
     assert after.frequencies == pytest.approx(before.frequencies, rel=1e-12)
@@ -107,11 +109,11 @@ def test_diodes_in_another_order_say_the_same(seed, count):
 def test_a_lamp_within_the_window_is_never_lost(frequency, off, blocks):
     """However long it is followed, and whatever else it comes near."""
     try:
-        ears = Listener(Demodulation(frequency=frequency), RATE, SAMPLES)
+        ears = BeaconReceiver(DemodulationSettings(frequency=frequency), RATE, SAMPLES)
     except BadInput:
         assume(False)
     lamp = frequency + min(max(off * frequency, -15.0), 15.0)
     block = lone(lamp, 0.0, np.array([100.0, 10.0]))
     for _ in range(blocks):
-        heard = ears.hear(block)
+        heard = ears.demodulate(block)
     assert heard.frequencies[0] == pytest.approx(lamp, abs=0.01)

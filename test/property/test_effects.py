@@ -10,21 +10,21 @@ import textwrap
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from lta_config.quantity import UNITS
-from lta_discovery.model.candidates import alongside, DESIGN, NO_CANDIDATE, TOGETHER
+from lta_discovery.model.candidates import companion_values, DESIGN, NO_CANDIDATE, TOGETHER
 from lta_model.effects import EFFECTS
-from lta_model.effects.basis import basis
 from lta_model.effects.protocol import (
     ActuatorEffect,
     AirEffect,
+    AirEffectInput,
     BodyEffect,
     CHANNELS,
     InertiaEffect,
     MeasurementEffect,
-    Motion,
-    Place,
-    Rigid,
+    RigidBody,
+    VehicleMotion,
     WrenchEffect,
 )
+from lta_model.effects.regressors import compute_regressors
 from lta_model.state import ACTUATORS, BODY, COMMAND
 import numpy as np
 import pytest
@@ -112,7 +112,7 @@ def motions(draw):
     body = (draw(share) + 0.1, *moments, *added, draw(share), *rotors)
     assert len(body) == BODY
     commanded = tuple(generator.uniform(-1.0, 1.0, COMMAND).tolist())
-    return Motion(
+    return VehicleMotion(
         draw(vectors),
         rotation,
         draw(vectors),
@@ -124,7 +124,7 @@ def motions(draw):
     )
 
 
-places = st.builds(Place, vectors, vectors, vectors, surroundings)
+places = st.builds(AirEffectInput, vectors, vectors, vectors, surroundings)
 
 
 @cache
@@ -221,7 +221,9 @@ def test_inertia_is_never_negative_and_null_is_none(effect, data):
 @laws
 @given(data=st.data())
 def test_null_leaves_the_body_alone(effect, data):
-    rigid = Rigid(data.draw(share) + 0.1, data.draw(vectors), data.draw(some(6)), data.draw(share))
+    rigid = RigidBody(
+        data.draw(share) + 0.1, data.draw(vectors), data.draw(some(6)), data.draw(share)
+    )
     assert effect.change(nulls(effect), rigid) == rigid
 
 
@@ -241,7 +243,7 @@ def test_linear_parameters_are_linear(effect, data):
     thrust, memory = data.draw(thrusts), data.draw(memories(effect))
     named = {known.name: value for known, value in zip(effect.parameters, values, strict=True)}
     assert set(effect.linear_in) <= set(named)
-    columns = basis(effect, named, motion, thrust, memory)
+    columns = compute_regressors(effect, named, motion, thrust, memory)
     linear = np.array([named[name] for name in effect.linear_in])
     wrench = effect.wrench(values, memory, motion, thrust)
     scale = abs(columns) @ abs(linear) + 1.0
@@ -314,16 +316,16 @@ def anything(effect, generator):
             turn = Rotation.from_euler('ZYX', number(3)).as_matrix().ravel()
             body = (1.0, *number(9), *number(6, 0.0, 1.0), 0.4, *number(6 * ACTUATORS))
             moving = (tuple(turn.tolist()), number(3), number(3), number(3))
-            motion = Motion(number(3), *moving, body, number(COMMAND), around)
+            motion = VehicleMotion(number(3), *moving, body, number(COMMAND), around)
             return memory, motion, number(ACTUATORS, -1.0, 1.0)
         case AirEffect():
-            return memory, Place(number(3), number(3), number(3), around)
+            return memory, AirEffectInput(number(3), number(3), number(3), around)
         case ActuatorEffect():
             return memory, *number(1, 0.0, 1.0), around
         case InertiaEffect():
             return ()
         case BodyEffect():
-            return (Rigid(1.0, number(3), number(6), 0.4),)
+            return (RigidBody(1.0, number(3), number(6), 0.4),)
         case MeasurementEffect():
             return number(CHANNELS[effect.channel]), *number(1, 0.0, 1e4)
 
@@ -345,7 +347,7 @@ def test_each_candidate_does_something_alone(effect):
     """As discovery tries it on a vehicle that lacks the effect: what is `beside` it given."""
     generator = np.random.default_rng(1)
     scenes = [anything(effect, generator) for _ in range(200)]
-    taken = {p.name: p.null for p in seen(effect)} | alongside(effect.name)
+    taken = {p.name: p.null for p in seen(effect)} | companion_values(effect.name)
     together = TOGETHER.get(effect.name, ())
     for parameter in seen(effect):
         if f'{effect.name}.{parameter.name}' in NO_CANDIDATE or parameter.beside is not None:

@@ -2,10 +2,10 @@
 
 from lta_model.effects import EFFECTS, initial_memory
 from lta_model.effects.protocol import BodyEffect, MeasurementEffect
-from lta_model.model import Model
-from lta_model.state import pack, RIGID
+from lta_model.model import VehicleModel
+from lta_model.state import pack_state, RIGID
 from lta_sim.kernels import row
-from lta_sim.kernels.compose import kernel_source, layout_of
+from lta_sim.kernels.compose import build_layout, write_kernel_source
 from lta_sim.kernels.kernel import advance, LAYOUT
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ import pytest
 
 def as_python(effects):
     """Return the kernel of some effects as plain, slow Python."""
-    source = kernel_source(effects).replace('from numba import njit', '')
+    source = write_kernel_source(effects).replace('from numba import njit', '')
     space = {'njit': lambda **_: lambda function: function}
     exec(source, space)
     return space['advance']
@@ -101,7 +101,7 @@ REMEMBERED = 0.3
 
 def flight(effects, kernel, given):
     """Return the state a few steps on, with the memory that these effects have."""
-    model = Model.build(
+    model = VehicleModel.build(
         given,
         mass=0.36,
         cg=(0.01, 0.0, -0.08),
@@ -109,11 +109,11 @@ def flight(effects, kernel, given):
         displaced=0.35,
         rotors=ROTORS,
     )
-    layout = layout_of(effects)
-    places, _ = LAYOUT.places(layout.effects)
-    on = [int(model.on[LAYOUT.flag(name)]) for name in layout.effects]
+    layout = build_layout(effects)
+    places, _ = LAYOUT.find_places(layout.effects)
+    on = [int(model.on[LAYOUT.flag_index(name)]) for name in layout.effects]
     start = begin([REMEMBERED] * (layout.size - RIGID)).tolist()
-    where = row.places(layout)
+    where = row.row_places(layout)
     numbers = [0.0] * where['wind'].stop
     for name, values in {
         'state': start,
@@ -129,7 +129,7 @@ def flight(effects, kernel, given):
 
 
 def begin(memory):
-    return pack((1.0, 2.0, 0.33), 0.3, (0.3, -0.2, -0.1), (0.4, 0.5, -0.6), memory)
+    return pack_state((1.0, 2.0, 0.33), 0.3, (0.3, -0.2, -0.1), (0.4, 0.5, -0.6), memory)
 
 
 def test_values_are_chosen_for_effects_that_there_are():

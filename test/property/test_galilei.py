@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from lta_model.effects import EFFECTS, initial_memory
 from lta_model.effects.protocol import WrenchEffect
-from lta_model.model import Model
+from lta_model.model import VehicleModel
 from lta_model.state import POSITION, QUATERNION, RIGID, VELOCITY
 from lta_sim.kernels.kernel import advance
 import numpy as np
@@ -61,7 +61,7 @@ def some_values(effect, seed):
 @pytest.mark.parametrize('effect', FREE, ids=of)
 def test_a_flight_in_wind_is_a_flight_in_calm_carried_along(effect):
     given = BODY | {effect.name: BODY.get(effect.name, {}) | some_values(effect, 4)}
-    model = Model.build(
+    model = VehicleModel.build(
         given, mass=0.4, cg=(0.01, 0.0, -0.05), inertia=np.diag([0.02, 0.03, 0.02]),
         displaced=0.38, rotors=ROTORS,
     )  # fmt: skip
@@ -83,7 +83,7 @@ def test_wind_moves_a_hull_that_has_nothing_but_this_drag(name):
     effect = EFFECTS[name]
     assert isinstance(effect, WrenchEffect)
     values = some_values(effect, 4)
-    model = Model.build(
+    model = VehicleModel.build(
         {name: values}, mass=0.4, cg=(0.0, 0.0, 0.0), inertia=np.diag([0.02, 0.03, 0.02])
     )
     start = begin(initial_memory())

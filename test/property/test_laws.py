@@ -5,37 +5,37 @@ import math
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from lta_config.compilation.flat import compiled, Layout
-from lta_config.files import known
-from lta_control.allocation import new_scratch, SCRATCH
+from lta_config.compilation.flat import compile_core, TupleLayout
+from lta_config.files import list_shipped
+from lta_control.allocation import create_scratch, SCRATCH
 from lta_control.cascade import Setpoint
-from lta_control.gains_file import load_gains_of
-from lta_control.laws import law, LAWS
-from lta_control.laws.frames import from_angles
-from lta_control.laws.protocol import Heard, Motion
+from lta_control.gains_file import load_law_gains
+from lta_control.laws import find_law, LAWS
+from lta_control.laws.frames import quaternion_from_angles
+from lta_control.laws.protocol import ControlMotion, LawInputs
 from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest
 
-BY_LAW = {load_vehicle(name).file.control.law: name for name in known('vehicles')}
-HEARD = Layout(Heard())
+BY_LAW = {load_vehicle(name).file.control.law: name for name in list_shipped('vehicles')}
+HEARD = TupleLayout(LawInputs())
 
 anything = st.floats(-1e3, 1e3)
 angle = st.floats(-math.pi, math.pi)
 vectors = st.tuples(anything, anything, anything)
-attitudes = st.builds(from_angles, angle, angle, angle)
-motions = st.builds(Motion, vectors, attitudes, vectors, vectors)
+attitudes = st.builds(quaternion_from_angles, angle, angle, angle)
+motions = st.builds(ControlMotion, vectors, attitudes, vectors, vectors)
 setpoints = st.builds(Setpoint, anything, anything, anything)
 flights = st.lists(
-    st.builds(Heard, motions, setpoints, st.floats(1e-3, 0.1)), min_size=1, max_size=6
+    st.builds(LawInputs, motions, setpoints, st.floats(1e-3, 0.1)), min_size=1, max_size=6
 )
 
 
 @cache
 def made(name):
     vehicle = load_vehicle(BY_LAW[name])
-    found = law(name)
-    gains = load_gains_of(found.gains, vehicle.file.control.gains)
+    found = find_law(name)
+    gains = load_law_gains(found.gains, vehicle.file.control.gains)
     return vehicle, found, found.known(gains, vehicle)
 
 
@@ -48,7 +48,7 @@ def test_every_law_has_a_vehicle():
 @given(flight=flights)
 def test_whatever_comes_the_duties_are_ones_that_the_rotors_can_obey(name, flight):
     vehicle, found, constants = made(name)
-    memory, scratch = found.start, new_scratch()
+    memory, scratch = found.start, create_scratch()
     count = len(vehicle.rotors)
     for heard in flight:
         memory = found.step(constants, memory, heard, scratch)
@@ -68,10 +68,10 @@ def test_whatever_comes_the_duties_are_ones_that_the_rotors_can_obey(name, fligh
 @given(flight=flights)
 def test_compiled_it_is_the_same_to_the_last_bit(name, flight):
     _, found, constants = made(name)
-    layout, form = Layout(constants), Layout(found.start)
-    step = compiled(found.step, layout, form, HEARD)
+    layout, form = TupleLayout(constants), TupleLayout(found.start)
+    step = compile_core(found.step, layout, form, HEARD)
     numbers, array = layout.write(constants), form.write(found.start)
-    memory, scratch = found.start, new_scratch()
+    memory, scratch = found.start, create_scratch()
     for heard in flight:
         memory = found.step(constants, memory, heard, scratch)
         step(numbers, array, HEARD.write(heard), np.zeros(SCRATCH))

@@ -5,7 +5,7 @@ import math
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from lta_control.strategies import STRATEGIES
-from lta_control.strategies.protocol import Course, Sight
+from lta_control.strategies.protocol import LightSight, SteeringCommand
 from lta_control.strategies.settings import StrategySettings
 import pytest
 
@@ -15,7 +15,7 @@ angle = st.floats(-math.pi, math.pi)
 place, speed = st.floats(-30.0, 30.0), st.floats(-2.0, 2.0)
 sights = st.lists(
     st.builds(
-        Sight,
+        LightSight,
         seen=st.booleans(),
         bearing=angle,
         heading=angle,
@@ -56,7 +56,7 @@ def flown(strategy, heading, seen):
 @given(heading=angle, seen=sights)
 def test_courses_are_finite_and_no_faster_than_the_cruise(name, heading, seen):
     for course, memory in flown(STRATEGIES[name], heading, seen):
-        assert isinstance(course, Course)
+        assert isinstance(course, SteeringCommand)
         assert math.isfinite(course.heading)
         assert 0.0 <= course.speed <= FASTEST * (1.0 + 1e-12)
         assert isinstance(course.arrived, bool)

@@ -5,22 +5,22 @@ import math
 from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import invariant, rule, RuleBasedStateMachine
-from lta_bridge.teleop.helm import (
-    Felt,
+from lta_bridge.teleop.steering import (
+    HeadingAltitude,
     LEAD_CLIMB,
     LEAD_TURN,
-    Order,
-    Rates,
-    Stage,
-    State,
+    step_state,
     STOPS,
-    tick,
+    TeleopOutputs,
+    TeleopRates,
+    TeleopStage,
+    TeleopState,
 )
 from lta_bridge.teleop.sticks import Sticks
-from lta_control.cascade import wrap
+from lta_control.cascade import wrap_angle
 
 PERIOD = 0.02
-RATES = Rates()
+RATES = TeleopRates()
 deflections = st.one_of(st.just(0.0), st.floats(-1.0, 1.0))
 hands = st.builds(
     Sticks,
@@ -30,7 +30,9 @@ hands = st.builds(
     take=st.booleans(),
     give_back=st.booleans(),
 )
-estimates = st.builds(Felt, heading=st.floats(-math.pi, math.pi), altitude=st.floats(0.0, 3.0))
+estimates = st.builds(
+    HeadingAltitude, heading=st.floats(-math.pi, math.pi), altitude=st.floats(0.0, 3.0)
+)
 
 
 class Person(RuleBasedStateMachine):
@@ -38,7 +40,7 @@ class Person(RuleBasedStateMachine):
 
     def __init__(self):
         super().__init__()
-        self.state, self.order, self.now = State(), Order(), 0.0
+        self.state, self.order, self.now = TeleopState(), TeleopOutputs(), 0.0
         self.sticks, self.felt = None, None
         self.held = self.stopped = False
         self.stops = 0
@@ -46,8 +48,8 @@ class Person(RuleBasedStateMachine):
     def step(self, sticks, felt):
         self.now += PERIOD
         self.sticks, self.felt = sticks, felt
-        self.state, self.order = tick(
-            self.state, self.now, PERIOD, sticks, felt, RATES, told=self.held
+        self.state, self.order = step_state(
+            self.state, self.now, PERIOD, sticks, felt, RATES, person_steers=self.held
         )
         self.stopped |= sticks is not None and sticks.stop
         self.stops += self.order.stop
@@ -59,7 +61,7 @@ class Person(RuleBasedStateMachine):
         before = self.held
         self.step(sticks, felt)
         if not self.stopped:
-            takes = sticks.moved or sticks.take
+            takes = sticks.is_deflected or sticks.take
             if takes:
                 assert self.held, 'a stick wins at once'
             elif before and not self.held:
@@ -77,16 +79,16 @@ class Person(RuleBasedStateMachine):
 
     @rule(felt=estimates)
     def start_again(self, felt):
-        self.state = State()
+        self.state = TeleopState()
         before, self.stopped, self.stops = self.held, False, 0
         self.step(Sticks(), felt)
-        assert (self.state.stage is Stage.PERSON) == before
+        assert (self.state.stage is TeleopStage.PERSON) == before
         assert (self.order.setpoint is not None) == before
 
     @rule(felt=st.one_of(st.none(), estimates))
     def stop(self, felt):
         self.step(Sticks(forward=1.0, stop=True), felt)
-        assert self.state.stage is Stage.STOPPED
+        assert self.state.stage is TeleopStage.STOPPED
 
     @invariant()
     def a_setpoint_is_a_person_s_and_near_the_drone(self):
@@ -95,7 +97,7 @@ class Person(RuleBasedStateMachine):
         assert self.held
         assert not self.stopped
         assert abs(self.order.setpoint.speed) <= RATES.speed
-        assert abs(wrap(self.order.setpoint.heading - self.felt.heading)) <= LEAD_TURN + 1e-9
+        assert abs(wrap_angle(self.order.setpoint.heading - self.felt.heading)) <= LEAD_TURN + 1e-9
         assert abs(self.order.setpoint.altitude - self.felt.altitude) <= LEAD_CLIMB + 1e-9
 
     @invariant()
@@ -110,10 +112,10 @@ TestPerson = Person.TestCase
 
 
 def test_an_emergency_stop_is_said_again_and_again():
-    state, said = State(), []
+    state, said = TeleopState(), []
     for k in range(500):
         sticks = Sticks(stop=k == 0)
-        state, order = tick(state, k * PERIOD, PERIOD, sticks, None, RATES)
+        state, order = step_state(state, k * PERIOD, PERIOD, sticks, None, RATES)
         said.append(order.stop)
     assert all(said[:STOPS])
     assert 15 <= sum(said[STOPS:]) <= 20  # ten seconds, each half of one

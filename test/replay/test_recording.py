@@ -13,77 +13,77 @@ import shutil
 import sys
 import tempfile
 
-from lta_bridge.bag.qos import offered_qos
+from lta_bridge.bag.qos import build_offered_qos
 from lta_bridge.bag.writer import BagWriter
-from lta_bridge.cdr import serialise
-from lta_bridge.provenance import provenance
+from lta_bridge.cdr import encode_cdr
+from lta_bridge.provenance import collect_provenance
 from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_config.topics import topic_table
+from lta_config.topics import load_topic_table
 from lta_control.gains_file import load_gains
-from lta_control.messages import from_setpoint, to_measured, to_reckoned
+from lta_control.messages import from_setpoint, to_dead_reckoning, to_measurement
 from lta_control.mission import mission_step, MissionSettings
 from lta_control.phases import Mission
-from lta_control.reserve import Order
-from lta_control.sighting import sighted
-from lta_control.strategies import strategy
-from lta_data.bag.flight import open_flight
+from lta_control.reserve import FlightPermission
+from lta_control.sighting import build_sight
+from lta_control.strategies import find_strategy
 from lta_data.bag.reader import read_bag
-from lta_flight.loop import carried_axes, carried_lamp, Loop
+from lta_data.bag.recorded_flight import open_flight
+from lta_flight.closed_loop import ClosedLoop, convert_lamp, round_axes
+from lta_flight.flight_stack import FlightStack
 from lta_flight.messages import LoopRecorder
-from lta_flight.policy import Policy
-from lta_flight.replay.verdict import judged
-from lta_graph.ros.message_types import message_type
+from lta_flight.replay.verdict import compare_flights
+from lta_graph.ros.message_types import find_message_type
 from lta_graph.ros.stamps import from_stamp, to_stamp
 from lta_model.scenario import load_scenario
-from lta_model.start_offset import started
+from lta_model.start_offset import offset_start
 from lta_model.vehicle import load_vehicle
 from lta_sim.world import World
-from lta_vlc.array import bearing
-from lta_vlc.diodes import diodes_of
+from lta_vlc.beacon_request import NO_WISH
+from lta_vlc.bearing import estimate_bearing
+from lta_vlc.diodes import build_diode_array
 from lta_vlc.direction import DirectionFinder
-from lta_vlc.lamp import lamp_estimate, LampPrior
-from lta_vlc.listener import Listener
+from lta_vlc.lamp import estimate_lamp_position, LampPrior
 from lta_vlc.messages import from_bearing, from_lamp, from_peaks, to_block
-from lta_vlc.settings import Demodulation
-from lta_vlc.wish import NO_WISH
+from lta_vlc.receiver import BeaconReceiver
+from lta_vlc.settings import DemodulationSettings
 import numpy as np
 import pytest
 from rclpy.serialization import deserialize_message
 from std_msgs.msg import Float64
 
 STORED = Path(__file__).with_name('lamp.mcap')
-TABLE = topic_table()
+TABLE = load_topic_table()
 ENTRY = load_vehicle_file('gtmab').sensors.diodes
-DIODES = diodes_of(ENTRY)
+DIODES = build_diode_array(ENTRY)
 NODES = ('demodulator', 'navigator')
 ANSWERS = [name for node in NODES for name in TABLE.published_by(node)]
 KEPT = ['photodiodes', 'odom', 'energy/reserve', 'energy/status', *ANSWERS]
 START = 4.0, 1.0  # m beside the scenario's start
 STEPS, SEED = 801, 4  # 8 s
 LARGEST = 750_000  # bytes; noise does not compress
-QOS = [offered_qos('reliable', 'transient_local', 200)]
+QOS = [build_offered_qos('reliable', 'transient_local', 200)]
 
 
 def fly(folder):
     """Fly, and write what the two nodes read and answer as a bag; return its file."""
-    scenario = started(load_scenario('lamp_room'), *START)
+    scenario = offset_start(load_scenario('lamp_room'), *START)
     vehicle = load_vehicle('gtmab', scenario.air.density)
     world = World(vehicle, scenario, TABLE, SEED)
-    loop = Loop(world, TABLE, Policy(strategy('bag'), gains=load_gains('gtmab')))
+    loop = ClosedLoop(world, TABLE, FlightStack(find_strategy('bag'), gains=load_gains('gtmab')))
     with BagWriter(folder / 'whole', {}) as writer:
         recorder = LoopRecorder(writer, loop, TABLE, 'lta1')
         for _ in range(STEPS):
             loop.decide()
-            recorder.take()
-            loop.act()
-    told = provenance('gtmab', 'lamp_room', 'gtmab', strategy='bag', seed=str(SEED))
+            recorder.record_step()
+            loop.apply_command()
+    told = collect_provenance('gtmab', 'lamp_room', 'gtmab', strategy='bag', seed=str(SEED))
     for name in ('commit', 'platform', 'created', 'config_sha256'):
         del told[name]
     bag = read_bag(folder / 'whole')
     with BagWriter(folder / 'lamp', told) as writer:
         for name in KEPT:
             writer.add_topic(f'/lta1/{name}', TABLE[name].type, QOS)
-        for name, log_time, data in bag.messages([f'/lta1/{name}' for name in KEPT]):
+        for name, log_time, data in bag.iterate_messages([f'/lta1/{name}' for name in KEPT]):
             writer.write(name, data, log_time)
     (file,) = (folder / 'lamp').glob('*.mcap')
     return file
@@ -91,43 +91,45 @@ def fly(folder):
 
 def recorded(name):
     """Return time of publication and message of a topic of the stored bag. [ns]"""
-    kind = message_type(TABLE[name])
+    kind = find_message_type(TABLE[name])
     bag = read_bag(STORED)
-    return [(t, deserialize_message(d, kind)) for _, t, d in bag.messages([f'/lta1/{name}'])]
+    return [
+        (t, deserialize_message(d, kind)) for _, t, d in bag.iterate_messages([f'/lta1/{name}'])
+    ]
 
 
 def answered(folder, demodulation=None, mission=None):
     """Return the bag that the cores of both nodes make of the stored one, without a graph."""
-    settings, mission = demodulation or Demodulation(), mission or MissionSettings()
+    settings, mission = demodulation or DemodulationSettings(), mission or MissionSettings()
     light, prior = TABLE.light, LampPrior()
-    listener = Listener(settings, light.sample_rate.si, light.samples, ENTRY.top)
+    listener = BeaconReceiver(settings, light.sample_rate.si, light.samples, ENTRY.largest_reading)
     odometry, reserves = recorded('odom'), recorded('energy/reserve')
-    motions = {from_stamp(m.header.stamp): to_reckoned(m) for _, m in odometry}
-    state, plan, finder = Mission(), strategy('bag'), DirectionFinder(DIODES)
+    motions = {from_stamp(m.header.stamp): to_dead_reckoning(m) for _, m in odometry}
+    state, plan, finder = Mission(), find_strategy('bag'), DirectionFinder(DIODES)
     with BagWriter(folder, {}) as writer:
         for name in ANSWERS:
             writer.add_topic(f'/lta1/{name}', TABLE[name].type, QOS)
         for now, image in recorded('photodiodes'):
             block = to_block(image)
-            hearing = listener.hear(block)
+            hearing = listener.demodulate(block)
             peaks = hearing.peaks[0]
-            towards = bearing(peaks, DIODES.ring, settings.threshold)
+            towards = estimate_bearing(peaks, DIODES.ring, settings.threshold)
             found = finder.find(peaks, settings.threshold, prior)
             begun = from_stamp(image.header.stamp)
-            measured = to_measured(
+            measured = to_measurement(
                 max((m for m in odometry if m[0] <= now), key=lambda m: m[0])[1]
             )
             known = [m.data for t, m in reserves if t <= now - TABLE.control_ns]
-            lamp = None if found is None else lamp_estimate(found, prior)
-            sight = sighted(
-                None if lamp is None else carried_lamp(lamp),
-                carried_axes(DIODES.ring),
+            lamp = None if found is None else estimate_lamp_position(found, prior)
+            sight = build_sight(
+                None if lamp is None else convert_lamp(lamp),
+                round_axes(DIODES.ring),
                 tuple(peaks.amplitude.astype(np.float32).tolist()),
                 motions[begun + TABLE['photodiodes'].period_ns // 2],
                 TABLE['photodiodes'].period_ns * 1e-9,
             )
             altitude = None if measured is None or not known else measured.altitude
-            order = Order.RESERVE if known and known[-1] else Order.FLY
+            order = FlightPermission.RESERVE if known and known[-1] else FlightPermission.FLY
             asked, state = mission_step(mission, plan, state, sight, altitude, order)
             pose, velocity = from_setpoint(to_stamp(begun), asked)
             for name, message in (
@@ -138,12 +140,12 @@ def answered(folder, demodulation=None, mission=None):
                 ('setpoint/velocity', velocity),
                 ('light/beacon', Float64(data=NO_WISH)),
             ):
-                writer.write(f'/lta1/{name}', serialise(message), now)
+                writer.write(f'/lta1/{name}', encode_cdr(message), now)
     return folder
 
 
 def verdict(folder):
-    return judged(open_flight(STORED), open_flight(folder), ANSWERS)
+    return compare_flights(open_flight(STORED), open_flight(folder), ANSWERS)
 
 
 def test_the_recording_is_small_and_has_something_to_decide():
@@ -160,14 +162,14 @@ def test_the_recorded_decisions_are_those_of_today(tmp_path):
     assert {'platform', 'commit'} <= set(found.elsewhere)
     assert found.word in ('identical', 'same'), found.to_dict()
     assert [topic.count for topic in found.topics] == [80] * len(ANSWERS)
-    assert {each.name: each.changed for each in found.decisions} == {
+    assert {each.name: each.change_count for each in found.decisions} == {
         'lamp seen': 0, 'heading': 0, 'altitude': 0, 'speed': 0,
     }  # fmt: skip
 
 
 def test_another_window_moves_the_ratios_and_not_the_decisions(tmp_path):
     """Wider windows take bins out of the noise: the SNR changes, the amplitude does not."""
-    found = verdict(answered(tmp_path / 'bag', Demodulation(window=4)))
+    found = verdict(answered(tmp_path / 'bag', DemodulationSettings(window=4)))
     assert found.word == 'different'
     differ = {each.path for topic in found.topics for each in topic.channels}
     assert {f'snr[{k}]' for k in range(8)} <= differ
@@ -175,10 +177,10 @@ def test_another_window_moves_the_ratios_and_not_the_decisions(tmp_path):
 
 
 def test_a_threshold_that_no_diode_passes_loses_the_lamp(tmp_path):
-    found = verdict(answered(tmp_path / 'bag', Demodulation(threshold=1000.0)))
+    found = verdict(answered(tmp_path / 'bag', DemodulationSettings(threshold=1000.0)))
     seen = next(each for each in found.decisions if each.name == 'lamp seen')
-    assert seen.changed == seen.recorded.sum() > 0
-    assert found.seconds(int(seen.keys[seen.first])) == pytest.approx(0.0, abs=8.0)
+    assert seen.change_count == seen.recorded.sum() > 0
+    assert found.relative_time(int(seen.keys[seen.first_change])) == pytest.approx(0.0, abs=8.0)
 
 
 def test_a_change_of_a_millionth_is_not_the_same(tmp_path):
@@ -186,7 +188,7 @@ def test_a_change_of_a_millionth_is_not_the_same(tmp_path):
     nudged = settings.model_copy(update={'altitude': settings.altitude * (1.0 + 1e-6)})
     found = verdict(answered(tmp_path / 'bag', mission=nudged))
     assert found.word == 'different'
-    assert next(each for each in found.decisions if each.name == 'altitude').largest < 1e-6
+    assert next(each for each in found.decisions if each.name == 'altitude').largest_change < 1e-6
 
 
 if __name__ == '__main__':

@@ -25,8 +25,8 @@ from tempfile import TemporaryDirectory
 from commands import COMMANDS, FLIGHTS, ROOT, run_command
 from fingerprint import describe_machine
 from lta_config.errors import BadInput
-from lta_flight.sweep.run import cores
-from lta_report.children import done_by
+from lta_flight.sweep.run import count_cores
+from lta_report.worker_pool import run_in_workers
 from rich.progress import track
 from simulations import list_flights, simulate_flight
 from studies import forget_cases, make_cases, study
@@ -49,7 +49,9 @@ def merge(parts: Iterator[Table], count: int, title: str) -> Table:
 def compute_simulations(jobs: int, _again: bool) -> Table:
     """Return the hash of each flight."""
     flights = list(list_flights())
-    return merge(done_by(simulate_flight, flights, jobs, '--jobs'), len(flights), 'simulations')
+    return merge(
+        run_in_workers(simulate_flight, flights, jobs, '--jobs'), len(flights), 'simulations'
+    )
 
 
 def compute_commands(jobs: int, again: bool) -> Table:
@@ -69,7 +71,7 @@ def run_commands(jobs: int, title: str) -> Table:
         for one, line in FLIGHTS.items():
             rows |= run_command(one, line, folder)
         each = [(one, line, folder) for one, line in COMMANDS.items()]
-        return rows | merge(done_by(run_command, each, jobs, '--jobs'), len(each), title)
+        return rows | merge(run_in_workers(run_command, each, jobs, '--jobs'), len(each), title)
 
 
 def compute_studies(jobs: int, again: bool) -> Table:
@@ -77,7 +79,7 @@ def compute_studies(jobs: int, again: bool) -> Table:
     if again:
         forget_cases()
     cases = [(folder,) for folder in make_cases(jobs)]
-    return merge(done_by(study, cases, jobs, '--jobs'), len(cases), 'studies')
+    return merge(run_in_workers(study, cases, jobs, '--jobs'), len(cases), 'studies')
 
 
 TABLES = {
@@ -156,7 +158,7 @@ def main() -> int:
     parser.add_argument('--freeze', action='store_true', help='write the tables')
     parser.add_argument('--against', metavar='COMMIT', help='compare with a commit')
     parser.add_argument('--only', choices=TABLES, action='append', help='one table; repeatable')
-    parser.add_argument('--jobs', type=int, default=cores())
+    parser.add_argument('--jobs', type=int, default=count_cores())
     parser.add_argument('--out', type=Path, default=FROZEN, help='folder of the tables')
     order = parser.parse_args()
     tables = order.only or list(TABLES)

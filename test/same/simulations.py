@@ -6,11 +6,11 @@ from itertools import product
 from typing import Any
 
 from lta_config.errors import BadInput
-from lta_config.files import known
-from lta_config.topics import topic_table
+from lta_config.files import list_shipped
+from lta_config.topics import load_topic_table
 from lta_control.strategies import STRATEGIES
 from lta_flight.flight import ROBOT
-from lta_flight.ingredients import gather, loop_of
+from lta_flight.flight_spec import build_loop, load_spec
 from lta_flight.messages import LoopRecorder
 
 SEED = 5
@@ -39,18 +39,18 @@ class Hash:
 
 def list_flights() -> Iterator[tuple[str, str, str]]:
     """Yield vehicle, scenario and strategy of every flight."""
-    yield from product(known('vehicles'), known('scenarios'), STRATEGIES)
+    yield from product(list_shipped('vehicles'), list_shipped('scenarios'), STRATEGIES)
 
 
 def simulate_flight(vehicle: str, scenario: str, strategy: str) -> dict[str, str]:
     """Return the hash of one flight, or that it was refused."""
     name = f'{vehicle} {scenario} {strategy}'
     try:
-        loop = loop_of(gather(vehicle, scenario, strategy, ''), SEED)
+        loop = build_loop(load_spec(vehicle, scenario, strategy, ''), SEED)
     except BadInput:
         return {name: 'refused'}
     hashed = Hash()
-    recorder = LoopRecorder(hashed, loop, topic_table(), ROBOT)
-    for _, _outcome in zip(range(STEPS), loop.flight(), strict=False):
-        recorder.take()
+    recorder = LoopRecorder(hashed, loop, load_topic_table(), ROBOT)
+    for _, _outcome in zip(range(STEPS), loop.iterate_steps(), strict=False):
+        recorder.record_step()
     return {name: f'{hashed} {loop.world.outcome.name.lower()}'}

@@ -14,16 +14,16 @@ from collections.abc import Iterator
 import sys
 import time
 
-from lta_challenge.case import Drawing
-from lta_challenge.make import known
-from lta_challenge.rows import Kind, kind
-from lta_discovery.carrying import route
-from lta_discovery.finding import Finding
-from lta_discovery.flights.measured import measured, Stream, Streams
-from lta_discovery.flights.mistaken import mistaken
-from lta_discovery.outside.unexplained import Remainder
-from lta_discovery.study import Flown, ready, Study
-from lta_flight.sweep.statistics import wilson
+from lta_challenge.case import CaseGenerator
+from lta_challenge.make import load_challenge_vehicle
+from lta_challenge.rows import Kind, parse_kind
+from lta_discovery.finding import DiscoveryFinding
+from lta_discovery.flights.measured_flight import FlightStreams, resample_flight, Stream
+from lta_discovery.flights.tracker_outliers import find_tracker_outliers
+from lta_discovery.study import DiscoveryStudy, prepare_flight, StudyFlight
+from lta_discovery.transfer import forecast_naming
+from lta_discovery.unmodeled.remainders import Remainder
+from lta_flight.sweep.statistics import wilson_interval
 import numpy as np
 from numpy.typing import NDArray
 from rich.progress import track
@@ -39,7 +39,7 @@ LEFT = (Remainder('surge', 0.02, 30.0, (), 0.0),)  # floors enough to ask foreca
 
 def smoothed(time: Array, poses: Array) -> Stream:
     """Return poses without those that the tracker mistook, filtered both ways."""
-    good = ~mistaken(poses)
+    good = ~find_tracker_outliers(poses)
     values = poses[good]
     turned = np.where(np.sum(values[1:, 3:] * values[:-1, 3:], axis=1) < 0.0, -1.0, 1.0)
     values[1:, 3:] *= np.cumprod(turned)[:, None]
@@ -48,17 +48,19 @@ def smoothed(time: Array, poses: Array) -> Stream:
     return Stream(time[good], values)
 
 
-def case(seed: int, hidden: Kind) -> tuple[list[str], Study]:
+def case(seed: int, hidden: Kind) -> tuple[list[str], DiscoveryStudy]:
     """Return what is hidden, and a study as if readings had left something without a name."""
-    about, flown = known(), []
-    drawn = Drawing(about, seed, 0, 'pose', hidden, SECONDS).drawn(ROLES)
+    about, flown = load_challenge_vehicle(), []
+    drawn = CaseGenerator(about, seed, 0, 'pose', hidden, SECONDS).generate_case(ROLES)
     for flight in drawn.flights:
         pose = smoothed(*flight.streams['ground_truth/odom'])
-        made = measured(Streams(pose, Stream(*flight.streams['motors'])))
-        flown.append(Flown(flight.name, flight.role, ready(about.vehicle, made, about.knobs)))
-    finding = Finding('unexplained', (), (), (), (), True, LEFT, (), seed, {}, 'gtmab')
+        made = resample_flight(FlightStreams(pose, Stream(*flight.streams['motors'])))
+        flown.append(
+            StudyFlight(flight.name, flight.role, prepare_flight(about.vehicle, made, about.knobs))
+        )
+    finding = DiscoveryFinding('unexplained', (), (), (), (), True, LEFT, (), seed, {}, 'gtmab')
     names = [f'{one["knob"]} {one["value"]:.3g}' for one in drawn.answer['hidden']]
-    return names, Study(finding, about.nominal, about.nominal, flown, [])
+    return names, DiscoveryStudy(finding, about.nominal, about.nominal, flown, [])
 
 
 def lines(seeds: range, hidden: Kind) -> Iterator[str]:
@@ -67,14 +69,14 @@ def lines(seeds: range, hidden: Kind) -> Iterator[str]:
     for seed in track(seeds, 'judging', disable=not sys.stderr.isatty()):
         began = time.process_time()
         truth, study = case(seed, hidden)
-        found = route.by_forecasts(study, lambda what, share: None).finding
+        found = forecast_naming.name_by_forecasts(study, lambda what, share: None).finding
         names = [one.name for one in found.effects]
         named += bool(names)
         seconds = time.process_time() - began
         hid = f'hidden {", ".join(truth)}; ' if truth else ''
         said = f'named {names or "nothing"}; {seconds:.0f} s; {" ".join(found.warnings)}'
         yield f'{seed} {hid}{said}'
-    share = wilson(named, len(seeds))
+    share = wilson_interval(named, len(seeds))
     yield f'named {named}/{len(seeds)}, {100 * share.low:.0f}..{100 * share.high:.0f} %'
 
 
@@ -87,8 +89,8 @@ def main() -> None:
     parser.add_argument('--free', action='store_true', help='without the limit of tolerances')
     asked = parser.parse_args()
     if asked.free:
-        route.LOOSE = 0.0  # type: ignore[misc]
-    for line in lines(range(asked.first, asked.first + asked.cases), kind(asked.kind)):
+        forecast_naming.LOOSE = 0.0  # type: ignore[misc]
+    for line in lines(range(asked.first, asked.first + asked.cases), parse_kind(asked.kind)):
         sys.stdout.write(line + '\n')
         sys.stdout.flush()
 

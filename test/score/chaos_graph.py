@@ -15,14 +15,14 @@ import beside  # noqa: F401
 from command import Lta, processes
 from diagnostic_msgs.msg import DiagnosticArray
 from endless import endless
-from lta_config.topics import topic_table
-from lta_emulation.emulated_hardware import emulated, Hardware
-from lta_graph.ros.message_types import message_type
+from lta_config.topics import load_topic_table
+from lta_emulation.emulated_hardware import EmulatedHardware, serve_hardware
+from lta_graph.ros.message_types import find_message_type
 from peer import Peer
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from std_srvs.srv import SetBool
 
-TABLE: Final = topic_table()
+TABLE: Final = load_topic_table()
 ROBOT: Final = 'lta1'
 ERROR: Final = 2  # the level of a fault
 HOOK: Final = Path(__file__).with_name('chaos_hook')
@@ -90,12 +90,14 @@ class Graph:
         # Of a node that nobody spins: what is not asked for takes nobody's time.
         idle = peer.beside()
         self._ears = {
-            name: idle.create_subscription(message_type(TABLE[name]), name, lambda _: None, NEWEST)
+            name: idle.create_subscription(
+                find_message_type(TABLE[name]), name, lambda _: None, NEWEST
+            )
             for name in inputs(way)
         }
         self._folder = folder
         self._open = ExitStack()
-        self.hardware: Hardware | None = None
+        self.hardware: EmulatedHardware | None = None
         self.lta = Lta()
         peer.node.create_subscription(DiagnosticArray, '/diagnostics', self._hear, 100)
 
@@ -122,7 +124,7 @@ class Graph:
             return launch
         port = self._folder / 'light_board'
         self.hardware = self._open.enter_context(
-            emulated('gtmab', 'lamp_room', 1, light_port=port)
+            serve_hardware('gtmab', 'lamp_room', 1, light_port=port)
         )
         uri, board = self.hardware.crazyflie.uri, self.hardware.board.port
         return [
@@ -141,7 +143,7 @@ class Graph:
 
     def pattern(self, name: str) -> Any:
         """Return the newest message of a topic, an empty one where nothing has come."""
-        kind, handle = message_type(TABLE[name]), self._ears[name].handle
+        kind, handle = find_message_type(TABLE[name]), self._ears[name].handle
         while (taken := handle.take_message(kind, False)) is not None:
             self._newest[name] = taken[0]
         return self._newest.get(name) or kind()

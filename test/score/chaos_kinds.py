@@ -22,7 +22,7 @@ from chaos_hook.sitecustomize import EXCEPTION, MEMORY, SLOW_DISK, STALL
 from chaos_spoilt import spoil, SPOILT
 from fault_kinds import CUT_OFF, LANDS, SLACK, STALE
 from lta_config.topics import robot_topic
-from lta_graph.ros.message_types import message_type
+from lta_graph.ros.message_types import find_message_type
 from rcl_interfaces.srv import DescribeParameters, ListParameters
 
 ALL: Final = ('lockstep', 'realtime', 'hardware')
@@ -140,7 +140,7 @@ def lost(trial: Any) -> str:
 def jumped(trial: Any) -> str:
     """Tell another time of the clock, an hour off, for a while."""
     trial.target = '/clock'
-    message = message_type(TABLE['/clock'])()
+    message = find_message_type(TABLE['/clock'])()
     message.clock.sec = 3600 if trial.random.random() < 0.5 else 0
     trial.publish('/clock', message, SPOILS)
     return 'published by others too: .*/clock'

@@ -14,8 +14,8 @@ from typing import Any, Final
 from chaos_graph import alive, Graph, inputs, NODES, TABLE
 from chaos_kinds import KINDS, limit
 from fault_kinds import LANDS, SLACK
-from lta_graph.ros.message_types import message_type
-from lta_graph.ros.qos import profile
+from lta_graph.ros.message_types import find_message_type
+from lta_graph.ros.qos import select_profile
 from peer import Peer
 from std_srvs.srv import SetBool
 
@@ -94,8 +94,8 @@ class Strike:
     def publish(self, name: str, message: Any, seconds: float, every: float = 0.05) -> None:
         """Publish a message again and again, as soon as somebody has found us."""
         row = TABLE[name]
-        quality = profile(row, self.graph.way == 'lockstep')
-        publisher = self.peer.node.create_publisher(message_type(row), name, quality)
+        quality = select_profile(row, self.graph.way == 'lockstep')
+        publisher = self.peer.node.create_publisher(find_message_type(row), name, quality)
         self.stack.callback(self.peer.node.destroy_publisher, publisher)
         self.peer.until(publisher.get_subscription_count)
         self.struck, over = time.monotonic(), Event()

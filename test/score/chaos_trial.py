@@ -86,7 +86,7 @@ def judged(graph: Graph, strikes: list[Strike]) -> list[str]:
     torn = ends and any(strike.target == 'recorder' for strike in strikes)
     if torn:
         return wrong
-    if not bag.complete:
+    if not bag.is_complete:
         wrong.append('the bag is not whole')
     said = evidence(bag)
     words = [strike.word for strike in strikes if strike.word]
@@ -99,7 +99,7 @@ def judged(graph: Graph, strikes: list[Strike]) -> list[str]:
 
 def impossible(bag: Any) -> list[str]:
     """Return the first command that no motor must get."""
-    for topic, _, data in bag.messages(['/lta1/motors']):
+    for topic, _, data in bag.iterate_messages(['/lta1/motors']):
         effort = bag.decode(topic, data).effort
         if not all(-1.0 <= duty <= 1.0 for duty in effort):
             return [f'duties {list(effort)} were commanded']
@@ -108,7 +108,7 @@ def impossible(bag: Any) -> list[str]:
 
 def evidence(bag: Any) -> set[str]:
     """Return all errors that a bag holds."""
-    arrays = (bag.decode(topic, data) for topic, _, data in bag.messages(['/diagnostics']))
+    arrays = (bag.decode(topic, data) for topic, _, data in bag.iterate_messages(['/diagnostics']))
     return {
         f'{status.name}: {status.message}'
         for array in arrays

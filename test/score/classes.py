@@ -1,7 +1,7 @@
 """
 Derive which names no data of a kind can tell apart: `make classes` (a minute).
 
-Writes `classes.yaml` beside `lta_discovery.naming.classes`, and
+Writes `classes.yaml` beside `lta_discovery.selection.equivalence_classes`, and
 `docs/discovery_classes.md`.
 With --check nothing is written: exit status 1 if the file is not what is derived now.
 """
@@ -10,18 +10,18 @@ import argparse
 from pathlib import Path
 import sys
 
-from lta_config.files import load
-from lta_discovery.model.knobs import knobs
-from lta_discovery.model.nominal import Nominal
-from lta_discovery.naming.classes import FILE, Frozen, OfKind
-from lta_discovery.planning import deriving
-from lta_discovery.planning.deriving import Derived
+from lta_config.files import load_file
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import list_free_parameters
+from lta_discovery.planning import class_derivation
+from lta_discovery.planning.class_derivation import DerivedClasses
+from lta_discovery.selection.equivalence_classes import DataKindClasses, FILE, FrozenClasses
 from lta_model.vehicle import load_vehicle
 import numpy as np
 import yaml
 
 ROOT = Path(__file__).resolve().parents[2]
-TABLE = ROOT / 'src/lta_discovery/lta_discovery/naming' / FILE.name
+TABLE = ROOT / 'src/lta_discovery/lta_discovery/selection' / FILE.name
 PAGE = ROOT / 'docs/discovery_classes.md'
 NEAR = 0.9  # of a cosine, from which a pair is listed
 TOLD = {
@@ -33,10 +33,10 @@ TOLD = {
 }
 
 
-def told(found: Derived) -> OfKind:
+def told(found: DerivedClasses) -> DataKindClasses:
     """Return what is kept of a kind."""
-    seen = [k for k, reach in enumerate(found.reach) if reach >= deriving.SEEN]
-    groups = found.classes()
+    seen = [k for k, reach in enumerate(found.reach) if reach >= class_derivation.SEEN]
+    groups = found.list_classes()
     group = {name: n for n, names in enumerate(groups) for name in names}
     near: dict[str, float] = {}
     for i in seen:
@@ -44,9 +44,9 @@ def told(found: Derived) -> OfKind:
             a, b, cosine = found.names[i], found.names[j], float(found.cosine[i, j])
             if i < j and cosine >= NEAR and not (a in group and group.get(b) == group[a]):
                 near[f'{a}, {b}'] = round(cosine, 3)
-    return OfKind(
+    return DataKindClasses(
         classes=groups,
-        unseen=found.unseen,
+        unseen=found.undetectable,
         near=dict(sorted(near.items(), key=lambda pair: -pair[1])),
         reach={
             name: [float(f'{reach:.2g}'), float(f'{cap:.2g}')]
@@ -55,20 +55,22 @@ def told(found: Derived) -> OfKind:
     )
 
 
-def frozen() -> Frozen:
+def frozen() -> FrozenClasses:
     """Return all that is kept."""
-    known = deriving.shipped(knobs(Nominal.of(load_vehicle(deriving.VEHICLE))))
-    return Frozen(
-        digest=deriving.digest(known),
-        vehicle=deriving.VEHICLE,
-        threshold=deriving.ALIKE,
-        flights=deriving.FLIGHTS,
-        length_s=deriving.LENGTH,
-        kinds={kind: told(found) for kind, found in deriving.derive().items()},
+    known = class_derivation.select_shipped(
+        list_free_parameters(NominalVehicle.from_vehicle(load_vehicle(class_derivation.VEHICLE)))
+    )
+    return FrozenClasses(
+        digest=class_derivation.registry_digest(known),
+        vehicle=class_derivation.VEHICLE,
+        threshold=class_derivation.ALIKE,
+        flights=class_derivation.FLIGHTS,
+        length_s=class_derivation.LENGTH,
+        kinds={kind: told(found) for kind, found in class_derivation.derive_classes().items()},
     )
 
 
-def page(kept: Frozen) -> str:
+def page(kept: FrozenClasses) -> str:
     """Return the table as people read it."""
     lines = [
         '# Effects that flights cannot tell apart',
@@ -116,7 +118,7 @@ def _names(pair: str) -> str:
 
 def _cell(number: float) -> str:
     """Return deviations as people read them."""
-    if number < deriving.SEEN:
+    if number < class_derivation.SEEN:
         return '-'
     return '> 100' if number > 100.0 else f'{number:.2g}'
 
@@ -129,7 +131,7 @@ def main() -> int:
     np.seterr(all='raise', under='ignore')
     kept = frozen()
     if words.check:
-        before = load(Frozen, TABLE)
+        before = load_file(FrozenClasses, TABLE)
         same = {kind: found.classes for kind, found in before.kinds.items()} == {
             kind: found.classes for kind, found in kept.kinds.items()
         } and before.digest == kept.digest

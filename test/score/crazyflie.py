@@ -15,13 +15,13 @@ import warnings
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_discovery.flights.measured import measured, PERIOD, Stream, Streams
-from lta_discovery.flights.windows import windows
-from lta_discovery.model.nominal import Nominal
-from lta_discovery.replay.linear import origin
-from lta_discovery.replay.linearise import Linearised
-from lta_discovery.replay.replay import Replay, STEPS
-from lta_discovery.replay.sensing import Places
+from lta_discovery.flights.measured_flight import FlightStreams, PERIOD, resample_flight, Stream
+from lta_discovery.flights.windows import cut_windows
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.replay.linearized_flight import build_origin
+from lta_discovery.replay.linearizer import FlightLinearizer
+from lta_discovery.replay.replay import ModelReplay, STEPS
+from lta_discovery.replay.sensing import SensorPlaces
 from lta_model.vehicle import Vehicle
 import numpy as np
 from numpy.typing import NDArray
@@ -102,11 +102,13 @@ def lost(path: Path) -> list[float]:
     time = table['t'].to_numpy(dtype=np.float64)
     duty = Stream(time - time[0], np.nan_to_num(table[MOTORS].to_numpy() / 65535.0))
     pose = Stream(time - time[0], table[POSE].to_numpy(dtype=np.float64))
-    flight = measured(Streams(pose, duty, floor=FLYING))
-    replay = Replay(flight, windows(flight), vehicle.command(()))
-    line = Linearised(replay, [], Places.of(vehicle, 101325.0))
+    flight = resample_flight(FlightStreams(pose, duty, floor=FLYING))
+    replay = ModelReplay(flight, cut_windows(flight), vehicle.pack_command(()))
+    line = FlightLinearizer(replay, [], SensorPlaces.from_vehicle(vehicle, 101325.0))
     with np.errstate(all='ignore'):
-        states = line.trajectory(origin(Nominal.of(vehicle), [], replay.cut))[:, ::STEPS]
+        states = line.simulate_trajectory(
+            build_origin(NominalVehicle.from_vehicle(vehicle), [], replay.cut)
+        )[:, ::STEPS]
     out = []
     for horizon in HORIZONS:
         at = round(horizon / PERIOD)
@@ -119,8 +121,8 @@ def main() -> None:
     """Score, print and write."""
     if not DATA.is_dir():
         sys.exit(f'There is no {DATA}; set LTA_DATA to the folder that has crazyflie_flights/.')
-    nominal = Nominal.of(by_pwm())
-    a, b = (nominal.value('thrust_curve', f'{c}_1') for c in 'ab')
+    nominal = NominalVehicle.from_vehicle(by_pwm())
+    a, b = (nominal.parameter_value('thrust_curve', f'{c}_1') for c in 'ab')
     paths = sorted(DATA.glob('*.csv.gz'))
     flights = [read(path, nominal.mass, a, b) for path in paths]
     text = [

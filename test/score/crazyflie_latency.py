@@ -11,9 +11,9 @@ import time
 
 import beside  # noqa: F401
 from domain import free_domain
-from lta_emulation.crazyflie.body import Bench
+from lta_emulation.crazyflie.body import BenchBody
 from lta_emulation.crazyflie.firmware import Firmware
-from lta_emulation.crazyflie.server import Server
+from lta_emulation.crazyflie.server import CrazyflieServer
 from lta_graph.ros.stamps import from_stamp
 import numpy as np
 from peer import Peer, start
@@ -28,7 +28,11 @@ def processor(pid):
 
 
 def main():
-    with free_domain() as domain, Server(Firmware(Bench())) as server, Peer(domain) as peer:
+    with (
+        free_domain() as domain,
+        CrazyflieServer(Firmware(BenchBody())) as server,
+        Peer(domain) as peer,
+    ):
         node, late = start('lta_bridge.nodes.crazyflie_bridge', '-p', f'uri:={server.uri}'), []
 
         def on_imu(message):

@@ -22,18 +22,18 @@ import sys
 import time
 from typing import NamedTuple
 
-from lta_bridge.crazyflie.bridge import Asked, Bridge
+from lta_bridge.crazyflie.bridge_core import BridgeCore, CrazyflieCommand
 from lta_bridge.crazyflie.cflib_link import CflibLink
 from lta_bridge.crazyflie.link import LogPacket
 from lta_bridge.crazyflie.log_table import BLOCKS
-from lta_bridge.crazyflie.safety import Asked as AskedBy
+from lta_bridge.crazyflie.safety import SafetyRequest as AskedBy
 from lta_config.schema.crazyflie_file import load_crazyflie
-from lta_emulation.crazyflie.body import Bench
-from lta_emulation.crazyflie.build import APP, ARMING, Build
+from lta_emulation.crazyflie.body import BenchBody
 from lta_emulation.crazyflie.firmware import Firmware
-from lta_emulation.crazyflie.packet import Packet, unpacked
-from lta_emulation.crazyflie.server import Server
-from lta_emulation.crazyflie.variables import parameters
+from lta_emulation.crazyflie.firmware_build import APP, ARMING, FirmwareBuild
+from lta_emulation.crazyflie.packet import CrtpPacket, unpack_datagram
+from lta_emulation.crazyflie.server import CrazyflieServer
+from lta_emulation.crazyflie.variables import list_parameters
 
 PORTS = (0, 2, 4, 5, 6, 7, 8, 9, 13, 14, 15)
 REQUESTS = ((9, 1), (13, 0))  # ports and channels on which 1 asks to arm
@@ -67,7 +67,7 @@ def datagram(random):
     return bytes([header]) + random.randbytes(random.randrange(34))
 
 
-def is_command(packet: Packet, seen: bytes, override: bytes) -> bool:
+def is_command(packet: CrtpPacket, seen: bytes, override: bytes) -> bool:
     """
     Tell whether the firmware obeys a packet by turning motors, or by arming.
 
@@ -89,15 +89,15 @@ def is_command(packet: Packet, seen: bytes, override: bytes) -> bool:
     return where == WRITE and seen[:2] == override
 
 
-def to_drone(count, random, build: Build = APP) -> Suffered:
+def to_drone(count, random, build: FirmwareBuild = APP) -> Suffered:
     """Return what became of an unarmed drone under so many packets."""
-    names = [entry.name for entry in parameters(build)]
+    names = [entry.name for entry in list_parameters(build)]
     override = names.index(OVERRIDE).to_bytes(2, 'little')
-    drone, begun = Firmware(Bench(), build=build), 0.0
+    drone, begun = Firmware(BenchBody(), build=build), 0.0
     seen, packets, asserted, turned = bytearray(30), 0, 0, False
     for turn in range(count):
         now = STEP * turn - begun
-        packet = unpacked(datagram(random))
+        packet = unpack_datagram(datagram(random))
         if packet is not None and not is_command(packet, _over(packet.data, seen), override):
             seen[: len(packet.data)] = packet.data
             drone.receive(packet, now)
@@ -106,7 +106,7 @@ def to_drone(count, random, build: Build = APP) -> Suffered:
             drone.tick(now)
             turned |= any(drone.body.duties)
         if drone.halted:
-            drone, begun, asserted = Firmware(Bench(), build=build), STEP * turn, asserted + 1
+            drone, begun, asserted = Firmware(BenchBody(), build=build), STEP * turn, asserted + 1
             seen = bytearray(30)
     return Suffered(turned, packets, asserted)
 
@@ -120,8 +120,8 @@ def to_bridge(count, random, patience=60.0):
     """Return what the bridge sent and heard, whether cflib went deaf, and whether it hears on."""
     told = Told()
     file = load_crazyflie('gtmab')
-    bridge = Bridge(told, file, list(file.motors.values()))
-    with Server(Firmware(Bench())) as server:
+    bridge = BridgeCore(told, file, list(file.motors.values()))
+    with CrazyflieServer(Firmware(BenchBody())) as server:
         link = CflibLink(server.uri, BLOCKS, time.time_ns)
         link.open(10.0)
         driver = link._drone.link
@@ -166,9 +166,9 @@ def heed(link, bridge):
     while not link.events.empty():
         event = link.events.get()
         if isinstance(event, LogPacket):
-            bridge.heard(event)
+            bridge.receive_packet(event)
     now = time.time_ns()
-    bridge.commanded(Asked(now, duties=(1.0,) * 4))
+    bridge.accept_command(CrazyflieCommand(now, duties=(1.0,) * 4))
     bridge.tick(1e-9 * now, now, linked=True, active=True, asked=AskedBy())
 
 

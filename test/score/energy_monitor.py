@@ -20,13 +20,13 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / 'unit'))
 
 from energy import metered
 from energy.metered import ABOARD, CELL, follow, Metered, SETTINGS
-from lta_energy.monitoring.estimate import Estimate
-from lta_energy.monitoring.monitor import time_to_empty, update
-from lta_report.drawing import blank, line
-from lta_report.frame import framed, written
+from lta_energy.monitoring.estimate import EnergyEstimate
+from lta_energy.monitoring.monitor import time_to_empty, update_estimate
+from lta_report.drawing import build_line, create_figure
+from lta_report.page_frame import assemble_page, write_file
+from lta_report.page_parts import render_section
 from lta_report.palette import RAW, SETPOINT, TRUTH
-from lta_report.pieces import section
-from lta_report.screenshots import picture
+from lta_report.screenshots import write_picture
 
 KINDS = {
     'as its file': (0.0, 0.0, 0.0, 0.0, 0.0),
@@ -46,9 +46,9 @@ def charge_error(seed):
 
 def time_error(seed):
     """Return the relative error of the time to empty at half charge, and by its deviation."""
-    cell, estimate = Metered(seed, (0.55, 0.75), off=True), Estimate()
+    cell, estimate = Metered(seed, (0.55, 0.75), off=True), EnergyEstimate()
     while cell.charge > 0.5:
-        estimate = update(SETTINGS, ABOARD, estimate, cell.reading())
+        estimate = update_estimate(SETTINGS, ABOARD, estimate, cell.reading())
     told, true = time_to_empty(SETTINGS, CELL, estimate), cell.lasts()
     return told.mean / true - 1.0, (told.mean - true) / told.deviation
 
@@ -70,9 +70,9 @@ def row(seeds):
 
 def course(seed):
     """Return error and deviation of the charge after each second of ten minutes. [%]"""
-    cell, estimate, told = Metered(seed, off=True), Estimate(), []
+    cell, estimate, told = Metered(seed, off=True), EnergyEstimate(), []
     for turn in range(TEN_MINUTES):
-        estimate = update(SETTINGS, ABOARD, estimate, cell.reading())
+        estimate = update_estimate(SETTINGS, ABOARD, estimate, cell.reading())
         if turn % 10 == 9:
             told.append((estimate.charge - cell.charge, estimate.deviation))
     return 100.0 * np.array(told).T
@@ -83,15 +83,17 @@ def draw(seeds, out):
     metered.TOLERANCE = KINDS['off by tolerances']
     courses = np.array([course(seed) for seed in range(seeds)])
     minutes = np.arange(1, courses.shape[2] + 1) / 60.0
-    figure = blank()
+    figure = create_figure()
     for error in courses[:, 0]:
-        figure.add_trace(line('a cell', minutes, error, RAW, unit='%', width=0.8))
+        figure.add_trace(build_line('a cell', minutes, error, RAW, unit='%', width=0.8))
     told = 2.0 * np.median(courses[:, 1], axis=0)
     for side in (-told, told):
-        figure.add_trace(line('twice its own deviation', minutes, side, TRUTH, unit='%'))
+        figure.add_trace(build_line('twice its own deviation', minutes, side, TRUTH, unit='%'))
     for limit in (-5.0, 5.0):
         goal = np.full(2, limit)
-        figure.add_trace(line('goal', minutes[[0, -1]], goal, SETPOINT, unit='%', dash='4px,3px'))
+        figure.add_trace(
+            build_line('goal', minutes[[0, -1]], goal, SETPOINT, unit='%', dash='4px,3px')
+        )
     figure.update_xaxes(title_text='time [min]', range=[0.0, 10.0])
     figure.update_yaxes(title_text='error of the charge [% of a full cell]', range=[-10.0, 10.0])
     caption = (
@@ -99,12 +101,12 @@ def draw(seeds, out):
         'deviation that the median cell tells (blue); the goal, 5 % (dashed).'
     )
     name = 'What the monitor knows of the charge'
-    first = section('charge', name, caption, figure)
+    first = render_section('charge', name, caption, figure)
     empty = dict.fromkeys(('tiles', 'pictures', 'tables', 'method'), '')
-    text = framed('energy.html', title=name, kicker='energy monitor', about='', first=first,
+    text = assemble_page('energy.html', title=name, kicker='energy monitor', about='', first=first,
                   facts={}, commands={}, **empty)  # fmt: skip
     with tempfile.TemporaryDirectory() as folder:
-        picture(written(text, Path(folder) / 'page.html'), out, 'charge')
+        write_picture(write_file(text, Path(folder) / 'page.html'), out, 'charge')
 
 
 def main():

@@ -17,18 +17,26 @@ import sys
 from typing import NamedTuple
 
 from lta_challenge.case import ROLES
-from lta_discovery.fit.evidence import floor_of, own_variance, Reduced
-from lta_discovery.fit.fit import Fitter, Joint
+from lta_discovery.fit.evidence import per_flight_variance, ReducedFlight, wrench_floor
+from lta_discovery.fit.joint_fit import JointFit, JointFitter
 from lta_discovery.flights.bags import read_bags
-from lta_discovery.flights.trusted import believed
-from lta_discovery.model.knobs import Knob, knobs
-from lta_discovery.model.nominal import Nominal
-from lta_discovery.naming.classes import same_class
-from lta_discovery.naming.faint import ALIKE, ASKED, chosen, Faint, GAIN, Hint, WITHIN
-from lta_discovery.naming.naming import Naming
-from lta_discovery.naming.scan import likeness, scan
-from lta_discovery.study import ready
-from lta_flight.sweep.statistics import wilson
+from lta_discovery.flights.usable_flights import select_usable_flights
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import FreeParameter, list_free_parameters
+from lta_discovery.selection.candidate_scan import column_cosines, scan_candidates
+from lta_discovery.selection.effect_search import EffectSearch
+from lta_discovery.selection.equivalence_classes import is_same_class
+from lta_discovery.selection.weak_effects import (
+    ALIKE,
+    ASKED,
+    choose_candidate,
+    GAIN,
+    WeakCandidate,
+    WeakEffectSearch,
+    WITHIN,
+)
+from lta_discovery.study import prepare_flight
+from lta_flight.sweep.statistics import wilson_interval
 from lta_model.vehicle import load_vehicle
 import numpy as np
 from numpy.typing import NDArray
@@ -44,17 +52,17 @@ class Draw(NamedTuple):
     """What was hidden, '' for nothing, and the candidates: the best first, those like it."""
 
     hidden: str
-    hints: list[Hint]
+    hints: list[WeakCandidate]
     alike: tuple[str, ...]
 
 
 class Drawing:
     """Draws what flights could have shown, about where they were fitted."""
 
-    def __init__(self, last: Joint, known: Sequence[Knob], seed: int) -> None:
+    def __init__(self, last: JointFit, known: Sequence[FreeParameter], seed: int) -> None:
         self._prior, self._known, self._draw = last.prior, known, np.random.default_rng(seed)
         parts = [replace(last.group, pieces=(each,)) for each in last.group.pieces]
-        self._sides = [each.reduced(last.deviations).products[:-1, :-1] for each in parts]
+        self._sides = [each.reduce(last.deviations).products[:-1, :-1] for each in parts]
         size = len(last.group.at)
         tiny = [1e-9 * np.diag(np.diag(each)) + 1e-12 * np.eye(size) for each in self._sides]
         both = zip(self._sides, tiny, strict=True)
@@ -88,28 +96,31 @@ class Drawing:
         ]
         whole = _reduced(sum(self._sides), sum(rights))
         first, second = (
-            {seen.name: seen for seen in scan(each, np.zeros(size), self._prior, self._known)}
+            {
+                seen.name: seen
+                for seen in scan_candidates(each, np.zeros(size), self._prior, self._known)
+            }
             for each in map(_reduced, self._sides, rights)
         )
-        best = scan(whole, np.zeros(size), self._prior, self._known)[:ASKED]
+        best = scan_candidates(whole, np.zeros(size), self._prior, self._known)[:ASKED]
         hints = [
-            Hint(seen.name, seen.gain, (first[seen.name], second[seen.name]))
+            WeakCandidate(seen.name, seen.gain, (first[seen.name], second[seen.name]))
             for seen in best
             if seen.name in first and seen.name in second
         ]
         names = [hint.name for hint in hints]
-        cosine = np.abs(likeness(whole, self._prior, names, self._known))
+        cosine = np.abs(column_cosines(whole, self._prior, names, self._known))
         alike = tuple(name for k, name in enumerate(names) if k and cosine[0, k] > ALIKE)
         return Draw(hidden, hints, alike)
 
 
-def _reduced(products: Array, right: Array) -> Reduced:
+def _reduced(products: Array, right: Array) -> ReducedFlight:
     """Return products with what is left over."""
     column = right[:, None]
-    return Reduced(np.block([[products, column], [column.T, np.zeros((1, 1))]]), 0.0)
+    return ReducedFlight(np.block([[products, column], [column.T, np.zeros((1, 1))]]), 0.0)
 
 
-def _named(draw: Draw, known: Sequence[Knob], leasts: tuple[float, float]) -> str:
+def _named(draw: Draw, known: Sequence[FreeParameter], leasts: tuple[float, float]) -> str:
     """Return what is named, '' for nothing."""
     tolerance = {knob.name: 0.0 if knob.per_flight else knob.tolerance for knob in known}
     hints = [
@@ -118,22 +129,26 @@ def _named(draw: Draw, known: Sequence[Knob], leasts: tuple[float, float]) -> st
         )
         for hint in draw.hints
     ]
-    best = chosen(hints, draw.alike)
+    best = choose_candidate(hints, draw.alike)
     return best.name if best else ''
 
 
-def fitted(case: Path) -> tuple[Joint, list[Knob]]:
+def fitted(case: Path) -> tuple[JointFit, list[FreeParameter]]:
     """Return the flights of a case as the search for faint effects begins with them."""
     vehicle = load_vehicle(str(case / 'vehicle.yaml'))
-    nominal = Nominal.of(vehicle)
-    known = knobs(nominal, False)
-    read = believed(read_bags({role: [case / role] for role in ROLES[:2]}), vehicle).flights
-    flights = [ready(vehicle, flight, known) for _, _, flight in read]
-    bare = Naming(nominal, (flights[:1], flights[1:])).run().bare
-    fitter = Fitter(nominal, flights, own_variance(known), floor_of(nominal))
+    nominal = NominalVehicle.from_vehicle(vehicle)
+    known = list_free_parameters(nominal, False)
+    read = select_usable_flights(
+        read_bags({role: [case / role] for role in ROLES[:2]}), vehicle
+    ).flights
+    flights = [prepare_flight(vehicle, flight, known) for _, _, flight in read]
+    bare = EffectSearch(nominal, (flights[:1], flights[1:])).run().bare
+    fitter = JointFitter(nominal, flights, per_flight_variance(known), wrench_floor(nominal))
     deviations = np.sqrt(bare[0].deviations * bare[1].deviations)
-    group = bare[0].group.joined(bare[1].group)
-    quiet = Faint(fitter, 1).quiet(fitter.settled(group, bare[0].prior, deviations))
+    group = bare[0].group.join(bare[1].group)
+    quiet = WeakEffectSearch(fitter, 1).fit_lower_floor(
+        fitter.fit_deviations(group, bare[0].prior, deviations)
+    )
     if quiet is None:
         raise SystemExit('The flights are not calm; take another case.')
     return quiet, known
@@ -169,12 +184,12 @@ def main() -> None:
 
 def _same(name: str, true: str) -> bool:
     """Tell whether two names are one to such data."""
-    return same_class(name, true, 'all')
+    return is_same_class(name, true, 'all')
 
 
 def _share(hits: int, count: int) -> str:
     """Return a share with its interval."""
-    _, low, high = wilson(hits, count)
+    _, low, high = wilson_interval(hits, count)
     return f'{hits}/{count} = {100 * hits / count:.1f} % ({100 * low:.1f} to {100 * high:.1f})'
 
 

@@ -12,8 +12,8 @@ from random import Random
 from typing import Any, Final
 
 from lta_emulation.crazyflie.firmware import Firmware
-from lta_emulation.crazyflie.flown import Flown
-from lta_emulation.crazyflie.server import Server
+from lta_emulation.crazyflie.server import CrazyflieServer
+from lta_emulation.crazyflie.simulated_body import SimulatedBody
 
 ALONE: Final = 'the drone stops by itself: the app, or the lock after 2 s'
 WRAP_MS: Final = 2**24  # of the stamps of log packets
@@ -31,7 +31,7 @@ STARTS: Final = (
 NEVER: Final = (0.0, 0.0)  # no motor ever turns
 
 
-def made(body: Flown, **words: Any) -> Firmware:
+def made(body: SimulatedBody, **words: Any) -> Firmware:
     """Return the firmware that a body flies with."""
     return Firmware(body, build=body.build, **words)
 
@@ -66,7 +66,7 @@ class Kind:
     word: str = ''
     ends: str = 'lands'
     flies_on: bool = False
-    firmware: Callable[[Flown, Random], Firmware] = lambda body, random: made(body)
+    firmware: Callable[[SimulatedBody, Random], Firmware] = lambda body, random: made(body)
 
 
 def link(**faults: float | bool) -> Callable[[Any], None]:
@@ -97,7 +97,7 @@ def turn_over(trial: Any) -> None:
 
 def reboot(trial: Any) -> None:
     """Let the cell fail for a moment: unarmed, and all log blocks are forgotten."""
-    server: Server = trial.server
+    server: CrazyflieServer = trial.server
     up_at = server.now + STARTS
     server.firmware = made(trial.body, boot_ms=-int(1e3 * server.now), up_at=up_at)
 
@@ -107,10 +107,10 @@ def empty(trial: Any) -> None:
     trial.server.firmware.voltage = 3.0
 
 
-def refusing(code: int) -> Callable[[Flown, Random], Firmware]:
+def refusing(code: int) -> Callable[[SimulatedBody, Random], Firmware]:
     """Return firmware that refuses every log block with an errno."""
 
-    def refused(body: Flown, random: Random) -> Firmware:
+    def refused(body: SimulatedBody, random: Random) -> Firmware:
         firmware = made(body)
         firmware.log.refuse = code
         return firmware
@@ -118,7 +118,7 @@ def refusing(code: int) -> Callable[[Flown, Random], Firmware]:
     return refused
 
 
-def wrapping(body: Flown, random: Random) -> Firmware:
+def wrapping(body: SimulatedBody, random: Random) -> Firmware:
     """Return firmware whose fast clock wraps within its first seconds of flight."""
     return made(body, boot_ms=WRAP_MS - random.randrange(7000, 14000), drift=200e-6)
 

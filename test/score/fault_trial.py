@@ -19,16 +19,16 @@ from typing import Any, Final
 
 from diagnostic_msgs.msg import DiagnosticArray
 from fault_kinds import KINDS, NEVER, SLACK, WRAP_MS
-from lta_config.topics import topic_table
+from lta_config.topics import load_topic_table
 from lta_data.bag.reader import read_bag
-from lta_emulation.crazyflie.server import Server
-from lta_emulation.emulated_hardware import flown
-from lta_graph.ros.message_types import message_type
+from lta_emulation.crazyflie.server import CrazyflieServer
+from lta_emulation.emulated_hardware import build_simulated_body
+from lta_graph.ros.message_types import find_message_type
 from outcome import Outcome, tried
 from peer import Peer, start
 from std_srvs.srv import SetBool, Trigger
 
-TABLE: Final = topic_table()
+TABLE: Final = load_topic_table()
 VEHICLES: Final = ('gtmab', 'multirotor')  # by duties, by setpoints
 COMMANDS: Final = 0.05  # s between two
 LEG: Final = 3.0  # s of each phase
@@ -75,8 +75,8 @@ class Trial:
 
     def _drone(self, name: str, vehicle: str, number: int) -> tuple[Any, Any]:
         """Return the body that flies and what its link ends at."""
-        body = flown(vehicle, 'lamp_room', number)
-        return body, Server(self._kind.firmware(body, self._random))
+        body = build_simulated_body(vehicle, 'lamp_room', number)
+        return body, CrazyflieServer(self._kind.firmware(body, self._random))
 
     # What a fault may do.
 
@@ -121,7 +121,7 @@ class Trial:
         self._commanded, phase = now, self.phase if self.began < now else 'climb'
         stamp = self._peer.node.get_clock().now().to_msg()
         for name, publisher in self._publishers.items():
-            message: Any = message_type(TABLE[name])()
+            message: Any = find_message_type(TABLE[name])()
             message.header.stamp = stamp
             match name:
                 case 'odom':
@@ -215,7 +215,7 @@ class Trial:
         nodes = {'bridge': self.bridge, 'recorder': self.recorder}
         wrong = closed_nodes(nodes, killed=self._kind is KINDS['killed']) or wrong
         bag = read_bag(self.bag)
-        if not bag.complete:
+        if not bag.is_complete:
             wrong = wrong or 'the bag is not whole'
         timing = outcome.timing and wrong == outcome.wrong
         if not wrong and not self._told(told(bag)):
@@ -238,7 +238,7 @@ def closed_nodes(nodes: dict[str, Any], killed: bool = False) -> str:
 
 def told(bag: Any) -> set[str]:
     """Return what the bridge told of itself."""
-    arrays = (bag.decode(topic, data) for topic, _, data in bag.messages(['/diagnostics']))
+    arrays = (bag.decode(topic, data) for topic, _, data in bag.iterate_messages(['/diagnostics']))
     return {word for array in arrays for word in words(array)}
 
 

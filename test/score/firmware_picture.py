@@ -5,7 +5,7 @@ from html import escape
 from typing import Any, Final
 
 from firmware_scenarios import BUILDS, SCENARIOS
-from lta_bridge.crazyflie.supervisor import Bit
+from lta_bridge.crazyflie.supervisor_word import SupervisorBit
 
 COLOURS: Final = {'still': '#c9d1d9', 'idle': '#e69f00', 'turn': '#0072b2'}
 LEGEND: Final = {'turn': 'motors turn', 'idle': 'motors run idle', 'still': 'motors stand'}
@@ -34,7 +34,7 @@ def build_row(y: float, changes: Sequence[Sequence[Any]], seconds: float) -> Ite
     ends = [*(change[0] for change in changes[1:]), seconds]
     for (begin, word, motors), end in zip(changes, ends, strict=True):
         yield bar(y, begin, end, COLOURS[motors])
-        if word & Bit.LOCKED:
+        if word & SupervisorBit.LOCKED:
             yield bar(y, begin, begin + 0.05, LOCKED)
 
 

@@ -22,7 +22,7 @@ from firmware_scenarios import (
     U16,
 )
 from linux_crazyflie import Process, RealPlayer, TooLate
-from lta_emulation.crazyflie.contents import BASIC, PARAMETER_TYPES
+from lta_emulation.crazyflie.table_of_contents import BASIC, PARAMETER_TYPES
 
 PARAMETERS: Final = (  # that the bridge reads, writes or warns of
     'lta.app', 'lta.compensated', 'motorPowerSet.enable', 'motorPowerSet.m1', 'motorPowerSet.m2',

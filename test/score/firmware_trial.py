@@ -24,7 +24,7 @@ from fault_kinds import WRAP_MS
 from fault_trial import Trial
 from firmware_scenarios import APP, FULL, PWM_STEP
 from linux_crazyflie import BLIMP, Process
-from lta_emulation.crazyflie.link import Link
+from lta_emulation.crazyflie.lossy_link import LossyLink
 from lta_model.vehicle import load_vehicle
 from outcome import Outcome, tried
 
@@ -61,7 +61,7 @@ class Relay:
     """
 
     def __init__(self, process: Process) -> None:
-        self.process, self.up, self.down = process, Link(), Link()
+        self.process, self.up, self.down = process, LossyLink(), LossyLink()
         self._near = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self._near.bind(('127.0.0.1', 0))
         self._far = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -105,21 +105,21 @@ class Relay:
                 self._near.close()
                 time.sleep(TICK)
                 continue
-            delayed = self.up.waiting or self.down.waiting
+            delayed = self.up.has_pending or self.down.has_pending
             select([self._near, self._far], [], [], TICK if delayed else IDLE)
             self._take()
-            for datagram in self.up.out(self.now):
+            for datagram in self.up.receive(self.now):
                 self._pass(lambda datagram=datagram: self._far.send(datagram))
-            for datagram in self.down.out(self.now):
+            for datagram in self.down.receive(self.now):
                 self._pass(lambda datagram=datagram: self._near.sendto(datagram, self._peer))
 
     def _take(self) -> None:
         """Take what has come from either side."""
         while (came := self._pass(lambda: self._near.recvfrom(64))) is not None:
             self._peer = came[1]
-            self.up.put(came[0], self.now)
+            self.up.send(came[0], self.now)
         while (data := self._pass(lambda: self._far.recv(64))) is not None:
-            self.down.put(data, self.now)
+            self.down.send(data, self.now)
 
     @staticmethod
     def _pass(act: Callable[[], Any]) -> Any:

@@ -10,12 +10,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Final
 
-from lta_emulation.teensy.emulator import EmulatedBoard, Faults
+from lta_emulation.teensy.emulated_board import EmulatedBoard, FrameFaults
 
 EVERY: Final = 10  # frames of light, of which one is spoilt
 TOLD: Final = 1.5  # s: half a second of silence, and health is told each second
 AGAIN: Final = 3.0  # s: a second between two looks for a port, and its clock is learnt anew
-SOUND: Final = Faults()
+SOUND: Final = FrameFaults()
 DRIFT: Final = 200e-6  # part by which its clock is too fast
 
 
@@ -45,7 +45,7 @@ class LightKind:
     word: str = ''
     strike: Callable[[Any], object] = lambda trial: None
     cure: Callable[[Any], object] = lambda trial: None
-    spoilt: Faults = SOUND
+    spoilt: FrameFaults = SOUND
     figure: str = ''
     drift: float = 0.0
 
@@ -75,11 +75,11 @@ LIGHT_KINDS: Final = {
                                another(dialect=2), another()),
     'light restart': LightKind('the board starts anew, its clock at 0', strike=another()),
     'light drift': LightKind('its clock is 200 ppm fast', drift=DRIFT),
-    'light lost': LightKind('every tenth frame is lost', spoilt=Faults(drop=EVERY)),
+    'light lost': LightKind('every tenth frame is lost', spoilt=FrameFaults(drop=EVERY)),
     'light partial': LightKind('every tenth frame ends after a third',
-                               spoilt=Faults(cut=EVERY)),
+                               spoilt=FrameFaults(cut=EVERY)),
     'light CRC': LightKind('one bit of every tenth frame is wrong',
-                           spoilt=Faults(corrupt=EVERY), figure='crc_errors'),
+                           spoilt=FrameFaults(corrupt=EVERY), figure='crc_errors'),
     'light foreign': LightKind('every tenth frame is followed by an unknown message',
-                               spoilt=Faults(foreign=EVERY), figure='unknown'),
+                               spoilt=FrameFaults(foreign=EVERY), figure='unknown'),
 }  # fmt: skip

@@ -16,10 +16,10 @@ from typing import Any, Final
 from diagnostic_msgs.msg import DiagnosticArray
 from fault_trial import closed_nodes
 from light_kinds import AGAIN, EVERY, LIGHT_KINDS, SOUND, TOLD
-from lta_config.topics import topic_table
+from lta_config.topics import load_topic_table
 from lta_data.bag.reader import read_bag
-from lta_emulation.teensy.emulated_server import BoardServer
-from lta_emulation.teensy.emulator import EmulatedBoard
+from lta_emulation.teensy.board_server import BoardServer
+from lta_emulation.teensy.emulated_board import EmulatedBoard
 from lta_graph.ros.stamps import from_stamp
 from lta_vlc.messages import to_block
 import numpy as np
@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from outcome import Outcome, tried
 from peer import Peer, start
 
-TABLE: Final = topic_table()
+TABLE: Final = load_topic_table()
 PERIOD: Final = 1e-9 * TABLE['photodiodes'].period_ns  # s
 LASTS: Final = 2.0  # s of a fault that light goes on through
 NEAR: Final = 0.005  # s by which a stamp may be wrong, besides what the cable takes
@@ -83,7 +83,7 @@ class LightTrial:
 
         def done() -> Any:
             while 1e-9 * self.server.now_ns >= PERIOD * (self._sampled + 1):
-                self.server.light(PERIOD * self._sampled, numbered(self._sampled))
+                self.server.sample_light(PERIOD * self._sampled, numbered(self._sampled))
                 self._sampled += 1
             return condition()
 
@@ -154,12 +154,12 @@ class LightTrial:
         bag = read_bag(self.bag)
         said = {
             status.message
-            for topic, _, data in bag.messages(['/diagnostics'])
+            for topic, _, data in bag.iterate_messages(['/diagnostics'])
             for status in bag.decode(topic, data).status
             if status.name == TASK
         }
         wrong = outcome.wrong
-        if not bag.complete:
+        if not bag.is_complete:
             wrong = wrong or 'the bag is not whole'
         if not any((self._kind.word or 'light comes') in word for word in said):
             wrong = wrong or f"the bag says nowhere '{self._kind.word}', but {sorted(said)}"

@@ -16,7 +16,7 @@ import time
 from typing import Final, final, NamedTuple, Self
 
 from firmware_scenarios import due, Packet, PERIOD, Sample, Scenario
-from lta_bridge.crazyflie.supervisor import Bit
+from lta_bridge.crazyflie.supervisor_word import SupervisorBit
 from ports import free_port, UDP
 
 ROOT: Final = Path(__file__).resolve().parents[2]
@@ -24,7 +24,7 @@ SOURCES: Final = ROOT / 'firmware/crazyflie/linux'
 LATEST: Final = 0.05  # s by which a packet of a script may be late
 BOOTS: Final = 2.0  # s that a drone takes to calibrate its sensors when it is switched on
 STARTS: Final = 20.0  # s within which the firmware must be up
-READY: Final = Bit.CAN_BE_ARMED | Bit.ARMED  # after its own checks
+READY: Final = SupervisorBit.CAN_BE_ARMED | SupervisorBit.ARMED  # after its own checks
 ANSWERS: Final = 1.0  # s for one answer on this machine
 BLIMP: Final = {  # a body of GT-MAB's size: 2 g heavy
     'LTA_BODY_MASS': '0.3', 'LTA_BODY_LIFT': '2.923', 'LTA_BODY_THRUST': '0.25',

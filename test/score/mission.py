@@ -3,17 +3,17 @@
 import sys
 
 from lta_config.schema.mission_file import load_mission
-from lta_studies.mission.agreement import compare
-from lta_studies.mission.scene import Scenes
+from lta_studies.mission.leg_validation import compare_flights
+from lta_studies.mission.scene import MissionScene
 import numpy as np
 
 
 def main():
     """Print the comparison: `mission.py [starts] [seeds]`."""
     count, seeds = ([int(word) for word in sys.argv[1:]] + [20, 5][len(sys.argv) - 1 :])[:2]
-    scenes = Scenes(load_mission('warehouse'))
+    scenes = MissionScene(load_mission('warehouse'))
     rows, powers = [], []
-    for start, leg, loop in compare(scenes, 'aisle', count, seeds):
+    for start, leg, loop in compare_flights(scenes, 'aisle', count, seeds):
         a, b = np.median(leg, axis=0), np.median(loop, axis=0)
         rows.append((a[0], b[0]))
         powers.append((leg[:, 0].sum() / leg[:, 1].sum(), loop[:, 0].sum() / loop[:, 1].sum()))

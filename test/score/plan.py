@@ -20,19 +20,24 @@ import time
 from typing import Any, NamedTuple
 
 from lta_config.errors import BadInput
-from lta_config.files import find
-from lta_discovery.model.knobs import Knob
-from lta_discovery.naming.classes import Kind, same_class
-from lta_discovery.naming.naming import Named, Naming
-from lta_discovery.planning.choice import Planner, Rival
-from lta_discovery.planning.deriving import digest
-from lta_discovery.planning.manoeuvres import manoeuvre, Space
-from lta_discovery.planning.pairs import Pairs
-from lta_discovery.planning.rehearsal import along, prepared, rehearse, Sensors
-from lta_discovery.planning.supposed import supposed
-from lta_discovery.replay.linearise import Linearised
-from lta_flight.ingredients import gather, Ingredients, parts_of
-from lta_flight.sweep.statistics import wilson
+from lta_config.files import find_file
+from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.planning.class_derivation import registry_digest
+from lta_discovery.planning.flight_choice import NextFlightPlanner, ParameterHypothesis
+from lta_discovery.planning.hypothesis import format_hypothesis
+from lta_discovery.planning.maneuvers import AltitudeRange, build_maneuver
+from lta_discovery.planning.rehearsal import (
+    prepare_linearizer,
+    rehearse_flight,
+    Sensors,
+    with_course,
+)
+from lta_discovery.planning.separability import PairSeparability
+from lta_discovery.replay.linearizer import FlightLinearizer
+from lta_discovery.selection.effect_search import EffectSearch, EffectSearchResult
+from lta_discovery.selection.equivalence_classes import is_same_class, Kind
+from lta_flight.flight_spec import build_parts, FlightSpec, load_spec
+from lta_flight.sweep.statistics import wilson_interval
 from lta_model.vehicle import Vehicle
 import numpy as np
 from rich.progress import track
@@ -56,64 +61,72 @@ class Hidden(NamedTuple):
     rivals: tuple[str, ...]
 
 
-def flown(made: Ingredients, vehicle: Vehicle, seed: int) -> Any:
+def flown(made: FlightSpec, vehicle: Vehicle, seed: int) -> Any:
     """Fly a vehicle; its pilot knows the file."""
-    known, scenario, policy = parts_of(made)
-    return rehearse(vehicle, scenario, policy, seed, Vehicle(known.file)).streams
+    known, scenario, policy = build_parts(made)
+    return rehearse_flight(vehicle, scenario, policy, seed, Vehicle(known.file)).streams
 
 
-def plainly(made: Ingredients, space: Space, what: str) -> Ingredients:
+def plainly(made: FlightSpec, space: AltitudeRange, what: str) -> FlightSpec:
     """Return a plain flight."""
-    one = manoeuvre(what, space, LENGTH, 0.0)
-    return along(made, one.course, one.length)
+    one = build_maneuver(what, space, LENGTH, 0.0)
+    return with_course(made, one.course, one.length)
 
 
 def confusable(
-    planner: Planner, made: Ingredients, sensors: Sensors
+    planner: NextFlightPlanner, made: FlightSpec, sensors: Sensors
 ) -> Iterator[tuple[str, float, tuple[str, ...]]]:
     """Yield names, a deviation of each, and those that a plain flight takes for it."""
-    flight = prepared(flown(made, planner.vehicle, 5), planner.vehicle, planner.knobs, sensors)
-    reduced = planner.reduced(flight, planner.nominal)
-    pairs = Pairs([reduced, reduced], planner.knobs)
+    flight = prepare_linearizer(
+        flown(made, planner.vehicle, 5), planner.vehicle, planner.knobs, sensors
+    )
+    reduced = planner.reduce_flight(flight, planner.nominal)
+    pairs = PairSeparability([reduced, reduced], planner.knobs)
     seen = [
-        k for k, knob in enumerate(planner.knobs) if knob.typical > 0.0 and pairs.sigma(k) > 0.1
+        k
+        for k, knob in enumerate(planner.knobs)
+        if knob.typical > 0.0 and pairs.detection_sigma(k) > 0.1
     ]
     kind: Kind = sensors if sensors != 'wrench' else 'wrench'
     for a in seen:
         knob = planner.knobs[a]
-        one = knob.typical / pairs.sigma(a)
+        one = knob.typical / pairs.detection_sigma(a)
         alike = [
             planner.knobs[b].name
             for b in seen
             if b != a
-            and not same_class(knob.name, planner.knobs[b].name, kind)
-            and pairs.pair(a, b).apart(6.0 * one) < CONFUSED
+            and not is_same_class(knob.name, planner.knobs[b].name, kind)
+            and pairs.compare_pair(a, b).expected_log_bayes(6.0 * one) < CONFUSED
         ]
         if alike:
             yield knob.name, one, tuple(alike)
 
 
-def off(planner: Planner, rng: np.random.Generator, knob: Knob, value: float) -> Vehicle:
+def off(
+    planner: NextFlightPlanner, rng: np.random.Generator, knob: FreeParameter, value: float
+) -> Vehicle:
     """Return the hidden vehicle: within its tolerances, but for one effect."""
     nominal = planner.nominal
     for one in planner.knobs:
         own = one.tolerance * float(rng.standard_normal())
         plain = '.' in one.name and not one.name.startswith(('vehicle.', 'rotor_'))
         if one.tolerance and plain and not one.name.endswith('.all') and not one.per_flight:
-            nominal = one.turned(nominal, float(np.clip(own, one.low, one.high)))
-    nominal = knob.turned(nominal, value)
-    content = yaml.safe_load(supposed(planner.text, planner.vehicle, nominal))
-    return parts_of(planner.made.__class__(
+            nominal = one.apply_to(nominal, float(np.clip(own, one.low, one.high)))
+    nominal = knob.apply_to(nominal, value)
+    content = yaml.safe_load(format_hypothesis(planner.text, planner.vehicle, nominal))
+    return build_parts(planner.made.__class__(
         planner.made.names, planner.made.strategy, {**planner.made.contents, 'vehicle': content}
     ))[0]  # fmt: skip
 
 
-def judged(number: int, planners: dict[Sensors, Planner], pool: list[Hidden]) -> dict[str, Any]:
+def judged(
+    number: int, planners: dict[Sensors, NextFlightPlanner], pool: list[Hidden]
+) -> dict[str, Any]:
     """Return what came of a case."""
     rng = np.random.default_rng([number, 77])
     hidden = pool[int(rng.integers(len(pool)))]
     base = planners[hidden.sensors]
-    knob = base.knob(hidden.name)
+    knob = base.find_parameter(hidden.name)
     value = hidden.value * float(rng.uniform(5.0, 9.0)) * (1.0 if rng.random() < 0.5 else -1.0)
     if not knob.low <= value <= knob.high:
         value = -value
@@ -122,31 +135,37 @@ def judged(number: int, planners: dict[Sensors, Planner], pool: list[Hidden]) ->
         truth = off(base, rng, knob, value)
     except BadInput as error:
         return {**row, 'said': f'cannot be: {error}', 'skipped': True}
-    return {**row, **flown_on(hidden, base, truth, Rival(knob, value), number)}
+    return {**row, **flown_on(hidden, base, truth, ParameterHypothesis(knob, value), number)}
 
 
 def flown_on(
-    hidden: Hidden, base: Planner, truth: Vehicle, first: Rival, number: int
+    hidden: Hidden,
+    base: NextFlightPlanner,
+    truth: Vehicle,
+    first: ParameterHypothesis,
+    number: int,
 ) -> dict[str, Any]:
     """Return what came of the plain flights, and of the planned one."""
     knob, kind = first.knob, hidden.sensors
     start = time.process_time()
     plain = plainly(base.made, base.space, hidden.plain)
     flights = [ready(base, plain, truth, 100 * number + k) for k in (1, 2)]
-    before = Naming(base.nominal, ([flights[0]], [flights[1]])).run()
+    before = EffectSearch(base.nominal, ([flights[0]], [flights[1]])).run()
     row = {'before': before.names, 'tied': before.steps[0].tied}
     if unique(before, knob.name, hidden.sensors):
         return {**row, 'said': 'told apart already', 'skipped': True}
-    found = [base.reduced(flight, base.nominal) for flight in flights]
-    planner = Planner(base.made, base.text, hidden.sensors, found)
+    found = [base.reduce_flight(flight, base.nominal) for flight in flights]
+    planner = NextFlightPlanner(base.made, base.text, hidden.sensors, found)
     # Planned against is what a study has: the tied names, and those that look alike.
     alike = dict.fromkeys((*before.names, *before.steps[0].tied, *hidden.rivals))
-    names = [name for name in alike if not same_class(name, knob.name, kind)][:MOST]
-    chosen = planner.choose(first, [planner.mimic(first, planner.knob(name)) for name in names])
+    names = [name for name in alike if not is_same_class(name, knob.name, kind)][:MOST]
+    chosen = planner.choose_flight(
+        first, [planner.match_rival(first, planner.find_parameter(name)) for name in names]
+    )
     if chosen is None:
         return {**row, 'said': 'no flight', 'unique': False, 'cpu': time.process_time() - start}
     more = [ready(base, chosen.made, truth, 100 * number + k) for k in (3, 4)]
-    after = Naming(base.nominal, ([flights[0], more[0]], [flights[1], more[1]])).run()
+    after = EffectSearch(base.nominal, ([flights[0], more[0]], [flights[1], more[1]])).run()
     return {
         **row, 'against': names, 'planned': chosen.manoeuvre.about, 'nats': chosen.nats,
         'length': chosen.manoeuvre.length, 'after': after.names, 'tied_after': after.steps[0].tied,
@@ -154,15 +173,19 @@ def flown_on(
     }  # fmt: skip
 
 
-def unique(found: Named, name: str, kind: Kind) -> bool:
+def unique(found: EffectSearchResult, name: str, kind: Kind) -> bool:
     """Tell whether a name, or one of its class, is the only one named, and nothing is tied."""
-    tied = [one for one in found.steps[0].tied if not same_class(one, name, kind)]
-    return len(found.names) == 1 and same_class(found.names[0], name, kind) and not tied
+    tied = [one for one in found.steps[0].tied if not is_same_class(one, name, kind)]
+    return len(found.names) == 1 and is_same_class(found.names[0], name, kind) and not tied
 
 
-def ready(planner: Planner, made: Ingredients, truth: Vehicle, seed: int) -> Linearised:
+def ready(
+    planner: NextFlightPlanner, made: FlightSpec, truth: Vehicle, seed: int
+) -> FlightLinearizer:
     """Return a flight of the hidden vehicle as it is studied."""
-    return prepared(flown(made, truth, seed), planner.vehicle, planner.knobs, planner.sensors)
+    return prepare_linearizer(
+        flown(made, truth, seed), planner.vehicle, planner.knobs, planner.sensors
+    )
 
 
 def table(count: int, rows: list[dict[str, Any]]) -> list[str]:
@@ -175,9 +198,9 @@ def table(count: int, rows: list[dict[str, Any]]) -> list[str]:
         for row in rows
     ]
     hit = sum(row['unique'] for row in rows)
-    found = wilson(hit, len(rows))
+    found = wilson_interval(hit, len(rows))
     wrong = sum(
-        any(not same_class(name, row['name'], row['sensors']) for name in row.get('after', ()))
+        any(not is_same_class(name, row['name'], row['sensors']) for name in row.get('after', ()))
         for row in rows
     )
     lines.append(
@@ -187,11 +210,11 @@ def table(count: int, rows: list[dict[str, Any]]) -> list[str]:
     return lines
 
 
-def begun(out: Path, known: list[Knob]) -> tuple[Path, dict[int, dict[str, Any]]]:
+def begun(out: Path, known: list[FreeParameter]) -> tuple[Path, dict[int, dict[str, Any]]]:
     """Return where rows are kept, and those that are there by number."""
     told = hashlib.sha256(Path(__file__).read_bytes()).hexdigest()[:8]
     out.mkdir(parents=True, exist_ok=True)
-    kept = out / f'{digest(known)}-{told}.jsonl'
+    kept = out / f'{registry_digest(known)}-{told}.jsonl'
     done = {}
     if kept.exists():
         rows = [json.loads(line) for line in kept.read_text(encoding='utf-8').splitlines()]
@@ -206,10 +229,10 @@ def main() -> None:
     parser.add_argument('--first', type=int, default=1, help='number of the first one')
     parser.add_argument('--out', type=Path, default=Path('runs') / 'plan')
     asked = parser.parse_args()
-    made = gather(VEHICLE, 'hall', 'bag', '')
-    text = find('vehicle', VEHICLE).read_text(encoding='utf-8')
-    planners: dict[Sensors, Planner] = {
-        sensors: Planner(made, text, sensors) for sensors in ('all', 'imu', 'pose')
+    made = load_spec(VEHICLE, 'hall', 'bag', '')
+    text = find_file('vehicle', VEHICLE).read_text(encoding='utf-8')
+    planners: dict[Sensors, NextFlightPlanner] = {
+        sensors: NextFlightPlanner(made, text, sensors) for sensors in ('all', 'imu', 'pose')
     }
     pool = [
         Hidden(name, one, what, sensors, rivals)

@@ -10,12 +10,12 @@ import sys
 import time
 from typing import Final, final, NamedTuple
 
-from lta_discovery.carrying.choose import choose, Chosen
-from lta_discovery.carrying.groups import groups, wide
-from lta_discovery.carrying.transfer import left_out, Regime, warning
-from lta_discovery.forecast.foresight import Fitted, Foresight
-from lta_discovery.model.knobs import knobs
-from lta_discovery.model.nominal import Nominal
+from lta_discovery.forecast.forecast_fit import ForecastFit, ForecastFitter
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import list_free_parameters
+from lta_discovery.transfer.candidate_groups import iterated_prior_deviations, list_groups
+from lta_discovery.transfer.cross_validation import cross_validate, format_warning, RegimeError
+from lta_discovery.transfer.forward_selection import GroupSelection, select_forward
 from lta_model.vehicle import load_vehicle
 import numpy as np
 from numpy.typing import NDArray
@@ -52,7 +52,9 @@ def folds(count: int) -> list[list[int]]:
     return [[f for f in range(count) if (f // REPEATS) % FOLDS == k] for k in range(FOLDS)]
 
 
-def named(taught: Foresight, parts: dict[str, list[int]]) -> tuple[list[Chosen], list[str]]:
+def named(
+    taught: ForecastFitter, parts: dict[str, list[int]]
+) -> tuple[list[GroupSelection], list[str]]:
     """
     Return what the first two repeats of each input name, what the others do, and both.
 
@@ -66,7 +68,7 @@ def named(taught: Foresight, parts: dict[str, list[int]]) -> tuple[list[Chosen],
     ]
     found = []
     for half in halves:
-        found.append(choose(taught, half, parts))
+        found.append(select_forward(taught, half, parts))
         said(f'named: {", ".join(found[-1].names)}')
     return found, [name for name in found[0].names if name in found[1].names]
 
@@ -75,13 +77,13 @@ def named(taught: Foresight, parts: dict[str, list[int]]) -> tuple[list[Chosen],
 class Fit(NamedTuple):
     """Knobs, how far they may be off, and what was fitted to all flights by which forecasts."""
 
-    taught: Foresight
+    taught: ForecastFitter
     which: list[int]
     spread: Array
-    whole: Fitted
+    whole: ForecastFit
 
 
-def scored(known: list[Flight], sight: Foresight, fits: dict[str, Fit]) -> list[Row]:
+def scored(known: list[Flight], sight: ForecastFitter, fits: dict[str, Fit]) -> list[Row]:
     """Return the rows of the table; a fit to all flights never scores itself."""
     count = len(known)
     errors: dict[str, dict[int, Array]] = {name: {} for name in (*fits, 'authors')}
@@ -89,9 +91,9 @@ def scored(known: list[Flight], sight: Foresight, fits: dict[str, Fit]) -> list[
         train = [f for f in range(count) if f not in set(test)]
         errors['authors'] |= by_model(sight, np.zeros(len(sight.knobs)), test, known)
         for name, (taught, which, spread, whole) in fits.items():
-            values = taught.without(whole, which, spread, test)
+            values = taught.leave_out(whole, which, spread, test)
             if name == ALL:
-                values = taught.fit(which, spread, train, values, AGAIN, told=False).values
+                values = taught.fit(which, spread, train, values, AGAIN, relinearize=False).values
             errors[name] |= by_model(sight, values, test, known)
         said('a fold')
     times = [begun(flight) for flight in known]
@@ -131,13 +133,13 @@ def table(rows: Sequence[Row], which: str) -> list[str]:
 
 
 def carried(
-    found: list[Chosen], kept: list[str], known: list[Flight], fits: dict[str, Fit]
+    found: list[GroupSelection], kept: list[str], known: list[Flight], fits: dict[str, Fit]
 ) -> list[str]:
     """Return what names do to regimes that were left out, as Markdown."""
     parts = regimes(known)
     out = [f'Named: {", ".join(kept)}.']
     out += ['', '| name | by repeats 1, 2 | by repeats 3, 4 |', '|---|---|---|'] if found else []
-    for name in [group.name for group in groups(fits[NAMED].taught.knobs)]:
+    for name in [group.name for group in list_groups(fits[NAMED].taught.knobs)]:
         worths = [
             f'{100 * dict(zip(each.names, each.worth, strict=True))[name]:.0f} %'
             if name in each.names
@@ -149,7 +151,7 @@ def carried(
     taught, which, _, whole = fits[NAMED]
     out += ['', *_values(taught, which, whole.values, np.linalg.inv(whole.precision))]
     told = {
-        name: left_out(fit.taught, fit.whole, fit.which, fit.spread, parts)
+        name: cross_validate(fit.taught, fit.whole, fit.which, fit.spread, parts)
         for name, fit in fits.items()
         if name in (NAMED, ALL)
     }
@@ -163,7 +165,7 @@ def carried(
 
 
 def _values(
-    taught: Foresight, which: Sequence[int], values: Array, covariance: Array
+    taught: ForecastFitter, which: Sequence[int], values: Array, covariance: Array
 ) -> list[str]:
     """Return the values of what was named."""
     out = ['| knob | unit | change from the vehicle file | deviation |', '|---|---|---|---|']
@@ -173,27 +175,27 @@ def _values(
     return out
 
 
-def _sentence(names: Sequence[str], found: Sequence[Regime], what: str) -> str:
+def _sentence(names: Sequence[str], found: Sequence[RegimeError], what: str) -> str:
     """Return the warning, or that none is due."""
     better = sum(one.ratio < 1.0 for one in found)
     fine = f"{what}: better than the authors' model in {better} of {len(found)} regimes left out."
-    return warning(names, found) or fine
+    return format_warning(names, found) or fine
 
 
 def fitted(
-    nominal: Nominal, known: list[Flight], taught: Foresight, kept: list[str]
+    nominal: NominalVehicle, known: list[Flight], taught: ForecastFitter, kept: list[str]
 ) -> dict[str, Fit]:
     """Return what is fitted to all flights, each from where the one before it ended."""
-    even = Foresight(nominal, [flight.taught for flight in known], LIFT, EVEN)
+    even = ForecastFitter(nominal, [flight.taught for flight in known], LIFT, EVEN)
     turned = taught.knobs
-    names = groups(turned)
+    names = list_groups(turned)
     tuned, free, whole_of = places(turned, TUNED), refitted(names), every(turned, names)
     called = [k for group in names if group.name in kept for k in group.knobs]
     out: dict[str, Fit] = {}
     begin = np.zeros(len(turned))
     for name, by, which, spread, rounds in (
         (TUNE, taught, tuned, np.array([turned[k].tolerance for k in tuned]), 2),
-        (NAMED, taught, called, wide(turned, called), 3),
+        (NAMED, taught, called, iterated_prior_deviations(turned, called), 3),
         (FREELY, taught, free, within(turned, free, FREE), 4),
         (ALL, even, whole_of, within(turned, whole_of, LOOSELY), ROUNDS),
     ):
@@ -209,11 +211,11 @@ def main() -> None:
     if not DATA.is_dir():
         sys.exit(f'There is no {DATA}; set LTA_DATA to the folder that has rgblimp/.')
     vehicle = load_vehicle('rgblimp')
-    nominal = Nominal.of(vehicle)
-    turned = knobs(nominal)
-    known = flights(vehicle, turned, nominal.value('thrust_curve', 'b_1'))
-    taught = Foresight(nominal, [flight.taught for flight in known], LIFT)
-    sight = Foresight(nominal, [flight.scored for flight in known], LIFT)
+    nominal = NominalVehicle.from_vehicle(vehicle)
+    turned = list_free_parameters(nominal)
+    known = flights(vehicle, turned, nominal.parameter_value('thrust_curve', 'b_1'))
+    taught = ForecastFitter(nominal, [flight.taught for flight in known], LIFT)
+    sight = ForecastFitter(nominal, [flight.scored for flight in known], LIFT)
     said(f'{len(known)} flights, {sum(len(begun(f)) for f in known)} pieces')
     found, kept = named(taught, regimes(known))
     fits = fitted(nominal, known, taught, kept)

@@ -5,14 +5,26 @@ import os
 from pathlib import Path
 from typing import Final, final, NamedTuple
 
-from lta_discovery.flights.measured import Measured, measured, PERIOD, Stream, Streams
+from lta_discovery.flights.measured_flight import (
+    FlightStreams,
+    MeasuredFlight,
+    PERIOD,
+    resample_flight,
+    Stream,
+)
 from lta_discovery.flights.windows import Windows
-from lta_discovery.forecast.ahead import HORIZONS
-from lta_discovery.model.knobs import Knob
-from lta_discovery.model.rotations import exponential, logarithm, product, reverse, rotated
-from lta_discovery.replay.linearise import Linearised
-from lta_discovery.replay.replay import Replay
-from lta_discovery.replay.sensing import Places
+from lta_discovery.forecast.horizon_errors import HORIZONS
+from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.model.quaternions import (
+    quaternion_conjugate,
+    quaternion_exponential,
+    quaternion_logarithm,
+    quaternion_product,
+    rotate_vectors,
+)
+from lta_discovery.replay.linearizer import FlightLinearizer
+from lta_discovery.replay.replay import ModelReplay
+from lta_discovery.replay.sensing import SensorPlaces
 from lta_model.vehicle import Vehicle
 import numpy as np
 from numpy.typing import NDArray
@@ -35,24 +47,24 @@ FLIP: Final = np.array([1.0, -1.0, -1.0])  # z down there, up here
 class Flight(NamedTuple):
     """A flight, what it was told, and its pieces to learn from and to be scored by."""
 
-    measured: Measured
+    measured: MeasuredFlight
     mass_place: float
     forces: tuple[float, float]
-    taught: Linearised
-    scored: Linearised
+    taught: FlightLinearizer
+    scored: FlightLinearizer
 
 
-def streams(table: Array, full_thrust: float) -> Streams:
+def streams(table: Array, full_thrust: float) -> FlightStreams:
     """Return the streams of a file; the same as `lta import` makes of it."""
     time = np.arange(len(table)) / RATE
     turn = Rotation.from_euler('ZYX', table[:, [5, 4, 3]]).as_matrix()
     quaternion = Rotation.from_matrix(FLIP[:, None] * turn * FLIP).as_quat()
     pose = Stream(time, np.hstack([table[:, :3] * FLIP, quaternion]))
     duty = Stream(time[:1], table[:1, 18:20] / full_thrust)
-    return Streams(pose, duty, mass=Stream(time[:1], table[:1, 12:15] * FLIP))
+    return FlightStreams(pose, duty, mass=Stream(time[:1], table[:1, 12:15] * FLIP))
 
 
-def state_before(flight: Measured, index: int) -> Array:
+def state_before(flight: MeasuredFlight, index: int) -> Array:
     """
     Return the state at a point from a cubic through the poses of the half second before.
 
@@ -60,15 +72,17 @@ def state_before(flight: Measured, index: int) -> Array:
     """
     some = slice(index - round(LEAD / PERIOD), index + 1)
     offset, middle = flight.time[some] - flight.time[index], flight.quaternion[index]
-    turn = logarithm(product(reverse(middle), flight.quaternion[some]))
+    turn = quaternion_logarithm(
+        quaternion_product(quaternion_conjugate(middle), flight.quaternion[some])
+    )
     powers = np.vander(offset / LEAD, 4, increasing=True)
     fit = np.linalg.lstsq(powers, np.hstack([flight.position[some], turn]), rcond=None)[0]
-    here = product(middle, exponential(fit[0, 3:]))
-    velocity = rotated(reverse(here), fit[1, :3] / LEAD)
+    here = quaternion_product(middle, quaternion_exponential(fit[0, 3:]))
+    velocity = rotate_vectors(quaternion_conjugate(here), fit[1, :3] / LEAD)
     return np.concatenate([fit[0, :3], here, velocity, fit[1, 3:] / LEAD])
 
 
-def pieces(flight: Measured, apart: float) -> Windows:
+def pieces(flight: MeasuredFlight, apart: float) -> Windows:
     """Return pieces that begin so many seconds apart."""
     count, lead = round(HORIZONS[-1] / PERIOD), round(LEAD / PERIOD)
     last = len(flight.time) - 1 - count
@@ -78,14 +92,16 @@ def pieces(flight: Measured, apart: float) -> Windows:
     return Windows(first, count + 1, states, np.ones((len(first), count + 1), dtype=np.bool_))
 
 
-def flights(vehicle: Vehicle, knobs: Sequence[Knob], full_thrust: float) -> list[Flight]:
+def flights(vehicle: Vehicle, knobs: Sequence[FreeParameter], full_thrust: float) -> list[Flight]:
     """Return all flights."""
-    out, places = [], Places.of(vehicle, 101325.0)
+    out, places = [], SensorPlaces.from_vehicle(vehicle, 101325.0)
     for i in range(1, FLIGHTS + 1):
         table = pd.read_csv(DATA / f'data_{i}.csv.gz').to_numpy(dtype=np.float64)
-        flight = measured(streams(table, full_thrust))
+        flight = resample_flight(streams(table, full_thrust))
         taught, scored = (
-            Linearised(Replay(flight, pieces(flight, apart), vehicle.command(())), knobs, places)
+            FlightLinearizer(
+                ModelReplay(flight, pieces(flight, apart), vehicle.pack_command(())), knobs, places
+            )
             for apart in (APART, STRIDE)
         )
         forces = float(table[0, 18]), float(table[0, 19])

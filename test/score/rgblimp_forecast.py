@@ -3,11 +3,17 @@
 from collections.abc import Sequence
 from typing import Final, final, NamedTuple
 
-from lta_discovery.flights.measured import PERIOD
-from lta_discovery.forecast.ahead import Ahead, HORIZONS
-from lta_discovery.forecast.foresight import Foresight
-from lta_discovery.forecast.gap import coasting
-from lta_discovery.model.rotations import exponential, logarithm, product, reverse, rotated
+from lta_discovery.flights.measured_flight import PERIOD
+from lta_discovery.forecast.forecast_fit import ForecastFitter
+from lta_discovery.forecast.horizon_errors import HorizonErrors, HORIZONS
+from lta_discovery.forecast.prediction_errors import extrapolate_coast
+from lta_discovery.model.quaternions import (
+    quaternion_conjugate,
+    quaternion_exponential,
+    quaternion_logarithm,
+    quaternion_product,
+    rotate_vectors,
+)
 import numpy as np
 from numpy.typing import NDArray
 from rgblimp_flights import begun, Flight, REPEATS
@@ -31,7 +37,7 @@ class Row(NamedTuple):
     steady: tuple[Array, Array]
 
 
-def online(seen: Ahead, time: Array) -> Array:
+def online(seen: HorizonErrors, time: Array) -> Array:
     """Return errors after a lift that each piece takes from what is over when it begins."""
     left, column = seen.left, seen.columns[..., 0]
     ends = time[:, None] + np.array(HORIZONS)
@@ -44,22 +50,26 @@ def online(seen: Ahead, time: Array) -> Array:
     return out
 
 
-def by_model(sight: Foresight, values: Array, which: Sequence[int], known: list[Flight]) -> dict:
+def by_model(
+    sight: ForecastFitter, values: Array, which: Sequence[int], known: list[Flight]
+) -> dict:
     """Return the errors of scored pieces by flight; `sight` is about the scored pieces."""
-    return {f: online(sight.errors(values, f), begun(known[f])) for f in which}
+    return {f: online(sight.compute_errors(values, f), begun(known[f])) for f in which}
 
 
 def _off(flight: Flight, position: Array, quaternion: Array) -> Array:
     """Return measured less predicted at the horizons."""
     at = flight.scored.replay.cut.first[:, None] + AT
-    turn = logarithm(product(reverse(quaternion), flight.measured.quaternion[at]))
+    turn = quaternion_logarithm(
+        quaternion_product(quaternion_conjugate(quaternion), flight.measured.quaternion[at])
+    )
     return np.concatenate([flight.measured.position[at] - position, turn], axis=-1)
 
 
 def by_coasting(flight: Flight) -> Array:
     """Return the errors of body velocity and rates that stay as they are."""
     cut = flight.scored.replay.cut
-    states = coasting(cut.start, cut.length)[:, AT]
+    states = extrapolate_coast(cut.start, cut.length)[:, AT]
     return _off(flight, states[..., :3], states[..., 3:7])
 
 
@@ -81,20 +91,27 @@ def by_repeats(known: list[Flight], f: int) -> Array:
         apart = np.sum((own[:, None] - theirs[None]) ** 2, axis=-1)
         start = np.argmin(apart, axis=1)
         at = start[:, None] + AT
-        back = reverse(_heading(quaternion[start]))[:, None]
+        back = quaternion_conjugate(_heading(quaternion[start]))[:, None]
         way = position[at] - position[start][:, None]
-        ways.append(rotated(np.repeat(back, len(AT), 1), way))
-        turns.append(product(reverse(quaternion[start])[:, None], quaternion[at]))
+        ways.append(rotate_vectors(np.repeat(back, len(AT), 1), way))
+        turns.append(
+            quaternion_product(quaternion_conjugate(quaternion[start])[:, None], quaternion[at])
+        )
         weights.append(1.0 / (0.1 + apart[np.arange(len(first)), start]))
     share = (np.array(weights) / np.sum(weights, axis=0))[..., None, None]
     way = np.sum(share * np.array(ways), axis=0)
     # About one of them: half a turn to the left and half a turn to the right is not straight on.
-    apart_by = [logarithm(product(reverse(turns[0]), each)) for each in turns]
-    turn = product(turns[0], exponential(np.sum(share * np.array(apart_by), axis=0)))
+    apart_by = [
+        quaternion_logarithm(quaternion_product(quaternion_conjugate(turns[0]), each))
+        for each in turns
+    ]
+    turn = quaternion_product(
+        turns[0], quaternion_exponential(np.sum(share * np.array(apart_by), axis=0))
+    )
     here = this.measured.quaternion[first]
     head = np.repeat(_heading(here)[:, None], len(AT), 1)
-    position = this.measured.position[first][:, None] + rotated(head, way)
-    return _off(this, position, product(here[:, None], turn))
+    position = this.measured.position[first][:, None] + rotate_vectors(head, way)
+    return _off(this, position, quaternion_product(here[:, None], turn))
 
 
 def _alike(flight: Flight) -> Array:
@@ -104,9 +121,18 @@ def _alike(flight: Flight) -> Array:
     ahead = np.minimum(np.arange(len(position)) + reach, len(position) - 1)
     behind = np.maximum(np.arange(len(position)) - reach, 0)
     lasted = (PERIOD * (ahead - behind))[:, None]
-    speed = rotated(reverse(quaternion), (position[ahead] - position[behind]) / lasted)
-    rates = logarithm(product(reverse(quaternion[behind]), quaternion[ahead])) / lasted
-    up = rotated(reverse(quaternion), np.broadcast_to([0.0, 0.0, 1.0], position.shape))
+    speed = rotate_vectors(
+        quaternion_conjugate(quaternion), (position[ahead] - position[behind]) / lasted
+    )
+    rates = (
+        quaternion_logarithm(
+            quaternion_product(quaternion_conjugate(quaternion[behind]), quaternion[ahead])
+        )
+        / lasted
+    )
+    up = rotate_vectors(
+        quaternion_conjugate(quaternion), np.broadcast_to([0.0, 0.0, 1.0], position.shape)
+    )
     return np.hstack([speed, rates, up[:, :2]]) / 0.05
 
 

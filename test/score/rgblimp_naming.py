@@ -3,8 +3,8 @@
 from collections.abc import Mapping, Sequence
 from typing import Final
 
-from lta_discovery.carrying.groups import Group
-from lta_discovery.model.knobs import Knob
+from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.transfer.candidate_groups import CandidateGroup
 import numpy as np
 from numpy.typing import NDArray
 
@@ -34,29 +34,29 @@ FREE: Final = 4.0  # typical sizes; of coefficients that are refitted without a 
 LOOSELY: Final = 30.0  # typical sizes; of everything that is fitted to forecasts alone
 
 
-def places(knobs: Sequence[Knob], names: Sequence[str]) -> list[int]:
+def places(knobs: Sequence[FreeParameter], names: Sequence[str]) -> list[int]:
     """Return where knobs are."""
     order = [knob.name for knob in knobs]
     return [order.index(name) for name in names]
 
 
-def refitted(groups: Sequence[Group]) -> list[int]:
+def refitted(groups: Sequence[CandidateGroup]) -> list[int]:
     """Return where the coefficients of the hull are, and what is refitted with them."""
     return [k for one in groups if one.effect == HULL or one.name in BESIDE for k in one.knobs]
 
 
-def every(knobs: Sequence[Knob], groups: Sequence[Group]) -> list[int]:
+def every(knobs: Sequence[FreeParameter], groups: Sequence[CandidateGroup]) -> list[int]:
     """Return where everything is that is fitted to forecasts alone."""
     named = [k for one in groups if one.effect == HULL or one.name in EVERY for k in one.knobs]
     return [*named, *places(knobs, NO_NAME)]
 
 
-def within(knobs: Sequence[Knob], which: Sequence[int], wide: float) -> Array:
+def within(knobs: Sequence[FreeParameter], which: Sequence[int], wide: float) -> Array:
     """Return how far knobs may be off, in typical sizes where `LOOSE` does not say."""
     return np.array([_within(knobs[k], wide) for k in which])
 
 
-def _within(knob: Knob, wide: float) -> float:
+def _within(knob: FreeParameter, wide: float) -> float:
     """Return how far a knob may be off."""
     usual = max(wide * knob.typical, 2.0 * knob.tolerance)
     return LOOSE.get(knob.name, LOOSE.get(knob.name.partition('.')[0], usual))

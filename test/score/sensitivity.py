@@ -22,10 +22,10 @@ import subprocess
 import sys
 from tempfile import TemporaryDirectory
 
-from lta_challenge.judged import Judged, judged
-from lta_challenge.make import folder_of, make, Order
-from lta_challenge.sealed import NAME as SEALED
-from lta_challenge.sealed import opened
+from lta_challenge.answer_key import NAME as SEALED
+from lta_challenge.answer_key import read_answers
+from lta_challenge.case_score import score_case, ScoredCase
+from lta_challenge.make import case_folder, ChallengeRequest, make_challenge
 from lta_challenge.trial import study_case
 from lta_cli.reference.thresholds import DECLARED, KEPT, list_thresholds, Threshold
 from rich.progress import track
@@ -38,7 +38,7 @@ SEED, SECONDS = 91, (60.0, 60.0)
 LATER = {'carrying', 'conclusion'}  # asked of real flights only, or when all has been decided
 
 
-def describe_outcome(one: Judged) -> str:
+def describe_outcome(one: ScoredCase) -> str:
     """Return in a few words how a case came out."""
     words = [one.outcome, *one.named, 'unexplained' if one.flagged else '']
     return ' '.join(filter(None, words))
@@ -46,11 +46,11 @@ def describe_outcome(one: Judged) -> str:
 
 def study_cases(challenge: Path, numbers: range) -> dict[str, str]:
     """Return how cases come out, by number."""
-    answers = opened(challenge / SEALED)
+    answers = read_answers(challenge / SEALED)
     out = {}
     for number in numbers:
-        found, _ = study_case(challenge / folder_of(number))
-        out[str(number)] = describe_outcome(judged(number, answers[str(number)], found))
+        found, _ = study_case(challenge / case_folder(number))
+        out[str(number)] = describe_outcome(score_case(number, answers[str(number)], found))
     return out
 
 
@@ -127,7 +127,7 @@ def main() -> None:
         return
     challenge = RUNS / f'cases_{given.cases}'
     if not challenge.exists():
-        make(Order(SEED, given.cases, seconds=SECONDS), challenge, given.jobs)
+        make_challenge(ChallengeRequest(SEED, given.cases, seconds=SECONDS), challenge, given.jobs)
     texts = sorted(SOURCE.rglob('*.py'))
     whole = b''.join(path.read_bytes() for path in texts) + (challenge / SEALED).read_bytes()
     stamp = hashlib.sha256(whole).hexdigest()[:16]

@@ -20,8 +20,8 @@ import beside  # noqa: F401
 from command import Lta, Started
 from domain import free_domain
 from endless import endless
-from lta_bridge.bookkeeping import stamp_of
-from lta_config.topics import robot_topic, topic_table
+from lta_bridge.message_accounting import read_stamp
+from lta_config.topics import load_topic_table, robot_topic
 from lta_data.bag.reader import read_bag
 from lta_graph.ros.listener import DiagnosticsListener
 from machine import work_time
@@ -32,7 +32,7 @@ from rich.progress import Progress
 from soak_latency import latency
 from soak_memory import LEAK, resident, Slope, slope_of
 
-TABLE: Final = topic_table()
+TABLE: Final = load_topic_table()
 ROBOT: Final = 'lta1'
 NODES: Final = (
     'simulator', 'estimator', 'controller', 'demodulator', 'navigator', 'energy_monitor',
@@ -121,17 +121,17 @@ def watched(
 def lost(bag_path: Path, steps: int) -> str:
     """Return what is wrong with the rhythm of the topics in the bag, empty for nothing."""
     bag = read_bag(bag_path)
-    if not bag.complete:
+    if not bag.is_complete:
         return 'the bag is not whole'
     rows = {robot_topic(ROBOT, name): TABLE[name] for name in PERIODIC}
     counts = Counter[str]()
     first: dict[str, int] = {}
     due: dict[str, int] = {}
-    for topic, _, data in bag.messages(list(rows)):
+    for topic, _, data in bag.iterate_messages(list(rows)):
         counts[topic] += 1
         if not rows[topic].stamped:
             continue
-        if (stamp := stamp_of(data) or 0) != due.setdefault(topic, stamp):
+        if (stamp := read_stamp(data) or 0) != due.setdefault(topic, stamp):
             return f'a message on {topic} is of {stamp} ns, where that of {due[topic]} ns is due'
         first.setdefault(topic, stamp)
         due[topic] = stamp + rows[topic].period_ns

@@ -8,16 +8,16 @@ from collections.abc import Sequence
 import time
 from typing import Final
 
-from lta_bridge.bookkeeping import stamp_of
-from lta_config.topics import topic_table
-from lta_graph.ros.message_types import message_type
-from lta_graph.ros.qos import profile
-from lta_graph.ros.visitor import visitor
+from lta_bridge.message_accounting import read_stamp
+from lta_config.topics import load_topic_table
+from lta_graph.ros.message_types import find_message_type
+from lta_graph.ros.qos import select_profile
+from lta_graph.ros.temporary_node import join_graph
 import numpy as np
 from numpy.typing import NDArray
 from rclpy.subscription import Subscription
 
-TABLE: Final = topic_table()
+TABLE: Final = load_topic_table()
 ENDS: Final = ('imu', 'motors')  # of a step
 NAP: Final = 0.001  # s
 
@@ -32,11 +32,11 @@ def latency(seconds: float) -> NDArray[np.float64]:
         [s]
 
     """
-    with visitor('onlooker', '/lta1') as (node, _):
+    with join_graph('onlooker', '/lta1') as (node, _):
         readers = []
         for name in ENDS:
             row = TABLE[name]
-            kind, quality = message_type(row), profile(row, lockstep=True)
+            kind, quality = find_message_type(row), select_profile(row, lockstep=True)
             readers.append(node.create_subscription(kind, name, taken_by_hand, quality, raw=True))
         return timed(readers, seconds)
 
@@ -54,7 +54,7 @@ def timed(readers: Sequence[Subscription], seconds: float) -> NDArray[np.float64
         for reader, name in zip(readers, ENDS, strict=True):
             while (taken := reader.handle.take_message(reader.msg_type, True)) is not None:
                 data, about = taken
-                written[name][stamp_of(data) or 0] = about['source_timestamp']
+                written[name][read_stamp(data) or 0] = about['source_timestamp']
                 found += 1
         if not found:
             time.sleep(NAP)

@@ -18,12 +18,12 @@ from pathlib import Path
 import sys
 from typing import Any, NamedTuple
 
-import lta_data.trust
-from lta_data.trust.recording import Recording
-from lta_data.trust.registry import checked, Report
-from lta_data.trust.roles import family
-from lta_data.trust.twins import twins
-from lta_flight.sweep.statistics import wilson
+import lta_data.data_quality
+from lta_data.data_quality.duplicate_runs import find_duplicate_runs
+from lta_data.data_quality.recording import ChannelRecording
+from lta_data.data_quality.registry import QualityReport, run_checks
+from lta_data.data_quality.roles import vector_name
+from lta_flight.sweep.statistics import wilson_interval
 import numpy as np
 from numpy.random import Generator
 from rich.progress import track
@@ -47,13 +47,13 @@ class Case(NamedTuple):
 
 
 @cache
-def pooled(number: int) -> Recording:
+def pooled(number: int) -> ChannelRecording:
     """Return a simulated flight that corruptions are done to; none of the clean set."""
     return flights.simulated(10_000 + number)
 
 
 @cache
-def real(number: int) -> Recording:
+def real(number: int) -> ChannelRecording:
     """Return a real flight by number, Crazyflie first."""
     crazy, blimp = flights.crazyflie_files(), flights.rgblimp_files()
     return (
@@ -63,7 +63,7 @@ def real(number: int) -> Recording:
     )
 
 
-def drawn(source: str, rng: Generator) -> Recording:
+def drawn(source: str, rng: Generator) -> ChannelRecording:
     """Draw a flight to be corrupted: a piece of 15 to 30 s of a real one, of both sets alike."""
     if source == 'simulated':
         return pooled(int(rng.integers(POOL)))
@@ -76,22 +76,22 @@ def drawn(source: str, rng: Generator) -> Recording:
     return flights.piece(whole, begin, begin + size)
 
 
-def hits(report: Report, case: Case, wrong: Corrupted) -> bool:
+def hits(report: QualityReport, case: Case, wrong: Corrupted) -> bool:
     """Whether a finding has the right kind, channel or vector or topic, and interval."""
-    names = {*wrong.names, *map(family, wrong.names)}
+    names = {*wrong.names, *map(vector_name, wrong.names)}
     names |= {name.rpartition('/')[0] for name in names if '/' in name}
     return any(
         finding.kind == case.kind
-        and ({finding.channel, family(finding.channel)} & names)
+        and ({finding.channel, vector_name(finding.channel)} & names)
         and finding.from_s <= wrong.to_s + SLACK
         and finding.to_s >= wrong.from_s - SLACK
         for finding in report.findings
     )
 
 
-def told(report: Report) -> list[str]:
+def told(report: QualityReport) -> list[str]:
     """Return the kinds of what was found, the grave ones as they are, the others in brackets."""
-    kinds = {f.kind if f.grave else f'({f.kind})' for f in report.findings}
+    kinds = {f.kind if f.is_grave else f'({f.kind})' for f in report.findings}
     return sorted(kinds)
 
 
@@ -101,8 +101,8 @@ def judge(case: Case) -> dict[str, Any]:
         flight = (
             flights.simulated(case.number) if case.source == 'simulated' else real(case.number)
         )
-        report = checked(flight)
-        texts = [f'{f.kind} {f.channel}: {f.evidence}' for f in report.findings if f.grave]
+        report = run_checks(flight)
+        texts = [f'{f.kind} {f.channel}: {f.evidence}' for f in report.findings if f.is_grave]
         return {'found': not texts, 'told': told(report), 'how': '; '.join(texts[:3])}
     rng = np.random.default_rng([case.number, *case.kind.encode(), *case.source.encode()])
     if case.kind == 'twin':
@@ -110,7 +110,7 @@ def judge(case: Case) -> dict[str, Any]:
     for _ in range(TRIES):
         wrong = CORRUPTIONS[case.kind](drawn(case.source, rng), rng)
         if wrong is not None:
-            report = checked(wrong.recording)
+            report = run_checks(wrong.recording)
             return {'found': hits(report, case, wrong), 'told': told(report), 'how': wrong.how}
     return {'found': False, 'told': [], 'how': NEVER}
 
@@ -124,7 +124,7 @@ def judge_twin(source: str, rng: Generator) -> dict[str, Any]:
             continue
         others = [('other 1', drawn(source, rng)), ('other 2', drawn(source, rng))]
         others = [pair for pair in others if pair[1].channels.keys() and not same(pair[1], flight)]
-        found = twins([('one', flight), *others, ('copy', copy.recording)])
+        found = find_duplicate_runs([('one', flight), *others, ('copy', copy.recording)])
         at_copy = [f for f in found.get('copy', []) if "'one'" in f.evidence]
         extra = sum(map(len, found.values())) - len(at_copy)
         return {'found': bool(at_copy), 'told': ['twin'] * bool(at_copy) + ['wrong pair'] * extra,
@@ -132,7 +132,7 @@ def judge_twin(source: str, rng: Generator) -> dict[str, Any]:
     return {'found': False, 'told': [], 'how': NEVER}
 
 
-def same(first: Recording, second: Recording) -> bool:
+def same(first: ChannelRecording, second: ChannelRecording) -> bool:
     """Whether two pieces may be of one flight: then a twin is right."""
     shared = [name for name in first.channels if name in second.channels]
     return any(
@@ -154,7 +154,7 @@ def cases(clean: int, each: int, first: int) -> Iterator[Case]:
 
 def version() -> str:
     """Return a hash of what decides the score: checks, flights, corruptions."""
-    checks = sorted(Path(lta_data.trust.__file__).parent.glob('*.py'))
+    checks = sorted(Path(lta_data.data_quality.__file__).parent.glob('*.py'))
     digest = hashlib.sha256()
     for path in (*checks, *sorted(HERE.glob('trust*.py'))):
         digest.update(path.read_bytes())
@@ -179,7 +179,7 @@ def scored(chosen: list[Case], kept: Path) -> dict[Case, dict[str, Any]]:
 
 def share(hit: int, count: int) -> str:
     """Return a share in words, with its 95 % interval."""
-    found = wilson(hit, count)
+    found = wilson_interval(hit, count)
     return f'{hit:>4}/{count:<4} {100 * found.low:5.1f}..{100 * found.high:5.1f} %'
 
 

@@ -4,8 +4,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Final
 
-from lta_data.bag.channels import Channel
-from lta_data.trust.recording import Recording
+from lta_data.bag.channels import SignalChannel
+from lta_data.data_quality.recording import ChannelRecording
 import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
@@ -24,17 +24,17 @@ FORCE: Final = 'imu/linear_acceleration'
 class Corrupted:
     """A corrupted recording, and what should be found: any of these names, in this interval."""
 
-    recording: Recording
+    recording: ChannelRecording
     names: tuple[str, ...]
     from_s: float
     to_s: float
     how: str
 
 
-Corruption = Callable[[Recording, Generator], Corrupted | None]
+Corruption = Callable[[ChannelRecording, Generator], Corrupted | None]
 
 
-def changed(flight: Recording, new: Mapping[str, Array]) -> Recording:
+def changed(flight: ChannelRecording, new: Mapping[str, Array]) -> ChannelRecording:
     """Return a recording with other values in some channels."""
     channels = dict(flight.channels)
     for name, values in new.items():
@@ -42,12 +42,12 @@ def changed(flight: Recording, new: Mapping[str, Array]) -> Recording:
     return replace(flight, channels=channels)
 
 
-def scaled(flight: Recording, names: list[str], factor: float) -> Recording:
+def scaled(flight: ChannelRecording, names: list[str], factor: float) -> ChannelRecording:
     """Return a recording with some channels multiplied."""
     return changed(flight, {name: flight.channels[name].values * factor for name in names})
 
 
-def span(rng: Generator, channel: Channel, least: float, most: float) -> tuple[int, int]:
+def span(rng: Generator, channel: SignalChannel, least: float, most: float) -> tuple[int, int]:
     """Draw an interval inside a channel, not at its ends, as indices."""
     time = channel.time
     total = float(time[-1] - time[0])
@@ -57,11 +57,11 @@ def span(rng: Generator, channel: Channel, least: float, most: float) -> tuple[i
     return int(low), int(max(high, low + 2))
 
 
-def over(channel: Channel, low: int, high: int) -> tuple[float, float]:
+def over(channel: SignalChannel, low: int, high: int) -> tuple[float, float]:
     """Return an interval of indices as times."""
     return float(channel.time[low]), float(channel.time[min(high, len(channel.time)) - 1])
 
 
-def whole(channel: Channel) -> tuple[float, float]:
+def whole(channel: SignalChannel) -> tuple[float, float]:
     """Return all of a channel's time."""
     return float(channel.time[0]), float(channel.time[-1])

@@ -11,9 +11,9 @@ from dataclasses import replace
 from typing import Final
 
 from lta_config.constants import STANDARD_GRAVITY
-from lta_data.bag.channels import Channel
-from lta_data.trust import roles
-from lta_data.trust.recording import Recording
+from lta_data.bag.channels import SignalChannel
+from lta_data.data_quality import roles
+from lta_data.data_quality.recording import ChannelRecording
 import numpy as np
 from numpy.random import Generator
 from scipy.signal import butter, sosfiltfilt
@@ -38,21 +38,21 @@ from trust_hands import held
 from trust_motion import axes, clock
 
 
-def restless(flight: Recording) -> list[Channel]:
+def restless(flight: ChannelRecording) -> list[SignalChannel]:
     """Return the channels of instruments that never rest and that move in this flight."""
     return [
         c
         for c in flight.channels.values()
-        if roles.restless(c) and len(c.values) > 100 and len(np.unique(c.values)) > 40
+        if roles.find_restless_kind(c) and len(c.values) > 100 and len(np.unique(c.values)) > 40
     ]
 
 
-def pick(rng: Generator, some: list[Channel]) -> Channel | None:
+def pick(rng: Generator, some: list[SignalChannel]) -> SignalChannel | None:
     """Draw a channel."""
     return some[int(rng.integers(len(some)))] if some else None
 
 
-def constant(flight: Recording, rng: Generator) -> Corrupted | None:
+def constant(flight: ChannelRecording, rng: Generator) -> Corrupted | None:
     """One channel has its first value throughout."""
     channel = pick(rng, restless(flight))
     if channel is None:
@@ -62,17 +62,17 @@ def constant(flight: Recording, rng: Generator) -> Corrupted | None:
     return Corrupted(new, (channel.name,), *whole(channel), f'{channel.name} constant')
 
 
-def frozen(flight: Recording, rng: Generator) -> Corrupted | None:
+def frozen(flight: ChannelRecording, rng: Generator) -> Corrupted | None:
     """One channel, or a whole vector, stands still for 0.4 to 5 s in flight."""
     channel = pick(rng, restless(flight))
     if channel is None:
         return None
     low, high = span(rng, channel, 0.4, 5.0)
     high = max(high, low + 10)
-    family = roles.family(channel.name)
+    family = roles.vector_name(channel.name)
     names = [channel.name]
     if rng.random() < 0.3:
-        names = [n for n, c in flight.channels.items() if roles.family(n) == family]
+        names = [n for n, c in flight.channels.items() if roles.vector_name(n) == family]
     new = {}
     for name in names:
         values = flight.channels[name].values.copy()
@@ -82,7 +82,7 @@ def frozen(flight: Recording, rng: Generator) -> Corrupted | None:
     return Corrupted(changed(flight, new), tuple(names), *when, f'{len(names)} {family} frozen')
 
 
-def clipped(flight: Recording, rng: Generator) -> Corrupted | None:
+def clipped(flight: ChannelRecording, rng: Generator) -> Corrupted | None:
     """One channel is cut off so that 2 to 20 % of its readings, 15 at least, are at the limit."""
     if rng.random() < 0.2 and 'photodiodes/max[0]' in flight.channels:
         channel = flight.channels[f'photodiodes/max[{int(rng.integers(4))}]']
@@ -105,7 +105,7 @@ def clipped(flight: Recording, rng: Generator) -> Corrupted | None:
     return Corrupted(new, (channel.name,), float(when[0]), float(when[-1]), how)
 
 
-def duplicate(flight: Recording, rng: Generator) -> Corrupted | None:
+def duplicate(flight: ChannelRecording, rng: Generator) -> Corrupted | None:
     """A stretch of 0.5 to 5 s of a topic, 20 readings at least, is there a second time."""
     channel = pick(rng, restless(flight))
     if channel is None:
@@ -128,7 +128,7 @@ def duplicate(flight: Recording, rng: Generator) -> Corrupted | None:
     return Corrupted(changed(flight, new), tuple(names), *when, f'{channel.topic} {count} twice')
 
 
-def impossible(flight: Recording, rng: Generator) -> Corrupted | None:
+def impossible(flight: ChannelRecording, rng: Generator) -> Corrupted | None:
     """Values that cannot be: one kind of ten, in one sample up to a second of them."""
     kind = int(rng.integers(len(IMPOSSIBLE)))
     names, make = IMPOSSIBLE[kind]
@@ -150,7 +150,8 @@ def impossible(flight: Recording, rng: Generator) -> Corrupted | None:
             column = flight.channels[f'{TURN}.{part}'].values.copy()
             column[low:high] *= factor
             new[f'{TURN}.{part}'] = column
-    return Corrupted(changed(flight, new), (name, roles.family(name)), *over(channel, low, high),
+    return Corrupted(changed(flight, new), (name, roles.vector_name(name)),
+                     *over(channel, low, high),
                      f'{name} {make(np.array([1.0]), rng)[0]:.3g}')  # fmt: skip
 
 
@@ -175,9 +176,9 @@ IMPOSSIBLE: Final = (
 )
 
 
-def filtered(flight: Recording, rng: Generator) -> Corrupted | None:
+def filtered(flight: ChannelRecording, rng: Generator) -> Corrupted | None:
     """A vector passes a low-pass (Butterworth, order 4, both ways) at 2 to 8 % of its rate."""
-    if flight.simulated or quiet(flight):
+    if flight.is_simulated or quiet(flight):
         return None
     vectors = [v for v in (PLACE, SPEED, SPIN, GYRO, FORCE) if f'{v}.x' in flight.channels
                and len(flight.channels[f'{v}.x'].values) > 300]  # fmt: skip
@@ -195,7 +196,7 @@ def filtered(flight: Recording, rng: Generator) -> Corrupted | None:
     )
 
 
-def quiet(flight: Recording) -> bool:
+def quiet(flight: ChannelRecording) -> bool:
     """Whether a flight is filtered already: RGBlimp's are constant in command and very smooth."""
     return any(name.startswith('wrench_command') for name in flight.channels)
 
@@ -210,10 +211,12 @@ UNITS: Final = (
 )  # fmt: skip
 
 
-def unit(flight: Recording, rng: Generator) -> Corrupted | None:
+def unit(flight: ChannelRecording, rng: Generator) -> Corrupted | None:
     """A quantity is in another unit throughout: 17 kinds."""
     vector, factor = UNITS[int(rng.integers(len(UNITS)))]
-    names = [n for n, c in flight.channels.items() if n == vector or roles.family(n) == vector]
+    names = [
+        n for n, c in flight.channels.items() if n == vector or roles.vector_name(n) == vector
+    ]
     if not names or (vector in (SPIN, GYRO) and TURN + '.x' not in flight.channels):
         return None
     channel = flight.channels[names[0]]
@@ -225,7 +228,7 @@ def unit(flight: Recording, rng: Generator) -> Corrupted | None:
     return Corrupted(scaled(flight, names, factor), (vector, *names), *whole(channel), how)
 
 
-def stamps(flight: Recording, rng: Generator) -> Corrupted | None:
+def stamps(flight: ChannelRecording, rng: Generator) -> Corrupted | None:
     """A topic's stamps go back, jump, leave out a stretch or many messages, or come twice."""
     topics = sorted({c.topic for c in flight.channels.values() if len(c.time) > 150})
     if not topics:
@@ -254,7 +257,7 @@ def stamps(flight: Recording, rng: Generator) -> Corrupted | None:
     return Corrupted(replace(flight, channels=new), (topic,), *when, f'{topic} {ways[way]}')
 
 
-def twin(flight: Recording, rng: Generator) -> Corrupted | None:
+def twin(flight: ChannelRecording, rng: Generator) -> Corrupted | None:
     """
     The same run again: trimmed, moved in time, its place moved, rounded, in single precision.
 

@@ -13,12 +13,12 @@ from pathlib import Path
 from typing import Any, Final
 
 from lta_config.constants import STANDARD_GRAVITY
-from lta_config.files import find
-from lta_data.bag.channels import BLOCK, Channel
-from lta_data.trust.recording import Recording
-from lta_flight.ingredients import gather, loop_of
-from lta_flight.loop import Loop
-from lta_model.attitude import angles
+from lta_config.files import find_file
+from lta_data.bag.channels import BLOCK, SignalChannel
+from lta_data.data_quality.recording import ChannelRecording
+from lta_flight.closed_loop import ClosedLoop
+from lta_flight.flight_spec import build_loop, load_spec
+from lta_model.attitude import to_euler_angles
 import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
@@ -36,29 +36,31 @@ ODOMETRY: Final = ('pose.pose.position', 'pose.pose.orientation', 'twist.twist.l
 TURN: Final = 'twist.twist.angular'
 
 
-def vector(topic: str, path: str, unit: str, time: Array, table: Array) -> Iterator[Channel]:
+def vector(topic: str, path: str, unit: str, time: Array, table: Array) -> Iterator[SignalChannel]:
     """Yield the channels of a vector."""
     parts = ('x', 'y', 'z', 'w')[: table.shape[1]]
     for part, column in zip(parts, table.T, strict=True):
-        yield Channel(f'{topic}/{path}.{part}', unit, time, np.ascontiguousarray(column))
+        yield SignalChannel(f'{topic}/{path}.{part}', unit, time, np.ascontiguousarray(column))
 
 
 def odometry(
     topic: str, time: Array, place: Array, turn: Array, speed: Array, rates: Array
-) -> Iterator[Channel]:
+) -> Iterator[SignalChannel]:
     """Yield the channels of an odometry topic; `turn` are quaternions x y z w."""
     position, orientation, linear = ODOMETRY
     yield from vector(topic, position, 'm', time, place)
     yield from vector(topic, orientation, '1', time, turn)
-    for part, values in zip(('yaw', 'pitch', 'roll'), angles(turn), strict=True):
-        yield Channel(f'{topic}/{orientation}.{part}', 'rad', time, values, angular=True)
+    for part, values in zip(('yaw', 'pitch', 'roll'), to_euler_angles(turn), strict=True):
+        yield SignalChannel(f'{topic}/{orientation}.{part}', 'rad', time, values, angular=True)
     yield from vector(topic, linear, 'm/s', time, speed)
     yield from vector(topic, TURN, 'rad/s', time, rates)
 
 
-def recording(channels: Iterator[Channel], provenance: Mapping[str, str]) -> Recording:
+def recording(
+    channels: Iterator[SignalChannel], provenance: Mapping[str, str]
+) -> ChannelRecording:
     """Return channels as a recording."""
-    return Recording({channel.name: channel for channel in channels}, provenance)
+    return ChannelRecording({channel.name: channel for channel in channels}, provenance)
 
 
 # Simulated
@@ -66,11 +68,11 @@ def recording(channels: Iterator[Channel], provenance: Mapping[str, str]) -> Rec
 
 def flown(vehicle: str, scenario: str, strategy: str, seed: int, length: float) -> dict[str, Any]:
     """Fly one flight of at most so many seconds; return what was sensed, as lists by topic."""
-    loop = loop_of(gather(vehicle, scenario, strategy, ''), seed)
+    loop = build_loop(load_spec(vehicle, scenario, strategy, ''), seed)
     kept: dict[str, Any] = {name: [] for name in KEPT}
     kept['rotors'] = loop.world.vehicle.rotor_names
     begun = loop.world.stamp_ns
-    for _ in loop.flight():
+    for _ in loop.iterate_steps():
         take(loop, kept, begun)
         if loop.world.elapsed >= length:
             break
@@ -82,7 +84,7 @@ KEPT: Final = (
 )  # fmt: skip
 
 
-def take(loop: Loop, kept: dict[str, Any], begun: int) -> None:
+def take(loop: ClosedLoop, kept: dict[str, Any], begun: int) -> None:
     """Keep the newest step."""
     readings = loop.readings
     now = (readings.stamp_ns - begun) * 1e-9
@@ -102,7 +104,7 @@ def take(loop: Loop, kept: dict[str, Any], begun: int) -> None:
         kept['block'].append(((stamp - begun) * 1e-9, *np.concatenate(columns)))
 
 
-def simulated(seed: int, vehicle: str | None = None) -> Recording:
+def simulated(seed: int, vehicle: str | None = None) -> ChannelRecording:
     """Return the clean flight of a seed: vehicle, scene, length and topics are drawn by it."""
     rng = np.random.default_rng([seed, 4])
     kept = None
@@ -114,7 +116,7 @@ def simulated(seed: int, vehicle: str | None = None) -> Recording:
     topics = subset(rng)
     channels = dict(of_flown(kept, rng, declared))
     chosen = (channel for topic in topics for channel in channels.get(topic, ()))
-    file = {'vehicle_file': find('vehicle', craft).read_text(encoding='utf-8')}
+    file = {'vehicle_file': find_file('vehicle', craft).read_text(encoding='utf-8')}
     return recording(chosen, (SIMULATED if declared else MEASURED) | file)
 
 
@@ -137,7 +139,7 @@ def subset(rng: Generator) -> list[str]:
 
 def of_flown(
     kept: dict[str, Any], rng: Generator, declared: bool
-) -> Iterator[tuple[str, list[Channel]]]:
+) -> Iterator[tuple[str, list[SignalChannel]]]:
     """Yield the channels of each topic of a flight."""
     tables = {name: np.array(kept[name], dtype=np.float64) for name in KEPT if len(kept[name])}
     imu = tables['imu']
@@ -154,20 +156,20 @@ def of_flown(
         'illuminance': ('illuminance/illuminance', 'lx', 1),
     }
     for name, (channel, unit, column) in singles.items():
-        yield name, [Channel(channel, unit, tables[name][:, 0], tables[name][:, column])]
+        yield name, [SignalChannel(channel, unit, tables[name][:, 0], tables[name][:, column])]
     battery = tables['battery']
     yield (
         'battery',
         [
-            Channel('battery/voltage', 'V', battery[:, 0], battery[:, 1]),
-            Channel('battery/current', 'A', battery[:, 0], battery[:, 2]),
+            SignalChannel('battery/voltage', 'V', battery[:, 0], battery[:, 1]),
+            SignalChannel('battery/current', 'A', battery[:, 0], battery[:, 2]),
         ],
     )
     motors = tables['motors']
     yield (
         'motors',
         [
-            Channel(f'motors/effort.{name}', '1', motors[:, 0], motors[:, 1 + index])
+            SignalChannel(f'motors/effort.{name}', '1', motors[:, 0], motors[:, 1 + index])
             for index, name in enumerate(kept['rotors'])
         ],
     )
@@ -176,16 +178,16 @@ def of_flown(
         yield 'block', list(of_blocks(tables['block']))
 
 
-def of_blocks(table: Array) -> Iterator[Channel]:
+def of_blocks(table: Array) -> Iterator[SignalChannel]:
     """Yield what ADC blocks come to."""
     diodes = (table.shape[1] - 1) // len(BLOCK)
     for index, what in enumerate(BLOCK):
         for diode in range(diodes):
             column = table[:, 1 + index * diodes + diode]
-            yield Channel(f'photodiodes/{what}[{diode}]', 'ADC counts', table[:, 0], column)
+            yield SignalChannel(f'photodiodes/{what}[{diode}]', 'ADC counts', table[:, 0], column)
 
 
-def of_truth(table: Array, rng: Generator, declared: bool) -> Iterator[Channel]:
+def of_truth(table: Array, rng: Generator, declared: bool) -> Iterator[SignalChannel]:
     """Yield ground truth, with a tracker's noise where it poses as measured."""
     every = 1 if declared else int(rng.choice([1, 1, 2, 4]))
     table = table[::every]
@@ -221,7 +223,7 @@ def crazyflie_files() -> list[Path]:
     return sorted((DATA / 'crazyflie_flights').glob('*.csv.gz'))
 
 
-def rgblimp(path: Path) -> Recording:
+def rgblimp(path: Path) -> ChannelRecording:
     """Return a flight of RGBlimp: z down becomes z up, body FRD becomes FLU; 60 Hz."""
     table = columns(path)
     time = np.arange(len(table)) / 60.0
@@ -236,14 +238,14 @@ def rgblimp(path: Path) -> Recording:
         'ground_truth/odom', time, three('p') * flip, turn, three('vb') * flip, three('wb') * flip
     )
     force = [
-        Channel(
+        SignalChannel(
             'wrench_command/wrench.force.x', 'N', time, table['Fl_series'] + table['Fr_series']
         )
     ]
     return recording(iter([*pose, *force]), MEASURED)
 
 
-def crazyflie(path: Path) -> Recording:
+def crazyflie(path: Path) -> ChannelRecording:
     """Return a Crazyflie flight: Vicon, IMU, commands and battery at 100 Hz."""
     table = columns(path)
     time = table['t'] - table['t'][0]
@@ -260,28 +262,28 @@ def crazyflie(path: Path) -> Recording:
     rest = [
         *vector('imu', 'angular_velocity', 'rad/s', time, gyro),
         *vector('imu', 'linear_acceleration', 'm/s2', time, force),
-        Channel('battery/voltage', 'V', time, table['pwr_pm_vbat']),
+        SignalChannel('battery/voltage', 'V', time, table['pwr_pm_vbat']),
     ]
     duties = [
-        Channel(f'motors/effort.m{n}', '1', time, table[f'motor_motor_m{n}'] / 65535.0)
+        SignalChannel(f'motors/effort.m{n}', '1', time, table[f'motor_motor_m{n}'] / 65535.0)
         for n in (1, 2, 3, 4)
     ]
     return recording(iter([*pose, *rest, *duties]), MEASURED)
 
 
-def piece(whole: Recording, begin: float, end: float) -> Recording:
+def piece(whole: ChannelRecording, begin: float, end: float) -> ChannelRecording:
     """Return a part of a recording, with its time starting at zero. [s]"""
     cut = {}
     for name, channel in whole.channels.items():
         inside = (channel.time >= begin) & (channel.time < end)
-        cut[name] = Channel(
+        cut[name] = SignalChannel(
             name, channel.unit, channel.time[inside] - begin, channel.values[inside],
             channel.angular,
         )  # fmt: skip
-    return Recording(cut, whole.provenance)
+    return ChannelRecording(cut, whole.provenance)
 
 
-def length(flight: Recording) -> float:
+def length(flight: ChannelRecording) -> float:
     """Return the time to the last sample. [s]"""
     return max(
         (float(c.time[-1]) for c in flight.channels.values() if len(c.time)), default=math.nan

@@ -1,7 +1,7 @@
 """A hand that holds the craft, put into a clean flight."""
 
-from lta_data.trust.motion import attitudes
-from lta_data.trust.recording import Recording
+from lta_data.data_quality.motion import collect_attitudes
+from lta_data.data_quality.recording import ChannelRecording
 import numpy as np
 from numpy.random import Generator
 from scipy.spatial.transform import Rotation
@@ -37,7 +37,7 @@ def hand(time: Array, rng: Generator, tremor: float, carry: float) -> Array:
     return path * fade[:, None]
 
 
-def held(flight: Recording, rng: Generator) -> Corrupted | None:
+def held(flight: ChannelRecording, rng: Generator) -> Corrupted | None:
     """
     A hand holds the craft for 3.5 to 6 s: before, after (rotors idle) or during the flight.
 
@@ -79,14 +79,14 @@ def held(flight: Recording, rng: Generator) -> Corrupted | None:
     return Corrupted(new, names, start, start + length, f'{word} {tremor:.2f} m/s2 {carry:.2f} m')
 
 
-def topics_of(flight: Recording) -> set[str]:
+def topics_of(flight: ChannelRecording) -> set[str]:
     """Return the topics of a recording."""
     return {channel.topic for channel in flight.channels.values()}
 
 
 def moved(
-    flight: Recording, start: float, end: float, rng: Generator, tremor: float, carry: float
-) -> Recording:
+    flight: ChannelRecording, start: float, end: float, rng: Generator, tremor: float, carry: float
+) -> ChannelRecording:
     """Return a flight in which a hand moves the craft, in all that feels it."""
     fine = np.arange(start, end, 0.002)
     path = hand(fine, rng, tremor, carry)
@@ -101,7 +101,7 @@ def moved(
         time = flight.channels[f'{name}.x'].time
         added = np.stack([np.interp(time, fine, column, 0.0, 0.0) for column in table.T], axis=1)
         if in_body:
-            turn = attitudes(flight.channels)[TRUTH]
+            turn = collect_attitudes(flight.channels)[TRUTH]
             at = np.stack([np.interp(time, turn.time, column) for column in turn.values.T], axis=1)
             added = Rotation.from_quat(at).inv().apply(added)
         for index, axis in enumerate('xyz'):

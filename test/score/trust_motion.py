@@ -2,11 +2,11 @@
 
 from dataclasses import replace
 
-from lta_data.trust import roles
-from lta_data.trust.motion import attitudes
-from lta_data.trust.recording import Recording
-from lta_data.trust.smooth import kernel, smoothed
-from lta_model.attitude import angles
+from lta_data.data_quality import roles
+from lta_data.data_quality.motion import collect_attitudes
+from lta_data.data_quality.recording import ChannelRecording
+from lta_data.data_quality.smoothing import hann_kernel, smooth_columns
+from lta_model.attitude import to_euler_angles
 import numpy as np
 from numpy.random import Generator
 from scipy.spatial.transform import Rotation
@@ -27,14 +27,14 @@ from trust_case import (
 from trust_flights import piece
 
 
-def judged(flight: Recording) -> list[str]:
+def judged(flight: ChannelRecording) -> list[str]:
     """Return the vectors that have a tracked pose beside them."""
     if f'{TURN}.x' not in flight.channels:
         return []
     return [vector for vector in (SPIN, GYRO, SPEED) if f'{vector}.x' in flight.channels]
 
 
-def lively(flight: Recording, vector: str) -> list[str]:
+def lively(flight: ChannelRecording, vector: str) -> list[str]:
     """Return the axes of a vector that move more than its noise."""
     # Of 0.3 s means.
     least = 0.02 if vector in (SPIN, GYRO) else 0.03
@@ -47,27 +47,27 @@ def lively(flight: Recording, vector: str) -> list[str]:
     return found
 
 
-def quick(flight: Recording, vector: str) -> bool:
+def quick(flight: ChannelRecording, vector: str) -> bool:
     """Whether a vector changes within seconds, by 0.01 rad/s or m/s RMS at least in one axis."""
     time = flight.channels[f'{vector}.x'].time
     if len(time) < 200:
         return False
     step = float(np.median(np.diff(time)))
     table = np.stack([flight.channels[f'{vector}.{axis}'].values for axis in 'xyz'], axis=1)
-    calm = smoothed(table, kernel(0.3, step))
+    calm = smooth_columns(table, hann_kernel(0.3, step))
     end = round(1.5 / step)
-    changing = (calm - smoothed(calm, kernel(3.0, step)))[end:-end]
+    changing = (calm - smooth_columns(calm, hann_kernel(3.0, step)))[end:-end]
     return bool(len(changing) and changing.std(axis=0).max() > 0.01)
 
 
-def throughout(flight: Recording, vector: str) -> bool:
+def throughout(flight: ChannelRecording, vector: str) -> bool:
     """Whether a vector does so in each third of the flight: else nothing can wander."""
     total = float(flight.channels[f'{vector}.x'].time[-1])
     thirds = (piece(flight, total * part / 3.0, total * (part + 1) / 3.0) for part in range(3))
     return all(quick(third, vector) for third in thirds)
 
 
-def axes(flight: Recording, rng: Generator) -> Corrupted | None:
+def axes(flight: ChannelRecording, rng: Generator) -> Corrupted | None:
     """A sign, two axes, a frame or the order of a quaternion is another throughout."""
     way = int(rng.integers(6))
     if way <= 1:
@@ -82,17 +82,19 @@ def axes(flight: Recording, rng: Generator) -> Corrupted | None:
     return in_map(flight) if way == 5 else None
 
 
-def flipped(flight: Recording, rng: Generator) -> Corrupted | None:
+def flipped(flight: ChannelRecording, rng: Generator) -> Corrupted | None:
     """One axis of a vector that moves has the other sign."""
     choices = [f'{v}.{axis}' for v in judged(flight) for axis in lively(flight, v)]
     if not choices:
         return None
     name = choices[int(rng.integers(len(choices)))]
     new = scaled(flight, [name], -1.0)
-    return Corrupted(new, (name, roles.family(name)), *whole(flight.channels[name]), f'-{name}')
+    return Corrupted(
+        new, (name, roles.vector_name(name)), *whole(flight.channels[name]), f'-{name}'
+    )
 
 
-def swapped(flight: Recording, rng: Generator) -> Corrupted | None:
+def swapped(flight: ChannelRecording, rng: Generator) -> Corrupted | None:
     """Two axes of a vector, one of which moves, have changed places."""
     choices = [v for v in judged(flight) if lively(flight, v)]
     if not choices:
@@ -107,14 +109,14 @@ def swapped(flight: Recording, rng: Generator) -> Corrupted | None:
     return Corrupted(new, names, *whole(one), f'{vector} {first}<->{second}')
 
 
-def turned(flight: Recording, quaternions: Array) -> Recording:
+def turned(flight: ChannelRecording, quaternions: Array) -> ChannelRecording:
     """Return a recording with another attitude."""
     new = {f'{TURN}.{part}': column for part, column in zip('xyzw', quaternions.T, strict=True)}
-    told = zip(('yaw', 'pitch', 'roll'), angles(quaternions), strict=True)
+    told = zip(('yaw', 'pitch', 'roll'), to_euler_angles(quaternions), strict=True)
     return changed(flight, new | {f'{TURN}.{part}': values for part, values in told})
 
 
-def reread(flight: Recording, rng: Generator) -> Corrupted | None:
+def reread(flight: ChannelRecording, rng: Generator) -> Corrupted | None:
     """The quaternion is the inverse one, or has w first."""
     moving = [v for v in judged(flight) if v != SPEED and lively(flight, v)]
     if not moving:
@@ -127,12 +129,12 @@ def reread(flight: Recording, rng: Generator) -> Corrupted | None:
     return Corrupted(turned(flight, other), names, *when, 'inverse' if inverse else 'w first')
 
 
-def in_map(flight: Recording) -> Corrupted | None:
+def in_map(flight: ChannelRecording) -> Corrupted | None:
     """The velocity of an odometry is in the frame of the map."""
     if SPEED not in judged(flight) or not lively(flight, SPEED):
         return None
-    turn = attitudes(flight.channels)[TRUTH]
-    yaw = angles(turn.values).yaw
+    turn = collect_attitudes(flight.channels)[TRUTH]
+    yaw = to_euler_angles(turn.values).yaw
     known = np.stack([flight.channels[f'{SPEED}.{a}'].values for a in 'xyz'], axis=1)
     # Where the nose keeps to +x the two frames are one.
     if len(turn.values) != len(known) or np.median(np.abs(yaw)) < 0.8:
@@ -143,7 +145,7 @@ def in_map(flight: Recording) -> Corrupted | None:
     return Corrupted(changed(flight, new), (SPEED, TURN, PLACE), *when, 'in the map')
 
 
-def clock(flight: Recording, rng: Generator) -> Corrupted | None:
+def clock(flight: ChannelRecording, rng: Generator) -> Corrupted | None:
     """A vector is 0.08 to 1.5 s late or early against the pose, or wanders by 0.2 to 1 s."""
     choices = [v for v in judged(flight) if quick(flight, v)]
     if not choices:

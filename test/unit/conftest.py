@@ -5,11 +5,11 @@ from pathlib import Path
 import resource
 import sys
 
-from lta_bridge.bag import BagWriter, offered_qos
-from lta_bridge.bag.schemas import jazzy
-from lta_config.compilation.flat import source
-from lta_config.compilation.kernel_cache import load
-from lta_control import pilot
+from lta_bridge.bag import BagWriter, build_offered_qos
+from lta_bridge.bag.schemas import load_jazzy_types
+from lta_config.compilation.flat import render_core
+from lta_config.compilation.kernel_cache import load_kernel
+from lta_control import law_autopilot
 from lta_sim.cfd.openfoam.engine import PROGRAMS
 from numba.core import config
 import numpy as np
@@ -25,15 +25,15 @@ START = 1_000_000_000
 
 
 def stamp(time):
-    return jazzy().types['builtin_interfaces/msg/Time'](time // 10**9, time % 10**9)
+    return load_jazzy_types().types['builtin_interfaces/msg/Time'](time // 10**9, time % 10**9)
 
 
 def header(time):
-    return jazzy().types['std_msgs/msg/Header'](stamp(time), 'map')
+    return load_jazzy_types().types['std_msgs/msg/Header'](stamp(time), 'map')
 
 
 def odometry(time, i):
-    types = jazzy().types
+    types = load_jazzy_types().types
     vector = types['geometry_msgs/msg/Vector3']
     turn = types['geometry_msgs/msg/Quaternion'](0.0, 0.0, np.sin(0.05 * i), np.cos(0.05 * i))
     place = types['geometry_msgs/msg/Point'](0.1 * i, -0.2 * i, 0.5)
@@ -89,10 +89,10 @@ def plain_laws():
     def plain(*words):
         with pytest.MonkeyPatch.context() as while_loading:
             while_loading.setattr(config, 'DISABLE_JIT', 1)
-            return load(source(*words)).step
+            return load_kernel(render_core(*words)).step
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(pilot, 'compiled', plain)
+        patch.setattr(law_autopilot, 'compile_core', plain)
         yield plain
 
 
@@ -111,7 +111,7 @@ def prompt_cflib(monkeypatch):
 @pytest.fixture
 def types():
     """Return the message classes of ROS 2 Jazzy by name."""
-    return jazzy().types
+    return load_jazzy_types().types
 
 
 @pytest.fixture
@@ -124,9 +124,13 @@ def record(tmp_path):
         with BagWriter(folder, provenance or {}) as bag:
             for topic, type_name, message, log_time in messages:
                 if topic not in known:
-                    bag.add_topic(topic, type_name, [offered_qos('reliable', 'volatile', 10)])
+                    bag.add_topic(
+                        topic, type_name, [build_offered_qos('reliable', 'volatile', 10)]
+                    )
                     known.add(topic)
-                bag.write(topic, bytes(jazzy().serialize_cdr(message, type_name)), log_time)
+                bag.write(
+                    topic, bytes(load_jazzy_types().serialize_cdr(message, type_name)), log_time
+                )
         return folder
 
     return make
@@ -139,11 +143,11 @@ def flight_bag(record):
     for i in range(40):
         time = START + i * 10**7
         log = time + 10**12
-        clock = jazzy().types['rosgraph_msgs/msg/Clock'](stamp(time))
+        clock = load_jazzy_types().types['rosgraph_msgs/msg/Clock'](stamp(time))
         messages.append(('/clock', TOPICS['/clock'], clock, log))
         messages.append(('/lta1/odom', TOPICS['/lta1/odom'], odometry(time, i), log))
         if i % 10 == 0:
-            flag = jazzy().types['std_msgs/msg/Bool'](i >= 20)
+            flag = load_jazzy_types().types['std_msgs/msg/Bool'](i >= 20)
             topic = '/lta1/energy/reserve'
             messages.append((topic, TOPICS[topic], flag, log))
     return record(messages, provenance={'seed': '11', 'scenario': 'lamp'})

@@ -13,8 +13,8 @@ from functools import cache
 import math
 
 from lta_bridge.bag import BagWriter
-from lta_bridge.bag.schemas import jazzy
-from lta_config.files import find
+from lta_bridge.bag.schemas import load_jazzy_types
+from lta_config.files import find_file
 import numpy as np
 
 START = 1_000_000_000
@@ -24,7 +24,7 @@ TURN = 0.3
 VOLTAGE, RESTING, FLYING = 4.0, 0.025, 0.4
 DIODES = [k * math.pi / 4 for k in range(8)]
 ROTORS = ['up_left', 'up_right', 'forward_left', 'forward_right']
-TYPES = jazzy().types
+TYPES = load_jazzy_types().types
 TOPICS = {
     'ground_truth/odom': 'nav_msgs/msg/Odometry',
     'odom': 'nav_msgs/msg/Odometry',
@@ -45,7 +45,7 @@ TOPICS = {
 def make(type_name, **given):
     """Return a message with every field that is not given at zero."""
     fields = {}
-    for name, (kind, what) in jazzy().fielddefs[type_name][1]:
+    for name, (kind, what) in load_jazzy_types().fielddefs[type_name][1]:
         if name in given:
             fields[name] = given[name]
         elif int(kind) == 2:
@@ -253,15 +253,15 @@ def provenance():
         'scenario': 'lamp_room',
         'strategy': 'bag',
         'time': 'lockstep',
-        'vehicle_file': find('vehicle', 'gtmab').read_text(encoding='utf-8'),
-        'scenario_file': find('scenario', 'lamp_room').read_text(encoding='utf-8'),
+        'vehicle_file': find_file('vehicle', 'gtmab').read_text(encoding='utf-8'),
+        'scenario_file': find_file('scenario', 'lamp_room').read_text(encoding='utf-8'),
     }
 
 
 @cache  # the flights that tests write have most messages in common
 def encoded(topic, stream, time):
     """Return the bytes of one message of a stream."""
-    return bytes(jazzy().serialize_cdr(stream.message(time), TOPICS[topic]))
+    return bytes(load_jazzy_types().serialize_cdr(stream.message(time), TOPICS[topic]))
 
 
 def write_flight(folder, *, without=(), until=END, facts=None, instead=None):

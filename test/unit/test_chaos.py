@@ -7,8 +7,8 @@ import sys
 from types import SimpleNamespace
 
 from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_config.topics import robot_topic, topic_table
-from lta_graph.ros.message_types import message_type
+from lta_config.topics import load_topic_table, robot_topic
+from lta_graph.ros.message_types import find_message_type
 from lta_graph.ros.stamps import from_stamp
 from lta_model.scenario import load_scenario
 import numpy as np
@@ -24,14 +24,14 @@ import reliability  # noqa: E402
 import soak  # noqa: E402
 from soak_memory import LEAK, slope_of  # noqa: E402
 
-TABLE = topic_table()
+TABLE = load_topic_table()
 TOPICS = TABLE.topics
 
 
 @pytest.mark.parametrize('kind', SPOILT)
 def test_any_topic_can_be_spoilt_and_sent(kind):
     for name, row in TOPICS.items():
-        message = message_type(row)()
+        message = find_message_type(row)()
         if hasattr(message, 'header'):
             message.header.stamp.sec = 1000
         spoilt = spoil(kind, message)
@@ -43,10 +43,10 @@ def test_any_topic_can_be_spoilt_and_sent(kind):
 
 
 def test_what_is_spoilt_is_what_it_says():
-    odom = message_type(TOPICS['odom'])()
+    odom = find_message_type(TOPICS['odom'])()
     assert math.isnan(spoil('nan', odom).pose.pose.position.z)
     assert np.isnan(spoil('nan', odom).pose.covariance).all()
-    motors = message_type(TOPICS['motors'])()
+    motors = find_message_type(TOPICS['motors'])()
     motors.name, motors.effort = ['a', 'b'], [0.1, 0.2]
     assert len(spoil('lengths', motors).effort) == 3
     assert list(spoil('names', motors).name) != ['a', 'b']

@@ -2,7 +2,7 @@
 All of LTA that needs no ROS as one wheel: the cores, the `lta` command, the shipped files.
 
 Called by tools/wheel.sh. The workspace's own packages stay as colcon wants them; this puts their
-Python side by side, and the facts of config/ where `lta_config.files.share` looks for them.
+Python side by side, and the facts of config/ where `lta_config.files.share_folder` looks for them.
 """
 
 import os
@@ -38,7 +38,7 @@ setup(
         if package.split('.')[0] == name
     ],
     package_dir={name: os.path.relpath(folder / name) for name, folder in sources.items()},
-    package_data={name: ['py.typed', 'assets/*', 'naming/*.yaml'] for name in sources},
+    package_data={name: ['py.typed', 'assets/*', 'selection/*.yaml'] for name in sources},
     data_files=[
         (
             f'share/lta_config/{folder}',

@@ -19,13 +19,17 @@ from lta_config.errors import BadInput
 
 
 @cache
-def _definitions(path: Path, changed_ns: int, size: int) -> dict[str, ast.FunctionDef]:
+def _parse_definitions(path: Path, changed_ns: int, size: int) -> dict[str, ast.FunctionDef]:
     """Return the functions at the top of a file as it stood at that time, bare."""
     tree = ast.parse(path.read_text(encoding='utf-8'))
-    return {node.name: _bare(node) for node in tree.body if isinstance(node, ast.FunctionDef)}
+    return {
+        node.name: _strip_annotations(node)
+        for node in tree.body
+        if isinstance(node, ast.FunctionDef)
+    }
 
 
-def _bare(node: ast.FunctionDef) -> ast.FunctionDef:
+def _strip_annotations(node: ast.FunctionDef) -> ast.FunctionDef:
     """Return the function without annotations and decorators, which mean nothing compiled."""
     node.decorator_list, node.returns = [], None
     for argument in [*node.args.args, *node.args.posonlyargs, *node.args.kwonlyargs]:
@@ -33,26 +37,26 @@ def _bare(node: ast.FunctionDef) -> ast.FunctionDef:
     return node
 
 
-def _literal(value: object) -> bool:
+def _is_literal(value: object) -> bool:
     """Return whether a value is a number or a tuple of such."""
     if isinstance(value, tuple):
-        return all(_literal(item) for item in value)
+        return all(_is_literal(item) for item in value)
     return isinstance(value, bool | int | float)
 
 
-def _renamed(part: Any, names: Mapping[str, str]) -> Any:  # noqa: ANN401 - any field of a node
+def _rename_names(part: Any, names: Mapping[str, str]) -> Any:  # noqa: ANN401 - any field of a node
     """Return a copy of a part of a tree with other names."""
     if isinstance(part, list):
-        return [_renamed(each, names) for each in part]
+        return [_rename_names(each, names) for each in part]
     if not isinstance(part, ast.AST):
         return part
-    new = {key: _renamed(value, names) for key, value in vars(part).items()}
+    new = {key: _rename_names(value, names) for key, value in vars(part).items()}
     if isinstance(part, ast.Name):
         new['id'] = names.get(part.id, part.id)
     return type(part)(**new)
 
 
-class _Source(NamedTuple):
+class _FunctionSource(NamedTuple):
     """Where a function is defined: its file as it stood at that time, and its name."""
 
     path: Path
@@ -63,15 +67,15 @@ class _Source(NamedTuple):
     @property
     def node(self) -> ast.FunctionDef:
         """Return its syntax tree, which is shared."""
-        return _definitions(self.path, self.changed_ns, self.size)[self.name]
+        return _parse_definitions(self.path, self.changed_ns, self.size)[self.name]
 
 
-def _source(function: FunctionType) -> _Source:
+def _locate_source(function: FunctionType) -> _FunctionSource:
     """Return where a function is defined."""
     path = Path(inspect.getsourcefile(function) or '')
     file = path.stat()
-    source = _Source(path, file.st_mtime_ns, file.st_size, function.__qualname__)
-    if source.name in _definitions(path, file.st_mtime_ns, file.st_size):
+    source = _FunctionSource(path, file.st_mtime_ns, file.st_size, function.__qualname__)
+    if source.name in _parse_definitions(path, file.st_mtime_ns, file.st_size):
         return source
     raise BadInput(
         f'No function {function.__name__} stands at the top of {path}; define it there.'
@@ -79,7 +83,7 @@ def _source(function: FunctionType) -> _Source:
 
 
 @cache
-def _used(source: _Source, variables: tuple[str, ...]) -> list[str]:
+def _list_globals(source: _FunctionSource, variables: tuple[str, ...]) -> list[str]:
     """Return the names that a function with these variables takes from elsewhere, in order."""
     names = [item for item in ast.walk(source.node) if isinstance(item, ast.Name)]
     # What a comprehension binds is in no list of the function's own variables.
@@ -88,14 +92,14 @@ def _used(source: _Source, variables: tuple[str, ...]) -> list[str]:
 
 
 @cache
-def _written(source: _Source, own: str, names: tuple[tuple[str, str], ...]) -> str:
+def _render_function(source: _FunctionSource, own: str, names: tuple[tuple[str, str], ...]) -> str:
     """Return the text of a function called `own` whose globals have these names."""
-    node = _renamed(source.node, dict(names))
+    node = _rename_names(source.node, dict(names))
     node.name = own
     return ast.unparse(node)
 
 
-class Extract:
+class SourceExtract:
     """
     A growing text of functions without imports other than `math`.
 
@@ -106,7 +110,7 @@ class Extract:
     def __init__(self) -> None:
         self._pieces: dict[str, str] = {}
 
-    def add(self, function: Callable[..., Any], prefix: str) -> str:
+    def add_function(self, function: Callable[..., Any], prefix: str) -> str:
         """
         Take a function and all that it uses; return its name in the text.
 
@@ -119,46 +123,48 @@ class Extract:
         if not isinstance(function, FunctionType):
             raise BadInput(f'{function!r} of {prefix} is no plain function; write it with def.')
         own = f'{prefix}_{function.__name__}'
-        source = _source(function)
+        source = _locate_source(function)
         names = {
-            name: self._global(function, name, prefix)
-            for name in _used(source, function.__code__.co_varnames)
+            name: self._add_global(function, name, prefix)
+            for name in _list_globals(source, function.__code__.co_varnames)
         }
-        return self._put(own, _written(source, own, tuple(names.items())))
+        return self._add_piece(own, _render_function(source, own, tuple(names.items())))
 
-    def _global(self, function: FunctionType, name: str, prefix: str) -> str:
+    def _add_global(self, function: FunctionType, name: str, prefix: str) -> str:
         """Return what a global is called in the text, having taken it along."""
         value = function.__globals__.get(name, getattr(builtins, name, None))
         own = f'{prefix}_{name}'
         if value is math or value is getattr(builtins, name, math):
             return name
         if isinstance(value, FunctionType):
-            return self.add(value, prefix)
+            return self.add_function(value, prefix)
         if getattr(math, getattr(value, '__name__', ''), None) is value:
             return f'math.{value.__name__}'  # type: ignore[union-attr]
         if isinstance(value, type) and issubclass(value, tuple) and hasattr(value, '_fields'):
-            return self._put(own, f'{own} = namedtuple({value.__name__!r}, {value._fields!r})')
-        if _literal(value):
-            return self._put(own, f'{own} = {value!r}')
+            return self._add_piece(
+                own, f'{own} = namedtuple({value.__name__!r}, {value._fields!r})'
+            )
+        if _is_literal(value):
+            return self._add_piece(own, f'{own} = {value!r}')
         kind = 'a module' if isinstance(value, ModuleType) else repr(value)
         raise BadInput(
             f'{function.__module__}.{function.__name__} uses {name}, {kind}, which cannot be '
             'compiled; use math, numbers and plain functions only.'
         )
 
-    def _put(self, own: str, piece: str) -> str:
+    def _add_piece(self, own: str, piece: str) -> str:
         """Keep a piece under its name; two different ones cannot share it."""
         if self._pieces.setdefault(own, piece) != piece:
             raise BadInput(f'Two different things are called {own} in the kernel; rename one.')
         return own
 
-    def mentions(self, prefix: str, text: str) -> bool:
+    def has_text(self, prefix: str, text: str) -> bool:
         """Tell whether a text stands in the pieces of one prefix."""
         return any(
             text in piece for own, piece in self._pieces.items() if own.startswith(f'{prefix}_')
         )
 
-    def text(self, decorator: str, entry: str = '', entries: Collection[str] = ()) -> str:
+    def render(self, decorator: str, entry: str = '', entries: Collection[str] = ()) -> str:
         """Return all pieces, the functions under `decorator`, some under `entry` instead."""
         return '\n\n\n'.join(
             f'{entry if own in entries else decorator}\n{piece}'

@@ -11,10 +11,10 @@ from collections.abc import Callable, Iterator
 from functools import cache
 from typing import Any, cast, final, Generic, TypeVar
 
-from lta_config.compilation.compiled import ENTRY, INLINE
-from lta_config.compilation.extract import Extract
-from lta_config.compilation.kernel_cache import load
-from lta_config.settings import plain
+from lta_config.compilation.compiler import ENTRY, INLINE
+from lta_config.compilation.extract import SourceExtract
+from lta_config.compilation.kernel_cache import load_kernel
+from lta_config.settings import to_named_tuple
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel
@@ -32,17 +32,17 @@ from numba import njit
 '''
 
 
-def bare(value: Any) -> Any:  # noqa: ANN401 - any nest of numbers
+def settings_to_tuples(value: Any) -> Any:  # noqa: ANN401 - any nest of numbers
     """Return nested tuples with settings in them made named tuples as well."""
     if isinstance(value, BaseModel):
-        return plain(value)
+        return to_named_tuple(value)
     if hasattr(value, '_fields'):
-        return type(value)(*map(bare, value))
+        return type(value)(*map(settings_to_tuples, value))
     return value
 
 
 @final
-class Layout(Generic[Nested]):
+class TupleLayout(Generic[Nested]):
     """
     Where each number of a nest of tuples stands in an array.
 
@@ -54,17 +54,17 @@ class Layout(Generic[Nested]):
     """
 
     def __init__(self, example: Nested) -> None:
-        self._example = bare(example)
-        self.paths = tuple(_paths(self._example))
+        self._example = settings_to_tuples(example)
+        self.paths = tuple(_iterate_paths(self._example))
         self.size = len(self.paths)
-        text = self.expression('n')
-        self._form = f'{text} {self.kinds()}'
+        text = self.render_expression('n')
+        self._form = f'{text} {self.tuple_fields()}'
         # Written out, as a named tuple's own constructor is: three times as fast as a walk.
-        self._made = eval(f'lambda n: {text}', dict(_types(self._example)))
+        self._made = eval(f'lambda n: {text}', dict(_iterate_types(self._example)))
 
     def __eq__(self, other: object) -> bool:
         """Return whether another stands for the same names and kinds of numbers."""
-        return isinstance(other, Layout) and self._form == other._form
+        return isinstance(other, TupleLayout) and self._form == other._form
 
     def __hash__(self) -> int:
         """Return what goes with equality."""
@@ -72,13 +72,13 @@ class Layout(Generic[Nested]):
 
     def write(self, value: Nested) -> Array:
         """Return the numbers of a value as an array, shape (n,)."""
-        return np.array(list(_numbers(bare(value))), dtype=np.float64)
+        return np.array(list(_iterate_numbers(settings_to_tuples(value))), dtype=np.float64)
 
     def read(self, array: Array) -> Nested:
         """Return the value that an array, shape (n,), holds."""
         return cast('Nested', self._made(array.tolist()))
 
-    def place(self, path: str) -> slice:
+    def slice_of(self, path: str) -> slice:
         """Return where a part stands, `estimate.attitude` for example."""
         inside = [
             index
@@ -89,52 +89,54 @@ class Layout(Generic[Nested]):
             raise KeyError(path)
         return slice(inside[0], inside[-1] + 1)
 
-    def kinds(self) -> dict[str, tuple[str, ...]]:
+    def tuple_fields(self) -> dict[str, tuple[str, ...]]:
         """Return the fields of each named tuple in it."""
-        return dict(_kinds(self._example))
+        return dict(_iterate_fields(self._example))
 
-    def expression(self, array: str) -> str:
+    def render_expression(self, array: str) -> str:
         """Return the source that makes the nest from an array."""
-        return _expression(self._example, (f'{array}[{index}]' for index in range(self.size)))
+        return _render_expression(
+            self._example, (f'{array}[{index}]' for index in range(self.size))
+        )
 
 
-def _paths(value: Any, own: str = '') -> Iterator[str]:  # noqa: ANN401
+def _iterate_paths(value: Any, own: str = '') -> Iterator[str]:  # noqa: ANN401
     if not isinstance(value, tuple):
         yield own
         return
     names = getattr(value, '_fields', None)
     for index, item in enumerate(value):
         inner = f'{own}[{index}]' if names is None else f'{own}.{names[index]}'.lstrip('.')
-        yield from _paths(item, inner)
+        yield from _iterate_paths(item, inner)
 
 
-def _numbers(value: Any) -> Iterator[float]:  # noqa: ANN401
+def _iterate_numbers(value: Any) -> Iterator[float]:  # noqa: ANN401
     if isinstance(value, tuple):
         for item in value:
-            yield from _numbers(item)
+            yield from _iterate_numbers(item)
     else:
         yield float(value)
 
 
-def _types(value: Any) -> Iterator[tuple[str, type]]:  # noqa: ANN401
+def _iterate_types(value: Any) -> Iterator[tuple[str, type]]:  # noqa: ANN401
     if isinstance(value, tuple):
         if hasattr(value, '_fields'):
             yield f'{PREFIX}_{type(value).__name__}', type(value)
         for item in value:
-            yield from _types(item)
+            yield from _iterate_types(item)
 
 
-def _kinds(value: Any) -> Iterator[tuple[str, tuple[str, ...]]]:  # noqa: ANN401
+def _iterate_fields(value: Any) -> Iterator[tuple[str, tuple[str, ...]]]:  # noqa: ANN401
     if isinstance(value, tuple):
         if hasattr(value, '_fields'):
             yield type(value).__name__, value._fields
         for item in value:
-            yield from _kinds(item)
+            yield from _iterate_fields(item)
 
 
-def _expression(value: Any, numbers: Iterator[str]) -> str:  # noqa: ANN401
+def _render_expression(value: Any, numbers: Iterator[str]) -> str:  # noqa: ANN401
     if isinstance(value, tuple):
-        items = ''.join(f'{_expression(item, numbers)}, ' for item in value)
+        items = ''.join(f'{_render_expression(item, numbers)}, ' for item in value)
         kind = f'{PREFIX}_{type(value).__name__}' if hasattr(value, '_fields') else ''
         return f'{kind}({items})'
     number = next(numbers)
@@ -143,8 +145,11 @@ def _expression(value: Any, numbers: Iterator[str]) -> str:  # noqa: ANN401
     return f'int({number})' if isinstance(value, int) else number
 
 
-def source(
-    core: Callable[..., Any], constants: Layout[Any], memory: Layout[Any], heard: Layout[Any]
+def render_core(
+    core: Callable[..., Any],
+    constants: TupleLayout[Any],
+    memory: TupleLayout[Any],
+    inputs: TupleLayout[Any],
 ) -> str:
     """
     Return the text of a core with an entry that takes arrays.
@@ -163,10 +168,10 @@ def source(
         old.
 
     """
-    extract = Extract()
-    name = extract.add(core, PREFIX)
-    text = extract.text(INLINE)
-    kinds = constants.kinds() | memory.kinds() | heard.kinds()
+    extract = SourceExtract()
+    name = extract.add_function(core, PREFIX)
+    text = extract.render(INLINE)
+    kinds = constants.tuple_fields() | memory.tuple_fields() | inputs.tuple_fields()
     missing = [
         f'{PREFIX}_{kind} = namedtuple({kind!r}, {fields!r})'
         for kind, fields in kinds.items()
@@ -175,9 +180,9 @@ def source(
     entry = [
         ENTRY,
         'def step(c, m, h, scratch):',
-        f'    constants = {constants.expression("c")}',
-        f'    memory = {memory.expression("m")}',
-        f'    heard = {heard.expression("h")}',
+        f'    constants = {constants.render_expression("c")}',
+        f'    memory = {memory.render_expression("m")}',
+        f'    heard = {inputs.render_expression("h")}',
         f'    after = {name}(constants, memory, heard, scratch)',
         *(f'    m[{index}] = after.{path}' for index, path in enumerate(memory.paths)),
     ]
@@ -185,9 +190,12 @@ def source(
 
 
 @cache
-def compiled(
-    core: Callable[..., Any], constants: Layout[Any], memory: Layout[Any], heard: Layout[Any]
+def compile_core(
+    core: Callable[..., Any],
+    constants: TupleLayout[Any],
+    memory: TupleLayout[Any],
+    inputs: TupleLayout[Any],
 ) -> Callable[[Array, Array, Array, Array], None]:
-    """Return the entry of `source`, compiled on its first call or found in the cache."""
-    module = load(source(core, constants, memory, heard))
+    """Return the entry of `render_core`, compiled on its first call or found in the cache."""
+    module = load_kernel(render_core(core, constants, memory, inputs))
     return cast('Callable[[Array, Array, Array, Array], None]', module.step)

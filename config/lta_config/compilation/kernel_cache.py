@@ -28,17 +28,17 @@ def cache_root() -> Path:
     return Path(base) / 'lta' / 'kernels'
 
 
-def folder_of(source: str, root: Path) -> Path:
+def kernel_folder(source: str, root: Path) -> Path:
     """Return the folder of a kernel, named by its text."""
     return root / hashlib.sha256(source.encode()).hexdigest()[:16]
 
 
-def is_kept(source: str, root: Path | None = None) -> bool:
+def is_cached(source: str, root: Path | None = None) -> bool:
     """Tell whether anything of a kernel is on disk compiled; to compile it takes long."""
-    return any(folder_of(source, root or cache_root()).glob('__pycache__/*.nbi'))
+    return any(kernel_folder(source, root or cache_root()).glob('__pycache__/*.nbi'))
 
 
-def store(source: str, root: Path) -> Path:
+def store_kernel(source: str, root: Path) -> Path:
     """
     Put a kernel into its folder unless it is there, safely among concurrent processes.
 
@@ -60,7 +60,7 @@ def store(source: str, root: Path) -> Path:
         If the folder cannot be written, which numba must do as well.
 
     """
-    folder = folder_of(source, root)
+    folder = kernel_folder(source, root)
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / 'kernel.py'
     if not os.access(folder, os.W_OK):
@@ -75,7 +75,7 @@ def store(source: str, root: Path) -> Path:
     return path
 
 
-def load(source: str, root: Path | None = None) -> ModuleType:
+def load_kernel(source: str, root: Path | None = None) -> ModuleType:
     """
     Return a kernel as a module; a temporary folder serves where the cache cannot be written.
 
@@ -93,11 +93,11 @@ def load(source: str, root: Path | None = None) -> ModuleType:
 
     """
     try:
-        path = store(source, root or cache_root())
+        path = store_kernel(source, root or cache_root())
     except OSError:
         folder = tempfile.mkdtemp(prefix='lta-kernels-')
         atexit.register(shutil.rmtree, folder, ignore_errors=True)
-        path = store(source, Path(folder))
+        path = store_kernel(source, Path(folder))
     name = f'lta_kernel_{path.parent.name}'
     specification = importlib.util.spec_from_file_location(name, path)
     assert specification is not None

@@ -7,15 +7,15 @@ The aero file: what the wind tunnel gave, fitted, with the evidence for it.
 from collections.abc import Mapping
 from typing import Annotated, Literal
 
-from lta_config.files import find, load, Record
-from lta_config.quantity import Quantity, si
-from lta_config.schema.vehicle_aero import Aero
+from lta_config.files import find_file, load_file, StrictModel
+from lta_config.quantity import Quantity, si_quantity
+from lta_config.schema.vehicle_aero import AeroBlock
 from pydantic import AliasChoices, Field
 
 SUFFIX = '.aero.yaml'
 
 
-class Fitted(Record):
+class DragFitQuality(StrictModel):
     """How well the two coefficients of an axis meet its points."""
 
     points: int
@@ -28,29 +28,29 @@ class Fitted(Record):
     hull: float | None = None  # share of the hull in the drag, at the middle point [1]
 
 
-class Evidence(Record):
+class AeroEvidence(StrictModel):
     """Where the numbers come from."""
 
     engine: str
     fidelity: Literal['analytic', 'preview', 'reference']
     geometry: str
-    density: Annotated[Quantity, si('kg/m3', above=0.0, sourced=True)]
-    axes: Mapping[str, Fitted]
+    density: Annotated[Quantity, si_quantity('kg/m3', above=0.0, sourced=True)]
+    axes: Mapping[str, DragFitQuality]
     # What the diagonal drag of the model has no place for: lift and moment at the middle speed.
     beside: Mapping[str, str] = Field(default_factory=dict)
     warnings: list[str] = Field(default_factory=list)
 
 
-class AeroFile(Record):
+class AeroFile(StrictModel):
     """A whole aero file."""
 
     schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
     name: Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
     vehicle: str
-    evidence: Evidence
-    aero: Aero
+    evidence: AeroEvidence
+    aero: AeroBlock
 
 
 def load_aero_file(name: str) -> AeroFile:
     """Return an aero file by shipped name or path; anything wrong is a `BadInput` sentence."""
-    return load(AeroFile, find('aero', name, SUFFIX))
+    return load_file(AeroFile, find_file('aero', name, SUFFIX))

@@ -8,16 +8,16 @@ the single-diode model from these numbers.
 from functools import cache
 from typing import Annotated, Literal
 
-from lta_config.files import find, load, Record
-from lta_config.quantity import Quantity, si
+from lta_config.files import find_file, load_file, StrictModel
+from lta_config.quantity import Quantity, si_quantity
 from pydantic import AliasChoices, Field, model_validator
 
-Volts = Annotated[Quantity, si('V', above=0.0, high=1000.0, sourced=True)]
-Amperes = Annotated[Quantity, si('A', above=0.0, high=100.0, sourced=True)]
-Drift = Annotated[Quantity, si('1/K', low=-0.1, high=0.1, sourced=True)]
+Volts = Annotated[Quantity, si_quantity('V', above=0.0, high=1000.0, sourced=True)]
+Amperes = Annotated[Quantity, si_quantity('A', above=0.0, high=100.0, sourced=True)]
+Drift = Annotated[Quantity, si_quantity('1/K', low=-0.1, high=0.1, sourced=True)]
 
 
-class Electrical(Record):
+class CellRatings(StrictModel):
     """
     The data sheet at standard conditions.
 
@@ -31,13 +31,13 @@ class Electrical(Record):
     voltage: Volts  # at maximum power
     current: Amperes  # at maximum power
     junctions: Annotated[int, Field(ge=1, le=1000)]
-    ideality: Annotated[Quantity, si('1', low=0.5, high=5.0, sourced=True)]
-    gap: Annotated[Quantity, si('eV', low=0.5, high=4.0, sourced=True)]
+    ideality: Annotated[Quantity, si_quantity('1', low=0.5, high=5.0, sourced=True)]
+    gap: Annotated[Quantity, si_quantity('eV', low=0.5, high=4.0, sourced=True)]
     current_drift: Drift  # of the short-circuit current, relative
-    warming: Annotated[Quantity, si('K m2/W', low=0.0, high=0.2, sourced=True)]
+    warming: Annotated[Quantity, si_quantity('K m2/W', low=0.0, high=0.2, sourced=True)]
 
     @model_validator(mode='after')
-    def _within_its_corner(self) -> 'Electrical':
+    def _check_power_point(self) -> 'CellRatings':
         if not self.voltage.si < self.open_circuit.si:
             raise ValueError('has its maximum power at or above the open-circuit voltage')
         if not self.current.si < self.short_circuit.si:
@@ -45,16 +45,16 @@ class Electrical(Record):
         return self
 
 
-class CellFile(Record):
+class CellFile(StrictModel):
     """A whole cell file."""
 
     schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
     name: Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
     about: str
     technology: Literal['crystalline', 'amorphous', 'organic']
-    size: Annotated[Quantity, si('m', above=0.0, high=10.0, length=3, sourced=True)]
-    mass: Annotated[Quantity, si('kg', above=0.0, high=10.0, sourced=True)]
-    electrical: Electrical
+    size: Annotated[Quantity, si_quantity('m', above=0.0, high=10.0, length=3, sourced=True)]
+    mass: Annotated[Quantity, si_quantity('kg', above=0.0, high=10.0, sourced=True)]
+    electrical: CellRatings
 
     @property
     def area(self) -> float:
@@ -63,7 +63,7 @@ class CellFile(Record):
         return length * width
 
     @property
-    def rated(self) -> float:
+    def rated_power(self) -> float:
         """Power at standard conditions. [W]."""
         return self.electrical.voltage.si * self.electrical.current.si
 
@@ -71,4 +71,4 @@ class CellFile(Record):
 @cache
 def load_cell_file(name: str) -> CellFile:
     """Return a cell file by shipped name or path; anything wrong is a `BadInput` sentence."""
-    return load(CellFile, find('cell', name))
+    return load_file(CellFile, find_file('cell', name))

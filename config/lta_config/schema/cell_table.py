@@ -3,17 +3,17 @@
 from collections.abc import Mapping
 from typing import Annotated, Literal
 
-from lta_config.files import find, load, Record
-from lta_config.quantity import Quantity, si
+from lta_config.files import find_file, load_file, StrictModel
+from lta_config.quantity import Quantity, si_quantity
 from pydantic import AliasChoices, Field
 
 Name = Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
 Cells = Annotated[list[str], Field(min_length=1)]
-Mass = Annotated[Quantity, si('kg', above=0.0, sourced=True)]
+Mass = Annotated[Quantity, si_quantity('kg', above=0.0, sourced=True)]
 Sign = Literal['deficit', 'surplus']
 
 
-class Row(Record):
+class CellTableRow(StrictModel):
     """One row as printed; `cells` are the files that it can be read as, one reading each."""
 
     maker: str
@@ -21,46 +21,46 @@ class Row(Record):
     cells: Cells
     dimensions: str
     mass: Mass
-    areal_mass: Annotated[Quantity, si('kg/m2', above=0.0, sourced=True)]
-    charge: Annotated[Quantity, si('s', above=0.0, sourced=True)]
-    areal_charge: Annotated[Quantity, si('s/m2', above=0.0, sourced=True)]
+    areal_mass: Annotated[Quantity, si_quantity('kg/m2', above=0.0, sourced=True)]
+    charge: Annotated[Quantity, si_quantity('s', above=0.0, sourced=True)]
+    areal_charge: Annotated[Quantity, si_quantity('s/m2', above=0.0, sourced=True)]
     defects: list[str]
 
 
-class Built(Record):
+class PrintedArray(StrictModel):
     """An array that was built, and the sign of its net power as printed."""
 
     cells: Cells
     series: Annotated[int, Field(ge=1)]
     parallel: Annotated[int, Field(ge=1)]
     mass: Mass
-    area: Annotated[Quantity, si('m2', above=0.0, sourced=True)]
+    area: Annotated[Quantity, si_quantity('m2', above=0.0, sourced=True)]
     standby: Sign
     transmitting: Sign
     defects: list[str]
 
 
-class Arrays(Record):
+class PrintedArrays(StrictModel):
     """Arrays that were built, and in how much light they were tried."""
 
-    illuminance: Annotated[Quantity, si('lx', above=0.0, sourced=True)]
-    built: Mapping[Name, Built]
+    illuminance: Annotated[Quantity, si_quantity('lx', above=0.0, sourced=True)]
+    built: Mapping[Name, PrintedArray]
 
 
-class CellTable(Record):
+class CellTable(StrictModel):
     """A whole table of cells; `lights` are kinds of light by their lux per W/m2."""
 
     schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
     name: Name
     about: str
-    rows: Annotated[Mapping[Name, Row], Field(min_length=1)]
-    arrays: Arrays
+    rows: Annotated[Mapping[Name, CellTableRow], Field(min_length=1)]
+    arrays: PrintedArrays
     lights: Annotated[
-        Mapping[Name, Annotated[Quantity, si('lm/W', above=0.0, sourced=True)]],
+        Mapping[Name, Annotated[Quantity, si_quantity('lm/W', above=0.0, sourced=True)]],
         Field(min_length=1),
     ]
 
 
 def load_cell_table(name: str) -> CellTable:
     """Return a table by shipped name or path; anything wrong is a `BadInput` sentence."""
-    return load(CellTable, find('cell table', name))
+    return load_file(CellTable, find_file('cell table', name))

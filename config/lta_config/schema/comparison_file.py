@@ -6,22 +6,22 @@ Every entry names a vehicle or another entry, and what is different; nothing els
 
 from typing import Annotated, Any, Literal, Self
 
-from lta_config.files import find, load, Record
-from lta_config.quantity import Quantity, si
+from lta_config.files import find_file, load_file, StrictModel
+from lta_config.quantity import Quantity, si_quantity
 from pydantic import AliasChoices, Field, model_validator
 
 Name = Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
 SPEEDS = 40  # at most
 
 
-class Borrow(Record):
+class BlockSubstitution(StrictModel):
     """Blocks of another vehicle's file, taken instead of the vehicle's own."""
 
     vehicle: str
     blocks: Annotated[list[Literal['rotors', 'aero', 'thrust_curve']], Field(min_length=1)]
 
 
-class Change(Record):
+class EntryChange(StrictModel):
     """What an entry does otherwise: parameters by path, law and gains, blocks; and why."""
 
     changes: Annotated[
@@ -29,27 +29,27 @@ class Change(Record):
     ]
     law: str | None = None
     gains: str | None = None
-    borrow: Borrow | None = None
+    borrow: BlockSubstitution | None = None
     why: str = ''
 
 
-class Contestant(Change):
+class Contestant(EntryChange):
     """One that flies: a vehicle, where it is released if not from the floor, and what it flies."""
 
     vehicle: str
     title: str
-    release: Annotated[Quantity, si('m', above=0.0, high=100.0)] | None = None
+    release: Annotated[Quantity, si_quantity('m', above=0.0, high=100.0)] | None = None
     manoeuvres: list[str] | None = None
 
 
-class Ablation(Change):
+class Ablation(EntryChange):
     """A contestant with one thing changed."""
 
     of: str
     manoeuvres: Annotated[list[str], Field(min_length=1)]
 
 
-class Limit(Change):
+class SpeedLadder(EntryChange):
     """A contestant asked for one speed after the other."""
 
     of: str
@@ -57,7 +57,7 @@ class Limit(Change):
     speeds: Quantity
 
 
-class Comparison(Record):
+class ComparisonFile(StrictModel):
     """A whole comparison file."""
 
     schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
@@ -68,10 +68,10 @@ class Comparison(Record):
     manoeuvres: Annotated[list[str], Field(min_length=1)]
     contestants: Annotated[dict[Name, Contestant], Field(min_length=1)]
     ablations: dict[Name, Ablation] = Field(default_factory=dict)
-    limits: dict[Name, Limit] = Field(default_factory=dict)
+    limits: dict[Name, SpeedLadder] = Field(default_factory=dict)
 
     @model_validator(mode='after')
-    def _known(self) -> Self:
+    def _check_references(self) -> Self:
         for kind, entries in (('ablation', self.ablations), ('limit', self.limits)):
             for name, entry in entries.items():
                 if entry.of not in self.contestants:
@@ -91,6 +91,6 @@ class Comparison(Record):
         return self
 
 
-def load_comparison(name: str) -> Comparison:
+def load_comparison(name: str) -> ComparisonFile:
     """Return a comparison by shipped name or path; anything wrong is a `BadInput` sentence."""
-    return load(Comparison, find('comparison', name))
+    return load_file(ComparisonFile, find_file('comparison', name))

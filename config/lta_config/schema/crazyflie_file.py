@@ -4,15 +4,22 @@ from collections.abc import Mapping
 from typing import Annotated, Final, Literal
 
 from lta_config.errors import BadInput
-from lta_config.files import checked, find, FOLDERS, known, load_yaml, Record
-from lta_config.quantity import Quantity, si
+from lta_config.files import (
+    find_file,
+    FOLDERS,
+    list_shipped,
+    load_yaml,
+    StrictModel,
+    validate_content,
+)
+from lta_config.quantity import Quantity, si_quantity
 from pydantic import AliasChoices, Field, model_validator
 
 MOTORS = ('m1', 'm2', 'm3', 'm4')
 BESIDE = '.crazyflie.yaml'  # in place of a vehicle file's own ending
 
 
-class Expected(Record):
+class ExpectedParameter(StrictModel):
     """What a parameter must be, whether the bridge writes it, and why."""
 
     value: float
@@ -21,39 +28,39 @@ class Expected(Record):
 
 
 # What every drone must meet, whichever firmware it has; a Crazyflie file adds to it.
-REQUIRED: Final[Mapping[str, Expected]] = {
-    'motorPowerSet.enable': Expected(
+REQUIRED: Final[Mapping[str, ExpectedParameter]] = {
+    'motorPowerSet.enable': ExpectedParameter(
         value=0,
         write=True,
         why='the override turns motors whatever watchdog, lock and disarming say (motors.c)',
     ),
-    'powerDist.idleThrust': Expected(
+    'powerDist.idleThrust': ExpectedParameter(
         value=0,
         write=True,
         why='motors would turn as soon as the drone is armed, 7000 of 65535 by default '
         '(power_distribution_quadrotor.c)',
     ),
-    'supervisor.landedTimeout': Expected(
+    'supervisor.landedTimeout': ExpectedParameter(
         value=3000,
         write=True,
         why='a longer one keeps a landed drone armed with nobody watching',
     ),
-    'supervisor.tmblChckEn': Expected(
+    'supervisor.tmblChckEn': ExpectedParameter(
         value=1, write=True, why='a drone that has tipped over must stop its motors'
     ),
 }
 
 
-class FlightLimits(Record):
+class FlightLimits(StrictModel):
     """What ends a flight."""
 
-    voltage: Annotated[Quantity, si('V', above=0.0, sourced=True)]
-    time: Annotated[Quantity, si('s', above=0.0, sourced=True)]
-    height: Annotated[Quantity, si('m', above=0.0, sourced=True)]
-    distance: Annotated[Quantity, si('m', above=0.0, sourced=True)]
+    voltage: Annotated[Quantity, si_quantity('V', above=0.0, sourced=True)]
+    time: Annotated[Quantity, si_quantity('s', above=0.0, sourced=True)]
+    height: Annotated[Quantity, si_quantity('m', above=0.0, sourced=True)]
+    distance: Annotated[Quantity, si_quantity('m', above=0.0, sourced=True)]
 
 
-class CrazyflieFile(Record):
+class CrazyflieFile(StrictModel):
     """
     A whole file.
 
@@ -64,13 +71,13 @@ class CrazyflieFile(Record):
     vehicle: str
     command: Literal['setpoint', 'motors']
     motors: Mapping[str, str]
-    parameters: Mapping[Annotated[str, Field(pattern=r'^\w+\.\w+$')], Expected] = Field(
+    parameters: Mapping[Annotated[str, Field(pattern=r'^\w+\.\w+$')], ExpectedParameter] = Field(
         default_factory=dict
     )
     limits: FlightLimits
 
     @model_validator(mode='after')
-    def _every_motor_has_a_rotor(self) -> 'CrazyflieFile':
+    def _check_motors(self) -> 'CrazyflieFile':
         if tuple(self.motors) != MOTORS or len(set(self.motors.values())) != len(MOTORS):
             raise ValueError(
                 f'has the motors {dict(self.motors)}; name one rotor each for m1, m2, m3, m4'
@@ -78,7 +85,7 @@ class CrazyflieFile(Record):
         return self
 
     @model_validator(mode='after')
-    def _what_is_required_stays(self) -> 'CrazyflieFile':
+    def _check_required(self) -> 'CrazyflieFile':
         for name, want in self.parameters.items():
             required = REQUIRED.get(name)
             if required is not None and want.value != required.value:
@@ -89,7 +96,7 @@ class CrazyflieFile(Record):
         return self
 
     @property
-    def expected(self) -> Mapping[str, Expected]:
+    def expected(self) -> Mapping[str, ExpectedParameter]:
         """What each parameter must be: what every drone must meet first, then the file's own."""
         return {**REQUIRED, **self.parameters, **REQUIRED}
 
@@ -112,8 +119,8 @@ def load_crazyflie(name: str, vehicle: str = '') -> CrazyflieFile:
         limited otherwise.
 
     """
-    path = find('crazyflie', name)
-    file = checked(CrazyflieFile, load_yaml(path), str(path))
+    path = find_file('crazyflie', name)
+    file = validate_content(CrazyflieFile, load_yaml(path), str(path))
     vehicle = vehicle or name
     if file.vehicle != vehicle:
         raise BadInput(
@@ -123,7 +130,7 @@ def load_crazyflie(name: str, vehicle: str = '') -> CrazyflieFile:
     return file
 
 
-def crazyflie_of(vehicle: str, name: str, given: str = '') -> CrazyflieFile:
+def find_crazyflie(vehicle: str, name: str, other: str = '') -> CrazyflieFile:
     """
     Return the Crazyflie file that a vehicle flies with.
 
@@ -143,12 +150,12 @@ def crazyflie_of(vehicle: str, name: str, given: str = '') -> CrazyflieFile:
         If there is none, or it cannot be read, or is of another vehicle.
 
     """
-    beside = find('vehicle', vehicle).with_suffix(BESIDE)
-    if given:
-        return load_crazyflie(given, name)
+    beside = find_file('vehicle', vehicle).with_suffix(BESIDE)
+    if other:
+        return load_crazyflie(other, name)
     if beside.is_file():
         return load_crazyflie(str(beside), name)
-    if name not in (names := known(FOLDERS['crazyflie'])):
+    if name not in (names := list_shipped(FOLDERS['crazyflie'])):
         raise BadInput(
             f'{name} has no Crazyflie file, which says how its motors are wired and what ends a '
             f'flight; write {beside.name} beside its own file, after one of {", ".join(names)}.'

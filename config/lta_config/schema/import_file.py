@@ -7,7 +7,7 @@ with them: nothing is smoothed, resampled or invented.
 
 from typing import Annotated, Literal, Self
 
-from lta_config.files import find, load, Record
+from lta_config.files import find_file, load_file, StrictModel
 from lta_config.quantity import Quantity, UNITS
 from pydantic import AliasChoices, Field, field_validator, model_validator
 
@@ -29,20 +29,20 @@ AXES: dict[str, tuple[str, str, str]] = {
 SIGNED = ('x', 'y', 'z', '-x', '-y', '-z')
 
 
-def _axes(given: object) -> tuple[str, ...]:
+def _parse_axes(value: object) -> tuple[str, ...]:
     """Return axes as our x, y, z in terms of theirs."""
-    if isinstance(given, str):
-        if given not in AXES:
-            raise ValueError(f'is "{given}", but known axes are {", ".join(AXES)}, or a list')
-        return AXES[given]
-    listed = tuple(given) if isinstance(given, list | tuple) else ()
+    if isinstance(value, str):
+        if value not in AXES:
+            raise ValueError(f'is "{value}", but known axes are {", ".join(AXES)}, or a list')
+        return AXES[value]
+    listed = tuple(value) if isinstance(value, list | tuple) else ()
     fits = len(listed) == 3 and all(axis in SIGNED for axis in listed)
     if not fits or len({str(axis)[-1] for axis in listed}) != 3:
         raise ValueError('must be three of x, y, z with signs, each once, such as [x, -y, -z]')
     return tuple(str(axis) for axis in listed)
 
 
-class _WithAxes(Record):
+class _WithAxes(StrictModel):
     """Whose axes are named, or written as our x, y, z in terms of theirs: `[x, -y, -z]`."""
 
     world: tuple[str, ...] | None = None
@@ -50,11 +50,11 @@ class _WithAxes(Record):
 
     @field_validator('world', 'body', mode='before')
     @classmethod
-    def _check_axes(cls, given: object) -> tuple[str, ...] | None:
-        return None if given is None else _axes(given)
+    def _check_axes(cls, value: object) -> tuple[str, ...] | None:
+        return None if value is None else _parse_axes(value)
 
 
-class _InUnit(Record):
+class _InUnit(StrictModel):
     """A number as the log has it: SI = (number + offset) * scale / over, in `unit`."""
 
     unit: str = '1'
@@ -66,31 +66,31 @@ class _InUnit(Record):
 
     @field_validator('unit')
     @classmethod
-    def _known_unit(cls, unit: str) -> str:
+    def _check_unit(cls, unit: str) -> str:
         if unit not in UNITS:
             raise ValueError(f'is "{unit}", which is no known unit; known: {", ".join(UNITS)}')
         return unit
 
     @field_validator('within', mode='before')
     @classmethod
-    def _bounds(cls, given: object) -> object:
-        return tuple(map(float, given)) if isinstance(given, list) else given
+    def _parse_bounds(cls, value: object) -> object:
+        return tuple(map(float, value)) if isinstance(value, list) else value
 
 
-class Scalar(_InUnit):
+class ScalarField(_InUnit):
     """One number: of a column, or the same in every message."""
 
     column: Column | None = None
     value: Quantity | None = None
 
     @model_validator(mode='after')
-    def _one(self) -> Self:
+    def _check_source(self) -> Self:
         if (self.column is None) == (self.value is None):
             raise ValueError('needs either "column" or "value"')
         return self
 
 
-class Vector(_InUnit):
+class VectorField(_InUnit):
     """Three numbers, in the topic's axes of `frame`; the frame that the message wants if unset."""
 
     columns: Three | None = None
@@ -98,7 +98,7 @@ class Vector(_InUnit):
     frame: Literal['world', 'body'] | None = None
 
     @model_validator(mode='after')
-    def _one(self) -> Self:
+    def _check_source(self) -> Self:
         if (self.columns is None) == (self.value is None):
             raise ValueError('needs either "columns" or "value"')
         if self.value is not None and len(self.value.vector) != 3:
@@ -106,7 +106,7 @@ class Vector(_InUnit):
         return self
 
 
-class Orientation(Record):
+class OrientationField(StrictModel):
     """
     Attitude from body to world, in one of four forms.
 
@@ -125,7 +125,7 @@ class Orientation(Record):
     direction: Literal['body to world', 'world to body'] = 'body to world'
 
     @model_validator(mode='after')
-    def _one(self) -> Self:
+    def _check_form(self) -> Self:
         if len([form for form in self.forms if form is not None]) != 1:
             raise ValueError('needs one of "quaternion", "euler", "rotation_vector", "matrix"')
         if self.euler is None:
@@ -149,15 +149,15 @@ class Orientation(Record):
         return next(form for form in self.forms if form is not None)
 
 
-class Actuator(Record):
+class ActuatorFields(StrictModel):
     """What one actuator is told: duty or force as effort, a moving mass's place as position."""
 
-    effort: Scalar | None = None
-    position: Scalar | None = None
-    velocity: Scalar | None = None
+    effort: ScalarField | None = None
+    position: ScalarField | None = None
+    velocity: ScalarField | None = None
 
 
-class Entry(_WithAxes):
+class TopicMapping(_WithAxes):
     """One topic of ours, from one table of the log; see docs/import.md."""
 
     topic: str
@@ -166,33 +166,33 @@ class Entry(_WithAxes):
     where: dict[str, float] = Field(default_factory=dict)
     optional: bool = False
     drop_empty: bool = False
-    actuators: dict[str, Actuator] | None = None
-    position: Vector | None = None
-    orientation: Orientation | None = None
-    velocity: Vector | None = None
-    rates: Vector | None = None
-    acceleration: Vector | None = None
-    force: Vector | None = None
-    torque: Vector | None = None
-    vector: Vector | None = None
-    voltage: Scalar | None = None
-    current: Scalar | None = None
-    temperature: Scalar | None = None
-    percentage: Scalar | None = None
-    charge: Scalar | None = None
-    capacity: Scalar | None = None
-    range: Scalar | None = None
-    minimum: Scalar | None = None
-    maximum: Scalar | None = None
-    field_of_view: Scalar | None = None
-    pressure: Scalar | None = None
-    illuminance: Scalar | None = None
+    actuators: dict[str, ActuatorFields] | None = None
+    position: VectorField | None = None
+    orientation: OrientationField | None = None
+    velocity: VectorField | None = None
+    rates: VectorField | None = None
+    acceleration: VectorField | None = None
+    force: VectorField | None = None
+    torque: VectorField | None = None
+    vector: VectorField | None = None
+    voltage: ScalarField | None = None
+    current: ScalarField | None = None
+    temperature: ScalarField | None = None
+    percentage: ScalarField | None = None
+    charge: ScalarField | None = None
+    capacity: ScalarField | None = None
+    range: ScalarField | None = None
+    minimum: ScalarField | None = None
+    maximum: ScalarField | None = None
+    field_of_view: ScalarField | None = None
+    pressure: ScalarField | None = None
+    illuminance: ScalarField | None = None
 
     @property
-    def parts(self) -> dict[str, Scalar | Vector | Orientation]:
+    def parts(self) -> dict[str, ScalarField | VectorField | OrientationField]:
         """The parts of the message that are given, by name."""
         found = ((name, getattr(self, name)) for name in type(self).model_fields)
-        kinds = Scalar | Vector | Orientation
+        kinds = ScalarField | VectorField | OrientationField
         return {name: part for name, part in found if isinstance(part, kinds)}
 
     @property
@@ -202,14 +202,14 @@ class Entry(_WithAxes):
         scalars = [s for a in told.values() for s in (a.effort, a.position, a.velocity) if s]
         needed = list(self.where)
         for part in (*self.parts.values(), *scalars):
-            if isinstance(part, Scalar):
+            if isinstance(part, ScalarField):
                 needed += [part.column] if part.column else []
             else:
                 needed += part.columns or []
         return list(dict.fromkeys(needed))
 
 
-class Time(Record):
+class TimeColumn(StrictModel):
     """When a row of a text was measured: a column, or evenly from the first row on."""
 
     column: Column | None = None
@@ -219,7 +219,7 @@ class Time(Record):
     start: Quantity | None = None  # added to every time; 1 s where times begin at zero
 
     @model_validator(mode='after')
-    def _one(self) -> Self:
+    def _check_source(self) -> Self:
         if [self.column, self.rate, self.step].count(None) != 2:
             raise ValueError('needs one of "column", "rate" and "step"')
         if UNITS.get(self.unit, ('', 0.0))[0] != 's':
@@ -232,7 +232,7 @@ class Time(Record):
         return self
 
 
-class Text(Record):
+class TextFormat(StrictModel):
     """How the lines of a text are written."""
 
     delimiter: Annotated[str, Field(min_length=1)] = ','  # one character, 'tab' or 'whitespace'
@@ -242,13 +242,13 @@ class Text(Record):
 
     @field_validator('delimiter')
     @classmethod
-    def _one_character(cls, given: str) -> str:
-        if len(given) > 1 and given not in ('tab', 'whitespace'):
-            raise ValueError(f'is "{given}", but must be one character, tab or whitespace')
-        return given
+    def _check_delimiter(cls, value: str) -> str:
+        if len(value) > 1 and value not in ('tab', 'whitespace'):
+            raise ValueError(f'is "{value}", but must be one character, tab or whitespace')
+        return value
 
 
-class Mapping(_WithAxes):
+class ImportMapping(_WithAxes):
     """A whole mapping file."""
 
     schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
@@ -256,12 +256,12 @@ class Mapping(_WithAxes):
     about: str
     format: Format
     data: Literal['measured', 'simulated'] = 'measured'
-    time: Time | None = None
-    text: Text = Field(default_factory=Text)
-    topics: Annotated[list[Entry], Field(min_length=1)]
+    time: TimeColumn | None = None
+    text: TextFormat = Field(default_factory=TextFormat)
+    topics: Annotated[list[TopicMapping], Field(min_length=1)]
 
     @model_validator(mode='after')
-    def _timed(self) -> Self:
+    def _check_format(self) -> Self:
         if (self.format == 'csv') != (self.time is not None):
             word = 'needs' if self.time is None else 'must not have'
             raise ValueError(f'of format {self.format} {word} the key "time"')
@@ -272,7 +272,7 @@ class Mapping(_WithAxes):
         return self
 
 
-def load_mapping(name: str) -> tuple[Mapping, str]:
+def load_mapping(name: str) -> tuple[ImportMapping, str]:
     """
     Return a mapping by shipped name or path, and its whole text.
 
@@ -282,5 +282,5 @@ def load_mapping(name: str) -> tuple[Mapping, str]:
         One sentence on the first thing that is wrong.
 
     """
-    path = find('import mapping', name)
-    return load(Mapping, path), path.read_text(encoding='utf-8')
+    path = find_file('import mapping', name)
+    return load_file(ImportMapping, path), path.read_text(encoding='utf-8')

@@ -9,19 +9,19 @@ from collections.abc import Mapping
 import math
 from typing import Annotated, Literal, Self
 
-from lta_config.files import find, load, Record
-from lta_config.quantity import Quantity, si
+from lta_config.files import find_file, load_file, StrictModel
+from lta_config.quantity import Quantity, si_quantity
 from pydantic import AliasChoices, Field, model_validator
 
 DAY = 86400.0  # s
-Share = Annotated[Quantity, si('1', low=0.0, high=1.0, sourced=True)]
-Shares = Annotated[Quantity, si('1', low=0.0, high=1.0, length=2, sourced=True)]
-Efficacy = Annotated[Quantity, si('lm/W', above=0.0, high=683.0, sourced=True)]
-Lux = Annotated[Quantity, si('lx', low=0.0, high=2e5, sourced=True)]
+Share = Annotated[Quantity, si_quantity('1', low=0.0, high=1.0, sourced=True)]
+Shares = Annotated[Quantity, si_quantity('1', low=0.0, high=1.0, length=2, sourced=True)]
+Efficacy = Annotated[Quantity, si_quantity('lm/W', above=0.0, high=683.0, sourced=True)]
+Lux = Annotated[Quantity, si_quantity('lx', low=0.0, high=2e5, sourced=True)]
 STEADY = Quantity(value=1.0, unit='1', source='not flickering')
 
 
-class Clouds(Record):
+class CloudPattern(StrictModel):
     """
     Clouds as they pass one after the other.
 
@@ -32,10 +32,10 @@ class Clouds(Record):
 
     cover: Shares
     through: Shares
-    length: Annotated[Quantity, si('s', above=0.0, high=DAY, sourced=True)]
+    length: Annotated[Quantity, si_quantity('s', above=0.0, high=DAY, sourced=True)]
 
     @model_validator(mode='after')
-    def _rising(self) -> Self:
+    def _check_rising(self) -> Self:
         for name in ('cover', 'through'):
             low, high = getattr(self, name).vector
             if low > high:
@@ -43,36 +43,38 @@ class Clouds(Record):
         return self
 
 
-class Sun(Record):
+class SunModel(StrictModel):
     """Sun and sky on the level panel: a clear day by latitude and date, glass, clouds."""
 
-    latitude: Annotated[Quantity, si('rad', low=-math.pi / 2, high=math.pi / 2, sourced=True)]
+    latitude: Annotated[
+        Quantity, si_quantity('rad', low=-math.pi / 2, high=math.pi / 2, sourced=True)
+    ]
     day: Annotated[int, Field(ge=1, le=366)]
     through: Share
     efficacy: Efficacy
-    clouds: Clouds
+    clouds: CloudPattern
 
 
-class TimedLamp(Record):
+class TimedLamp(StrictModel):
     """A lamp over the perch, on between two times of the day; from the later over midnight."""
 
     light: Lux
     efficacy: Efficacy
     duty: Share = STEADY
-    hours: Annotated[Quantity, si('s', low=0.0, high=DAY, length=2, sourced=True)]
+    hours: Annotated[Quantity, si_quantity('s', low=0.0, high=DAY, length=2, sourced=True)]
 
 
-class LightDay(Record):
+class LightDay(StrictModel):
     """A whole file of a day's light."""
 
     schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
     name: Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
     about: str
-    sun: Sun | None = None
+    sun: SunModel | None = None
     lamps: Mapping[Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')], TimedLamp] = {}
 
     @model_validator(mode='after')
-    def _lit(self) -> Self:
+    def _check_light(self) -> Self:
         if self.sun is None and not self.lamps:
             raise ValueError('has neither sun nor lamps; nothing would ever charge')
         flickering = [name for name, lamp in self.lamps.items() if lamp.duty.si < 1.0]
@@ -85,4 +87,4 @@ class LightDay(Record):
 
 def load_light_day(name: str) -> LightDay:
     """Return a light of the day by shipped name or path; anything wrong is a `BadInput`."""
-    return load(LightDay, find('light of the day', name))
+    return load_file(LightDay, find_file('light of the day', name))

@@ -2,32 +2,32 @@
 
 from typing import Annotated, Literal, Self
 
-from lta_config.files import find, load, Record
-from lta_config.quantity import Quantity, si
+from lta_config.files import find_file, load_file, StrictModel
+from lta_config.quantity import Quantity, si_quantity
 from lta_config.schema.light_day_file import DAY, Share
 from pydantic import AliasChoices, Field, model_validator
 
-Power = Annotated[Quantity, si('W', low=0.0, high=100.0, sourced=True)]
-Time = Annotated[Quantity, si('s', low=0.0, high=DAY, sourced=True)]
+Power = Annotated[Quantity, si_quantity('W', low=0.0, high=100.0, sourced=True)]
+Time = Annotated[Quantity, si_quantity('s', low=0.0, high=DAY, sourced=True)]
 Beacon = Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
 
 
-class Payload(Record):
+class InspectionPayload(StrictModel):
     """A sensor for inspection below the hull, on while it dwells at a beacon."""
 
-    mass: Annotated[Quantity, si('kg', low=0.0, high=1.0, sourced=True)]
+    mass: Annotated[Quantity, si_quantity('kg', low=0.0, high=1.0, sourced=True)]
     sensing: Power
     radio: Power
 
 
-class Duty(Record):
+class DutyCycle(StrictModel):
     """The naive schedule: rest so many times as long as the flight before lasted."""
 
     rest: Annotated[float, Field(gt=0.0, le=1000.0)]
     source: str
 
 
-class MissionFile(Record):
+class MissionFile(StrictModel):
     """A whole mission file."""
 
     schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
@@ -36,21 +36,21 @@ class MissionFile(Record):
     vehicle: str
     scene: str
     light: str
-    altitude: Annotated[Quantity, si('m', above=0.0, high=100.0)]
+    altitude: Annotated[Quantity, si_quantity('m', above=0.0, high=100.0)]
     perch: Beacon
     round: Annotated[tuple[Beacon, ...], Field(strict=False, min_length=1, max_length=50)]
-    dwell: Annotated[Quantity, si('s', low=0.0, high=3600.0)]
-    payload: Payload | None = None
-    work: Annotated[Quantity, si('s', low=0.0, high=DAY, length=2, sourced=True)]
+    dwell: Annotated[Quantity, si_quantity('s', low=0.0, high=3600.0)]
+    payload: InspectionPayload | None = None
+    work: Annotated[Quantity, si_quantity('s', low=0.0, high=DAY, length=2, sourced=True)]
     asleep: Power
     reserve: Share
-    dock: Annotated[Quantity, si('m', above=0.0, high=10.0, sourced=True)]
+    dock: Annotated[Quantity, si_quantity('m', above=0.0, high=10.0, sourced=True)]
     fetched: Time
     charge: Share
-    duty: Duty
+    duty: DutyCycle
 
     @model_validator(mode='after')
-    def _round_is_one(self) -> Self:
+    def _check_round(self) -> Self:
         if self.perch in self.round:
             raise ValueError(f'visits its own perch {self.perch}; leave it out of the round')
         return self
@@ -58,4 +58,4 @@ class MissionFile(Record):
 
 def load_mission(name: str) -> MissionFile:
     """Return a mission file by shipped name or path; anything wrong is a `BadInput`."""
-    return load(MissionFile, find('mission', name))
+    return load_file(MissionFile, find_file('mission', name))

@@ -9,29 +9,29 @@ from collections.abc import Mapping
 import math
 from typing import Annotated, Any, Literal
 
-from lta_config.errors import unknown
-from lta_config.files import checked, find, load_yaml, Record
-from lta_config.quantity import Quantity, si
-from lta_config.schema.vehicle_body import Layer, Part
+from lta_config.errors import unknown_name
+from lta_config.files import find_file, load_yaml, StrictModel, validate_content
+from lta_config.quantity import Quantity, si_quantity
+from lta_config.schema.vehicle_body import Layer, PartBlock
 from pydantic import AliasChoices, Field, model_validator
 
 Name = Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
 
 
-class Facing(Record):
+class PanelFacing(StrictModel):
     """Which way the lit face of a panel looks."""
 
-    normal: Annotated[Quantity, si('1', low=-1.0, high=1.0, length=3, sourced=True)]
+    normal: Annotated[Quantity, si_quantity('1', low=-1.0, high=1.0, length=3, sourced=True)]
 
     @model_validator(mode='after')
-    def _points_somewhere(self) -> 'Facing':
+    def _check_normal(self) -> 'PanelFacing':
         length = math.hypot(*self.normal.vector)
         if not 0.99 <= length <= 1.01:
             raise ValueError(f'has a normal of length {length:.3g}; divide it by that')
         return self
 
 
-class Mount(Record):
+class MountFile(StrictModel):
     """A whole mount file: the layer whose place it takes, its parts, and which of them are lit."""
 
     schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
@@ -39,10 +39,10 @@ class Mount(Record):
     about: str
     layer: Name
     parts: Layer
-    panels: Annotated[Mapping[str, Facing], Field(min_length=1)]
+    panels: Annotated[Mapping[str, PanelFacing], Field(min_length=1)]
 
     @model_validator(mode='after')
-    def _panels_are_boxes(self) -> 'Mount':
+    def _check_panels(self) -> 'MountFile':
         for name in self.panels:
             if name not in self.parts:
                 raise ValueError(
@@ -54,13 +54,13 @@ class Mount(Record):
         return self
 
 
-def load_mount(name: str) -> Mount:
+def load_mount(name: str) -> MountFile:
     """Return a mount file by shipped name or path; anything wrong is a `BadInput` sentence."""
-    path = find('mount', name)
-    return checked(Mount, load_yaml(path), str(path))
+    path = find_file('mount', name)
+    return validate_content(MountFile, load_yaml(path), str(path))
 
 
-def mounted(
+def mount_panels(
     content: Mapping[str, Any], name: str, ahead: float = 0.0, where: str = 'the vehicle'
 ) -> dict[str, Any]:
     """
@@ -87,19 +87,21 @@ def mounted(
     layers = content.get('layers')
     if not isinstance(layers, Mapping) or mount.layer not in layers:
         known = [str(key) for key in layers] if isinstance(layers, Mapping) else []
-        raise unknown(f'layer of {where}', mount.layer, known)
-    parts = dict(load_yaml(find('mount', name))['parts'])
+        raise unknown_name(f'layer of {where}', mount.layer, known)
+    parts = dict(load_yaml(find_file('mount', name))['parts'])
     if ahead != 0.0:
-        parts |= {panel: _moved(parts[panel], mount.parts[panel], ahead) for panel in mount.panels}
+        parts |= {
+            panel: _move_part(parts[panel], mount.parts[panel], ahead) for panel in mount.panels
+        }
     return {
         **content,
         'name': f'{content.get("name", "vehicle")}_{mount.name}',
         'layers': {**layers, mount.layer: parts},
-        'energy': _harvesting(content.get('energy'), mount),
+        'energy': _replace_array(content.get('energy'), mount),
     }
 
 
-def _harvesting(energy: Any, mount: Mount) -> Any:  # noqa: ANN401 - what YAML holds
+def _replace_array(energy: Any, mount: MountFile) -> Any:  # noqa: ANN401 - what YAML holds
     """Return the energy block with its array on the first panel; it knows one plane alone."""
     if not isinstance(energy, Mapping) or not isinstance(energy.get('array'), Mapping):
         return energy
@@ -108,7 +110,7 @@ def _harvesting(energy: Any, mount: Mount) -> Any:  # noqa: ANN401 - what YAML h
     return {**energy, 'array': {**energy['array'], 'part': part, 'normal': normal}}
 
 
-def _moved(held: Mapping[str, Any], part: Part, ahead: float) -> dict[str, Any]:
+def _move_part(held: Mapping[str, Any], part: PartBlock, ahead: float) -> dict[str, Any]:
     """Return a part as YAML holds it, sitting further ahead. [m]"""
     x, y, z = part.position.vector
     place = {'value': [x + ahead, y, z], 'unit': 'm', 'source': 'out of place on purpose'}

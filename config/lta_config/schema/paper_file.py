@@ -11,9 +11,9 @@ from collections.abc import Mapping, Sequence
 from string import Formatter
 from typing import Annotated, Literal, Self
 
-from lta_config.files import find, known, load, Record
+from lta_config.arithmetic import evaluate_sum
+from lta_config.files import find_file, list_shipped, load_file, StrictModel
 from lta_config.quantity import Quantity, UNITS
-from lta_config.sums import value_of
 from pydantic import AliasChoices, Field, model_validator
 
 Name = Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
@@ -21,7 +21,7 @@ Name = Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
 Source = Literal['printed', 'read', 'comment', 'future']
 
 
-class Measure(Record):
+class PaperMeasure(StrictModel):
     """What is measured; text where there is no unit, else rounded to some digits of the unit."""
 
     what: str
@@ -29,7 +29,7 @@ class Measure(Record):
     digits: Annotated[int, Field(ge=-3, le=6)] = 0
 
     @model_validator(mode='after')
-    def _known_unit(self) -> Self:
+    def _check_unit(self) -> Self:
         if self.unit is not None and self.unit not in UNITS:
             raise ValueError(f'has the unknown unit "{self.unit}"; known: {", ".join(UNITS)}')
         return self
@@ -45,7 +45,7 @@ class Measure(Record):
         return float(0.5 * 10.0**-self.digits * self.factor)
 
 
-class Rule(Record):
+class AgreementRule(StrictModel):
     """When a measure agrees with a claim: a share of its value, bounds, or a word."""
 
     within: Quantity | None = None
@@ -54,14 +54,14 @@ class Rule(Record):
     word: Annotated[str | None, Field(validation_alias=AliasChoices('is'))] = None
 
     @model_validator(mode='after')
-    def _one_kind(self) -> Self:
+    def _check_one_kind(self) -> Self:
         bounds = self.least is not None or self.most is not None
         if sum([self.within is not None, bounds, self.word is not None]) != 1:
             raise ValueError('must be one of: within; least, most or both; is')
         return self
 
 
-class Claim(Record):
+class PaperClaim(StrictModel):
     """
     One statement of the paper.
 
@@ -87,13 +87,13 @@ class Claim(Record):
     source: Source
     value: Quantity | None = None
     measure: str | None = None
-    rule: Rule | None = None
+    rule: AgreementRule | None = None
     untested: str = ''
     finding: str = ''
     gap: str = ''
 
     @model_validator(mode='after')
-    def _tested_or_not(self) -> Self:
+    def _check_tested(self) -> Self:
         if self.source == 'future':
             if self.measure is None or self.rule is not None:
                 raise ValueError('is of the future: it needs a measure, and no rule')
@@ -107,7 +107,7 @@ class Claim(Record):
         return self
 
 
-class Defect(Record):
+class PaperDefect(StrictModel):
     """Where the paper contradicts itself or physics; `{0:.2f}` in `follows` is the first sum."""
 
     says: str
@@ -118,10 +118,10 @@ class Defect(Record):
     @property
     def arithmetic(self) -> str:
         """What follows, its sums worked out."""
-        return self.follows.format(*map(value_of, self.sums))
+        return self.follows.format(*map(evaluate_sum, self.sums))
 
 
-class Series(Record):
+class PaperSeries(StrictModel):
     """
     A figure of the paper as discovery could use it.
 
@@ -139,14 +139,14 @@ class Series(Record):
     said: str
 
 
-class Effort(Record):
+class SeedCounts(StrictModel):
     """How many seeds."""
 
     quick: Annotated[int, Field(ge=1)] = 1
     full: Annotated[int, Field(ge=1)] = 1
 
 
-class PaperRow(Record):
+class PaperRow(StrictModel):
     """A whole row."""
 
     schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
@@ -154,15 +154,15 @@ class PaperRow(Record):
     number: Annotated[int, Field(ge=1)]
     title: str
     scenario: str
-    seeds: Effort = Effort()
+    seeds: SeedCounts = SeedCounts()
     deviations: Sequence[str] = ()
-    measures: Annotated[Mapping[Name, Measure], Field(min_length=1)]
-    claims: Annotated[Mapping[Name, Claim], Field(min_length=1)]
-    defects: Mapping[Name, Defect] = Field(default_factory=dict)
-    series: Mapping[Name, Series] = Field(default_factory=dict)
+    measures: Annotated[Mapping[Name, PaperMeasure], Field(min_length=1)]
+    claims: Annotated[Mapping[Name, PaperClaim], Field(min_length=1)]
+    defects: Mapping[Name, PaperDefect] = Field(default_factory=dict)
+    series: Mapping[Name, PaperSeries] = Field(default_factory=dict)
 
     @model_validator(mode='after')
-    def _measured(self) -> Self:
+    def _check_claims(self) -> Self:
         for name, claim in self.claims.items():
             for text in (claim.finding, claim.gap, claim.untested):
                 self._check_names(name, text)
@@ -181,38 +181,38 @@ class PaperRow(Record):
         return self
 
     def _check_names(self, claim: str, text: str) -> None:
-        for name in sorted(names(text)):
+        for name in sorted(find_measure_names(text)):
             if name not in self.measures:
                 raise ValueError(
                     f'names "{name}" in {claim}, which it does not measure; known: '
                     f'{", ".join(self.measures)}'
                 )
 
-    def _check_units(self, claim: str, measure: Measure, told: Claim) -> None:
-        rule = told.rule
+    def _check_units(self, claim: str, measure: PaperMeasure, statement: PaperClaim) -> None:
+        rule = statement.rule
         assert rule is not None
         if (rule.word is not None) != (measure.unit is None):
             raise ValueError(
                 f'holds a word against a number, or the reverse, in the claim {claim}'
             )
         dimension = None if measure.unit is None else UNITS[measure.unit][0]
-        for bound in (rule.least, rule.most, told.value):
+        for bound in (rule.least, rule.most, statement.value):
             if bound is not None and dimension is not None and bound.dimension != dimension:
                 raise ValueError(
                     f'has {bound.unit} in the claim {claim}, which is measured in {measure.unit}'
                 )
 
 
-def names(text: str) -> set[str]:
+def find_measure_names(text: str) -> set[str]:
     """Return the measures that a text names in braces."""
     return {name for _, name, _, _ in Formatter().parse(text) if name is not None}
 
 
 def load_paper_row(name: str) -> PaperRow:
     """Return a row by name; anything wrong is a `BadInput` sentence."""
-    return load(PaperRow, find('row of the paper', name))
+    return load_file(PaperRow, find_file('row of the paper', name))
 
 
-def paper_rows() -> list[PaperRow]:
+def load_paper_rows() -> list[PaperRow]:
     """Return all rows, in the order of the paper."""
-    return sorted(map(load_paper_row, known('paper')), key=lambda row: row.number)
+    return sorted(map(load_paper_row, list_shipped('paper')), key=lambda row: row.number)

@@ -12,7 +12,7 @@ A path of one word is a whole file, or the strategy: `scenario: [lamp_room, wind
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self
 
-from lta_config.files import find, load, Record
+from lta_config.files import find_file, load_file, StrictModel
 from pydantic import AliasChoices, Discriminator, Field, model_validator, Tag
 
 Value = Any  # '4 g', '[0, 0, 1] m/s', {value: 4, unit: g}, 0.5, true, a name
@@ -20,7 +20,7 @@ Values = Annotated[list[Value], Field(min_length=1, max_length=10_000)]
 CASE = 'case'  # what the names of cases are called where flights are told
 
 
-class Normal(Record):
+class NormalDistribution(StrictModel):
     """Gauss's; drawn again until it lies between `low` and `high` where they are given."""
 
     mean: Value
@@ -29,23 +29,23 @@ class Normal(Record):
     high: Value = None
 
 
-class Between(Record):
+class UniformDistribution(StrictModel):
     """From `low` to `high`."""
 
     low: Value
     high: Value
 
 
-class Distribution(Record):
+class Distribution(StrictModel):
     """Exactly one of its keys."""
 
-    normal: Normal | None = None
-    uniform: Between | None = None
-    loguniform: Between | None = None
+    normal: NormalDistribution | None = None
+    uniform: UniformDistribution | None = None
+    loguniform: UniformDistribution | None = None
     choice: Values | None = None
 
     @model_validator(mode='after')
-    def _one(self) -> Self:
+    def _check_one_kind(self) -> Self:
         given = [name for name in type(self).model_fields if getattr(self, name) is not None]
         if len(given) != 1:
             known = ', '.join(type(self).model_fields)
@@ -53,7 +53,7 @@ class Distribution(Record):
         return self
 
 
-def _kind(how: object) -> str:
+def _classify_variation(how: object) -> str:
     """Return which of the two ways to vary is meant, so that a mistake is told of that one."""
     return 'values' if isinstance(how, list) else 'distribution'
 
@@ -61,14 +61,14 @@ def _kind(how: object) -> str:
 Case = Mapping[str, Value]
 
 
-class Seeds(Record):
+class SweepSeeds(StrictModel):
     """Seeds of the flights: so many, counted from the first."""
 
     first: Annotated[int, Field(ge=0, le=2**30)] = 1
     count: Annotated[int, Field(ge=1, le=10_000_000)] | None = None
 
 
-class SweepFile(Record):
+class SweepFile(StrictModel):
     """A whole sweep file."""
 
     schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
@@ -78,7 +78,7 @@ class SweepFile(Record):
     scenario: str
     strategy: str
     gains: str
-    seeds: Seeds = Seeds()
+    seeds: SweepSeeds = SweepSeeds()
     samples: Annotated[int, Field(ge=1, le=10_000_000)] | None = None
     settings: Annotated[Mapping[str, Value], Field(validation_alias=AliasChoices('set'))] = {}
     cases: Mapping[Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')], Case] = {}
@@ -86,12 +86,12 @@ class SweepFile(Record):
         str,
         Annotated[
             Annotated[Values, Tag('values')] | Annotated[Distribution, Tag('distribution')],
-            Discriminator(_kind),
+            Discriminator(_classify_variation),
         ],
     ] = {}
 
     @model_validator(mode='after')
-    def _samples_where_drawn(self) -> Self:
+    def _check_samples(self) -> Self:
         drawn = [path for path, how in self.vary.items() if isinstance(how, Distribution)]
         if drawn and self.samples is None:
             raise ValueError(f'draws {", ".join(drawn)} but does not say how often; add "samples"')
@@ -109,11 +109,11 @@ class SweepFile(Record):
         return self
 
     @property
-    def draws(self) -> int:
+    def draws_per_point(self) -> int:
         """Flights at each point of the grid."""
         return self.samples or self.seeds.count or 1
 
 
 def load_sweep(name: str) -> SweepFile:
     """Return a sweep file by shipped name or path; anything wrong is a `BadInput` sentence."""
-    return load(SweepFile, find('sweep', name))
+    return load_file(SweepFile, find_file('sweep', name))

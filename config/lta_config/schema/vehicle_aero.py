@@ -7,56 +7,56 @@ The aero block of a vehicle file; `aero_file` is a file of its own that such a b
 from collections.abc import Mapping
 from typing import Annotated
 
-from lta_config.files import Record
-from lta_config.quantity import Quantity, si
+from lta_config.files import StrictModel
+from lta_config.quantity import Quantity, si_quantity
 from pydantic import Field
 
-Force = Annotated[Quantity, si('1', low=-1.5, high=1.5, length=3, sourced=True)]
-Moment = Annotated[Quantity, si('m', low=-5.0, high=5.0, length=3, sourced=True)]
+Force = Annotated[Quantity, si_quantity('1', low=-1.5, high=1.5, length=3, sourced=True)]
+Moment = Annotated[Quantity, si_quantity('m', low=-5.0, high=5.0, length=3, sourced=True)]
 
 
-class Drag(Record):
+class DragCoefficients(StrictModel):
     """Drag coefficients along and about x, y, z."""
 
     force: Quantity
     moment: Quantity
 
 
-class LinearDrag(Drag):
+class LinearDrag(DragCoefficients):
     """Proportional to the speed."""
 
-    force: Annotated[Quantity, si('N s/m', low=0.0, length=3, sourced=True)]
-    moment: Annotated[Quantity, si('N m s', low=0.0, length=3, sourced=True)]
+    force: Annotated[Quantity, si_quantity('N s/m', low=0.0, length=3, sourced=True)]
+    moment: Annotated[Quantity, si_quantity('N m s', low=0.0, length=3, sourced=True)]
 
 
-class QuadraticDrag(Drag):
+class QuadraticDrag(DragCoefficients):
     """Proportional to the square of the speed."""
 
-    force: Annotated[Quantity, si('N s2/m2', low=0.0, length=3, sourced=True)]
-    moment: Annotated[Quantity, si('N m s2', low=0.0, length=3, sourced=True)]
+    force: Annotated[Quantity, si_quantity('N s2/m2', low=0.0, length=3, sourced=True)]
+    moment: Annotated[Quantity, si_quantity('N m s2', low=0.0, length=3, sourced=True)]
 
 
-class Wrench(Record):
+class WrenchPerNewton(StrictModel):
     """Force and moment about the hull centre per newton of thrust."""
 
     force: Force
     moment: Moment
 
 
-class RotorColumn(Wrench):
+class RotorColumn(WrenchPerNewton):
     """One column of B; `reverse` is the column of reversed thrust where it is another."""
 
-    reverse: Wrench | None = None
+    reverse: WrenchPerNewton | None = None
 
 
-class Coupling(Wrench):
+class RotorCoupling(WrenchPerNewton):
     """What the jets of some rotors make together, per newton of the weakest of them."""
 
     rotors: Annotated[list[str], Field(min_length=2)]
     reversed: bool = False  # whether it is their reversed jets that meet
 
 
-class Aero(Record):
+class AeroBlock(StrictModel):
     """
     What a wind tunnel says, about the hull centre.
 
@@ -67,4 +67,4 @@ class Aero(Record):
     linear_drag: LinearDrag
     quadratic_drag: QuadraticDrag
     thrust_allocation: Mapping[str, RotorColumn] = Field(default_factory=dict)
-    coupling: Coupling | None = None
+    coupling: RotorCoupling | None = None

@@ -7,14 +7,14 @@ Half of the schema of a vehicle file; the other half, and the file itself, is `v
 from collections.abc import Mapping
 from typing import Annotated, Literal
 
-from lta_config.files import Record
-from lta_config.quantity import Quantity, si
+from lta_config.files import StrictModel
+from lta_config.quantity import Quantity, si_quantity
 from pydantic import model_validator
 
-Length = Annotated[Quantity, si('m', above=0.0, sourced=True)]
-Place = Annotated[Quantity, si('m', low=-20.0, high=20.0, length=3, sourced=True)]
-Mass = Annotated[Quantity, si('kg', above=0.0, high=100.0, sourced=True)]
-Fraction = Annotated[Quantity, si('1', low=0.0, high=1.0, sourced=True)]
+Length = Annotated[Quantity, si_quantity('m', above=0.0, sourced=True)]
+Place = Annotated[Quantity, si_quantity('m', low=-20.0, high=20.0, length=3, sourced=True)]
+Mass = Annotated[Quantity, si_quantity('kg', above=0.0, high=100.0, sourced=True)]
+Fraction = Annotated[Quantity, si_quantity('1', low=0.0, high=1.0, sourced=True)]
 
 # What each shape of hull needs, and what more it may have.
 SHAPES: dict[str, tuple[str, ...]] = {
@@ -25,14 +25,16 @@ SHAPES: dict[str, tuple[str, ...]] = {
 }
 
 
-class AddedMass(Record):
+class AddedMassBlock(StrictModel):
     """Mass and inertia of the air that moves with the hull, where somebody published them."""
 
-    mass: Annotated[Quantity, si('kg', low=0.0, high=1000.0, length=3, sourced=True)]
-    inertia: Annotated[Quantity, si('kg m2', low=0.0, high=1000.0, length=3, sourced=True)]
+    mass: Annotated[Quantity, si_quantity('kg', low=0.0, high=1000.0, length=3, sourced=True)]
+    inertia: Annotated[
+        Quantity, si_quantity('kg m2', low=0.0, high=1000.0, length=3, sourced=True)
+    ]
 
 
-class Hull(Record):
+class HullBlock(StrictModel):
     """
     The envelope, filled with helium of some purity, and centred at the origin.
 
@@ -46,12 +48,12 @@ class Hull(Record):
     height: Length | None = None
     length: Length | None = None
     axis: Literal['x', 'y', 'z'] | None = None
-    volume_factor: Annotated[Quantity, si('1', above=0.0, sourced=True)] | None = None
+    volume_factor: Annotated[Quantity, si_quantity('1', above=0.0, sourced=True)] | None = None
     purity: Fraction | None = None
-    added_mass: AddedMass | None = None
+    added_mass: AddedMassBlock | None = None
 
     @model_validator(mode='after')
-    def _as_its_shape(self) -> 'Hull':
+    def _check_shape(self) -> 'HullBlock':
         needed = SHAPES[self.shape]
         given = [
             key
@@ -69,7 +71,7 @@ class Hull(Record):
         return self
 
 
-class Trim(Record):
+class TrimBlock(StrictModel):
     """
     How much heavier than air the vehicle is flown, and where the ballast for it goes.
 
@@ -78,37 +80,39 @@ class Trim(Record):
     none` the vehicle flies as heavy as its parts are.
     """
 
-    heaviness: Annotated[Quantity, si('kg', low=-0.1, high=1.0, sourced=True)] | None = None
+    heaviness: Annotated[Quantity, si_quantity('kg', low=-0.1, high=1.0, sourced=True)] | None = (
+        None
+    )
     ballast_position: Place | None = None
     ballast: Literal['none'] | None = None
     unstable: Literal['refused', 'allowed'] = 'refused'
 
 
-class PartDrag(Record):
+class PartDrag(StrictModel):
     """
     Drag of a part by its faces, 0.5 rho Cd A along each axis, and its damping of turns.
 
     With `in_aero` the drag of the aero block has the part in it already, and only turns see it.
     """
 
-    coefficient: Annotated[Quantity, si('1', low=0.0, high=3.0, sourced=True)]
+    coefficient: Annotated[Quantity, si_quantity('1', low=0.0, high=3.0, sourced=True)]
     in_aero: bool = False
 
 
-class Part(Record):
+class PartBlock(StrictModel):
     """A body with mass, centre and outer size; `shell` is a thin ellipsoid, `box` a solid box."""
 
     shape: Literal['shell', 'box']
     mass: Mass
     position: Place
-    size: Annotated[Quantity, si('m', above=0.0, length=3, sourced=True)]
+    size: Annotated[Quantity, si_quantity('m', above=0.0, length=3, sourced=True)]
     drag: PartDrag | None = None
 
 
-Layer = Mapping[str, Part]
+Layer = Mapping[str, PartBlock]
 
 
-class Measured(Record):
+class MeasuredBlock(StrictModel):
     """
     The vehicle as weighed and swung, gas included, where its parts are not published.
 
@@ -117,22 +121,22 @@ class Measured(Record):
 
     mass: Mass
     position: Place  # centre of gravity
-    inertia: Annotated[Quantity, si('kg m2', above=0.0, length=3, sourced=True)]
+    inertia: Annotated[Quantity, si_quantity('kg m2', above=0.0, length=3, sourced=True)]
     # xy xz yz of the tensor, about the centre of gravity as the moments are.
-    products: Annotated[Quantity, si('kg m2', length=3, sourced=True)] | None = None
+    products: Annotated[Quantity, si_quantity('kg m2', length=3, sourced=True)] | None = None
 
 
-class MovingMass(Record):
+class MovingMassBlock(StrictModel):
     """A mass that is moved to balance or steer; not among the parts."""
 
     mass: Mass
     position: Place  # where it is when nothing is commanded
     low: Place
     high: Place
-    time_constant: Annotated[Quantity, si('s', above=0.0, high=100.0, sourced=True)]
+    time_constant: Annotated[Quantity, si_quantity('s', above=0.0, high=100.0, sourced=True)]
 
     @model_validator(mode='after')
-    def _within(self) -> 'MovingMass':
+    def _check_travel(self) -> 'MovingMassBlock':
         ends = zip(self.low.vector, self.position.vector, self.high.vector, strict=True)
         if not all(low <= at <= high for low, at, high in ends):
             raise ValueError('starts outside its travel; put position between low and high')

@@ -9,37 +9,37 @@ import math
 from typing import Annotated
 
 from lta_config.errors import BadInput
-from lta_config.files import Record
-from lta_config.quantity import Quantity, si
+from lta_config.files import StrictModel
+from lta_config.quantity import Quantity, si_quantity
 from lta_config.schema.cell_file import load_cell_file
 from lta_config.schema.vehicle_body import Fraction
 from pydantic import Field, model_validator
 
-Power = Annotated[Quantity, si('W', low=0.0, sourced=True)]
-Resistance = Annotated[Quantity, si('ohm', low=0.0, sourced=True)]
-Voltage = Annotated[Quantity, si('V', above=0.0, sourced=True)]
+Power = Annotated[Quantity, si_quantity('W', low=0.0, sourced=True)]
+Resistance = Annotated[Quantity, si_quantity('ohm', low=0.0, sourced=True)]
+Voltage = Annotated[Quantity, si_quantity('V', above=0.0, sourced=True)]
 Count = Annotated[int, Field(ge=1, le=1000)]
 
 
-class Battery(Record):
+class BatteryBlock(StrictModel):
     """
     One lithium cell, as new at 25 degC, and how warm and how aged it is.
 
     `age` is the share of its capacity that it has lost; cells count as worn out at 20 %.
     """
 
-    capacity: Annotated[Quantity, si('C', above=0.0, sourced=True)]
+    capacity: Annotated[Quantity, si_quantity('C', above=0.0, sourced=True)]
     resistance: Resistance
     relaxation_resistance: Resistance
-    relaxation_time: Annotated[Quantity, si('s', above=0.0, high=1e5, sourced=True)]
-    temperature: Annotated[Quantity, si('degC', low=-20.0, high=60.0, sourced=True)]
-    age: Annotated[Quantity, si('1', low=0.0, high=0.8, sourced=True)]
+    relaxation_time: Annotated[Quantity, si_quantity('s', above=0.0, high=1e5, sourced=True)]
+    temperature: Annotated[Quantity, si_quantity('degC', low=-20.0, high=60.0, sourced=True)]
+    age: Annotated[Quantity, si_quantity('1', low=0.0, high=0.8, sourced=True)]
     discharge_cutoff: Voltage  # the supply fails below it
     charge_cutoff: Voltage  # charged at this constant voltage in the end
-    charge_current: Annotated[Quantity, si('A', above=0.0, sourced=True)]
+    charge_current: Annotated[Quantity, si_quantity('A', above=0.0, sourced=True)]
 
     @model_validator(mode='after')
-    def _empty_below_full(self) -> 'Battery':
+    def _check_cutoffs(self) -> 'BatteryBlock':
         low, high = self.discharge_cutoff.si, self.charge_cutoff.si
         if low >= high:
             raise ValueError(
@@ -49,17 +49,17 @@ class Battery(Record):
         return self
 
 
-class Array(Record):
+class ArrayBlock(StrictModel):
     """Solar cells of one kind in one plane: strings of `series`, of which `parallel` in all."""
 
     cell: str
     series: Count
     parallel: Count
     part: str | None = None  # where it sits; by sensors.panel_position if left out
-    normal: Annotated[Quantity, si('1', low=-1.0, high=1.0, length=3, sourced=True)]
+    normal: Annotated[Quantity, si_quantity('1', low=-1.0, high=1.0, length=3, sourced=True)]
 
     @model_validator(mode='after')
-    def _looks_somewhere(self) -> 'Array':
+    def _check_normal(self) -> 'ArrayBlock':
         length = math.hypot(*self.normal.vector)
         if not 0.99 <= length <= 1.01:
             raise ValueError(f'has a normal of length {length:.3g}; divide it by that')
@@ -70,7 +70,7 @@ class Array(Record):
         return self
 
 
-class Charger(Record):
+class ChargerBlock(StrictModel):
     """What lies between array and cell: share tracked, share converted, and its own draw."""
 
     tracking: Fraction
@@ -78,7 +78,7 @@ class Charger(Record):
     idle: Power
 
 
-class Loads(Record):
+class LoadsBlock(StrictModel):
     """
     Consumers; what follows comes on top of `idle`.
 
@@ -91,19 +91,19 @@ class Loads(Record):
     sensing: Power | None = None
     computing: Mapping[str, Power] = Field(default_factory=dict)
     rotor_idle: Power
-    rotor_power: Annotated[Quantity, si('W/N', low=0.0, sourced=True)]
+    rotor_power: Annotated[Quantity, si_quantity('W/N', low=0.0, sourced=True)]
 
 
-class Energy(Record):
+class EnergyBlock(StrictModel):
     """Battery, array with its charger, and consumers."""
 
-    battery: Battery
-    array: Array | None = None
-    charger: Charger | None = None
-    loads: Loads
+    battery: BatteryBlock
+    array: ArrayBlock | None = None
+    charger: ChargerBlock | None = None
+    loads: LoadsBlock
 
     @model_validator(mode='after')
-    def _charges_what_shines(self) -> 'Energy':
+    def _check_charger(self) -> 'EnergyBlock':
         if (self.array is None) != (self.charger is None):
             have, lack = ('an array', 'charger') if self.array else ('a charger', 'array')
             raise ValueError(f'has {have} and no {lack}; add it, or remove {have}')

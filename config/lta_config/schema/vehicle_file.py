@@ -10,14 +10,22 @@ import math
 from typing import Annotated, Any, Literal
 
 from lta_config.errors import BadInput
-from lta_config.files import find, load, Record
-from lta_config.quantity import Quantity, si
+from lta_config.files import find_file, load_file, StrictModel
+from lta_config.quantity import Quantity, si_quantity
 from lta_config.schema.aero_file import load_aero_file
-from lta_config.schema.vehicle_aero import Aero
-from lta_config.schema.vehicle_body import Hull, Layer, Measured, MovingMass, Part, Place, Trim
-from lta_config.schema.vehicle_diodes import Diodes
-from lta_config.schema.vehicle_energy import Energy
-from lta_config.schema.vehicle_version import upgraded
+from lta_config.schema.vehicle_aero import AeroBlock
+from lta_config.schema.vehicle_body import (
+    HullBlock,
+    Layer,
+    MeasuredBlock,
+    MovingMassBlock,
+    PartBlock,
+    Place,
+    TrimBlock,
+)
+from lta_config.schema.vehicle_diodes import DiodesBlock
+from lta_config.schema.vehicle_energy import EnergyBlock
+from lta_config.schema.vehicle_version import upgrade_content
 from pydantic import AliasChoices, Field, field_validator, model_validator
 
 Vector = tuple[float, float, float]
@@ -25,7 +33,7 @@ UP = (0.0, 0.0, 1.0)
 ROTORS = 8  # places for rotors in the model
 
 
-class Control(Record):
+class ControlBlock(StrictModel):
     """The control law that flies the vehicle, and its file of gains in `config/control`."""
 
     law: Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
@@ -33,32 +41,32 @@ class Control(Record):
     source: str
 
 
-class ThrustCurve(Record):
+class ThrustCurve(StrictModel):
     """T = a u^2 + b u; `reverse` is the thrust at full reverse duty where it is not the same."""
 
-    a: Annotated[Quantity, si('N', low=0.0, sourced=True)]
-    b: Annotated[Quantity, si('N', above=0.0, sourced=True)]
-    reverse: Annotated[Quantity, si('N', low=0.0, sourced=True)] | None = None
+    a: Annotated[Quantity, si_quantity('N', low=0.0, sourced=True)]
+    b: Annotated[Quantity, si_quantity('N', above=0.0, sourced=True)]
+    reverse: Annotated[Quantity, si_quantity('N', low=0.0, sourced=True)] | None = None
 
 
-class Torque(Record):
+class RotorTorque(StrictModel):
     """Torque of the air per thrust, and how the rotor spins, its thrust towards the eye."""
 
-    per_thrust: Annotated[Quantity, si('m', low=0.0, high=1.0, sourced=True)]
+    per_thrust: Annotated[Quantity, si_quantity('m', low=0.0, high=1.0, sourced=True)]
     spin: Literal['clockwise', 'anticlockwise']
 
 
-class Rotor(Record):
+class RotorBlock(StrictModel):
     """One rotor; its thrust points along `axis`, and only a reversible one accepts duty < 0."""
 
     reversible: bool
     position: Place
-    axis: Annotated[Quantity, si('1', low=-1.0, high=1.0, length=3, sourced=True)]
+    axis: Annotated[Quantity, si_quantity('1', low=-1.0, high=1.0, length=3, sourced=True)]
     thrust_curve: ThrustCurve | None = None
-    torque: Torque | None = None
+    torque: RotorTorque | None = None
 
     @model_validator(mode='after')
-    def _points_somewhere(self) -> 'Rotor':
+    def _check_axis(self) -> 'RotorBlock':
         length = math.hypot(*self.axis.vector)
         if not 0.99 <= length <= 1.01:
             raise ValueError(f'has an axis of length {length:.3g}; divide it by that')
@@ -67,36 +75,36 @@ class Rotor(Record):
         return self
 
 
-class Sensors(Record):
+class SensorsBlock(StrictModel):
     """Where the sensors sit."""
 
     imu_position: Place
     range_position: Place
     panel_position: Place | None = None  # where no part of the array says it
-    diodes: Diodes
+    diodes: DiodesBlock
 
 
-class VehicleFile(Record):
+class VehicleFile(StrictModel):
     """A whole vehicle file."""
 
     schema_version: Annotated[Literal[3], Field(validation_alias=AliasChoices('schema'))]
     name: Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
     about: str
-    control: Control | None = None
-    hull: Hull
-    trim: Trim
-    measured: Measured | None = None
+    control: ControlBlock | None = None
+    hull: HullBlock
+    trim: TrimBlock
+    measured: MeasuredBlock | None = None
     layers: Mapping[str, Layer] = Field(default_factory=dict)
-    moving_mass: MovingMass | None = None
-    rotors: Annotated[Mapping[str, Rotor], Field(max_length=ROTORS)]
+    moving_mass: MovingMassBlock | None = None
+    rotors: Annotated[Mapping[str, RotorBlock], Field(max_length=ROTORS)]
     thrust_curve: ThrustCurve | None = None
-    aero: Aero
+    aero: AeroBlock
     effects: Mapping[str, Mapping[str, Quantity]]
-    sensors: Sensors
-    energy: Energy
+    sensors: SensorsBlock
+    energy: EnergyBlock
 
     @property
-    def parts(self) -> dict[str, Part]:
+    def parts(self) -> dict[str, PartBlock]:
         """All parts by name, layer by layer."""
         return {name: part for layer in self.layers.values() for name, part in layer.items()}
 
@@ -121,22 +129,22 @@ class VehicleFile(Record):
 
     @field_validator('aero', mode='before')
     @classmethod
-    def _by_name(cls, given: Any) -> Any:  # noqa: ANN401 - whatever the file held
+    def _load_named_aero(cls, value: Any) -> Any:  # noqa: ANN401 - whatever the file held
         """Return the aero block of the aero file that is named, if it is one."""
-        if not isinstance(given, str):
-            return given
+        if not isinstance(value, str):
+            return value
         try:
-            return load_aero_file(given).aero
+            return load_aero_file(value).aero
         except BadInput as error:
             raise ValueError(f'cannot be used: {str(error).removesuffix(".")}') from None
 
     @model_validator(mode='before')
     @classmethod
-    def _from_older_versions(cls, content: Any) -> Any:  # noqa: ANN401 - whatever the file held
-        return upgraded(content)
+    def _upgrade_version(cls, content: Any) -> Any:  # noqa: ANN401 - whatever the file held
+        return upgrade_content(content)
 
     @model_validator(mode='after')
-    def _parts_stand_once(self) -> 'VehicleFile':
+    def _check_part_names(self) -> 'VehicleFile':
         seen: dict[str, str] = {}
         for layer, parts in self.layers.items():
             for name in parts:
@@ -149,7 +157,7 @@ class VehicleFile(Record):
         return self
 
     @model_validator(mode='after')
-    def _columns_are_of_rotors(self) -> 'VehicleFile':
+    def _check_rotor_columns(self) -> 'VehicleFile':
         coupled = self.aero.coupling.rotors if self.aero.coupling else []
         for place, names in (
             ('thrust_allocation', self.aero.thrust_allocation),
@@ -167,7 +175,7 @@ class VehicleFile(Record):
         return self
 
     @model_validator(mode='after')
-    def _trim_is_clear(self) -> 'VehicleFile':
+    def _check_trim(self) -> 'VehicleFile':
         trim = self.trim
         if trim.ballast == 'none' and trim.ballast_position:
             raise ValueError('has trim.ballast none and a trim.ballast_position; remove one')
@@ -192,7 +200,7 @@ class VehicleFile(Record):
         return self
 
     @model_validator(mode='after')
-    def _panel_has_one_place(self) -> 'VehicleFile':
+    def _check_panel(self) -> 'VehicleFile':
         part = self.energy.array.part if self.energy.array else None
         if part is not None and part not in self.parts:
             raise ValueError(
@@ -209,4 +217,4 @@ class VehicleFile(Record):
 
 def load_vehicle_file(name: str) -> VehicleFile:
     """Return a vehicle file by shipped name or path; anything wrong is a `BadInput` sentence."""
-    return load(VehicleFile, find('vehicle', name))
+    return load_file(VehicleFile, find_file('vehicle', name))

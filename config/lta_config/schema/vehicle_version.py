@@ -8,23 +8,23 @@ Version 2 had a flat energy block (`vehicle_version_energy`).
 
 from typing import Any
 
-from lta_config.schema.vehicle_version_energy import nested
+from lta_config.schema.vehicle_version_energy import nest_energy
 
 AXES = 'xyz'
 
 
-def upgraded(content: Any) -> Any:  # noqa: ANN401 - whatever the file held
+def upgrade_content(content: Any) -> Any:  # noqa: ANN401 - whatever the file held
     """Return what a file of version 1 or 2 says as version 3, and anything else as it is."""
     if not isinstance(content, dict):
         return content
     if content.get('schema') == 1:
-        content = _from_version_1(content)
+        content = _convert_version_1(content)
     if content.get('schema') == 2:
-        content = {**content, 'schema': 3, 'energy': nested(content.get('energy'))}
+        content = {**content, 'schema': 3, 'energy': nest_energy(content.get('energy'))}
     return content
 
 
-def _from_version_1(content: dict[str, Any]) -> dict[str, Any]:
+def _convert_version_1(content: dict[str, Any]) -> dict[str, Any]:
     """Return what a version 1 file says as version 2."""
     content = {**content, 'schema': 2}
     if 'parts' in content:
@@ -34,12 +34,12 @@ def _from_version_1(content: dict[str, Any]) -> dict[str, Any]:
     rotors = content.get('rotors')
     if isinstance(rotors, dict):
         content['rotors'] = {
-            name: _with_axis(name, rotor, _columns(content)) for name, rotor in rotors.items()
+            name: _add_axis(name, rotor, _find_columns(content)) for name, rotor in rotors.items()
         }
     return content
 
 
-def _columns(content: dict[str, Any]) -> dict[str, Any] | None:
+def _find_columns(content: dict[str, Any]) -> dict[str, Any] | None:
     """Return the columns of B by rotor, if the file has them where it should."""
     place: Any = content
     for key in ('aero', 'thrust_allocation'):
@@ -47,7 +47,7 @@ def _columns(content: dict[str, Any]) -> dict[str, Any] | None:
     return place if isinstance(place, dict) else None
 
 
-def _with_axis(name: str, rotor: Any, columns: dict[str, Any] | None) -> Any:  # noqa: ANN401
+def _add_axis(name: str, rotor: Any, columns: dict[str, Any] | None) -> Any:  # noqa: ANN401
     """Return a rotor with the axis along which its column is largest."""
     if columns is not None and name not in columns:
         raise ValueError(f'has no column of aero.thrust_allocation for {name}; add one')

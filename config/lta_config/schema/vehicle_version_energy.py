@@ -17,7 +17,7 @@ SECONDS_PER_HOUR = 3600.0
 SOURCE = 'assumed: version 2 of the file had none'
 
 
-def nested(energy: Any) -> Any:  # noqa: ANN401 - whatever the file held
+def nest_energy(energy: Any) -> Any:  # noqa: ANN401 - whatever the file held
     """Return a flat energy block with its battery, array, charger and loads."""
     if not isinstance(energy, dict) or 'battery' in energy or 'loads' in energy:
         return energy
@@ -28,44 +28,51 @@ def nested(energy: Any) -> Any:  # noqa: ANN401 - whatever the file held
         for key in ('idle', 'transmitting', 'rotor_idle', 'rotor_power')
         if key in rest
     }
-    panel = [_si(rest.pop(f'panel_{key}', None)) for key in ('area', 'efficiency', 'voltage')]
-    return {**rest, 'battery': {**battery, **_at_rest(battery)}, 'loads': loads, **_array(*panel)}
-
-
-def _at_rest(battery: dict[str, Any]) -> dict[str, Any]:
-    """Return what makes a cell of capacity and resistance alone: new, unwatched, at once."""
-    capacity = _si(battery.get('capacity')) or 1.0
+    panel = [_to_si(rest.pop(f'panel_{key}', None)) for key in ('area', 'efficiency', 'voltage')]
     return {
-        'relaxation_resistance': _assumed(0.0, 'ohm'),
-        'relaxation_time': _assumed(1.0, 's'),
-        'temperature': _assumed(25.0, 'degC'),
-        'age': _assumed(0.0, '1'),
-        'discharge_cutoff': _assumed(3.0, 'V'),
-        'charge_cutoff': _assumed(4.2, 'V'),
-        'charge_current': _assumed(capacity / SECONDS_PER_HOUR, 'A'),
+        **rest,
+        'battery': {**battery, **_ideal_cell(battery)},
+        'loads': loads,
+        **_build_array(*panel),
     }
 
 
-def _array(area: float | None, efficiency: float | None, _: float | None) -> dict[str, Any]:
+def _ideal_cell(battery: dict[str, Any]) -> dict[str, Any]:
+    """Return what makes a cell of capacity and resistance alone: new, unwatched, at once."""
+    capacity = _to_si(battery.get('capacity')) or 1.0
+    return {
+        'relaxation_resistance': _assume_quantity(0.0, 'ohm'),
+        'relaxation_time': _assume_quantity(1.0, 's'),
+        'temperature': _assume_quantity(25.0, 'degC'),
+        'age': _assume_quantity(0.0, '1'),
+        'discharge_cutoff': _assume_quantity(3.0, 'V'),
+        'charge_cutoff': _assume_quantity(4.2, 'V'),
+        'charge_current': _assume_quantity(capacity / SECONDS_PER_HOUR, 'A'),
+    }
+
+
+def _build_array(area: float | None, efficiency: float | None, _: float | None) -> dict[str, Any]:
     """Return array and charger that give the power of a panel; nothing where there was none."""
     count = round((area or 0.0) * (efficiency or 0.0) * STANDARD / GENERIC_POWER)
     if count == 0:
         return {}
-    lossless = _assumed(1.0, '1')
+    lossless = _assume_quantity(1.0, '1')
     return {
         'array': {
             'cell': GENERIC, 'series': 1, 'parallel': count,
-            'normal': _assumed([0.0, 0.0, 1.0], '1'),
+            'normal': _assume_quantity([0.0, 0.0, 1.0], '1'),
         },
-        'charger': {'tracking': lossless, 'conversion': lossless, 'idle': _assumed(0.0, 'W')},
+        'charger': {
+            'tracking': lossless, 'conversion': lossless, 'idle': _assume_quantity(0.0, 'W'),
+        },
     }  # fmt: skip
 
 
-def _assumed(value: float | list[float], unit: str) -> dict[str, Any]:
+def _assume_quantity(value: float | list[float], unit: str) -> dict[str, Any]:
     return {'value': value, 'unit': unit, 'source': SOURCE}
 
 
-def _si(quantity: Any) -> float | None:  # noqa: ANN401 - whatever the file held
+def _to_si(quantity: Any) -> float | None:  # noqa: ANN401 - whatever the file held
     """Return a quantity in SI if it is one; the checks of the block say what is wrong with it."""
     if not isinstance(quantity, dict):
         return None

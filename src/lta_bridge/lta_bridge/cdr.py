@@ -40,48 +40,48 @@ _LENGTH = struct.Struct('<I')
 Writer = Callable[[bytearray, Any], None]
 
 
-def serialise(message: Any) -> bytes:  # noqa: ANN401 - a generated class
+def encode_cdr(message: Any) -> bytes:  # noqa: ANN401 - a generated class
     """Return a message as CDR with its encapsulation header."""
     out = bytearray(ENCAPSULATION)
     _write_message(out, message)
-    _align(out, 4)
+    _pad_to_multiple(out, 4)
     return bytes(out)
 
 
 def _write_message(out: bytearray, message: Any) -> None:  # noqa: ANN401 - a generated class
-    for name, write in _fields(type(message)):  # type: ignore[arg-type]
+    for name, write in _list_fields(type(message)):  # type: ignore[arg-type]
         write(out, getattr(message, name))
 
 
 @cache
-def _fields(kind: Hashable) -> tuple[tuple[str, Writer], ...]:
+def _list_fields(kind: Hashable) -> tuple[tuple[str, Writer], ...]:
     """Return the fields of a message type in order, each with its writer."""
     types = cast('Any', kind).get_fields_and_field_types()
-    return tuple((name, _writer(text)) for name, text in types.items())
+    return tuple((name, _select_writer(text)) for name, text in types.items())
 
 
-def _writer(text: str) -> Writer:
+def _select_writer(text: str) -> Writer:
     """Return what writes a value of a type, named as rosidl names it."""
     array, sequence = _ARRAY.fullmatch(text), _SEQUENCE.fullmatch(text)
     if sequence is not None:
-        return _counted(_items(sequence.group(1)))
+        return _build_sequence_writer(_build_items_writer(sequence.group(1)))
     if array is not None:
-        return _items(array.group(1))
+        return _build_items_writer(array.group(1))
     if text in NUMBERS:
-        return _number(NUMBERS[text])
+        return _build_number_writer(NUMBERS[text])
     return _write_text if text.startswith('string') else _write_message
 
 
-def _align(out: bytearray, size: int) -> None:
+def _pad_to_multiple(out: bytearray, size: int) -> None:
     """Fill up with zeros to a multiple of a size, counted from behind the encapsulation."""
     out.extend(bytes(-(len(out) - BASE) % size))
 
 
-def _number(code: str) -> Writer:
+def _build_number_writer(code: str) -> Writer:
     pack = struct.Struct(f'<{code}')
 
     def write(out: bytearray, value: Any) -> None:  # noqa: ANN401 - a number, or one byte
-        _align(out, pack.size)
+        _pad_to_multiple(out, pack.size)
         out.extend(pack.pack(value[0] if isinstance(value, bytes) else value))
 
     return write
@@ -89,15 +89,15 @@ def _number(code: str) -> Writer:
 
 def _write_text(out: bytearray, value: str) -> None:
     data = value.encode()
-    _align(out, 4)
+    _pad_to_multiple(out, 4)
     out.extend(_LENGTH.pack(len(data) + 1) + data + b'\0')
 
 
-def _counted(write_items: Writer) -> Writer:
+def _build_sequence_writer(write_items: Writer) -> Writer:
     """Return what writes the number of items before them."""
 
     def write(out: bytearray, value: Any) -> None:  # noqa: ANN401 - a sequence of any kind
-        _align(out, 4)
+        _pad_to_multiple(out, 4)
         out.extend(_LENGTH.pack(len(value)))
         if len(value):
             write_items(out, value)
@@ -105,10 +105,10 @@ def _counted(write_items: Writer) -> Writer:
     return write
 
 
-def _items(text: str) -> Writer:
+def _build_items_writer(text: str) -> Writer:
     """Return what writes items of one type, one behind the other."""
     if text not in NUMBERS:
-        one = _writer(text)
+        one = _select_writer(text)
 
         def write_each(out: bytearray, value: Iterable[Any]) -> None:
             for item in value:
@@ -118,7 +118,7 @@ def _items(text: str) -> Writer:
     kind = np.dtype(f'<{NUMBERS[text]}')
 
     def write_numbers(out: bytearray, value: Any) -> None:  # noqa: ANN401 - numbers of any kind
-        _align(out, kind.itemsize)
+        _pad_to_multiple(out, kind.itemsize)
         out.extend(np.asarray(value, dtype=kind).tobytes())
 
     return write_numbers

@@ -17,7 +17,7 @@ DEV: Final = Path('/dev')
 RULES_FILE: Final = '/etc/udev/rules.d/60-lta.rules'
 
 
-class Kind(NamedTuple):
+class UsbKind(NamedTuple):
     """A kind of USB device: vendor and product number in hexadecimal, and what people call it."""
 
     vendor: str
@@ -26,21 +26,21 @@ class Kind(NamedTuple):
 
 
 # Bitcraze: docs of crazyflie-lib-python, "USB permissions". PJRC: 00-teensy.rules.
-RADIO: Final = Kind('1915', '7777', 'Crazyradio')
-DRONE: Final = Kind('0483', '5740', 'Crazyflie on a cable')
-BOARD: Final = Kind('16c0', '0483', 'Teensy')
+RADIO: Final = UsbKind('1915', '7777', 'Crazyradio')
+DRONE: Final = UsbKind('0483', '5740', 'Crazyflie on a cable')
+BOARD: Final = UsbKind('16c0', '0483', 'Teensy')
 KINDS: Final = (RADIO, DRONE, BOARD)
 
 
-class Found(NamedTuple):
+class UsbDevice(NamedTuple):
     """A device: what it is, its file, and whether this user may read and write it."""
 
-    kind: Kind
+    kind: UsbKind
     path: Path
     usable: bool
 
 
-class Port(NamedTuple):
+class SerialPortInfo(NamedTuple):
     """A serial port: its file, what the system calls it, a Teensy or not, and whether usable."""
 
     path: str
@@ -49,7 +49,7 @@ class Port(NamedTuple):
     usable: bool
 
 
-def devices(usb: Path = USB, dev: Path = DEV) -> Iterator[Found]:
+def find_devices(usb: Path = USB, dev: Path = DEV) -> Iterator[UsbDevice]:
     """
     Yield the devices of our kinds.
 
@@ -60,19 +60,19 @@ def devices(usb: Path = USB, dev: Path = DEV) -> Iterator[Found]:
 
     """
     for place in sorted(usb.glob('*')) if usb.is_dir() else ():
-        told = {name: _read(place / name) for name in ('idVendor', 'idProduct')}
+        told = {name: _read_text(place / name) for name in ('idVendor', 'idProduct')}
         for kind in KINDS:
             if (told['idVendor'], told['idProduct']) == (kind.vendor, kind.product):
-                numbers = (_read(place / 'busnum'), _read(place / 'devnum'))
+                numbers = (_read_text(place / 'busnum'), _read_text(place / 'devnum'))
                 path = dev / 'bus/usb' / '/'.join(number.zfill(3) for number in numbers)
-                yield Found(kind, path, os.access(path, os.R_OK | os.W_OK))
+                yield UsbDevice(kind, path, os.access(path, os.R_OK | os.W_OK))
 
 
-def ports() -> list[Port]:
+def list_serial_ports() -> list[SerialPortInfo]:
     """Return the serial ports of this machine that are real: a mere number behind none is left."""
     number = (int(BOARD.vendor, 16), int(BOARD.product, 16))
     return [
-        Port(
+        SerialPortInfo(
             port.device, port.description, (port.vid, port.pid) == number,
             os.access(port.device, os.R_OK | os.W_OK),
         )
@@ -81,7 +81,7 @@ def ports() -> list[Port]:
     ]  # fmt: skip
 
 
-def rules() -> str:
+def format_udev_rules() -> str:
     """Return a udev file by which whoever sits at this machine may open all of our kinds."""
     head = '# Who is logged in at this machine may open what LTA flies and listens with.'
     lines = [
@@ -93,7 +93,7 @@ def rules() -> str:
     return '\n'.join([head, *lines]) + '\n'
 
 
-def _read(path: Path) -> str:
+def _read_text(path: Path) -> str:
     """Return the text of a file of the system, empty where there is none."""
     try:
         return path.read_text(encoding='ascii').strip()

@@ -7,7 +7,7 @@ REST = 10.0  # wall seconds in which further faults wait, and then count as one
 INPUTS = ': inputs'  # the task in which a node says that it waits for others
 
 
-class Status(NamedTuple):
+class TaskStatus(NamedTuple):
     """
     One status of a diagnostics message.
 
@@ -50,7 +50,7 @@ class FaultWatch:
         self._news: dict[str, None] = {}
         self._rests_until = float('-inf')
 
-    def hear(self, statuses: Iterable[Status]) -> None:
+    def add_statuses(self, statuses: Iterable[TaskStatus]) -> None:
         """Take note of a diagnostics message."""
         for status in statuses:
             if status.over:
@@ -63,7 +63,7 @@ class FaultWatch:
                 self._failing.add(name)
                 self._news[name] = None
 
-    def due(self, now: float) -> list[str]:
+    def take_new_faults(self, now: float) -> list[str]:
         """Return the faults to tell now, and rest if there are any. [wall s]"""
         if not self._news or now < self._rests_until:
             return []

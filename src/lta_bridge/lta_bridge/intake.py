@@ -5,18 +5,18 @@ from collections.abc import Callable, Mapping, Sequence
 import time
 from typing import final
 
-from lta_bridge.bag.background import BackgroundWriter
-from lta_bridge.bookkeeping import Bookkeeping
-from lta_config.recorded import absolute
+from lta_bridge.bag.background_writer import BackgroundWriter
+from lta_bridge.message_accounting import MessageAccounting
+from lta_config.topic_selection import absolute_topic
 from lta_config.topics import TopicTable
-from lta_graph.health import Level
+from lta_graph.health import HealthLevel
 
 Clean = Callable[[bytes], bytes]
 VARYING = {'diagnostic_msgs/msg/DiagnosticArray'}  # types whose texts change their length
 
 
 @final
-class Intake:
+class MessageIntake:
     """
     Takes raw messages for a bag, of one robot or of several.
 
@@ -25,13 +25,13 @@ class Intake:
     table : TopicTable
         What is known of topics.
     lockstep : bool
-        As for `Bookkeeping`.
+        As for `MessageAccounting`.
     robots : sequence of str
         Namespaces, at least one, '' where the robot has none.
     writer : BackgroundWriter
         Where the messages go.
     begun_ns : int or None
-        As for `Bookkeeping`.
+        As for `MessageAccounting`.
 
     Attributes
     ----------
@@ -50,25 +50,27 @@ class Intake:
     ) -> None:
         self._table = table
         self._robots = robots
-        self._books = {name: Bookkeeping(table, lockstep, begun_ns=begun_ns) for name in robots}
-        self._common = Bookkeeping(table, lockstep, begun_ns=begun_ns)
+        self._books = {
+            name: MessageAccounting(table, lockstep, begun_ns=begun_ns) for name in robots
+        }
+        self._common = MessageAccounting(table, lockstep, begun_ns=begun_ns)
         self._writer = writer
         self.latest = time.monotonic()
 
-    def owner(self, name: str) -> tuple[str | None, str]:
+    def find_owner(self, name: str) -> tuple[str | None, str]:
         """Return whose an absolute topic is and its name there: a robot's, or everybody's."""
         for robot in self._robots if name not in self._table.topics else ():
-            prefix = absolute(robot, '')
+            prefix = absolute_topic(robot, '')
             if name.startswith(prefix):
                 return robot, name.removeprefix(prefix)
         return None, name
 
-    def covers(self, name: str) -> bool:
+    def covers_topic(self, name: str) -> bool:
         """Tell whether an absolute topic is one of the robots', or in no namespace at all."""
-        robot, relative = self.owner(name)
+        robot, relative = self.find_owner(name)
         return robot is not None or '/' not in relative.lstrip('/')
 
-    def takes(self, name: str, type_name: str, clean: Clean) -> Callable[[bytes], None]:
+    def build_receiver(self, name: str, type_name: str, clean: Clean) -> Callable[[bytes], None]:
         """
         Return what takes the messages of a topic.
 
@@ -81,29 +83,31 @@ class Intake:
             keep a topic from repeating itself.
 
         """
-        robot, row = self.owner(name)
+        robot, row = self.find_owner(name)
         topic = self._table.topics.get(row)
         varying = topic is not None and topic.repeatable and type_name in VARYING
         write, clock = self._writer.write, time.monotonic
-        log_time = self._common_time if robot is None else self._books[robot].log_time
+        log_time = (
+            self._assign_common_time if robot is None else self._books[robot].assign_log_time
+        )
 
-        def take(data: bytes) -> None:
+        def receive(data: bytes) -> None:
             self.latest = clock()
             when = log_time(row, data)
             write(name, clean(data) if varying else data, when)
 
-        return take
+        return receive
 
-    def _common_time(self, name: str, data: bytes) -> int:
+    def _assign_common_time(self, name: str, data: bytes) -> int:
         """Return when a message of nobody's alone was published: as new as the newest. [ns]"""
-        self._common.log_time(name, data)
+        self._common.assign_log_time(name, data)
         return max(books.now for books in self._books.values())
 
-    def learn(self, robot: str, due: Mapping[str, Sequence[int]]) -> None:
+    def set_due_times(self, robot: str, due: Mapping[str, Sequence[int]]) -> None:
         """Date a robot's messages that have no stamp by when they are due, topic by topic. [ns]"""
         self._books[robot].due = due
 
-    def tally(self, lost: Mapping[str, int]) -> tuple[Level, str, dict[str, object]]:
+    def summarize(self, lost: Mapping[str, int]) -> tuple[HealthLevel, str, dict[str, object]]:
         """
         Return level, sentence and figures of a recording that goes on.
 
@@ -114,42 +118,48 @@ class Intake:
 
         """
         wrong = {
-            'lost': self._by_topic('lost'),
-            'lost by the middleware': self._named(
-                {name: count for name, count in lost.items() if not self._only_newest(name)}
+            'lost': self._count_by_topic('lost'),
+            'lost by the middleware': self._rename_topics(
+                {name: count for name, count in lost.items() if not self._keeps_only_newest(name)}
             ),
-            'dropped': self._named(self._writer.dropped),
-            'with a wild stamp': self._by_topic('wild'),
-            'cut short': self._by_topic('torn'),
+            'dropped': self._rename_topics(self._writer.dropped),
+            'with a wild stamp': self._count_by_topic('wild'),
+            'cut short': self._count_by_topic('torn'),
         }
         words = [
             f'{found.total()} messages {what}' for what, found in wrong.items() if found.total()
         ]
         figures: dict[str, object] = {
-            'messages': self._by_topic('counts').total(),
-            'waiting_bytes': self._writer.waiting,
+            'messages': self._count_by_topic('counts').total(),
+            'waiting_bytes': self._writer.queued_bytes,
         }
         for what, found in wrong.items():
             figures |= {f'{name} {what}': count for name, count in found.items() if count}
-        return Level.WARN if words else Level.OK, ', '.join(words) or 'recording', figures
+        return (
+            HealthLevel.WARN if words else HealthLevel.OK,
+            ', '.join(words) or 'recording',
+            figures,
+        )
 
-    def _only_newest(self, name: str) -> bool:
+    def _keeps_only_newest(self, name: str) -> bool:
         """Tell whether a topic's publisher replaces each message by the next: `/clock` does."""
-        topic = self._table.topics.get(self.owner(name)[1])
+        topic = self._table.topics.get(self.find_owner(name)[1])
         return topic is not None and topic.qos == 'clock'
 
-    def _by_topic(self, what: str) -> Counter[str]:
+    def _count_by_topic(self, what: str) -> Counter[str]:
         """Return a count of the books by topic."""
         found: Counter[str] = Counter(getattr(self._common, what))
         for robot, books in self._books.items():
             counts = getattr(books, what).items()
-            found.update({self._name(absolute(robot, name)): count for name, count in counts})
+            found.update(
+                {self._display_name(absolute_topic(robot, name)): count for name, count in counts}
+            )
         return found
 
-    def _named(self, counts: Mapping[str, int]) -> Counter[str]:
-        """Return counts by absolute topic as `_by_topic` names them."""
-        return Counter({self._name(name): count for name, count in counts.items()})
+    def _rename_topics(self, counts: Mapping[str, int]) -> Counter[str]:
+        """Return counts by absolute topic as `_count_by_topic` names them."""
+        return Counter({self._display_name(name): count for name, count in counts.items()})
 
-    def _name(self, name: str) -> str:
+    def _display_name(self, name: str) -> str:
         """Return a topic's relative name; the absolute one where there are several robots."""
-        return name if len(self._robots) > 1 else self.owner(name)[1]
+        return name if len(self._robots) > 1 else self.find_owner(name)[1]

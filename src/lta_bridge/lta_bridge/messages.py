@@ -3,21 +3,23 @@
 from collections.abc import Iterator, Sequence
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from lta_bridge.bag.qos import Interval, Profile
-from lta_bridge.fault_watch import Status
-from lta_graph.ros.peer_listener import over
+from lta_bridge.bag.qos import OfferedQos, QosDuration
+from lta_bridge.fault_watch import TaskStatus
+from lta_graph.ros.peer_listener import is_over
 from rclpy.duration import Duration
 from rclpy.qos import HistoryPolicy, LivelinessPolicy, QoSProfile
 
 
-def statuses(message: DiagnosticArray) -> Iterator[Status]:
+def parse_statuses(message: DiagnosticArray) -> Iterator[TaskStatus]:
     """Yield what a diagnostics message tells of faults and of ends."""
     for status in message.status:
         failing = status.level == DiagnosticStatus.ERROR
-        yield Status(status.hardware_id, status.name, failing, over(status))
+        yield TaskStatus(status.hardware_id, status.name, failing, is_over(status))
 
 
-def profiles(offered: Sequence[QoSProfile], expected: QoSProfile | None = None) -> list[Profile]:
+def to_offered_qos(
+    offered: Sequence[QoSProfile], expected: QoSProfile | None = None
+) -> list[OfferedQos]:
     """
     Return profiles as a bag tells them.
 
@@ -30,22 +32,22 @@ def profiles(offered: Sequence[QoSProfile], expected: QoSProfile | None = None) 
         keeps to it, and stands for one that is not known yet.
 
     """
-    found: list[Profile] = []
+    found: list[OfferedQos] = []
     for each in offered or ([expected] if expected else []):
         same = expected is not None and (each.reliability, each.durability) == (
             expected.reliability,
             expected.durability,
         )
         kept = expected if same and each.history == HistoryPolicy.UNKNOWN else each
-        profile = Profile(
+        profile = OfferedQos(
             history=(kept or each).history.name.lower(),
             depth=(kept or each).depth,
             reliability=each.reliability.name.lower(),
             durability=each.durability.name.lower(),
-            deadline=interval(each.deadline),
-            lifespan=interval(each.lifespan),
-            liveliness=_liveliness(each.liveliness),
-            liveliness_lease_duration=interval(each.liveliness_lease_duration),
+            deadline=to_qos_duration(each.deadline),
+            lifespan=to_qos_duration(each.lifespan),
+            liveliness=_format_liveliness(each.liveliness),
+            liveliness_lease_duration=to_qos_duration(each.liveliness_lease_duration),
             avoid_ros_namespace_conventions=each.avoid_ros_namespace_conventions,
         )
         if profile not in found:
@@ -53,13 +55,13 @@ def profiles(offered: Sequence[QoSProfile], expected: QoSProfile | None = None) 
     return found
 
 
-def _liveliness(policy: LivelinessPolicy) -> str:
+def _format_liveliness(policy: LivelinessPolicy) -> str:
     """Return the name of a policy; what ROS takes by default is automatic."""
     default = policy == LivelinessPolicy.SYSTEM_DEFAULT
     return (LivelinessPolicy.AUTOMATIC if default else policy).name.lower()
 
 
-def interval(duration: Duration) -> Interval:
+def to_qos_duration(duration: Duration) -> QosDuration:
     """Return a duration; no limit is 2^63 - 1 ns, and so is what says 0 for it."""
     total = duration.nanoseconds or 2**63 - 1
     return {'sec': total // 1_000_000_000, 'nsec': total % 1_000_000_000}

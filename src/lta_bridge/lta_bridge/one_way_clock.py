@@ -38,9 +38,9 @@ class OneWayClock:
     def __init__(self) -> None:
         self.one_way_ns = 0
         self.restarts = 0
-        self._forget()
+        self._reset()
 
-    def _forget(self) -> None:
+    def _reset(self) -> None:
         self._lows: deque[tuple[int, int]] = deque(maxlen=WINDOWS)  # device, difference [ns]
         self._offset, self._slope, self._from = 0.0, 0.0, 0
 
@@ -52,24 +52,24 @@ class OneWayClock:
     def restart(self) -> None:
         """Begin again: the device's clock was set."""
         self.restarts += 1
-        self._forget()
+        self._reset()
 
-    def stamp(self, device_ns: int, arrival_ns: int) -> int:
+    def stamp_arrival(self, device_ns: int, arrival_ns: int) -> int:
         """Return the graph time of a message that arrives now, never later than that. [ns]"""
-        ahead = self._predicted(device_ns) - arrival_ns
+        ahead = self._predict_fastest(device_ns) - arrival_ns
         if self._lows and (ahead > JUMP_NS or ahead < -20 * JUMP_NS):
             self.restart()
-        self._learn(device_ns, arrival_ns - device_ns)
-        return min(self.ours(device_ns), arrival_ns)
+        self._update_line(device_ns, arrival_ns - device_ns)
+        return min(self.to_graph_time(device_ns), arrival_ns)
 
-    def ours(self, device_ns: int) -> int:
+    def to_graph_time(self, device_ns: int) -> int:
         """Return the graph time of a time of the device, once a message has come. [ns]"""
-        return self._predicted(device_ns) - self.one_way_ns
+        return self._predict_fastest(device_ns) - self.one_way_ns
 
-    def _predicted(self, device_ns: int) -> int:
+    def _predict_fastest(self, device_ns: int) -> int:
         return device_ns + round(self._offset + self._slope * (device_ns - self._from))
 
-    def _learn(self, device_ns: int, difference: int) -> None:
+    def _update_line(self, device_ns: int, difference: int) -> None:
         """Keep the fastest message of each window, and the line under all of them."""
         if self._lows and device_ns - self._lows[-1][0] < WINDOW_NS:
             self._lows[-1] = (self._lows[-1][0], min(difference, self._lows[-1][1]))

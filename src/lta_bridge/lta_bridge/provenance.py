@@ -8,28 +8,28 @@ from pathlib import Path
 import platform
 import subprocess
 
-from lta_config.files import find, share
+from lta_config.files import find_file, share_folder
 from lta_config.version import VERSION
 
 CODE = (':/src', ':/config')  # what a result depends on, and no page does
 LIBRARIES = ('numpy', 'scipy', 'numba', 'mcap', 'ros-jazzy-rclpy')
 
 
-def commit() -> str:
+def read_commit() -> str:
     """Return the commit of the workspace that is running, or 'unknown'; '-dirty': code changed."""
     try:
-        name = _git('describe', '--always', '--abbrev=40')
-        changed = _git('status', '--porcelain', '--untracked-files=no', '--', *CODE)
+        name = _run_git('describe', '--always', '--abbrev=40')
+        changed = _run_git('status', '--porcelain', '--untracked-files=no', '--', *CODE)
     except (OSError, subprocess.SubprocessError):
         return 'unknown'
     return f'{name}-dirty' if changed else name
 
 
-def _git(*words: str) -> str:
+def _run_git(*words: str) -> str:
     """Return what git says of the workspace; errors as `subprocess.run`."""
     done = subprocess.run(
         ['git', '--no-optional-locks', *words],
-        cwd=share(),
+        cwd=share_folder(),
         capture_output=True,
         text=True,
         timeout=5.0,
@@ -38,7 +38,7 @@ def _git(*words: str) -> str:
     return done.stdout.strip()
 
 
-def config_hash(folder: Path) -> str:
+def hash_config(folder: Path) -> str:
     """Return one SHA-256 over the names and contents of all configuration files in a folder."""
     digest = hashlib.sha256()
     for path in sorted(folder.rglob('*.yaml')):
@@ -47,19 +47,19 @@ def config_hash(folder: Path) -> str:
     return digest.hexdigest()
 
 
-def here() -> dict[str, str]:
+def describe_environment() -> dict[str, str]:
     """Return what runs here and now: versions, commit, configuration, machine."""
     return {
         'lta': VERSION,
-        'commit': commit(),
-        'config_sha256': config_hash(share()),
+        'commit': read_commit(),
+        'config_sha256': hash_config(share_folder()),
         'created': datetime.now(UTC).isoformat(timespec='seconds'),
         'platform': f'{platform.platform()} Python {platform.python_version()}',
-        'libraries': ' '.join(filter(None, map(release, LIBRARIES))),
+        'libraries': ' '.join(filter(None, map(find_release, LIBRARIES))),
     }
 
 
-def release(name: str) -> str:
+def find_release(name: str) -> str:
     """Return a library with its version; nothing of one that is not here, as ROS need not be."""
     try:
         return f'{name} {version(name)}'
@@ -67,7 +67,7 @@ def release(name: str) -> str:
         return ''
 
 
-def provenance(vehicle: str, scenario: str, gains: str, **choices: str) -> dict[str, str]:
+def collect_provenance(vehicle: str, scenario: str, gains: str, **choices: str) -> dict[str, str]:
     """
     Return what a bag says of its origin.
 
@@ -84,14 +84,14 @@ def provenance(vehicle: str, scenario: str, gains: str, **choices: str) -> dict[
         'scenario': scenario,
         'gains': gains,
         **choices,
-        **here(),
-        'vehicle_file': find('vehicle', vehicle).read_text(encoding='utf-8'),
-        'scenario_file': find('scenario', scenario).read_text(encoding='utf-8'),
-        'gains_file': find('gains', gains).read_text(encoding='utf-8'),
+        **describe_environment(),
+        'vehicle_file': find_file('vehicle', vehicle).read_text(encoding='utf-8'),
+        'scenario_file': find_file('scenario', scenario).read_text(encoding='utf-8'),
+        'gains_file': find_file('gains', gains).read_text(encoding='utf-8'),
     }
 
 
-def joined(found: Mapping[str, Mapping[str, str]]) -> dict[str, str]:
+def merge_origins(origins: Mapping[str, Mapping[str, str]]) -> dict[str, str]:
     """
     Return the origin of a bag of several robots.
 
@@ -107,24 +107,26 @@ def joined(found: Mapping[str, Mapping[str, str]]) -> dict[str, str]:
         under 'robots', with spaces between.
 
     """
-    first = next(iter(found.values()))
-    every = [{**origin, 'created': first['created']} for origin in found.values()]
+    first = next(iter(origins.values()))
+    every = [{**origin, 'created': first['created']} for origin in origins.values()]
     keys = dict.fromkeys(key for origin in every for key in origin)
-    told = {'robots': ' '.join(found)}
+    told = {'robots': ' '.join(origins)}
     for key in keys:
         values = {origin.get(key) for origin in every}
         if len(values) == 1:
             told[key] = first[key]
             continue
-        told |= {f'{robot}/{key}': origin[key] for robot, origin in found.items() if key in origin}
+        told |= {
+            f'{robot}/{key}': origin[key] for robot, origin in origins.items() if key in origin
+        }
     return told
 
 
-def part(told: Mapping[str, str], robot: str) -> dict[str, str]:
+def extract_robot_origin(origin: Mapping[str, str], robot: str) -> dict[str, str]:
     """Return the origin of one robot's part of a bag, as if it had been alone in it."""
-    if 'robots' not in told:
-        return dict(told)
-    shared = {key: value for key, value in told.items() if '/' not in key and key != 'robots'}
+    if 'robots' not in origin:
+        return dict(origin)
+    shared = {key: value for key, value in origin.items() if '/' not in key and key != 'robots'}
     mark = f'{robot}/'
-    own = {key.removeprefix(mark): value for key, value in told.items() if key.startswith(mark)}
+    own = {key.removeprefix(mark): value for key, value in origin.items() if key.startswith(mark)}
     return {**shared, **own}

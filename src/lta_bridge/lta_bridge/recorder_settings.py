@@ -1,10 +1,10 @@
 """What a recorder is told: where to write, what to take, and what the bag says of its origin."""
 
-from lta_bridge.provenance import provenance
+from lta_bridge.provenance import collect_provenance
 from lta_config.settings import setting, Settings
 
 
-class Origin(Settings):
+class RobotOrigin(Settings):
     """What the bag says of a robot's origin."""
 
     vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
@@ -19,10 +19,10 @@ class Origin(Settings):
         0.0, "Start, north of the scenario's.", unit='m', low=-1e3, high=1e3, fixed=True
     )
 
-    def told(self, *, lockstep: bool) -> dict[str, str]:
+    def to_provenance(self, *, lockstep: bool) -> dict[str, str]:
         """Return the origin as the bag tells it."""
         moved = {'offset_x': self.offset_x, 'offset_y': self.offset_y}
-        return provenance(
+        return collect_provenance(
             self.vehicle,
             self.scenario,
             self.gains,
@@ -33,7 +33,7 @@ class Origin(Settings):
         )
 
 
-class RecorderSettings(Origin):
+class RecorderSettings(RobotOrigin):
     """Where to, what, and what the bag says of its origin."""
 
     bag: str = setting('bag', 'Folder of the bag; it must not exist yet or be empty.', fixed=True)

@@ -5,18 +5,18 @@ import math
 import threading
 from typing import final
 
-from lta_bridge.bag.background import BackgroundWriter
-from lta_bridge.bag.memory import Snapshot, SnapshotMemory
+from lta_bridge.bag.background_writer import BackgroundWriter
+from lta_bridge.bag.snapshot_buffer import Snapshot, SnapshotBuffer
 from lta_bridge.bag.storage import StorageFault
-from lta_bridge.fault_watch import FaultWatch, Status
-from lta_graph.health import Level
+from lta_bridge.fault_watch import FaultWatch, TaskStatus
+from lta_graph.health import HealthLevel
 
 ASKED = 'asked for'
 STOPPED = 'stopped before the flight was over'
 
 
 @final
-class Saving:
+class SnapshotJob:
     """
     A snapshot on its way to the disk.
 
@@ -37,7 +37,7 @@ class Saving:
         self.fault = ''
 
     @property
-    def sentence(self) -> str:
+    def summary(self) -> str:
         """How it stands."""
         if self.made is not None:
             return f"{self.made.messages} messages are in '{self.made.path}'."
@@ -45,7 +45,7 @@ class Saving:
 
 
 @final
-class Snapshots:
+class SnapshotScheduler:
     """
     Writes the memory to the disk, in the writer's thread.
 
@@ -58,40 +58,40 @@ class Snapshots:
 
     """
 
-    def __init__(self, memory: SnapshotMemory, writer: BackgroundWriter) -> None:
+    def __init__(self, memory: SnapshotBuffer, writer: BackgroundWriter) -> None:
         self._memory = memory
         self._writer = writer
         self._faults = FaultWatch()
-        self._savings: list[Saving] = []
+        self._savings: list[SnapshotJob] = []
 
-    def ask(self, why: str = ASKED) -> Saving:
+    def request_snapshot(self, why: str = ASKED) -> SnapshotJob:
         """Have everything written that has come so far, and return what will tell the outcome."""
-        saving = Saving()
+        saving = SnapshotJob()
 
         def save() -> None:
             try:
-                saving.made = self._memory.save(why)
+                saving.made = self._memory.write_snapshot(why)
             except (StorageFault, ValueError) as fault:
                 saving.fault = str(fault)
             finally:
                 saving.done.set()
 
         self._savings.append(saving)
-        self._writer.call(save)
-        self._writer.hurry()
+        self._writer.submit(save)
+        self._writer.wake_thread()
         return saving
 
-    def hear(self, statuses: Iterable[Status], now: float) -> None:
+    def add_statuses(self, statuses: Iterable[TaskStatus], now: float) -> None:
         """Take note of a diagnostics message as `FaultWatch` does, and save at a fault. [s]"""
-        self._faults.hear(statuses)
-        self.tend(now)
+        self._faults.add_statuses(statuses)
+        self.save_if_due(now)
 
-    def tend(self, now: float) -> None:
+    def save_if_due(self, now: float) -> None:
         """Save if a fault is due. [wall s]"""
-        if found := self._faults.due(now):
-            self.ask('; '.join(found))
+        if found := self._faults.take_new_faults(now):
+            self.request_snapshot('; '.join(found))
 
-    def finish(self, robots: Iterable[str]) -> Saving | None:
+    def save_remaining(self, robots: Iterable[str]) -> SnapshotJob | None:
         """
         Save at the end what nobody has told yet: faults that wait, or an end that was none.
 
@@ -103,12 +103,16 @@ class Snapshots:
             Namespaces of those whose flight should be over.
 
         """
-        found = self._faults.due(math.inf)
+        found = self._faults.take_new_faults(math.inf)
         if not found and not self._faults.over.issuperset(robots):
             found = [STOPPED]
-        return self.ask('; '.join(found)) if found and not self._memory.empty else None
+        return (
+            self.request_snapshot('; '.join(found))
+            if found and not self._memory.is_empty
+            else None
+        )
 
-    def tally(self) -> tuple[Level, str, dict[str, object]]:
+    def summarize(self) -> tuple[HealthLevel, str, dict[str, object]]:
         """Return level, sentence and figures of the snapshots so far."""
         figures: dict[str, object] = {
             'written': sum(saving.made is not None for saving in self._savings),
@@ -116,5 +120,5 @@ class Snapshots:
             'memory_bytes': self._memory.size,
         }
         last = self._savings[-1] if self._savings else None
-        level = Level.WARN if last is not None and last.fault else Level.OK
-        return level, 'none yet' if last is None else last.sentence, figures
+        level = HealthLevel.WARN if last is not None and last.fault else HealthLevel.OK
+        return level, 'none yet' if last is None else last.summary, figures

@@ -4,28 +4,28 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Final, final
 
-from lta_challenge.course import piloted
-from lta_challenge.flying import flown, Happened
-from lta_challenge.hiding import (
-    any_outside,
-    candidates,
-    chosen,
+from lta_challenge.course import plan_pilot_inputs
+from lta_challenge.effect_injection import (
+    choose_effects,
+    choose_outside,
     CLEAR,
-    everywhere,
+    draw_outside,
+    draw_structured,
     FAINT,
-    Hidden,
-    strange,
-    stronger,
+    InjectedEffect,
+    list_candidates,
+    scale_outside,
 )
-from lta_challenge.rows import Kind, KINDS, row
-from lta_challenge.tolerance import off, trimmed
+from lta_challenge.rows import find_row, Kind, KINDS
+from lta_challenge.tolerance import perturb_flight, perturb_vehicle
 from lta_challenge.truth_flight import TICK
-from lta_challenge.vessel import Vessel, vessel
-from lta_challenge.watched import Instruments, Streams, Watcher
+from lta_challenge.truth_sensors import Instruments, Streams, TruthSensors
+from lta_challenge.truth_simulation import simulate_flight, TruthTrajectory
+from lta_challenge.truth_vehicle import build_truth_vehicle, TruthVehicle
 from lta_discovery.fit.evidence import FLOOR
 from lta_discovery.flights.bags import Role
-from lta_discovery.model.knobs import Knob
-from lta_discovery.model.nominal import Nominal
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import FreeParameter
 from lta_model.vehicle import Vehicle
 import numpy as np
 from numpy.typing import NDArray
@@ -41,7 +41,7 @@ TILT: Final = 0.05  # rad; a flight begins askew by
 
 @final
 @dataclass(frozen=True, slots=True)
-class Known:
+class ChallengeVehicle:
     """
     What everybody knows.
 
@@ -57,13 +57,13 @@ class Known:
     """
 
     vehicle: Vehicle
-    nominal: Nominal
-    knobs: list[Knob]
+    nominal: NominalVehicle
+    knobs: list[FreeParameter]
 
 
 @final
 @dataclass(frozen=True, slots=True)
-class Flight:
+class CaseFlight:
     """
     One flight.
 
@@ -84,7 +84,7 @@ class Flight:
 
 @final
 @dataclass(frozen=True, slots=True)
-class Case:
+class ChallengeCase:
     """
     One case.
 
@@ -100,12 +100,12 @@ class Case:
     """
 
     number: int
-    flights: tuple[Flight, ...]
+    flights: tuple[CaseFlight, ...]
     answer: dict[str, Any]
 
 
 @final
-class Drawing:
+class CaseGenerator:
     """
     Draws one case.
 
@@ -126,49 +126,49 @@ class Drawing:
 
     def __init__(
         self,
-        known: Known,
+        known: ChallengeVehicle,
         seed: int,
         number: int,
         row_name: str = 'base',
         kind: Kind | None = None,
         seconds: tuple[float, float] = SECONDS,
     ) -> None:
-        self._known, self._row_name, self._row = known, row_name, row(row_name)
+        self._known, self._row_name, self._row = known, row_name, find_row(row_name)
         self._number, self._seconds = number, seconds
         self._root = [seed, number, self._row.code]
-        draw = self._draw(0)
+        draw = self._make_generator(0)
         kinds, weights = list(KINDS), list(KINDS.values())
         self.kind: Kind = kind or kinds[int(draw.choice(len(kinds), p=weights))]
 
-    def _draw(self, part: int) -> Draw:
+    def _make_generator(self, part: int) -> Draw:
         """Return where the chance of one part of the case comes from."""
         return np.random.default_rng([*self._root, part])
 
-    def _hidden(self) -> tuple[Hidden, ...]:
+    def _draw_hidden(self) -> tuple[InjectedEffect, ...]:
         """Return what is hidden of the library."""
         count = {'clean': 0, 'single': 1, 'pair': 2, 'outside': 0, 'mixed': 1}[self.kind]
-        known = candidates(self._known.knobs, self._row)
-        return chosen(known, count, self._row, self._draw(1))
+        known = list_candidates(self._known.knobs, self._row)
+        return choose_effects(known, count, self._row, self._make_generator(1))
 
-    def _turned(self, hidden: tuple[Hidden, ...]) -> Nominal:
+    def _build_nominal(self, hidden: tuple[InjectedEffect, ...]) -> NominalVehicle:
         """Return the vehicle with what is hidden, and off as vehicles are."""
         nominal, by_name = self._known.nominal, {knob.name: knob for knob in self._known.knobs}
         for one in hidden:
-            nominal = by_name[one.knob].turned(nominal, one.value)
-        return off(nominal, self._row.worse, self._draw(2))
+            nominal = by_name[one.knob].apply_to(nominal, one.value)
+        return perturb_vehicle(nominal, self._row.worse, self._make_generator(2))
 
-    def drawn(self, roles: Sequence[str] = ROLES) -> Case:
+    def generate_case(self, roles: Sequence[str] = ROLES) -> ChallengeCase:
         """Draw it, and fly all its flights: one for each role, the same whatever follows it."""
-        hidden = self._hidden()
-        nominal, outside, name = self._turned(hidden), dict[str, Any](), ''
+        hidden = self._draw_hidden()
+        nominal, outside, name = self._build_nominal(hidden), dict[str, Any](), ''
         if self._row.structured:
-            outside |= everywhere(self._draw(3))
+            outside |= draw_structured(self._make_generator(3))
         floors = 0.0
         if self.kind in ('outside', 'mixed'):
-            name, given, floors = self._clear(nominal, outside)
+            name, given, floors = self._draw_clear_outside(nominal, outside)
             outside[name] = given
         flights = tuple(
-            self._flight(nominal, outside, index, role) for index, role in enumerate(roles)
+            self._record_flight(nominal, outside, index, role) for index, role in enumerate(roles)
         )
         answer = {
             'kind': self.kind,
@@ -178,51 +178,53 @@ class Drawing:
             'floors': floors,
             'strange': outside,
             'courses': {flight.name: flight.course for flight in flights},
-            'nominal': told(nominal),
+            'nominal': nominal_to_dict(nominal),
         }
-        return Case(self._number, flights, answer)
+        return ChallengeCase(self._number, flights, answer)
 
-    def _clear(
-        self, nominal: Nominal, outside: dict[str, Any]
+    def _draw_clear_outside(
+        self, nominal: NominalVehicle, outside: dict[str, Any]
     ) -> tuple[str, dict[str, float], float]:
         """Return what is outside the library, drawn until the flights show anything of it."""
-        draw = self._draw(4)
+        draw = self._make_generator(4)
         for _ in range(TRIALS):
-            name = any_outside(draw, late=self._number % 2 == 1)
-            given, floors = self._sized(nominal, outside, name, draw)
+            name = choose_outside(draw, late=self._number % 2 == 1)
+            given, floors = self._size_outside(nominal, outside, name, draw)
             if floors >= FAINT:
                 break
         return name, given, floors
 
-    def _sized(
-        self, nominal: Nominal, outside: dict[str, Any], name: str, draw: Draw
+    def _size_outside(
+        self, nominal: NominalVehicle, outside: dict[str, Any], name: str, draw: Draw
     ) -> tuple[dict[str, float], float]:
         """Return what is outside the library at a drawn strength, and what that came to."""
-        given = strange(name, draw)
+        given = draw_outside(name, draw)
         aim = CLEAR[0] * (CLEAR[1] / CLEAR[0]) ** draw.random()
         reached = 0.0
         for trial in range(TRIALS + 1):
-            happened = self._flown(nominal, {**outside, name: given}, 0)[0]
-            other = self._flown(nominal, outside, 0)[0].strange if outside else 0.0
-            reached = clear(happened.strange - other)
+            happened = self._simulate_flight(nominal, {**outside, name: given}, 0)[0]
+            other = self._simulate_flight(nominal, outside, 0)[0].strange if outside else 0.0
+            reached = wrench_strength(happened.strange - other)
             if trial == TRIALS or reached == 0.0 or 0.8 < reached / aim < 1.25:
                 break
-            given = stronger(name, given, min(max(aim / reached, 0.05), 20.0))
+            given = scale_outside(name, given, min(max(aim / reached, 0.05), 20.0))
         return given, reached
 
-    def _flown(
-        self, nominal: Nominal, outside: dict[str, Any], index: int
-    ) -> tuple[Happened, Vessel, str, Draw]:
+    def _simulate_flight(
+        self, nominal: NominalVehicle, outside: dict[str, Any], index: int
+    ) -> tuple[TruthTrajectory, TruthVehicle, str, Draw]:
         """Fly one flight."""
-        draw = self._draw(10 + index)
+        draw = self._make_generator(10 + index)
         courses = self._row.courses
         # Flights of a case differ where they can.
-        course = courses[(int(self._draw(5).integers(len(courses))) + index) % len(courses)]
+        course = courses[
+            (int(self._make_generator(5).integers(len(courses))) + index) % len(courses)
+        ]
         seconds = float(draw.uniform(*self._seconds))
-        hull = vessel(trimmed(nominal, self._row.worse, draw), outside)
-        pilot = piloted(course, round(seconds), self._row.pushed, draw)
+        hull = build_truth_vehicle(perturb_flight(nominal, self._row.worse, draw), outside)
+        pilot = plan_pilot_inputs(course, round(seconds), self._row.pushed, draw)
         cell = (draw.uniform(3.85, 4.15), 0.0008, 0.06)
-        happened = flown(
+        happened = simulate_flight(
             hull,
             pilot,
             self._known.nominal,
@@ -232,11 +234,13 @@ class Drawing:
         )
         return happened, hull, course, draw
 
-    def _flight(self, nominal: Nominal, outside: dict[str, Any], index: int, role: str) -> Flight:
+    def _record_flight(
+        self, nominal: NominalVehicle, outside: dict[str, Any], index: int, role: str
+    ) -> CaseFlight:
         """Fly and watch one flight."""
-        happened, hull, course, draw = self._flown(nominal, outside, index)
-        kinds = Instruments().times(self._row.worse)
-        seen = Watcher(happened, hull, self._known.vehicle.file, kinds, draw).everything()
+        happened, hull, course, draw = self._simulate_flight(nominal, outside, index)
+        kinds = Instruments().scale_noise(self._row.worse)
+        seen = TruthSensors(happened, hull, self._known.vehicle.file, kinds, draw).record_streams()
         time = TICK * np.arange(len(happened.commands), dtype=np.float64)
         rotors = len(self._known.nominal.rotors)
         streams = {name: seen[name] for name in self._row.topics}
@@ -245,15 +249,15 @@ class Drawing:
         else:
             streams['motors'] = (time, happened.commands[:, :rotors])
         name = role if index < len(ROLES) else f'{role}_{index + 1}'
-        return Flight(name, role, course, streams)
+        return CaseFlight(name, role, course, streams)
 
 
-def clear(forces: Array) -> float:
+def wrench_strength(forces: Array) -> float:
     """Return how many floors an unexplained wrench comes to on its strongest axis, mean apart."""
     return float(np.max(np.std(forces, axis=0) / FLOOR))
 
 
-def told(nominal: Nominal) -> dict[str, Any]:
+def nominal_to_dict(nominal: NominalVehicle) -> dict[str, Any]:
     """Return a vehicle as plain data."""
     return {
         'given': {name: dict(values) for name, values in nominal.given.items()},

@@ -6,8 +6,8 @@ import hashlib
 import json
 from typing import Any, Final
 
-from lta_config.compilation.extract import Extract
-from lta_config.files import find
+from lta_config.compilation.extract import SourceExtract
+from lta_config.files import find_file
 from lta_model.effects import EFFECTS
 from lta_model.effects.protocol import (
     ActuatorEffect,
@@ -22,12 +22,12 @@ import yaml
 LENGTH: Final = 12
 
 
-def _short(text: str) -> str:
+def _hash_text(text: str) -> str:
     """Return the beginning of a SHA-256."""
     return hashlib.sha256(text.encode()).hexdigest()[:LENGTH]
 
 
-def _equations(effect: Effect) -> list[Callable[..., Any]]:
+def _list_equations(effect: Effect) -> list[Callable[..., Any]]:
     """Return the functions of an effect."""
     if isinstance(effect, MeasurementEffect):
         return [effect.reading]
@@ -40,7 +40,7 @@ def _equations(effect: Effect) -> list[Callable[..., Any]]:
     return [effect.air if isinstance(effect, AirEffect) else effect.wrench, effect.rate]
 
 
-def _bare(text: str) -> str:
+def _strip_docstrings(text: str) -> str:
     """Return source without its docstrings and layout."""
     tree = ast.parse(text)
     for node in ast.walk(tree):
@@ -53,12 +53,12 @@ def registry_digest(effects: Mapping[str, Effect] = EFFECTS) -> str:
     """Return what changes with a parameter or an equation of an effect, and with nothing else."""
     told = []
     for name, effect in effects.items():
-        extract = Extract()
-        for function in _equations(effect):
-            extract.add(function, name)
+        extract = SourceExtract()
+        for function in _list_equations(effect):
+            extract.add_function(function, name)
         numbers = [[p.name, p.unit, p.null, p.low, p.high, p.spread] for p in effect.parameters]
-        told.append([name, numbers, _bare(extract.text(''))])
-    return _short(json.dumps(told))
+        told.append([name, numbers, _strip_docstrings(extract.render(''))])
+    return _hash_text(json.dumps(told))
 
 
 def vehicle_digest(name: str) -> str:
@@ -67,7 +67,7 @@ def vehicle_digest(name: str) -> str:
 
     How the vehicle is flown and how it sees light bear on no study: these stay out.
     """
-    content = yaml.safe_load(find('vehicle', name).read_text(encoding='utf-8'))
+    content = yaml.safe_load(find_file('vehicle', name).read_text(encoding='utf-8'))
     content.pop('control', None)
     content.get('sensors', {}).pop('diodes', None)
-    return _short(json.dumps(content, sort_keys=True))
+    return _hash_text(json.dumps(content, sort_keys=True))

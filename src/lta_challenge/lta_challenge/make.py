@@ -7,21 +7,21 @@ import json
 from pathlib import Path
 from typing import Any, Final, final
 
-from lta_bridge.provenance import commit
-from lta_challenge.case import Case, Drawing, Known, SECONDS
+from lta_bridge.provenance import read_commit
+from lta_challenge.answer_key import NAME as SEALED
+from lta_challenge.answer_key import write_answers
+from lta_challenge.case import CaseGenerator, ChallengeCase, ChallengeVehicle, SECONDS
 from lta_challenge.digest import registry_digest, vehicle_digest
-from lta_challenge.other.drawing import OtherDrawing
-from lta_challenge.recording import record
-from lta_challenge.rows import Kind, row
-from lta_challenge.sealed import NAME as SEALED
-from lta_challenge.sealed import seal
+from lta_challenge.other.case_generator import OtherCaseGenerator
+from lta_challenge.recording import write_bag
+from lta_challenge.rows import find_row, Kind
 from lta_config.errors import BadInput
-from lta_config.files import find
-from lta_discovery.model.knobs import knobs
-from lta_discovery.model.nominal import Nominal
+from lta_config.files import find_file
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import list_free_parameters
 from lta_model.vehicle import load_vehicle
-from lta_report.children import done_by
-from lta_report.results_folder import all_at_once, can_be_made, keep_json
+from lta_report.results_folder import check_creatable, stage_results, write_json
+from lta_report.worker_pool import run_in_workers
 
 NAME: Final = 'challenge.json'
 VEHICLE: Final = 'gtmab'
@@ -30,7 +30,7 @@ SCHEMA: Final = 1
 
 @final
 @dataclass(frozen=True, slots=True)
-class Order:
+class ChallengeRequest:
     """
     What to make.
 
@@ -55,41 +55,48 @@ class Order:
 
 
 @cache
-def known() -> Known:
+def load_challenge_vehicle() -> ChallengeVehicle:
     """Return the vehicle of all challenges."""
     vehicle = load_vehicle(VEHICLE)
-    nominal = Nominal.of(vehicle)
-    return Known(vehicle, nominal, knobs(nominal))
+    nominal = NominalVehicle.from_vehicle(vehicle)
+    return ChallengeVehicle(vehicle, nominal, list_free_parameters(nominal))
 
 
-def folder_of(number: int) -> str:
+def case_folder(number: int) -> str:
     """Return the name of a case's folder."""
     return f'case_{number:04d}'
 
 
-def draw_case(order: Order, number: int) -> Case:
+def draw_case(order: ChallengeRequest, number: int) -> ChallengeCase:
     """Draw one case and fly it, with the simulator of its row."""
-    about = known()
-    if row(order.row).independent:
-        return OtherDrawing(about.vehicle, order.seed, number, order.kind, order.seconds).drawn()
-    return Drawing(about, order.seed, number, order.row, order.kind, order.seconds).drawn()
+    about = load_challenge_vehicle()
+    if find_row(order.row).independent:
+        return OtherCaseGenerator(
+            about.vehicle, order.seed, number, order.kind, order.seconds
+        ).generate_case()
+    return CaseGenerator(
+        about, order.seed, number, order.row, order.kind, order.seconds
+    ).generate_case()
 
 
-def _make_one(order: Order, number: int, folder: Path) -> tuple[int, dict[str, Any]]:
+def _make_case(order: ChallengeRequest, number: int, folder: Path) -> tuple[int, dict[str, Any]]:
     """Draw, fly and record one case; return its answer."""
-    about, case = known(), draw_case(order, number)
-    place = folder / folder_of(number)
+    about, case = load_challenge_vehicle(), draw_case(order, number)
+    place = folder / case_folder(number)
     place.mkdir(parents=True)
-    vehicle = find('vehicle', VEHICLE).read_text(encoding='utf-8')
+    vehicle = find_file('vehicle', VEHICLE).read_text(encoding='utf-8')
     (place / 'vehicle.yaml').write_text(vehicle, encoding='utf-8')
     told = {'challenge': str(order.seed), 'case': str(number), 'row': order.row}
     for flight in case.flights:
-        record(place / flight.name, flight.streams, about.vehicle.rotor_names, told)
+        write_bag(place / flight.name, flight.streams, about.vehicle.rotor_names, told)
     return number, case.answer
 
 
-def make(
-    order: Order, folder: Path, jobs: int = 1, tell: Callable[[int], None] = lambda _: None
+def make_challenge(
+    order: ChallengeRequest,
+    folder: Path,
+    jobs: int = 1,
+    tell: Callable[[int], None] = lambda _: None,
 ) -> Path:
     """
     Make a challenge; return the file that says what it is.
@@ -111,21 +118,23 @@ def make(
         If the folder holds anything, or there is no such row.
 
     """
-    row(order.row)
-    can_be_made(folder)
-    with all_at_once(folder, NAME) as part:
-        _make(order, part, jobs, tell)
+    find_row(order.row)
+    check_creatable(folder)
+    with stage_results(folder, NAME) as part:
+        _make_cases(order, part, jobs, tell)
     return folder / NAME
 
 
-def _make(order: Order, part: Path, jobs: int, tell: Callable[[int], None]) -> None:
+def _make_cases(
+    order: ChallengeRequest, part: Path, jobs: int, tell: Callable[[int], None]
+) -> None:
     """Make all of a challenge, in whatever order the cases are done."""
     answers: dict[str, Any] = {}
     cases = [(order, number, part) for number in range(order.count)]
-    for number, answer in done_by(_make_one, cases, jobs, '--jobs'):
+    for number, answer in run_in_workers(_make_case, cases, jobs, '--jobs'):
         answers[str(number)] = answer
         tell(len(answers))
-    digest = seal(answers, part / SEALED)
+    digest = write_answers(answers, part / SEALED)
     about = {
         'schema': SCHEMA,
         'seed': order.seed,
@@ -137,12 +146,12 @@ def _make(order: Order, part: Path, jobs: int, tell: Callable[[int], None]) -> N
         'answers_sha256': digest,
         'registry': registry_digest(),
         'vehicle_digest': vehicle_digest(VEHICLE),
-        'commit': commit(),
+        'commit': read_commit(),
     }
-    keep_json(about, part / NAME)
+    write_json(about, part / NAME)
 
 
-def about_of(folder: Path) -> dict[str, Any]:
+def read_challenge(folder: Path) -> dict[str, Any]:
     """Return what a challenge says of itself; `BadInput` where there is none."""
     try:
         found: dict[str, Any] = json.loads((folder / NAME).read_text(encoding='utf-8'))

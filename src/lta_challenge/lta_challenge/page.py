@@ -5,22 +5,22 @@ from html import escape
 from pathlib import Path
 from typing import Final
 
-from lta_challenge.pictures import confusion, coverage, strength
+from lta_challenge.pictures import plot_confusion, plot_coverage, plot_strength
 from lta_challenge.rows import ROWS
-from lta_challenge.score import Scored
-from lta_challenge.tally import figures, LATE
-from lta_challenge.told import (
-    cost_line,
-    figure_lines,
-    ladder_line,
-    matrix_lines,
+from lta_challenge.score import ChallengeScore
+from lta_challenge.score_report import (
+    format_cost,
+    format_errors,
+    format_figures,
+    format_matrix,
+    format_outside,
+    format_wrong_cases,
     OUTSIDE_HEADS,
-    outside_lines,
-    wrong_lines,
 )
-from lta_config.typed import typed
-from lta_report.frame import framed, written
-from lta_report.pieces import section, tile_html
+from lta_challenge.score_statistics import compute_figures, LATE
+from lta_config.command_line import format_lta_command
+from lta_report.page_frame import assemble_page, write_file
+from lta_report.page_parts import render_section, render_tile
 
 NAME: Final = 'report.html'
 # Of the figures, large, and what they are to be.
@@ -34,71 +34,73 @@ SHOWN: Final = {
 }
 
 
-def write_page(scored: Scored, folder: Path) -> Path:
+def write_page(scored: ChallengeScore, folder: Path) -> Path:
     """Write the page and return where it is; `BadInput` where it cannot be written."""
-    return written(page(scored, folder), folder / NAME)
+    return write_file(render_page(scored, folder), folder / NAME)
 
 
-def page(scored: Scored, folder: Path) -> str:
+def render_page(scored: ChallengeScore, folder: Path) -> str:
     """Return the whole page."""
     about, cases = scored.about, scored.cases
     row = ROWS[about['row']]
-    shares = {each.name: each.share for each in figures(cases)}
+    shares = {each.name: each.share for each in compute_figures(cases)}
     tiles = [
         (name, f'{shares[name].hits}/{shares[name].of}', '', f'wanted: {wanted}')
         for name, wanted in SHOWN.items()
     ]
-    return framed(
+    return assemble_page(
         'challenge.html',
         title=escape(f'{len(cases)} hidden cases: who was found, and who was taken for whom'),
         kicker=escape(f'challenge {about["seed"]} \N{MIDDLE DOT} {about["row"]}'),
-        about=escape(f'{row.about}. {ladder_line(cases)} {cost_line(cases)}'),
-        tiles='\n'.join(tile_html(*each) for each in tiles),
-        pictures=_pictures(scored),
-        figures=_table(['figure', 'share', 'wanted', 'met'], figure_lines(cases)),
-        matrix=_table(*matrix_lines(cases)),
-        outside=_table(OUTSIDE_HEADS, outside_lines(cases)),
-        wrong=_table(['case', 'row', 'kind', 'hidden', 'named'], wrong_lines(cases)),
+        about=escape(f'{row.about}. {format_errors(cases)} {format_cost(cases)}'),
+        tiles='\n'.join(render_tile(*each) for each in tiles),
+        pictures=_render_pictures(scored),
+        figures=_render_table(['figure', 'share', 'wanted', 'met'], format_figures(cases)),
+        matrix=_render_table(*format_matrix(cases)),
+        outside=_render_table(OUTSIDE_HEADS, format_outside(cases)),
+        wrong=_render_table(['case', 'row', 'kind', 'hidden', 'named'], format_wrong_cases(cases)),
         facts={
             'challenge': str(folder), 'seed': str(about['seed']), 'cases': str(len(cases)),
             'row': about['row'], 'effects': about['registry'],
             'vehicle': f'{about["vehicle"]} {about["vehicle_digest"]}', 'commit': about['commit'],
         },
         commands={
-            'make it again': typed(
+            'make it again': format_lta_command(
                 'challenge', 'make', '--seed', str(about['seed']), '--n', str(about['cases']),
                 '--row', about['row'], '--out', 'DIR',
             ),
-            'score it': typed('challenge', 'score', 'DIR'),
+            'score it': format_lta_command('challenge', 'score', 'DIR'),
         },
     )  # fmt: skip
 
 
-def _pictures(scored: Scored) -> str:
+def _render_pictures(scored: ChallengeScore) -> str:
     """Return the pictures."""
     cases = scored.cases
     shown = [
-        section(
+        render_section(
             'confusion',
             'Who is taken for whom',
             'Cases with one thing hidden at most; a wrong name counts before a right one.',
-            confusion(cases),
+            plot_confusion(cases),
         ),
-        section(
+        render_section(
             'strength',
             'From what strength on',
             'Single effects by how many deviations they come to in these flights, the tolerance '
             'of the vehicle among them; bars are 95 % intervals (Wilson).',
-            strength(cases),
+            plot_strength(cases),
         ),
     ]
     if any(one.intervals for one in cases):
         caption = 'Each parameter that was rightly named; 95 % should lie between the lines.'
-        shown.append(section('coverage', 'How sure it may be', caption, coverage(cases)))
+        shown.append(
+            render_section('coverage', 'How sure it may be', caption, plot_coverage(cases))
+        )
     return '\n'.join(shown)
 
 
-def _table(heads: Sequence[str], lines: Sequence[Sequence[str]]) -> str:
+def _render_table(heads: Sequence[str], lines: Sequence[Sequence[str]]) -> str:
     """Return a table, or that there is nothing in it."""
     if not lines:
         return '<p class="note">None.</p>'

@@ -5,24 +5,26 @@ from collections.abc import Sequence
 import math
 from typing import Final
 
-from lta_challenge.judged import confused, Judged
-from lta_challenge.tally import by_strength
-from lta_report.drawing import blank
-from lta_report.palette import ESTIMATE, GOOD, HEAT, scale, SOFT, WALL
+from lta_challenge.case_score import confusion_cell, ScoredCase
+from lta_challenge.score_statistics import count_by_strength
+from lta_report.drawing import create_figure
+from lta_report.palette import build_color_scale, ESTIMATE, GOOD, HEAT, SOFT, WALL
 from plotly.graph_objects import Figure, Heatmap, Scatter
 
 LAST: Final = ('nothing', 'unexplained', 'no answer')
 
 
-def confusion(cases: Sequence[Judged]) -> Figure:
+def plot_confusion(cases: Sequence[ScoredCase]) -> Figure:
     """Return what was said by what was hidden, of cases with one thing hidden at most."""
-    cells = Counter(confused(one) for one in cases if one.kind in ('clean', 'single', 'outside'))
+    cells = Counter(
+        confusion_cell(one) for one in cases if one.kind in ('clean', 'single', 'outside')
+    )
     rows = sorted({hidden for hidden, _ in cells} - {'nothing'})
     rows += [name for name in ('nothing',) if any(hidden == name for hidden, _ in cells)]
     columns = sorted({said for _, said in cells} - set(LAST))
     columns += [name for name in LAST if any(said == name for _, said in cells)]
     counts = [[cells.get((row, column), 0) for column in columns] for row in rows]
-    figure = blank()
+    figure = create_figure()
     figure.add_trace(
         Heatmap(
             x=columns,
@@ -30,7 +32,7 @@ def confusion(cases: Sequence[Judged]) -> Figure:
             z=[[count or None for count in line] for line in counts],
             text=[[str(count) if count else '' for count in line] for line in counts],
             texttemplate='%{text}',
-            colorscale=scale(HEAT),
+            colorscale=build_color_scale(HEAT),
             showscale=False,
             xgap=1,
             ygap=1,
@@ -42,10 +44,10 @@ def confusion(cases: Sequence[Judged]) -> Figure:
     return figure.update_layout(hovermode='closest', margin={'l': 150, 'b': 150, 'r': 24})
 
 
-def strength(cases: Sequence[Judged]) -> Figure:
+def plot_strength(cases: Sequence[ScoredCase]) -> Figure:
     """Return how often a single effect is named exactly, wrongly or not, by its strength."""
-    figure = blank()
-    bands = [each for each in by_strength(cases) if each.exact.of]
+    figure = create_figure()
+    bands = [each for each in count_by_strength(cases) if each.exact.of]
     middles = [
         math.sqrt(max(low, 1.0) * (high if math.isfinite(high) else 2.0 * low))
         for low, high, *_ in bands
@@ -78,10 +80,10 @@ def strength(cases: Sequence[Judged]) -> Figure:
     return figure.update_layout(showlegend=True, legend={'orientation': 'h', 'y': 1.08})
 
 
-def coverage(cases: Sequence[Judged]) -> Figure:
+def plot_coverage(cases: Sequence[ScoredCase]) -> Figure:
     """Return the truth within each interval that was given, in halves of its width."""
     found = [(one.number, each) for one in cases for each in one.intervals]
-    figure = blank()
+    figure = create_figure()
     places = []
     for _, each in found:
         half = 0.5 * (each.ci95[1] - each.ci95[0])

@@ -5,11 +5,11 @@ from heapq import merge
 from pathlib import Path
 from typing import Any, Final
 
-from lta_bridge.bag.qos import offered_qos
+from lta_bridge.bag.qos import build_offered_qos
 from lta_bridge.bag.writer import BagWriter
-from lta_config.topics import robot_topic, topic_table
-from lta_data.foreign.layout import Layout
-from lta_data.foreign.shapes import WRENCH
+from lta_config.topics import load_topic_table, robot_topic
+from lta_data.importers.cdr_template import CdrTemplate
+from lta_data.importers.message_parts import WRENCH
 from lta_flight.flight import ROBOT
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 BEGUN: Final = 1_000_000_000  # ns
-QOS: Final = [offered_qos('reliable', 'volatile', 10)]
+QOS: Final = [build_offered_qos('reliable', 'volatile', 10)]
 PUSHED: Final = 'wrench_command'
 POSE: Final = tuple(f'pose.pose.position.{axis}' for axis in 'xyz') + tuple(
     f'pose.pose.orientation.{axis}' for axis in 'xyzw'
@@ -42,9 +42,11 @@ SAID: Final[dict[str, dict[str, Any]]] = {
 }
 
 
-def _messages(topic: str, rotors: Sequence[str], time: Array, values: Array) -> tuple[str, Any]:
+def _encode_messages(
+    topic: str, rotors: Sequence[str], time: Array, values: Array
+) -> tuple[str, Any]:
     """Return the type of a topic and its messages: time in ns, name, bytes."""
-    entry = topic_table()[topic] if topic != PUSHED else None
+    entry = load_topic_table()[topic] if topic != PUSHED else None
     kind, frame = (entry.type, entry.frame) if entry else (WRENCH.type_name, WRENCH.frame)
     given: dict[str, Any] = {'header.frame_id': frame, **SAID.get(topic, {})}
     lengths = {}
@@ -52,14 +54,14 @@ def _messages(topic: str, rotors: Sequence[str], time: Array, values: Array) -> 
     if topic == 'motors':
         given['name'], lengths['effort'] = list(rotors), len(rotors)
         columns = tuple(f'effort[{k}]' for k in range(len(rotors)))
-    layout = Layout(kind, given, lengths)
+    layout = CdrTemplate(kind, given, lengths)
     stamps = BEGUN + np.round(time * 1e9).astype(np.int64)
     numbers: dict[str, Any] = {
         'header.stamp.sec': stamps // 1_000_000_000,
         'header.stamp.nanosec': stamps % 1_000_000_000,
         **{path: values[:, k] for k, path in enumerate(columns)},
     }
-    data, size = layout.fill(len(time), numbers), layout.size
+    data, size = layout.fill_messages(len(time), numbers), layout.size
     name = robot_topic(ROBOT, topic)
     made = (
         (stamp, name, data[k * size : (k + 1) * size]) for k, stamp in enumerate(stamps.tolist())
@@ -67,11 +69,11 @@ def _messages(topic: str, rotors: Sequence[str], time: Array, values: Array) -> 
     return kind, made
 
 
-def record(
+def write_bag(
     bag: Path,
     streams: Mapping[str, tuple[Array, Array]],
     rotors: Sequence[str],
-    told: Mapping[str, str],
+    metadata: Mapping[str, str],
 ) -> None:
     """
     Write a bag.
@@ -88,10 +90,10 @@ def record(
         Of its origin.
 
     """
-    with BagWriter(bag, told) as writer:
+    with BagWriter(bag, metadata) as writer:
         all_made = []
         for topic, (time, values) in streams.items():
-            kind, made = _messages(topic, rotors, time, values)
+            kind, made = _encode_messages(topic, rotors, time, values)
             writer.add_topic(robot_topic(ROBOT, topic), kind, QOS)
             all_made.append(made)
         for stamp, name, data in merge(*all_made, key=lambda one: one[0]):

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from typing import Final, final, Literal
 
-from lta_config.errors import unknown
-from lta_discovery.naming.classes import Kind as Data
+from lta_config.errors import unknown_name
+from lta_discovery.selection.equivalence_classes import Kind as Data
 
 Kind = Literal['clean', 'single', 'pair', 'outside', 'mixed']
 # How often each is drawn where nobody asks for one.
@@ -20,7 +20,7 @@ ALL: Final = ('ground_truth/odom', 'imu', 'range', 'pressure', 'battery')
 
 @final
 @dataclass(frozen=True, slots=True)
-class Row:
+class ChallengeRow:
     """
     What the flights of a row are like.
 
@@ -41,7 +41,7 @@ class Row:
     pushed : bool
         Whether the vehicle is commanded by a wrench.
     data : str
-        Kind of data by which names are one (`lta_discovery.naming.classes`).
+        Kind of data by which names are one (`lta_discovery.selection.equivalence_classes`).
     independent : bool
         Whether another simulator flies (`lta_challenge.other`), with a pilot of its own.
 
@@ -59,16 +59,18 @@ class Row:
 
 
 POSE: Final = ('ground_truth/odom',)
-ROWS: Final[dict[str, Row]] = {
-    'base': Row('pose, IMU, range, pressure, battery', 0),
-    'worse': Row('tolerances and noise 1.5 times as large', 1, worse=1.5),
-    'structured': Row('thrust, pitch and yaw moments not as modelled, always', 2, structured=True),
-    'pose': Row('nothing but pose and commands', 3, topics=POSE, data='pose'),
-    'hover': Row('nothing but hovering', 4, courses=('hover',), data='hover'),
-    'wrench': Row(
+ROWS: Final[dict[str, ChallengeRow]] = {
+    'base': ChallengeRow('pose, IMU, range, pressure, battery', 0),
+    'worse': ChallengeRow('tolerances and noise 1.5 times as large', 1, worse=1.5),
+    'structured': ChallengeRow(
+        'thrust, pitch and yaw moments not as modelled, always', 2, structured=True
+    ),
+    'pose': ChallengeRow('nothing but pose and commands', 3, topics=POSE, data='pose'),
+    'hover': ChallengeRow('nothing but hovering', 4, courses=('hover',), data='hover'),
+    'wrench': ChallengeRow(
         'commanded by a wrench, only a pose', 5, topics=POSE, pushed=True, data='wrench'
     ),
-    'other': Row(
+    'other': ChallengeRow(
         'an independent simulator: no equation of the model, swings of 20 degrees, stamps of labs',
         6,
         courses=(),
@@ -77,16 +79,16 @@ ROWS: Final[dict[str, Row]] = {
 }
 
 
-def row(name: str) -> Row:
+def find_row(name: str) -> ChallengeRow:
     """Return a row; an unknown name is a `BadInput` that lists the known ones."""
     if name not in ROWS:
-        raise unknown('row', name, list(ROWS))
+        raise unknown_name('row', name, list(ROWS))
     return ROWS[name]
 
 
-def kind(name: str) -> Kind:
+def parse_kind(name: str) -> Kind:
     """Return a kind; an unknown name is a `BadInput` that lists the known ones."""
     for known in KINDS:
         if known == name:
             return known
-    raise unknown('kind', name, list(KINDS))
+    raise unknown_name('kind', name, list(KINDS))

@@ -8,7 +8,7 @@ from dataclasses import replace
 import math
 from typing import Final
 
-from lta_discovery.model.nominal import Nominal
+from lta_discovery.model.nominal import NominalVehicle
 import numpy as np
 
 Draw = np.random.Generator
@@ -34,7 +34,7 @@ RANGE: Final = 0.008
 DRIFT: Final = 0.002
 
 
-def _parts(nominal: Nominal, effect: str, part: float, draw: Draw) -> Nominal:
+def _scale_effect(nominal: NominalVehicle, effect: str, part: float, draw: Draw) -> NominalVehicle:
     """Return a vehicle with each number of an effect off by a part of itself."""
     for name, value in nominal.given.get(effect, {}).items():
         factor = 1.0 + part * float(draw.standard_normal())
@@ -42,18 +42,18 @@ def _parts(nominal: Nominal, effect: str, part: float, draw: Draw) -> Nominal:
     return nominal
 
 
-def _drags(nominal: Nominal, wide: float, draw: Draw) -> Nominal:
+def _perturb_drag(nominal: NominalVehicle, wide: float, draw: Draw) -> NominalVehicle:
     """Return a vehicle with its drag off; the coefficients that two effects share stay one."""
     for axis in ('surge', 'sway', 'heave'):
         factor = 1.0 + DRAG * wide * float(draw.standard_normal())
         for effect in ('linear_drag', 'quadratic_drag', 'cross_flow'):
             if axis in nominal.given.get(effect, {}):
-                now = nominal.value(effect, axis)
+                now = nominal.parameter_value(effect, axis)
                 nominal = nominal.with_value(effect, axis, now * factor)
-    return _parts(nominal, 'rotational_drag', DRAG * wide, draw)
+    return _scale_effect(nominal, 'rotational_drag', DRAG * wide, draw)
 
 
-def _weights(nominal: Nominal, wide: float, draw: Draw) -> Nominal:
+def _perturb_mass(nominal: NominalVehicle, wide: float, draw: Draw) -> NominalVehicle:
     """Return a vehicle with mass (trimmed all the same) and inertia off."""
     more = nominal.mass * MASS * wide * float(draw.standard_normal())
     factors = np.sqrt(np.maximum(1.0 + INERTIA * wide * draw.standard_normal(3), 0.5))
@@ -65,30 +65,36 @@ def _weights(nominal: Nominal, wide: float, draw: Draw) -> Nominal:
     )
 
 
-def _rotors(nominal: Nominal, wide: float, draw: Draw) -> Nominal:
+def _perturb_rotors(nominal: NominalVehicle, wide: float, draw: Draw) -> NominalVehicle:
     """Return a vehicle with thrust, toe, lag and delay of its rotors off."""
     for i in range(1, len(nominal.rotors) + 1):
         factor = 1.0 + ROTOR * wide * float(draw.standard_normal())
         for c in ('a', 'b'):
-            now = nominal.value('thrust_curve', f'{c}_{i}')
+            now = nominal.parameter_value('thrust_curve', f'{c}_{i}')
             nominal = nominal.with_value('thrust_curve', f'{c}_{i}', now * factor)
         for turn in ('first', 'second'):
             tilt = TOE * wide * float(draw.standard_normal())
-            nominal = _more(nominal, 'rotor_misalignment', f'{turn}_{i}', tilt)
-    nominal = _more(nominal, 'thrust_scale', 'factor', THRUST * wide * draw.standard_normal())
+            nominal = _add_to_parameter(nominal, 'rotor_misalignment', f'{turn}_{i}', tilt)
+    nominal = _add_to_parameter(
+        nominal, 'thrust_scale', 'factor', THRUST * wide * draw.standard_normal()
+    )
     lag = LAG * wide * float(draw.standard_normal())
     for way in ('up', 'down'):
-        if nominal.value('motor_lag', way) > 0.0:
-            nominal = _more(nominal, 'motor_lag', way, lag)
-    return _more(nominal, 'command_delay', 'delay', abs(DELAY * wide * draw.standard_normal()))
+        if nominal.parameter_value('motor_lag', way) > 0.0:
+            nominal = _add_to_parameter(nominal, 'motor_lag', way, lag)
+    return _add_to_parameter(
+        nominal, 'command_delay', 'delay', abs(DELAY * wide * draw.standard_normal())
+    )
 
 
-def _more(nominal: Nominal, effect: str, name: str, more: float) -> Nominal:
+def _add_to_parameter(
+    nominal: NominalVehicle, effect: str, name: str, more: float
+) -> NominalVehicle:
     """Return a vehicle with something added to a parameter."""
-    return nominal.with_value(effect, name, nominal.value(effect, name) + float(more))
+    return nominal.with_value(effect, name, nominal.parameter_value(effect, name) + float(more))
 
 
-def off(nominal: Nominal, wide: float, draw: Draw) -> Nominal:
+def perturb_vehicle(nominal: NominalVehicle, wide: float, draw: Draw) -> NominalVehicle:
     """
     Return a vehicle that is off from its file as vehicles are.
 
@@ -102,21 +108,35 @@ def off(nominal: Nominal, wide: float, draw: Draw) -> Nominal:
         Where chance comes from.
 
     """
-    nominal = _rotors(_drags(_weights(nominal, wide, draw), wide, draw), wide, draw)
+    nominal = _perturb_rotors(
+        _perturb_drag(_perturb_mass(nominal, wide, draw), wide, draw), wide, draw
+    )
     for effect in ('added_mass', 'added_inertia'):
-        nominal = _parts(nominal, effect, AIR * wide, draw)
-    nominal = _more(nominal, 'cg_height', 'z', DEPTH * wide * draw.standard_normal())
+        nominal = _scale_effect(nominal, effect, AIR * wide, draw)
+    nominal = _add_to_parameter(nominal, 'cg_height', 'z', DEPTH * wide * draw.standard_normal())
     for axis in 'xy':
-        nominal = _more(nominal, 'cg_offset', axis, BESIDE * wide * draw.standard_normal())
+        nominal = _add_to_parameter(
+            nominal, 'cg_offset', axis, BESIDE * wide * draw.standard_normal()
+        )
     return nominal
 
 
-def trimmed(nominal: Nominal, wide: float, draw: Draw) -> Nominal:
+def perturb_flight(nominal: NominalVehicle, wide: float, draw: Draw) -> NominalVehicle:
     """Return a vehicle on one day: its lift and the biases of its sensors."""
-    nominal = _more(nominal, 'net_lift', 'force', LIFT * wide * draw.standard_normal())
+    nominal = _add_to_parameter(nominal, 'net_lift', 'force', LIFT * wide * draw.standard_normal())
     for axis in 'xyz':
-        nominal = _more(nominal, 'gyro_bias', axis, GYRO * wide * draw.standard_normal())
-        nominal = _more(nominal, 'gyro_scale', axis, SCALE * wide * draw.standard_normal())
-        nominal = _more(nominal, 'imu_bias', axis, FORCE * wide * draw.standard_normal())
-    nominal = _more(nominal, 'range_offset', 'offset', RANGE * wide * draw.standard_normal())
-    return _more(nominal, 'pressure_drift', 'rate', DRIFT * wide * draw.standard_normal())
+        nominal = _add_to_parameter(
+            nominal, 'gyro_bias', axis, GYRO * wide * draw.standard_normal()
+        )
+        nominal = _add_to_parameter(
+            nominal, 'gyro_scale', axis, SCALE * wide * draw.standard_normal()
+        )
+        nominal = _add_to_parameter(
+            nominal, 'imu_bias', axis, FORCE * wide * draw.standard_normal()
+        )
+    nominal = _add_to_parameter(
+        nominal, 'range_offset', 'offset', RANGE * wide * draw.standard_normal()
+    )
+    return _add_to_parameter(
+        nominal, 'pressure_drift', 'rate', DRIFT * wide * draw.standard_normal()
+    )

@@ -10,19 +10,19 @@ from lta_challenge.case import ROLES
 from lta_challenge.contradictions import find_contradictions
 from lta_config.errors import BadInput
 from lta_discovery.conclusion import draw_conclusion
-from lta_discovery.finding import Gap
-from lta_discovery.fit.bounds import turned
-from lta_discovery.fit.evidence import floor_of, own_variance, shared
-from lta_discovery.fit.fit import Fitter, Joint
+from lta_discovery.finding import PredictionGap
+from lta_discovery.fit.bounds import apply_parameters
+from lta_discovery.fit.evidence import build_shared_prior, per_flight_variance, wrench_floor
+from lta_discovery.fit.joint_fit import JointFit, JointFitter
 from lta_discovery.flights.bags import read_bags, Role
-from lta_discovery.flights.trusted import believed
-from lta_discovery.forecast.held_out import gaps, shown
-from lta_discovery.planning.next_flight import doubted
-from lta_discovery.replay.linear import Point, still
-from lta_discovery.run import Asked, studied
-from lta_discovery.study import Study
+from lta_discovery.flights.usable_flights import select_usable_flights
+from lta_discovery.forecast.held_out import build_model_points, compute_gaps
+from lta_discovery.planning.next_flight import add_confusable
+from lta_discovery.replay.linearized_flight import LinearizationPoint, zero_unknowns
+from lta_discovery.run import DiscoveryRequest, study_usable_flights
+from lta_discovery.study import DiscoveryStudy
 from lta_model.vehicle import load_vehicle
-from lta_report.results_folder import keep_json
+from lta_report.results_folder import write_json
 import numpy as np
 
 BEGIN: Final = 1.3  # floors; of the unexplained force to begin with
@@ -30,7 +30,7 @@ BEGIN: Final = 1.3  # floors; of the unexplained force to begin with
 FAULTS: Final = (BadInput, ArithmeticError, ValueError, LookupError)
 
 
-def put(folder: Path, answer: Mapping[str, Any], out: Path) -> dict[str, Any]:
+def run_trial(folder: Path, answer: Mapping[str, Any], out: Path) -> dict[str, Any]:
     """
     Study one case, write what was found, and only then look at its answer.
 
@@ -50,24 +50,24 @@ def put(folder: Path, answer: Mapping[str, Any], out: Path) -> dict[str, Any]:
 
     """
     found, made = study_case(folder)
-    keep_json(found, out)
+    write_json(found, out)
     if made is not None:
         try:
-            found |= {'oracle': oracle(made, answer)}
+            found |= {'oracle': compute_oracle(made, answer)}
         except FAULTS as fault:
             found |= {'oracle': {}, 'oracle_fault': str(fault)}
-        keep_json(found, out)
+        write_json(found, out)
     return found
 
 
-def study_case(folder: Path) -> tuple[dict[str, Any], Study | None]:
+def study_case(folder: Path) -> tuple[dict[str, Any], DiscoveryStudy | None]:
     """Return what is found in a case as plain data, and the study; None where it was refused."""
     wall, cpu = time.monotonic(), time.process_time()
     found: dict[str, Any] = {'refused': ''}
     made = None
     try:
-        made = _studied(folder)
-        found |= _told(made)
+        made = _study_bags(folder)
+        found |= _finding_to_dict(made)
     except FAULTS as fault:
         found |= {'refused': str(fault), 'verdict': 'not_identifiable', 'effects': [], 'gaps': []}
         found |= {'remains': [], 'warnings': []}
@@ -75,25 +75,29 @@ def study_case(folder: Path) -> tuple[dict[str, Any], Study | None]:
     return found, made
 
 
-def _studied(folder: Path) -> Study:
+def _study_bags(folder: Path) -> DiscoveryStudy:
     """Return the study of a case: what `lta discover` does with its bags."""
     name = str(folder / 'vehicle.yaml')
     bags: dict[Role, list[Path]] = {role: [folder / role] for role in ROLES}
     vehicle = load_vehicle(name)
-    sound = believed(read_bags(bags), vehicle)
-    return doubted(studied(Asked(name, bags), vehicle, sound, lambda _what, _part: None))
+    sound = select_usable_flights(read_bags(bags), vehicle)
+    return add_confusable(
+        study_usable_flights(
+            DiscoveryRequest(name, bags), vehicle, sound, lambda _what, _part: None
+        )
+    )
 
 
-def _told(made: Study) -> dict[str, Any]:
+def _finding_to_dict(study: DiscoveryStudy) -> dict[str, Any]:
     """Return a finding as plain data."""
-    finding = made.finding
+    finding = study.finding
     return {
         'verdict': finding.verdict,
         'effects': [
             {**asdict(one), 'parameters': [each._asdict() for each in one.parameters]}
             for one in finding.effects
         ],
-        'gaps': _shown(finding.gaps),
+        'gaps': _select_gaps(finding.gaps),
         'remains': [one._asdict() for one in finding.remains],
         'warnings': list(finding.warnings),
         'advice': draw_conclusion(finding).advice,
@@ -102,12 +106,12 @@ def _told(made: Study) -> dict[str, Any]:
     }
 
 
-def _shown(differences: Sequence[Gap]) -> list[dict[str, Any]]:
+def _select_gaps(differences: Sequence[PredictionGap]) -> list[dict[str, Any]]:
     """Return the errors of position and attitude."""
     return [asdict(one) for one in differences if one.channel in ('position', 'attitude')]
 
 
-def oracle(made: Study, answer: Mapping[str, Any]) -> dict[str, Any]:
+def compute_oracle(study: DiscoveryStudy, answer: Mapping[str, Any]) -> dict[str, Any]:
     """
     Return what one would find who knew what was hidden, and not how large.
 
@@ -126,35 +130,39 @@ def oracle(made: Study, answer: Mapping[str, Any]) -> dict[str, Any]:
 
     """
     hidden = {one['knob']: float(one['value']) for one in answer['hidden']}
-    fits = _fitted(made, hidden)
-    models = [shown(each.flown.flight, made.nominal, fits, fits) for each in made.shown]
-    flights = [each.flown.flight for each in made.shown]
+    fits = _fit_true_structure(study, hidden)
+    models = [
+        build_model_points(each.flown.flight, study.nominal, fits, fits) for each in study.shown
+    ]
+    flights = [each.flown.flight for each in study.shown]
     return {
-        'sigma': _sigmas(made, hidden, fits),
-        'gaps': _shown(gaps(flights, models, 0)),
+        'sigma': _compute_sigmas(study, hidden, fits),
+        'gaps': _select_gaps(compute_gaps(flights, models, 0)),
     }
 
 
-def _fitted(made: Study, hidden: Mapping[str, float]) -> Joint:
+def _fit_true_structure(study: DiscoveryStudy, hidden: Mapping[str, float]) -> JointFit:
     """Fit the flights that teach and confirm with the true structure, from the truth."""
-    flights = [one.flight for one in made.flights if one.role != 'holdout']
-    known, nominal = flights[0].knobs, made.nominal
-    fitter = Fitter(nominal, flights, own_variance(known), floor_of(nominal))
-    variance = own_variance(known)
+    flights = [one.flight for one in study.flights if one.role != 'holdout']
+    known, nominal = flights[0].knobs, study.nominal
+    fitter = JointFitter(nominal, flights, per_flight_variance(known), wrench_floor(nominal))
+    variance = per_flight_variance(known)
     at = np.zeros(len(variance))
     for k, knob in enumerate(known):
         at[k] = hidden.get(knob.name, 0.0)
-    vehicle, values = turned(nominal, known, at)
-    points = [Point(vehicle, values, still(f.replay.cut)) for f in flights]
-    prior = shared(known, tuple(hidden))
-    begin = fitter.about(at, points, prior)
-    return fitter.fit(prior, begin, BEGIN * floor_of(nominal), narrow=True)
+    vehicle, values = apply_parameters(nominal, known, at)
+    points = [LinearizationPoint(vehicle, values, zero_unknowns(f.replay.cut)) for f in flights]
+    prior = build_shared_prior(known, tuple(hidden))
+    begin = fitter.linearize_flights(at, points, prior)
+    return fitter.fit(prior, begin, BEGIN * wrench_floor(nominal), narrow=True)
 
 
-def _sigmas(made: Study, hidden: Mapping[str, float], fits: Joint) -> dict[str, float]:
+def _compute_sigmas(
+    study: DiscoveryStudy, hidden: Mapping[str, float], fits: JointFit
+) -> dict[str, float]:
     """Return the strength of each hidden effect in deviations."""
     out = {}
-    for k, knob in enumerate(made.flights[0].flight.knobs):
+    for k, knob in enumerate(study.flights[0].flight.knobs):
         if knob.name not in hidden:
             continue
         variance = float(fits.fitted.covariance[k, k])

@@ -7,16 +7,16 @@ from string import Template
 from typing import Final, final
 
 from lta_challenge.truth_equations import TEMPLATE
-from lta_config.compilation.extract import Extract
+from lta_config.compilation.extract import SourceExtract
 from lta_model.effects import EFFECTS
 from lta_model.effects.protocol import (
     ActuatorEffect,
     AirEffect,
+    AirEffectInput,
     KernelEffect,
-    Motion,
     no_rate,
     no_rotor_rate,
-    Place,
+    VehicleMotion,
     WrenchEffect,
 )
 from lta_model.state import ACTUATORS
@@ -33,14 +33,14 @@ APART: Final = frozenset(
 RIGID: Final = 18  # position, rotation matrix, momentum, angular momentum
 
 
-def _tuple(name: str, first: int, count: int) -> str:
+def _tuple_source(name: str, first: int, count: int) -> str:
     """Return the source of a tuple of neighbours in an array."""
     return '(' + ''.join(f'{name}[{first + k}], ' for k in range(count)).rstrip() + ')'
 
 
 @final
 @dataclass(frozen=True, slots=False)
-class Composed:
+class TruthModel:
     """
     What the truth consists of, and where its numbers are.
 
@@ -57,102 +57,104 @@ class Composed:
     strange: Mapping[str, WrenchEffect]
 
     @cached_property
-    def all(self) -> dict[str, KernelEffect]:
+    def all_effects(self) -> dict[str, KernelEffect]:
         """All of them, those of the library first."""
         return {**self.effects, **self.strange}
 
     @cached_property
-    def first(self) -> dict[str, int]:
+    def parameter_offsets(self) -> dict[str, int]:
         """Where the parameters of each begin."""
         out, count = {}, 0
-        for name, effect in self.all.items():
+        for name, effect in self.all_effects.items():
             out[name] = count
             count += len(effect.parameters)
         return out
 
     @cached_property
-    def parameters(self) -> int:
+    def parameter_count(self) -> int:
         """How many parameters there are."""
-        return sum(len(effect.parameters) for effect in self.all.values())
+        return sum(len(effect.parameters) for effect in self.all_effects.values())
 
     @cached_property
-    def remembers(self) -> dict[str, int]:
+    def memory_offsets(self) -> dict[str, int]:
         """Where the memory of each begins."""
         out, count = {}, RIGID
-        for name, effect in self.all.items():
+        for name, effect in self.all_effects.items():
             out[name] = count
             each = ACTUATORS if isinstance(effect, ActuatorEffect) else 1
             count += each * len(effect.memory)
         return out
 
     @cached_property
-    def memory(self) -> tuple[float, ...]:
+    def initial_memory(self) -> tuple[float, ...]:
         """What all memories begin with."""
         return tuple(
             value
-            for effect in self.all.values()
+            for effect in self.all_effects.values()
             for _ in range(ACTUATORS if isinstance(effect, ActuatorEffect) else 1)
             for _, value in effect.memory
         )
 
     @property
-    def size(self) -> int:
+    def state_size(self) -> int:
         """How many numbers a state has."""
-        return RIGID + len(self.memory)
+        return RIGID + len(self.initial_memory)
 
-    def flag(self, name: str) -> int:
+    def flag_index(self, name: str) -> int:
         """Return the place of an effect's flag."""
-        return list(self.all).index(name)
+        return list(self.all_effects).index(name)
 
-    def _air(self, extract: Extract) -> list[str]:
+    def _air_lines(self, extract: SourceExtract) -> list[str]:
         """Return the lines that add up the wind."""
         lines = []
-        for name, effect in self.all.items():
+        for name, effect in self.all_effects.items():
             if isinstance(effect, AirEffect):
-                p = _tuple('p', self.first[name], len(effect.parameters))
-                call = extract.add(effect.air, name)
+                p = _tuple_source('p', self.parameter_offsets[name], len(effect.parameters))
+                call = extract.add_function(effect.air, name)
                 lines += [
-                    f'if on[{self.flag(name)}]:',
+                    f'if on[{self.flag_index(name)}]:',
                     f'    e = {call}({p}, (), Place(at, still, (u, v, w), around))',
                     '    u, v, w = u + e[0], v + e[1], w + e[2]',
                 ]
         return lines
 
-    def _actuators(self, extract: Extract) -> list[str]:
+    def _actuator_lines(self, extract: SourceExtract) -> list[str]:
         """Return the lines that take a command through one rotor."""
         lines = []
-        for name, effect in self.all.items():
+        for name, effect in self.all_effects.items():
             if not isinstance(effect, ActuatorEffect):
                 continue
-            first, shared = self.first[name], len(effect.shared)
+            first, shared = self.parameter_offsets[name], len(effect.shared)
             parts = [f'p[{first + k}]' for k in range(shared)]
             parts += [f'p[{first + shared + ACTUATORS * k} + j]' for k in range(len(effect.each))]
-            size, place = len(effect.memory), self.remembers[name]
+            size, place = len(effect.memory), self.memory_offsets[name]
             memory = ''.join(f'y[{place + k} + {size} * j], ' for k in range(size)).rstrip()
             lines += [
-                f'if on[{self.flag(name)}]:',
+                f'if on[{self.flag_index(name)}]:',
                 f'    q = ({", ".join(parts)},)',
                 f'    m = ({memory})',
                 '    given = value',
-                f'    value = {extract.add(effect.output, name)}(q, m, given, around)',
+                f'    value = {extract.add_function(effect.output, name)}(q, m, given, around)',
             ]
             if effect.rate is not no_rotor_rate:
-                lines.append(f'    e = {extract.add(effect.rate, name)}(q, m, given, around)')
+                lines.append(
+                    f'    e = {extract.add_function(effect.rate, name)}(q, m, given, around)'
+                )
                 lines += [f'    dy[{place + k} + {size} * j] = e[{k}]' for k in range(size)]
         return lines
 
-    def _wrenches(self, extract: Extract) -> list[str]:
+    def _wrench_lines(self, extract: SourceExtract) -> list[str]:
         """Return the lines that add up forces and moments."""
         lines = []
-        for name, effect in self.all.items():
+        for name, effect in self.all_effects.items():
             if not isinstance(effect, WrenchEffect):
                 continue
-            p = _tuple('p', self.first[name], len(effect.parameters))
-            m = _tuple('y', self.remembers[name], len(effect.memory))
+            p = _tuple_source('p', self.parameter_offsets[name], len(effect.parameters))
+            m = _tuple_source('y', self.memory_offsets[name], len(effect.memory))
             lines += [
-                f'if on[{self.flag(name)}]:',
+                f'if on[{self.flag_index(name)}]:',
                 f'    q, m = {p}, {m}',
-                f'    e = {extract.add(effect.wrench, name)}(q, m, motion, u)',
+                f'    e = {extract.add_function(effect.wrench, name)}(q, m, motion, u)',
             ]
             if name in self.strange:
                 lines.append('    for k in range(6): extra[k] += e[k]')
@@ -160,12 +162,12 @@ class Composed:
                 lines.append('    f0, f1, f2 = f0 + e[0], f1 + e[1], f2 + e[2]')
                 lines.append('    n0, n1, n2 = n0 + e[3], n1 + e[4], n2 + e[5]')
             if effect.rate is not no_rate:
-                lines.append(f'    e = {extract.add(effect.rate, name)}(q, m, motion)')
-                place = self.remembers[name]
+                lines.append(f'    e = {extract.add_function(effect.rate, name)}(q, m, motion)')
+                place = self.memory_offsets[name]
                 lines += [f'    dy[{place + k}] = e[{k}]' for k in range(len(effect.memory))]
         return lines
 
-    def source(self, own: str, rotors: int, entries: str) -> str:
+    def render_source(self, own: str, rotors: int, entries: str) -> str:
         """
         Return the text of the truth.
 
@@ -179,30 +181,34 @@ class Composed:
             What is called from outside.
 
         """
-        extract = Extract()
+        extract = SourceExtract()
         parts = {
-            'air': (self._air(extract), 1),
-            'actuators': (self._actuators(extract), 2),
-            'wrenches': (self._wrenches(extract), 1),
+            'air': (self._air_lines(extract), 1),
+            'actuators': (self._actuator_lines(extract), 2),
+            'wrenches': (self._wrench_lines(extract), 1),
         }
         texts = {
             name: '\n'.join('    ' * depth + line for line in lines)
             for name, (lines, depth) in parts.items()
         }
-        winds = [f'on[{self.flag(n)}]' for n, e in self.all.items() if isinstance(e, AirEffect)]
+        winds = [
+            f'on[{self.flag_index(n)}]'
+            for n, e in self.all_effects.items()
+            if isinstance(e, AirEffect)
+        ]
         return Template(TEMPLATE + entries).substitute(
             own=own,
             rotors=rotors,
-            size=self.size,
-            motion=repr(Motion._fields),
-            place=repr(Place._fields),
+            size=self.state_size,
+            motion=repr(VehicleMotion._fields),
+            place=repr(AirEffectInput._fields),
             windy=' or '.join(winds) or 'False',
-            functions=extract.text(own),
+            functions=extract.render(own),
             **texts,
         )
 
 
-def of_library() -> dict[str, KernelEffect]:
+def library_effects() -> dict[str, KernelEffect]:
     """Return the effects of the library that the truth takes the equations of."""
     return {
         name: effect

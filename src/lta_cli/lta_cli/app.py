@@ -15,7 +15,7 @@ from pathlib import Path
 import sys
 from typing import Annotated, Any, Final, final
 
-from lta_cli.without_ros import ANYTHING, is_of_ros, lacking, refuse
+from lta_cli.without_ros import ANYTHING, is_ros_module, missing_ros_error, refuse_without_ros
 from lta_config.errors import BadInput
 from lta_config.version import VERSION
 import typer
@@ -49,7 +49,7 @@ class Verb:
         verb: Callable[..., None] = getattr(import_module(f'lta_cli.verbs.{self.file}'), self.name)
         return verb
 
-    def told(self) -> str:
+    def read_docstring(self) -> str:
         """Return what the verb says of itself, which is found without loading it."""
         path = FOLDER / f'{self.file.replace(".", "/")}.py'
         for node in ast.parse(path.read_text(encoding='utf-8')).body:
@@ -60,14 +60,14 @@ class Verb:
 
 @final
 @dataclass(frozen=True, slots=True)
-class Group:
+class VerbGroup:
     """Verbs behind one word."""
 
     about: str
     verbs: Mapping[str, Verb]
 
 
-VEHICLE: Final = Group(
+VEHICLE: Final = VerbGroup(
     'Make a vehicle file, look at it, and weigh what flew.',
     {
         'new': Verb('vehicle.new', 'new'),
@@ -78,14 +78,14 @@ VEHICLE: Final = Group(
         'urdf': Verb('vehicle.urdf', 'urdf'),
     },
 )
-CHALLENGE: Final = Group(
+CHALLENGE: Final = VerbGroup(
     'Hide effects in flights, and score what is found in them.',
     {
         'make': Verb('challenge.make', 'make'),
         'score': Verb('challenge.score', 'score'),
     },
 )
-BAG: Final = Group(
+BAG: Final = VerbGroup(
     'Look at recordings, check and mend them, turn them into other files.',
     {
         'info': Verb('bag.info', 'info'),
@@ -95,7 +95,7 @@ BAG: Final = Group(
         'export': Verb('bag.export', 'export'),
     },
 )
-LIGHT: Final = Group(
+LIGHT: Final = VerbGroup(
     'Study the light: where lamps go, and how drones find their way by them.',
     {
         'link': Verb('light.link', 'link'),
@@ -105,7 +105,7 @@ LIGHT: Final = Group(
         'study': Verb('light.study', 'light_study'),
     },
 )
-ENERGY: Final = Group(
+ENERGY: Final = VerbGroup(
     'What flights cost and panels bring, beside the paper and a multirotor.',
     {
         'budget': Verb('energy.budget', 'budget'),
@@ -114,7 +114,7 @@ ENERGY: Final = Group(
         'breakeven': Verb('energy.breakeven', 'breakeven'),
     },
 )
-CFD: Final = Group(
+CFD: Final = VerbGroup(
     'The wind tunnel: drag and rotor columns from the shape of a vehicle, without a flight.',
     {
         'run': Verb('cfd.run', 'run'),
@@ -122,7 +122,7 @@ CFD: Final = Group(
         'refit': Verb('cfd.refit', 'refit'),
     },
 )
-HARDWARE: Final = Group(
+HARDWARE: Final = VerbGroup(
     'Look at real drones and light boards, turn one motor, put a board on a turntable.',
     {
         'check': Verb('hardware.check', 'check'),
@@ -130,7 +130,7 @@ HARDWARE: Final = Group(
         'light': Verb('hardware.light', 'light'),
     },
 )
-VERBS: Final[dict[str, Verb | Group]] = {
+VERBS: Final[dict[str, Verb | VerbGroup]] = {
     'fly': Verb('fly', 'fly'),
     'simulate': Verb('simulate', 'simulate'),
     'replay': Verb('replay', 'replay'),
@@ -160,7 +160,7 @@ VERBS: Final[dict[str, Verb | Group]] = {
 }
 
 
-class InOrder(TyperGroup):
+class OrderedGroup(TyperGroup):
     """Verbs in the order of `VERBS`; Typer puts those with words behind them last."""
 
     def list_commands(self, ctx: object) -> list[str]:
@@ -169,7 +169,7 @@ class InOrder(TyperGroup):
         return [name for name in VERBS if name in self.commands]
 
 
-def put_together(words: Sequence[str] | None = None) -> typer.Typer:
+def build_app(words: Sequence[str] | None = None) -> typer.Typer:
     """
     Return the command with the verb that some words ask for.
 
@@ -177,60 +177,64 @@ def put_together(words: Sequence[str] | None = None) -> typer.Typer:
     """
     app = typer.Typer(
         name='lta',
-        cls=InOrder,
+        cls=OrderedGroup,
         epilog=EPILOG,
         no_args_is_help=True,
         add_completion=False,
         rich_markup_mode='rich',
         pretty_exceptions_enable=False,
     )
-    app.callback()(options)
-    add_all(app, VERBS, words)
+    app.callback()(root_options)
+    add_verbs(app, VERBS, words)
     return app
 
 
-def add_all(
-    app: typer.Typer, verbs: Mapping[str, Verb | Group], words: Sequence[str] | None
+def add_verbs(
+    app: typer.Typer, verbs: Mapping[str, Verb | VerbGroup], words: Sequence[str] | None
 ) -> None:
     """Add to a command or a group the verb that some words ask for, or all."""
     if words is None:
         for name, verb in verbs.items():
-            add(app, name, verb, None)
+            add_verb(app, name, verb, None)
     elif words and words[0] in verbs:
-        add(app, words[0], verbs[words[0]], words[1:])
+        add_verb(app, words[0], verbs[words[0]], words[1:])
     else:
         for name, verb in verbs.items():
-            text = verb.about if isinstance(verb, Group) else flowing(verb.told())
-            app.command(name, context_settings=ANYTHING, help=text)(comes_first)
+            text = verb.about if isinstance(verb, VerbGroup) else join_lines(verb.read_docstring())
+            app.command(name, context_settings=ANYTHING, help=text)(require_verb)
 
 
-def add(app: typer.Typer, name: str, verb: Verb | Group, words: Sequence[str] | None) -> None:
+def add_verb(
+    app: typer.Typer, name: str, verb: Verb | VerbGroup, words: Sequence[str] | None
+) -> None:
     """Add a verb, or those behind its word, to the command."""
-    if isinstance(verb, Group):
+    if isinstance(verb, VerbGroup):
         group = typer.Typer(help=verb.about, no_args_is_help=True)
         group.callback()(lambda: None)  # one verb alone would stand for its group
-        add_all(group, verb.verbs, words)
+        add_verbs(group, verb.verbs, words)
         app.add_typer(group, name=name)
         return
     try:
         found = verb.load()
     except ModuleNotFoundError as missing:
-        if not is_of_ros(missing.name):
+        if not is_ros_module(missing.name):
             raise
-        app.command(name, context_settings=ANYTHING, help=documented(refuse))(refuse)
+        app.command(name, context_settings=ANYTHING, help=format_help(refuse_without_ros))(
+            refuse_without_ros
+        )
         return
-    app.command(name, context_settings=dict(verb.settings), help=documented(found))(found)
+    app.command(name, context_settings=dict(verb.settings), help=format_help(found))(found)
 
 
-def comes_first(context: typer.Context) -> None:
+def require_verb(context: typer.Context) -> None:
     """Refuse a verb that is listed alone: other words came before it."""
     raise BadInput(f"A verb comes first: '{context.command_path} ...'.")
 
 
-def repeated(words: Sequence[str]) -> list[str]:
+def repeat_options(words: Sequence[str]) -> list[str]:
     """Return a command line with `--train A B` as `--train A --train B`, as Click takes it."""
     verb = VERBS.get(words[0]) if words else None
-    if isinstance(verb, Group):
+    if isinstance(verb, VerbGroup):
         verb = verb.verbs.get(words[1]) if len(words) > 1 else None
     several = verb.several if isinstance(verb, Verb) else ()
     out: list[str] = []
@@ -242,33 +246,33 @@ def repeated(words: Sequence[str]) -> list[str]:
     return out
 
 
-def documented(does: object) -> str:
+def format_help(does: object) -> str:
     """Return the docstring of what does something."""
-    return flowing(inspect.getdoc(does) or '')
+    return join_lines(inspect.getdoc(does) or '')
 
 
-def flowing(text: str) -> str:
+def join_lines(text: str) -> str:
     """Return a text's paragraphs without the line breaks, ragged on any other width."""
     return '\n\n'.join(' '.join(paragraph.split()) for paragraph in text.split('\n\n'))
 
 
-def tell_version(wanted: bool) -> None:
+def print_version(requested: bool) -> None:
     """Print the version and leave, if that is wanted."""
-    if wanted:
+    if requested:
         sys.stdout.write(f'lta {VERSION}\n')
         raise typer.Exit
 
 
-def options(
+def root_options(
     version: Annotated[
         bool,
-        typer.Option('--version', callback=tell_version, is_eager=True, help='Tell the version.'),
+        typer.Option('--version', callback=print_version, is_eager=True, help='Tell the version.'),
     ] = False,
 ) -> None:
     """Simulate, fly, record and understand lighter-than-air micro-drones."""
 
 
-def status(loaded: Callable[[], None] = lambda: None) -> int:
+def run_command_line(loaded: Callable[[], None] = lambda: None) -> int:
     """
     Run the command line and return its exit status; what the user can mend is one sentence.
 
@@ -279,8 +283,8 @@ def status(loaded: Callable[[], None] = lambda: None) -> int:
 
     """
     try:
-        words = repeated(sys.argv[1:])
-        app = put_together(words)
+        words = repeat_options(sys.argv[1:])
+        app = build_app(words)
         loaded()
         return app(words, prog_name='lta', standalone_mode=False) or 0
     except BadInput as error:
@@ -291,9 +295,9 @@ def status(loaded: Callable[[], None] = lambda: None) -> int:
     except typer.Exit as leave:
         return leave.exit_code
     except ModuleNotFoundError as missing:
-        if not is_of_ros(missing.name):
+        if not is_ros_module(missing.name):
             raise
-        sys.stderr.write(f'{lacking(missing)}\n')
+        sys.stderr.write(f'{missing_ros_error(missing)}\n')
         return 2
     except OSError as error:
         if error.filename is None or error.errno not in UNUSABLE:

@@ -10,9 +10,9 @@ import signal
 import sys
 from typing import NoReturn
 
-from lta_cli.streams import outlive_readers
-from lta_graph.ament import middlewares
-from lta_graph.leave import leave
+from lta_cli.streams import ignore_broken_pipes
+from lta_graph.ament import list_middlewares
+from lta_graph.process_end import exit_process
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 MIDDLEWARE = 'RMW_IMPLEMENTATION'
@@ -22,14 +22,14 @@ def main() -> NoReturn:
     """Run the command line and leave with its status."""
     heeded = [number for number in SIGNALS if signal.getsignal(number) != signal.SIG_IGN]
     for number in heeded:  # nohup, for one, ignores SIGHUP
-        signal.signal(number, _leave)
+        signal.signal(number, _exit_at_once)
     # The lta script holds SIGINT back while Python starts; one that came meanwhile comes now.
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
-    outlive_readers()
-    if (wrong := wrong_middleware()) is not None:
+    ignore_broken_pipes()
+    if (wrong := describe_wrong_middleware()) is not None:
         sys.stderr.write(f'{wrong}\n')
         sys.exit(2)
-    from lta_cli.app import status, STOPPED  # a second of imports
+    from lta_cli.app import run_command_line, STOPPED  # a second of imports
 
     caught: list[int] = []
 
@@ -43,7 +43,7 @@ def main() -> NoReturn:
             signal.signal(number, stop)
 
     try:
-        result = status(heed)
+        result = run_command_line(heed)
     except Exception:
         if not caught:
             raise
@@ -53,18 +53,18 @@ def main() -> NoReturn:
     if result == STOPPED:
         sys.stderr.write('Stopped.\n')
         result = 128 + (caught[0] if caught else signal.SIGINT)
-    leave(result)
+    exit_process(result)
 
 
-def wrong_middleware() -> str | None:
+def describe_wrong_middleware() -> str | None:
     """Return a sentence if the RMW that is asked for is not there: rcl would end the process."""
-    asked, known = os.environ.get(MIDDLEWARE), middlewares()
+    asked, known = os.environ.get(MIDDLEWARE), list_middlewares()
     if not asked or not known or asked in known:
         return None
     return f"{MIDDLEWARE} is '{asked}', which is not installed; known: {', '.join(known)}."
 
 
-def _leave(number: int, _: object) -> None:
+def _exit_at_once(number: int, _: object) -> None:
     """End at once: nothing has been started yet."""
     os.write(sys.stderr.fileno(), b'Stopped.\n')
     os._exit(128 + number)

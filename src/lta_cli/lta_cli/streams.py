@@ -12,7 +12,7 @@ GONE = (errno.EPIPE, errno.EIO)  # the reader of a pipe left; a terminal was clo
 
 
 @final
-class Unheard(io.FileIO):
+class BrokenPipeFile(io.FileIO):
     """A file that takes what nobody reads any more, and drops it."""
 
     def write(self, data: 'ReadableBuffer', /) -> int:
@@ -25,16 +25,16 @@ class Unheard(io.FileIO):
             return len(memoryview(data))
 
 
-def outlive_readers() -> None:
+def ignore_broken_pipes() -> None:
     """Make stdout and stderr of this process take everything, heard or not."""
-    sys.stdout = unheard(sys.stdout)
-    sys.stderr = unheard(sys.stderr)
+    sys.stdout = wrap_stream(sys.stdout)
+    sys.stderr = wrap_stream(sys.stderr)
 
 
-def unheard(stream: TextIO) -> TextIO:
+def wrap_stream(stream: TextIO) -> TextIO:
     """Return a stream on the same descriptor that a closed pipe does not break."""
     return io.TextIOWrapper(
-        io.BufferedWriter(Unheard(stream.fileno(), 'w', closefd=False)),
+        io.BufferedWriter(BrokenPipeFile(stream.fileno(), 'w', closefd=False)),
         encoding=stream.encoding,
         errors=stream.errors,
         line_buffering=True,

@@ -11,17 +11,17 @@ REMEDY: Final = 'build the ROS 2 workspace of the sources (make build) and use i
 ANYTHING: Final = {'allow_extra_args': True, 'ignore_unknown_options': True}
 
 
-def is_of_ros(module: str | None) -> bool:
+def is_ros_module(module: str | None) -> bool:
     """Tell whether a module that is missing is one of ROS 2."""
     top = (module or '').split('.')[0]
     return top in ROS or top.endswith('_msgs')
 
 
-def lacking(missing: ModuleNotFoundError) -> BadInput:
+def missing_ros_error(missing: ModuleNotFoundError) -> BadInput:
     """Return the sentence on a module of ROS 2 that is not here."""
     return BadInput(f"This needs ROS 2, whose '{missing.name}' is not installed; {REMEDY}.")
 
 
-def refuse(context: typer.Context) -> None:
+def refuse_without_ros(context: typer.Context) -> None:
     """Need ROS 2, which is not installed here."""
     raise BadInput(f"'lta {context.info_name}' needs ROS 2, which is not installed; {REMEDY}.")

@@ -10,7 +10,7 @@ observable with these sensors.
 from typing import NamedTuple
 
 
-class Hull(NamedTuple):
+class HullDragModel(NamedTuple):
     """
     What the drag model knows of the vehicle, about the hull centre.
 
@@ -28,7 +28,7 @@ class Hull(NamedTuple):
     quadratic: tuple[float, float]
 
 
-class Airspeed(NamedTuple):
+class AirspeedEstimate(NamedTuple):
     """Estimated and modelled velocity along body x and y. [m/s]."""
 
     surge: float = 0.0
@@ -37,19 +37,19 @@ class Airspeed(NamedTuple):
     model_sway: float = 0.0
 
 
-def _drag(hull: Hull, axis: int, speed: float) -> float:
+def _axis_drag(hull: HullDragModel, axis: int, speed: float) -> float:
     return (hull.linear[axis] + hull.quadratic[axis] * abs(speed)) * speed
 
 
 def airspeed_step(
-    hull: Hull,
-    state: Airspeed,
+    hull: HullDragModel,
+    state: AirspeedEstimate,
     force: tuple[float, float],
     acceleration: tuple[float, float],
     yaw_rate: float,
     trust: float,
     dt: float,
-) -> Airspeed:
+) -> AirspeedEstimate:
     """
     Return the velocity one step later.
 
@@ -73,11 +73,11 @@ def airspeed_step(
     """
     surge, sway, model_surge, model_sway = state
     mx, my = hull.mass
-    model_x = (force[0] - _drag(hull, 0, model_surge) + my * yaw_rate * model_sway) / mx
-    model_y = (force[1] - _drag(hull, 1, model_sway) - mx * yaw_rate * model_surge) / my
+    model_x = (force[0] - _axis_drag(hull, 0, model_surge) + my * yaw_rate * model_sway) / mx
+    model_y = (force[1] - _axis_drag(hull, 1, model_sway) - mx * yaw_rate * model_surge) / my
     rate_x = acceleration[0] + yaw_rate * sway + (model_surge - surge) / trust
     rate_y = acceleration[1] - yaw_rate * surge + (model_sway - sway) / trust
-    return Airspeed(
+    return AirspeedEstimate(
         surge + dt * rate_x,
         sway + dt * rate_y,
         model_surge + dt * model_x,

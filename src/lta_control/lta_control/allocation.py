@@ -84,7 +84,7 @@ class Rotors(NamedTuple):
     sink: float = 0.0
 
 
-def new_scratch() -> list[float]:
+def create_scratch() -> list[float]:
     """Return numbers that the allocation may write on; it expects nothing of what they hold."""
     return [0.0] * SCRATCH
 
@@ -108,11 +108,11 @@ def allocate(
 
     """
     s, count, low, high = scratch, rotors.number, rotors.low, rotors.high
-    _begin(rotors, wrench, start, s)
+    _write_problem(rotors, wrench, start, s)
     for _ in range(ROUNDS):
-        _pull(count, s)
-        _solve(count, s)
-        share, stop = _reach(rotors, s)
+        _write_gradient(count, s)
+        _solve_step(count, s)
+        share, stop = _limit_step(rotors, s)
         for j in range(count):
             moved = s[THRUSTS + j] + share * s[STEP + j]
             s[THRUSTS + j] = min(max(moved, low[j]), high[j])
@@ -120,31 +120,31 @@ def allocate(
             s[THRUSTS + stop] = high[stop] if s[STEP + stop] > 0.0 else low[stop]
             s[FREE + stop] = 0.0
             continue
-        _pull(count, s)
-        stop = _held_back(rotors, s)
+        _write_gradient(count, s)
+        stop = _find_rotor_to_free(rotors, s)
         if stop < 0:
             break
         s[FREE + stop] = 1.0
-    return _answer(rotors, s)
+    return _read_solution(rotors, s)
 
 
-def _begin(rotors: Rotors, wrench: Wrench, start: PerRotor, s: Scratch) -> None:
+def _write_problem(rotors: Rotors, wrench: Wrench, start: PerRotor, s: Scratch) -> None:
     """Write the problem: stiffness, target, thrusts within their limits, and which are free."""
     count, columns, low, high = rotors.number, rotors.allocation, rotors.low, rotors.high
     weights, ridge = rotors.weights, 0.0
     for j in range(count):
         for k in range(count):
-            s[STIFFNESS + SLOTS * j + k] = _weighted(weights, columns[j], columns[k])
+            s[STIFFNESS + SLOTS * j + k] = _weighted_product(weights, columns[j], columns[k])
         ridge += RIDGE * s[STIFFNESS + SLOTS * j + j] / count
     for j in range(count):
         thrust = min(max(start[j], low[j]), high[j])
         s[THRUSTS + j] = thrust
-        s[TARGET + j] = _weighted(weights, columns[j], wrench) + ridge * thrust
+        s[TARGET + j] = _weighted_product(weights, columns[j], wrench) + ridge * thrust
         s[STIFFNESS + SLOTS * j + j] += ridge
         s[FREE + j] = 1.0 if low[j] < thrust < high[j] else 0.0
 
 
-def _pull(count: int, s: Scratch) -> None:
+def _write_gradient(count: int, s: Scratch) -> None:
     """Write minus the gradient: where each thrust would go."""
     for j in range(count):
         pull = s[TARGET + j]
@@ -153,7 +153,7 @@ def _pull(count: int, s: Scratch) -> None:
         s[PULL + j] = pull
 
 
-def _solve(count: int, s: Scratch) -> None:
+def _solve_step(count: int, s: Scratch) -> None:
     """Write the step to the minimum over the free thrusts; 0 for the others (elimination)."""
     for j in range(count):
         s[RIGHT + j] = s[PULL + j]
@@ -177,7 +177,7 @@ def _solve(count: int, s: Scratch) -> None:
             s[STEP + j] = rest / pivot
 
 
-def _reach(rotors: Rotors, s: Scratch) -> tuple[float, int]:
+def _limit_step(rotors: Rotors, s: Scratch) -> tuple[float, int]:
     """Return the share of a step that no limit forbids, and the rotor at whose it ends or -1."""
     share, stop = 1.0, -1
     for j in range(rotors.number):
@@ -188,7 +188,7 @@ def _reach(rotors: Rotors, s: Scratch) -> tuple[float, int]:
     return share, stop
 
 
-def _held_back(rotors: Rotors, s: Scratch) -> int:
+def _find_rotor_to_free(rotors: Rotors, s: Scratch) -> int:
     """Return the rotor that most wants to leave its limit, or -1."""
     most, found = INWARD, -1
     for j in range(rotors.number):
@@ -201,7 +201,7 @@ def _held_back(rotors: Rotors, s: Scratch) -> int:
     return found
 
 
-def _answer(rotors: Rotors, s: Scratch) -> tuple[PerRotor, Wrench]:
+def _read_solution(rotors: Rotors, s: Scratch) -> tuple[PerRotor, Wrench]:
     """Return the thrusts, 0 in empty slots, and B times them."""
     for axis in range(AXES):
         s[GIVEN + axis] = 0.0
@@ -217,14 +217,14 @@ def _answer(rotors: Rotors, s: Scratch) -> tuple[PerRotor, Wrench]:
     )  # fmt: skip
 
 
-def _weighted(weights: Wrench, p: Column, q: Column) -> float:
+def _weighted_product(weights: Wrench, p: Column, q: Column) -> float:
     total = 0.0
     for axis in range(AXES):
         total += weights[axis] * p[axis] * q[axis]
     return total
 
 
-def duty(thrust: float, a: float, b: float) -> float:
+def thrust_to_duty(thrust: float, a: float, b: float) -> float:
     """
     Return the duty that gives a thrust: the inverse of T = a u^2 + b u, odd in T.
 
@@ -242,20 +242,20 @@ def duty(thrust: float, a: float, b: float) -> float:
     return math.copysign(2.0 * size / (b + root), thrust) if size > 0.0 else 0.0
 
 
-def duties(rotors: Rotors, thrusts: PerRotor) -> PerRotor:
+def thrusts_to_duties(rotors: Rotors, thrusts: PerRotor) -> PerRotor:
     """Return the duty of each slot that gives its thrust. [N] to [1]."""
     return (
-        _duty_of(rotors, thrusts[0], 0),
-        _duty_of(rotors, thrusts[1], 1),
-        _duty_of(rotors, thrusts[2], 2),
-        _duty_of(rotors, thrusts[3], 3),
-        _duty_of(rotors, thrusts[4], 4),
-        _duty_of(rotors, thrusts[5], 5),
-        _duty_of(rotors, thrusts[6], 6),
-        _duty_of(rotors, thrusts[7], 7),
+        _slot_duty(rotors, thrusts[0], 0),
+        _slot_duty(rotors, thrusts[1], 1),
+        _slot_duty(rotors, thrusts[2], 2),
+        _slot_duty(rotors, thrusts[3], 3),
+        _slot_duty(rotors, thrusts[4], 4),
+        _slot_duty(rotors, thrusts[5], 5),
+        _slot_duty(rotors, thrusts[6], 6),
+        _slot_duty(rotors, thrusts[7], 7),
     )
 
 
-def _duty_of(rotors: Rotors, thrust: float, slot: int) -> float:
+def _slot_duty(rotors: Rotors, thrust: float, slot: int) -> float:
     forward = thrust if thrust >= 0.0 else thrust / rotors.reverse[slot]
-    return duty(forward, rotors.a[slot], rotors.b[slot])
+    return thrust_to_duty(forward, rotors.a[slot], rotors.b[slot])

@@ -26,7 +26,7 @@ class AltitudeSettings(Settings):
     )
 
 
-class Altitude(NamedTuple):
+class AltitudeEstimate(NamedTuple):
     """Estimate and covariance (upper triangle, row by row)."""
 
     height: float = 0.0  # [m]
@@ -35,9 +35,9 @@ class Altitude(NamedTuple):
     p: tuple[float, float, float, float, float, float] = (1.0, 0.0, 0.0, 0.01, 0.0, 1.0)
 
 
-def predict(
-    state: Altitude, acceleration: float, noise: float, walk: float, dt: float
-) -> Altitude:
+def predict_altitude(
+    state: AltitudeEstimate, acceleration: float, noise: float, walk: float, dt: float
+) -> AltitudeEstimate:
     """
     Return the estimate one step later.
 
@@ -56,7 +56,7 @@ def predict(
     p00, p01, p02, p11, p12, p22 = state.p
     q = noise * noise
     half = 0.5 * dt * dt
-    return Altitude(
+    return AltitudeEstimate(
         state.height + dt * state.climb + half * acceleration,
         state.climb + dt * acceleration,
         state.offset,
@@ -71,7 +71,9 @@ def predict(
     )
 
 
-def correct(state: Altitude, measured: float, noise: float, with_offset: bool) -> Altitude:
+def correct_altitude(
+    state: AltitudeEstimate, measured: float, noise: float, with_offset: bool
+) -> AltitudeEstimate:
     """
     Return the estimate after one measurement of the height.
 
@@ -93,7 +95,7 @@ def correct(state: Altitude, measured: float, noise: float, with_offset: bool) -
     size = h0 + c * h2 + noise * noise
     k0, k1, k2 = h0 / size, h1 / size, h2 / size
     error = measured - state.height - c * state.offset
-    return Altitude(
+    return AltitudeEstimate(
         state.height + k0 * error,
         state.climb + k1 * error,
         state.offset + k2 * error,

@@ -19,7 +19,7 @@ def up_in_body(q: Quaternion) -> Vector:
     return 2.0 * (x * z - w * y), 2.0 * (y * z + w * x), w * w - x * x - y * y + z * z
 
 
-def heading(q: Quaternion) -> float:
+def yaw_from_quaternion(q: Quaternion) -> float:
     """Return the yaw of a body-to-world quaternion, REP-103. [rad]."""
     x, y, z, w = q
     return math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))

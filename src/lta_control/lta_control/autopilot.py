@@ -9,36 +9,40 @@ import math
 import struct
 from typing import final
 
-from lta_config.compilation.flat import Array, compiled, Layout
+from lta_config.compilation.flat import Array, compile_core, TupleLayout
 from lta_control.allocation import SCRATCH
 from lta_control.attitude import Vector
-from lta_control.cascade import CascadeGains, Measured, Setpoint
+from lta_control.cascade import CascadeGains, CascadeMeasurement, Setpoint
 from lta_control.control import TILT_LIMIT
-from lta_control.estimator import Estimate, EstimatorSettings
-from lta_control.onboard import Drone, Heard, Onboard, onboard_step
-from lta_control.sighting import Reckoned
-from lta_control.vehicle_side import body_of, rotors_of, surge_drag_of
+from lta_control.estimator import EstimatorSettings, MotionEstimate
+from lta_control.onboard import DroneConstants, onboard_step, OnboardMemory, SensorInputs
+from lta_control.sighting import DeadReckonedMotion
+from lta_control.vehicle_parameters import (
+    build_estimator_model,
+    build_rotors,
+    surge_drag_coefficients,
+)
 from lta_model.vehicle import Vehicle
 import numpy as np
 
-MEMORY = Layout(Onboard())
-HEARD = Layout(Heard((0.0, 0.0, 0.0), (0.0, 0.0, 0.0)))
-ESTIMATE = Layout(Estimate())
+MEMORY = TupleLayout(OnboardMemory())
+HEARD = TupleLayout(SensorInputs((0.0, 0.0, 0.0), (0.0, 0.0, 0.0)))
+ESTIMATE = TupleLayout(MotionEstimate())
 
-ESTIMATED, DUTIES = MEMORY.place('estimate'), MEMORY.place('duties')
-MEASURED, SETPOINT = MEMORY.place('measured'), MEMORY.place('setpoint')
-HEADING, READY = MEMORY.place('measured.heading').start, MEMORY.place('estimate.ready').start
-PLACE, SPEED = MEMORY.place('estimate.position').start, MEMORY.place('measured.speed').start
-GUIDED = MEMORY.place('guided').start
+ESTIMATED, DUTIES = MEMORY.slice_of('estimate'), MEMORY.slice_of('duties')
+MEASURED, SETPOINT = MEMORY.slice_of('measured'), MEMORY.slice_of('setpoint')
+HEADING, READY = MEMORY.slice_of('measured.heading').start, MEMORY.slice_of('estimate.ready').start
+PLACE, SPEED = MEMORY.slice_of('estimate.position').start, MEMORY.slice_of('measured.speed').start
+GUIDED = MEMORY.slice_of('guided').start
 
 
-def drone_of(
+def build_drone_constants(
     vehicle: Vehicle,
     estimator: EstimatorSettings,
     gains: CascadeGains,
     dt: float,
     tilt_limit: float = TILT_LIMIT,
-) -> Drone:
+) -> DroneConstants:
     """
     Return what stays the same during a flight.
 
@@ -56,12 +60,12 @@ def drone_of(
         Tilt beyond which the motors stop. [rad]
 
     """
-    return Drone(
+    return DroneConstants(
         estimator,
-        body_of(vehicle),
+        build_estimator_model(vehicle),
         gains,
-        rotors_of(vehicle),
-        surge_drag_of(vehicle),
+        build_rotors(vehicle),
+        surge_drag_coefficients(vehicle),
         math.cos(tilt_limit),
         dt,
     )
@@ -79,14 +83,14 @@ class Autopilot:
 
     """
 
-    def __init__(self, drone: Drone) -> None:
-        layout = Layout(drone)
+    def __init__(self, drone: DroneConstants) -> None:
+        layout = TupleLayout(drone)
         self._constants = layout.write(drone)
-        self._memory = MEMORY.write(Onboard())
+        self._memory = MEMORY.write(OnboardMemory())
         self._heard = np.empty(HEARD.size)
         self._scratch = np.zeros(SCRATCH)
         self._count = drone.rotors.number
-        self._step = compiled(onboard_step, layout, MEMORY, HEARD)
+        self._step = compile_core(onboard_step, layout, MEMORY, HEARD)
         self._pack = struct.Struct(f'{HEARD.size}d').pack_into
 
     def step(
@@ -107,12 +111,12 @@ class Autopilot:
         self._step(self._constants, self._memory, self._heard, self._scratch)
         return self.duties
 
-    def guide(self, setpoint: Setpoint) -> None:
+    def set_setpoint(self, setpoint: Setpoint) -> None:
         """Take a setpoint, which the next step follows."""
         self._memory[SETPOINT] = setpoint
         self._memory[GUIDED] = 1.0
 
-    def instead(self, duties: tuple[float, ...]) -> None:
+    def override_duties(self, duties: tuple[float, ...]) -> None:
         """Know what the rotors were told in place of the newest duties."""
         self._memory[DUTIES.start : DUTIES.start + self._count] = duties
 
@@ -127,28 +131,30 @@ class Autopilot:
         return self._memory.item(HEADING)
 
     @property
-    def reckoned(self) -> Reckoned:
+    def dead_reckoning(self) -> DeadReckonedMotion:
         """Heading, dead-reckoned position and airspeed, as a message would carry them."""
         item = self._memory.item
-        return Reckoned(item(HEADING), item(PLACE), item(PLACE + 1), item(SPEED), item(SPEED + 1))
+        return DeadReckonedMotion(
+            item(HEADING), item(PLACE), item(PLACE + 1), item(SPEED), item(SPEED + 1)
+        )
 
     @property
-    def measured(self) -> Measured | None:
+    def measurement(self) -> CascadeMeasurement | None:
         """What the controller acts on; None while the estimator is learning."""
         if not self._memory[READY]:
             return None
-        return Measured(*self._memory[MEASURED].tolist())
+        return CascadeMeasurement(*self._memory[MEASURED].tolist())
 
     @property
-    def estimate(self) -> Estimate:
+    def estimate(self) -> MotionEstimate:
         """All that the estimator remembers."""
         return ESTIMATE.read(self._memory[ESTIMATED])
 
-    def believed(self) -> Array:
+    def copy_estimate(self) -> Array:
         """Return the numbers of the estimate, in the order of `ESTIMATE`; the caller's own."""
         return self._memory[ESTIMATED].copy()
 
     @property
-    def memory(self) -> Onboard:
+    def memory(self) -> OnboardMemory:
         """All that is remembered."""
         return MEMORY.read(self._memory)

@@ -62,7 +62,7 @@ class CascadeGains(Settings):
     )
 
 
-class Measured(NamedTuple):
+class CascadeMeasurement(NamedTuple):
     """What the cascade acts on, from the estimator."""
 
     altitude: float  # of the hull centre above the floor [m]
@@ -82,7 +82,7 @@ class Setpoint(NamedTuple):
     speed: float  # forward airspeed [m/s]
 
 
-class Demand(NamedTuple):
+class WrenchDemand(NamedTuple):
     """Force and moment asked of the rotors, body frame."""
 
     surge: float  # [N]
@@ -90,7 +90,7 @@ class Demand(NamedTuple):
     yaw: float  # [N m]
 
 
-class Slope(NamedTuple):
+class SlopeEstimate(NamedTuple):
     """A measurement and its smoothed rate, for the derivative terms."""
 
     value: float = math.nan  # NaN before the first measurement
@@ -103,20 +103,20 @@ class CascadeMemory(NamedTuple):
     climb: float = 0.0  # [N]
     yaw_rate: float = 0.0  # [N m]
     speed: float = 0.0  # [N]
-    climbing: Slope = Slope()  # [m/s, m/s2]
-    turning: Slope = Slope()  # [rad/s, rad/s2]
-    speeding: Slope = Slope()  # [m/s, m/s2]
+    climbing: SlopeEstimate = SlopeEstimate()  # [m/s, m/s2]
+    turning: SlopeEstimate = SlopeEstimate()  # [rad/s, rad/s2]
+    speeding: SlopeEstimate = SlopeEstimate()  # [m/s, m/s2]
 
 
-def slope_step(slope: Slope, value: float, dt: float) -> Slope:
+def slope_step(slope: SlopeEstimate, value: float, dt: float) -> SlopeEstimate:
     """Return a slope after one more measurement: the difference behind a first-order filter."""
     if math.isnan(slope.value):
-        return Slope(value, 0.0)
+        return SlopeEstimate(value, 0.0)
     share = dt / (SLOPE_TIME + dt)
-    return Slope(value, slope.rate + share * ((value - slope.value) / dt - slope.rate))
+    return SlopeEstimate(value, slope.rate + share * ((value - slope.value) / dt - slope.rate))
 
 
-def wrap(angle: float) -> float:
+def wrap_angle(angle: float) -> float:
     """Return an angle in [-pi, pi). [rad]"""
     return angle - 2.0 * math.pi * math.floor((angle + math.pi) / (2.0 * math.pi))
 
@@ -131,8 +131,8 @@ def pid_gains(gains: PidGains) -> tuple[float, float, float, float, float]:
     return gains.kp, gains.ki, gains.kd, -gains.limit, gains.limit
 
 
-def course(
-    gains: CascadeGains, measured: Measured, setpoint: Setpoint
+def steer_to_course(
+    gains: CascadeGains, measured: CascadeMeasurement, setpoint: Setpoint
 ) -> tuple[float, float, float, float]:
     """
     Return heading and speed to ask for, and how the drone stands to its course.
@@ -150,13 +150,13 @@ def course(
 
     """
     moving = 1.0 if setpoint.speed > 0.0 else 0.0
-    off = moving * wrap(measured.heading - setpoint.heading)
+    off = moving * wrap_angle(measured.heading - setpoint.heading)
     cos, sin = math.cos(off), math.sin(off)
     along = cos * measured.speed - sin * measured.sway
     across = sin * measured.speed + cos * measured.sway
     lean = min(max(gains.drift_gain * across, -gains.drift_limit), gains.drift_limit)
     heading = setpoint.heading - moving * lean
-    error = abs(wrap(heading - measured.heading))
+    error = abs(wrap_angle(heading - measured.heading))
     wanted = min(setpoint.speed, gains.speed_limit)
     speed = wanted * max(0.0, 1.0 - error / gains.turn_first)
     return heading, speed, along, cos
@@ -168,11 +168,11 @@ def cascade_step(
     lowest_heave: float,
     sink: float,
     memory: CascadeMemory,
-    measured: Measured,
+    measured: CascadeMeasurement,
     setpoint: Setpoint,
-    shortfall: Demand,
+    shortfall: WrenchDemand,
     dt: float,
-) -> tuple[Demand, CascadeMemory]:
+) -> tuple[WrenchDemand, CascadeMemory]:
     """
     Return what the rotors should do, and the new memory.
 
@@ -196,8 +196,10 @@ def cascade_step(
         Time since the last step. [s]
 
     """
-    heading, speed, along, share = course(gains, measured, setpoint)
-    rate = _within(gains.heading_kp * wrap(heading - measured.heading), gains.yaw_rate_limit)
+    heading, speed, along, share = steer_to_course(gains, measured, setpoint)
+    rate = _clamp_symmetric(
+        gains.heading_kp * wrap_angle(heading - measured.heading), gains.yaw_rate_limit
+    )
     turning = slope_step(memory.turning, measured.yaw_rate, dt)
     yaw, rate_memory = pid_step(
         pid_gains(gains.yaw_rate),
@@ -217,10 +219,10 @@ def cascade_step(
         dt,
     )
     surge += drag_force(surge_drag[0], surge_drag[1], speed)
-    surge *= _down(gains, measured, setpoint)
+    surge *= _surge_share(gains, measured, setpoint)
     surge += gains.swing_gain * measured.pitch_rate
     climb = gains.altitude_kp * (setpoint.altitude - measured.altitude)
-    climb = _within(climb, gains.climb_limit)
+    climb = _clamp_symmetric(climb, gains.climb_limit)
     climbing = slope_step(memory.climbing, measured.climb, dt)
     kp, ki, kd, low, high = pid_gains(gains.climb)
     lowest = lowest_heave + min(sink * surge, 0.0)
@@ -232,12 +234,12 @@ def cascade_step(
         shortfall.heave,
         dt,
     )
-    return Demand(surge, heave, yaw), CascadeMemory(
+    return WrenchDemand(surge, heave, yaw), CascadeMemory(
         climb_memory, rate_memory, speed_memory, climbing, turning, speeding
     )
 
 
-def _down(gains: CascadeGains, measured: Measured, setpoint: Setpoint) -> float:
+def _surge_share(gains: CascadeGains, measured: CascadeMeasurement, setpoint: Setpoint) -> float:
     """
     Return the share of the surge force that is left to a drone above its altitude.
 
@@ -248,5 +250,5 @@ def _down(gains: CascadeGains, measured: Measured, setpoint: Setpoint) -> float:
     return min(max(1.0 - above / gains.rise_limit, LEAST_PUSH), 1.0)
 
 
-def _within(value: float, limit: float) -> float:
+def _clamp_symmetric(value: float, limit: float) -> float:
     return min(max(value, -limit), limit)

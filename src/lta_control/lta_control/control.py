@@ -7,14 +7,14 @@ cascade, so that no integral winds up against a rotor at its limit.
 
 from typing import NamedTuple
 
-from lta_control.allocation import allocate, duties, Rotors, Scratch
+from lta_control.allocation import allocate, Rotors, Scratch, thrusts_to_duties
 from lta_control.cascade import (
     cascade_step,
     CascadeGains,
+    CascadeMeasurement,
     CascadeMemory,
-    Demand,
-    Measured,
     Setpoint,
+    WrenchDemand,
 )
 from lta_control.per_rotor import NONE, PerRotor
 
@@ -28,7 +28,7 @@ class ControlMemory(NamedTuple):
 
     cascade: CascadeMemory = CascadeMemory()
     thrusts: PerRotor = NONE
-    shortfall: Demand = Demand(0.0, 0.0, 0.0)
+    shortfall: WrenchDemand = WrenchDemand(0.0, 0.0, 0.0)
 
 
 def control_step(
@@ -36,7 +36,7 @@ def control_step(
     rotors: Rotors,
     surge_drag: tuple[float, float],
     memory: ControlMemory,
-    measured: Measured,
+    measured: CascadeMeasurement,
     setpoint: Setpoint,
     dt: float,
     scratch: Scratch,
@@ -75,11 +75,13 @@ def control_step(
     )
     wrench = (demand.surge, 0.0, demand.heave, 0.0, 0.0, demand.yaw)
     thrusts, given = allocate(rotors, wrench, memory.thrusts, scratch)
-    shortfall = Demand(given[0] - demand.surge, given[2] - demand.heave, given[5] - demand.yaw)
-    return duties(rotors, thrusts), ControlMemory(cascade, thrusts, shortfall)
+    shortfall = WrenchDemand(
+        given[0] - demand.surge, given[2] - demand.heave, given[5] - demand.yaw
+    )
+    return thrusts_to_duties(rotors, thrusts), ControlMemory(cascade, thrusts, shortfall)
 
 
-def landed(measured: Measured, setpoint: Setpoint, standing: float) -> bool:
+def has_landed(measured: CascadeMeasurement, setpoint: Setpoint, standing_height: float) -> bool:
     """
     Tell whether the drone stands on the floor and is asked to be no higher.
 
@@ -91,11 +93,11 @@ def landed(measured: Measured, setpoint: Setpoint, standing: float) -> bool:
         Altitude of the hull centre when the drone stands. [m]
 
     """
-    down = measured.altitude < standing + FOOT and abs(measured.climb) < STILL
-    return down and setpoint.altitude <= standing
+    down = measured.altitude < standing_height + FOOT and abs(measured.climb) < STILL
+    return down and setpoint.altitude <= standing_height
 
 
-def elapsed(last_ns: int | None, now_ns: int, period_ns: int) -> float:
+def step_duration(last_ns: int | None, now_ns: int, period_ns: int) -> float:
     """
     Return the time for one step: between the stamps, up to ten periods. [s]
 

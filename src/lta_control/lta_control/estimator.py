@@ -14,12 +14,25 @@ from typing import NamedTuple
 
 from lta_config.constants import AIR_DENSITY, STANDARD_GRAVITY
 from lta_config.settings import setting, Settings
-from lta_control.airspeed import Airspeed, airspeed_step, Hull
+from lta_control.airspeed import airspeed_step, AirspeedEstimate, HullDragModel
 from lta_control.allocation import Columns
-from lta_control.altitude import Altitude, AltitudeSettings, correct, predict
-from lta_control.attitude import attitude_step, heading, Quaternion, up_in_body, Vector
+from lta_control.altitude import (
+    AltitudeEstimate,
+    AltitudeSettings,
+    correct_altitude,
+    predict_altitude,
+)
+from lta_control.attitude import attitude_step, Quaternion, up_in_body, Vector, yaw_from_quaternion
+from lta_control.bias_calibration import (
+    compute_biases,
+    is_tilted,
+    is_turning,
+    reset_unless_still,
+    rest_step,
+    RestSums,
+    SensorBiases,
+)
 from lta_control.per_rotor import NONE, PerRotor
-from lta_control.rest import Biases, biases_of, kept, Rest, rest_step, tilted, turning
 
 PATIENCE = 5.0  # rest times unmoved, after which a tilt is taken, and a turn refused
 
@@ -50,7 +63,7 @@ class EstimatorSettings(Settings):
     altitude: AltitudeSettings = setting(AltitudeSettings(), 'The altitude filter.')
 
 
-class Body(NamedTuple):
+class EstimatorModel(NamedTuple):
     """
     What the estimator knows of the vehicle.
 
@@ -75,7 +88,7 @@ class Body(NamedTuple):
 
     """
 
-    hull: Hull
+    hull: HullDragModel
     standing_height: float
     imu_position: Vector
     range_position: Vector
@@ -89,7 +102,7 @@ class Body(NamedTuple):
     force_bias: Vector = (0.0, 0.0, 0.0)
 
 
-class Estimate(NamedTuple):
+class MotionEstimate(NamedTuple):
     """
     Everything the estimator remembers; nothing but `rest` and the height until it is ready.
 
@@ -97,18 +110,18 @@ class Estimate(NamedTuple):
     """
 
     ready: bool = False  # whether the biases are known
-    rest: Rest = Rest()
-    biases: Biases = Biases()
+    rest: RestSums = RestSums()
+    biases: SensorBiases = SensorBiases()
     attitude: Quaternion = (0.0, 0.0, 0.0, 1.0)
     rates: Vector = (0.0, 0.0, 0.0)
-    altitude: Altitude = Altitude()
-    airspeed: Airspeed = Airspeed()
+    altitude: AltitudeEstimate = AltitudeEstimate()
+    airspeed: AirspeedEstimate = AirspeedEstimate()
     position: tuple[float, float] = (0.0, 0.0)
     duties: PerRotor = NONE  # that the motors have reached
     flown: float = 0.0  # time since the rest ended [s]
 
 
-class Inputs(NamedTuple):
+class EstimatorInputs(NamedTuple):
     """One step's measurements; NaN where nothing has come."""
 
     rates: Vector  # [rad/s]
@@ -119,23 +132,27 @@ class Inputs(NamedTuple):
 
 
 def estimator_step(
-    settings: EstimatorSettings, body: Body, state: Estimate, inputs: Inputs, dt: float
-) -> Estimate:
+    settings: EstimatorSettings,
+    body: EstimatorModel,
+    state: MotionEstimate,
+    inputs: EstimatorInputs,
+    dt: float,
+) -> MotionEstimate:
     """Return the estimate after one IMU sample and whatever else has come with it."""
     if not state.ready:
-        return _at_rest(settings, body, state, inputs, dt)
-    rates = _minus(inputs.rates, state.biases.rates)
-    force = _minus(inputs.force, state.biases.force)
+        return _calibrate_at_rest(settings, body, state, inputs, dt)
+    rates = _subtract_vectors(inputs.rates, state.biases.rates)
+    force = _subtract_vectors(inputs.force, state.biases.force)
     attitude = attitude_step(state.attitude, rates, force, settings.gravity_gain, dt)
     up = up_in_body(attitude)
-    swing = _swing(body.imu_position, rates, state.rates, dt)
-    moving = _minus(
-        _minus(
+    swing = _lever_arm_acceleration(body.imu_position, rates, state.rates, dt)
+    moving = _subtract_vectors(
+        _subtract_vectors(
             force, (STANDARD_GRAVITY * up[0], STANDARD_GRAVITY * up[1], STANDARD_GRAVITY * up[2])
         ),
         swing,
     )
-    duties = _lagged(body, state.duties, inputs.duties, dt)
+    duties = _lag_duties(body, state.duties, inputs.duties, dt)
     airspeed = airspeed_step(
         body.hull,
         state.airspeed,
@@ -145,39 +162,43 @@ def estimator_step(
         settings.accelerometer_trust,
         dt,
     )
-    return Estimate(
+    return MotionEstimate(
         True,
         state.rest,
         state.biases,
         attitude,
         rates,
-        _altitude(settings, body, state, inputs, up, moving, dt),
+        _update_altitude(settings, body, state, inputs, up, moving, dt),
         airspeed,
-        _moved(state.position, airspeed, heading(attitude), dt),
+        _advance_position(state.position, airspeed, yaw_from_quaternion(attitude), dt),
         duties,
         state.flown + dt,
     )
 
 
-def _at_rest(
-    settings: EstimatorSettings, body: Body, state: Estimate, inputs: Inputs, dt: float
-) -> Estimate:
+def _calibrate_at_rest(
+    settings: EstimatorSettings,
+    body: EstimatorModel,
+    state: MotionEstimate,
+    inputs: EstimatorInputs,
+    dt: float,
+) -> MotionEstimate:
     """Gather means while the drone stands still, until the rest is over."""
     rest = rest_step(state.rest, inputs.rates, inputs.force, inputs.pressure)
     rested = rest.samples * dt
     # The gear's height is known better than a range finder this near to the floor tells it.
     height = body.standing_height
-    altitude = correct(state.altitude, height, settings.altitude.range_noise, False)
+    altitude = correct_altitude(state.altitude, height, settings.altitude.range_noise, False)
     ready, biases = False, state.biases
     if rested >= settings.rest_time and rest.pressures > 0:
-        found = biases_of(rest, height, settings.air_density)
-        turns, long = turning(found, body.rate_bias), rested >= PATIENCE * settings.rest_time
-        ready = not turns and (long or not tilted(found, body.force_bias))
+        found = compute_biases(rest, height, settings.air_density)
+        turns, long = is_turning(found, body.rate_bias), rested >= PATIENCE * settings.rest_time
+        ready = not turns and (long or not is_tilted(found, body.force_bias))
         if ready or long:
             biases = found
         # What has turned until now says nothing of when it stands.
-        rest = kept(rest, ready or not long)
-    return Estimate(
+        rest = reset_unless_still(rest, ready or not long)
+    return MotionEstimate(
         ready,
         rest,
         biases,
@@ -191,15 +212,15 @@ def _at_rest(
     )
 
 
-def _minus(a: Vector, b: Vector) -> Vector:
+def _subtract_vectors(a: Vector, b: Vector) -> Vector:
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
-def _plus(a: Vector, b: Vector) -> Vector:
+def _add_vectors(a: Vector, b: Vector) -> Vector:
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
 
 
-def _swing(place: Vector, rates: Vector, before: Vector, dt: float) -> Vector:
+def _lever_arm_acceleration(place: Vector, rates: Vector, before: Vector, dt: float) -> Vector:
     """
     Return what the IMU feels beyond the hull centre: w' x r + w x (w x r). [m/s2].
 
@@ -211,62 +232,70 @@ def _swing(place: Vector, rates: Vector, before: Vector, dt: float) -> Vector:
         (rates[1] - before[1]) / dt,
         (rates[2] - before[2]) / dt,
     )
-    return _plus(_cross(turning, place), _cross(rates, _cross(rates, place)))
-
-
-def _cross(a: Vector, b: Vector) -> Vector:
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
-
-
-def _altitude(
-    settings: EstimatorSettings,
-    body: Body,
-    state: Estimate,
-    inputs: Inputs,
-    up: Vector,
-    moving: Vector,
-    dt: float,
-) -> Altitude:
-    weights = settings.altitude
-    upward = up[0] * moving[0] + up[1] * moving[1] + up[2] * moving[2]
-    altitude = predict(state.altitude, upward, weights.acceleration_noise, weights.offset_walk, dt)
-    if math.isfinite(inputs.pressure):
-        drop = state.biases.pressure - inputs.pressure
-        height = drop / (settings.air_density * STANDARD_GRAVITY)
-        altitude = correct(altitude, height, weights.pressure_noise, True)
-    if math.isfinite(inputs.range) and up[2] > 0.5:
-        px, py, pz = body.range_position
-        below = px * up[0] + py * up[1] + pz * up[2]
-        altitude = correct(altitude, inputs.range * up[2] - below, weights.range_noise, False)
-    return altitude
-
-
-def _lagged(body: Body, before: PerRotor, commanded: PerRotor, dt: float) -> PerRotor:
-    """Return the duties that the motors have reached, by the nominal lag."""
-    up, down = _share(body.lag_up, dt), _share(body.lag_down, dt)
-    return (
-        _followed(before[0], commanded[0], up, down),
-        _followed(before[1], commanded[1], up, down),
-        _followed(before[2], commanded[2], up, down),
-        _followed(before[3], commanded[3], up, down),
-        _followed(before[4], commanded[4], up, down),
-        _followed(before[5], commanded[5], up, down),
-        _followed(before[6], commanded[6], up, down),
-        _followed(before[7], commanded[7], up, down),
+    return _add_vectors(
+        _cross_product(turning, place), _cross_product(rates, _cross_product(rates, place))
     )
 
 
-def _share(lag: float, dt: float) -> float:
+def _cross_product(a: Vector, b: Vector) -> Vector:
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+def _update_altitude(
+    settings: EstimatorSettings,
+    body: EstimatorModel,
+    state: MotionEstimate,
+    inputs: EstimatorInputs,
+    up: Vector,
+    moving: Vector,
+    dt: float,
+) -> AltitudeEstimate:
+    weights = settings.altitude
+    upward = up[0] * moving[0] + up[1] * moving[1] + up[2] * moving[2]
+    altitude = predict_altitude(
+        state.altitude, upward, weights.acceleration_noise, weights.offset_walk, dt
+    )
+    if math.isfinite(inputs.pressure):
+        drop = state.biases.pressure - inputs.pressure
+        height = drop / (settings.air_density * STANDARD_GRAVITY)
+        altitude = correct_altitude(altitude, height, weights.pressure_noise, True)
+    if math.isfinite(inputs.range) and up[2] > 0.5:
+        px, py, pz = body.range_position
+        below = px * up[0] + py * up[1] + pz * up[2]
+        altitude = correct_altitude(
+            altitude, inputs.range * up[2] - below, weights.range_noise, False
+        )
+    return altitude
+
+
+def _lag_duties(
+    body: EstimatorModel, before: PerRotor, commanded: PerRotor, dt: float
+) -> PerRotor:
+    """Return the duties that the motors have reached, by the nominal lag."""
+    up, down = _lag_share(body.lag_up, dt), _lag_share(body.lag_down, dt)
+    return (
+        _follow_command(before[0], commanded[0], up, down),
+        _follow_command(before[1], commanded[1], up, down),
+        _follow_command(before[2], commanded[2], up, down),
+        _follow_command(before[3], commanded[3], up, down),
+        _follow_command(before[4], commanded[4], up, down),
+        _follow_command(before[5], commanded[5], up, down),
+        _follow_command(before[6], commanded[6], up, down),
+        _follow_command(before[7], commanded[7], up, down),
+    )
+
+
+def _lag_share(lag: float, dt: float) -> float:
     """Return the share of a step that a motor takes in a time."""
     return 1.0 - math.exp(-dt / lag) if lag > 0.0 else 1.0
 
 
-def _followed(before: float, commanded: float, up: float, down: float) -> float:
+def _follow_command(before: float, commanded: float, up: float, down: float) -> float:
     share = up if abs(commanded) > abs(before) else down
     return before + share * (commanded - before)
 
 
-def _rotor_force(body: Body, duties: PerRotor) -> tuple[float, float]:
+def _rotor_force(body: EstimatorModel, duties: PerRotor) -> tuple[float, float]:
     """Return the rotors' force along body x and y. [N]."""
     fx = fy = 0.0
     for j in range(body.number):
@@ -276,8 +305,8 @@ def _rotor_force(body: Body, duties: PerRotor) -> tuple[float, float]:
     return fx, fy
 
 
-def _moved(
-    position: tuple[float, float], speed: Airspeed, yaw: float, dt: float
+def _advance_position(
+    position: tuple[float, float], speed: AirspeedEstimate, yaw: float, dt: float
 ) -> tuple[float, float]:
     cos, sin = math.cos(yaw), math.sin(yaw)
     return (

@@ -3,9 +3,9 @@
 from typing import TypeVar
 
 from lta_config.errors import BadInput
-from lta_config.files import find, load_yaml
-from lta_config.sentence import sentence
+from lta_config.files import find_file, load_yaml
 from lta_config.settings import Settings
+from lta_config.validation_errors import format_error
 from lta_control.cascade import CascadeGains
 from pydantic import ValidationError
 
@@ -13,11 +13,11 @@ Gains = TypeVar('Gains', bound=Settings)
 
 
 def load_gains(name: str) -> CascadeGains:
-    """Return the gains of the cascade, see `load_gains_of`."""
-    return load_gains_of(CascadeGains, name)
+    """Return the gains of the cascade, see `load_law_gains`."""
+    return load_law_gains(CascadeGains, name)
 
 
-def load_gains_of(kind: type[Gains], name: str) -> Gains:
+def load_law_gains(kind: type[Gains], name: str) -> Gains:
     """
     Return the gains of a shipped vehicle or of a parameter file.
 
@@ -34,12 +34,12 @@ def load_gains_of(kind: type[Gains], name: str) -> Gains:
         If there is no such file, or it holds no valid gains for a controller.
 
     """
-    path = find('gains', name)
+    path = find_file('gains', name)
     content = load_yaml(path)
     try:
         return kind.model_validate(content['/**/controller']['ros__parameters']['gains'])
     except ValidationError as error:
-        raise BadInput(f'{path}: {sentence(error)}') from None
+        raise BadInput(f'{path}: {format_error(error)}') from None
     except (KeyError, TypeError):
         raise BadInput(
             f'{path} has no gains under /**/controller, ros__parameters; compare it with a '

@@ -4,17 +4,17 @@ import math
 
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped, TwistStamped
-from lta_control import carried
-from lta_control.attitude import heading, Quaternion, up_in_body
-from lta_control.cascade import Measured, Setpoint
-from lta_control.estimator import Estimate, Inputs
-from lta_control.laws.protocol import Motion
-from lta_control.per_rotor import PerRotor, slots
-from lta_control.reserve import Word
-from lta_control.sighting import Lamp, Reckoned
-from lta_graph.health import Level
-from lta_graph.inbox import Step
-from lta_graph.ros.sound import fault
+from lta_control import message_rounding
+from lta_control.attitude import Quaternion, up_in_body, yaw_from_quaternion
+from lta_control.cascade import CascadeMeasurement, Setpoint
+from lta_control.estimator import EstimatorInputs, MotionEstimate
+from lta_control.laws.protocol import ControlMotion
+from lta_control.per_rotor import pad_to_slots, PerRotor
+from lta_control.reserve import ReserveReport
+from lta_control.sighting import DeadReckonedMotion, LampPosition
+from lta_graph.health import HealthLevel
+from lta_graph.inbox import InboxStep
+from lta_graph.ros.message_validation import find_fault
 from nav_msgs.msg import Odometry
 import numpy as np
 from sensor_msgs.msg import FluidPressure, Imu, JointState, PointCloud2, Range
@@ -31,12 +31,12 @@ YAW_DRIFT = 1e-3  # of heading after the rest at the start [rad/s]: an assumptio
 SPEED_SIGMA = 0.1  # of the airspeed [m/s]: an assumption, checked by the report
 
 
-def to_inputs(step: Step, commanded: PerRotor) -> Inputs:
+def to_inputs(step: InboxStep, commanded: PerRotor) -> EstimatorInputs:
     """Return what the estimator takes from one step's messages; the newest of each counts."""
-    imu: Imu = step.last('imu')
-    distance, air = step.last('range'), step.last('pressure')
+    imu: Imu = step.last_message('imu')
+    distance, air = step.last_message('range'), step.last_message('pressure')
     w, f = imu.angular_velocity, imu.linear_acceleration
-    return Inputs(
+    return EstimatorInputs(
         rates=(w.x, w.y, w.z),
         force=(f.x, f.y, f.z),
         range=math.nan if distance is None else to_distance(distance),
@@ -48,15 +48,15 @@ def to_inputs(step: Step, commanded: PerRotor) -> Inputs:
 def to_distance(message: Range) -> float:
     """Return a distance, NaN where it is outside the sensor's reach (REP-117). [m]"""
     farthest = min(message.max_range, FARTHEST)
-    return carried.reach(float(message.range), message.min_range, farthest)
+    return message_rounding.mask_out_of_range(float(message.range), message.min_range, farthest)
 
 
 def to_pressure(message: FluidPressure) -> float:
     """Return a pressure, NaN where there is no such air to fly in. [Pa]"""
-    return carried.reach(message.fluid_pressure, *BAROMETER)
+    return message_rounding.mask_out_of_range(message.fluid_pressure, *BAROMETER)
 
 
-def is_felt(inputs: Inputs) -> bool:
+def is_plausible(inputs: EstimatorInputs) -> bool:
     """Tell whether an IMU can have felt this: one wrong sample would be in attitude for good."""
     turning = all(abs(rate) <= FASTEST_TURN for rate in inputs.rates)
     return turning and all(abs(force) <= HARDEST_PULL for force in inputs.force)
@@ -64,16 +64,20 @@ def is_felt(inputs: Inputs) -> bool:
 
 def to_duties(motors: JointState | None, names: list[str], before: PerRotor) -> PerRotor:
     """Return the commanded duties by slot; those before where nothing fitting has come."""
-    return before if motors is None or not fits(motors, names) else slots(motors.effort)
+    return (
+        before
+        if motors is None or not is_valid_command(motors, names)
+        else pad_to_slots(motors.effort)
+    )
 
 
-def fits(motors: JointState, names: list[str]) -> bool:
+def is_valid_command(motors: JointState, names: list[str]) -> bool:
     """Tell whether duties are those of a vehicle's rotors, each from -1 to 1."""
     ours = list(motors.name) == names and len(motors.effort) == len(names)
     return ours and all(-1.0 <= duty <= 1.0 for duty in motors.effort)  # NaN compares false
 
 
-def from_estimate(stamp: Time, estimate: Estimate) -> Odometry:
+def from_estimate(stamp: Time, estimate: MotionEstimate) -> Odometry:
     """Return the estimate; covariance[0] is -1 while the estimator still learns its biases."""
     message = Odometry()
     message.header.stamp = stamp
@@ -85,7 +89,7 @@ def from_estimate(stamp: Time, estimate: Estimate) -> Odometry:
     p.z = estimate.altitude.height
     q.x, q.y, q.z, q.w = estimate.attitude
     v, w = twist.linear, twist.angular
-    v.x, v.y, v.z = carried.velocity(estimate)
+    v.x, v.y, v.z = message_rounding.air_relative_velocity(estimate)
     w.x, w.y, w.z = estimate.rates
     pose_covariance = np.zeros(36)
     twist_covariance = np.zeros(36)
@@ -104,41 +108,43 @@ def from_estimate(stamp: Time, estimate: Estimate) -> Odometry:
     return message
 
 
-def attitude_of(message: Odometry) -> Quaternion:
+def to_attitude(message: Odometry) -> Quaternion:
     """Return the orientation as x, y, z, w."""
     q = message.pose.pose.orientation
     return q.x, q.y, q.z, q.w
 
 
-def to_measured(message: Odometry) -> Measured | None:
+def to_measurement(message: Odometry) -> CascadeMeasurement | None:
     """Return what the cascade acts on, or None while the estimate is unknown."""
     if message.pose.covariance[0] == UNKNOWN:
         return None
     linear, angular = message.twist.twist.linear, message.twist.twist.angular
-    return carried.measured(
-        attitude_of(message),
+    return message_rounding.build_measurement(
+        to_attitude(message),
         message.pose.pose.position.z,
         (linear.x, linear.y, linear.z),
         (angular.x, angular.y, angular.z),
     )
 
 
-def to_motion(message: Odometry) -> Motion:
+def to_motion(message: Odometry) -> ControlMotion:
     """Return an estimate as control laws see it."""
     p = message.pose.pose.position
     v, w = message.twist.twist.linear, message.twist.twist.angular
-    return Motion((p.x, p.y, p.z), attitude_of(message), (v.x, v.y, v.z), (w.x, w.y, w.z))
+    return ControlMotion((p.x, p.y, p.z), to_attitude(message), (v.x, v.y, v.z), (w.x, w.y, w.z))
 
 
 def is_level(message: Odometry, limit: float) -> bool:
     """Tell whether the vehicle tilts less than an angle. [rad]."""
-    return up_in_body(attitude_of(message))[2] >= math.cos(limit)
+    return up_in_body(to_attitude(message))[2] >= math.cos(limit)
 
 
 def to_setpoint(pose: PoseStamped, velocity: TwistStamped) -> Setpoint:
     """Return what the navigator asks for."""
     q = pose.pose.orientation
-    return carried.setpoint(pose.pose.position.z, (q.x, q.y, q.z, q.w), velocity.twist.linear.x)
+    return message_rounding.build_setpoint(
+        pose.pose.position.z, (q.x, q.y, q.z, q.w), velocity.twist.linear.x
+    )
 
 
 def from_setpoint(stamp: Time, setpoint: Setpoint) -> tuple[PoseStamped, TwistStamped]:
@@ -148,7 +154,7 @@ def from_setpoint(stamp: Time, setpoint: Setpoint) -> tuple[PoseStamped, TwistSt
     pose.header.frame_id = 'odom'
     pose.pose.position.z = setpoint.altitude
     q = pose.pose.orientation
-    q.x, q.y, q.z, q.w = carried.level(setpoint.heading)
+    q.x, q.y, q.z, q.w = message_rounding.level_quaternion(setpoint.heading)
     velocity = TwistStamped()
     velocity.header.stamp = stamp
     velocity.header.frame_id = 'base_link'
@@ -166,38 +172,40 @@ def from_duties(stamp: Time, names: list[str], duties: tuple[float, ...]) -> Joi
     return message
 
 
-def to_reckoned(message: Odometry) -> Reckoned:
+def to_dead_reckoning(message: Odometry) -> DeadReckonedMotion:
     """Return how the drone takes itself to move."""
     place, speed = message.pose.pose.position, message.twist.twist.linear
-    return Reckoned(heading(attitude_of(message)), place.x, place.y, speed.x, speed.y)
+    return DeadReckonedMotion(
+        yaw_from_quaternion(to_attitude(message)), place.x, place.y, speed.x, speed.y
+    )
 
 
-def heard_word(before: Word | None, step: Step) -> Word | None:
+def update_reserve_report(before: ReserveReport | None, step: InboxStep) -> ReserveReport | None:
     """
     Return the energy monitor's latest report, stamped when its reserve message came.
 
     The reserve and the status are separate topics, so either may arrive a step after the other.
     """
-    reserve, status = step.last('energy/reserve'), step.last('energy/status')
+    reserve, status = step.last_message('energy/reserve'), step.last_message('energy/status')
     told = None if status is None or not status.status else status.status[0]
     if reserve is None and told is None:
         return before
     # Until the first reserve message, assume that the reserve is reached: stay on the ground.
-    word = Word(step.stamp_ns, True, False) if before is None else before
+    word = ReserveReport(step.stamp_ns, True, False) if before is None else before
     if told is not None:
-        word = word._replace(urgent=told.level >= bytes([Level.ERROR]), why=told.message)
+        word = word._replace(urgent=told.level >= bytes([HealthLevel.ERROR]), why=told.message)
     if reserve is not None:
         word = word._replace(stamp_ns=step.stamp_ns, reserve=reserve.data)
     return word
 
 
-def to_lamp(message: PoseWithCovarianceStamped) -> Lamp | None:
+def to_lamp(message: PoseWithCovarianceStamped) -> LampPosition | None:
     """Return the lamp in the body frame, None where it is not seen."""
     place, covariance = message.pose.pose.position, message.pose.covariance
-    if covariance[0] == UNKNOWN or fault(message):
+    if covariance[0] == UNKNOWN or find_fault(message):
         return None
     spread = float(covariance[0]), float(covariance[1]), float(covariance[7])
-    return Lamp(place.x, place.y, place.z, spread)
+    return LampPosition(place.x, place.y, place.z, spread)
 
 
 def to_diodes(
@@ -209,7 +217,7 @@ def to_diodes(
     It is the first row of the cloud; those of other beacons follow. A cloud that does not hold
     what it declares is as good as none.
     """
-    if message is None or message.width == 0 or message.height == 0 or fault(message):
+    if message is None or message.width == 0 or message.height == 0 or find_fault(message):
         return (), ()
     places = {field.name: field.offset // 4 for field in message.fields}
     known = all(4 * places.get(name, math.inf) < message.point_step for name in ROW)

@@ -17,10 +17,10 @@ from typing import final
 from lta_config.course import Course
 from lta_config.settings import setting
 from lta_control.cascade import Setpoint
-from lta_control.obedience import homeward, obeyed
 from lta_control.phases import Mission, Phase, SWITCHING
-from lta_control.reserve import Order, ReserveSettings
-from lta_control.strategies.protocol import Sight, Strategy
+from lta_control.reserve import FlightPermission, ReserveActionSettings
+from lta_control.reserve_policy import apply_reserve, heading_to_start
+from lta_control.strategies.protocol import LightSight, NavigationStrategy
 from lta_control.strategies.settings import StrategySettings
 
 
@@ -52,13 +52,13 @@ class MissionSettings(StrategySettings):
 
 def mission_step(
     settings: MissionSettings,
-    strategy: Strategy,
+    strategy: NavigationStrategy,
     mission: Mission,
-    sight: Sight,
+    sight: LightSight,
     altitude: float | None,
-    order: Order,
+    order: FlightPermission,
     lamps: int = 1,
-    reserve: ReserveSettings = ReserveSettings(),  # noqa: B008 - frozen
+    reserve: ReserveActionSettings = ReserveActionSettings(),  # noqa: B008 - frozen
 ) -> tuple[Setpoint, Mission]:
     """
     Return what the controller should hold, and the mission as it now stands.
@@ -85,7 +85,7 @@ def mission_step(
 
     """
     phase, memory = mission.phase, mission.memory
-    if altitude is None or (phase is Phase.REST and order is not Order.FLY):
+    if altitude is None or (phase is Phase.REST and order is not FlightPermission.FLY):
         return Setpoint(0.0, sight.heading, 0.0), mission
     if phase is Phase.REST:
         phase, memory = Phase.CLIMB, strategy.start(sight.heading)
@@ -93,14 +93,14 @@ def mission_step(
     if phase is Phase.CLIMB and altitude > settings.altitude - settings.reached:
         phase = Phase.SEEK
     mission = mission._replace(phase=phase, memory=memory)
-    mission = obeyed(reserve, settings.speed, mission, sight, order)
+    mission = apply_reserve(reserve, settings.speed, mission, sight, order)
     phase, memory = mission.phase, mission.memory
     if phase is Phase.HOME:
-        heading = homeward(mission.start, sight.position)
+        heading = heading_to_start(mission.start, sight.position)
         mission = mission._replace(memory=(heading, *memory[1:]))
         return Setpoint(settings.altitude, heading, settings.speed), mission
     if phase is Phase.SEEK or phase is Phase.ARRIVED:
-        return _steered(settings, strategy, mission, sight, lamps)
+        return _steer_by_strategy(settings, strategy, mission, sight, lamps)
     if phase is Phase.CLIMB and strategy.watch is not None:
         memory = strategy.watch(settings, memory, sight)
         mission = mission._replace(memory=memory)
@@ -108,28 +108,38 @@ def mission_step(
     return Setpoint(height, memory[0], 0.0), mission
 
 
-def _steered(
-    settings: MissionSettings, strategy: Strategy, mission: Mission, sight: Sight, lamps: int
+def _steer_by_strategy(
+    settings: MissionSettings,
+    strategy: NavigationStrategy,
+    mission: Mission,
+    sight: LightSight,
+    lamps: int,
 ) -> tuple[Setpoint, Mission]:
     """Return what the strategy asks for, and hand over to the next lamp where it has arrived."""
     known = mission.asked == mission.leg and mission.turns >= SWITCHING
-    course, memory = strategy.steer(settings, mission.memory, sight if known else blind(sight))
+    course, memory = strategy.steer(
+        settings, mission.memory, sight if known else remove_light(sight)
+    )
     setpoint = Setpoint(settings.altitude, course.heading, course.speed)
     mission = mission._replace(memory=memory)
     if course.arrived:
         mission = mission._replace(phase=Phase.ARRIVED)
     if lamps > 1:
-        mission = _listened(settings, strategy, mission, sight, lamps)
+        mission = _listen_for_next(settings, strategy, mission, sight, lamps)
     return setpoint, mission
 
 
-def blind(sight: Sight) -> Sight:
+def remove_light(sight: LightSight) -> LightSight:
     """Return a sight without its light: of another lamp, or of none."""
     return sight._replace(seen=False, bearing=0.0, deviation=0.0, strength=0.0, elevation=0.0)
 
 
-def _listened(
-    settings: MissionSettings, strategy: Strategy, mission: Mission, sight: Sight, lamps: int
+def _listen_for_next(
+    settings: MissionSettings,
+    strategy: NavigationStrategy,
+    mission: Mission,
+    sight: LightSight,
+    lamps: int,
 ) -> Mission:
     """Return a mission of several lamps after one more turn of listening."""
     turns = mission.turns + 1
@@ -155,7 +165,7 @@ def _listened(
 
 
 def course_step(
-    course: Course, time: float, heading: float, altitude: float | None, order: Order
+    course: Course, time: float, heading: float, altitude: float | None, order: FlightPermission
 ) -> Setpoint:
     """
     Return what the controller should hold on a course that is flown instead of a search.
@@ -174,7 +184,7 @@ def course_step(
     """
     if altitude is None:
         return Setpoint(0.0, heading, 0.0)
-    asked = course.asked(time)
-    if order is not Order.FLY:
+    asked = course.setpoint_at(time)
+    if order is not FlightPermission.FLY:
         return Setpoint(0.0, asked.heading, 0.0)
     return Setpoint(asked.altitude, asked.heading, asked.speed)

@@ -11,15 +11,21 @@ from typing import NamedTuple
 
 from lta_control.allocation import Rotors, Scratch
 from lta_control.attitude import up_in_body, Vector
-from lta_control.carried import measured as measured_of
-from lta_control.carried import velocity
-from lta_control.cascade import CascadeGains, Measured, Setpoint
-from lta_control.control import control_step, ControlMemory, landed
-from lta_control.estimator import Body, Estimate, estimator_step, EstimatorSettings, Inputs
+from lta_control.cascade import CascadeGains, CascadeMeasurement, Setpoint
+from lta_control.control import control_step, ControlMemory, has_landed
+from lta_control.estimator import (
+    estimator_step,
+    EstimatorInputs,
+    EstimatorModel,
+    EstimatorSettings,
+    MotionEstimate,
+)
+from lta_control.message_rounding import air_relative_velocity
+from lta_control.message_rounding import build_measurement as measured_of
 from lta_control.per_rotor import NONE, PerRotor
 
 
-class Drone(NamedTuple):
+class DroneConstants(NamedTuple):
     """
     What stays the same during a flight.
 
@@ -45,7 +51,7 @@ class Drone(NamedTuple):
     """
 
     estimator: EstimatorSettings
-    body: Body
+    body: EstimatorModel
     gains: CascadeGains
     rotors: Rotors
     surge_drag: tuple[float, float]
@@ -54,7 +60,7 @@ class Drone(NamedTuple):
     fresh: ControlMemory = ControlMemory()
 
 
-class Heard(NamedTuple):
+class SensorInputs(NamedTuple):
     """One step's readings; NaN where nothing has come."""
 
     rates: Vector  # [rad/s]
@@ -63,11 +69,11 @@ class Heard(NamedTuple):
     pressure: float = math.nan  # [Pa]
 
 
-class Onboard(NamedTuple):
+class OnboardMemory(NamedTuple):
     """Everything that the drone's estimator and controller remember."""
 
-    estimate: Estimate = Estimate()
-    measured: Measured = Measured(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    estimate: MotionEstimate = MotionEstimate()
+    measured: CascadeMeasurement = CascadeMeasurement(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     guided: bool = False  # whether there is a setpoint yet
     setpoint: Setpoint = Setpoint(0.0, 0.0, 0.0)
     control: ControlMemory = ControlMemory()
@@ -75,7 +81,9 @@ class Onboard(NamedTuple):
     stopped: bool = False  # for good: turned over, or something is no number
 
 
-def onboard_step(drone: Drone, memory: Onboard, heard: Heard, scratch: Scratch) -> Onboard:
+def onboard_step(
+    drone: DroneConstants, memory: OnboardMemory, readings: SensorInputs, scratch: Scratch
+) -> OnboardMemory:
     """
     Return the memory one control period later, with the new duties in it.
 
@@ -92,14 +100,16 @@ def onboard_step(drone: Drone, memory: Onboard, heard: Heard, scratch: Scratch) 
 
     """
     estimate = memory.estimate
-    if _finite(heard.rates) and _finite(heard.force):
-        inputs = Inputs(heard.rates, heard.force, heard.range, heard.pressure, memory.duties)
+    if _is_finite(readings.rates) and _is_finite(readings.force):
+        inputs = EstimatorInputs(
+            readings.rates, readings.force, readings.range, readings.pressure, memory.duties
+        )
         estimate = estimator_step(drone.estimator, drone.body, estimate, inputs, drone.dt)
-    height, speed = estimate.altitude.height, velocity(estimate)
+    height, speed = estimate.altitude.height, air_relative_velocity(estimate)
     measured = measured_of(estimate.attitude, height, speed, estimate.rates)
     stopped = memory.stopped or _must_stop(drone, memory, estimate, measured)
     control, duties = drone.fresh, NONE
-    standing = landed(measured, memory.setpoint, drone.body.standing_height)
+    standing = has_landed(measured, memory.setpoint, drone.body.standing_height)
     if estimate.ready and memory.guided and not stopped and not standing:
         duties, control = control_step(
             drone.gains,
@@ -111,23 +121,30 @@ def onboard_step(drone: Drone, memory: Onboard, heard: Heard, scratch: Scratch) 
             drone.dt,
             scratch,
         )
-    return Onboard(estimate, measured, memory.guided, memory.setpoint, control, duties, stopped)
+    return OnboardMemory(
+        estimate, measured, memory.guided, memory.setpoint, control, duties, stopped
+    )
 
 
-def _must_stop(drone: Drone, memory: Onboard, estimate: Estimate, measured: Measured) -> bool:
+def _must_stop(
+    drone: DroneConstants,
+    memory: OnboardMemory,
+    estimate: MotionEstimate,
+    measured: CascadeMeasurement,
+) -> bool:
     """Tell whether the drone has turned over or what it flies by is no number."""
     if not estimate.ready:
         return False
-    known = _finite((measured.altitude, measured.climb, measured.heading)) and _finite(
+    known = _is_finite((measured.altitude, measured.climb, measured.heading)) and _is_finite(
         (measured.yaw_rate, measured.speed, measured.sway)
     )
     if known:
         upright = up_in_body(estimate.attitude)[2] >= drone.uprightness
-        return not upright or (memory.guided and not _finite(memory.setpoint))
+        return not upright or (memory.guided and not _is_finite(memory.setpoint))
     return memory.guided
 
 
-def _finite(numbers: Vector) -> bool:
+def _is_finite(numbers: Vector) -> bool:
     """Tell whether three numbers are all finite."""
     a, b, c = numbers
     return math.isfinite(a) and math.isfinite(b) and math.isfinite(c)

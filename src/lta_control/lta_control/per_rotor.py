@@ -16,7 +16,7 @@ PerRotor = tuple[float, float, float, float, float, float, float, float]
 NONE: PerRotor = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
-def slots(values: Iterable[float]) -> PerRotor:
+def pad_to_slots(values: Iterable[float]) -> PerRotor:
     """
     Return up to eight numbers with zeros behind them.
 

@@ -13,7 +13,7 @@ from lta_config.settings import setting, Settings
 Action = Literal['land', 'return', 'perch']
 
 
-class Order(IntEnum):
+class FlightPermission(IntEnum):
     """What the energy allows; the larger, the sooner the flight must end."""
 
     FLY = 0
@@ -22,7 +22,7 @@ class Order(IntEnum):
 
 
 @final
-class ReserveSettings(Settings):
+class ReserveActionSettings(Settings):
     """What to do when the energy reserve is reached, and how long to believe what was said."""
 
     action: Action = setting(
@@ -52,7 +52,7 @@ class ReserveSettings(Settings):
     )
 
 
-class Word(NamedTuple):
+class ReserveReport(NamedTuple):
     """
     What the energy monitor said last.
 
@@ -75,19 +75,23 @@ class Word(NamedTuple):
     why: str = ''
 
 
-def order_of(settings: ReserveSettings, word: Word | None, now_ns: int) -> Order:
+def decide_permission(
+    settings: ReserveActionSettings, word: ReserveReport | None, now_ns: int
+) -> FlightPermission:
     """Return what the energy allows; who has heard nothing, or nothing lately, comes down. [ns]"""
     if word is None or is_stale(settings, word, now_ns) or word.urgent:
-        return Order.DOWN
-    return Order.RESERVE if word.reserve else Order.FLY
+        return FlightPermission.DOWN
+    return FlightPermission.RESERVE if word.reserve else FlightPermission.FLY
 
 
-def is_stale(settings: ReserveSettings, word: Word, now_ns: int) -> bool:
+def is_stale(settings: ReserveActionSettings, word: ReserveReport, now_ns: int) -> bool:
     """Tell whether a word is too old to be believed. [ns]"""
     return (now_ns - word.stamp_ns) * 1e-9 > settings.stale
 
 
-def because(settings: ReserveSettings, word: Word | None, now_ns: int) -> str:
+def explain_restriction(
+    settings: ReserveActionSettings, word: ReserveReport | None, now_ns: int
+) -> str:
     """Return why the energy forbids to fly, in words. [ns]"""
     if word is None:
         return 'nothing has been heard of the energy'

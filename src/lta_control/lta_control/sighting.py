@@ -3,24 +3,24 @@ What a strategy sees: from what the demodulator says of one block to a `Sight`.
 
 The node takes the numbers out of messages, a loop in one process out of what the messages would
 carry; both end here. The lamp comes as a point with a covariance that is long on the ray of its
-bearing (`lta_vlc.lamp.lamp_estimate`). To first order the variance across that ray is
+bearing (`lta_vlc.lamp.estimate_lamp_position`). To first order the variance across that ray is
 :math:`(d^2 + \sigma_d^2)\,\sigma^2`, d the distance of the point, :math:`\sigma_d` its deviation
 along the ray and :math:`\sigma` that of the bearing, which is so got back.
 
 The strength is what a diode that faces the lamp would read. With an even ring of N cosine diodes
-:math:`|\sum M_i n_i| = N M / 4` at every bearing (`lta_vlc.array`), and a pedestal that is the
+:math:`|\sum M_i n_i| = N M / 4` at every bearing (`lta_vlc.bearing`), and a pedestal that is the
 same for all cancels.
 """
 
 import math
 from typing import NamedTuple
 
-from lta_control.strategies.protocol import Sight
+from lta_control.strategies.protocol import LightSight
 
 Spread = tuple[float, float, float]
 
 
-class Reckoned(NamedTuple):
+class DeadReckonedMotion(NamedTuple):
     """How the drone takes itself to move at one instant."""
 
     heading: float  # [rad, odom]
@@ -30,7 +30,7 @@ class Reckoned(NamedTuple):
     left: float
 
 
-class Lamp(NamedTuple):
+class LampPosition(NamedTuple):
     """A lamp in the body frame: where [m], and the xx, xy and yy of its covariance [m2]."""
 
     x: float
@@ -39,14 +39,14 @@ class Lamp(NamedTuple):
     spread: Spread
 
 
-def sighted(
-    lamp: Lamp | None,
+def build_sight(
+    lamp: LampPosition | None,
     axes: tuple[tuple[float, float], ...],
     amplitudes: tuple[float, ...],
-    reckoned: Reckoned,
+    reckoned: DeadReckonedMotion,
     interval: float,
     scale: float = 1.0,
-) -> Sight:
+) -> LightSight:
     """
     Return what the light of one block says.
 
@@ -74,7 +74,7 @@ def sighted(
         bearing, elevation = math.atan2(lamp.y, lamp.x), math.atan2(lamp.z, away)
         deviation = bearing_deviation(lamp)
         strength = facing_strength(axes, amplitudes) / scale
-    return Sight(
+    return LightSight(
         lamp is not None,
         bearing,
         reckoned.heading,
@@ -88,7 +88,7 @@ def sighted(
     )
 
 
-def bearing_deviation(lamp: Lamp) -> float:
+def bearing_deviation(lamp: LampPosition) -> float:
     """Return the standard deviation of a lamp's bearing. [rad]"""
     squared = lamp.x * lamp.x + lamp.y * lamp.y
     if squared <= 0.0:

@@ -13,12 +13,12 @@ EMPTY = np.empty(0)
 HOLES = 3.0  # points to a sample, beyond which it is nearly all holes
 
 
-def fits(points: float, samples: int, most: float = HOLES) -> bool:
+def is_grid_allowed(points: float, samples: int, most: float = HOLES) -> bool:
     """Tell whether an even clock over so many samples may have so many points."""
     return points <= max(GRID, most * samples)
 
 
-def even_grid(first: float, last: float, step: float, samples: int) -> NDArray[np.float64]:
+def build_even_grid(first: float, last: float, step: float, samples: int) -> NDArray[np.float64]:
     """
     Return an even clock; empty where it would be too long.
 
@@ -30,4 +30,6 @@ def even_grid(first: float, last: float, step: float, samples: int) -> NDArray[n
         How many there are between the two.
 
     """
-    return np.arange(first, last, step) if fits((last - first) / step, samples) else EMPTY
+    return (
+        np.arange(first, last, step) if is_grid_allowed((last - first) / step, samples) else EMPTY
+    )

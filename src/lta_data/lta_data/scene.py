@@ -7,7 +7,7 @@ from typing import final, NamedTuple, TypeVar
 from lta_config.errors import BadInput
 from lta_config.files import parse_yaml
 from lta_config.schema.vehicle_file import VehicleFile
-from lta_config.sentence import sentence
+from lta_config.validation_errors import format_error
 from lta_model.scenario import Scenario
 from pydantic import BaseModel, ValidationError
 
@@ -15,14 +15,14 @@ Model = TypeVar('Model', bound=BaseModel)
 
 
 @final
-class Scene(NamedTuple):
+class RecordedScene(NamedTuple):
     """What the bag tells of world and vehicle; None where it does not tell."""
 
     scenario: Scenario | None
     vehicle: VehicleFile | None
 
 
-def scene_of(provenance: Mapping[str, str]) -> Scene:
+def read_scene(provenance: Mapping[str, str]) -> RecordedScene:
     """
     Return the world of a flight from its bag's provenance.
 
@@ -32,22 +32,24 @@ def scene_of(provenance: Mapping[str, str]) -> Scene:
         If the bag carries a file that cannot be read.
 
     """
-    return Scene(
-        parsed(Scenario, provenance, 'scenario_file'),
-        parsed(VehicleFile, provenance, 'vehicle_file'),
+    return RecordedScene(
+        parse_provenance_file(Scenario, provenance, 'scenario_file'),
+        parse_provenance_file(VehicleFile, provenance, 'vehicle_file'),
     )
 
 
-def parsed(model: type[Model], provenance: Mapping[str, str], key: str) -> Model | None:
+def parse_provenance_file(
+    model: type[Model], provenance: Mapping[str, str], key: str
+) -> Model | None:
     """Return one file of the provenance, checked against its model; None if it is not there."""
-    return _read(model, provenance[key], key) if key in provenance else None
+    return _parse_model(model, provenance[key], key) if key in provenance else None
 
 
 @lru_cache(maxsize=32)  # a study reads the same few files often; the models are frozen
-def _read(model: type[Model], text: str, key: str) -> Model:
+def _parse_model(model: type[Model], text: str, key: str) -> Model:
     try:
         return model.model_validate(parse_yaml(text, f"The bag's {key}"))
     except ValidationError as error:
         raise BadInput(
-            f"The bag's {key} is not one that this version reads: {sentence(error)}"
+            f"The bag's {key} is not one that this version reads: {format_error(error)}"
         ) from error

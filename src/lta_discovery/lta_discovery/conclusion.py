@@ -11,10 +11,14 @@ from dataclasses import dataclass
 import math
 from typing import Final, final, Literal
 
-from lta_discovery.finding import Finding, Gap
-from lta_discovery.forecast.cautions import in_vain, keeps, worse
-from lta_discovery.model.candidates import components
-from lta_discovery.naming.accept import GAIN
+from lta_discovery.finding import DiscoveryFinding, PredictionGap
+from lta_discovery.forecast.forecast_warnings import (
+    find_vain_gaps,
+    find_worse_gaps,
+    should_keep_file,
+)
+from lta_discovery.model.candidates import vector_components
+from lta_discovery.selection.acceptance import GAIN
 
 Advice = Literal['keep', 'measure', 'again', 'use']
 
@@ -60,64 +64,64 @@ class Conclusion:
     rivals: tuple[str, ...]
     coasting: bool
     advice: Advice
-    gain: Gap | None
+    gain: PredictionGap | None
     by_tolerances: bool
     fits: bool
 
     @property
-    def doubtful(self) -> bool:
+    def is_doubtful(self) -> bool:
         """Whether the names or their values are in doubt."""
         return bool(self.rivals) or self.advice == 'again' or self.coasting
 
 
-def draw_conclusion(found: Finding) -> Conclusion:
+def draw_conclusion(finding: DiscoveryFinding) -> Conclusion:
     """Return what a finding allows to say."""
-    gap = main_gap(found.gaps)
-    advice, loose = _choose_advice(found), _tolerances_suffice(found)
-    rivals = dict.fromkeys(rival for one in found.effects for rival in one.confusable_with)
+    gap = select_main_gap(finding.gaps)
+    advice, loose = _choose_advice(finding), _tolerances_suffice(finding)
+    rivals = dict.fromkeys(rival for one in finding.effects for rival in one.confusable_with)
     better = advice == 'use' and gap is not None and gap.shrink > 0.0
     return Conclusion(
-        asserted=bool(found.effects) and found.verdict != 'not_identifiable',
+        asserted=bool(finding.effects) and finding.verdict != 'not_identifiable',
         rivals=tuple(rivals),
         coasting=gap is not None and gap.coast < min(gap.tuned, gap.after),
         advice=advice,
         gain=gap if better or (loose and advice == 'measure') else None,
         by_tolerances=gap is not None and gap.after >= CLOSER * gap.tuned,
-        fits=found.verdict == 'none'
+        fits=finding.verdict == 'none'
         and advice == 'keep'
-        and not (found.strained or worse(found.gaps)),
+        and not (finding.strained or find_worse_gaps(finding.gaps)),
     )
 
 
-def _choose_advice(found: Finding) -> Advice:
+def _choose_advice(finding: DiscoveryFinding) -> Advice:
     """Return what to do with the vehicle file."""
-    if keeps(found.gaps):
+    if should_keep_file(finding.gaps):
         return 'keep'
-    if found.verdict == 'not_identifiable' or (found.effects and in_vain(found.gaps)):
+    if finding.verdict == 'not_identifiable' or (finding.effects and find_vain_gaps(finding.gaps)):
         return 'again'
-    if found.effects:
-        gap = main_gap(found.gaps)
+    if finding.effects:
+        gap = select_main_gap(finding.gaps)
         return 'again' if gap is not None and gap.after > WORSE * gap.before else 'use'
-    if found.strained or _tolerances_suffice(found):
+    if finding.strained or _tolerances_suffice(finding):
         return 'measure'
-    strong = any(rung.total > GAIN for step in found.ladder for rung in step)
-    return 'again' if strong and found.verdict == 'none' else 'keep'
+    strong = any(rung.total > GAIN for step in finding.ladder for rung in step)
+    return 'again' if strong and finding.verdict == 'none' else 'keep'
 
 
-def _tolerances_suffice(found: Finding) -> bool:
+def _tolerances_suffice(finding: DiscoveryFinding) -> bool:
     """Tell whether nothing is missing, but numbers within their tolerances make most errors."""
-    gap = main_gap(found.gaps)
-    return found.verdict == 'none' and gap is not None and gap.tuned < LOOSE * gap.before
+    gap = select_main_gap(finding.gaps)
+    return finding.verdict == 'none' and gap is not None and gap.tuned < LOOSE * gap.before
 
 
-def main_gap(gaps: Sequence[Gap]) -> Gap | None:
+def select_main_gap(gaps: Sequence[PredictionGap]) -> PredictionGap | None:
     """Return the gap that stands for all: of the position, furthest ahead."""
     finite = [gap for gap in gaps if math.isfinite(gap.before) and math.isfinite(gap.after)]
     place = [gap for gap in finite if gap.channel == 'position'] or finite
     return max(place, key=lambda gap: gap.horizon_s, default=None)
 
 
-def is_still_named(found: Finding, knob: str) -> bool:
+def is_still_named(finding: DiscoveryFinding, knob: str) -> bool:
     """Tell whether what a round of the ladder named is still named at the end."""
-    told = {name for one in found.effects for name in one.knobs}
-    return bool(told & set(components(knob)))
+    told = {name for one in finding.effects for name in one.knobs}
+    return bool(told & set(vector_components(knob)))

@@ -8,9 +8,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Final, final, Literal, NamedTuple
 
-from lta_discovery.naming.detectable import Detectable
-from lta_discovery.outside.draught import Draught
-from lta_discovery.outside.unexplained import Remainder
+from lta_discovery.selection.detection_limit import DetectionLimit
+from lta_discovery.unmodeled.draught import DraughtFinding
+from lta_discovery.unmodeled.remainders import Remainder
 
 Verdict = Literal['none', 'named', 'unexplained', 'named+unexplained', 'not_identifiable']
 Interval = tuple[float, float]
@@ -19,7 +19,7 @@ SCHEMA: Final = 1  # of discovery.json
 
 
 @final
-class Learned(NamedTuple):
+class ParameterEstimate(NamedTuple):
     """
     One parameter of an effect.
 
@@ -49,7 +49,7 @@ class Learned(NamedTuple):
 
 
 @final
-class Rung(NamedTuple):
+class LadderRung(NamedTuple):
     """
     One candidate of one round of the ladder of evidence.
 
@@ -81,7 +81,7 @@ class Rung(NamedTuple):
 
 
 @final
-class Assumed(NamedTuple):
+class AssumedValue(NamedTuple):
     """
     One number of an effect that no flight was asked for.
 
@@ -125,14 +125,14 @@ class NamedEffect:
 
     name: str
     knobs: tuple[str, ...]
-    parameters: tuple[Learned, ...]
+    parameters: tuple[ParameterEstimate, ...]
     log_evidence: float
     confusable_with: tuple[str, ...] = ()
-    assumed: tuple[Assumed, ...] = ()
+    assumed: tuple[AssumedValue, ...] = ()
 
 
 @final
-class Place(NamedTuple):
+class Discrepancy(NamedTuple):
     """
     Where and when the model of the vehicle file disagrees.
 
@@ -161,7 +161,7 @@ class Place(NamedTuple):
 
 @final
 @dataclass(frozen=True, slots=True)
-class Gap:
+class PredictionGap:
     """
     How far predictions are off, one channel at one horizon.
 
@@ -203,7 +203,7 @@ class Gap:
 
 
 @final
-class Worth(NamedTuple):
+class GroupShare(NamedTuple):
     """
     One name that forecasts gave.
 
@@ -222,7 +222,7 @@ class Worth(NamedTuple):
 
 
 @final
-class LeftOut(NamedTuple):
+class LeftOutRegime(NamedTuple):
     """
     One regime, left out of the fit.
 
@@ -244,7 +244,7 @@ class LeftOut(NamedTuple):
 
 @final
 @dataclass(frozen=True, slots=True)
-class Carried:
+class TransferEvidence:
     """
     What names given by forecasts rest on.
 
@@ -261,15 +261,15 @@ class Carried:
 
     """
 
-    names: tuple[Worth, ...]
-    regimes: tuple[LeftOut, ...]
+    names: tuple[GroupShare, ...]
+    regimes: tuple[LeftOutRegime, ...]
     interpolates: tuple[str, ...] = ()
     numbers: int = 0
 
 
 @final
 @dataclass(frozen=True, slots=True)
-class Finding:
+class DiscoveryFinding:
     """
     All that was found.
 
@@ -316,9 +316,9 @@ class Finding:
 
     verdict: Verdict
     effects: tuple[NamedEffect, ...]
-    ladder: tuple[tuple[Rung, ...], ...]
-    where: tuple[Place, ...]
-    gaps: tuple[Gap, ...]
+    ladder: tuple[tuple[LadderRung, ...], ...]
+    where: tuple[Discrepancy, ...]
+    gaps: tuple[PredictionGap, ...]
     held_out: bool
     remains: tuple[Remainder, ...]
     warnings: tuple[str, ...]
@@ -326,9 +326,9 @@ class Finding:
     bags: Mapping[str, tuple[str, ...]]
     vehicle: str
     versions: Mapping[str, str] = field(default_factory=dict)
-    detectable: tuple[Detectable, ...] = ()
+    detectable: tuple[DetectionLimit, ...] = ()
     unexplained: tuple[str, ...] = ()
     next_flight: str = ''
-    carried: Carried | None = None
-    draught: Draught | None = None
+    carried: TransferEvidence | None = None
+    draught: DraughtFinding | None = None
     strained: tuple[str, ...] = ()

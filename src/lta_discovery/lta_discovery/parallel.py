@@ -10,7 +10,7 @@ Given = TypeVar('Given')
 Result = TypeVar('Result')
 
 
-def map_parallel(work: Callable[[Given], Result], given: Sequence[Given]) -> list[Result]:
+def map_parallel(work: Callable[[Given], Result], items: Sequence[Given]) -> list[Result]:
     """
     Return what comes of some work on each of a few things, in their order.
 
@@ -26,8 +26,8 @@ def map_parallel(work: Callable[[Given], Result], given: Sequence[Given]) -> lis
 
     """
     threads = 1 if parent_process() is not None else len(os.sched_getaffinity(0))
-    threads = min(threads, len(given))
+    threads = min(threads, len(items))
     if threads < 2:
-        return [work(one) for one in given]
+        return [work(one) for one in items]
     with ThreadPoolExecutor(threads) as pool:
-        return list(pool.map(work, given))
+        return list(pool.map(work, items))

@@ -2,7 +2,7 @@
 
 from typing import Final, final
 
-from lta_report.bar import Bar
+from lta_report.progress_bar import ProgressBar
 from rich.console import Console
 from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
 
@@ -10,7 +10,7 @@ SAID: Final = 60  # characters of a stage
 
 
 @final
-class DiscoverProgress(Bar):
+class DiscoverProgress(ProgressBar):
     """
     Show a discovery while it lasts.
 
@@ -29,7 +29,7 @@ class DiscoverProgress(Bar):
         )
         super().__init__(console, *columns, begin='reading', total=None)
 
-    def stage(self, words: str, share: float | None = None) -> None:
+    def show_stage(self, words: str, share: float | None = None) -> None:
         """
         Say what is being done.
 
@@ -42,6 +42,6 @@ class DiscoverProgress(Bar):
 
         """
         if share is None:
-            self.move(description=words[:SAID])
+            self.update_bar(description=words[:SAID])
         else:
-            self.move(description=words[:SAID], total=1.0, completed=share)
+            self.update_bar(description=words[:SAID], total=1.0, completed=share)

@@ -7,26 +7,31 @@ from pathlib import Path
 from typing import final
 
 from lta_bridge.bag.storage import StorageFault
-from lta_bridge.provenance import here
+from lta_bridge.provenance import describe_environment
 from lta_config.errors import BadInput
-from lta_config.files import find
-from lta_discovery.carrying.regimes import interpolation
-from lta_discovery.carrying.route import by_forecasts
+from lta_config.files import find_file
+from lta_discovery.discrepancies.locate import BaselineFlight, find_discrepancies
 from lta_discovery.flights.bags import read_bags, Role
-from lta_discovery.flights.trusted import Believed, believed
-from lta_discovery.forecast.cautions import cautions
+from lta_discovery.flights.usable_flights import select_usable_flights, UsableFlights
+from lta_discovery.forecast.forecast_warnings import list_forecast_warnings
 from lta_discovery.page.page import NAME as PAGE
-from lta_discovery.page.page import page
-from lta_discovery.planning.next_flight import doubted, hint, Next, of_study
-from lta_discovery.replay.linear import origin
+from lta_discovery.page.page import render_page
+from lta_discovery.planning.next_flight import (
+    add_confusable,
+    format_hint,
+    NextFlight,
+    plan_for_study,
+)
+from lta_discovery.replay.linearized_flight import build_origin
 from lta_discovery.results.discovery_json import NAME, to_dict
-from lta_discovery.results.learned_file import learned_text
+from lta_discovery.results.learned_file import format_learned_vehicle
 from lta_discovery.results.overlay import write_overlay
-from lta_discovery.study import Study, study
-from lta_discovery.where.places import places, Seen
+from lta_discovery.study import DiscoveryStudy, study_flights
+from lta_discovery.transfer.forecast_naming import name_by_forecasts
+from lta_discovery.transfer.regimes import describe_interpolation
 from lta_model.vehicle import load_vehicle, Vehicle
-from lta_report.frame import written as kept
-from lta_report.results_folder import all_at_once, keep_json
+from lta_report.page_frame import write_file as kept
+from lta_report.results_folder import stage_results, write_json
 
 VEHICLE = 'vehicle.yaml'
 REFITTED = 'refitted.yaml'
@@ -35,7 +40,7 @@ Tell = Callable[[str, float | None], None]
 
 @final
 @dataclass(frozen=True, slots=True)
-class Asked:
+class DiscoveryRequest:
     """
     What to study.
 
@@ -63,7 +68,7 @@ class Asked:
 
 @final
 @dataclass(frozen=True, slots=True)
-class Discovered:
+class DiscoveryResult:
     """
     What came of it.
 
@@ -78,12 +83,12 @@ class Discovered:
 
     """
 
-    study: Study
+    study: DiscoveryStudy
     told: Mapping[str, object]
     page: Path
 
 
-def discover(asked: Asked, folder: Path, tell: Tell) -> Discovered:
+def discover_effects(request: DiscoveryRequest, folder: Path, tell: Tell) -> DiscoveryResult:
     """
     Study flights and write everything into a folder.
 
@@ -102,18 +107,24 @@ def discover(asked: Asked, folder: Path, tell: Tell) -> Discovered:
         If the flights cannot give an honest answer, or the folder cannot be written.
 
     """
-    vehicle = load_vehicle(asked.vehicle)
-    flights = read_bags(asked.bags, asked.robot, lambda name: tell(f'reading {name}', None))
+    vehicle = load_vehicle(request.vehicle)
+    flights = read_bags(request.bags, request.robot, lambda name: tell(f'reading {name}', None))
     tell('checking what can be believed', None)
-    sound = believed(flights, vehicle)
-    found = doubted(studied(asked, vehicle, sound, tell))
-    next_one = of_study(found, asked.vehicle, tell) if asked.plan else Next(hint(found))
+    sound = select_usable_flights(flights, vehicle)
+    found = add_confusable(study_usable_flights(request, vehicle, sound, tell))
+    next_one = (
+        plan_for_study(found, request.vehicle, tell)
+        if request.plan
+        else NextFlight(format_hint(found))
+    )
     finding = replace(found.finding, next_flight=next_one.text)
     tell('writing what was found', None)
     try:
-        with all_at_once(folder, NAME) as part:
+        with stage_results(folder, NAME) as part:
             next_one.write(part)
-            return written(asked, vehicle, replace(found, finding=finding), sound, folder, part)
+            return write_results(
+                request, vehicle, replace(found, finding=finding), sound, folder, part
+            )
     except OSError as error:
         raise BadInput(
             f"'{folder}' cannot be written ({error.strerror}); choose another folder with --out."
@@ -122,49 +133,58 @@ def discover(asked: Asked, folder: Path, tell: Tell) -> Discovered:
         raise BadInput(str(fault)) from None
 
 
-def studied(asked: Asked, vehicle: Vehicle, sound: Believed, tell: Tell) -> Study:
+def study_usable_flights(
+    request: DiscoveryRequest, vehicle: Vehicle, sound: UsableFlights, tell: Tell
+) -> DiscoveryStudy:
     """Return the study of flights that can be used, with what is to be said of them."""
-    found = by_forecasts(study(vehicle, sound.flights, asked.seed, tell), tell)
-    only = interpolation(found)
-    told = [*cautions(found.finding.gaps), *([only] if only else [])]
+    found = name_by_forecasts(study_flights(vehicle, sound.flights, request.seed, tell), tell)
+    only = describe_interpolation(found)
+    told = [*list_forecast_warnings(found.finding.gaps), *([only] if only else [])]
     finding = replace(
         found.finding,
-        where=places(_seen(found, sound), asked.seed),
-        vehicle=asked.vehicle,
+        where=find_discrepancies(_list_baseline_flights(found, sound), request.seed),
+        vehicle=request.vehicle,
         warnings=(*sound.warnings, *found.finding.warnings, *told),
-        versions={**here(), **found.finding.versions},
+        versions={**describe_environment(), **found.finding.versions},
     )
     return replace(found, finding=finding)
 
 
-def _seen(found: Study, sound: Believed) -> list[Seen]:
+def _list_baseline_flights(study: DiscoveryStudy, sound: UsableFlights) -> list[BaselineFlight]:
     """Return the flights that taught and confirmed as the model of the vehicle file sees them."""
-    taught = [one for role in ('train', 'confirm') for one in found.flights if one.role == role]
+    taught = [one for role in ('train', 'confirm') for one in study.flights if one.role == role]
     out = []
-    for one, fit in zip(taught, found.bare, strict=True):
-        before = origin(found.nominal, one.flight.knobs, one.flight.replay.cut)
-        out.append(Seen(one.name, one.flight, before, fit, sound.light.get(one.name)))
+    for one, fit in zip(taught, study.bare, strict=True):
+        before = build_origin(study.nominal, one.flight.knobs, one.flight.replay.cut)
+        out.append(BaselineFlight(one.name, one.flight, before, fit, sound.light.get(one.name)))
     return out
 
 
-def written(
-    asked: Asked, vehicle: Vehicle, found: Study, sound: Believed, folder: Path, part: Path
-) -> Discovered:
+def write_results(
+    request: DiscoveryRequest,
+    vehicle: Vehicle,
+    study: DiscoveryStudy,
+    sound: UsableFlights,
+    folder: Path,
+    part: Path,
+) -> DiscoveryResult:
     """Write the results of a study into `part`, whence they go into their folder."""
-    finding = found.finding
+    finding = study.finding
     if finding.effects:
-        text = find('vehicle', asked.vehicle).read_text(encoding='utf-8')
-        learned = learned_text(text, vehicle, found.nominal, found.learned, finding)
+        text = find_file('vehicle', request.vehicle).read_text(encoding='utf-8')
+        learned = format_learned_vehicle(text, vehicle, study.nominal, study.learned, finding)
         (part / VEHICLE).write_text(learned, encoding='utf-8')
-    if found.refitted is not None:
-        text = find('vehicle', asked.vehicle).read_text(encoding='utf-8')
+    if study.refitted is not None:
+        text = find_file('vehicle', request.vehicle).read_text(encoding='utf-8')
         # A drag below that of the parts has no place in the file: it is a forecast, no vehicle.
         with suppress(BadInput):
-            whole = learned_text(text, vehicle, found.nominal, found.refitted, finding)
+            whole = format_learned_vehicle(text, vehicle, study.nominal, study.refitted, finding)
             (part / REFITTED).write_text(whole, encoding='utf-8')
-    write_overlay(found.shown, part, finding.versions)
+    write_overlay(study.shown, part, finding.versions)
     told = to_dict(finding, sound.cuts)
-    keep_json(told, part / NAME)
-    bags: dict[str, Sequence[Path | str]] = {role: list(asked.bags[role]) for role in asked.bags}
-    kept(page(found, folder, bags), part / PAGE)
-    return Discovered(found, told, folder / PAGE)
+    write_json(told, part / NAME)
+    bags: dict[str, Sequence[Path | str]] = {
+        role: list(request.bags[role]) for role in request.bags
+    }
+    kept(render_page(study, folder, bags), part / PAGE)
+    return DiscoveryResult(study, told, folder / PAGE)

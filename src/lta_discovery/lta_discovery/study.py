@@ -5,31 +5,31 @@ from dataclasses import dataclass, replace
 from typing import Final, final
 
 from lta_config.errors import BadInput
-from lta_discovery.finding import Finding, Gap, Rung, Verdict
-from lta_discovery.fit.bounds import strained_words, wanting_out
-from lta_discovery.fit.evidence import floor_of, own_variance
-from lta_discovery.fit.fit import Fit, Fitter, Joint
-from lta_discovery.flights.measured import Measured
-from lta_discovery.flights.outliers import without_outliers
-from lta_discovery.flights.said_once import said_once
-from lta_discovery.flights.splitting import assigned, Role, ROLES
-from lta_discovery.flights.windows import FEWEST, windows
-from lta_discovery.forecast.held_out import gaps, shown
-from lta_discovery.forecast.share import forecasting
-from lta_discovery.model.candidates import whole
-from lta_discovery.model.knobs import Knob, knobs
-from lta_discovery.model.nominal import Nominal
-from lta_discovery.naming.classes import Kind, kind_of, same_class
-from lta_discovery.naming.detectable import detectable
-from lta_discovery.naming.naming import Named, Naming, Step
-from lta_discovery.naming.proof import Proof, Proven
-from lta_discovery.naming.sizes import effects, learned
-from lta_discovery.outside.outside import Outside, outside
-from lta_discovery.replay.linear import Point
-from lta_discovery.replay.linearise import Linearised
-from lta_discovery.replay.periods import knots_for
-from lta_discovery.replay.replay import Replay
-from lta_discovery.replay.sensing import floor_pressure, Places
+from lta_discovery.finding import DiscoveryFinding, LadderRung, PredictionGap, Verdict
+from lta_discovery.fit.bounds import find_strained_tolerances, format_strained_tolerances
+from lta_discovery.fit.evidence import per_flight_variance, wrench_floor
+from lta_discovery.fit.joint_fit import FlightFit, JointFit, JointFitter
+from lta_discovery.flights.measured_flight import MeasuredFlight
+from lta_discovery.flights.outliers import remove_outliers
+from lta_discovery.flights.role_assignment import assign_roles, Role, ROLES
+from lta_discovery.flights.sentence_merger import merge_sentences
+from lta_discovery.flights.windows import cut_windows, FEWEST
+from lta_discovery.forecast.held_out import build_model_points, compute_gaps
+from lta_discovery.forecast.tolerance_share import shrink_tolerances
+from lta_discovery.model.candidates import expand_vectors
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import FreeParameter, list_free_parameters
+from lta_discovery.replay.knot_count import count_needed_knots
+from lta_discovery.replay.linearized_flight import LinearizationPoint
+from lta_discovery.replay.linearizer import FlightLinearizer
+from lta_discovery.replay.replay import ModelReplay
+from lta_discovery.replay.sensing import estimate_floor_pressure, SensorPlaces
+from lta_discovery.selection.detection_limit import compute_detection_limits
+from lta_discovery.selection.effect_search import EffectSearch, EffectSearchResult, SelectionRound
+from lta_discovery.selection.effect_sizes import apply_named_effects, build_effects
+from lta_discovery.selection.equivalence_classes import classify_data_kind, is_same_class, Kind
+from lta_discovery.selection.verification import EffectVerification, VerifiedEffects
+from lta_discovery.unmodeled.assessment import assess_unmodeled, UnmodeledForces
 from lta_model.vehicle import Vehicle
 
 Progress = Callable[[str, float], None]
@@ -40,7 +40,7 @@ FAR: Final = 3.0  # s; the horizon at which the model has to be better than coas
 
 @final
 @dataclass(frozen=True, slots=True)
-class Flown:
+class StudyFlight:
     """
     One flight of a study.
 
@@ -57,12 +57,12 @@ class Flown:
 
     name: str
     role: str
-    flight: Linearised
+    flight: FlightLinearizer
 
 
 @final
 @dataclass(frozen=True, slots=True)
-class Shown:
+class StudyComparison:
     """
     One flight under three models; nothing in them was fitted to it if it was held out.
 
@@ -75,15 +75,15 @@ class Shown:
 
     """
 
-    flown: Flown
-    before: Point
-    tuned: Point
-    after: Point
+    flown: StudyFlight
+    before: LinearizationPoint
+    tuned: LinearizationPoint
+    after: LinearizationPoint
 
 
 @final
 @dataclass(frozen=True, slots=True)
-class Study:
+class DiscoveryStudy:
     """
     What was found, with what it takes to draw it.
 
@@ -107,19 +107,19 @@ class Study:
 
     """
 
-    finding: Finding
-    nominal: Nominal
-    learned: Nominal
-    flights: Sequence[Flown]
-    shown: Sequence[Shown]
-    bare: Sequence[Fit] = ()
-    full: Sequence[Fit] = ()
-    refitted: Nominal | None = None
+    finding: DiscoveryFinding
+    nominal: NominalVehicle
+    learned: NominalVehicle
+    flights: Sequence[StudyFlight]
+    shown: Sequence[StudyComparison]
+    bare: Sequence[FlightFit] = ()
+    full: Sequence[FlightFit] = ()
+    refitted: NominalVehicle | None = None
 
 
-def study(
+def study_flights(
     vehicle: Vehicle, flights: Sequence[Role], seed: int = 0, progress: Progress | None = None
-) -> Study:
+) -> DiscoveryStudy:
     """
     Find what is missing, confirm it, and show what it is worth.
 
@@ -143,28 +143,28 @@ def study(
     """
     tell = progress or (lambda what, part: None)
     tell('making ready', 0.0)
-    nominal = Nominal.of(vehicle)
-    flown, known, warnings = _flown(vehicle, nominal, flights)
-    flown, found = _named(nominal, flown, lambda part: tell('naming', 0.05 + 0.6 * part))
-    pair = _of(flown, 'train'), _of(flown, 'confirm')
+    nominal = NominalVehicle.from_vehicle(vehicle)
+    flown, known, warnings = _prepare_flights(vehicle, nominal, flights)
+    flown, found = _search_effects(nominal, flown, lambda part: tell('naming', 0.05 + 0.6 * part))
+    pair = _select_role(flown, 'train'), _select_role(flown, 'confirm')
     tell('proving', 0.65)
-    proven = Proof(nominal, [*pair[0], *pair[1]]).run(found)
+    proven = EffectVerification(nominal, [*pair[0], *pair[1]]).run(found)
     tell('predicting', 0.9)
-    held_out = bool(_of(flown, 'holdout'))
+    held_out = bool(_select_role(flown, 'holdout'))
     last = [f for f in flown if f.role == ('holdout' if held_out else 'confirm')]
-    bare, measured = _forecasting(nominal, [*pair[0], *pair[1]], proven)
-    models = [shown(f.flight, nominal, bare, measured) for f in last]
-    differences = gaps([f.flight for f in last], models, seed)
+    bare, measured = _fit_forecasts(nominal, [*pair[0], *pair[1]], proven)
+    models = [build_model_points(f.flight, nominal, bare, measured) for f in last]
+    differences = compute_gaps([f.flight for f in last], models, seed)
     if not held_out:
         warnings.append('No flight was held out: the gaps are of flights that confirmed.')
-    strained = wanting_out(known, proven.full.prior, proven.full.fitted.mean)
-    warnings.extend(strained_words(strained))
-    rest = outside(pair, proven.full, floor_of(nominal))
-    kind = kind_of([f.flight.replay.flight for f in flown])
-    finding = Finding(
-        verdict=verdict(proven, rest, differences, kind),
-        effects=effects(nominal, proven, known, rest.more),
-        ladder=tuple(_rungs(step) for step in (*found.steps, *proven.steps)),
+    strained = find_strained_tolerances(known, proven.full.prior, proven.full.fitted.mean)
+    warnings.extend(format_strained_tolerances(strained))
+    rest = assess_unmodeled(pair, proven.full, wrench_floor(nominal))
+    kind = classify_data_kind([f.flight.replay.flight for f in flown])
+    finding = DiscoveryFinding(
+        verdict=decide_study_verdict(proven, rest, differences, kind),
+        effects=build_effects(nominal, proven, known, rest.has_any),
+        ladder=tuple(_list_rungs(step) for step in (*found.steps, *proven.steps)),
         where=(),
         gaps=tuple(differences),
         held_out=held_out,
@@ -173,91 +173,104 @@ def study(
         seed=seed,
         bags={role: tuple(f.name for f in flown if f.role == role) for role in ROLES},
         vehicle=vehicle.file.name,
-        detectable=detectable(
-            proven.full.sides(len(pair[0])), proven.full.prior, known, tuple(whole(proven.names))
+        detectable=compute_detection_limits(
+            proven.full.reduce_sides(len(pair[0])),
+            proven.full.prior,
+            known,
+            tuple(expand_vectors(proven.names)),
         ),
         unexplained=rest.sentences,
         draught=rest.draught,
         strained=tuple(strained),
     )
-    seen = [Shown(f, *each) for f, each in zip(last, models, strict=True)]
+    seen = [StudyComparison(f, *each) for f, each in zip(last, models, strict=True)]
     tell('done', 1.0)
-    after = learned(nominal, proven, known, finding.effects)
+    after = apply_named_effects(nominal, proven, known, finding.effects)
     fits = proven.bare.members, proven.full.members
-    return Study(finding, nominal, after, flown, seen, *fits)
+    return DiscoveryStudy(finding, nominal, after, flown, seen, *fits)
 
 
-def _flown(
-    vehicle: Vehicle, nominal: Nominal, flights: Sequence[Role]
-) -> tuple[list[Flown], list[Knob], list[str]]:
+def _prepare_flights(
+    vehicle: Vehicle, nominal: NominalVehicle, flights: Sequence[Role]
+) -> tuple[list[StudyFlight], list[FreeParameter], list[str]]:
     """Return flights ready to be replayed, what can be turned, and what makes them weaker."""
-    tidy, said = _tidied(flights)
-    given, warnings = assigned(tidy)
-    known = knobs(nominal, any(flight.wrench is not None for _, _, flight in given))
-    flown = [Flown(name, role, ready(vehicle, each, known)) for name, role, each in given]
-    _enough(flown)
+    tidy, said = _remove_wild_readings(flights)
+    given, warnings = assign_roles(tidy)
+    known = list_free_parameters(nominal, any(flight.wrench is not None for _, _, flight in given))
+    flown = [
+        StudyFlight(name, role, prepare_flight(vehicle, each, known)) for name, role, each in given
+    ]
+    _check_long_enough(flown)
     return flown, known, [*warnings, *said]
 
 
-def _of(flown: Sequence[Flown], role: str) -> list[Linearised]:
+def _select_role(flights: Sequence[StudyFlight], role: str) -> list[FlightLinearizer]:
     """Return the flights of a role."""
-    return [one.flight for one in flown if one.role == role]
+    return [one.flight for one in flights if one.role == role]
 
 
-def _named(
-    nominal: Nominal, flown: list[Flown], tell: Callable[[float], None]
-) -> tuple[list[Flown], Named]:
+def _search_effects(
+    nominal: NominalVehicle, flights: list[StudyFlight], tell: Callable[[float], None]
+) -> tuple[list[StudyFlight], EffectSearchResult]:
     """
     Name what is missing; return the flights with as many knots as they need, and what was found.
 
     The vehicle file says how fast the vehicle swings, and so does its attitude. Where the fit
     finds that it swings faster than either, all begins anew with more knots.
     """
-    knots = knots_for([one.flight for one in flown], nominal)
+    knots = count_needed_knots([one.flight for one in flights], nominal)
     while True:
-        flown = [replace(one, flight=one.flight.with_knots(knots)) for one in flown]
-        pair = _of(flown, 'train'), _of(flown, 'confirm')
-        found = Naming(nominal, pair).run(tell)
+        flights = [replace(one, flight=one.flight.with_knots(knots)) for one in flights]
+        pair = _select_role(flights, 'train'), _select_role(flights, 'confirm')
+        found = EffectSearch(nominal, pair).run(tell)
         fitted = [joint.group.linears[0].point.nominal for joint in found.fits]
-        needed = max(knots_for(side, each) for side, each in zip(pair, fitted, strict=True))
+        needed = max(
+            count_needed_knots(side, each) for side, each in zip(pair, fitted, strict=True)
+        )
         if needed <= FASTER * knots:
-            return flown, found
+            return flights, found
         knots = needed
 
 
-def _forecasting(
-    nominal: Nominal, flights: Sequence[Linearised], proven: Proven
-) -> tuple[Joint, Joint]:
+def _fit_forecasts(
+    nominal: NominalVehicle, flights: Sequence[FlightLinearizer], proven: VerifiedEffects
+) -> tuple[JointFit, JointFit]:
     """Return the fits without and with effects, their tolerances as forecasts bear them."""
     known = flights[0].knobs
-    fitter = Fitter(nominal, flights, own_variance(known), floor_of(nominal))
-    named = whole(proven.names)
+    fitter = JointFitter(nominal, flights, per_flight_variance(known), wrench_floor(nominal))
+    named = expand_vectors(proven.names)
     places = [k for k, knob in enumerate(known) if knob.name in named]
-    bare = forecasting(fitter, proven.bare)
-    return bare, forecasting(fitter, proven.measured, places) if places else bare
+    bare = shrink_tolerances(fitter, proven.bare)
+    return bare, shrink_tolerances(fitter, proven.measured, places) if places else bare
 
 
-def _tidied(flights: Sequence[Role]) -> tuple[list[Role], list[str]]:
+def _remove_wild_readings(flights: Sequence[Role]) -> tuple[list[Role], list[str]]:
     """Return flights without wild readings, and a sentence on each that had any."""
     out, said = [], []
     for name, role, flight in flights:
-        clean, count = without_outliers(flight)
+        clean, count = remove_outliers(flight)
         out.append((name, role, clean))
         if count:
             said.append(f'{name}: wild readings were left out, {count} of them.')
-    return out, said_once(said, len(flights))
+    return out, merge_sentences(said, len(flights))
 
 
-def ready(vehicle: Vehicle, flight: Measured, known: Sequence[Knob]) -> Linearised:
+def prepare_flight(
+    vehicle: Vehicle, flight: MeasuredFlight, parameters: Sequence[FreeParameter]
+) -> FlightLinearizer:
     """Return a flight ready to be replayed."""
-    replay = Replay(flight, windows(flight), vehicle.command(()))
-    places = Places.of(vehicle, 0.0)
-    return Linearised(replay, known, Places.of(vehicle, floor_pressure(flight, places)))
+    replay = ModelReplay(flight, cut_windows(flight), vehicle.pack_command(()))
+    places = SensorPlaces.from_vehicle(vehicle, 0.0)
+    return FlightLinearizer(
+        replay,
+        parameters,
+        SensorPlaces.from_vehicle(vehicle, estimate_floor_pressure(flight, places)),
+    )
 
 
-def _enough(flown: Sequence[Flown]) -> None:
+def _check_long_enough(flights: Sequence[StudyFlight]) -> None:
     """Refuse flights that are too short to say anything."""
-    for one in flown:
+    for one in flights:
         if len(one.flight.replay.first) < FEWEST:
             raise BadInput(
                 f"The flight '{one.name}' has {len(one.flight.replay.first)} usable pieces "
@@ -265,10 +278,10 @@ def _enough(flown: Sequence[Flown]) -> None:
             )
 
 
-def _rungs(step: Step) -> tuple[Rung, ...]:
+def _list_rungs(step: SelectionRound) -> tuple[LadderRung, ...]:
     """Return one round of the ladder of evidence."""
     return tuple(
-        Rung(
+        LadderRung(
             trial.name, trial.gain, trial.replicated, trial.held_out, trial.apart,
             trial.name == step.named,
         )
@@ -276,19 +289,24 @@ def _rungs(step: Step) -> tuple[Rung, ...]:
     )  # fmt: skip
 
 
-def verdict(proven: Proven, rest: Outside, differences: Sequence[Gap], kind: Kind) -> Verdict:
+def decide_study_verdict(
+    proven: VerifiedEffects,
+    rest: UnmodeledForces,
+    differences: Sequence[PredictionGap],
+    kind: Kind,
+) -> Verdict:
     """
     Return the verdict: what the flights allow to say.
 
     A rival that no flight of this kind could tell from what was named does not put it in question.
     """
     far = [gap for gap in differences if gap.channel == 'position' and gap.horizon_s == FAR]
-    if far and far[0].coast < min(far[0].tuned, far[0].after) and not rest.held:
+    if far and far[0].coast < min(far[0].tuned, far[0].after) and not rest.is_trackable:
         return 'not_identifiable'
     doubted = [
-        any(not same_class(name, one, kind) for one in proven.unlike[name])
+        any(not is_same_class(name, one, kind) for one in proven.unlike[name])
         for name in proven.names
     ]
     if doubted and all(doubted):
         return 'not_identifiable'
-    return rest.verdict(proven.names)
+    return rest.decide_verdict(proven.names)

@@ -17,13 +17,13 @@ import threading
 from typing import Any, Final, NamedTuple
 
 from lta_config.errors import BadInput
-from lta_config.schema.crazyflie_file import crazyflie_of
-from lta_config.topics import topic_table
+from lta_config.schema.crazyflie_file import find_crazyflie
+from lta_config.topics import load_topic_table
 from lta_emulation.crazyflie.firmware import Firmware
-from lta_emulation.crazyflie.flown import Flown
-from lta_emulation.crazyflie.server import Server
-from lta_emulation.teensy.emulated_server import BoardServer
-from lta_emulation.teensy.emulator import EmulatedBoard
+from lta_emulation.crazyflie.server import CrazyflieServer
+from lta_emulation.crazyflie.simulated_body import SimulatedBody
+from lta_emulation.teensy.board_server import BoardServer
+from lta_emulation.teensy.emulated_board import EmulatedBoard
 from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
 from lta_sim.world import World
@@ -34,12 +34,12 @@ LOOK: Final = 0.1  # s between two looks at where the drone is
 UP: Final = 0.04  # m above where it stood, from which it has taken off
 
 
-def flown(
+def build_simulated_body(
     vehicle: str,
     scenario: str,
     seed: int,
     light: Callable[[float, Any], None] | None = None,
-) -> Flown:
+) -> SimulatedBody:
     """
     Return a simulated drone on its Crazyflie.
 
@@ -50,39 +50,39 @@ def flown(
     seed : int
         Of all chance.
     light : callable, optional
-        As for `Flown`.
+        As for `SimulatedBody`.
 
     """
-    scene, table = load_scenario(scenario), topic_table()
+    scene, table = load_scenario(scenario), load_topic_table()
     craft = load_vehicle(vehicle, scene.air.density)
     world = World(craft, scene, table, seed)
-    return Flown(world, crazyflie_of(vehicle, craft.file.name), table, light)
+    return SimulatedBody(world, find_crazyflie(vehicle, craft.file.name), table, light)
 
 
-class Hardware(NamedTuple):
+class EmulatedHardware(NamedTuple):
     """Both peers and the world between them."""
 
-    crazyflie: Server
+    crazyflie: CrazyflieServer
     board: BoardServer
-    body: Flown
+    body: SimulatedBody
 
 
 @contextmanager
-def emulated(
+def serve_hardware(
     vehicle: str,
     scenario: str,
     seed: int,
     port: int = 0,
     light_port: Path = LIGHT_PORT,
     beacon: float = 0.0,
-) -> Iterator[Hardware]:
+) -> Iterator[EmulatedHardware]:
     """
     Serve a drone's hardware while the context lasts.
 
     Parameters
     ----------
     vehicle, scenario, seed
-        As for `flown`.
+        As for `build_simulated_body`.
     port : int
         UDP port of the Crazyflie; 0 for any free one.
     light_port : Path
@@ -96,22 +96,24 @@ def emulated(
         If a file is wrong, or the UDP port is taken.
 
     """
-    table, entry = topic_table(), load_vehicle(vehicle).file.sensors.diodes
+    table, entry = load_topic_table(), load_vehicle(vehicle).file.sensors.diodes
     board = EmulatedBoard(0, table.light.sample_rate.si, entry.count, bits=entry.bits)
     light = BoardServer(board, light_port, beacon)
-    body = flown(vehicle, scenario, seed, light.light)
+    body = build_simulated_body(vehicle, scenario, seed, light.sample_light)
     try:
-        crazyflie = Server(Firmware(body, build=body.build), port)
+        crazyflie = CrazyflieServer(Firmware(body, build=body.build), port)
     except OSError as error:
         raise BadInput(
             f'UDP port {port} cannot be had ({error.strerror}): end the other emulated drone, or '
             'give another --port.'
         ) from None
     with light, crazyflie:
-        yield Hardware(crazyflie, light, body)
+        yield EmulatedHardware(crazyflie, light, body)
 
 
-def watch(body: Flown, told: Callable[[str], None], wait: Callable[[float], object]) -> None:
+def report_flight(
+    body: SimulatedBody, report: Callable[[str], None], wait: Callable[[float], object]
+) -> None:
     """
     Tell when the drone takes off, reaches the lamp and stands again, until `wait` is true.
 
@@ -126,21 +128,21 @@ def watch(body: Flown, told: Callable[[str], None], wait: Callable[[float], obje
 
     """
     world, radius = body.world, body.world.scenario.goal.radius.si
-    floor, began, reached = world.vehicle.standing_height, 0.0, False
+    floor, began, reached = world.vehicle.height_on_floor, 0.0, False
     while not wait(LOOK):
         up = world.state[2] > floor + UP
         if up and not began:
             began, reached = world.elapsed, False
-            told(f'It took off, {world.distance:.1f} m from the lamp.')
-        if up and not reached and world.distance <= radius:
+            report(f'It took off, {world.goal_distance:.1f} m from the lamp.')
+        if up and not reached and world.goal_distance <= radius:
             reached = True
-            told(f'It reached the lamp, {world.elapsed - began:.1f} s after it took off.')
+            report(f'It reached the lamp, {world.elapsed - began:.1f} s after it took off.')
         if began and not up and not any(body.duties):
-            told(f'It stands, {world.distance:.1f} m from the lamp.')
+            report(f'It stands, {world.goal_distance:.1f} m from the lamp.')
             began = 0.0
 
 
-def _say(sentence: str) -> None:
+def _print_line(sentence: str) -> None:
     sys.stdout.write(sentence + '\n')
     sys.stdout.flush()
 
@@ -158,17 +160,17 @@ def main(words: list[str] | None = None) -> None:
     over = threading.Event()
     signal.signal(signal.SIGTERM, lambda *_: over.set())
     try:
-        with emulated(
+        with serve_hardware(
             told.vehicle, told.scenario, told.seed, told.port, told.light_port, told.beacon
         ) as hardware:
-            _say(
+            _print_line(
                 f'An emulated Crazyflie answers at {hardware.crazyflie.uri}, its light board at '
                 f'{hardware.board.port}; Ctrl-C ends both.'
             )
-            signal.signal(signal.SIGUSR1, lambda *_: hardware.board.toggle())
+            signal.signal(signal.SIGUSR1, lambda *_: hardware.board.toggle_cable())
             # `lta run` holds Ctrl-C back while Python starts; one that came meanwhile comes now.
             signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
-            watch(hardware.body, _say, over.wait)
+            report_flight(hardware.body, _print_line, over.wait)
     except BadInput as error:
         sys.stderr.write(f'{error}\n')
         sys.exit(2)

@@ -2,16 +2,23 @@
 Cell, charger and loads of a mission over a while, with what it does to the books.
 
 The only place where a mission on the perch meets the power path
-(`lta_model.electrical.power_path`); in flight the same goes through `lta_sim.supply_step`.
+(`lta_model.electrical.charger`); in flight the same goes through `lta_sim.supply_step`.
 """
 
 from typing import NamedTuple
 
-from lta_model.electrical.battery import Battery
-from lta_model.electrical.power_path import at_rest, Charger, feed, Flow, held, output
+from lta_model.electrical.battery import BatteryModel
+from lta_model.electrical.charger import (
+    advance_power_path,
+    charger_output,
+    ChargerModel,
+    PowerFlow,
+    resting_flow,
+    total_stored_energy,
+)
 
 
-class Spent(NamedTuple):
+class EnergyTotals(NamedTuple):
     """Energy since some start: harvested, left unharvested, consumed, lost as heat. [J]"""
 
     harvested: float
@@ -20,25 +27,35 @@ class Spent(NamedTuple):
     lost: float
 
 
-NOTHING = Spent(0.0, 0.0, 0.0, 0.0)
+NOTHING = EnergyTotals(0.0, 0.0, 0.0, 0.0)
 
-__all__ = ['NOTHING', 'Charger', 'Flow', 'Spent', 'added', 'at_rest', 'fed', 'held', 'output']
+__all__ = [
+    'NOTHING',
+    'ChargerModel',
+    'EnergyTotals',
+    'PowerFlow',
+    'add_totals',
+    'charger_output',
+    'resting_flow',
+    'step_circuit',
+    'total_stored_energy',
+]
 
 
-def added(one: Spent, other: Spent) -> Spent:
+def add_totals(one: EnergyTotals, other: EnergyTotals) -> EnergyTotals:
     """Return the sum of two."""
-    return Spent(*(a + b for a, b in zip(one, other, strict=True)))
+    return EnergyTotals(*(a + b for a, b in zip(one, other, strict=True)))
 
 
-def fed(
-    cell: Battery,
-    charger: Charger,
-    store: Flow,
-    spent: Spent,
+def step_circuit(
+    cell: BatteryModel,
+    charger: ChargerModel,
+    store: PowerFlow,
+    spent: EnergyTotals,
     available: float,
-    asked: float,
+    load: float,
     dt: float,
-) -> tuple[Flow, Spent]:
+) -> tuple[PowerFlow, EnergyTotals]:
     """
     Return the power path and the books after a while at constant light and load.
 
@@ -56,10 +73,10 @@ def fed(
         Time. [s]
 
     """
-    store = feed(cell, charger, store, available, asked, dt)
-    working = output(charger, available) > 0.0
+    store = advance_power_path(cell, charger, store, available, load, dt)
+    working = charger_output(charger, available) > 0.0
     tracked = available * charger.tracking if working else store.harvested
-    return store, Spent(
+    return store, EnergyTotals(
         spent.harvested + store.harvested * dt,
         spent.curtailed + (tracked - store.harvested) * dt,
         spent.consumed + store.consumed * dt,

@@ -8,7 +8,12 @@ true charge.
 
 from typing import NamedTuple
 
-from lta_model.electrical.battery import Battery, count, open_circuit_voltage, state_of_charge
+from lta_model.electrical.battery import (
+    BatteryModel,
+    count_charge,
+    open_circuit_voltage,
+    state_of_charge,
+)
 
 SCALE = 0.002  # of the current: INA219 data sheet, as `lta_sim.sensors.power`
 OFFSET = 4e-4  # A: the same
@@ -17,14 +22,16 @@ QUIET = 0.1  # A: a cell with less than that rests
 NARROW = 0.02  # of the charge, to either side: over which the slope is taken
 
 
-class Gauge(NamedTuple):
+class ChargeGauge(NamedTuple):
     """Counted state of charge and its standard deviation. [1]"""
 
     charge: float
     deviation: float
 
 
-def gauged(cell: Battery, gauge: Gauge, voltage: float, current: float, dt: float) -> Gauge:
+def update_gauge(
+    cell: BatteryModel, gauge: ChargeGauge, voltage: float, current: float, dt: float
+) -> ChargeGauge:
     """
     Return the gauge after a while.
 
@@ -40,7 +47,7 @@ def gauged(cell: Battery, gauge: Gauge, voltage: float, current: float, dt: floa
         Time. [s]
 
     """
-    gauge = carried_on(cell, gauge, current, dt)
+    gauge = propagate_gauge(cell, gauge, current, dt)
     if abs(current) > QUIET:
         return gauge
     resting = voltage - (cell.resistance + cell.relaxation_resistance) * current
@@ -49,12 +56,16 @@ def gauged(cell: Battery, gauge: Gauge, voltage: float, current: float, dt: floa
     noise = VOLTAGE * 2.0 * NARROW / max(span, 1e-3)
     # One voltage a minute is no news every second: its error stays the same for long.
     weight = gauge.deviation**2 / (gauge.deviation**2 + noise**2 * max(3600.0 / dt, 1.0))
-    return Gauge(
+    return ChargeGauge(
         gauge.charge + weight * (told - gauge.charge), gauge.deviation * (1.0 - weight) ** 0.5
     )
 
 
-def carried_on(cell: Battery, gauge: Gauge, current: float, dt: float) -> Gauge:
+def propagate_gauge(
+    cell: BatteryModel, gauge: ChargeGauge, current: float, dt: float
+) -> ChargeGauge:
     """Return the gauge after a current was counted for a while. [A, s]"""
     error = (SCALE * abs(current) + OFFSET) * dt / cell.capacity
-    return Gauge(count(gauge.charge, current, cell.capacity, dt), gauge.deviation + error)
+    return ChargeGauge(
+        count_charge(gauge.charge, current, cell.capacity, dt), gauge.deviation + error
+    )

@@ -4,14 +4,14 @@ import math
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from lta_energy.monitoring import alarms
-from lta_energy.monitoring.aboard import Aboard
-from lta_energy.monitoring.belief import INVERSE, RESISTANCE
-from lta_energy.monitoring.estimate import Estimate
+from lta_energy.monitoring.estimate import EnergyEstimate
 from lta_energy.monitoring.monitor import MonitorSettings, time_to_empty, time_to_full
-from lta_energy.monitoring.reading import Reading, Whereabouts
-from lta_energy.monitoring.way_home import reach
-from lta_graph.ros.sound import fault
-from lta_model.electrical.battery import Battery
+from lta_energy.monitoring.power_system import PowerSystem
+from lta_energy.monitoring.reading import MeterReading, TravelState
+from lta_energy.monitoring.soc_ekf import INVERSE, RESISTANCE
+from lta_energy.monitoring.way_home import reachable_distance
+from lta_graph.ros.message_validation import find_fault
+from lta_model.electrical.battery import BatteryModel
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import BatteryState, Illuminance
 from std_msgs.msg import Bool
@@ -25,29 +25,31 @@ def to_reading(
     panel: BatteryState | None,
     light: Illuminance | None,
     odom: Odometry | None,
-) -> Reading:
+) -> MeterReading:
     """Return the meters' messages as a reading; NaN where no message has come yet."""
     stamp = battery.header.stamp
-    return Reading(
+    return MeterReading(
         stamp_ns=stamp.sec * 1_000_000_000 + stamp.nanosec,
         voltage=battery.voltage,
         current=battery.current,
         panel_voltage=math.nan if panel is None else panel.voltage,
         panel_current=math.nan if panel is None else panel.current,
         illuminance=math.nan if light is None else light.illuminance,
-        where=None if odom is None else to_whereabouts(odom),
+        where=None if odom is None else to_travel_state(odom),
     )
 
 
-def to_whereabouts(odom: Odometry) -> Whereabouts | None:
+def to_travel_state(odom: Odometry) -> TravelState | None:
     """Return distance from the start and speed; None while the estimator is learning or fails."""
-    if odom.pose.covariance[0] == UNKNOWN or fault(odom):
+    if odom.pose.covariance[0] == UNKNOWN or find_fault(odom):
         return None
     place, speed = odom.pose.pose.position, odom.twist.twist.linear
-    return Whereabouts(math.hypot(place.x, place.y), math.hypot(speed.x, speed.y))
+    return TravelState(math.hypot(place.x, place.y), math.hypot(speed.x, speed.y))
 
 
-def from_charge(cell: Battery, estimate: Estimate, measured: BatteryState) -> BatteryState:
+def from_charge(
+    cell: BatteryModel, estimate: EnergyEstimate, measured: BatteryState
+) -> BatteryState:
     """Return the measured battery with the estimated charge; REP-147 signs, NaN if unknown."""
     capacity = cell.capacity / SECONDS_PER_HOUR
     return BatteryState(
@@ -59,8 +61,8 @@ def from_charge(cell: Battery, estimate: Estimate, measured: BatteryState) -> Ba
         capacity=math.nan,  # of this very cell nobody measured it
         design_capacity=capacity,
         percentage=estimate.charge,
-        power_supply_status=_flow(measured.current),
-        power_supply_health=_health(estimate),
+        power_supply_status=_supply_status(measured.current),
+        power_supply_health=_supply_health(estimate),
         power_supply_technology=BatteryState.POWER_SUPPLY_TECHNOLOGY_LIPO,
         present=True,
         cell_voltage=[measured.voltage],
@@ -68,7 +70,7 @@ def from_charge(cell: Battery, estimate: Estimate, measured: BatteryState) -> Ba
     )
 
 
-def _flow(current: float) -> int:
+def _supply_status(current: float) -> int:
     """Return the supply status that a current means."""
     if current > 0.0:
         return int(BatteryState.POWER_SUPPLY_STATUS_CHARGING)
@@ -79,26 +81,26 @@ def _flow(current: float) -> int:
     return int(BatteryState.POWER_SUPPLY_STATUS_UNKNOWN)
 
 
-def _health(estimate: Estimate) -> int:
+def _supply_health(estimate: EnergyEstimate) -> int:
     """Return the health that the faults mean; nobody measures more of it."""
     if estimate.critical.on:
         return int(BatteryState.POWER_SUPPLY_HEALTH_DEAD)
-    if estimate.watch.doubtful:
+    if estimate.watch.is_doubtful:
         return int(BatteryState.POWER_SUPPLY_HEALTH_UNSPEC_FAILURE)
     return int(BatteryState.POWER_SUPPLY_HEALTH_UNKNOWN)
 
 
-def figures(
-    settings: MonitorSettings, aboard: Aboard, estimate: Estimate, reading: Reading
+def collect_energy_values(
+    settings: MonitorSettings, aboard: PowerSystem, estimate: EnergyEstimate, reading: MeterReading
 ) -> dict[str, float]:
     """Return the books as named numbers; each name ends with its unit."""
     books, cell = estimate.books, aboard.cell
     empty = time_to_empty(settings, cell, estimate)
     full = time_to_full(settings, cell, estimate)
     return {
-        'power_in_W': reading.harvest,
-        'power_out_W': aboard.given(reading.harvest) - reading.power,
-        'power_net_W': reading.power,
+        'power_in_W': reading.panel_power,
+        'power_out_W': aboard.charger_output(reading.panel_power) - reading.cell_power,
+        'power_net_W': reading.cell_power,
         'harvested_J': books.harvested,
         'consumed_J': books.consumed,
         'lost_J': books.lost,
@@ -110,13 +112,13 @@ def figures(
         'time_to_empty_sigma_s': empty.deviation,
         'time_to_full_s': full.mean,
         'time_to_full_sigma_s': full.deviation,
-        **_of_cell(cell, estimate),
-        **_of_way(settings, estimate, reading),
+        **_collect_cell_values(cell, estimate),
+        **_collect_return_values(settings, estimate, reading),
         'illuminance_lx': reading.illuminance,
     }
 
 
-def _of_cell(cell: Battery, estimate: Estimate) -> dict[str, float]:
+def _collect_cell_values(cell: BatteryModel, estimate: EnergyEstimate) -> dict[str, float]:
     """Return what the filter makes of the cell itself, and how far off its last voltage was."""
     if estimate.belief is None:
         resistance = capacity = math.nan
@@ -131,28 +133,30 @@ def _of_cell(cell: Battery, estimate: Estimate) -> dict[str, float]:
     }
 
 
-def _of_way(settings: MonitorSettings, estimate: Estimate, reading: Reading) -> dict[str, float]:
+def _collect_return_values(
+    settings: MonitorSettings, estimate: EnergyEstimate, reading: MeterReading
+) -> dict[str, float]:
     """Return how far home is, what is left beyond it and the reserve, and how far that brings."""
     stock, travel = estimate.stock, estimate.travel
     spare = math.nan if stock is None else stock.spare
     return {
         'home_m': math.nan if reading.where is None else reading.where.distance,
         'spare_J': spare,
-        'reach_m': math.nan if travel is None else reach(settings.way, travel, spare),
+        'reach_m': math.nan if travel is None else reachable_distance(settings.way, travel, spare),
     }
 
 
-def from_books(
+def from_energy_balance(
     settings: MonitorSettings,
-    aboard: Aboard,
-    estimate: Estimate,
-    reading: Reading,
+    aboard: PowerSystem,
+    estimate: EnergyEstimate,
+    reading: MeterReading,
     measured: BatteryState,
 ) -> DiagnosticArray:
     """Return books and faults as two diagnostic statuses, stamped as the battery was measured."""
-    level, sentence = alarms.battery(settings, aboard.cell, estimate)
-    trust, faults = alarms.meters(estimate)
-    numbers = figures(settings, aboard, estimate, reading)
+    level, sentence = alarms.assess_battery(settings, aboard.cell, estimate)
+    trust, faults = alarms.assess_meters(estimate)
+    numbers = collect_energy_values(settings, aboard, estimate, reading)
     array = DiagnosticArray()
     array.header.stamp = measured.header.stamp
     array.status = [
@@ -167,6 +171,6 @@ def from_books(
     return array
 
 
-def from_reserve(estimate: Estimate) -> Bool:
+def from_reserve(estimate: EnergyEstimate) -> Bool:
     """Return whether the reserve is reached."""
     return Bool(data=estimate.reserve)

@@ -10,14 +10,20 @@ from dataclasses import dataclass
 import math
 from typing import final, NamedTuple
 
-from lta_energy.circuit import added, at_rest, fed, held, output
-from lta_energy.diary import ALOFT, ASLEEP, AWAY, Diary, Flight, OUT, PERCHED
-from lta_energy.gauge import Gauge, gauged
-from lta_energy.harvest import Harvest
-from lta_energy.light_of_days import Light, LightOfDays
-from lta_energy.schedule import Known, Schedule, Wish
-from lta_model.electrical.battery import Battery
-from lta_model.electrical.power_path import Charger, Flow
+from lta_energy.circuit import (
+    add_totals,
+    charger_output,
+    resting_flow,
+    step_circuit,
+    total_stored_energy,
+)
+from lta_energy.gauge import ChargeGauge, update_gauge
+from lta_energy.harvest import HarvestCurve
+from lta_energy.irradiance import IrradianceSeries, PanelIrradiance
+from lta_energy.mission_log import ALOFT, ASLEEP, AWAY, MissionFlight, MissionLog, OUT, PERCHED
+from lta_energy.schedule import Schedule, ScheduleDecision, ScheduleInputs
+from lta_model.electrical.battery import BatteryModel
+from lta_model.electrical.charger import ChargerModel, PowerFlow
 
 STEP = 30.0  # s on the perch
 HOUR = 3600.0
@@ -28,17 +34,17 @@ class Departure(NamedTuple):
     """How a flight begins: when [s], power path, the drone's own charge, light, number."""
 
     time: float
-    store: Flow
+    store: PowerFlow
     told: float
-    light: Light
+    light: PanelIrradiance
     number: int
 
 
 class Landing(NamedTuple):
     """What a flight leaves: the power path, and the flight."""
 
-    store: Flow
-    flight: Flight
+    store: PowerFlow
+    flight: MissionFlight
 
 
 Fly = Callable[[Departure], Landing]
@@ -46,7 +52,7 @@ Fly = Callable[[Departure], Landing]
 
 @final
 @dataclass(frozen=True, slots=True)
-class Upkeep:
+class PerchConfig:
     """
     What is drawn and kept on the perch.
 
@@ -69,9 +75,9 @@ class Upkeep:
 
     """
 
-    cell: Battery
-    charger: Charger
-    harvest: Harvest
+    cell: BatteryModel
+    charger: ChargerModel
+    harvest: HarvestCurve
     awake: float
     asleep: float
     work: tuple[float, float]
@@ -83,7 +89,7 @@ class Upkeep:
 
 
 @final
-class Life:
+class MissionSimulation:
     """
     One mission.
 
@@ -104,8 +110,8 @@ class Life:
 
     def __init__(
         self,
-        upkeep: Upkeep,
-        light: LightOfDays,
+        upkeep: PerchConfig,
+        light: IrradianceSeries,
         schedule: Schedule,
         fly: Fly,
         guess: tuple[float, float],
@@ -113,28 +119,28 @@ class Life:
         self._upkeep, self._light, self._schedule, self._fly = upkeep, light, schedule, fly
         self._guess = guess
         self.now = 0.0
-        self._store = at_rest(upkeep.charge)
-        self._gauge = Gauge(upkeep.charge, BLIND)
+        self._store = resting_flow(upkeep.charge)
+        self._gauge = ChargeGauge(upkeep.charge, BLIND)
         self._seen = 1.0
         self._out = False
-        self.diary = Diary(begun=held(upkeep.cell, self._store))
+        self.diary = MissionLog(begun=total_stored_energy(upkeep.cell, self._store))
         self.diary.ended = self.diary.begun
 
-    def live(self, told: Callable[[float], None] = lambda _: None) -> Diary:
+    def run(self, on_progress: Callable[[float], None] = lambda _: None) -> MissionLog:
         """Return the diary of all days; `told` hears of each stretch's end. [s]"""
         while self.now < self._light.end:
-            wish = self._schedule(self._known())
+            wish = self._schedule(self._collect_schedule_inputs())
             if self._out:
-                self._perch(self.now + STEP, 0.0, OUT)
+                self._charge_until(self.now + STEP, 0.0, OUT)
             elif wish.fly:
-                self._go()
+                self._fly_once()
             else:
-                self._rest(wish)
-            told(self.now)
-        self.diary.ended = held(self._upkeep.cell, self._store)
+                self._rest_on_perch(wish)
+            on_progress(self.now)
+        self.diary.ended = total_stored_energy(self._upkeep.cell, self._store)
         return self.diary
 
-    def _known(self) -> Known:
+    def _collect_schedule_inputs(self) -> ScheduleInputs:
         """Return what a schedule may look at."""
         flown = [f for f in self.diary.flights if f.ending == 'home'][-20:]
         needs = [f.spent.consumed + f.spent.lost - f.spent.harvested for f in flown]
@@ -145,13 +151,13 @@ class Life:
             lasts = max(f.duration for f in flown)
         last = self.diary.flights[-1] if self.diary.flights else None
         up = self._upkeep
-        return Known(
-            self.now, self._gauge, up.cell, self._income, self._light, self._seen, up.awake,
-            up.asleep, up.work, up.reserve, need, spread, lasts,
+        return ScheduleInputs(
+            self.now, self._gauge, up.cell, self._charger_output, self._light, self._seen,
+            up.awake, up.asleep, up.work, up.reserve, need, spread, lasts,
             last.start + last.duration if last else -math.inf, last.duration if last else 0.0,
         )  # fmt: skip
 
-    def _go(self) -> None:
+    def _fly_once(self) -> None:
         """Fly once, and be fetched if need be."""
         diary, begin = self.diary, self.now
         light = self._light.at(begin)
@@ -160,61 +166,61 @@ class Life:
         flight = landing.flight
         self._store = landing.store
         deviation = self._gauge.deviation + abs(flight.before - flight.after) * 0.003
-        self._gauge = Gauge(flight.told, deviation)
+        self._gauge = ChargeGauge(flight.told, deviation)
         diary.flights.append(flight)
-        diary.spent = added(diary.spent, flight.spent)
+        diary.spent = add_totals(diary.spent, flight.spent)
         self.now = begin + flight.duration
-        self._note(ALOFT, begin)
-        self._note(ALOFT, self.now)
-        if not sum(self._light.expected(self.now)[:3]) > 0.0:
+        self._record_state(ALOFT, begin)
+        self._record_state(ALOFT, self.now)
+        if not sum(self._light.forecast(self.now)[:3]) > 0.0:
             diary.dark += 1
         if flight.ending != 'home':
-            self._wait(self.now + self._upkeep.fetched)
+            self._wait_for_pickup(self.now + self._upkeep.fetched)
 
-    def _wait(self, until: float) -> None:
+    def _wait_for_pickup(self, until: float) -> None:
         """Lie somewhere in the dark, switched off, until it is fetched."""
-        self._note(AWAY, self.now)
+        self._record_state(AWAY, self.now)
         self.now = min(until, self._light.end)
-        self._note(AWAY, self.now)
+        self._record_state(AWAY, self.now)
 
-    def _rest(self, wish: Wish) -> None:
+    def _rest_on_perch(self, wish: ScheduleDecision) -> None:
         """Stay on the perch as long as is wished, a minute at least."""
         up = self._upkeep
         until = max(wish.until, self.now + 2 * STEP)
         load = up.asleep if wish.asleep else up.awake
-        self._perch(min(until, self._light.end), load, ASLEEP if wish.asleep else PERCHED)
+        self._charge_until(min(until, self._light.end), load, ASLEEP if wish.asleep else PERCHED)
 
-    def _perch(self, until: float, load: float, state: int) -> None:
+    def _charge_until(self, until: float, load: float, state: int) -> None:
         """Charge until a time; a cell that goes out ends it."""
         up = self._upkeep
         while self.now < until - 1e-6:
             dt = min(STEP, until - self.now)
             light = self._light.at(self.now)
-            self._store, self.diary.spent = fed(
+            self._store, self.diary.spent = step_circuit(
                 up.cell, up.charger, self._store, self.diary.spent, up.harvest(light), load, dt
             )
             store = self._store
             metered = up.gain * store.current + up.offset
-            self._gauge = gauged(up.cell, self._gauge, store.voltage, metered, dt)
-            self._look(light, dt)
-            self._note(state, self.now)
+            self._gauge = update_gauge(up.cell, self._gauge, store.voltage, metered, dt)
+            self._track_clearness(light, dt)
+            self._record_state(state, self.now)
             self.now += dt
             if not (self._out or store.fed):
                 self._out, self.diary.outages = True, self.diary.outages + 1
                 return
         self._out = not self._store.fed
 
-    def _income(self, light: Light) -> float:
+    def _charger_output(self, light: PanelIrradiance) -> float:
         """Return what the charger can give in some light. [W]"""
-        return output(self._upkeep.charger, self._upkeep.harvest(light))
+        return charger_output(self._upkeep.charger, self._upkeep.harvest(light))
 
-    def _look(self, light: Light, dt: float) -> None:
+    def _track_clearness(self, light: PanelIrradiance, dt: float) -> None:
         """Keep in mind how the light compares with what was to be expected."""
-        due = self._light.expected(self.now).sun
+        due = self._light.forecast(self.now).sun
         if due > 1.0:
             self._seen += (light.sun / due - self._seen) * min(dt / HOUR, 1.0)
 
-    def _note(self, state: int, time: float) -> None:
+    def _record_state(self, state: int, time: float) -> None:
         """Write the trace, once a minute and at every change."""
         diary = self.diary
         same = bool(diary.state) and diary.state[-1] == state

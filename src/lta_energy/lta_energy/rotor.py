@@ -21,7 +21,7 @@ B = 1.665601e-2  # N/V
 
 
 @final
-class Bench(NamedTuple):
+class RotorBenchPoint(NamedTuple):
     """One row of the bench: current of all [A], lift of four rotors [g], voltage [V], duty."""
 
     current: float
@@ -42,7 +42,7 @@ class Bench(NamedTuple):
 
 # Bitcraze, crazyflie-firmware, docs/functional-areas/pwm-to-thrust.md.
 BENCH = tuple(
-    Bench(*row)
+    RotorBenchPoint(*row)
     for row in (
         (0.24, 0.0, 4.01, 0.0), (0.37, 1.6, 3.98, 0.0625), (0.56, 4.8, 3.95, 0.125),
         (0.75, 7.9, 3.92, 0.1875), (0.94, 10.9, 3.88, 0.25), (1.15, 13.9, 3.84, 0.3125),
@@ -54,13 +54,13 @@ BENCH = tuple(
 )  # fmt: skip
 
 
-def thrust_at(duty: float, voltage: float) -> float:
+def thrust_at_duty(duty: float, voltage: float) -> float:
     """Return the thrust of one rotor at a duty and a voltage of the battery [V]. [N]"""
     mean = duty * voltage
     return (A * abs(mean) + B) * mean
 
 
-def power_at(duty: float, voltage: float, offset: float, slope: float) -> float:
+def power_at_duty(duty: float, voltage: float, offset: float, slope: float) -> float:
     """
     Return the electrical power of one rotor.
 
@@ -74,4 +74,4 @@ def power_at(duty: float, voltage: float, offset: float, slope: float) -> float:
         As `lta_model.electrical.loads.rotor_power`. [W], [W/N]
 
     """
-    return rotor_power(thrust_at(duty, voltage), offset, slope)
+    return rotor_power(thrust_at_duty(duty, voltage), offset, slope)

@@ -1,8 +1,8 @@
 """
 When to fly: the naive duty cycle, and one that reckons with light, charge and the night.
 
-A schedule is a plain function of what the drone can know. Both ask `safe` before a take-off, so
-that they differ in when they fly, not in what they dare.
+A schedule is a plain function of what the drone can know. Both ask `is_flight_safe` before a
+take-off, so that they differ in when they fly, not in what they dare.
 """
 
 from collections.abc import Callable
@@ -10,9 +10,9 @@ import math
 from typing import NamedTuple
 
 from lta_config.schema.light_day_file import DAY
-from lta_energy.gauge import Gauge
-from lta_energy.light_of_days import Light, LightOfDays
-from lta_model.electrical.battery import Battery, stored_energy
+from lta_energy.gauge import ChargeGauge
+from lta_energy.irradiance import IrradianceSeries, PanelIrradiance
+from lta_model.electrical.battery import BatteryModel, stored_energy
 
 SURE = 2.0  # standard deviations of charge and of a flight's need that a take-off allows for
 LOOK = 300.0  # s between two looks of the energy-aware schedule while it waits
@@ -20,7 +20,7 @@ STEP = 600.0  # s of the forecast
 NIGHT = 1.3  # of the energy that the night is reckoned to take, so much is kept for it
 
 
-class Known(NamedTuple):
+class ScheduleInputs(NamedTuple):
     """
     What a schedule may look at.
 
@@ -54,10 +54,10 @@ class Known(NamedTuple):
     """
 
     time: float
-    gauge: Gauge
-    cell: Battery
-    income: Callable[[Light], float]
-    light: LightOfDays
+    gauge: ChargeGauge
+    cell: BatteryModel
+    income: Callable[[PanelIrradiance], float]
+    light: IrradianceSeries
     seen: float
     awake: float
     asleep: float
@@ -70,7 +70,7 @@ class Known(NamedTuple):
     lasted: float
 
 
-class Wish(NamedTuple):
+class ScheduleDecision(NamedTuple):
     """What to do next: fly, or rest until a time, asleep or awake."""
 
     fly: bool
@@ -78,106 +78,113 @@ class Wish(NamedTuple):
     asleep: bool = False
 
 
-Schedule = Callable[[Known], Wish]
+Schedule = Callable[[ScheduleInputs], ScheduleDecision]
 
 
-def at_work(known: Known) -> bool:
+def is_within_hours(inputs: ScheduleInputs) -> bool:
     """Tell whether a flight that starts now is back within the hours of work."""
-    clock = known.time % DAY
-    begin, end = known.work
+    clock = inputs.time % DAY
+    begin, end = inputs.work
     if begin <= end:
-        return begin <= clock and clock + 1.5 * known.flight <= end
-    return clock >= begin or clock + 1.5 * known.flight <= end
+        return begin <= clock and clock + 1.5 * inputs.flight <= end
+    return clock >= begin or clock + 1.5 * inputs.flight <= end
 
 
-def begins(known: Known) -> float:
+def next_work_start(inputs: ScheduleInputs) -> float:
     """Return when work begins next. [s]"""
-    today = known.time - known.time % DAY + known.work[0]
-    return today if today > known.time else today + DAY
+    today = inputs.time - inputs.time % DAY + inputs.work[0]
+    return today if today > inputs.time else today + DAY
 
 
-def ends(known: Known) -> float:
+def next_work_end(inputs: ScheduleInputs) -> float:
     """Return when work ends next. [s]"""
-    today = known.time - known.time % DAY + known.work[1]
-    return today if today >= known.time else today + DAY
+    today = inputs.time - inputs.time % DAY + inputs.work[1]
+    return today if today >= inputs.time else today + DAY
 
 
-def least(known: Known) -> float:
+def reserve_energy(inputs: ScheduleInputs) -> float:
     """Return the energy that a cell which is surely above the reserve holds. [J]"""
-    sure = known.reserve + SURE * known.gauge.deviation
-    return stored_energy(min(sure, 1.0), known.cell.capacity)
+    sure = inputs.reserve + SURE * inputs.gauge.deviation
+    return stored_energy(min(sure, 1.0), inputs.cell.capacity)
 
 
-def holds(known: Known) -> float:
+def estimate_cell_energy(inputs: ScheduleInputs) -> float:
     """Return what the cell holds, as the drone knows it. [J]"""
-    return stored_energy(known.gauge.charge, known.cell.capacity)
+    return stored_energy(inputs.gauge.charge, inputs.cell.capacity)
 
 
-def safe(known: Known) -> bool:
+def is_flight_safe(inputs: ScheduleInputs) -> bool:
     """Tell whether the charge suffices for a flight."""
-    return holds(known) - known.need - SURE * known.spread >= least(known)
+    return estimate_cell_energy(inputs) - inputs.need - SURE * inputs.spread >= reserve_energy(
+        inputs
+    )
 
 
-def fixed(rest: float, *, asleep: bool = False) -> Schedule:
+def build_fixed_schedule(rest: float, *, asleep: bool = False) -> Schedule:
     """Return the naive schedule: rest so many times the flight [1], awake in the hours of work."""
 
-    def schedule(known: Known) -> Wish:
-        if not at_work(known):
-            return Wish(False, begins(known), True)
-        ready = known.landed + rest * known.lasted
-        if known.time < ready:
-            return Wish(False, ready, asleep)
-        return Wish(True) if safe(known) else Wish(False, known.time + LOOK, asleep)
+    def decide(inputs: ScheduleInputs) -> ScheduleDecision:
+        if not is_within_hours(inputs):
+            return ScheduleDecision(False, next_work_start(inputs), True)
+        ready = inputs.landed + rest * inputs.lasted
+        if inputs.time < ready:
+            return ScheduleDecision(False, ready, asleep)
+        return (
+            ScheduleDecision(True)
+            if is_flight_safe(inputs)
+            else ScheduleDecision(False, inputs.time + LOOK, asleep)
+        )
 
-    return schedule
+    return decide
 
 
-def by_light(known: Known) -> Wish:
+def schedule_by_light(inputs: ScheduleInputs) -> ScheduleDecision:
     """
     Return what the energy-aware schedule wants.
 
     It flies when the charge is safe and either the night is provided for without what the flight
     takes, or the cell would be full before dark and light be wasted. Otherwise it sleeps.
     """
-    if not at_work(known):
-        return Wish(False, begins(known), True)
-    if not safe(known):
-        return Wish(False, known.time + LOOK, True)
-    full, dusk = outlook(known)
-    if full or dusk - known.need >= night(known):
-        return Wish(True)
-    return Wish(False, known.time + LOOK, True)
+    if not is_within_hours(inputs):
+        return ScheduleDecision(False, next_work_start(inputs), True)
+    if not is_flight_safe(inputs):
+        return ScheduleDecision(False, inputs.time + LOOK, True)
+    full, dusk = forecast_charge(inputs)
+    if full or dusk - inputs.need >= night_energy(inputs):
+        return ScheduleDecision(True)
+    return ScheduleDecision(False, inputs.time + LOOK, True)
 
 
-def outlook(known: Known) -> tuple[bool, float]:
+def forecast_charge(inputs: ScheduleInputs) -> tuple[bool, float]:
     """Tell whether the cell would be full by the end of work, and what it would hold then. [J]"""
-    energy, most = holds(known), stored_energy(1.0, known.cell.capacity)
-    full, time = False, known.time
-    # Not `at_work` of each step: a break shorter than a step is stepped over, and work never ends.
-    last = ends(known) - 1.5 * known.flight
+    energy, most = estimate_cell_energy(inputs), stored_energy(1.0, inputs.cell.capacity)
+    full, time = False, inputs.time
+    # Not `is_within_hours` of each step: a break shorter than a step is stepped over, and work
+    # never ends.
+    last = next_work_end(inputs) - 1.5 * inputs.flight
     while time <= last:
-        energy += (coming(known, time) - known.asleep) * STEP
+        energy += (forecast_harvest(inputs, time) - inputs.asleep) * STEP
         if energy >= most:
             full, energy = True, most
         time += STEP
     return full, energy
 
 
-def night(known: Known) -> float:
+def night_energy(inputs: ScheduleInputs) -> float:
     """Return what the cell must hold at the end of work to reach the next morning. [J]"""
-    time = ends(known)
+    time = next_work_end(inputs)
     end, needed, taken = time + DAY, 0.0, 0.0
-    while time < end and coming(known, time) < known.asleep:
-        taken += (known.asleep - coming(known, time)) * STEP
+    while time < end and forecast_harvest(inputs, time) < inputs.asleep:
+        taken += (inputs.asleep - forecast_harvest(inputs, time)) * STEP
         needed = max(needed, taken)
         time += STEP
-    return least(known) + NIGHT * needed
+    return reserve_energy(inputs) + NIGHT * needed
 
 
-def coming(known: Known, time: float) -> float:
+def forecast_harvest(inputs: ScheduleInputs, time: float) -> float:
     """Return the harvest that is to be expected at a time, as cloudy as it is now. [W]"""
-    light = known.light.expected(time)
+    light = inputs.light.forecast(time)
     # The sky as it is now says little about the sky in some hours.
-    weight = math.exp(-(time - known.time) / 7200.0)
-    seen = 1.0 + weight * (known.seen - 1.0)
-    return known.income(light._replace(sun=seen * light.sun))
+    weight = math.exp(-(time - inputs.time) / 7200.0)
+    seen = 1.0 + weight * (inputs.seen - 1.0)
+    return inputs.income(light._replace(sun=seen * light.sun))

@@ -64,7 +64,7 @@ class DomainLock:
                 f'export ROS_DOMAIN_ID={(int(self._domain) + 1) % (HIGHEST_DOMAIN + 1)}.'
             ) from None
         os.ftruncate(self._file, 0)
-        os.pwrite(self._file, who(self._robots).encode(), 0)
+        os.pwrite(self._file, format_holders(self._robots).encode(), 0)
         return self
 
     def __exit__(
@@ -78,7 +78,7 @@ class DomainLock:
         os.close(self._file)
 
 
-def who(robots: Sequence[str]) -> str:
+def format_holders(robots: Sequence[str]) -> str:
     """Return the beginning of a sentence: 'lta1 is', 'lta1 and lta2 are'."""
     *others, last = robots
     return f'{", ".join(others)} and {last} are' if others else f'{last} is'

@@ -12,21 +12,21 @@ import json
 from pathlib import Path
 from typing import final, Literal, Protocol, TYPE_CHECKING
 
-from lta_bridge.bag.writer import empty_folder
+from lta_bridge.bag.writer import prepare_empty_folder
 from lta_config.errors import BadInput
-from lta_config.files import find
-from lta_control.strategies import strategy
-from lta_flight.blame import FLIGHT, Lookout
+from lta_config.files import find_file
+from lta_control.strategies import find_strategy
 from lta_flight.domain_lock import DomainLock
-from lta_flight.preflight import check
-from lta_flight.viewers import invite, refuse_taken_ports, viewers
-from lta_graph.child import Ended
-from lta_graph.health import Fact, Level
-from lta_graph.launch_file import load
+from lta_flight.preflight import check_plan
+from lta_flight.stall_monitor import FLIGHT, StallMonitor
+from lta_flight.viewers import check_live_ports, find_viewers, report_live_views
+from lta_graph.child_process import ProcessExit
+from lta_graph.health import HealthFact, HealthLevel
+from lta_graph.launch_file import load_plan
 from lta_graph.launcher import Launcher
 from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
-from lta_report.results_folder import results_folder
+from lta_report.results_folder import resolve_folder
 
 if TYPE_CHECKING:
     from lta_graph.ros.listener import DiagnosticsListener
@@ -36,21 +36,21 @@ PATIENCE = 10.0  # wall seconds that the graph may stand still
 LOOK = 0.05  # wall seconds between looks at the processes and the diagnostics
 
 
-class Watcher(Protocol):
+class FlightObserver(Protocol):
     """Whoever shows the flight to a person."""
 
-    def at(self, time: float, distance: float, pace: float) -> None:
+    def show_position(self, time: float, distance: float, pace: float) -> None:
         """Show where the drone is: flight time [s], distance to the lamp [m], pace."""
         ...
 
-    def say(self, sentence: str) -> None:
+    def show_message(self, sentence: str) -> None:
         """Tell something that happened."""
         ...
 
 
 @final
 @dataclass(frozen=True, slots=True)
-class Order:
+class FlightRequest:
     """What to fly; names or files, checked by `fly_once`."""
 
     vehicle: str
@@ -64,7 +64,7 @@ class Order:
 
 @final
 @dataclass(frozen=True, slots=True)
-class Flown:
+class FlightRun:
     """
     How a flight went.
 
@@ -88,7 +88,7 @@ class Flown:
     pace: float
 
 
-def fly_once(order: Order, watcher: Watcher) -> Flown:
+def fly_once(order: FlightRequest, watcher: FlightObserver) -> FlightRun:
     """
     Fly one flight and return how it went.
 
@@ -99,30 +99,33 @@ def fly_once(order: Order, watcher: Watcher) -> Flown:
 
     """
     scenario = load_scenario(order.scenario)
-    strategy(order.strategy)
-    folder = results_folder(order.out, f'{scenario.name}-{order.seed}')
-    plan = load(find('launch file', 'fly', '.launch.yaml'), choices(order, folder / 'bag'))
-    check(plan)
-    spare = viewers(plan)
+    find_strategy(order.strategy)
+    folder = resolve_folder(order.out, f'{scenario.name}-{order.seed}')
+    plan = load_plan(
+        find_file('launch file', 'fly', '.launch.yaml'),
+        build_launch_arguments(order, folder / 'bag'),
+    )
+    check_plan(plan)
+    spare = find_viewers(plan)
     # Here, and not above: who flies without a graph needs no ROS.
     from lta_graph.ros.listener import DiagnosticsListener
 
     with DomainLock(ROBOT), DiagnosticsListener(ROBOT) as listener:
-        refuse_taken_ports(plan)
-        empty_folder(folder)
-        invite(plan, watcher.say)
-        with Launcher(plan, on_line=lambda _name, _line: None, spare=spare) as launcher:
-            watch(launcher, listener, watcher, spare)
-    return judged(folder, launcher, watcher, spare)
+        check_live_ports(plan)
+        prepare_empty_folder(folder)
+        report_live_views(plan, watcher.show_message)
+        with Launcher(plan, on_line=lambda _name, _line: None, optional=spare) as launcher:
+            supervise_flight(launcher, listener, watcher, spare)
+    return collect_result(folder, launcher, watcher, spare)
 
 
-def choices(order: Order, bag: Path) -> dict[str, str]:
+def build_launch_arguments(order: FlightRequest, bag: Path) -> dict[str, str]:
     """Return an order as launch arguments."""
     control = load_vehicle(order.vehicle).file.control
     named = control.gains if control else None
     return {
         'robot': ROBOT,
-        **({'gains': str(find('gains', named))} if named else {}),
+        **({'gains': str(find_file('gains', named))} if named else {}),
         'vehicle': order.vehicle,
         'scenario': order.scenario,
         'strategy': order.strategy,
@@ -133,56 +136,56 @@ def choices(order: Order, bag: Path) -> dict[str, str]:
     }
 
 
-def watch(
+def supervise_flight(
     launcher: Launcher,
     listener: 'DiagnosticsListener',
-    watcher: Watcher,
-    spare: Collection[str] = (),
+    watcher: FlightObserver,
+    optional: Collection[str] = (),
 ) -> None:
     """
     Follow a flight until a process ends it, or the graph has stood still for too long.
 
     A `spare` process is neither missed nor waited for; that it has ended is told.
     """
-    lookout = Lookout(watcher.say, listener.tell)
+    lookout = StallMonitor(watcher.show_message, listener.publish_error)
     while launcher.outcome is None:
         facts = listener.poll(LOOK)
         for end in launcher.poll():
-            if end.name in spare and not end.stopped:
-                why = f' ({end.lines[-1]})' if refused(end) else ''
-                watcher.say(f'{end.sentence}{why}; the flight goes on.')
-        show(facts, watcher)
-        running = [name for name in launcher.running if name not in spare]
-        lookout.look(facts, listener.silent(running), listener.unheard(running))
-        if lookout.standing > PATIENCE:
+            if end.name in optional and not end.stopped:
+                why = f' ({end.lines[-1]})' if is_refusal(end) else ''
+                watcher.show_message(f'{end.sentence}{why}; the flight goes on.')
+        show_status(facts, watcher)
+        running = [name for name in launcher.running if name not in optional]
+        lookout.update(facts, listener.find_silent(running), listener.find_pending(running))
+        if lookout.stall_time > PATIENCE:
             sentence = f'The graph has stood still for {PATIENCE:.0f} s and is stopped.'
-            watcher.say(sentence)
-            listener.tell(sentence)
+            watcher.show_message(sentence)
+            listener.publish_error(sentence)
             return
     end = launcher.outcome
     if not end.success:
-        listener.tell(f'{end.sentence}.')
-        if not refused(end):
-            watcher.say(f'{end.sentence}.')
+        listener.publish_error(f'{end.sentence}.')
+        if not is_refusal(end):
+            watcher.show_message(f'{end.sentence}.')
 
 
-def show(facts: Mapping[str, Fact], watcher: Watcher) -> None:
+def show_status(facts: Mapping[str, HealthFact], watcher: FlightObserver) -> None:
     """Show the simulator's newest word on the flight."""
     fact = facts.get(FLIGHT)
     if (
         fact is not None
-        and fact.level == Level.OK
-        and (told := fact.numbers('time_s', 'distance_m', 'pace'))
+        and fact.level == HealthLevel.OK
+        and (told := fact.parse_numbers('time_s', 'distance_m', 'pace'))
     ):
-        watcher.at(*told)
+        watcher.show_position(*told)
 
 
-def refused(end: Ended) -> bool:
+def is_refusal(end: ProcessExit) -> bool:
     """Tell whether a node ended with a sentence on what it cannot work with."""
     return end.status == 2 and bool(end.lines)
 
 
-def verdict(ended: Iterable[Ended]) -> dict[str, str] | None:
+def parse_final_status(ended: Iterable[ProcessExit]) -> dict[str, str] | None:
     """Return the simulator's last word on the flight, None where it died without one."""
     for item in ended:
         if item.name == 'simulator' and item.stdout:
@@ -192,9 +195,9 @@ def verdict(ended: Iterable[Ended]) -> dict[str, str] | None:
     return None
 
 
-def judged(
-    folder: Path, launcher: Launcher, watcher: Watcher, spare: Collection[str] = ()
-) -> Flown:
+def collect_result(
+    folder: Path, launcher: Launcher, watcher: FlightObserver, optional: Collection[str] = ()
+) -> FlightRun:
     """
     Return how the flight went, from how its processes ended.
 
@@ -207,16 +210,16 @@ def judged(
     bag, end = folder / 'bag', launcher.outcome
     broken = end is None or not end.success
     # Whoever is stopped in an orderly way ends with 0; in a broken graph, not all come so far.
-    ended = [item for item in launcher.ended if item.name not in spare]
+    ended = [item for item in launcher.ended if item.name not in optional]
     faulty = [item for item in ended if item.status and not (broken and item.stopped)]
     for item in faulty:
-        if refused(item):
+        if is_refusal(item):
             raise BadInput(item.lines[-1])
         if item is not end:
-            watcher.say(f'{item.sentence}.')
+            watcher.show_message(f'{item.sentence}.')
         if item.lines:
-            watcher.say('\n'.join((f'The last lines of {item.name}:', *item.lines)))
-    flight = verdict(launcher.ended)
+            watcher.show_message('\n'.join((f'The last lines of {item.name}:', *item.lines)))
+    flight = parse_final_status(launcher.ended)
     if broken or faulty or flight is None:
-        return Flown(folder, bag, 'failed', 'did not finish: the graph broke', 0.0)
-    return Flown(folder, bag, flight['outcome'], flight['sentence'], float(flight['pace']))
+        return FlightRun(folder, bag, 'failed', 'did not finish: the graph broke', 0.0)
+    return FlightRun(folder, bag, flight['outcome'], flight['sentence'], float(flight['pace']))

@@ -4,21 +4,21 @@ from collections.abc import Callable
 from contextlib import ExitStack
 
 from lta_bridge.crazyflie.safety import LEAVE
-from lta_flight.blame import Lookout
 from lta_flight.domain_lock import DomainLock
-from lta_flight.viewers import invite, refuse_taken_ports, viewers
-from lta_graph.child import Ended
+from lta_flight.stall_monitor import StallMonitor
+from lta_flight.viewers import check_live_ports, find_viewers, report_live_views
+from lta_graph.child_process import ProcessExit
 from lta_graph.launch_file import LaunchPlan
 from lta_graph.launcher import GRACE, Launcher
+from lta_graph.process_watch import OnLine
 from lta_graph.ros.listener import DiagnosticsListener
-from lta_graph.watch import OnLine
 
 LOOK = 0.1  # wall seconds between looks at the processes and the diagnostics
 TELLERS = (('lta_sim', 'simulator'), ('lta_bridge', 'player'))  # who may tell /clock
 LANDS = ('lta_bridge', 'crazyflie_bridge')  # who may be in the air when it is asked to end
 
 
-def run_graph(plan: LaunchPlan, on_line: OnLine, say: Callable[[str], None]) -> Ended:
+def run_graph(plan: LaunchPlan, on_line: OnLine, say: Callable[[str], None]) -> ProcessExit:
     """
     Run a launch plan to its end and return how the process that ended it did.
 
@@ -38,36 +38,38 @@ def run_graph(plan: LaunchPlan, on_line: OnLine, say: Callable[[str], None]) -> 
 
     """
     with ExitStack() as stack:
-        if robots := simulated(plan):
+        if robots := list_simulated_robots(plan):
             stack.enter_context(DomainLock(*robots))
         listener = stack.enter_context(DiagnosticsListener(*plan.namespaces))
-        lookout = Lookout(say, listener.tell)
-        spare = viewers(plan)
-        refuse_taken_ports(plan)
-        invite(plan, say)
-        launcher = stack.enter_context(Launcher(plan, on_line, grace=grace(plan), spare=spare))
+        lookout = StallMonitor(say, listener.publish_error)
+        spare = find_viewers(plan)
+        check_live_ports(plan)
+        report_live_views(plan, say)
+        launcher = stack.enter_context(
+            Launcher(plan, on_line, grace=shutdown_grace(plan), optional=spare)
+        )
         while (outcome := launcher.outcome) is None:
             facts = listener.poll(LOOK)
             # Of a node that is not ours nothing is ever heard: that is no fault of it.
             running = [name for name in launcher.running if name not in spare]
-            unheard = listener.unheard(running)
+            unheard = listener.find_pending(running)
             heard = [name for name in running if name not in unheard]
-            silent = listener.silent(heard) if listener.settled(running) else []
-            lookout.look(facts, silent, unheard)
+            silent = listener.find_silent(heard) if listener.is_settled(running) else []
+            lookout.update(facts, silent, unheard)
             for end in launcher.poll():
                 say(f'{end.sentence}.')
                 if not end.success and end.name not in spare:
-                    listener.tell(f'{end.sentence}.')
+                    listener.publish_error(f'{end.sentence}.')
         return outcome
 
 
-def grace(plan: LaunchPlan) -> float:
+def shutdown_grace(plan: LaunchPlan) -> float:
     """Return how long the processes of a plan have to end: a drone comes down meanwhile. [s]"""
     lands = any((each.package, each.executable) == LANDS for each in plan.processes)
     return GRACE + (LEAVE if lands else 0.0)
 
 
-def simulated(plan: LaunchPlan) -> list[str]:
+def list_simulated_robots(plan: LaunchPlan) -> list[str]:
     """Return the robots that a plan simulates or replays."""
     return [
         process.namespace.strip('/')

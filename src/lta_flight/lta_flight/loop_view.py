@@ -5,13 +5,22 @@ from typing import final, NamedTuple
 
 from lta_config.compilation.flat import Array
 from lta_control.autopilot import ESTIMATE
-from lta_data.bag.flight import Points
-from lta_data.scene import Scene
-from lta_flight.loop import Loop
-from lta_flight.report.goal import Goal
-from lta_flight.report.view import half_block
+from lta_data.bag.recorded_flight import PointSeries
+from lta_data.scene import RecordedScene
+from lta_flight.closed_loop import ClosedLoop
+from lta_flight.report.goal import FlightGoal
+from lta_flight.report.view import half_block_time
 from lta_model.state import POSITION, QUATERNION, VELOCITY
-from lta_report.curves import Arrow, Electricity, laid, Motion, moved, pointed, through_air, Track
+from lta_report.curves import (
+    align_start,
+    build_motion,
+    DirectionCurve,
+    ElectricalCurve,
+    MotionCurve,
+    subtract_wind,
+    TimeCurve,
+    vector_directions,
+)
 import numpy as np
 from numpy.typing import NDArray
 
@@ -19,7 +28,7 @@ KEPT = {'ground_truth/odom', 'odom', 'battery'}
 LIT = {'light/bearing', 'light/estimate', 'light/peaks', 'setpoint/pose', 'setpoint/velocity'}
 
 
-class Block(NamedTuple):
+class LoopLightBlock(NamedTuple):
     """What one block of light says, and what is asked for by it."""
 
     began: float  # [s]
@@ -34,38 +43,38 @@ class Block(NamedTuple):
 @final
 class LoopView:
     """
-    Keep of each step what the results need; see `lta_flight.report.evidence.Evidence`.
+    Keep of each step what the results need; see `lta_flight.report.evidence.FlightEvidence`.
 
     Parameters
     ----------
     loop : Loop
-        The flight; `take` looks at its newest step.
+        The flight; `record_step` looks at its newest step.
 
     """
 
-    def __init__(self, loop: Loop) -> None:
+    def __init__(self, loop: ClosedLoop) -> None:
         self._loop = loop
         world = loop.world
         self._start = world.stamp_ns
-        self.scene = Scene(world.scenario, world.vehicle.file)
+        self.scene = RecordedScene(world.scenario, world.vehicle.file)
         self._times: list[float] = []
         self._truth: list[tuple[float, ...]] = []
         self._winds: list[tuple[float, ...]] = []
         self._estimates: list[Array] = []
-        self._light: list[Block] = []
+        self._light: list[LoopLightBlock] = []
         self._power: list[tuple[float, float, float]] = []
 
-    def take(self) -> None:
+    def record_step(self) -> None:
         """Keep the newest step; call it before the world goes on."""
         loop, readings = self._loop, self._loop.readings
         time = (readings.stamp_ns - self._start) * 1e-9
         self._times.append(time)
         if readings.truth is not None:
             self._truth.append((time, *readings.truth))
-        self._estimates.append(loop.autopilot.believed())
+        self._estimates.append(loop.autopilot.copy_estimate())
         if readings.block is not None and loop.light is not None and loop.asked is not None:
             found, lamp, asked = loop.light.bearing, loop.light.lamp, loop.asked
-            block = Block(
+            block = LoopLightBlock(
                 began=(readings.block[0] - self._start) * 1e-9,
                 bearing=(0.0, 0.0) if found is None else (found.x, found.y),
                 lamp=(0.0, 0.0) if lamp is None else (lamp.x, lamp.y),
@@ -80,7 +89,7 @@ class LoopView:
             self._power.append((time, reading.voltage, reading.current))
             self._winds.append((time, *loop.world.wind))
 
-    def has(self, *topics: str) -> bool:
+    def has_topics(self, *topics: str) -> bool:
         """Tell whether there is something of all these topics."""
         return set(topics) <= (KEPT | LIT if self._light else KEPT)
 
@@ -90,68 +99,75 @@ class LoopView:
         return self._times[0], self._times[-1]
 
     @cached_property
-    def goal(self) -> Goal:
+    def goal(self) -> FlightGoal:
         """The lamps to be reached, and when each was."""
-        return Goal(self.scene.scenario, self.truth)
+        return FlightGoal(self.scene.scenario, self.truth)
 
     @cached_property
-    def truth(self) -> Motion:
+    def truth(self) -> MotionCurve:
         """The true motion; the wind is taken off the speed."""
         table, wind = np.array(self._truth), np.array(self._winds)
         time, state = table[:, 0], table[:, 1:]
-        motion = moved(time, state[:, POSITION], state[:, QUATERNION], state[:, VELOCITY][:, 0])
-        return through_air(motion, wind[:, 0], wind[:, 1:])
+        motion = build_motion(
+            time, state[:, POSITION], state[:, QUATERNION], state[:, VELOCITY][:, 0]
+        )
+        return subtract_wind(motion, wind[:, 0], wind[:, 1:])
 
     @cached_property
-    def estimate(self) -> Motion:
+    def estimate(self) -> MotionCurve:
         """The drone's own idea of its motion, laid on the truth at the start."""
         table, time = np.array(self._estimates), np.array(self._times)
         position, attitude, height, surge = (
-            table[:, ESTIMATE.place(part)]
+            table[:, ESTIMATE.slice_of(part)]
             for part in ('position', 'attitude', 'altitude.height', 'airspeed.surge')
         )
         place = np.hstack([position, height])
-        return laid(moved(time, place, attitude, surge[:, 0]), self.truth)
+        return align_start(build_motion(time, place, attitude, surge[:, 0]), self.truth)
 
     @property
-    def altitude_setpoint(self) -> Track:
+    def altitude_setpoint(self) -> TimeCurve:
         """Altitude to hold. [m]"""
-        return Track(self._began, np.array([block.altitude for block in self._light]))
+        return TimeCurve(self._block_starts, np.array([block.altitude for block in self._light]))
 
     @property
-    def speed_setpoint(self) -> Track:
+    def speed_setpoint(self) -> TimeCurve:
         """Forward airspeed to hold. [m/s]"""
-        return Track(self._began, np.array([block.speed for block in self._light]))
+        return TimeCurve(self._block_starts, np.array([block.speed for block in self._light]))
 
     @cached_property
-    def peaks(self) -> Points:
+    def peaks(self) -> PointSeries:
         """SNR and frequency of each diode's peak, at the middle of its block."""
         names = ('snr', 'frequency')
         fields = {
             name: np.array([getattr(block, name) for block in self._light]) for name in names
         }
-        return Points(self._middle, fields)
+        return PointSeries(self._block_middles, fields)
 
     @cached_property
-    def sighting(self) -> Arrow:
+    def sighting(self) -> DirectionCurve:
         """Direction to the lamp that the drone steers by, at the middle of its block."""
-        return Arrow(self._middle, pointed(np.array([block.lamp for block in self._light])))
+        return DirectionCurve(
+            self._block_middles, vector_directions(np.array([block.lamp for block in self._light]))
+        )
 
     @cached_property
-    def bearing(self) -> Arrow:
+    def bearing(self) -> DirectionCurve:
         """The paper's direction to the lamp, at the middle of its block."""
-        return Arrow(self._middle, pointed(np.array([block.bearing for block in self._light])))
+        return DirectionCurve(
+            self._block_middles,
+            vector_directions(np.array([block.bearing for block in self._light])),
+        )
 
     @property
-    def _began(self) -> NDArray[np.float64]:
+    def _block_starts(self) -> NDArray[np.float64]:
         return np.array([block.began for block in self._light])
 
     @property
-    def _middle(self) -> NDArray[np.float64]:
-        return self._began + half_block()
+    def _block_middles(self) -> NDArray[np.float64]:
+        return self._block_starts + half_block_time()
 
     @cached_property
-    def battery(self) -> Electricity:
+    def battery(self) -> ElectricalCurve:
         """The cell as measured."""
         time, voltage, current = np.array(self._power).T
-        return Electricity(time, voltage, current)
+        return ElectricalCurve(time, voltage, current)

@@ -5,16 +5,16 @@ from itertools import pairwise
 
 from lta_config.constants import AIR_DENSITY
 from lta_config.errors import BadInput
-from lta_config.files import checked, parse_yaml
-from lta_control.laws.aboard import check_aboard
-from lta_control.strategies import check_route, strategy
-from lta_flight.listening import check_listening
+from lta_config.files import parse_yaml, validate_content
+from lta_control.laws.onboard_law import check_onboard_law
+from lta_control.strategies import check_route, find_strategy
+from lta_flight.lamp_frequency import check_lamp_frequency
 from lta_graph.launch_file import LaunchPlan
 from lta_model.scenario import load_scenario
-from lta_model.start_offset import started
+from lta_model.start_offset import offset_start
 from lta_model.vehicle import load_vehicle
-from lta_sim import in_scene
-from lta_vlc.settings import Demodulation
+from lta_sim import scene_model
+from lta_vlc.settings import DemodulationSettings
 
 OURS = 'lta_'
 CONTROLLER, DEMODULATOR, NAVIGATOR = 'controller', 'demodulator', 'navigator'
@@ -22,7 +22,7 @@ FILE_OPTION = '--params-file'
 SEEDS = range(2**31)
 
 
-def check(plan: LaunchPlan) -> None:
+def check_plan(plan: LaunchPlan) -> None:
     """
     Refuse a vehicle, scenario, strategy or seed that LTA's own nodes would refuse.
 
@@ -36,12 +36,12 @@ def check(plan: LaunchPlan) -> None:
     """
     for process in plan.processes:
         if process.package.startswith(OURS):
-            for given in by_robot(parameters(process.arguments)):
+            for given in split_by_robot(parse_parameters(process.arguments)):
                 check_parameters(given, controls=process.executable == CONTROLLER)
-    check_heard(plan)
+    check_plan_listening(plan)
 
 
-def check_parameters(given: Mapping[str, object], controls: bool) -> None:
+def check_parameters(values: Mapping[str, object], controls: bool) -> None:
     """
     Refuse what one node would refuse.
 
@@ -54,26 +54,26 @@ def check_parameters(given: Mapping[str, object], controls: bool) -> None:
 
     """
     density, scenario = AIR_DENSITY, None
-    if isinstance(name := given.get('scenario'), str):
-        scenario = started(load_scenario(name), *offset(given))
+    if isinstance(name := values.get('scenario'), str):
+        scenario = offset_start(load_scenario(name), *start_offset(values))
         _ = scenario.light_field
         density = scenario.air.density
-    if isinstance(name := given.get('vehicle'), str):
+    if isinstance(name := values.get('vehicle'), str):
         vehicle = load_vehicle(name, density)
         _ = vehicle.hover_duty
         if controls:
-            check_aboard(vehicle)
+            check_onboard_law(vehicle)
         if scenario is not None:
-            in_scene.check(vehicle, scenario)
-    if isinstance(name := given.get('strategy'), str):
-        check_route(strategy(name), 1 if scenario is None else len(scenario.route))
-    if 'seed' in given and not (type(given['seed']) is int and given['seed'] in SEEDS):
+            scene_model.check_scene(vehicle, scenario)
+    if isinstance(name := values.get('strategy'), str):
+        check_route(find_strategy(name), 1 if scenario is None else len(scenario.route))
+    if 'seed' in values and not (type(values['seed']) is int and values['seed'] in SEEDS):
         raise BadInput(
-            f'The seed is {given["seed"]}, but must be a whole number from 0 to {SEEDS[-1]}.'
+            f'The seed is {values["seed"]}, but must be a whole number from 0 to {SEEDS[-1]}.'
         )
 
 
-def check_heard(plan: LaunchPlan) -> None:
+def check_plan_listening(plan: LaunchPlan) -> None:
     """Refuse a scene whose lamp the demodulator beside its navigator does not listen for."""
     ours = {
         (process.namespace, process.executable): process.arguments
@@ -82,34 +82,35 @@ def check_heard(plan: LaunchPlan) -> None:
     }
     for (namespace, executable), arguments in ours.items():
         listener = ours.get((namespace, DEMODULATOR))
-        scenario = parameters(arguments).get('scenario')
+        scenario = parse_parameters(arguments).get('scenario')
         if executable != NAVIGATOR or listener is None or not isinstance(scenario, str):
             continue
         if FILE_OPTION in listener:  # what it is set to stands in a file of whoever wrote it
             continue
-        own = parameters(listener)
-        given = {name: own[name] for name in Demodulation.model_fields if name in own}
-        check_listening(
-            load_scenario(scenario), checked(Demodulation, given, 'the settings of demodulator')
+        own = parse_parameters(listener)
+        given = {name: own[name] for name in DemodulationSettings.model_fields if name in own}
+        check_lamp_frequency(
+            load_scenario(scenario),
+            validate_content(DemodulationSettings, given, 'the settings of demodulator'),
         )
 
 
-def parameters(arguments: Sequence[str]) -> dict[str, object]:
+def parse_parameters(arguments: Sequence[str]) -> dict[str, object]:
     """Return the parameters that a node's command line gives one by one."""
     rules = (rule.partition(':=') for word, rule in pairwise(arguments) if word == '-p')
     return {name: parse_yaml(value, name) for name, _, value in rules}
 
 
-def by_robot(given: Mapping[str, object]) -> list[dict[str, object]]:
+def split_by_robot(values: Mapping[str, object]) -> list[dict[str, object]]:
     """Return parameters of the node itself, and those of each robot in a recorder's care."""
     found: dict[str, dict[str, object]] = {}
-    for name, value in given.items():
+    for name, value in values.items():
         robot, _, own = name.rpartition('.')
         found.setdefault(robot, {})[own] = value
     return list(found.values())
 
 
-def offset(given: Mapping[str, object]) -> tuple[float, float]:
+def start_offset(values: Mapping[str, object]) -> tuple[float, float]:
     """Return by how much a node's parameters move the start; what is no number moves nothing."""
-    x, y = (given.get(name) for name in ('offset_x', 'offset_y'))
+    x, y = (values.get(name) for name in ('offset_x', 'offset_y'))
     return x if isinstance(x, float) else 0.0, y if isinstance(y, float) else 0.0

@@ -2,13 +2,13 @@
 
 from typing import final
 
-from lta_report.bar import Bar
+from lta_report.progress_bar import ProgressBar
 from rich.console import Console
 from rich.progress import BarColumn, TextColumn
 
 
 @final
-class FlightProgress(Bar):
+class FlightProgress(ProgressBar):
     """
     Show a flight while it lasts: `with FlightProgress(console) as progress: ...`.
 
@@ -33,7 +33,7 @@ class FlightProgress(Bar):
         )
         self._begin: float | None = None
 
-    def at(self, time: float, distance: float, pace: float) -> None:
+    def show_position(self, time: float, distance: float, pace: float) -> None:
         """
         Show where the drone is.
 
@@ -49,7 +49,7 @@ class FlightProgress(Bar):
         """
         if self._begin is None:
             self._begin = distance
-        self.move(
+        self.update_bar(
             description='flying',
             total=self._begin,
             completed=max(0.0, self._begin - distance),

@@ -11,17 +11,17 @@ import time
 from typing import final, TYPE_CHECKING
 
 from lta_bridge.bag.storage import StorageFault
-from lta_bridge.bag.writer import BagWriter, empty_folder
-from lta_bridge.provenance import provenance
+from lta_bridge.bag.writer import BagWriter, prepare_empty_folder
+from lta_bridge.provenance import collect_provenance
 from lta_config.errors import BadInput
-from lta_config.override import assignment
-from lta_config.topics import topic_table
-from lta_flight.flight import Flown, ROBOT, Watcher
-from lta_flight.ingredients import gather, Ingredients, loop_of, write_files
-from lta_flight.loop import Loop
+from lta_config.parameter_override import parse_assignment
+from lta_config.topics import load_topic_table
+from lta_flight.closed_loop import ClosedLoop
+from lta_flight.flight import FlightObserver, FlightRun, ROBOT
+from lta_flight.flight_spec import build_loop, FlightSpec, load_spec, write_files
 from lta_flight.loop_view import LoopView
-from lta_flight.report.results import Results, results_of
-from lta_report.results_folder import results_folder
+from lta_flight.report.results import compute_results, FlightResults
+from lta_report.results_folder import resolve_folder
 
 if TYPE_CHECKING:
     from lta_flight.messages import LoopRecorder
@@ -31,7 +31,7 @@ LOOK = 0.1  # wall seconds between two looks of the watcher
 
 @final
 @dataclass(frozen=True, slots=True)
-class Simulated:
+class SimulationRequest:
     """What to simulate; names, files and settings, checked by `simulate_once`."""
 
     vehicle: str
@@ -44,7 +44,9 @@ class Simulated:
     record: bool = True
 
 
-def simulate_once(order: Simulated, watcher: Watcher) -> tuple[Flown, Results]:
+def simulate_once(
+    order: SimulationRequest, watcher: FlightObserver
+) -> tuple[FlightRun, FlightResults]:
     """
     Fly one flight in this process and return how it went and what it came to.
 
@@ -54,10 +56,10 @@ def simulate_once(order: Simulated, watcher: Watcher) -> tuple[Flown, Results]:
         If the order cannot be flown, or the disk cannot take its bag.
 
     """
-    made_of = gather(order.vehicle, order.scenario, order.strategy, order.gains)
-    made_of = made_of.with_values(dict(map(assignment, order.changes)))
-    loop = loop_of(made_of, order.seed)
-    folder = results_folder(order.out, f'{loop.world.scenario.name}-{order.seed}')
+    made_of = load_spec(order.vehicle, order.scenario, order.strategy, order.gains)
+    made_of = made_of.with_values(dict(map(parse_assignment, order.changes)))
+    loop = build_loop(made_of, order.seed)
+    folder = resolve_folder(order.out, f'{loop.world.scenario.name}-{order.seed}')
     try:
         with ExitStack() as closing:
             recorder = None
@@ -65,39 +67,43 @@ def simulate_once(order: Simulated, watcher: Watcher) -> tuple[Flown, Results]:
                 # Here, and not above: who wants no bag needs no ROS.
                 from lta_flight.messages import LoopRecorder
 
-                empty_folder(folder)
-                origin = origin_of(order, made_of, folder)
+                prepare_empty_folder(folder)
+                origin = build_provenance(order, made_of, folder)
                 writer = closing.enter_context(BagWriter(folder / 'bag', origin))
-                recorder = LoopRecorder(writer, loop, topic_table(), ROBOT)
-            view, pace = fly(loop, recorder, watcher)
+                recorder = LoopRecorder(writer, loop, load_topic_table(), ROBOT)
+            view, pace = fly_loop(loop, recorder, watcher)
     except StorageFault as fault:
         raise BadInput(str(fault)) from None
     world = loop.world
     outcome, sentence = world.outcome.name.lower(), str(world.outcome)
-    return Flown(folder, folder / 'bag', outcome, sentence, pace), results_of(view)
+    return FlightRun(folder, folder / 'bag', outcome, sentence, pace), compute_results(view)
 
 
-def fly(loop: Loop, recorder: 'LoopRecorder | None', watcher: Watcher) -> tuple[LoopView, float]:
+def fly_loop(
+    loop: ClosedLoop, recorder: 'LoopRecorder | None', watcher: FlightObserver
+) -> tuple[LoopView, float]:
     """Fly a loop to its end; return what it came through and its pace."""
     view = LoopView(loop)
     world = loop.world
     begun = looked = time.monotonic()
-    for _ in loop.flight():
-        view.take()
+    for _ in loop.iterate_steps():
+        view.record_step()
         if recorder is not None:
-            recorder.take()
+            recorder.record_step()
         now = time.monotonic()
         if now - looked >= LOOK:
             looked = now
-            watcher.at(world.elapsed, world.distance, world.elapsed / (now - begun))
+            watcher.show_position(
+                world.elapsed, world.goal_distance, world.elapsed / (now - begun)
+            )
     return view, world.elapsed / (time.monotonic() - begun)
 
 
-def origin_of(order: Simulated, made_of: Ingredients, folder: Path) -> dict[str, str]:
+def build_provenance(order: SimulationRequest, spec: FlightSpec, folder: Path) -> dict[str, str]:
     """Return what the bag says of its origin; files that were changed are kept beside it."""
-    names = write_files(made_of, folder)
+    names = write_files(spec, folder)
     changes = {'set': '; '.join(order.changes)} if order.changes else {}
-    return provenance(
+    return collect_provenance(
         names['vehicle'],
         names['scenario'],
         names['gains'],

@@ -2,38 +2,38 @@
 
 from collections.abc import Callable
 
-from lta_bridge.live.address import app_url, LOCAL, PORT, refuse_taken
+from lta_bridge.live.address import build_app_url, check_port, LOCAL, PORT
+from lta_config.command_line import relative_path
 from lta_config.errors import BadInput
-from lta_config.files import share
-from lta_config.typed import near
-from lta_flight.preflight import FILE_OPTION, parameters
+from lta_config.files import share_folder
+from lta_flight.preflight import FILE_OPTION, parse_parameters
 from lta_graph.launch_file import LaunchPlan
-from lta_graph.launch_node import Process
+from lta_graph.launch_node import LaunchProcess
 
 LIVE = ('lta_bridge', 'live')
 LAYOUT = 'foxglove/lta.json'  # below the folder of LTA's own data
 
 
-def _looks(process: Process) -> bool:
+def _is_viewer(process: LaunchProcess) -> bool:
     return (process.package, process.executable) == LIVE
 
 
-def _places(plan: LaunchPlan) -> list[tuple[Process, object, object]]:
+def _list_live_views(plan: LaunchPlan) -> list[tuple[LaunchProcess, object, object]]:
     """Return the live views with host and port, but those that have theirs in a file."""
     found = []
-    for process in filter(_looks, plan.processes):
-        given = parameters(process.arguments)
+    for process in filter(_is_viewer, plan.processes):
+        given = parse_parameters(process.arguments)
         if 'port' in given or FILE_OPTION not in process.arguments:
             found.append((process, given.get('host', LOCAL), given.get('port', PORT)))
     return found
 
 
-def viewers(plan: LaunchPlan) -> frozenset[str]:
+def find_viewers(plan: LaunchPlan) -> frozenset[str]:
     """Return what a plan calls the processes that only look."""
-    return frozenset(plan.label(process) for process in plan.processes if _looks(process))
+    return frozenset(plan.label(process) for process in plan.processes if _is_viewer(process))
 
 
-def refuse_taken_ports(plan: LaunchPlan) -> None:
+def check_live_ports(plan: LaunchPlan) -> None:
     """
     Refuse a live view where nothing could listen.
 
@@ -45,7 +45,7 @@ def refuse_taken_ports(plan: LaunchPlan) -> None:
 
     """
     seen: set[object] = set()
-    for _, host, port in _places(plan):
+    for _, host, port in _list_live_views(plan):
         if port in seen:
             raise BadInput(f'Two live views were given port {port}; give each its own.')
         seen.add(port)
@@ -53,15 +53,15 @@ def refuse_taken_ports(plan: LaunchPlan) -> None:
             raise BadInput(
                 f'The port of the live view is {port}, but must be a whole number from 1 to 65535.'
             )
-        refuse_taken(str(host), port)
+        check_port(str(host), port)
 
 
-def invite(plan: LaunchPlan, say: Callable[[str], None]) -> None:
+def report_live_views(plan: LaunchPlan, say: Callable[[str], None]) -> None:
     """Tell where people can look on; nothing where a plan has no live view."""
-    views = _places(plan)
+    views = _list_live_views(plan)
     for process, _, port in views:
-        url = app_url(int(str(port)))
+        url = build_app_url(int(str(port)))
         whose = f'{process.namespace.strip("/")}; ' if len(views) > 1 else ''
         say(f'Live   {url}  ({whose}or, in the Foxglove app, Open connection)')
     if views:
-        say(f'Layout {near(share() / LAYOUT)}  (import it there once)')
+        say(f'Layout {relative_path(share_folder() / LAYOUT)}  (import it there once)')

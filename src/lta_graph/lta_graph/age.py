@@ -6,7 +6,7 @@ from typing import Final
 AHEAD: Final = 0.3  # s that a stamp may lie ahead of us; farther, its clock or ours was set
 
 
-def age(stamp_ns: int | None, now_ns: int) -> float:
+def stamp_age(stamp_ns: int | None, now_ns: int) -> float:
     """
     Return the age of what is stamped so. [s].
 

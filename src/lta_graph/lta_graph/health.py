@@ -7,7 +7,7 @@ import math
 from typing import final
 
 
-class Level(IntEnum):
+class HealthLevel(IntEnum):
     """Levels of diagnostic_msgs/DiagnosticStatus."""
 
     OK = 0
@@ -18,15 +18,15 @@ class Level(IntEnum):
 
 @final
 @dataclass(frozen=True, slots=True)
-class Fact:
+class HealthFact:
     """One line of a node's health: a task, how it stands, and the figures behind it."""
 
     task: str
-    level: Level
+    level: HealthLevel
     message: str
     values: Mapping[str, str] = field(default_factory=dict)
 
-    def numbers(self, *names: str) -> tuple[float, ...] | None:
+    def parse_numbers(self, *names: str) -> tuple[float, ...] | None:
         """Return figures; None where one is missing or no number, as anybody may speak."""
         try:
             found = tuple(float(self.values[name]) for name in names)
@@ -40,15 +40,15 @@ class Health:
     """The facts of one node, the newest of each task; tells when a level has changed."""
 
     def __init__(self) -> None:
-        self._facts: dict[str, Fact] = {}
+        self._facts: dict[str, HealthFact] = {}
         self.changed = False
 
-    def report(self, task: str, level: Level, message: str, **values: object) -> None:
+    def report(self, task: str, level: HealthLevel, message: str, **values: object) -> None:
         """Set the fact of one task."""
         text = {key: str(value) for key, value in values.items()}
-        self.take(Fact(task, level, message, text))
+        self.set_fact(HealthFact(task, level, message, text))
 
-    def take(self, fact: Fact) -> None:
+    def set_fact(self, fact: HealthFact) -> None:
         """Set the fact of its task."""
         before = self._facts.get(fact.task)
         self.changed |= before is None or before.level != fact.level
@@ -59,6 +59,6 @@ class Health:
         return task in self._facts
 
     @property
-    def facts(self) -> list[Fact]:
+    def facts(self) -> list[HealthFact]:
         """All facts, in the order in which their tasks were first reported."""
         return list(self._facts.values())

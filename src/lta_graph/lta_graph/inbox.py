@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Any, final
 
 from lta_config.topics import TopicTable
-from lta_graph.turns import GridTurns, Turns
+from lta_graph.lockstep import GridTurns, MessageTurns
 
 BACKLOG_NS = 2_000_000_000  # of graph time: what is kept for a trigger that has stopped
 BACKLOG = 100  # messages of a topic without a rhythm
@@ -21,7 +21,7 @@ BACKLOG = 100  # messages of a topic without a rhythm
 
 @final
 @dataclass(frozen=True, slots=True)
-class Step:
+class InboxStep:
     """
     What a node answers at once.
 
@@ -37,7 +37,7 @@ class Step:
     stamp_ns: int
     messages: Mapping[str, list[Any]]
 
-    def last(self, topic: str) -> Any:  # noqa: ANN401 - a message of whatever type the topic has
+    def last_message(self, topic: str) -> Any:  # noqa: ANN401 - a message of whatever type the topic has
         """Return the newest new message of a topic, or None."""
         messages = self.messages[topic]
         return messages[-1] if messages else None
@@ -78,7 +78,7 @@ class Inbox:
         lockstep: bool,
         replayed: bool = False,
     ) -> None:
-        self.turns: Turns | None = None if replayed else GridTurns(table)
+        self.turns: MessageTurns | None = None if replayed else GridTurns(table)
         self._table = table
         self._trigger = trigger
         self._lockstep = lockstep
@@ -87,7 +87,7 @@ class Inbox:
         }
         self._rhythmic = {name for name in topics if table[name].period_ns}
         self._queues: dict[str, deque[Any]] = {
-            name: deque(maxlen=None if lockstep or name == trigger else self._backlog(name))
+            name: deque(maxlen=None if lockstep or name == trigger else self._backlog_limit(name))
             for name in topics
         }
         self._taken = dict.fromkeys(topics, 0)
@@ -95,7 +95,7 @@ class Inbox:
         self._turn = dict.fromkeys(topics, 0)
         self._trigger_stamps: deque[int] = deque()
 
-    def _backlog(self, name: str) -> int:
+    def _backlog_limit(self, name: str) -> int:
         """Return how many messages of a topic are kept in real time until they are taken."""
         period = self._table[name].period_ns
         return max(1, BACKLOG_NS // period) if period else BACKLOG
@@ -123,29 +123,29 @@ class Inbox:
     def _count_gap(self, topic: str, stamp_ns: int) -> None:
         """Count messages that were lost on the way, by the turn that this one should have."""
         expected = self._turn[topic]
-        arrived = self.turns.turn(topic, expected, stamp_ns) if self.turns else expected
+        arrived = self.turns.find_turn(topic, expected, stamp_ns) if self.turns else expected
         self.gaps[topic] += max(0, arrived - expected)
         self._turn[topic] = arrived + 1
 
-    def _due(self, name: str, lag: int, now: int) -> int:
+    def _count_due(self, name: str, lag: int, now: int) -> int:
         """Return how many messages must have come; of a topic without rhythm, all that have."""
         if name not in self._rhythmic:
             return self._taken[name] + len(self._queues[name])
-        return 0 if self.turns is None else self.turns.due(name, now, lag)
+        return 0 if self.turns is None else self.turns.count_due(name, now, lag)
 
-    def _missing(self) -> list[str]:
+    def _list_missing(self) -> list[str]:
         now = self._trigger_stamps[0] + self._table[self._trigger].latency_ns
         return [
             name
             for name, lag in self._others.items()
-            if self._taken[name] + len(self._queues[name]) < self._due(name, lag, now)
+            if self._taken[name] + len(self._queues[name]) < self._count_due(name, lag, now)
         ]
 
-    def pop(self) -> Step | None:
+    def pop(self) -> InboxStep | None:
         """Return the next step if all it needs has come, else None."""
         if not self._trigger_stamps:
             return None
-        if self._lockstep and (self.turns is None or self._missing()):
+        if self._lockstep and (self.turns is None or self._list_missing()):
             return None
         stamp = self._trigger_stamps.popleft()
         now = stamp + self._table[self._trigger].latency_ns
@@ -156,11 +156,11 @@ class Inbox:
             count = len(queue)
             if self._lockstep:
                 # A recording whose time goes back asks for less than has been taken already.
-                count = max(0, self._due(name, lag, now) - self._taken[name])
+                count = max(0, self._count_due(name, lag, now) - self._taken[name])
             messages[name] = [queue.popleft() for _ in range(count)]
             self._taken[name] += count
-        return Step(stamp, messages)
+        return InboxStep(stamp, messages)
 
-    def waiting_for(self) -> list[str]:
+    def list_missing_topics(self) -> list[str]:
         """Return the topics that keep a begun step from being answered."""
-        return self._missing() if self._lockstep and self._trigger_stamps else []
+        return self._list_missing() if self._lockstep and self._trigger_stamps else []

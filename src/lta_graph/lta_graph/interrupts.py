@@ -15,11 +15,11 @@ STOPS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 @contextmanager
-def held_interrupts() -> Iterator[list[int]]:
+def hold_interrupts() -> Iterator[list[int]]:
     """Count Ctrl-C and its like instead of being interrupted, and let the first act afterwards."""
     presses: list[int] = []
 
-    def press(number: int, _: FrameType | None) -> None:
+    def record_press(number: int, _: FrameType | None) -> None:
         presses.append(number)
 
     before = {number: signal.getsignal(number) for number in STOPS}
@@ -28,7 +28,7 @@ def held_interrupts() -> Iterator[list[int]]:
     if threading.current_thread() is not threading.main_thread():
         heard = {}
     for number in heard:
-        signal.signal(number, press)
+        signal.signal(number, record_press)
     try:
         yield presses
     finally:

@@ -7,84 +7,84 @@ under `ros2 launch`; there, too, most values must be text and a number needs quo
 
 from typing import Annotated, Any, Literal
 
-from lta_config.files import Record
+from lta_config.files import StrictModel
 from pydantic import BeforeValidator, Field, model_validator
 
 
-def _quoted(given: Any) -> Any:  # noqa: ANN401 - whatever the file held
-    if isinstance(given, bool | int | float):
-        raise ValueError(f"is {given} without quotes, but ROS wants text here; write '{given}'")
-    return given
+def _check_quoted(value: Any) -> Any:  # noqa: ANN401 - whatever the file held
+    if isinstance(value, bool | int | float):
+        raise ValueError(f"is {value} without quotes, but ROS wants text here; write '{value}'")
+    return value
 
 
-Text = Annotated[str, BeforeValidator(_quoted)]
+Text = Annotated[str, BeforeValidator(_check_quoted)]
 Scalar = bool | int | float | str
 PARAMETER_TYPES: dict[str, type[Scalar]] = {'str': str, 'int': int, 'float': float, 'bool': bool}
 
 
-class Conditional(Record):
+class ConditionalAction(StrictModel):
     """Base of the actions that may depend on a condition."""
 
     if_: Annotated[Text | None, Field(alias='if')] = None
     unless: Text | None = None
 
     @model_validator(mode='after')
-    def _one_condition(self) -> 'Conditional':
+    def _check_one_condition(self) -> 'ConditionalAction':
         if self.if_ is not None and self.unless is not None:
             raise ValueError('has both "if" and "unless"; keep one')
         return self
 
 
-class Choice(Record):
+class ArgumentChoice(StrictModel):
     """One allowed value of a launch argument."""
 
     value: Text
 
 
-class Arg(Record):
+class Arg(StrictModel):
     """Declare a launch argument; without a default it must be given."""
 
     name: Text
     default: Text | None = None
     description: Text = ''
-    choice: Annotated[list[Choice], Field(min_length=1)] | None = None
+    choice: Annotated[list[ArgumentChoice], Field(min_length=1)] | None = None
 
 
-class Setting(Record):
+class NamedText(StrictModel):
     """A name and the text it stands for."""
 
     name: Text
     value: Text
 
 
-class Let(Conditional):
+class Let(ConditionalAction):
     """Set a launch variable in the present scope."""
 
     name: Text
     value: Text
 
 
-class Include(Conditional):
+class Include(ConditionalAction):
     """Run another launch file with arguments."""
 
     file: Text
-    arg: Annotated[list[Setting], Field(min_length=1)] | None = None
+    arg: Annotated[list[NamedText], Field(min_length=1)] | None = None
 
 
-class Group(Conditional):
+class GroupAction(ConditionalAction):
     """Run actions in a scope of their own, unless `scoped: false`."""
 
     scoped: bool = True
     children: list[Any]
 
 
-class PushRosNamespace(Conditional):
+class PushRosNamespace(ConditionalAction):
     """Put what follows in the scope into a namespace."""
 
     namespace: Text
 
 
-class Param(Record):
+class Param(StrictModel):
     """A parameter with its value, a prefix with nested parameters, or a parameter file."""
 
     name: Text | None = None
@@ -94,7 +94,7 @@ class Param(Record):
     from_: Annotated[Text | None, Field(alias='from')] = None
 
     @model_validator(mode='after')
-    def _one_meaning(self) -> 'Param':
+    def _check_one_meaning(self) -> 'Param':
         given = [item is not None for item in (self.value, self.param, self.from_)]
         if sum(given) != 1 or (self.name is None) != (self.from_ is not None):
             raise ValueError('needs either "from", or "name" and one of "value" and "param"')
@@ -109,14 +109,14 @@ class Param(Record):
         return self
 
 
-class Remap(Record):
+class Remap(StrictModel):
     """Use another name for a topic or service."""
 
     from_: Annotated[Text, Field(alias='from')]
     to: Text
 
 
-class Node(Conditional):
+class NodeAction(ConditionalAction):
     """Start a ROS node as a process of its own."""
 
     pkg: Text
@@ -132,14 +132,14 @@ class Node(Conditional):
     respawn: Literal[False] = False
 
 
-Action = Arg | Let | Include | Group | PushRosNamespace | Node
+Action = Arg | Let | Include | GroupAction | PushRosNamespace | NodeAction
 
 ACTIONS: dict[str, type[Action]] = {
     'arg': Arg,
     'let': Let,
     'include': Include,
-    'group': Group,
+    'group': GroupAction,
     'push_ros_namespace': PushRosNamespace,
     'push-ros-namespace': PushRosNamespace,
-    'node': Node,
+    'node': NodeAction,
 }

@@ -11,22 +11,22 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, final
 
-from lta_config.errors import BadInput, unknown
+from lta_config.errors import BadInput, unknown_name
 from lta_config.files import load_yaml
-from lta_config.sentence import sentence
+from lta_config.validation_errors import format_error
 from lta_graph.launch_actions import (
     Action,
     ACTIONS,
     Arg,
-    Conditional,
-    Group,
+    ConditionalAction,
+    GroupAction,
     Include,
     Let,
-    Node,
+    NodeAction,
     PushRosNamespace,
 )
-from lta_graph.launch_node import join, node_process, Process
-from lta_graph.launch_text import Context, substitute
+from lta_graph.launch_node import build_process, join_namespaces, LaunchProcess
+from lta_graph.launch_substitutions import LaunchContext, substitute_text
 from pydantic import ValidationError
 
 NAMESPACE = 'ros_namespace'  # the launch variable in which ROS, too, keeps the pushed namespace
@@ -34,7 +34,7 @@ NAMESPACE = 'ros_namespace'  # the launch variable in which ROS, too, keeps the 
 
 @final
 @dataclass(frozen=True, slots=True)
-class Argument:
+class LaunchArgument:
     """
     A launch argument that a file declares.
 
@@ -60,20 +60,20 @@ class Argument:
 class LaunchPlan:
     """What a launch file starts with the given arguments."""
 
-    processes: tuple[Process, ...]
+    processes: tuple[LaunchProcess, ...]
 
     @property
     def namespaces(self) -> list[str]:
         """The namespaces of the nodes, without leading slash, in order of appearance."""
         return list(dict.fromkeys(item.namespace.strip('/') for item in self.processes))
 
-    def label(self, process: Process) -> str:
+    def label(self, process: LaunchProcess) -> str:
         """Return what people call a process here: `estimator`, or `lta2/estimator` of several."""
         several = len(self.namespaces) > 1
         return f'{process.namespace}/{process.name}'.strip('/') if several else process.name
 
 
-def arguments(path: Path) -> list[Argument]:
+def list_arguments(path: Path) -> list[LaunchArgument]:
     """
     Return the arguments that a launch file declares, in their order.
 
@@ -83,10 +83,10 @@ def arguments(path: Path) -> list[Argument]:
         If the file is not a launch file.
 
     """
-    return [_argument(action) for action in _read(path) if isinstance(action, Arg)]
+    return [_build_argument(action) for action in _read_actions(path) if isinstance(action, Arg)]
 
 
-def load(path: Path, given: Mapping[str, str]) -> LaunchPlan:
+def load_plan(path: Path, arguments: Mapping[str, str]) -> LaunchPlan:
     """
     Return the plan of a launch file.
 
@@ -103,17 +103,17 @@ def load(path: Path, given: Mapping[str, str]) -> LaunchPlan:
         If the file or an argument cannot be used: where, what, and the remedy.
 
     """
-    walk = _Walk()
-    walk.file(Path(path), given)
+    walk = _PlanBuilder()
+    walk.include_file(Path(path), arguments)
     return LaunchPlan(tuple(walk.processes))
 
 
-def _argument(arg: Arg) -> Argument:
+def _build_argument(arg: Arg) -> LaunchArgument:
     choices = tuple(choice.value for choice in arg.choice or [])
-    return Argument(arg.name, arg.description, arg.default, choices)
+    return LaunchArgument(arg.name, arg.description, arg.default, choices)
 
 
-def _read(path: Path) -> list[Action]:
+def _read_actions(path: Path) -> list[Action]:
     """Return a file's actions."""
     if not path.is_file():
         raise BadInput(f'There is no launch file {path}; check the path.')
@@ -122,112 +122,114 @@ def _read(path: Path) -> list[Action]:
     content = load_yaml(path)
     if not isinstance(content, dict) or list(content) != ['launch']:
         raise BadInput(f"{path} is no launch file; its only key must be 'launch:'.")
-    return _actions(content['launch'], path)
+    return _parse_actions(content['launch'], path)
 
 
-def _actions(entries: Any, path: Path) -> list[Action]:  # noqa: ANN401 - what the file held
+def _parse_actions(entries: Any, path: Path) -> list[Action]:  # noqa: ANN401 - what the file held
     if not isinstance(entries, list):
         raise BadInput(f"{path}: actions must be a list; begin each with '- '.")
-    return [_action(entry, path) for entry in entries]
+    return [_parse_action(entry, path) for entry in entries]
 
 
-def _action(entry: Any, path: Path) -> Action:  # noqa: ANN401 - what the file held
+def _parse_action(entry: Any, path: Path) -> Action:  # noqa: ANN401 - what the file held
     if not isinstance(entry, dict) or len(entry) != 1:
         raise BadInput(f'{path}: an action must have one name, as "- node: ...", not {entry!r}.')
     ((name, content),) = entry.items()
     if name not in ACTIONS:
-        raise BadInput(f'{path}: {unknown("action", str(name), list(ACTIONS))}')
+        raise BadInput(f'{path}: {unknown_name("action", str(name), list(ACTIONS))}')
     if name == 'group' and isinstance(content, list):
         content = {'children': content}
     try:
         action = ACTIONS[name].model_validate(content)
     except ValidationError as error:
-        raise BadInput(f'{path}: {name}: {sentence(error)}') from None
-    if isinstance(action, Group):
+        raise BadInput(f'{path}: {name}: {format_error(error)}') from None
+    if isinstance(action, GroupAction):
         # Checked here and not when it runs, so that a mistake is found in every condition.
-        children = _actions(action.children, path)
+        children = _parse_actions(action.children, path)
         if any(isinstance(child, Arg) for child in children):
             raise BadInput(f"{path}: an 'arg' stands in a group; move it to the top of the file.")
         return action.model_copy(update={'children': children})
     return action
 
 
-class _Located(BadInput):
+class _LocatedError(BadInput):
     """Bad input whose sentence says already in which file it is."""
 
 
 @final
-class _Walk:
+class _PlanBuilder:
     """One pass through a launch file: the variables in scope and the processes so far."""
 
     def __init__(self) -> None:
-        self.processes: list[Process] = []
+        self.processes: list[LaunchProcess] = []
         self._variables: dict[str, str] = {}
         self._open: list[Path] = []
 
-    def file(self, path: Path, given: Mapping[str, str]) -> None:
+    def include_file(self, path: Path, arguments: Mapping[str, str]) -> None:
         """Walk a file; its variables stay, as in ROS, unless a group surrounds the include."""
         if path.resolve() in self._open:
             raise BadInput(f'{path} includes itself; remove the include.')
-        actions = _read(path)
+        actions = _read_actions(path)
         declared = [action.name for action in actions if isinstance(action, Arg)]
-        for name in given:
+        for name in arguments:
             if name not in declared:
-                raise BadInput(f'{path}: {unknown("launch argument", name, declared)}')
-        self._variables.update(given)
+                raise BadInput(f'{path}: {unknown_name("launch argument", name, declared)}')
+        self._variables.update(arguments)
         self._open.append(path.resolve())
-        self._all(actions)
+        self._run_actions(actions)
         self._open.pop()
 
-    def _all(self, actions: Sequence[Action]) -> None:
+    def _run_actions(self, actions: Sequence[Action]) -> None:
         path = self._open[-1]
         for action in actions:
             try:
-                self._one(action)
-            except _Located:
+                self._run_action(action)
+            except _LocatedError:
                 raise
             except BadInput as error:
-                raise _Located(f'{path}: {error}') from None
+                raise _LocatedError(f'{path}: {error}') from None
 
-    def _text(self, text: str) -> str:
-        return substitute(text, self._context())
+    def _substitute(self, text: str) -> str:
+        return substitute_text(text, self._build_context())
 
-    def _context(self) -> Context:
-        return Context(self._open[-1].parent, self._variables)
+    def _build_context(self) -> LaunchContext:
+        return LaunchContext(self._open[-1].parent, self._variables)
 
-    def _one(self, action: Action) -> None:
-        if isinstance(action, Conditional) and not self._wanted(action):
+    def _run_action(self, action: Action) -> None:
+        if isinstance(action, ConditionalAction) and not self._is_enabled(action):
             return
         match action:
             case Arg():
-                self._declare(action)
+                self._declare_argument(action)
             case Let():
-                self._variables[self._text(action.name)] = self._text(action.value)
+                self._variables[self._substitute(action.name)] = self._substitute(action.value)
             case PushRosNamespace():
-                pushed = join(self._variables.get(NAMESPACE, ''), self._text(action.namespace))
+                pushed = join_namespaces(
+                    self._variables.get(NAMESPACE, ''), self._substitute(action.namespace)
+                )
                 self._variables[NAMESPACE] = pushed
-            case Group():
+            case GroupAction():
                 before = dict(self._variables)
-                self._all(action.children)
+                self._run_actions(action.children)
                 if action.scoped:
                     self._variables = before
             case Include():
-                given = {item.name: self._text(item.value) for item in action.arg or []}
-                self.file(Path(self._text(action.file)), given)
-            case Node():
+                given = {item.name: self._substitute(item.value) for item in action.arg or []}
+                self.include_file(Path(self._substitute(action.file)), given)
+            case NodeAction():
                 pushed = self._variables.get(NAMESPACE, '')
-                self.processes.append(node_process(action, self._context(), pushed))
+                self.processes.append(build_process(action, self._build_context(), pushed))
 
-    def _wanted(self, action: Conditional) -> bool:
+    def _is_enabled(self, action: ConditionalAction) -> bool:
         text = action.if_ if action.if_ is not None else action.unless
         if text is None:
             return True
-        value = self._text(text).strip().lower()
+        value = self._substitute(text).strip().lower()
         if value not in ('true', '1', 'false', '0'):
             raise BadInput(f"The condition '{text}' is '{value}', but must be true or false.")
         return (value in ('true', '1')) == (action.if_ is not None)
 
-    def _declare(self, arg: Arg) -> None:
+    def _declare_argument(self, arg: Arg) -> None:
         choices = [choice.value for choice in arg.choice or []]
         if arg.name not in self._variables:
             if arg.default is None:
@@ -236,7 +238,7 @@ class _Walk:
                     f"The launch argument '{arg.name}'{about} is missing; "
                     f'give {arg.name}:={choices[0] if choices else "VALUE"}.'
                 )
-            self._variables[arg.name] = self._text(arg.default)
+            self._variables[arg.name] = self._substitute(arg.default)
         value = self._variables[arg.name]
         if choices and value not in choices:
             raise BadInput(

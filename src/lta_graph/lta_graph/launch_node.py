@@ -10,13 +10,18 @@ from typing import final
 from lta_config.errors import BadInput
 from lta_config.files import parse_yaml
 from lta_config.topics import is_name
-from lta_graph.launch_actions import Node, Param, PARAMETER_TYPES, Scalar
-from lta_graph.launch_text import command_line, Context, has_substitution, substitute
+from lta_graph.launch_actions import NodeAction, Param, PARAMETER_TYPES, Scalar
+from lta_graph.launch_substitutions import (
+    has_substitution,
+    LaunchContext,
+    split_command_line,
+    substitute_text,
+)
 
 
 @final
 @dataclass(frozen=True, slots=True)
-class Process:
+class LaunchProcess:
     """
     One process of a launch plan.
 
@@ -43,7 +48,7 @@ class Process:
     on_exit_shutdown: bool
 
 
-def node_process(node: Node, context: Context, pushed: str) -> Process:
+def build_process(node: NodeAction, context: LaunchContext, pushed: str) -> LaunchProcess:
     """
     Return the process that a `node` action starts.
 
@@ -57,27 +62,27 @@ def node_process(node: Node, context: Context, pushed: str) -> Process:
         The namespace of the scope, absolute, or empty.
 
     """
-    executable = substitute(node.exec, context)
-    arguments = command_line(node.args, context)
-    ros = command_line(node.ros_args, context)
-    name = None if node.name is None else substitute(node.name, context)
+    executable = substitute_text(node.exec, context)
+    arguments = split_command_line(node.args, context)
+    ros = split_command_line(node.ros_args, context)
+    name = None if node.name is None else substitute_text(node.name, context)
     if name is not None:
         if not is_name(name):
             raise BadInput(f"'{name}' cannot be a node name; use letters, digits and _.")
         ros += ['-r', f'__node:={name}']
-    own = '' if node.namespace is None else substitute(node.namespace, context)
-    namespace = join(pushed, own)
+    own = '' if node.namespace is None else substitute_text(node.namespace, context)
+    namespace = join_namespaces(pushed, own)
     if namespace:
         ros += ['-r', f'__ns:={namespace}']
     for param in node.param or []:
-        ros += parameter_arguments(param, context)
+        ros += format_parameter(param, context)
     for remap in node.remap or []:
-        rule = f'{substitute(remap.from_, context)}:={substitute(remap.to, context)}'
+        rule = f'{substitute_text(remap.from_, context)}:={substitute_text(remap.to, context)}'
         ros += ['-r', rule]
     if ros:
         arguments += ['--ros-args', *ros]
-    return Process(
-        package=substitute(node.pkg, context),
+    return LaunchProcess(
+        package=substitute_text(node.pkg, context),
         executable=executable,
         name=name or executable,
         namespace=namespace or '/',
@@ -86,7 +91,7 @@ def node_process(node: Node, context: Context, pushed: str) -> Process:
     )
 
 
-def join(base: str, name: str) -> str:
+def join_namespaces(base: str, name: str) -> str:
     """
     Return a namespace below another, absolute; an absolute name stands for itself.
 
@@ -103,30 +108,33 @@ def join(base: str, name: str) -> str:
     return joined
 
 
-def parameter_arguments(param: Param, context: Context) -> list[str]:
+def format_parameter(param: Param, context: LaunchContext) -> list[str]:
     """Return one `param` entry as arguments of `--ros-args`."""
     if param.from_ is not None:
-        path = Path(substitute(param.from_, context))
+        path = Path(substitute_text(param.from_, context))
         if not path.is_file():
             raise BadInput(f'There is no parameter file {path}; check the path.')
         return ['--params-file', str(path)]
-    pairs = (['-p', f'{name}:={ros_yaml(value)}'] for name, value in flat(param, context))
+    pairs = (
+        ['-p', f'{name}:={format_ros_yaml(value)}']
+        for name, value in iterate_parameters(param, context)
+    )
     return [word for pair in pairs for word in pair]
 
 
-def flat(
-    param: Param, context: Context, prefix: str = ''
+def iterate_parameters(
+    param: Param, context: LaunchContext, prefix: str = ''
 ) -> Iterator[tuple[str, Scalar | list[Scalar]]]:
     """Yield every parameter of an entry: its dotted name and its value."""
-    name = prefix + substitute(param.name or '', context)
+    name = prefix + substitute_text(param.name or '', context)
     for nested in param.param or []:
-        yield from flat(nested, context, f'{name}.')
+        yield from iterate_parameters(nested, context, f'{name}.')
     if param.value is None:
         return
     if not isinstance(param.value, list):
-        yield name, typed(name, param.value, param.type, context)
+        yield name, convert_value(name, param.value, param.type, context)
         return
-    items = [typed(name, item, param.type, context) for item in param.value]
+    items = [convert_value(name, item, param.type, context) for item in param.value]
     if len({type(item) for item in items}) != 1:
         raise BadInput(
             f'Parameter {name} is the list {items}, but a ROS list has one or more values of one '
@@ -135,17 +143,17 @@ def flat(
     yield name, items
 
 
-def typed(name: str, written: Scalar, kind: str | None, context: Context) -> Scalar:
+def convert_value(name: str, scalar: Scalar, kind: str | None, context: LaunchContext) -> Scalar:
     """
     Return a parameter's value with the type that ROS gives it.
 
     A number or text as written keeps its type. What a substitution gives is read as YAML, so that
     `$(var speed)` can be a number, unless `type` says what it is.
     """
-    if not isinstance(written, str) or (kind is None and not has_substitution(written)):
-        value: object = substitute(written, context) if isinstance(written, str) else written
+    if not isinstance(scalar, str) or (kind is None and not has_substitution(scalar)):
+        value: object = substitute_text(scalar, context) if isinstance(scalar, str) else scalar
     else:
-        value = _as_yaml(substitute(written, context), kind)
+        value = _parse_yaml_value(substitute_text(scalar, context), kind)
     expected = (bool, int, float, str) if kind is None else (PARAMETER_TYPES[kind],)
     if type(value) not in expected:
         wanted = kind or 'a number, true, false or text'
@@ -153,7 +161,7 @@ def typed(name: str, written: Scalar, kind: str | None, context: Context) -> Sca
     return value  # type: ignore[return-value]
 
 
-def _as_yaml(text: str, kind: str | None) -> object:
+def _parse_yaml_value(text: str, kind: str | None) -> object:
     if kind == 'str':
         return text
     if kind in ('int', 'float'):
@@ -167,14 +175,14 @@ def _as_yaml(text: str, kind: str | None) -> object:
         return text
 
 
-def ros_yaml(value: Scalar | list[Scalar]) -> str:
+def format_ros_yaml(value: Scalar | list[Scalar]) -> str:
     """
     Return a value as YAML that ROS's own parser reads back with the same type.
 
     Text is always quoted: ROS takes a bare `y` for true and a bare `nan` for a number.
     """
     if isinstance(value, list):
-        return f'[{", ".join(ros_yaml(item) for item in value)}]'
+        return f'[{", ".join(format_ros_yaml(item) for item in value)}]'
     if isinstance(value, bool):
         return 'true' if value else 'false'
     if isinstance(value, float) and not math.isfinite(value):

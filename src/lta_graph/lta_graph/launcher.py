@@ -16,11 +16,17 @@ import time
 from types import TracebackType
 from typing import final, Self
 
-from lta_graph.child import Child, command, Ended, environment, spawn
-from lta_graph.guard import Guard
-from lta_graph.interrupts import held_interrupts
+from lta_graph.child_process import (
+    build_command,
+    build_environment,
+    ChildProcess,
+    ProcessExit,
+    spawn_process,
+)
+from lta_graph.interrupts import hold_interrupts
 from lta_graph.launch_file import LaunchPlan
-from lta_graph.watch import OnLine, Watch
+from lta_graph.process_watch import OnLine, ProcessWatch
+from lta_graph.watchdog import ProcessGuard
 
 GRACE = 8.0  # seconds from SIGINT to SIGTERM: the recorder must close its bag
 TERM_GRACE = 2.0  # seconds from SIGTERM to SIGKILL
@@ -62,17 +68,17 @@ class Launcher:
         on_line: OnLine,
         *,
         grace: float = GRACE,
-        spare: Collection[str] = (),
+        optional: Collection[str] = (),
     ) -> None:
-        self.ended: list[Ended] = []
-        self._spare = frozenset(spare)
+        self.ended: list[ProcessExit] = []
+        self._spare = frozenset(optional)
         self._plan = plan
         self._on_line = on_line
         self._grace = grace
-        self._children: list[Child] = []
+        self._children: list[ChildProcess] = []
         self._stopping = threading.Event()
-        self._watch: Watch | None = None
-        self._guard: Guard | None = None
+        self._watch: ProcessWatch | None = None
+        self._guard: ProcessGuard | None = None
 
     def __enter__(self) -> Self:
         """Start."""
@@ -91,10 +97,10 @@ class Launcher:
     @property
     def running(self) -> list[str]:
         """What the plan calls the processes that have not ended."""
-        return [child.name for child in self._children if not child.dead()]
+        return [child.name for child in self._children if not child.has_exited()]
 
     @property
-    def outcome(self) -> Ended | None:
+    def outcome(self) -> ProcessExit | None:
         """
         The end of the process that ended the run, None while it goes on.
 
@@ -116,32 +122,32 @@ class Launcher:
             If Ctrl-C came meanwhile; nothing is left running.
 
         """
-        commands = [command(process) for process in self._plan.processes]
-        variables = environment()
+        commands = [build_command(process) for process in self._plan.processes]
+        variables = build_environment()
         try:
-            with held_interrupts() as presses:
-                self._guard = Guard(self._grace + TERM_GRACE)
+            with hold_interrupts() as presses:
+                self._guard = ProcessGuard(self._grace + TERM_GRACE)
                 for process, words in zip(self._plan.processes, commands, strict=True):
                     if presses:
                         break
-                    child = spawn(process, self._plan.label(process), words, variables)
+                    child = spawn_process(process, self._plan.label(process), words, variables)
                     self._children.append(child)
-                    self._guard.watch(child.pid)
+                    self._guard.add_group(child.pid)
                 # Not earlier: a fork beside threads is unsafe.
-                self._begin_watch()
+                self._start_watch()
         except BaseException:
             self.stop()
             raise
 
-    def _begin_watch(self) -> None:
-        self._watch = Watch(self._children, self._on_line, self._stopping)
+    def _start_watch(self) -> None:
+        self._watch = ProcessWatch(self._children, self._on_line, self._stopping)
         self._watch.start()
 
-    def poll(self) -> list[Ended]:
+    def poll(self) -> list[ProcessExit]:
         """Return the processes that have ended since the last call; raises what `on_line` did."""
         return self.wait(0.0)
 
-    def wait(self, timeout: float) -> list[Ended]:
+    def wait(self, timeout: float) -> list[ProcessExit]:
         """
         Wait until a process ends, and return all that have since the last call.
 
@@ -153,10 +159,10 @@ class Launcher:
             Longest time to wait. [s]
 
         """
-        found: list[Ended] = []
+        found: list[ProcessExit] = []
         if self._watch is not None:
             # An exception that a signal raises inside the queue may leave it locked for ever.
-            with held_interrupts():
+            with hold_interrupts():
                 with suppress(Empty):
                     found.append(self._watch.events.get(timeout=timeout))
                     while True:
@@ -173,7 +179,7 @@ class Launcher:
         Returns when all are gone. Ctrl-C meanwhile does not interrupt it but goes on to the next
         signal at once, and is raised as KeyboardInterrupt when all are gone.
         """
-        with held_interrupts() as presses:
+        with hold_interrupts() as presses:
             self._stopping.set()
             stages = (
                 (signal.SIGINT, self._grace),
@@ -184,11 +190,11 @@ class Launcher:
                 if not self.running:
                     break
                 for child in self._children:
-                    child.signal(number)
-                self._await_ends(grace, presses)
-            self._clear_up()
+                    child.send_signal(number)
+                self._wait_for_exits(grace, presses)
+            self._clean_up()
 
-    def _await_ends(self, grace: float, presses: list[int]) -> None:
+    def _wait_for_exits(self, grace: float, presses: list[int]) -> None:
         began = time.monotonic()
         before = len(presses)
         # The last signal cannot be hurried, so a further Ctrl-C must not end the wait for it.
@@ -196,23 +202,26 @@ class Launcher:
             if len(presses) > before and grace < float('inf'):
                 return
             if passed > SPARE_GRACE:
-                self._kill_spare()
+                self._kill_optional()
             time.sleep(PERIOD)
 
-    def _kill_spare(self) -> None:
+    def _kill_optional(self) -> None:
         for child in self._children:
-            if child.name in self._spare and not child.dead():
-                child.signal(signal.SIGKILL)
+            if child.name in self._spare and not child.has_exited():
+                child.send_signal(signal.SIGKILL)
 
-    def _clear_up(self) -> None:
+    def _clean_up(self) -> None:
         if self._watch is None and self._children:
-            self._begin_watch()
+            self._start_watch()
         if self._watch is not None:
             self._watch.join(1.0)  # not for ever: `on_line` may hang on a full terminal
         for child in self._children:
             child.reap()
         deadline = time.monotonic() + GROUP_PATIENCE
-        while any(child.group_left() for child in self._children) and time.monotonic() < deadline:
+        while (
+            any(child.has_group_members() for child in self._children)
+            and time.monotonic() < deadline
+        ):
             time.sleep(PERIOD)
         if self._guard is not None:
             self._guard.dismiss()

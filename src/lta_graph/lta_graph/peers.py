@@ -32,29 +32,29 @@ class Peers:
         self._flying = list(names)
 
     @property
-    def flying(self) -> list[str]:
+    def active(self) -> list[str]:
         """Those that have not ended."""
         return list(self._flying)
 
-    def hear(self, name: str, stamp_ns: int) -> None:
+    def record_pulse(self, name: str, stamp_ns: int) -> None:
         """Take a pulse. [ns]"""
         self._newest[name] = max(stamp_ns, self._newest.get(name, self._start_ns))
 
-    def end(self, name: str) -> None:
+    def mark_ended(self, name: str) -> None:
         """Take note that one has ended; nobody waits for it any more."""
         if name in self._flying:
             self._flying.remove(name)
 
-    def behind(self, stamp_ns: int) -> list[str]:
+    def find_lagging(self, stamp_ns: int) -> list[str]:
         """Return those for whom a robot that is about to be at a time has to wait. [ns]"""
         limit = stamp_ns - self._lead_ns
         return [name for name in self._flying if self._newest.get(name, self._start_ns) < limit]
 
-    def begun(self, name: str) -> bool:
+    def has_started(self, name: str) -> bool:
         """Tell whether one has been heard at all."""
         return name in self._newest
 
-    def now(self, own_ns: int) -> int:
+    def launch_time(self, own_ns: int) -> int:
         """Return the time of the launch once one's own has stopped; it never goes back. [ns]"""
         others = [self._newest.get(name, self._start_ns) for name in self._flying]
         return max(own_ns, min(others, default=own_ns))

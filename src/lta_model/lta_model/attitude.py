@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
 
-class Angles(NamedTuple):
+class EulerAngles(NamedTuple):
     """Yaw in (-pi, pi], pitch in [-pi/2, pi/2] and roll in (-pi, pi], each of shape (n,). [rad]"""
 
     yaw: NDArray[np.float64]
@@ -15,7 +15,7 @@ class Angles(NamedTuple):
     roll: NDArray[np.float64]
 
 
-def angles(quaternions: ArrayLike) -> Angles:
+def to_euler_angles(quaternions: ArrayLike) -> EulerAngles:
     """
     Return yaw, pitch and roll: turn by yaw about z, then pitch about y, then roll about x.
 
@@ -36,4 +36,4 @@ def angles(quaternions: ArrayLike) -> Angles:
     usable = np.isfinite(length) & (length > 0.0)
     if usable.any():
         result[usable] = Rotation.from_quat(given[usable]).as_euler('ZYX')
-    return Angles(*result.T)
+    return EulerAngles(*result.T)

@@ -1,14 +1,16 @@
 """How hard the rotors work to carry what the gas does not."""
 
 from lta_config.errors import BadInput
-from lta_config.schema.vehicle_aero import Coupling
-from lta_model.propulsion import Unit
+from lta_config.schema.vehicle_aero import RotorCoupling
+from lta_model.propulsion import RotorUnit
 
 HEAVE = 2
 LIFTS = 0.5  # newtons upwards per newton of thrust that make a rotor one that lifts
 
 
-def lifting(rotors: tuple[Unit, ...], coupling: Coupling | None) -> tuple[list[Unit], float]:
+def select_lifting_rotors(
+    rotors: tuple[RotorUnit, ...], coupling: RotorCoupling | None
+) -> tuple[list[RotorUnit], float]:
     """
     Return the rotors that lift, run alike, and their lift per newton of each.
 
@@ -31,7 +33,11 @@ def lifting(rotors: tuple[Unit, ...], coupling: Coupling | None) -> tuple[list[U
 
 
 def hover_duty(
-    name: str, rotors: tuple[Unit, ...], coupling: Coupling | None, weight: float, gravity: float
+    name: str,
+    rotors: tuple[RotorUnit, ...],
+    coupling: RotorCoupling | None,
+    weight: float,
+    gravity: float,
 ) -> float:
     """
     Return the largest duty among the rotors that carry a weight, all with the same thrust. [1].
@@ -55,13 +61,13 @@ def hover_duty(
     """
     if weight <= 0.0:
         return 0.0
-    own, per_newton = lifting(rotors, coupling)
+    own, per_newton = select_lifting_rotors(rotors, coupling)
     if not own or per_newton <= 0.0:
         raise BadInput(f'{name} has no rotor that lifts; it cannot hover.')
-    thrust, full = weight / per_newton, min(rotor.full for rotor in own)
+    thrust, full = weight / per_newton, min(rotor.full_thrust for rotor in own)
     if thrust > full:
         raise BadInput(
             f'{name} needs {thrust:.3f} N of each lifting rotor to hover, but they give '
             f'{full:.3f} N; take off {1e3 * (thrust - full) * per_newton / gravity:.1f} g.'
         )
-    return max(rotor.duty(thrust) for rotor in own)
+    return max(rotor.duty_for_thrust(thrust) for rotor in own)

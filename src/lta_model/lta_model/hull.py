@@ -4,35 +4,35 @@ import math
 
 from lta_config.errors import BadInput
 from lta_config.quantity import Quantity
-from lta_config.schema.vehicle_body import Hull
-from lta_model.mass import Six, spheroid_added_mass
+from lta_config.schema.vehicle_body import HullBlock
+from lta_model.mass_matrix import Six, spheroid_added_mass
 
 
-def _si(quantity: Quantity | None) -> float:
+def _to_si(quantity: Quantity | None) -> float:
     """Return a length that the file's reader has made sure of; 0 where the shape has none."""
     return 0.0 if quantity is None else quantity.si
 
 
-def volume(hull: Hull) -> float:
+def hull_volume(hull: HullBlock) -> float:
     """Return the volume of the hull. [m3]."""
     if hull.shape == 'balloon':
-        return _si(hull.volume_factor) * (0.5 * _si(hull.diameter)) ** 3
+        return _to_si(hull.volume_factor) * (0.5 * _to_si(hull.diameter)) ** 3
     a, b, c = half_axes(hull)
     return 4.0 / 3.0 * math.pi * a * b * c
 
 
-def half_axes(hull: Hull) -> tuple[float, float, float]:
+def half_axes(hull: HullBlock) -> tuple[float, float, float]:
     """Return half the size along x, y, z; zeros where there is no hull. [m]."""
-    radius = 0.5 * _si(hull.diameter)
+    radius = 0.5 * _to_si(hull.diameter)
     axes = [radius, radius, radius]
     if hull.shape == 'balloon':
-        axes[2] = 0.5 * _si(hull.height)
+        axes[2] = 0.5 * _to_si(hull.height)
     elif hull.shape == 'spheroid':
-        axes['xyz'.index(hull.axis or 'z')] = 0.5 * _si(hull.length)
+        axes['xyz'.index(hull.axis or 'z')] = 0.5 * _to_si(hull.length)
     return (axes[0], axes[1], axes[2])
 
 
-def added_mass(hull: Hull, air_density: float) -> Six:
+def added_mass(hull: HullBlock, air_density: float) -> Six:
     """
     Return the added mass and inertia: as published, or that of a spheroid (Lamb 1932).
 

@@ -55,11 +55,11 @@ def level_force(vehicle: Vehicle, heading: float = 0.0) -> float:
     columns, tops = [], []
     for rotor in vehicle.rotors:
         columns.append([rotor.column[axis] for axis in AXES])
-        tops.append(rotor.full)
+        tops.append(rotor.full_thrust)
     for rotor in vehicle.rotors:
         columns.append([-rotor.reverse[axis] for axis in AXES])
-        tops.append(rotor.full if rotor.reversible else 0.0)
-    together, below = _together(vehicle)
+        tops.append(rotor.full_thrust if rotor.reversible else 0.0)
+    together, below = _jet_constraints(vehicle)
     wrench = np.array([*columns, together]).T
     along = np.array([math.cos(heading), math.sin(heading)]) @ wrench[:2]
     across = np.array([-math.sin(heading), math.cos(heading)]) @ wrench[:2]
@@ -80,7 +80,7 @@ def level_force(vehicle: Vehicle, heading: float = 0.0) -> float:
     return float(-found.fun)
 
 
-def _together(vehicle: Vehicle) -> tuple[list[float], np.ndarray]:
+def _jet_constraints(vehicle: Vehicle) -> tuple[list[float], np.ndarray]:
     """Return the column of colliding jets, and the rows that keep it below each rotor's thrust."""
     coupling = vehicle.file.aero.coupling
     count = len(vehicle.rotors)
@@ -118,7 +118,7 @@ def steady_speed(force: float, linear: float, quadratic: float) -> float:
 
 def level_speed(vehicle: Vehicle) -> float:
     """Return the largest speed along body x at which altitude and heading are held. [m/s]."""
-    effects = vehicle.effects()
+    effects = vehicle.collect_effects()
     linear, quadratic = effects['linear_drag']['surge'], effects['quadratic_drag']['surge']
     force = level_force(vehicle)
     if linear + quadratic == 0.0:

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Vector3Stamped
-from lta_config.topics import topic_table
+from lta_config.topics import load_topic_table
 from lta_model.sensors.range import RangeSettings
 from lta_model.state import POSITION, QUATERNION, RATES, VELOCITY
 from nav_msgs.msg import Odometry
@@ -17,7 +17,7 @@ from std_msgs.msg import Header
 NAN = float('nan')
 
 
-def imu(
+def build_imu(
     stamp: Time,
     force: tuple[float, ...],
     rates: tuple[float, ...],
@@ -37,7 +37,7 @@ def imu(
 
     """
     message = Imu()
-    message.header = _header(stamp, 'imu')
+    message.header = _build_header(stamp, 'imu')
     message.orientation_covariance[0] = -1.0
     for axis in range(3):
         message.linear_acceleration_covariance[4 * axis] = noise[axis] ** 2
@@ -48,10 +48,10 @@ def imu(
     return message
 
 
-def range_(stamp: Time, distance: float, settings: RangeSettings) -> Range:
+def build_range(stamp: Time, distance: float, settings: RangeSettings) -> Range:
     """Return a downward distance [m]; +Inf is no return (REP-117)."""
     return Range(
-        header=_header(stamp, 'range'),
+        header=_build_header(stamp, 'range'),
         radiation_type=Range.INFRARED,
         field_of_view=np.deg2rad(settings.field_of_view),
         min_range=settings.minimum,
@@ -60,18 +60,20 @@ def range_(stamp: Time, distance: float, settings: RangeSettings) -> Range:
     )
 
 
-def pressure(stamp: Time, value: float, deviation: float) -> FluidPressure:
+def build_pressure(stamp: Time, value: float, deviation: float) -> FluidPressure:
     """Return the air pressure and its deviation, told as variance. [Pa]"""
     return FluidPressure(
-        header=_header(stamp, 'pressure'), fluid_pressure=value, variance=deviation * deviation
+        header=_build_header(stamp, 'pressure'),
+        fluid_pressure=value,
+        variance=deviation * deviation,
     )
 
 
-def light_block(stamp: Time, block: NDArray[np.uint16]) -> Image:
+def build_light_block(stamp: Time, block: NDArray[np.uint16]) -> Image:
     """Return an ADC block, shape (samples, diodes). [counts]"""
     rows, columns = block.shape
     image = Image()
-    image.header = _header(stamp, 'photodiodes')
+    image.header = _build_header(stamp, 'photodiodes')
     image.height, image.width = rows, columns
     image.encoding = '16UC1'
     image.step = 2 * columns
@@ -80,15 +82,17 @@ def light_block(stamp: Time, block: NDArray[np.uint16]) -> Image:
     return image
 
 
-def illuminance(stamp: Time, lux: float) -> Illuminance:
+def build_illuminance(stamp: Time, lux: float) -> Illuminance:
     """Return the light at the panel. [lx]"""
-    return Illuminance(header=_header(stamp, 'illuminance'), illuminance=lux)
+    return Illuminance(header=_build_header(stamp, 'illuminance'), illuminance=lux)
 
 
-def branch(stamp: Time, voltage: float, current: float, location: str) -> BatteryState:
+def build_battery_state(
+    stamp: Time, voltage: float, current: float, location: str
+) -> BatteryState:
     """Return a voltage [V] and a current [A]; what a meter cannot know is NaN."""
     return BatteryState(
-        header=_header(stamp, location),
+        header=_build_header(stamp, location),
         voltage=voltage,
         current=current,
         temperature=NAN,
@@ -101,10 +105,10 @@ def branch(stamp: Time, voltage: float, current: float, location: str) -> Batter
     )
 
 
-def truth(stamp: Time, motion: Sequence[float]) -> Odometry:
+def build_odometry(stamp: Time, motion: Sequence[float]) -> Odometry:
     """Return pose in `map` and twist in the body frame; 13 numbers as `lta_model.state`. [SI]"""
     message = Odometry()
-    message.header = _header(stamp, 'ground_truth/odom')
+    message.header = _build_header(stamp, 'ground_truth/odom')
     message.child_frame_id = 'base_link'
     pose, twist = message.pose.pose, message.twist.twist
     p, q, v, w = pose.position, pose.orientation, twist.linear, twist.angular
@@ -115,13 +119,13 @@ def truth(stamp: Time, motion: Sequence[float]) -> Odometry:
     return message
 
 
-def wind(stamp: Time, velocity: tuple[float, ...]) -> Vector3Stamped:
+def build_wind(stamp: Time, velocity: tuple[float, ...]) -> Vector3Stamped:
     """Return the velocity of the air in `map`. [m/s]"""
-    message = Vector3Stamped(header=_header(stamp, 'wind'))
+    message = Vector3Stamped(header=_build_header(stamp, 'wind'))
     message.vector.x, message.vector.y, message.vector.z = velocity
     return message
 
 
-def _header(stamp: Time, topic: str) -> Header:
+def _build_header(stamp: Time, topic: str) -> Header:
     """Return a header in the frame that the topic table names."""
-    return Header(stamp=stamp, frame_id=topic_table()[topic].frame)
+    return Header(stamp=stamp, frame_id=load_topic_table()[topic].frame)

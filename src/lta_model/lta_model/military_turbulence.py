@@ -16,7 +16,7 @@ FOOT = 0.3048
 LOWEST, HIGHEST = 10.0 * FOOT, 1000.0 * FOOT
 
 
-def low_altitude(height: float, wind: float) -> dict[str, float]:
+def low_altitude_turbulence(height: float, wind: float) -> dict[str, float]:
     """
     Return the parameters of the effect `turbulence`.
 

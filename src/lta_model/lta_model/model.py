@@ -7,8 +7,8 @@ from typing import final, Self
 
 from lta_config.errors import BadInput
 from lta_model import effects
-from lta_model.effects.protocol import BodyEffect, Effect, InertiaEffect, KernelEffect, Rigid
-from lta_model.mass import rigid_mass_matrix, skew
+from lta_model.effects.protocol import BodyEffect, Effect, InertiaEffect, KernelEffect, RigidBody
+from lta_model.mass_matrix import rigid_mass_matrix, skew_matrix
 from lta_model.state import ACTUATORS, ROTOR
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 Vector = NDArray[np.float64]
 
 
-def values_of(effect: Effect, given: Mapping[str, float]) -> dict[str, float]:
+def fill_parameters(effect: Effect, given: Mapping[str, float]) -> dict[str, float]:
     """
     Return all parameters of an effect, those not given at their null value.
 
@@ -45,7 +45,7 @@ def values_of(effect: Effect, given: Mapping[str, float]) -> dict[str, float]:
     return values
 
 
-def _symmetric(inertia: ArrayLike) -> Vector:
+def _parse_inertia(inertia: ArrayLike) -> Vector:
     """Return a 3 x 3 inertia from itself or from ixx ixy ixz iyy iyz izz."""
     tensor = np.asarray(inertia, dtype=np.float64)
     if tensor.shape == (6,):
@@ -61,7 +61,9 @@ def _symmetric(inertia: ArrayLike) -> Vector:
     return tensor
 
 
-def _rigid(mass: float, cg: ArrayLike, inertia: ArrayLike, displaced: float) -> Rigid:
+def _build_rigid_body(
+    mass: float, cg: ArrayLike, inertia: ArrayLike, displaced: float
+) -> RigidBody:
     """Return mass, balance and inertia about the hull centre."""
     if not (math.isfinite(mass) and mass > 0.0):
         raise BadInput(f'The mass is {mass:g} kg; give a positive number.')
@@ -70,16 +72,16 @@ def _rigid(mass: float, cg: ArrayLike, inertia: ArrayLike, displaced: float) -> 
         raise BadInput(f'The centre of gravity is {r.tolist()}; give three finite numbers.')
     if not (math.isfinite(displaced) and displaced >= 0.0):
         raise BadInput(f'The displaced air is {displaced:g} kg; give a number of 0 or more.')
-    i = rigid_mass_matrix(mass, r, _symmetric(inertia))[3:, 3:]
+    i = rigid_mass_matrix(mass, r, _parse_inertia(inertia))[3:, 3:]
     x, y, z = (mass * r).tolist()
     moments = (i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2])
     xx, yy, zz, xy, xz, yz = map(float, moments)
-    return Rigid(mass, (x, y, z), (xx, yy, zz, xy, xz, yz), displaced)
+    return RigidBody(mass, (x, y, z), (xx, yy, zz, xy, xz, yz), displaced)
 
 
-def _mass_matrix(rigid: Rigid) -> Vector:
+def _build_mass_matrix(rigid: RigidBody) -> Vector:
     """Return the mass matrix of a rigid body, refusing what no body has."""
-    lever = skew(np.array(rigid.moment))
+    lever = skew_matrix(np.array(rigid.moment))
     xx, yy, zz, xy, xz, yz = rigid.inertia
     about = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
     matrix = np.block([[rigid.mass * np.eye(3), -lever], [lever, about]])
@@ -91,7 +93,7 @@ def _mass_matrix(rigid: Rigid) -> Vector:
     return matrix
 
 
-def _geometry(rotors: Sequence[tuple[ArrayLike, ArrayLike]]) -> Vector:
+def _pack_rotor_geometry(rotors: Sequence[tuple[ArrayLike, ArrayLike]]) -> Vector:
     """Return places and axes of the rotors, those that do not exist at 0."""
     if len(rotors) > ACTUATORS:
         raise BadInput(
@@ -105,9 +107,9 @@ def _geometry(rotors: Sequence[tuple[ArrayLike, ArrayLike]]) -> Vector:
 
 @final
 @dataclass(frozen=True, slots=True, eq=False)
-class Model:
+class VehicleModel:
     """
-    A vehicle as the numbers that the kernel takes; build it with `Model.build`.
+    A vehicle as the numbers that the kernel takes; build it with `VehicleModel.build`.
 
     Parameters
     ----------
@@ -167,15 +169,15 @@ class Model:
             body has.
 
         """
-        rigid = _rigid(mass, cg, inertia, displaced)
+        rigid = _build_rigid_body(mass, cg, inertia, displaced)
         for name in given:
-            effects.get(name)
+            effects.get_effect(name)
         parameters: list[float] = []
         on: list[bool] = []
         known: dict[str, dict[str, float]] = {}
         added = np.zeros(6)
         for name, effect in effects.EFFECTS.items():
-            values = values_of(effect, given.get(name, {}))
+            values = fill_parameters(effect, given.get(name, {}))
             numbers = tuple(values.values())
             active = any(values[p.name] != p.null for p in effect.parameters)
             if active:
@@ -187,12 +189,12 @@ class Model:
                 added += effect.diagonal(numbers)
             elif isinstance(effect, BodyEffect) and active:
                 rigid = effect.change(numbers, rigid)
-        matrix = _mass_matrix(rigid) + np.diag(added)
+        matrix = _build_mass_matrix(rigid) + np.diag(added)
         own = (rigid.mass, *rigid.moment, *rigid.inertia, *added, rigid.displaced)
         return cls(
             np.array(parameters),
             np.array(on, dtype=np.uint8),
-            np.array([*own, *_geometry(rotors)]),
+            np.array([*own, *_pack_rotor_geometry(rotors)]),
             np.linalg.inv(matrix).ravel().astype(np.float64),
             known,
         )

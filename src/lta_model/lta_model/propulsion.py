@@ -17,8 +17,8 @@ import math
 from typing import final, Self
 
 from lta_config.errors import BadInput
-from lta_config.schema.vehicle_aero import Coupling, RotorColumn
-from lta_config.schema.vehicle_file import Rotor, ThrustCurve, VehicleFile
+from lta_config.schema.vehicle_aero import RotorColumn, RotorCoupling
+from lta_config.schema.vehicle_file import RotorBlock, ThrustCurve, VehicleFile
 
 Three = tuple[float, float, float]
 Six = tuple[float, float, float, float, float, float]
@@ -26,7 +26,7 @@ Six = tuple[float, float, float, float, float, float]
 
 @final
 @dataclass(frozen=True, slots=True)
-class Unit:
+class RotorUnit:
     """
     One rotor as the model takes it.
 
@@ -56,31 +56,33 @@ class Unit:
     reverse: Six
 
     @property
-    def full(self) -> float:
+    def full_thrust(self) -> float:
         """Thrust at full duty. [N]."""
         return self.a + self.b
 
-    def duty(self, thrust: float) -> float:
+    def duty_for_thrust(self, thrust: float) -> float:
         """Return the duty for a forward thrust of 0 or more. [1]."""
         return 2.0 * thrust / (self.b + math.sqrt(self.b * self.b + 4.0 * self.a * thrust))
 
     @classmethod
-    def of(cls, name: str, rotor: Rotor, column: RotorColumn | None, curve: ThrustCurve) -> Self:
+    def from_entry(
+        cls, name: str, rotor: RotorBlock, column: RotorColumn | None, curve: ThrustCurve
+    ) -> Self:
         """Return a rotor from what the file says of it."""
-        x, y, z, *_ = forward = backward = by_geometry(rotor)
+        x, y, z, *_ = forward = backward = geometric_column(rotor)
         axis, (p, q, r) = (x, y, z), rotor.position.vector
         if column:
-            forward = backward = _six((*column.force.vector, *column.moment.vector))
+            forward = backward = _to_six((*column.force.vector, *column.moment.vector))
             if column.reverse:
-                backward = _six((*column.reverse.force.vector, *column.reverse.moment.vector))
-        forward, backward = (_turned(each, rotor, axis) for each in (forward, backward))
+                backward = _to_six((*column.reverse.force.vector, *column.reverse.moment.vector))
+        forward, backward = (_add_motor_torque(each, rotor, axis) for each in (forward, backward))
         a, b = curve.a.si, curve.b.si
         if curve.reverse:  # the column carries it: the curve of the model is an odd function
-            backward = _six(curve.reverse.si / (a + b) * number for number in backward)
+            backward = _to_six(curve.reverse.si / (a + b) * number for number in backward)
         return cls(name, rotor.reversible, (p, q, r), axis, a, b, forward, backward)
 
 
-def by_geometry(rotor: Rotor) -> Six:
+def geometric_column(rotor: RotorBlock) -> Six:
     """Return the column of a rotor's place and axis alone, without its motor's torque. [1, m]."""
     length = math.hypot(*rotor.axis.vector)
     x, y, z = (number / length for number in rotor.axis.vector)
@@ -88,15 +90,19 @@ def by_geometry(rotor: Rotor) -> Six:
     return (x, y, z, q * z - r * y, r * x - p * z, p * y - q * x)
 
 
-def units(file: VehicleFile) -> tuple[Unit, ...]:
+def build_rotors(file: VehicleFile) -> tuple[RotorUnit, ...]:
     """Return the rotors of a vehicle in the order of its file."""
     return tuple(
-        Unit.of(name, rotor, file.aero.thrust_allocation.get(name), _curve(file, rotor))
+        RotorUnit.from_entry(
+            name, rotor, file.aero.thrust_allocation.get(name), _select_thrust_curve(file, rotor)
+        )
         for name, rotor in file.rotors.items()
     )
 
 
-def interaction(rotors: tuple[Unit, ...], coupling: Coupling | None) -> dict[str, float]:
+def interaction_parameters(
+    rotors: tuple[RotorUnit, ...], coupling: RotorCoupling | None
+) -> dict[str, float]:
     """Return what `rotor_envelope_interaction` takes; nothing where B says it all."""
     axes = ('surge', 'sway', 'heave', 'roll', 'pitch', 'yaw')
     given = {}
@@ -113,14 +119,14 @@ def interaction(rotors: tuple[Unit, ...], coupling: Coupling | None) -> dict[str
     return given
 
 
-def _curve(file: VehicleFile, rotor: Rotor) -> ThrustCurve:
+def _select_thrust_curve(file: VehicleFile, rotor: RotorBlock) -> ThrustCurve:
     curve = rotor.thrust_curve or file.thrust_curve
     if curve is None:
         raise BadInput(f'{file.name} has a rotor without a thrust_curve; add one.')
     return curve
 
 
-def _turned(jet: Six, rotor: Rotor, axis: Three) -> Six:
+def _add_motor_torque(jet: Six, rotor: RotorBlock, axis: Three) -> Six:
     """Return a column with the torque of the motor; per newton it is the same in reverse."""
     a, b, c, d, e, f = jet
     x, y, z = axis
@@ -130,6 +136,6 @@ def _turned(jet: Six, rotor: Rotor, axis: Three) -> Six:
     return (a, b, c, d + turn * x, e + turn * y, f + turn * z)
 
 
-def _six(numbers: Iterable[float]) -> Six:
+def _to_six(numbers: Iterable[float]) -> Six:
     a, b, c, d, e, f = numbers
     return (a, b, c, d, e, f)

@@ -24,16 +24,24 @@ The term v_r x p_a is the Munk moment. `body` is laid out as `lta_model.state` s
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from lta_model.effects.protocol import Matrix3, Motion, Place, Quaternion, Values, Vector, Wrench
+from lta_model.effects.protocol import (
+    AirEffectInput,
+    Matrix3,
+    Quaternion,
+    Values,
+    Vector,
+    VehicleMotion,
+    Wrench,
+)
 from lta_model.state import ADDED, DISPLACED, INERTIA, MASS, MASS_MOMENT
 
 
-def cross(a: Vector, b: Vector) -> Vector:
+def cross_product(a: Vector, b: Vector) -> Vector:
     """Return a x b."""
     return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 
 
-def rotation(q: Quaternion) -> Matrix3:
+def rotation_matrix(q: Quaternion) -> Matrix3:
     """Return the rotation body -> map of a quaternion x y z w of any length, row by row."""
     x, y, z, w = q
     s = 2.0 / (x * x + y * y + z * z + w * w)
@@ -78,7 +86,7 @@ def airspeed(r: Matrix3, velocity: Vector, wind: Vector) -> Vector:
     return (velocity[0] - air[0], velocity[1] - air[1], velocity[2] - air[2])
 
 
-def motion(
+def build_motion(
     position: Vector,
     r: Matrix3,
     velocity: Vector,
@@ -87,12 +95,12 @@ def motion(
     body: Values,
     command: Values,
     surroundings: Values,
-) -> Motion:
+) -> VehicleMotion:
     """Return what the wrench effects see."""
-    return Motion(position, r, velocity, rates, airspeed, body, command, surroundings)
+    return VehicleMotion(position, r, velocity, rates, airspeed, body, command, surroundings)
 
 
-def plus(total: Wrench, wrench: Wrench) -> Wrench:
+def add_wrenches(total: Wrench, wrench: Wrench) -> Wrench:
     """Return the sum of two wrenches."""
     return (
         total[0] + wrench[0],
@@ -104,12 +112,14 @@ def plus(total: Wrench, wrench: Wrench) -> Wrench:
     )
 
 
-def place(position: Vector, velocity: Vector, wind: Vector, surroundings: Values) -> Place:
+def build_air_input(
+    position: Vector, velocity: Vector, wind: Vector, surroundings: Values
+) -> AirEffectInput:
     """Return what the air effects see."""
-    return Place(position, velocity, wind, surroundings)
+    return AirEffectInput(position, velocity, wind, surroundings)
 
 
-def momentum_rate(wrench: Wrench, m: Motion, flow: Vector) -> Wrench:
+def momentum_rate(wrench: Wrench, m: VehicleMotion, flow: Vector) -> Wrench:
     """Return M d/dt (v, w): the wrench less what the turning and moving frame takes."""
     v, w, v_r, body = m.velocity, m.rates, m.airspeed, m.body
     air = (v[0] - v_r[0], v[1] - v_r[1], v[2] - v_r[2])
@@ -117,8 +127,8 @@ def momentum_rate(wrench: Wrench, m: Motion, flow: Vector) -> Wrench:
     moment = (body[MASS_MOMENT], body[MASS_MOMENT + 1], body[MASS_MOMENT + 2])
     xx, yy, zz = body[INERTIA], body[INERTIA + 1], body[INERTIA + 2]
     xy, xz, yz = body[INERTIA + 3], body[INERTIA + 4], body[INERTIA + 5]
-    lift = cross(w, moment)
-    swing = cross(moment, v)
+    lift = cross_product(w, moment)
+    swing = cross_product(moment, v)
     p_rb = (mass * v[0] + lift[0], mass * v[1] + lift[1], mass * v[2] + lift[2])
     p_a = (surge * v_r[0], sway * v_r[1], heave * v_r[2])
     h = (
@@ -126,9 +136,9 @@ def momentum_rate(wrench: Wrench, m: Motion, flow: Vector) -> Wrench:
         xy * w[0] + (yy + body[ADDED + 4]) * w[1] + yz * w[2] + swing[1],
         xz * w[0] + yz * w[1] + (zz + body[ADDED + 5]) * w[2] + swing[2],
     )
-    turn = cross(w, (p_rb[0] + p_a[0], p_rb[1] + p_a[1], p_rb[2] + p_a[2]))
-    wind = cross(w, air)
-    spin, carry, munk = cross(w, h), cross(v, p_rb), cross(v_r, p_a)
+    turn = cross_product(w, (p_rb[0] + p_a[0], p_rb[1] + p_a[1], p_rb[2] + p_a[2]))
+    wind = cross_product(w, air)
+    spin, carry, munk = cross_product(w, h), cross_product(v, p_rb), cross_product(v_r, p_a)
     push = to_body(m.rotation, flow)
     displaced = body[DISPLACED]
     return (
@@ -141,7 +151,7 @@ def momentum_rate(wrench: Wrench, m: Motion, flow: Vector) -> Wrench:
     )
 
 
-def row(inverse: Sequence[float], i: int, rate: Wrench) -> float:
+def multiply_row(inverse: Sequence[float], i: int, rate: Wrench) -> float:
     """Return row i of the inverse mass matrix (36 numbers, row by row) times a 6-tuple."""
     k = 6 * i
     return (
@@ -150,7 +160,9 @@ def row(inverse: Sequence[float], i: int, rate: Wrench) -> float:
     )  # fmt: skip
 
 
-def acceleration(wrench: Wrench, m: Motion, flow: Vector, inverse: Sequence[float]) -> Wrench:
+def body_acceleration(
+    wrench: Wrench, m: VehicleMotion, flow: Vector, inverse: Sequence[float]
+) -> Wrench:
     """
     Return d/dt of the body velocity and of the body rates.
 
@@ -173,19 +185,20 @@ def acceleration(wrench: Wrench, m: Motion, flow: Vector, inverse: Sequence[floa
     """
     rate = momentum_rate(wrench, m, flow)
     return (
-        row(inverse, 0, rate), row(inverse, 1, rate), row(inverse, 2, rate),
-        row(inverse, 3, rate), row(inverse, 4, rate), row(inverse, 5, rate),
+        multiply_row(inverse, 0, rate), multiply_row(inverse, 1, rate),
+        multiply_row(inverse, 2, rate), multiply_row(inverse, 3, rate),
+        multiply_row(inverse, 4, rate), multiply_row(inverse, 5, rate),
     )  # fmt: skip
 
 
 # What the kernel is made of beside the effects.
 TAKEN: tuple[Callable[..., Any], ...] = (
-    rotation,
+    rotation_matrix,
     to_map,
     airspeed,
-    motion,
-    place,
-    plus,
+    build_motion,
+    build_air_input,
+    add_wrenches,
     quaternion_rate,
-    acceleration,
+    body_acceleration,
 )

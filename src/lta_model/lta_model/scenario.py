@@ -12,11 +12,11 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 from lta_config.course import Course
-from lta_config.files import checked, find, load_yaml, Record
-from lta_config.quantity import Quantity, si
+from lta_config.files import find_file, load_yaml, StrictModel, validate_content
+from lta_config.quantity import Quantity, si_quantity
 from lta_model.light.field import LightField
-from lta_model.scenario_air import Air
-from lta_model.scenario_faults import Faults
+from lta_model.scenario_air import ScenarioAir
+from lta_model.scenario_faults import SupplyFaults
 from lta_model.scenario_light import (
     AmbientScene,
     DaylightScene,
@@ -26,29 +26,29 @@ from lta_model.scenario_light import (
 )
 from pydantic import AliasChoices, Field, model_validator
 
-Fraction = Annotated[Quantity, si('1', low=0.0, high=1.0)]
+Fraction = Annotated[Quantity, si_quantity('1', low=0.0, high=1.0)]
 Name = Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
 NOT_HELD = Quantity(value=0.0, unit='s')
 
 
-class Start(Record):
+class ScenarioStart(StrictModel):
     """Where and how the drone stands before take-off; a hand may hold it there for a while."""
 
-    position: Annotated[Quantity, si('m', low=-1000.0, high=1000.0, length=2)]
-    heading: Annotated[Quantity, si('rad')]
-    heading_spread: Annotated[Quantity, si('rad', low=0.0, high=math.pi)]
+    position: Annotated[Quantity, si_quantity('m', low=-1000.0, high=1000.0, length=2)]
+    heading: Annotated[Quantity, si_quantity('rad')]
+    heading_spread: Annotated[Quantity, si_quantity('rad', low=0.0, high=math.pi)]
     charge: Fraction
-    held: Annotated[Quantity, si('s', low=0.0, high=3600.0)] = NOT_HELD
+    held: Annotated[Quantity, si_quantity('s', low=0.0, high=3600.0)] = NOT_HELD
 
 
-class Goal(Record):
+class ScenarioGoal(StrictModel):
     """What ends the flight."""
 
-    radius: Annotated[Quantity, si('m', above=0.0)]
-    time_limit: Annotated[Quantity, si('s', above=0.0, high=86400.0)]
+    radius: Annotated[Quantity, si_quantity('m', above=0.0)]
+    time_limit: Annotated[Quantity, si_quantity('s', above=0.0, high=86400.0)]
 
 
-class Scenario(Record):
+class Scenario(StrictModel):
     """
     A whole scenario file.
 
@@ -60,7 +60,7 @@ class Scenario(Record):
     name: Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
     about: str
     room: RoomShape
-    air: Air
+    air: ScenarioAir
     alone: Annotated[LampScene | None, Field(validation_alias='lamp')] = None
     several: Annotated[Mapping[Name, LampScene], Field(validation_alias='lamps')] = Field(
         default_factory=dict
@@ -68,14 +68,14 @@ class Scenario(Record):
     ambient: AmbientScene
     daylight: DaylightScene | None = None
     outside: OutsideScene | None = None
-    start: Start
-    goal: Goal
-    faults: Faults = Faults()
+    start: ScenarioStart
+    goal: ScenarioGoal
+    faults: SupplyFaults = SupplyFaults()
     course: Course | None = None
     route: Annotated[tuple[str, ...], Field(strict=False)] = ()  # a list in the file
 
     @model_validator(mode='after')
-    def _lit(self) -> Self:
+    def _check_lamps(self) -> Self:
         if (self.alone is None) == (not self.several):
             raise ValueError(
                 'needs one lamp under lamp, or several by name under lamps, and not both'
@@ -83,12 +83,12 @@ class Scenario(Record):
         return self
 
     @model_validator(mode='after')
-    def _inside(self) -> Self:
+    def _check_places(self) -> Self:
         length, width, height = self.room.size.vector
         for name, lamp in self.lamps.items():
             x, y, z = lamp.position.vector
             indoors = abs(x) <= length / 2 and abs(y) <= width / 2 and 0 <= z <= height
-            if not (indoors or self._beyond(x, y, z)):
+            if not (indoors or self._is_beyond_door(x, y, z)):
                 raise ValueError(f'has its {name} at {x, y, z} m, outside the room')
         unknown_names = [name for name in self.route if name not in self.lamps]
         if unknown_names:
@@ -96,7 +96,7 @@ class Scenario(Record):
                 f'has {", ".join(unknown_names)} on its route, which is none of its lamps; '
                 f'known: {", ".join(self.lamps)}'
             )
-        x, y, _ = self.stops[0].position.vector
+        x, y, _ = self.target_lamps[0].position.vector
         start_x, start_y = self.start.position.vector
         if abs(start_x) > length / 2 or abs(start_y) > width / 2:
             raise ValueError(f'has its start at {start_x, start_y} m, outside the room')
@@ -112,7 +112,7 @@ class Scenario(Record):
         return self
 
     @model_validator(mode='after')
-    def _walls_let_out(self) -> Self:
+    def _check_door(self) -> Self:
         if self.outside is not None and self.room.walls == 'solid':
             raise ValueError(
                 'has a door in solid walls, which hold every hull; make the walls open: a drone '
@@ -120,7 +120,7 @@ class Scenario(Record):
             )
         return self
 
-    def _beyond(self, x: float, y: float, z: float) -> bool:
+    def _is_beyond_door(self, x: float, y: float, z: float) -> bool:
         """Tell whether a place is out of the door and within reach. [m]"""
         if self.outside is None:
             return False
@@ -140,10 +140,10 @@ class Scenario(Record):
     @property
     def goal_lamp(self) -> LampScene:
         """The lamp that is the goal: the last of the route, or else the first there is."""
-        return self.stops[-1]
+        return self.target_lamps[-1]
 
     @property
-    def stops(self) -> tuple[LampScene, ...]:
+    def target_lamps(self) -> tuple[LampScene, ...]:
         """The lamps to reach, in order."""
         names = self.route or tuple(self.lamps)[:1]
         return tuple(self.lamps[name] for name in names)
@@ -151,7 +151,7 @@ class Scenario(Record):
     @property
     def goal_places(self) -> tuple[tuple[float, float], ...]:
         """Where the lamps to reach stand on the floor plan, each once. [m, map]"""
-        places = (stop.position.vector for stop in self.stops)
+        places = (stop.position.vector for stop in self.target_lamps)
         return tuple(dict.fromkeys((x, y) for x, y, _ in places))
 
     @property
@@ -172,28 +172,30 @@ class Scenario(Record):
             tuple(lamp.lamp for lamp in self.lamps.values()),
             self.ambient.ambient,
             self.room.room,
-            None if self.daylight is None else self.daylight.over(self.room.albedo.floor),
+            None
+            if self.daylight is None
+            else self.daylight.build_daylight(self.room.albedo.floor),
             None if self.outside is None else self.outside.outside,
         )
 
 
 def load_scenario(name: str) -> Scenario:
     """Return a scenario by shipped name or path; anything wrong is a `BadInput` sentence."""
-    path = find('scenario', name)
-    return checked(Scenario, beside(load_yaml(path), path.parent), str(path))
+    path = find_file('scenario', name)
+    return validate_content(Scenario, resolve_wind_file(load_yaml(path), path.parent), str(path))
 
 
-def course_in(name: str) -> Course | None:
+def load_course(name: str) -> Course | None:
     """Return the course of a scenario by name or path; None without one, or without a name."""
     return load_scenario(name).course if name else None
 
 
-def route_in(name: str) -> tuple[tuple[str, float], ...]:
+def load_route(name: str) -> tuple[tuple[str, float], ...]:
     """Return the route of a scenario as lamp and frequency [Hz]; empty without one or a name."""
     return load_scenario(name).route_beacons if name else ()
 
 
-def beside(content: Any, folder: Path) -> Any:  # noqa: ANN401 - what YAML holds
+def resolve_wind_file(content: Any, folder: Path) -> Any:  # noqa: ANN401 - what YAML holds
     """Return what a scenario file holds, its wind file found beside it: by its whole path."""
     try:
         wind_file = content['air']['recorded']

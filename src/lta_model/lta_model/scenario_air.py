@@ -8,8 +8,8 @@ air effects. All winds add up, and say where the air goes to, in `map`.
 import math
 from typing import Annotated, Literal, Self
 
-from lta_config.files import Record
-from lta_config.quantity import misfit, Quantity, si
+from lta_config.files import StrictModel
+from lta_config.quantity import describe_misfit, Quantity, si_quantity
 from lta_model import military_turbulence
 from pydantic import AfterValidator, Field, model_validator
 
@@ -19,24 +19,26 @@ AXES = ('along', 'across', 'up')
 Parameters = dict[str, float]
 
 
-def _one_or_three(dimension: str, low: float, high: float) -> AfterValidator:
+def _axes_validator(dimension: str, low: float, high: float) -> AfterValidator:
     """Return the check of a quantity for all axes alike, or one for each."""
 
     def check(quantity: Quantity) -> Quantity:
         count = len(quantity.vector)
-        if complaint := misfit(quantity, dimension, low, high, length=3 if count > 1 else 1):
+        if complaint := describe_misfit(
+            quantity, dimension, low, high, length=3 if count > 1 else 1
+        ):
             raise ValueError(complaint)
         return quantity
 
     return AfterValidator(check)
 
 
-Speed = Annotated[Quantity, si('m/s', low=0.0, high=60.0)]
-Wind = Annotated[Quantity, si('m/s', low=-60.0, high=60.0, length=3)]
-Slope = Annotated[Quantity, si('1/s', low=-10.0, high=10.0, length=3)]
+Speed = Annotated[Quantity, si_quantity('m/s', low=0.0, high=60.0)]
+Wind = Annotated[Quantity, si_quantity('m/s', low=-60.0, high=60.0, length=3)]
+Slope = Annotated[Quantity, si_quantity('1/s', low=-10.0, high=10.0, length=3)]
 
 
-class Profile(Record):
+class WindProfile(StrictModel):
     """
     Wind over rough ground: what the weather service measures, and what the ground makes of it.
 
@@ -44,12 +46,14 @@ class Profile(Record):
     """
 
     wind: Speed
-    towards: Annotated[Quantity, si('rad')]
-    height: Annotated[Quantity, si('m', low=0.1, high=300.0)] = Quantity(value=10.0, unit='m')
-    roughness: Annotated[Quantity, si('m', low=1e-5, high=5.0)]
+    towards: Annotated[Quantity, si_quantity('rad')]
+    height: Annotated[Quantity, si_quantity('m', low=0.1, high=300.0)] = Quantity(
+        value=10.0, unit='m'
+    )
+    roughness: Annotated[Quantity, si_quantity('m', low=1e-5, high=5.0)]
 
     @model_validator(mode='after')
-    def _above(self) -> Self:
+    def _check_heights(self) -> Self:
         if self.height.si <= self.roughness.si:
             raise ValueError(
                 f'has its height of {self.height.si:g} m within the roughness of '
@@ -57,7 +61,7 @@ class Profile(Record):
             )
         return self
 
-    def effect(self, half_height: float) -> Parameters:
+    def effect_parameters(self, half_height: float) -> Parameters:
         """Return the parameters of `wind_profile` for half the height of a hull. [m]"""
         speed, towards = self.wind.si, self.towards.si
         return {
@@ -69,36 +73,36 @@ class Profile(Record):
         }
 
 
-class Turbulence(Record):
+class Turbulence(StrictModel):
     """
     Dryden turbulence: rms and length along the mean wind, across it and up, or one for all three.
 
     Or `by` a standard, which knows both from the mean wind at 6.1 m (20 ft) and the height.
     """
 
-    intensity: Annotated[Quantity, _one_or_three('m/s', 0.0, 30.0)] | None = None
-    length: Annotated[Quantity, _one_or_three('m', 0.1, 1000.0)] | None = None
+    intensity: Annotated[Quantity, _axes_validator('m/s', 0.0, 30.0)] | None = None
+    length: Annotated[Quantity, _axes_validator('m', 0.1, 1000.0)] | None = None
     by: Literal['MIL-F-8785C'] | None = None
     wind: Speed | None = None
-    height: Annotated[Quantity, si('m')] | None = None
+    height: Annotated[Quantity, si_quantity('m')] | None = None
 
     @model_validator(mode='after')
-    def _one_way(self) -> Self:
+    def _check_one_form(self) -> Self:
         own, standard = (self.intensity, self.length), (self.by, self.wind, self.height)
         if None not in own and standard == (None,) * 3:
             return self
         if None not in standard and own == (None,) * 2:
-            self.effect()
+            self.effect_parameters()
             return self
         raise ValueError(
             'needs either intensity and length, or "by: MIL-F-8785C" with wind (at 20 ft) and '
             'height'
         )
 
-    def effect(self) -> Parameters:
+    def effect_parameters(self) -> Parameters:
         """Return the parameters of `turbulence`."""
         if self.wind is not None and self.height is not None:
-            return military_turbulence.low_altitude(self.height.si, self.wind.si)
+            return military_turbulence.low_altitude_turbulence(self.height.si, self.wind.si)
         strong, long = (
             quantity.vector * 3 if len(quantity.vector) == 1 else quantity.vector
             for quantity in (self.intensity, self.length)
@@ -109,15 +113,15 @@ class Turbulence(Record):
         }
 
 
-class Gust(Record):
+class Gust(StrictModel):
     """One gust: it begins, takes `length` to build up, stands for `hold` and goes as it came."""
 
     wind: Wind
-    begin: Annotated[Quantity, si('s', low=0.0, high=1e5)]
-    length: Annotated[Quantity, si('s', low=0.01, high=1e4)]
-    hold: Annotated[Quantity, si('s', low=0.0, high=1e6)] = Quantity(value=0.0, unit='s')
+    begin: Annotated[Quantity, si_quantity('s', low=0.0, high=1e5)]
+    length: Annotated[Quantity, si_quantity('s', low=0.01, high=1e4)]
+    hold: Annotated[Quantity, si_quantity('s', low=0.0, high=1e6)] = Quantity(value=0.0, unit='s')
 
-    def effect(self) -> Parameters:
+    def effect_parameters(self) -> Parameters:
         """Return the parameters of `gusts`."""
         return dict(zip('xyz', self.wind.vector, strict=True)) | {
             'begin': self.begin.si,
@@ -126,7 +130,7 @@ class Gust(Record):
         }
 
 
-class Gradient(Record):
+class WindGradient(StrictModel):
     """
     A current that changes from place to place, and is nothing at `origin`.
 
@@ -134,12 +138,12 @@ class Gradient(Record):
     keeps its volume, so that the last of `z` is no number of its own.
     """
 
-    origin: Annotated[Quantity, si('m', low=-1000.0, high=1000.0, length=3)]
+    origin: Annotated[Quantity, si_quantity('m', low=-1000.0, high=1000.0, length=3)]
     x: Slope
     y: Slope
-    z: Annotated[Quantity, si('1/s', low=-10.0, high=10.0, length=2)]
+    z: Annotated[Quantity, si_quantity('1/s', low=-10.0, high=10.0, length=2)]
 
-    def effect(self) -> Parameters:
+    def effect_parameters(self) -> Parameters:
         """Return the parameters of `wind_gradient`."""
         rows = (('x', self.x), ('y', self.y), ('z', self.z))
         return dict(zip('xyz', self.origin.vector, strict=True)) | {
@@ -149,16 +153,18 @@ class Gradient(Record):
         }
 
 
-class Air(Record):
+class ScenarioAir(StrictModel):
     """State and motion of the air."""
 
-    temperature: Annotated[Quantity, si('degC', low=-40.0, high=60.0)]
-    pressure: Annotated[Quantity, si('Pa', low=5e4, high=1.2e5)]
-    wind: Annotated[Quantity, si('m/s', low=-50.0, high=50.0, length=3)]  # uniform and steady
-    profile: Profile | None = None
+    temperature: Annotated[Quantity, si_quantity('degC', low=-40.0, high=60.0)]
+    pressure: Annotated[Quantity, si_quantity('Pa', low=5e4, high=1.2e5)]
+    wind: Annotated[
+        Quantity, si_quantity('m/s', low=-50.0, high=50.0, length=3)
+    ]  # uniform and steady
+    profile: WindProfile | None = None
     turbulence: Turbulence | None = None
     gust: Gust | None = None
-    gradient: Gradient | None = None
+    gradient: WindGradient | None = None
     recorded: Annotated[str, Field(pattern=r'\.csv$')] | None = None  # of `wind_record`
 
     @property
@@ -166,7 +172,7 @@ class Air(Record):
         """Density of dry air. [kg/m3]."""
         return self.pressure.si / (GAS_CONSTANT_OF_AIR * (self.temperature.si + 273.15))
 
-    def effects(self, half_height: float) -> dict[str, Parameters]:
+    def collect_effects(self, half_height: float) -> dict[str, Parameters]:
         """
         Return the air effects that are on, by name, in SI.
 
@@ -178,11 +184,11 @@ class Air(Record):
         """
         given = {}
         if self.profile:
-            given['wind_profile'] = self.profile.effect(half_height)
+            given['wind_profile'] = self.profile.effect_parameters(half_height)
         if self.gradient:
-            given['wind_gradient'] = self.gradient.effect()
+            given['wind_gradient'] = self.gradient.effect_parameters()
         if self.turbulence:
-            given['turbulence'] = self.turbulence.effect()
+            given['turbulence'] = self.turbulence.effect_parameters()
         if self.gust:
-            given['gusts'] = self.gust.effect()
+            given['gusts'] = self.gust.effect_parameters()
         return given

@@ -2,13 +2,13 @@
 
 from typing import Annotated
 
-from lta_config.files import Record
-from lta_config.quantity import Quantity, si
+from lta_config.files import StrictModel
+from lta_config.quantity import Quantity, si_quantity
 
-When = Annotated[Quantity, si('s', low=0.0, high=86400.0)]
+When = Annotated[Quantity, si_quantity('s', low=0.0, high=86400.0)]
 
 
-class Faults(Record):
+class SupplyFaults(StrictModel):
     """
     Faults of the supply, each from a time after the start on.
 
@@ -19,10 +19,10 @@ class Faults(Record):
     panel_short: When | None = None
     brown_out: When | None = None
 
-    def shorted(self, elapsed: float) -> bool:
+    def is_shorted(self, elapsed: float) -> bool:
         """Tell whether the array is shorted at a time after the start. [s]"""
         return self.panel_short is not None and elapsed >= self.panel_short.si
 
-    def cut(self, before: float, elapsed: float) -> bool:
+    def is_cut_off(self, before: float, elapsed: float) -> bool:
         """Tell whether the supply is cut off between two times after the start. [s]"""
         return self.brown_out is not None and before <= self.brown_out.si < elapsed

@@ -7,27 +7,27 @@ What is left out is right, even and without a rise time: a clock error of nothin
 import math
 from typing import Annotated, Any, Literal
 
-from lta_config.files import Record
-from lta_config.quantity import misfit, Quantity, si
+from lta_config.files import StrictModel
+from lta_config.quantity import describe_misfit, Quantity, si_quantity
 from lta_model.light.ambient import Ambient
-from lta_model.light.clock import Clock, MOST_OFFSET
+from lta_model.light.clock_error import DriftingClock, MOST_OFFSET
 from lta_model.light.daylight import Daylight
-from lta_model.light.lamp import Lamp, order_of
+from lta_model.light.lamp import BeaconLamp, lambertian_order
+from lta_model.light.light_checks import MOST_EFFICACY
 from lta_model.light.modulation import SquareWave
-from lta_model.light.outside import Outside
-from lta_model.light.refuse import MOST_EFFICACY
+from lta_model.light.outdoors import OutdoorArea
 from lta_model.light.room import Albedo, Room
 from pydantic import AfterValidator, BeforeValidator, Field
 
-Point = Annotated[Quantity, si('m', low=-1000.0, high=1000.0, length=3)]
-Efficacy = Annotated[Quantity, si('lm/W', above=0.0, high=MOST_EFFICACY)]
+Point = Annotated[Quantity, si_quantity('m', low=-1000.0, high=1000.0, length=3)]
+Efficacy = Annotated[Quantity, si_quantity('lm/W', above=0.0, high=MOST_EFFICACY)]
 Share = Annotated[float, Field(ge=0.0, lt=1.0)]
 NOTHING = Quantity(value=0.0, unit='1')
 HALF_POWER = Quantity(value=60.0, unit='deg')
 RADIUS = Quantity(value=15.0, unit='mm')
 
 
-class Surfaces(Record):
+class Surfaces(StrictModel):
     """Albedo of each kind of surface."""
 
     floor: Share
@@ -35,17 +35,17 @@ class Surfaces(Record):
     ceiling: Share
 
 
-def _alike(given: Any) -> Any:  # noqa: ANN401 - as the file has it
+def _expand_albedo(value: Any) -> Any:  # noqa: ANN401 - as the file has it
     """Return one albedo for all surfaces as that of each."""
-    if isinstance(given, bool) or not isinstance(given, int | float):
-        return given
-    if not 0.0 <= given < 1.0:
-        bound = 'below 1' if given >= 1.0 else 'at least 0'
-        raise ValueError(f'is {given!r}, but must be {bound}')
-    return dict.fromkeys(Surfaces.model_fields, float(given))
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return value
+    if not 0.0 <= value < 1.0:
+        bound = 'below 1' if value >= 1.0 else 'at least 0'
+        raise ValueError(f'is {value!r}, but must be {bound}')
+    return dict.fromkeys(Surfaces.model_fields, float(value))
 
 
-class RoomShape(Record):
+class RoomShape(StrictModel):
     """
     A box around the origin, standing on the floor.
 
@@ -53,64 +53,68 @@ class RoomShape(Record):
     `open`, a drone that flies through them has escaped.
     """
 
-    size: Annotated[Quantity, si('m', above=0.0, high=1000.0, length=3)]
-    albedo: Annotated[Surfaces, BeforeValidator(_alike)]
+    size: Annotated[Quantity, si_quantity('m', above=0.0, high=1000.0, length=3)]
+    albedo: Annotated[Surfaces, BeforeValidator(_expand_albedo)]
     walls: Literal['solid', 'open'] = 'open'
 
     @property
     def room(self) -> Room:
         """The room as light meets it."""
         floor, walls, ceiling = self.albedo.floor, self.albedo.walls, self.albedo.ceiling
-        return Room(three(self.size), Albedo(floor, walls, ceiling))
+        return Room(to_triple(self.size), Albedo(floor, walls, ceiling))
 
 
-class LampScene(Record):
+class LampScene(StrictModel):
     """A beacon."""
 
     position: Point
-    facing: Annotated[Quantity, si('1', length=3)]
-    flux: Annotated[Quantity, si('lm', low=0.0, high=1e7)]
-    frequency: Annotated[Quantity, si('Hz', above=0.0, high=1e5)]
-    duty: Annotated[Quantity, si('1', above=0.0, high=0.999)]
+    facing: Annotated[Quantity, si_quantity('1', length=3)]
+    flux: Annotated[Quantity, si_quantity('lm', low=0.0, high=1e7)]
+    frequency: Annotated[Quantity, si_quantity('Hz', above=0.0, high=1e5)]
+    duty: Annotated[Quantity, si_quantity('1', above=0.0, high=0.999)]
     efficacy: Efficacy
-    half_power: Annotated[Quantity, si('rad', low=0.05, high=1.55)] = HALF_POWER
-    radius: Annotated[Quantity, si('m', above=0.0, high=10.0)] = RADIUS
-    rise: Annotated[Quantity, si('s', low=0.0, high=1.0)] = Quantity(value=0.0, unit='s')
-    clock_error: Annotated[Quantity, si('1', low=-MOST_OFFSET, high=MOST_OFFSET)] = NOTHING
-    clock_drift: Annotated[Quantity, si('1/s', low=-1e-3, high=1e-3)] = Quantity(
+    half_power: Annotated[Quantity, si_quantity('rad', low=0.05, high=1.55)] = HALF_POWER
+    radius: Annotated[Quantity, si_quantity('m', above=0.0, high=10.0)] = RADIUS
+    rise: Annotated[Quantity, si_quantity('s', low=0.0, high=1.0)] = Quantity(value=0.0, unit='s')
+    clock_error: Annotated[Quantity, si_quantity('1', low=-MOST_OFFSET, high=MOST_OFFSET)] = (
+        NOTHING
+    )
+    clock_drift: Annotated[Quantity, si_quantity('1/s', low=-1e-3, high=1e-3)] = Quantity(
         value=0.0, unit='1/s'
     )
 
     @property
-    def lamp(self) -> Lamp:
+    def lamp(self) -> BeaconLamp:
         """The lamp; `BadInput` where it cannot shine."""
-        return Lamp(
-            position=three(self.position),
-            axis=three(self.facing),
+        return BeaconLamp(
+            position=to_triple(self.position),
+            axis=to_triple(self.facing),
             flux=self.flux.si,
             wave=SquareWave(self.frequency.si, self.duty.si),
             efficacy=self.efficacy.si,
-            order=order_of(self.half_power.si),
+            order=lambertian_order(self.half_power.si),
             radius=self.radius.si,
             rise=self.rise.si,
-            clock=Clock(self.clock_error.si, self.clock_drift.si),
+            clock=DriftingClock(self.clock_error.si, self.clock_drift.si),
         )
 
 
-def _parts(quantity: Quantity) -> Quantity:
+def _check_parts(quantity: Quantity) -> Quantity:
     """Return the check of parts of something, as many as there are."""
-    if complaint := misfit(quantity, '1', 0.0, 1.0, length=len(quantity.vector)):
+    if complaint := describe_misfit(quantity, '1', 0.0, 1.0, length=len(quantity.vector)):
         raise ValueError(complaint)
     return quantity
 
 
-class AmbientScene(Record):
+class AmbientScene(StrictModel):
     """All light that is not a beacon's."""
 
-    steady: Annotated[Quantity, si('lx', low=0.0, high=2e5)]
-    mains_amplitude: Annotated[Quantity, si('lx', low=0.0, high=2e5)]
-    mains_frequency: Annotated[Quantity, si('Hz', above=0.0, high=1e4)]
-    mains_harmonics: Annotated[Quantity, AfterValidator(_parts)] = Quantity(value=(), unit='1')
+    steady: Annotated[Quantity, si_quantity('lx', low=0.0, high=2e5)]
+    mains_amplitude: Annotated[Quantity, si_quantity('lx', low=0.0, high=2e5)]
+    mains_frequency: Annotated[Quantity, si_quantity('Hz', above=0.0, high=1e4)]
+    mains_harmonics: Annotated[Quantity, AfterValidator(_check_parts)] = Quantity(
+        value=(), unit='1'
+    )
     efficacy: Efficacy
 
     @property
@@ -125,31 +129,31 @@ class AmbientScene(Record):
         )
 
 
-class DaylightScene(Record):
+class DaylightScene(StrictModel):
     """Sun and sky; the sun on a plane that faces it, the sky on level ground."""
 
-    sun: Annotated[Quantity, si('lx', low=0.0, high=2e5)]
-    azimuth: Annotated[Quantity, si('rad')]
-    elevation: Annotated[Quantity, si('rad', above=0.0, high=math.pi / 2.0)]
-    sky: Annotated[Quantity, si('lx', low=0.0, high=2e5)]
+    sun: Annotated[Quantity, si_quantity('lx', low=0.0, high=2e5)]
+    azimuth: Annotated[Quantity, si_quantity('rad')]
+    elevation: Annotated[Quantity, si_quantity('rad', above=0.0, high=math.pi / 2.0)]
+    sky: Annotated[Quantity, si_quantity('lx', low=0.0, high=2e5)]
     efficacy: Efficacy
 
-    def over(self, ground: float) -> Daylight:
+    def build_daylight(self, ground: float) -> Daylight:
         """Return the light over ground of some albedo. [1]"""
         return Daylight(
             self.sun.si, self.azimuth.si, self.elevation.si, self.sky.si, ground, self.efficacy.si
         )
 
 
-class DoorScene(Record):
+class DoorScene(StrictModel):
     """An opening in the wall at the high end of map x, from the floor up."""
 
-    middle: Annotated[Quantity, si('m', low=-1000.0, high=1000.0)]  # along map y
-    width: Annotated[Quantity, si('m', above=0.0, high=1000.0)]
-    height: Annotated[Quantity, si('m', above=0.0, high=1000.0)]
+    middle: Annotated[Quantity, si_quantity('m', low=-1000.0, high=1000.0)]  # along map y
+    width: Annotated[Quantity, si_quantity('m', above=0.0, high=1000.0)]
+    height: Annotated[Quantity, si_quantity('m', above=0.0, high=1000.0)]
 
 
-class OutsideScene(Record):
+class OutsideScene(StrictModel):
     """
     The open beyond a door: its light, its wind, and how far from the wall a flight may go.
 
@@ -157,20 +161,20 @@ class OutsideScene(Record):
     """
 
     door: DoorScene
-    reach: Annotated[Quantity, si('m', above=0.0, high=1000.0)]
+    reach: Annotated[Quantity, si_quantity('m', above=0.0, high=1000.0)]
     daylight: DaylightScene
     ground: Share
-    wind: Annotated[Quantity, si('m/s', low=-50.0, high=50.0, length=3)]
+    wind: Annotated[Quantity, si_quantity('m/s', low=-50.0, high=50.0, length=3)]
 
     @property
-    def outside(self) -> Outside:
+    def outside(self) -> OutdoorArea:
         """The light out there; `BadInput` where it cannot be."""
         door = self.door
-        daylight = self.daylight.over(self.ground)
-        return Outside(daylight, door.middle.si, door.width.si, door.height.si)
+        daylight = self.daylight.build_daylight(self.ground)
+        return OutdoorArea(daylight, door.middle.si, door.width.si, door.height.si)
 
 
-def three(quantity: Quantity) -> tuple[float, float, float]:
+def to_triple(quantity: Quantity) -> tuple[float, float, float]:
     """Return the numbers of a quantity that has three. [SI]"""
     x, y, z = quantity.vector
     return x, y, z

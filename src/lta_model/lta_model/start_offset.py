@@ -8,7 +8,7 @@ from pydantic import ValidationError
 FAR = 1000.0  # m; no scene is larger
 
 
-def started(scenario: Scenario, x: float, y: float) -> Scenario:
+def offset_start(scenario: Scenario, x: float, y: float) -> Scenario:
     """
     Return a scenario with the start moved; the very same where it is not.
 

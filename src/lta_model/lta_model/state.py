@@ -55,7 +55,7 @@ ROTOR = 6  # numbers of each rotor
 BODY = ROTOR_PLACE + ROTOR * ACTUATORS
 
 
-def pack(
+def pack_state(
     position: ArrayLike = (0.0, 0.0, 0.0),
     heading: float = 0.0,
     velocity: ArrayLike = (0.0, 0.0, 0.0),

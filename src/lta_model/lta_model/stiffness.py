@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 from lta_config.errors import BadInput
 from lta_model.effects.protocol import AXES
-from lta_model.model import Model
+from lta_model.model import VehicleModel
 import numpy as np
 from numpy.typing import NDArray
 
@@ -21,17 +21,17 @@ RK4_LIMIT = 2.7  # longest stable step of RK4 by a time constant: 2.785, less a 
 SPEED_LIMIT = 1000.0  # m/s and rad/s; no balloon gets there, numbers that run away do
 
 
-def fastest(model: Model) -> tuple[str, float]:
+def find_fastest_damping(model: VehicleModel) -> tuple[str, float]:
     """Return the effect that damps the body fastest and its rate; '' and 0 if none does. [1/s]"""
     inverse = model.inverse.reshape(6, 6)
     rates = {
         name: float(np.linalg.eigvals(inverse @ damping).real.max())
-        for name, damping in dampings(model).items()
+        for name, damping in compute_dampings(model).items()
     }
     return max(rates.items(), key=lambda item: item[1], default=('', 0.0))
 
 
-def dampings(model: Model) -> dict[str, Array]:
+def compute_dampings(model: VehicleModel) -> dict[str, Array]:
     """Return the damping of each effect that is linear in the velocity. [N s/m, N m s]"""
     found = {}
     given = model.given
@@ -51,7 +51,7 @@ def dampings(model: Model) -> dict[str, Array]:
     return found
 
 
-def check(name: str, model: Model, step: float) -> None:
+def check_time_step(name: str, model: VehicleModel, step: float) -> None:
     """
     Refuse a time step [s] at which what damps the body linearly would blow up.
 
@@ -61,7 +61,7 @@ def check(name: str, model: Model, step: float) -> None:
         If the step is longer than 2.7 times the time in which an effect stops the body.
 
     """
-    effect, rate = fastest(model)
+    effect, rate = find_fastest_damping(model)
     if rate * step > RK4_LIMIT:
         raise BadInput(
             f'{name} has a {effect} that stops it within {1e3 / rate:.3g} ms, and a time step of '
@@ -69,7 +69,7 @@ def check(name: str, model: Model, step: float) -> None:
         )
 
 
-def watch(name: str, speeds: Sequence[float], elapsed: float) -> None:
+def check_divergence(name: str, speeds: Sequence[float], elapsed: float) -> None:
     """
     Refuse a flight whose velocity or rates have run away. [m/s, rad/s; s after the start]
 
@@ -80,10 +80,10 @@ def watch(name: str, speeds: Sequence[float], elapsed: float) -> None:
 
     """
     if not all(-SPEED_LIMIT < speed < SPEED_LIMIT for speed in speeds):
-        raise ran_away(name, elapsed)
+        raise divergence_error(name, elapsed)
 
 
-def ran_away(name: str, elapsed: float) -> BadInput:
+def divergence_error(name: str, elapsed: float) -> BadInput:
     """Return what is wrong with a flight whose numbers run away. [s after the start]"""
     return BadInput(
         f'The numbers of {name} ran away {elapsed:.2f} s after the start: one of its effects is '

@@ -27,7 +27,7 @@ SQUARE_PLATE = 1.17
 
 @final
 @dataclass(frozen=True, slots=True)
-class Box:
+class DragBox:
     """
     A part in the air, its sides along the body axes.
 
@@ -47,7 +47,7 @@ class Box:
     coefficient: float = SQUARE_PLATE
 
 
-def _of_box(box: Box, density: float) -> list[tuple[float, ...]]:
+def _split_box(box: DragBox, density: float) -> list[tuple[float, ...]]:
     """Return the strips of a box, each in the order of the parameters of a strip."""
     x, y, z = box.size
     short, across, along = sorted(range(3), key=lambda axis: box.size[axis])
@@ -66,7 +66,7 @@ def _of_box(box: Box, density: float) -> list[tuple[float, ...]]:
     return strips
 
 
-def strips(boxes: Sequence[Box], density: float) -> dict[str, float]:
+def build_strips(boxes: Sequence[DragBox], density: float) -> dict[str, float]:
     """
     Return the parameters of `strip_damping` for some boxes.
 
@@ -88,7 +88,7 @@ def strips(boxes: Sequence[Box], density: float) -> dict[str, float]:
         If they need more strips than the effect has.
 
     """
-    found = [strip for box in boxes for strip in _of_box(box, density)]
+    found = [strip for box in boxes for strip in _split_box(box, density)]
     if len(found) > STRIPS:
         raise BadInput(
             f'The {len(boxes)} damping parts need {len(found)} strips (a wide one needs two); '

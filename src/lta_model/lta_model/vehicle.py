@@ -2,7 +2,8 @@
 A vehicle as the cores need it, derived from its file.
 
 Mass, centre of gravity and inertia follow from the parts, the gas and the ballast that trims the
-vehicle to its declared heaviness (`balance`), or from its weighing; added mass from the hull's
+vehicle to its declared heaviness (`mass_properties`), or from its weighing; added mass from the
+hull's
 shape (`hull`), the wrench of the rotors from wind tunnel or geometry (`propulsion`). Everything
 about the hull centre, body frame.
 """
@@ -13,15 +14,21 @@ from typing import final
 
 from lta_config.constants import AIR_DENSITY, STANDARD_GRAVITY
 from lta_config.errors import BadInput
-from lta_config.files import find
+from lta_config.files import find_file
 from lta_config.schema.vehicle_file import load_vehicle_file, VehicleFile
-from lta_model import declared, hover, hull, propulsion, stiffness
-from lta_model.balance import Array, Balance, gas_lump, Lump, part_lump
-from lta_model.electrical.battery import Battery
-from lta_model.electrical.loads import Loads
-from lta_model.electrical.panel import Panel
-from lta_model.electrical.power_path import Charger
-from lta_model.model import Model
+from lta_model import effect_parameters, hover, hull, propulsion, stiffness
+from lta_model.electrical.battery import BatteryModel
+from lta_model.electrical.charger import ChargerModel
+from lta_model.electrical.loads import LoadModel
+from lta_model.electrical.panel import SolarArrayModel
+from lta_model.mass_properties import (
+    Array,
+    build_gas_element,
+    build_part_element,
+    MassElement,
+    MassProperties,
+)
+from lta_model.model import VehicleModel
 from lta_model.sensors.photodiode import PhotodiodeArray
 from lta_model.state import COMMAND, MASS_PLACE
 import numpy as np
@@ -55,12 +62,12 @@ class Vehicle:
     def __init__(self, file: VehicleFile, air_density: float = AIR_DENSITY) -> None:
         self.file = file
         self.air_density = air_density
-        if self.ballast < 0.0:
+        if self.ballast_mass < 0.0:
             raise BadInput(
-                f'{file.name} is {-1e3 * self.ballast:.1f} g too heavy for its lift of '
-                f'{1e3 * self.lift:.1f} g; make parts lighter or the hull larger.'
+                f'{file.name} is {-1e3 * self.ballast_mass:.1f} g too heavy for its lift of '
+                f'{1e3 * self.gross_lift:.1f} g; make parts lighter or the hull larger.'
             )
-        if self.displaced < 0.0:
+        if self.displaced_mass < 0.0:
             raise BadInput(
                 f'{file.name} was weighed at {1e3 * self.mass:.1f} g and cannot be heavier than '
                 'that; lower trim.heaviness.'
@@ -71,23 +78,23 @@ class Vehicle:
                 'centre and would flip; move mass down, or allow it with "unstable: allowed" in '
                 'trim.'
             )
-        self.model()  # refuses effects and parameters that do not exist or are out of bounds
+        self.build_model()  # refuses effects and parameters that do not exist or are out of bounds
 
     @property
     def volume(self) -> float:
         """Volume of the hull. [m3]."""
-        return hull.volume(self.file.hull)
+        return hull.hull_volume(self.file.hull)
 
     @property
-    def gas(self) -> float:
+    def gas_mass(self) -> float:
         """Mass of the gas, helium with the rest of the purity being air. [kg]."""
         purity = self.file.hull.purity.si if self.file.hull.purity else 0.0
         return self.volume * self.air_density * (1.0 - purity * (1.0 - HELIUM_TO_AIR))
 
     @property
-    def lift(self) -> float:
+    def gross_lift(self) -> float:
         """Gross lift of the hull: displaced air less gas. [kg]."""
-        return self.volume * self.air_density - self.gas
+        return self.volume * self.air_density - self.gas_mass
 
     @property
     def heaviness(self) -> float:
@@ -96,56 +103,60 @@ class Vehicle:
         return given.si if given else self.mass - self.volume * self.air_density
 
     @property
-    def displaced(self) -> float:
+    def displaced_mass(self) -> float:
         """Mass of the displaced air; a weighed vehicle is filled until it is right. [kg]."""
         if self.file.measured and self.file.trim.heaviness:
             return self.mass - self.file.trim.heaviness.si
         return self.volume * self.air_density
 
     @property
-    def ballast(self) -> float:
+    def ballast_mass(self) -> float:
         """Mass that trims the parts to the declared heaviness. [kg]."""
         if self.file.measured or self.file.trim.heaviness is None:
             return 0.0
         moving = self.file.moving_mass
         parts = sum(part.mass.si for part in self.file.parts.values())
-        carried = self.lift + self.file.trim.heaviness.si - parts
+        carried = self.gross_lift + self.file.trim.heaviness.si - parts
         return carried - moving.mass.si if moving else carried
 
     @cached_property
-    def lumps(self) -> list[Lump]:
+    def mass_elements(self) -> list[MassElement]:
         """What a vehicle that was not weighed consists of: parts, ballast and gas."""
-        lumps = [part_lump(part) for part in self.file.parts.values()]
+        lumps = [build_part_element(part) for part in self.file.parts.values()]
         if place := self.file.trim.ballast_position:
-            lumps.append(Lump(self.ballast, np.array(place.vector), np.zeros(3)))
+            lumps.append(MassElement(self.ballast_mass, np.array(place.vector), np.zeros(3)))
         if self.file.hull.shape != 'none':
-            lumps.append(gas_lump(self.gas, hull.half_axes(self.file.hull)))
+            lumps.append(build_gas_element(self.gas_mass, hull.half_axes(self.file.hull)))
         return lumps
 
     @cached_property
-    def balance(self) -> Balance:
+    def mass_properties(self) -> MassProperties:
         """Mass, centre of gravity and inertia; a moving mass at rest included."""
         weighed = self.file.measured
-        balance = Balance.measured(weighed) if weighed else Balance.of(self.lumps)
+        balance = (
+            MassProperties.from_measurement(weighed)
+            if weighed
+            else MassProperties.from_elements(self.mass_elements)
+        )
         if moving := self.file.moving_mass:
             place = np.array(moving.position.vector)
-            balance = balance.with_lump(Lump(moving.mass.si, place, np.zeros(3)))
+            balance = balance.with_element(MassElement(moving.mass.si, place, np.zeros(3)))
         return balance
 
     @property
     def mass(self) -> float:
         """Mass of everything, gas included. [kg]."""
-        return self.balance.mass
+        return self.mass_properties.mass
 
     @property
     def cg(self) -> Array:
         """Centre of gravity, gas included, from the hull centre, shape (3,). [m]."""
-        return self.balance.cg
+        return self.mass_properties.cg
 
     @property
     def inertia(self) -> Array:
         """Inertia about the centre of gravity, shape (3, 3). [kg m2]."""
-        return self.balance.inertia
+        return self.mass_properties.inertia
 
     @property
     def added_mass(self) -> Vector:
@@ -153,9 +164,9 @@ class Vehicle:
         return hull.added_mass(self.file.hull, self.air_density)
 
     @cached_property
-    def rotors(self) -> tuple[propulsion.Unit, ...]:
+    def rotors(self) -> tuple[propulsion.RotorUnit, ...]:
         """The rotors in the order of `motors`."""
-        return propulsion.units(self.file)
+        return propulsion.build_rotors(self.file)
 
     @property
     def rotor_names(self) -> list[str]:
@@ -186,7 +197,7 @@ class Vehicle:
         A duty is then a share of a thrust, and not of the present voltage: the file switches on
         the effect `battery_compensation`.
         """
-        return self.effects().get('battery_compensation', {}).get('voltage', 0.0) > 0.0
+        return self.collect_effects().get('battery_compensation', {}).get('voltage', 0.0) > 0.0
 
     @property
     def full_thrust(self) -> float:
@@ -223,41 +234,43 @@ class Vehicle:
         )
 
     @cached_property
-    def battery(self) -> Battery:
+    def battery(self) -> BatteryModel:
         """The cell."""
-        return Battery.of(self.file.energy)
+        return BatteryModel.from_energy(self.file.energy)
 
     @cached_property
-    def loads(self) -> Loads:
+    def loads(self) -> LoadModel:
         """The consumers."""
-        return Loads.of(self.file.energy)
+        return LoadModel.from_energy(self.file.energy)
 
     @cached_property
-    def panel(self) -> Panel:
+    def panel(self) -> SolarArrayModel:
         """The solar panels."""
-        return Panel.of(self.file.energy)
+        return SolarArrayModel.from_energy(self.file.energy)
 
     @cached_property
-    def charger(self) -> Charger:
+    def charger(self) -> ChargerModel:
         """What lies between panels and cell."""
-        return Charger.of(self.file.energy)
+        return ChargerModel.from_energy(self.file.energy)
 
-    def effects(self) -> dict[str, dict[str, float]]:
+    def collect_effects(self) -> dict[str, dict[str, float]]:
         """Return the parameters of every effect that is on, in SI."""
-        return declared.effects_of(self.file, self.rotors, self.added_mass, self.air_density)
+        return effect_parameters.collect_effects(
+            self.file, self.rotors, self.added_mass, self.air_density
+        )
 
-    def model(self, around: declared.Effects | None = None) -> Model:
+    def build_model(self, around: effect_parameters.Effects | None = None) -> VehicleModel:
         """Return the numbers that the kernel takes; `around` are effects of where it flies."""
-        return Model.build(
-            self.effects() | (around or {}),
+        return VehicleModel.build(
+            self.collect_effects() | (around or {}),
             mass=self.mass,
             cg=self.cg,
             inertia=self.inertia,
-            displaced=self.displaced,
+            displaced=self.displaced_mass,
             rotors=[(rotor.place, rotor.axis) for rotor in self.rotors],
         )
 
-    def command(self, duties: Sequence[float]) -> Array:
+    def pack_command(self, duties: Sequence[float]) -> Array:
         """
         Return a command as the kernel takes it, with a moving mass where it rests.
 
@@ -278,7 +291,7 @@ class Vehicle:
             command[MASS_PLACE:] = self.file.moving_mass.position.vector
         return command
 
-    def check_step(self, step: float, model: Model | None = None) -> None:
+    def check_step(self, step: float, model: VehicleModel | None = None) -> None:
         """
         Refuse a time step at which the slowest reaction that the model has would blow up.
 
@@ -295,13 +308,13 @@ class Vehicle:
             If the step is longer than 2.7 times a time constant of motors, moving mass or damping.
 
         """
-        declared.check_step(self.file.name, self.effects(), step)
-        stiffness.check(self.file.name, model or self.model(), step)
+        effect_parameters.check_step(self.file.name, self.collect_effects(), step)
+        stiffness.check_time_step(self.file.name, model or self.build_model(), step)
 
     @property
-    def standing_height(self) -> float:
+    def height_on_floor(self) -> float:
         """Height of the hull centre when the vehicle stands on the floor. [m]."""
-        foot = self.effects().get('floor_contact')
+        foot = self.collect_effects().get('floor_contact')
         if foot is None:
             return hull.half_axes(self.file.hull)[2]
         sink = self.heaviness * STANDARD_GRAVITY / foot['stiffness']
@@ -325,4 +338,4 @@ def load_vehicle(name: str, air_density: float = AIR_DENSITY) -> Vehicle:
     try:
         return Vehicle(file, air_density)
     except BadInput as error:
-        raise BadInput(f'{find("vehicle", name)}: {error}') from None
+        raise BadInput(f'{find_file("vehicle", name)}: {error}') from None

@@ -96,7 +96,7 @@ class Browser:
         self._profile = tempfile.TemporaryDirectory(
             prefix='lta-browser-', ignore_cleanup_errors=True
         )
-        self._process, self._out, self._in = launched(self._program, self._profile.name)
+        self._process, self._out, self._in = launch_browser(self._program, self._profile.name)
 
     def __enter__(self) -> Self:
         """Open the tab."""
@@ -150,9 +150,9 @@ class Browser:
         try:
             os.write(self._out, json.dumps(command).encode() + b'\0')
         except BrokenPipeError as error:
-            raise self._died(method) from error
+            raise self._build_exit_error(method) from error
         while True:
-            message = self._next(method)
+            message = self._read_message(method)
             if message.get('id') == self._count:
                 if 'error' in message:
                     raise BadInput(f'Chromium refuses {method}: {message["error"]["message"]}.')
@@ -166,7 +166,7 @@ class Browser:
         )
         return answer['result'].get('value')
 
-    def wait(self, expression: str) -> None:
+    def wait_until(self, expression: str) -> None:
         """Wait until an expression holds in the page; `BadInput` if it never does."""
         begun, before = time.monotonic(), len(self.events)
         while not self.evaluate(f'Boolean({expression})'):
@@ -179,7 +179,7 @@ class Browser:
                 )
             time.sleep(0.02)
 
-    def _next(self, method: str) -> dict[str, Any]:
+    def _read_message(self, method: str) -> dict[str, Any]:
         """Return the next message; events are kept as well."""
         end = time.monotonic() + PATIENCE
         while b'\0' not in self._buffer:
@@ -191,7 +191,7 @@ class Browser:
                 )
             data = os.read(self._in, 1 << 20)
             if not data:
-                raise self._died(method)
+                raise self._build_exit_error(method)
             self._buffer += data
         text, _, self._buffer = self._buffer.partition(b'\0')
         message: dict[str, Any] = json.loads(text)
@@ -199,7 +199,7 @@ class Browser:
             self.events.append((message['method'], message.get('params', {})))
         return message
 
-    def _died(self, method: str) -> BadInput:
+    def _build_exit_error(self, method: str) -> BadInput:
         """Return the error for a browser that has gone."""
         with suppress(subprocess.TimeoutExpired):
             self._process.wait(1.0)
@@ -209,14 +209,14 @@ class Browser:
         )
 
 
-def launched(program: str, profile: str) -> tuple[subprocess.Popen[bytes], int, int]:
+def launch_browser(program: str, profile: str) -> tuple[subprocess.Popen[bytes], int, int]:
     """Return a running browser, the end to write to and the end to read from."""
     theirs_in, ours_out = os.pipe()
     ours_in, theirs_out = os.pipe()
     # Copies above READ and WRITE, so that putting one in place cannot overwrite the other.
     copies = [fcntl.fcntl(end, fcntl.F_DUPFD_CLOEXEC, 10) for end in (theirs_in, theirs_out)]
 
-    def place() -> None:
+    def place_pipes() -> None:
         os.dup2(copies[0], READ)
         os.dup2(copies[1], WRITE)
 
@@ -229,7 +229,7 @@ def launched(program: str, profile: str) -> tuple[subprocess.Popen[bytes], int, 
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
         close_fds=False,
-        preexec_fn=place,
+        preexec_fn=place_pipes,
     )
     for end in (theirs_in, theirs_out, *copies):
         os.close(end)

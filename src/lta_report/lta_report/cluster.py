@@ -9,7 +9,7 @@ DASK: Final = 'distributed'
 PATIENCE: Final = 10.0  # s to reach the scheduler
 
 
-def connected(address: str) -> tuple[Any, Any]:
+def connect_cluster(address: str) -> tuple[Any, Any]:
     """
     Return the module dask.distributed, and a client of the scheduler at an address.
 

@@ -6,14 +6,14 @@ Time in seconds from the first message, positions in the map frame.
 
 from typing import NamedTuple
 
-from lta_model.attitude import angles
+from lta_model.attitude import to_euler_angles
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
 
-class Motion(NamedTuple):
+class MotionCurve(NamedTuple):
     """Hull centre in map [m], yaw without jumps [rad], air-relative speed along body x [m/s]."""
 
     time: Array
@@ -24,28 +24,28 @@ class Motion(NamedTuple):
     speed: Array
 
 
-class Track(NamedTuple):
+class TimeCurve(NamedTuple):
     """One number over time. [s, unit of the number]"""
 
     time: Array
     value: Array
 
 
-class Arrow(NamedTuple):
+class DirectionCurve(NamedTuple):
     """A direction in the body frame over time, NaN where there is none. [s, rad]"""
 
     time: Array
     angle: Array
 
 
-class Spot(NamedTuple):
+class FloorPoint(NamedTuple):
     """A place on the floor plan. [m, map]"""
 
     x: float
     y: float
 
 
-class Electricity(NamedTuple):
+class ElectricalCurve(NamedTuple):
     """Voltage [V] and current [A] over time; a current that leaves the cell is negative."""
 
     time: Array
@@ -53,7 +53,7 @@ class Electricity(NamedTuple):
     current: Array
 
 
-class Duties(NamedTuple):
+class DutyCurves(NamedTuple):
     """Commanded duty of each rotor, shape (n, rotors). [1]"""
 
     time: Array
@@ -61,32 +61,32 @@ class Duties(NamedTuple):
     values: Array
 
 
-def sampled(time: Array, track_time: Array, values: Array) -> Array:
+def interpolate(time: Array, track_time: Array, values: Array) -> Array:
     """Return values at other times [s], linear in between and constant beyond the ends."""
     return np.asarray(np.interp(time, track_time, values))
 
 
-def held(time: Array, track: Track) -> Array:
+def hold_last(time: Array, track: TimeCurve) -> Array:
     """Return the newest value at each time [s], NaN before the first: how a set-point acts."""
     index = np.searchsorted(track.time, time, side='right') - 1
     values = np.append(track.value, np.nan)
     return np.asarray(values[np.where(index < 0, len(track.value), index)])
 
 
-def moved(time: Array, place: Array, attitude: Array, speed: Array) -> Motion:
+def build_motion(time: Array, place: Array, attitude: Array, speed: Array) -> MotionCurve:
     """Return a motion from places, shape (n, 3), quaternions, shape (n, 4), and speeds."""
     x, y, z = place.T
-    return Motion(time, x, y, z, np.unwrap(angles(attitude).yaw), speed)
+    return MotionCurve(time, x, y, z, np.unwrap(to_euler_angles(attitude).yaw), speed)
 
 
-def through_air(motion: Motion, time: Array, wind: Array) -> Motion:
+def subtract_wind(motion: MotionCurve, time: Array, wind: Array) -> MotionCurve:
     """Return a motion with the wind, shape (n, 3) in map, taken off its speed. [m/s]"""
-    along = sampled(motion.time, time, wind[:, 0]) * np.cos(motion.yaw)
-    along += sampled(motion.time, time, wind[:, 1]) * np.sin(motion.yaw)
+    along = interpolate(motion.time, time, wind[:, 0]) * np.cos(motion.yaw)
+    along += interpolate(motion.time, time, wind[:, 1]) * np.sin(motion.yaw)
     return motion._replace(speed=motion.speed - along)
 
 
-def laid(motion: Motion, truth: Motion) -> Motion:
+def align_start(motion: MotionCurve, truth: MotionCurve) -> MotionCurve:
     """Return a motion turned and shifted so that it begins where the truth begins."""
     turn = float(truth.yaw[0] - motion.yaw[0])
     x, y = motion.x - motion.x[0], motion.y - motion.y[0]
@@ -97,7 +97,7 @@ def laid(motion: Motion, truth: Motion) -> Motion:
     )
 
 
-def pointed(vectors: Array) -> Array:
+def vector_directions(vectors: Array) -> Array:
     """Return the directions of bearing vectors, NaN of the zero vector. [rad]"""
     angle = np.arctan2(vectors[:, 1], vectors[:, 0])
     angle[np.hypot(vectors[:, 0], vectors[:, 1]) == 0.0] = np.nan

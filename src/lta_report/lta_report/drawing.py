@@ -38,7 +38,7 @@ TEMPLATE = Template(
 )
 
 
-class Label(NamedTuple):
+class EndLabel(NamedTuple):
     """A word at the right end of a line: text, height in the axis' unit, colour."""
 
     text: str
@@ -46,7 +46,7 @@ class Label(NamedTuple):
     colour: str
 
 
-def blank(rows: int = 1, heights: Sequence[float] | None = None) -> Figure:
+def create_figure(rows: int = 1, heights: Sequence[float] | None = None) -> Figure:
     """Return an empty picture of some rows that share their x axis."""
     figure = make_subplots(
         rows=rows,
@@ -58,7 +58,7 @@ def blank(rows: int = 1, heights: Sequence[float] | None = None) -> Figure:
     return figure.update_layout(template=TEMPLATE)
 
 
-def thinned(time: Array, values: Array) -> tuple[Array, Array]:
+def decimate_line(time: Array, values: Array) -> tuple[Array, Array]:
     """
     Return a line in few enough points, the least and greatest of each stretch among them.
 
@@ -85,7 +85,7 @@ def thinned(time: Array, values: Array) -> tuple[Array, Array]:
     return time.astype(np.float32), values.astype(np.float32)
 
 
-def line(
+def build_line(
     name: str,
     time: Array,
     values: Array,
@@ -97,7 +97,7 @@ def line(
     steps: bool = False,
 ) -> Scatter:
     """Return a thin line; `steps` for what is held between messages."""
-    x, y = thinned(time, values)
+    x, y = decimate_line(time, values)
     return Scatter(
         x=x,
         y=y,
@@ -108,9 +108,9 @@ def line(
     )
 
 
-def dots(name: str, time: Array, values: Array, colour: str, *, unit: str) -> Scatter:
+def build_dots(name: str, time: Array, values: Array, colour: str, *, unit: str) -> Scatter:
     """Return raw measurements as small dots."""
-    x, y = thinned(time, values)
+    x, y = decimate_line(time, values)
     return Scatter(
         x=x,
         y=y,
@@ -121,7 +121,7 @@ def dots(name: str, time: Array, values: Array, colour: str, *, unit: str) -> Sc
     )
 
 
-def extent(*lines: Array, pad: float = 0.08) -> tuple[float, float]:
+def padded_range(*lines: Array, pad: float = 0.08) -> tuple[float, float]:
     """Return the range that shows all that is finite, with a little air."""
     values = np.concatenate([part[np.isfinite(part)] for part in lines])
     if not len(values):
@@ -132,7 +132,7 @@ def extent(*lines: Array, pad: float = 0.08) -> tuple[float, float]:
 
 
 def label_ends(
-    figure: Figure, labels: Sequence[Label], bounds: tuple[float, float], row: int = 1
+    figure: Figure, labels: Sequence[EndLabel], bounds: tuple[float, float], row: int = 1
 ) -> None:
     """
     Write words beside the ends of lines, moved apart where they would touch.

@@ -14,7 +14,7 @@ class Tile(NamedTuple):
     note: str
 
 
-def number(value: float | None, digits: int = 2, factor: float = 1.0) -> str:
+def format_number(value: float | None, digits: int = 2, factor: float = 1.0) -> str:
     """Return a figure as people read it."""
     if value is None:
         return MISSING
@@ -24,16 +24,16 @@ def number(value: float | None, digits: int = 2, factor: float = 1.0) -> str:
     return text.replace('-', '\N{MINUS SIGN}')
 
 
-def spread(value: float | None, deviation: float | None, unit: str) -> str:
+def format_spread(value: float | None, deviation: float | None, unit: str) -> str:
     """Return a figure with its spread and unit."""
     if value is None:
         return MISSING
-    return f'{number(value)} \N{PLUS-MINUS SIGN} {number(deviation)} {unit}'
+    return f'{format_number(value)} \N{PLUS-MINUS SIGN} {format_number(deviation)} {unit}'
 
 
-def amount(value: float | None, unit: str, digits: int = 2, factor: float = 1.0) -> str:
+def format_amount(value: float | None, unit: str, digits: int = 2, factor: float = 1.0) -> str:
     """Return a figure with its unit."""
     if value is None:
         return MISSING
     gap = '' if unit.startswith('°') else ' '
-    return f'{number(value, digits, factor)}{gap}{unit}'
+    return f'{format_number(value, digits, factor)}{gap}{unit}'

@@ -5,10 +5,10 @@ import math
 from typing import Any
 
 
-def finite(value: Any) -> Any:  # noqa: ANN401 - what JSON holds
+def replace_nonfinite(value: Any) -> Any:  # noqa: ANN401 - what JSON holds
     """Return a value, also one of mappings and sequences, with None for numbers that are none."""
     if isinstance(value, Mapping):
-        return {key: finite(part) for key, part in value.items()}
+        return {key: replace_nonfinite(part) for key, part in value.items()}
     if isinstance(value, list | tuple):
-        return [finite(part) for part in value]
+        return [replace_nonfinite(part) for part in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -17,7 +17,7 @@ from lta_config.errors import BadInput
 Piece = TypeVar('Piece')
 
 
-class Kind(NamedTuple):
+class LogKind(NamedTuple):
     """A kind of log: its file, the key of its first line, its word, the option of its folder."""
 
     file: str
@@ -55,7 +55,7 @@ class LineLog(Generic[Piece]):
     """
 
     def __init__(
-        self, folder: Path, kind: Kind, identity: str, read: Callable[[Any], Piece]
+        self, folder: Path, kind: LogKind, identity: str, read: Callable[[Any], Piece]
     ) -> None:
         self.pieces: list[Piece] = []
         self._kind, self._path, self._identity = kind, folder / kind.file, identity
@@ -63,13 +63,13 @@ class LineLog(Generic[Piece]):
             folder.mkdir(parents=True, exist_ok=True)
             self._file = self._path.open('a+b')
         except OSError as error:
-            raise self._unusable(error) from None
+            raise self._build_access_error(error) from None
         try:
             self._lock()
-            self._take_up(read)
+            self._resume(read)
         except OSError as error:
             self.close()
-            raise self._unusable(error) from None
+            raise self._build_access_error(error) from None
         except BadInput:
             self.close()
             raise
@@ -82,15 +82,15 @@ class LineLog(Generic[Piece]):
                 f"Another {self._kind.word} writes to '{self._path.parent}'; wait for its end."
             ) from None
 
-    def _take_up(self, read: Callable[[Any], Piece]) -> None:
+    def _resume(self, read: Callable[[Any], Piece]) -> None:
         """Take up what is there, cut a torn line off, and name the work if nobody has."""
         self._file.seek(0)
-        first, begin = self._file.readline(), _line({self._kind.key: self._identity})
+        first, begin = self._file.readline(), _encode_line({self._kind.key: self._identity})
         if first != begin and begin.startswith(first):  # nothing, or torn off at once
             self._file.truncate(0)
-            self._append(begin)
+            self._write_line(begin)
             return
-        self._is_ours(first)
+        self._check_owner(first)
         whole = len(first)
         for line in self._file:
             try:
@@ -102,39 +102,39 @@ class LineLog(Generic[Piece]):
             try:
                 self.pieces.append(read(content))
             except (KeyError, TypeError):
-                raise self._no_log() from None
+                raise self._build_format_error() from None
             whole += len(line)
         self._file.truncate(whole)
 
-    def _is_ours(self, first: bytes) -> None:
+    def _check_owner(self, first: bytes) -> None:
         """Refuse a log of something else, of which not a byte is changed."""
         content = None
         with suppress(ValueError):
             content = json.loads(first)
         if not (isinstance(content, dict) and self._kind.key in content):
-            raise self._no_log()
+            raise self._build_format_error()
         if content[self._kind.key] != self._identity:
             raise BadInput(
                 f"'{self._path}' is of another {self._kind.word}; choose another "
                 f'{self._kind.option}.'
             )
 
-    def _no_log(self) -> BadInput:
+    def _build_format_error(self) -> BadInput:
         return BadInput(
             f"'{self._path}' is no log of a {self._kind.word}; choose another {self._kind.option}."
         )
 
-    def _unusable(self, error: OSError) -> BadInput:
+    def _build_access_error(self, error: OSError) -> BadInput:
         return BadInput(
             f"'{self._path}' cannot be written ({error.strerror}); make room or choose another "
             f'{self._kind.option}.'
         )
 
-    def keep(self, content: Mapping[str, Any]) -> None:
+    def append(self, content: Mapping[str, Any]) -> None:
         """Keep a piece; it outlives this process from now on."""
-        self._append(_line(content))
+        self._write_line(_encode_line(content))
 
-    def _append(self, line: bytes) -> None:
+    def _write_line(self, line: bytes) -> None:
         try:
             self._file.write(line)
             self._file.flush()
@@ -150,5 +150,5 @@ class LineLog(Generic[Piece]):
             self._file.close()
 
 
-def _line(content: Mapping[str, Any]) -> bytes:
+def _encode_line(content: Mapping[str, Any]) -> bytes:
     return json.dumps(content, allow_nan=False).encode() + b'\n'

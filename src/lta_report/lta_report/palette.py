@@ -53,6 +53,6 @@ DARK: Final[dict[str, str]] = {
 }
 
 
-def scale(colours: tuple[str, ...]) -> list[tuple[float, str]]:
+def build_color_scale(colours: tuple[str, ...]) -> list[tuple[float, str]]:
     """Return a colour scale of evenly spaced colours, as plotly writes one."""
     return [(k / (len(colours) - 1), colour) for k, colour in enumerate(colours)]

@@ -10,23 +10,23 @@ import shlex
 import shutil
 from typing import Any, Final
 
-from lta_bridge.bag.writer import empty_folder
+from lta_bridge.bag.writer import prepare_empty_folder
+from lta_config.atomic_file import replace_atomically
 from lta_config.errors import BadInput
-from lta_config.whole_file import whole
 
 PART: Final = '.part'  # within the folder: the one beside it may be somebody else's
 
 
-def results_folder(out: Path | None, name: str) -> Path:
+def resolve_folder(out: Path | None, name: str) -> Path:
     """Return the whole path of the folder that was asked for, else of runs/<time>-<name>."""
     stamp = datetime.now().astimezone().strftime('%Y%m%d-%H%M%S')
     return (out or Path('runs') / f'{stamp}-{name}').absolute()
 
 
-def can_be_made(folder: Path) -> None:
+def check_creatable(folder: Path) -> None:
     """Refuse, before any work, a folder that holds something or could not be made."""
     if folder.exists():
-        empty_folder(folder)
+        prepare_empty_folder(folder)
     above = next(one for one in (folder, *folder.parents) if one.exists())
     if not above.is_dir() or not os.access(above, os.W_OK | os.X_OK):
         raise BadInput(
@@ -36,7 +36,7 @@ def can_be_made(folder: Path) -> None:
 
 
 @contextmanager
-def all_at_once(folder: Path, last: str) -> Iterator[Path]:
+def stage_results(folder: Path, last: str) -> Iterator[Path]:
     """
     Yield where to write results; they appear in their folder when all are there, or none does.
 
@@ -66,11 +66,11 @@ def all_at_once(folder: Path, last: str) -> Iterator[Path]:
                 folder.rmdir()
 
 
-def keep_json(content: Mapping[str, Any] | list[Any], place: Path) -> str:
+def write_json(content: Mapping[str, Any] | list[Any], place: Path) -> str:
     """Write results as JSON and return the text; `BadInput` where the disk does not take it."""
     text = json.dumps(content, indent=1) + '\n'
     try:
-        with whole(place) as part:
+        with replace_atomically(place) as part:
             part.write_text(text, encoding='utf-8')
     except OSError as error:
         raise BadInput(
@@ -80,6 +80,6 @@ def keep_json(content: Mapping[str, Any] | list[Any], place: Path) -> str:
     return text
 
 
-def page_line(page: Path) -> str:
+def format_page_line(page: Path) -> str:
     """Return the line that says where a page is and how to look at it."""
     return f'Page {page}  (open it in a browser: xdg-open {shlex.quote(str(page))})'

@@ -6,9 +6,9 @@ import math
 from pathlib import Path
 from typing import Any, Final, final, Literal, NamedTuple
 
-from lta_config.errors import BadInput, unknown
+from lta_config.errors import BadInput, unknown_name
 from lta_report.browser import Browser
-from lta_report.frame import written
+from lta_report.page_frame import write_file
 
 Theme = Literal['light', 'dark']
 WIDTH: Final = 1280  # px, a laptop
@@ -47,7 +47,7 @@ Promise.all([...(document.getElementById('panel-%(panel)s') ?? document).querySe
 
 
 @final
-class Drawn(NamedTuple):
+class RenderedPicture(NamedTuple):
     """One picture of an opened page: traces, marks on the paper, and its size. [px]"""
 
     name: str
@@ -58,15 +58,15 @@ class Drawn(NamedTuple):
 
 
 @final
-class Check(NamedTuple):
+class PageCheck(NamedTuple):
     """What a browser makes of a page: its complaints, what it fetched, and what it drew."""
 
     messages: list[str]
     fetched: list[str]
-    panels: list[Drawn]
+    panels: list[RenderedPicture]
 
 
-def check(page: Path, theme: Theme = 'light', width: int = WIDTH) -> Check:
+def inspect_page(page: Path, theme: Theme = 'light', width: int = WIDTH) -> PageCheck:
     """
     Open a page and tell what it shows.
 
@@ -86,12 +86,12 @@ def check(page: Path, theme: Theme = 'light', width: int = WIDTH) -> Check:
 
     """
     with Browser() as browser:
-        show(browser, page, theme, width)
-        panels = [Drawn(**panel) for panel in browser.evaluate(COUNT_PANELS)]
-        return Check(complaints(browser), fetched(browser, page), panels)
+        open_page(browser, page, theme, width)
+        panels = [RenderedPicture(**panel) for panel in browser.evaluate(COUNT_PANELS)]
+        return PageCheck(collect_errors(browser), list_requests(browser, page), panels)
 
 
-def picture(
+def write_picture(
     page: Path, out: Path, panel: str = TOP, theme: Theme = 'light', width: int = WIDTH
 ) -> None:
     """
@@ -106,7 +106,7 @@ def picture(
     panel : str
         Name of a panel, or 'top'.
     theme, width
-        As in `check`.
+        As in `inspect_page`.
 
     Raises
     ------
@@ -115,8 +115,8 @@ def picture(
 
     """
     with Browser() as browser:
-        show(browser, page, theme, width)
-        take(browser, panel, out)
+        open_page(browser, page, theme, width)
+        capture_part(browser, panel, out)
 
 
 def write_pictures(page: Path, folder: Path, theme: Theme = 'light') -> list[Path]:
@@ -131,25 +131,25 @@ def write_pictures(page: Path, folder: Path, theme: Theme = 'light') -> list[Pat
     """
     folder.mkdir(parents=True, exist_ok=True)
     with Browser() as browser:
-        show(browser, page, theme, WIDTH)
+        open_page(browser, page, theme, WIDTH)
         names = [TOP, *(panel['name'] for panel in browser.evaluate(COUNT_PANELS))]
         for name in names:
-            take(browser, name, folder / f'{name}.png')
+            capture_part(browser, name, folder / f'{name}.png')
     return [folder / f'{name}.png' for name in names]
 
 
-def show(browser: Browser, page: Path, theme: Theme, width: int) -> None:
+def open_page(browser: Browser, page: Path, theme: Theme, width: int) -> None:
     """Open a page and wait until everything on it is drawn."""
     if not page.is_file():
         raise BadInput(f"There is no page '{page}'; check the path.")
     preference = [{'name': 'prefers-color-scheme', 'value': theme}]
     browser.call('Emulation.setEmulatedMedia', features=preference)
-    window(browser, width, 900)
+    resize_window(browser, width, 900)
     browser.call('Page.navigate', url=page.resolve().as_uri())
-    browser.wait('document.documentElement.dataset.drawn')
+    browser.wait_until('document.documentElement.dataset.drawn')
 
 
-def window(browser: Browser, width: int, height: int) -> None:
+def resize_window(browser: Browser, width: int, height: int) -> None:
     """Give the window a size. [px]"""
     browser.call(
         'Emulation.setDeviceMetricsOverride',
@@ -160,48 +160,48 @@ def window(browser: Browser, width: int, height: int) -> None:
     )
 
 
-def take(browser: Browser, panel: str, out: Path) -> None:
+def capture_part(browser: Browser, panel: str, out: Path) -> None:
     """Write one part of the opened page as PNG."""
-    box = place_of(browser, panel)
+    box = locate_part(browser, panel)
     # Chromium would enlarge the window by itself for the shot, and not wait for what that changes.
-    window(browser, browser.evaluate('innerWidth'), max(math.ceil(box['height']), 1))
+    resize_window(browser, browser.evaluate('innerWidth'), max(math.ceil(box['height']), 1))
     if browser.evaluate(SETTLED % {'panel': panel}) is not True:
         raise BadInput(f'The {panel} of the page is not drawn; open the page by hand.')
     browser.evaluate("document.getElementById('bar')?.style.setProperty('visibility', 'hidden')")
-    box = place_of(browser, panel)
+    box = locate_part(browser, panel)
     browser.evaluate(f'scrollTo(0, {box["y"]})')
     shot = browser.call('Page.captureScreenshot', format='png', clip={**box, 'scale': 1})
-    written(base64.b64decode(shot['data']), out)
+    write_file(base64.b64decode(shot['data']), out)
 
 
-def place_of(browser: Browser, panel: str) -> Mapping[str, float]:
+def locate_part(browser: Browser, panel: str) -> Mapping[str, float]:
     """Return where on the opened page a part of it is. [px]"""
     box: Mapping[str, float] | None = browser.evaluate(BOX % {'panel': panel})
     if box is None:
         known = [found['name'] for found in browser.evaluate(COUNT_PANELS)]
-        raise unknown('panel', panel, [TOP, *known])
+        raise unknown_name('panel', panel, [TOP, *known])
     return box
 
 
-def complaints(browser: Browser) -> list[str]:
+def collect_errors(browser: Browser) -> list[str]:
     """Return what the page wrote to the console, and errors nobody caught."""
     found = []
     for method, event in browser.events:
         if method == 'Runtime.consoleAPICalled':
             found.append(' '.join(str(part.get('value', part)) for part in event['args']))
         elif method == 'Runtime.exceptionThrown':
-            found.append(thrown(event['exceptionDetails']))
+            found.append(format_exception(event['exceptionDetails']))
         elif method == 'Log.entryAdded':
             found.append(event['entry']['text'])
     return found
 
 
-def thrown(details: Mapping[str, Any]) -> str:
+def format_exception(details: Mapping[str, Any]) -> str:
     """Return an uncaught error as text."""
     return str(details.get('exception', {}).get('description', details['text']))
 
 
-def fetched(browser: Browser, page: Path) -> list[str]:
+def list_requests(browser: Browser, page: Path) -> list[str]:
     """Return every address that was asked for, except the page itself and data in it."""
     asked = [
         event['request']['url']

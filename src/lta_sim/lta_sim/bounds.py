@@ -6,7 +6,7 @@ from lta_model.scenario import Scenario
 
 
 @final
-class Bounds:
+class FlightBounds:
     """
     The bounds of a scene, for one flight from its start.
 
@@ -23,7 +23,7 @@ class Bounds:
         self._outside = scenario.outside
         self._indoors = True  # every start is
 
-    def hold(self, x: float, y: float, z: float) -> bool:
+    def is_inside(self, x: float, y: float, z: float) -> bool:
         """Tell whether a hull centre is in bounds; call it at every step. [m, map]"""
         indoors = abs(x) <= self._x and abs(y) <= self._y and z <= self._height
         outside, crossed = self._outside, indoors != self._indoors

@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 import math
 from typing import final
 
-from lta_model.measurement import Chain, read
+from lta_model.measurement_chain import apply_chain, Chain
 from lta_model.state import COMMAND, MASS_PLACE
 import numpy as np
 from numpy.typing import NDArray
@@ -55,7 +55,7 @@ class CommandLink:
         self._latest = self._obeyed = self.idle
         self._coming: deque[tuple[int, Array]] = deque()
 
-    def compose(self, duties: Sequence[float], mass_place: Vector | None = None) -> Array:
+    def pack_command(self, duties: Sequence[float], mass_place: Vector | None = None) -> Array:
         """
         Return a command as the kernel takes it, within what the rotors can do.
 
@@ -89,7 +89,7 @@ class CommandLink:
         self._latest = command
         return command
 
-    def spans(
+    def send_command(
         self, now_ns: int, end_ns: int, elapsed: float, command: Array
     ) -> list[tuple[int, Array]]:
         """
@@ -108,7 +108,7 @@ class CommandLink:
         if not self._chain:
             return [(end_ns, command)]
         # The delay of the period's beginning holds for all of it.
-        delay = elapsed - read(self._chain, (elapsed,), elapsed)[0]
+        delay = elapsed - apply_chain(self._chain, (elapsed,), elapsed)[0]
         age_ns = max(0, round(delay * NANOSECONDS))
         self._coming.append((now_ns, command))
         out: list[tuple[int, Array]] = []

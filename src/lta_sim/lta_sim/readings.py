@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 Vector = tuple[float, float, float]
 
 
-class Outcome(StrEnum):
+class FlightOutcome(StrEnum):
     """How a flight stands."""
 
     FLYING = 'flying'
@@ -21,7 +21,7 @@ class Outcome(StrEnum):
 
 @final
 @dataclass(slots=True)
-class Readings:
+class VehicleReadings:
     """
     What the vehicle publishes at one control step; None where nothing is due.
 

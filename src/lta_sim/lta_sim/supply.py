@@ -3,15 +3,15 @@
 from collections.abc import Mapping, Sequence
 from typing import final
 
-from lta_config.compilation.flat import compiled, Layout
-from lta_energy.monitoring.books import Books
+from lta_config.compilation.flat import compile_core, TupleLayout
+from lta_energy.monitoring.energy_balance import EnergyBalance
 from lta_model.electrical import loads
-from lta_model.electrical.panel import current_at
-from lta_model.electrical.power_path import at_rest, Flow, held
-from lta_model.scenario_faults import Faults
+from lta_model.electrical.charger import PowerFlow, resting_flow, total_stored_energy
+from lta_model.electrical.panel import current_at_voltage
+from lta_model.scenario_faults import SupplyFaults
 from lta_model.vehicle import Vehicle
 from lta_sim.sensors import power
-from lta_sim.supply_step import Account, Meantime, Parts, supplied
+from lta_sim.supply_step import advance_supply, SupplyInputs, SupplyParts, SupplyState
 import numpy as np
 from numpy.random import Generator
 
@@ -44,25 +44,25 @@ class Supply:
         vehicle: Vehicle,
         charge: float,
         chance: Mapping[str, Generator],
-        faults: Faults,
+        faults: SupplyFaults,
         looking: float = 0.0,
     ) -> None:
-        self._parts = Parts(vehicle.battery, vehicle.charger, vehicle.panel)
+        self._parts = SupplyParts(vehicle.battery, vehicle.charger, vehicle.panel)
         self._loads, self._chance, self._faults = vehicle.loads, chance, faults
         self._looking = looking
         self._meter = power.PowerMeterSettings()
         self.meters = {
-            name: power.draw(self._meter, chance[name]) for name in ('battery', 'panel')
+            name: power.draw_errors(self._meter, chance[name]) for name in ('battery', 'panel')
         }
         self._irradiance = self._elapsed = 0.0
-        self._account = Account(at_rest(charge), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-        self._begun = held(self._parts.cell, self._account.flow)
-        self._layout = Layout(self._account)
+        self._account = SupplyState(resting_flow(charge), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        self._begun = total_stored_energy(self._parts.cell, self._account.flow)
+        self._layout = TupleLayout(self._account)
         self._memory = self._layout.write(self._account)
-        constants = Layout(self._parts)
-        meantime = Layout(Meantime(0.0, 0.0, 0.0, False, False))
+        constants = TupleLayout(self._parts)
+        meantime = TupleLayout(SupplyInputs(0.0, 0.0, 0.0, False, False))
         self._constants = constants.write(self._parts)
-        self._step = compiled(supplied, constants, self._layout, meantime)
+        self._step = compile_core(advance_supply, constants, self._layout, meantime)
 
     def prepare(self) -> None:
         """Compile a step, or load it from disk; nothing is drained."""
@@ -70,54 +70,54 @@ class Supply:
         self._step(self._constants, self._memory.copy(), second, NOTHING)
 
     @property
-    def flow(self) -> Flow:
+    def flow(self) -> PowerFlow:
         """Cell and powers of the last control period."""
         return self._account.flow
 
     @property
-    def electrics(self) -> Electrics:
+    def cell_electrics(self) -> Electrics:
         """Voltage and current of the cell."""
         return self.flow.voltage, self.flow.current
 
     @property
-    def books(self) -> Books:
+    def energy_books(self) -> EnergyBalance:
         """Energy since the start, as it truly is. [J]."""
         now = self._account
-        stored = held(self._parts.cell, now.flow) - self._begun
-        return Books(now.harvested, now.consumed, now.lost, stored)
+        stored = total_stored_energy(self._parts.cell, now.flow) - self._begun
+        return EnergyBalance(now.harvested, now.consumed, now.lost, stored)
 
-    def shine(self, irradiance: float) -> None:
+    def set_irradiance(self, irradiance: float) -> None:
         """Take note of the light on the array, which holds until the next note. [W/m2]"""
         self._irradiance = irradiance
 
-    def drain(self, thrusts: Sequence[float], seconds: float) -> None:
+    def feed_loads(self, thrusts: Sequence[float], seconds: float) -> None:
         """Feed rotors of such thrusts [N] and the rest from the cell and what the array brings."""
-        asked = loads.demand(self._loads, thrusts, transmitting=True) + self._looking
+        asked = loads.power_demand(self._loads, thrusts, transmitting=True) + self._looking
         before, self._elapsed = self._elapsed, self._elapsed + seconds
-        shorted = self._faults.shorted(before)
-        cut = self._faults.cut(before, self._elapsed)
+        shorted = self._faults.is_shorted(before)
+        cut = self._faults.is_cut_off(before, self._elapsed)
         meantime = np.array([self._irradiance, asked, seconds, shorted, cut])
         self._step(self._constants, self._memory, meantime, NOTHING)
         self._account = self._layout.read(self._memory)
 
-    def meter_battery(self) -> Electrics:
+    def measure_battery(self) -> Electrics:
         """Return what the cell's meter says; it sits behind what cuts off the loads."""
-        voltage, current = self.electrics if self.flow.fed else (0.0, 0.0)
-        return power.measure(
+        voltage, current = self.cell_electrics if self.flow.fed else (0.0, 0.0)
+        return power.measure_power(
             self._meter, self.meters['battery'], voltage, current, self._chance['battery']
         )
 
-    def meter_panel(self) -> Electrics:
+    def measure_panel(self) -> Electrics:
         """Return what the array's meter says."""
-        return power.measure(
-            self._meter, self.meters['panel'], *self._at_array(), self._chance['panel']
+        return power.measure_power(
+            self._meter, self.meters['panel'], *self._array_electrics(), self._chance['panel']
         )
 
-    def _at_array(self) -> Electrics:
+    def _array_electrics(self) -> Electrics:
         """Return voltage and current of the array, held beside its largest power."""
         now = self._account
-        if self._faults.shorted(self._elapsed):
-            return 0.0, current_at(self._parts.array, self._irradiance, 0.0)
+        if self._faults.is_shorted(self._elapsed):
+            return 0.0, current_at_voltage(self._parts.array, self._irradiance, 0.0)
         if now.voltage <= 0.0:
             return 0.0, 0.0
         return now.voltage, now.flow.harvested / now.voltage

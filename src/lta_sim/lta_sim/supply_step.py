@@ -2,20 +2,20 @@
 
 from typing import Any, NamedTuple
 
-from lta_model.electrical.battery import Battery
-from lta_model.electrical.panel import max_power, Panel
-from lta_model.electrical.power_path import Charger, feed, Flow
+from lta_model.electrical.battery import BatteryModel
+from lta_model.electrical.charger import advance_power_path, ChargerModel, PowerFlow
+from lta_model.electrical.panel import find_max_power, SolarArrayModel
 
 
-class Parts(NamedTuple):
+class SupplyParts(NamedTuple):
     """What feeds a vehicle."""
 
-    cell: Battery
-    charger: Charger
-    array: Panel
+    cell: BatteryModel
+    charger: ChargerModel
+    array: SolarArrayModel
 
 
-class Meantime(NamedTuple):
+class SupplyInputs(NamedTuple):
     """
     What a control period brings.
 
@@ -39,7 +39,7 @@ class Meantime(NamedTuple):
     cut: bool
 
 
-class Account(NamedTuple):
+class SupplyState(NamedTuple):
     """
     How the supply stands.
 
@@ -56,7 +56,7 @@ class Account(NamedTuple):
 
     """
 
-    flow: Flow
+    flow: PowerFlow
     irradiance: float
     voltage: float
     current: float
@@ -65,19 +65,24 @@ class Account(NamedTuple):
     lost: float
 
 
-def supplied(parts: Parts, before: Account, meantime: Meantime, scratch: Any) -> Account:  # noqa: ANN401
+def advance_supply(
+    parts: SupplyParts,
+    before: SupplyState,
+    meantime: SupplyInputs,
+    scratch: Any,  # noqa: ANN401
+) -> SupplyState:
     """Return how the supply stands a control period later; `scratch` is not needed."""
     voltage, current = before.voltage, before.current
     if meantime.irradiance != before.irradiance:
-        voltage, current = max_power(parts.array, meantime.irradiance)
+        voltage, current = find_max_power(parts.array, meantime.irradiance)
     now, dt = before.flow, meantime.dt
-    begin = Flow(
+    begin = PowerFlow(
         now.charge, now.relaxation, now.voltage, now.current, now.harvested, now.consumed,
         now.lost, now.fed and not meantime.cut,
     )  # fmt: skip
     available = 0.0 if meantime.shorted else voltage * current
-    flow = feed(parts.cell, parts.charger, begin, available, meantime.asked, dt)
-    return Account(
+    flow = advance_power_path(parts.cell, parts.charger, begin, available, meantime.asked, dt)
+    return SupplyState(
         flow,
         meantime.irradiance,
         voltage,

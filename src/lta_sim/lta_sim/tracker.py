@@ -17,7 +17,7 @@ from collections.abc import Callable, Mapping
 import math
 from typing import final
 
-from lta_model.measurement import Chain, read
+from lta_model.measurement_chain import apply_chain, Chain
 from lta_model.state import RIGID
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +27,7 @@ CHANNELS = ('clock', 'pose_time', 'pose')
 NANOSECONDS = 1e9
 
 
-def between(before: Numbers, after: Numbers, part: float) -> Numbers:
+def interpolate_motion(before: Numbers, after: Numbers, part: float) -> Numbers:
     """Return a motion a part of the way, 0 to 1, from one to another."""
     sign = math.copysign(1.0, sum(before[i] * after[i] for i in range(3, 7)))
     mixed = [
@@ -39,7 +39,7 @@ def between(before: Numbers, after: Numbers, part: float) -> Numbers:
 
 
 @final
-class Tracker:
+class SimulatedTracker:
     """
     A tracker that watches one flight.
 
@@ -57,7 +57,7 @@ class Tracker:
         self._motion: Numbers = ()
         self._past: deque[tuple[int, Numbers]] = deque()
 
-    def watch(self, now_ns: int, motion: Numbers) -> None:
+    def record_motion(self, now_ns: int, motion: Numbers) -> None:
         """
         Take note of the truth at a control step.
 
@@ -73,7 +73,7 @@ class Tracker:
         if self._late:
             self._past.append((now_ns, motion))
 
-    def says(self, ahead: Callable[[int], NDArray[np.float64]]) -> Numbers:
+    def report_motion(self, ahead: Callable[[int], NDArray[np.float64]]) -> Numbers:
         """
         Return the motion that it stamps with the control step seen last.
 
@@ -87,26 +87,28 @@ class Tracker:
         """
         now, motion = self._now_ns * 1e-9, self._motion
         if self._late:
-            clock = read(self._clock, (now,), now)
-            when_ns = round(read(self._time, clock, now)[0] * NANOSECONDS)
+            clock = apply_chain(self._clock, (now,), now)
+            when_ns = round(apply_chain(self._time, clock, now)[0] * NANOSECONDS)
             span_ns = when_ns - self._now_ns
-            self._forget(when_ns)
-            motion = tuple(ahead(span_ns)[:RIGID].tolist()) if span_ns > 0 else self._at(when_ns)
+            self._drop_before(when_ns)
+            motion = (
+                tuple(ahead(span_ns)[:RIGID].tolist()) if span_ns > 0 else self._motion_at(when_ns)
+            )
         if self._pose:
-            motion = (*read(self._pose, motion[:7], now), *motion[7:])
+            motion = (*apply_chain(self._pose, motion[:7], now), *motion[7:])
         return motion
 
-    def _forget(self, when_ns: int) -> None:
+    def _drop_before(self, when_ns: int) -> None:
         """Drop what lies before a time and its neighbour: no pose is older than the last one."""
         past = self._past
         while len(past) > 1 and past[1][0] <= when_ns:
             past.popleft()
 
-    def _at(self, when_ns: int) -> Numbers:
+    def _motion_at(self, when_ns: int) -> Numbers:
         """Return the motion of a time that has been, the first before the first."""
         past = self._past
         begin_ns, before = past[0]
         if when_ns <= begin_ns or len(past) == 1:
             return before
         end_ns, after = past[1]
-        return between(before, after, (when_ns - begin_ns) / (end_ns - begin_ns))
+        return interpolate_motion(before, after, (when_ns - begin_ns) / (end_ns - begin_ns))

@@ -21,12 +21,12 @@ from lta_config.errors import BadInput
 from lta_model import limits
 from lta_model.effects import initial_memory
 from lta_model.effects.air import wind_profile
-from lta_model.effects.protocol import Place, Wrench
-from lta_model.model import Model
-from lta_model.state import pack, QUATERNION, SURROUNDINGS
+from lta_model.effects.protocol import AirEffectInput, Wrench
+from lta_model.model import VehicleModel
+from lta_model.state import pack_state, QUATERNION, SURROUNDINGS
 from lta_model.vehicle import Vehicle
-from lta_sim.in_scene import reach
 from lta_sim.kernels import kernel
+from lta_sim.scene_model import vehicle_reach
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linprog
@@ -42,7 +42,9 @@ NOT_AIR = ('weight_and_buoyancy', 'net_lift', 'helium_leak', 'superheat', 'movin
 Array = NDArray[np.float64]
 
 
-def air_wrench(model: Model, speed: float, heading: float = 0.0, pitch: float = 0.0) -> Array:
+def air_wrench(
+    model: VehicleModel, speed: float, heading: float = 0.0, pitch: float = 0.0
+) -> Array:
     """
     Return what the air does to a vehicle that flies level, rotors at rest.
 
@@ -66,14 +68,14 @@ def air_wrench(model: Model, speed: float, heading: float = 0.0, pitch: float = 
     """
     c, s = math.cos(pitch), math.sin(pitch)
     x, y = speed * math.cos(heading), speed * math.sin(heading)
-    state = pack((0.0, 0.0, CLEAR), velocity=(x * c, y, x * s), memory=initial_memory())
+    state = pack_state((0.0, 0.0, CLEAR), velocity=(x * c, y, x * s), memory=initial_memory())
     state[QUATERNION] = (0.0, math.sin(0.5 * pitch), 0.0, math.cos(0.5 * pitch))
-    acting = kernel.wrenches(state, model, (0.0,))
+    acting = kernel.effect_wrenches(state, model, (0.0,))
     total = sum((w for name, w in acting.items() if name not in NOT_AIR), start=np.zeros(6))
-    return _turned(total, pitch)
+    return _to_level_axes(total, pitch)
 
 
-def _turned(wrench: Array, pitch: float) -> Array:
+def _to_level_axes(wrench: Array, pitch: float) -> Array:
     """Return a wrench in body axes as one in level axes."""
     c, s = math.cos(pitch), math.sin(pitch)
     turn = np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
@@ -92,13 +94,13 @@ def thrust_speed(vehicle: Vehicle) -> float:
         If no thrusts hold height and heading.
 
     """
-    model = vehicle.model()
+    model = vehicle.build_model()
     if vehicle.file.hull.shape == 'none' or vehicle.file.moving_mass:
-        return _pitched(vehicle, model)
-    return max(_level(vehicle, model, heading) for heading in HEADINGS)
+        return _pitched_speed_limit(vehicle, model)
+    return max(_level_speed_limit(vehicle, model, heading) for heading in HEADINGS)
 
 
-def _level(vehicle: Vehicle, model: Model, heading: float) -> float:
+def _level_speed_limit(vehicle: Vehicle, model: VehicleModel, heading: float) -> float:
     """Return the largest airspeed in one direction, upright."""
     force = limits.level_force(vehicle, heading)
 
@@ -106,14 +108,14 @@ def _level(vehicle: Vehicle, model: Model, heading: float) -> float:
         x, y, *_ = air_wrench(model, speed, heading)
         return bool(force + x * math.cos(heading) + y * math.sin(heading) >= 0.0)
 
-    return 0.0 if force <= 0.0 else _largest(holds, 0.0, FASTEST)
+    return 0.0 if force <= 0.0 else _bisect_speed(holds, 0.0, FASTEST)
 
 
-def _pitched(vehicle: Vehicle, model: Model) -> float:
+def _pitched_speed_limit(vehicle: Vehicle, model: VehicleModel) -> float:
     """Return the largest airspeed along body x at any pitch."""
 
     def holds(speed: float) -> bool:
-        return any(_balanced(vehicle, model, speed, pitch) for pitch in PITCHES)
+        return any(_is_balanced(vehicle, model, speed, pitch) for pitch in PITCHES)
 
     grid = [0.0, *np.geomspace(0.1, FASTEST, 60).tolist()]
     # From the fastest down: only the last that is held matters, and each is many balances.
@@ -125,10 +127,10 @@ def _pitched(vehicle: Vehicle, model: Model) -> float:
         )
     if held == len(grid) - 1:
         return math.inf
-    return _largest(holds, grid[held], grid[held + 1], 0.01)
+    return _bisect_speed(holds, grid[held], grid[held + 1], 0.01)
 
 
-def _largest(
+def _bisect_speed(
     holds: Callable[[float], bool],
     low: float,
     high: float,
@@ -156,15 +158,15 @@ def rise_speed(vehicle: Vehicle) -> float:
     """
     if vehicle.file.hull.shape == 'none' or vehicle.file.moving_mass or vehicle.file.aero.coupling:
         return math.inf
-    model = vehicle.model()
+    model = vehicle.build_model()
 
     def holds(speed: float) -> bool:
-        return any(_balanced(vehicle, model, speed, lean, free=True) for lean in LEANS)
+        return any(_is_balanced(vehicle, model, speed, lean, free=True) for lean in LEANS)
 
-    return _largest(holds, 0.0, min(thrust_speed(vehicle), FASTEST), 0.005)
+    return _bisect_speed(holds, 0.0, min(thrust_speed(vehicle), FASTEST), 0.005)
 
 
-def _hanging(vehicle: Vehicle, speed: float, pitch: float) -> float:
+def _hanging_moment(vehicle: Vehicle, speed: float, pitch: float) -> float:
     """Return the moment of the weight and of the added mass, nose down, at a pitch. [N m]"""
     x, _, z = vehicle.cg
     along, _, upright, *_ = vehicle.added_mass
@@ -173,24 +175,24 @@ def _hanging(vehicle: Vehicle, speed: float, pitch: float) -> float:
     return float(weight * (c * x + s * z) + (upright - along) * speed * speed * s * c)
 
 
-def _balanced(
-    vehicle: Vehicle, model: Model, speed: float, pitch: float, *, free: bool = False
+def _is_balanced(
+    vehicle: Vehicle, model: VehicleModel, speed: float, pitch: float, *, free: bool = False
 ) -> bool:
     """Tell whether some thrusts hold a speed at a pitch, at which the hull may hang free."""
     columns, tops = [], []
     for rotor in vehicle.rotors:
-        columns.append(_turned(np.array(rotor.column), pitch))
-        tops.append(rotor.full)
+        columns.append(_to_level_axes(np.array(rotor.column), pitch))
+        tops.append(rotor.full_thrust)
         if rotor.reversible:
-            columns.append(-_turned(np.array(rotor.reverse), pitch))
-            tops.append(rotor.full)
+            columns.append(-_to_level_axes(np.array(rotor.reverse), pitch))
+            tops.append(rotor.full_thrust)
     air = air_wrench(model, speed, 0.0, pitch)
     balance = -air
     balance[2] += vehicle.heaviness * STANDARD_GRAVITY
     # A righting weight, or a mass that is moved, sees to roll and pitch; a little bank to sway.
     axes = [1, 2, 3, 4, 5] if vehicle.file.hull.shape == 'none' else [2, 5]
     if free:
-        balance[4] -= _hanging(vehicle, speed, pitch)
+        balance[4] -= _hanging_moment(vehicle, speed, pitch)
         axes = [2, 4, 5]
     wrench = np.array(columns).T
     found = linprog(
@@ -199,7 +201,7 @@ def _balanced(
     return found.status == 0 and found.fun is not None and bool(-found.fun >= balance[0])
 
 
-def static_limit(vehicle: Vehicle) -> float:
+def static_wind_limit(vehicle: Vehicle) -> float:
     """Return the largest uniform wind that thrust and balance allow, as `thrust_speed`. [m/s]"""
     speed = thrust_speed(vehicle)
     if vehicle.file.hull.shape == 'none':
@@ -207,7 +209,9 @@ def static_limit(vehicle: Vehicle) -> float:
     return min(speed, limits.tumble_speed(vehicle), rise_speed(vehicle))
 
 
-def share_at_hull(vehicle: Vehicle, height: float, reference: float, roughness: float) -> float:
+def wind_share_at_hull(
+    vehicle: Vehicle, height: float, reference: float, roughness: float
+) -> float:
     """
     Return how much of a reference wind there is at the hull, by the log law.
 
@@ -223,8 +227,10 @@ def share_at_hull(vehicle: Vehicle, height: float, reference: float, roughness: 
         Roughness length of the ground. [m]
 
     """
-    half = reach(vehicle)[1] if vehicle.file.hull.shape != 'none' else 0.0
+    half = vehicle_reach(vehicle)[1] if vehicle.file.hull.shape != 'none' else 0.0
     still = (0.0, 0.0, 0.0)
-    place = Place((0.0, 0.0, height), still, still, (0.0,) * SURROUNDINGS)
-    wind: Wrench = wind_profile.air((1.0, 0.0, reference, roughness, half), (), place)
+    place = AirEffectInput((0.0, 0.0, height), still, still, (0.0,) * SURROUNDINGS)
+    wind: Wrench = wind_profile.compute_air_motion(
+        (1.0, 0.0, reference, roughness, half), (), place
+    )
     return wind[0]

@@ -66,14 +66,14 @@ class WindRecord:
         """
         try:
             with path.open(encoding='utf-8') as stream:
-                rows = _rows(path, stream)
+                rows = _read_rows(path, stream)
         except (OSError, UnicodeDecodeError) as error:
             raise BadInput(f'The wind file {path} cannot be read: {error}.') from None
         if len(rows) < 2:
             raise BadInput(
                 f'The wind file {path} has {len(rows)} rows below its header; record two or more.'
             )
-        _in_order(path, rows[:, 0])
+        _check_order(path, rows[:, 0])
         lasts = float(rows[-1, 0] - rows[0, 0])
         if lasts < needed:
             raise BadInput(
@@ -82,7 +82,7 @@ class WindRecord:
             )
         return cls(rows[:, 0] - rows[0, 0], np.ascontiguousarray(rows[:, 1:]))
 
-    def at(self, begin: float, end: float) -> tuple[Array, Array]:
+    def sample_span(self, begin: float, end: float) -> tuple[Array, Array]:
         """
         Return the wind of a span of time as the kernel takes it.
 
@@ -97,14 +97,16 @@ class WindRecord:
             The wind at the middle [m/s], and its mean rate of change [m/s2].
 
         """
-        middle, first, last = (self._wind(t) for t in (0.5 * (begin + end), begin, end))
+        middle, first, last = (
+            self._interpolate_wind(t) for t in (0.5 * (begin + end), begin, end)
+        )
         return middle, (last - first) / (end - begin)
 
-    def _wind(self, time: float) -> Array:
+    def _interpolate_wind(self, time: float) -> Array:
         return np.array([np.interp(time, self.time, column) for column in self.wind.T])
 
 
-def _rows(path: Path, stream: TextIO) -> Array:
+def _read_rows(path: Path, stream: TextIO) -> Array:
     """Return the numbers of a file, shape (N, 4)."""
     numbers = array('d')
     header: list[str] | None = None
@@ -121,13 +123,13 @@ def _rows(path: Path, stream: TextIO) -> Array:
                     f'"{",".join(HEADER)}".'
                 )
             continue
-        numbers.extend(_numbers(path, count, cells))
+        numbers.extend(_parse_numbers(path, count, cells))
         if len(numbers) > len(HEADER) * MOST_ROWS:
             raise BadInput(f'The wind file {path} has more than {MOST_ROWS} rows; cut it.')
     return np.array(numbers).reshape(-1, len(HEADER))
 
 
-def _numbers(path: Path, count: int, cells: list[str]) -> list[float]:
+def _parse_numbers(path: Path, count: int, cells: list[str]) -> list[float]:
     """Return the numbers of one line."""
     try:
         row = [float(cell) for cell in cells]
@@ -146,7 +148,7 @@ def _numbers(path: Path, count: int, cells: list[str]) -> list[float]:
     return row
 
 
-def _in_order(path: Path, time: Array) -> None:
+def _check_order(path: Path, time: Array) -> None:
     """Refuse times that do not grow, or leave something out."""
     steps = np.diff(time)
     where = int(np.argmin(steps))

@@ -14,22 +14,22 @@ from lta_config.constants import STANDARD_GRAVITY
 from lta_config.topics import TopicTable
 from lta_model import stiffness
 from lta_model.effects import EFFECTS
-from lta_model.electrical.loads import navigating
-from lta_model.light.setting import set_for
+from lta_model.electrical.loads import navigation_power
+from lta_model.light.gain_selection import select_diode_gain
 from lta_model.light.view import LightView, Pose
-from lta_model.measurement import Chain, chains
+from lta_model.measurement_chain import build_chains, Chain
 from lta_model.scenario import Scenario
 from lta_model.sensors import imu, pressure, range
-from lta_model.state import pack, RIGID
+from lta_model.state import pack_state, RIGID
 from lta_model.vehicle import Vehicle
-from lta_sim.around import Around, memory_at_start
 from lta_sim.command_link import CommandLink
-from lta_sim.craft import Craft, LAYOUT
-from lta_sim.in_scene import model_in, reach
-from lta_sim.readings import Outcome, Readings, Vector
-from lta_sim.referee import Referee
+from lta_sim.environment import draw_initial_memory, FlightEnvironment
+from lta_sim.readings import FlightOutcome, Vector, VehicleReadings
+from lta_sim.scene_model import build_scene_model, vehicle_reach
+from lta_sim.simulated_vehicle import LAYOUT, SimulatedVehicle
 from lta_sim.supply import Supply
-from lta_sim.tracker import Tracker
+from lta_sim.termination import FlightTermination
+from lta_sim.tracker import SimulatedTracker
 import numpy as np
 from numpy.typing import NDArray
 
@@ -81,41 +81,41 @@ class World:
             name: np.random.default_rng(np.random.SeedSequence([seed, index]))
             for index, name in enumerate(STREAMS)
         }
-        self._model = model_in(vehicle, scenario)
+        self._model = build_scene_model(vehicle, scenario)
         vehicle.check_step(stiffness.STEP_NS * 1e-9, self._model)
-        self._keep_what_stays(table)
+        self._store_constants(table)
         self._draw_errors()
-        self._craft = Craft(self._model)
+        self._craft = SimulatedVehicle(self._model)
         self.state = self._craft.state  # changes in place
-        self.state[:] = self._at_start()
-        acting = self._act_on_measurement()
+        self.state[:] = self._initial_state()
+        acting = self._build_measurement_chains()
         self._link = CommandLink(vehicle.reversible, self._model.given, acting['command_time'])
         self.command = self._craft.command
         self.command[:] = self._link.idle
         self.supply = Supply(
             vehicle, scenario.start.charge.si, self._chance, scenario.faults,
-            navigating(vehicle.file.energy, strategy),
+            navigation_power(vehicle.file.energy, strategy),
         )  # fmt: skip
         self.steps = 0
-        self.outcome = Outcome.FLYING  # how the flight stands; once decided, it stays
+        self.outcome = FlightOutcome.FLYING  # how the flight stands; once decided, it stays
         self._ranges: list[tuple[int, float]] = []
-        self._around = Around(
+        self._around = FlightEnvironment(
             self._model.given, scenario, self._light, self._chance['turbulence'], self._period,
-            reach(vehicle)[0],
+            vehicle_reach(vehicle)[0],
         )  # fmt: skip
         pose = self._pose()
         self._begin_period(pose)
-        self._load()
+        self._load_kernels()
 
-    def _load(self) -> None:
+    def _load_kernels(self) -> None:
         """Compile the kernels, or load them from disk, now and not in the middle of a step."""
-        self._craft.look()
+        self._craft.evaluate_state()
         self._craft.advance(self._period, 0)
         self._imu.prepare(self.state, self._craft.rate)
         self._light.prepare(*self._shape)
         self.supply.prepare()
 
-    def _keep_what_stays(self, table: TopicTable) -> None:
+    def _store_constants(self, table: TopicTable) -> None:
         """Take numbers out of files once, not at every step."""
         sensors, scenario = self.vehicle.file.sensors, self.scenario
         self._start_ns, self._control_ns = table.start_ns, table.control_ns
@@ -124,45 +124,45 @@ class World:
         self._rhythm = {name: (table[name].latency_ns, table[name].period_ns) for name in SENSED}
         self._shape = (table.light.sample_rate.si, table.light.samples)
         field = scenario.light_field
-        selected = set_for(field, self.vehicle)
-        self.diode_scale = selected.scale  # the drone is told what was selected
-        diodes = selected.drawn(self._chance['diodes'])
+        selected = select_diode_gain(field, self.vehicle)
+        self.diode_scale = selected.gain_scale  # the drone is told what was selected
+        diodes = selected.draw_gains(self._chance['diodes'])
         self._light = LightView(field, self.vehicle, diodes)
-        self._imu_place = _three(sensors.imu_position.vector)
-        self._range_place = _three(sensors.range_position.vector)
-        self._referee = Referee(scenario)
+        self._imu_place = _to_vector(sensors.imu_position.vector)
+        self._range_place = _to_vector(sensors.range_position.vector)
+        self._referee = FlightTermination(scenario)
         self._held = scenario.start.held.si
         self._rotors = len(self.vehicle.reversible)
 
-    def _act_on_measurement(self) -> Mapping[str, Chain]:
+    def _build_measurement_chains(self) -> Mapping[str, Chain]:
         """Set up what stands between the truth and what is told; return it."""
-        acting = chains(self._model.given, EFFECTS)
+        acting = build_chains(self._model.given, EFFECTS)
         self._imu = imu.Imu(
             self.imu_errors, self._imu_place, STANDARD_GRAVITY, self._chance['imu'],
             acting['force'], acting['rates'],
         )  # fmt: skip
         self._on_range, self._on_pressure = acting['range'], acting['pressure']
-        self._tracker = Tracker(acting)
+        self._tracker = SimulatedTracker(acting)
         return acting
 
     def _draw_errors(self) -> None:
         """Draw what stays the same during the flight."""
         air = self.scenario.air
-        self.imu_errors = imu.draw(imu.ImuSettings(), self._chance['imu'])
+        self.imu_errors = imu.draw_errors(imu.ImuSettings(), self._chance['imu'])
         self.range_settings = range.RangeSettings()
-        self._range = range.draw(self.range_settings, self._chance['range'])
+        self._range = range.draw_errors(self.range_settings, self._chance['range'])
         self.pressure_settings = pressure.PressureSettings(floor=air.pressure.si)
-        self._pressure = pressure.draw(self.pressure_settings, self._chance['pressure'])
+        self._pressure = pressure.draw_errors(self.pressure_settings, self._chance['pressure'])
 
-    def _at_start(self) -> Array:
+    def _initial_state(self) -> Array:
         """Return the state on the floor, with the heading that the seed draws."""
         start = self.scenario.start
         x, y = start.position.vector
         spread = start.heading_spread.si
         heading = start.heading.si + float(self._chance['start'].uniform(-spread, spread))
-        height = self.vehicle.standing_height
-        memory = memory_at_start(self._model.given, self._chance['turbulence'])
-        return pack((x, y, height), heading, memory=memory)
+        height = self.vehicle.height_on_floor
+        memory = draw_initial_memory(self._model.given, self._chance['turbulence'])
+        return pack_state((x, y, height), heading, memory=memory)
 
     @property
     def charge(self) -> float:
@@ -185,86 +185,88 @@ class World:
         return self.steps * self._control_ns * 1e-9
 
     @property
-    def held(self) -> bool:
+    def is_held(self) -> bool:
         """Whether a hand still holds the drone where it stands."""
         return self.elapsed < self._held
 
     @property
-    def distance(self) -> float:
+    def goal_distance(self) -> float:
         """Horizontal distance from the hull centre to the lamp that is next. [m]."""
-        return self._referee.distance(float(self.state[0]), float(self.state[1]))
+        return self._referee.goal_distance(float(self.state[0]), float(self.state[1]))
 
     @property
     def wind(self) -> Vector:
         """Velocity of the air at the hull, all effects included. [m/s, map]."""
-        self._craft.look()
-        return _three(self._craft.wind.tolist())
+        self._craft.evaluate_state()
+        return _to_vector(self._craft.wind.tolist())
 
     @property
     def thrusts(self) -> tuple[float, ...]:
         """Present thrust of each rotor. [N]."""
-        self._craft.look()
+        self._craft.evaluate_state()
         return tuple(self._craft.thrusts[: self._rotors].tolist())
 
-    def wrenches(self) -> dict[str, Array]:
+    def effect_wrenches(self) -> dict[str, Array]:
         """Return the present wrench of each effect, body frame. [N, N m]."""
-        self._craft.look()
-        return dict(zip(LAYOUT.wrenches, self._craft.wrenches.copy(), strict=True))
+        self._craft.evaluate_state()
+        return dict(zip(LAYOUT.wrench_names, self._craft.wrenches.copy(), strict=True))
 
     def _pose(self) -> Pose:
         """Return position [m] and quaternion."""
         return tuple(self.state[:7].tolist())
 
-    def _due(self, name: str) -> bool:
+    def _is_due(self, name: str) -> bool:
         """Tell whether a topic on the control grid has a message at this step."""
         latency, period = self._rhythm[name]
         since = self.steps * self._control_ns - latency
         return since >= 0 and since % period == 0
 
-    def sense(self) -> Readings:
+    def sense(self) -> VehicleReadings:
         """Return what the sensors say at the present control step; call it once a step."""
         readings = self.sense_motion()
         self.sense_rest(readings)
         return readings
 
-    def sense_motion(self) -> Readings:
+    def sense_motion(self) -> VehicleReadings:
         """Return what the estimator waits for: IMU, range and pressure."""
-        readings = Readings(self.stamp_ns)
-        self._craft.look()
-        rate = STILL if self.held else self._craft.rate
+        readings = VehicleReadings(self.stamp_ns)
+        self._craft.evaluate_state()
+        rate = STILL if self.is_held else self._craft.rate
         readings.force, readings.rates = self._imu.read(self.state, rate, self.elapsed)
         if self.steps == 0:
             self._sense_range(self.stamp_ns)
         readings.ranges, self._ranges = self._ranges, []
-        if self._due('pressure'):
-            readings.pressure = pressure.measure(
+        if self._is_due('pressure'):
+            readings.pressure = pressure.measure_pressure(
                 self.pressure_settings, self._pressure,
                 float(self.state[2]) + self._imu_place[2], self.elapsed,
                 self._chance['pressure'], self._on_pressure,
             )  # fmt: skip
         return readings
 
-    def sense_rest(self, readings: Readings) -> None:
+    def sense_rest(self, readings: VehicleReadings) -> None:
         """Add light, energy and truth, which nobody answers within the step."""
-        if self._due('photodiodes'):
+        if self._is_due('photodiodes'):
             begun = self.stamp_ns - self._rhythm['photodiodes'][0]
             readings.block = (
                 begun,
-                self._light.block(begun, *self._shape, self._chance['photodiodes']),
+                self._light.read_block(begun, *self._shape, self._chance['photodiodes']),
             )
-        if self._due('battery'):
-            readings.illuminance, _ = self._light.on_panel(self._pose())
-            readings.battery = self.supply.meter_battery()
-            readings.panel = self.supply.meter_panel()
-        self._tracker.watch(self.steps * self._control_ns, tuple(self.state[:RIGID].tolist()))
-        if self._due('ground_truth/odom'):
-            readings.truth = self._tracker.says(self._ahead)
+        if self._is_due('battery'):
+            readings.illuminance, _ = self._light.panel_light(self._pose())
+            readings.battery = self.supply.measure_battery()
+            readings.panel = self.supply.measure_panel()
+        self._tracker.record_motion(
+            self.steps * self._control_ns, tuple(self.state[:RIGID].tolist())
+        )
+        if self._is_due('ground_truth/odom'):
+            readings.truth = self._tracker.report_motion(self._predict_state)
 
     def _sense_range(self, stamp_ns: int) -> None:
         """Take a range reading."""
-        height, up = range.outlook(self.state[:RIGID].tolist(), self._range_place)
+        height, up = range.height_and_tilt(self.state[:RIGID].tolist(), self._range_place)
         elapsed = (stamp_ns - self._start_ns) * 1e-9
-        reading = range.measure(
+        reading = range.measure_range(
             self.range_settings, self._range, height, up,
             self._chance['range'], self._on_range, elapsed,
         )  # fmt: skip
@@ -290,57 +292,59 @@ class World:
         """
         if not self.supply.flow.fed:
             duties = (0.0,) * self._rotors
-        command = self._link.compose(duties, mass_place)
+        command = self._link.pack_command(duties, mass_place)
         now, end = self.stamp_ns, self.stamp_ns + self._control_ns
-        for until, obeyed in self._link.spans(now, end, self.elapsed, command):
+        for until, obeyed in self._link.send_command(now, end, self.elapsed, command):
             self.command[:] = obeyed
-            self._fly(now, until)
+            self._integrate_until(now, until)
             now = until
         pose = self._pose()
-        if self._due('illuminance'):
-            self.supply.shine(self._light.on_panel(pose)[1])
-        stiffness.watch(self.vehicle.file.name, self.state[7:RIGID].tolist(), self.elapsed)
-        self._craft.look()
-        self.supply.drain(self._craft.thrusts[: self._rotors].tolist(), self._period)
+        if self._is_due('illuminance'):
+            self.supply.set_irradiance(self._light.panel_light(pose)[1])
+        stiffness.check_divergence(
+            self.vehicle.file.name, self.state[7:RIGID].tolist(), self.elapsed
+        )
+        self._craft.evaluate_state()
+        self.supply.feed_loads(self._craft.thrusts[: self._rotors].tolist(), self._period)
         self.steps += 1
-        if self.outcome is Outcome.FLYING:
-            self.outcome = self._referee.judge(pose[0], pose[1], pose[2], self.elapsed)
+        if self.outcome is FlightOutcome.FLYING:
+            self.outcome = self._referee.evaluate_outcome(pose[0], pose[1], pose[2], self.elapsed)
         self._begin_period(pose)
 
     def _begin_period(self, pose: Pose) -> None:
         """Set what the next control period finds."""
-        self._light.pass_by(pose)
-        self._around.refresh(pose, self.supply.electrics[0], self.elapsed)
+        self._light.record_pose(pose)
+        self._around.refresh(pose, self.supply.cell_electrics[0], self.elapsed)
         self._craft.surroundings[:] = self._around.numbers
 
-    def _fly(self, now: int, end: int) -> None:
+    def _integrate_until(self, now: int, end: int) -> None:
         """Integrate from one time to another, with the range readings on the way. [ns]"""
         period = self._range_ns
         while now < end:
             turn = (now - self._start_ns) // period + 1
             until = min(end, self._start_ns + turn * period)
-            self._integrate(until - now)
+            self._advance_state(until - now)
             now = until
             if (now - self._start_ns) % period == 0:
                 self._sense_range(now)
 
-    def _integrate(self, span_ns: int) -> None:
+    def _advance_state(self, span_ns: int) -> None:
         """Move on so many nanoseconds of the present command."""
         steps = -(-span_ns // stiffness.STEP_NS)
         place = self.state[:RIGID].copy()
         self._craft.advance(span_ns * 1e-9 / steps, steps)
-        if self.held:  # motors, gas and eddies go on
+        if self.is_held:  # motors, gas and eddies go on
             self.state[:RIGID] = place
 
-    def _ahead(self, span_ns: int) -> Array:
+    def _predict_state(self, span_ns: int) -> Array:
         """Return the state after so many nanoseconds of the present command."""
         now = self.state.copy()
-        self._integrate(span_ns)
+        self._advance_state(span_ns)
         later = self.state.copy()
         self.state[:] = now
         return later
 
 
-def _three(numbers: Sequence[float]) -> Vector:
+def _to_vector(numbers: Sequence[float]) -> Vector:
     x, y, z = numbers
     return x, y, z

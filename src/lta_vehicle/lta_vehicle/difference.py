@@ -5,15 +5,15 @@ from dataclasses import dataclass
 import math
 from typing import Any, final
 
-from lta_config.errors import BadInput, unknown
-from lta_config.files import checked, find, load_yaml
-from lta_config.override import assignment, override
+from lta_config.errors import BadInput, unknown_name
+from lta_config.files import find_file, load_yaml, validate_content
+from lta_config.parameter_override import parse_assignment, replace_parameter
 from lta_config.schema.vehicle_file import VehicleFile
 from lta_model.vehicle import Vehicle
-from lta_vehicle.figures.entries import entries, Entry
-from lta_vehicle.figures.figure import Figure
-from lta_vehicle.figures.sheet import Sheet, sheet_of
-from lta_vehicle.outdated import kept
+from lta_vehicle.figures.entries import list_entries, VehicleFileEntry
+from lta_vehicle.figures.figure import DerivedFigure
+from lta_vehicle.figures.sheet import build_sheet, VehicleSheet
+from lta_vehicle.stale_aero import find_stale_aero
 
 ROOT = 'vehicle.'  # may stand before a path, as lta simulate --set has it
 SAME = 1e-12  # relative: two ways to write one number in other units
@@ -24,24 +24,24 @@ WORDS = ('name', 'about')  # of these nothing follows
 
 @final
 @dataclass(frozen=True, slots=True)
-class Change:
+class VehicleChange:
     """A number or choice of the file that is not the same; None where a file has none."""
 
     place: str
-    before: Entry | None
-    after: Entry | None
+    before: VehicleFileEntry | None
+    after: VehicleFileEntry | None
 
 
 @final
 @dataclass(frozen=True, slots=True)
-class Consequence:
+class FigureChange:
     """A derived figure that is not the same; None where a vehicle has none."""
 
-    before: Figure | None
-    after: Figure | None
+    before: DerivedFigure | None
+    after: DerivedFigure | None
 
     @property
-    def figure(self) -> Figure:
+    def figure(self) -> DerivedFigure:
         """The figure that there is, the later one first."""
         found = self.after or self.before
         if found is None:
@@ -61,28 +61,30 @@ class Consequence:
 
 @final
 @dataclass(frozen=True, slots=True)
-class Difference:
+class VehicleDifference:
     """What differs between two vehicles: their sheets, changes of files, and consequences."""
 
-    before: Sheet
-    after: Sheet
-    changes: Sequence[Change]
-    consequences: Sequence[Consequence]
+    before: VehicleSheet
+    after: VehicleSheet
+    changes: Sequence[VehicleChange]
+    consequences: Sequence[FigureChange]
 
     @property
-    def effects(self) -> list[str]:
+    def changed_effects(self) -> list[str]:
         """The effects that differ, of which no figure need say anything."""
         places = [change.place.split('.') for change in self.changes]
         return list(dict.fromkeys(place[1] for place in places if place[0] == 'effects'))
 
     @property
-    def kept(self) -> list[str]:
+    def stale_aero_notes(self) -> list[str]:
         """Sentences on what of the aero block did not follow rotors and hull."""
         columns = self.after.vehicle.file.aero.thrust_allocation
-        return list(kept([change.place for change in self.changes], columns))
+        return list(find_stale_aero([change.place for change in self.changes], columns))
 
 
-def vehicle_with(name: str, sets: Sequence[str] = (), swaps: Sequence[str] = ()) -> Vehicle:
+def load_vehicle_variant(
+    name: str, sets: Sequence[str] = (), swaps: Sequence[str] = ()
+) -> Vehicle:
     """
     Return a vehicle, perhaps with numbers or layers replaced.
 
@@ -101,72 +103,76 @@ def vehicle_with(name: str, sets: Sequence[str] = (), swaps: Sequence[str] = ())
         If a file cannot be read, or there is no such place or layer.
 
     """
-    path = find('vehicle', name)
+    path = find_file('vehicle', name)
     content = load_yaml(path)
     where = str(path)
     if sets or swaps:
-        content = checked_mapping(content, where)
+        content = require_mapping(content, where)
     for swap in swaps:
-        content = _with_layer(content, swap, where)
+        content = _replace_layer(content, swap, where)
     for text in sets:
-        place, value = assignment(text)
-        content = override(content, place.removeprefix(ROOT), value, 'vehicle')
+        place, value = parse_assignment(text)
+        content = replace_parameter(content, place.removeprefix(ROOT), value, 'vehicle')
     if changed := ', '.join([*swaps, *sets]):
         where += f' with {changed}'
     try:
-        return Vehicle(checked(VehicleFile, content, where))
+        return Vehicle(validate_content(VehicleFile, content, where))
     except BadInput as error:
         text = str(error)
         raise BadInput(text if text.startswith(where) else f'{where}: {text}') from None
 
 
-def checked_mapping(content: Any, where: str) -> dict[str, Any]:  # noqa: ANN401 - as YAML has it
+def require_mapping(content: Any, where: str) -> dict[str, Any]:  # noqa: ANN401 - as YAML has it
     """Return what a file held if that is a mapping; `BadInput` else."""
     if not isinstance(content, dict):
         raise BadInput(f'{where} holds no mapping of keys; compare it with a shipped file.')
     return content
 
 
-def _with_layer(content: dict[str, Any], swap: str, where: str) -> dict[str, Any]:
+def _replace_layer(content: dict[str, Any], swap: str, where: str) -> dict[str, Any]:
     """Return a file's content with one layer out of another file."""
     layer, mark, donor = swap.partition('=')
     if not mark or not layer or not donor:
         raise BadInput(
             f"'{swap}' swaps nothing; write LAYER=VEHICLE, as in 'harvesting=my_blimp.yaml'."
         )
-    path = find('vehicle', donor)
-    given = checked_mapping(load_yaml(path), str(path)).get('layers')
+    path = find_file('vehicle', donor)
+    given = require_mapping(load_yaml(path), str(path)).get('layers')
     own = content.get('layers')
     for layers, of in ((own, where), (given, str(path))):
         if not isinstance(layers, Mapping) or layer not in layers:
             names = [str(key) for key in layers] if isinstance(layers, Mapping) else []
-            raise unknown(f'layer of {of}', layer, names)
+            raise unknown_name(f'layer of {of}', layer, names)
     return {**content, 'layers': {**own, layer: given[layer]}}  # type: ignore[dict-item, index]
 
 
-def difference(before: Vehicle, after: Vehicle) -> Difference:
+def compare_vehicles(before: Vehicle, after: Vehicle) -> VehicleDifference:
     """Return where two vehicles differ."""
-    a, b = sheet_of(before), sheet_of(after)
-    return Difference(a, b, changes(before.file, after.file), consequences(a, b))
+    a, b = build_sheet(before), build_sheet(after)
+    return VehicleDifference(
+        a, b, find_changes(before.file, after.file), find_figure_changes(a, b)
+    )
 
 
-def changes(before: VehicleFile, after: VehicleFile) -> list[Change]:
+def find_changes(before: VehicleFile, after: VehicleFile) -> list[VehicleChange]:
     """Return the numbers and choices that differ, in the order of the later file."""
-    a = {entry.place: entry for entry in entries(before)}
-    b = {entry.place: entry for entry in entries(after)}
+    a = {entry.place: entry for entry in list_entries(before)}
+    b = {entry.place: entry for entry in list_entries(after)}
     for own, other in ((a, b), (b, a)):
-        _fold(own, other)
+        _merge_entries(own, other)
     places = [*b, *(place for place in a if place not in b)]
     return [
-        Change(place, a.get(place), b.get(place))
+        VehicleChange(place, a.get(place), b.get(place))
         for place in places
-        if place not in WORDS and not same(a.get(place), b.get(place))
+        if place not in WORDS and not is_same_entry(a.get(place), b.get(place))
     ]
 
 
-def _fold(own: dict[str, Entry], other: Mapping[str, Entry]) -> None:
+def _merge_entries(
+    own: dict[str, VehicleFileEntry], other: Mapping[str, VehicleFileEntry]
+) -> None:
     """Put one entry in place of all those of a part, rotor or column that the other lacks."""
-    groups: dict[str, list[Entry]] = {}
+    groups: dict[str, list[VehicleFileEntry]] = {}
     for entry in own.values():
         keys = entry.place.split('.')
         for head, depth in WHOLE.items():
@@ -179,10 +185,10 @@ def _fold(own: dict[str, Entry], other: Mapping[str, Entry]) -> None:
         value = first.value if first.numbers and first.place.endswith('.mass') else 'as a whole'
         for part in parts:
             del own[part.place]
-        own[group] = Entry(group, value, first.source)
+        own[group] = VehicleFileEntry(group, value, first.source)
 
 
-def same(a: Entry | None, b: Entry | None) -> bool:
+def is_same_entry(a: VehicleFileEntry | None, b: VehicleFileEntry | None) -> bool:
     """Tell whether two entries say the same; a source alone makes no difference."""
     if a is None or b is None:
         return a is b
@@ -198,18 +204,18 @@ def same(a: Entry | None, b: Entry | None) -> bool:
     )
 
 
-def consequences(a: Sheet, b: Sheet) -> list[Consequence]:
+def find_figure_changes(a: VehicleSheet, b: VehicleSheet) -> list[FigureChange]:
     """Return the derived figures that differ as they are shown."""
     before, after = a.by_key, b.by_key
     keys = [*after, *(key for key in before if key not in after)]
     return [
-        Consequence(before.get(key), after.get(key))
+        FigureChange(before.get(key), after.get(key))
         for key in keys
-        if _value(before.get(key)) != _value(after.get(key))
+        if _rounded_value(before.get(key)) != _rounded_value(after.get(key))
     ]
 
 
-def _value(figure: Figure | None) -> object:
+def _rounded_value(figure: DerivedFigure | None) -> object:
     """Return what is compared: the value, rounded as it is shown."""
     if figure is None or figure.value is None:
         return None

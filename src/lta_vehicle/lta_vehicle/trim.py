@@ -21,10 +21,10 @@ from typing import Final, final
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.errors import BadInput
-from lta_data.even_grid import even_grid
-from lta_model.declared import Effects, OTHER_CURVES
+from lta_data.even_grid import build_even_grid
+from lta_model.effect_parameters import Effects, OTHER_CURVES
 from lta_model.vehicle import Vehicle
-from lta_vehicle.recorded import Array, Commands, Path
+from lta_vehicle.flight_record import Array, RotorCommands, VehiclePath
 import numpy as np
 from scipy.special import stdtrit
 
@@ -40,7 +40,7 @@ CURVE_ERROR: Final = 0.0029  # N rms a rotor
 
 @final
 @dataclass(frozen=True, slots=True)
-class Weighing:
+class HeavinessEstimate:
     """
     What a flight says of the vehicle's weight.
 
@@ -69,12 +69,14 @@ class Weighing:
     duty: float
 
     @property
-    def add(self) -> float:
+    def ballast_change(self) -> float:
         """Ballast to add for the declared heaviness; negative is to take off. [kg]"""
         return self.declared - self.heaviness
 
 
-def weigh(vehicle: Vehicle, path: Path, commands: Commands) -> Weighing:
+def estimate_heaviness(
+    vehicle: Vehicle, path: VehiclePath, commands: RotorCommands
+) -> HeavinessEstimate:
     """
     Return how heavy a vehicle was in a flight.
 
@@ -93,19 +95,19 @@ def weigh(vehicle: Vehicle, path: Path, commands: Commands) -> Weighing:
         If it never hung still for long enough.
 
     """
-    grid = _common_grid(path, commands)
-    velocity = _velocity(path, grid)
-    rotation = _rotations(path, grid)
-    up = _force_up(vehicle, commands, grid, rotation)
-    up -= _drag_up(vehicle, velocity, rotation)
-    flying = _duties_at(commands, grid).max(axis=1) > 0.0
+    grid = _build_time_grid(path, commands)
+    velocity = _estimate_velocity(path, grid)
+    rotation = _rotation_matrices(path, grid)
+    up = _vertical_thrust(vehicle, commands, grid, rotation)
+    up -= _vertical_drag(vehicle, velocity, rotation)
+    flying = _sample_duties(commands, grid).max(axis=1) > 0.0
     rising = vehicle.mass + vehicle.added_mass[2]
     length = max(2, round(STRETCH / (grid[1] - grid[0])))
     found = []
     kept = []
     for first in range(0, len(grid) - length, length):
         part = slice(first, first + length + 1)
-        if not flying[part].all() or not _calm(velocity[part]):
+        if not flying[part].all() or not _is_calm(velocity[part]):
             continue
         took = grid[first + length] - grid[first]
         gained = rising * (velocity[first + length, 2] - velocity[first, 2]) / took
@@ -117,20 +119,24 @@ def weigh(vehicle: Vehicle, path: Path, commands: Commands) -> Weighing:
             f'{CALM_CLIMB:g} m/s up or down and {CALM_SPEED:g} m/s over the ground; let it hover '
             'in still air for 20 s.'
         )
-    return _weighed(vehicle, found, commands, grid, kept)
+    return _summarize_stretches(vehicle, found, commands, grid, kept)
 
 
-def _weighed(
-    vehicle: Vehicle, found: Sequence[float], commands: Commands, grid: Array, kept: list[slice]
-) -> Weighing:
-    values = np.array(found)
+def _summarize_stretches(
+    vehicle: Vehicle,
+    samples: Sequence[float],
+    commands: RotorCommands,
+    grid: Array,
+    stretches: list[slice],
+) -> HeavinessEstimate:
+    values = np.array(samples)
     spread = float(values.std(ddof=1)) / math.sqrt(len(values))
     factor = float(stdtrit(len(values) - 1, 0.5 + 0.5 * CONFIDENCE))
     lifts = [max(rotor.column[2], 0.0) for rotor in vehicle.rotors]
     busy = [i for i, lift in enumerate(lifts) if lift > 0.5] or list(range(len(lifts)))
-    duties = np.concatenate([_duties_at(commands, grid)[part] for part in kept])
+    duties = np.concatenate([_sample_duties(commands, grid)[part] for part in stretches])
     curve = CURVE_ERROR * math.sqrt(sum(lifts[i] ** 2 for i in busy)) / STANDARD_GRAVITY
-    return Weighing(
+    return HeavinessEstimate(
         heaviness=float(values.mean()),
         error=factor * spread,
         curve_error=curve,
@@ -140,12 +146,12 @@ def _weighed(
     )
 
 
-def _calm(velocity: Array) -> bool:
+def _is_calm(velocity: Array) -> bool:
     mean = velocity.mean(axis=0)
     return abs(mean[2]) < CALM_CLIMB and math.hypot(mean[0], mean[1]) < CALM_SPEED
 
 
-def _common_grid(path: Path, commands: Commands) -> Array:
+def _build_time_grid(path: VehiclePath, commands: RotorCommands) -> Array:
     """Return the times of the commands that lie within the path."""
     inside = (commands.time >= path.time[0]) & (commands.time <= path.time[-1])
     grid = commands.time[inside]
@@ -154,11 +160,11 @@ def _common_grid(path: Path, commands: Commands) -> Array:
     return np.linspace(grid[0], grid[-1], len(grid))
 
 
-def _velocity(path: Path, grid: Array) -> Array:
+def _estimate_velocity(path: VehiclePath, grid: Array) -> Array:
     """Return the velocity at some times, the slope of a line through the poses around each."""
     step = float(np.median(np.diff(path.time)))
     half = max(1, round(0.5 * SMOOTH / step))
-    uniform = even_grid(path.time[0], path.time[-1], step, len(path.time))
+    uniform = build_even_grid(path.time[0], path.time[-1], step, len(path.time))
     if not len(uniform):
         raise BadInput(
             f'The stamps of the poses reach over {path.time[-1] - path.time[0]:.0f} s, too far '
@@ -176,7 +182,7 @@ def _velocity(path: Path, grid: Array) -> Array:
     return velocity
 
 
-def _rotations(path: Path, grid: Array) -> Array:
+def _rotation_matrices(path: VehiclePath, grid: Array) -> Array:
     """Return the attitudes at some times as matrices from body to map, shape (n, 3, 3)."""
     nearest = np.clip(np.searchsorted(path.time, grid), 0, len(path.time) - 1)
     x, y, z, w = path.attitude[nearest].T
@@ -190,16 +196,18 @@ def _rotations(path: Path, grid: Array) -> Array:
     )
 
 
-def _duties_at(commands: Commands, grid: Array) -> Array:
+def _sample_duties(commands: RotorCommands, grid: Array) -> Array:
     """Return the duties that were in force at some times."""
     index = np.clip(np.searchsorted(commands.time, grid, side='right') - 1, 0, None)
     return commands.duties[index]
 
 
-def _force_up(vehicle: Vehicle, commands: Commands, grid: Array, rotation: Array) -> Array:
+def _vertical_thrust(
+    vehicle: Vehicle, commands: RotorCommands, grid: Array, rotation: Array
+) -> Array:
     """Return what the rotors push upwards in the map. [N]."""
-    duties = _duties_at(commands, grid)
-    effects = vehicle.effects()
+    duties = _sample_duties(commands, grid)
+    effects = vehicle.collect_effects()
     _refuse_other_curves(vehicle, effects)
     scale = effects.get('thrust_scale', {}).get('factor', 1.0)
     lag = effects.get('motor_lag', {})
@@ -207,7 +215,7 @@ def _force_up(vehicle: Vehicle, commands: Commands, grid: Array, rotation: Array
     body = np.zeros((len(grid), 3))
     given = []
     for rotor, duty in zip(vehicle.rotors, duties.T, strict=True):
-        turning = _lagged(duty, grid, up, down)
+        turning = _apply_motor_lag(duty, grid, up, down)
         thrust = scale * np.sign(turning) * (rotor.a * turning**2 + rotor.b * abs(turning))
         given.append(thrust)
         forward, reverse = np.array(rotor.column[:3]), np.array(rotor.reverse[:3])
@@ -232,7 +240,7 @@ def _refuse_other_curves(vehicle: Vehicle, effects: Effects) -> None:
         )
 
 
-def _lagged(target: Array, grid: Array, up: float, down: float) -> Array:
+def _apply_motor_lag(target: Array, grid: Array, up: float, down: float) -> Array:
     """Return the duty that a motor has reached; time constants up and down [s]. [1]."""
     if up <= 0.0 and down <= 0.0:
         return target
@@ -245,9 +253,9 @@ def _lagged(target: Array, grid: Array, up: float, down: float) -> Array:
     return out
 
 
-def _drag_up(vehicle: Vehicle, velocity: Array, rotation: Array) -> Array:
+def _vertical_drag(vehicle: Vehicle, velocity: Array, rotation: Array) -> Array:
     """Return the force of still air on the moving hull, upwards in the map, negated. [N]."""
-    effects = vehicle.effects()
+    effects = vehicle.collect_effects()
     axes = ('surge', 'sway', 'heave')
     linear = np.array([effects['linear_drag'][axis] for axis in axes])
     quadratic = np.array([effects['quadratic_drag'][axis] for axis in axes])

@@ -14,14 +14,14 @@ import math
 from typing import final
 
 from lta_config.errors import BadInput
-from lta_vlc.faults import Fault, FAULTS, sample_faults, SPOILT, tone_faults
-from lta_vlc.settings import Demodulation
-from lta_vlc.spectral.bins import Bins, plan_beacons
-from lta_vlc.spectral.samples import look
-from lta_vlc.spectral.snr import signal_to_noise
-from lta_vlc.spectral.spectrum import magnitudes, transform
-from lta_vlc.spectral.survey import survey
-from lta_vlc.spectral.tone import read_tones
+from lta_vlc.faults import detect_sample_faults, detect_tone_faults, DiodeFault, FAULTS, SPOILT
+from lta_vlc.settings import DemodulationSettings
+from lta_vlc.spectral.bins import BeaconBins, plan_beacon_bins
+from lta_vlc.spectral.samples import center_samples
+from lta_vlc.spectral.snr import signal_to_noise_ratio
+from lta_vlc.spectral.spectrum import compute_magnitudes, fourier_transform
+from lta_vlc.spectral.spectrum_scan import scan_spectrum
+from lta_vlc.spectral.tone import estimate_tones
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -54,7 +54,7 @@ class Peaks:
 
 @final
 @dataclass(frozen=True, slots=True)
-class Hearing:
+class DemodulatedBlock:
     """
     What one block says.
 
@@ -73,11 +73,11 @@ class Hearing:
 
     peaks: tuple[Peaks, ...]
     frequencies: tuple[float, ...]
-    faults: tuple[Fault, ...]
+    faults: tuple[DiodeFault, ...]
     level: NDArray[np.float64]
 
 
-def find_peaks(spectrum: NDArray[np.float64], bins: Bins) -> Peaks:
+def find_peaks(spectrum: NDArray[np.float64], bins: BeaconBins) -> Peaks:
     """
     Return each diode's peak and SNR for one beacon, by whole bins: the paper's.
 
@@ -93,10 +93,12 @@ def find_peaks(spectrum: NDArray[np.float64], bins: Bins) -> Peaks:
     highest, peak = searched.argmax(axis=0), searched.max(axis=0)
     noise = spectrum[bins.quiet].mean(axis=0)
     frequency = (bins.first + highest) * bins.width
-    return Peaks(peak, signal_to_noise(peak, noise), frequency, noise)
+    return Peaks(peak, signal_to_noise_ratio(peak, noise), frequency, noise)
 
 
-def hear(block: ArrayLike, beacons: tuple[Bins, ...], full_scale: float = math.inf) -> Hearing:
+def demodulate_block(
+    block: ArrayLike, beacons: tuple[BeaconBins, ...], full_scale: float = math.inf
+) -> DemodulatedBlock:
     """
     Return what one block says of each beacon and each diode.
 
@@ -122,18 +124,18 @@ def hear(block: ArrayLike, beacons: tuple[Bins, ...], full_scale: float = math.i
             'are expected; give both ends the same block length.'
         )
     waves = np.array(samples.T, dtype=np.float64, order='C')
-    looked = look(waves, full_scale)
-    faults = sample_faults(looked)
+    looked = center_samples(waves, full_scale)
+    faults = detect_sample_faults(looked)
     sound = (faults & SPOILT.value) == 0
     weight = sound.astype(np.float64)
-    spectrum = transform(waves)
-    size = magnitudes(spectrum, bins.samples)
+    spectrum = fourier_transform(waves)
+    size = compute_magnitudes(spectrum, bins.samples)
     ranges = np.array([(one.first, one.last) for one in beacons])
-    found = survey(size, ranges, bins.quiet, bins.unlit, weight)
-    faults |= tone_faults(found)
-    snr = np.where(sound, signal_to_noise(found.peak, found.noise), 0.0)
-    tones = read_tones(spectrum, found.highest, weight, bins.samples)
-    return Hearing(
+    found = scan_spectrum(size, ranges, bins.quiet, bins.unlit, weight)
+    faults |= detect_tone_faults(found)
+    snr = np.where(sound, signal_to_noise_ratio(found.peak, found.noise), 0.0)
+    tones = estimate_tones(spectrum, found.highest, weight, bins.samples)
+    return DemodulatedBlock(
         tuple(
             Peaks(*one, found.noise)
             for one in zip(tones.amplitude, snr, tones.own * bins.width, strict=True)
@@ -144,11 +146,11 @@ def hear(block: ArrayLike, beacons: tuple[Bins, ...], full_scale: float = math.i
     )
 
 
-def plan_bins(settings: Demodulation, sample_rate: float, samples: int) -> Bins:
-    """Return where the first beacon alone stands, at a rate in Hz; see `plan_beacons`."""
-    return plan_beacons((settings.frequency,), settings, sample_rate, samples)[0]
+def plan_bins(settings: DemodulationSettings, sample_rate: float, samples: int) -> BeaconBins:
+    """Return where the first beacon alone stands, at a rate in Hz; see `plan_beacon_bins`."""
+    return plan_beacon_bins((settings.frequency,), settings, sample_rate, samples)[0]
 
 
-def demodulate(block: ArrayLike, bins: Bins) -> Peaks:
-    """Return what diodes see of one beacon in a block, shape (samples, diodes); see `hear`."""
-    return hear(block, (bins,)).peaks[0]
+def demodulate_beacon(block: ArrayLike, bins: BeaconBins) -> Peaks:
+    """Return peaks of one beacon in a block, shape (samples, diodes); see `demodulate_block`."""
+    return demodulate_block(block, (bins,)).peaks[0]

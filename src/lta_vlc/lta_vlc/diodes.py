@@ -6,15 +6,15 @@ import math
 from typing import final
 
 from lta_config.errors import BadInput
-from lta_config.schema.vehicle_diodes import Diodes as DiodesEntry
-from lta_model.ring import azimuths, Ring
+from lta_config.schema.vehicle_diodes import DiodesBlock as DiodesEntry
+from lta_model.diode_ring import DiodeRing, spread_azimuths
 
 Axis = tuple[float, float, float]
 
 
 @final
 @dataclass(frozen=True, slots=True)
-class Diodes:
+class DiodeArray:
     """
     Where each diode sits and looks, and what it makes of light.
 
@@ -62,7 +62,7 @@ class Diodes:
         if not (math.isfinite(self.spread) and self.spread >= 0.0):
             raise BadInput(f'The gains are known to {self.spread}; give 0 or more.')
 
-    def check(self, count: int) -> None:
+    def check_count(self, count: int) -> None:
         """Refuse readings of another number of diodes."""
         if count != len(self.axes):
             raise BadInput(
@@ -71,12 +71,16 @@ class Diodes:
             )
 
     @property
-    def ring(self) -> Ring:
+    def ring(self) -> DiodeRing:
         """What the paper's weighted mean knows of them."""
-        return Ring(tuple(axis[0] for axis in self.axes), tuple(axis[1] for axis in self.axes))
+        return DiodeRing(
+            tuple(axis[0] for axis in self.axes), tuple(axis[1] for axis in self.axes)
+        )
 
 
-def ring_of(count: int, radius: float = 0.0, response: float = 1.0, spread: float = 0.0) -> Diodes:
+def build_even_ring(
+    count: int, radius: float = 0.0, response: float = 1.0, spread: float = 0.0
+) -> DiodeArray:
     """
     Return an even, level ring of equal diodes, the first forward.
 
@@ -87,34 +91,38 @@ def ring_of(count: int, radius: float = 0.0, response: float = 1.0, spread: floa
     radius : float
         Of the ring. [m]
     response, spread : float
-        As in `Diodes`.
+        As in `DiodeArray`.
 
     """
-    axes = _level(count)
-    return Diodes(axes, _spread_out(axes, radius), response, (1.0,) * count, spread)
+    axes = _build_level_axes(count)
+    return DiodeArray(axes, _place_on_sphere(axes, radius), response, (1.0,) * count, spread)
 
 
-def diodes_of(entry: DiodesEntry) -> Diodes:
+def build_diode_array(entry: DiodesEntry) -> DiodeArray:
     """Return the diodes of a vehicle file's `sensors.diodes`, as the drone believes them."""
-    axes = _level(entry.count) if entry.axes is None else tuple(map(_unit, entry.axes.value))
+    axes = (
+        _build_level_axes(entry.count)
+        if entry.axes is None
+        else tuple(map(_normalize_axis, entry.axes.value))
+    )
     gains = tuple(0.0 if index in entry.dead else 1.0 for index in range(entry.count))
-    places = _spread_out(axes, entry.radius.si)
-    return Diodes(axes, places, entry.response.si, gains, entry.gain_spread.si)
+    places = _place_on_sphere(axes, entry.radius.si)
+    return DiodeArray(axes, places, entry.response.si, gains, entry.gain_spread.si)
 
 
-def _level(count: int) -> tuple[Axis, ...]:
+def _build_level_axes(count: int) -> tuple[Axis, ...]:
     """Return the axes of an even ring, the first forward."""
-    return tuple((math.cos(angle), math.sin(angle), 0.0) for angle in azimuths(count))
+    return tuple((math.cos(angle), math.sin(angle), 0.0) for angle in spread_azimuths(count))
 
 
-def _unit(axis: Sequence[float]) -> Axis:
+def _normalize_axis(axis: Sequence[float]) -> Axis:
     """Return an axis that a file gives to three digits or so at length 1."""
     x, y, z = axis
     length = math.hypot(x, y, z)
     return x / length, y / length, z / length
 
 
-def _spread_out(axes: Sequence[Axis], radius: float) -> tuple[Axis, ...]:
+def _place_on_sphere(axes: Sequence[Axis], radius: float) -> tuple[Axis, ...]:
     """Return the places of diodes that look outwards from a sphere, less their mean. [m]"""
     means = [sum(axis[k] for axis in axes) / len(axes) for k in range(3)]
     return tuple(

@@ -1,4 +1,4 @@
-"""The direction to a lamp: the fit of `lta_vlc.fit` as nodes and loops call it."""
+"""The direction to a lamp: the fit of `lta_vlc.direction_fit` as nodes and loops call it."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -6,10 +6,10 @@ import math
 from typing import Any, final
 
 from lta_vlc.demodulation import Peaks
-from lta_vlc.diodes import Diodes
-from lta_vlc.fit import Fit, fit
+from lta_vlc.diodes import DiodeArray
+from lta_vlc.direction_fit import DirectionFit, fit_direction
 from lta_vlc.lamp import LampPrior
-from lta_vlc.readings import Array, Expected, FIT_SCRATCH
+from lta_vlc.reading_model import DirectionPrior, FIT_SCRATCH, FitArray
 import numpy as np
 from numpy.typing import NDArray
 
@@ -76,7 +76,8 @@ class DirectionFinder:
     diodes : Diodes
         As the drone believes them.
     core : callable
-        `lta_vlc.fit.fit`, or it compiled; the results are the same to the last bit.
+        `lta_vlc.direction_fit.fit_direction`, or it compiled; the results are the same to the last
+        bit.
     numbers : callable
         What the core reads fastest: tuples plain, arrays compiled.
 
@@ -84,14 +85,14 @@ class DirectionFinder:
 
     def __init__(
         self,
-        diodes: Diodes,
-        core: Callable[..., Any] = fit,
+        diodes: DiodeArray,
+        core: Callable[..., Any] = fit_direction,
         numbers: Callable[[Sequence[float]], Any] = tuple,
     ) -> None:
-        self._array = array_of(diodes, numbers)
+        self._array = build_fit_array(diodes, numbers)
         self._core = core
         self._numbers = numbers
-        self._scratch = np.zeros(FIT_SCRATCH) if core is not fit else [0.0] * FIT_SCRATCH
+        self._scratch = np.zeros(FIT_SCRATCH) if core is not fit_direction else [0.0] * FIT_SCRATCH
 
     def prepare(self) -> None:
         """Compile the fit, or load it from disk, before the first block waits for it."""
@@ -119,7 +120,9 @@ class DirectionFinder:
         readings = peaks.amplitude
         if self._numbers is tuple:
             readings, errors = readings.tolist(), errors.tolist()
-        found: Fit = self._core(self._array, expected_of(prior), readings, errors, self._scratch)
+        found: DirectionFit = self._core(
+            self._array, build_direction_prior(prior), readings, errors, self._scratch
+        )
         if not found.found:
             return None
         return Direction(
@@ -129,18 +132,20 @@ class DirectionFinder:
         )  # fmt: skip
 
 
-def array_of(diodes: Diodes, numbers: Callable[[Sequence[float]], Any] = tuple) -> Array:
+def build_fit_array(
+    diodes: DiodeArray, numbers: Callable[[Sequence[float]], Any] = tuple
+) -> FitArray:
     """Return the diodes as the fit takes them."""
     nx, ny, nz = (numbers(column) for column in zip(*diodes.axes, strict=True))
     rx, ry, rz = (numbers(column) for column in zip(*diodes.places, strict=True))
     gains = numbers(diodes.gains)
-    return Array(nx, ny, nz, rx, ry, rz, gains, diodes.response, diodes.spread)
+    return FitArray(nx, ny, nz, rx, ry, rz, gains, diodes.response, diodes.spread)
 
 
-def expected_of(prior: LampPrior) -> Expected:
+def build_direction_prior(prior: LampPrior) -> DirectionPrior:
     """Return what the fit expects of a lamp that is level with the drone but for its height."""
     near = 1.0 / prior.distance
-    return Expected(
+    return DirectionPrior(
         elevation=0.0,
         elevation_deviation=max(math.atan2(prior.height_deviation, prior.distance), LEAST),
         nearness=near,

@@ -2,8 +2,8 @@
 
 from enum import Flag
 
-from lta_vlc.spectral.samples import Looked
-from lta_vlc.spectral.survey import Survey
+from lta_vlc.spectral.samples import SampleStatistics
+from lta_vlc.spectral.spectrum_scan import SpectrumScan
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,7 +11,7 @@ CLIPPED = 0.01  # part of the samples at the end of the scale that spoils a diod
 STRANGE = 6.0  # times the mean of the quiet bins: a tone, not noise (5e-13 a bin in white noise)
 
 
-class Fault(Flag):
+class DiodeFault(Flag):
     """
     Faults of one diode in one block; several may hold at once.
 
@@ -37,18 +37,20 @@ class Fault(Flag):
     ALIASED = 8
 
 
-SPOILT = Fault.SATURATED | Fault.FLAT | Fault.NOT_A_NUMBER  # the diode tells nothing of a beacon
-FAULTS = tuple(map(Fault, range(16)))  # by value
+SPOILT = (
+    DiodeFault.SATURATED | DiodeFault.FLAT | DiodeFault.NOT_A_NUMBER
+)  # the diode tells nothing of a beacon
+FAULTS = tuple(map(DiodeFault, range(16)))  # by value
 
 
-def sample_faults(looked: Looked) -> NDArray[np.uint8]:
-    """Return the faults that the samples of each diode show, `Fault` values, shape (diodes,)."""
-    faults = np.where(looked.full > CLIPPED, Fault.SATURATED.value, 0)
-    faults |= np.where(looked.span == 0.0, Fault.FLAT.value, 0)
-    return np.where(np.isnan(looked.level), Fault.NOT_A_NUMBER.value, faults).astype(np.uint8)
+def detect_sample_faults(looked: SampleStatistics) -> NDArray[np.uint8]:
+    """Return the faults that each diode's samples show, `DiodeFault` values, shape (diodes,)."""
+    faults = np.where(looked.full > CLIPPED, DiodeFault.SATURATED.value, 0)
+    faults |= np.where(looked.span == 0.0, DiodeFault.FLAT.value, 0)
+    return np.where(np.isnan(looked.level), DiodeFault.NOT_A_NUMBER.value, faults).astype(np.uint8)
 
 
-def tone_faults(survey: Survey) -> NDArray[np.uint8]:
-    """Return the faults that the spectrum of each diode shows, `Fault` values, shape (diodes,)."""
+def detect_tone_faults(survey: SpectrumScan) -> NDArray[np.uint8]:
+    """Return the faults that each diode's spectrum shows, `DiodeFault` values, shape (diodes,)."""
     strange = survey.loudest > np.maximum(survey.peak.max(axis=0), STRANGE * survey.noise)
-    return np.where(strange, Fault.ALIASED.value, 0).astype(np.uint8)
+    return np.where(strange, DiodeFault.ALIASED.value, 0).astype(np.uint8)

@@ -62,7 +62,7 @@ class LampEstimate(NamedTuple):
     zz: float
 
 
-def range_of(direction: 'Direction', prior: LampPrior) -> tuple[float, float]:
+def estimate_range(direction: 'Direction', prior: LampPrior) -> tuple[float, float]:
     """
     Return the distance to the lamp and its standard deviation. [m]
 
@@ -75,7 +75,7 @@ def range_of(direction: 'Direction', prior: LampPrior) -> tuple[float, float]:
     return distance, distance * math.sqrt(OFF_AXIS_DEVIATION**2 + relative**2)
 
 
-def lamp_estimate(direction: 'Direction', prior: LampPrior) -> LampEstimate:
+def estimate_lamp_position(direction: 'Direction', prior: LampPrior) -> LampEstimate:
     """
     Return the lamp as a point on the ray of its direction, uncertain mostly along that ray.
 
@@ -94,7 +94,7 @@ def lamp_estimate(direction: 'Direction', prior: LampPrior) -> LampEstimate:
 
     """
     x, y, z = direction.x, direction.y, direction.z
-    distance, deviation = range_of(direction, prior)
+    distance, deviation = estimate_range(direction, prior)
     along = deviation * deviation
     level = math.sqrt(x * x + y * y)
     a, b = -y / level, x / level  # to the left of the ray

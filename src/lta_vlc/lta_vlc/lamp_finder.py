@@ -2,17 +2,17 @@
 
 from typing import final, NamedTuple
 
-from lta_config.compilation.compiled import compiled
-from lta_vlc.array import Bearing, bearing
+from lta_config.compilation.compiler import compile_functions
+from lta_vlc.bearing import Bearing, estimate_bearing
 from lta_vlc.demodulation import Peaks
-from lta_vlc.diodes import Diodes
+from lta_vlc.diodes import DiodeArray
 from lta_vlc.direction import DirectionFinder
-from lta_vlc.fit import fit
-from lta_vlc.lamp import lamp_estimate, LampEstimate, LampPrior
+from lta_vlc.direction_fit import fit_direction
+from lta_vlc.lamp import estimate_lamp_position, LampEstimate, LampPrior
 import numpy as np
 
 
-class Found(NamedTuple):
+class LampDetection(NamedTuple):
     """The paper's vector, and the lamp in the body frame; None where nothing is believed."""
 
     towards: Bearing | None = None
@@ -31,15 +31,15 @@ class LampFinder:
 
     """
 
-    def __init__(self, diodes: Diodes) -> None:
+    def __init__(self, diodes: DiodeArray) -> None:
         self.diodes = diodes
-        self._finder = DirectionFinder(diodes, compiled(fit)[0], np.array)
+        self._finder = DirectionFinder(diodes, compile_functions(fit_direction)[0], np.array)
 
     def prepare(self) -> None:
         """Compile the fit, or load it from disk, before the first peaks wait for it."""
         self._finder.prepare()
 
-    def found(self, peaks: Peaks, threshold: float, prior: LampPrior) -> Found:
+    def find(self, peaks: Peaks, threshold: float, prior: LampPrior) -> LampDetection:
         """
         Return what the peaks of the wanted beacon say.
 
@@ -53,6 +53,8 @@ class LampFinder:
             The lamp before it is seen.
 
         """
-        towards = bearing(peaks, self.diodes.ring, threshold)
+        towards = estimate_bearing(peaks, self.diodes.ring, threshold)
         direction = self._finder.find(peaks, threshold, prior)
-        return Found(towards, None if direction is None else lamp_estimate(direction, prior))
+        return LampDetection(
+            towards, None if direction is None else estimate_lamp_position(direction, prior)
+        )

@@ -4,7 +4,7 @@ import array
 from collections.abc import Sequence
 
 from geometry_msgs.msg import PoseWithCovarianceStamped, Vector3Stamped
-from lta_vlc.array import Bearing
+from lta_vlc.bearing import Bearing
 from lta_vlc.demodulation import Peaks
 from lta_vlc.diodes import Axis
 from lta_vlc.lamp import LampEstimate

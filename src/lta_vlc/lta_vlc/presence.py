@@ -6,7 +6,7 @@ FOUND = 2  # blocks in a row with the beacon after which it is found
 LOST = 5  # blocks in a row without it after which it is lost
 
 
-class Presence(NamedTuple):
+class BeaconPresence(NamedTuple):
     """
     How a beacon stands.
 
@@ -22,10 +22,12 @@ class Presence(NamedTuple):
     found: bool = False
     against: int = 0
 
-    def after(self, heard: bool, blocks: int = 1) -> 'Presence':
+    def update(self, detected: bool, blocks: int = 1) -> 'BeaconPresence':
         """Return how it stands after blocks in which it was heard, or not."""
-        if heard == self.found:
-            return Presence(self.found)
+        if detected == self.found:
+            return BeaconPresence(self.found)
         against = self.against + blocks
-        enough = FOUND if heard else LOST
-        return Presence(heard) if against >= enough else Presence(self.found, against)
+        enough = FOUND if detected else LOST
+        return (
+            BeaconPresence(detected) if against >= enough else BeaconPresence(self.found, against)
+        )

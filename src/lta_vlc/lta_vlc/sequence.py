@@ -5,7 +5,7 @@ from lta_config.errors import BadInput
 ANEW = 10  # blocks by which time goes back when it begins anew, as in a recording played again
 
 
-class Sequence:
+class BlockSequence:
     """
     The blocks of one array in time order.
 
@@ -26,7 +26,7 @@ class Sequence:
         self._newest: int | None = None
         self.missing = 0
 
-    def take(self, stamp_ns: int) -> int:
+    def accept_block(self, stamp_ns: int) -> int:
         """
         Return how many blocks are missing before this one.
 

@@ -9,7 +9,7 @@ Frequency = Annotated[float, Field(ge=1.0, le=100_000.0)]
 
 
 @final
-class Demodulation(Settings):
+class DemodulationSettings(Settings):
     """
     Which beacons to listen for, and how.
 

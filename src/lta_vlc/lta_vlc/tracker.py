@@ -11,7 +11,7 @@ PATIENCE = 20  # blocks without the beacon after which it is sought where it sho
 
 @final
 @dataclass(frozen=True, slots=True)
-class Tracker:
+class FrequencyTracker:
     """
     Where a beacon is expected in the next block.
 
@@ -30,7 +30,7 @@ class Tracker:
     error: float = 0.0
     silent: int = 0
 
-    def heard(self, frequency: float, reach: float) -> 'Tracker':
+    def update(self, frequency: float, reach: float) -> 'FrequencyTracker':
         """
         Return the tracker after a block in which the beacon was heard.
 
@@ -43,15 +43,15 @@ class Tracker:
 
         """
         error = self.error + PULL * (frequency - self.nominal - self.error)
-        return Tracker(self.nominal, min(max(error, -reach), reach))
+        return FrequencyTracker(self.nominal, min(max(error, -reach), reach))
 
-    def missed(self, blocks: int = 1) -> 'Tracker':
+    def coast(self, blocks: int = 1) -> 'FrequencyTracker':
         """Return the tracker after blocks without the beacon."""
         silent = self.silent + blocks
         return replace(self, error=0.0 if silent >= PATIENCE else self.error, silent=silent)
 
 
-def reach(
+def tracking_range(
     beacon: float, beacons: Sequence[float], flicker: Sequence[float], apart: float
 ) -> float:
     """

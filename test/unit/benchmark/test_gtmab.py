@@ -5,7 +5,7 @@ import sys
 
 from lta_model.effects import EFFECTS
 from lta_model.effects.protocol import KernelEffect
-from lta_model.model import Model
+from lta_model.model import VehicleModel
 from lta_model.vehicle import load_vehicle
 from lta_sim.kernels.kernel import advance
 import numpy as np
@@ -24,7 +24,7 @@ def gtmab(monkeypatch):
 
 
 def test_the_realistic_one_is_the_vehicle_of_the_file(gtmab):
-    model, shipped = gtmab.vehicle(), load_vehicle('gtmab').model()
+    model, shipped = gtmab.vehicle(), load_vehicle('gtmab').build_model()
     assert dict(model.given) == dict(shipped.given)
     for field in ('parameters', 'on', 'body', 'inverse'):
         np.testing.assert_array_equal(getattr(model, field), getattr(shipped, field))
@@ -58,5 +58,5 @@ def test_scattered_vehicles_differ_and_their_mass_matrices_hold(gtmab):
     )
     # As `advance_many` flies them, to the last bit: see test/unit/sim/test_batch.py.
     for k, (state, duty, around) in enumerate(zip(states, duties, surroundings, strict=True)):
-        model = Model(fleet.parameters[k], fleet.on[k], fleet.body[k], fleet.inverse[k], {})
+        model = VehicleModel(fleet.parameters[k], fleet.on[k], fleet.body[k], fleet.inverse[k], {})
         assert np.isfinite(advance(state, model, duty, around, gtmab.STEP, 1000)).all()

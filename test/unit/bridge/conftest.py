@@ -1,6 +1,6 @@
 """Messages with random content, serialised without ROS; an event without a thread."""
 
-from lta_bridge.bag.schemas import jazzy
+from lta_bridge.bag.schemas import load_jazzy_types
 import numpy as np
 import pytest
 
@@ -59,9 +59,9 @@ def random_value(desc, rng):
 
 
 def random_instance(type_name, rng):
-    described = jazzy().fielddefs[type_name][1]
+    described = load_jazzy_types().fielddefs[type_name][1]
     values = {name: random_value(field, rng) for name, field in described}
-    return jazzy().types[type_name](**values)
+    return load_jazzy_types().types[type_name](**values)
 
 
 class EventAfter:
@@ -95,6 +95,6 @@ def random_message():
 
     def make(type_name, rng):
         message = random_instance(type_name, rng)
-        return message, bytes(jazzy().serialize_cdr(message, type_name))
+        return message, bytes(load_jazzy_types().serialize_cdr(message, type_name))
 
     return make

@@ -6,20 +6,20 @@ from pathlib import Path
 import struct
 from types import SimpleNamespace
 
-from lta_bridge.bag import offered_qos, storage
+from lta_bridge.bag import build_offered_qos, storage
 from lta_bridge.playback import answer_bag
 from lta_bridge.playback.answer_bag import AnswerBag
-from lta_bridge.playback.cast import Cast
-from lta_bridge.playback.origin import of_replay
+from lta_bridge.playback.node_selection import NodeSelection
+from lta_bridge.playback.origin import build_replay_origin
 from lta_config.errors import BadInput
-from lta_config.topics import topic_table
+from lta_config.topics import load_topic_table
 from lta_data.bag.reader import read_bag
 import pytest
 
-TABLE = topic_table()
+TABLE = load_topic_table()
 S = 10**9
 RECORDING = SimpleNamespace(path=Path('flight'), provenance={'seed': '3'})
-CAST = Cast(('controller',), ('odom',), ('motors',))
+CAST = NodeSelection(('controller',), ('odom',), ('motors',))
 
 
 def duties(stamp):
@@ -27,7 +27,7 @@ def duties(stamp):
 
 
 def answers(folder):
-    offered = [offered_qos('reliable', 'volatile', 10)]
+    offered = [build_offered_qos('reliable', 'volatile', 10)]
     return AnswerBag(folder, RECORDING, CAST, TABLE, 'lta1', lambda _: offered)
 
 
@@ -57,7 +57,7 @@ def test_answers_survive_the_death_of_the_player_from_the_next_flush_on(tmp_path
     assert read_bag(tmp_path / 'bag').topics['/lta1/motors'].count == 0
     wall.s += 0.5
     bag.flush()
-    times = [when for _, when, _ in read_bag(tmp_path / 'bag').messages()]
+    times = [when for _, when, _ in read_bag(tmp_path / 'bag').iterate_messages()]
     assert times == [S + step for step in range(5)]
     bag.close()
 
@@ -86,8 +86,8 @@ def test_a_recorded_replay_tells_the_scene_that_was_played_and_the_nodes_that_ra
         provenance={'seed': '7', 'scenario': 'hall', 'vehicle': 'a', 'set': 'x=1', 'kind': 'real'},
     )
     graph = {'seed': '1', 'scenario': 'lamp_room', 'scenario_file': '', 'vehicle': 'b'}
-    assert of_replay(recording, graph) == {
+    assert build_replay_origin(recording, graph) == {
         'seed': '7', 'scenario': 'hall', 'vehicle': 'b', 'kind': 'real', 'replay_of': 'flight'
     }  # fmt: skip
     bare = SimpleNamespace(path=Path('theirs.mcap'), provenance={})
-    assert of_replay(bare, graph) == {'vehicle': 'b', 'replay_of': 'theirs.mcap'}
+    assert build_replay_origin(bare, graph) == {'vehicle': 'b', 'replay_of': 'theirs.mcap'}

@@ -6,8 +6,8 @@ import os
 import threading
 from types import SimpleNamespace
 
-from lta_bridge.bag import background, BagWriter, storage, StorageFault
-from lta_bridge.bag.background import BackgroundWriter
+from lta_bridge.bag import background_writer, BagWriter, storage, StorageFault
+from lta_bridge.bag.background_writer import BackgroundWriter
 from lta_data.bag.reader import read_bag
 import pytest
 from waiting import PATIENCE
@@ -30,7 +30,7 @@ class SlowDisk:
 
 
 def stored(folder):
-    return [when for _, when, _ in read_bag(folder).messages()]
+    return [when for _, when, _ in read_bag(folder).iterate_messages()]
 
 
 def test_a_disk_that_stalls_stops_nobody_and_costs_what_finds_no_room(tmp_path, monkeypatch):
@@ -39,19 +39,19 @@ def test_a_disk_that_stalls_stops_nobody_and_costs_what_finds_no_room(tmp_path, 
     writer.add_topic('/a', TYPE, [])
     monkeypatch.setattr(storage.os, 'pwrite', disk.pwrite)
     writer.add_topic('/b', TYPE, [])  # the disk takes the beginning of this, and then its time
-    writer.hurry()
+    writer.wake_thread()
     assert disk.stalled.wait(PATIENCE)
     names = ['/a', '/b']
     taken = [writer.write(names[k % 2], bytes(1000), k) for k in range(15)]
     assert taken == [True] * 10 + [False] * 5  # the newest are dropped
     assert writer.dropped == Counter({'/a': 3, '/b': 2})
-    assert writer.waiting == 10_000
+    assert writer.queued_bytes == 10_000
     disk.let.set()
     writer.close()
-    assert writer.waiting == 0
+    assert writer.queued_bytes == 0
     assert stored(tmp_path / 'bag') == list(range(10))
-    assert read_bag(tmp_path / 'bag').complete
-    assert writer.lost == 0
+    assert read_bag(tmp_path / 'bag').is_complete
+    assert writer.lost_count == 0
 
 
 def test_after_a_stall_recording_goes_on(tmp_path, monkeypatch):
@@ -59,13 +59,13 @@ def test_after_a_stall_recording_goes_on(tmp_path, monkeypatch):
     writer = BackgroundWriter(BagWriter(tmp_path / 'bag', {}), room=2000)
     monkeypatch.setattr(storage.os, 'pwrite', disk.pwrite)
     writer.add_topic('/a', TYPE, [])
-    writer.hurry()
+    writer.wake_thread()
     assert disk.stalled.wait(PATIENCE)
     before = [writer.write('/a', bytes(1000), k) for k in range(4)]
     disk.let.set()
     caught_up = threading.Event()
-    writer.call(caught_up.set)
-    writer.hurry()
+    writer.submit(caught_up.set)
+    writer.wake_thread()
     assert caught_up.wait(PATIENCE)
     assert writer.write('/a', bytes(1000), 4)
     writer.close()
@@ -81,7 +81,7 @@ class SlowSink:
 
     def write(self, topic, data, log_time_ns):
         self.clock.now += log_time_ns
-        self.seen.append(self.writer.busy)
+        self.seen.append(self.writer.busy_time)
 
     def flush(self):
         pass
@@ -93,17 +93,17 @@ def test_busy_is_with_one_message_not_with_all_that_waited(monkeypatch):
     """A machine that is short of time makes many messages slow, a disk makes one."""
     clock = SimpleNamespace(now=0)
     clock.monotonic = lambda: clock.now
-    monkeypatch.setattr(background, 'time', clock)
+    monkeypatch.setattr(background_writer, 'time', clock)
     sink, over = SlowSink(clock), threading.Event()
     writer = sink.writer = BackgroundWriter(sink, room=1 << 30)
     for seconds in (1, 1, 5, 1):
         writer.write('/a', b'', seconds)
-    writer.call(over.set)
-    writer.hurry()
+    writer.submit(over.set)
+    writer.wake_thread()
     assert over.wait(PATIENCE)
     writer.close()
     assert sink.seen == [1, 1, 5, 1]
-    assert writer.busy == 0
+    assert writer.busy_time == 0
 
 
 def test_a_fault_is_told_and_every_message_is_accounted_for(tmp_path, monkeypatch):
@@ -112,25 +112,25 @@ def test_a_fault_is_told_and_every_message_is_accounted_for(tmp_path, monkeypatc
     for k in range(50):
         writer.write('/a', bytes(100), k)
     kept, told = threading.Event(), threading.Event()
-    writer.call(kept.set)
-    writer.hurry()
+    writer.submit(kept.set)
+    writer.wake_thread()
     assert kept.wait(PATIENCE)
 
     def broken(*_):
         raise OSError(errno.EIO, os.strerror(errno.EIO))
 
-    writer.call(lambda: monkeypatch.setattr(storage.os, 'pwrite', broken))
+    writer.submit(lambda: monkeypatch.setattr(storage.os, 'pwrite', broken))
     for k in range(50, 3000):
         writer.write('/a', bytes(1000), k)  # more than a chunk: it is written at once
-    writer.call(told.set)  # whoever waits for a step is answered
-    writer.hurry()
+    writer.submit(told.set)  # whoever waits for a step is answered
+    writer.wake_thread()
     assert told.wait(PATIENCE)
     with pytest.raises(StorageFault, match='stays readable'):
         writer.close()
     monkeypatch.undo()
     found = stored(tmp_path / 'bag')
     assert found == list(range(len(found)))
-    assert len(found) + writer.lost + writer.dropped.total() == 3000
+    assert len(found) + writer.lost_count + writer.dropped.total() == 3000
     assert isinstance(writer.fault, StorageFault)
     assert not writer.write('/a', b'', 3000)
 
@@ -150,7 +150,7 @@ def test_a_disk_that_is_nearly_full_gets_a_whole_bag(tmp_path, monkeypatch):
     assert looked.wait(PATIENCE)
     with pytest.raises(StorageFault, match=r'nearly full.*ends here, whole; make room'):
         writer.close()
-    assert read_bag(tmp_path / 'bag').complete
+    assert read_bag(tmp_path / 'bag').is_complete
     assert stored(tmp_path / 'bag') == list(range(50))
 
 
@@ -159,7 +159,7 @@ def test_a_mistake_of_ours_is_not_swallowed(tmp_path):
     writer.write('/nobody/announced/this', b'', 0)
     with pytest.raises(KeyError):
         writer.close()
-    assert read_bag(tmp_path / 'bag').complete
+    assert read_bag(tmp_path / 'bag').is_complete
 
 
 def test_messages_reach_the_disk_without_anybody_asking(tmp_path, monkeypatch):
@@ -187,10 +187,10 @@ def test_a_disk_that_keeps_the_writer_busy_is_seen_and_forgotten(tmp_path, monke
     writer = BackgroundWriter(BagWriter(tmp_path / 'bag', {}), room=10_000)
     monkeypatch.setattr(storage.os, 'pwrite', disk.pwrite)
     writer.add_topic('/a', TYPE, [])
-    writer.hurry()
+    writer.wake_thread()
     assert disk.stalled.wait(PATIENCE)
-    before = writer.busy
-    assert writer.busy > before > 0.0
+    before = writer.busy_time
+    assert writer.busy_time > before > 0.0
     disk.let.set()
     writer.close()
-    assert writer.busy == 0.0
+    assert writer.busy_time == 0.0

@@ -3,8 +3,8 @@
 import struct
 import zlib
 
-from lta_bridge.bag import BagWriter, offered_qos
-from lta_bridge.bag.schemas import definition
+from lta_bridge.bag import BagWriter, build_offered_qos
+from lta_bridge.bag.schemas import generate_definition
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 import numpy as np
@@ -39,7 +39,7 @@ def test_rosbags_reads_every_type_by_the_bag_alone(tmp_path, graph_type, random_
     rng = np.random.default_rng(4)
     sent = [random_message(graph_type, rng) for _ in range(20)]
     with BagWriter(tmp_path / 'bag', {'seed': '4'}) as bag:
-        bag.add_topic('/lta1/topic', graph_type, [offered_qos('reliable', 'volatile', 10)])
+        bag.add_topic('/lta1/topic', graph_type, [build_offered_qos('reliable', 'volatile', 10)])
         for i, (_, data) in enumerate(sent):
             bag.write('/lta1/topic', data, 1_000_000_000 + i)
             if i == 11:
@@ -118,7 +118,7 @@ def test_metadata_is_what_rosbags_writes(tmp_path, provenance):
             link = theirs.add_connection(
                 name, kind, typestore=types, offered_qos_profiles=[profile]
             )
-            ours.add_topic(name, kind, [offered_qos('best_effort', 'transient_local', 10)])
+            ours.add_topic(name, kind, [build_offered_qos('best_effort', 'transient_local', 10)])
             for i in range(5):
                 theirs.write(link, 100 + i, b'\0\1\0\0')
                 ours.write(name, b'\0\1\0\0', 100 + i)
@@ -133,4 +133,4 @@ def test_metadata_is_what_rosbags_writes(tmp_path, provenance):
 def test_type_hash_is_the_one_ros_shows():
     # `ros2 topic info --verbose` on Jazzy for std_msgs/msg/String.
     shown = 'RIHS01_df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18'
-    assert definition('std_msgs/msg/String').rihs01 == shown
+    assert generate_definition('std_msgs/msg/String').rihs01 == shown

@@ -7,8 +7,8 @@ import sys
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from lta_bridge.bag import BagWriter, offered_qos, storage, StorageFault
-from lta_bridge.bag.split import Split
+from lta_bridge.bag import BagWriter, build_offered_qos, storage, StorageFault
+from lta_bridge.bag.split import SplitLimits
 from lta_data.bag.reader import read_bag
 from mcap.reader import make_reader
 import numpy as np
@@ -18,7 +18,7 @@ from rosbags.rosbag2 import Reader
 import yaml
 
 S = 10**9
-QOS = [offered_qos('reliable', 'volatile', 10)]
+QOS = [build_offered_qos('reliable', 'volatile', 10)]
 
 
 def described(folder):
@@ -33,7 +33,7 @@ def times(path):
 def test_files_of_a_second_each_can_be_read_alone_and_together(tmp_path, random_message):
     rng = np.random.default_rng(3)
     sent = [(k * S // 4, random_message('sensor_msgs/msg/Range', rng)[1]) for k in range(18)]
-    with BagWriter(tmp_path / 'bag', {'seed': '3'}, Split(duration_ns=S)) as bag:
+    with BagWriter(tmp_path / 'bag', {'seed': '3'}, SplitLimits(duration_ns=S)) as bag:
         bag.add_topic('/lta1/range', 'sensor_msgs/msg/Range', QOS)
         bag.add_topic('/quiet', 'std_msgs/msg/Bool', [])
         for when, data in sent:
@@ -68,13 +68,13 @@ def test_files_of_a_second_each_can_be_read_alone_and_together(tmp_path, random_
     with AnyReader([tmp_path / 'bag']) as reader:
         assert [(when, data) for _, when, data in reader.messages()] == sent
     ours = read_bag(tmp_path / 'bag')
-    assert ours.complete
-    assert [(when, data) for _, when, data in ours.messages()] == sent
+    assert ours.is_complete
+    assert [(when, data) for _, when, data in ours.iterate_messages()] == sent
 
 
 def test_files_of_a_size_grow_by_one_chunk_at_most(tmp_path):
     noise, limit = np.random.default_rng(1), 300_000
-    with BagWriter(tmp_path / 'bag', {}, Split(size=limit)) as bag:
+    with BagWriter(tmp_path / 'bag', {}, SplitLimits(size=limit)) as bag:
         bag.add_topic('/i', 'sensor_msgs/msg/Image', [])
         for k in range(100):
             bag.write('/i', noise.bytes(20_000), k)
@@ -86,7 +86,7 @@ def test_files_of_a_size_grow_by_one_chunk_at_most(tmp_path):
 
 
 def test_what_every_file_begins_with_fills_none(tmp_path):
-    with BagWriter(tmp_path / 'bag', {'file': 'x' * 5000}, Split(size=10)) as bag:
+    with BagWriter(tmp_path / 'bag', {'file': 'x' * 5000}, SplitLimits(size=10)) as bag:
         bag.add_topic('/b', 'std_msgs/msg/Bool', [])
         for k in range(6):
             bag.write('/b', b'\0\1\0\0\0', k)
@@ -96,11 +96,11 @@ def test_what_every_file_begins_with_fills_none(tmp_path):
 
 
 def test_what_publishers_offer_later_is_in_the_next_file_and_in_the_metadata(tmp_path):
-    late = [*QOS, offered_qos('best_effort', 'volatile', 5)]
-    with BagWriter(tmp_path / 'bag', {}, Split(duration_ns=S)) as bag:
+    late = [*QOS, build_offered_qos('best_effort', 'volatile', 5)]
+    with BagWriter(tmp_path / 'bag', {}, SplitLimits(duration_ns=S)) as bag:
         bag.add_topic('/b', 'std_msgs/msg/Bool', QOS)
         bag.write('/b', b'\0\1\0\0\0', 0)
-        bag.offer('/b', late)
+        bag.update_qos('/b', late)
         bag.write('/b', b'\0\1\0\0\0', S)
     found = []
     for n in range(2):
@@ -115,7 +115,7 @@ def test_what_publishers_offer_later_is_in_the_next_file_and_in_the_metadata(tmp
 @settings(max_examples=25)
 @given(
     steps=st.lists(st.tuples(st.integers(0, 2 * S), st.integers(1, 400), st.booleans())),
-    split=st.builds(Split, st.integers(0, 2000), st.integers(0, 5 * S)),
+    split=st.builds(SplitLimits, st.integers(0, 2000), st.integers(0, 5 * S)),
 )
 def test_however_it_is_split_nothing_is_lost_or_moved(tmp_path_factory, steps, split):
     folder = tmp_path_factory.mktemp('law')
@@ -186,7 +186,7 @@ def test_a_kill_at_any_step_of_a_split_loses_nothing_that_was_flushed(tmp_path):
     for fatal in range(1, steps + 1):
         folder = tmp_path / str(fatal)
         bag = read_bag(folder)
-        found = [when for _, when, _ in bag.messages()]
+        found = [when for _, when, _ in bag.iterate_messages()]
         assert found == list(range(len(found))), fatal
         assert len(found) >= (5 if fatal == 1 else 10), fatal
         assert bag.provenance == {'seed': '9'}
@@ -215,16 +215,18 @@ class Full:
 
 @pytest.mark.parametrize('room', range(1, 5))
 def test_a_disk_that_fills_in_a_split_leaves_what_was_flushed(tmp_path, monkeypatch, room):
-    bag = BagWriter(tmp_path / 'bag', {}, Split(duration_ns=10))
+    bag = BagWriter(tmp_path / 'bag', {}, SplitLimits(duration_ns=10))
     bag.add_topic('/b', 'std_msgs/msg/Bool', [])
     for k in range(10):
         bag.write('/b', b'\0\1\0\0\0', k)
     monkeypatch.setattr(storage.os, 'pwrite', Full(room).pwrite)
     with pytest.raises(StorageFault, match='stays readable'):
         bag.write('/b', b'\0\1\0\0\0', 10)
-    assert bag.lost == 1
+    assert bag.lost_count == 1
     monkeypatch.undo()
     bag.close()  # there is room again, as `reserve` sees to
-    assert [when for _, when, _ in read_bag(tmp_path / 'bag').messages()] == list(range(10))
+    assert [when for _, when, _ in read_bag(tmp_path / 'bag').iterate_messages()] == list(
+        range(10)
+    )
     files = sorted(path.name for path in (tmp_path / 'bag').iterdir())
     assert files == sorted([*described(tmp_path / 'bag')['relative_file_paths'], 'metadata.yaml'])

@@ -8,7 +8,7 @@ import subprocess
 import sys
 import tracemalloc
 
-from lta_bridge.bag import BagWriter, free_space, offered_qos, storage, StorageFault
+from lta_bridge.bag import BagWriter, build_offered_qos, free_space, storage, StorageFault
 from lta_config.errors import BadInput
 from mcap.reader import make_reader
 from mcap.records import Message
@@ -89,7 +89,7 @@ def test_unknown_type_leaves_the_bag_as_it_was(tmp_path):
 
 def test_metadata_of_a_running_recording_names_topics_and_provenance(tmp_path):
     bag = BagWriter(tmp_path / 'bag', {'seed': '3'})
-    bag.add_topic('/b', 'std_msgs/msg/Bool', [offered_qos('reliable', 'volatile', 1)])
+    bag.add_topic('/b', 'std_msgs/msg/Bool', [build_offered_qos('reliable', 'volatile', 1)])
     bag.flush()
     text = (tmp_path / 'bag' / 'metadata.yaml').read_text()
     bag.close()
@@ -193,7 +193,7 @@ def test_failed_write_is_undone_and_a_summary_still_written(tmp_path, monkeypatc
         bag.flush()
     assert caught.value.errno == number
     assert (tmp_path / 'bag' / 'bag_0.mcap').stat().st_size == whole
-    assert bag.lost == 20
+    assert bag.lost_count == 20
     with pytest.raises(StorageFault):
         bag.write('/b', FALSE, 60)
     bag.close()  # The fault is known already.
@@ -242,13 +242,13 @@ def test_fault_while_closing_is_told_and_leaves_a_stream(tmp_path, monkeypatch):
 def test_reserve_covers_what_closing_writes(tmp_path):
     bag = BagWriter(tmp_path / 'bag', {'seed': '1' * 500})
     for i in range(30):
-        qos = [offered_qos('reliable', 'volatile', 10)]
+        qos = [build_offered_qos('reliable', 'volatile', 10)]
         bag.add_topic(f'/lta1/topic_{i}', 'nav_msgs/msg/Odometry', qos)
     for i in range(100):
         for k in range(30):
             bag.write(f'/lta1/topic_{k}', FALSE, i)
         bag.flush()
-    reserve = bag.reserve
+    reserve = bag.closing_size
     before = (tmp_path / 'bag' / 'bag_0.mcap').stat().st_size
     bag.close()
     used = (tmp_path / 'bag' / 'bag_0.mcap').stat().st_size - before

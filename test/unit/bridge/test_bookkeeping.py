@@ -5,11 +5,11 @@ import struct
 
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_bridge.bookkeeping import Bookkeeping, JUMP_NS, stamp_of
-from lta_config.topics import topic_table
+from lta_bridge.message_accounting import JUMP_NS, MessageAccounting, read_stamp
+from lta_config.topics import load_topic_table
 import pytest
 
-TABLE = topic_table()
+TABLE = load_topic_table()
 START, MS, S = TABLE.start_ns, 10**6, 10**9
 EPOCH = 1_763_000_000 * S
 
@@ -22,11 +22,11 @@ def cdr(stamp, little=True):
 
 @given(st.integers(0, 2**31 * S - 1), st.booleans())
 def test_stamp_is_read_in_either_order(stamp, little):
-    assert stamp_of(cdr(stamp, little)) == stamp
+    assert read_stamp(cdr(stamp, little)) == stamp
 
 
 def test_log_time_is_the_message_s_own_publication():
-    books = Bookkeeping(TABLE, lockstep=True)
+    books = MessageAccounting(TABLE, lockstep=True)
     heard = [
         ('imu', START, START),
         ('imu', START + 10 * MS, START + 10 * MS),
@@ -34,7 +34,7 @@ def test_log_time_is_the_message_s_own_publication():
         ('photodiodes', START, START + 100 * MS),  # out 100 ms after its first sample
         ('imu', START + 20 * MS, START + 20 * MS),
     ]
-    assert [books.log_time(name, cdr(stamp)) for name, stamp, _ in heard] == [
+    assert [books.assign_log_time(name, cdr(stamp)) for name, stamp, _ in heard] == [
         when for _, _, when in heard
     ]
     assert (books.lost, books.wild, books.torn) == ({}, {}, {})
@@ -42,20 +42,20 @@ def test_log_time_is_the_message_s_own_publication():
 
 
 def test_what_has_no_stamp_is_dated_by_its_turn_or_by_the_newest():
-    exact, live = Bookkeeping(TABLE, lockstep=True), Bookkeeping(TABLE, lockstep=False)
+    exact, live = MessageAccounting(TABLE, lockstep=True), MessageAccounting(TABLE, lockstep=False)
     for books in (exact, live):
-        books.log_time('imu', cdr(START + 250 * MS))
-    turns = [exact.log_time('energy/reserve', bytes([0, 1, 0, 0, 1])) for _ in range(3)]
+        books.assign_log_time('imu', cdr(START + 250 * MS))
+    turns = [exact.assign_log_time('energy/reserve', bytes([0, 1, 0, 0, 1])) for _ in range(3)]
     assert turns == [START, START + 100 * MS, START + 200 * MS]
-    assert live.log_time('energy/reserve', bytes([0, 1, 0, 0, 1])) == START + 250 * MS
-    assert exact.log_time('/clock', cdr(0)) == START + 250 * MS  # no rhythm, no turn
+    assert live.assign_log_time('energy/reserve', bytes([0, 1, 0, 0, 1])) == START + 250 * MS
+    assert exact.assign_log_time('/clock', cdr(0)) == START + 250 * MS  # no rhythm, no turn
 
 
 def test_in_a_replay_what_has_no_stamp_is_dated_by_when_the_player_says_it_is_due():
-    books = Bookkeeping(TABLE, lockstep=False)
-    books.log_time('imu', cdr(START + 250 * MS))
+    books = MessageAccounting(TABLE, lockstep=False)
+    books.assign_log_time('imu', cdr(START + 250 * MS))
     books.due = {'energy/reserve': [START + 30 * MS, START + 190 * MS]}
-    found = [books.log_time('energy/reserve', bytes([0, 1, 0, 0, 1])) for _ in range(3)]
+    found = [books.assign_log_time('energy/reserve', bytes([0, 1, 0, 0, 1])) for _ in range(3)]
     assert found == [
         START + 30 * MS,
         START + 190 * MS,
@@ -65,10 +65,10 @@ def test_in_a_replay_what_has_no_stamp_is_dated_by_when_the_player_says_it_is_du
 
 def test_losses_are_counted_from_the_start_in_lockstep_alone():
     late = [START + k * 10 * MS for k in (3, 4, 6)]
-    books = {lockstep: Bookkeeping(TABLE, lockstep) for lockstep in (True, False)}
+    books = {lockstep: MessageAccounting(TABLE, lockstep) for lockstep in (True, False)}
     for stamp in late:
         for each in books.values():
-            each.log_time('imu', cdr(stamp))
+            each.assign_log_time('imu', cdr(stamp))
     assert books[True].lost == {'imu': 3 + 1}
     assert books[False].lost == {'imu': 1}
 
@@ -76,72 +76,72 @@ def test_losses_are_counted_from_the_start_in_lockstep_alone():
 @pytest.mark.parametrize('jump', [JUMP_NS + 1, 10**18])
 @pytest.mark.parametrize('lockstep', [True, False])
 def test_a_wild_stamp_moves_no_time_and_counts_as_itself(jump, lockstep):
-    books = Bookkeeping(TABLE, lockstep)
-    books.log_time('imu', cdr(START))
-    books.log_time('odom', cdr(START))
-    assert books.log_time('odom', cdr(START + jump)) == START
-    assert books.log_time('imu', cdr(START + 10 * MS)) == START + 10 * MS
-    assert books.log_time('odom', cdr(START + 10 * MS)) == START + 10 * MS
+    books = MessageAccounting(TABLE, lockstep)
+    books.assign_log_time('imu', cdr(START))
+    books.assign_log_time('odom', cdr(START))
+    assert books.assign_log_time('odom', cdr(START + jump)) == START
+    assert books.assign_log_time('imu', cdr(START + 10 * MS)) == START + 10 * MS
+    assert books.assign_log_time('odom', cdr(START + 10 * MS)) == START + 10 * MS
     assert books.wild == {'odom': 1}
     assert books.lost == {}
 
 
 def test_a_node_that_is_wild_for_good_is_not_believed_beside_others():
     wall = count()
-    books = Bookkeeping(TABLE, lockstep=True, clock=lambda: 0.4 * next(wall))
+    books = MessageAccounting(TABLE, lockstep=True, clock=lambda: 0.4 * next(wall))
     for turn in range(100):
-        books.log_time('odom', cdr(EPOCH + turn * 10 * MS))
-        now = books.log_time('imu', cdr(START + turn * 10 * MS))
+        books.assign_log_time('odom', cdr(EPOCH + turn * 10 * MS))
+        now = books.assign_log_time('imu', cdr(START + turn * 10 * MS))
         assert now == START + turn * 10 * MS
     assert books.wild == {'odom': 100}
 
 
 def test_a_queue_of_wild_stamps_at_once_is_not_believed():
-    books = Bookkeeping(TABLE, lockstep=True)
-    times = {books.log_time('odom', cdr(EPOCH + k * 10 * MS)) for k in range(2000)}
+    books = MessageAccounting(TABLE, lockstep=True)
+    times = {books.assign_log_time('odom', cdr(EPOCH + k * 10 * MS)) for k in range(2000)}
     assert times == {START}
 
 
 def test_time_that_has_moved_on_for_all_is_believed_after_a_second():
     wall = count()
-    books = Bookkeeping(TABLE, lockstep=False, clock=lambda: 0.01 * next(wall))
-    books.log_time('imu', cdr(START))
-    times = [books.log_time('imu', cdr(START + 60 * S + k * 10 * MS)) for k in range(102)]
+    books = MessageAccounting(TABLE, lockstep=False, clock=lambda: 0.01 * next(wall))
+    books.assign_log_time('imu', cdr(START))
+    times = [books.assign_log_time('imu', cdr(START + 60 * S + k * 10 * MS)) for k in range(102)]
     assert times[:99] == [START] * 99
     assert times[101] == START + 61 * S + 10 * MS
     assert books.lost['imu'] > 5900
 
 
 def test_a_real_vehicle_has_the_time_of_the_wall_at_once():
-    books = Bookkeeping(TABLE, lockstep=False)
-    assert books.log_time('imu', cdr(EPOCH)) == EPOCH
+    books = MessageAccounting(TABLE, lockstep=False)
+    assert books.assign_log_time('imu', cdr(EPOCH)) == EPOCH
     assert (books.wild, books.lost) == ({}, {})
 
 
 def test_a_stamp_from_the_past_is_no_loss_later():
-    books = Bookkeeping(TABLE, lockstep=True)
+    books = MessageAccounting(TABLE, lockstep=True)
     for stamp in (START, START + 10 * MS, 0, START + 20 * MS):
-        books.log_time('imu', cdr(stamp))
+        books.assign_log_time('imu', cdr(stamp))
     assert books.lost == {}
 
 
 @pytest.mark.parametrize('length', range(12))
 def test_a_message_cut_short_is_counted_and_dated_now(length):
-    books = Bookkeeping(TABLE, lockstep=True)
-    books.log_time('imu', cdr(START + 0))
-    assert books.log_time('odom', cdr(START)[:length]) == START
+    books = MessageAccounting(TABLE, lockstep=True)
+    books.assign_log_time('imu', cdr(START + 0))
+    assert books.assign_log_time('odom', cdr(START)[:length]) == START
     assert (books.torn, books.wild, books.lost) == ({'odom': 1}, {}, {})
 
 
 @given(st.lists(st.tuples(st.sampled_from(sorted(TABLE.topics)), st.binary(max_size=20))))
 def test_whatever_comes_has_a_log_time(messages):
-    books = Bookkeeping(TABLE, lockstep=True)
-    times = [books.log_time(name, data) for name, data in messages]
+    books = MessageAccounting(TABLE, lockstep=True)
+    times = [books.assign_log_time(name, data) for name, data in messages]
     assert all(START <= when < 2**63 for when in times)
     assert sum(books.counts.values()) == len(messages)
 
 
 def test_a_real_drone_is_dated_from_the_time_of_day():
     """What comes before any stamp, such as diagnostics, would else stretch the bag to 1970."""
-    books = Bookkeeping(TABLE, lockstep=False, begun_ns=10**18)
-    assert books.log_time('/diagnostics', bytes(20)) == 10**18
+    books = MessageAccounting(TABLE, lockstep=False, begun_ns=10**18)
+    assert books.assign_log_time('/diagnostics', bytes(20)) == 10**18

@@ -3,8 +3,8 @@
 import math
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from lta_bridge.bag.schemas import jazzy
-from lta_bridge.cdr import serialise
+from lta_bridge.bag.schemas import load_jazzy_types
+from lta_bridge.cdr import encode_cdr
 from nav_msgs.msg import Odometry
 import numpy as np
 import pytest
@@ -58,8 +58,10 @@ def test_it_is_what_rosbags_writes(message):
     """An independent writer, whose gaps are zero too; it does not fill the end."""
     kind = type(message)
     name = f'{kind.__module__.split(".")[0]}/msg/{kind.__name__}'
-    data = serialise(message)
-    theirs = bytes(jazzy().serialize_cdr(jazzy().deserialize_cdr(data, name), name))
+    data = encode_cdr(message)
+    theirs = bytes(
+        load_jazzy_types().serialize_cdr(load_jazzy_types().deserialize_cdr(data, name), name)
+    )
     assert data[: len(theirs)] == theirs
     assert len(data) % 4 == 0
     assert data[len(theirs) :] == bytes(len(data) - len(theirs))
@@ -68,15 +70,15 @@ def test_it_is_what_rosbags_writes(message):
 @each_message
 def test_ros_reads_it_back(message):
     """By the middleware's own reader; NaN in it would compare unequal, so by their texts."""
-    assert str(deserialize_message(serialise(message), type(message))) == str(message)
+    assert str(deserialize_message(encode_cdr(message), type(message))) == str(message)
 
 
 def test_a_flag_by_hand():
-    assert serialise(Bool(data=True)).hex() == '0001000001000000'
+    assert encode_cdr(Bool(data=True)).hex() == '0001000001000000'
 
 
 def test_a_range_by_hand():
     """Stamp, 'r' with its zero, a byte, and 32-bit numbers at multiples of four."""
     message = Range(header=header('r'), radiation_type=1, range=2.0)
     words = ['00010000', '07000000', '80b2e60e', '02000000', '7200', '01', '00']
-    assert serialise(message).hex() == ''.join(words) + '00000000' * 3 + '00000040' + '00000000'
+    assert encode_cdr(message).hex() == ''.join(words) + '00000000' * 3 + '00000040' + '00000000'

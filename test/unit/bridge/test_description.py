@@ -4,10 +4,10 @@ import math
 from pathlib import Path
 from xml.etree import ElementTree
 
-from lta_bridge.description import discs, fixed_frames, rods, urdf
-from lta_bridge.live.frames import sensor_frames
-from lta_bridge.live.shapes import Ellipsoid, Line
-from lta_bridge.nodes.description import to_fixed, to_transform
+from lta_bridge.live.frames import list_sensor_frames
+from lta_bridge.live.shapes import EllipsoidShape, LineShape
+from lta_bridge.nodes.description import to_fixed_transform, to_transform
+from lta_bridge.urdf import build_urdf, convert_to_rods, list_fixed_frames, slice_into_discs
 from lta_model.vehicle import load_vehicle
 from nav_msgs.msg import Odometry
 import numpy as np
@@ -24,7 +24,7 @@ def numbers(text):
 @pytest.mark.parametrize('name', VEHICLES)
 def test_it_is_one_tree_with_the_mass_of_the_vehicle(name):
     vehicle = load_vehicle(name)
-    robot = ElementTree.fromstring(urdf(vehicle))
+    robot = ElementTree.fromstring(build_urdf(vehicle))
     links = [link.get('name') for link in robot.iter('link') if link.get('name')]
     children = [joint.find('child').get('link') for joint in robot.iter('joint')]
     assert len(set(links)) == len(links)
@@ -39,19 +39,19 @@ def test_it_is_one_tree_with_the_mass_of_the_vehicle(name):
 def test_joints_turn_as_the_frames_of_messages_do():
     """x of range_link points down, z of a rotor along its thrust, whatever rpy says it by."""
     vehicle = load_vehicle('gtmab')
-    robot = ElementTree.fromstring(urdf(vehicle))
+    robot = ElementTree.fromstring(build_urdf(vehicle))
     turns = {
         joint.find('child').get('link'): Rotation.from_euler(
             'xyz', numbers(joint.find('origin').get('rpy'))
         )
         for joint in robot.iter('joint')
     }
-    assert set(turns) == {frame.name for frame in fixed_frames(vehicle)}
+    assert set(turns) == {frame.name for frame in list_fixed_frames(vehicle)}
     assert turns['range_link'].apply([1.0, 0.0, 0.0]) == pytest.approx([0.0, 0.0, -1.0], abs=1e-5)
     for rotor in vehicle.rotors:
         z = turns[f'rotor_{rotor.name}'].apply([0.0, 0.0, 1.0])
         assert z == pytest.approx(rotor.axis, abs=1e-5)
-    for frame in sensor_frames(vehicle):
+    for frame in list_sensor_frames(vehicle):
         own = Rotation.from_quat(frame.turn)
         assert (turns[frame.name].inv() * own).magnitude() < 1e-5
 
@@ -60,7 +60,7 @@ def test_joints_turn_as_the_frames_of_messages_do():
     ('size', 'axis'), [((1.0, 1.0, 0.6), 2), ((2.0, 0.8, 0.8), 0), ((0.8, 2.0, 0.8), 1)]
 )
 def test_the_discs_fill_the_hull_and_stand_along_its_axis(size, axis):
-    made = list(discs(Ellipsoid((0.0, 0.0, 0.0), size, (0, 0, 0, 1))))
+    made = list(slice_into_discs(EllipsoidShape((0.0, 0.0, 0.0), size, (0, 0, 0, 1))))
     volume = sum(math.pi * (0.5 * disc.size[0]) ** 2 * disc.size[2] for disc in made)
     assert volume == pytest.approx(math.pi / 6.0 * math.prod(size), rel=1e-9)
     assert sum(disc.size[2] for disc in made) == pytest.approx(size[axis])
@@ -70,7 +70,7 @@ def test_the_discs_fill_the_hull_and_stand_along_its_axis(size, axis):
 
 def test_a_rod_joins_the_ends_of_its_stroke():
     ends = ((0.1, 0.0, 0.2), (0.4, -0.4, 0.2))
-    (rod,) = rods(Line(ends, 0.01, (0, 0, 0, 1), pairs=True))
+    (rod,) = convert_to_rods(LineShape(ends, 0.01, (0, 0, 0, 1), pairs=True))
     half = Rotation.from_quat(rod.turn).apply([0.0, 0.0, 0.5 * rod.size[2]])
     assert np.array(rod.place) - half == pytest.approx(ends[0])
     assert np.array(rod.place) + half == pytest.approx(ends[1])
@@ -85,8 +85,8 @@ def test_transforms_say_parent_child_and_place():
     assert (moved.header, moved.child_frame_id) == (odom.header, 'base_link')
     assert (moved.transform.translation.x, moved.transform.translation.z) == (1.0, 3.0)
     assert moved.transform.rotation == odom.pose.pose.orientation
-    frame = next(f for f in fixed_frames(load_vehicle('gtmab')) if f.name == 'range_link')
-    fixed = to_fixed(frame)
+    frame = next(f for f in list_fixed_frames(load_vehicle('gtmab')) if f.name == 'range_link')
+    fixed = to_fixed_transform(frame)
     assert (fixed.header.frame_id, fixed.child_frame_id) == ('base_link', 'range_link')
     assert fixed.transform.translation.z == pytest.approx(frame.place[2])
     turn = fixed.transform.rotation

@@ -4,8 +4,7 @@ from types import SimpleNamespace
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from lta_bridge.teensy.clock import Exchange
-from lta_bridge.teensy.condition import condition, TASK
+from lta_bridge.teensy.board_clock import ClockExchange
 from lta_bridge.teensy.dialect import (
     LTA_LIGHT_BLOCK,
     LTA_LIGHT_PEAKS,
@@ -13,17 +12,18 @@ from lta_bridge.teensy.dialect import (
     MESSAGES,
     TIMESYNC,
 )
-from lta_bridge.teensy.framing import Framing
+from lta_bridge.teensy.frame_parser import FrameParser
+from lta_bridge.teensy.health_facts import describe_health, TASK
 from lta_bridge.teensy.light_board import LightBoard, LightPeaks, QUESTIONS
-from lta_bridge.teensy.message import Message
-from lta_bridge.teensy.one_sender import LOYAL_NS, OneSender
+from lta_bridge.teensy.message import MavlinkMessage
+from lta_bridge.teensy.sender_filter import LOYAL_NS, SenderFilter
 from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_config.topics import topic_table
-from lta_emulation.teensy.emulator import COMPONENT, EmulatedBoard, SYSTEM
-from lta_graph.health import Fact, Level
+from lta_config.topics import load_topic_table
+from lta_emulation.teensy.emulated_board import COMPONENT, EmulatedBoard, SYSTEM
+from lta_graph.health import HealthFact, HealthLevel
 from lta_graph.ros.stamps import to_stamp
-from lta_model.messages import light_block
-from lta_vlc.diodes import diodes_of
+from lta_model.messages import build_light_block
+from lta_vlc.diodes import build_diode_array
 from lta_vlc.lamp import LampPrior
 from lta_vlc.lamp_finder import LampFinder
 from lta_vlc.messages import from_bearing, from_lamp, from_peaks
@@ -32,8 +32,8 @@ import pytest
 from rclpy.serialization import serialize_message
 from std_msgs.msg import Header
 
-LIGHT = topic_table().light
-FINDER = LampFinder(diodes_of(load_vehicle_file('gtmab').sensors.diodes))
+LIGHT = load_topic_table().light
+FINDER = LampFinder(build_diode_array(load_vehicle_file('gtmab').sensors.diodes))
 BOOT = 1_700_000_000_000_000_000
 EACH = 100_000_000  # ns between two looks
 SAMPLES = np.random.default_rng(1).integers(0, 4096, (1000, 8)).astype(np.uint16)
@@ -53,32 +53,38 @@ class Linked:
     def go_on(self, spoilt=b'', light=True):
         """Live through a tenth of a second."""
         self.now += EACH
-        self.hear(self.good.answer(self.board.due(self.now), self.now + 150_000))
+        self.hear(
+            self.good.answer_timesync(
+                self.board.compose_due_messages(self.now), self.now + 150_000
+            )
+        )
         self.hear(spoilt)
         if light:
             begun = self.now - EACH
             told = (
-                self.good.peaks(SAMPLES, 150.0, begun) if self.peaks else self.good.light(SAMPLES)
+                self.good.encode_peaks(SAMPLES, 150.0, begun)
+                if self.peaks
+                else self.good.encode_light(SAMPLES)
             )
-            self.hear(self.good.status() + told)
+            self.hear(self.good.encode_status() + told)
 
     def hear(self, data):
-        for came in self.board.take(data, self.now):
+        for came in self.board.receive_data(data, self.now):
             published(came)
             self.got.append(came)
 
     @property
     def fact(self):
-        return condition(self, self.now, True)
+        return describe_health(self, self.now, True)
 
 
 def published(came):
     """Make the messages of what came, as the node does, down to their bytes."""
     stamp = to_stamp(came.stamp_ns)
     if not isinstance(came, LightPeaks):
-        assert serialize_message(light_block(stamp, came.samples))
+        assert serialize_message(build_light_block(stamp, came.samples))
         return
-    found = FINDER.found(came.peaks, 5.0, LampPrior())
+    found = FINDER.find(came.peaks, 5.0, LampPrior())
     header = Header(stamp=stamp)
     for message in (
         from_bearing(header, found.towards),
@@ -108,7 +114,7 @@ def frame_of(message):
         fields[name] = st.lists(one, min_size=shape[0], max_size=shape[0]) if shape else one
     source = st.sampled_from([SYSTEM, 0, 2, 255])
     return st.builds(
-        lambda values, system, turn: message.frame(turn, system, COMPONENT, **values),
+        lambda values, system, turn: message.build_frame(turn, system, COMPONENT, **values),
         st.fixed_dictionaries({}, optional=fields),
         source,
         st.integers(0, 255),
@@ -124,7 +130,9 @@ def of_length(message, payload, number=None):
 
 resized = st.builds(of_length, st.sampled_from([*MESSAGES.values()]), st.binary(max_size=255))
 unknown = st.builds(
-    lambda number, payload: of_length(Message(number, 'X', 7, np.dtype([('a', '<u1')])), payload),
+    lambda number, payload: of_length(
+        MavlinkMessage(number, 'X', 7, np.dtype([('a', '<u1')])), payload
+    ),
     st.integers(0, 2**24 - 1).filter(lambda number: number not in MESSAGES),
     st.binary(max_size=255),
 )
@@ -155,7 +163,7 @@ def test_a_message_at_its_extremes_breaks_nothing(message, data):
         link = LightBoard(LIGHT, 8, peaks)
         frames = data.draw(st.lists(frame_of(message), min_size=1, max_size=3))
         for frame in frames:
-            for came in link.take(frame, BOOT):
+            for came in link.receive_data(frame, BOOT):
                 published(came)
         assert (link.framing.frames, link.framing.crc_errors) == (len(frames), 0)
 
@@ -172,8 +180,8 @@ def test_peaks_of_any_size_become_messages_or_are_counted(amplitude, noise, freq
     link = Linked(peaks=True)
     link.go_on()
     values = {'amplitude': amplitude, 'noise': noise, 'frequency': frequency, 'diodes': 8}
-    time_usec = link.good.board_ns(link.now) // 1000
-    told = LTA_LIGHT_PEAKS.frame(
+    time_usec = link.good.to_board_time(link.now) // 1000
+    told = LTA_LIGHT_PEAKS.build_frame(
         0, SYSTEM, COMPONENT, time_usec=time_usec, window=LIGHT.samples, **values
     )
     before = len(link.got)
@@ -181,7 +189,7 @@ def test_peaks_of_any_size_become_messages_or_are_counted(amplitude, noise, freq
     assert len(link.got) - before + link.board.unfit == 1
     for came in link.got[before:]:
         assert (came.peaks.amplitude >= 0.0).all()
-        lamp = FINDER.found(came.peaks, 5.0, LampPrior()).lamp
+        lamp = FINDER.find(came.peaks, 5.0, LampPrior()).lamp
         assert lamp is None or np.isfinite(lamp).all()
 
 
@@ -189,19 +197,19 @@ def test_light_of_another_system_is_left_out_and_counted():
     link = Linked()
     link.go_on()
     forged = [
-        LTA_LIGHT_BLOCK.frame(k, 2, COMPONENT, time_usec=2**64 - 1, diodes=8, rows=15)
+        LTA_LIGHT_BLOCK.build_frame(k, 2, COMPONENT, time_usec=2**64 - 1, diodes=8, rows=15)
         for k in range(50)
     ]
     for _ in range(20):
-        link.go_on(b''.join(forged) + LTA_LIGHT_STATUS.frame(0, 2, COMPONENT, dialect=9))
+        link.go_on(b''.join(forged) + LTA_LIGHT_STATUS.build_frame(0, 2, COMPONENT, dialect=9))
     assert len(link.got) == 21
-    assert (link.board.clock.restarts, link.board.blocks.restarts, link.board.wrong) == (0, 0, '')
+    assert (link.board.clock.restarts, link.board.blocks.restarts, link.board.fault) == (0, 0, '')
     assert link.fact.values['of_other_systems'] == str(20 * 51)
 
 
 def test_who_shares_the_link_is_not_taken_for_the_board():
     """Heartbeats of a ground station neither keep a silent board alive nor come before it."""
-    link, beat = Linked(), MESSAGES[0].frame(0, 255, 190, type=6)
+    link, beat = Linked(), MESSAGES[0].build_frame(0, 255, 190, type=6)
     link.board = LightBoard(LIGHT, 8)
     link.hear(beat)
     assert link.fact.message == 'nothing has come yet'
@@ -216,9 +224,13 @@ def test_who_shares_the_link_is_not_taken_for_the_board():
 
 def test_a_flood_of_questions_is_answered_a_little_and_counted():
     link = Linked()
-    asked = b''.join(TIMESYNC.frame(k, SYSTEM, COMPONENT, ts1=k + 1) for k in range(1000))
+    asked = b''.join(TIMESYNC.build_frame(k, SYSTEM, COMPONENT, ts1=k + 1) for k in range(1000))
     link.hear(asked)
-    answers = [f for f in Framing().take(link.board.due(link.now)) if f.message is TIMESYNC]
+    answers = [
+        f
+        for f in FrameParser().parse_frames(link.board.compose_due_messages(link.now))
+        if f.message is TIMESYNC
+    ]
     assert len([f for f in answers if f.record['tc1']]) == QUESTIONS
     assert link.fact.values['unanswered'] == str(1000 - QUESTIONS)
 
@@ -226,19 +238,19 @@ def test_a_flood_of_questions_is_answered_a_little_and_counted():
 def test_what_cannot_be_used_is_counted_though_good_light_follows():
     link = Linked()
     link.go_on()
-    bad = LTA_LIGHT_BLOCK.frame(0, SYSTEM, COMPONENT, diodes=3, rows=99)
+    bad = LTA_LIGHT_BLOCK.build_frame(0, SYSTEM, COMPONENT, diodes=3, rows=99)
     link.go_on(bad)
-    assert link.board.wrong == ''
+    assert link.board.fault == ''
     assert link.fact.values['unfit'] == '1'
 
 
 @given(st.lists(st.tuples(st.sampled_from('ab'), st.integers(0, 3 * LOYAL_NS)), max_size=30))
 def test_one_of_two_is_believed_at_a_time(words):
-    one, now, last = OneSender(), 0, {}
+    one, now, last = SenderFilter(), 0, {}
     for who, later in words:
         now += later
         before = one.who
-        believed = one.believes(who, now)
+        believed = one.accept_sender(who, now)
         assert believed == (one.who == who)
         if before is not None and one.who != before:
             assert now - last[before] > LOYAL_NS
@@ -251,12 +263,12 @@ def test_one_of_two_is_believed_at_a_time(words):
 )
 def test_another_is_believed_after_two_seconds_and_where_the_clock_was_set_back(now, believed):
     assert LOYAL_NS == 2_000_000_000
-    one = OneSender()
-    assert one.believes('a', 0)
-    assert not one.believes('b', 0)  # at the same time
-    assert one.believes('b', now) is believed
+    one = SenderFilter()
+    assert one.accept_sender('a', 0)
+    assert not one.accept_sender('b', 0)  # at the same time
+    assert one.accept_sender('b', now) is believed
     assert (one.who, one.others) == ('b' if believed else 'a', 2 - believed)
-    assert one.believes('a', now) is not believed
+    assert one.accept_sender('a', now) is not believed
 
 
 def test_a_link_is_silent_after_half_a_second_and_its_own_trouble_comes_first():
@@ -264,25 +276,25 @@ def test_a_link_is_silent_after_half_a_second_and_its_own_trouble_comes_first():
     reader = SimpleNamespace(board=link, trouble='', strangers=3, unplugged=2)
 
     def told(now, active=True):
-        fact = condition(reader, now, active)
+        fact = describe_health(reader, now, active)
         return fact.level, fact.message
 
-    assert condition(None, 0, True) == Fact(TASK, Level.WARN, 'not configured')
-    assert told(10**9) == (Level.WARN, 'nothing has come yet')
+    assert describe_health(None, 0, True) == HealthFact(TASK, HealthLevel.WARN, 'not configured')
+    assert told(10**9) == (HealthLevel.WARN, 'nothing has come yet')
     link.heard_ns = 10**9
-    assert told(10**9) == (Level.WARN, 'its time is not known yet')
+    assert told(10**9) == (HealthLevel.WARN, 'its time is not known yet')
     for turn in range(4):
-        link.clock.add(Exchange(turn, turn, turn + 2_000))
-    assert told(1_500_000_000) == (Level.OK, 'light comes')
+        link.clock.add_exchange(ClockExchange(turn, turn, turn + 2_000))
+    assert told(1_500_000_000) == (HealthLevel.OK, 'light comes')
     assert told(1_500_000_000, active=False)[1] == 'light comes and is not published'
-    assert told(1_500_000_001) == (Level.ERROR, 'silent for 0.5 s')
-    assert list(link.take(EmulatedBoard(0, dialect=9).status(), 10**9)) == []
+    assert told(1_500_000_001) == (HealthLevel.ERROR, 'silent for 0.5 s')
+    assert list(link.receive_data(EmulatedBoard(0, dialect=9).encode_status(), 10**9)) == []
     level, message = told(10**9)
-    assert (level, message) == (Level.ERROR, link.wrong)
+    assert (level, message) == (HealthLevel.ERROR, link.fault)
     assert 'version 9' in message
     reader.trouble = 'pulled'
-    assert told(10**9) == (Level.ERROR, 'pulled')
-    figures = condition(reader, 10**9, True).values
+    assert told(10**9) == (HealthLevel.ERROR, 'pulled')
+    figures = describe_health(reader, 10**9, True).values
     assert (figures['of_other_senders'], figures['unplugged']) == ('3', '2')
     # 250 * 2 us + 20 us of deviation by each of four answers: half of 20.5 us.
     assert (figures['round_trip_ms'], figures['uncertainty_ms']) == ('0.002', '0.010')

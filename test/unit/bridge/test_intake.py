@@ -3,12 +3,12 @@
 from collections import Counter
 import struct
 
-from lta_bridge.intake import Intake
-from lta_config.topics import topic_table
-from lta_graph.health import Level
+from lta_bridge.intake import MessageIntake
+from lta_config.topics import load_topic_table
+from lta_graph.health import HealthLevel
 import pytest
 
-TABLE = topic_table()
+TABLE = load_topic_table()
 START, MS = TABLE.start_ns, 10**6
 
 
@@ -30,7 +30,7 @@ def cdr(stamp):
 
 def intake(*robots, lockstep=True):
     writer = Kept()
-    return Intake(TABLE, lockstep, robots, writer), writer
+    return MessageIntake(TABLE, lockstep, robots, writer), writer
 
 
 @pytest.mark.parametrize(
@@ -49,15 +49,18 @@ def intake(*robots, lockstep=True):
 )
 def test_an_absolute_name_is_a_robot_s_or_everybody_s(robots, name, owner, covered):
     taking, _ = intake(*robots)
-    assert taking.owner(name) == owner
-    assert taking.covers(name) == covered
+    assert taking.find_owner(name) == owner
+    assert taking.covers_topic(name) == covered
 
 
 def test_each_robot_has_its_time_and_what_is_of_all_the_newest():
     taking, writer = intake('a', 'b')
     odom = 'nav_msgs/msg/Odometry'
-    take = {name: taking.takes(name, odom, bytes) for name in ('/a/odom', '/b/odom', '/b/extra')}
-    clock = taking.takes('/clock', 'rosgraph_msgs/msg/Clock', bytes)
+    take = {
+        name: taking.build_receiver(name, odom, bytes)
+        for name in ('/a/odom', '/b/odom', '/b/extra')
+    }
+    clock = taking.build_receiver('/clock', 'rosgraph_msgs/msg/Clock', bytes)
     for name, step in (('/a/odom', 0), ('/b/odom', 0), ('/b/odom', 1), ('/a/odom', 1)):
         take[name](cdr(START + step * 10 * MS))
     take['/b/odom'](cdr(START + 20 * MS))
@@ -71,8 +74,8 @@ def test_only_what_would_not_repeat_itself_is_written_anew():
     taking, writer = intake('lta1')
     kind = 'diagnostic_msgs/msg/DiagnosticArray'
     for name in ('/lta1/energy/status', '/diagnostics', '/lta1/other'):
-        taking.takes(name, kind, lambda data: b'clean')(cdr(START))
-    taking.takes('/lta1/odom', 'nav_msgs/msg/Odometry', lambda data: b'clean')(cdr(START))
+        taking.build_receiver(name, kind, lambda data: b'clean')(cdr(START))
+    taking.build_receiver('/lta1/odom', 'nav_msgs/msg/Odometry', lambda data: b'clean')(cdr(START))
     cleaned = [topic for topic, data, _ in writer.messages if data == b'clean']
     assert cleaned == ['/lta1/energy/status']
 
@@ -80,13 +83,13 @@ def test_only_what_would_not_repeat_itself_is_written_anew():
 @pytest.mark.parametrize(('robots', 'name'), [(('lta1',), 'odom'), (('lta1', 'b'), '/lta1/odom')])
 def test_what_is_missing_is_counted_by_topic_and_cause(robots, name):
     taking, writer = intake(*robots)
-    take = taking.takes('/lta1/odom', 'nav_msgs/msg/Odometry', bytes)
+    take = taking.build_receiver('/lta1/odom', 'nav_msgs/msg/Odometry', bytes)
     for step in (0, 1, 5):
         take(cdr(START + step * 10 * MS))
-    assert taking.tally({})[:2] == (Level.WARN, '3 messages lost')
+    assert taking.summarize({})[:2] == (HealthLevel.WARN, '3 messages lost')
     writer.dropped['/lta1/odom'] += 7
-    level, words, figures = taking.tally({'/lta1/odom': 2})
-    assert level == Level.WARN
+    level, words, figures = taking.summarize({'/lta1/odom': 2})
+    assert level == HealthLevel.WARN
     assert words == '3 messages lost, 2 messages lost by the middleware, 7 messages dropped'
     assert figures == {
         'messages': 3,
@@ -99,14 +102,20 @@ def test_what_is_missing_is_counted_by_topic_and_cause(robots, name):
 
 def test_when_nothing_is_missing_it_records():
     taking, _ = intake('lta1')
-    taking.takes('/rosout', 'rcl_interfaces/msg/Log', bytes)(b'')
-    assert taking.tally({}) == (Level.OK, 'recording', {'messages': 1, 'waiting_bytes': 12})
+    taking.build_receiver('/rosout', 'rcl_interfaces/msg/Log', bytes)(b'')
+    assert taking.summarize({}) == (
+        HealthLevel.OK,
+        'recording',
+        {'messages': 1, 'waiting_bytes': 12},
+    )
 
 
 def test_what_is_due_is_learnt_by_robot():
     taking, writer = intake('a', 'b', lockstep=False)
-    take = [taking.takes(f'/{who}/energy/reserve', 'std_msgs/msg/Bool', bytes) for who in 'ab']
-    taking.learn('b', {'energy/reserve': [START + 7 * MS]})
+    take = [
+        taking.build_receiver(f'/{who}/energy/reserve', 'std_msgs/msg/Bool', bytes) for who in 'ab'
+    ]
+    taking.set_due_times('b', {'energy/reserve': [START + 7 * MS]})
     for each in take:
         each(bytes([0, 1, 0, 0, 1]))
     assert [when for *_, when in writer.messages] == [START, START + 7 * MS]
@@ -114,7 +123,9 @@ def test_what_is_due_is_learnt_by_robot():
 
 def test_a_tick_of_the_clock_that_the_next_one_replaced_is_not_a_loss():
     taking, _ = intake('lta1')
-    level, words, figures = taking.tally({'/clock': 2})
-    assert (level, words) == (Level.OK, 'recording')
+    level, words, figures = taking.summarize({'/clock': 2})
+    assert (level, words) == (HealthLevel.OK, 'recording')
     assert set(figures) == {'messages', 'waiting_bytes'}
-    assert taking.tally({'/clock': 2, '/lta1/odom': 1})[1] == '1 messages lost by the middleware'
+    assert (
+        taking.summarize({'/clock': 2, '/lta1/odom': 1})[1] == '1 messages lost by the middleware'
+    )

@@ -4,14 +4,14 @@ import struct
 
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_bridge.live.address import app_url, refuse_taken
-from lta_bridge.live.feed import FASTEST, Feed
-from lta_bridge.live.pace import Pace
+from lta_bridge.live.address import build_app_url, check_port
+from lta_bridge.live.feed import FASTEST, LiveFeed
+from lta_bridge.live.rate_limiter import RateLimiter
 from lta_config.errors import BadInput
-from lta_config.topics import topic_table
+from lta_config.topics import load_topic_table
 import pytest
 
-TABLE = topic_table()
+TABLE = load_topic_table()
 START, MS, S = TABLE.start_ns, 10**6, 10**9
 
 
@@ -32,10 +32,10 @@ class Wall:
 
 @given(st.lists(st.floats(0.0, 0.05), min_size=1, max_size=200), st.sampled_from([10.0, 60.0]))
 def test_no_stretch_of_time_has_more_than_its_share(gaps, rate):
-    pace, now, passed = Pace(rate), 0.0, []
+    pace, now, passed = RateLimiter(rate), 0.0, []
     for gap in gaps:
         now += gap
-        if pace.due(now):
+        if pace.try_acquire(now):
             passed.append(now)
         else:  # nor does it starve
             assert now - passed[-1] < 2.0 / rate
@@ -46,17 +46,17 @@ def test_no_stretch_of_time_has_more_than_its_share(gaps, rate):
 
 @given(st.lists(st.floats(-0.4, 0.4), min_size=2, max_size=100))
 def test_what_comes_at_the_pace_passes_whole_however_unsteady(jitter):
-    pace = Pace(10.0)
-    assert all(pace.due(0.1 * (k + early)) for k, early in enumerate(jitter))
+    pace = RateLimiter(10.0)
+    assert all(pace.try_acquire(0.1 * (k + early)) for k, early in enumerate(jitter))
 
 
 def test_a_fast_flight_is_thinned_and_the_gaps_are_counted():
     wall = Wall()
-    feed = Feed(TABLE, wall)
+    feed = LiveFeed(TABLE, wall)
     shown = []
     for k in range(1000):  # 10 s of flight within 1 s: 1000 messages of odom
         wall.now += 0.001
-        if feed.take('odom', cdr(START + 10 * k * MS), wanted=True) is not None:
+        if feed.admit_message('odom', cdr(START + 10 * k * MS), has_viewers=True) is not None:
             shown.append(k)
     assert FASTEST - 1 <= feed.sent['odom'] == len(shown) <= FASTEST + 2
     assert feed.left_out['odom'] == shown[-1] - shown[0] + 1 - len(shown)
@@ -64,46 +64,51 @@ def test_a_fast_flight_is_thinned_and_the_gaps_are_counted():
 
 def test_what_the_middleware_dropped_is_counted_as_well():
     wall = Wall()
-    feed = Feed(TABLE, wall)
+    feed = LiveFeed(TABLE, wall)
     for k in (0, 1, 5):
         wall.now += 1.0
-        assert feed.take('imu', cdr(START + 10 * k * MS), wanted=True) == START + 10 * k * MS
+        assert (
+            feed.admit_message('imu', cdr(START + 10 * k * MS), has_viewers=True)
+            == START + 10 * k * MS
+        )
     assert (feed.sent, feed.left_out) == ({'imu': 3}, {'imu': 3})
 
 
 def test_nobody_misses_what_nobody_looks_at():
     wall = Wall()
-    feed = Feed(TABLE, wall)
+    feed = LiveFeed(TABLE, wall)
     for k, wanted in enumerate((True, False, False, True)):
         wall.now += 1.0
-        feed.take('imu', cdr(START + 10 * k * MS), wanted=wanted)
+        feed.admit_message('imu', cdr(START + 10 * k * MS), has_viewers=wanted)
     assert (feed.sent, feed.left_out) == ({'imu': 2}, {})
 
 
 def test_log_times_are_those_of_a_recording():
     wall = Wall()
-    feed = Feed(TABLE, wall)
-    assert feed.take('photodiodes', cdr(START), wanted=True) == START + 100 * MS
-    assert feed.take('energy/reserve', b'\0\1\0\0\1', wanted=True) == START + 100 * MS
-    assert feed.take('/diagnostics', cdr(START), wanted=True) == START + 100 * MS
+    feed = LiveFeed(TABLE, wall)
+    assert feed.admit_message('photodiodes', cdr(START), has_viewers=True) == START + 100 * MS
+    assert (
+        feed.admit_message('energy/reserve', b'\0\1\0\0\1', has_viewers=True) == START + 100 * MS
+    )
+    assert feed.admit_message('/diagnostics', cdr(START), has_viewers=True) == START + 100 * MS
 
 
 def test_light_blocks_come_ten_times_a_second_and_diagnostics_all():
     wall = Wall()
-    feed = Feed(TABLE, wall)
+    feed = LiveFeed(TABLE, wall)
     for k in range(90):  # a second at nine times real time
         wall.now += 1.0 / 90.0
-        feed.take('photodiodes', cdr(START + 100 * k * MS), wanted=True)
-        feed.take('/diagnostics', cdr(START), wanted=True)
+        feed.admit_message('photodiodes', cdr(START + 100 * k * MS), has_viewers=True)
+        feed.admit_message('/diagnostics', cdr(START), has_viewers=True)
     assert 10 <= feed.sent['photodiodes'] <= 11
     assert feed.sent['/diagnostics'] == 90
 
 
 def test_the_address_is_the_one_that_foxglove_opens():
     url = 'https://app.foxglove.dev/?ds=foxglove-websocket&ds.url=ws://localhost:8765'
-    assert app_url(8765) == url
+    assert build_app_url(8765) == url
 
 
 def test_an_address_of_another_machine_is_refused():
     with pytest.raises(BadInput, match=r'Port 8765 cannot be used for the live view \(.+\); end'):
-        refuse_taken('192.0.2.1', 8765)
+        check_port('192.0.2.1', 8765)

@@ -5,24 +5,24 @@ import struct
 
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_bridge.live.craft import bearing, body, thrust
-from lta_bridge.live.encoding import frame_transforms, scene_update
-from lta_bridge.live.frames import sensor_frames, towards, vehicle_frame
-from lta_bridge.live.room import half_power, lamp, standing, walls
-from lta_bridge.live.scene import Scene, State
+from lta_bridge.live.encoding import encode_frame_transforms, encode_scene_update
+from lta_bridge.live.frames import build_vehicle_frame, list_sensor_frames, rotation_from_x
+from lta_bridge.live.path_trace import MOST, PathTrace
+from lta_bridge.live.room_shapes import draw_lamp, draw_static_scene, draw_walls, half_power_angle
+from lta_bridge.live.scene import LiveScene, SceneState
 from lta_bridge.live.shapes import (
-    along,
-    Arrow,
-    Box,
-    Cylinder,
-    Ellipsoid,
-    Entity,
-    Label,
-    Line,
+    ArrowShape,
+    BoxShape,
+    CylinderShape,
+    EllipsoidShape,
+    LabelShape,
+    LineShape,
     ORIGIN,
+    rotation_between,
+    ShapeEntity,
 )
-from lta_bridge.live.track import MOST, Track
-from lta_model.light.lamp import direct
+from lta_bridge.live.vehicle_shapes import draw_bearing, draw_body, draw_thrust
+from lta_model.light.lamp import direct_illuminance
 from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
 import numpy as np
@@ -47,28 +47,28 @@ unit = st.tuples(*[st.floats(-1.0, 1.0)] * 3).filter(lambda v: math.hypot(*v) > 
 @given(unit, unit)
 def test_a_turn_takes_one_direction_onto_the_other(start, end):
     start = tuple(number / math.hypot(*start) for number in start)
-    got = applied(along(start, end), start)
+    got = applied(rotation_between(start, end), start)
     assert got == pytest.approx(np.array(end) / math.hypot(*end), abs=1e-6)
 
 
 @pytest.mark.parametrize('start', [(1.0, 0.0, 0.0), (0.0, 0.0, 1.0)])
 def test_a_turn_right_back_is_half_a_turn(start):
     back = tuple(-number for number in start)
-    assert applied(along(start, back), start) == pytest.approx(back)
+    assert applied(rotation_between(start, back), start) == pytest.approx(back)
 
 
 def test_the_envelope_and_parts_are_where_the_vehicle_file_puts_them():
-    entity = body(GTMAB)
+    entity = draw_body(GTMAB)
     assert entity.frame == 'base_link'
-    (hull,) = shapes(entity, Ellipsoid)
+    (hull,) = shapes(entity, EllipsoidShape)
     assert (hull.place, hull.size) == (ORIGIN, pytest.approx((1.0, 1.0, 0.599)))
-    boxes = {box.place: box.size for box in shapes(entity, Box)}
+    boxes = {box.place: box.size for box in shapes(entity, BoxShape)}
     assert boxes[(0.0, 0.0, 0.302)] == pytest.approx((0.178, 0.078, 0.002))  # solar panels
-    assert len(shapes(entity, Box)) == len(GTMAB.file.parts) - 1  # all but the envelope
+    assert len(shapes(entity, BoxShape)) == len(GTMAB.file.parts) - 1  # all but the envelope
 
 
 def test_rotors_are_discs_across_their_thrust():
-    discs = shapes(body(GTMAB), Cylinder)
+    discs = shapes(draw_body(GTMAB), CylinderShape)
     assert [disc.place for disc in discs] == [
         pytest.approx(place)
         for place in ((0, 0.19, -0.3435), (0, -0.19, -0.3435), (0, 0.1, -0.4), (0, -0.1, -0.4))
@@ -79,7 +79,9 @@ def test_rotors_are_discs_across_their_thrust():
 
 def test_a_thrust_arrow_is_as_long_as_the_thrust_is_strong():
     """T = a u2 + b u of the Crazyflie's motors; full thrust is half the hull's diameter long."""
-    arrows = shapes(thrust(GTMAB, {'up_left': 0.5, 'forward_right': 1.0, 'up_right': 0.0}), Arrow)
+    arrows = shapes(
+        draw_thrust(GTMAB, {'up_left': 0.5, 'forward_right': 1.0, 'up_right': 0.0}), ArrowShape
+    )
     force = 0.0915 * 0.25 + 0.0677 * 0.5
     assert arrows[0].length == pytest.approx(0.5 * force / (0.0915 + 0.0677))
     assert arrows[0].place == pytest.approx((0.0, 0.19, -0.3435))
@@ -92,30 +94,30 @@ def test_a_thrust_arrow_is_as_long_as_the_thrust_is_strong():
 def test_a_reversed_rotor_pulls_back():
     skye = load_vehicle('skye')
     rotor = skye.rotors[0]
-    (arrow,) = shapes(thrust(skye, {rotor.name: -1.0}), Arrow)
+    (arrow,) = shapes(draw_thrust(skye, {rotor.name: -1.0}), ArrowShape)
     assert applied(arrow.turn, (1.0, 0.0, 0.0)) == pytest.approx(-np.array(rotor.axis), abs=1e-6)
 
 
 def test_the_ray_starts_at_the_photodiodes_and_points_where_the_bearing_does():
-    (ray,) = shapes(bearing(GTMAB, (0.3, 0.4, 0.0), 2.0), Line)
+    (ray,) = shapes(draw_bearing(GTMAB, (0.3, 0.4, 0.0), 2.0), LineShape)
     assert ray.points == (pytest.approx((0, 0, -0.33)), pytest.approx((1.2, 1.6, -0.33)))
-    assert bearing(GTMAB, ORIGIN, 2.0) == Entity('bearing', 'base_link', ())
+    assert draw_bearing(GTMAB, ORIGIN, 2.0) == ShapeEntity('bearing', 'base_link', ())
 
 
 def test_the_cone_is_where_the_lamp_shines_half_as_bright():
-    source = ROOM.light_field.lamp
-    angle = half_power(source)
+    source = ROOM.light_field.first_lamp
+    angle = half_power_angle(source)
     assert math.degrees(angle) == pytest.approx(60.0)
     far, axis = 5.0, np.array([-1.0, 0.0, 0.0])
     edge = np.array([-math.cos(angle), math.sin(angle), 0.0])
     points = np.array(source.position) + far * np.stack([axis, edge])
-    ahead, off = direct(source, points, -np.stack([axis, edge]))
+    ahead, off = direct_illuminance(source, points, -np.stack([axis, edge]))
     assert off / ahead == pytest.approx(0.5, rel=1e-6)
 
 
 def test_the_cone_begins_at_the_lamp_and_opens_along_its_axis():
-    entity = lamp('lamp', ROOM.lamps['lamp'])
-    (cone,) = shapes(entity, Cylinder)
+    entity = draw_lamp('lamp', ROOM.lamps['lamp'])
+    (cone,) = shapes(entity, CylinderShape)
     assert (cone.bottom, cone.top) == (0.0, 1.0)
     assert math.hypot(cone.size[0] / 2, cone.size[2]) == pytest.approx(1.0)  # along its edge
     tip = np.array(cone.place) + applied(cone.turn, (0.0, 0.0, -cone.size[2] / 2))
@@ -124,40 +126,40 @@ def test_the_cone_begins_at_the_lamp_and_opens_along_its_axis():
     assert mouth - tip == pytest.approx((-0.5, 0.0, 0.0), abs=1e-9)
     opening = 2.0 * math.atan2(cone.size[0] / 2, cone.size[2])
     assert math.degrees(opening) == pytest.approx(120.0)
-    assert [label.text for label in shapes(entity, Label)] == ['lamp, 150 Hz']
+    assert [label.text for label in shapes(entity, LabelShape)] == ['lamp, 150 Hz']
 
 
 def test_every_lamp_stands_and_every_stop_of_the_route_has_its_circle():
     patrol = load_scenario('warehouse_patrol')
-    things = {each.name: each for each in standing(patrol)}
+    things = {each.name: each for each in draw_static_scene(patrol)}
     assert list(things) == ['room', 'lamp/dock', 'lamp/aisle', 'lamp/gate', 'goal']
-    bulbs = [shapes(things[f'lamp/{name}'], Ellipsoid)[0].place for name in patrol.lamps]
+    bulbs = [shapes(things[f'lamp/{name}'], EllipsoidShape)[0].place for name in patrol.lamps]
     assert bulbs == [(-3.5, -2.0, 0.1), (3.5, -2.0, 0.1), (0.0, 4.0, 0.1)]
-    cones = [shapes(things[f'lamp/{name}'], Cylinder)[0] for name in patrol.lamps]
+    cones = [shapes(things[f'lamp/{name}'], CylinderShape)[0] for name in patrol.lamps]
     assert max(cone.size[0] for cone in cones) < 2.0  # of lanterns that shine nearly sideways
-    aisle, gate = shapes(things['goal'], Line)  # dock is on no route
+    aisle, gate = shapes(things['goal'], LineShape)  # dock is on no route
     assert aisle.points[0] == pytest.approx((4.5, -2.0, 0.0))
     assert gate.points[0] == pytest.approx((1.0, 4.0, 0.0))
 
 
 def test_the_room_has_a_floor_twelve_edges_and_walls_only_where_they_are_solid():
-    entity = walls(ROOM)
-    (floor,) = shapes(entity, Box)
+    entity = draw_walls(ROOM)
+    (floor,) = shapes(entity, BoxShape)
     assert floor.size[:2] == (10.0, 8.0)
     assert floor.place[2] + floor.size[2] / 2 == 0.0
-    (edges,) = shapes(entity, Line)
+    (edges,) = shapes(entity, LineShape)
     pairs = list(zip(edges.points[::2], edges.points[1::2], strict=True))
     assert len({frozenset(pair) for pair in pairs}) == 12
     lengths = sorted(math.dist(*pair) for pair in pairs)
     assert lengths == [3.0] * 4 + [8.0] * 4 + [10.0] * 4
     solid = ROOM.model_copy(update={'room': ROOM.room.model_copy(update={'walls': 'solid'})})
-    assert len(shapes(walls(solid), Box)) == 5
-    (ring,) = shapes(standing(ROOM)[2], Line)
+    assert len(shapes(draw_walls(solid), BoxShape)) == 5
+    (ring,) = shapes(draw_static_scene(ROOM)[2], LineShape)
     assert {round(math.dist(point, (3.5, 0.0, 0.0)), 9) for point in ring.points} == {1.0}
 
 
 def test_frames_are_where_the_sensors_are_and_point_as_their_messages_want():
-    found = {frame.name: frame for frame in sensor_frames(GTMAB)}
+    found = {frame.name: frame for frame in list_sensor_frames(GTMAB)}
     assert {frame.parent for frame in found.values()} == {'base_link'}
     assert found['imu_link'].place == pytest.approx((0.0, 0.0, -0.36))
     assert found['range_link'].place == pytest.approx((0.0, 0.0, -0.37))
@@ -169,38 +171,38 @@ def test_frames_are_where_the_sensors_are_and_point_as_their_messages_want():
 
 
 def test_the_wind_blows_above_the_vehicle_a_metre_for_each_metre_a_second():
-    scene = Scene(GTMAB, ROOM)
-    state = State((1.0, 2.0, 1.5), (0.0, 0.0, HALF, HALF), {}, ORIGIN, (0.0, -0.7, 0.0))
-    wind = {item.name: item for item in scene.moving(state)}['wind']
+    scene = LiveScene(GTMAB, ROOM)
+    state = SceneState((1.0, 2.0, 1.5), (0.0, 0.0, HALF, HALF), {}, ORIGIN, (0.0, -0.7, 0.0))
+    wind = {item.name: item for item in scene.draw_moving(state)}['wind']
     assert wind.frame == 'map'
     ((arrow),) = wind.shapes
     assert arrow.length == pytest.approx(0.7)
     assert arrow.place == pytest.approx((1.0, 2.0, 1.5 + 0.5 + 0.2))
     assert applied(arrow.turn, (1.0, 0.0, 0.0)) == pytest.approx((0.0, -1.0, 0.0), abs=1e-9)
-    calm = {item.name: item for item in scene.moving(state._replace(wind=ORIGIN))}['wind']
+    calm = {item.name: item for item in scene.draw_moving(state._replace(wind=ORIGIN))}['wind']
     assert calm.shapes == ()
-    first, *_ = scene.frames(state)
+    first, *_ = scene.list_frames(state)
     assert first == ('map', 'base_link', (1.0, 2.0, 1.5), (0.0, 0.0, HALF, HALF))
 
 
 @given(st.lists(st.tuples(*[st.floats(-5.0, 5.0)] * 3), min_size=1, max_size=30))
 def test_a_path_begins_where_the_flight_did_and_has_no_crowd(places):
-    track = Track()
+    track = PathTrace()
     for place in places:
-        track.add(place)
+        track.add_place(place)
     assert track.points[0] == places[0]
     for before, after in zip(track.points, track.points[1:], strict=False):
         assert math.dist(before, after) >= track.step
 
 
 def test_a_long_path_stays_short_and_reaches_to_the_end():
-    track = Track()
+    track = PathTrace()
     for k in range(100_000):
-        track.add((0.01 * k, 0.0, 0.0))
+        track.add_place((0.01 * k, 0.0, 0.0))
     assert MOST / 2 <= len(track.points) <= MOST
     assert track.points[0] == ORIGIN
     assert math.dist(track.points[-1], (999.99, 0.0, 0.0)) <= 2 * track.step
-    (line,) = track.entity('map').shapes
+    (line,) = track.to_entity('map').shapes
     assert line.points == tuple(track.points)
 
 
@@ -209,10 +211,14 @@ def test_a_long_path_stays_short_and_reaches_to_the_end():
 )
 def test_every_vehicle_can_be_drawn(name):
     vehicle = load_vehicle(name)
-    scene = Scene(vehicle, ROOM)
+    scene = LiveScene(vehicle, ROOM)
     duties = dict.fromkeys(vehicle.rotor_names, 0.5)
-    state = State((0.0, 0.0, 1.0), (0.0, 0.0, 0.0, 1.0), duties, (1.0, 0.0, 0.0), (1.0, 0.0, 0.0))
-    told = message(scene_update([*scene.standing, *scene.moving(state), scene.path()], 0))
+    state = SceneState(
+        (0.0, 0.0, 1.0), (0.0, 0.0, 0.0, 1.0), duties, (1.0, 0.0, 0.0), (1.0, 0.0, 0.0)
+    )
+    told = message(
+        encode_scene_update([*scene.standing, *scene.draw_moving(state), scene.draw_path()], 0)
+    )
     assert len(told[2]) == 8
     drawn = {message(item)[3][0].decode(): message(item) for item in told[2]}
     assert len(drawn['vehicle'][10]) == len(drawn['thrust'][7]) == len(vehicle.rotors)
@@ -223,12 +229,12 @@ anything = st.tuples(*[st.floats()] * 3)
 
 @given(anything, st.tuples(*[st.floats()] * 4), anything, anything, st.floats())
 def test_nonsense_is_drawn_somehow(place, turn, seen, wind, duty):
-    scene = Scene(GTMAB, ROOM)
-    state = State(place, turn, {'up_left': duty, 'nobody': duty}, seen, wind)
+    scene = LiveScene(GTMAB, ROOM)
+    state = SceneState(place, turn, {'up_left': duty, 'nobody': duty}, seen, wind)
     for _ in range(2):
-        entities = [*scene.moving(state), scene.path()]
-    assert len(message(scene_update(entities, 0))[2]) == 4
-    assert message(frame_transforms(scene.frames(state), 0))
+        entities = [*scene.draw_moving(state), scene.draw_path()]
+    assert len(message(encode_scene_update(entities, 0))[2]) == 4
+    assert message(encode_frame_transforms(scene.list_frames(state), 0))
 
 
 def message(data):
@@ -268,8 +274,10 @@ def numbers(data, count):
 
 def test_an_arrow_is_written_as_foxglove_publishes_it():
     """SceneUpdate.proto: entities 2; SceneEntity: frame 2, id 3, locked 5, arrows 7."""
-    arrow = Arrow((1.0, 2.0, 3.0), 0.8, 0.04, (1.0, 0.5, 0.25, 1.0), (0.0, -HALF, 0.0, HALF))
-    whole = message(scene_update([Entity('thrust', 'base_link', (arrow,))], 2_500_000_000))
+    arrow = ArrowShape((1.0, 2.0, 3.0), 0.8, 0.04, (1.0, 0.5, 0.25, 1.0), (0.0, -HALF, 0.0, HALF))
+    whole = message(
+        encode_scene_update([ShapeEntity('thrust', 'base_link', (arrow,))], 2_500_000_000)
+    )
     (entity,) = map(message, whole[2])
     assert (entity[2], entity[3], entity[5]) == ([b'base_link'], [b'thrust'], [1])
     assert message(entity[1][0])[1] == [2]
@@ -284,7 +292,9 @@ def test_an_arrow_is_written_as_foxglove_publishes_it():
 
 def test_frames_are_written_as_foxglove_publishes_them():
     """FrameTransforms.proto: transforms 1; each: parent 2, child 3, translation 4, rotation 5."""
-    data = frame_transforms([vehicle_frame((1.0, -2.0, 0.5), (0.0, 0.0, 1.0, 0.0))], 10**9)
+    data = encode_frame_transforms(
+        [build_vehicle_frame((1.0, -2.0, 0.5), (0.0, 0.0, 1.0, 0.0))], 10**9
+    )
     (transform,) = map(message, message(data)[1])
     assert (transform[2], transform[3]) == ([b'map'], [b'base_link'])
     assert numbers(transform[4][0], 3) == (1.0, -2.0, 0.5)
@@ -293,5 +303,5 @@ def test_frames_are_written_as_foxglove_publishes_them():
 
 @pytest.mark.parametrize('axis', [(0, 0, 1), (0, -1, 0), (1, 0, 0), (-1, 0, 0), (0.6, 0, -0.8)])
 def test_a_panel_looks_where_its_normal_points(axis):
-    turned = Rotation.from_quat(towards(axis)).apply((1.0, 0.0, 0.0))
+    turned = Rotation.from_quat(rotation_from_x(axis)).apply((1.0, 0.0, 0.0))
     assert turned == pytest.approx(axis, abs=1e-12)

@@ -6,7 +6,7 @@ from queue import SimpleQueue
 import socket
 import threading
 
-from lta_emulation.teensy.emulator import EmulatedBoard
+from lta_emulation.teensy.emulated_board import EmulatedBoard
 import numpy as np
 from ports import free_port, UDP
 import pytest
@@ -34,7 +34,9 @@ def test_mavsdk_reads_our_blocks_from_our_xml():
 
         def send():
             while not over.wait(0.05):
-                ours.sendto(board.status() + board.light(samples), ('127.0.0.1', port))
+                ours.sendto(
+                    board.encode_status() + board.encode_light(samples), ('127.0.0.1', port)
+                )
 
         sender = threading.Thread(target=send)
         sender.start()

@@ -1,8 +1,8 @@
 """What discovery tells of publishers, as a bag tells it."""
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from lta_bridge.bag import offered_qos
-from lta_bridge.messages import profiles, statuses
+from lta_bridge.bag import build_offered_qos
+from lta_bridge.messages import parse_statuses, to_offered_qos
 from rclpy.duration import Duration, Infinite
 from rclpy.qos import (
     DurabilityPolicy,
@@ -33,32 +33,32 @@ def discovered(**changes):
 
 
 def test_a_publisher_that_keeps_to_the_table_has_its_history_and_depth():
-    assert profiles([discovered()], QoSProfile(depth=7)) == [
-        offered_qos('reliable', 'volatile', 7)
+    assert to_offered_qos([discovered()], QoSProfile(depth=7)) == [
+        build_offered_qos('reliable', 'volatile', 7)
     ]
 
 
 def test_one_that_does_not_is_told_as_it_was_found():
     weak = discovered(reliability=ReliabilityPolicy.BEST_EFFORT)
-    (found,) = profiles([weak], QoSProfile(depth=7))
+    (found,) = to_offered_qos([weak], QoSProfile(depth=7))
     assert found == {
-        **offered_qos('best_effort', 'volatile', 0),
+        **build_offered_qos('best_effort', 'volatile', 0),
         'history': 'unknown',
     }
-    assert profiles([weak], None) == [found]
+    assert to_offered_qos([weak], None) == [found]
 
 
 def test_each_profile_is_told_once_and_limits_are_kept():
     short = discovered(lifespan=Duration(seconds=10, nanoseconds=5))
-    found = profiles([discovered(), short, discovered()], QoSProfile(depth=7))
+    found = to_offered_qos([discovered(), short, discovered()], QoSProfile(depth=7))
     assert [each['lifespan'] for each in found] == [FOREVER, {'sec': 10, 'nsec': 5}]
     assert {each['depth'] for each in found} == {7}
 
 
 def test_where_nobody_is_there_the_table_speaks():
     expected = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-    assert profiles([], expected) == [offered_qos('reliable', 'transient_local', 1)]
-    assert profiles([]) == []
+    assert to_offered_qos([], expected) == [build_offered_qos('reliable', 'transient_local', 1)]
+    assert to_offered_qos([]) == []
 
 
 def test_faults_are_statuses_that_are_errors():
@@ -69,7 +69,7 @@ def test_faults_are_statuses_that_are_errors():
             for n, level in enumerate([*levels, DiagnosticStatus.STALE])
         ]
     )
-    assert list(statuses(array)) == [
+    assert list(parse_statuses(array)) == [
         ('lta1', 'node: 0', False, False),
         ('', 'node: 1', False, False),
         ('lta1', 'node: 2', True, False),
@@ -96,7 +96,7 @@ def test_an_end_is_told_from_a_fault():
             status('recorder: latched', b'\1'),
         ]
     )
-    assert [(each.failing, each.over) for each in statuses(message)] == [
+    assert [(each.failing, each.over) for each in parse_statuses(message)] == [
         (False, True),
         (False, False),
         (False, True),

@@ -6,7 +6,7 @@ import pytest
 
 def heard(clock, *pairs):
     """Feed pairs of device time and arrival time; return the last stamp. [ns]"""
-    return [clock.stamp(device, arrival) for device, arrival in pairs][-1]
+    return [clock.stamp_arrival(device, arrival) for device, arrival in pairs][-1]
 
 
 def test_a_drift_is_told_after_five_seconds_and_is_that_of_a_crystal():
@@ -14,22 +14,22 @@ def test_a_drift_is_told_after_five_seconds_and_is_that_of_a_crystal():
     for ppm, drift in ((100, 100e-6), (-100, -100e-6), (1000, 200e-6), (-1000, -200e-6)):
         clock, drifts = OneWayClock(), []
         for k in range(6):
-            clock.stamp(k * 10**9, k * (10**9 - 1000 * ppm))
+            clock.stamp_arrival(k * 10**9, k * (10**9 - 1000 * ppm))
             drifts.append(clock.drift)
         assert drifts[:4] == [0.0] * 4
         assert drifts[4:] == pytest.approx([drift] * 2, rel=1e-6)
         # The line goes on with its slope; a steeper one passes under the lowest of all messages.
         ahead = min(-1000 * ppm * k - round(1e9 * drift * (15 - k)) for k in (0, 5))
-        assert clock.ours(15 * 10**9) - 15 * 10**9 == pytest.approx(ahead, abs=10)
+        assert clock.to_graph_time(15 * 10**9) - 15 * 10**9 == pytest.approx(ahead, abs=10)
 
 
 def test_the_fastest_of_the_last_sixty_seconds_counts():
     """The line passes below a message that is 50 ms faster than all others, for 60 s."""
     clock = OneWayClock()
     heard(clock, (0, 0), *((k * 10**9, k * 10**9 + 50_000_000) for k in range(1, 60)))
-    assert clock.ours(59 * 10**9) < 59 * 10**9 + 49_000_000
+    assert clock.to_graph_time(59 * 10**9) < 59 * 10**9 + 49_000_000
     heard(clock, (60 * 10**9, 60 * 10**9 + 50_000_000))
-    assert clock.ours(60 * 10**9) == 60 * 10**9 + 50_000_000
+    assert clock.to_graph_time(60 * 10**9) == 60 * 10**9 + 50_000_000
     assert clock.drift == pytest.approx(0.0, abs=1e-12)
 
 
@@ -52,4 +52,4 @@ def test_half_a_second_early_or_ten_late_are_of_another_clock(late_ns, restarts)
     heard(clock, (0, 10**10), (1000, 10**10 + 1000 + late_ns))
     assert clock.restarts == restarts
     if restarts:
-        assert clock.ours(2000) == 10**10 + 2000 + late_ns
+        assert clock.to_graph_time(2000) == 10**10 + 2000 + late_ns

@@ -11,17 +11,21 @@ import struct
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from lta_bridge.playback.cast import cast_of, roles, supporting
-from lta_bridge.playback.due import answered, survey
-from lta_bridge.playback.owed import NEVER, Owed
-from lta_bridge.playback.recording import Recorded
+from lta_bridge.playback.due_times import compute_answer_times, compute_due_times
+from lta_bridge.playback.node_selection import (
+    list_answering_roles,
+    list_supporting_roles,
+    select_nodes,
+)
+from lta_bridge.playback.pending_answers import NEVER, PendingAnswers
+from lta_bridge.playback.recording import RecordedMessage
 from lta_config.errors import BadInput
-from lta_config.topics import topic_table
+from lta_config.topics import load_topic_table
 from lta_graph.inbox import Inbox
-from lta_graph.turns import RecordedTurns
+from lta_graph.lockstep import RecordedTurns
 import pytest
 
-TABLE = topic_table()
+TABLE = load_topic_table()
 START, MS = TABLE.start_ns, 1_000_000
 LENGTH = 500 * MS
 AHEAD = 200 * MS
@@ -39,7 +43,7 @@ def whole(topics, start=START):
         for k in range((LENGTH - row.latency_ns) // row.period_ns + 1):
             stamp = start + k * row.period_ns
             data = stamped(stamp) if row.stamped else b'\0\1\0\0\0'
-            found.append(Recorded(name, stamp + row.latency_ns, data))
+            found.append(RecordedMessage(name, stamp + row.latency_ns, data))
     return sorted(found, key=lambda item: item.time_ns)
 
 
@@ -55,7 +59,7 @@ class Node:
 def graph(cast, told):
     nodes = []
     for role in cast.nodes:
-        trigger = TABLE.trigger(role)
+        trigger = TABLE.trigger_topic(role)
         inputs = list(dict.fromkeys((*TABLE.read_by(role), trigger)))
         nodes.append(Node(role, Inbox(TABLE, role, inputs, trigger, True, replayed=True)))
         nodes[-1].inbox.turns = RecordedTurns(TABLE, told)
@@ -65,10 +69,10 @@ def graph(cast, told):
 def played(messages, cast, seed):
     """Play a recording into a graph with the wire's delays; return every node's steps."""
     chance = random.Random(seed)
-    times = survey(messages, TABLE)
-    answers = answered(times, TABLE, cast)
+    times = compute_due_times(messages, TABLE)
+    answers = compute_answer_times(times, TABLE, cast)
     told = {name: each.due for name, each in (times | answers).items()}
-    owed = Owed({name: each.due for name, each in answers.items()})
+    owed = PendingAnswers({name: each.due for name, each in answers.items()})
     nodes, reel = graph(cast, told), list(messages)
     wires = {}  # (node, topic): messages on the way
 
@@ -78,7 +82,7 @@ def played(messages, cast, seed):
                 wires.setdefault((number, name), []).append((stamp, what))
 
     while True:
-        while reel and reel[0].time_ns <= owed.horizon(AHEAD):
+        while reel and reel[0].time_ns <= owed.play_horizon(AHEAD):
             item = reel.pop(0)
             row = TABLE[item.topic]
             stamp = struct.unpack('<iI', item.data[4:12]) if row.stamped else (0, 0)
@@ -95,7 +99,7 @@ def played(messages, cast, seed):
             turn = len(node.steps)
             node.steps.append((step.stamp_ns, {k: tuple(v) for k, v in step.messages.items()}))
             for out in TABLE.published_by(node.role):
-                owed.take(out)
+                owed.take_answer(out)
                 send(out, step.stamp_ns, (out, turn))
     return {node.role: node.steps for node in nodes}, owed, reel
 
@@ -103,8 +107,10 @@ def played(messages, cast, seed):
 @st.composite
 def recordings(draw):
     """Return a cast, and a recording with gaps, jitter, late logs, jumps and missing topics."""
-    again = tuple(draw(st.lists(st.sampled_from(roles(TABLE)), min_size=1, unique=True)))
-    cast = cast_of(TABLE, again, supporting(TABLE, again))
+    again = tuple(
+        draw(st.lists(st.sampled_from(list_answering_roles(TABLE)), min_size=1, unique=True))
+    )
+    cast = select_nodes(TABLE, again, list_supporting_roles(TABLE, again))
     start = draw(st.sampled_from([START, START + 5 * MS, 3, 1_700_000_000 * 10**9]))
     missing = draw(st.sets(st.sampled_from(cast.played), max_size=2))
     chance = random.Random(draw(st.integers(0, 10**6)))
@@ -124,7 +130,7 @@ def recordings(draw):
             if jump and item.time_ns > start + LENGTH // 2:
                 stamp = max(0, stamp + jump)
             data = stamped(stamp % (2**31 * 10**9))
-        found.append(Recorded(item.topic, moved, data))
+        found.append(RecordedMessage(item.topic, moved, data))
     return cast, sorted(found, key=lambda item: item.time_ns)
 
 
@@ -134,10 +140,10 @@ def test_no_recording_keeps_a_replay_waiting_and_all_is_answered_once(drawn, see
     cast, messages = drawn
     steps, owed, left = played(messages, cast, seed)
     assert left == []
-    assert owed.all_left == 0
-    assert owed.since() == NEVER
+    assert owed.total_left == 0
+    assert owed.oldest_due() == NEVER
     for role in cast.nodes:
-        trigger = TABLE.trigger(role)
+        trigger = TABLE.trigger_topic(role)
         if trigger in cast.played:
             assert len(steps[role]) == sum(item.topic == trigger for item in messages)
         else:
@@ -155,11 +161,11 @@ def test_a_replay_gives_the_same_steps_in_every_order_of_arrival(drawn, one, oth
 @given(st.integers(0, 1000))
 def test_a_whole_recording_is_answered_as_the_table_says(seed):
     """The flight's own rule, which counts periods, gives the same steps."""
-    cast = cast_of(TABLE, [], [])
+    cast = select_nodes(TABLE, [], [])
     messages = whole(cast.played)
     steps, _, _ = played(messages, cast, seed)
     for role in cast.nodes:
-        trigger = TABLE.trigger(role)
+        trigger = TABLE.trigger_topic(role)
         for stamp, given_ in steps[role]:
             now = stamp + TABLE[trigger].latency_ns
             for name, found in given_.items():
@@ -167,34 +173,40 @@ def test_a_whole_recording_is_answered_as_the_table_says(seed):
                     assert len(found) == 1
                     continue
                 lag = TABLE[name].subscribers[role]
-                before = TABLE.due(name, now - TABLE[trigger].period_ns, lag)
+                before = TABLE.count_due(name, now - TABLE[trigger].period_ns, lag)
                 before = before if stamp > START else 0
-                assert len(found) == TABLE.due(name, now, lag) - before
+                assert len(found) == TABLE.count_due(name, now, lag) - before
 
 
 def test_what_is_due_of_a_whole_recording_is_what_the_table_says():
-    cast = cast_of(TABLE, [], [])
-    times = survey(whole(cast.played), TABLE)
+    cast = select_nodes(TABLE, [], [])
+    times = compute_due_times(whole(cast.played), TABLE)
     turns = RecordedTurns(
-        TABLE, {name: each.due for name, each in (times | answered(times, TABLE, cast)).items()}
+        TABLE,
+        {
+            name: each.due
+            for name, each in (times | compute_answer_times(times, TABLE, cast)).items()
+        },
     )
     for name in (*cast.played, *cast.answers):
         for now in range(START - 20 * MS, START + LENGTH - 200 * MS, 5 * MS):
             for lag in (0, 1):
-                assert turns.due(name, now, lag) == TABLE.due(name, now, lag), name
+                assert turns.count_due(name, now, lag) == TABLE.count_due(name, now, lag), name
 
 
 def test_a_message_is_due_when_published_but_not_before_its_log_time_or_the_one_in_front():
     items = [
-        Recorded('range', START, stamped(START)),
-        Recorded('range', START + 70 * MS, stamped(START + 50 * MS)),  # logged late
-        Recorded('range', START + 71 * MS, stamped(START + 25 * MS)),  # overtaken
-        Recorded('photodiodes', START + 100 * MS, stamped(START)),  # latency 100 ms
+        RecordedMessage('range', START, stamped(START)),
+        RecordedMessage('range', START + 70 * MS, stamped(START + 50 * MS)),  # logged late
+        RecordedMessage('range', START + 71 * MS, stamped(START + 25 * MS)),  # overtaken
+        RecordedMessage('photodiodes', START + 100 * MS, stamped(START)),  # latency 100 ms
     ]
-    found = survey(items, TABLE)
+    found = compute_due_times(items, TABLE)
     assert [at - START for at in found['range'].due] == [0, 70 * MS, 71 * MS]
     assert [at - START for at in found['photodiodes'].due] == [100 * MS]
-    answers = answered(found, TABLE, cast_of(TABLE, ['demodulator', 'navigator'], []))
+    answers = compute_answer_times(
+        found, TABLE, select_nodes(TABLE, ['demodulator', 'navigator'], [])
+    )
     assert answers['setpoint/pose'] == found['photodiodes']
 
 
@@ -207,25 +219,29 @@ def test_nothing_is_handed_out_before_the_player_has_said_what_is_due():
 
 
 def test_whoever_owes_the_oldest_answer_is_named():
-    owed = Owed({'odom': [10, 20], 'motors': [10, 20]})
-    assert owed.horizon(5) == 15
-    assert (owed.take('odom'), owed.waiting()) == (10, ['motors'])
-    assert (owed.take('motors'), owed.since()) == (10, 20)
-    assert (owed.take('odom'), owed.take('motors')) == (20, 20)
-    assert owed.take('odom') is None  # more than was owed
-    assert (owed.total, owed.all_left, owed.horizon(5)) == (4, 0, NEVER)
+    owed = PendingAnswers({'odom': [10, 20], 'motors': [10, 20]})
+    assert owed.play_horizon(5) == 15
+    assert (owed.take_answer('odom'), owed.list_oldest_topics()) == (10, ['motors'])
+    assert (owed.take_answer('motors'), owed.oldest_due()) == (10, 20)
+    assert (owed.take_answer('odom'), owed.take_answer('motors')) == (20, 20)
+    assert owed.take_answer('odom') is None  # more than was owed
+    assert (owed.total, owed.total_left, owed.play_horizon(5)) == (4, 0, NEVER)
 
 
 def test_a_cast_is_every_topic_of_its_roles_and_refuses_what_cannot_be():
-    cast = cast_of(TABLE, ['navigator'], supporting(TABLE, ['navigator']))
-    assert set(supporting(TABLE, ['navigator'])) == {'demodulator', 'estimator', 'energy_monitor'}
+    cast = select_nodes(TABLE, ['navigator'], list_supporting_roles(TABLE, ['navigator']))
+    assert set(list_supporting_roles(TABLE, ['navigator'])) == {
+        'demodulator',
+        'estimator',
+        'energy_monitor',
+    }
     assert cast.answers == ('setpoint/pose', 'setpoint/velocity', 'light/beacon')
     assert {'light/peaks', 'odom', 'energy/reserve', 'imu'} <= set(cast.played)
     assert 'motors' not in cast.played
-    assert cast.absent(TABLE, ['light/peaks', 'odom']) == [
+    assert cast.find_missing_topics(TABLE, ['light/peaks', 'odom']) == [
         'light/estimate', 'energy/status', 'energy/reserve',
     ]  # fmt: skip
     with pytest.raises(BadInput, match=r"^Unknown node 'simulator'"):
-        cast_of(TABLE, ['simulator'], [])
+        select_nodes(TABLE, ['simulator'], [])
     with pytest.raises(BadInput, match=r"'navigator' would be played and run again"):
-        cast_of(TABLE, ['navigator'], ['navigator'])
+        select_nodes(TABLE, ['navigator'], ['navigator'])

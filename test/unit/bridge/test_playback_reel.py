@@ -2,24 +2,24 @@
 
 from itertools import pairwise
 
-from lta_bridge.bag.qos import offered_qos
-from lta_bridge.bag.schemas import jazzy
+from lta_bridge.bag.qos import build_offered_qos
+from lta_bridge.bag.schemas import load_jazzy_types
 from lta_bridge.bag.writer import BagWriter
-from lta_bridge.playback.pace import Pace
+from lta_bridge.playback.message_iterator import MessageIterator, shift_stamp
+from lta_bridge.playback.playback_clock import PlaybackClock
 from lta_bridge.playback.recording import open_recording
-from lta_bridge.playback.reel import Reel, shifted
-from lta_config.bounded_memory import bounded_memory
+from lta_config.bounded_memory import limit_memory
 from lta_config.errors import BadInput
-from lta_config.topics import topic_table
+from lta_config.topics import load_topic_table
 from mcap.writer import Writer
 import numpy as np
 import pytest
 from rosbags.highlevel import AnyReader
 
-TABLE = topic_table()
+TABLE = load_topic_table()
 MS = 1_000_000
-QOS = [offered_qos('reliable', 'volatile', 10)]
-TYPES = jazzy()
+QOS = [build_offered_qos('reliable', 'volatile', 10)]
+TYPES = load_jazzy_types()
 
 
 def message(name, stamp_ns):
@@ -55,13 +55,13 @@ def regular(count=5, robot='/lta1/', start=TABLE.start_ns, log=0):
 
 def reel(path, **options):
     recording = open_recording(path, '', TABLE)
-    return Reel(recording, recording.topics, TABLE, **options)
+    return MessageIterator(recording, recording.topics, TABLE, **options)
 
 
 def taken(found, most=10_000):
     items = []
     while found.next_ns is not None and len(items) < most:
-        items.append(found.take())
+        items.append(found.take_next())
     return items
 
 
@@ -103,19 +103,19 @@ def test_a_loop_goes_on_in_time_on_the_grid_of_every_topic(tmp_path):
 
 def test_a_shifted_stamp_is_all_that_changes():
     data = message('pressure', 3 * 10**9 + 999_999_999)
-    moved = shifted(data, 2)
+    moved = shift_stamp(data, 2)
     read = TYPES.deserialize_cdr(moved, TABLE['pressure'].type)
     assert (read.header.stamp.sec, read.header.stamp.nanosec) == (4, 1)
     assert (moved[:4], moved[12:]) == (data[:4], data[12:])
-    assert shifted(data, 0) is data
-    assert shifted(b'\0\1\0\0', 5) == b'\0\1\0\0'  # too short for a stamp
+    assert shift_stamp(data, 0) is data
+    assert shift_stamp(b'\0\1\0\0', 5) == b'\0\1\0\0'  # too short for a stamp
 
 
 def test_a_bag_of_others_without_namespace_and_on_another_clock_is_played_by_its_stamps(tmp_path):
     rows = regular(robot='/', start=7 * 10**9, log=1_700_000_000 * 10**9)
     recording = open_recording(bag(tmp_path / 'bag', rows), '', TABLE)
     assert (recording.robot, recording.topics) == ('', {'pressure', 'illuminance'})
-    items = taken(Reel(recording, recording.topics, TABLE))
+    items = taken(MessageIterator(recording, recording.topics, TABLE))
     assert (items[0].time_ns, items[-1].time_ns) == (7 * 10**9, 7 * 10**9 + 480 * MS)
 
 
@@ -128,7 +128,7 @@ def test_of_several_robots_one_must_be_named(tmp_path):
         open_recording(path, 'lta3', TABLE)
     assert open_recording(path, '', TABLE, own='lta1').robot == 'lta1'
     recording = open_recording(path, 'lta2', TABLE, own='lta1')
-    assert len(taken(Reel(recording, recording.topics, TABLE))) == 12
+    assert len(taken(MessageIterator(recording, recording.topics, TABLE))) == 12
     assert recording.provenance == {'scenario': 'x', 'seed': '7'}
 
 
@@ -184,13 +184,13 @@ def test_what_cannot_be_played_is_one_sentence(tmp_path):
             open_recording(path, '', TABLE)
     lone = bag(tmp_path / 'lone', [('/lta1/pressure', 'pressure', 10**9, 10**9)])
     with pytest.raises(BadInput, match='has no message of imu'):
-        Reel(open_recording(lone, '', TABLE), ['imu'], TABLE)
+        MessageIterator(open_recording(lone, '', TABLE), ['imu'], TABLE)
 
 
 def test_time_runs_at_the_rate_stands_in_a_pause_and_goes_on_where_it_stood():
-    pace = Pace(1000, rate=2.0, paused=False)
+    pace = PlaybackClock(1000, rate=2.0, paused=False)
     assert pace.now(50.0) == 1000  # not begun
-    pace.begin(100.0)
+    pace.start(100.0)
     assert pace.now(100.5) == 1000 + 10**9
     pace.pause(100.5, played_ns=0)
     pace.pause(107.0, played_ns=0)  # a second time changes nothing
@@ -200,8 +200,8 @@ def test_time_runs_at_the_rate_stands_in_a_pause_and_goes_on_where_it_stood():
 
 
 def test_steps_move_a_paused_replay_and_never_back():
-    pace = Pace(1000, rate=1.0, paused=True)
-    pace.begin(5.0)
+    pace = PlaybackClock(1000, rate=1.0, paused=True)
+    pace.start(5.0)
     assert pace.now(9.0) == 999  # before the first message
     pace.step(1000)
     assert pace.now(10.0) == 1000
@@ -212,8 +212,8 @@ def test_steps_move_a_paused_replay_and_never_back():
 
 
 def test_in_lockstep_a_pause_holds_behind_the_last_message():
-    pace = Pace(1000, rate=None, paused=False)
-    pace.begin(0.0)
+    pace = PlaybackClock(1000, rate=None, paused=False)
+    pace.start(0.0)
     assert pace.now(0.0) > 10**18
     pace.pause(1.0, played_ns=4000)
     assert pace.now(99.0) == 4000
@@ -240,8 +240,8 @@ def test_a_chunk_that_unpacks_to_more_than_there_is_is_one_sentence(
 
     def play():
         found = open_recording(path, '', TABLE)
-        list(found.messages(found.topics))
+        list(found.iterate_messages(found.topics))
 
     said = 'a chunk wants more than' if finished else 'damaged or takes more memory'
-    with pytest.raises(BadInput, match=said), bounded_memory():
+    with pytest.raises(BadInput, match=said), limit_memory():
         play()

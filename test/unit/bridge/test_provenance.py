@@ -4,9 +4,9 @@ from pathlib import Path
 import subprocess
 
 from lta_bridge import provenance as origin
-from lta_bridge.provenance import joined, part, provenance
+from lta_bridge.provenance import collect_provenance, extract_robot_origin, merge_origins
 from lta_config.errors import BadInput
-from lta_config.files import share
+from lta_config.files import share_folder
 import pytest
 
 
@@ -19,24 +19,24 @@ def versions(monkeypatch):
 def test_files_go_into_the_bag_whole_and_under_the_names_given(tmp_path: Path):
     gains = tmp_path / 'mine.yaml'
     gains.write_text('/**/controller: {ros__parameters: {gains: {heading_kp: 0.7}}}\n')
-    found = provenance('gtmab', 'lamp_room', str(gains), seed='3')
+    found = collect_provenance('gtmab', 'lamp_room', str(gains), seed='3')
     assert found['gains_file'] == gains.read_text()
-    assert found['scenario_file'] == (share() / 'scenarios/lamp_room.yaml').read_text()
-    assert found['vehicle_file'] == (share() / 'vehicles/gtmab.yaml').read_text()
+    assert found['scenario_file'] == (share_folder() / 'scenarios/lamp_room.yaml').read_text()
+    assert found['vehicle_file'] == (share_folder() / 'vehicles/gtmab.yaml').read_text()
     named = [found[key] for key in ('vehicle', 'scenario', 'gains', 'seed')]
     assert named == ['gtmab', 'lamp_room', str(gains), '3']
 
 
 def test_gains_that_are_not_there_are_one_sentence():
     with pytest.raises(BadInput, match=r'no gains file /nowhere/g\.yaml'):
-        provenance('gtmab', 'lamp_room', '/nowhere/g.yaml')
+        collect_provenance('gtmab', 'lamp_room', '/nowhere/g.yaml')
 
 
 def test_of_several_robots_each_gets_its_own_origin_back():
     shared = {'scenario': 'room', 'scenario_file': 'a: 1', 'commit': 'abc'}
     first = {**shared, 'seed': '1', 'vehicle': 'gtmab', 'created': '10:00'}
     second = {**shared, 'seed': '2', 'vehicle': 'gtmab', 'created': '10:01', 'offset_y': '-2.0'}
-    told = joined({'lta1': first, 'lta2': second})
+    told = merge_origins({'lta1': first, 'lta2': second})
     assert told == {
         **shared,
         'robots': 'lta1 lta2',
@@ -46,9 +46,9 @@ def test_of_several_robots_each_gets_its_own_origin_back():
         'lta2/seed': '2',
         'lta2/offset_y': '-2.0',
     }
-    assert part(told, 'lta1') == first
-    assert part(told, 'lta2') == {**second, 'created': '10:00'}
-    assert part(first, 'lta1') == part(first, '') == first
+    assert extract_robot_origin(told, 'lta1') == first
+    assert extract_robot_origin(told, 'lta2') == {**second, 'created': '10:00'}
+    assert extract_robot_origin(first, 'lta1') == extract_robot_origin(first, '') == first
 
 
 def test_a_commit_is_dirty_by_code_alone(tmp_path: Path, monkeypatch):
@@ -60,19 +60,19 @@ def test_a_commit_is_dirty_by_code_alone(tmp_path: Path, monkeypatch):
     for path in kept:
         path.parent.mkdir()
         path.write_text('old\n')
-    monkeypatch.setattr(origin, 'share', lambda: tmp_path / 'config')
+    monkeypatch.setattr(origin, 'share_folder', lambda: tmp_path / 'config')
     git('init')
     git('add', '.')
     git('commit', '-m', 'begun')
-    clean = origin.commit()
+    clean = origin.read_commit()
     assert len(clean) == 40
     kept[2].write_text('new\n')
     (tmp_path / 'src/untracked.txt').write_text('new\n')
-    assert origin.commit() == clean
+    assert origin.read_commit() == clean
     for path in kept[:2]:
         path.write_text('new\n')
-        assert origin.commit() == f'{clean}-dirty'
+        assert origin.read_commit() == f'{clean}-dirty'
         path.write_text('old\n')
-    assert origin.commit() == clean
-    monkeypatch.setattr(origin, 'share', lambda: tmp_path / 'nowhere')
-    assert origin.commit() == 'unknown'
+    assert origin.read_commit() == clean
+    monkeypatch.setattr(origin, 'share_folder', lambda: tmp_path / 'nowhere')
+    assert origin.read_commit() == 'unknown'

@@ -2,7 +2,7 @@
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from lta_bridge.teensy.blocks import Blocks, WRAP
+from lta_bridge.teensy.block_assembler import BlockAssembler, WRAP
 import numpy as np
 import pytest
 
@@ -20,14 +20,14 @@ def fill(blocks, numbers, first=0):
     return [
         block
         for k in numbers
-        for block in blocks.take(k * 1_500_000, (first + k * ROWS) % WRAP, rows(k * ROWS))
+        for block in blocks.add_rows(k * 1_500_000, (first + k * ROWS) % WRAP, rows(k * ROWS))
     ]
 
 
 @settings(max_examples=30)
 @given(st.integers(1, 400), st.sampled_from([0, WRAP - 7, WRAP - 15 * 100]))
 def test_without_loss_every_row_is_in_its_place_and_time(samples, first):
-    blocks = Blocks(samples, 10e3)
+    blocks = BlockAssembler(samples, 10e3)
     found = fill(blocks, range(200), first)
     assert len(found) == 200 * ROWS // samples == blocks.whole
     for k, block in enumerate(found):
@@ -37,7 +37,7 @@ def test_without_loss_every_row_is_in_its_place_and_time(samples, first):
 
 
 def test_a_gap_takes_its_block_and_the_next_begins_after_it():
-    blocks = Blocks(100, 10e3)
+    blocks = BlockAssembler(100, 10e3)
     numbers = [k for k in range(40) if k not in (10, 11)]
     found = fill(blocks, numbers)
     # 150 rows came, 30 did not: block 0 is whole, 50 rows are torn, and it goes on at row 180.
@@ -48,7 +48,7 @@ def test_a_gap_takes_its_block_and_the_next_begins_after_it():
 
 @given(st.sets(st.integers(0, 60)))
 def test_every_row_is_counted_once(missing):
-    blocks = Blocks(100, 10e3)
+    blocks = BlockAssembler(100, 10e3)
     numbers = [k for k in range(61) if k not in missing]
     found = fill(blocks, numbers)
     assert blocks.rows == ROWS * len(numbers)
@@ -59,14 +59,14 @@ def test_every_row_is_counted_once(missing):
 
 
 def test_what_comes_twice_or_late_is_left():
-    blocks = Blocks(100, 10e3)
+    blocks = BlockAssembler(100, 10e3)
     found = fill(blocks, [0, 1, 1, 2, 0, 3, 4, 5, 6])
     assert len(found) == 1
     assert (blocks.old, blocks.lost, blocks.rows) == (2 * ROWS, 0, 7 * ROWS)
 
 
 def test_a_board_that_counts_anew_is_followed():
-    blocks = Blocks(100, 10e3)
+    blocks = BlockAssembler(100, 10e3)
     fill(blocks, range(50, 70))
     found = fill(blocks, range(30))
     assert blocks.restarts == 1
@@ -76,24 +76,24 @@ def test_a_board_that_counts_anew_is_followed():
 
 
 def test_the_numbers_of_rows_have_32_bits():
-    blocks = Blocks(30, 10e3)
-    assert list(blocks.take(0, 2**32 - 15, rows(0))) == []
-    (block,) = blocks.take(1_500_000, 0, rows(15))
+    blocks = BlockAssembler(30, 10e3)
+    assert list(blocks.add_rows(0, 2**32 - 15, rows(0))) == []
+    (block,) = blocks.add_rows(1_500_000, 0, rows(15))
     assert block.samples[:, 0].tolist() == list(range(30))
-    assert list(blocks.take(4_500_000, 30, rows(45))) == []
+    assert list(blocks.add_rows(4_500_000, 30, rows(45))) == []
     assert (blocks.lost, blocks.old, blocks.whole, blocks.torn) == (15, 0, 1, 0)
 
 
 @pytest.mark.parametrize(('ahead', 'lost', 'old'), [(2**31 - 1, 2**31 - 1, 0), (2**31, 0, 15)])
 def test_half_of_the_circle_ahead_is_behind(ahead, lost, old):
-    blocks = Blocks(100, 10e3)
+    blocks = BlockAssembler(100, 10e3)
     for number in (0, 15 + ahead):
-        list(blocks.take(0, number, rows(number)))
+        list(blocks.add_rows(0, number, rows(number)))
     assert (blocks.lost, blocks.old) == (lost, old)
 
 
 def test_old_rows_between_good_ones_are_no_new_beginning():
-    blocks = Blocks(100, 10e3)
+    blocks = BlockAssembler(100, 10e3)
     fill(blocks, [100, 0, 1, 2, 3, 101, 0, 1, 2, 3, 102])
     assert (blocks.restarts, blocks.old, blocks.rows) == (0, 8 * ROWS, 3 * ROWS)
     fill(blocks, [0, 1, 2, 3, 4])  # the fifth in a row
@@ -101,20 +101,20 @@ def test_old_rows_between_good_ones_are_no_new_beginning():
 
 
 def test_nothing_is_torn_where_no_block_is_being_filled():
-    blocks = Blocks(30, 10e3)
+    blocks = BlockAssembler(30, 10e3)
     assert len(fill(blocks, [0, 1])) == 1
-    blocks.begin_anew()
+    blocks.restart()
     assert (blocks.torn, blocks.restarts) == (0, 1)
     fill(blocks, [40])
-    blocks.begin_anew()
+    blocks.restart()
     assert (blocks.torn, blocks.lost) == (1, 0)
 
 
 def test_rows_of_another_width_begin_a_block_of_their_own():
-    blocks = Blocks(30, 10e3)
-    list(blocks.take(0, 0, rows(0)))
+    blocks = BlockAssembler(30, 10e3)
+    list(blocks.add_rows(0, 0, rows(0)))
     narrow = [rows(15)[:, :4], rows(30)[:, :4]]
-    assert list(blocks.take(1_500_000, 15, narrow[0])) == []
-    (block,) = blocks.take(3_000_000, 30, narrow[1])
+    assert list(blocks.add_rows(1_500_000, 15, narrow[0])) == []
+    (block,) = blocks.add_rows(3_000_000, 30, narrow[1])
     assert block.board_ns == 1_500_000
     assert block.samples.tolist() == np.concatenate(narrow).tolist()

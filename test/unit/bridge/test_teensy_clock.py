@@ -4,7 +4,7 @@ from copy import deepcopy
 
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_bridge.teensy.clock import BoardClock, Exchange
+from lta_bridge.teensy.board_clock import BoardClock, ClockExchange
 import numpy as np
 import pytest
 
@@ -23,7 +23,9 @@ def synchronised(drift, seconds=30, mean=2e-4, seed=1, boot=BOOT):
     for k in range(4 * seconds):
         asked = boot + 5_000_000_000 + k * 250_000_000
         there, back = (1e9 * (1e-4 + chance.exponential(mean, 2))).astype(int)
-        clock.add(Exchange(asked, board_of(asked + int(there), drift), asked + int(there + back)))
+        clock.add_exchange(
+            ClockExchange(asked, board_of(asked + int(there), drift), asked + int(there + back))
+        )
     return clock
 
 
@@ -37,7 +39,7 @@ def test_offset_and_drift_are_found_through_jitter(drift, seed):
     clock = synchronised(drift, seed=seed)
     assert clock.drift == pytest.approx(drift, abs=2e-6)
     now = BOOT + 35_000_000_000
-    assert clock.ours(board_of(now, drift)) == pytest.approx(now, abs=40_000)
+    assert clock.to_host_time(board_of(now, drift)) == pytest.approx(now, abs=40_000)
     assert 5e-6 < clock.uncertainty < 60e-6
     assert clock.restarts == 0
 
@@ -46,17 +48,17 @@ def test_without_jitter_they_are_exact():
     clock = synchronised(50e-6, mean=0.0)
     now = BOOT + 36_000_000_000
     # The prior of the drift pulls 30 s of answers by less than a part in ten thousand of it.
-    assert clock.ours(board_of(now, 50e-6)) == pytest.approx(now, abs=100)
+    assert clock.to_host_time(board_of(now, 50e-6)) == pytest.approx(now, abs=100)
 
 
 def test_four_answers_are_enough_for_an_offset():
     clock = BoardClock()
     for k in range(4):
-        assert not clock.known
-        clock.add(Exchange(1_000 + k, 500_000 + k, 3_000 + k))
-    assert clock.known
-    assert clock.ours(500_000) == 2_000
-    assert clock.ours(500_000 + 1_000_000_000) == 1_000_002_000
+        assert not clock.is_synchronized
+        clock.add_exchange(ClockExchange(1_000 + k, 500_000 + k, 3_000 + k))
+    assert clock.is_synchronized
+    assert clock.to_host_time(500_000) == 2_000
+    assert clock.to_host_time(500_000 + 1_000_000_000) == 1_000_002_000
     assert clock.round_trip == 2_000
 
 
@@ -65,27 +67,27 @@ def test_one_way_delay_shifts_by_half_of_it():
     clock = BoardClock()
     for k in range(100):
         asked = BOOT + k * 250_000_000
-        clock.add(Exchange(asked, board_of(asked + 100_000, 0.0), asked + 1_100_000))
-    assert clock.ours(0) - BOOT == pytest.approx(450_000, abs=10)
+        clock.add_exchange(ClockExchange(asked, board_of(asked + 100_000, 0.0), asked + 1_100_000))
+    assert clock.to_host_time(0) - BOOT == pytest.approx(450_000, abs=10)
 
 
 def test_a_reset_board_begins_anew():
     clock = synchronised(40e-6)
     later = BOOT + 40_000_000_000
-    clock.add(Exchange(later, 1_000_000, later + 400_000))
+    clock.add_exchange(ClockExchange(later, 1_000_000, later + 400_000))
     assert clock.restarts == 1
-    assert clock.ours(1_000_000) == later + 200_000
+    assert clock.to_host_time(1_000_000) == later + 200_000
 
 
 @given(st.integers(0, 50_000_000))
 def test_a_slow_answer_neither_restarts_nor_moves_the_clock(delay):
     clock = deepcopy(SETTLED)
     now = BOOT + 36_000_000_000
-    before = clock.ours(board_of(now, DRIFT))
+    before = clock.to_host_time(board_of(now, DRIFT))
     there = now + 100_000 + delay
-    clock.add(Exchange(now, board_of(there, DRIFT), there + 100_000))
+    clock.add_exchange(ClockExchange(now, board_of(there, DRIFT), there + 100_000))
     assert clock.restarts == 0
-    assert clock.ours(board_of(now, DRIFT)) == pytest.approx(before, abs=40_000)
+    assert clock.to_host_time(board_of(now, DRIFT)) == pytest.approx(before, abs=40_000)
 
 
 def fitted(exchanges):
@@ -114,14 +116,14 @@ def delayed(count, drift=30e-6, seed=4):
     for k in range(count):
         asked = BOOT + 250_000_000 * k
         there, back = (1e9 * (1e-4 + chance.exponential(3e-4, 2))).astype(int).tolist()
-        yield Exchange(asked, board_of(asked + there, drift), asked + there + back)
+        yield ClockExchange(asked, board_of(asked + there, drift), asked + there + back)
 
 
 @pytest.mark.parametrize('count', [4, 20, 128, 129, 140])
 def test_the_line_is_that_of_weighted_least_squares_over_the_newest_128(count):
     clock, every = BoardClock(), list(delayed(count))
     for exchange in every:
-        clock.add(exchange)
+        clock.add_exchange(exchange)
     offset, drift, uncertainty = fitted(every[-128:])
     assert clock.restarts == 0
     assert clock.drift == pytest.approx(drift, rel=1e-6)
@@ -129,7 +131,9 @@ def test_the_line_is_that_of_weighted_least_squares_over_the_newest_128(count):
     newest = every[-1]
     for later in (0, 5_000_000_000):
         expected = later + 1e9 * offset + drift * later  # integers first, for precision
-        assert clock.ours(newest.board + later) - newest.middle == pytest.approx(expected, abs=1)
+        assert clock.to_host_time(newest.board + later) - newest.midpoint == pytest.approx(
+            expected, abs=1
+        )
 
 
 @pytest.mark.parametrize('late', [False, True])
@@ -138,18 +142,23 @@ def test_an_answer_may_contradict_by_two_milliseconds_and_three_deviations(late)
     for beyond, restarts in ((-2_000, 0), (2_000, 1)):
         clock = BoardClock()
         for k in range(4):
-            clock.add(Exchange(k, k + 500_000, k + 1_000_000))
+            clock.add_exchange(ClockExchange(k, k + 500_000, k + 1_000_000))
         assert clock.uncertainty == pytest.approx(135e-6, rel=1e-3)
         slack = 2_000_000 + 3 * 135_000 + beyond
         asked = 1_000_000 + slack if late else -1_000_000 - slack
         heard = asked if late else -1_000_000 - slack
         # By the line the board's 1.5 ms are our 1.5 ms, and its -0.5 ms our -0.5 ms.
         board = 1_000_000 if late else -1_000_000
-        clock.add(Exchange(asked, board, heard))
+        clock.add_exchange(ClockExchange(asked, board, heard))
         assert clock.restarts == restarts
 
 
 def test_before_any_answer_nothing_is_known():
     clock = BoardClock()
-    assert (clock.known, clock.drift, clock.uncertainty, clock.restarts) == (False, 0.0, 0.0, 0)
-    assert [Exchange(10, 0, 21).middle, Exchange(10, 0, 21).round_trip] == [15, 11]
+    assert (clock.is_synchronized, clock.drift, clock.uncertainty, clock.restarts) == (
+        False,
+        0.0,
+        0.0,
+        0,
+    )
+    assert [ClockExchange(10, 0, 21).midpoint, ClockExchange(10, 0, 21).round_trip] == [15, 11]

@@ -7,8 +7,8 @@ from pathlib import Path
 import sys
 
 from lta_bridge.teensy.dialect import LTA_LIGHT_BLOCK, MESSAGES
-from lta_bridge.teensy.framing import Framing
-from lta_emulation.teensy.emulator import EmulatedBoard
+from lta_bridge.teensy.frame_parser import FrameParser
+from lta_emulation.teensy.emulated_board import EmulatedBoard
 import numpy as np
 import pytest
 
@@ -65,7 +65,9 @@ def test_the_messages_of_common_are_unchanged_and_ours_are_in_nobody_s_way():
 def test_their_decoder_reads_our_light(theirs):
     light = np.random.default_rng(1).integers(0, 4096, (45, 8)).astype(np.uint16)
     board = EmulatedBoard(0, first=2**32 - 15)
-    found = theirs.MAVLink(io.BytesIO()).parse_buffer(board.light(light) + board.status())
+    found = theirs.MAVLink(io.BytesIO()).parse_buffer(
+        board.encode_light(light) + board.encode_status()
+    )
     names = [message.get_type() for message in found]
     assert names == ['LTA_LIGHT_BLOCK'] * 3 + ['HEARTBEAT', 'LTA_LIGHT_STATUS']
     assert np.concatenate([m.samples for m in found[:3]]).reshape(45, 8).tolist() == light.tolist()
@@ -79,7 +81,7 @@ def test_we_read_their_encoder(theirs):
     samples = [*range(4000, 4117), 0, 0, 0]
     other.lta_light_block_send(2**40 + 5, 7, 8, 15, samples)
     other.timesync_send(-3, 2**60)
-    block, time = Framing().take(out.getvalue())
+    block, time = FrameParser().parse_frames(out.getvalue())
     assert block.message is LTA_LIGHT_BLOCK
     assert block.record['time_usec'] == 2**40 + 5
     assert block.record['samples'].tolist() == samples
@@ -96,15 +98,15 @@ def test_a_field_that_a_newer_dialect_adds_is_left(theirs):
     assert frame[1] == 9  # zeros at the end are not sent
     body = frame[:1] + bytes([18]) + frame[2:10] + frame[10:19] + bytes(7) + b'\1\2'
     check = MESSAGES[111].checksum(body).to_bytes(2, 'little')
-    (found,) = Framing().take(bytes(body) + check)
+    (found,) = FrameParser().parse_frames(bytes(body) + check)
     assert (found.record['tc1'], found.record['ts1']) == (5, 9)
 
 
 def test_no_environment_variable_switches_the_check_off(monkeypatch):
     """The generated reader takes anything where MAV_IGNORE_CRC is set; ours does not."""
     monkeypatch.setitem(os.environ, 'MAV_IGNORE_CRC', '1')
-    frame = bytearray(EmulatedBoard(0).light(np.full((15, 8), 9, np.uint16)))
+    frame = bytearray(EmulatedBoard(0).encode_light(np.full((15, 8), 9, np.uint16)))
     frame[30] ^= 1
-    framing = Framing()
-    assert list(framing.take(bytes(frame))) == []
+    framing = FrameParser()
+    assert list(framing.parse_frames(bytes(frame))) == []
     assert framing.crc_errors == 1

@@ -5,9 +5,9 @@ from collections import Counter
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from lta_bridge.teensy.dialect import HEARTBEAT, LTA_LIGHT_STATUS
-from lta_bridge.teensy.framing import Framing
-from lta_bridge.teensy.message import Message
-from lta_emulation.teensy.emulator import EmulatedBoard, Faults, FOREIGN
+from lta_bridge.teensy.frame_parser import FrameParser
+from lta_bridge.teensy.message import MavlinkMessage
+from lta_emulation.teensy.emulated_board import EmulatedBoard, FOREIGN, FrameFaults
 import numpy as np
 import pytest
 
@@ -17,15 +17,15 @@ LIGHT = np.random.default_rng(1).integers(0, 4096, (15 * FRAMES, 8)).astype(np.u
 
 def read(data, framing=None):
     """Return the numbers of the rows that begin each frame of light."""
-    framing = framing or Framing()
-    return [int(frame.record['sequence']) for frame in framing.take(data)], framing
+    framing = framing or FrameParser()
+    return [int(frame.record['sequence']) for frame in framing.parse_frames(data)], framing
 
 
 @settings(max_examples=40)
 @given(st.lists(st.integers(1, 700), max_size=200))
 def test_any_cut_of_the_stream_gives_the_same(sizes):
-    data = EmulatedBoard(0).light(LIGHT)
-    framing, found = Framing(), []
+    data = EmulatedBoard(0).encode_light(LIGHT)
+    framing, found = FrameParser(), []
     for size in [*sizes, len(data)]:
         found += read(data[:size], framing)[0]
         data = data[size:]
@@ -35,8 +35,8 @@ def test_any_cut_of_the_stream_gives_the_same(sizes):
 
 @pytest.mark.parametrize('fault', ['corrupt', 'cut', 'drop'])
 def test_a_fault_costs_the_frame_that_it_hits_and_no_other(fault):
-    data = EmulatedBoard(0, faults=Faults(**{fault: 10})).light(LIGHT)
-    found, framing = read(data + FOREIGN.frame(0, 1, 1))
+    data = EmulatedBoard(0, faults=FrameFaults(**{fault: 10})).encode_light(LIGHT)
+    found, framing = read(data + FOREIGN.build_frame(0, 1, 1))
     # The last frame that is cut short may be a whole one yet: it waits.
     assert found == [15 * k for k in range(FRAMES) if (k + 1) % 10]
     if fault == 'corrupt':
@@ -44,14 +44,16 @@ def test_a_fault_costs_the_frame_that_it_hits_and_no_other(fault):
 
 
 def test_foreign_messages_are_counted_and_are_no_loss():
-    found, framing = read(EmulatedBoard(0, faults=Faults(foreign=10)).light(LIGHT) + b'\xfd')
+    found, framing = read(
+        EmulatedBoard(0, faults=FrameFaults(foreign=10)).encode_light(LIGHT) + b'\xfd'
+    )
     assert len(found) == FRAMES
     assert (framing.unknown, framing.crc_errors, framing.stray) == (FRAMES // 10, 0, 0)
 
 
 def test_noise_between_frames_is_stepped_over():
     chance = np.random.default_rng(2)
-    data = EmulatedBoard(0).light(LIGHT)
+    data = EmulatedBoard(0).encode_light(LIGHT)
     size = len(data) // FRAMES
     frames = [data[k * size : (k + 1) * size] for k in range(FRAMES)]
     found, framing = read(b''.join(chance.bytes(37) + frame for frame in frames) + b'\0' * 300)
@@ -63,7 +65,7 @@ def test_noise_between_frames_is_stepped_over():
 def test_a_million_malformed_bytes_are_each_looked_at_once(kind, monkeypatch):
     chance = np.random.default_rng(3)
     million = 1_000_000
-    frame = EmulatedBoard(0).light(LIGHT[:15])
+    frame = EmulatedBoard(0).encode_light(LIGHT[:15])
     data = {
         'random': chance.bytes(million),
         'markers': b'\xfd' * million,
@@ -71,17 +73,17 @@ def test_a_million_malformed_bytes_are_each_looked_at_once(kind, monkeypatch):
         'heads': (b'\xfd\xff\0\0\0\1\1' + frame[7:10]) * (million // 10),
         'frames with a bit wrong': (frame[:40] + b'\xaa' + frame[41:]) * (million // len(frame)),
     }[kind]
-    framing, looked = Framing(), Counter()
-    look = Framing._end
+    framing, looked = FrameParser(), Counter()
+    look = FrameParser._find_frame_end
 
     def looking(held, at):
         looked['at'] += 1
         return look(held, at)
 
-    monkeypatch.setattr(Framing, '_end', looking)
+    monkeypatch.setattr(FrameParser, '_find_frame_end', looking)
     pieces = range(0, len(data), 4096)
     for at in pieces:
-        assert list(framing.take(data[at : at + 4096])) == []
+        assert list(framing.parse_frames(data[at : at + 4096])) == []
     # No byte is taken for a frame's beginning twice, but for one that waits for its end.
     assert looked['at'] <= len(data) + len(pieces)
     assert read(frame * 3, framing)[0]  # and it goes on
@@ -103,17 +105,17 @@ def test_a_frame_byte_by_byte():
     head = bytes.fromhex('09 00 00 02 03 bf 00 00 00')  # length, flags, 258 modulo 256, 3, 191
     body = head + bytes.fromhex('44332211 12 08 51 04 03')
     values = {'type': 0x12, 'autopilot': 8, 'base_mode': 0x51, 'system_status': 4}
-    frame = HEARTBEAT.frame(258, 3, 191, custom_mode=0x11223344, mavlink_version=3, **values)
+    frame = HEARTBEAT.build_frame(258, 3, 191, custom_mode=0x11223344, mavlink_version=3, **values)
     assert frame == b'\xfd' + body + crc(body + bytes([50]))
-    empty = LTA_LIGHT_STATUS.frame(0, 1, 2)
+    empty = LTA_LIGHT_STATUS.build_frame(0, 1, 2)
     body = bytes.fromhex('01 00 00 00 01 02 9ad000 00')  # 53402; one zero at least is sent
     assert empty == b'\xfd' + body + crc(body + bytes([193]))
 
 
 def test_a_payload_is_filled_up_with_zeros_and_cut_at_its_last_field():
     whole = bytes([5, 0, 0, 0, 7, 8, 9, 10, 11])
-    assert HEARTBEAT.record(whole + b'\1\2').tobytes() == whole
-    assert HEARTBEAT.record(whole[:1]).tobytes() == whole[:1] + bytes(8)
+    assert HEARTBEAT.parse_payload(whole + b'\1\2').tobytes() == whole
+    assert HEARTBEAT.parse_payload(whole[:1]).tobytes() == whole[:1] + bytes(8)
 
 
 def signed(frame, extra):
@@ -124,11 +126,11 @@ def signed(frame, extra):
 
 def test_a_stream_of_all_kinds_byte_by_byte():
     """Own, signed and foreign frames and noise are each recognised at the earliest byte."""
-    ours = HEARTBEAT.frame(1, 1, 191, custom_mode=77)
-    foreign = FOREIGN.frame(0, 1, 1)
+    ours = HEARTBEAT.build_frame(1, 1, 191, custom_mode=77)
+    foreign = FOREIGN.build_frame(0, 1, 1)
     stream = b'ab' + ours + signed(ours, 50) + foreign + ours + signed(foreign, 0) + ours + b'c'
-    framing = Framing()
-    found = [frame for byte in stream for frame in framing.take(bytes([byte]))]
+    framing = FrameParser()
+    found = [frame for byte in stream for frame in framing.parse_frames(bytes([byte]))]
     assert [int(frame.record['custom_mode']) for frame in found] == [77] * 4
     assert [(frame.system, frame.component) for frame in found] == [(1, 191)] * 4
     assert (framing.frames, framing.crc_errors, framing.unknown) == (4, 0, 2)
@@ -136,21 +138,21 @@ def test_a_stream_of_all_kinds_byte_by_byte():
 
 
 def test_a_head_with_a_flag_that_nobody_knows_begins_no_frame():
-    frame = bytearray(HEARTBEAT.frame(0, 1, 1, custom_mode=1))
+    frame = bytearray(HEARTBEAT.build_frame(0, 1, 1, custom_mode=1))
     for flags in (2, 3, 0x80):
         frame[2] = flags
-        framing = Framing()
-        assert list(framing.take(bytes(frame[:9]))) == []
+        framing = FrameParser()
+        assert list(framing.parse_frames(bytes(frame[:9]))) == []
         assert framing.stray == 0  # the number of the message is not whole yet
-        assert list(framing.take(bytes(frame[9:10]))) == []
+        assert list(framing.parse_frames(bytes(frame[9:10]))) == []
         assert framing.stray == 10
 
 
 def test_a_foreign_message_counts_where_a_frame_of_either_kind_follows_at_once():
-    foreign = Message(7, 'OTHER', 0, HEARTBEAT.layout).frame(0, 1, 1, custom_mode=3)
+    foreign = MavlinkMessage(7, 'OTHER', 0, HEARTBEAT.layout).build_frame(0, 1, 1, custom_mode=3)
     for behind, unknown in ((b'\xfd', 1), (b'\xfe', 1), (b'\xfc', 0)):
-        framing = Framing()
-        assert list(framing.take(foreign)) == []
+        framing = FrameParser()
+        assert list(framing.parse_frames(foreign)) == []
         assert (framing.unknown, framing.stray) == (0, 0)
-        assert list(framing.take(behind)) == []
+        assert list(framing.parse_frames(behind)) == []
         assert framing.unknown == unknown

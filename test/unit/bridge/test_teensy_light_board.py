@@ -1,14 +1,14 @@
 """The light board through the bridge's core: light in, the same light out in our time."""
 
 from lta_bridge.teensy.dialect import LTA_LIGHT_BLOCK, TIMESYNC
-from lta_bridge.teensy.framing import Framing
+from lta_bridge.teensy.frame_parser import FrameParser
 from lta_bridge.teensy.light_board import LightBoard
-from lta_config.topics import topic_table
-from lta_emulation.teensy.emulator import EmulatedBoard, Faults
+from lta_config.topics import load_topic_table
+from lta_emulation.teensy.emulated_board import EmulatedBoard, FrameFaults
 import numpy as np
 import pytest
 
-LIGHT = topic_table().light
+LIGHT = load_topic_table().light
 BOOT = 1_700_000_000_000_000_000
 SECONDS = 3
 SAMPLES = np.random.default_rng(1).integers(0, 4096, (10_000 * SECONDS, 8)).astype(np.uint16)
@@ -20,12 +20,12 @@ def flown(board, samples=SAMPLES, start=BOOT + 2_000_000_000, link=None):
     found = []
     for k in range(-5, len(samples) // 1000):  # half a second of answers comes first
         now = start + k * 100_000_000
-        answer = board.answer(link.due(now), now + 150_000)
-        found += link.take(answer, now + 300_000)
+        answer = board.answer_timesync(link.compose_due_messages(now), now + 150_000)
+        found += link.receive_data(answer, now + 300_000)
         if k >= 0:
-            status = board.status() if k % 10 == 0 else b''
-            light = board.light(samples[1000 * k : 1000 * (k + 1)])
-            found += link.take(status + light, now + 100_000_000)
+            status = board.encode_status() if k % 10 == 0 else b''
+            light = board.encode_light(samples[1000 * k : 1000 * (k + 1)])
+            found += link.receive_data(status + light, now + 100_000_000)
     return link, found
 
 
@@ -35,8 +35,8 @@ def test_the_light_is_that_of_the_board_sample_by_sample_in_our_time():
     assert len(found) == 10 * SECONDS
     for k, block in enumerate(found):
         assert (block.samples == SAMPLES[1000 * k : 1000 * (k + 1)]).all()
-        assert block.stamp_ns == pytest.approx(board.our_ns(1000 * k), abs=100_000)
-    assert (link.blocks.lost, link.framing.crc_errors, link.undated, link.wrong) == (0, 0, 0, '')
+        assert block.stamp_ns == pytest.approx(board.row_time_ns(1000 * k), abs=100_000)
+    assert (link.blocks.lost, link.framing.crc_errors, link.undated, link.fault) == (0, 0, 0, '')
 
 
 def test_the_drift_of_the_board_is_told():
@@ -47,7 +47,7 @@ def test_the_drift_of_the_board_is_told():
 
 @pytest.mark.parametrize('fault', ['drop', 'corrupt', 'cut'])
 def test_losses_are_counted_by_the_board_s_own_numbers(fault):
-    board = EmulatedBoard(BOOT, faults=Faults(**{fault: 70}))
+    board = EmulatedBoard(BOOT, faults=FrameFaults(**{fault: 70}))
     link, found = flown(board)
     hit = board.sent // 70
     assert link.blocks.lost == 15 * hit
@@ -60,7 +60,7 @@ def test_losses_are_counted_by_the_board_s_own_numbers(fault):
 
 
 def test_foreign_messages_are_no_loss():
-    link, found = flown(EmulatedBoard(BOOT, faults=Faults(foreign=3)))
+    link, found = flown(EmulatedBoard(BOOT, faults=FrameFaults(foreign=3)))
     assert link.framing.unknown > 600
     assert (link.blocks.lost, len(found)) == (0, 10 * SECONDS)
 
@@ -79,11 +79,11 @@ def test_light_of_a_board_that_was_just_reset_waits_for_its_new_clock():
     link, _ = flown(EmulatedBoard(BOOT, first=4_000_000_000))
     now = BOOT + 5_100_000_000
     again = EmulatedBoard(now - 100_000_000)
-    assert list(link.take(again.light(SAMPLES[:1500]), now)) == []
-    assert (link.clock.known, link.undated, link.blocks.lost) == (False, 1, 0)
+    assert list(link.receive_data(again.encode_light(SAMPLES[:1500]), now)) == []
+    assert (link.clock.is_synchronized, link.undated, link.blocks.lost) == (False, 1, 0)
     link, after = flown(again, SAMPLES[1500:], start=now + 1_000_000_000, link=link)
     assert (link.clock.restarts, link.blocks.restarts, link.blocks.lost) == (1, 1, 0)
-    assert after[0].stamp_ns == pytest.approx(again.our_ns(1000), abs=1_000_000)
+    assert after[0].stamp_ns == pytest.approx(again.row_time_ns(1000), abs=1_000_000)
 
 
 def test_our_own_clock_set_back_by_an_hour_costs_no_more_than_a_few_blocks():
@@ -92,22 +92,24 @@ def test_our_own_clock_set_back_by_an_hour_costs_no_more_than_a_few_blocks():
     hour, now = 3600 * 10**9, BOOT + 5_000_000_000
     found = []
     for k in range(20):
-        answer = board.answer(link.due(now - hour), now + 150_000)
-        found += link.take(answer, now + 300_000 - hour)
-        found += link.take(board.light(SAMPLES[1000 * k : 1000 * (k + 1)]), now + 10**8 - hour)
+        answer = board.answer_timesync(link.compose_due_messages(now - hour), now + 150_000)
+        found += link.receive_data(answer, now + 300_000 - hour)
+        found += link.receive_data(
+            board.encode_light(SAMPLES[1000 * k : 1000 * (k + 1)]), now + 10**8 - hour
+        )
         now += 10**8
     assert link.clock.restarts == 1
     assert len(found) >= 15  # and the last lacks rows that fill no frame yet
-    assert found[-1].stamp_ns == pytest.approx(board.our_ns(48_000) - hour, abs=10**6)
+    assert found[-1].stamp_ns == pytest.approx(board.row_time_ns(48_000) - hour, abs=10**6)
 
 
 def test_a_datagram_that_was_overtaken_is_no_reset():
     board = EmulatedBoard(BOOT)
     link, _ = flown(board)
-    frames = [board.light(SAMPLES[15 * k : 15 * k + 15]) for k in range(40)]
+    frames = [board.encode_light(SAMPLES[15 * k : 15 * k + 15]) for k in range(40)]
     frames.insert(35, frames.pop(5))
     for frame in frames:
-        list(link.take(frame, BOOT + 5_100_000_000))
+        list(link.receive_data(frame, BOOT + 5_100_000_000))
     assert (link.clock.restarts, link.blocks.restarts, link.blocks.lost) == (0, 0, 15)
 
 
@@ -119,14 +121,16 @@ def test_a_time_that_cannot_be_is_no_block(time_usec):
     for k in range(67):
         values = {'samples': np.zeros(120, np.uint16), 'diodes': 8, 'rows': 15}
         sequence = 10_000 * SECONDS + 15 * k
-        frame = LTA_LIGHT_BLOCK.frame(k, 1, 191, sequence=sequence, time_usec=time_usec, **values)
-        assert list(link.take(frame, now)) == []
+        frame = LTA_LIGHT_BLOCK.build_frame(
+            k, 1, 191, sequence=sequence, time_usec=time_usec, **values
+        )
+        assert list(link.receive_data(frame, now)) == []
     assert link.undated == undated + 1
 
 
 def test_without_the_board_s_time_there_is_no_block():
     board, link = EmulatedBoard(BOOT), LightBoard(LIGHT, 8)
-    assert list(link.take(board.light(SAMPLES[:2010]), BOOT)) == []
+    assert list(link.receive_data(board.encode_light(SAMPLES[:2010]), BOOT)) == []
     assert link.undated == 2
 
 
@@ -142,31 +146,38 @@ def test_without_the_board_s_time_there_is_no_block():
 def test_what_cannot_be_used_is_one_sentence_and_no_block(board, diodes, sentence):
     link, found = flown(board, link=LightBoard(LIGHT, diodes, bits=12))
     assert found == []
-    assert sentence in link.wrong
-    assert link.wrong.endswith('.')
+    assert sentence in link.fault
+    assert link.fault.endswith('.')
 
 
 def test_only_answers_to_our_own_questions_are_believed():
     board, link = EmulatedBoard(BOOT), LightBoard(LIGHT, 8)
-    link.clock.add = None  # nothing may get there
-    late = board.answer(link.due(BOOT), BOOT)
-    assert list(link.take(late, BOOT + 2_000_000_000)) == []
-    stranger = LightBoard(LIGHT, 8).due(BOOT + 77)
-    assert list(link.take(board.answer(stranger, BOOT), BOOT + 100)) == []
+    link.clock.add_exchange = None  # nothing may get there
+    late = board.answer_timesync(link.compose_due_messages(BOOT), BOOT)
+    assert list(link.receive_data(late, BOOT + 2_000_000_000)) == []
+    stranger = LightBoard(LIGHT, 8).compose_due_messages(BOOT + 77)
+    assert list(link.receive_data(board.answer_timesync(stranger, BOOT), BOOT + 100)) == []
 
 
 def test_a_board_that_asks_gets_our_time():
     link = LightBoard(LIGHT, 8)
-    link.due(BOOT)
-    assert list(link.take(LightBoard(LIGHT, 8).due(123_456), BOOT + 1_000)) == []
-    told = [f.record for f in Framing().take(link.due(BOOT + 2_000)) if f.message is TIMESYNC]
+    link.compose_due_messages(BOOT)
+    assert (
+        list(link.receive_data(LightBoard(LIGHT, 8).compose_due_messages(123_456), BOOT + 1_000))
+        == []
+    )
+    told = [
+        f.record
+        for f in FrameParser().parse_frames(link.compose_due_messages(BOOT + 2_000))
+        if f.message is TIMESYNC
+    ]
     assert [(int(r['tc1']), int(r['ts1'])) for r in told] == [(BOOT + 1_000, 123_456)]
 
 
 def test_a_board_has_sampled_nothing_before_it_booted():
     board = EmulatedBoard(BOOT)
-    assert board.light(SAMPLES[:1000], BOOT - 50_000_000) == b''
-    assert board.peaks(SAMPLES[:1000], 150.0, BOOT - 1) == b''
+    assert board.encode_light(SAMPLES[:1000], BOOT - 50_000_000) == b''
+    assert board.encode_peaks(SAMPLES[:1000], 150.0, BOOT - 1) == b''
     link, (block, *_) = flown(board)
     assert (block.samples == SAMPLES[:1000]).all()
     assert (link.blocks.lost, link.blocks.old) == (0, 0)

@@ -3,18 +3,18 @@
 from lta_bridge.teensy.dialect import LTA_LIGHT_PEAKS
 from lta_bridge.teensy.light_board import LightBoard, LightPeaks
 from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_config.topics import topic_table
-from lta_emulation.teensy.emulator import EmulatedBoard
-from lta_vlc.diodes import diodes_of
+from lta_config.topics import load_topic_table
+from lta_emulation.teensy.emulated_board import EmulatedBoard
+from lta_vlc.diodes import build_diode_array
 from lta_vlc.lamp import LampPrior
 from lta_vlc.lamp_finder import LampFinder
-from lta_vlc.listener import Listener
-from lta_vlc.settings import Demodulation
+from lta_vlc.receiver import BeaconReceiver
+from lta_vlc.settings import DemodulationSettings
 import numpy as np
 import pytest
 
-LIGHT = topic_table().light
-FINDER = LampFinder(diodes_of(load_vehicle_file('gtmab').sensors.diodes))
+LIGHT = load_topic_table().light
+FINDER = LampFinder(build_diode_array(load_vehicle_file('gtmab').sensors.diodes))
 FREQUENCY = 150.0
 BOOT = 1_700_000_000_000_000_000
 
@@ -38,9 +38,17 @@ def through(samples, link):
     board = EmulatedBoard(BOOT)
     for turn in range(8):
         now = BOOT + 20_000_000 * turn
-        assert list(link.take(board.answer(link.due(now), now + 100_000), now + 200_000)) == []
-    frame = board.peaks(samples, FREQUENCY, BOOT + 1_000_000_000)
-    return list(link.take(board.status() + frame, BOOT + 1_100_000_000))
+        assert (
+            list(
+                link.receive_data(
+                    board.answer_timesync(link.compose_due_messages(now), now + 100_000),
+                    now + 200_000,
+                )
+            )
+            == []
+        )
+    frame = board.encode_peaks(samples, FREQUENCY, BOOT + 1_000_000_000)
+    return list(link.receive_data(board.encode_status() + frame, BOOT + 1_100_000_000))
 
 
 @pytest.mark.parametrize('azimuth', [0.0, 0.7, 2.5, -1.9])
@@ -49,15 +57,17 @@ def test_they_lead_where_the_samples_lead(azimuth):
     (came,) = through(samples, LightBoard(LIGHT, 8, finds_peaks=True))
     assert isinstance(came, LightPeaks)
     assert came.stamp_ns == pytest.approx(BOOT + 1_000_000_000, abs=200_000)
-    settings = Demodulation()
-    heard = Listener(settings, LIGHT.sample_rate.si, LIGHT.samples).hear(samples).peaks[0]
+    settings = DemodulationSettings()
+    heard = (
+        BeaconReceiver(settings, LIGHT.sample_rate.si, LIGHT.samples).demodulate(samples).peaks[0]
+    )
     bright = heard.amplitude > 50.0
     assert came.peaks.amplitude[bright] == pytest.approx(heard.amplitude[bright], rel=0.01)
     # All that is not the fundamental counts as noise, a square wave's harmonics too.
     assert (came.peaks.snr[bright] > settings.threshold).all()
     assert (came.peaks.snr[bright] < heard.snr[bright]).all()
     one, other = (
-        FINDER.found(peaks, settings.threshold, LampPrior()).towards
+        FINDER.find(peaks, settings.threshold, LampPrior()).towards
         for peaks in (came.peaks, heard)
     )
     assert np.arctan2(one.y, one.x) == pytest.approx(azimuth, abs=np.radians(3.0))
@@ -67,28 +77,31 @@ def test_they_lead_where_the_samples_lead(azimuth):
 def test_in_the_dark_no_diode_is_believed():
     dark = np.random.default_rng(2).normal(200.0, 3.0, (1000, 8)).astype(np.uint16)
     (came,) = through(dark, LightBoard(LIGHT, 8, finds_peaks=True))
-    assert (came.peaks.snr < Demodulation().threshold).all()
-    found = FINDER.found(came.peaks, Demodulation().threshold, LampPrior())
+    assert (came.peaks.snr < DemodulationSettings().threshold).all()
+    found = FINDER.find(came.peaks, DemodulationSettings().threshold, LampPrior())
     assert found == (None, None)
 
 
 def test_peaks_that_nobody_asked_for_and_other_windows_are_one_sentence():
     link = LightBoard(LIGHT, 8)
     assert through(lamp(0.0), link) == []
-    assert 'start with light_peaks:=true' in link.wrong
+    assert 'start with light_peaks:=true' in link.fault
     link = LightBoard(LIGHT, 8, finds_peaks=True)
     assert through(lamp(0.0)[:500], link) == []
-    assert 'over 500 rows; the vehicle has 8 and a block 1000' in link.wrong
+    assert 'over 500 rows; the vehicle has 8 and a block 1000' in link.fault
 
 
 def test_samples_where_peaks_were_asked_for_and_peaks_of_no_number_are_one_sentence():
     link = LightBoard(LIGHT, 8, finds_peaks=True)
     board = EmulatedBoard(BOOT)
-    assert list(link.take(board.light(lamp(0.0)) + board.status(), BOOT + 1)) == []
-    assert 'sends samples and no peaks; start without light_peaks:=true' in link.wrong
+    assert (
+        list(link.receive_data(board.encode_light(lamp(0.0)) + board.encode_status(), BOOT + 1))
+        == []
+    )
+    assert 'sends samples and no peaks; start without light_peaks:=true' in link.fault
     assert list(through(lamp(0.0), link)) != []
-    assert link.wrong == ''
+    assert link.fault == ''
     record = {'diodes': 8, 'window': 1000, 'frequency': np.nan}
-    frame = LTA_LIGHT_PEAKS.frame(0, 1, 191, **record)
-    assert list(link.take(frame, BOOT + 1)) == []
-    assert 'no numbers' in link.wrong
+    frame = LTA_LIGHT_PEAKS.build_frame(0, 1, 191, **record)
+    assert list(link.receive_data(frame, BOOT + 1)) == []
+    assert 'no numbers' in link.fault

@@ -7,18 +7,18 @@ import threading
 import time
 
 from lta_bridge.teensy.light_board import LightBoard
-from lta_bridge.teensy.one_sender import LOYAL_NS
 from lta_bridge.teensy.port import open_port, UdpPort, Unplugged
-from lta_bridge.teensy.reader import Reader
+from lta_bridge.teensy.reader import BoardReader
+from lta_bridge.teensy.sender_filter import LOYAL_NS
 from lta_config.errors import BadInput
-from lta_config.topics import topic_table
-from lta_emulation.teensy.emulator import Cable, EmulatedBoard
+from lta_config.topics import load_topic_table
+from lta_emulation.teensy.emulated_board import Cable, EmulatedBoard
 import numpy as np
 from ports import free_port, UDP
 import pytest
 from waiting import PATIENCE, wait_until
 
-LIGHT = topic_table().light
+LIGHT = load_topic_table().light
 ROWS = np.arange(1200 * 8, dtype=np.uint16).reshape(1200, 8)
 
 
@@ -207,11 +207,11 @@ def udp_port():
 def test_a_cable_that_comes_back_is_read_on(cable, tmp_path):
     board, blocks = EmulatedBoard(time.time_ns()), []
     link = LightBoard(LIGHT, 8)
-    reader = Reader(str(tmp_path / 'ttyACM0'), link, blocks.append, time.time_ns)
+    reader = BoardReader(str(tmp_path / 'ttyACM0'), link, blocks.append, time.time_ns)
 
     def heard(count):
-        cable.write(board.answer(cable.read(0.01), time.time_ns()))
-        cable.write(board.light(ROWS))
+        cable.write(board.answer_timesync(cable.read(0.01), time.time_ns()))
+        cable.write(board.encode_light(ROWS))
         return len(blocks) >= count
 
     wait_until(lambda: heard(3), 'three blocks', lambda: len(blocks))

@@ -45,7 +45,7 @@ def read(monkeypatch, event_after):
             or SimpleNamespace(start=target, join=lambda: None),
         ))  # fmt: skip
         board = SimpleNamespace(due=lambda now: b'', take=lambda data, now: [])
-        return reader.Reader('any', board, lambda block: None, lambda: 0), ended.waited
+        return reader.BoardReader('any', board, lambda block: None, lambda: 0), ended.waited
 
     return read
 

@@ -7,35 +7,49 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from hypothesis import given
 from hypothesis import strategies as st
 from lta_bridge.teleop.gamepad import Gamepad
-from lta_bridge.teleop.helm import Felt, LEAD_TURN, Rates, State, tick
 from lta_bridge.teleop.keyboard import HELD, Keyboard
-from lta_bridge.teleop.messages import Flyers, JoyDevice, SILENT
-from lta_bridge.teleop.sticks import deflection, Layout, of_gamepad, Sticks
+from lta_bridge.teleop.messages import JoyDevice, SetpointFollowers, SILENT
+from lta_bridge.teleop.steering import (
+    HeadingAltitude,
+    LEAD_TURN,
+    step_state,
+    TeleopRates,
+    TeleopState,
+)
+from lta_bridge.teleop.sticks import apply_dead_zone, GamepadLayout, Sticks, to_sticks
 from lta_config.errors import BadInput
 import pytest
 from sensor_msgs.msg import Joy
 
-LAYOUT = Layout()
+LAYOUT = GamepadLayout()
 REST = Sticks()
 
 
 def test_a_second_of_full_deflection_is_what_the_rates_say():
-    state, rates, felt = State(), Rates(speed=0.4, turn=0.5, climb=0.3), Felt(1.0, 1.5)
+    state, rates, felt = (
+        TeleopState(),
+        TeleopRates(speed=0.4, turn=0.5, climb=0.3),
+        HeadingAltitude(1.0, 1.5),
+    )
     for k in range(50):
-        state, order = tick(state, 0.02 * k, 0.02, Sticks(1.0, 1.0, 1.0), felt, rates)
+        state, order = step_state(state, 0.02 * k, 0.02, Sticks(1.0, 1.0, 1.0), felt, rates)
     assert order.held
     assert order.setpoint == pytest.approx((1.8, 1.5, 0.4))
     for k in range(500):
-        state, order = tick(state, 1 + 0.02 * k, 0.02, Sticks(turn=1.0), felt, rates)
+        state, order = step_state(state, 1 + 0.02 * k, 0.02, Sticks(turn=1.0), felt, rates)
     assert order.setpoint.heading == pytest.approx(1.0 + LEAD_TURN)
 
 
 def test_who_comes_back_begins_where_the_drone_is():
-    _, order = tick(State(), 0.0, 0.02, Sticks(take=True), Felt(1.0, 1.5), Rates())
-    held, _ = tick(State(), 0.0, 0.02, Sticks(take=True), Felt(1.0, 1.5), Rates())
-    silent, nothing = tick(held, 1.0, 0.02, None, Felt(1.0, 1.4), Rates())
+    _, order = step_state(
+        TeleopState(), 0.0, 0.02, Sticks(take=True), HeadingAltitude(1.0, 1.5), TeleopRates()
+    )
+    held, _ = step_state(
+        TeleopState(), 0.0, 0.02, Sticks(take=True), HeadingAltitude(1.0, 1.5), TeleopRates()
+    )
+    silent, nothing = step_state(held, 1.0, 0.02, None, HeadingAltitude(1.0, 1.4), TeleopRates())
     assert (nothing.held, nothing.setpoint) == (None, None)
-    _, order = tick(silent, 2.0, 0.02, REST, Felt(2.0, 1.2), Rates())
+    _, order = step_state(silent, 2.0, 0.02, REST, HeadingAltitude(2.0, 1.2), TeleopRates())
     assert order.setpoint == pytest.approx((1.2, 2.0, 0.0))
 
 
@@ -44,30 +58,30 @@ def test_who_comes_back_begins_where_the_drone_is():
     [(0.05, 0.0), (-0.1, 0.0), (0.55, 0.5), (-1.0, -1.0), (3.0, 1.0), (float('nan'), 0.0)],
 )
 def test_the_play_about_the_rest_counts_as_none(raw, told):
-    assert deflection(raw, 0.1) == pytest.approx(told)
+    assert apply_dead_zone(raw, 0.1) == pytest.approx(told)
 
 
 def test_another_gamepad_than_the_layout_s_is_none():
-    assert of_gamepad(LAYOUT, [0.0] * 2, [0] * 8) is None
-    assert of_gamepad(LAYOUT, [0.0] * 8, [0]) is None
+    assert to_sticks(LAYOUT, [0.0] * 2, [0] * 8) is None
+    assert to_sticks(LAYOUT, [0.0] * 8, [0]) is None
 
 
 def test_joy_messages_count_while_they_come():
     device = JoyDevice(LAYOUT)
-    assert device.sticks(0.0) is None
+    assert device.read_sticks(0.0) is None
     axes = [0.0] * 6
     axes[LAYOUT.turn] = 1.0
-    device.heard(Joy(axes=axes, buttons=[0, 1, 0]), 1.0)
-    assert device.sticks(1.0 + SILENT) == Sticks(turn=1.0, give_back=True)
-    assert device.sticks(1.01 + SILENT) is None
+    device.receive(Joy(axes=axes, buttons=[0, 1, 0]), 1.0)
+    assert device.read_sticks(1.0 + SILENT) == Sticks(turn=1.0, give_back=True)
+    assert device.read_sticks(1.01 + SILENT) is None
 
 
 def test_a_tap_between_two_looks_counts_once_by_joy():
     device = JoyDevice(LAYOUT)
     for at, stop in ((1.0, 0), (1.001, 1), (1.002, 0)):
-        device.heard(Joy(axes=[0.0] * 6, buttons=[0, 0, stop]), at)
-    assert device.sticks(1.02) == Sticks(stop=True)
-    assert device.sticks(1.04) == REST
+        device.receive(Joy(axes=[0.0] * 6, buttons=[0, 0, stop]), at)
+    assert device.read_sticks(1.02) == Sticks(stop=True)
+    assert device.read_sticks(1.04) == REST
 
 
 numbers = st.one_of(st.floats(width=32), st.sampled_from([-1.0, 0.0, 1.0]))
@@ -79,8 +93,8 @@ numbers = st.one_of(st.floats(width=32), st.sampled_from([-1.0, 0.0, 1.0]))
 )
 def test_any_joy_message_is_hands_at_rest_or_in_range_or_a_dead_device_and_counted(axes, buttons):
     device = JoyDevice(LAYOUT)
-    device.heard(Joy(axes=axes, buttons=buttons), 0.0)
-    sticks = device.sticks(0.0)
+    device.receive(Joy(axes=axes, buttons=buttons), 0.0)
+    sticks = device.read_sticks(0.0)
     fits = len(axes) > 4 and len(buttons) > 2  # the largest numbers of the layout
     assert (sticks is not None) == fits
     sound = fits and all(abs(axis) <= 1e9 for axis in axes)
@@ -92,8 +106,8 @@ def test_any_joy_message_is_hands_at_rest_or_in_range_or_a_dead_device_and_count
 
 def test_a_stop_counts_though_the_axes_are_no_numbers():
     device = JoyDevice(LAYOUT)
-    device.heard(Joy(axes=[float('nan')] * 6, buttons=[0, 0, 1]), 0.0)
-    assert device.sticks(0.0) == Sticks(stop=True)
+    device.receive(Joy(axes=[float('nan')] * 6, buttons=[0, 0, 1]), 0.0)
+    assert device.read_sticks(0.0) == Sticks(stop=True)
     assert device.unsound.count == 1
 
 
@@ -103,14 +117,14 @@ def test_who_flies_by_whom_is_read_from_the_health_of_this_drone_s_nodes():
         status = DiagnosticStatus(name=name, hardware_id=robot, values=pairs)
         return DiagnosticArray(status=[status])
 
-    flyers = Flyers('/lta1')
+    flyers = SetpointFollowers('/lta1')
     for other in (told('teleop: helm'), told('controller: helm', 'lta2', held='True')):
-        flyers.heard(other)
-        assert flyers.held is None
-    flyers.heard(told('controller: helm', held='False'))
-    assert flyers.held is False
-    flyers.heard(told('crazyflie_bridge: helm', held='True'))
-    assert flyers.held is True
+        flyers.update(other)
+        assert flyers.person_steers is None
+    flyers.update(told('controller: helm', held='False'))
+    assert flyers.person_steers is False
+    flyers.update(told('crazyflie_bridge: helm', held='True'))
+    assert flyers.person_steers is True
 
 
 def test_a_gamepad_is_read_and_its_loss_is_noticed(tmp_path):
@@ -127,14 +141,14 @@ def test_a_gamepad_is_read_and_its_loss_is_noticed(tmp_path):
         event(0, 0x82, axis)
     for button in range(11):
         event(0, 0x81, button)
-    assert device.sticks(0.0) == REST
+    assert device.read_sticks(0.0) == REST
     event(-32767, 0x02, LAYOUT.forward)  # up
     event(1, 0x01, LAYOUT.stop)
-    assert device.sticks(0.1) == Sticks(forward=1.0, stop=True)
+    assert device.read_sticks(0.1) == Sticks(forward=1.0, stop=True)
     os.close(kernel)
-    assert device.sticks(0.2) is None
+    assert device.read_sticks(0.2) is None
     path.unlink()
-    assert device.sticks(5.0) is None
+    assert device.read_sticks(5.0) is None
     device.close()
 
 
@@ -146,12 +160,12 @@ def test_a_tap_between_two_looks_counts_once_by_gamepad_though_the_plug_is_pulle
     tap = struct.pack('<IhBBIhBB', 10, 1, 0x01, LAYOUT.stop, 15, 0, 0x01, LAYOUT.stop)
     os.write(kernel, b''.join(struct.pack('<IhBB', 0, 0, 0x82, axis) for axis in range(8)))
     os.write(kernel, struct.pack('<IhBB', 0, 0, 0x81, 10) + tap)
-    assert device.sticks(0.0) == Sticks(stop=True)
-    assert device.sticks(0.02) == REST
+    assert device.read_sticks(0.0) == Sticks(stop=True)
+    assert device.read_sticks(0.02) == REST
     os.write(kernel, tap)
     os.close(kernel)
-    assert device.sticks(0.04) == Sticks(stop=True)
-    assert device.sticks(0.06) is None
+    assert device.read_sticks(0.04) == Sticks(stop=True)
+    assert device.read_sticks(0.06) is None
     device.close()
 
 
@@ -163,19 +177,19 @@ def test_a_gamepad_that_is_not_there_is_told_in_a_sentence(tmp_path):
 def test_keys_count_while_they_are_held():
     person, terminal = os.openpty()
     device = Keyboard(terminal)
-    assert device.sticks(0.0) == REST
+    assert device.read_sticks(0.0) == REST
     os.write(person, b'wA')
-    assert device.sticks(1.0) == Sticks(forward=1.0, turn=1.0)
+    assert device.read_sticks(1.0) == Sticks(forward=1.0, turn=1.0)
     os.write(person, b'wf')
-    assert device.sticks(1.5) == Sticks(forward=1.0, turn=1.0, climb=-1.0)
-    assert device.sticks(1.5 + 0.9 * HELD) == Sticks(forward=1.0, climb=-1.0)
-    assert device.sticks(1.5 + HELD) == REST
+    assert device.read_sticks(1.5) == Sticks(forward=1.0, turn=1.0, climb=-1.0)
+    assert device.read_sticks(1.5 + 0.9 * HELD) == Sticks(forward=1.0, climb=-1.0)
+    assert device.read_sticks(1.5 + HELD) == REST
     for key, told in ((b' ', 'take'), (b'b', 'give_back'), (b'x', 'stop')):
         os.write(person, key)
-        assert device.sticks(9.0) == Sticks(**{told: True})
-        assert device.sticks(9.01) == REST
+        assert device.read_sticks(9.0) == Sticks(**{told: True})
+        assert device.read_sticks(9.01) == REST
     os.close(person)
-    assert device.sticks(9.1) is None
+    assert device.read_sticks(9.1) is None
     device.close()
     os.close(terminal)
 
@@ -193,9 +207,9 @@ def test_keys_that_come_as_an_escape_mean_nothing_torn_or_whole(key):
     device = Keyboard(terminal)
     for cut in range(len(key)):
         os.write(person, key[:cut])
-        assert device.sticks(2.0 * cut) == REST, key[:cut]
+        assert device.read_sticks(2.0 * cut) == REST, key[:cut]
         os.write(person, key[cut:] + b'\x1b[Bw\x1b[A')
-        assert device.sticks(2.0 * cut + 0.02) == Sticks(forward=1.0), key[:cut]
+        assert device.read_sticks(2.0 * cut + 0.02) == Sticks(forward=1.0), key[:cut]
     for fd in (person, terminal):
         os.close(fd)
 
@@ -205,13 +219,13 @@ def test_an_escape_alone_holds_no_key_back():
     device = Keyboard(terminal)
     for typed in (b'\x1bx', b'\x1b\x1bx'):
         os.write(person, typed)
-        assert device.sticks(1.0) == Sticks(stop=True)
+        assert device.read_sticks(1.0) == Sticks(stop=True)
     for typed in (b'\x1b', b'\x1b[', b'\x1bO'):
         os.write(person, typed)
-        assert device.sticks(2.0) == REST
-        assert device.sticks(2.02) == REST
+        assert device.read_sticks(2.0) == REST
+        assert device.read_sticks(2.02) == REST
         os.write(person, b'x')
-        assert device.sticks(2.04) == Sticks(stop=True)
+        assert device.read_sticks(2.04) == Sticks(stop=True)
     for fd in (person, terminal):
         os.close(fd)
 

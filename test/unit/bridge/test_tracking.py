@@ -4,11 +4,17 @@ import math
 
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_bridge.tracking.motion import GAP_NS, moving, Window
-from lta_bridge.tracking.pose import angle, chained, planted, Pose, rotated
-from lta_bridge.tracking.sieve import Fault, FOUND_NS, FROZEN_NS, Sieve
-from lta_bridge.tracking.tracked import SILENT_NS, Tracked
-from lta_graph.health import Level
+from lta_bridge.tracking.motion import estimate_motion, GAP_NS, MotionWindow
+from lta_bridge.tracking.pose import (
+    angle_between,
+    compose_poses,
+    level_pose,
+    rotate_vector,
+    TrackerPose,
+)
+from lta_bridge.tracking.pose_filter import FOUND_NS, FROZEN_NS, PoseFault, PoseFilter
+from lta_bridge.tracking.tracked_drone import SILENT_NS, TrackedDrone
+from lta_graph.health import HealthLevel
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -16,24 +22,24 @@ from scipy.spatial.transform import Rotation
 MS = 1_000_000
 S = 1000 * MS
 TEN = 10 * MS
-NOWHERE = Pose((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
+NOWHERE = TrackerPose((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
 numbers = st.floats(-10.0, 10.0)
 places = st.tuples(numbers, numbers, numbers)
 turns = st.integers(0, 2**32 - 1).map(
     lambda seed: tuple(Rotation.random(rng=np.random.default_rng(seed)).as_quat().tolist())
 )
-poses = st.builds(Pose, places, turns)
+poses = st.builds(TrackerPose, places, turns)
 
 
 @given(poses, poses, places)
 def test_chained_poses_are_matrices_multiplied(a, b, point):
-    c = chained(a, b)
+    c = compose_poses(a, b)
     ra, rb = Rotation.from_quat(a.turn), Rotation.from_quat(b.turn)
     inner = rb.apply(point) + b.place
-    assert rotated(c.turn, point) + np.array(c.place) == pytest.approx(
+    assert rotate_vector(c.turn, point) + np.array(c.place) == pytest.approx(
         ra.apply(inner) + a.place, abs=1e-9
     )
-    assert angle(a.turn, b.turn) == pytest.approx((ra.inv() * rb).magnitude(), abs=1e-6)
+    assert angle_between(a.turn, b.turn) == pytest.approx((ra.inv() * rb).magnitude(), abs=1e-6)
 
 
 @given(
@@ -47,14 +53,14 @@ def test_a_motion_of_constant_acceleration_is_exact_whatever_the_spacing(
 ):
     """Poses come unevenly; velocity at each is that of the parabola, in the body's frame."""
     stamps = np.cumsum([0, *steps]) * 5 * MS
-    turn = planted(0, 0, 0, 1.0).turn
+    turn = level_pose(0, 0, 0, 1.0).turn
     t = 1e-9 * stamps[:, None]
     path = np.array(place) + np.array(velocity) * t + 0.5 * np.array(acceleration) * t * t
-    window = Window()
+    window = MotionWindow()
     told = [
         motion
         for stamp, at in zip(stamps.tolist(), path.tolist(), strict=True)
-        for motion in window.add(stamp, Pose(tuple(at), turn))
+        for motion in window.add_pose(stamp, TrackerPose(tuple(at), turn))
     ]
     for motion in told:
         now = np.array(velocity) + np.array(acceleration) * 1e-9 * motion.stamp_ns
@@ -67,16 +73,21 @@ def test_a_motion_of_constant_acceleration_is_exact_whatever_the_spacing(
 def test_rates_are_about_the_body_s_own_axes():
     start, rates = Rotation.from_euler('xyz', [0.3, -0.2, 1.0]), np.array([0.1, -0.4, 0.8])
     turned = [start * Rotation.from_rotvec(rates * 0.01 * k) for k in range(11)]
-    seen = [(k * TEN, Pose((0, 0, 0), tuple(turn.as_quat()))) for k, turn in enumerate(turned)]
-    assert moving(seen, 50 * MS).rates == pytest.approx(rates, abs=1e-6)
+    seen = [
+        (k * TEN, TrackerPose((0, 0, 0), tuple(turn.as_quat()))) for k, turn in enumerate(turned)
+    ]
+    assert estimate_motion(seen, 50 * MS).rates == pytest.approx(rates, abs=1e-6)
 
 
 def test_deviations_say_what_noise_does():
     """Deviations of places and velocities are those that repeated noise makes. [1 mm, 100 Hz]"""
     rng = np.random.default_rng(1)
     found = [
-        moving(
-            [(k * TEN + S, Pose(tuple(rng.normal(0, 1e-3, 3)), NOWHERE.turn)) for k in range(11)],
+        estimate_motion(
+            [
+                (k * TEN + S, TrackerPose(tuple(rng.normal(0, 1e-3, 3)), NOWHERE.turn))
+                for k in range(11)
+            ],
             50 * MS + S,
         )
         for _ in range(300)
@@ -87,42 +98,42 @@ def test_deviations_say_what_noise_does():
 
 
 def test_a_window_begins_again_after_a_gap():
-    window = Window()
-    assert not [m for k in range(5) for m in window.add(k * TEN, NOWHERE)]
-    told = [m for k in range(12) for m in window.add(GAP_NS + 5 * TEN + k * TEN, NOWHERE)]
+    window = MotionWindow()
+    assert not [m for k in range(5) for m in window.add_pose(k * TEN, NOWHERE)]
+    told = [m for k in range(12) for m in window.add_pose(GAP_NS + 5 * TEN + k * TEN, NOWHERE)]
     assert window.gaps == 1
     # The first has none before it, the last five not enough after them.
     assert [(m.stamp_ns - GAP_NS) // TEN - 5 for m in told] == [1, 2, 3, 4, 5, 6]
 
 
 def at(x):
-    return Pose((x, 0.0, 1.0), NOWHERE.turn)
+    return TrackerPose((x, 0.0, 1.0), NOWHERE.turn)
 
 
 @pytest.mark.parametrize(
     ('stamp', 'pose', 'fault'),
     [
-        (2 * S, Pose((math.nan, 0, 0), NOWHERE.turn), Fault.NOT_A_NUMBER),
-        (2 * S, Pose((0, 0, 0), (0, 0, 0, 0)), Fault.NO_ATTITUDE),
-        (0, at(0), Fault.NO_STAMP),
-        (S, at(0), Fault.OLD),
-        (S - TEN, at(0), Fault.OLD),
-        (S + TEN, at(1.0), Fault.LEAP),
-        (S + TEN, Pose(at(0).place, (1.0, 0.0, 0.0, 0.0)), Fault.LEAP),
+        (2 * S, TrackerPose((math.nan, 0, 0), NOWHERE.turn), PoseFault.NOT_A_NUMBER),
+        (2 * S, TrackerPose((0, 0, 0), (0, 0, 0, 0)), PoseFault.NO_ATTITUDE),
+        (0, at(0), PoseFault.NO_STAMP),
+        (S, at(0), PoseFault.OLD),
+        (S - TEN, at(0), PoseFault.OLD),
+        (S + TEN, at(1.0), PoseFault.LEAP),
+        (S + TEN, TrackerPose(at(0).place, (1.0, 0.0, 0.0, 0.0)), PoseFault.LEAP),
     ],
 )
 def test_what_cannot_be_is_refused_and_counted(stamp, pose, fault):
-    sieve = Sieve()
-    assert sieve.passes(S, at(0))
-    assert not sieve.passes(stamp, pose)
+    sieve = PoseFilter()
+    assert sieve.accept_pose(S, at(0))
+    assert not sieve.accept_pose(stamp, pose)
     assert (sieve.newest, sieve.faults) == (fault, {fault: 1})
-    assert sieve.passes(S + 2 * TEN, at(0.001))
+    assert sieve.accept_pose(S + 2 * TEN, at(0.001))
 
 
 def test_a_leap_that_is_kept_was_one_to_the_right_place():
-    sieve = Sieve()
-    assert sieve.passes(S, at(0))
-    passed = [sieve.passes(S + k * TEN, at(3 + 1e-3 * k)) for k in range(1, 40)]
+    sieve = PoseFilter()
+    assert sieve.accept_pose(S, at(0))
+    passed = [sieve.accept_pose(S + k * TEN, at(3 + 1e-3 * k)) for k in range(1, 40)]
     first = passed.index(True)
     assert first == FOUND_NS // TEN
     assert all(passed[first:])
@@ -130,19 +141,19 @@ def test_a_leap_that_is_kept_was_one_to_the_right_place():
 
 
 def test_a_pose_that_never_changes_is_frozen():
-    sieve = Sieve()
-    passed = [sieve.passes(S + k * TEN, at(0)) for k in range(100)]
+    sieve = PoseFilter()
+    passed = [sieve.accept_pose(S + k * TEN, at(0)) for k in range(100)]
     assert passed == [k * TEN <= FROZEN_NS for k in range(100)]
-    assert sieve.passes(S + 100 * TEN, at(0.001))
+    assert sieve.accept_pose(S + 100 * TEN, at(0.001))
 
 
 @given(st.lists(st.tuples(st.integers(-5, 10**9), poses), max_size=40))
 def test_what_passes_goes_on_in_time_and_is_where_a_drone_can_be(stream):
-    sieve = Sieve()
+    sieve = PoseFilter()
     believed, clocks = [], 0
     for stamp, pose in stream:
         backs, founds = sieve.set_back, sieve.found
-        if sieve.passes(stamp, pose):
+        if sieve.accept_pose(stamp, pose):
             if believed and sieve.set_back == backs:
                 assert stamp > believed[-1][0]
                 if sieve.found == founds:
@@ -160,45 +171,47 @@ def stream(tracked, seconds, ahead_ns, late=lambda k: 2 * MS, drift=0.0):
         true = 10**18 + k * TEN
         said = true + ahead_ns + round(drift * k * TEN)
         arrival = true + late(k)
-        for motion in tracked.heard(said, at(0.3e-9 * k * TEN), arrival):
+        for motion in tracked.receive_pose(said, at(0.3e-9 * k * TEN), arrival):
             yield motion, motion.pose.place[0] / 0.3
 
 
 def test_stamps_are_ours_whatever_the_tracker_s_clock_says():
     rng = np.random.default_rng(2)
-    tracked = Tracked(NOWHERE, NOWHERE, 4 * MS)
+    tracked = TrackedDrone(NOWHERE, NOWHERE, 4 * MS)
     late = (4 * MS + rng.exponential(3 * MS, 10_000)).astype(int).tolist()
     told = list(stream(tracked, 40, -3600 * S, late.__getitem__, 40e-6))
     errors = [m.stamp_ns - 10**18 - x * 1e9 for m, x in told[2000:]]
     assert np.max(np.abs(errors)) < 0.3 * MS
     assert tracked.clock.drift == pytest.approx(40e-6, abs=5e-6)
-    fact = tracked.condition(10**18 + 40 * S)
-    assert fact.level is Level.OK
+    fact = tracked.describe_health(10**18 + 40 * S)
+    assert fact.level is HealthLevel.OK
     assert float(fact.values['clock_offset_s']) == pytest.approx(-3600.0 + 40 * 40e-6, abs=1e-3)
     assert told[-1][0].velocity == pytest.approx((0.3, 0, 0), rel=1e-4)
-    later = tracked.condition(10**18 + 40 * S + SILENT_NS + S)
-    assert later.level is Level.ERROR
+    later = tracked.describe_health(10**18 + 40 * S + SILENT_NS + S)
+    assert later.level is HealthLevel.ERROR
 
 
 def test_a_clock_that_is_set_back_is_learnt_anew():
-    tracked = Tracked(NOWHERE, NOWHERE, 2 * MS)
+    tracked = TrackedDrone(NOWHERE, NOWHERE, 2 * MS)
     list(stream(tracked, 5, 50 * S))
     for k in range(100):
         true = 10**18 + 5 * S + k * TEN
-        for motion in tracked.heard(true + 48 * S, at(1.5 + 0.3e-9 * k * TEN), true + 2 * MS):
+        for motion in tracked.receive_pose(
+            true + 48 * S, at(1.5 + 0.3e-9 * k * TEN), true + 2 * MS
+        ):
             x = motion.pose.place[0] / 0.3
             assert motion.stamp_ns == pytest.approx(10**18 + x * 1e9, abs=MS)
     assert (tracked.sieve.set_back, tracked.clock.restarts) == (1, 1)
 
 
 def test_our_own_clock_set_back_by_an_hour_keeps_nothing_from_being_told():
-    tracked = Tracked(NOWHERE, NOWHERE, 2 * MS)
+    tracked = TrackedDrone(NOWHERE, NOWHERE, 2 * MS)
     list(stream(tracked, 5, 50 * S))
     told = []
     for k in range(100):
         true = 10**18 + 5 * S + k * TEN
         arrival = true + 2 * MS - 3600 * S
-        told += tracked.heard(true + 50 * S, at(1.5 + 0.3e-9 * k * TEN), arrival)
+        told += tracked.receive_pose(true + 50 * S, at(1.5 + 0.3e-9 * k * TEN), arrival)
     assert tracked.clock.restarts == 1
     assert len(told) > 90
     x = told[-1].pose.place[0] / 0.3
@@ -207,11 +220,11 @@ def test_our_own_clock_set_back_by_an_hour_keeps_nothing_from_being_told():
 
 def test_frames_are_placed_where_the_settings_say():
     """A tracker turned left by 90 degrees, 1 m east; the hull 0.3 m above the markers."""
-    tracked = Tracked(planted(1, 0, 0, math.pi / 2), planted(0, 0, 0.3, 0), 0)
+    tracked = TrackedDrone(level_pose(1, 0, 0, math.pi / 2), level_pose(0, 0, 0.3, 0), 0)
     told = [
         motion
         for k in range(30)
-        for motion in tracked.heard(S + k * TEN, at(0.004 * k), S + k * TEN)
+        for motion in tracked.receive_pose(S + k * TEN, at(0.004 * k), S + k * TEN)
     ]
     motion = told[0]
     x = 0.004 * ((motion.stamp_ns - S) / TEN)

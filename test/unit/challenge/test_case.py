@@ -3,26 +3,35 @@
 from pathlib import Path
 import shutil
 
-from lta_challenge.case import Case, clear, Drawing
+from lta_challenge.answer_key import NAME, read_answers, write_answers
+from lta_challenge.case import CaseGenerator, ChallengeCase, wrench_strength
 from lta_challenge.course import COURSES
-from lta_challenge.hiding import candidates, CLEAR
-from lta_challenge.make import folder_of, known, make, Order
+from lta_challenge.effect_injection import CLEAR, list_candidates
+from lta_challenge.make import (
+    case_folder,
+    ChallengeRequest,
+    load_challenge_vehicle,
+    make_challenge,
+)
 from lta_challenge.outside import OUTSIDE, STRANGE, STRUCTURED
-from lta_challenge.rows import Kind, KINDS, row, ROWS
-from lta_challenge.score import score
-from lta_challenge.sealed import NAME, opened, seal
-from lta_challenge.vessel import composed
+from lta_challenge.rows import find_row, Kind, KINDS, ROWS
+from lta_challenge.score import score_challenge
+from lta_challenge.truth_vehicle import compose_truth
 from lta_config.errors import BadInput
-from lta_data.bag.flight import open_flight
+from lta_data.bag.recorded_flight import open_flight
 import numpy as np
 import pytest
 
 SHORT = (20.0, 24.0)
 
 
-def drawn(number: int, kind: Kind | None = None, row_name: str = 'base', seed: int = 2) -> Case:
+def drawn(
+    number: int, kind: Kind | None = None, row_name: str = 'base', seed: int = 2
+) -> ChallengeCase:
     """Draw a short case."""
-    return Drawing(known(), seed, number, row_name, kind, SHORT).drawn()
+    return CaseGenerator(
+        load_challenge_vehicle(), seed, number, row_name, kind, SHORT
+    ).generate_case()
 
 
 def test_a_case_depends_on_seed_and_number_alone() -> None:
@@ -47,13 +56,13 @@ def test_kinds_hide_what_they_say() -> None:
 
 
 # The other simulator has a pilot, and tests, of its own.
-@pytest.mark.parametrize('name', [name for name in ROWS if not row(name).independent])
+@pytest.mark.parametrize('name', [name for name in ROWS if not find_row(name).independent])
 def test_each_row_records_what_it_says(name: str) -> None:
     case = drawn(0, 'clean', name)
-    command = 'wrench_command' if row(name).pushed else 'motors'
+    command = 'wrench_command' if find_row(name).pushed else 'motors'
     for flight in case.flights:
-        assert set(flight.streams) == {*row(name).topics, command}
-        assert flight.course in row(name).courses
+        assert set(flight.streams) == {*find_row(name).topics, command}
+        assert flight.course in find_row(name).courses
         time = flight.streams[command][0]
         assert SHORT[0] - 1.0 <= time[-1] <= SHORT[1] + 1.0
         height = flight.streams['ground_truth/odom'][1][:, 2]
@@ -64,14 +73,14 @@ def test_each_row_records_what_it_says(name: str) -> None:
 def test_what_is_outside_comes_to_the_strength_that_was_drawn() -> None:
     reached = [drawn(number, 'outside').answer['floors'] for number in range(12)]
     assert sum(0.4 * CLEAR[0] < each < 1.6 * CLEAR[1] for each in reached) >= 11
-    assert clear(np.outer(np.sin(np.arange(6283) * 1e-3), [4e-3, 0, 0, 0, 0, 0])) == (
+    assert wrench_strength(np.outer(np.sin(np.arange(6283) * 1e-3), [4e-3, 0, 0, 0, 0, 0])) == (
         pytest.approx(10.0 / np.sqrt(2.0), rel=1e-3)
     )
 
 
 def test_what_is_outside_is_known_to_the_truth_alone() -> None:
     assert len(OUTSIDE) >= 8
-    assert set(STRANGE) == {*OUTSIDE, *STRUCTURED} == set(composed().strange)
+    assert set(STRANGE) == {*OUTSIDE, *STRUCTURED} == set(compose_truth().strange)
     for name, kind in STRANGE.items():
         assert kind.effect.name == name
         assert kind.effect.parameters[0].name == 'size'
@@ -79,18 +88,22 @@ def test_what_is_outside_is_known_to_the_truth_alone() -> None:
 
 
 def test_only_what_such_data_can_show_is_hidden() -> None:
-    names = {knob.name for knob in candidates(known().knobs, row('pose'))}
+    names = {
+        knob.name for knob in list_candidates(load_challenge_vehicle().knobs, find_row('pose'))
+    }
     assert 'range_offset.offset' not in names
-    assert 'superheat.warming' not in {k.name for k in candidates(known().knobs, row('base'))}
+    assert 'superheat.warming' not in {
+        k.name for k in list_candidates(load_challenge_vehicle().knobs, find_row('base'))
+    }
     assert {'linear_drag.surge', 'motor_lag', 'tracker_delay.delay'} <= names
     assert set(COURSES) == {course for each in ROWS.values() for course in each.courses}
 
 
 def test_bags_say_nothing_of_what_is_hidden(tmp_path: Path) -> None:
     folder = tmp_path / 'challenge'
-    make(Order(5, 1, 'base', 'single', SHORT), folder)
-    hidden = opened(folder / NAME)['0']['hidden'][0]['knob']
-    case = folder / folder_of(0)
+    make_challenge(ChallengeRequest(5, 1, 'base', 'single', SHORT), folder)
+    hidden = read_answers(folder / NAME)['0']['hidden'][0]['knob']
+    case = folder / case_folder(0)
     files = [path for path in case.rglob('*') if path.is_file()]
     assert {path.name for path in files} >= {'vehicle.yaml', 'metadata.yaml', 'train_0.mcap'}
     effect = hidden.partition('.')[0].encode()
@@ -99,42 +112,47 @@ def test_bags_say_nothing_of_what_is_hidden(tmp_path: Path) -> None:
             assert effect not in path.read_bytes()
     flight = open_flight(case / 'train')
     streams = drawn_like(folder)
-    said = flight.series('motors')
+    said = flight.read_series('motors')
     assert len(said) == len(streams['motors'][0])
     assert said.numbers['effort[2]'] == pytest.approx(streams['motors'][1][:, 2], abs=1e-12)
-    place = flight.series('ground_truth/odom').vector('pose.pose.position')
+    place = flight.read_series('ground_truth/odom').vector('pose.pose.position')
     assert place == pytest.approx(streams['ground_truth/odom'][1][:, :3], abs=1e-12)
 
 
 def drawn_like(folder: Path) -> dict:  # type: ignore[type-arg]
     """Return the streams of the first flight of that challenge, drawn again."""
     assert folder.is_dir()
-    return dict(Drawing(known(), 5, 0, 'base', 'single', SHORT).drawn().flights[0].streams)
+    return dict(
+        CaseGenerator(load_challenge_vehicle(), 5, 0, 'base', 'single', SHORT)
+        .generate_case()
+        .flights[0]
+        .streams
+    )
 
 
 def test_answers_that_were_changed_are_refused(tmp_path: Path) -> None:
     path = tmp_path / NAME
-    seal({'0': {'hidden': []}}, path)
-    assert opened(path) == {'0': {'hidden': []}}
+    write_answers({'0': {'hidden': []}}, path)
+    assert read_answers(path) == {'0': {'hidden': []}}
     note, digest, data = path.read_text().splitlines()
     path.write_text(f'{note}\n{digest[::-1]}\n{data}\n')
     with pytest.raises(BadInput, match='changed after it was sealed'):
-        opened(path)
+        read_answers(path)
     path.write_text('something else\n')
     with pytest.raises(BadInput, match='no sealed answers'):
-        opened(path)
+        read_answers(path)
 
 
 def test_a_challenge_of_which_something_is_gone_is_not_scored(tmp_path: Path) -> None:
     folder = tmp_path / 'hidden'
-    make(Order(5, 1, 'base', 'clean', SHORT), folder)
+    make_challenge(ChallengeRequest(5, 1, 'base', 'clean', SHORT), folder)
     assert sorted(one.name for one in folder.iterdir()) == [NAME, 'case_0000', 'challenge.json']
     shutil.rmtree(folder / 'case_0000')
     with pytest.raises(BadInput, match='is gone'):
-        score(folder)
-    seal({'0': {'hidden': []}}, folder / NAME)
+        score_challenge(folder)
+    write_answers({'0': {'hidden': []}}, folder / NAME)
     with pytest.raises(BadInput, match='changed after it was sealed'):
-        score(folder)
+        score_challenge(folder)
 
 
 def test_a_challenge_that_is_stopped_leaves_nothing(tmp_path: Path) -> None:
@@ -142,5 +160,7 @@ def test_a_challenge_that_is_stopped_leaves_nothing(tmp_path: Path) -> None:
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        make(Order(5, 2, 'base', 'clean', SHORT), tmp_path / 'hidden', 1, stop)
+        make_challenge(
+            ChallengeRequest(5, 2, 'base', 'clean', SHORT), tmp_path / 'hidden', 1, stop
+        )
     assert list(tmp_path.iterdir()) == []

@@ -3,14 +3,14 @@
 from collections.abc import Callable, Sequence
 import math
 
-from lta_challenge.case import clear, Drawing
-from lta_challenge.course import piloted
-from lta_challenge.flying import flown, Happened
-from lta_challenge.hiding import any_outside, FAINT, strange, stronger
-from lta_challenge.make import known
+from lta_challenge.case import CaseGenerator, wrench_strength
+from lta_challenge.course import plan_pilot_inputs
+from lta_challenge.effect_injection import choose_outside, draw_outside, FAINT, scale_outside
+from lta_challenge.make import load_challenge_vehicle
 from lta_challenge.outside import OUTSIDE
-from lta_challenge.vessel import vessel
-from lta_model.effects.protocol import Motion, Values
+from lta_challenge.truth_simulation import simulate_flight, TruthTrajectory
+from lta_challenge.truth_vehicle import build_truth_vehicle
+from lta_model.effects.protocol import Values, VehicleMotion
 import numpy as np
 from numpy.typing import NDArray
 import pytest
@@ -31,14 +31,14 @@ def moving(
     velocity: Sequence[float] = STILL,
     rates: Sequence[float] = STILL,
     command: Sequence[float] = (0.0,) * 8,
-) -> Motion:
+) -> VehicleMotion:
     """Return a motion in still air; velocity and rates in body axes."""
     rotation = tuple(turn.as_matrix().ravel().tolist())
     parts = (position, rotation, velocity, rates, velocity, (), command, ())
-    return Motion(*map(tuple, parts))  # type: ignore[arg-type]
+    return VehicleMotion(*map(tuple, parts))  # type: ignore[arg-type]
 
 
-def pushed(name: str, motion: Motion, memory: Values = (), **given: float) -> Array:
+def pushed(name: str, motion: VehicleMotion, memory: Values = (), **given: float) -> Array:
     """Return the wrench of a kind."""
     effect = OUTSIDE[name].effect
     p = tuple(given[each.name] for each in effect.parameters)
@@ -46,7 +46,11 @@ def pushed(name: str, motion: Motion, memory: Values = (), **given: float) -> Ar
 
 
 def changed(
-    name: str, during: Callable[[float], Motion], seconds: float, begin: Values, **given: float
+    name: str,
+    during: Callable[[float], VehicleMotion],
+    seconds: float,
+    begin: Values,
+    **given: float,
 ) -> Array:
     """Return the memory of a kind every 10 ms, by another integrator."""
     effect = OUTSIDE[name].effect
@@ -63,26 +67,34 @@ def test_half_of_the_cases_have_kinds_that_were_written_late() -> None:
     assert len(LATE) >= 4
     draw = np.random.default_rng(0)
     for late in (False, True):
-        drawn = {any_outside(draw, late=late) for _ in range(300)}
+        drawn = {choose_outside(draw, late=late) for _ in range(300)}
         assert drawn == {name for name, one in OUTSIDE.items() if one.late == late}
     for number in range(2):
-        answer = Drawing(known(), 4, number, 'base', 'outside', (20.0, 24.0)).drawn().answer
+        answer = (
+            CaseGenerator(load_challenge_vehicle(), 4, number, 'base', 'outside', (20.0, 24.0))
+            .generate_case()
+            .answer
+        )
         assert OUTSIDE[answer['outside']].late == bool(number)
 
 
-def flight_with(name: str, number: int) -> tuple[dict[str, float], Happened, Happened]:
+def flight_with(
+    name: str, number: int
+) -> tuple[dict[str, float], TruthTrajectory, TruthTrajectory]:
     """Return a drawn kind, a flight with it as strong as ten floors, and one without it."""
-    nominal = known().nominal
-    given = strange(name, np.random.default_rng(number))
+    nominal = load_challenge_vehicle().nominal
+    given = draw_outside(name, np.random.default_rng(number))
     course = ('climbs', 'steps', 'laps')[number % 3]
 
-    def fly(some: dict[str, dict[str, float]]) -> Happened:
-        pilot = piloted(course, 40.0, False, np.random.default_rng(number))
-        return flown(vessel(nominal, some), pilot, nominal)
+    def fly(some: dict[str, dict[str, float]]) -> TruthTrajectory:
+        pilot = plan_pilot_inputs(course, 40.0, False, np.random.default_rng(number))
+        return simulate_flight(build_truth_vehicle(nominal, some), pilot, nominal)
 
     for _ in range(3):
         happened = fly({name: given})
-        given = stronger(name, given, min(10.0 / max(clear(happened.strange), 0.5), 5.0))
+        given = scale_outside(
+            name, given, min(10.0 / max(wrench_strength(happened.strange), 0.5), 5.0)
+        )
     return given, fly({name: given}), fly({})
 
 
@@ -93,7 +105,7 @@ def test_each_acts_and_comes_to_what_was_asked_for(name: str) -> None:
         given, happened, without = flight_with(name, number)
         assert np.isfinite(happened.strange).all()
         assert given['size'] <= OUTSIDE[name].effect.parameters[0].high
-        reached.append(clear(happened.strange))
+        reached.append(wrench_strength(happened.strange))
         # 2 g heavy and with rotors that push one way only: neither lost upwards nor far below.
         assert np.abs(happened.position[:, 2] - without.position[:, 2]).max() < 2.0
         assert happened.position[:, 2].min() > 0.0
@@ -116,7 +128,11 @@ def test_what_comes_to_nothing_is_drawn_again() -> None:
     # Rotors that hover do not stall.
     floors = []
     for number in (1, 3, 5, 7, 9, 11):
-        answer = Drawing(known(), 6, number, 'hover', 'outside', (20.0, 24.0)).drawn().answer
+        answer = (
+            CaseGenerator(load_challenge_vehicle(), 6, number, 'hover', 'outside', (20.0, 24.0))
+            .generate_case()
+            .answer
+        )
         assert answer['outside'] != 'stall'
         floors.append(answer['floors'])
     assert min(floors) >= FAINT
@@ -179,7 +195,7 @@ def test_a_seam_has_hysteresis_of_the_width_that_is_asked_for() -> None:
 def test_rotors_stall_while_sinking_and_recover_late() -> None:
     given = {'size': 0.5, 'middle': 0.04, 'half': 0.02}
 
-    def sinking(t: float) -> Motion:
+    def sinking(t: float) -> VehicleMotion:
         # From rest to 8 cm/s down and back within 80 s.
         return moving(velocity=(0.0, 0.0, -0.08 * (1.0 - abs(t - 40.0) / 40.0)))
 
@@ -232,7 +248,7 @@ def test_a_charge_is_drawn_by_its_image() -> None:
 def test_a_battery_slides_to_its_stop_and_stays() -> None:
     given = {'size': 0.3, 'half': 0.02, 'grip': 0.03}
 
-    def pitched(t: float) -> Motion:
+    def pitched(t: float) -> VehicleMotion:
         # Nose down by 0.05 for a second, level, a little up, far up.
         sines = (0.05, 0.0, -0.02, -0.08)
         return moving(turn=Rotation.from_euler('y', math.asin(sines[min(int(t), 3)])))
@@ -251,7 +267,7 @@ def test_a_battery_slides_to_its_stop_and_stays() -> None:
 def test_a_motor_loses_step_at_a_jump_and_not_at_a_slope() -> None:
     given = {'size': 0.5, 'jump': 0.1, 'back': 0.4}
 
-    def told(duty: float) -> Motion:
+    def told(duty: float) -> VehicleMotion:
         return moving(command=(0.9, 0.9, duty, 0.9, 0.0, 0.0, 0.0, 0.0))
 
     slope = changed('desync', lambda t: told(0.5 * t), 1.0, (0.0, 0.0), **given)
@@ -280,5 +296,5 @@ def test_a_wet_hull_dries_faster_in_the_wind() -> None:
 
 
 def test_sizes_end_where_the_vehicle_would_no_longer_fly() -> None:
-    given = stronger('plume', {'size': 0.02, 'wide': 0.5}, 4.0)
+    given = scale_outside('plume', {'size': 0.02, 'wide': 0.5}, 4.0)
     assert given == {'size': 0.025, 'wide': 0.5}

@@ -3,11 +3,11 @@
 from pathlib import Path
 from typing import Any
 
-from lta_challenge.judged import confused, Judged, judged
-from lta_challenge.page import page
-from lta_challenge.score import Scored
-from lta_challenge.tally import by_strength, figures, ladder
-from lta_challenge.told import markdown, outside_lines, percent
+from lta_challenge.case_score import confusion_cell, score_case, ScoredCase
+from lta_challenge.page import render_page
+from lta_challenge.score import ChallengeScore
+from lta_challenge.score_report import format_outside, format_share, render_markdown
+from lta_challenge.score_statistics import compute_figures, count_by_strength, median_errors
 import pytest
 
 
@@ -20,7 +20,7 @@ def case(
     verdict: str = 'named',
     sigma: float = 10.0,
     gap: tuple[float, float] = (0.02, 0.02),
-) -> Judged:
+) -> ScoredCase:
     """Return a judged case: knobs of linear_drag hidden and named with values."""
     given: dict[str, dict[str, float]] = {}
     for knob, value in hidden.items():
@@ -53,7 +53,7 @@ def case(
         'cpu_s': 3.0,
         'oracle': {'gaps': told(gap[1]), 'sigma': dict.fromkeys(hidden, sigma)},
     }  # fmt: skip
-    return judged(0, answer, found)
+    return score_case(0, answer, found)
 
 
 def test_the_class_counts_and_not_the_name() -> None:
@@ -61,7 +61,7 @@ def test_the_class_counts_and_not_the_name() -> None:
     assert one.exact
     assert one.outcome == 'exact'
     assert one.intervals == ()  # another parameter, of which the truth is not known
-    assert confused(one) == ('payload', 'payload')
+    assert confusion_cell(one) == ('payload', 'payload')
 
 
 def test_one_right_name_does_not_excuse_a_wrong_one() -> None:
@@ -69,7 +69,7 @@ def test_one_right_name_does_not_excuse_a_wrong_one() -> None:
     assert one.outcome == 'wrong'
     assert one.wrong == ('motor_lag',)
     assert one.missed == ()
-    assert confused(one) == ('linear_drag', 'motor_lag')
+    assert confusion_cell(one) == ('linear_drag', 'motor_lag')
 
 
 def test_intervals_and_errors_are_held_against_the_truth() -> None:
@@ -95,21 +95,21 @@ def test_figures_are_counted_by_kind_and_strength() -> None:
         case({}, {}, kind='outside', outside='tether', verdict='unexplained'),
         case(drag, drag, kind='mixed', outside='skin', verdict='named+unexplained'),
     ]
-    found = {each.name: each for each in figures(cases)}
+    found = {each.name: each for each in compute_figures(cases)}
     clear = found['one effect, 6 sigma or more: exact']
-    assert (clear.share.hits, clear.share.of, clear.met) == (9, 10, 'no')
+    assert (clear.share.hits, clear.share.of, clear.target_met) == (9, 10, 'no')
     assert found['one effect, 3 to 6 sigma: exact'].share.value == 0.5
     assert found['one effect: a wrong name'].share[:2] == (1, 12)
     assert found['two effects, both 6 sigma or more: both exact'].share[:2] == (1, 2)
     assert found['nothing hidden: any name'].share[:2] == (1, 2)
-    assert found['outside the library: unexplained'].met == 'yes'
-    assert found['an effect and something outside: named and unexplained'].met == 'yes'
+    assert found['outside the library: unexplained'].target_met == 'yes'
+    assert found['an effect and something outside: named and unexplained'].target_met == 'yes'
     assert found['held-out error within 1.05 of the oracle'].share[:2] == (15, 16)
-    bands = {low: (exact.hits, exact.of) for low, _, exact, _, _ in by_strength(cases)}
+    bands = {low: (exact.hits, exact.of) for low, _, exact, _, _ in count_by_strength(cases)}
     assert bands[3.0] == (1, 2)
     assert bands[10.0] == (9, 10)
-    assert ladder(cases)['tuned'] == 0.05
-    assert percent(clear.share) == '9/10 = 90 % (60 to 98)'
+    assert median_errors(cases)['tuned'] == 0.05
+    assert format_share(clear.share) == '9/10 = 90 % (60 to 98)'
 
 
 def test_kinds_that_were_kept_from_discovery_have_lines_of_their_own() -> None:
@@ -123,7 +123,7 @@ def test_kinds_that_were_kept_from_discovery_have_lines_of_their_own() -> None:
         case(drag, drag),
     ]
     assert [one.late for one in cases] == [False] * 3 + [True] * 2 + [False, True, False]
-    found = {each.name: each.share[:2] for each in figures(cases)}
+    found = {each.name: each.share[:2] for each in compute_figures(cases)}
     alone, beside = 'outside the library', 'an effect and something outside'
     for when, flagged, named, both in (
         ('', (4, 5), (1, 5), (1, 2)),
@@ -133,13 +133,13 @@ def test_kinds_that_were_kept_from_discovery_have_lines_of_their_own() -> None:
         assert found[f'{alone}{when}: unexplained'] == flagged
         assert found[f'{alone}{when}: a name'] == named
         assert found[f'{beside}{when}: named and unexplained'] == both
-    lines = {line[0]: line[2:] for line in outside_lines(cases)}
+    lines = {line[0]: line[2:] for line in format_outside(cases)}
     assert lines == {
         'tether': ['early', '3', '3', '0'],
         'leash': ['late', '1', '1', '0'],
         'tray': ['late', '1', '0', '1'],
     }
-    text = page(Scored({**ABOUT, 'cases': 8}, tuple(cases)), Path('somewhere'))
+    text = render_page(ChallengeScore({**ABOUT, 'cases': 8}, tuple(cases)), Path('somewhere'))
     assert 'outside the library, late kinds: unexplained' in text
 
 
@@ -151,7 +151,7 @@ ABOUT = {
 
 def test_the_page_says_what_it_scored() -> None:
     cases = [case({'motor_lag': 0.1}, {'linear_drag.surge': 0.03})]
-    text = markdown([(ABOUT, cases)])
+    text = render_markdown([(ABOUT, cases)])
     assert 'effects `abc`, vehicle `gtmab` `def`, commit `c0ffee`.' in text
     assert '| one effect: a wrong name | 1/1 = 100 % (21 to 100) | <= 2 % | no |' in text
     assert '| 0 | base | single | motor_lag (10.0) | linear_drag.surge |' in text
@@ -162,7 +162,7 @@ def test_a_page_has_the_challenges_of_a_row_together_and_the_rows_side_by_side()
     wrong = [case({'motor_lag': 0.1}, {'linear_drag.surge': 0.03})]
     clean = [case({}, {}, kind='clean', verdict='none')] * 3
     other = {**ABOUT, 'kind': 'clean', 'seed': 7, 'scored': 3, 'commit': 'c0ffee, decaf'}
-    text = markdown([({**ABOUT, 'row': 'pose'}, wrong), (ABOUT, wrong), (other, clean)])
+    text = render_markdown([({**ABOUT, 'row': 'pose'}, wrong), (ABOUT, wrong), (other, clean)])
     assert 'commit `c0ffee`, `decaf`.' in text
     assert '| figure | wanted | base | pose |' in text
     assert '| cases |  | 4 | 1 |' in text

@@ -2,12 +2,12 @@
 
 from dataclasses import replace
 
-from lta_challenge.flying import flown, Pilot
-from lta_challenge.vessel import vessel
-from lta_discovery.model.knobs import Knob, knobs
-from lta_discovery.model.nominal import Nominal
+from lta_challenge.truth_simulation import PilotInputs, simulate_flight
+from lta_challenge.truth_vehicle import build_truth_vehicle
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import FreeParameter, list_free_parameters
 from lta_model.effects import initial_memory
-from lta_model.state import pack, SURROUNDINGS, VOLTAGE
+from lta_model.state import pack_state, SURROUNDINGS, VOLTAGE
 from lta_model.vehicle import load_vehicle
 from lta_sim.kernels.kernel import advance
 import numpy as np
@@ -17,8 +17,8 @@ from scipy.spatial.transform import Rotation
 
 Array = NDArray[np.float64]
 TICKS = 1000  # of 10 ms
-GTMAB = Nominal.of(load_vehicle('gtmab'))
-TURNED = {knob.name: knob for knob in knobs(GTMAB) if knob.typical}
+GTMAB = NominalVehicle.from_vehicle(load_vehicle('gtmab'))
+TURNED = {knob.name: knob for knob in list_free_parameters(GTMAB) if knob.typical}
 MOVING = [
     name
     for name, knob in TURNED.items()
@@ -26,21 +26,23 @@ MOVING = [
 ]
 
 
-def pilot(ticks: int = TICKS, seed: int = 5) -> Pilot:
+def pilot(ticks: int = TICKS, seed: int = 5) -> PilotInputs:
     """Climb, turn and go ahead, shaken."""
     rng = np.random.default_rng(seed)
     time = 0.01 * np.arange(ticks)
     wanted = np.column_stack([1.0 + 0.1 * time, 0.3 * time, np.full(ticks, 0.4)])
     shaken = np.zeros((ticks, 8))
     shaken[:, :4] = rng.uniform(-0.15, 0.15, (ticks // 50 + 1, 4))[(time // 0.5).astype(int)]
-    return Pilot(wanted, np.zeros((ticks, 3)), shaken)
+    return PilotInputs(wanted, np.zeros((ticks, 3)), shaken)
 
 
-def flown_by_model(nominal: Nominal, commands: Array, voltage: Array, height: float) -> Array:
+def flown_by_model(
+    nominal: NominalVehicle, commands: Array, voltage: Array, height: float
+) -> Array:
     """Return the states of the project's own model under the same commands."""
     grounded = {k: v for k, v in nominal.given.items() if k != 'floor_contact'}
-    model = replace(nominal, given=grounded).model()
-    state = pack((0.0, 0.0, height), memory=initial_memory())
+    model = replace(nominal, given=grounded).build_model()
+    state = pack_state((0.0, 0.0, height), memory=initial_memory())
     around, out = np.zeros(SURROUNDINGS), []
     for command, volts in zip(commands, voltage, strict=True):
         out.append(state[:13])
@@ -49,9 +51,9 @@ def flown_by_model(nominal: Nominal, commands: Array, voltage: Array, height: fl
     return np.array(out)
 
 
-def apart(nominal: Nominal, late: int = 0) -> tuple[float, float, float]:
+def apart(nominal: NominalVehicle, late: int = 0) -> tuple[float, float, float]:
     """Return by how much place [m], attitude [rad] and speed [m/s] of the two differ at most."""
-    flight = flown(vessel(nominal), pilot(), GTMAB)
+    flight = simulate_flight(build_truth_vehicle(nominal), pilot(), GTMAB)
     obeyed = np.zeros_like(flight.commands)
     obeyed[late:] = flight.commands[: len(obeyed) - late]
     states = flown_by_model(nominal, obeyed, flight.voltage, 1.5)
@@ -64,9 +66,9 @@ def apart(nominal: Nominal, late: int = 0) -> tuple[float, float, float]:
     )
 
 
-def hidden(knob: Knob) -> Nominal:
+def hidden(knob: FreeParameter) -> NominalVehicle:
     """Return the GT-MAB with a knob turned by three times its typical size, or what it may."""
-    return knob.turned(GTMAB, min(max(3.0 * knob.typical, 0.5 * knob.low), 0.5 * knob.high))
+    return knob.apply_to(GTMAB, min(max(3.0 * knob.typical, 0.5 * knob.low), 0.5 * knob.high))
 
 
 def test_the_plain_vehicle_flies_alike() -> None:
@@ -76,7 +78,7 @@ def test_the_plain_vehicle_flies_alike() -> None:
 @pytest.mark.parametrize('name', MOVING)
 def test_each_effect_flies_alike_and_matters(name: str) -> None:
     knob = TURNED[name]
-    nominal = knob.turned(GTMAB, 3.0 * knob.typical) if knob.high > 0.0 else hidden(knob)
+    nominal = knob.apply_to(GTMAB, 3.0 * knob.typical) if knob.high > 0.0 else hidden(knob)
     place, turn, speed = apart(nominal)
     # A tilted rotor turns exactly here and to first order there: 0.027 rad squared.
     rough = 40.0 if name.startswith('rotor_misalignment') else 1.0

@@ -67,7 +67,7 @@ def test_every_verb_of_the_registry_is_there(call):
     first = [line[2:].split(' ')[0] for line in said.out.splitlines() if line.startswith('│ ')]
     assert [name for name in first if name in app.VERBS] == list(app.VERBS)
     for name, verb in app.VERBS.items():
-        inner = verb.verbs if isinstance(verb, app.Group) else {}
+        inner = verb.verbs if isinstance(verb, app.VerbGroup) else {}
         for word in inner:
             status, said = call(name, word, '--help')
             assert status == 0
@@ -76,12 +76,12 @@ def test_every_verb_of_the_registry_is_there(call):
 
 def test_a_list_says_what_loaded_verbs_say_of_themselves():
     """It is read from their files, in a tenth of the time that they take to load."""
-    loaded = get_command(app.put_together()).commands
-    listed = get_command(app.put_together(['--help'])).commands
+    loaded = get_command(app.build_app()).commands
+    listed = get_command(app.build_app(['--help'])).commands
     assert {name: verb.help for name, verb in listed.items()} == {
         name: verb.help for name, verb in loaded.items()
     }
-    inner = get_command(app.put_together(['light', '--help'])).commands['light'].commands
+    inner = get_command(app.build_app(['light', '--help'])).commands['light'].commands
     for name, verb in loaded['light'].commands.items():
         assert inner[name].help == verb.help
 
@@ -115,9 +115,14 @@ def test_options_of_several_values_may_stand_once():
         'd',
         'e',
     ]
-    assert app.repeated(words) == [
+    assert app.repeat_options(words) == [
         'discover', '--train', 'a', '--train', 'b', '--confirm', 'c', '--seed', '3',
         '--holdout', 'd', '--holdout', 'e',
     ]  # fmt: skip
-    assert app.repeated(['simulate', '--train', 'a', 'b']) == ['simulate', '--train', 'a', 'b']
-    assert app.repeated([]) == []
+    assert app.repeat_options(['simulate', '--train', 'a', 'b']) == [
+        'simulate',
+        '--train',
+        'a',
+        'b',
+    ]
+    assert app.repeat_options([]) == []

@@ -4,11 +4,11 @@ import json
 
 from lta_cli.verbs import fly as verb
 from lta_config.errors import BadInput
-from lta_flight.flight import Flown
-from lta_flight.report.results import Results
+from lta_flight.flight import FlightRun
+from lta_flight.report.results import FlightResults
 import pytest
 
-RESULTS = Results(success=True, path_length=6.0, search_time=12.0, closest=0.9)
+RESULTS = FlightResults(success=True, path_length=6.0, search_time=12.0, closest=0.9)
 
 
 @pytest.fixture
@@ -16,11 +16,11 @@ def flown(monkeypatch, tmp_path):
     """Return a function that makes the next flight end in some way."""
     monkeypatch.setattr(verb, 'write_page', lambda bag, out: RESULTS)
     monkeypatch.setattr(verb, 'open_flight', lambda bag: bag)
-    monkeypatch.setattr(verb, 'View', lambda flight: flight)
-    monkeypatch.setattr(verb, 'results_of', lambda view: RESULTS)
+    monkeypatch.setattr(verb, 'FlightView', lambda flight: flight)
+    monkeypatch.setattr(verb, 'compute_results', lambda view: RESULTS)
 
     def ends(outcome, sentence):
-        end = Flown(tmp_path, tmp_path / 'bag', outcome, sentence, 2.5)
+        end = FlightRun(tmp_path, tmp_path / 'bag', outcome, sentence, 2.5)
         monkeypatch.setattr(verb, 'fly_once', lambda order, watcher: end)
 
     return ends

@@ -1,9 +1,9 @@
 """Whatever a bag carries, it is read or refused in one sentence; it never brings Python down."""
 
 from lta_config.errors import BadInput
-from lta_data.bag.blocks import cloud_fields, image_block
-from lta_data.bag.folder import bag_files, description, provenance_in
-from lta_data.scene import scene_of
+from lta_data.bag.bag_folder import extract_provenance, find_bag_files, read_metadata
+from lta_data.bag.packed_samples import decode_image, decode_point_cloud
+from lta_data.scene import read_scene
 import numpy as np
 import pytest
 
@@ -28,7 +28,7 @@ TEXTS = {
 @pytest.mark.parametrize('text', TEXTS.values(), ids=TEXTS)
 def test_files_in_the_provenance(key, text):
     with pytest.raises(BadInput, match=rf"^The bag's {key}[^\n]*\.$") as caught:
-        scene_of({key: text})
+        read_scene({key: text})
     assert len(str(caught.value)) < 400
 
 
@@ -36,9 +36,9 @@ def test_files_in_the_provenance(key, text):
 def test_metadata_that_cannot_be_used_leaves_the_recording(tmp_path, text):
     folder = write_flight(tmp_path / 'bag', until=0.0)
     (folder / 'metadata.yaml').write_bytes(text.encode(errors='surrogatepass'))
-    assert description(folder) == {}
-    assert provenance_in(description(folder)) == {}
-    assert bag_files(folder) == [folder / 'bag_0.mcap']
+    assert read_metadata(folder) == {}
+    assert extract_provenance(read_metadata(folder)) == {}
+    assert find_bag_files(folder) == [folder / 'bag_0.mcap']
 
 
 @pytest.mark.parametrize(
@@ -53,8 +53,8 @@ def test_metadata_that_cannot_be_used_leaves_the_recording(tmp_path, text):
 def test_metadata_of_the_wrong_types_leaves_the_recording(tmp_path, told):
     folder = write_flight(tmp_path / 'bag', until=0.0)
     (folder / 'metadata.yaml').write_text(told)
-    assert provenance_in(description(folder)) == {}
-    assert bag_files(folder) == [folder / 'bag_0.mcap']
+    assert extract_provenance(read_metadata(folder)) == {}
+    assert find_bag_files(folder) == [folder / 'bag_0.mcap']
 
 
 @pytest.mark.parametrize(
@@ -80,17 +80,17 @@ def test_a_point_cloud_that_does_not_fit(given, sentence):
     for name, value in given.items():
         setattr(cloud.fields[-1] if hasattr(cloud.fields[-1], name) else cloud, name, value)
     with pytest.raises(BadInput, match=sentence):
-        cloud_fields(cloud)
+        decode_point_cloud(cloud)
 
 
 def test_a_point_cloud_without_points_or_fields_is_empty():
     cloud = peaks(5.0)
     cloud.width = cloud.height = cloud.row_step = 0
     cloud.data = np.zeros(0, np.uint8)
-    assert {name: len(column) for name, column in cloud_fields(cloud).items()} == dict.fromkeys(
-        ['x', 'y', 'z', 'amplitude', 'snr', 'frequency'], 0
-    )
-    assert cloud_fields(make('sensor_msgs/msg/PointCloud2', height=3)) == {}
+    assert {
+        name: len(column) for name, column in decode_point_cloud(cloud).items()
+    } == dict.fromkeys(['x', 'y', 'z', 'amplitude', 'snr', 'frequency'], 0)
+    assert decode_point_cloud(make('sensor_msgs/msg/PointCloud2', height=3)) == {}
 
 
 @pytest.mark.parametrize('given', [{'height': 1001}, {'step': 15}, {'step': 17}, {'width': 9}])
@@ -99,4 +99,4 @@ def test_an_image_that_does_not_fit(given):
     for name, value in given.items():
         setattr(image, name, value)
     with pytest.raises(BadInput, match='do not fit'):
-        image_block(image)
+        decode_image(image)

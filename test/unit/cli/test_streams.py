@@ -2,14 +2,14 @@
 
 import os
 
-from lta_cli.streams import Unheard, unheard
+from lta_cli.streams import BrokenPipeFile, wrap_stream
 import pytest
 
 
 def test_a_closed_pipe_takes_everything():
     reading, writing = os.pipe()
     with os.fdopen(writing, 'w') as plain:
-        stream = unheard(plain)
+        stream = wrap_stream(plain)
         stream.write('heard\n')
         assert os.read(reading, 100) == b'heard\n'
         os.close(reading)
@@ -20,5 +20,5 @@ def test_a_closed_pipe_takes_everything():
 
 
 def test_a_full_disk_is_no_closed_pipe():
-    with Unheard('/dev/full', 'w') as full, pytest.raises(OSError, match='No space left'):
+    with BrokenPipeFile('/dev/full', 'w') as full, pytest.raises(OSError, match='No space left'):
         full.write(b'x')

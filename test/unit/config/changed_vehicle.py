@@ -3,12 +3,12 @@
 import copy
 
 from lta_config.errors import BadInput
-from lta_config.files import find, load_yaml
+from lta_config.files import find_file, load_yaml
 from lta_config.schema.vehicle_file import load_vehicle_file
 import pytest
 import yaml
 
-GTMAB = load_yaml(find('vehicle', 'gtmab'))
+GTMAB = load_yaml(find_file('vehicle', 'gtmab'))
 
 
 def put(content, place, value):

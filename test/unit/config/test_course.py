@@ -4,7 +4,7 @@ import math
 
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_config.course import Course, even
+from lta_config.course import Course, hashed_uniform
 import numpy as np
 from pydantic import ValidationError
 import pytest
@@ -23,11 +23,11 @@ def made(**changes):
 
 def test_it_stays_down_until_its_first_row_and_then_jumps_or_goes_straight():
     step, ramp = made(), made(between='ramp')
-    assert step.asked(1.99) == (0.0, 0.0, 0.0)
-    assert step.asked(5.99) == (1.0, 0.0, 0.0)
-    assert step.asked(6.0) == pytest.approx((3.0, math.pi / 2, 0.4))
-    assert ramp.asked(3.0) == pytest.approx((1.5, math.pi / 8, 0.1))
-    assert ramp.asked(99.0) == pytest.approx((0.0, math.pi / 2, 0.0))
+    assert step.setpoint_at(1.99) == (0.0, 0.0, 0.0)
+    assert step.setpoint_at(5.99) == (1.0, 0.0, 0.0)
+    assert step.setpoint_at(6.0) == pytest.approx((3.0, math.pi / 2, 0.4))
+    assert ramp.setpoint_at(3.0) == pytest.approx((1.5, math.pi / 8, 0.1))
+    assert ramp.setpoint_at(99.0) == pytest.approx((0.0, math.pi / 2, 0.0))
 
 
 def test_rows_out_of_order_are_refused():
@@ -37,14 +37,14 @@ def test_rows_out_of_order_are_refused():
 
 def test_motors_are_shaken_between_the_rows_alone_and_never_started():
     course, duties = made(), (0.5, 0.5)
-    assert course.shaken(1.99, duties, (False, False)) == duties
-    assert course.shaken(8.0, duties, (False, False)) == duties
-    assert course.shaken(3.0, (0.0, 0.0), (False, False)) == (0.0, 0.0)
-    assert made(shake=None).shaken(3.0, duties, (False, False)) == duties
-    first, second = course.shaken(3.0, duties, (False, False))
-    assert first == 0.5 + 0.2 * even(6, 0)  # the seventh hold of half a second
-    assert second == 0.5 + 0.2 * even(6, 1)  # of 3.309 s
-    assert course.shaken(3.49, duties, (False, False))[0] == first
+    assert course.excite_duties(1.99, duties, (False, False)) == duties
+    assert course.excite_duties(8.0, duties, (False, False)) == duties
+    assert course.excite_duties(3.0, (0.0, 0.0), (False, False)) == (0.0, 0.0)
+    assert made(shake=None).excite_duties(3.0, duties, (False, False)) == duties
+    first, second = course.excite_duties(3.0, duties, (False, False))
+    assert first == 0.5 + 0.2 * hashed_uniform(6, 0)  # the seventh hold of half a second
+    assert second == 0.5 + 0.2 * hashed_uniform(6, 1)  # of 3.309 s
+    assert course.excite_duties(3.49, duties, (False, False))[0] == first
 
 
 @given(
@@ -54,13 +54,13 @@ def test_no_duty_leaves_what_a_rotor_can(time, duty, reversible, size):
     if not reversible:
         duty = abs(duty)
     shake = {'duty': {'value': size, 'unit': '1'}, 'hold': '0.3 s'}
-    (got,) = made(shake=shake).shaken(time, (duty,), (reversible,))
+    (got,) = made(shake=shake).excite_duties(time, (duty,), (reversible,))
     assert (-1.0 if reversible else 0.0) <= got <= 1.0
     assert abs(got - duty) <= size + 1e-12
 
 
 def test_the_numbers_are_even():
-    drawn = np.array([[even(i, k) for i in range(2000)] for k in range(4)])
+    drawn = np.array([[hashed_uniform(i, k) for i in range(2000)] for k in range(4)])
     assert np.abs(drawn).max() < 1.0
     assert np.abs(drawn.mean(axis=1)).max() < 4.0 / math.sqrt(3.0 * 2000)
     assert drawn.std(axis=1) == pytest.approx(1.0 / math.sqrt(3.0), rel=0.05)

@@ -7,8 +7,8 @@ import string
 from hypothesis import given
 from hypothesis import strategies as st
 from lta_config import files
-from lta_config.errors import BadInput, unknown
-from lta_config.files import find, load, load_yaml, Record
+from lta_config.errors import BadInput, unknown_name
+from lta_config.files import find_file, load_file, load_yaml, StrictModel
 from lta_config.settings import setting, Settings
 from pydantic import ValidationError
 import pytest
@@ -24,7 +24,7 @@ class Gains(Settings):
     count: int = setting(3, 'Terms.', low=1, fixed=True)
 
 
-class File(Record):
+class File(StrictModel):
     name: str
     gains: Gains = Gains()
 
@@ -40,7 +40,7 @@ def write(tmp_path):
 
 
 def test_a_good_file(write):
-    read = load(File, write('name: a\ngains: {kp: 1.5}\n'))
+    read = load_file(File, write('name: a\ngains: {kp: 1.5}\n'))
     assert (read.name, read.gains.kp, read.gains.count) == ('a', 1.5, 3)
     with pytest.raises(ValidationError):
         read.name = 'b'
@@ -86,7 +86,7 @@ def test_a_good_file(write):
 def test_a_bad_file_gets_one_sentence(write, content, message):
     path = write(content)
     with pytest.raises(BadInput) as caught:
-        load(File, path)
+        load_file(File, path)
     text = str(caught.value)
     assert message in text
     assert text.startswith(str(path))
@@ -104,9 +104,9 @@ def test_no_text_gets_past_but_as_data_or_bad_input(tmp_path_factory, text):
 
 def test_long_text_that_begins_with_a_number_is_no_number(write):
     about = '16 photodiodes, ' + 40 * 'each with its own gain '
-    assert load(File, write(f'name: {about}')).name == about.strip()
+    assert load_file(File, write(f'name: {about}')).name == about.strip()
     digits = 5000 * '1'
-    assert load(File, write(f'name: "{digits}"')).name == digits
+    assert load_file(File, write(f'name: "{digits}"')).name == digits
 
 
 def test_what_is_not_a_file(tmp_path):
@@ -120,30 +120,30 @@ def test_names_are_shipped_files_and_paths_are_paths(tmp_path, monkeypatch):
     (tmp_path / 'launch').mkdir()
     for name in ('vehicles/b.yaml', 'vehicles/a.yaml', 'launch/fly.launch.yaml', 'own.yaml'):
         (tmp_path / name).touch()
-    monkeypatch.setattr(files, 'share', lambda: tmp_path)
+    monkeypatch.setattr(files, 'share_folder', lambda: tmp_path)
     monkeypatch.chdir(tmp_path)
-    assert files.known('vehicles') == ['a', 'b']
-    assert find('vehicle', 'a') == tmp_path / 'vehicles/a.yaml'
-    assert find('vehicle', 'own.yaml') == Path('own.yaml')
-    assert find('vehicle', 'vehicles/b.yaml') == Path('vehicles/b.yaml')
-    assert find('launch file', 'fly', '.launch.yaml') == tmp_path / 'launch/fly.launch.yaml'
+    assert files.list_shipped('vehicles') == ['a', 'b']
+    assert find_file('vehicle', 'a') == tmp_path / 'vehicles/a.yaml'
+    assert find_file('vehicle', 'own.yaml') == Path('own.yaml')
+    assert find_file('vehicle', 'vehicles/b.yaml') == Path('vehicles/b.yaml')
+    assert find_file('launch file', 'fly', '.launch.yaml') == tmp_path / 'launch/fly.launch.yaml'
     for name in ('c', '', '..', 'A'):
         with pytest.raises(BadInput, match=r"^Unknown vehicle '.*'; known: a, b\.$"):
-            find('vehicle', name)
+            find_file('vehicle', name)
     for name in ('no.yaml', './a', '/', '~nobody-at-all/x.yaml'):
         with pytest.raises(BadInput, match=r'^There is no vehicle file .*; check the path\.$'):
-            find('vehicle', name)
+            find_file('vehicle', name)
 
 
 def test_the_data_is_found():
-    assert (files.share() / 'topics.yaml').is_file()
+    assert (files.share_folder() / 'topics.yaml').is_file()
 
 
 def test_unknown_names_the_known():
-    assert str(unknown('wind', 'x', ['b', 'a'])) == "Unknown wind 'x'; known: a, b."
-    assert str(unknown('wind', 'x', [])) == "Unknown wind 'x'; known: none."
+    assert str(unknown_name('wind', 'x', ['b', 'a'])) == "Unknown wind 'x'; known: a, b."
+    assert str(unknown_name('wind', 'x', [])) == "Unknown wind 'x'; known: none."
     meant = "Unknown wind 'outdoor'; known: indoors, outdoors (did you mean 'outdoors'?)."
-    assert str(unknown('wind', 'outdoor', ['indoors', 'outdoors'])) == meant
+    assert str(unknown_name('wind', 'outdoor', ['indoors', 'outdoors'])) == meant
 
 
 def test_a_default_outside_its_bounds_is_a_mistake():

@@ -1,9 +1,9 @@
 """Manoeuvres and comparisons: what they ask for when, and what they refuse."""
 
 from lta_config.errors import BadInput
-from lta_config.files import find, known, load_yaml
-from lta_config.schema.comparison_file import Comparison, load_comparison
-from lta_config.schema.manoeuvre_file import load_manoeuvre, Manoeuvre
+from lta_config.files import find_file, list_shipped, load_yaml
+from lta_config.schema.comparison_file import ComparisonFile, load_comparison
+from lta_config.schema.maneuver_file import load_maneuver, ManeuverFile
 from pydantic import ValidationError
 import pytest
 import yaml
@@ -28,16 +28,16 @@ course:
 def made(**changes):
     content = MANOEUVRE | changes
     content.setdefault('band', '0.05 m/s')
-    return Manoeuvre.model_validate(content)
+    return ManeuverFile.model_validate(content)
 
 
 def test_between_rows_it_goes_straight_or_jumps():
     ramp, step = made(band='0.1 m/s'), made(band='0.1 m/s', between='step')
-    assert ramp.asked(1.999) == (0.0, 0.0, 0.0)
-    assert ramp.asked(3.0) == pytest.approx((1.5, 3.14159265 / 8, 0.1))
-    assert ramp.asked(60.0) == pytest.approx((3.0, 3.14159265 / 2, 0.4))
-    assert step.asked(5.999) == (1.0, 0.0, 0.0)
-    assert step.asked(6.0) == pytest.approx((3.0, 3.14159265 / 2, 0.4))
+    assert ramp.setpoint_at(1.999) == (0.0, 0.0, 0.0)
+    assert ramp.setpoint_at(3.0) == pytest.approx((1.5, 3.14159265 / 8, 0.1))
+    assert ramp.setpoint_at(60.0) == pytest.approx((3.0, 3.14159265 / 2, 0.4))
+    assert step.setpoint_at(5.999) == (1.0, 0.0, 0.0)
+    assert step.setpoint_at(6.0) == pytest.approx((3.0, 3.14159265 / 2, 0.4))
 
 
 @pytest.mark.parametrize(
@@ -52,17 +52,17 @@ def test_between_rows_it_goes_straight_or_jumps():
 )
 def test_what_cannot_be_is_refused(changes, sentence):
     with pytest.raises(ValidationError, match=sentence):
-        Manoeuvre.model_validate(MANOEUVRE | changes)
+        ManeuverFile.model_validate(MANOEUVRE | changes)
 
 
-@pytest.mark.parametrize('name', known('manoeuvres'))
+@pytest.mark.parametrize('name', list_shipped('manoeuvres'))
 def test_shipped_manoeuvres_are_what_their_files_are_called(name):
-    assert load_manoeuvre(name).name == name
+    assert load_maneuver(name).name == name
 
 
 def test_an_unknown_manoeuvre_lists_the_known():
     with pytest.raises(BadInput, match='climb'):
-        load_manoeuvre('climbing')
+        load_maneuver('climbing')
 
 
 def test_the_shipped_comparison_names_what_there_is():
@@ -73,20 +73,22 @@ def test_the_shipped_comparison_names_what_there_is():
     for each in comparison.ablations.values():
         asked |= {*each.manoeuvres}
         assert each.why  # an ablation says what it changes
-    assert asked <= {*known('manoeuvres')}
+    assert asked <= {*list_shipped('manoeuvres')}
     # A vehicle may ship without taking part; a line in the comparison enters it.
-    assert {each.vehicle for each in comparison.contestants.values()} <= {*known('vehicles')}
+    assert {each.vehicle for each in comparison.contestants.values()} <= {
+        *list_shipped('vehicles')
+    }
 
 
 def test_an_ablation_of_nobody_is_refused():
-    content = load_yaml(find('comparison', 'platforms'))
+    content = load_yaml(find_file('comparison', 'platforms'))
     content['ablations']['beavis_neutral']['of'] = 'beaver'
     with pytest.raises(ValidationError, match='beaver, which is no contestant'):
-        Comparison.model_validate(content)
+        ComparisonFile.model_validate(content)
 
 
 def test_speeds_that_do_not_rise_are_refused():
-    content = load_yaml(find('comparison', 'platforms'))
+    content = load_yaml(find_file('comparison', 'platforms'))
     content['limits']['sblimp']['speeds'] = {'value': [0.5, 0.4], 'unit': 'm/s'}
     with pytest.raises(ValidationError, match='limit sblimp'):
-        Comparison.model_validate(content)
+        ComparisonFile.model_validate(content)

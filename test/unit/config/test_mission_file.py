@@ -1,13 +1,13 @@
 """Mission files and lights of the day: what is shipped is whole, what is wrong is one sentence."""
 
 from lta_config.errors import BadInput
-from lta_config.files import find, known, load_yaml
+from lta_config.files import find_file, list_shipped, load_yaml
 from lta_config.schema.light_day_file import load_light_day
 from lta_config.schema.mission_file import load_mission
 import pytest
 import yaml
 
-MISSIONS, DAYS = known('missions'), known('light_days')
+MISSIONS, DAYS = list_shipped('missions'), list_shipped('light_days')
 
 
 @pytest.mark.parametrize('name', MISSIONS)
@@ -15,7 +15,7 @@ def test_shipped_missions_are_what_their_files_are_called(name):
     mission = load_mission(name)
     assert mission.name == name
     assert mission.light in DAYS
-    assert mission.scene in known('scenarios')
+    assert mission.scene in list_shipped('scenarios')
 
 
 @pytest.mark.parametrize('name', DAYS)
@@ -25,7 +25,7 @@ def test_shipped_lights_are_what_their_files_are_called(name):
 
 def changed(kind, name, tmp_path, change):
     """Return a shipped file with something changed."""
-    content = load_yaml(find(kind, name))
+    content = load_yaml(find_file(kind, name))
     change(content)
     path = tmp_path / f'{name}.yaml'
     path.write_text(yaml.safe_dump(content), encoding='utf-8')

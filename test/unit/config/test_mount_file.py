@@ -1,20 +1,20 @@
 """Mount files: what is read, what is refused, and what becomes of a vehicle file."""
 
 from lta_config.errors import BadInput
-from lta_config.files import find, known, load_yaml
-from lta_config.schema.mount_file import load_mount, mounted
+from lta_config.files import find_file, list_shipped, load_yaml
+from lta_config.schema.mount_file import load_mount, mount_panels
 import pytest
 import yaml
 
-VEHICLE = load_yaml(find('vehicle', 'gtmab'))
+VEHICLE = load_yaml(find_file('vehicle', 'gtmab'))
 
 
-@pytest.mark.parametrize('name', known('mounts'))
+@pytest.mark.parametrize('name', list_shipped('mounts'))
 def test_shipped_mounts_are_what_their_files_are_called(name):
     assert load_mount(name).name == name
 
 
-@pytest.mark.parametrize('name', known('mounts'))
+@pytest.mark.parametrize('name', list_shipped('mounts'))
 def test_every_mount_carries_the_papers_panels(name):
     mount = load_mount(name)
     panels = [mount.parts[panel] for panel in mount.panels]
@@ -31,7 +31,7 @@ def test_the_papers_frame_weighs_45_5_grams_and_reaches_40_cm():
 
 
 def test_a_mount_takes_the_place_of_a_layer_and_of_nothing_else():
-    made = mounted(VEHICLE, 'side')
+    made = mount_panels(VEHICLE, 'side')
     assert list(made['layers']) == list(VEHICLE['layers'])
     assert set(made['layers']['top']) == {'panel_left', 'panel_right'}
     changed = {key for key in made if made[key] != VEHICLE[key]}
@@ -41,14 +41,14 @@ def test_a_mount_takes_the_place_of_a_layer_and_of_nothing_else():
 
 
 def test_misplaced_panels_sit_ahead_and_their_frame_does_not():
-    made = mounted(VEHICLE, 'bottom', ahead=0.03)['layers']['top']
-    straight = mounted(VEHICLE, 'bottom')['layers']['top']
+    made = mount_panels(VEHICLE, 'bottom', ahead=0.03)['layers']['top']
+    straight = mount_panels(VEHICLE, 'bottom')['layers']['top']
     assert made['panel_left']['position']['value'] == pytest.approx([0.03, 0.56, -0.36])
     assert made['arm_left'] == straight['arm_left']
 
 
 def written(tmp_path, change):
-    content = load_yaml(find('mount', 'top'))
+    content = load_yaml(find_file('mount', 'top'))
     change(content)
     path = tmp_path / 'mine.yaml'
     path.write_text(yaml.safe_dump(content), encoding='utf-8')
@@ -71,4 +71,4 @@ def test_a_normal_that_is_no_direction_is_refused(tmp_path):
 
 def test_a_vehicle_without_the_layer_is_refused_with_its_layers():
     with pytest.raises(BadInput, match=r'top.*hull, sensors'):
-        mounted({**VEHICLE, 'layers': {'hull': {}, 'sensors': {}}}, 'side')
+        mount_panels({**VEHICLE, 'layers': {'hull': {}, 'sensors': {}}}, 'side')

@@ -1,7 +1,13 @@
 """Single parameters of files, replaced by path: found, and of the right kind and unit."""
 
 from lta_config.errors import BadInput
-from lta_config.override import assignment, held, override, SOURCE, value_of
+from lta_config.parameter_override import (
+    get_parameter,
+    parse_assignment,
+    parse_value,
+    replace_parameter,
+    SOURCE,
+)
 import pytest
 
 FILE = {
@@ -15,8 +21,8 @@ FILE = {
 
 
 def changed(text):
-    path, value = assignment(text)
-    return held(override(FILE, path, value, 'vehicle'), path, 'vehicle')
+    path, value = parse_assignment(text)
+    return get_parameter(replace_parameter(FILE, path, value, 'vehicle'), path, 'vehicle')
 
 
 @pytest.mark.parametrize(
@@ -42,18 +48,18 @@ def test_a_value_is_replaced(text, found):
 
 @pytest.mark.parametrize('path', ['effects.leak', 'effects.leak.rate', 'effects.motor_lag.down'])
 def test_what_a_file_leaves_out_of_its_effects_is_nothing_yet(path):
-    assert held(FILE, path, 'vehicle') is None
+    assert get_parameter(FILE, path, 'vehicle') is None
 
 
 def test_one_of_several_numbers_leaves_the_others():
-    given = override(FILE, 'air.wind.1', value_of('0.5 m/s', ''), 'scenario')
+    given = replace_parameter(FILE, 'air.wind.1', parse_value('0.5 m/s', ''), 'scenario')
     assert given['air']['wind']['value'] == [0, 0.5, 2]
-    assert held(given, 'air.wind.1', 'scenario') == {'value': 0.5, 'unit': 'm/s'}
+    assert get_parameter(given, 'air.wind.1', 'scenario') == {'value': 0.5, 'unit': 'm/s'}
 
 
 def test_a_number_in_another_unit_is_put_into_that_of_its_neighbours():
     file = {'size': {'value': [1.0, 2.0], 'unit': 'cm'}}
-    given = override(file, 'size.0', value_of('30 mm', ''), 'vehicle')
+    given = replace_parameter(file, 'size.0', parse_value('30 mm', ''), 'vehicle')
     assert given['size']['value'] == pytest.approx([3.0, 2.0], rel=1e-15)
 
 
@@ -95,6 +101,6 @@ def test_what_cannot_be_set_is_said(text, words):
 
 def test_a_named_aero_file_takes_the_place_of_the_block():
     content = {'aero': {'linear_drag': {}}, 'trim': {'heaviness': '1 g'}}
-    assert override(content, 'aero', 'gtmab', 'vehicle') == {**content, 'aero': 'gtmab'}
+    assert replace_parameter(content, 'aero', 'gtmab', 'vehicle') == {**content, 'aero': 'gtmab'}
     with pytest.raises(BadInput, match='is a group; set one of its keys: heaviness'):
-        override(content, 'trim', 'gtmab', 'vehicle')
+        replace_parameter(content, 'trim', 'gtmab', 'vehicle')

@@ -2,22 +2,22 @@
 
 import copy
 
+from lta_config.arithmetic import evaluate_sum
 from lta_config.errors import BadInput
-from lta_config.files import checked, find, known, load_yaml
-from lta_config.schema.paper_file import load_paper_row, paper_rows, PaperRow
-from lta_config.sums import value_of
+from lta_config.files import find_file, list_shipped, load_yaml, validate_content
+from lta_config.schema.paper_file import load_paper_row, load_paper_rows, PaperRow
 import pytest
 
-CELLS = load_yaml(find('row of the paper', 'cells'))
+CELLS = load_yaml(find_file('row of the paper', 'cells'))
 
 
-@pytest.mark.parametrize('name', known('paper'))
+@pytest.mark.parametrize('name', list_shipped('paper'))
 def test_every_row_is_read_and_is_called_what_its_file_is(name):
     assert load_paper_row(name).name == name
 
 
 def test_rows_come_in_the_order_of_the_paper():
-    numbers = [row.number for row in paper_rows()]
+    numbers = [row.number for row in load_paper_rows()]
     assert numbers == sorted(set(numbers))
 
 
@@ -47,15 +47,15 @@ def changed(path, value):
 )
 def test_what_does_not_hold_together_is_one_sentence(path, value, word):
     with pytest.raises(BadInput, match=word):
-        checked(PaperRow, changed(path, value), 'cells')
+        validate_content(PaperRow, changed(path, value), 'cells')
 
 
 def test_sums_are_worked_out_and_nothing_else():
-    assert value_of('pi * 7 ** 2 / 3 - (1 + 2)') == pytest.approx(48.3127)
-    assert value_of('-2 * 3') == -6.0
+    assert evaluate_sum('pi * 7 ** 2 / 3 - (1 + 2)') == pytest.approx(48.3127)
+    assert evaluate_sum('-2 * 3') == -6.0
     for text in ('open("x")', '1 / 0', 'x', '1 if 2 else 3', '', '9e9 ** 9e9', '(1).real'):
         with pytest.raises(ValueError, match='no sum'):
-            value_of(text)
+            evaluate_sum(text)
 
 
 def test_a_defect_tells_its_arithmetic():

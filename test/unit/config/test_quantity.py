@@ -6,9 +6,9 @@ from typing import Annotated
 from hypothesis import given
 from hypothesis import strategies as st
 from lta_config import quantity as quantity_module
-from lta_config.files import Record
-from lta_config.quantity import Quantity, si, UNITS
-from lta_config.sentence import sentence
+from lta_config.files import StrictModel
+from lta_config.quantity import Quantity, si_quantity, UNITS
+from lta_config.validation_errors import format_error
 from pydantic import ValidationError
 import pytest
 
@@ -70,11 +70,11 @@ def test_units_convert_to_units_that_convert_to_themselves():
             assert base in SI, unit
 
 
-class Part(Record):
-    mass: Annotated[Quantity, si('kg', above=0.0, high=5.0, sourced=True)] = Quantity(
+class Part(StrictModel):
+    mass: Annotated[Quantity, si_quantity('kg', above=0.0, high=5.0, sourced=True)] = Quantity(
         value=1.0, unit='kg', source='assumed'
     )
-    place: Annotated[Quantity, si('m', low=-1.0, high=1.0, length=3)] = Quantity(
+    place: Annotated[Quantity, si_quantity('m', low=-1.0, high=1.0, length=3)] = Quantity(
         value=(0.0, 0.0, 0.0), unit='m'
     )
 
@@ -114,7 +114,7 @@ class Part(Record):
 def test_what_is_wrong_is_said_in_one_sentence(given, message):
     with pytest.raises(ValidationError) as caught:
         Part.model_validate(given)
-    assert message in sentence(caught.value)
+    assert message in format_error(caught.value)
 
 
 def test_a_number_that_is_finite_only_outside_si_is_refused():
@@ -129,5 +129,5 @@ def test_bounds_are_closed():
 def test_a_number_that_yaml_takes_for_text():
     for text, told in (('1e-9', 'numbers with a decimal point, as 1.0e-3'), ('many', 'numbers')):
         with pytest.raises(ValueError, match=r'needs a number') as caught:
-            quantity_module._number_or_numbers(text)
+            quantity_module._parse_numbers(text)
         assert str(caught.value).endswith(told)

@@ -1,11 +1,11 @@
 """What is recorded: by the table, by name, and everything."""
 
 from lta_config.errors import BadInput
-from lta_config.recorded import is_wanted, wanted
-from lta_config.topics import topic_table
+from lta_config.topic_selection import is_selected, select_topics
+from lta_config.topics import load_topic_table
 import pytest
 
-TABLE = topic_table()
+TABLE = load_topic_table()
 HIDDEN = TABLE.model_copy(
     update={
         'topics': {
@@ -17,7 +17,7 @@ HIDDEN = TABLE.model_copy(
 
 
 def test_the_table_says_what_is_recorded_unless_told():
-    found = wanted('', ['lta1'], HIDDEN)
+    found = select_topics('', ['lta1'], HIDDEN)
     assert len(found) == len(TABLE.topics) - 1
     assert '/lta1/wind' not in found
     assert found['/lta1/imu'] == 'sensor_msgs/msg/Imu'
@@ -25,7 +25,7 @@ def test_the_table_says_what_is_recorded_unless_told():
 
 
 def test_everything_is_what_the_table_has_and_more_that_is_found_later():
-    assert set(wanted('all', ['a', 'b'], HIDDEN)) == {
+    assert set(select_topics('all', ['a', 'b'], HIDDEN)) == {
         *(f'/{robot}/{name}' for robot in 'ab' for name in TABLE.topics if name[0] != '/'),
         '/clock',
         '/diagnostics',
@@ -33,7 +33,7 @@ def test_everything_is_what_the_table_has_and_more_that_is_found_later():
 
 
 def test_names_are_relative_to_each_robot_or_absolute():
-    found = wanted('imu /b/wind /clock  /rosout', ['a', 'b'], TABLE)
+    found = select_topics('imu /b/wind /clock  /rosout', ['a', 'b'], TABLE)
     assert found == {
         '/a/imu': 'sensor_msgs/msg/Imu',
         '/b/imu': 'sensor_msgs/msg/Imu',
@@ -41,19 +41,19 @@ def test_names_are_relative_to_each_robot_or_absolute():
         '/clock': 'rosgraph_msgs/msg/Clock',
         '/rosout': 'rcl_interfaces/msg/Log',
     }
-    assert wanted('odom', [''], TABLE) == {'/odom': 'nav_msgs/msg/Odometry'}
+    assert select_topics('odom', [''], TABLE) == {'/odom': 'nav_msgs/msg/Odometry'}
 
 
 @pytest.mark.parametrize('words', ['odm', 'imu odm', '/lta2/odom', 'all odm', '/odom'])
 def test_an_unknown_name_is_refused_with_the_known_ones(words):
     with pytest.raises(BadInput, match=r"Unknown topic '.*'; known: .*/rosout, .*odom"):
-        wanted(words, ['lta1'], TABLE)
+        select_topics(words, ['lta1'], TABLE)
 
 
 def test_a_simulator_knows_which_of_its_topics_the_recorder_takes():
     row = HIDDEN['wind']
-    assert not is_wanted('', 'a', 'wind', row)
-    assert is_wanted('all', 'a', 'wind', row)
-    assert is_wanted('imu wind', 'a', 'wind', row)
-    assert is_wanted('/a/wind', 'a', 'wind', row)
-    assert not is_wanted('/b/wind imu', 'a', 'wind', row)
+    assert not is_selected('', 'a', 'wind', row)
+    assert is_selected('all', 'a', 'wind', row)
+    assert is_selected('imu wind', 'a', 'wind', row)
+    assert is_selected('/a/wind', 'a', 'wind', row)
+    assert not is_selected('/b/wind imu', 'a', 'wind', row)

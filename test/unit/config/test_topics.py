@@ -3,11 +3,11 @@
 from hypothesis import given
 from hypothesis import strategies as st
 from lta_config.errors import BadInput
-from lta_config.files import load
-from lta_config.topics import is_name, robot_topic, topic_table, TopicTable
+from lta_config.files import load_file
+from lta_config.topics import is_name, load_topic_table, robot_topic, TopicTable
 import pytest
 
-TABLE = topic_table()
+TABLE = load_topic_table()
 PERIODIC = [name for name, topic in TABLE.topics.items() if topic.period is not None]
 
 
@@ -24,19 +24,19 @@ def published(name: str, now: int, lag: int) -> int:
 @given(st.sampled_from(PERIODIC), st.integers(-300, 1500), st.integers(0, 3), st.integers(-1, 1))
 def test_due_is_what_counting_gives(name, step, lag, nudge):
     now = TABLE.start_ns + step * TABLE.control_ns + nudge  # one nanosecond beside the grid, too
-    assert TABLE.due(name, now, lag) == published(name, now, lag)
+    assert TABLE.count_due(name, now, lag) == published(name, now, lag)
 
 
 def test_due_by_hand():
     start, ms = 1_000_000_000, 1_000_000
-    assert TABLE.due('imu', start - 1) == 0
-    assert TABLE.due('imu', start) == 1
-    assert TABLE.due('imu', start + 20 * ms) == 3
-    assert TABLE.due('motors', start, lag=1) == 0
-    assert TABLE.due('motors', start + 10 * ms, lag=1) == 1
-    assert TABLE.due('range', start + 30 * ms) == 2  # 0 and 25 ms
-    assert TABLE.due('photodiodes', start + 90 * ms) == 0  # out only after its last sample
-    assert TABLE.due('photodiodes', start + 100 * ms) == 1
+    assert TABLE.count_due('imu', start - 1) == 0
+    assert TABLE.count_due('imu', start) == 1
+    assert TABLE.count_due('imu', start + 20 * ms) == 3
+    assert TABLE.count_due('motors', start, lag=1) == 0
+    assert TABLE.count_due('motors', start + 10 * ms, lag=1) == 1
+    assert TABLE.count_due('range', start + 30 * ms) == 2  # 0 and 25 ms
+    assert TABLE.count_due('photodiodes', start + 90 * ms) == 0  # out only after its last sample
+    assert TABLE.count_due('photodiodes', start + 100 * ms) == 1
 
 
 def test_the_table_is_consistent():
@@ -108,5 +108,5 @@ def test_a_bad_table_is_refused(tmp_path, text, message):
     path = tmp_path / 'topics.yaml'
     path.write_text(text)
     with pytest.raises(BadInput) as caught:
-        load(TopicTable, path)
+        load_file(TopicTable, path)
     assert message in str(caught.value)

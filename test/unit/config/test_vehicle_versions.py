@@ -46,7 +46,9 @@ def test_version_2_is_read(tmp_path):
     assert energy.loads.rotor_power.si == 23.96
     # 139 cm2 of 20 % give 2.78 W in 1000 W/m2, and so do 139 cells of 1 cm2.
     assert energy.array.parallel == 139
-    assert energy.array.parallel * load_cell_file(energy.array.cell).rated == pytest.approx(2.78)
+    assert energy.array.parallel * load_cell_file(energy.array.cell).rated_power == pytest.approx(
+        2.78
+    )
     assert (energy.charger.tracking.si, energy.charger.idle.si) == (1.0, 0.0)
 
 

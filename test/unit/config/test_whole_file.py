@@ -4,15 +4,15 @@ import os
 from pathlib import Path
 import stat
 
+from lta_config.atomic_file import replace_atomically
 from lta_config.errors import BadInput
-from lta_config.whole_file import whole
-from lta_report.frame import written
-from lta_report.results_folder import keep_json
+from lta_report.page_frame import write_file
+from lta_report.results_folder import write_json
 import pytest
 
 
 def write(path, text, fault=None):
-    with whole(path) as part:
+    with replace_atomically(path) as part:
         part.write_text(text)
         if fault is not None:
             raise fault
@@ -38,10 +38,10 @@ def test_what_breaks_off_leaves_what_was_there(tmp_path, fault, before):
     )
 
 
-@pytest.mark.parametrize('keep', [keep_json, written])
+@pytest.mark.parametrize('keep', [write_json, write_file])
 def test_results_that_find_no_room_are_told_and_leave_the_earlier_ones(tmp_path, room, keep):
     path = tmp_path / 'result'
-    long = ['x' * 500] if keep is keep_json else 'x' * 500
+    long = ['x' * 500] if keep is write_json else 'x' * 500
     with room(100), pytest.raises(BadInput, match='cannot be written'):
         keep(long, path)
     assert not list(tmp_path.iterdir())

@@ -2,17 +2,25 @@
 
 import math
 
-from lta_control.airspeed import Airspeed, airspeed_step, Hull
+from lta_control.airspeed import airspeed_step, AirspeedEstimate, HullDragModel
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-HULL = Hull(mass=(0.55, 0.6), linear=(0.01, 0.02), quadratic=(0.092, 0.1))
+HULL = HullDragModel(mass=(0.55, 0.6), linear=(0.01, 0.02), quadratic=(0.092, 0.1))
 DT = 0.01
 NONE = (0.0, 0.0)
 
 
-def fly(steps, force=NONE, acceleration=NONE, rate=0.0, trust=1.0, start=Airspeed(), dt=DT):  # noqa: B008 - immutable
+def fly(
+    steps,
+    force=NONE,
+    acceleration=NONE,
+    rate=0.0,
+    trust=1.0,
+    start=AirspeedEstimate(),  # noqa: B008 - immutable
+    dt=DT,
+):
     state = start
     for _ in range(steps):
         state = airspeed_step(HULL, state, force, acceleration, rate, trust, dt)
@@ -31,7 +39,7 @@ def test_a_steady_thrust_gives_the_speed_at_which_drag_holds_it():
 def test_a_damped_integral_alone_decays_and_this_does_not():
     """Accelerate to 0.5 m/s in 2 s, then cruise: no acceleration is left to integrate."""
     force = 0.01 * 0.5 + 0.092 * 0.25
-    state, alone = Airspeed(), 0.0
+    state, alone = AirspeedEstimate(), 0.0
     for k in range(3000):
         a = 0.25 if k < 200 else 0.0
         push = force if k >= 200 else 0.55 * 0.25 + 0.01 * state.model_surge
@@ -45,21 +53,21 @@ def test_a_damped_integral_alone_decays_and_this_does_not():
 
 
 def test_a_gust_of_acceleration_is_believed_for_the_time_of_trust():
-    kicked = fly(100, start=Airspeed(surge=0.2), trust=2.0, dt=0.001)
+    kicked = fly(100, start=AirspeedEstimate(surge=0.2), trust=2.0, dt=0.001)
     assert kicked.surge == pytest.approx(0.2 * math.exp(-0.1 / 2.0), rel=1e-4)
     biased = fly(5000, acceleration=(0.05, 0.0), trust=0.5)
     assert biased.surge == pytest.approx(0.05 * 0.5, rel=1e-6)  # a bias leaks by no more
 
 
 def test_acceleration_counts_at_once():
-    state = airspeed_step(HULL, Airspeed(), NONE, (1.0, -2.0), 0.0, 1.0, DT)
-    assert state == Airspeed(0.01, -0.02, 0.0, 0.0)
+    state = airspeed_step(HULL, AirspeedEstimate(), NONE, (1.0, -2.0), 0.0, 1.0, DT)
+    assert state == AirspeedEstimate(0.01, -0.02, 0.0, 0.0)
 
 
 def test_turning_carries_surge_into_sway():
     """Without forces the air-relative velocity stays in space while the nose turns left."""
     rate, steps = 0.5, 1000
-    state = fly(steps, rate=rate, trust=1e9, start=Airspeed(surge=0.4), dt=0.001)
+    state = fly(steps, rate=rate, trust=1e9, start=AirspeedEstimate(surge=0.4), dt=0.001)
     turned = rate * steps * 0.001
     assert state.surge == pytest.approx(0.4 * math.cos(turned), abs=1e-4)
     assert state.sway == pytest.approx(-0.4 * math.sin(turned), abs=1e-4)
@@ -77,7 +85,7 @@ def test_the_model_is_that_of_a_body_with_added_mass():
             (force[1] - drag[1] - HULL.mass[0] * u * rate) / HULL.mass[1],
         )
 
-    start = Airspeed(model_surge=0.3, model_sway=-0.1)
+    start = AirspeedEstimate(model_surge=0.3, model_sway=-0.1)
     state = fly(4000, force=force, rate=rate, start=start, dt=0.0005)
     exact = solve_ivp(slope, (0.0, 2.0), (0.3, -0.1), rtol=1e-10, atol=1e-12).y[:, -1]
     np.testing.assert_allclose((state.model_surge, state.model_sway), exact, atol=1e-4)

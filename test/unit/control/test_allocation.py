@@ -1,28 +1,34 @@
 """Allocation on GT-MAB: exact where it can be, and what gives way first where it cannot."""
 
 from lta_config.errors import BadInput
-from lta_control.allocation import allocate, duties, duty, new_scratch, Rotors
-from lta_control.per_rotor import NONE, SLOTS, slots
-from lta_control.vehicle_side import rotors_of
+from lta_control.allocation import (
+    allocate,
+    create_scratch,
+    Rotors,
+    thrust_to_duty,
+    thrusts_to_duties,
+)
+from lta_control.per_rotor import NONE, pad_to_slots, SLOTS
+from lta_control.vehicle_parameters import build_rotors
 from lta_model.state import ACTUATORS
 from lta_model.vehicle import load_vehicle, Vehicle
 import numpy as np
 import pytest
 
-ROTORS = rotors_of(load_vehicle('gtmab'))
+ROTORS = build_rotors(load_vehicle('gtmab'))
 FULL = 0.0915 + 0.0677
 REST = NONE
 
 
 def give(surge=0.0, heave=0.0, yaw=0.0, rotors=ROTORS, start=REST):
-    return allocate(rotors, (surge, 0.0, heave, 0.0, 0.0, yaw), start, new_scratch())
+    return allocate(rotors, (surge, 0.0, heave, 0.0, 0.0, yaw), start, create_scratch())
 
 
 def test_the_rotors_of_the_file():
     assert ROTORS.number == 4
     assert ROTORS.low == NONE
-    assert ROTORS.high == pytest.approx(slots((FULL,) * 4), rel=1e-12)
-    assert (ROTORS.a, ROTORS.b) == (slots((0.0915,) * 4), slots((0.0677,) * 4))
+    assert ROTORS.high == pytest.approx(pad_to_slots((FULL,) * 4), rel=1e-12)
+    assert (ROTORS.a, ROTORS.b) == (pad_to_slots((0.0915,) * 4), pad_to_slots((0.0677,) * 4))
     assert ROTORS.allocation[0] == (0.0, 0.013, 0.961, 0.188, 0.0, 0.0)
     assert ROTORS.allocation[4:] == ((0.0,) * 6,) * 4
     assert ROTORS.allocation[3] == (0.981, -0.011, -0.061, 0.002, -0.403, 0.1)
@@ -86,7 +92,7 @@ def test_braking_without_reverse_gives_nothing():
 
 
 def test_a_reversible_rotor_brakes_and_pushes_down():
-    both = ROTORS._replace(low=slots((-FULL,) * 4))
+    both = ROTORS._replace(low=pad_to_slots((-FULL,) * 4))
     _, given = give(surge=-0.1, heave=-0.1, rotors=both)
     assert given[0] == pytest.approx(-0.1, rel=1e-7)
     assert given[2] == pytest.approx(-0.1, rel=1e-7)
@@ -94,36 +100,38 @@ def test_a_reversible_rotor_brakes_and_pushes_down():
 
 def test_the_strongest_push_downwards():
     vehicle = load_vehicle('gtmab')
-    assert rotors_of(vehicle).lowest_heave == 0.0
+    assert build_rotors(vehicle).lowest_heave == 0.0
     reversing = {
         name: rotor.model_copy(update={'reversible': True})
         for name, rotor in vehicle.file.rotors.items()
     }
     both = Vehicle(vehicle.file.model_copy(update={'rotors': reversing}))
-    assert rotors_of(both).lowest_heave == pytest.approx(-2 * 0.961 * FULL, rel=1e-12)
+    assert build_rotors(both).lowest_heave == pytest.approx(-2 * 0.961 * FULL, rel=1e-12)
 
 
 def test_a_rotor_that_nothing_feels_stays_as_it_is():
     columns = (*ROTORS.allocation[:3], (0.0, 1.0, 0.0, 0.0, 1.0, 0.0), *ROTORS.allocation[4:])
     dumb = ROTORS._replace(allocation=columns)
-    assert give(heave=0.1, rotors=dumb, start=slots((0.0, 0.0, 0.0, 0.07)))[0][3] == 0.07
+    assert give(heave=0.1, rotors=dumb, start=pad_to_slots((0.0, 0.0, 0.0, 0.07)))[0][3] == 0.07
 
 
 @pytest.mark.parametrize('u', [-1.0, -0.4, -1e-9, 0.0, 1e-12, 0.02, 0.5, 1.0])
 def test_duty_is_the_inverse_of_the_thrust_curve(u):
     thrust = (0.0915 * abs(u) + 0.0677) * u
-    assert duty(thrust, 0.0915, 0.0677) == pytest.approx(u, rel=1e-12)
+    assert thrust_to_duty(thrust, 0.0915, 0.0677) == pytest.approx(u, rel=1e-12)
 
 
 def test_duty_of_a_straight_curve():
-    assert duty(0.03, 0.0, 0.06) == 0.5
-    assert duty(-0.03, 0.0, 0.06) == -0.5
+    assert thrust_to_duty(0.03, 0.0, 0.06) == 0.5
+    assert thrust_to_duty(-0.03, 0.0, 0.06) == -0.5
 
 
 def test_each_rotor_has_its_own_curve():
-    rotors = ROTORS._replace(a=slots((0.1, 0.0, 0.1)), b=slots((0.1, 0.06, 0.1)))
+    rotors = ROTORS._replace(a=pad_to_slots((0.1, 0.0, 0.1)), b=pad_to_slots((0.1, 0.06, 0.1)))
     # 0.1 u^2 + 0.1 u = 0.075 at u = 0.5; 0.06 u = 0.03 at 0.5; and odd.
-    assert duties(rotors, slots((0.075, 0.03, -0.075))) == pytest.approx(slots((0.5, 0.5, -0.5)))
+    assert thrusts_to_duties(rotors, pad_to_slots((0.075, 0.03, -0.075))) == pytest.approx(
+        pad_to_slots((0.5, 0.5, -0.5))
+    )
 
 
 def test_one_rotor_alone():
@@ -132,13 +140,15 @@ def test_one_rotor_alone():
         1,
         ((0.0, 0.0, 0.9, 0.0, 0.0, 0.0), *((0.0,) * 6,) * 7),
         NONE,
-        slots((0.2,)),
+        pad_to_slots((0.2,)),
         0.0,
         NONE,
         NONE,
     )
-    assert give(heave=0.1, rotors=alone)[0] == pytest.approx(slots((1.0 / 9.0,)), rel=1e-7)
-    assert give(heave=0.1, rotors=alone._replace(high=slots((0.05,))))[0] == slots((0.05,))
+    assert give(heave=0.1, rotors=alone)[0] == pytest.approx(pad_to_slots((1.0 / 9.0,)), rel=1e-7)
+    assert give(heave=0.1, rotors=alone._replace(high=pad_to_slots((0.05,))))[0] == pad_to_slots(
+        (0.05,)
+    )
 
 
 def test_eight_rotors_share_what_they_are_asked():
@@ -160,26 +170,26 @@ def test_there_are_as_many_slots_as_the_kernel_has():
 
 def test_more_than_eight_rotors_are_refused():
     with pytest.raises(BadInput, match='There are 9 rotors, but'):
-        slots((0.1,) * 9)
+        pad_to_slots((0.1,) * 9)
 
 
 def test_the_heave_that_comes_with_surge_is_that_of_the_forward_rotors():
     """Those of GT-MAB push by 0.981 along x and -0.061 along z; a multirotor has none."""
     assert ROTORS.sink == pytest.approx(-0.061 / 0.981)
-    assert rotors_of(load_vehicle('multirotor')).sink == 0.0
+    assert build_rotors(load_vehicle('multirotor')).sink == 0.0
 
 
 def test_reversed_thrust_is_a_ratio_of_each_rotor_and_one_in_unused_slots():
     """For Blimp2b its authors give 45 mN reversed for 40 forward, 25 for 30, and 25 for 45."""
-    rotors = rotors_of(load_vehicle('blimp2b'))
+    rotors = build_rotors(load_vehicle('blimp2b'))
     assert rotors.reverse == pytest.approx((1.125, 25 / 30, 25 / 45, *(1.0,) * 5))
     # Half of the reversed limit needs the negative of the duty for half of the forward limit.
     half = tuple(0.5 * low for low in rotors.low)
-    forward = duties(rotors, tuple(0.5 * high for high in rotors.high))
-    assert duties(rotors, half) == pytest.approx([-u for u in forward])
-    assert slots((0.1,) * 8) == (0.1,) * 8
+    forward = thrusts_to_duties(rotors, tuple(0.5 * high for high in rotors.high))
+    assert thrusts_to_duties(rotors, half) == pytest.approx([-u for u in forward])
+    assert pad_to_slots((0.1,) * 8) == (0.1,) * 8
 
 
 def test_zero_thrust_is_zero_duty_even_without_a_thrust_curve():
-    assert duty(0.0, 0.0, 0.0) == 0.0
-    assert duties(ROTORS, NONE) == NONE
+    assert thrust_to_duty(0.0, 0.0, 0.0) == 0.0
+    assert thrusts_to_duties(ROTORS, NONE) == NONE

@@ -1,6 +1,6 @@
 """The altitude filter against matrices, and its honesty against noise that is what it believes."""
 
-from lta_control.altitude import Altitude, correct, predict
+from lta_control.altitude import AltitudeEstimate, correct_altitude, predict_altitude
 import numpy as np
 import pytest
 from scipy.stats import chi2
@@ -30,19 +30,19 @@ def kalman_correct(x, P, z, noise, H):
 
 def test_it_is_the_kalman_filter_of_matrices():
     generator = np.random.default_rng(7)
-    state = Altitude()
+    state = AltitudeEstimate()
     x, P = np.zeros(3), matrix(state.p)
     for k in range(400):
         a = float(generator.normal())
-        state = predict(state, a, 0.15, 0.02, DT)
+        state = predict_altitude(state, a, 0.15, 0.02, DT)
         x, P = kalman_predict(x, P, a, 0.15, 0.02)
         if k % 3 == 0:
             z = float(generator.normal(0.5, 0.1))
-            state = correct(state, z, 0.01, False)
+            state = correct_altitude(state, z, 0.01, False)
             x, P = kalman_correct(x, P, z, 0.01, (1.0, 0.0, 0.0))
         if k % 2 == 0:
             z = float(generator.normal(0.7, 0.3))
-            state = correct(state, z, 0.15, True)
+            state = correct_altitude(state, z, 0.15, True)
             x, P = kalman_correct(x, P, z, 0.15, (1.0, 0.0, 1.0))
         np.testing.assert_allclose((state.height, state.climb, state.offset), x, atol=1e-12)
         np.testing.assert_allclose(matrix(state.p), P, atol=1e-12)
@@ -50,20 +50,20 @@ def test_it_is_the_kalman_filter_of_matrices():
 
 def flight(generator, steps=150):
     """Return estimate and truth after a flight whose noise is what the filter believes."""
-    first = matrix(Altitude().p)
+    first = matrix(AltitudeEstimate().p)
     truth = generator.multivariate_normal(np.zeros(3), first)
-    state = Altitude()
+    state = AltitudeEstimate()
     for k in range(steps):
         a = generator.normal(0.0, 0.3)
         truth[0] += DT * truth[1] + 0.5 * DT**2 * a
         truth[1] += DT * a
         truth[2] += 0.02 * np.sqrt(DT) * generator.normal()
-        state = predict(state, a + 0.15 * generator.normal(), 0.15, 0.02, DT)
+        state = predict_altitude(state, a + 0.15 * generator.normal(), 0.15, 0.02, DT)
         if k % 2 == 0:
             z = truth[0] + truth[2] + 0.15 * generator.normal()
-            state = correct(state, z, 0.15, True)
+            state = correct_altitude(state, z, 0.15, True)
         if k % 5 == 0:
-            state = correct(state, truth[0] + 0.01 * generator.normal(), 0.01, False)
+            state = correct_altitude(state, truth[0] + 0.01 * generator.normal(), 0.01, False)
     return state, truth
 
 
@@ -82,31 +82,33 @@ def test_its_covariance_is_that_of_its_errors():
 
 
 def test_range_separates_height_and_pressure_offset():
-    state = Altitude()
+    state = AltitudeEstimate()
     for _ in range(2000):
-        state = predict(state, 0.0, 0.15, 0.02, DT)
-        state = correct(state, 0.5, 0.01, False)
-        state = correct(state, 0.8, 0.15, True)
+        state = predict_altitude(state, 0.0, 0.15, 0.02, DT)
+        state = correct_altitude(state, 0.5, 0.01, False)
+        state = correct_altitude(state, 0.8, 0.15, True)
     assert state.height == pytest.approx(0.5, abs=1e-6)
     assert state.offset == pytest.approx(0.3, abs=1e-3)
 
 
 def test_without_range_pressure_carries_on():
-    state = Altitude(height=0.5, offset=0.3, p=(1e-4, 0.0, 0.0, 1e-4, 0.0, 1e-8))
+    state = AltitudeEstimate(height=0.5, offset=0.3, p=(1e-4, 0.0, 0.0, 1e-4, 0.0, 1e-8))
     for _ in range(3000):
-        state = predict(state, 0.0, 0.15, 0.0, DT)
-        state = correct(state, 1.3, 0.15, True)
+        state = predict_altitude(state, 0.0, 0.15, 0.0, DT)
+        state = correct_altitude(state, 1.3, 0.15, True)
     assert state.height + state.offset == pytest.approx(1.3, abs=1e-3)
     assert state.height == pytest.approx(1.0, abs=1e-2)
 
 
 def test_the_prior_is_1_m_for_height_and_offset_and_10_cm_a_second_for_climb():
     """A measurement with the variance of the prior moves the estimate half of the way."""
-    state = Altitude()
+    state = AltitudeEstimate()
     assert state[:3] == (0.0, 0.0, 0.0)
-    assert correct(state, 1.0, 1.0, False).height == pytest.approx(0.5)
-    half = correct(state, 1.0, np.sqrt(2.0), True)  # as unsure as their sum: a quarter each
+    assert correct_altitude(state, 1.0, 1.0, False).height == pytest.approx(0.5)
+    half = correct_altitude(
+        state, 1.0, np.sqrt(2.0), True
+    )  # as unsure as their sum: a quarter each
     assert (half.height, half.offset) == pytest.approx((0.25, 0.25))
     # In one second the deviation of the climb rate adds 10 cm to that of the height.
-    later = predict(state, 0.0, 0.0, 0.0, 1.0)
+    later = predict_altitude(state, 0.0, 0.0, 0.0, 1.0)
     assert later.p == pytest.approx((1.0 + 0.1**2, 0.1**2, 0.0, 0.1**2, 0.0, 1.0))

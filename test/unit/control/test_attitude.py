@@ -2,7 +2,7 @@
 
 import math
 
-from lta_control.attitude import attitude_step, heading, up_in_body
+from lta_control.attitude import attitude_step, up_in_body, yaw_from_quaternion
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -35,7 +35,7 @@ def test_a_turn_to_the_left_grows_the_heading():
     q = LEVEL
     for _ in range(100):
         q = attitude_step(q, (0.0, 0.0, 0.5), (0.0, 0.0, G), 0.1, DT)
-    assert heading(q) == pytest.approx(0.5, abs=1e-5)
+    assert yaw_from_quaternion(q) == pytest.approx(0.5, abs=1e-5)
 
 
 @pytest.mark.parametrize('turn', [(0.4, -0.2, 1.1), (-0.3, 0.5, -2.9)])
@@ -43,7 +43,7 @@ def test_up_and_heading_are_those_of_the_rotation(turn):
     rotation = Rotation.from_euler('ZYX', turn[::-1])
     q = tuple(rotation.as_quat())
     np.testing.assert_allclose(up_in_body(q), rotation.inv().apply((0, 0, 1)), atol=1e-15)
-    assert heading(q) == pytest.approx(turn[2], abs=1e-12)
+    assert yaw_from_quaternion(q) == pytest.approx(turn[2], abs=1e-12)
 
 
 @pytest.mark.parametrize('axis', [0, 1])
@@ -91,5 +91,5 @@ def test_gravity_leaves_the_heading(tilt, turned):
     q = tuple(rotation.as_quat())
     for _ in range(2000):
         q = attitude_step(q, (0.0, 0.0, 0.0), (0.0, 0.0, G), 0.5, DT)
-        assert heading(q) == pytest.approx(turned, abs=1e-12)
+        assert yaw_from_quaternion(q) == pytest.approx(turned, abs=1e-12)
     assert up_in_body(q)[2] > 1.0 - 1e-6

@@ -4,16 +4,16 @@ import math
 
 from lta_control.cascade import (
     cascade_step,
+    CascadeMeasurement,
     CascadeMemory,
-    course,
-    Demand,
     drag_force,
-    Measured,
     pid_gains,
     Setpoint,
-    Slope,
     slope_step,
-    wrap,
+    SlopeEstimate,
+    steer_to_course,
+    wrap_angle,
+    WrenchDemand,
 )
 from lta_control.pid import PidGains
 import numpy as np
@@ -21,11 +21,11 @@ import pytest
 
 from .round_gains import GAINS
 
-AT_REST = Measured(
+AT_REST = CascadeMeasurement(
     altitude=0.5, climb=0.0, heading=0.0, yaw_rate=0.0, speed=0.0, sway=0.0, pitch_rate=0.0
 )
 HOLD = Setpoint(altitude=0.5, heading=0.0, speed=0.0)
-NONE = Demand(0.0, 0.0, 0.0)
+NONE = WrenchDemand(0.0, 0.0, 0.0)
 DT = 0.01
 
 
@@ -82,8 +82,8 @@ def test_a_swing_is_stopped_by_the_surge():
 
 
 def test_no_more_speed_is_asked_for_than_the_hull_bears():
-    fast = course(GAINS, AT_REST, HOLD._replace(speed=3.0))
-    assert fast == course(GAINS, AT_REST, HOLD._replace(speed=GAINS.speed_limit))
+    fast = steer_to_course(GAINS, AT_REST, HOLD._replace(speed=3.0))
+    assert fast == steer_to_course(GAINS, AT_REST, HOLD._replace(speed=GAINS.speed_limit))
 
 
 def test_climb_rate_is_damped_and_limited():
@@ -155,7 +155,7 @@ def test_flying_backwards_is_not_driven_further():
 def test_what_the_rotors_could_not_give_unwinds_the_integrals():
     memory = CascadeMemory(0.05, 0.002, 0.03)
     _, kept = ask(memory=memory)
-    _, unwound = ask(memory=memory, shortfall=Demand(-0.02, -0.1, -0.001))
+    _, unwound = ask(memory=memory, shortfall=WrenchDemand(-0.02, -0.1, -0.001))
     assert kept[:3] == memory[:3]
     # Tracking time kp / ki of each loop.
     assert unwound.speed == pytest.approx(0.03 - DT * 0.03 / 0.15 * 0.02)
@@ -164,7 +164,7 @@ def test_what_the_rotors_could_not_give_unwinds_the_integrals():
 
 
 def test_on_course_without_drift_the_course_is_the_setpoint():
-    assert course(GAINS, AT_REST._replace(speed=0.5), HOLD._replace(speed=0.5)) == (
+    assert steer_to_course(GAINS, AT_REST._replace(speed=0.5), HOLD._replace(speed=0.5)) == (
         0.0,
         0.5,
         0.5,
@@ -174,25 +174,27 @@ def test_on_course_without_drift_the_course_is_the_setpoint():
 
 @pytest.mark.parametrize('sway', [0.1, -0.1])
 def test_the_nose_leans_against_drift(sway):
-    heading, _, along, _ = course(GAINS, AT_REST._replace(sway=sway), HOLD._replace(speed=0.5))
+    heading, _, along, _ = steer_to_course(
+        GAINS, AT_REST._replace(sway=sway), HOLD._replace(speed=0.5)
+    )
     assert heading == pytest.approx(-1.5 * sway)  # drifting left, nose right
     assert along == 0.0
 
 
 def test_the_lean_is_limited():
-    heading, *_ = course(GAINS, AT_REST._replace(sway=2.0), HOLD._replace(speed=0.5))
+    heading, *_ = steer_to_course(GAINS, AT_REST._replace(sway=2.0), HOLD._replace(speed=0.5))
     assert heading == -GAINS.drift_limit
 
 
 def test_hovering_does_not_lean():
-    assert course(GAINS, AT_REST._replace(sway=0.2), HOLD)[0] == 0.0
+    assert steer_to_course(GAINS, AT_REST._replace(sway=0.2), HOLD)[0] == 0.0
 
 
 @pytest.mark.parametrize(
     ('error', 'share'), [(0.0, 1.0), (0.15, 0.75), (-0.3, 0.5), (0.6, 0.0), (2.0, 0.0)]
 )
 def test_it_turns_first(error, share):
-    _, speed, *_ = course(GAINS, AT_REST, Setpoint(0.5, error, 0.5))
+    _, speed, *_ = steer_to_course(GAINS, AT_REST, Setpoint(0.5, error, 0.5))
     assert speed == pytest.approx(0.5 * share, abs=1e-15)
 
 
@@ -203,7 +205,7 @@ def test_the_speed_along_the_course_is_the_projection():
         turn = np.array([[math.cos(nose), -math.sin(nose)], [math.sin(nose), math.cos(nose)]])
         velocity = turn @ (surge, sway)
         measured = AT_REST._replace(heading=nose, speed=surge, sway=sway)
-        heading, _, along, _ = course(GAINS, measured, Setpoint(0.5, wanted, 0.5))
+        heading, _, along, _ = steer_to_course(GAINS, measured, Setpoint(0.5, wanted, 0.5))
         assert along == pytest.approx(velocity @ (math.cos(wanted), math.sin(wanted)), abs=1e-12)
         across = velocity @ (-math.sin(wanted), math.cos(wanted))
         lean = np.clip(1.5 * across, -0.7, 0.7)
@@ -216,8 +218,8 @@ def test_drag_is_odd_in_the_speed():
 
 
 def test_wrap():
-    assert wrap(3.5 * math.pi) == pytest.approx(-0.5 * math.pi)
-    assert wrap(-0.3) == pytest.approx(-0.3)
+    assert wrap_angle(3.5 * math.pi) == pytest.approx(-0.5 * math.pi)
+    assert wrap_angle(-0.3) == pytest.approx(-0.3)
 
 
 def test_limits_go_both_ways():
@@ -226,12 +228,12 @@ def test_limits_go_both_ways():
 
 def test_a_slope_follows_a_ramp_and_starts_flat():
     """Behind 0.1 s of filter: 1 - exp(-t / 0.1) of the ramp's rate, a little late in steps."""
-    slope = slope_step(Slope(), 3.0, DT)
-    assert slope == Slope(3.0, 0.0)
+    slope = slope_step(SlopeEstimate(), 3.0, DT)
+    assert slope == SlopeEstimate(3.0, 0.0)
     for k in range(1, 101):
         slope = slope_step(slope, 3.0 + 0.5 * k * DT, DT)
     assert slope.rate == pytest.approx(0.5, rel=1e-3)
-    slope = Slope(0.0, 0.0)
+    slope = SlopeEstimate(0.0, 0.0)
     for k in range(1, 11):
         slope = slope_step(slope, k * DT, DT)
     assert slope.rate == pytest.approx(1.0 - (0.1 / 0.11) ** 10, rel=1e-9)

@@ -7,28 +7,40 @@ compiled fails here and not in the loop that needs it.
 
 import math
 
-from lta_config.compilation.extract import Extract
-from lta_config.settings import plain
-from lta_control.airspeed import Airspeed
-from lta_control.allocation import new_scratch, SCRATCH
-from lta_control.altitude import Altitude
+from lta_config.compilation.extract import SourceExtract
+from lta_config.settings import to_named_tuple
+from lta_control.airspeed import AirspeedEstimate
+from lta_control.allocation import create_scratch, SCRATCH
+from lta_control.altitude import AltitudeEstimate
 from lta_control.attitude import attitude_step
-from lta_control.cascade import CascadeGains, CascadeMemory, Demand, Measured, Setpoint, Slope
+from lta_control.bias_calibration import RestSums, SensorBiases
+from lta_control.cascade import (
+    CascadeGains,
+    CascadeMeasurement,
+    CascadeMemory,
+    Setpoint,
+    SlopeEstimate,
+    WrenchDemand,
+)
 from lta_control.control import control_step, ControlMemory
-from lta_control.estimator import Estimate, estimator_step, EstimatorSettings, Inputs
-from lta_control.per_rotor import slots
-from lta_control.rest import Biases, Rest
+from lta_control.estimator import (
+    estimator_step,
+    EstimatorInputs,
+    EstimatorSettings,
+    MotionEstimate,
+)
+from lta_control.per_rotor import pad_to_slots
 from lta_control.strategies import STRATEGIES
-from lta_control.strategies.dither import Dither
-from lta_control.strategies.gradient import Gradient
-from lta_control.strategies.homing import Homing
-from lta_control.strategies.lamp_filter import Fix, Optics
-from lta_control.strategies.protocol import Course, Sight
+from lta_control.strategies.dither import DitherMemory
+from lta_control.strategies.gradient import GradientMemory
+from lta_control.strategies.homing import HomingMemory
+from lta_control.strategies.lamp_ekf import LampFilterPrior, LampFix
+from lta_control.strategies.protocol import LightSight, SteeringCommand
 from lta_control.strategies.settings import StrategySettings
-from lta_control.vehicle_side import body_of, rotors_of
+from lta_control.vehicle_parameters import build_estimator_model, build_rotors
 from lta_model.vehicle import load_vehicle
-from lta_vlc.array import weighted_mean
-from lta_vlc.diodes import ring_of
+from lta_vlc.bearing import weighted_mean_bearing
+from lta_vlc.diodes import build_even_ring
 import numba
 import numpy as np
 import pytest
@@ -42,31 +54,31 @@ VEHICLE = load_vehicle('gtmab')
 TUPLES = {
     kind.__name__: kind
     for kind in (
-        Airspeed,
-        Altitude,
-        Biases,
+        AirspeedEstimate,
+        AltitudeEstimate,
+        SensorBiases,
         CascadeMemory,
         ControlMemory,
-        Course,
-        Demand,
-        Dither,
-        Estimate,
-        Fix,
-        Gradient,
-        Homing,
-        Optics,
-        Rest,
-        Slope,
+        SteeringCommand,
+        WrenchDemand,
+        DitherMemory,
+        MotionEstimate,
+        LampFix,
+        GradientMemory,
+        HomingMemory,
+        LampFilterPrior,
+        RestSums,
+        SlopeEstimate,
     )
 }
 
 
 def compiled(function):
     """Return a function compiled from its own source and all that it uses."""
-    extract = Extract()
-    name = extract.add(function, 'core')
+    extract = SourceExtract()
+    name = extract.add_function(function, 'core')
     space = {'math': math, 'namedtuple': lambda name, _: TUPLES[name], 'njit': numba.njit}
-    exec(extract.text('@njit'), space)
+    exec(extract.render('@njit'), space)
     return space[name]
 
 
@@ -80,40 +92,40 @@ def numbers(value):
 @pytest.mark.long
 def test_control_compiles():
     fast, generator = compiled(control_step), np.random.default_rng(1)
-    rotors, drag = rotors_of(VEHICLE), (0.001, 0.092)
+    rotors, drag = build_rotors(VEHICLE), (0.001, 0.092)
     slow_memory = fast_memory = ControlMemory()
     scratch = np.full(SCRATCH, math.nan)
     for _ in range(300):
-        measured = Measured(*generator.normal(0.3, 0.5, 7).tolist())
+        measured = CascadeMeasurement(*generator.normal(0.3, 0.5, 7).tolist())
         setpoint = Setpoint(*generator.normal(0.4, 0.4, 3).tolist())
         slow, slow_memory = control_step(
-            GAINS, rotors, drag, slow_memory, measured, setpoint, 0.01, new_scratch()
+            GAINS, rotors, drag, slow_memory, measured, setpoint, 0.01, create_scratch()
         )
         quick, fast_memory = fast(
-            plain(GAINS), rotors, drag, fast_memory, measured, setpoint, 0.01, scratch
+            to_named_tuple(GAINS), rotors, drag, fast_memory, measured, setpoint, 0.01, scratch
         )
         assert numbers((quick, fast_memory)) == numbers((slow, slow_memory))
-    assert isinstance(slow_memory.shortfall, Demand)
+    assert isinstance(slow_memory.shortfall, WrenchDemand)
 
 
 @pytest.mark.long
 def test_the_estimator_compiles():
     fast, generator = compiled(estimator_step), np.random.default_rng(2)
-    settings, body = EstimatorSettings(rest_time=0.5), body_of(VEHICLE)
-    slow = quick = Estimate()
+    settings, body = EstimatorSettings(rest_time=0.5), build_estimator_model(VEHICLE)
+    slow = quick = MotionEstimate()
     for k in range(400):
         shaken = 0.1 if k < 60 and k != 5 else 1.0  # at rest but for a jolt, and then in flight
         rates = generator.normal(0.0, 0.2 * shaken, 3)
         force = generator.normal(0.0, 0.5 * shaken, 3)
-        inputs = Inputs(
+        inputs = EstimatorInputs(
             tuple(rates.tolist()),
             (float(force[0]), float(force[1]), 9.8 + float(force[2])),
             float(generator.normal(0.1, 0.01)) if k % 3 else math.inf,
             float(generator.normal(1e5, 2.0)) if k % 2 else math.nan,
-            slots(generator.uniform(0.0, 1.0, 4).tolist()),
+            pad_to_slots(generator.uniform(0.0, 1.0, 4).tolist()),
         )
         slow = estimator_step(settings, body, slow, inputs, 0.01)
-        quick = fast(plain(settings), body, quick, inputs, 0.01)
+        quick = fast(to_named_tuple(settings), body, quick, inputs, 0.01)
         assert numbers(quick) == numbers(slow)
     assert slow.ready
     assert slow.flown == pytest.approx(3.44)  # the rest of 0.5 s began anew at the seventh step
@@ -140,23 +152,25 @@ def test_every_strategy_compiles(name):
     for seen in (True, False, False, True):
         light = (0.02, 800.0, 0.1) if seen else (0.0, 0.0, 0.0)
         bearing, place = 0.3 if seen else 0.0, (0.4, -0.2)
-        sight = Sight(seen, bearing, -1.2, (1.0, 2.0, 3.0, 4.0), 0.1, *light, place, (0.5, 0.1))
-        fast = steer(plain(settings), memory, sight)
+        sight = LightSight(
+            seen, bearing, -1.2, (1.0, 2.0, 3.0, 4.0), 0.1, *light, place, (0.5, 0.1)
+        )
+        fast = steer(to_named_tuple(settings), memory, sight)
         course, memory = strategy.steer(settings, memory, sight)
         assert numbers(fast) == numbers((course, memory))
 
 
 def test_the_bearing_compiles():
-    fast, generator = compiled(weighted_mean), np.random.default_rng(3)
-    ring = ring_of(8).ring
+    fast, generator = compiled(weighted_mean_bearing), np.random.default_rng(3)
+    ring = build_even_ring(8).ring
     for _ in range(50):
         amplitudes = tuple(generator.uniform(0.0, 500.0, 8).tolist())
         snrs = tuple(generator.uniform(0.0, 30.0, 8).tolist())
         arguments = (amplitudes, snrs, ring.cosines, ring.sines, 6.0)
-        assert numbers(fast(*arguments)) == numbers(weighted_mean(*arguments))
+        assert numbers(fast(*arguments)) == numbers(weighted_mean_bearing(*arguments))
 
 
 def test_plain_settings_are_the_same_numbers():
-    gains = plain(GAINS)
+    gains = to_named_tuple(GAINS)
     assert gains.climb.kp == GAINS.climb.kp
     assert gains._fields == tuple(CascadeGains.model_fields)

@@ -1,19 +1,19 @@
 """One step of control: cascade, allocation and duty in a chain, and the shortfall back."""
 
-from lta_control.allocation import new_scratch
-from lta_control.cascade import Measured, Setpoint
-from lta_control.control import control_step, ControlMemory, elapsed, landed
+from lta_control.allocation import create_scratch
+from lta_control.cascade import CascadeMeasurement, Setpoint
+from lta_control.control import control_step, ControlMemory, has_landed, step_duration
 from lta_control.per_rotor import NONE
 from lta_control.pid import PidGains
-from lta_control.vehicle_side import rotors_of
+from lta_control.vehicle_parameters import build_rotors
 from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest
 
 from .round_gains import GAINS
 
-ROTORS = rotors_of(load_vehicle('gtmab'))
-AT_REST = Measured(
+ROTORS = build_rotors(load_vehicle('gtmab'))
+AT_REST = CascadeMeasurement(
     altitude=0.5, climb=0.0, heading=0.0, yaw_rate=0.0, speed=0.0, sway=0.0, pitch_rate=0.0
 )
 HOLD = Setpoint(0.5, 0.0, 0.0)
@@ -28,7 +28,7 @@ def control(measured=AT_REST, setpoint=HOLD, memory=None, gains=None):
         measured,
         setpoint,
         0.01,
-        new_scratch(),
+        create_scratch(),
     )
 
 
@@ -103,18 +103,20 @@ def test_every_axis_is_told_its_own_shortfall():
     ],
 )
 def test_landed_is_standing_and_asked_to_be_no_higher(altitude, climb, asked, down):
-    measured = Measured(altitude, climb, 0.0, 0.0, 0.0, 0.0, 0.0)
-    assert landed(measured, Setpoint(asked, 1.0, 0.0), 0.42) is down
+    measured = CascadeMeasurement(altitude, climb, 0.0, 0.0, 0.0, 0.0, 0.0)
+    assert has_landed(measured, Setpoint(asked, 1.0, 0.0), 0.42) is down
 
 
 def test_time_between_stamps():
     period = 10_000_000
-    assert elapsed(None, 5, period) == 0.01
-    assert elapsed(1_000_000_000, 1_030_000_000, period) == pytest.approx(0.03)  # two were lost
-    assert elapsed(1_000_000_000, 9_000_000_000, period) == pytest.approx(0.1)
+    assert step_duration(None, 5, period) == 0.01
+    assert step_duration(1_000_000_000, 1_030_000_000, period) == pytest.approx(
+        0.03
+    )  # two were lost
+    assert step_duration(1_000_000_000, 9_000_000_000, period) == pytest.approx(0.1)
     # The same stamp twice, or a clock that jumped back: time goes on, but hardly.
-    assert elapsed(2_000_000_000, 2_000_000_000, period) == pytest.approx(0.001)
-    assert elapsed(2_000_000_000, 1_000_000_000, period) == pytest.approx(0.001)
-    assert elapsed(1_000_000_000, 1_100_000_000, period) == pytest.approx(0.1)
-    assert elapsed(1_000_000_000, 1_101_000_000, period) == pytest.approx(0.1)
-    assert elapsed(0, 1_100_000, period) == pytest.approx(0.0011)
+    assert step_duration(2_000_000_000, 2_000_000_000, period) == pytest.approx(0.001)
+    assert step_duration(2_000_000_000, 1_000_000_000, period) == pytest.approx(0.001)
+    assert step_duration(1_000_000_000, 1_100_000_000, period) == pytest.approx(0.1)
+    assert step_duration(1_000_000_000, 1_101_000_000, period) == pytest.approx(0.1)
+    assert step_duration(0, 1_100_000, period) == pytest.approx(0.0011)

@@ -4,24 +4,24 @@ import ast
 import inspect
 import math
 
-from lta_config.files import find, load_yaml
+from lta_config.files import find_file, load_yaml
 from lta_control import estimator
-from lta_control.airspeed import Airspeed, Hull
-from lta_control.altitude import Altitude
+from lta_control.airspeed import AirspeedEstimate, HullDragModel
+from lta_control.altitude import AltitudeEstimate
+from lta_control.bias_calibration import is_tilted, is_turning, MOST_RATE, SensorBiases
 from lta_control.estimator import (
-    Body,
-    Estimate,
     estimator_step,
+    EstimatorInputs,
+    EstimatorModel,
     EstimatorSettings,
-    Inputs,
-    Rest,
+    MotionEstimate,
+    RestSums,
 )
-from lta_control.nodes.estimator import learned
-from lta_control.per_rotor import NONE, slots
-from lta_control.rest import Biases, MOST_RATE, tilted, turning
-from lta_control.vehicle_side import body_of
-from lta_graph.health import Level
-from lta_model.sensors.imu import bounds_of, ImuSettings
+from lta_control.nodes.estimator import describe_biases
+from lta_control.per_rotor import NONE, pad_to_slots
+from lta_control.vehicle_parameters import build_estimator_model
+from lta_graph.health import HealthLevel
+from lta_model.sensors.imu import error_bounds, ImuSettings
 from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest
@@ -31,8 +31,8 @@ import yaml
 G = 9.80665
 DT = 0.01
 SETTINGS = EstimatorSettings()
-BODY = Body(
-    hull=Hull((0.5, 0.5), (0.0, 0.0), (0.1, 0.1)),
+BODY = EstimatorModel(
+    hull=HullDragModel((0.5, 0.5), (0.0, 0.0), (0.1, 0.1)),
     standing_height=0.42,
     imu_position=(0.0, 0.0, 0.0),
     range_position=(0.0, 0.0, -0.37),
@@ -42,13 +42,13 @@ BODY = Body(
         (1.0, 0.2, 0.0, 0.0, 0.0, 0.0),
         *((0.0,) * 6,) * 6,
     ),
-    a=slots((0.05, 0.09)),
-    b=slots((0.04, 0.07)),
+    a=pad_to_slots((0.05, 0.09)),
+    b=pad_to_slots((0.04, 0.07)),
     lag_up=0.05,
     lag_down=0.1,
 )
 OFF = NONE
-STILL = Inputs((0.01, -0.02, 0.03), (0.1, -0.2, G + 0.3), math.nan, math.nan, OFF)
+STILL = EstimatorInputs((0.01, -0.02, 0.03), (0.1, -0.2, G + 0.3), math.nan, math.nan, OFF)
 
 
 def run(state, inputs, steps, settings=SETTINGS, body=BODY):
@@ -59,19 +59,19 @@ def run(state, inputs, steps, settings=SETTINGS, body=BODY):
 
 def rested(height=0.05, pressure=101_000.0):
     inputs = STILL._replace(range=height, pressure=pressure)
-    return run(Estimate(), inputs, 200)
+    return run(MotionEstimate(), inputs, 200)
 
 
 def test_it_rests_for_two_seconds():
     inputs = STILL._replace(range=0.05, pressure=101_000.0)
-    state = run(Estimate(), inputs, 199)
+    state = run(MotionEstimate(), inputs, 199)
     assert not state.ready
     assert state.flown == 0.0
     assert run(state, inputs, 1).ready
 
 
 def test_it_waits_for_a_pressure():
-    state = run(Estimate(), STILL._replace(range=0.05), 300)
+    state = run(MotionEstimate(), STILL._replace(range=0.05), 300)
     assert not state.ready
     assert run(state, STILL._replace(pressure=101_000.0), 1).ready
 
@@ -81,11 +81,11 @@ def test_it_learns_the_biases_exactly():
     generator = np.random.default_rng(3)
     rates = generator.normal(0.0, 0.02, (200, 3))
     force = generator.normal(0.0, 0.1, (200, 3)) + np.array((0.0, 0.0, G))
-    state, heard = Estimate(), []
+    state, heard = MotionEstimate(), []
     for k in range(200):
         pressure = 100_000.0 + k if k % 2 else math.nan
         heard += [pressure] if k % 2 else []
-        inputs = Inputs(tuple(rates[k]), tuple(force[k]), 0.06, pressure, OFF)
+        inputs = EstimatorInputs(tuple(rates[k]), tuple(force[k]), 0.06, pressure, OFF)
         state = estimator_step(SETTINGS, BODY, state, inputs, DT)
     np.testing.assert_allclose(state.biases.rates, rates.mean(axis=0), atol=1e-15)
     np.testing.assert_allclose(state.biases.force, force.mean(axis=0) - (0, 0, G), atol=1e-13)
@@ -100,19 +100,19 @@ CARRIED = STILL._replace(rates=(0.2, 0.0, 0.5), force=(1.5, 0.0, 9.7), pressure=
 
 def test_who_is_carried_learns_once_it_stands():
     """Turned and tilted in the hand first; that became its biases for good."""
-    state = run(Estimate(), CARRIED, 300)
-    assert learned(state, BODY)[1].startswith('learning the biases: keep the drone still')
+    state = run(MotionEstimate(), CARRIED, 300)
+    assert describe_biases(state, BODY)[1].startswith('learning the biases: keep the drone still')
     still = STILL._replace(range=0.05, pressure=101_000.0)
     assert not run(state, still, 199).ready
     state = run(state, still, 200)
     assert state.biases == rested().biases
-    assert learned(state, BODY) == (Level.OK, 'biases are known')
+    assert describe_biases(state, BODY) == (HealthLevel.OK, 'biases are known')
     assert run(state, still, 1000).rates == pytest.approx((0.0, 0.0, 0.0), abs=1e-15)
 
 
 def test_a_jolt_begins_the_rest_anew():
     still = STILL._replace(pressure=101_000.0)
-    state = run(Estimate(), still, 150)
+    state = run(MotionEstimate(), still, 150)
     for jolt in ({'rates': (0.01, 0.2, 0.03)}, {'force': (0.1, -0.2, G + 1.5)}):
         knocked = run(run(state, still._replace(**jolt), 1), still, 1)
         assert knocked.rest.samples == 1
@@ -121,23 +121,23 @@ def test_a_jolt_begins_the_rest_anew():
 
 def test_who_sways_in_a_draught_learns_in_one_rest():
     """5 deg/s and 0.03 g about its mean, one and a half times in two seconds."""
-    state = Estimate()
+    state = MotionEstimate()
     for k in range(200):
         wave = math.sin(2.0 * math.pi * 0.75 * k * DT)
         rates, force = (0.01, -0.02 + 0.087 * wave, 0.03), (0.1 + 0.3 * wave, -0.2, G + 0.3)
-        state = run(state, Inputs(rates, force, 0.05, 101_000.0, OFF), 1)
-    assert learned(state, BODY)[0] is Level.OK
+        state = run(state, EstimatorInputs(rates, force, 0.05, 101_000.0, OFF), 1)
+    assert describe_biases(state, BODY)[0] is HealthLevel.OK
     assert state.biases.rates == pytest.approx(STILL.rates, abs=MOST_RATE)
 
 
 def test_a_tilt_is_waited_with_and_told():
     tilt = STILL._replace(pressure=101_000.0, force=(1.2, -0.2, G))
-    state = run(Estimate(), tilt, 999)
+    state = run(MotionEstimate(), tilt, 999)
     assert not state.ready
     state = run(state, tilt, 1)
     assert state.ready
-    assert learned(state, BODY)[0] is Level.WARN
-    assert 'uncertain' in learned(state, BODY)[1]
+    assert describe_biases(state, BODY)[0] is HealthLevel.WARN
+    assert 'uncertain' in describe_biases(state, BODY)[1]
 
 
 TURNED = STILL._replace(pressure=101_000.0, rates=(0.01, -0.02, 0.1))
@@ -145,47 +145,47 @@ TURNED = STILL._replace(pressure=101_000.0, rates=(0.01, -0.02, 0.1))
 
 def test_an_even_turn_is_never_a_bias():
     """5.7 deg/s for 10 s were taken, and the drone turned in its own eyes ever after."""
-    state = run(Estimate(), TURNED, 1000)
+    state = run(MotionEstimate(), TURNED, 1000)
     assert not state.ready
-    level, sentence = learned(state, BODY)
-    assert level is Level.ERROR
+    level, sentence = describe_biases(state, BODY)
+    assert level is HealthLevel.ERROR
     assert 'the drone turns by 5.7 deg/s, and no gyroscope is off by more than 3;' in sentence
     assert not run(state, TURNED, 5000).ready
     still = STILL._replace(range=0.05, pressure=101_000.0)
     state = run(state, still, 200)
     assert state.biases == rested().biases
-    assert learned(state, BODY) == (Level.OK, 'biases are known')
+    assert describe_biases(state, BODY) == (HealthLevel.OK, 'biases are known')
 
 
 def test_a_bias_that_the_vehicle_file_tells_is_learned_at_once():
     """A bad gyroscope that is known to be one; 8 deg/s less than it says are a turn."""
     bad = BODY._replace(rate_bias=(0.0, 0.0, 0.14), force_bias=(1.0, 0.0, 0.0))
-    state = Estimate()
+    state = MotionEstimate()
     for _ in range(200):
         read = STILL._replace(pressure=101_000.0, rates=(0.0, 0.0, 0.13), force=(1.1, 0.0, G))
         state = estimator_step(SETTINGS, bad, state, read, DT)
     assert state.ready
     assert state.biases.rates == pytest.approx((0.0, 0.0, 0.13), abs=1e-15)
-    assert learned(state, bad) == (Level.OK, 'biases are known')
-    assert turning(Biases(), bad.rate_bias)
+    assert describe_biases(state, bad) == (HealthLevel.OK, 'biases are known')
+    assert is_turning(SensorBiases(), bad.rate_bias)
 
 
 def test_the_biases_of_a_vehicle_are_those_of_its_effects(tmp_path):
-    content = load_yaml(find('vehicle', 'gtmab'))
+    content = load_yaml(find_file('vehicle', 'gtmab'))
     bias = {'z': {'value': 8.0, 'unit': 'deg/s', 'source': 'test'}}
     content.setdefault('effects', {})['gyro_bias'] = bias
     path = tmp_path / 'bad.yaml'
     path.write_text(yaml.safe_dump(content, sort_keys=False), encoding='utf-8')
-    body = body_of(load_vehicle(str(path)))
+    body = build_estimator_model(load_vehicle(str(path)))
     assert body.rate_bias == pytest.approx((0.0, 0.0, math.radians(8.0)))
-    assert body_of(load_vehicle('gtmab')).rate_bias == (0.0, 0.0, 0.0)
+    assert build_estimator_model(load_vehicle('gtmab')).rate_bias == (0.0, 0.0, 0.0)
 
 
 def test_a_sensor_may_be_off_by_what_its_data_sheet_says():
-    most = [2.0 * offset for offset in bounds_of(ImuSettings()).offset]
-    biases = Biases(tuple(most[3:]), tuple(most[:3]))
-    assert not turning(biases, (0.0, 0.0, 0.0))
-    assert not tilted(biases, (0.0, 0.0, 0.0))
+    most = [2.0 * offset for offset in error_bounds(ImuSettings()).offset]
+    biases = SensorBiases(tuple(most[3:]), tuple(most[:3]))
+    assert not is_turning(biases, (0.0, 0.0, 0.0))
+    assert not is_tilted(biases, (0.0, 0.0, 0.0))
 
 
 def test_standing_still_stays_still():
@@ -204,8 +204,8 @@ def test_a_range_without_a_return_is_left_out(reading):
     state = rested()
     with_it = run(state, STILL._replace(range=reading), 10)
     assert with_it == run(state, STILL, 10)
-    early = run(Estimate(), STILL._replace(range=reading), 10)
-    assert early == run(Estimate(), STILL, 10)
+    early = run(MotionEstimate(), STILL._replace(range=reading), 10)
+    assert early == run(MotionEstimate(), STILL, 10)
 
 
 def test_pressure_falls_as_it_climbs():
@@ -250,26 +250,26 @@ def test_a_tilted_vehicle_climbs_by_the_vertical_part():
 
 
 def test_motors_reach_a_commanded_duty_with_their_lag():
-    state = run(rested(), STILL._replace(duties=slots((0.5, 1.0))), 5)
+    state = run(rested(), STILL._replace(duties=pad_to_slots((0.5, 1.0))), 5)
     assert state.duties[:2] == pytest.approx((0.5 * (1 - math.exp(-1)), 1 - math.exp(-1)))
     state = run(state, STILL._replace(duties=OFF), 10)
     assert state.duties[0] == pytest.approx(0.5 * (1 - math.exp(-1)) * math.exp(-1))
 
 
 def test_a_reversing_motor_speeds_up_with_the_lag_up():
-    state = run(rested(), STILL._replace(duties=slots((-0.5,))), 5)
+    state = run(rested(), STILL._replace(duties=pad_to_slots((-0.5,))), 5)
     assert state.duties[0] == pytest.approx(-0.5 * (1 - math.exp(-1)))
 
 
 def test_without_lag_motors_follow_at_once():
     swift = BODY._replace(lag_up=0.0, lag_down=0.0)
-    state = run(rested(), STILL._replace(duties=slots((0.3, 0.1, 0.0, 1.0))), 1, body=swift)
-    assert state.duties == slots((0.3, 0.1, 0.0, 1.0))
+    state = run(rested(), STILL._replace(duties=pad_to_slots((0.3, 0.1, 0.0, 1.0))), 1, body=swift)
+    assert state.duties == pad_to_slots((0.3, 0.1, 0.0, 1.0))
 
 
 def test_the_drag_model_is_driven_by_the_rotors():
     """u = 0.5: T = 0.09 * 0.25 + 0.07 * 0.5; column (1, 0.2): surge sqrt(T / 0.1)."""
-    state = run(rested(), STILL._replace(duties=slots((0.9, 0.5))), 8000)
+    state = run(rested(), STILL._replace(duties=pad_to_slots((0.9, 0.5))), 8000)
     thrust = 0.0575
     assert state.airspeed.model_surge == pytest.approx(math.sqrt(thrust / 0.1), rel=1e-4)
     assert state.airspeed.surge == pytest.approx(math.sqrt(thrust / 0.1), rel=1e-4)
@@ -281,7 +281,7 @@ def test_every_rotor_has_its_own_curve():
     columns = ((1.0, *(0.0,) * 5), (0.0, 1.0, *(0.0,) * 4), *BODY.allocation[2:])
     state = run(
         rested(),
-        STILL._replace(duties=slots((0.5, 0.5))),
+        STILL._replace(duties=pad_to_slots((0.5, 0.5))),
         8000,
         body=BODY._replace(allocation=columns),
     )
@@ -293,7 +293,7 @@ def test_position_is_dead_reckoned_along_the_heading():
     heading = 2.0
     turned = rested()._replace(
         attitude=(0.0, 0.0, math.sin(heading / 2), math.cos(heading / 2)),
-        airspeed=Airspeed(0.3, 0.1, 0.3, 0.1),
+        airspeed=AirspeedEstimate(0.3, 0.1, 0.3, 0.1),
     )
     state = run(turned, STILL, 1)
     way = 0.01 * np.array(
@@ -309,15 +309,15 @@ def test_yaw_follows_the_gyroscope_less_its_bias():
     rates = (0.01, -0.02, 0.03 + 0.4)
     state = run(rested(), STILL._replace(rates=rates), 100)
     assert state.rates == pytest.approx((0.0, 0.0, 0.4), abs=1e-12)
-    assert estimator.heading(state.attitude) == pytest.approx(0.4, abs=1e-5)
+    assert estimator.yaw_from_quaternion(state.attitude) == pytest.approx(0.4, abs=1e-5)
 
 
 def test_the_body_of_gtmab():
-    body = body_of(load_vehicle('gtmab', 1.2))
+    body = build_estimator_model(load_vehicle('gtmab', 1.2))
     assert body.imu_position == pytest.approx((0.0, 0.0, -0.36))
     assert body.range_position == (0.0, 0.0, -0.37)
     assert body.number == 4
-    assert (body.a, body.b) == (slots((0.0915,) * 4), slots((0.0677,) * 4))
+    assert (body.a, body.b) == (pad_to_slots((0.0915,) * 4), pad_to_slots((0.0677,) * 4))
     assert (body.lag_up, body.lag_down) == pytest.approx((0.072, 0.072))
     assert body.hull.quadratic == (0.092, 0.092)
     assert body.hull.linear == (0.0, 0.0)
@@ -328,7 +328,7 @@ def test_the_body_of_gtmab():
 
 def test_the_truth_is_out_of_reach():
     """Its inputs are measurements and commands; no simulator stands in what it imports."""
-    assert Inputs._fields == ('rates', 'force', 'range', 'pressure', 'duties')
+    assert EstimatorInputs._fields == ('rates', 'force', 'range', 'pressure', 'duties')
     arguments = list(inspect.signature(estimator_step).parameters)
     assert arguments == ['settings', 'body', 'state', 'inputs', 'dt']
     tree = ast.parse(inspect.getsource(estimator))
@@ -339,16 +339,24 @@ def test_the_truth_is_out_of_reach():
 
 def test_a_fresh_estimate_knows_nothing():
     level = (0.0, 0.0, 0.0, 1.0)
-    nothing = (False, Rest(), Biases(), level, (0.0, 0.0, 0.0), Altitude(), Airspeed())
-    assert Estimate() == (*nothing, (0.0, 0.0), NONE, 0.0)
-    assert Airspeed() == (0.0,) * 4
+    nothing = (
+        False,
+        RestSums(),
+        SensorBiases(),
+        level,
+        (0.0, 0.0, 0.0),
+        AltitudeEstimate(),
+        AirspeedEstimate(),
+    )
+    assert MotionEstimate() == (*nothing, (0.0, 0.0), NONE, 0.0)
+    assert AirspeedEstimate() == (0.0,) * 4
 
 
 @pytest.mark.parametrize('place', [(0.0, 0.0, -0.36), (0.1, -0.2, -0.3)])
 def test_turning_about_the_hull_centre_is_no_speed(place):
     """The IMU swings around a centre that stays where it is; exact rates and specific force."""
     body = BODY._replace(imu_position=place)
-    state = run(Estimate(), Inputs((0.0,) * 3, (0.0, 0.0, G), 0.05, 1e5, OFF), 200)
+    state = run(MotionEstimate(), EstimatorInputs((0.0,) * 3, (0.0, 0.0, G), 0.05, 1e5, OFF), 200)
     settings = EstimatorSettings(gravity_gain=0.0, accelerometer_trust=60.0)
     dt, turn = 0.001, Rotation.identity()
     fastest = 0.0
@@ -359,7 +367,7 @@ def test_turning_about_the_hull_centre_is_no_speed(place):
         turn = turn * Rotation.from_rotvec(w * dt)
         felt = np.cross(change, place) + np.cross(w, np.cross(w, place))
         felt = felt + turn.inv().apply((0.0, 0.0, G))
-        inputs = Inputs(tuple(w), tuple(felt), math.nan, math.nan, OFF)
+        inputs = EstimatorInputs(tuple(w), tuple(felt), math.nan, math.nan, OFF)
         state = estimator_step(settings, body, state, inputs, dt)
         fastest = max(fastest, abs(state.airspeed.surge), abs(state.airspeed.sway))
     assert fastest < 2e-3
@@ -368,7 +376,7 @@ def test_turning_about_the_hull_centre_is_no_speed(place):
 
 def test_a_motor_that_changes_its_direction_at_the_same_speed_slows_down_first():
     """The command is no faster than the motor, so that the lag for slowing down counts: 0.1 s."""
-    before = rested()._replace(duties=slots((-0.5, 0.5)))
-    state = run(before, STILL._replace(duties=slots((0.5, -0.5))), 1)
+    before = rested()._replace(duties=pad_to_slots((-0.5, 0.5)))
+    state = run(before, STILL._replace(duties=pad_to_slots((0.5, -0.5))), 1)
     down = 1.0 - math.exp(-DT / 0.1)
     assert state.duties[:2] == pytest.approx((-0.5 + down, 0.5 - down))

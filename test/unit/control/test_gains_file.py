@@ -1,7 +1,7 @@
 """The shipped gains say everything, and a wrong file is refused in one sentence."""
 
 from lta_config.errors import BadInput
-from lta_config.files import find, load_yaml
+from lta_config.files import find_file, load_yaml
 from lta_control.cascade import CascadeGains
 from lta_control.gains_file import load_gains
 from lta_control.pid import PidGains
@@ -18,7 +18,7 @@ def written(path, gains):
 
 @pytest.fixture
 def shipped():
-    return load_yaml(find('gains', 'gtmab'))[HEAD]['ros__parameters']['gains']
+    return load_yaml(find_file('gains', 'gtmab'))[HEAD]['ros__parameters']['gains']
 
 
 def refused(name):

@@ -3,8 +3,8 @@
 import itertools
 import math
 
-from lta_control.strategies.homing import onward, start, steer, STRATEGY, watch
-from lta_control.strategies.protocol import Sight
+from lta_control.strategies.homing import reset_for_next_lamp, start, steer, STRATEGY, watch
+from lta_control.strategies.protocol import LightSight
 from lta_control.strategies.settings import StrategySettings
 import pytest
 
@@ -18,11 +18,11 @@ def sight(x, y, lamp=LAMP, share=1.0, heading=0.0):
     away = math.hypot(lamp[0] - x, lamp[1] - y)
     bearing = math.atan2(lamp[1] - y, lamp[0] - x) - heading
     strength = share * OWN.brightness / away**2
-    return Sight(True, bearing, heading, (0.0,), 0.1, 0.02, strength, 0.0, (x, y), (0.4, 0.0))
+    return LightSight(True, bearing, heading, (0.0,), 0.1, 0.02, strength, 0.0, (x, y), (0.4, 0.0))
 
 
 def blind(x, y):
-    return Sight(False, 0.0, 0.0, (0.0,), 0.1, 0.0, 0.0, 0.0, (x, y), (0.4, 0.0))
+    return LightSight(False, 0.0, 0.0, (0.0,), 0.1, 0.0, 0.0, 0.0, (x, y), (0.4, 0.0))
 
 
 def flown(sights, memory=None):
@@ -145,7 +145,7 @@ def test_wind_is_learnt_in_the_climb_and_kept_for_the_next_lamp():
         memory = watch(SETTINGS, memory, seen)
     assert memory.heading == 0.5
     assert memory.fix.wind_y == pytest.approx(-0.3, abs=0.05)
-    after = onward(memory)
+    after = reset_for_next_lamp(memory)
     assert not after.known
     courses, after = flown([sight(0.0, -1.8)._replace(position=(0.0, 0.0))], after)
     assert after.fix.wind_y == memory.fix.wind_y

@@ -2,20 +2,20 @@
 
 import math
 
-from lta_control.strategies.lamp_filter import (
+from lta_control.strategies.lamp_ekf import (
     bearing_deviation,
-    begin,
-    expected,
-    Fix,
-    Optics,
-    predict,
-    see,
-    surprise,
+    expected_strength,
+    initialize_fix,
+    LampFilterPrior,
+    LampFix,
+    normalized_innovation,
+    predict_fix,
+    update_fix,
 )
 import numpy as np
 import pytest
 
-OPTICS = Optics(math.log(2000.0), 0.5, 0.03, 0.15, 0.4, 0.1)
+OPTICS = LampFilterPrior(math.log(2000.0), 0.5, 0.03, 0.15, 0.4, 0.1)
 STILL = (0.0, 0.0)
 
 
@@ -39,14 +39,14 @@ def noises(x, deviation):
 
 def test_it_is_the_textbook_s_filter():
     chance = np.random.default_rng(4)
-    fix = begin(OPTICS, 0.4, 0.05, 60.0, (0.1, 0.0))
+    fix = initialize_fix(OPTICS, 0.4, 0.05, 60.0, (0.1, 0.0))
     x, p = state_of(fix)
     ahead = np.eye(5)
     ahead[0, 2] = ahead[1, 3] = -0.1
     growth = np.diag([0.01**2, 0.01**2, 0.01, 0.01, 0.15**2])
     for _ in range(60):
         moved = chance.normal(0.03, 0.02, 2)
-        fix = predict(OPTICS, fix, *moved.tolist(), 0.1)
+        fix = predict_fix(OPTICS, fix, *moved.tolist(), 0.1)
         x = ahead @ x - np.array([*moved, 0.0, 0.0, 0.0])
         p = ahead @ p @ ahead.T + 0.1 * growth
         bearing, strength = (
@@ -61,14 +61,14 @@ def test_it_is_the_textbook_s_filter():
         error = math.log(strength) - x[4] + math.log(squared)
         slopes = [-2.0 * x[0] / squared, -2.0 * x[1] / squared, 0.0, 0.0, 1.0]
         x, p = told(x, p, slopes, error, noises(x, 0.05)[1])
-        fix = see(fix, OPTICS, bearing, 0.05, strength)
+        fix = update_fix(fix, OPTICS, bearing, 0.05, strength)
         assert state_of(fix)[0] == pytest.approx(x, rel=1e-9, abs=1e-12)
         assert state_of(fix)[1] == pytest.approx(p, rel=1e-7, abs=1e-12)
 
 
 def test_a_first_sight_gives_the_range_by_the_inverse_square():
     """2000 counts at 1 m are 20 at 10 m; the range is known to half of what the brightness is."""
-    fix = begin(OPTICS, math.pi / 2, 0.0, 20.0, STILL)
+    fix = initialize_fix(OPTICS, math.pi / 2, 0.0, 20.0, STILL)
     assert (fix.x, fix.y) == (pytest.approx(0.0, abs=1e-12), pytest.approx(10.0))
     assert fix.rows[1][1] == pytest.approx((0.5 * 10.0) ** 2 * (0.5**2 + 0.15**2))
     assert fix.rows[0][0] == pytest.approx((10.0 * 0.03) ** 2)
@@ -78,11 +78,11 @@ def test_a_first_sight_gives_the_range_by_the_inverse_square():
 def drifted(wind, seconds, air=(0.3, 0.0), lamp=(7.0, 1.0), brightness=2000.0):
     """Return the fix of a drone that flies by dead reckoning in a wind that it does not know."""
     x, y = lamp
-    fix = begin(OPTICS, math.atan2(y, x), 0.02, brightness / (x * x + y * y), STILL)
+    fix = initialize_fix(OPTICS, math.atan2(y, x), 0.02, brightness / (x * x + y * y), STILL)
     for _ in range(round(10 * seconds)):
         x, y = x - 0.1 * (air[0] + wind[0]), y - 0.1 * (air[1] + wind[1])
-        fix = predict(OPTICS, fix, 0.1 * air[0], 0.1 * air[1], 0.1)
-        fix = see(fix, OPTICS, math.atan2(y, x), 0.02, brightness / (x * x + y * y))
+        fix = predict_fix(OPTICS, fix, 0.1 * air[0], 0.1 * air[1], 0.1)
+        fix = update_fix(fix, OPTICS, math.atan2(y, x), 0.02, brightness / (x * x + y * y))
     return fix, x, y
 
 
@@ -105,13 +105,13 @@ def test_the_covariance_stays_one():
     rows = np.array(fix.rows)
     assert rows == pytest.approx(rows.T, abs=1e-12)
     assert np.linalg.eigvalsh(rows).min() > 0.0
-    assert isinstance(fix, Fix)
+    assert isinstance(fix, LampFix)
 
 
 @pytest.mark.parametrize('bearing', [0.4, 2.5, -1.0])
 def test_the_covariance_of_a_first_sight_follows_from_that_of_its_inputs(bearing):
     """J diag(variances) J', with J of (x, y, brightness) by (brightness, strength, bearing)."""
-    fix = begin(OPTICS, bearing, 0.05, 80.0, (0.1, -0.2))
+    fix = initialize_fix(OPTICS, bearing, 0.05, 80.0, (0.1, -0.2))
     cos, sin, away = math.cos(bearing), math.sin(bearing), 5.0
     slopes = np.array(
         [
@@ -129,8 +129,8 @@ def test_the_covariance_of_a_first_sight_follows_from_that_of_its_inputs(bearing
 
 
 def test_a_first_range_is_between_40_cm_and_50_m():
-    assert begin(OPTICS, 0.0, 0.05, 1e6, STILL).x == pytest.approx(0.4)
-    assert begin(OPTICS, 0.0, 0.05, 1e-3, STILL).x == pytest.approx(50.0)
+    assert initialize_fix(OPTICS, 0.0, 0.05, 1e6, STILL).x == pytest.approx(0.4)
+    assert initialize_fix(OPTICS, 0.0, 0.05, 1e-3, STILL).x == pytest.approx(50.0)
 
 
 @pytest.mark.parametrize(('x', 'y'), [(3.0, -2.0), (-2.0, 0.01), (0.1, 0.2)])
@@ -138,7 +138,7 @@ def test_a_fix_predicts_bearing_and_strength(x, y):
     """The bearing's variance is h P h' by its gradient h, which is that at 40 cm if nearer."""
     factor = np.random.default_rng(5).normal(0.0, 0.3, (5, 5))
     spread = factor @ factor.T
-    fix = Fix(x, y, 0.0, 0.0, math.log(1800.0), tuple(map(tuple, spread.tolist())))
+    fix = LampFix(x, y, 0.0, 0.0, math.log(1800.0), tuple(map(tuple, spread.tolist())))
     squared = max(x * x + y * y, 0.16)
     slopes = np.array([-y, x, 0.0, 0.0, 0.0]) / squared
     variance = slopes @ spread @ slopes
@@ -147,14 +147,16 @@ def test_a_fix_predicts_bearing_and_strength(x, y):
     for off in (-0.3, 0.2):  # by 0.2 the bearing of the second fix exceeds pi
         bearing = math.atan2(y, x) + off
         deviations = abs(off) / math.sqrt(variance + noise)
-        assert surprise(fix, OPTICS, bearing, 0.05) == pytest.approx(deviations)
-        assert surprise(fix, OPTICS, bearing - math.tau, 0.05) == pytest.approx(deviations)
-    assert expected(fix) == pytest.approx(1800.0 / (x * x + y * y + 0.64))
+        assert normalized_innovation(fix, OPTICS, bearing, 0.05) == pytest.approx(deviations)
+        assert normalized_innovation(fix, OPTICS, bearing - math.tau, 0.05) == pytest.approx(
+            deviations
+        )
+    assert expected_strength(fix) == pytest.approx(1800.0 / (x * x + y * y + 0.64))
 
 
 def test_nearer_than_40_cm_gradients_and_noise_are_those_at_40_cm():
     """The expected fix is that of two updates in numpy, by bearing and then by strength."""
-    fix = Fix(0.1, 0.2, 0.0, 0.0, 7.0, tuple(map(tuple, (0.01 * np.eye(5)).tolist())))
+    fix = LampFix(0.1, 0.2, 0.0, 0.0, 7.0, tuple(map(tuple, (0.01 * np.eye(5)).tolist())))
     x, p = state_of(fix)
     error = 0.9 - math.atan2(0.2, 0.1)
     noise = 0.05**2 + 0.03**2 + 0.1**2 / 0.16
@@ -163,6 +165,6 @@ def test_nearer_than_40_cm_gradients_and_noise_are_those_at_40_cm():
     slopes = [-2.0 * x[0] / squared, -2.0 * x[1] / squared, 0.0, 0.0, 1.0]
     error = math.log(9000.0) - x[4] + math.log(squared)
     x, p = told(x, p, slopes, error, 0.15**2 + (0.64 / squared) ** 2)
-    found = state_of(see(fix, OPTICS, 0.9, 0.05, 9000.0))
+    found = state_of(update_fix(fix, OPTICS, 0.9, 0.05, 9000.0))
     assert found[0] == pytest.approx(x)
     assert found[1] == pytest.approx(p, abs=1e-12)

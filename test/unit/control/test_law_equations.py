@@ -7,11 +7,19 @@ The allocation has its own tests: here it is a stand-in, which keeps what is ask
 import math
 
 from lta_config.constants import STANDARD_GRAVITY
-from lta_control.allocation import duties, new_scratch
+from lta_control.allocation import create_scratch, thrusts_to_duties
 from lta_control.cascade import Setpoint
-from lta_control.gains_file import load_gains_of
-from lta_control.laws import glide, lateral, law, omnidirectional, open_loop, quadrotor, velocity
-from lta_control.laws.protocol import Heard, Motion
+from lta_control.gains_file import load_law_gains
+from lta_control.laws import (
+    find_law,
+    glide,
+    lateral,
+    omnidirectional,
+    open_loop,
+    quadrotor,
+    velocity,
+)
+from lta_control.laws.protocol import ControlMotion, LawInputs
 from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest
@@ -29,14 +37,14 @@ def thrusts(rotors):
 
 def ready(name):
     vehicle = load_vehicle(name)
-    made = law(vehicle.file.control.law)
-    return made, made.known(load_gains_of(made.gains, vehicle.file.control.gains), vehicle)
+    made = find_law(vehicle.file.control.law)
+    return made, made.known(load_law_gains(made.gains, vehicle.file.control.gains), vehicle)
 
 
 def somewhere(chance, fast=0.3):
     """Return any motion, any setpoint, and the attitude as scipy has it."""
     turn = Rotation.from_rotvec(chance.normal(0.0, 0.4, 3))
-    motion = Motion(
+    motion = ControlMotion(
         tuple(chance.normal(1.0, 1.0, 3).tolist()),
         tuple(turn.as_quat(canonical=True).tolist()),
         tuple(chance.normal(0.0, fast, 3).tolist()),
@@ -108,7 +116,7 @@ def test_skye_holds_a_moving_point_in_six_degrees_of_freedom(asked, seed, begun)
     memory = made.start._replace(
         begun=begun, goal=tuple(goal[:2]), integral=tuple(before), thrusts=(0.5,) * 8
     )
-    after = made.step(constants, memory, Heard(motion, setpoint, DT), new_scratch())
+    after = made.step(constants, memory, LawInputs(motion, setpoint, DT), create_scratch())
     wanted = along(setpoint.heading, setpoint.speed)
     if not begun:
         goal[:2] = motion.position[:2]
@@ -125,7 +133,7 @@ def test_skye_holds_a_moving_point_in_six_degrees_of_freedom(asked, seed, begun)
     assert asked[0][1] == (0.5,) * 8
     assert (after.begun, after.goal, after.integral) == (True, close(goal[:2]), close(integral))
     assert after.thrusts == thrusts(constants.rotors)
-    assert after.command.duties == duties(constants.rotors, after.thrusts)
+    assert after.command.duties == thrusts_to_duties(constants.rotors, after.thrusts)
 
 
 @pytest.mark.parametrize('seed', SEEDS)
@@ -136,7 +144,7 @@ def test_sblimp_pushes_the_way_the_velocity_should_change(asked, seed):
     climb, east, north = chance.normal(0.0, 0.05, 3).tolist()
     gap = chance.normal(0.0, 0.05, 3).tolist()
     memory = made.start._replace(climb=climb, east=east, north=north, missing=tuple(gap))
-    after = made.step(constants, memory, Heard(motion, setpoint, DT), new_scratch())
+    after = made.step(constants, memory, LawInputs(motion, setpoint, DT), create_scratch())
     lag = along(setpoint.heading, setpoint.speed) - turn.apply(motion.velocity)
     up, climb = climbing(gains, climb, setpoint.altitude - motion.position[2], -lag[2], gap[2])
     fx, east = pid(gains.velocity, east, lag[0], 0.0, gap[0])
@@ -147,7 +155,7 @@ def test_sblimp_pushes_the_way_the_velocity_should_change(asked, seed):
     assert (after.climb, after.east, after.north) == close([climb, east, north])
     assert after.missing == close(turn.apply(GIVEN[:3]) - force)
     assert after.thrusts == thrusts(constants.rotors)
-    assert after.command.duties == duties(constants.rotors, after.thrusts)
+    assert after.command.duties == thrusts_to_duties(constants.rotors, after.thrusts)
 
 
 @pytest.mark.parametrize('seed', SEEDS)
@@ -162,7 +170,7 @@ def test_the_multirotor_tilts_as_its_velocity_needs(asked, seed, begun):
         begun=begun, climb=climb, east=east, north=north, missing=gap,
         rates=tuple(rates.tolist()), slopes=tuple(slopes.tolist()),
     )  # fmt: skip
-    after = made.step(constants, memory, Heard(motion, setpoint, DT), new_scratch())
+    after = made.step(constants, memory, LawInputs(motion, setpoint, DT), create_scratch())
     lag = along(setpoint.heading, setpoint.speed) - turn.apply(motion.velocity)
     push, climb = climbing(gains, climb, setpoint.altitude - motion.position[2], -lag[2], gap)
     thrust = (constants.weight + push) / max(turn.as_matrix()[2, 2], 0.5)
@@ -202,8 +210,8 @@ def test_beavis_pushes_along_its_course_whatever_its_heading(monkeypatch, seed):
         wanted.extend(asked)
         return thrusts(constants.rotors), 0.75, 0.02
 
-    monkeypatch.setattr(lateral, 'mixed', mixed)
-    after = made.step(constants, memory, Heard(motion, setpoint, DT), new_scratch())
+    monkeypatch.setattr(lateral, 'mix_thrusts', mixed)
+    after = made.step(constants, memory, LawInputs(motion, setpoint, DT), create_scratch())
     rising = turn.apply(motion.velocity)[2]
     error = setpoint.altitude - motion.position[2]
     push, climb = climbing(gains, climb, error, rising, gap[0])
@@ -231,7 +239,7 @@ def test_rgblimp_sets_pitch_by_its_mass_and_yaw_by_its_propellers(seed):
     memory = made.start._replace(
         climb=climb, pitch=pitch, speed=speed, yaw_rate=yaw_rate, missing=tuple(gap)
     )
-    after = made.step(constants, memory, Heard(motion, setpoint, DT), new_scratch())
+    after = made.step(constants, memory, LawInputs(motion, setpoint, DT), create_scratch())
     rising = turn.apply(motion.velocity)[2]
     error = gains.altitude_kp * (setpoint.altitude - motion.position[2])
     wanted = np.clip(error, -gains.climb_limit, gains.climb_limit)
@@ -247,7 +255,7 @@ def test_rgblimp_sets_pitch_by_its_mass_and_yaw_by_its_propellers(seed):
     half = float(np.clip(moment / (2.0 * constants.lever), -full / 2, full / 2))
     middle = float(np.clip(thrust / 2, abs(half), full - abs(half)))
     each = (middle - half, middle + half, *(0.0,) * 6)
-    assert after.command.duties == close(duties(constants.rotors, each))
+    assert after.command.duties == close(thrusts_to_duties(constants.rotors, each))
     assert after.command.mass_place == (close(place), *constants.rest[1:])
     assert [after.climb, after.pitch, after.speed, after.yaw_rate] == close(
         [climb, pitch, speed, yaw_rate]
@@ -278,9 +286,11 @@ def test_blimp2b_asks_for_the_drag_and_weight_of_steady_motion_to_its_setpoint(a
     heading = wrapped(setpoint.heading - near * gains.turn_rate)
     memory = made.start._replace(begun=begun, altitude=altitude, heading=heading)
     memory = memory._replace(thrusts=(0.5,) * 8)
-    after = made.step(constants, memory, Heard(Motion(), setpoint, DT), new_scratch())
+    after = made.step(
+        constants, memory, LawInputs(ControlMotion(), setpoint, DT), create_scratch()
+    )
     if not begun:
-        altitude = vehicle.standing_height
+        altitude = vehicle.height_on_floor
     limits = (gains.climb_rate, gains.turn_rate)
     wanted = np.array([setpoint.altitude - altitude, wrapped(setpoint.heading - heading)]) / DT
     climb, turn = np.clip(wanted, [-x for x in limits], limits)
@@ -294,4 +304,4 @@ def test_blimp2b_asks_for_the_drag_and_weight_of_steady_motion_to_its_setpoint(a
     assert after.altitude == pytest.approx(altitude + DT * climb)
     assert after.heading == pytest.approx(wrapped(heading + DT * turn))
     assert (after.begun, after.thrusts) == (True, thrusts(constants.rotors))
-    assert after.command.duties == duties(constants.rotors, after.thrusts)
+    assert after.command.duties == thrusts_to_duties(constants.rotors, after.thrusts)

@@ -5,38 +5,44 @@ import math
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.errors import BadInput
-from lta_config.files import known
-from lta_control.allocation import new_scratch
-from lta_control.carried import measured
+from lta_config.files import list_shipped
+from lta_control.allocation import create_scratch
 from lta_control.cascade import Setpoint
 from lta_control.control import control_step, ControlMemory
-from lta_control.gains_file import load_gains, load_gains_of
-from lta_control.laws import law, LAWS
-from lta_control.laws.aboard import Aboard, check_aboard, law_named
-from lta_control.laws.frames import from_angles, to_body, to_world, turn_to, turned
-from lta_control.laws.lateral import mixed
-from lta_control.laws.protocol import Command, Feedback, Heard, Motion
-from lta_control.pilot import tracked
-from lta_control.vehicle_side import rotors_of, surge_drag_of
+from lta_control.gains_file import load_gains, load_law_gains
+from lta_control.law_autopilot import motion_from_tracker
+from lta_control.laws import find_law, LAWS
+from lta_control.laws.frames import (
+    quaternion_from_angles,
+    rotate_level,
+    rotation_between,
+    to_body,
+    to_world,
+)
+from lta_control.laws.lateral import mix_thrusts
+from lta_control.laws.onboard_law import check_onboard_law, law_name, OnboardLaw
+from lta_control.laws.protocol import ControlMotion, Feedback, LawCommand, LawInputs
+from lta_control.message_rounding import build_measurement
+from lta_control.vehicle_parameters import build_rotors, surge_drag_coefficients
 from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-VEHICLES = known('vehicles')
+VEHICLES = list_shipped('vehicles')
 DT = 0.01
 
 
 def ready(name, law_name=None, gains=None):
     """Return a vehicle, its law, and what the law knows."""
     vehicle = load_vehicle(name)
-    made = law(law_name or vehicle.file.control.law)
-    found = load_gains_of(made.gains, gains or vehicle.file.control.gains)
+    made = find_law(law_name or vehicle.file.control.law)
+    found = load_law_gains(made.gains, gains or vehicle.file.control.gains)
     return vehicle, made, made.known(found, vehicle)
 
 
 def once(made, constants, motion, setpoint):
-    return made.step(constants, made.start, Heard(motion, setpoint, DT), new_scratch())
+    return made.step(constants, made.start, LawInputs(motion, setpoint, DT), create_scratch())
 
 
 def thrusts(vehicle, duties):
@@ -72,14 +78,14 @@ def test_every_vehicle_names_a_law_and_gains_that_fit():
 
 def test_an_unknown_law_lists_the_known():
     with pytest.raises(BadInput, match='cascade, glide, lateral'):
-        law('lateral_thinking')
+        find_law('lateral_thinking')
 
 
 @pytest.mark.parametrize('name', ['beavis', 'sblimp', 'skye', 'multirotor', 'blimp2b'])
 def test_without_error_the_rotors_carry_the_weight_and_nothing_else(name):
     vehicle, made, constants = ready(name)
-    height = vehicle.standing_height if name == 'blimp2b' else 2.0
-    motion = Motion(position=(0.0, 0.0, height))
+    height = vehicle.height_on_floor if name == 'blimp2b' else 2.0
+    motion = ControlMotion(position=(0.0, 0.0, height))
     after = once(made, constants, motion, Setpoint(height, 0.0, 0.0))
     total = wrench(vehicle, after.command.duties)
     weight = vehicle.heaviness * STANDARD_GRAVITY
@@ -89,7 +95,7 @@ def test_without_error_the_rotors_carry_the_weight_and_nothing_else(name):
 
 def test_the_glider_without_error_leaves_its_mass_and_propellers_at_rest():
     vehicle, made, constants = ready('rgblimp')
-    motion = Motion(position=(0.0, 0.0, 2.0), velocity=(0.8, 0.0, 0.0))
+    motion = ControlMotion(position=(0.0, 0.0, 2.0), velocity=(0.8, 0.0, 0.0))
     after = once(made, constants, motion, Setpoint(2.0, 0.0, 0.8))
     assert after.command.mass_place == vehicle.file.moving_mass.position.vector
     assert after.command.duties == (0.0,) * 8
@@ -98,7 +104,7 @@ def test_the_glider_without_error_leaves_its_mass_and_propellers_at_rest():
 def test_the_glider_moves_its_mass_back_to_climb_and_pushes_right_to_turn_left():
     vehicle, made, constants = ready('rgblimp')
     rest = vehicle.file.moving_mass.position.vector[0]
-    motion = Motion(position=(0.0, 0.0, 2.0), velocity=(0.5, 0.0, 0.0))
+    motion = ControlMotion(position=(0.0, 0.0, 2.0), velocity=(0.5, 0.0, 0.0))
     up = once(made, constants, motion, Setpoint(3.0, 0.0, 0.8)).command
     left = once(made, constants, motion, Setpoint(2.0, 0.5, 0.8)).command
     assert vehicle.file.moving_mass.low.vector[0] <= up.mass_place[0] < rest
@@ -107,22 +113,27 @@ def test_the_glider_moves_its_mass_back_to_climb_and_pushes_right_to_turn_left()
 
 def test_the_cascade_among_the_laws_is_the_cascade():
     vehicle, made, constants = ready('gtmab')
-    motion = Motion(
-        (0.1, 0.2, 0.4), from_angles(0.05, -0.1, 0.7), (0.3, -0.1, 0.05), (0.0, 0.1, 0.2)
+    motion = ControlMotion(
+        (0.1, 0.2, 0.4),
+        quaternion_from_angles(0.05, -0.1, 0.7),
+        (0.3, -0.1, 0.05),
+        (0.0, 0.1, 0.2),
     )
     setpoint = Setpoint(0.6, 0.2, 0.4)
     after = once(made, constants, motion, setpoint)
     duties, memory = control_step(
-        load_gains('gtmab'), rotors_of(vehicle), surge_drag_of(vehicle), ControlMemory(),
-        measured(motion.attitude, 0.4, motion.velocity, motion.rates), setpoint, DT, new_scratch(),
+        load_gains('gtmab'), build_rotors(vehicle), surge_drag_coefficients(vehicle),
+        ControlMemory(),
+        build_measurement(motion.attitude, 0.4, motion.velocity, motion.rates), setpoint, DT,
+        create_scratch(),
     )  # fmt: skip
-    assert after == type(after)(Command(duties, (0.0, 0.0, 0.0)), memory)
+    assert after == type(after)(LawCommand(duties, (0.0, 0.0, 0.0)), memory)
 
 
 def test_jets_that_collide_give_what_is_asked_for():
     """Lift, surge, sway and yaw at once, by the vehicle's own columns and coupling."""
     vehicle, _, constants = ready('beavis')
-    newtons, share, lift = mixed(constants, 0.03, 0.01, -0.005, 0.0004)
+    newtons, share, lift = mix_thrusts(constants, 0.03, 0.01, -0.005, 0.0004)
     assert share == 1.0
     assert lift == 0.03
     total = np.array(vehicle.allocation).T @ np.array(newtons[:4])
@@ -132,9 +143,9 @@ def test_jets_that_collide_give_what_is_asked_for():
 
 def test_height_comes_before_speed_where_four_jets_cannot_do_both():
     vehicle, _, constants = ready('beavis')
-    newtons, share, _ = mixed(constants, 0.1, 0.3, 0.0, 0.0)
+    newtons, share, _ = mix_thrusts(constants, 0.1, 0.3, 0.0, 0.0)
     assert 0.0 < share < 1.0
-    assert max(newtons) == pytest.approx(vehicle.rotors[0].full)
+    assert max(newtons) == pytest.approx(vehicle.rotors[0].full_thrust)
     total = np.array(vehicle.allocation).T @ np.array(newtons[:4])
     total[2] += vehicle.file.aero.coupling.force.vector[2] * min(newtons[:4])
     assert total[2] == pytest.approx(0.1)
@@ -144,7 +155,7 @@ def test_a_mixer_that_ignores_the_collision_loses_lift_by_its_share_of_the_offse
     """By hand: without giving back, the lift falls short by c times the least offset."""
     vehicle, _, constants = ready('beavis')
     blunt = constants._replace(gains=constants.gains.model_copy(update={'compensation': 0.0}))
-    newtons, _, _ = mixed(blunt, 0.03, 0.0, 0.0, 0.0008)
+    newtons, _, _ = mix_thrusts(blunt, 0.03, 0.0, 0.0, 0.0008)
     collective = 0.03 / (constants.alone + constants.collision)
     least = min(newtons[:4]) - collective
     assert least < -1e-3
@@ -163,10 +174,11 @@ def test_a_mixer_that_ignores_the_collision_loses_lift_by_its_share_of_the_offse
     ],
 )
 def test_a_vehicle_of_another_kind_is_refused(name, law_name, sentence):
-    vehicle, made = load_vehicle(name), law(law_name)
+    vehicle, made = load_vehicle(name), find_law(law_name)
     with pytest.raises(BadInput, match=sentence):
         made.known(
-            load_gains_of(made.gains, {'lateral': 'beavis', 'glide': 'rgblimp'}[law_name]), vehicle
+            load_law_gains(made.gains, {'lateral': 'beavis', 'glide': 'rgblimp'}[law_name]),
+            vehicle,
         )
 
 
@@ -182,49 +194,49 @@ def test_rotors_that_push_straight_outwards_cannot_turn_beavis(tmp_path):
     file = vehicle.file.model_copy(
         update={'aero': aero.model_copy(update={'thrust_allocation': straight})}
     )
-    made = law('lateral')
+    made = find_law('lateral')
     with pytest.raises(BadInput, match='cannot push along x, along y and turn'):
-        made.known(load_gains_of(made.gains, 'beavis'), type(vehicle)(file))
+        made.known(load_law_gains(made.gains, 'beavis'), type(vehicle)(file))
 
 
 def test_a_law_that_needs_a_tracker_is_refused_aboard():
     vehicle = load_vehicle('skye')
-    assert law_named(vehicle) == 'omnidirectional'
+    assert law_name(vehicle) == 'omnidirectional'
     with pytest.raises(BadInput, match='needs a tracker'):
-        Aboard('omnidirectional', vehicle)
+        OnboardLaw('omnidirectional', vehicle)
 
 
-@pytest.mark.parametrize('name', known('vehicles'))
+@pytest.mark.parametrize('name', list_shipped('vehicles'))
 def test_a_vehicle_flies_by_its_own_sensors_unless_its_law_needs_a_tracker(name):
     vehicle = load_vehicle(name)
-    if law(law_named(vehicle)).feedback is Feedback.TRACKER:
+    if find_law(law_name(vehicle)).feedback is Feedback.TRACKER:
         with pytest.raises(BadInput, match='needs a tracker'):
-            check_aboard(vehicle)
+            check_onboard_law(vehicle)
     else:
-        check_aboard(vehicle)
+        check_onboard_law(vehicle)
 
 
 def test_aboard_a_law_keeps_its_memory_until_it_is_told_to_forget():
     vehicle = load_vehicle('beavis')
-    aboard = Aboard('lateral', vehicle)
-    motion, setpoint = Motion(position=(0.0, 0.0, 1.0)), Setpoint(1.1, 0.0, 0.0)
+    aboard = OnboardLaw('lateral', vehicle)
+    motion, setpoint = ControlMotion(position=(0.0, 0.0, 1.0)), Setpoint(1.1, 0.0, 0.0)
     first = aboard.step(motion, setpoint, DT)
     second = aboard.step(motion, setpoint, DT)
     assert second.duties[0] > first.duties[0]  # the integral has grown
-    aboard.forget()
+    aboard.reset()
     assert aboard.step(motion, setpoint, DT) == first
 
 
 def test_unlike_thrust_curves_are_each_obeyed():
     """Blimp2b: 40, 30 and 45 mN forward, 45, 25 and 25 mN in reverse, by its authors."""
-    rotors = rotors_of(load_vehicle('blimp2b'))
+    rotors = build_rotors(load_vehicle('blimp2b'))
     assert rotors.high[:3] == pytest.approx((0.040, 0.030, 0.045))
     assert rotors.low[:3] == pytest.approx((-0.045, -0.025, -0.025))
 
 
 def test_frames_agree_with_scipy():
     roll, pitch, yaw = 0.3, -0.5, 2.1
-    q = from_angles(roll, pitch, yaw)
+    q = quaternion_from_angles(roll, pitch, yaw)
     known_turn = Rotation.from_euler('ZYX', [yaw, pitch, roll])
     assert q == pytest.approx(known_turn.as_quat(canonical=True), abs=1e-12)
     v = (0.2, -1.1, 0.7)
@@ -232,10 +244,10 @@ def test_frames_agree_with_scipy():
     assert to_body(q, v) == pytest.approx(known_turn.inv().apply(v))
     small = Rotation.from_rotvec([0.002, -0.001, 0.003])
     there = tuple((known_turn * small).as_quat().tolist())
-    assert turn_to(q, there) == pytest.approx((0.002, -0.001, 0.003), rel=1e-5)
+    assert rotation_between(q, there) == pytest.approx((0.002, -0.001, 0.003), rel=1e-5)
     other_sign = tuple(-part for part in there)  # the same attitude
-    assert turn_to(q, other_sign) == pytest.approx((0.002, -0.001, 0.003), rel=1e-5)
-    assert turned(math.pi / 2, 2.0, 1.0) == pytest.approx((-1.0, 2.0))
+    assert rotation_between(q, other_sign) == pytest.approx((0.002, -0.001, 0.003), rel=1e-5)
+    assert rotate_level(math.pi / 2, 2.0, 1.0) == pytest.approx((-1.0, 2.0))
 
 
 def test_a_tracker_s_frame_begins_with_the_vehicle():
@@ -243,9 +255,9 @@ def test_a_tracker_s_frame_begins_with_the_vehicle():
     start = (1.0, 2.0, 0.5, *Rotation.from_euler('z', math.pi / 2).as_quat(), *(0.0,) * 6)
     turn = Rotation.from_euler('z', math.pi / 2 + 0.4).as_quat()
     now = (1.0, 5.0, 0.9, *turn, 0.3, 0.1, 0.0, 9.0, 9.0, 9.0)
-    motion = tracked(now, start, (0.0, 0.0, 0.2))
+    motion = motion_from_tracker(now, start, (0.0, 0.0, 0.2))
     assert motion.position == pytest.approx((3.0, 0.0, 0.9))
-    assert motion.attitude == pytest.approx(from_angles(0.0, 0.0, 0.4))
+    assert motion.attitude == pytest.approx(quaternion_from_angles(0.0, 0.0, 0.4))
     assert motion.velocity == (0.3, 0.1, 0.0)
     assert motion.rates == (0.0, 0.0, 0.2)
 
@@ -257,7 +269,7 @@ def test_who_needs_a_tracker_is_in_the_registry():
 
 def test_laws_are_called_what_the_registry_calls_them():
     assert all(name == each.name for name, each in LAWS.items())
-    assert all(isinstance(each.start.command, Command) for each in LAWS.values())
+    assert all(isinstance(each.start.command, LawCommand) for each in LAWS.values())
     assert replace(LAWS['glide'], name='x') != LAWS['glide']
 
 
@@ -275,7 +287,7 @@ def test_a_tilted_multirotor_at_most_doubles_its_thrust():
     vehicle, made, constants = ready('multirotor')
     demands = []
     for tilt in (0.0, math.radians(59.0), math.radians(80.0)):
-        motion = Motion((0.0, 0.0, 2.0), from_angles(0.0, tilt, 0.0))
+        motion = ControlMotion((0.0, 0.0, 2.0), quaternion_from_angles(0.0, tilt, 0.0))
         after = once(made, constants, motion, Setpoint(2.0, 0.0, 0.0))
         newtons = sum(after.thrusts) * vehicle.allocation[0][2]
         demands.append((newtons - after.missing) / constants.weight)
@@ -285,11 +297,11 @@ def test_a_tilted_multirotor_at_most_doubles_its_thrust():
 def test_the_defaults_of_a_law_are_a_vehicle_at_rest_and_a_zero_setpoint():
     """The vehicle is level with its nose along x, and the period is 10 ms."""
     nowhere = (0.0, 0.0, 0.0)
-    assert Motion() == (nowhere, (0.0, 0.0, 0.0, 1.0), nowhere, nowhere)
-    assert Heard() == (Motion(), Setpoint(0.0, 0.0, 0.0), 0.01)
-    assert Command() == ((0.0,) * 8, nowhere)
+    assert ControlMotion() == (nowhere, (0.0, 0.0, 0.0, 1.0), nowhere, nowhere)
+    assert LawInputs() == (ControlMotion(), Setpoint(0.0, 0.0, 0.0), 0.01)
+    assert LawCommand() == ((0.0,) * 8, nowhere)
     for name, each in LAWS.items():
-        assert each.start.command == Command(), name
+        assert each.start.command == LawCommand(), name
         if name != 'cascade':  # its derivative terms start as NaN, without a measurement
             remembered = np.concatenate([np.ravel(part) for part in each.start[1:]])
             assert not remembered.any(), name

@@ -3,36 +3,42 @@
 import math
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from lta_control.airspeed import Airspeed
-from lta_control.altitude import Altitude
-from lta_control.carried import level, reach, setpoint, single, velocity
+from lta_control.airspeed import AirspeedEstimate
+from lta_control.altitude import AltitudeEstimate
 from lta_control.cascade import Setpoint
-from lta_control.estimator import Estimate
+from lta_control.estimator import MotionEstimate
+from lta_control.message_rounding import (
+    air_relative_velocity,
+    build_setpoint,
+    level_quaternion,
+    mask_out_of_range,
+    round_to_float32,
+)
 from lta_control.messages import (
     from_duties,
     from_estimate,
     from_setpoint,
-    heard_word,
     to_distance,
     to_duties,
-    to_measured,
+    to_measurement,
     to_setpoint,
     UNKNOWN,
+    update_reserve_report,
 )
-from lta_control.per_rotor import NONE, slots
-from lta_control.reserve import Word
-from lta_graph.inbox import Step
+from lta_control.per_rotor import NONE, pad_to_slots
+from lta_control.reserve import ReserveReport
+from lta_graph.inbox import InboxStep
 import pytest
 from sensor_msgs.msg import JointState, Range
 from std_msgs.msg import Bool
 
 PITCH = 0.3  # nose down
-FLYING = Estimate(
+FLYING = MotionEstimate(
     ready=True,
     attitude=(0.0, math.sin(PITCH / 2), 0.0, math.cos(PITCH / 2)),
     rates=(0.01, 0.02, 0.03),
-    altitude=Altitude(0.5, 0.1),
-    airspeed=Airspeed(0.4, 0.05, 0.4, 0.05),
+    altitude=AltitudeEstimate(0.5, 0.1),
+    airspeed=AirspeedEstimate(0.4, 0.05, 0.4, 0.05),
     flown=10.0,
 )
 
@@ -44,20 +50,20 @@ def odometry(estimate):
 def test_the_twist_is_in_the_body_frame():
     """Nose down by 0.3: 0.4 m/s ahead sinks, so a climb of 0.1 m/s needs that much more heave."""
     by_hand = (0.1 + 0.4 * math.sin(PITCH)) / math.cos(PITCH)
-    assert velocity(FLYING)[2] == pytest.approx(by_hand)
+    assert air_relative_velocity(FLYING)[2] == pytest.approx(by_hand)
     assert odometry(FLYING).twist.twist.linear.z == pytest.approx(by_hand)
 
 
 def test_the_climb_comes_back():
-    measured = to_measured(odometry(FLYING))
+    measured = to_measurement(odometry(FLYING))
     assert measured.climb == pytest.approx(0.1)
     assert measured == pytest.approx((0.5, 0.1, 0.0, 0.03, 0.4, 0.05, 0.02), abs=1e-12)
 
 
 def test_an_estimate_that_is_not_ready_is_unknown():
-    message = odometry(Estimate())
+    message = odometry(MotionEstimate())
     assert message.pose.covariance[0] == UNKNOWN
-    assert to_measured(message) is None
+    assert to_measurement(message) is None
 
 
 def test_dead_reckoning_says_how_far_off_it_may_be():
@@ -83,7 +89,7 @@ def test_a_setpoint_survives_the_way_there_and_back():
     ('names', 'effort'), [(['a', 'b'], [0.1, 0.2]), (['a', 'b', 'c', 'd'], [0.1] * 3)]
 )
 def test_duties_that_do_not_fit_leave_those_before(names, effort):
-    before = slots((0.1, 0.2, 0.3, 0.4))
+    before = pad_to_slots((0.1, 0.2, 0.3, 0.4))
     motors = JointState(name=names, effort=effort)
     assert to_duties(motors, ['a', 'b', 'c', 'd'], before) == before
     assert to_duties(None, ['a', 'b', 'c', 'd'], before) == before
@@ -91,13 +97,13 @@ def test_duties_that_do_not_fit_leave_those_before(names, effort):
 
 def test_duties_that_fit_are_taken():
     motors = JointState(name=['a', 'b', 'c', 'd'], effort=[0.4, 0.3, 0.2, 0.1])
-    assert to_duties(motors, ['a', 'b', 'c', 'd'], NONE) == slots((0.4, 0.3, 0.2, 0.1))
+    assert to_duties(motors, ['a', 'b', 'c', 'd'], NONE) == pad_to_slots((0.4, 0.3, 0.2, 0.1))
 
 
 @pytest.mark.parametrize('count', [1, 2, 4, 6, 8])
 def test_duties_survive_the_way_there_and_back(count):
     names = [f'rotor{index}' for index in range(count)]
-    duties = slots(0.1 * index + 0.1 for index in range(count))
+    duties = pad_to_slots(0.1 * index + 0.1 for index in range(count))
     message = from_duties(Range().header.stamp, names, duties)
     assert list(message.name) == names
     assert list(message.effort) == list(duties[:count])
@@ -105,15 +111,15 @@ def test_duties_survive_the_way_there_and_back(count):
 
 
 def test_distances_at_the_limits_of_a_sensor_are_valid():
-    assert (reach(0.04, 0.04, 4.0), reach(4.0, 0.04, 4.0)) == (0.04, 4.0)
-    assert math.isnan(reach(0.03, 0.04, 4.0))
-    assert math.isnan(reach(4.1, 0.04, 4.0))
+    assert (mask_out_of_range(0.04, 0.04, 4.0), mask_out_of_range(4.0, 0.04, 4.0)) == (0.04, 4.0)
+    assert math.isnan(mask_out_of_range(0.03, 0.04, 4.0))
+    assert math.isnan(mask_out_of_range(4.1, 0.04, 4.0))
 
 
 def test_a_range_travels_in_32_bits_and_a_heading_as_a_level_attitude():
-    assert single(0.1) == 13421773 / 2**27  # the float32 nearest to 0.1
-    assert level(0.6) == (0.0, 0.0, math.sin(0.3), math.cos(0.3))
-    assert setpoint(0.7, level(-2.5), 0.3) == pytest.approx((0.7, -2.5, 0.3))
+    assert round_to_float32(0.1) == 13421773 / 2**27  # the float32 nearest to 0.1
+    assert level_quaternion(0.6) == (0.0, 0.0, math.sin(0.3), math.cos(0.3))
+    assert build_setpoint(0.7, level_quaternion(-2.5), 0.3) == pytest.approx((0.7, -2.5, 0.3))
 
 
 @pytest.mark.parametrize(('upright', 'levelled'), [(0.11, True), (0.09, False)])
@@ -122,15 +128,15 @@ def test_heave_is_the_climb_rate_where_body_z_is_nearly_level(upright, levelled)
     pitch = math.acos(upright)
     side = FLYING._replace(attitude=(0.0, math.sin(pitch / 2), 0.0, math.cos(pitch / 2)))
     heave = (0.1 + 0.4 * math.sin(pitch)) / upright
-    assert velocity(side) == (0.4, 0.05, pytest.approx(heave if levelled else 0.1))
+    assert air_relative_velocity(side) == (0.4, 0.05, pytest.approx(heave if levelled else 0.1))
 
 
 def test_the_climb_rate_of_a_rolled_vehicle_includes_its_sway():
     roll = 0.3
     rolled = FLYING._replace(attitude=(math.sin(roll / 2), 0.0, 0.0, math.cos(roll / 2)))
     heave = (0.1 - 0.05 * math.sin(roll)) / math.cos(roll)
-    assert velocity(rolled) == pytest.approx((0.4, 0.05, heave))
-    assert to_measured(odometry(rolled)).climb == pytest.approx(0.1)
+    assert air_relative_velocity(rolled) == pytest.approx((0.4, 0.05, heave))
+    assert to_measurement(odometry(rolled)).climb == pytest.approx(0.1)
 
 
 def energy(stamp, reserve=None, level=None, why=''):
@@ -140,26 +146,32 @@ def energy(stamp, reserve=None, level=None, why=''):
         'energy/reserve': [] if reserve is None else [Bool(data=reserve)],
         'energy/status': [DiagnosticArray(status=status)] if status else [],
     }
-    return Step(stamp, heard)
+    return InboxStep(stamp, heard)
 
 
 def test_reserve_and_status_may_come_in_different_steps():
-    ok = heard_word(None, energy(1, False, b'\x00', 'all is well'))
-    assert ok == Word(1, False, False, 'all is well')
-    assert heard_word(ok, energy(2)) == ok
+    ok = update_reserve_report(None, energy(1, False, b'\x00', 'all is well'))
+    assert ok == ReserveReport(1, False, False, 'all is well')
+    assert update_reserve_report(ok, energy(2)) == ok
     # Their order does not matter; the stamp is that of the step with the reserve.
-    first = heard_word(heard_word(ok, energy(2, level=b'\x02', why='hot')), energy(3, True))
-    last = heard_word(heard_word(ok, energy(3, True)), energy(4, level=b'\x02', why='hot'))
-    assert first == last == Word(3, True, True, 'hot')
+    first = update_reserve_report(
+        update_reserve_report(ok, energy(2, level=b'\x02', why='hot')), energy(3, True)
+    )
+    last = update_reserve_report(
+        update_reserve_report(ok, energy(3, True)), energy(4, level=b'\x02', why='hot')
+    )
+    assert first == last == ReserveReport(3, True, True, 'hot')
 
 
 def test_without_a_reserve_message_the_reserve_counts_as_reached():
-    assert heard_word(None, energy(1)) is None
-    assert heard_word(None, energy(1, level=b'\x01', why='warm')) == Word(1, True, False, 'warm')
-    assert heard_word(None, energy(1, False)) == Word(1, False, False, '')
+    assert update_reserve_report(None, energy(1)) is None
+    assert update_reserve_report(None, energy(1, level=b'\x01', why='warm')) == ReserveReport(
+        1, True, False, 'warm'
+    )
+    assert update_reserve_report(None, energy(1, False)) == ReserveReport(1, False, False, '')
 
 
 def test_a_status_of_error_is_urgent_without_a_reserve_message():
-    ok = heard_word(None, energy(1, False, b'\x00'))
-    assert heard_word(ok, energy(2, level=b'\x01')).urgent is False
-    assert heard_word(ok, energy(2, level=b'\x02', why='hot')).urgent is True
+    ok = update_reserve_report(None, energy(1, False, b'\x00'))
+    assert update_reserve_report(ok, energy(2, level=b'\x01')).urgent is False
+    assert update_reserve_report(ok, energy(2, level=b'\x02', why='hot')).urgent is True

@@ -4,20 +4,20 @@ import itertools
 
 from lta_config.course import Course
 from lta_control.cascade import Setpoint
-from lta_control.mission import blind, course_step, mission_step, MissionSettings
+from lta_control.mission import course_step, mission_step, MissionSettings, remove_light
 from lta_control.phases import Mission, Phase, SWITCHING
-from lta_control.reserve import Order
-from lta_control.strategies import strategy
-from lta_control.strategies.protocol import Sight
+from lta_control.reserve import FlightPermission
+from lta_control.strategies import find_strategy
+from lta_control.strategies.protocol import LightSight
 import pytest
 
 SETTINGS = MissionSettings()
-BAG = strategy('bag')
-SEEN = Sight(seen=True, bearing=0.4, heading=1.0, amplitudes=(0.0,) * 8, interval=0.1)
+BAG = find_strategy('bag')
+SEEN = LightSight(seen=True, bearing=0.4, heading=1.0, amplitudes=(0.0,) * 8, interval=0.1)
 BLIND = SEEN._replace(seen=False, bearing=0.0)
 
 
-def go(mission=Mission(), sight=SEEN, altitude=0.42, order=Order.FLY):  # noqa: B008 - immutable
+def go(mission=Mission(), sight=SEEN, altitude=0.42, order=FlightPermission.FLY):  # noqa: B008 - immutable
     return mission_step(SETTINGS, BAG, mission, sight, altitude, order)
 
 
@@ -25,7 +25,7 @@ def test_at_rest_it_asks_for_nothing():
     setpoint, mission = go(altitude=None)
     assert setpoint == Setpoint(0.0, 1.0, 0.0)
     assert mission == Mission(Phase.REST, ())
-    assert go(altitude=None, order=Order.RESERVE)[1] == mission
+    assert go(altitude=None, order=FlightPermission.RESERVE)[1] == mission
 
 
 def test_it_climbs_on_the_heading_it_stood_on():
@@ -53,7 +53,7 @@ def test_sinking_does_not_start_another_climb():
     assert go(Mission(Phase.SEEK, (1.0,)), altitude=0.1)[1].phase is Phase.SEEK
 
 
-@pytest.mark.parametrize('order', [Order.RESERVE, Order.DOWN])
+@pytest.mark.parametrize('order', [FlightPermission.RESERVE, FlightPermission.DOWN])
 @pytest.mark.parametrize('phase', [Phase.CLIMB, Phase.SEEK, Phase.LAND])
 @pytest.mark.parametrize('altitude', [0.42, 0.5])
 def test_the_reserve_lands_it(phase, altitude, order):
@@ -62,7 +62,7 @@ def test_the_reserve_lands_it(phase, altitude, order):
     assert setpoint == Setpoint(0.3, 0.7, 0.0)
 
 
-@pytest.mark.parametrize('order', [Order.RESERVE, Order.DOWN])
+@pytest.mark.parametrize('order', [FlightPermission.RESERVE, FlightPermission.DOWN])
 def test_it_does_not_take_off_on_the_reserve_and_does_when_it_is_taken_back(order):
     setpoint, mission = go(order=order)
     assert (setpoint, mission) == (Setpoint(0.0, 1.0, 0.0), Mission())
@@ -82,7 +82,9 @@ def test_landing_asks_for_less_than_where_the_gear_stands():
 def test_phases_only_go_forward():
     phases = list(Phase)
     assert phases == ['rest', 'climb', 'seek', 'arrived', 'home', 'land']
-    inputs = list(itertools.product((SEEN, BLIND), (None, 0.1, 0.42, 0.47, 3.0), tuple(Order)))
+    inputs = list(
+        itertools.product((SEEN, BLIND), (None, 0.1, 0.42, 0.47, 3.0), tuple(FlightPermission))
+    )
     for phase, (sight, altitude, order) in itertools.product(phases, inputs):
         memory = () if phase is Phase.REST else (0.7,)
         _, after = go(Mission(phase, memory), sight, altitude, order)
@@ -90,9 +92,9 @@ def test_phases_only_go_forward():
 
 
 def test_blind_removes_only_the_light_from_a_sight():
-    told = Sight(True, 0.4, 1.0, (5.0, 6.0), 0.1, 0.2, 800.0, 0.3, (1.0, 2.0), (0.5, 0.1))
+    told = LightSight(True, 0.4, 1.0, (5.0, 6.0), 0.1, 0.2, 800.0, 0.3, (1.0, 2.0), (0.5, 0.1))
     without = (False, 0.0, 1.0, (5.0, 6.0), 0.1, 0.0, 0.0, 0.0, (1.0, 2.0), (0.5, 0.1))
-    assert blind(told) == without
+    assert remove_light(told) == without
 
 
 def test_a_fresh_mission_rests_and_has_waited_for_its_first_lamp():
@@ -102,8 +104,8 @@ def test_a_fresh_mission_rests_and_has_waited_for_its_first_lamp():
 def test_a_course_is_flown_by_its_rows_until_the_energy_reserve():
     row = {'at': '2 s', 'altitude': '1 m', 'heading': '0.5 rad', 'speed': '0.4 m/s'}
     course = Course.model_validate({'between': 'step', 'rows': [row]})
-    assert course_step(course, 2.0, 0.3, 0.42, Order.FLY) == Setpoint(1.0, 0.5, 0.4)
-    assert course_step(course, 1.0, 0.3, 0.42, Order.FLY) == Setpoint(0.0, 0.5, 0.0)
-    assert course_step(course, 2.0, 0.3, None, Order.FLY) == Setpoint(0.0, 0.3, 0.0)
-    for order in (Order.RESERVE, Order.DOWN):
+    assert course_step(course, 2.0, 0.3, 0.42, FlightPermission.FLY) == Setpoint(1.0, 0.5, 0.4)
+    assert course_step(course, 1.0, 0.3, 0.42, FlightPermission.FLY) == Setpoint(0.0, 0.5, 0.0)
+    assert course_step(course, 2.0, 0.3, None, FlightPermission.FLY) == Setpoint(0.0, 0.3, 0.0)
+    for order in (FlightPermission.RESERVE, FlightPermission.DOWN):
         assert course_step(course, 2.0, 0.3, 0.42, order) == Setpoint(0.0, 0.5, 0.0)

@@ -3,38 +3,38 @@
 import math
 
 from lta_control import onboard
-from lta_control.allocation import new_scratch
-from lta_control.autopilot import Autopilot, drone_of, ESTIMATE
+from lta_control.allocation import create_scratch
+from lta_control.autopilot import Autopilot, build_drone_constants, ESTIMATE
 from lta_control.cascade import Setpoint
 from lta_control.estimator import EstimatorSettings
 from lta_control.gains_file import load_gains
-from lta_control.onboard import Heard, Onboard, onboard_step
+from lta_control.onboard import onboard_step, OnboardMemory, SensorInputs
 from lta_control.per_rotor import NONE
-from lta_control.sighting import Reckoned
+from lta_control.sighting import DeadReckonedMotion
 from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest
 
-DRONE = drone_of(
+DRONE = build_drone_constants(
     load_vehicle('gtmab'), EstimatorSettings(rest_time=0.1), load_gains('gtmab'), 0.01
 )
-STILL = Heard((0.0, 0.0, 0.0), (0.0, 0.0, 9.80665), 0.05, 101_000.0)
+STILL = SensorInputs((0.0, 0.0, 0.0), (0.0, 0.0, 9.80665), 0.05, 101_000.0)
 UP = Setpoint(0.6, 0.5, 0.2)
 
 
 def run(memory, steps, heard=STILL, drone=DRONE):
     for _ in range(steps):
-        memory = onboard_step(drone, memory, heard, new_scratch())
+        memory = onboard_step(drone, memory, heard, create_scratch())
     return memory
 
 
-def guided(memory=Onboard(), setpoint=UP):  # noqa: B008 - never changed
+def guided(memory=OnboardMemory(), setpoint=UP):  # noqa: B008 - never changed
     return memory._replace(setpoint=setpoint, guided=True)
 
 
 def test_the_motors_wait_for_estimate_and_setpoint():
     assert run(guided(), 9).duties == NONE  # the tenth step ends the rest
-    assert run(Onboard(), 30).duties == NONE
+    assert run(OnboardMemory(), 30).duties == NONE
     flying = run(guided(), 12)
     assert all(0.0 < u <= 1.0 for u in flying.duties[:2])
     assert flying.duties[4:] == (0.0,) * 4
@@ -81,19 +81,19 @@ def test_the_estimator_sees_the_duties_of_the_step_before(monkeypatch):
 
 def test_the_autopilot_is_the_same_step_compiled():
     """Any readings, lost sensors among them: every number it remembers, to the bit."""
-    generator, pilot, memory = np.random.default_rng(6), Autopilot(DRONE), Onboard()
+    generator, pilot, memory = np.random.default_rng(6), Autopilot(DRONE), OnboardMemory()
     np.testing.assert_array_equal(pilot.memory.duties, NONE)
     for k in range(600):
         if k % 20 == 7:
             setpoint = Setpoint(*generator.normal(0.5, 0.5, 3).tolist())
-            pilot.guide(setpoint)
+            pilot.set_setpoint(setpoint)
             memory = guided(memory, setpoint)
         shaken = 0.05 if k < 12 else 1.0  # it has to stand still before it flies
         rates = generator.normal(0.0, 0.3 * shaken, 3)
         force = generator.normal((0.0, 0.0, 9.8), 0.5 * shaken)
         distance = float(generator.normal(0.2, 0.05)) if k % 3 else (math.nan, math.inf)[k % 2]
         pressure = float(generator.normal(101_000.0, 2.0)) if k % 2 else math.nan
-        heard = Heard(tuple(rates.tolist()), tuple(force.tolist()), distance, pressure)
+        heard = SensorInputs(tuple(rates.tolist()), tuple(force.tolist()), distance, pressure)
         duties = pilot.step(*heard)
         memory = run(memory, 1, heard)
         assert repr(pilot.memory) == repr(memory)  # every bit, and NaN where there is one
@@ -101,8 +101,10 @@ def test_the_autopilot_is_the_same_step_compiled():
         assert pilot.estimate == memory.estimate
         assert pilot.heading == memory.measured.heading
         place, told = memory.estimate.position, memory.measured
-        assert pilot.reckoned == Reckoned(told.heading, *place, told.speed, told.sway)
-        assert pilot.measured == (memory.measured if memory.estimate.ready else None)
+        assert pilot.dead_reckoning == DeadReckonedMotion(
+            told.heading, *place, told.speed, told.sway
+        )
+        assert pilot.measurement == (memory.measured if memory.estimate.ready else None)
     assert memory.estimate.flown > 5.0
     assert not memory.stopped
 
@@ -125,7 +127,7 @@ def test_any_number_of_rotors_flies_the_same_code(number):
     body = DRONE.body._replace(number=number, allocation=slots.allocation, a=slots.a, b=slots.b)
     drone = DRONE._replace(rotors=slots, body=body)
     pilot, memory = Autopilot(drone), guided()
-    pilot.guide(UP)
+    pilot.set_setpoint(UP)
     for _ in range(60):
         duties = pilot.step(*STILL)
         memory = run(memory, 1, drone=drone)
@@ -161,23 +163,23 @@ def test_an_estimate_that_is_no_number_stops_the_motors_for_good():
 def test_the_numbers_of_the_estimate_are_the_callers_own():
     pilot = Autopilot(DRONE)
     pilot.step(*STILL)
-    numbers = pilot.believed()
+    numbers = pilot.copy_estimate()
     assert ESTIMATE.read(numbers) == pilot.estimate
     pilot.step(*STILL)
     assert ESTIMATE.read(numbers) != pilot.estimate
 
 
 def test_instead_replaces_the_newest_duties_in_the_memory():
-    pilot, memory = Autopilot(DRONE), run(Onboard(), 1)
+    pilot, memory = Autopilot(DRONE), run(OnboardMemory(), 1)
     pilot.step(*STILL)
-    pilot.instead((0.1, 0.2, 0.3, 0.4))
+    pilot.override_duties((0.1, 0.2, 0.3, 0.4))
     assert pilot.duties == (0.1, 0.2, 0.3, 0.4)
     told = memory._replace(duties=(0.1, 0.2, 0.3, 0.4, *NONE[4:]))
     assert repr(pilot.memory) == repr(told)  # a NaN in it is not equal to itself
 
 
 def test_a_fresh_memory_is_zero_and_unguided():
-    fresh = Onboard()
+    fresh = OnboardMemory()
     assert fresh.measured == (0.0,) * 7
     assert (fresh.guided, fresh.setpoint, fresh.duties, fresh.stopped) == (
         False, (0.0, 0.0, 0.0), NONE, False,

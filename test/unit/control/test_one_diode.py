@@ -3,24 +3,24 @@
 import math
 
 from lta_control.strategies import dither, gradient
-from lta_control.strategies.dither import Dither, DitherSettings
+from lta_control.strategies.dither import DitherMemory, DitherSettings
 from lta_control.strategies.gradient import (
+    add_pair,
     EMPTY,
-    Gradient,
+    GradientMemory,
     GradientSettings,
-    kept,
     NONE,
     PAIRS,
-    steepest,
+    steepest_heading,
 )
-from lta_control.strategies.protocol import Sight
+from lta_control.strategies.protocol import LightSight
 from lta_control.strategies.settings import StrategySettings
 import numpy as np
 import pytest
 
 
 def light(amplitude, heading=0.0):
-    return Sight(True, 0.0, heading, (amplitude, 0.0), 0.1)
+    return LightSight(True, 0.0, heading, (amplitude, 0.0), 0.1)
 
 
 def test_des_swings_about_its_estimate():
@@ -38,7 +38,7 @@ def test_des_swings_about_its_estimate():
 def turned(own, before, after, heading):
     """Return by how much the estimate moves when light changes at a heading; it stood at 0."""
     settings = StrategySettings(des=own)
-    memory = Dither(0.0, 0.0, 0.0, True, math.log(before + own.floor), math.log(100.0))
+    memory = DitherMemory(0.0, 0.0, 0.0, True, math.log(before + own.floor), math.log(100.0))
     return dither.steer(settings, memory, light(after, heading))[1].estimate
 
 
@@ -63,7 +63,7 @@ def plane(a, b, c, places):
 def test_dga_finds_the_slope_of_a_plane():
     places = np.random.default_rng(2).normal(3.0, 0.5, (20, 2))
     own = GradientSettings(ridge=1e-9)
-    found = steepest(own, plane(-3.0, 4.0, 50.0, places), 20.0, 9.0)
+    found = steepest_heading(own, plane(-3.0, 4.0, 50.0, places), 20.0, 9.0)
     assert found == pytest.approx(math.atan2(4.0, -3.0), abs=1e-6)
 
 
@@ -71,25 +71,25 @@ def test_the_paper_s_plane_without_a_constant_points_away_from_the_origin():
     """Light of 50 counts at 3 m, 3 m is all slope to it: 45 degrees, whatever the truth is."""
     places = np.random.default_rng(2).normal(3.0, 0.3, (20, 2))
     own = GradientSettings(ridge=1e-9, centred=False)
-    found = steepest(own, plane(-0.3, 0.3, 50.0, places), 20.0, 9.0)
+    found = steepest_heading(own, plane(-0.3, 0.3, 50.0, places), 20.0, 9.0)
     assert found == pytest.approx(math.pi / 4, abs=0.2)
-    right = steepest(own, plane(-0.3, 0.3, 0.0, places), 20.0, 9.0)
+    right = steepest_heading(own, plane(-0.3, 0.3, 0.0, places), 20.0, 9.0)
     assert right == pytest.approx(math.atan2(0.3, -0.3), abs=1e-6)  # a plane that is 0 there
 
 
 def test_places_on_a_line_give_the_slope_along_it():
     own = GradientSettings()
     places = [(0.05 * k, 0.0) for k in range(20)]
-    assert steepest(own, plane(2.0, 5.0, 9.0, places), 20.0, 9.0) == pytest.approx(0.0)
-    assert steepest(own, plane(0.0, 0.0, 9.0, places), 20.0, 9.0) == 9.0
+    assert steepest_heading(own, plane(2.0, 5.0, 9.0, places), 20.0, 9.0) == pytest.approx(0.0)
+    assert steepest_heading(own, plane(0.0, 0.0, 9.0, places), 20.0, 9.0) == 9.0
 
 
 def test_a_cell_of_the_map_keeps_one_pair():
-    pairs, more = kept((NONE,) * PAIRS, 0.0, (0.001, 0.001, 10.0), 0.02)
+    pairs, more = add_pair((NONE,) * PAIRS, 0.0, (0.001, 0.001, 10.0), 0.02)
     assert more == 1.0
-    pairs, more = kept(pairs, 1.0, (0.015, 0.001, 20.0), 0.02)
+    pairs, more = add_pair(pairs, 1.0, (0.015, 0.001, 20.0), 0.02)
     assert (more, pairs[-1]) == (0.0, (0.015, 0.001, 15.0))
-    pairs, more = kept(pairs, 1.0, (0.021, 0.001, 20.0), 0.02)
+    pairs, more = add_pair(pairs, 1.0, (0.021, 0.001, 20.0), 0.02)
     assert (more, pairs[-2:]) == (1.0, ((0.015, 0.001, 15.0), (0.021, 0.001, 20.0)))
 
 
@@ -120,10 +120,10 @@ def test_dga_computes_late_and_stops_for_a_sharp_turn():
 def test_the_mean_of_des_does_not_pass_the_newest_light():
     """20 s exceed the washout of 15 s: the mean is the level, and the estimate does not turn."""
     settings = StrategySettings(des=DitherSettings(scan=0.3, gradient=0.0))
-    memory = Dither(0.0, 0.0, 1.0, True, 0.0, math.log(50.0))
+    memory = DitherMemory(0.0, 0.0, 1.0, True, 0.0, math.log(50.0))
     late = light(100.0, 0.5)._replace(interval=20.0)
     course, memory = dither.steer(settings, memory, late)
-    assert memory == Dither(
+    assert memory == DitherMemory(
         course.heading, 0.0, 21.0, True, math.log(105.0), pytest.approx(math.log(105.0))
     )
     assert (course.speed, course.arrived) == (settings.speed, False)
@@ -146,7 +146,9 @@ def test_the_plane_is_a_ridge_regression_of_the_newest_pairs():
         rows = newest - newest.mean(axis=0) if centred else newest
         places, levels = rows[:, :2], rows[:, 2]
         slope = np.linalg.solve(places.T @ places + 12 * 0.05 * np.eye(2), places.T @ levels)
-        assert steepest(own, pairs, 12.0, 9.0) == pytest.approx(math.atan2(slope[1], slope[0]))
+        assert steepest_heading(own, pairs, 12.0, 9.0) == pytest.approx(
+            math.atan2(slope[1], slope[0])
+        )
 
 
 @pytest.mark.parametrize(
@@ -155,11 +157,11 @@ def test_the_plane_is_a_ridge_regression_of_the_newest_pairs():
 )
 def test_a_cell_is_2_cm_wide_in_both_directions(place, more):
     before = (*EMPTY[1:], (0.001, 0.03, 10.0))
-    pairs, added = kept(before, 1.0, (*place, 30.0), 0.02)
+    pairs, added = add_pair(before, 1.0, (*place, 30.0), 0.02)
     assert added == more
     assert pairs[-1] == (*place, 30.0 if more else 20.0)
     assert len(pairs) == PAIRS
-    assert kept(before, 0.0, (0.001, 0.03, 30.0), 0.02)[1] == 1.0  # without earlier pairs
+    assert add_pair(before, 0.0, (0.001, 0.03, 30.0), 0.02)[1] == 1.0  # without earlier pairs
 
 
 OWN = GradientSettings(least=3.0, computing=0.5, arc=0.4)
@@ -169,7 +171,7 @@ BRIGHTER = ((0.0, 0.0, 1.0), (0.1, 0.0, 2.0), (0.0, 0.1, 1.0))  # brighter along
 
 def ascending(**changes):
     """Return the memory of a drone with three pairs that flies along a heading of 0.5 rad."""
-    memory = Gradient(0.5, 1.0, 2.0, 0.4, 0.5, 0.7, 0.0, False, 3.0, EMPTY[3:] + BRIGHTER)
+    memory = GradientMemory(0.5, 1.0, 2.0, 0.4, 0.5, 0.7, 0.0, False, 3.0, EMPTY[3:] + BRIGHTER)
     return memory._replace(**changes)
 
 
@@ -200,7 +202,7 @@ def test_dga_uses_a_heading_after_the_computing_time():
     assert (course.heading, memory.next, memory.computed) == (0.5, 0.7, 0.375)
     course, memory = ascended(ascending(computed=0.25))
     assert (course.heading, memory.target, memory.computed) == (0.7, 0.7, 0.0)
-    assert memory.next == steepest(OWN, memory.pairs, 4.0, 0.5)
+    assert memory.next == steepest_heading(OWN, memory.pairs, 4.0, 0.5)
 
 
 @pytest.mark.parametrize(

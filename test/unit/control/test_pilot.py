@@ -4,13 +4,13 @@ import math
 
 from lta_control.cascade import Setpoint
 from lta_control.estimator import EstimatorSettings
-from lta_control.gains_file import load_gains_of
-from lta_control.laws import law
-from lta_control.laws.frames import from_angles
-from lta_control.laws.protocol import Command
+from lta_control.gains_file import load_law_gains
+from lta_control.law_autopilot import LawAutopilot
+from lta_control.laws import find_law
+from lta_control.laws.frames import quaternion_from_angles
+from lta_control.laws.protocol import LawCommand
 from lta_control.per_rotor import NONE
-from lta_control.pilot import Pilot
-from lta_control.sighting import Reckoned
+from lta_control.sighting import DeadReckonedMotion
 from lta_model.vehicle import load_vehicle
 import pytest
 
@@ -22,10 +22,10 @@ UP = Setpoint(1.2, 0.0, 0.0)
 def piloted(name):
     """Return a pilot of the vehicle's own law, at rest until its estimate is ready."""
     vehicle = load_vehicle(name)
-    made = law(vehicle.file.control.law)
-    gains = load_gains_of(made.gains, vehicle.file.control.gains)
-    pilot = Pilot(made, gains, vehicle, EstimatorSettings(rest_time=0.1), DT)
-    pilot.guide(UP)
+    made = find_law(vehicle.file.control.law)
+    gains = load_law_gains(made.gains, vehicle.file.control.gains)
+    pilot = LawAutopilot(made, gains, vehicle, EstimatorSettings(rest_time=0.1), DT)
+    pilot.set_setpoint(UP)
     for _ in range(20):
         pilot.step((0.0, 0.0, 0.0), FORCE, 0.6, 101_000.0)
     return pilot
@@ -37,12 +37,14 @@ def tracked(request, plain_laws):
     pilot = piloted(request.param)
 
     def step(roll, height=0.6):
-        pilot.see((0.0, 0.0, height, *from_angles(roll, 0.0, 0.0), *(0.0,) * 6))
+        pilot.receive_tracking(
+            (0.0, 0.0, height, *quaternion_from_angles(roll, 0.0, 0.0), *(0.0,) * 6)
+        )
         return pilot.step((0.0, 0.0, 0.0), FORCE, height, 101_000.0)
 
     def begin():
         pilot.stopped = False
-        pilot.guide(UP)
+        pilot.set_setpoint(UP)
         assert any(step(0.0))
         return pilot
 
@@ -66,9 +68,9 @@ def test_a_tracker_or_a_setpoint_that_is_no_number_stops_the_motors_for_good(tra
     assert pilot.stopped
     assert not any(step(0.0))
     pilot = begin()
-    pilot.guide(UP._replace(altitude=math.inf))
+    pilot.set_setpoint(UP._replace(altitude=math.inf))
     assert not any(step(0.0))
-    pilot.guide(UP)
+    pilot.set_setpoint(UP)
     assert not any(step(0.0))
 
 
@@ -102,10 +104,12 @@ def test_reckoned_and_measured_values_are_those_of_the_estimate(beavis):
     assert min(map(abs, (*own.position, own.airspeed.surge, own.airspeed.sway))) > 0.0
     yaw = 2.0 * math.atan2(own.attitude[2], own.attitude[3])
     assert yaw == pytest.approx(0.05, rel=1e-2)  # 0.1 s at 0.5 rad/s
-    found = beavis.reckoned
+    found = beavis.dead_reckoning
     assert found.heading == pytest.approx(yaw, abs=1e-5)
-    assert found == Reckoned(beavis.heading, *own.position, own.airspeed.surge, own.airspeed.sway)
-    told = beavis.measured
+    assert found == DeadReckonedMotion(
+        beavis.heading, *own.position, own.airspeed.surge, own.airspeed.sway
+    )
+    told = beavis.measurement
     assert (told.altitude, told.heading) == (own.altitude.height, beavis.heading)
     assert told.climb == pytest.approx(own.altitude.climb, abs=1e-12)
     assert told[3:] == (own.rates[2], own.airspeed.surge, own.airspeed.sway, own.rates[1])
@@ -122,7 +126,7 @@ def test_a_sample_with_nan_or_infinity_does_not_change_the_estimate(beavis, plac
 
 
 def test_the_estimator_follows_the_duties_given_by_instead(beavis):
-    beavis.instead((0.1, 0.2, 0.3, 0.4))
+    beavis.override_duties((0.1, 0.2, 0.3, 0.4))
     assert beavis.duties == (0.1, 0.2, 0.3, 0.4)
     assert beavis.command.duties == (0.1, 0.2, 0.3, 0.4, *NONE[4:])
     before = beavis.estimate.duties
@@ -136,10 +140,10 @@ def test_the_estimator_follows_the_duties_given_by_instead(beavis):
 def test_it_does_not_move_before_a_setpoint_and_a_tracked_pose_have_come():
     """RGBlimp's motors stay off, and its moving mass stays where the vehicle file puts it."""
     vehicle = load_vehicle('rgblimp')
-    made = law('glide')
-    gains = load_gains_of(made.gains, 'rgblimp')
-    pilot = Pilot(made, gains, vehicle, EstimatorSettings(rest_time=0.1), DT)
-    rest = Command(NONE, vehicle.file.moving_mass.position.vector)
+    made = find_law('glide')
+    gains = load_law_gains(made.gains, 'rgblimp')
+    pilot = LawAutopilot(made, gains, vehicle, EstimatorSettings(rest_time=0.1), DT)
+    rest = LawCommand(NONE, vehicle.file.moving_mass.position.vector)
     truth = (0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, *(0.0,) * 6)
 
     def command():
@@ -147,14 +151,14 @@ def test_it_does_not_move_before_a_setpoint_and_a_tracked_pose_have_come():
         return pilot.command
 
     assert [command() for _ in range(12)] == [rest] * 12
-    assert pilot.measured is None
-    pilot.guide(Setpoint(1.2, 0.3, 0.5))
+    assert pilot.measurement is None
+    pilot.set_setpoint(Setpoint(1.2, 0.3, 0.5))
     assert command() == rest
-    pilot.see((*truth, 9.0))  # numbers after the rates are ignored
+    pilot.receive_tracking((*truth, 9.0))  # numbers after the rates are ignored
     assert command() != rest
-    assert pilot.measured.altitude == 1.0
-    pilot.see((0.5, 0.25, 1.0, *truth[3:]))
+    assert pilot.measurement.altitude == 1.0
+    pilot.receive_tracking((0.5, 0.25, 1.0, *truth[3:]))
     assert pilot.motion.position == (0.5, 0.25, 1.0)  # relative to the first tracked place
-    pilot.guide(Setpoint(0.0, 0.0, 0.0))
-    pilot.see((0.0, 0.0, vehicle.standing_height, *truth[3:]))
+    pilot.set_setpoint(Setpoint(0.0, 0.0, 0.0))
+    pilot.receive_tracking((0.0, 0.0, vehicle.height_on_floor, *truth[3:]))
     assert command() == rest  # landed

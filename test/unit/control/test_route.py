@@ -3,22 +3,27 @@
 from lta_config.errors import BadInput
 from lta_control.mission import mission_step, MissionSettings
 from lta_control.phases import Mission, Phase, SWITCHING
-from lta_control.reserve import Order
-from lta_control.strategies import check_route, strategy
-from lta_control.strategies.protocol import Course, Sight, Strategy
+from lta_control.reserve import FlightPermission
+from lta_control.strategies import check_route, find_strategy
+from lta_control.strategies.protocol import LightSight, NavigationStrategy, SteeringCommand
 import pytest
 
 SETTINGS = MissionSettings()
-SEEN = Sight(True, 0.4, 1.0, (0.0,), 0.1, 0.05, 800.0)
+SEEN = LightSight(True, 0.4, 1.0, (0.0,), 0.1, 0.05, 800.0)
 BLIND = SEEN._replace(seen=False)
 
 
 def steer(settings, memory, sight):
     """A strategy that is always at its lamp and counts the lights that it is shown."""
-    return Course(memory[0], 0.1, True), (memory[0], memory[1] + (1.0 if sight.seen else 0.0))
+    return SteeringCommand(memory[0], 0.1, True), (
+        memory[0],
+        memory[1] + (1.0 if sight.seen else 0.0),
+    )
 
 
-THERE = Strategy('there', lambda h: (h, 0.0), steer, onward=lambda m: (m[0], 100.0 + m[1]))
+THERE = NavigationStrategy(
+    'there', lambda h: (h, 0.0), steer, onward=lambda m: (m[0], 100.0 + m[1])
+)
 
 
 def fly(sights, mission=None, lamps=2):
@@ -26,7 +31,9 @@ def fly(sights, mission=None, lamps=2):
     mission = mission or Mission(Phase.SEEK, (0.0, 0.0))
     rows = []
     for sight in sights:
-        _, mission = mission_step(SETTINGS, THERE, mission, sight, 0.5, Order.FLY, lamps)
+        _, mission = mission_step(
+            SETTINGS, THERE, mission, sight, 0.5, FlightPermission.FLY, lamps
+        )
         rows.append(mission)
     return rows
 
@@ -78,16 +85,16 @@ def test_a_single_lamp_is_never_left():
 
 def test_the_reserve_lands_it_on_a_route_too():
     mission = fly([SEEN] * 3)[-1]
-    asked, mission = mission_step(SETTINGS, THERE, mission, SEEN, 0.5, Order.RESERVE, 2)
+    asked, mission = mission_step(SETTINGS, THERE, mission, SEEN, 0.5, FlightPermission.RESERVE, 2)
     assert mission.phase is Phase.LAND
     assert (asked.altitude, asked.speed) == (SETTINGS.landing, 0.0)
 
 
 def test_who_never_arrives_is_refused_on_a_route():
-    check_route(strategy('homing'), 3)
-    check_route(strategy('bag'), 1)
+    check_route(find_strategy('homing'), 3)
+    check_route(find_strategy('bag'), 1)
     with pytest.raises(BadInput) as caught:
-        check_route(strategy('bag'), 3)
+        check_route(find_strategy('bag'), 3)
     assert str(caught.value) == (
         'The strategy bag never says that it has arrived, and the route has 3 lamps; take homing.'
     )

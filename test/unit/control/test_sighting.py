@@ -2,11 +2,17 @@
 
 import math
 
-from lta_control.sighting import bearing_deviation, facing_strength, Lamp, Reckoned, sighted
-from lta_control.strategies.protocol import Course, Sight
+from lta_control.sighting import (
+    bearing_deviation,
+    build_sight,
+    DeadReckonedMotion,
+    facing_strength,
+    LampPosition,
+)
+from lta_control.strategies.protocol import LightSight, SteeringCommand
 import pytest
 
-STILL = Reckoned(0.3, 1.0, 2.0, 0.4, -0.1)
+STILL = DeadReckonedMotion(0.3, 1.0, 2.0, 0.4, -0.1)
 
 
 def lamp_at(angle, distance, along, deviation):
@@ -14,12 +20,12 @@ def lamp_at(angle, distance, along, deviation):
     c, s = math.cos(angle), math.sin(angle)
     across = (distance**2 + along**2) * deviation**2
     xx, yy = along**2 * c * c + across * s * s, along**2 * s * s + across * c * c
-    return Lamp(distance * c, distance * s, 1.0, (xx, (along**2 - across) * c * s, yy))
+    return LampPosition(distance * c, distance * s, 1.0, (xx, (along**2 - across) * c * s, yy))
 
 
 @pytest.mark.parametrize('angle', [-3.0, -1.0, 0.0, 0.7, 2.5])
 def test_bearing_and_deviation_come_back_out_of_the_estimate(angle):
-    seen = sighted(lamp_at(angle, 4.0, 3.0, 0.05), ((1.0, 0.0),), (5.0,), STILL, 0.1)
+    seen = build_sight(lamp_at(angle, 4.0, 3.0, 0.05), ((1.0, 0.0),), (5.0,), STILL, 0.1)
     assert seen.seen
     assert seen.bearing == pytest.approx(angle)
     assert seen.deviation == pytest.approx(0.05)
@@ -40,13 +46,13 @@ def test_strength_is_that_of_a_diode_that_faces_the_lamp(count):
 def test_strength_is_told_by_the_largest_resistor():
     """A diode that reads 2 % of what it could by another resistor."""
     axes, read = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)), (4.0, 0.0, 0.0, 0.0)
-    seen = sighted(lamp_at(0.0, 4.0, 3.0, 0.05), axes, read, STILL, 0.1, 0.02)
+    seen = build_sight(lamp_at(0.0, 4.0, 3.0, 0.05), axes, read, STILL, 0.1, 0.02)
     assert seen.strength == pytest.approx(200.0)
     assert seen.amplitudes == read
 
 
 def test_without_a_lamp_nothing_is_seen():
-    seen = sighted(None, (), (), STILL, 0.1)
+    seen = build_sight(None, (), (), STILL, 0.1)
     assert not seen.seen
     assert (seen.bearing, seen.strength, seen.deviation) == (0.0, 0.0, 0.0)
     assert seen.amplitudes == (0.0,)  # of a block that could not be read: a diode in the dark
@@ -54,7 +60,7 @@ def test_without_a_lamp_nothing_is_seen():
 
 def test_a_nan_or_infinite_amplitude_is_taken_as_zero():
     axes, read = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)), (4.0, math.nan, math.inf, 0.0)
-    seen = sighted(lamp_at(0.0, 4.0, 3.0, 0.05), axes, read, STILL, 0.25)
+    seen = build_sight(lamp_at(0.0, 4.0, 3.0, 0.05), axes, read, STILL, 0.25)
     assert seen.amplitudes == (4.0, 0.0, 0.0, 0.0)
     assert (seen.strength, seen.interval) == (4.0, 0.25)
 
@@ -68,14 +74,14 @@ def test_fewer_amplitudes_than_diodes_are_an_error():
 def test_the_deviation_of_a_bearing_by_hand():
     """Variances along (3, 4): (9 xx + 24 xy + 16 yy) / 25; across: (16 xx - 24 xy + 9 yy) / 25."""
     along, across = (9 * 2.0 + 24 * 0.5 + 16 * 1.0) / 25, (16 * 2.0 - 24 * 0.5 + 9 * 1.0) / 25
-    found = bearing_deviation(Lamp(3.0, 4.0, 7.0, (2.0, 0.5, 1.0)))
+    found = bearing_deviation(LampPosition(3.0, 4.0, 7.0, (2.0, 0.5, 1.0)))
     assert found == pytest.approx(math.sqrt(across / (25.0 + along)))
-    assert bearing_deviation(Lamp(0.0, 0.0, 7.0, (2.0, 0.5, 1.0))) == math.pi
+    assert bearing_deviation(LampPosition(0.0, 0.0, 7.0, (2.0, 0.5, 1.0))) == math.pi
     # Rounding may leave a variance a little below zero.
-    assert bearing_deviation(Lamp(1.0, 0.0, 0.0, (1.0, 0.0, -1e-18))) == 0.0
-    assert bearing_deviation(Lamp(1.0, 0.0, 0.0, (-1e-18, 0.0, 1.0))) == 1.0
+    assert bearing_deviation(LampPosition(1.0, 0.0, 0.0, (1.0, 0.0, -1e-18))) == 0.0
+    assert bearing_deviation(LampPosition(1.0, 0.0, 0.0, (-1e-18, 0.0, 1.0))) == 1.0
 
 
 def test_optional_fields_of_sight_and_course_default_to_zero():
-    assert Sight(False, 0.1, 0.2, (0.3,), 0.4)[5:] == (0.0, 0.0, 0.0, (0.0, 0.0), (0.0, 0.0))
-    assert Course(0.1, 0.2).arrived is False
+    assert LightSight(False, 0.1, 0.2, (0.3,), 0.4)[5:] == (0.0, 0.0, 0.0, (0.0, 0.0), (0.0, 0.0))
+    assert SteeringCommand(0.1, 0.2).arrived is False

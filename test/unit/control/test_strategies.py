@@ -1,45 +1,45 @@
 """The strategies by name, and BAG."""
 
 from lta_config.errors import BadInput
-from lta_control.strategies import STRATEGIES, strategy
+from lta_control.strategies import find_strategy, STRATEGIES
 from lta_control.strategies.bearing_angle import STRATEGY
-from lta_control.strategies.protocol import Course, Sight
+from lta_control.strategies.protocol import LightSight, SteeringCommand
 from lta_control.strategies.settings import StrategySettings
 import pytest
 
 SETTINGS = StrategySettings(speed=0.4, search_rate=0.2)
-SEEN = Sight(seen=True, bearing=-0.5, heading=2.0, amplitudes=(1.0,) * 8, interval=0.1)
+SEEN = LightSight(seen=True, bearing=-0.5, heading=2.0, amplitudes=(1.0,) * 8, interval=0.1)
 BLIND = SEEN._replace(seen=False, bearing=0.0)
 
 
 def test_bag_is_known():
-    assert strategy('bag') is STRATEGY
+    assert find_strategy('bag') is STRATEGY
     assert (STRATEGY.arrives, STRATEGY.ranges, STRATEGY.watch) == (False, False, None)
 
 
 def test_an_unknown_name_is_refused_with_the_known_ones():
     with pytest.raises(BadInput) as caught:
-        strategy('bug')
+        find_strategy('bug')
     known = ', '.join(STRATEGIES)
     assert str(caught.value) == f"Unknown strategy 'bug'; known: {known} (did you mean 'bag'?)."
 
 
 def test_bag_heads_for_the_lamp():
     course, memory = STRATEGY.steer(SETTINGS, (9.0,), SEEN)
-    assert course == Course(1.5, 0.4)
+    assert course == SteeringCommand(1.5, 0.4)
     assert memory == (1.5,)
 
 
 def test_a_lamp_dead_ahead_is_a_bearing():
     course, _ = STRATEGY.steer(SETTINGS, (9.0,), SEEN._replace(bearing=0.0))
-    assert course == Course(2.0, 0.4)
+    assert course == SteeringCommand(2.0, 0.4)
 
 
 def test_blind_it_stops_and_turns():
     bag, memory = STRATEGY, (1.0,)
     for turned in (1.02, 1.04, 1.06):
         course, memory = bag.steer(SETTINGS, memory, BLIND)
-        assert course == Course(pytest.approx(turned), 0.0)
+        assert course == SteeringCommand(pytest.approx(turned), 0.0)
     course, memory = bag.steer(SETTINGS, memory, BLIND._replace(interval=1.0))
     assert course.heading == pytest.approx(1.26)
 
@@ -47,4 +47,4 @@ def test_blind_it_stops_and_turns():
 def test_it_searches_from_where_the_lamp_was_last():
     bag = STRATEGY
     _, memory = bag.steer(SETTINGS, bag.start(0.3), SEEN)
-    assert bag.steer(SETTINGS, memory, BLIND)[0] == Course(pytest.approx(1.52), 0.0)
+    assert bag.steer(SETTINGS, memory, BLIND)[0] == SteeringCommand(pytest.approx(1.52), 0.0)

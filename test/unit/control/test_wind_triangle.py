@@ -2,14 +2,14 @@
 
 import math
 
-from lta_control.strategies.wind_triangle import through_air
+from lta_control.strategies.wind_triangle import solve_wind_triangle
 import pytest
 
 EAST = (7.0, 0.0)
 
 
 def flown(line, wind, over_ground=0.5, top=1.0, least=0.0):
-    return through_air(line, wind, over_ground, top, least)
+    return solve_wind_triangle(line, wind, over_ground, top, least)
 
 
 def test_in_still_air_it_flies_along_the_line():

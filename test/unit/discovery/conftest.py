@@ -1,14 +1,14 @@
 """One clean flight for all tests that only look."""
 
-from lta_discovery.model.knobs import Knob
-from lta_discovery.model.nominal import Nominal
-from lta_discovery.replay.linearise import Linearised
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.replay.linearizer import FlightLinearizer
 import pytest
 
 from .hidden_bags import hidden_bags as hidden_bags
 from .hidden_flight import flown, nominal, prepared
 
-Known = tuple[Nominal, list[Knob]]
+Known = tuple[NominalVehicle, list[FreeParameter]]
 
 
 @pytest.fixture(scope='session')
@@ -18,6 +18,6 @@ def gtmab() -> Known:
 
 
 @pytest.fixture(scope='session')
-def clean(gtmab: Known) -> Linearised:
+def clean(gtmab: Known) -> FlightLinearizer:
     """Half a minute in which nothing is hidden."""
     return prepared(flown({}, 1, 32.0), gtmab[1])

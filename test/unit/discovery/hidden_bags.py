@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
-from lta_discovery.demo.hidden import fly_hidden, Hidden
+from lta_discovery.demo.hidden_effect import DemoEffect, fly_hidden
 import pytest
 
-DRAG = Hidden('linear_drag.surge', 0.04, 'N s/m')
+DRAG = DemoEffect('linear_drag.surge', 0.04, 'N s/m')
 SECONDS = (30.0, 14.0, 14.0)  # tests damage the first flight only
 
 

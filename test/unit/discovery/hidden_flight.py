@@ -3,20 +3,24 @@
 from collections.abc import Mapping
 from dataclasses import replace
 
-from lta_config.topics import topic_table
+from lta_config.topics import load_topic_table
 from lta_control.cascade import Setpoint
-from lta_discovery.flights.measured import measured, Stream, Streams
-from lta_discovery.flights.windows import windows
-from lta_discovery.model.knobs import Knob, knobs
-from lta_discovery.model.nominal import Nominal
-from lta_discovery.model.rotations import exponential, matrix, product
-from lta_discovery.replay.linearise import Linearised
-from lta_discovery.replay.replay import Replay
-from lta_discovery.replay.sensing import floor_pressure, Places
-from lta_flight.ingredients import gather, parts_of
-from lta_flight.loop import Loop
+from lta_discovery.flights.measured_flight import FlightStreams, resample_flight, Stream
+from lta_discovery.flights.windows import cut_windows
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import FreeParameter, list_free_parameters
+from lta_discovery.model.quaternions import (
+    quaternion_exponential,
+    quaternion_product,
+    rotation_matrix,
+)
+from lta_discovery.replay.linearizer import FlightLinearizer
+from lta_discovery.replay.replay import ModelReplay
+from lta_discovery.replay.sensing import estimate_floor_pressure, SensorPlaces
+from lta_flight.closed_loop import ClosedLoop
+from lta_flight.flight_spec import build_parts, load_spec
 from lta_model.vehicle import load_vehicle, Vehicle
-from lta_sim.in_scene import model_in
+from lta_sim.scene_model import build_scene_model
 from lta_sim.world import World
 import numpy as np
 from numpy.typing import NDArray
@@ -37,21 +41,23 @@ def course(seed: int, turn: float = 0.0) -> dict[int, Setpoint]:
     return out
 
 
-def world_of(changes: Mapping[str, object], seed: int, turn: float = 0.0) -> tuple[World, Loop]:
+def world_of(
+    changes: Mapping[str, object], seed: int, turn: float = 0.0
+) -> tuple[World, ClosedLoop]:
     """Return a GT-MAB in a great empty hall, with changes to its file."""
-    made = gather('gtmab', 'lamp_room', 'bag', 'gtmab')
+    made = load_spec('gtmab', 'lamp_room', 'bag', 'gtmab')
     scene = {
         'scenario.room.size': {'value': [60.0, 60.0, 12.0], 'unit': 'm'},
         'scenario.start.position': {'value': [0.0, 0.0], 'unit': 'm'},
     }
     made = made.with_values({**scene, **changes})
-    vehicle, scenario, policy = parts_of(made)
-    table = topic_table()
+    vehicle, scenario, policy = build_parts(made)
+    table = load_topic_table()
     plan = course(seed, turn)
     policy = replace(policy, course=lambda t: plan[int(t // 8.0)])
     world = World(vehicle, scenario, table, seed)
-    known = Vehicle(parts_of(gather('gtmab', 'lamp_room', 'bag', 'gtmab'))[0].file)
-    return world, Loop(world, table, policy, known)
+    known = Vehicle(build_parts(load_spec('gtmab', 'lamp_room', 'bag', 'gtmab'))[0].file)
+    return world, ClosedLoop(world, table, policy, known)
 
 
 class Pushed:
@@ -59,11 +65,11 @@ class Pushed:
 
     def __init__(self, world: World, kind: Kind | None) -> None:
         self.world, self.kind = world, kind
-        model = model_in(world.vehicle, world.scenario)
+        model = build_scene_model(world.vehicle, world.scenario)
         self._inverse = np.array(model.inverse).reshape(6, 6)
         self._arm = np.array(world.vehicle.file.sensors.imu_position.vector)
         self._before = world.state[7:13].copy()
-        self._period = topic_table().control_ns * 1e-9
+        self._period = load_topic_table().control_ns * 1e-9
         self.felt = np.zeros(3)  # by the accelerometer, m/s2
 
     def advance(self, duties: Array) -> None:
@@ -75,7 +81,7 @@ class Pushed:
         change = (state[7:13] - self._before) / period
         self._before = state[7:13].copy()
         seen = Seen(
-            self.world.elapsed, state[:3].copy(), matrix(state[3:7]), state[7:10].copy(),
+            self.world.elapsed, state[:3].copy(), rotation_matrix(state[3:7]), state[7:10].copy(),
             state[10:13].copy(), change, duties, period,
         )  # fmt: skip
         answer = self._inverse @ self.kind(seen)
@@ -91,7 +97,7 @@ def flown(
     length: float = 60.0,
     kind: Kind | None = None,
     turn: float = 0.0,
-) -> Streams:
+) -> FlightStreams:
     """Fly and return what is recorded; `kind` pushes as no effect does."""
     world, loop = world_of(changes, seed, turn)
     pushed = Pushed(world, kind)
@@ -121,27 +127,29 @@ def flown(
     seen = _stream(pose)
     values = seen.values
     values[:, :3] += POSE_NOISE * rng.standard_normal((len(values), 3))
-    wobble = exponential(TURN_NOISE * rng.standard_normal((len(values), 3)))
-    values[:, 3:] = product(values[:, 3:], wobble)
+    wobble = quaternion_exponential(TURN_NOISE * rng.standard_normal((len(values), 3)))
+    values[:, 3:] = quaternion_product(values[:, 3:], wobble)
     others = {
         'rates': _stream(rates), 'force': _stream(force), 'range': _stream(ranges),
         'pressure': _stream(pressure), 'voltage': _stream(volts),
     }  # fmt: skip
-    return Streams(seen, _stream(commands), others, floor=0.47)
+    return FlightStreams(seen, _stream(commands), others, floor=0.47)
 
 
-def nominal() -> tuple[Nominal, list[Knob]]:
+def nominal() -> tuple[NominalVehicle, list[FreeParameter]]:
     """Return the GT-MAB as its file has it, and its knobs."""
-    vehicle = Nominal.of(load_vehicle('gtmab'))
-    return vehicle, knobs(vehicle)
+    vehicle = NominalVehicle.from_vehicle(load_vehicle('gtmab'))
+    return vehicle, list_free_parameters(vehicle)
 
 
-def prepared(streams: Streams, turned: list[Knob]) -> Linearised:
+def prepared(streams: FlightStreams, turned: list[FreeParameter]) -> FlightLinearizer:
     """Return a flight ready to be linearised."""
-    vehicle, flight = load_vehicle('gtmab'), measured(streams)
-    replay = Replay(flight, windows(flight), vehicle.command(()))
-    places = Places.of(vehicle, 101325.0)
-    return Linearised(replay, turned, Places.of(vehicle, floor_pressure(flight, places)))
+    vehicle, flight = load_vehicle('gtmab'), resample_flight(streams)
+    replay = ModelReplay(flight, cut_windows(flight), vehicle.pack_command(()))
+    places = SensorPlaces.from_vehicle(vehicle, 101325.0)
+    return FlightLinearizer(
+        replay, turned, SensorPlaces.from_vehicle(vehicle, estimate_floor_pressure(flight, places))
+    )
 
 
 def _stream(rows: list[tuple[float, ...]]) -> Stream:

@@ -3,62 +3,76 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from lta_discovery.finding import Finding, Gap, Learned, NamedEffect, Place, Rung
-from lta_discovery.fit.bounds import turned
-from lta_discovery.fit.evidence import tolerances
-from lta_discovery.fit.fit import Fit, fit
-from lta_discovery.forecast.gap import where
-from lta_discovery.model.knobs import Knob
-from lta_discovery.model.nominal import Nominal
-from lta_discovery.replay.linear import origin, Point
-from lta_discovery.replay.linearise import Linearised
-from lta_discovery.study import Flown, Shown, Study
+from lta_discovery.finding import (
+    DiscoveryFinding,
+    Discrepancy,
+    LadderRung,
+    NamedEffect,
+    ParameterEstimate,
+    PredictionGap,
+)
+from lta_discovery.fit.bounds import apply_parameters
+from lta_discovery.fit.evidence import build_prior
+from lta_discovery.fit.joint_fit import fit_flight, FlightFit
+from lta_discovery.forecast.prediction_errors import compute_prediction_errors
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.replay.linearized_flight import build_origin, LinearizationPoint
+from lta_discovery.replay.linearizer import FlightLinearizer
+from lta_discovery.study import DiscoveryStudy, StudyComparison, StudyFlight
 
 from .hidden_flight import flown, prepared
 
 DRAG = 'linear_drag.surge'
 PLACES = (
-    Place('hidden_1', 'surge', 2.0, 26.0, 'airspeed above 0.21 m/s', 11.5),
-    Place('hidden_2', 'x', 8.0, 14.0, 'after 8.2 s', 7.25),
+    Discrepancy('hidden_1', 'surge', 2.0, 26.0, 'airspeed above 0.21 m/s', 11.5),
+    Discrepancy('hidden_2', 'x', 8.0, 14.0, 'after 8.2 s', 7.25),
 )
 LADDER = (
     (
-        Rung(DRAG, 41.3, 36.2, 33.7, 0.4, True),
-        Rung('quadratic_drag.surge', 22.1, 19.4, 8.6, 2.2, False),
-        Rung('added_mass.surge', 3.2, -1.7, -4.4, 5.7, False),
+        LadderRung(DRAG, 41.3, 36.2, 33.7, 0.4, True),
+        LadderRung('quadratic_drag.surge', 22.1, 19.4, 8.6, 2.2, False),
+        LadderRung('added_mass.surge', 3.2, -1.7, -4.4, 5.7, False),
     ),
-    (Rung('cg_offset.x', 1.2, -0.6, -0.3, 1.1, False),),
+    (LadderRung('cg_offset.x', 1.2, -0.6, -0.3, 1.1, False),),
 )
 WARNINGS = ('The tracker was silent for 2.4 s in hidden_2; that part is left out.',)
 
 
-def fitted(known: tuple[Nominal, Sequence[Knob]], flight: Linearised, names: Sequence[str]) -> Fit:
+def fitted(
+    known: tuple[NominalVehicle, Sequence[FreeParameter]],
+    flight: FlightLinearizer,
+    names: Sequence[str],
+) -> FlightFit:
     """Return one flight fitted with some effects."""
     nominal, knobs = known
-    begin = origin(nominal, knobs, flight.replay.cut)
-    return fit(flight, nominal, tolerances(knobs, names), begin)
+    begin = build_origin(nominal, knobs, flight.replay.cut)
+    return fit_flight(flight, nominal, build_prior(knobs, names), begin)
 
 
-def carried(known: tuple[Nominal, Sequence[Knob]], flight: Linearised, of: Fit) -> Point:
+def carried(
+    known: tuple[NominalVehicle, Sequence[FreeParameter]], flight: FlightLinearizer, of: FlightFit
+) -> LinearizationPoint:
     """Return what one flight taught, for another flight."""
     nominal, knobs = known
     values = of.fitted.mean.copy()
     values[: len(knobs)] *= [not knob.per_flight for knob in knobs]
-    after, within = turned(nominal, knobs, values)
-    return replace(origin(after, knobs, flight.replay.cut), values=within)
+    after, within = apply_parameters(nominal, knobs, values)
+    return replace(build_origin(after, knobs, flight.replay.cut), values=within)
 
 
-def gaps_of(shown: Shown) -> tuple[Gap, ...]:
-    """Return the gaps of one flight, as `where` has them."""
+def gaps_of(shown: StudyComparison) -> tuple[PredictionGap, ...]:
+    """Return the gaps of one flight, as `compute_prediction_errors` has them."""
     three = [
-        where(shown.flown.flight, point) for point in (shown.before, shown.tuned, shown.after)
+        compute_prediction_errors(shown.flown.flight, point)
+        for point in (shown.before, shown.tuned, shown.after)
     ]
     out = []
     for (what, horizon), before in three[0].model.items():
         tuned, after = (each.model[what, horizon].mean for each in three[1:])
         shrink = 1.0 - after / before.mean
         out.append(
-            Gap(
+            PredictionGap(
                 what, {'position': 'm', 'attitude': 'rad'}[what], horizon, before.mean, tuned,
                 after, three[0].coast[what, horizon].mean, three[0].noise[what], shrink,
                 (shrink - 0.08, shrink + 0.06), before.pieces,
@@ -68,25 +82,27 @@ def gaps_of(shown: Shown) -> tuple[Gap, ...]:
 
 
 def study(
-    known: tuple[Nominal, Sequence[Knob]],
+    known: tuple[NominalVehicle, Sequence[FreeParameter]],
     changes: Mapping[str, object],
     names: Sequence[str] = (DRAG,),
     length: float = 22.0,
     seed: int = 40,
-) -> Study:
+) -> DiscoveryStudy:
     """Return a study of three flights, in the last of which what was learned is shown."""
     nominal, knobs = known
     flights = [prepared(flown(changes, seed + k, length), list(knobs)) for k in range(3)]
     roles = ('train', 'confirm', 'holdout')
     named = [
-        Flown(f'hidden_{k}', role, flight)
+        StudyFlight(f'hidden_{k}', role, flight)
         for k, (role, flight) in enumerate(zip(roles, flights, strict=True), 1)
     ]
     plain, full = (fitted(known, flights[0], chosen) for chosen in ((), names))
     last = flights[2]
-    start = origin(nominal, knobs, last.replay.cut)
-    shown = Shown(named[2], start, carried(known, last, plain), carried(known, last, full))
-    finding = Finding(
+    start = build_origin(nominal, knobs, last.replay.cut)
+    shown = StudyComparison(
+        named[2], start, carried(known, last, plain), carried(known, last, full)
+    )
+    finding = DiscoveryFinding(
         verdict='named',
         effects=tuple(effect(name, full, knobs) for name in names),
         ladder=LADDER,
@@ -101,16 +117,20 @@ def study(
         versions={'lta': '0.1.0', 'commit': 'abcdef0', 'registry': '50 effects'},
     )
     after = shown.after.nominal
-    return Study(finding, nominal, after, tuple(named), (shown,), (plain,), (full,))
+    return DiscoveryStudy(finding, nominal, after, tuple(named), (shown,), (plain,), (full,))
 
 
-def effect(name: str, of: Fit, knobs: Sequence[Knob]) -> NamedEffect:
+def effect(name: str, of: FlightFit, knobs: Sequence[FreeParameter]) -> NamedEffect:
     """Return a named effect with its value by one flight."""
     k = [knob.name for knob in knobs].index(name)
     value, spread = float(of.fitted.mean[k]), 1.96 * float(of.fitted.covariance[k, k]) ** 0.5
     kind, _, parameter = name.partition('.')
     return NamedEffect(
         kind, (name,),
-        (Learned(parameter, knobs[k].unit, 0.0, value, (value - spread, value + spread)),),
+        (
+            ParameterEstimate(
+                parameter, knobs[k].unit, 0.0, value, (value - spread, value + spread),
+            ),
+        ),
         77.5, ('quadratic_drag.surge',),
     )  # fmt: skip

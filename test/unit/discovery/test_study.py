@@ -1,9 +1,9 @@
 """A study says what is missing, by how much, and what it is worth on a flight it has not seen."""
 
 from lta_config.errors import BadInput
-from lta_discovery.flights.measured import measured
-from lta_discovery.forecast.held_out import learning
-from lta_discovery.study import Study, study
+from lta_discovery.flights.measured_flight import resample_flight
+from lta_discovery.forecast.held_out import count_learning_pieces
+from lta_discovery.study import DiscoveryStudy, study_flights
 from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest
@@ -21,18 +21,20 @@ LONG = pytest.mark.long
 
 
 @pytest.fixture(scope='module')
-def studied() -> Study:
+def studied() -> DiscoveryStudy:
     """A vehicle within its tolerances, but for a linear drag that its file does not have."""
     changes = {**off_by_tolerance(5), **CASES['linear_drag.surge']}
     flights = [
-        (f'flight {k}', role, measured(flown(changes, 500 + k, LENGTH)))
+        (f'flight {k}', role, resample_flight(flown(changes, 500 + k, LENGTH)))
         for k, role in enumerate(ROLES)
     ]
-    return study(load_vehicle('gtmab'), flights, seed=1)
+    return study_flights(load_vehicle('gtmab'), flights, seed=1)
 
 
 @LONG
-def test_the_hidden_effect_is_named_with_an_interval_about_the_truth(studied: Study) -> None:
+def test_the_hidden_effect_is_named_with_an_interval_about_the_truth(
+    studied: DiscoveryStudy,
+) -> None:
     found = studied.finding
     assert found.verdict == 'named'
     assert [effect.name for effect in found.effects] == ['linear_drag']
@@ -45,12 +47,14 @@ def test_the_hidden_effect_is_named_with_an_interval_about_the_truth(studied: St
     low, high = value.ci95
     assert low - 0.001 < TRUTH < high + 0.001
     assert high - low < 0.3 * TRUTH
-    assert studied.learned.value('linear_drag', 'surge') == value.value
+    assert studied.learned.parameter_value('linear_drag', 'surge') == value.value
     assert studied.learned.mass == studied.nominal.mass
 
 
 @LONG
-def test_the_ladder_ends_with_a_round_in_which_nothing_is_accepted(studied: Study) -> None:
+def test_the_ladder_ends_with_a_round_in_which_nothing_is_accepted(
+    studied: DiscoveryStudy,
+) -> None:
     ladder = studied.finding.ladder
     assert [sum(rung.accepted for rung in rungs) for rungs in ladder] == [1, 0, 0]
     assert ladder[0][0].knob == 'linear_drag.surge'
@@ -60,7 +64,9 @@ def test_the_ladder_ends_with_a_round_in_which_nothing_is_accepted(studied: Stud
 
 
 @LONG
-def test_the_gap_of_the_held_out_flight_shrinks_and_coast_is_far_off(studied: Study) -> None:
+def test_the_gap_of_the_held_out_flight_shrinks_and_coast_is_far_off(
+    studied: DiscoveryStudy,
+) -> None:
     found = studied.finding
     gaps = {(gap.channel, gap.horizon_s): gap for gap in found.gaps}
     assert found.held_out
@@ -71,12 +77,12 @@ def test_the_gap_of_the_held_out_flight_shrinks_and_coast_is_far_off(studied: St
     assert far.shrink_ci95[0] < far.shrink < far.shrink_ci95[1]
     (shown,) = studied.shown
     flight = shown.flown.flight
-    assert 1 < far.pieces <= len(flight.replay.first) - learning(flight)
+    assert 1 < far.pieces <= len(flight.replay.first) - count_learning_pieces(flight)
     sides = [gaps[axis, 5.0].after for axis in 'xyz']
     assert far.after == pytest.approx(float(np.linalg.norm(sides)))
 
 
 def test_a_flight_too_short_for_two_pieces_is_refused() -> None:
-    short = measured(flown({}, 7, 3.6))  # of which 2 s are warm-up
+    short = resample_flight(flown({}, 7, 3.6))  # of which 2 s are warm-up
     with pytest.raises(BadInput, match='fly longer'):
-        study(load_vehicle('gtmab'), [('a', 'train', short), ('b', 'confirm', short)])
+        study_flights(load_vehicle('gtmab'), [('a', 'train', short), ('b', 'confirm', short)])

@@ -16,12 +16,12 @@ PERIOD = 0.1  # s
 
 def flown():
     """Return the power of a flight, rest and take-off included. [W]"""
-    from lta_flight.ingredients import gather, loop_of
+    from lta_flight.flight_spec import build_loop, load_spec
 
-    loop = loop_of(gather('gtmab', 'lamp_room', 'bag', ''), 3)
+    loop = build_loop(load_spec('gtmab', 'lamp_room', 'bag', ''), 3)
     drawn = []
-    for step, _ in enumerate(loop.flight()):
-        voltage, current = loop.world.supply.electrics
+    for step, _ in enumerate(loop.iterate_steps()):
+        voltage, current = loop.world.supply.cell_electrics
         if step % 10 == 5:
             drawn.append(-voltage * current)
     return np.array(drawn)

@@ -6,20 +6,22 @@ The circuit is written out here a second time; only the chart of the resting vol
 
 import math
 
-from lta_energy.monitoring.aboard import Aboard
-from lta_energy.monitoring.estimate import Estimate
-from lta_energy.monitoring.monitor import MonitorSettings, update
-from lta_energy.monitoring.reading import Reading
-from lta_model.electrical.battery import Battery, open_circuit_voltage
-from lta_model.electrical.power_path import Charger
+from lta_energy.monitoring.estimate import EnergyEstimate
+from lta_energy.monitoring.monitor import MonitorSettings, update_estimate
+from lta_energy.monitoring.power_system import PowerSystem
+from lta_energy.monitoring.reading import MeterReading
+from lta_model.electrical.battery import BatteryModel, open_circuit_voltage
+from lta_model.electrical.charger import ChargerModel
 from lta_sim.sensors import power
 import numpy as np
 
 from .flight_load import PERIOD, stored
 
 SETTINGS = MonitorSettings()
-CELL = Battery(capacity=900.0, resistance=0.15, relaxation_resistance=0.094, relaxation_time=33.0)
-ABOARD = Aboard(CELL, Charger(tracking=1.0, conversion=1.0, idle=0.0))
+CELL = BatteryModel(
+    capacity=900.0, resistance=0.15, relaxation_resistance=0.094, relaxation_time=33.0
+)
+ABOARD = PowerSystem(CELL, ChargerModel(tracking=1.0, conversion=1.0, idle=0.0))
 START = 1_000_000_000
 LOAD = stored()
 # How far a cell may be from its file: capacity, both resistances together (cold, age), that of the
@@ -50,7 +52,7 @@ class Metered:
         self.relaxation = rng.uniform(-0.03, 0.0)
         share = np.array(TOLERANCE) * rng.uniform(-1.0, 1.0, 5) * off
         capacity, series, pair, time = (1.0 + share[:4]).tolist()
-        self.cell = Battery(
+        self.cell = BatteryModel(
             capacity=capacity * CELL.capacity,
             resistance=series * CELL.resistance,
             relaxation_resistance=series * pair * CELL.relaxation_resistance,
@@ -58,7 +60,7 @@ class Metered:
         )
         self.chart = share[4]
         self.settings = power.PowerMeterSettings()
-        self.errors = power.draw(self.settings, rng)
+        self.errors = power.draw_errors(self.settings, rng)
         self.turn = int(rng.integers(len(LOAD)))
         self.every = round(period / PERIOD)
         self.stamp = START
@@ -82,10 +84,10 @@ class Metered:
         """Return the next turn of the meters."""
         for _ in range(self.every):
             self.step(watts)
-        volts, amperes = power.measure(
+        volts, amperes = power.measure_power(
             self.settings, self.errors, self.voltage, self.current, self.rng
         )
-        return Reading(
+        return MeterReading(
             self.stamp, volts, amperes, **{'panel_voltage': 4.4, 'panel_current': 0.0} | other
         )
 
@@ -101,7 +103,7 @@ class Metered:
 
 def follow(readings, settings=SETTINGS, estimate=None):
     """Return what the monitor knows after some readings."""
-    estimate = estimate or Estimate()
+    estimate = estimate or EnergyEstimate()
     for reading in readings:
-        estimate = update(settings, ABOARD, estimate, reading)
+        estimate = update_estimate(settings, ABOARD, estimate, reading)
     return estimate

@@ -2,18 +2,18 @@
 
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_config.compilation.compiled import compiled
+from lta_config.compilation.compiler import compile_functions
 from lta_config.quantity import Quantity
 from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_config.settings import plain
+from lta_config.settings import to_named_tuple
 from lta_model.electrical import battery
 import numpy as np
 from pydantic import ValidationError
 import pytest
 from scipy.integrate import quad, solve_ivp
 
-CELL = battery.Battery(capacity=900.0, resistance=0.13)
-PAIR = battery.Battery(
+CELL = battery.BatteryModel(capacity=900.0, resistance=0.13)
+PAIR = battery.BatteryModel(
     capacity=900.0, resistance=0.15, relaxation_resistance=0.09, relaxation_time=33.0
 )
 charges = st.floats(0.0, 1.0)
@@ -60,7 +60,7 @@ def test_a_full_cell_holds_about_a_watt_hour():
 
 
 def test_the_cell_of_a_vehicle_file():
-    cell = battery.Battery.of(load_vehicle_file('gtmab').energy)
+    cell = battery.BatteryModel.from_energy(load_vehicle_file('gtmab').energy)
     assert cell.capacity == pytest.approx(250e-3 * 3600.0)
     assert cell.resistance == 0.15
 
@@ -70,19 +70,19 @@ def test_the_cell_of_a_vehicle_file():
 )
 def test_what_is_no_cell_is_refused(change):
     with pytest.raises(ValidationError, match=next(iter(change))):
-        battery.Battery(**{'capacity': 900.0, 'resistance': 0.13, **change})
+        battery.BatteryModel(**{'capacity': 900.0, 'resistance': 0.13, **change})
 
 
 def test_drawing_one_watt_by_hand():
     # 0.2 I^2 + 4 I = -1: I = -0.25320 A, V = 3.94936 V.
-    current = battery.current_at(4.0, -1.0, 0.2)
+    current = battery.current_for_power(4.0, -1.0, 0.2)
     assert current == pytest.approx((-4.0 + (16.0 - 0.8) ** 0.5) / 0.4, rel=1e-13)
     assert battery.terminal_voltage(4.0, current, 0.2) == pytest.approx(3.949359, abs=1e-6)
 
 
 @given(st.floats(3.2, 4.2), st.floats(-15.0, 15.0), st.floats(0.0, 0.2))
 def test_the_current_takes_up_the_power(open_circuit, power, resistance):
-    current = battery.current_at(open_circuit, power, resistance)
+    current = battery.current_for_power(open_circuit, power, resistance)
     voltage = battery.terminal_voltage(open_circuit, current, resistance)
     possible = 4.0 * resistance * power > -(open_circuit**2)
     if possible:
@@ -93,21 +93,21 @@ def test_the_current_takes_up_the_power(open_circuit, power, resistance):
 
 def test_a_brown_out_halves_the_voltage():
     # 4 V behind 0.2 ohm gives at most 16 / 0.8 = 20 W, at 10 A.
-    assert battery.current_at(4.0, -25.0, 0.2) == pytest.approx(-10.0)
+    assert battery.current_for_power(4.0, -25.0, 0.2) == pytest.approx(-10.0)
 
 
 def test_counting_by_hand():
     # 0.9 A for 100 s is a tenth of 900 C.
-    assert battery.count(0.5, -0.9, 900.0, 100.0) == pytest.approx(0.4, rel=1e-14)
-    assert battery.count(0.05, -0.9, 900.0, 100.0) == 0.0
-    assert battery.count(0.95, 0.9, 900.0, 100.0) == 1.0
+    assert battery.count_charge(0.5, -0.9, 900.0, 100.0) == pytest.approx(0.4, rel=1e-14)
+    assert battery.count_charge(0.05, -0.9, 900.0, 100.0) == 0.0
+    assert battery.count_charge(0.95, 0.9, 900.0, 100.0) == 1.0
 
 
 def test_advance_is_of_second_order():
     def after(dt):
         charge, relaxation = 0.62, 0.0  # 0.62 to 0.64 lies between two knots of the curve
         for _ in range(round(32.0 / dt)):
-            charge, relaxation, *_ = battery.advance(PAIR, charge, relaxation, 1.5, dt)
+            charge, relaxation, *_ = battery.advance_cell(PAIR, charge, relaxation, 1.5, dt)
         return charge, relaxation
 
     exact = after(0.125)
@@ -117,36 +117,38 @@ def test_advance_is_of_second_order():
 
 
 def test_a_constant_power_empties_the_cell_when_its_energy_is_spent():
-    ideal = battery.Battery(capacity=900.0, resistance=0.0)
+    ideal = battery.BatteryModel(capacity=900.0, resistance=0.0)
     charge, time = 1.0, 0.0
     while charge > 0.0:
-        charge, *_ = battery.advance(ideal, charge, 0.0, -1.333, 1.0)
+        charge, *_ = battery.advance_cell(ideal, charge, 0.0, -1.333, 1.0)
         time += 1.0
     assert time == pytest.approx(900.0 * 3.85825 / 1.333, abs=1.5)
 
 
 def test_a_step_of_current_relaxes_by_hand():
     # -0.5 A through 0.09 ohm: -45 mV in the end, 63.2 % of it after one time constant.
-    after, mean = battery.relax(PAIR, 0.0, -0.5, 33.0)
+    after, mean = battery.relax_voltage(PAIR, 0.0, -0.5, 33.0)
     assert after == pytest.approx(-0.045 * 0.6321206, rel=1e-6)
     assert mean == pytest.approx(-0.045 * 0.3678794, rel=1e-6)
     # And back, without a current.
-    assert battery.relax(PAIR, after, 0.0, 66.0)[0] == pytest.approx(after * 0.1353353, rel=1e-6)
+    assert battery.relax_voltage(PAIR, after, 0.0, 66.0)[0] == pytest.approx(
+        after * 0.1353353, rel=1e-6
+    )
 
 
 @given(st.floats(-0.2, 0.2), st.floats(-3.0, 3.0), st.floats(0.01, 600.0))
 def test_the_heat_is_what_the_pair_does_not_keep(relaxation, current, dt):
-    after, mean = battery.relax(PAIR, relaxation, current, dt)
+    after, mean = battery.relax_voltage(PAIR, relaxation, current, dt)
     kept = battery.relaxation_energy(PAIR, after) - battery.relaxation_energy(PAIR, relaxation)
     given_ = (mean * current + PAIR.resistance * current**2) * dt
-    found = battery.heat(PAIR, relaxation, current, dt) * dt
+    found = battery.resistive_heat(PAIR, relaxation, current, dt) * dt
     assert found == pytest.approx(given_ - kept, rel=1e-6, abs=1e-9)
 
 
 @pytest.mark.parametrize(('celsius', 'ratio'), [(25.0, 1.0), (0.0, 2.0), (45.0, 0.62)])
 def test_cold_raises_the_resistance(celsius, ratio):
     # 18.8 kJ/mol: twice at 0 degC; exp(2261.2 K (1 / 318.15 K - 1 / 298.15 K)) at 45 degC.
-    assert battery.resistance_by_cold(celsius) == pytest.approx(ratio, rel=0.01)
+    assert battery.resistance_factor(celsius) == pytest.approx(ratio, rel=0.01)
 
 
 def test_a_worn_and_cold_cell_by_hand():
@@ -154,7 +156,7 @@ def test_a_worn_and_cold_cell_by_hand():
     worn = Quantity(value=20.0, unit='%', source='test')
     cold = Quantity(value=0.0, unit='degC', source='test')
     data = file.battery.model_copy(update={'age': worn, 'temperature': cold})
-    cell = battery.Battery.of(file.model_copy(update={'battery': data}))
+    cell = battery.BatteryModel.from_energy(file.model_copy(update={'battery': data}))
     assert cell.capacity == pytest.approx(900.0 * 0.8 * 0.85)
     assert cell.resistance == pytest.approx(0.15 * 2.0 * 2.0, rel=0.01)
     assert cell.relaxation_resistance / cell.resistance == pytest.approx(0.627, rel=1e-3)
@@ -176,16 +178,16 @@ def test_ten_minutes_are_those_of_an_ordinary_differential_equation(power):
     ]
     charge, relaxation = 0.5, 0.0
     for _ in range(600):
-        charge, relaxation, *_ = battery.advance(PAIR, charge, relaxation, power, 1.0)
+        charge, relaxation, *_ = battery.advance_cell(PAIR, charge, relaxation, power, 1.0)
     assert charge == pytest.approx(exact[0], abs=1e-6)
     assert relaxation == pytest.approx(exact[1], abs=1e-6)
 
 
 def test_the_cell_compiles_to_the_same():
-    given_ = (plain(PAIR), 0.8, -0.01, -1.5, 0.01)
-    (advance,) = compiled(battery.advance)
-    assert advance(*given_) == battery.advance(*given_)
-    stored, state = compiled(battery.stored_energy, battery.state_of_charge)
+    given_ = (to_named_tuple(PAIR), 0.8, -0.01, -1.5, 0.01)
+    (advance,) = compile_functions(battery.advance_cell)
+    assert advance(*given_) == battery.advance_cell(*given_)
+    stored, state = compile_functions(battery.stored_energy, battery.state_of_charge)
     assert state(3.9) == battery.state_of_charge(3.9)
     assert stored(0.37, 900.0) == battery.stored_energy(0.37, 900.0)
 
@@ -196,12 +198,12 @@ def test_a_cell_of_two_numbers_relaxes_at_once_and_has_the_limits_of_lithium_pol
         'relaxation_time': 1.0, 'discharge_cutoff': 3.0, 'charge_cutoff': 4.2,
         'charge_current': 1000.0,
     }  # fmt: skip
-    assert battery.relax(CELL, 0.0, -1.0, 5.0) == (0.0, 0.0)
+    assert battery.relax_voltage(CELL, 0.0, -1.0, 5.0) == (0.0, 0.0)
     assert battery.relaxation_energy(CELL, 0.0) == 0.0
     # 33 s / 0.09 ohm are 366.7 F; 30 mV on them 0.165 J.
     assert battery.relaxation_energy(PAIR, -0.03) == pytest.approx(0.165)
-    assert battery.heat(CELL, 0.0, -2.0, 5.0) == pytest.approx(0.52)
-    shipped = battery.Battery.of(load_vehicle_file('gtmab').energy)
+    assert battery.resistive_heat(CELL, 0.0, -2.0, 5.0) == pytest.approx(0.52)
+    shipped = battery.BatteryModel.from_energy(load_vehicle_file('gtmab').energy)
     assert (shipped.relaxation_resistance, shipped.relaxation_time) == (0.09405, 33.0)
     assert (shipped.discharge_cutoff, shipped.charge_cutoff, shipped.charge_current) == (
         3.0, 4.2, 0.25,
@@ -209,7 +211,7 @@ def test_a_cell_of_two_numbers_relaxes_at_once_and_has_the_limits_of_lithium_pol
 
 
 def test_warmth_adds_no_capacity_and_cold_takes_six_thousandths_a_kelvin():
-    told = [battery.capacity_by_cold(celsius) for celsius in (45.0, 25.0, 24.0, -15.0)]
+    told = [battery.capacity_factor(celsius) for celsius in (45.0, 25.0, 24.0, -15.0)]
     assert told == pytest.approx([1.0, 1.0, 0.994, 0.76])
 
 
@@ -217,6 +219,6 @@ def test_the_mean_voltage_between_two_charges_by_hand():
     """
     Between two knots the mean is the middle (3.83 V); across a knot it is weighted (3.845 V).
     """
-    assert battery.mean_open_circuit(0.51, 0.53) == pytest.approx(3.844)
-    assert battery.mean_open_circuit(0.52, 0.52) == pytest.approx(3.844)
-    assert battery.mean_open_circuit(0.45, 0.55) == pytest.approx((3.83 + 3.845) / 2.0)
+    assert battery.mean_open_circuit_voltage(0.51, 0.53) == pytest.approx(3.844)
+    assert battery.mean_open_circuit_voltage(0.52, 0.52) == pytest.approx(3.844)
+    assert battery.mean_open_circuit_voltage(0.45, 0.55) == pytest.approx((3.83 + 3.845) / 2.0)

@@ -10,7 +10,7 @@ from lta_model.electrical import battery
 import numpy as np
 import pytest
 
-CELL = battery.Battery(
+CELL = battery.BatteryModel(
     capacity=900.0, resistance=0.15, relaxation_resistance=0.094, relaxation_time=33.0
 )
 START, STEP = 0.8, 0.1
@@ -22,7 +22,7 @@ def ours():
     """Return the mean voltage and the current of each step."""
     charge, relaxation, steps = START, 0.0, []
     for power in POWERS.tolist():
-        charge, relaxation, *step = battery.advance(CELL, charge, relaxation, power, STEP)
+        charge, relaxation, *step = battery.advance_cell(CELL, charge, relaxation, power, STEP)
         steps.append(step)
     return np.array(steps).T
 

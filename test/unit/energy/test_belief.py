@@ -4,14 +4,22 @@ import math
 
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_energy.monitoring import belief
-from lta_energy.monitoring.belief import BeliefSettings, first_look, look, predict, unknown
-from lta_model.electrical.battery import Battery, open_circuit_voltage
+from lta_energy.monitoring import soc_ekf
+from lta_energy.monitoring.soc_ekf import (
+    correct_state,
+    initial_state,
+    initialize_from_reading,
+    predict_state,
+    SocFilterSettings,
+)
+from lta_model.electrical.battery import BatteryModel, open_circuit_voltage
 import numpy as np
 import pytest
 
-SETTINGS = BeliefSettings()
-CELL = Battery(capacity=900.0, resistance=0.15, relaxation_resistance=0.094, relaxation_time=33.0)
+SETTINGS = SocFilterSettings()
+CELL = BatteryModel(
+    capacity=900.0, resistance=0.15, relaxation_resistance=0.094, relaxation_time=33.0
+)
 
 
 def spread(state):
@@ -19,15 +27,15 @@ def spread(state):
 
 
 def test_nothing_is_known_before_the_first_reading():
-    state = unknown(SETTINGS, CELL)
+    state = initial_state(SETTINGS, CELL)
     assert state.charge == 0.5
     assert state.deviation == pytest.approx(1.0 / math.sqrt(12.0))  # uniform from 0 to 1
 
 
 @pytest.mark.parametrize('charge', [0.07, 0.3, 0.62, 0.97])
 def test_a_first_reading_at_rest_finds_the_charge_and_how_sure_it_is(charge):
-    state = first_look(SETTINGS, CELL, open_circuit_voltage(charge), 0.0)
-    slope = belief.chord(charge, belief.NARROW)
+    state = initialize_from_reading(SETTINGS, CELL, open_circuit_voltage(charge), 0.0)
+    slope = soc_ekf.chord_slope(charge, soc_ekf.NARROW)
     # The chart, the noise and what may still relax from 0.2 A, over the slope; beside 0.29.
     voltage = math.sqrt(0.010**2 + 0.010**2 + (0.094 * 0.2) ** 2)
     alone = voltage / slope
@@ -36,14 +44,14 @@ def test_a_first_reading_at_rest_finds_the_charge_and_how_sure_it_is(charge):
 
 
 def test_counting_by_hand():
-    state = first_look(SETTINGS, CELL, 3.84, 0.0)
-    after = predict(SETTINGS, CELL, state, -0.9, 0.0, 10.0)
-    factor = state.mean[belief.INVERSE]
+    state = initialize_from_reading(SETTINGS, CELL, 3.84, 0.0)
+    after = predict_state(SETTINGS, CELL, state, -0.9, 0.0, 10.0)
+    factor = state.mean[soc_ekf.INVERSE]
     assert after.charge == pytest.approx(state.charge - factor * 9.0 / 900.0, rel=1e-12)
     kept = math.exp(-10.0 / 33.0)
-    pulled = -0.9 * 0.094 * state.mean[belief.RESISTANCE]
-    assert after.mean[belief.RELAXATION] == pytest.approx(
-        kept * state.mean[belief.RELAXATION] + (1.0 - kept) * pulled, rel=1e-12
+    pulled = -0.9 * 0.094 * state.mean[soc_ekf.RESISTANCE]
+    assert after.mean[soc_ekf.RELAXATION] == pytest.approx(
+        kept * state.mean[soc_ekf.RELAXATION] + (1.0 - kept) * pulled, rel=1e-12
     )
 
 
@@ -56,31 +64,33 @@ readings = st.lists(
 @given(readings)
 def test_it_is_a_kalman_filter(series):
     """The same steps by matrices, as in any book."""
-    state = first_look(SETTINGS, CELL, 3.8, -0.1)
+    state = initialize_from_reading(SETTINGS, CELL, 3.8, -0.1)
     for current, voltage, dt in series:
         step, kept = current * dt / CELL.capacity, math.exp(-dt / CELL.relaxation_time)
-        faded = math.exp(-abs(step) / belief.CORRELATED)
+        faded = math.exp(-abs(step) / soc_ekf.CORRELATED)
         f = np.diag([1.0, kept, 1.0, 1.0, faded])
         f[0, 3] = step
         f[1, 2] = (1.0 - kept) * CELL.relaxation_resistance * current
         q = np.diag(
             [
-                (0.01 * dt / CELL.capacity) ** 2 + belief.SLOW**2 * dt,
+                (0.01 * dt / CELL.capacity) ** 2 + soc_ekf.SLOW**2 * dt,
                 ((1.0 - kept) * CELL.relaxation_resistance * 0.01) ** 2,
                 0.0,
                 0.0,
                 SETTINGS.chart_error**2 * (1.0 - faded**2),
             ]
         )
-        ahead = predict(SETTINGS, CELL, state, current, 0.01, dt)
+        ahead = predict_state(SETTINGS, CELL, state, current, 0.01, dt)
         np.testing.assert_allclose(spread(ahead), f @ spread(state) @ f.T + q, atol=1e-12)
 
-        half = min(max(ahead.deviation, belief.NARROW), belief.WIDE)
-        h = np.array([belief.chord(ahead.charge, half), 1.0, CELL.resistance * current, 0.0, 1.0])
+        half = min(max(ahead.deviation, soc_ekf.NARROW), soc_ekf.WIDE)
+        h = np.array(
+            [soc_ekf.chord_slope(ahead.charge, half), 1.0, CELL.resistance * current, 0.0, 1.0]
+        )
         p, mean = spread(ahead), np.array(ahead.mean)
         s = h @ p @ h + SETTINGS.voltage_noise**2
         expected = open_circuit_voltage(ahead.charge) + h[1:] @ mean[1:]
-        state, surprise = look(SETTINGS, CELL, ahead, voltage, current)
+        state, surprise = correct_state(SETTINGS, CELL, ahead, voltage, current)
         assert surprise.innovation == pytest.approx(voltage - expected, abs=1e-12)
         assert surprise.deviation == pytest.approx(math.sqrt(s))
         after = mean + p @ h / s * (voltage - expected)
@@ -91,28 +101,28 @@ def test_it_is_a_kalman_filter(series):
 
 @given(readings)
 def test_a_covariance_stays_one(series):
-    state = first_look(SETTINGS, CELL, 3.8, -0.1)
+    state = initialize_from_reading(SETTINGS, CELL, 3.8, -0.1)
     for current, voltage, dt in series:
-        state = predict(SETTINGS, CELL, state, current, 0.01, dt)
-        state, _ = look(SETTINGS, CELL, state, voltage, current)
+        state = predict_state(SETTINGS, CELL, state, current, 0.01, dt)
+        state, _ = correct_state(SETTINGS, CELL, state, voltage, current)
         np.testing.assert_allclose(spread(state), spread(state).T, atol=1e-12)
         assert np.linalg.eigvalsh(spread(state)).min() > -1e-12
         assert 0.0 <= state.charge <= 1.0
 
 
 def test_no_number_of_readings_averages_an_error_of_the_chart_away():
-    state = first_look(SETTINGS, CELL, 3.9, 0.0)
+    state = initialize_from_reading(SETTINGS, CELL, 3.9, 0.0)
     for _ in range(5000):
-        state = predict(SETTINGS, CELL, state, 0.0, 0.0, 0.1)
-        state, _ = look(SETTINGS, CELL, state, 3.9, 0.0)
-    slope = belief.chord(state.charge, belief.NARROW)
+        state = predict_state(SETTINGS, CELL, state, 0.0, 0.0, 0.1)
+        state, _ = correct_state(SETTINGS, CELL, state, 3.9, 0.0)
+    slope = soc_ekf.chord_slope(state.charge, soc_ekf.NARROW)
     assert state.deviation > 0.8 * SETTINGS.chart_error / slope  # the prior tells a little
 
 
 def test_what_is_not_measured_is_less_and_less_known():
-    state, deviations = first_look(SETTINGS, CELL, 3.9, -0.1), []
+    state, deviations = initialize_from_reading(SETTINGS, CELL, 3.9, -0.1), []
     for _ in range(5):
-        state = predict(SETTINGS, CELL, state, -0.4, 0.4, 60.0)
+        state = predict_state(SETTINGS, CELL, state, -0.4, 0.4, 60.0)
         deviations.append(state.deviation)
     assert deviations == sorted(deviations)
     # 0.4 A of doubt for each of five minutes: 24 C a minute, independent.
@@ -121,7 +131,7 @@ def test_what_is_not_measured_is_less_and_less_known():
 
 def test_what_is_not_known_at_first_by_hand():
     """The prior: any charge, 0.2 A over 94 mohm, 30 % and 5 %, and 10 mV of curve error."""
-    state = unknown(SETTINGS, CELL)
+    state = initial_state(SETTINGS, CELL)
     assert state.mean == (0.5, 0.0, 1.0, 1.0, 0.0)
     variances = [1.0 / 12.0, 0.0188**2, 0.09, 0.0025, 1e-4]
     np.testing.assert_allclose(spread(state), np.diag(variances), rtol=1e-12)
@@ -131,10 +141,10 @@ def test_what_is_not_known_at_first_by_hand():
 def test_a_first_reading_under_load_is_looked_at_where_it_points_to(current):
     """The expected values follow from one Kalman update, linearised over +- 1 % of charge."""
     told = open_circuit_voltage(0.62) + 0.15 * current
-    state = first_look(SETTINGS, CELL, told, current)
+    state = initialize_from_reading(SETTINGS, CELL, told, current)
     slope = (open_circuit_voltage(0.63) - open_circuit_voltage(0.61)) / 0.02
     h = np.array([slope, 1.0, 0.15 * current, 0.0, 1.0])
-    start = unknown(SETTINGS, CELL)
+    start = initial_state(SETTINGS, CELL)
     p = spread(start)
     expected = open_circuit_voltage(0.62) + slope * (0.5 - 0.62) + 0.15 * current
     gain = p @ h / (h @ p @ h + 0.01**2)
@@ -146,7 +156,7 @@ def sure(charge, deviation, chart=0.0):
     """Return a belief in which only the charge has a variance."""
     rows = [[0.0] * 5 for _ in range(5)]
     rows[0][0] = deviation**2
-    return belief.Belief((charge, 0.0, 1.0, 1.0, chart), tuple(map(tuple, rows)))
+    return soc_ekf.CellState((charge, 0.0, 1.0, 1.0, chart), tuple(map(tuple, rows)))
 
 
 @pytest.mark.parametrize(
@@ -154,35 +164,35 @@ def sure(charge, deviation, chart=0.0):
 )
 def test_the_slope_is_that_of_a_chord_as_wide_as_the_belief_from_1_to_20_percent(deviation, half):
     rise = open_circuit_voltage(0.5 + half) - open_circuit_voltage(0.5 - half)
-    _, surprise = look(SETTINGS, CELL, sure(0.5, deviation), 3.85, 0.0)
+    _, surprise = correct_state(SETTINGS, CELL, sure(0.5, deviation), 3.85, 0.0)
     assert surprise.innovation == pytest.approx(0.01)
     assert surprise.deviation == pytest.approx(math.hypot(rise / (2 * half) * deviation, 0.01))
 
 
 def test_a_chord_ends_where_the_cell_is_empty_or_full():
-    assert belief.chord(0.0, 0.05) == pytest.approx((3.61 - 3.27) / 0.05)
-    assert belief.chord(1.0, 0.05) == pytest.approx((4.20 - 4.15) / 0.05)
+    assert soc_ekf.chord_slope(0.0, 0.05) == pytest.approx((3.61 - 3.27) / 0.05)
+    assert soc_ekf.chord_slope(1.0, 0.05) == pytest.approx((4.20 - 4.15) / 0.05)
 
 
 def test_an_error_of_the_chart_fades_with_a_fifth_of_the_charge():
     """
     After 180 C, 20 % of 900 C, the old curve error has decayed by e and new variance has come.
     """
-    after = predict(SETTINGS, CELL, sure(0.5, 0.0, chart=0.02), -6.0, 0.0, 30.0)
+    after = predict_state(SETTINGS, CELL, sure(0.5, 0.0, chart=0.02), -6.0, 0.0, 30.0)
     assert after.charge == pytest.approx(0.3)
-    assert after.mean[belief.CHART] == pytest.approx(0.02 / math.e)
+    assert after.mean[soc_ekf.CHART] == pytest.approx(0.02 / math.e)
     assert after.spread[4][4] == pytest.approx(1e-4 * (1.0 - math.exp(-2.0)))
 
 
 def test_at_rest_the_charge_becomes_less_sure_by_the_offset_of_the_meter_alone():
-    after = predict(SETTINGS, CELL, sure(0.5, 0.0), 0.0, 0.0, 400.0)
+    after = predict_state(SETTINGS, CELL, sure(0.5, 0.0), 0.0, 0.0, 400.0)
     assert after.deviation == pytest.approx(1e-5 * 20.0)
     assert after.mean == (0.5, 0.0, 1.0, 1.0, 0.0)
 
 
 def test_a_charge_ends_at_empty_and_full():
     for current, end in ((-3.0, 0.0), (3.0, 1.0)):
-        after = predict(SETTINGS, CELL, sure(0.5, 0.1), current, 0.0, 600.0)
+        after = predict_state(SETTINGS, CELL, sure(0.5, 0.1), current, 0.0, 600.0)
         assert after.charge == end
     for voltage, end in ((2.0, 0.0), (6.0, 1.0)):
-        assert look(SETTINGS, CELL, sure(0.5, 0.2), voltage, 0.0)[0].charge == end
+        assert correct_state(SETTINGS, CELL, sure(0.5, 0.2), voltage, 0.0)[0].charge == end

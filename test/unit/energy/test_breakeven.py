@@ -3,26 +3,35 @@
 import math
 
 from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_energy.breakeven import break_even, income, Lamp, LAMPS, light_of
-from lta_energy.harvest import Harvest
-from lta_energy.light_of_days import Light
-from lta_model.electrical.panel import max_power, Panel
-from lta_model.electrical.power_path import Charger
+from lta_energy.break_even import (
+    break_even_illuminance,
+    charging_power,
+    irradiance_from_lux,
+    LAMPS,
+    LightSource,
+)
+from lta_energy.harvest import HarvestCurve
+from lta_energy.irradiance import PanelIrradiance
+from lta_model.electrical.charger import ChargerModel
+from lta_model.electrical.panel import find_max_power, SolarArrayModel
 import pytest
 
 ENERGY = load_vehicle_file('gtmab').energy
-CHARGER, HARVEST = Charger.of(ENERGY), Harvest(Panel.of(ENERGY))
+CHARGER, HARVEST = (
+    ChargerModel.from_energy(ENERGY),
+    HarvestCurve(SolarArrayModel.from_energy(ENERGY)),
+)
 
 
 def lux(lamp, load):
-    return break_even(HARVEST, CHARGER, LAMPS[lamp], load)
+    return break_even_illuminance(HARVEST, CHARGER, LAMPS[lamp], load)
 
 
 def test_the_charger_gives_the_load_there_and_less_below():
     for name, lamp in LAMPS.items():
         found = lux(name, 0.097)
-        assert income(HARVEST, CHARGER, lamp, found) == pytest.approx(0.097, rel=1e-9)
-        assert income(HARVEST, CHARGER, lamp, 0.99 * found) < 0.097
+        assert charging_power(HARVEST, CHARGER, lamp, found) == pytest.approx(0.097, rel=1e-9)
+        assert charging_power(HARVEST, CHARGER, lamp, 0.99 * found) < 0.097
 
 
 def test_the_same_lux_of_the_sun_go_further_by_their_efficacy():
@@ -33,7 +42,9 @@ def test_the_same_lux_of_the_sun_go_further_by_their_efficacy():
 def test_idling_by_hand():
     """97 + 22 mW behind 85 % and 95 %: 147.4 mW of the array."""
     needed = (0.097 + 0.022) / (0.85 * 0.95)
-    voltage, current = max_power(Panel.of(ENERGY), lux('sun', 0.097) / 110.0)
+    voltage, current = find_max_power(
+        SolarArrayModel.from_energy(ENERGY), lux('sun', 0.097) / 110.0
+    )
     assert voltage * current == pytest.approx(needed, rel=5e-4)
 
 
@@ -43,15 +54,19 @@ def test_what_no_light_feeds_never_breaks_even():
 
 def test_the_lamps_and_their_light_by_hand():
     assert {
-        'white LED': Lamp(300.0, 1.0),
-        'flickering LED': Lamp(300.0, 0.5),
-        'sun': Lamp(110.0, 1.0),
+        'white LED': LightSource(300.0, 1.0),
+        'flickering LED': LightSource(300.0, 0.5),
+        'sun': LightSource(110.0, 1.0),
     } == LAMPS
-    assert light_of(Lamp(300.0, 1.0), 600.0) == Light(0.0, 2.0, 0.0, 1.0)
-    assert light_of(Lamp(300.0, 0.5), 600.0) == Light(0.0, 0.0, 2.0, 0.5)
+    assert irradiance_from_lux(LightSource(300.0, 1.0), 600.0) == PanelIrradiance(
+        0.0, 2.0, 0.0, 1.0
+    )
+    assert irradiance_from_lux(LightSource(300.0, 0.5), 600.0) == PanelIrradiance(
+        0.0, 0.0, 2.0, 0.5
+    )
 
 
 def test_up_to_a_hundred_thousand_lux_are_looked_at():
-    most = income(HARVEST, CHARGER, LAMPS['sun'], 100e3)
+    most = charging_power(HARVEST, CHARGER, LAMPS['sun'], 100e3)
     assert lux('sun', most) == pytest.approx(100e3)
     assert lux('sun', math.nextafter(most, 9.0)) == math.inf

@@ -3,18 +3,29 @@
 from hypothesis import given
 from hypothesis import strategies as st
 from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_energy.circuit import added, at_rest, fed, held, NOTHING, Spent
-from lta_energy.harvest import Harvest
-from lta_energy.light_of_days import DARK
-from lta_model.electrical.battery import Battery
-from lta_model.electrical.panel import max_power, Panel
-from lta_model.electrical.power_path import Charger
+from lta_energy.circuit import (
+    add_totals,
+    EnergyTotals,
+    NOTHING,
+    resting_flow,
+    step_circuit,
+    total_stored_energy,
+)
+from lta_energy.harvest import HarvestCurve
+from lta_energy.irradiance import DARK
+from lta_model.electrical.battery import BatteryModel
+from lta_model.electrical.charger import ChargerModel
+from lta_model.electrical.panel import find_max_power, SolarArrayModel
 import numpy as np
 import pytest
 
 ENERGY = load_vehicle_file('gtmab').energy
-CELL, CHARGER, PANEL = Battery.of(ENERGY), Charger.of(ENERGY), Panel.of(ENERGY)
-HARVEST = Harvest(PANEL)
+CELL, CHARGER, PANEL = (
+    BatteryModel.from_energy(ENERGY),
+    ChargerModel.from_energy(ENERGY),
+    SolarArrayModel.from_energy(ENERGY),
+)
+HARVEST = HarvestCurve(PANEL)
 
 
 @given(
@@ -24,11 +35,13 @@ HARVEST = Harvest(PANEL)
     steps=st.integers(1, 30),
 )
 def test_what_is_harvested_is_consumed_lost_or_stored(charge, available, asked, steps):
-    store, spent = at_rest(charge), NOTHING
-    begun = held(CELL, store)
+    store, spent = resting_flow(charge), NOTHING
+    begun = total_stored_energy(CELL, store)
     for _ in range(steps):
-        store, spent = fed(CELL, CHARGER, store, spent, available, asked, 10.0)
-    rest = spent.harvested - spent.consumed - spent.lost - (held(CELL, store) - begun)
+        store, spent = step_circuit(CELL, CHARGER, store, spent, available, asked, 10.0)
+    rest = (
+        spent.harvested - spent.consumed - spent.lost - (total_stored_energy(CELL, store) - begun)
+    )
     assert abs(rest) <= 1e-6 * max(spent.harvested, spent.consumed, 1.0)
     most = available * CHARGER.tracking * 10.0 * steps
     assert spent.harvested + spent.curtailed <= most + 1e-9
@@ -38,61 +51,70 @@ def test_what_is_harvested_is_consumed_lost_or_stored(charge, available, asked, 
 
 def test_a_full_cell_leaves_the_light_unharvested():
     """The loads' 0.1 W take 0.1 + 0.022 behind the charger, 0.1435 W of the array."""
-    _, spent = fed(CELL, CHARGER, at_rest(1.0), NOTHING, 1.0, 0.1, 60.0)
+    _, spent = step_circuit(CELL, CHARGER, resting_flow(1.0), NOTHING, 1.0, 0.1, 60.0)
     assert spent.harvested == pytest.approx(60.0 * 0.122 / 0.85)
     assert spent.curtailed == pytest.approx(60.0 * (0.95 - 0.122 / 0.85))
 
 
 def test_an_empty_cell_goes_out():
-    store, spent = at_rest(0.001), NOTHING
+    store, spent = resting_flow(0.001), NOTHING
     for _ in range(10):
-        store, spent = fed(CELL, CHARGER, store, spent, 0.0, 1.5, 1.0)
+        store, spent = step_circuit(CELL, CHARGER, store, spent, 0.0, 1.5, 1.0)
     assert not store.fed
     assert spent.consumed < 15.0
 
 
 def test_a_table_gives_what_the_diode_gives():
     for light in (0.3, 7.0, 55.5, 333.0, 981.0):
-        voltage, current = max_power(PANEL, light)
-        assert HARVEST.steady(light) == pytest.approx(voltage * current, rel=2e-4)
+        voltage, current = find_max_power(PANEL, light)
+        assert HARVEST.steady_power(light) == pytest.approx(voltage * current, rel=2e-4)
 
 
 def test_a_flickering_lamp_brings_its_duty_of_its_own_brightness():
     flickering = HARVEST(DARK._replace(beacon=200.0, duty=0.5))
-    assert flickering == pytest.approx(0.5 * HARVEST.steady(200.0))
-    assert flickering > HARVEST.steady(100.0)  # a diode gives more than twice in twice the light
+    assert flickering == pytest.approx(0.5 * HARVEST.steady_power(200.0))
+    assert flickering > HARVEST.steady_power(
+        100.0
+    )  # a diode gives more than twice in twice the light
     both = HARVEST(DARK._replace(sun=100.0, beacon=200.0, duty=0.25))
-    assert both == pytest.approx(0.75 * HARVEST.steady(100.0) + 0.25 * HARVEST.steady(300.0))
+    assert both == pytest.approx(
+        0.75 * HARVEST.steady_power(100.0) + 0.25 * HARVEST.steady_power(300.0)
+    )
 
 
 def test_in_light_too_dim_for_the_charger_nothing_is_left_unharvested():
     """The charger's own 22 mW need 27.2 mW from the array."""
     for available, curtailed in ((0.027, 0.0), (0.028, 60.0 * (0.028 * 0.95 - 0.022 / 0.85))):
-        _, spent = fed(CELL, CHARGER, at_rest(1.0), NOTHING, available, 0.0, 60.0)
+        _, spent = step_circuit(CELL, CHARGER, resting_flow(1.0), NOTHING, available, 0.0, 60.0)
         assert spent.curtailed == pytest.approx(curtailed, abs=1e-9)
 
 
 def test_the_books_add_up_entry_by_entry():
     assert NOTHING == (0.0, 0.0, 0.0, 0.0)
-    assert added(Spent(1.0, 2.0, 3.0, 4.0), Spent(10.0, 20.0, 30.0, 40.0)) == (11, 22, 33, 44)
-    before = Spent(1.0, 2.0, 3.0, 4.0)
-    store, once = fed(CELL, CHARGER, at_rest(0.5), NOTHING, 1.0, 0.1, 10.0)
-    again, twice = fed(CELL, CHARGER, at_rest(0.5), before, 1.0, 0.1, 10.0)
+    assert add_totals(EnergyTotals(1.0, 2.0, 3.0, 4.0), EnergyTotals(10.0, 20.0, 30.0, 40.0)) == (
+        11,
+        22,
+        33,
+        44,
+    )
+    before = EnergyTotals(1.0, 2.0, 3.0, 4.0)
+    store, once = step_circuit(CELL, CHARGER, resting_flow(0.5), NOTHING, 1.0, 0.1, 10.0)
+    again, twice = step_circuit(CELL, CHARGER, resting_flow(0.5), before, 1.0, 0.1, 10.0)
     assert again == store
-    assert twice == pytest.approx(added(before, once))
+    assert twice == pytest.approx(add_totals(before, once))
 
 
 def test_the_table_has_256_points_from_a_hundredth_to_two_thousand_watts():
     """At a table point the value is that of the diode equation, without interpolation."""
     for light in np.geomspace(0.01, 2000.0, 256)[[0, 1, 100, 255]]:
-        voltage, current = max_power(PANEL, float(light))
-        assert HARVEST.steady(float(light)) == pytest.approx(voltage * current, rel=1e-9)
-    assert HARVEST.steady(0.0) == 0.0
-    assert HARVEST.steady(0.005) == pytest.approx(0.5 * HARVEST.steady(0.01))
-    assert HARVEST.steady(3000.0) == HARVEST.steady(2000.0)
+        voltage, current = find_max_power(PANEL, float(light))
+        assert HARVEST.steady_power(float(light)) == pytest.approx(voltage * current, rel=1e-9)
+    assert HARVEST.steady_power(0.0) == 0.0
+    assert HARVEST.steady_power(0.005) == pytest.approx(0.5 * HARVEST.steady_power(0.01))
+    assert HARVEST.steady_power(3000.0) == HARVEST.steady_power(2000.0)
 
 
 def test_without_a_beacon_light_is_sun_and_lamps():
     both = HARVEST(DARK._replace(sun=100.0, lamps=20.0, duty=0.5))
-    assert both == pytest.approx(HARVEST.steady(120.0))
+    assert both == pytest.approx(HARVEST.steady_power(120.0))
     assert DARK == (0.0, 0.0, 0.0, 1.0)

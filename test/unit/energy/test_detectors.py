@@ -7,21 +7,23 @@ The figures are those of docs/energy.md and of each file's own words.
 import math
 
 from lta_energy.faults import frozen, panel_short, reversed_sign
-from lta_energy.faults.protocol import Seen
-from lta_energy.faults.watch import DETECTORS, Watch, watched
-from lta_energy.monitoring.load import first, Load
-from lta_energy.monitoring.reading import Reading
-from lta_graph.health import Level
-from lta_model.electrical.battery import Battery
+from lta_energy.faults.all_detectors import DETECTORS, DetectorStates, update_detectors
+from lta_energy.faults.detector import MeterObservation
+from lta_energy.monitoring.load import initial_load, LoadEstimate
+from lta_energy.monitoring.reading import MeterReading
+from lta_graph.health import HealthLevel
+from lta_model.electrical.battery import BatteryModel
 import pytest
 
-CELL = Battery(capacity=900.0, resistance=0.15, relaxation_resistance=0.094, relaxation_time=33.0)
+CELL = BatteryModel(
+    capacity=900.0, resistance=0.15, relaxation_resistance=0.094, relaxation_time=33.0
+)
 BY_NAME = {detector.name: detector for detector in DETECTORS}
-WELL = Reading(0, 3.8, -0.5, panel_voltage=4.4, panel_current=0.0, illuminance=200.0)
+WELL = MeterReading(0, 3.8, -0.5, panel_voltage=4.4, panel_current=0.0, illuminance=200.0)
 
 
 def reading(**changed):
-    return Reading(**{**{name: getattr(WELL, name) for name in (
+    return MeterReading(**{**{name: getattr(WELL, name) for name in (
         'stamp_ns', 'voltage', 'current', 'panel_voltage', 'panel_current', 'illuminance',
     )}, **changed})  # fmt: skip
 
@@ -29,25 +31,25 @@ def reading(**changed):
 def sees(name, now, before=WELL, dt=0.1, memory=None, **other):
     detector = BY_NAME[name]
     memory = detector.start if memory is None else memory
-    return detector.sees(memory, Seen(now, before, dt, CELL, **other))
+    return detector.sees(memory, MeterObservation(now, before, dt, CELL, **other))
 
 
 def test_what_each_does_and_how_long_it_takes():
     """ERROR brings the drone down; a reading that is spoilt does not reach the filter."""
     assert [(d.name, d.level, d.spoils, d.rise, d.fall) for d in DETECTORS] == [
-        ('not a number', Level.ERROR, True, 0.0, 2.0),
-        ('dropout', Level.ERROR, True, 0.0, 2.0),
-        ('clock', Level.ERROR, False, 0.0, 2.0),
-        ('frozen', Level.ERROR, True, 0.0, 2.0),
-        ('implausible', Level.ERROR, True, 0.3, 2.0),
-        ('reversed current', Level.ERROR, True, 0.3, 5.0),
-        ('brown-out', Level.ERROR, False, 0.2, 5.0),
-        ('swapped', Level.ERROR, True, 0.3, 10.0),
-        ('gap', Level.WARN, False, 0.0, 5.0),
-        ('set back', Level.WARN, False, 0.0, 5.0),
-        ('panel not measured', Level.WARN, False, 0.0, 1.0),
-        ('panel short', Level.WARN, False, 1.0, 2.0),
-        ('panel frozen', Level.WARN, False, 0.0, 2.0),
+        ('not a number', HealthLevel.ERROR, True, 0.0, 2.0),
+        ('dropout', HealthLevel.ERROR, True, 0.0, 2.0),
+        ('clock', HealthLevel.ERROR, False, 0.0, 2.0),
+        ('frozen', HealthLevel.ERROR, True, 0.0, 2.0),
+        ('implausible', HealthLevel.ERROR, True, 0.3, 2.0),
+        ('reversed current', HealthLevel.ERROR, True, 0.3, 5.0),
+        ('brown-out', HealthLevel.ERROR, False, 0.2, 5.0),
+        ('swapped', HealthLevel.ERROR, True, 0.3, 10.0),
+        ('gap', HealthLevel.WARN, False, 0.0, 5.0),
+        ('set back', HealthLevel.WARN, False, 0.0, 5.0),
+        ('panel not measured', HealthLevel.WARN, False, 0.0, 1.0),
+        ('panel short', HealthLevel.WARN, False, 1.0, 2.0),
+        ('panel frozen', HealthLevel.WARN, False, 0.0, 2.0),
     ]
 
 
@@ -196,49 +198,58 @@ def test_a_voltage_that_changes_by_more_than_the_resistance_has_another_cause():
 
 
 def test_a_reading_in_which_a_grave_fault_is_found_is_no_other_cell():
-    jump = Seen(reading(voltage=5.0, current=-0.6), WELL, 0.1, CELL, surprise=20.0)
-    watch = watched(Watch(), jump)
+    jump = MeterObservation(reading(voltage=5.0, current=-0.6), WELL, 0.1, CELL, surprise=20.0)
+    watch = update_detectors(DetectorStates(), jump)
     seen = dict(zip(BY_NAME, watch.seen, strict=True))
     assert (seen['implausible'], seen['swapped']) == (True, False)
-    assert watch.spoilt
-    assert not watch.doubtful  # it must last 0.3 s
-    other = watched(Watch(), jump._replace(reading=reading(voltage=4.0, current=-0.6)))
+    assert watch.is_unusable
+    assert not watch.is_doubtful  # it must last 0.3 s
+    other = update_detectors(
+        DetectorStates(), jump._replace(reading=reading(voltage=4.0, current=-0.6))
+    )
     assert dict(zip(BY_NAME, other.seen, strict=True))['swapped']
 
 
 def test_a_doubt_is_of_faults_that_bring_it_down_alone():
-    gap = watched(Watch(), Seen(WELL, WELL, 2.0, CELL))
+    gap = update_detectors(DetectorStates(), MeterObservation(WELL, WELL, 2.0, CELL))
     assert [fault.name for fault in gap.faults] == ['gap']
-    assert not gap.doubtful
-    assert not gap.spoilt
-    lost = watched(Watch(), Seen(reading(voltage=0.0), WELL, 0.1, CELL))
+    assert not gap.is_doubtful
+    assert not gap.is_unusable
+    lost = update_detectors(
+        DetectorStates(), MeterObservation(reading(voltage=0.0), WELL, 0.1, CELL)
+    )
     assert [fault.name for fault in lost.faults] == ['dropout']
-    assert lost.doubtful
-    assert lost.spoilt
+    assert lost.is_doubtful
+    assert lost.is_unusable
 
 
 def test_before_the_first_reading_nothing_is_drawn():
-    assert Load() == (0.0, 0.0, 0.0, 0.0)
-    assert first(3.0) == (3.0, 3.0, 9.0, 0.0)
+    assert LoadEstimate() == (0.0, 0.0, 0.0, 0.0)
+    assert initial_load(3.0) == (3.0, 3.0, 9.0, 0.0)
 
 
 def test_a_watch_of_another_number_of_detectors_is_an_error():
     """A detector paired with the latch of another would report the wrong fault."""
-    for short in (Watch(latches=()), Watch(sentences=()), Watch(seen=()), Watch(memories=())):
+    for short in (
+        DetectorStates(latches=()),
+        DetectorStates(sentences=()),
+        DetectorStates(seen=()),
+        DetectorStates(memories=()),
+    ):
         with pytest.raises(ValueError, match='shorter'):
-            _ = (short.faults, short.doubtful, short.spoilt, watched(short, LOOK))
+            _ = (short.faults, short.is_doubtful, short.is_unusable, update_detectors(short, LOOK))
     for name, told in (('latches', 'doubtful'), ('latches', 'faults'), ('seen', 'spoilt')):
         with pytest.raises(ValueError, match='shorter'):
-            getattr(Watch(**{name: getattr(Watch(), name)[:-1]}), told)
+            getattr(DetectorStates(**{name: getattr(DetectorStates(), name)[:-1]}), told)
 
 
-LOOK = Seen(WELL, WELL, 0.1, CELL)
+LOOK = MeterObservation(WELL, WELL, 0.1, CELL)
 
 
 def test_a_clean_watch_knows_of_nothing():
-    watch = Watch()
+    watch = DetectorStates()
     assert watch.memories == ((), (), (0.0,), (0.0, 0.0), (), (0.0, 0.0), *((),) * 6, (0.0,))
     assert watch.latches == ((False, 0.0),) * 13
     assert (watch.seen, watch.sentences) == ((False,) * 13, ('',) * 13)
-    assert (watch.faults, watch.spoilt, watch.doubtful) == ((), False, False)
+    assert (watch.faults, watch.is_unusable, watch.is_doubtful) == ((), False, False)
     assert LOOK[4:] == (0.0, 0.0)

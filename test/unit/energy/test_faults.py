@@ -5,12 +5,12 @@ import math
 
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_energy.faults.watch import DETECTORS
+from lta_energy.faults.all_detectors import DETECTORS
 from lta_energy.monitoring import alarms
-from lta_energy.monitoring.estimate import Estimate
-from lta_energy.monitoring.latch import Latch, latched, ROUNDING
-from lta_energy.monitoring.monitor import update
-from lta_graph.health import Level
+from lta_energy.monitoring.estimate import EnergyEstimate
+from lta_energy.monitoring.latch import Latch, ROUNDING, update_latch
+from lta_energy.monitoring.monitor import update_estimate
+from lta_graph.health import HealthLevel
 import pytest
 
 from .metered import ABOARD, CELL, follow, Metered, SETTINGS
@@ -44,7 +44,7 @@ def flown(change, lit=False):
     assert names(estimate) == set()
     named = set()
     for reading in clean(AFTER, change):
-        estimate = update(SETTINGS, ABOARD, estimate, reading)
+        estimate = update_estimate(SETTINGS, ABOARD, estimate, reading)
         named |= names(estimate)
     return named, estimate
 
@@ -75,11 +75,11 @@ def test_a_fault_of_the_battery_is_named_and_ends_the_flight(name):
     assert name in named
     assert named == {name}
     assert estimate.reserve
-    assert estimate.urgent
-    level, sentence = alarms.meters(estimate)
-    assert level is Level.ERROR
+    assert estimate.is_urgent
+    level, sentence = alarms.assess_meters(estimate)
+    assert level is HealthLevel.ERROR
     assert sentence.startswith(name)
-    assert alarms.battery(SETTINGS, CELL, estimate)[0] is Level.ERROR
+    assert alarms.assess_battery(SETTINGS, CELL, estimate)[0] is HealthLevel.ERROR
 
 
 PANEL = {
@@ -94,8 +94,8 @@ def test_a_fault_of_the_panel_is_named_and_the_flight_goes_on(name):
     named, estimate = flown(PANEL[name], lit=True)
     assert named == {name}
     assert not estimate.reserve
-    assert not estimate.urgent
-    assert alarms.meters(estimate)[0] is Level.WARN
+    assert not estimate.is_urgent
+    assert alarms.assess_meters(estimate)[0] is HealthLevel.WARN
 
 
 def test_a_voltage_that_stands_still_is_frozen_too():
@@ -112,7 +112,7 @@ def test_a_reversed_current_is_seen_in_bright_light_by_the_resistance():
 
     estimate = follow(clean(200, change))
     assert 'reversed current' in names(estimate)
-    assert 'the voltage falls when the cell is charged' in alarms.meters(estimate)[1]
+    assert 'the voltage falls when the cell is charged' in alarms.assess_meters(estimate)[1]
 
 
 def test_another_cell_is_noticed_and_its_charge_estimated_anew():
@@ -121,7 +121,7 @@ def test_another_cell_is_noticed_and_its_charge_estimated_anew():
     cell.charge, cell.relaxation = 0.35, 0.0
     estimate = follow(clean(3), estimate=estimate)
     assert 'swapped' in names(estimate)
-    assert estimate.urgent
+    assert estimate.is_urgent
     estimate = follow(clean(600), estimate=estimate)
     assert names(estimate) == set()
     assert estimate.charge == pytest.approx(cell.charge, abs=0.05)
@@ -161,10 +161,10 @@ def test_a_clock_that_is_set_back_is_told_and_the_energy_stays_known(back):
 
     named, stored, told = set(), estimate.books.stored, set()
     for reading in clean(550, earlier):
-        last, estimate = estimate, update(SETTINGS, ABOARD, estimate, reading)
+        last, estimate = estimate, update_estimate(SETTINGS, ABOARD, estimate, reading)
         named |= names(estimate)
         told |= {fault.sentence for fault in estimate.watch.faults}
-        assert not estimate.urgent
+        assert not estimate.is_urgent
         assert not estimate.reserve
         assert abs(estimate.books.stored - last.books.stored) < 2.0  # J; of 0.2 s, not of the leap
     assert named == {'set back'}
@@ -208,19 +208,19 @@ def test_a_fault_is_taken_back_only_after_a_while():
 @pytest.mark.parametrize('lit', [False, True])
 def test_clean_flights_raise_no_alarm(seed, lit):
     """A minute each of a cell that differs from its file, from the middle of some flight."""
-    cell, estimate = Metered(seed, (0.35, 1.0), off=True), Estimate()
+    cell, estimate = Metered(seed, (0.35, 1.0), off=True), EnergyEstimate()
     for _ in range(600):
         light = abs(cell.rng.normal(0.2, 1e-3)) if lit else 0.0
         reading = cell.reading(panel_current=light, illuminance=5e4 * lit)
-        estimate = update(SETTINGS, ABOARD, estimate, reading)
+        estimate = update_estimate(SETTINGS, ABOARD, estimate, reading)
         assert names(estimate) == set(), seed
 
 
 def test_the_electronics_alone_raise_no_alarm():
     """Ten minutes of rest at 28 mA: the meter repeats itself often, but not for 5 s."""
-    cell, estimate = Metered(3), Estimate()
+    cell, estimate = Metered(3), EnergyEstimate()
     for _ in range(6000):
-        estimate = update(SETTINGS, ABOARD, estimate, cell.reading(0.119))
+        estimate = update_estimate(SETTINGS, ABOARD, estimate, cell.reading(0.119))
         assert names(estimate) == set()
 
 
@@ -233,7 +233,7 @@ def test_a_latch_changes_only_when_its_condition_has_lasted(conditions, rise, fa
     latch, lasted = Latch(), 0.0
     for condition in conditions:
         before = latch
-        latch = latched(latch, condition, 0.1, rise, fall)
+        latch = update_latch(latch, condition, 0.1, rise, fall)
         lasted = lasted + 0.1 if condition != before.on else 0.0
         assert (latch.on != before.on) == (
             lasted > 0.0 and lasted + ROUNDING >= (rise if condition else fall)
@@ -251,7 +251,7 @@ def test_what_no_meter_reads_is_named_and_leaves_nothing_behind(impossible):
     before = follow(clean(BEFORE))
     struck = follow([replace(one, **impossible) for one in clean(10)], estimate=before)
     assert 'not a number' in names(struck)
-    assert 'the cell cannot have ' in alarms.battery(SETTINGS, CELL, struck)[1]
+    assert 'the cell cannot have ' in alarms.assess_battery(SETTINGS, CELL, struck)[1]
     after = follow(clean(AFTER), estimate=struck)
     assert after.charge == pytest.approx(before.charge, abs=0.02)
     assert after.belief.deviation < 1.1 * before.belief.deviation

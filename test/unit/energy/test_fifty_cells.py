@@ -8,8 +8,8 @@ which leaves the filter less to work with than the ten of the graph; `test/score
 measures all of it at ten.
 """
 
-from lta_energy.monitoring.estimate import Estimate
-from lta_energy.monitoring.monitor import time_to_empty, update
+from lta_energy.monitoring.estimate import EnergyEstimate
+from lta_energy.monitoring.monitor import time_to_empty, update_estimate
 import numpy as np
 import pytest
 
@@ -41,9 +41,9 @@ def test_the_charge_is_known_to_five_percent_after_ten_minutes(seeds):
 def test_the_time_to_empty_is_known_to_ten_percent_at_half_charge(seeds):
     scores = []
     for seed in seeds:
-        cell, estimate = Metered(seed, (0.55, 0.75), off=True, period=1.0), Estimate()
+        cell, estimate = Metered(seed, (0.55, 0.75), off=True, period=1.0), EnergyEstimate()
         while cell.charge > 0.5:
-            estimate = update(SETTINGS, ABOARD, estimate, cell.reading())
+            estimate = update_estimate(SETTINGS, ABOARD, estimate, cell.reading())
         told, true = time_to_empty(SETTINGS, CELL, estimate), cell.lasts()
         assert told.mean == pytest.approx(true, rel=0.10), seed
         scores.append((told.mean - true) / told.deviation)

@@ -3,20 +3,20 @@
 import math
 
 from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_energy.circuit import at_rest, fed, NOTHING, Spent
-from lta_energy.diary import ALOFT, ASLEEP, AWAY, Flight, OUT, PERCHED
-from lta_energy.gauge import Gauge, gauged
-from lta_energy.light_of_days import LightOfDays
-from lta_energy.mission import Landing, Life, Upkeep
-from lta_energy.schedule import Wish
-from lta_model.electrical.battery import Battery
-from lta_model.electrical.power_path import Charger
+from lta_energy.circuit import EnergyTotals, NOTHING, resting_flow, step_circuit
+from lta_energy.gauge import ChargeGauge, update_gauge
+from lta_energy.irradiance import IrradianceSeries
+from lta_energy.mission import Landing, MissionSimulation, PerchConfig
+from lta_energy.mission_log import ALOFT, ASLEEP, AWAY, MissionFlight, OUT, PERCHED
+from lta_energy.schedule import ScheduleDecision
+from lta_model.electrical.battery import BatteryModel
+from lta_model.electrical.charger import ChargerModel
 import numpy as np
 import pytest
 
 ENERGY = load_vehicle_file('gtmab').energy
-CELL, CHARGER = Battery.of(ENERGY), Charger.of(ENERGY)
-UPKEEP = Upkeep(
+CELL, CHARGER = BatteryModel.from_energy(ENERGY), ChargerModel.from_energy(ENERGY)
+UPKEEP = PerchConfig(
     CELL, CHARGER, lambda light: 0.001 * light.sun, 0.097, 0.006, (0.0, 86400.0), 0.25, 0.6,
     3600.0, gain=1.1, offset=0.002,
 )  # fmt: skip
@@ -24,7 +24,7 @@ UPKEEP = Upkeep(
 
 def light(minutes=200, sun=0.0, clear=0.0, beacon=0.0):
     day = np.ones(1440)
-    return LightOfDays(
+    return IrradianceSeries(
         sun * day[:minutes],
         0 * day[:minutes],
         beacon * day,
@@ -42,18 +42,18 @@ def lived(wishes, fly=None, upkeep=UPKEEP, **of_light):
     def schedule(known):
         seen.append(known)
         wish = next(left, None)
-        return Wish(False, math.inf, True) if wish is None else wish(known)
+        return ScheduleDecision(False, math.inf, True) if wish is None else wish(known)
 
-    life = Life(upkeep, light(**of_light), schedule, fly, (180.0, 100.0))
-    return life.live(ends.append), seen, ends
+    life = MissionSimulation(upkeep, light(**of_light), schedule, fly, (180.0, 100.0))
+    return life.run(ends.append), seen, ends
 
 
 def fly(known):
-    return Wish(True)
+    return ScheduleDecision(True)
 
 
 def rest(seconds, asleep=True):
-    return lambda known: Wish(False, known.time + seconds, asleep)
+    return lambda known: ScheduleDecision(False, known.time + seconds, asleep)
 
 
 def flights(*rows):
@@ -62,8 +62,10 @@ def flights(*rows):
 
     def fly(departure):
         consumed, duration, ending = next(left)
-        spent = Spent(1.0, 0.0, consumed, 0.5)
-        flight = Flight(departure.time, duration, 0, 0.0, spent, 0.6, 0.56, 0.7, 3.8, ending)
+        spent = EnergyTotals(1.0, 0.0, consumed, 0.5)
+        flight = MissionFlight(
+            departure.time, duration, 0, 0.0, spent, 0.6, 0.56, 0.7, 3.8, ending
+        )
         return Landing(departure.store, flight)
 
     return fly
@@ -71,7 +73,7 @@ def flights(*rows):
 
 def test_what_is_known_before_the_first_flight():
     _, (first, *_), _ = lived([])
-    assert first[:2] == (0.0, Gauge(0.6, 0.05))
+    assert first[:2] == (0.0, ChargeGauge(0.6, 0.05))
     assert first.seen == 1.0
     assert first[6:] == (0.097, 0.006, (0.0, 86400.0), 0.25, 180.0, pytest.approx(18.0), 100.0,
                          -math.inf, 0.0)  # fmt: skip
@@ -121,10 +123,10 @@ def test_rest_lasts_a_minute_at_least_and_never_beyond_the_last_day():
 @pytest.mark.parametrize(('asleep', 'watts'), [(True, 0.006), (False, 0.097)])
 def test_a_rest_draws_what_it_takes_in_steps_of_half_a_minute(asleep, watts):
     diary, seen, _ = lived([rest(75.0, asleep)], sun=50.0)
-    store, gauge, spent = at_rest(0.6), Gauge(0.6, 0.05), NOTHING
+    store, gauge, spent = resting_flow(0.6), ChargeGauge(0.6, 0.05), NOTHING
     for dt in (30.0, 30.0, 15.0):
-        store, spent = fed(CELL, CHARGER, store, spent, 0.05, watts, dt)
-        gauge = gauged(CELL, gauge, store.voltage, 1.1 * store.current + 0.002, dt)
+        store, spent = step_circuit(CELL, CHARGER, store, spent, 0.05, watts, dt)
+        gauge = update_gauge(CELL, gauge, store.voltage, 1.1 * store.current + 0.002, dt)
     assert seen[1].gauge == pytest.approx(gauge, rel=1e-12)
     assert diary.state[0] == (ASLEEP if asleep else PERCHED)
     assert diary.charge[1] == pytest.approx(store.charge, rel=1e-3)
@@ -177,7 +179,7 @@ def test_a_flight_that_ends_without_any_light_is_counted(lit, dark):
 
 
 def test_a_cell_that_goes_out_is_counted_once_and_draws_nothing_until_light_has_charged_it():
-    upkeep = Upkeep(
+    upkeep = PerchConfig(
         **{name: getattr(UPKEEP, name) for name in UPKEEP.__slots__} | {'charge': 0.002}
     )
     hungry = [rest(600.0, asleep=False)]

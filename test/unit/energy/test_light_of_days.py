@@ -4,7 +4,14 @@ import dataclasses
 import math
 
 from lta_config.schema.light_day_file import load_light_day
-from lta_energy.light_of_days import burning, clear_day, elevation, light_of, MINUTES, through
+from lta_energy.irradiance import (
+    clear_sky_irradiance,
+    lamp_irradiance,
+    MINUTES,
+    simulate_cloud_transmittance,
+    simulate_irradiance,
+    solar_elevation_sine,
+)
 import numpy as np
 import pytest
 
@@ -17,18 +24,22 @@ def test_the_sun_stands_where_the_almanac_has_it():
     """At 52 degrees: 38 at noon of the equinox, 61.4 at midsummer's, rising at 6 and 3:45."""
     latitude = math.radians(52.0)
     noon = np.array([12.0 * HOUR])
-    assert np.degrees(np.arcsin(elevation(latitude, 81, noon)))[0] == pytest.approx(38.0, abs=0.1)
-    assert np.degrees(np.arcsin(elevation(latitude, 172, noon)))[0] == pytest.approx(
+    assert np.degrees(np.arcsin(solar_elevation_sine(latitude, 81, noon)))[0] == pytest.approx(
+        38.0, abs=0.1
+    )
+    assert np.degrees(np.arcsin(solar_elevation_sine(latitude, 172, noon)))[0] == pytest.approx(
         61.45, abs=0.1
     )
-    assert elevation(latitude, 81, np.array([6.0 * HOUR]))[0] == pytest.approx(0.0, abs=1e-3)
+    assert solar_elevation_sine(latitude, 81, np.array([6.0 * HOUR]))[0] == pytest.approx(
+        0.0, abs=1e-3
+    )
     rise = math.acos(-math.tan(latitude) * math.tan(math.radians(23.45)))
     early = np.array([(12.0 - math.degrees(rise) / 15.0) * HOUR])
-    assert elevation(latitude, 172, early)[0] == pytest.approx(0.0, abs=1e-4)
+    assert solar_elevation_sine(latitude, 172, early)[0] == pytest.approx(0.0, abs=1e-4)
 
 
 def test_a_clear_noon_is_haurwitz_behind_glass():
-    light = light_of(SPRING, 1, 1)
+    light = simulate_irradiance(SPRING, 1, 1)
     sine = math.sin(math.radians(38.0)) - 0.0055  # 21 March by Cooper: declination -0.4 degrees
     outside = 1098.0 * sine * math.exp(-0.057 / sine)
     assert light.clear[MINUTES // 2] == pytest.approx(0.65 * outside, rel=2e-3)
@@ -38,31 +49,31 @@ def test_a_clear_noon_is_haurwitz_behind_glass():
 
 def test_clouds_cover_what_the_file_says_and_let_through_what_it_says():
     chance = np.random.default_rng(4)
-    days = np.array([through(SPRING.sun.clouds, chance) for _ in range(400)])
+    days = np.array([simulate_cloud_transmittance(SPRING.sun.clouds, chance) for _ in range(400)])
     clouded = days < 1.0
     assert clouded.mean() == pytest.approx(0.5, abs=0.03)
     assert days[clouded].min() >= 0.2
     assert days[clouded].max() <= 0.5
-    assert days.mean() == pytest.approx(light_of(SPRING, 1, 1).mean, abs=0.02)
+    assert days.mean() == pytest.approx(simulate_irradiance(SPRING, 1, 1).mean, abs=0.02)
 
 
 def test_a_seed_is_a_sky():
-    first, again, other = (light_of(SPRING, 2, seed) for seed in (1, 1, 2))
+    first, again, other = (simulate_irradiance(SPRING, 2, seed) for seed in (1, 1, 2))
     np.testing.assert_array_equal(first.sun, again.sun)
     assert np.abs(first.sun - other.sun).max() > 50.0
     np.testing.assert_array_equal(first.clear, other.clear)
-    assert first.expected(12 * HOUR).sun == pytest.approx(first.mean * first.clear[MINUTES // 2])
+    assert first.forecast(12 * HOUR).sun == pytest.approx(first.mean * first.clear[MINUTES // 2])
 
 
 def test_lamps_burn_by_their_timers_over_midnight_too():
-    light = light_of(DOCK, 1, 1)
+    light = simulate_irradiance(DOCK, 1, 1)
     assert light.at(4.9 * HOUR) == (0.0, 0.0, 0.0, 0.5)
     assert light.at(5.1 * HOUR) == (0.0, 0.0, pytest.approx(80e3 / 300.0), 0.5)
     assert light.at(12.0 * HOUR).lamps == pytest.approx(1.0)
-    assert light.lux()[12 * 60] == pytest.approx(300.0 + 40e3)
+    assert light.illuminance()[12 * 60] == pytest.approx(300.0 + 40e3)
     hours = DOCK.lamps['beacon'].hours.model_copy(update={'value': (23.0, 5.0)})
     lamp = DOCK.lamps['beacon'].model_copy(update={'hours': hours})
-    night = light_of(DOCK.model_copy(update={'lamps': {'beacon': lamp}}), 1, 1)
+    night = simulate_irradiance(DOCK.model_copy(update={'lamps': {'beacon': lamp}}), 1, 1)
     assert [night.at(hour * HOUR).beacon > 0.0 for hour in (0.5, 4.9, 5.1, 22.9, 23.1)] == [
         True, True, False, False, True,
     ]  # fmt: skip
@@ -77,30 +88,30 @@ def test_a_timer_switches_at_the_second(hours, lit):
     told = lamp.hours.model_copy(update={'value': hours})
     lamp = lamp.model_copy(update={'hours': told})
     times = np.array([5.0 * HOUR - 1.0, 5.0 * HOUR, 22.0 * HOUR - 1.0, 22.0 * HOUR])
-    assert (burning(lamp, times) > 0.0).tolist() == lit
-    assert (burning(lamp, times + 24.0 * HOUR) > 0.0).tolist() == lit
+    assert (lamp_irradiance(lamp, times) > 0.0).tolist() == lit
+    assert (lamp_irradiance(lamp, times + 24.0 * HOUR) > 0.0).tolist() == lit
 
 
 def test_before_and_after_the_days_the_first_and_the_last_minute_stand():
-    light = light_of(SPRING, 2, 1)
+    light = simulate_irradiance(SPRING, 2, 1)
     assert light.end == 2 * 24 * HOUR
     assert (len(light.sun), MINUTES) == (2880, 1440)
     ramp = dataclasses.replace(light, sun=np.arange(2880.0), clear=np.arange(2880.0), mean=0.5)
     told = [ramp.at(time).sun for time in (-90.0, 0.0, 59.9, 60.0, light.end - 1.0, light.end)]
     assert told == [0.0, 0.0, 0.0, 1.0, 2879.0, 2879.0]
-    days = [ramp.expected(time).sun for time in (0.0, 61.0, 24 * HOUR - 1.0, 24 * HOUR + 61.0)]
+    days = [ramp.forecast(time).sun for time in (0.0, 61.0, 24 * HOUR - 1.0, 24 * HOUR + 61.0)]
     assert days == [0.0, 0.5, 719.5, 0.5]
 
 
 def test_lux_are_watts_by_the_efficacy_of_each_and_a_beacon_counts_by_its_duty():
-    light = light_of(DOCK, 1, 1)
+    light = simulate_irradiance(DOCK, 1, 1)
     ones = np.ones(1440)
     even = dataclasses.replace(
         light, sun=ones, lamps=ones, beacon=ones, duty=0.25, efficacies=(110.0, 300.0, 200.0)
     )
-    assert even.lux().tolist() == [460.0] * 1440
+    assert even.illuminance().tolist() == [460.0] * 1440
     assert (light.mean, light.duty, light.efficacies) == (1.0, 0.5, (1.0, 300.0, 300.0))
-    spring = light_of(SPRING, 1, 1)
+    spring = simulate_irradiance(SPRING, 1, 1)
     # Half of the sky, of which 35 % comes through: 1 - 0.5 * 0.65.
     assert spring.mean == pytest.approx(0.675)
     assert (spring.duty, spring.efficacies) == (1.0, (110.0, 1.0, 1.0))
@@ -110,7 +121,9 @@ def test_a_day_without_clouds_is_clear_and_an_overcast_one_has_no_gap():
     clouds = SPRING.sun.clouds
     for cover, clear in (((0.0, 0.0), True), ((100.0, 100.0), False)):
         told = clouds.cover.model_copy(update={'value': cover})
-        share = through(clouds.model_copy(update={'cover': told}), np.random.default_rng(1))
+        share = simulate_cloud_transmittance(
+            clouds.model_copy(update={'cover': told}), np.random.default_rng(1)
+        )
         assert len(share) == MINUTES
         assert (share == 1.0).all() == clear
         assert clear or share.max() <= 0.5
@@ -123,7 +136,7 @@ def test_the_sun_gives_nothing_below_the_horizon():
     sun = SPRING.sun
     equator = sun.latitude.model_copy(update={'value': 0.0})
     times = np.array([0.0, 8.0 * HOUR, 12.0 * HOUR])
-    told = clear_day(sun.model_copy(update={'latitude': equator, 'day': 81}), times)
+    told = clear_sky_irradiance(sun.model_copy(update={'latitude': equator, 'day': 81}), times)
     assert told == pytest.approx(
         [0.0, 0.65 * 549.0 * math.exp(-0.114), 0.65 * 1098.0 * math.exp(-0.057)], rel=1e-4
     )
@@ -136,7 +149,7 @@ def test_clouds_are_as_long_as_the_file_says_and_may_be_there_at_midnight():
         SPRING.sun.clouds.model_copy(update={'cover': cover}),
         np.random.default_rng(5),
     )
-    days = np.array([through(clouds, chance) for _ in range(400)])
+    days = np.array([simulate_cloud_transmittance(clouds, chance) for _ in range(400)])
     assert (days < 1.0).mean() == pytest.approx(0.25, abs=0.015)
     assert (days[:, 0] < 1.0).mean() == pytest.approx(0.25, abs=0.07)
     assert (days[:, -1] < 1.0).mean() == pytest.approx(0.25, abs=0.07)

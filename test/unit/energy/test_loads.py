@@ -10,22 +10,22 @@ from pydantic import ValidationError
 import pytest
 
 ENERGY = load_vehicle_file('gtmab').energy
-LOADS = loads.Loads.of(ENERGY)
+LOADS = loads.LoadModel.from_energy(ENERGY)
 
 
 @pytest.mark.parametrize('name', ['idle', 'transmitting', 'rotor_offset', 'rotor_slope'])
 def test_no_load_is_negative_or_left_out(name):
     given = LOADS.model_dump()
     with pytest.raises(ValidationError, match=name):
-        loads.Loads(**{**given, name: -0.1})
+        loads.LoadModel(**{**given, name: -0.1})
     del given[name]
     with pytest.raises(ValidationError, match=name):
-        loads.Loads(**given)
+        loads.LoadModel(**given)
 
 
 def test_the_papers_electronics():
-    assert loads.demand(LOADS, (0.0,) * 4, transmitting=False) == pytest.approx(0.097)
-    assert loads.demand(LOADS, (0.0,) * 4, transmitting=True) == pytest.approx(0.120)
+    assert loads.power_demand(LOADS, (0.0,) * 4, transmitting=False) == pytest.approx(0.097)
+    assert loads.power_demand(LOADS, (0.0,) * 4, transmitting=True) == pytest.approx(0.120)
 
 
 @pytest.mark.parametrize(
@@ -47,8 +47,8 @@ def test_a_still_rotor_takes_nothing_and_thrust_of_either_sign_the_same():
 
 @given(st.lists(st.floats(-0.2, 0.2), max_size=8))
 def test_demand_does_not_depend_on_the_order_of_rotors(thrusts):
-    forwards = loads.demand(LOADS, thrusts, transmitting=True)
-    assert forwards == pytest.approx(loads.demand(LOADS, thrusts[::-1], True), rel=1e-12)
+    forwards = loads.power_demand(LOADS, thrusts, transmitting=True)
+    assert forwards == pytest.approx(loads.power_demand(LOADS, thrusts[::-1], True), rel=1e-12)
     spinning = np.count_nonzero(thrusts)
     expected = 0.120 + 0.027 * spinning + 23.96 * np.abs(thrusts).sum()
     assert forwards == pytest.approx(expected, rel=1e-12)

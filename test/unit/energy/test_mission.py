@@ -8,36 +8,50 @@ import math
 from lta_config.schema.light_day_file import DAY, load_light_day
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_energy import mission
-from lta_energy.circuit import fed, NOTHING
-from lta_energy.diary import ALOFT, ASLEEP, Flight, PERCHED
-from lta_energy.gauge import Gauge
-from lta_energy.harvest import Harvest
-from lta_energy.light_of_days import light_of
-from lta_energy.mission import Landing, Life, Upkeep
-from lta_energy.schedule import at_work, by_light, fixed, Known, night, outlook, Wish
-from lta_model.electrical.battery import Battery
-from lta_model.electrical.panel import Panel
-from lta_model.electrical.power_path import Charger, output
+from lta_energy.circuit import NOTHING, step_circuit
+from lta_energy.gauge import ChargeGauge
+from lta_energy.harvest import HarvestCurve
+from lta_energy.irradiance import simulate_irradiance
+from lta_energy.mission import Landing, MissionSimulation, PerchConfig
+from lta_energy.mission_log import ALOFT, ASLEEP, MissionFlight, PERCHED
+from lta_energy.schedule import (
+    build_fixed_schedule,
+    forecast_charge,
+    is_within_hours,
+    night_energy,
+    schedule_by_light,
+    ScheduleDecision,
+    ScheduleInputs,
+)
+from lta_model.electrical.battery import BatteryModel
+from lta_model.electrical.charger import charger_output, ChargerModel
+from lta_model.electrical.panel import SolarArrayModel
 import pytest
 
 ENERGY = load_vehicle_file('gtmab').energy
-CELL, CHARGER, HARVEST = Battery.of(ENERGY), Charger.of(ENERGY), Harvest(Panel.of(ENERGY))
+CELL, CHARGER, HARVEST = (
+    BatteryModel.from_energy(ENERGY),
+    ChargerModel.from_energy(ENERGY),
+    HarvestCurve(SolarArrayModel.from_energy(ENERGY)),
+)
 HOUR = 3600.0
 SPRING, SUMMER, DOCK = (
     load_light_day(name) for name in ('greenhouse_spring', 'greenhouse_summer', 'warehouse_dock')
 )
-UPKEEP = Upkeep(CELL, CHARGER, HARVEST, 0.097, 0.006, (7.0 * HOUR, 18.0 * HOUR), 0.25, 0.6, HOUR)
+UPKEEP = PerchConfig(
+    CELL, CHARGER, HARVEST, 0.097, 0.006, (7.0 * HOUR, 18.0 * HOUR), 0.25, 0.6, HOUR
+)
 
 
 def flown(departure, watts=1.8, seconds=100.0, ending='home'):
     """Fly at constant power, as a mission never does."""
     store, spent = departure.store, NOTHING
     for _ in range(round(seconds)):
-        store, spent = fed(CELL, CHARGER, store, spent, 0.0, watts, 1.0)
+        store, spent = step_circuit(CELL, CHARGER, store, spent, 0.0, watts, 1.0)
     told = departure.told - departure.store.charge + store.charge
     return Landing(
         store,
-        Flight(
+        MissionFlight(
             departure.time, seconds, 2, 40.0, spent, departure.store.charge, store.charge, told,
             store.voltage, ending,
         ),
@@ -45,23 +59,25 @@ def flown(departure, watts=1.8, seconds=100.0, ending='home'):
 
 
 def lived(day, schedule, *, upkeep=UPKEEP, days=1, seed=1, fly=flown):
-    return Life(upkeep, light_of(day, days, seed), schedule, fly, (180.0, 100.0)).live()
+    return MissionSimulation(
+        upkeep, simulate_irradiance(day, days, seed), schedule, fly, (180.0, 100.0)
+    ).run()
 
 
 def coming(light):
-    return output(CHARGER, HARVEST(light))
+    return charger_output(CHARGER, HARVEST(light))
 
 
 def known(**change):
     """Return what a schedule sees at noon of a spring day with a cell three quarters full."""
-    at_noon = Known(
-        12 * HOUR, Gauge(0.75, 0.01), CELL, coming, light_of(SPRING, 1, 1), 1.0, 0.097, 0.006,
-        (7 * HOUR, 18 * HOUR), 0.25, 180.0, 10.0, 100.0, 11.0 * HOUR, 100.0,
+    at_noon = ScheduleInputs(
+        12 * HOUR, ChargeGauge(0.75, 0.01), CELL, coming, simulate_irradiance(SPRING, 1, 1), 1.0,
+        0.097, 0.006, (7 * HOUR, 18 * HOUR), 0.25, 180.0, 10.0, 100.0, 11.0 * HOUR, 100.0,
     )  # fmt: skip
     return at_noon._replace(**change)
 
 
-@pytest.mark.parametrize('schedule', [by_light, fixed(4.0)])
+@pytest.mark.parametrize('schedule', [schedule_by_light, build_fixed_schedule(4.0)])
 @pytest.mark.parametrize('day', [SPRING, SUMMER, DOCK])
 def test_the_books_balance(day, schedule):
     diary = lived(day, schedule, days=2)
@@ -71,7 +87,7 @@ def test_the_books_balance(day, schedule):
 
 
 def test_the_naive_rests_four_times_its_flight():
-    diary = lived(SUMMER, fixed(4.0))
+    diary = lived(SUMMER, build_fixed_schedule(4.0))
     gaps = {
         round(b.start - a.start - a.duration)
         for a, b in zip(diary.flights[:10], diary.flights[1:11], strict=True)
@@ -81,15 +97,15 @@ def test_the_naive_rests_four_times_its_flight():
 
 
 def test_ours_flies_more_of_a_summer_day_and_wastes_less():
-    ours, naive = lived(SUMMER, by_light), lived(SUMMER, fixed(4.0))
+    ours, naive = lived(SUMMER, schedule_by_light), lived(SUMMER, build_fixed_schedule(4.0))
     assert len(ours.flights) > 1.2 * len(naive.flights)
     assert ours.spent.curtailed < 0.5 * naive.spent.curtailed
-    assert ours.failures <= naive.failures == 0
+    assert ours.failure_count <= naive.failure_count == 0
     assert min(ours.charge) > 0.2
 
 
 def test_all_are_home_before_work_ends_and_the_night_leaves_something():
-    for schedule in (by_light, fixed(4.0)):
+    for schedule in (schedule_by_light, build_fixed_schedule(4.0)):
         diary = lived(SPRING, schedule, days=3)
         for flight in diary.flights:
             begin = flight.start % DAY
@@ -99,33 +115,33 @@ def test_all_are_home_before_work_ends_and_the_night_leaves_something():
 
 
 def test_a_charge_that_is_not_sure_is_not_flown_on():
-    assert by_light(known()) == Wish(True)
-    assert fixed(4.0)(known()) == Wish(True)
-    unsure = known(gauge=Gauge(0.35, 0.03))
-    assert not by_light(unsure).fly
-    assert not fixed(4.0)(unsure).fly
-    assert by_light(unsure).asleep
+    assert schedule_by_light(known()) == ScheduleDecision(True)
+    assert build_fixed_schedule(4.0)(known()) == ScheduleDecision(True)
+    unsure = known(gauge=ChargeGauge(0.35, 0.03))
+    assert not schedule_by_light(unsure).fly
+    assert not build_fixed_schedule(4.0)(unsure).fly
+    assert schedule_by_light(unsure).asleep
 
 
 def test_nobody_flies_who_would_be_late():
     late = known(time=18 * HOUR - 120.0)
-    assert not by_light(late).fly
-    assert by_light(late).until == pytest.approx((24 + 7) * HOUR)
+    assert not schedule_by_light(late).fly
+    assert schedule_by_light(late).until == pytest.approx((24 + 7) * HOUR)
 
 
 def test_the_night_is_provided_for():
     """Asleep from dusk to dawn, some 13 hours at 6 mW less what twilight brings: 270 J."""
-    need = night(known()) - night(known(asleep=0.0))
+    need = night_energy(known()) - night_energy(known(asleep=0.0))
     assert need == pytest.approx(1.3 * 13.0 * HOUR * 0.006, rel=0.08)
-    hungry = known(asleep=0.04, time=17.5 * HOUR, gauge=Gauge(0.7, 0.0))
-    assert not by_light(hungry).fly
+    hungry = known(asleep=0.04, time=17.5 * HOUR, gauge=ChargeGauge(0.7, 0.0))
+    assert not schedule_by_light(hungry).fly
 
 
 def test_a_cell_that_would_be_full_is_flown_empty():
-    noon = known(gauge=Gauge(0.97, 0.0), time=9 * HOUR)
-    full, _ = outlook(noon)
+    noon = known(gauge=ChargeGauge(0.97, 0.0), time=9 * HOUR)
+    full, _ = forecast_charge(noon)
     assert full
-    assert by_light(noon).fly
+    assert schedule_by_light(noon).fly
 
 
 @pytest.mark.parametrize(
@@ -141,47 +157,49 @@ def test_the_forecast_ends_with_work_however_short_the_break(work, hours):
         assert len(looked) < 1000, 'it looks on for ever'
         return shift.asleep
 
-    outlook(shift._replace(income=income))
+    forecast_charge(shift._replace(income=income))
     assert len(looked) * 600.0 == pytest.approx(hours * HOUR, abs=600.0)
-    by_light(shift)
+    schedule_by_light(shift)
 
 
 def test_work_round_the_clock_is_flown_by_day_and_by_night():
     upkeep = replace(UPKEEP, work=(0.0, DAY))
-    starts = [flight.start for flight in lived(DOCK, by_light, upkeep=upkeep, days=2).flights]
+    starts = [
+        flight.start for flight in lived(DOCK, schedule_by_light, upkeep=upkeep, days=2).flights
+    ]
     assert min(starts) < 2 * HOUR
     assert max(starts) > 2 * DAY - 2 * HOUR
 
 
 def test_a_lost_drone_is_fetched_and_counted():
-    diary = lived(SUMMER, fixed(4.0), fly=partial(flown, ending='lost'))
-    assert diary.failures == len(diary.flights)
+    diary = lived(SUMMER, build_fixed_schedule(4.0), fly=partial(flown, ending='lost'))
+    assert diary.failure_count == len(diary.flights)
     starts = [each.start for each in diary.flights]
     assert min(b - a for a, b in pairwise(starts)) >= HOUR
 
 
 def test_an_idle_drone_that_never_sleeps_goes_out_in_the_night():
     """97 mW for ten hours of night are more than a full cell holds."""
-    awake = Upkeep(CELL, CHARGER, HARVEST, 0.097, 0.097, UPKEEP.work, 0.25, 0.9, HOUR)
-    diary = lived(SPRING, by_light, upkeep=awake, days=2)
+    awake = PerchConfig(CELL, CHARGER, HARVEST, 0.097, 0.097, UPKEEP.work, 0.25, 0.9, HOUR)
+    diary = lived(SPRING, schedule_by_light, upkeep=awake, days=2)
     assert diary.outages >= 1
-    assert diary.failures >= 1
+    assert diary.failure_count >= 1
     assert abs(diary.imbalance) < 1e-3
 
 
 @pytest.mark.long
 def test_steps_of_half_a_minute_are_as_good_as_of_a_second(monkeypatch):
     """A day on the perch in the light of clouds, without flights."""
-    upkeep = Upkeep(CELL, CHARGER, HARVEST, 0.097, 0.006, (0.0, 0.0), 0.25, 0.3, HOUR)
-    coarse = lived(SPRING, by_light, upkeep=upkeep)
+    upkeep = PerchConfig(CELL, CHARGER, HARVEST, 0.097, 0.006, (0.0, 0.0), 0.25, 0.3, HOUR)
+    coarse = lived(SPRING, schedule_by_light, upkeep=upkeep)
     monkeypatch.setattr(mission, 'STEP', 1.0)
-    fine = lived(SPRING, by_light, upkeep=upkeep)
+    fine = lived(SPRING, schedule_by_light, upkeep=upkeep)
     assert coarse.charge[-1] == pytest.approx(fine.charge[-1], abs=2e-4)
     assert coarse.spent.harvested == pytest.approx(fine.spent.harvested, rel=1e-3)
 
 
 def test_the_gauge_stays_near_the_truth_without_seeing_it():
-    upkeep = Upkeep(
+    upkeep = PerchConfig(
         CELL,
         CHARGER,
         HARVEST,
@@ -194,7 +212,7 @@ def test_the_gauge_stays_near_the_truth_without_seeing_it():
         gain=1.002,
         offset=-4e-4,
     )
-    diary = lived(SPRING, fixed(4.0), upkeep=upkeep, days=3)
+    diary = lived(SPRING, build_fixed_schedule(4.0), upkeep=upkeep, days=3)
     off = [abs(a - b) for a, b in zip(diary.charge, diary.told, strict=True)]
     assert max(off) < 0.05
     inside = [o <= 2.0 * d for o, d in zip(off, diary.deviation, strict=True)]
@@ -203,7 +221,7 @@ def test_the_gauge_stays_near_the_truth_without_seeing_it():
 
 
 def test_states_are_told():
-    diary = lived(SUMMER, by_light)
+    diary = lived(SUMMER, schedule_by_light)
     assert {ALOFT, ASLEEP} <= set(diary.state)
     assert all(b >= a for a, b in pairwise(diary.time))
     assert not math.isnan(sum(diary.charge))
@@ -219,11 +237,13 @@ def test_states_are_told():
 def test_a_flight_is_back_within_the_hours_of_work_with_half_of_it_to_spare(work, hours, fits):
     """400 s take 600 s, a sixth of an hour; work may go on over midnight."""
     hired = known(work=(work[0] * HOUR, work[1] * HOUR), flight=400.0)
-    assert [at_work(hired._replace(time=hour * HOUR)) for hour in hours] == list(map(bool, fits))
+    assert [is_within_hours(hired._replace(time=hour * HOUR)) for hour in hours] == list(
+        map(bool, fits)
+    )
 
 
 def test_the_trace_has_every_change_and_else_a_minute_at_least_between_two_points():
-    diary = lived(SPRING, by_light)
+    diary = lived(SPRING, schedule_by_light)
     points = list(zip(diary.time, diary.state, strict=True))
     assert {state for _, state in points} == {ASLEEP, ALOFT}
     for (before, one), (after, other) in pairwise(points):

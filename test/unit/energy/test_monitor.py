@@ -4,14 +4,24 @@ from dataclasses import replace
 import math
 
 from lta_energy.monitoring import alarms
-from lta_energy.monitoring.aboard import Aboard
-from lta_energy.monitoring.belief import Belief, first_look, look, predict
-from lta_energy.monitoring.estimate import Estimate
-from lta_energy.monitoring.monitor import MonitorSettings, time_to_empty, time_to_full, update
-from lta_energy.monitoring.reading import Reading, Whereabouts
-from lta_graph.health import Level
+from lta_energy.monitoring.estimate import EnergyEstimate
+from lta_energy.monitoring.monitor import (
+    MonitorSettings,
+    time_to_empty,
+    time_to_full,
+    update_estimate,
+)
+from lta_energy.monitoring.power_system import PowerSystem
+from lta_energy.monitoring.reading import MeterReading, TravelState
+from lta_energy.monitoring.soc_ekf import (
+    CellState,
+    correct_state,
+    initialize_from_reading,
+    predict_state,
+)
+from lta_graph.health import HealthLevel
 from lta_model.electrical import battery
-from lta_model.electrical.power_path import Charger
+from lta_model.electrical.charger import ChargerModel
 import pytest
 
 from .metered import ABOARD, CELL, Metered
@@ -23,7 +33,7 @@ TENTH = 100_000_000
 def readings(*pairs, harvest=0.0, where=None):
     """Return a reading every 0.1 s from pairs of voltage and current; the last bits vary."""
     return [
-        Reading(
+        MeterReading(
             (k + 10) * TENTH, voltage + 1e-9 * (k % 2), current + 1e-9 * (k % 2),
             4.4, harvest / 4.4, 200.0, where,
         )
@@ -32,9 +42,9 @@ def readings(*pairs, harvest=0.0, where=None):
 
 
 def follow(series, settings=SETTINGS):
-    estimate = Estimate()
+    estimate = EnergyEstimate()
     for reading in series:
-        estimate = update(settings, ABOARD, estimate, reading)
+        estimate = update_estimate(settings, ABOARD, estimate, reading)
     return estimate
 
 
@@ -81,25 +91,25 @@ def test_the_times_follow_the_power():
     assert time_to_empty(SETTINGS, CELL, charged).mean == math.inf
     missing = battery.stored_energy(1.0, 900.0) - battery.stored_energy(0.5, 900.0)
     assert time_to_full(SETTINGS, CELL, charged).mean == pytest.approx(missing / 0.77, rel=0.15)
-    assert math.isnan(time_to_empty(SETTINGS, CELL, Estimate()).mean)
+    assert math.isnan(time_to_empty(SETTINGS, CELL, EnergyEstimate()).mean)
 
 
 def test_an_unknown_charge_counts_as_reserve_reached():
-    unknown = Estimate()
+    unknown = EnergyEstimate()
     for reading in readings((math.nan, -0.1), (3.9, math.nan), (0.0, 0.0)):
-        unknown = update(SETTINGS, ABOARD, unknown, reading)
-        assert (unknown.reserve, unknown.urgent) == (True, True)
+        unknown = update_estimate(SETTINGS, ABOARD, unknown, reading)
+        assert (unknown.reserve, unknown.is_urgent) == (True, True)
         assert math.isnan(unknown.charge)
     known = follow(readings(*[resting(0.9)] * 50))
-    assert (known.reserve, known.urgent) == (False, False)
+    assert (known.reserve, known.is_urgent) == (False, False)
 
 
 def test_a_doubtful_charge_counts_as_reserve_reached():
     strict = MonitorSettings(doubt=0.01)
     estimate = follow(readings(*[resting(0.9)] * 50), strict)
     assert estimate.reserve
-    assert not estimate.urgent
-    assert 'doubtful' in alarms.battery(strict, CELL, estimate)[1]
+    assert not estimate.is_urgent
+    assert 'doubtful' in alarms.assess_battery(strict, CELL, estimate)[1]
     edge = MonitorSettings(doubt=estimate.deviation)
     assert not follow(readings(*[resting(0.9)] * 50), edge).reserve
 
@@ -107,15 +117,15 @@ def test_a_doubtful_charge_counts_as_reserve_reached():
 def test_the_way_home_brings_the_reserve_nearer():
     settings = MonitorSettings(reserve=0.5)
     series = [resting(0.62)] * 50
-    near = follow(readings(*series, where=Whereabouts(1.0, 0.0)), settings)
-    far = follow(readings(*series, where=Whereabouts(100.0, 0.0)), settings)
+    near = follow(readings(*series, where=TravelState(1.0, 0.0)), settings)
+    far = follow(readings(*series, where=TravelState(100.0, 0.0)), settings)
     assert not near.reserve
     assert far.reserve
     # 100 m at 0.4 m/s over the ground and 1.4 W are 350 J of some 3400 J.
     assert far.stock.home == pytest.approx(350.0 / (900.0 * 3.88), rel=0.02)
-    assert alarms.way(far)[0] is Level.WARN
-    assert 'home is 100.0 m away' in alarms.way(far)[1]
-    assert alarms.way(near)[0] is Level.OK
+    assert alarms.assess_way_home(far)[0] is HealthLevel.WARN
+    assert 'home is 100.0 m away' in alarms.assess_way_home(far)[1]
+    assert alarms.assess_way_home(near)[0] is HealthLevel.OK
 
 
 def test_a_low_voltage_must_recover_before_it_is_taken_back():
@@ -123,8 +133,8 @@ def test_a_low_voltage_must_recover_before_it_is_taken_back():
     stamp = estimate.last.stamp_ns
     said = []
     for k, volts in enumerate([3.15] * 5 + [3.25] * 30 + [3.35] * 60):
-        reading = Reading(stamp + (k + 1) * TENTH, volts, -0.1 - 1e-6 * k, 4.4, 0.0)
-        estimate = update(SETTINGS, ABOARD, estimate, reading)
+        reading = MeterReading(stamp + (k + 1) * TENTH, volts, -0.1 - 1e-6 * k, 4.4, 0.0)
+        estimate = update_estimate(SETTINGS, ABOARD, estimate, reading)
         said.append(estimate.critical.on)
     assert said.index(True) == 2  # 0.3 s
     assert said.index(False, 3) == 5 + 30 + 49  # 5 s above 3.3 V
@@ -132,7 +142,7 @@ def test_a_low_voltage_must_recover_before_it_is_taken_back():
 
 def test_a_reading_of_the_past_changes_nothing():
     estimate = follow(readings(*[(3.9, -0.1)] * 10))
-    after = update(SETTINGS, ABOARD, estimate, replace(estimate.last, stamp_ns=TENTH))
+    after = update_estimate(SETTINGS, ABOARD, estimate, replace(estimate.last, stamp_ns=TENTH))
     assert (after.belief, after.books, after.last) == (
         estimate.belief, estimate.books, estimate.last,
     )  # fmt: skip
@@ -141,43 +151,48 @@ def test_a_reading_of_the_past_changes_nothing():
 @pytest.mark.parametrize(
     ('series', 'level', 'words'),
     [
-        ([], Level.ERROR, 'no usable reading'),
-        ([resting(0.92, -0.1)] * 30, Level.OK, 'min at this power'),
-        ([resting(0.6, 0.1)] * 30, Level.OK, 'full in'),
-        ([resting(0.16, -0.1)] * 30, Level.WARN, 'reserve 25%'),
-        ([(3.15, -0.1)] * 30, Level.ERROR, 'only 3.15 V: land now'),
-        ([(2.9, -0.1)] * 30, Level.ERROR, 'brown-out'),
+        ([], HealthLevel.ERROR, 'no usable reading'),
+        ([resting(0.92, -0.1)] * 30, HealthLevel.OK, 'min at this power'),
+        ([resting(0.6, 0.1)] * 30, HealthLevel.OK, 'full in'),
+        ([resting(0.16, -0.1)] * 30, HealthLevel.WARN, 'reserve 25%'),
+        ([(3.15, -0.1)] * 30, HealthLevel.ERROR, 'only 3.15 V: land now'),
+        ([(2.9, -0.1)] * 30, HealthLevel.ERROR, 'brown-out'),
     ],
 )
 def test_what_is_said_of_the_battery(series, level, words):
     harvest = 1.0 if series and series[0][1] > 0.0 else 0.0
     estimate = follow(readings(*series, harvest=harvest))
-    found, sentence = alarms.battery(SETTINGS, CELL, estimate)
+    found, sentence = alarms.assess_battery(SETTINGS, CELL, estimate)
     assert (found, words in sentence) == (level, True), sentence
 
 
 def test_what_is_said_of_the_meters():
-    assert alarms.meters(follow(readings((3.9, -0.1)))) == (Level.OK, 'readings are plausible')
-    level, sentence = alarms.meters(follow(readings(*[(3.9, 0.4)] * 5)))
-    assert level is Level.ERROR
+    assert alarms.assess_meters(follow(readings((3.9, -0.1)))) == (
+        HealthLevel.OK,
+        'readings are plausible',
+    )
+    level, sentence = alarms.assess_meters(follow(readings(*[(3.9, 0.4)] * 5)))
+    assert level is HealthLevel.ERROR
     assert 'takes up 1.56 W but the panel gives 0.00 W: check the sign' in sentence
 
 
 def two(dt, second=-0.9, **before):
     """Return the estimates after a reading of -0.5 A and after the next one."""
-    one = update(SETTINGS, ABOARD, Estimate(), Reading(TENTH, 3.8, -0.5, 4.4, 0.0))
+    one = update_estimate(
+        SETTINGS, ABOARD, EnergyEstimate(), MeterReading(TENTH, 3.8, -0.5, 4.4, 0.0)
+    )
     one = one._replace(**before)
-    reading = Reading(TENTH + round(dt * 1e9), 3.75, second, 4.4, 0.0)
-    return one, update(SETTINGS, ABOARD, one, reading)
+    reading = MeterReading(TENTH + round(dt * 1e9), 3.75, second, 4.4, 0.0)
+    return one, update_estimate(SETTINGS, ABOARD, one, reading)
 
 
 @pytest.mark.parametrize('dt', [0.5, 1.0])
 def test_up_to_a_second_the_mean_of_two_readings_has_flowed_between_them(dt):
     """The mean is 0.7 A; its deviation is 0.3 of the 0.4 A change, plus 1 mA."""
     one, after = two(dt)
-    assert one.belief == first_look(SETTINGS.belief, CELL, 3.8, -0.5)
-    ahead = predict(SETTINGS.belief, CELL, one.belief, -0.7, 0.3 * 0.4 + 1e-3, dt)
-    belief, surprise = look(SETTINGS.belief, CELL, ahead, 3.75, -0.9)
+    assert one.belief == initialize_from_reading(SETTINGS.belief, CELL, 3.8, -0.5)
+    ahead = predict_state(SETTINGS.belief, CELL, one.belief, -0.7, 0.3 * 0.4 + 1e-3, dt)
+    belief, surprise = correct_state(SETTINGS.belief, CELL, ahead, 3.75, -0.9)
     assert after.belief.mean == pytest.approx(belief.mean, rel=1e-12)
     for row, expected in zip(after.belief.spread, belief.spread, strict=True):
         assert row == pytest.approx(expected, rel=1e-9, abs=1e-18)
@@ -190,18 +205,26 @@ def test_through_a_gap_the_load_of_before_is_believed_and_may_be_as_wrong(dt, se
     one, after = two(dt, second)
     current = one.load.quick / battery.open_circuit_voltage(one.charge)
     assert current == pytest.approx(0.5)
-    ahead = predict(SETTINGS.belief, CELL, one.belief, -current, current + 1e-3, dt)
-    expected = ahead if math.isnan(second) else look(SETTINGS.belief, CELL, ahead, 3.75, second)[0]
+    ahead = predict_state(SETTINGS.belief, CELL, one.belief, -current, current + 1e-3, dt)
+    expected = (
+        ahead
+        if math.isnan(second)
+        else correct_state(SETTINGS.belief, CELL, ahead, 3.75, second)[0]
+    )
     assert after.belief.mean == pytest.approx(expected.mean, rel=1e-12)
     assert after.deviation == pytest.approx(expected.deviation, rel=1e-9)
 
 
 def test_the_books_between_two_readings_by_hand_with_a_charger():
     """Of 0.5 and 0.3 W of the array, 85 % less 22 mW passes the charger."""
-    aboard = Aboard(CELL, Charger(tracking=0.95, conversion=0.85, idle=0.022))
-    one = update(SETTINGS, aboard, Estimate(), Reading(TENTH, 3.8, -0.5, 5.0, 0.1))
-    books = update(SETTINGS, aboard, one, Reading(6 * TENTH, 3.7, -0.9, 5.0, 0.06)).books
-    after = update(SETTINGS, aboard, one, Reading(6 * TENTH, 3.7, -0.9, 5.0, 0.06))
+    aboard = PowerSystem(CELL, ChargerModel(tracking=0.95, conversion=0.85, idle=0.022))
+    one = update_estimate(
+        SETTINGS, aboard, EnergyEstimate(), MeterReading(TENTH, 3.8, -0.5, 5.0, 0.1)
+    )
+    books = update_estimate(
+        SETTINGS, aboard, one, MeterReading(6 * TENTH, 3.7, -0.9, 5.0, 0.06)
+    ).books
+    after = update_estimate(SETTINGS, aboard, one, MeterReading(6 * TENTH, 3.7, -0.9, 5.0, 0.06))
     given = (0.403 + 0.233) / 2.0
     assert books.harvested == pytest.approx(0.5 * 0.4)
     assert books.consumed == pytest.approx(0.5 * (given + (1.9 + 3.33) / 2.0))
@@ -220,13 +243,15 @@ def test_beyond_two_percent_from_either_end_no_voltage_is_another_cell(charge, j
     """Near empty and full, cells deviate from the voltage curve by themselves."""
     rows = [[0.0] * 5 for _ in range(5)]
     rows[0][0] = 1e-8
-    known = Belief((charge, 0.0, 1.0, 1.0, 0.0), tuple(map(tuple, rows)))
-    one = update(SETTINGS, ABOARD, Estimate(), Reading(TENTH, 3.8, -0.01, 4.4, 0.0))
+    known = CellState((charge, 0.0, 1.0, 1.0, 0.0), tuple(map(tuple, rows)))
+    one = update_estimate(
+        SETTINGS, ABOARD, EnergyEstimate(), MeterReading(TENTH, 3.8, -0.01, 4.4, 0.0)
+    )
     one = one._replace(belief=known)
     volts = battery.open_circuit_voltage(charge) + jump
     for k in range(1, 6):
-        reading = Reading(TENTH * (1 + k), volts, -0.01 - 1e-6 * k, 4.4, 0.0)
-        one = update(SETTINGS, ABOARD, one, reading)
+        reading = MeterReading(TENTH * (1 + k), volts, -0.01 - 1e-6 * k, 4.4, 0.0)
+        one = update_estimate(SETTINGS, ABOARD, one, reading)
     assert ('swapped' in {fault.name for fault in one.watch.faults}) is swapped
 
 
@@ -235,8 +260,8 @@ def test_a_voltage_is_critical_at_3_2_and_well_again_above_3_3():
     estimate = follow(readings(*[(3.5, -0.1)] * 20))
     stamp = estimate.last.stamp_ns
     for k, volts in enumerate([3.201] * 10 + [3.2] * 3 + [3.3] * 60 + [3.301] * 49 + [3.299]):
-        reading = Reading(stamp + (k + 1) * TENTH, volts, -0.1 - 1e-6 * k, 4.4, 0.0)
-        estimate = update(SETTINGS, ABOARD, estimate, reading)
+        reading = MeterReading(stamp + (k + 1) * TENTH, volts, -0.1 - 1e-6 * k, 4.4, 0.0)
+        estimate = update_estimate(SETTINGS, ABOARD, estimate, reading)
         assert estimate.critical.on is (k >= 12)
-    spoilt = Reading(stamp + 200 * TENTH, math.nan, -0.1)
-    assert update(SETTINGS, ABOARD, estimate, spoilt).critical == estimate.critical
+    spoilt = MeterReading(stamp + 200 * TENTH, math.nan, -0.1)
+    assert update_estimate(SETTINGS, ABOARD, estimate, spoilt).critical == estimate.critical

@@ -1,8 +1,8 @@
 """Readings in order after their clock was set back."""
 
-from lta_energy.monitoring.estimate import Estimate
-from lta_energy.monitoring.new_clock import ENOUGH, in_order, moved
-from lta_energy.monitoring.reading import Reading
+from lta_energy.monitoring.clock_shift import ENOUGH, extend_ordered_stamps, shift_stamps
+from lta_energy.monitoring.estimate import EnergyEstimate
+from lta_energy.monitoring.reading import MeterReading
 import pytest
 
 
@@ -18,16 +18,16 @@ import pytest
     ],
 )
 def test_stamps_are_in_order_while_each_is_later(before, stamp, after):
-    assert in_order(before, stamp) == after
+    assert extend_ordered_stamps(before, stamp) == after
     assert ENOUGH == 3
 
 
 def test_what_was_read_is_moved_to_the_new_clock_and_stays_one_reading():
-    last, good = Reading(1000, 3.8, -0.5), Reading(900, 3.8, -0.4)
-    both = moved(Estimate(last=last, good=last), 700)
+    last, good = MeterReading(1000, 3.8, -0.5), MeterReading(900, 3.8, -0.4)
+    both = shift_stamps(EnergyEstimate(last=last, good=last), 700)
     assert (both.last.stamp_ns, both.last.current) == (300, -0.5)
     assert both.good is both.last
-    apart = moved(Estimate(last=last, good=good), 700)
+    apart = shift_stamps(EnergyEstimate(last=last, good=good), 700)
     assert (apart.last.stamp_ns, apart.good.stamp_ns) == (300, 200)
     assert (apart.last.current, apart.good.current) == (-0.5, -0.4)
-    assert moved(Estimate(), 700) == Estimate()
+    assert shift_stamps(EnergyEstimate(), 700) == EnergyEstimate()

@@ -4,39 +4,39 @@ import math
 
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_config.compilation.compiled import compiled
+from lta_config.compilation.compiler import compile_functions
 from lta_config.errors import BadInput
-from lta_config.files import find, known, load_yaml
+from lta_config.files import find_file, list_shipped, load_yaml
 from lta_config.schema.cell_file import load_cell_file
 from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_config.settings import plain
-from lta_model.electrical.diode_fit import Diode, diode_of, THERMAL
+from lta_config.settings import to_named_tuple
+from lta_model.electrical.diode_fit import fit_diode, SingleDiode, THERMAL
 from lta_model.electrical.panel import (
     AIR_TEMPERATURE,
-    current_at,
-    curve,
-    highest,
+    compute_curve,
+    current_at_voltage,
+    find_max_power,
     junction_current,
-    max_power,
-    Panel,
     power_slope,
+    SolarArrayModel,
+    voltage_bound,
 )
 import pytest
 import yaml
 
-CELLS = known('cells')
+CELLS = list_shipped('cells')
 LIGHT = st.floats(0.1, 1200.0)
 pvsystem = pytest.importorskip('pvlib').pvsystem
 
 
 def pvlib_curve(panel, irradiance):
-    light, saturation, thermal, series, shunt = curve(panel, irradiance)
+    light, saturation, thermal, series, shunt = compute_curve(panel, irradiance)
     return pvsystem.singlediode(light, saturation, series, 1.0 / shunt, thermal)
 
 
 @pytest.mark.parametrize('name', CELLS)
 def test_the_diode_has_the_points_of_the_data_sheet(name):
-    data, diode = load_cell_file(name).electrical, diode_of(load_cell_file(name))
+    data, diode = load_cell_file(name).electrical, fit_diode(load_cell_file(name))
     light, saturation, thermal, series, shunt = diode
     found = pvsystem.singlediode(light, saturation, series, 1.0 / shunt, thermal)
     assert found['i_sc'] == pytest.approx(data.short_circuit.si, rel=1e-9)
@@ -48,39 +48,39 @@ def test_the_diode_has_the_points_of_the_data_sheet(name):
 @pytest.mark.parametrize('name', CELLS)
 @pytest.mark.parametrize('irradiance', [1.0, 60.0, 267.0, 1000.0])
 def test_pvlib_finds_the_same_point_of_largest_power(name, irradiance):
-    panel = Panel.wired(name, 2, 3)
-    voltage, current = max_power(panel, irradiance)
+    panel = SolarArrayModel.from_cells(name, 2, 3)
+    voltage, current = find_max_power(panel, irradiance)
     theirs = pvlib_curve(panel, irradiance)
     assert voltage * current == pytest.approx(theirs['p_mp'], rel=1e-9)
     assert voltage == pytest.approx(theirs['v_mp'], rel=1e-5)
-    assert current_at(panel, irradiance, 0.0) == pytest.approx(theirs['i_sc'], rel=1e-9)
+    assert current_at_voltage(panel, irradiance, 0.0) == pytest.approx(theirs['i_sc'], rel=1e-9)
     middle = 0.9 * theirs['v_mp']
     there = pvsystem.i_from_v(middle, *_arguments(panel, irradiance))
-    assert current_at(panel, irradiance, middle) == pytest.approx(there, rel=1e-9)
+    assert current_at_voltage(panel, irradiance, middle) == pytest.approx(there, rel=1e-9)
 
 
 def _arguments(panel, irradiance):
-    light, saturation, thermal, series, shunt = curve(panel, irradiance)
+    light, saturation, thermal, series, shunt = compute_curve(panel, irradiance)
     return light, saturation, series, 1.0 / shunt, thermal
 
 
 @pytest.mark.parametrize(('name', 'irradiance'), [('anysolar', 800.0), ('powerfilm_small', 300.0)])
 def test_warmth_is_pvlibs(name, irradiance):
-    file, diode = load_cell_file(name), diode_of(load_cell_file(name))
+    file, diode = load_cell_file(name), fit_diode(load_cell_file(name))
     data = file.electrical
     light, saturation, _, _, thermal = pvsystem.calcparams_pvsyst(
         irradiance, AIR_TEMPERATURE - 273.15 + data.warming.si * irradiance,
         data.current_drift.si * diode.light, data.ideality.si, 0.0, diode.light,
         diode.saturation, 100.0, 100.0, diode.series, data.junctions, EgRef=data.gap.si,
     )  # fmt: skip
-    ours = curve(Panel.wired(name, 1, 1), irradiance)
+    ours = compute_curve(SolarArrayModel.from_cells(name, 1, 1), irradiance)
     assert ours[0] == pytest.approx(light, rel=1e-6)
     assert ours[1] == pytest.approx(saturation, rel=1e-5)
     assert ours[2] == pytest.approx(thermal, rel=1e-6)
 
 
 def test_silicon_loses_a_quarter_of_a_percent_of_voltage_a_kelvin():
-    panel = Panel.wired('anysolar', 1, 1).model_copy(update={'warming': 0.0})
+    panel = SolarArrayModel.from_cells('anysolar', 1, 1).model_copy(update={'warming': 0.0})
     warm = panel.model_copy(update={'warming': 0.01})  # 10 K at 1000 W/m2
     cool, hot = pvlib_curve(panel, 1000.0)['v_oc'], pvlib_curve(warm, 1000.0)['v_oc']
     assert (hot / cool - 1.0) / 10.0 == pytest.approx(-0.0027, abs=0.0005)
@@ -88,8 +88,10 @@ def test_silicon_loses_a_quarter_of_a_percent_of_voltage_a_kelvin():
 
 @given(LIGHT, st.integers(1, 5), st.integers(1, 5))
 def test_strings_add_up(irradiance, series, parallel):
-    voltage, current = max_power(Panel.wired('anysolar', 1, 1), irradiance)
-    volts, amperes = max_power(Panel.wired('anysolar', series, parallel), irradiance)
+    voltage, current = find_max_power(SolarArrayModel.from_cells('anysolar', 1, 1), irradiance)
+    volts, amperes = find_max_power(
+        SolarArrayModel.from_cells('anysolar', series, parallel), irradiance
+    )
     assert volts == pytest.approx(series * voltage, rel=1e-6)
     assert amperes == pytest.approx(parallel * current, rel=1e-6)
 
@@ -97,24 +99,30 @@ def test_strings_add_up(irradiance, series, parallel):
 @given(LIGHT, LIGHT)
 def test_more_light_gives_more(one, other):
     low, high = sorted((one, other))
-    panel = Panel.wired('adafruit', 1, 1).model_copy(update={'warming': 0.0})
-    powers = [volts * amperes for volts, amperes in (max_power(panel, x) for x in (low, high))]
+    panel = SolarArrayModel.from_cells('adafruit', 1, 1).model_copy(update={'warming': 0.0})
+    powers = [
+        volts * amperes for volts, amperes in (find_max_power(panel, x) for x in (low, high))
+    ]
     assert powers[0] <= powers[1]
 
 
 def test_dim_light_gives_less_than_in_proportion():
-    panel = Panel.wired('anysolar', 1, 1).model_copy(update={'warming': 0.0})
-    powers = [volts * amperes for volts, amperes in (max_power(panel, x) for x in (1.0, 1000.0))]
+    panel = SolarArrayModel.from_cells('anysolar', 1, 1).model_copy(update={'warming': 0.0})
+    powers = [
+        volts * amperes for volts, amperes in (find_max_power(panel, x) for x in (1.0, 1000.0))
+    ]
     # The open circuit loses 0.226 V ln 1000 = 1.56 V of its 5.53 V; the rest is lost in shape.
     assert powers[0] == pytest.approx(0.75e-3 * powers[1], rel=0.01)
 
 
 def test_darkness_gives_nothing():
-    panel = Panel.wired('anysolar', 2, 1)
-    assert max_power(panel, 0.0) == (0.0, 0.0)
-    assert max_power(panel, -1.0) == (0.0, 0.0)
-    assert current_at(panel, 0.0, 0.0) == 0.0
-    assert max_power(Panel.of(load_vehicle_file('sblimp').energy), 500.0) == (0.0, 0.0)
+    panel = SolarArrayModel.from_cells('anysolar', 2, 1)
+    assert find_max_power(panel, 0.0) == (0.0, 0.0)
+    assert find_max_power(panel, -1.0) == (0.0, 0.0)
+    assert current_at_voltage(panel, 0.0, 0.0) == 0.0
+    assert find_max_power(
+        SolarArrayModel.from_energy(load_vehicle_file('sblimp').energy), 500.0
+    ) == (0.0, 0.0)
 
 
 @pytest.mark.parametrize(
@@ -128,23 +136,23 @@ def test_darkness_gives_nothing():
     ],
 )
 def test_what_is_no_cell_is_one_sentence(tmp_path, key, value, sentence):
-    content = load_yaml(find('cell', 'anysolar'))
+    content = load_yaml(find_file('cell', 'anysolar'))
     content['electrical'][key]['value'] = value
     path = tmp_path / 'cell.yaml'
     path.write_text(yaml.safe_dump(content))
     with pytest.raises(BadInput, match=sentence):
-        diode_of(load_cell_file(str(path)))
+        fit_diode(load_cell_file(str(path)))
 
 
 def test_the_array_compiles_to_the_same():
-    panel = plain(Panel.wired('anysolar', 2, 1))
-    brightest, at = compiled(max_power, current_at)
-    assert brightest(panel, 60.0) == max_power(panel, 60.0)
-    assert at(panel, 60.0, 3.0) == current_at(panel, 60.0, 3.0)
+    panel = to_named_tuple(SolarArrayModel.from_cells('anysolar', 2, 1))
+    brightest, at = compile_functions(find_max_power, current_at_voltage)
+    assert brightest(panel, 60.0) == find_max_power(panel, 60.0)
+    assert at(panel, 60.0, 3.0) == current_at_voltage(panel, 60.0, 3.0)
 
 
 def test_a_vehicle_without_an_array_has_a_panel_of_nothing():
-    assert Panel.of(load_vehicle_file('sblimp').energy).model_dump() == {
+    assert SolarArrayModel.from_energy(load_vehicle_file('sblimp').energy).model_dump() == {
         'light': 0.0, 'saturation': 0.0, 'thermal': 1.0, 'series': 0.0, 'shunt': 0.0, 'gap': 1.0,
         'drift': 0.0, 'warming': 0.0,
     }  # fmt: skip
@@ -155,8 +163,8 @@ def test_a_curve_by_hand():
     numbers = (2.0, 0.01, 0.5, 0.1, 0.02)
     diode = 0.01 * (math.exp(2.0) - 1.0)
     assert junction_current(numbers, 1.0) == pytest.approx(2.0 - diode - 0.02)
-    assert highest(numbers) == pytest.approx(0.5 * math.log(201.0))
-    assert highest((2.0, 0.0, 0.5, 0.1, 0.02)) == 0.0
+    assert voltage_bound(numbers) == pytest.approx(0.5 * math.log(201.0))
+    assert voltage_bound((2.0, 0.0, 0.5, 0.1, 0.02)) == 0.0
     # P = (u - R I) I, differentiated by differences.
     step = 1e-6
     powers = [
@@ -168,22 +176,22 @@ def test_a_curve_by_hand():
 
 
 def test_no_current_flows_back_and_the_warmth_is_that_of_the_light():
-    panel = Panel.wired('anysolar', 1, 1)
-    assert current_at(panel, 1000.0, 100.0) == 0.0
-    assert current_at(panel, -1.0, 0.0) == 0.0
+    panel = SolarArrayModel.from_cells('anysolar', 1, 1)
+    assert current_at_voltage(panel, 1000.0, 100.0) == 0.0
+    assert current_at_voltage(panel, -1.0, 0.0) == 0.0
     unlit = panel.model_copy(update={'light': 0.0})
-    assert current_at(unlit, 1000.0, 0.0) == 0.0
-    assert max_power(unlit, 1000.0) == (0.0, 0.0)
+    assert current_at_voltage(unlit, 1000.0, 0.0) == 0.0
+    assert find_max_power(unlit, 1000.0) == (0.0, 0.0)
     # 20 degC of the air and 10 K by 1000 W/m2: 303.15 K of 298.15 K.
     warm = panel.model_copy(update={'warming': 0.01, 'drift': 1e-3})
-    light, saturation, thermal, series, shunt = curve(warm, 1000.0)
+    light, saturation, thermal, series, shunt = compute_curve(warm, 1000.0)
     ratio = 303.15 / 298.15
     assert light == pytest.approx(panel.light * 1.005)
     assert thermal == pytest.approx(panel.thermal * ratio)
     freed = panel.gap * (1.0 - 1.0 / ratio) / (8.617333262e-5 * 298.15)
     assert saturation == pytest.approx(panel.saturation * ratio**3 * math.exp(freed))
     assert (series, shunt) == (panel.series, panel.shunt)
-    assert curve(warm, 500.0)[4] == pytest.approx(0.5 * panel.shunt)
+    assert compute_curve(warm, 500.0)[4] == pytest.approx(0.5 * panel.shunt)
 
 
 @pytest.mark.parametrize('name', CELLS)
@@ -191,8 +199,8 @@ def test_the_diode_of_a_sheet_solves_its_three_equations(name):
     """
     The three equations are short circuit, open circuit and zero slope of the power at its maximum.
     """
-    sheet, diode = load_cell_file(name).electrical, diode_of(load_cell_file(name))
-    assert isinstance(diode, Diode)
+    sheet, diode = load_cell_file(name).electrical, fit_diode(load_cell_file(name))
+    assert isinstance(diode, SingleDiode)
     # k T / q at 298.15 K.
     assert pytest.approx(1.380649e-23 * 298.15 / 1.602176634e-19, rel=1e-7) == THERMAL
     assert diode.thermal == pytest.approx(sheet.ideality.si * sheet.junctions * THERMAL)

@@ -3,35 +3,42 @@
 from hypothesis import given
 from hypothesis import strategies as st
 from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_model.electrical.battery import Battery
-from lta_model.electrical.power_path import at_rest, Charger, feed, held, most_taken, output
+from lta_model.electrical.battery import BatteryModel
+from lta_model.electrical.charger import (
+    advance_power_path,
+    charge_power_limit,
+    charger_output,
+    ChargerModel,
+    resting_flow,
+    total_stored_energy,
+)
 import pytest
 
 ENERGY = load_vehicle_file('gtmab').energy
-CELL, CHARGER = Battery.of(ENERGY), Charger.of(ENERGY)
+CELL, CHARGER = BatteryModel.from_energy(ENERGY), ChargerModel.from_energy(ENERGY)
 POWERS = st.floats(0.0, 4.0)
 
 
 def follow(flow, steps, dt, available=0.0, asked=0.0, cell=CELL, charger=CHARGER):
     """Return flow and energies [J] after so many steps."""
-    begun, harvested, consumed, lost = held(cell, flow), 0.0, 0.0, 0.0
+    begun, harvested, consumed, lost = total_stored_energy(cell, flow), 0.0, 0.0, 0.0
     for _ in range(steps):
-        flow = feed(cell, charger, flow, available, asked, dt)
+        flow = advance_power_path(cell, charger, flow, available, asked, dt)
         harvested += flow.harvested * dt
         consumed += flow.consumed * dt
         lost += flow.lost * dt
-    return flow, harvested, consumed, lost, held(cell, flow) - begun
+    return flow, harvested, consumed, lost, total_stored_energy(cell, flow) - begun
 
 
 def test_the_charger_by_hand():
     # 1 W * 0.95 * 0.85 - 22 mW; below 27.2 mW it is off.
-    assert output(CHARGER, 1.0) == pytest.approx(0.7855)
-    assert output(CHARGER, 0.027) == 0.0
-    flow = feed(CELL, CHARGER, at_rest(0.5), 1.0, 0.12, 0.01)
+    assert charger_output(CHARGER, 1.0) == pytest.approx(0.7855)
+    assert charger_output(CHARGER, 0.027) == 0.0
+    flow = advance_power_path(CELL, CHARGER, resting_flow(0.5), 1.0, 0.12, 0.01)
     assert flow.harvested == pytest.approx(0.95)
     assert flow.consumed == pytest.approx(0.12, rel=1e-6)
     assert flow.voltage * flow.current == pytest.approx(0.7855 - 0.12, rel=1e-6)
-    dim = feed(CELL, CHARGER, at_rest(0.5), 0.027, 0.12, 0.01)
+    dim = advance_power_path(CELL, CHARGER, resting_flow(0.5), 0.027, 0.12, 0.01)
     assert (dim.harvested, dim.consumed) == (0.0, pytest.approx(0.12))
 
 
@@ -41,19 +48,24 @@ def test_the_charger_by_hand():
     st.sampled_from([0.01, 1.0, 60.0]),
 )
 def test_the_books_balance(minutes, charge, dt):
-    begun, flow, came, went = held(CELL, at_rest(charge)), at_rest(charge), 0.0, 0.0
+    begun, flow, came, went = (
+        total_stored_energy(CELL, resting_flow(charge)),
+        resting_flow(charge),
+        0.0,
+        0.0,
+    )
     for available, asked in minutes:
-        flow = feed(CELL, CHARGER, flow, available, asked, dt)
+        flow = advance_power_path(CELL, CHARGER, flow, available, asked, dt)
         came += flow.harvested * dt
         went += (flow.consumed + flow.lost) * dt
-    stored = held(CELL, flow) - begun
+    stored = total_stored_energy(CELL, flow) - begun
     assert abs(came - went - stored) <= 1e-9 * (came + went) + 1e-9
 
 
 def test_an_empty_cell_is_charged_at_one_c_and_then_at_constant_voltage():
-    flow, peak = at_rest(0.1), 0.0
+    flow, peak = resting_flow(0.1), 0.0
     for _ in range(8 * 360):
-        flow = feed(CELL, CHARGER, flow, 4.0, 0.0, 10.0)
+        flow = advance_power_path(CELL, CHARGER, flow, 4.0, 0.0, 10.0)
         peak = max(peak, flow.voltage)
         assert flow.current <= 0.25 * (1 + 1e-9)
     assert peak == pytest.approx(4.2, abs=0.01)
@@ -65,16 +77,16 @@ def test_an_empty_cell_is_charged_at_one_c_and_then_at_constant_voltage():
 
 def test_the_phase_of_constant_current_lasts_as_long_as_by_hand():
     # 0.25 A until E + 0.25 A * 0.244 ohm = 4.2 V: at E = 4.139 V, charge 0.936; 0.336 of 1 h.
-    flow, time = at_rest(0.6), 0.0
+    flow, time = resting_flow(0.6), 0.0
     while flow.current > 0.2499 or time == 0.0:
-        flow = feed(CELL, CHARGER, flow, 4.0, 0.0, 1.0)
+        flow = advance_power_path(CELL, CHARGER, flow, 4.0, 0.0, 1.0)
         time += 1.0
     assert time / 3600.0 == pytest.approx(0.336, abs=0.005)
 
 
 def test_a_brown_out_cuts_the_loads_off_until_light_has_charged_the_cell():
     # 3.4 V behind 0.15 ohm falls below 3 V at 2.7 A, 8 W.
-    sag = feed(CELL, CHARGER, at_rest(0.02), 0.0, 9.0, 0.01)
+    sag = advance_power_path(CELL, CHARGER, resting_flow(0.02), 0.0, 9.0, 0.01)
     assert not sag.fed
     dark, _, consumed, *_ = follow(sag, 1000, 1.0, available=0.0, asked=0.1)
     assert (dark.fed, consumed) == (False, 0.0)
@@ -85,16 +97,16 @@ def test_a_brown_out_cuts_the_loads_off_until_light_has_charged_the_cell():
 
 
 def test_an_empty_cell_fails():
-    flow, _, consumed, *_ = follow(at_rest(0.01), 1000, 1.0, asked=0.12)
+    flow, _, consumed, *_ = follow(resting_flow(0.01), 1000, 1.0, asked=0.12)
     assert not flow.fed
     # 9 C from 3.27 to 3.34 V.
     assert consumed == pytest.approx(9.0 * 3.304, rel=0.01)
 
 
 def test_without_an_array_nothing_is_harvested():
-    none = Charger.of(load_vehicle_file('sblimp').energy)
+    none = ChargerModel.from_energy(load_vehicle_file('sblimp').energy)
     _, harvested, consumed, lost, stored = follow(
-        at_rest(0.5), 100, 1.0, available=5.0, asked=0.12, charger=none
+        resting_flow(0.5), 100, 1.0, available=5.0, asked=0.12, charger=none
     )
     assert harvested == 0.0
     assert consumed == pytest.approx(12.0)
@@ -102,39 +114,39 @@ def test_without_an_array_nothing_is_harvested():
 
 
 def test_a_cell_at_rest_and_one_that_is_empty():
-    assert at_rest(0.5) == (0.5, 0.0, 3.84, 0.0, 0.0, 0.0, 0.0, True)
-    assert at_rest(0.0) == (0.0, 0.0, 3.27, 0.0, 0.0, 0.0, 0.0, False)
-    none = Charger.of(load_vehicle_file('sblimp').energy)
+    assert resting_flow(0.5) == (0.5, 0.0, 3.84, 0.0, 0.0, 0.0, 0.0, True)
+    assert resting_flow(0.0) == (0.0, 0.0, 3.27, 0.0, 0.0, 0.0, 0.0, False)
+    none = ChargerModel.from_energy(load_vehicle_file('sblimp').energy)
     assert (none.tracking, none.conversion, none.idle) == (0.0, 0.0, 0.0)
 
 
 def test_what_a_cell_may_take_by_hand():
     """The limit is 0.25 A, 4.2 V or a full cell; the cell rests at 3.84 V with 0.15 ohm."""
-    cell = Battery(capacity=900.0, resistance=0.15, charge_current=0.25)
-    assert most_taken(cell, 0.5, 0.01, 1.0) == pytest.approx((3.85 + 0.0375) * 0.25)
+    cell = BatteryModel(capacity=900.0, resistance=0.15, charge_current=0.25)
+    assert charge_power_limit(cell, 0.5, 0.01, 1.0) == pytest.approx((3.85 + 0.0375) * 0.25)
     # 4.19 V of rest and 10 mV of room: 66.7 mA up to 4.2 V.
-    assert most_taken(cell, 0.99, 0.0, 1.0) == pytest.approx(4.2 * (4.2 - 4.19) / 0.15)
+    assert charge_power_limit(cell, 0.99, 0.0, 1.0) == pytest.approx(4.2 * (4.2 - 4.19) / 0.15)
     # A tenth of 900 C in 900 s are 0.1 A.
-    assert most_taken(cell, 0.9, 0.0, 900.0) == pytest.approx((4.11 + 0.015) * 0.1)
-    assert most_taken(cell, 0.99, 0.1, 1.0) == 0.0
+    assert charge_power_limit(cell, 0.9, 0.0, 900.0) == pytest.approx((4.11 + 0.015) * 0.1)
+    assert charge_power_limit(cell, 0.99, 0.1, 1.0) == 0.0
     stiff = cell.model_copy(update={'resistance': 0.0})
-    assert most_taken(stiff, 0.5, 0.0, 1.0) == pytest.approx(3.84 * 0.25)
-    assert most_taken(stiff, 0.99, 0.1, 1.0) == 0.0
+    assert charge_power_limit(stiff, 0.5, 0.0, 1.0) == pytest.approx(3.84 * 0.25)
+    assert charge_power_limit(stiff, 0.99, 0.1, 1.0) == 0.0
 
 
 def test_a_failed_supply_comes_back_at_a_twentieth_while_it_is_charged():
-    cell = Battery(capacity=900.0, resistance=0.15)
-    off = at_rest(0.0)
+    cell = BatteryModel(capacity=900.0, resistance=0.15)
+    off = resting_flow(0.0)
     for charge, available, fed in ((0.05, 1.0, True), (0.0499, 1.0, False), (0.06, 0.0, False)):
-        flow = feed(cell, CHARGER, off._replace(charge=charge), available, 0.1, 1e-6)
+        flow = advance_power_path(cell, CHARGER, off._replace(charge=charge), available, 0.1, 1e-6)
         assert flow.fed is fed
         assert flow.consumed == pytest.approx(0.0, abs=1e-12)
 
 
 def test_a_supply_fails_below_its_cut_off_and_not_at_it():
-    cell = Battery(capacity=900.0, resistance=0.0)
-    begin = feed(cell, CHARGER, at_rest(0.5), 0.0, 1.0, 1.0)
+    cell = BatteryModel(capacity=900.0, resistance=0.0)
+    begin = advance_power_path(cell, CHARGER, resting_flow(0.5), 0.0, 1.0, 1.0)
     at = cell.model_copy(update={'discharge_cutoff': begin.voltage})
-    assert feed(at, CHARGER, at_rest(0.5), 0.0, 1.0, 1.0).fed
+    assert advance_power_path(at, CHARGER, resting_flow(0.5), 0.0, 1.0, 1.0).fed
     above = cell.model_copy(update={'discharge_cutoff': begin.voltage + 1e-9})
-    assert not feed(above, CHARGER, at_rest(0.5), 0.0, 1.0, 1.0).fed
+    assert not advance_power_path(above, CHARGER, resting_flow(0.5), 0.0, 1.0, 1.0).fed

@@ -9,7 +9,7 @@ import numba
 import numpy as np
 import pytest
 
-LOADS = loads.Loads.of(load_vehicle_file('gtmab').energy)
+LOADS = loads.LoadModel.from_energy(load_vehicle_file('gtmab').energy)
 IDLE = rotor.BENCH[0].power
 DUTY = st.floats(0.01, 1.0)
 VOLTAGE = st.floats(3.0, 4.2)
@@ -23,8 +23,8 @@ def test_the_bench_is_the_table_of_16_rows_that_is_published():
 
 @pytest.mark.parametrize('row', rotor.BENCH, ids=lambda row: f'{100 * row.duty:g}%')
 def test_each_row_by_duty_and_voltage(row):
-    assert rotor.thrust_at(row.duty, row.voltage) == pytest.approx(row.thrust, abs=8e-3)
-    power = 4 * rotor.power_at(row.duty, row.voltage, LOADS.rotor_offset, LOADS.rotor_slope)
+    assert rotor.thrust_at_duty(row.duty, row.voltage) == pytest.approx(row.thrust, abs=8e-3)
+    power = 4 * rotor.power_at_duty(row.duty, row.voltage, LOADS.rotor_offset, LOADS.rotor_slope)
     assert IDLE + power == pytest.approx(row.power, rel=0.09)
 
 
@@ -50,20 +50,22 @@ def test_the_files_line_through_power_and_thrust_is_the_least_squares_one():
 def test_less_voltage_is_less_power_at_a_duty_and_the_same_at_a_thrust(duty, one, other):
     low, high = sorted((one, other))
     numbers = LOADS.rotor_offset, LOADS.rotor_slope
-    assert rotor.power_at(duty, low, *numbers) <= rotor.power_at(duty, high, *numbers)
+    assert rotor.power_at_duty(duty, low, *numbers) <= rotor.power_at_duty(duty, high, *numbers)
     less = duty * low / high  # the same mean voltage
-    assert rotor.thrust_at(less, high) == pytest.approx(rotor.thrust_at(duty, low), rel=1e-9)
-    again = rotor.power_at(less, high, *numbers)
-    assert again == pytest.approx(rotor.power_at(duty, low, *numbers), rel=1e-9)
+    assert rotor.thrust_at_duty(less, high) == pytest.approx(
+        rotor.thrust_at_duty(duty, low), rel=1e-9
+    )
+    again = rotor.power_at_duty(less, high, *numbers)
+    assert again == pytest.approx(rotor.power_at_duty(duty, low, *numbers), rel=1e-9)
 
 
 def test_it_compiles_to_the_same():
-    assert numba.njit(rotor.thrust_at)(0.4, 3.7) == rotor.thrust_at(0.4, 3.7)
+    assert numba.njit(rotor.thrust_at_duty)(0.4, 3.7) == rotor.thrust_at_duty(0.4, 3.7)
 
 
 def test_a_rotor_turns_either_way_by_hand():
     """A duty of 0.25 at 4 V is 1 V, so that the terms are A + B."""
-    assert rotor.thrust_at(0.25, 4.0) == pytest.approx(8.64139e-3 + 1.665601e-2)
-    assert rotor.thrust_at(-0.5, 4.0) == pytest.approx(-(4 * 8.64139e-3 + 2 * 1.665601e-2))
-    assert rotor.power_at(-0.25, 4.0, 0.5, 10.0) == pytest.approx(0.5 + 0.2529740)
-    assert rotor.power_at(0.0, 4.0, 0.5, 10.0) == 0.0
+    assert rotor.thrust_at_duty(0.25, 4.0) == pytest.approx(8.64139e-3 + 1.665601e-2)
+    assert rotor.thrust_at_duty(-0.5, 4.0) == pytest.approx(-(4 * 8.64139e-3 + 2 * 1.665601e-2))
+    assert rotor.power_at_duty(-0.25, 4.0, 0.5, 10.0) == pytest.approx(0.5 + 0.2529740)
+    assert rotor.power_at_duty(0.0, 4.0, 0.5, 10.0) == 0.0

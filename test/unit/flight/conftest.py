@@ -1,6 +1,6 @@
 """Batches of flights, as Python and compiled."""
 
-from lta_flight.fleet import fly
+from lta_flight.batch import fly
 from numba.core import config
 import pytest
 
@@ -12,7 +12,7 @@ def batches(request, monkeypatch):
 
     It takes minutes to compile. Only short flights can be flown without.
     """
-    made = fly._kernel.__wrapped__
+    made = fly._compile_kernel.__wrapped__
 
     def plain(*words):
         with monkeypatch.context() as while_loading:
@@ -20,5 +20,5 @@ def batches(request, monkeypatch):
             return made(*words)
 
     if request.param == 'plain':
-        monkeypatch.setattr(fly, '_kernel', plain)
+        monkeypatch.setattr(fly, '_compile_kernel', plain)
     return request.param

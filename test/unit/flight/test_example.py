@@ -6,8 +6,8 @@ import runpy
 import sys
 
 from lta_bridge.bag.writer import BagWriter
-from lta_config.topics import topic_table
-from lta_flight.ingredients import gather, loop_of
+from lta_config.topics import load_topic_table
+from lta_flight.flight_spec import build_loop, load_spec
 from lta_flight.messages import LoopRecorder
 import numpy as np
 import pytest
@@ -22,11 +22,11 @@ PAGE = ROOT / 'docs/analysis.md'
 def flight(tmp_path_factory):
     """Return the bag of the flight that the page shows."""
     bag = tmp_path_factory.mktemp('flight') / 'bag'
-    loop = loop_of(gather('gtmab', 'lamp_room', 'bag', ''), 3)
+    loop = build_loop(load_spec('gtmab', 'lamp_room', 'bag', ''), 3)
     with BagWriter(bag, {}) as writer:
-        recorder = LoopRecorder(writer, loop, topic_table(), 'lta1')
-        for _ in loop.flight():
-            recorder.take()
+        recorder = LoopRecorder(writer, loop, load_topic_table(), 'lta1')
+        for _ in loop.iterate_steps():
+            recorder.record_step()
     return bag
 
 

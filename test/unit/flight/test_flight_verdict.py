@@ -1,25 +1,31 @@
 """How a flight went is the simulator's own last word, whatever /diagnostics carried."""
 
-from lta_flight.blame import flying, GOING
-from lta_flight.flight import FLIGHT, show, verdict
-from lta_graph.child import Ended
-from lta_graph.health import Fact, Level
+from lta_flight.flight import FLIGHT, parse_final_status, show_status
+from lta_flight.stall_monitor import GOING, is_flying
+from lta_graph.child_process import ProcessExit
+from lta_graph.health import HealthFact, HealthLevel
 import pytest
 
 
 def ended(name, *stdout):
-    return Ended(name, 0, stdout, (), True, False)
+    return ProcessExit(name, 0, stdout, (), True, False)
 
 
 def test_the_last_line_of_the_simulator_counts():
     said = ended('simulator', 'something else', '{"outcome": "reached", "pace": "9.1"}')
-    assert verdict([ended('recorder', '{}'), said]) == {'outcome': 'reached', 'pace': '9.1'}
+    assert parse_final_status([ended('recorder', '{}'), said]) == {
+        'outcome': 'reached',
+        'pace': '9.1',
+    }
 
 
 def test_a_simulator_that_died_has_said_nothing():
-    assert verdict([ended('simulator'), ended('estimator', '{"outcome": "reached"}')]) is None
-    assert verdict([ended('simulator', 'Traceback (most recent call last):')]) is None
-    assert verdict([ended('simulator', '[1, 2]')]) is None
+    assert (
+        parse_final_status([ended('simulator'), ended('estimator', '{"outcome": "reached"}')])
+        is None
+    )
+    assert parse_final_status([ended('simulator', 'Traceback (most recent call last):')]) is None
+    assert parse_final_status([ended('simulator', '[1, 2]')]) is None
 
 
 @pytest.mark.parametrize(
@@ -38,10 +44,10 @@ def test_whatever_somebody_says_in_its_name_ends_nothing(values):
         def at(self, *told):
             shown.append(told)
 
-    show({FLIGHT: Fact(FLIGHT, Level.OK, '', values)}, Eyes())
+    show_status({FLIGHT: HealthFact(FLIGHT, HealthLevel.OK, '', values)}, Eyes())
     assert shown == []
     whole = {'time_s': '1', 'distance_m': '2', 'pace': '3'}
-    show({FLIGHT: Fact(FLIGHT, Level.OK, '', whole)}, Eyes())
+    show_status({FLIGHT: HealthFact(FLIGHT, HealthLevel.OK, '', whole)}, Eyes())
     assert shown == [(1.0, 2.0, 3.0)]
     for task in GOING:
-        assert flying({task: Fact(task, Level.OK, '', values)}, 'recorder')
+        assert is_flying({task: HealthFact(task, HealthLevel.OK, '', values)}, 'recorder')

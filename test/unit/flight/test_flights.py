@@ -3,7 +3,7 @@
 from pathlib import Path
 import sys
 
-from lta_flight.report.results import Results
+from lta_flight.report.results import FlightResults
 import pytest
 
 FOLDER = Path(__file__).resolve().parents[2] / 'benchmark'
@@ -36,9 +36,9 @@ def test_a_broken_flight_is_a_row_without_figures(flights, monkeypatch, capsys):
 
 def test_only_what_is_known_counts(flights):
     told = [
-        ('reached', Results(path_length=7.0, airspeed=0.4)),
-        ('reached', Results(path_length=8.0)),
-        ('timeout', Results(path_length=90.0)),
+        ('reached', FlightResults(path_length=7.0, airspeed=0.4)),
+        ('reached', FlightResults(path_length=8.0)),
+        ('timeout', FlightResults(path_length=90.0)),
     ]
     lines = flights.summary(told)
     assert lines[0] == 'reached 2 of 3'

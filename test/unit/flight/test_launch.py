@@ -2,13 +2,13 @@
 
 from lta_bridge.crazyflie.safety import LEAVE
 from lta_cli.verbs import launch
-from lta_config.files import find
-from lta_flight import blame
-from lta_flight.blame import FLIGHT, Lookout, REPEATED
-from lta_flight.domain_lock import who
-from lta_flight.graph import grace
-from lta_graph.health import Fact, Level
-from lta_graph.launch_file import load
+from lta_config.files import find_file
+from lta_flight import stall_monitor
+from lta_flight.domain_lock import format_holders
+from lta_flight.graph import shutdown_grace
+from lta_flight.stall_monitor import FLIGHT, REPEATED, StallMonitor
+from lta_graph.health import HealthFact, HealthLevel
+from lta_graph.launch_file import load_plan
 from lta_graph.launcher import GRACE
 import pytest
 
@@ -53,73 +53,73 @@ def test_over_the_wheels_we_do(handed, monkeypatch):
 def clock(monkeypatch):
     """Return a list whose only item is the time [s]."""
     now = [100.0]
-    monkeypatch.setattr(blame.time, 'monotonic', lambda: now[0])
+    monkeypatch.setattr(stall_monitor.time, 'monotonic', lambda: now[0])
     return now
 
 
 @pytest.mark.usefixtures('clock')
 def test_whoever_falls_silent_is_named_once():
     said = []
-    lookout = Lookout(said.append)
+    lookout = StallMonitor(said.append)
     for silent in ([], ['estimator'], ['estimator'], [], ['navigator']):
-        lookout.look({}, silent)
+        lookout.update({}, silent)
     assert said == ['Nothing comes from estimator.', 'Nothing comes from navigator.']
 
 
 def test_after_the_flight_nobody_is_named_though_the_graph_stands(clock):
     said = []
-    lookout = Lookout(said.append)
-    over = Fact(FLIGHT, Level.OK, 'reached', {'outcome': 'reached'})
-    lookout.look({FLIGHT: over}, [])
+    lookout = StallMonitor(said.append)
+    over = HealthFact(FLIGHT, HealthLevel.OK, 'reached', {'outcome': 'reached'})
+    lookout.update({FLIGHT: over}, [])
     clock[0] += 3.0
-    lookout.look({FLIGHT: over}, ['simulator'])
+    lookout.update({FLIGHT: over}, ['simulator'])
     assert said == []
-    assert lookout.standing == 3.0
+    assert lookout.stall_time == 3.0
 
 
 @pytest.mark.usefixtures('clock')
 def test_a_robot_that_is_there_is_not_blamed_for_standing_and_the_other_still_is():
     said = []
-    lookout = Lookout(said.append)
+    lookout = StallMonitor(said.append)
     facts = {
-        f'lta1/{FLIGHT}': Fact(f'lta1/{FLIGHT}', Level.OK, '', {'outcome': 'reached'}),
-        f'lta2/{FLIGHT}': Fact(f'lta2/{FLIGHT}', Level.OK, '', {'outcome': 'flying'}),
+        f'lta1/{FLIGHT}': HealthFact(f'lta1/{FLIGHT}', HealthLevel.OK, '', {'outcome': 'reached'}),
+        f'lta2/{FLIGHT}': HealthFact(f'lta2/{FLIGHT}', HealthLevel.OK, '', {'outcome': 'flying'}),
     }
-    lookout.look(facts, ['lta1/simulator'])
-    lookout.look(facts, ['lta1/simulator', 'lta2/estimator'])
-    lookout.look(facts, ['recorder'])
+    lookout.update(facts, ['lta1/simulator'])
+    lookout.update(facts, ['lta1/simulator', 'lta2/estimator'])
+    lookout.update(facts, ['recorder'])
     assert said == ['Nothing comes from lta2/estimator.', 'Nothing comes from recorder.']
 
 
 def test_who_still_loads_is_excused_and_named_only_once_it_has_spoken(clock):
     said = []
-    lookout = Lookout(said.append)
-    waits = Fact('estimator: inputs', Level.ERROR, '', {'suspects': 'vehicle'})
+    lookout = StallMonitor(said.append)
+    waits = HealthFact('estimator: inputs', HealthLevel.ERROR, '', {'suspects': 'vehicle'})
     for _ in range(60):
-        lookout.look({waits.task: waits}, [], unheard=['simulator'])
+        lookout.update({waits.task: waits}, [], unheard=['simulator'])
         clock[0] += 1.0
-    assert lookout.standing == 0.0
+    assert lookout.stall_time == 0.0
     (sentence,) = said
     assert sentence.startswith('Waiting for vehicle to load; the first flight compiles')
     for _ in range(3):
-        lookout.look({waits.task: waits}, [])
+        lookout.update({waits.task: waits}, [])
         clock[0] += 1.0
     assert said[1:] == ['Nothing comes from vehicle.']
-    assert lookout.standing == 3.0
+    assert lookout.stall_time == 3.0
 
 
 def test_before_the_first_step_nobody_says_that_it_waits_and_the_model_is_still_excused(clock):
     said = []
-    lookout = Lookout(said.append)
+    lookout = StallMonitor(said.append)
     for _ in range(60):
-        lookout.look({}, [], unheard=['lta2/simulator', 'theirs'])
+        lookout.update({}, [], unheard=['lta2/simulator', 'theirs'])
         clock[0] += 1.0
     (sentence,) = said
     assert sentence.startswith('Waiting for lta2/vehicle to load; the first flight compiles')
 
 
 def test_the_domain_is_held_in_the_name_of_all():
-    assert [who(robots) for robots in (['a'], ['a', 'b'], ['a', 'b', 'c'])] == [
+    assert [format_holders(robots) for robots in (['a'], ['a', 'b'], ['a', 'b', 'c'])] == [
         'a is',
         'a and b are',
         'a, b and c are',
@@ -128,18 +128,18 @@ def test_the_domain_is_held_in_the_name_of_all():
 
 def test_what_nodes_call_an_error_is_said_once_until_it_is_another(clock):
     said, told = [], []
-    lookout = Lookout(said.append, told.append)
+    lookout = StallMonitor(said.append, told.append)
     for message in ('silent for 0.5 s', 'silent for 0.6 s', 'unplugged', 'unplugged'):
-        fact = Fact('bridge: link', Level.ERROR, message)
-        lookout.look({fact.task: fact}, [])
+        fact = HealthFact('bridge: link', HealthLevel.ERROR, message)
+        lookout.update({fact.task: fact}, [])
         clock[0] += 0.1
     assert said == ['bridge: silent for 0.5 s.', 'bridge: unplugged.']
-    for level in (Level.OK, Level.WARN, Level.ERROR):  # it comes and goes
-        fact = Fact('bridge: link', level, 'unplugged')
-        lookout.look({fact.task: fact}, [])
+    for level in (HealthLevel.OK, HealthLevel.WARN, HealthLevel.ERROR):  # it comes and goes
+        fact = HealthFact('bridge: link', level, 'unplugged')
+        lookout.update({fact.task: fact}, [])
     assert len(said) == 2
     clock[0] += REPEATED + 0.1
-    lookout.look({fact.task: fact}, [])
+    lookout.update({fact.task: fact}, [])
     assert said[2:] == ['bridge: unplugged (again once in 10 s).', 'bridge: unplugged.']
     assert told == []  # the node says it itself
 
@@ -147,10 +147,12 @@ def test_what_nodes_call_an_error_is_said_once_until_it_is_another(clock):
 def test_an_error_that_keeps_coming_back_is_counted(clock):
     """It is said once and where it first comes back, and counted from then on."""
     said = []
-    lookout = Lookout(said.append)
+    lookout = StallMonitor(said.append)
     for k in range(24):  # on for a second, off for a second
-        fact = Fact('bridge: link', Level.OK if k % 2 else Level.ERROR, f'silent for {k} s')
-        lookout.look({fact.task: fact}, [])
+        fact = HealthFact(
+            'bridge: link', HealthLevel.OK if k % 2 else HealthLevel.ERROR, f'silent for {k} s'
+        )
+        lookout.update({fact.task: fact}, [])
         clock[0] += 1.0
     assert said == [
         'bridge: silent for 0 s.',
@@ -158,7 +160,7 @@ def test_an_error_that_keeps_coming_back_is_counted(clock):
         'bridge: silent for 12 s (again 5 times in 11 s).',
     ]
     for _ in range(30):
-        lookout.look({}, [])
+        lookout.update({}, [])
         clock[0] += 1.0
     assert said[3:] == ['bridge: silent for 22 s (again 5 times in 11 s).']  # and nothing ails
 
@@ -166,36 +168,36 @@ def test_an_error_that_keeps_coming_back_is_counted(clock):
 def test_a_fault_is_said_at_once_although_it_showed_for_a_moment_before(clock):
     """The slow disk of a moment must not hide for ten seconds the one that stands still."""
     said = []
-    lookout = Lookout(said.append)
+    lookout = StallMonitor(said.append)
     for seconds in (0.1, 3.0, 0.1):
-        fact = Fact('recorder: disk', Level.ERROR, f'slow: busy for {seconds} s')
-        lookout.look({fact.task: fact}, [])
+        fact = HealthFact('recorder: disk', HealthLevel.ERROR, f'slow: busy for {seconds} s')
+        lookout.update({fact.task: fact}, [])
         clock[0] += 0.1
-        lookout.look({}, [])
+        lookout.update({}, [])
         clock[0] += 3.0
     assert said == ['recorder: slow: busy for 0.1 s.', 'recorder: slow: busy for 3.0 s.']
 
 
 def test_errors_that_have_sentences_of_their_own_are_not_said_twice(clock):
     said, told = [], []
-    lookout = Lookout(said.append, told.append)
+    lookout = StallMonitor(said.append, told.append)
     facts = [
-        Fact('estimator: inputs', Level.ERROR, 'waiting for imu', {'suspects': ''}),
-        Fact('launcher: processes', Level.ERROR, 'Nothing comes from estimator.'),
+        HealthFact('estimator: inputs', HealthLevel.ERROR, 'waiting for imu', {'suspects': ''}),
+        HealthFact('launcher: processes', HealthLevel.ERROR, 'Nothing comes from estimator.'),
     ]
-    lookout.look({fact.task: fact for fact in facts}, ['estimator'])
+    lookout.update({fact.task: fact for fact in facts}, ['estimator'])
     assert said == told == ['Nothing comes from estimator.']
 
 
 def test_a_full_disk_is_said_before_the_recorder_has_left(clock):
     said = []
-    full = Fact('recorder: recording', Level.ERROR, 'The disk is full: make room.')
-    Lookout(said.append).look({full.task: full}, [])
+    full = HealthFact('recorder: recording', HealthLevel.ERROR, 'The disk is full: make room.')
+    StallMonitor(said.append).update({full.task: full}, [])
     assert said == ['recorder: The disk is full: make room.']
 
 
 def test_a_real_drone_gets_the_time_to_land_and_a_simulated_one_none():
-    path = find('launch file', 'fly', '.launch.yaml')
-    assert grace(load(path, {'source': 'sim'})) == GRACE
+    path = find_file('launch file', 'fly', '.launch.yaml')
+    assert shutdown_grace(load_plan(path, {'source': 'sim'})) == GRACE
     # It lands, then the keeper of its link has 5 s to close it.
-    assert grace(load(path, {'source': 'crazyflie'})) > LEAVE + 5.0
+    assert shutdown_grace(load_plan(path, {'source': 'crazyflie'})) > LEAVE + 5.0

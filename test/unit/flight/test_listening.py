@@ -3,13 +3,13 @@
 from dataclasses import replace
 
 from lta_config.errors import BadInput
-from lta_config.files import known
-from lta_flight.flight import fly_once, Order
-from lta_flight.ingredients import gather, parts_of
-from lta_flight.listening import check_listening
+from lta_config.files import list_shipped
+from lta_flight.flight import FlightRequest, fly_once
+from lta_flight.flight_spec import build_parts, load_spec
+from lta_flight.lamp_frequency import check_lamp_frequency
 from lta_model.scenario import load_scenario
-from lta_vlc.settings import Demodulation
-from lta_vlc.spectral.bins import plan_beacons
+from lta_vlc.settings import DemodulationSettings
+from lta_vlc.spectral.bins import plan_beacon_bins
 import pytest
 import yaml
 
@@ -19,7 +19,7 @@ ROW = {'at': '0 s', 'altitude': '1 m', 'heading': '0 deg', 'speed': '0 m/s'}
 @pytest.fixture
 def other():
     """Return a function that makes a flight in the lamp room, its lamp at 230 Hz."""
-    made = gather('gtmab', 'lamp_room', 'homing', '')
+    made = load_spec('gtmab', 'lamp_room', 'homing', '')
     made = made.with_values({'scenario.lamp.frequency': '230 Hz'})
 
     def of(**keys):
@@ -31,32 +31,32 @@ def other():
 
 def test_a_lamp_that_nobody_listens_for_is_refused_with_both_frequencies(other):
     with pytest.raises(BadInput, match=r'flickers at 230 Hz.* listens at 150 Hz.*route: \[lamp\]'):
-        parts_of(other())
+        build_parts(other())
 
 
 def test_either_remedy_lets_it_fly(other):
-    parts_of(other(route=['lamp']))
-    parts_of(other().with_values({'demodulator.frequency': 230.0}))
+    build_parts(other(route=['lamp']))
+    build_parts(other().with_values({'demodulator.frequency': 230.0}))
 
 
 def test_on_a_course_nobody_seeks_a_lamp(other):
-    parts_of(other(course={'between': 'step', 'rows': [ROW]}))
+    build_parts(other(course={'between': 'step', 'rows': [ROW]}))
 
 
 def test_the_line_is_where_another_bin_is_the_nearest_one():
-    bins = plan_beacons((150.0,), Demodulation(), 10_000.0, 1000)[0]
-    assert (bins.first, bins.last, bins.limits) == (13, 17, (125.0, 175.0))
+    bins = plan_beacon_bins((150.0,), DemodulationSettings(), 10_000.0, 1000)[0]
+    assert (bins.first, bins.last, bins.frequency_limits) == (13, 17, (125.0, 175.0))
 
 
-@pytest.mark.parametrize('name', known('scenarios'))
+@pytest.mark.parametrize('name', list_shipped('scenarios'))
 def test_every_shipped_scene_is_heard(name):
-    check_listening(load_scenario(name), Demodulation())
+    check_lamp_frequency(load_scenario(name), DemodulationSettings())
 
 
 def test_the_graph_is_not_even_started(other, tmp_path):
     scene = tmp_path / 'other.yaml'
     scene.write_text(yaml.safe_dump(other().contents['scenario']))
-    order = Order('gtmab', str(scene), 'bag', 1, 'lockstep', tmp_path / 'out')
+    order = FlightRequest('gtmab', str(scene), 'bag', 1, 'lockstep', tmp_path / 'out')
     with pytest.raises(BadInput, match='flickers at 230 Hz'):
         fly_once(order, None)
     assert not (tmp_path / 'out').exists()

@@ -4,27 +4,27 @@ from dataclasses import dataclass, replace
 from functools import cache
 import math
 
-from lta_config.files import find, load_yaml
-from lta_config.topics import topic_table
-from lta_control import carried
-from lta_control.allocation import new_scratch
-from lta_control.attitude import heading
-from lta_control.autopilot import drone_of, MEMORY
-from lta_control.cascade import Setpoint, wrap
+from lta_config.files import find_file, load_yaml
+from lta_config.topics import load_topic_table
+from lta_control import message_rounding
+from lta_control.allocation import create_scratch
+from lta_control.attitude import yaw_from_quaternion
+from lta_control.autopilot import build_drone_constants, MEMORY
+from lta_control.cascade import Setpoint, wrap_angle
 from lta_control.estimator import EstimatorSettings
 from lta_control.gains_file import load_gains
 from lta_control.mission import MissionSettings
-from lta_control.onboard import Heard, Onboard, onboard_step
+from lta_control.onboard import onboard_step, OnboardMemory, SensorInputs
 from lta_control.phases import Phase
-from lta_control.strategies import strategy
+from lta_control.strategies import find_strategy
 from lta_control.strategies.bearing_angle import STRATEGY
-from lta_flight.loop import Loop
-from lta_flight.policy import Policy
+from lta_flight.closed_loop import ClosedLoop
+from lta_flight.flight_stack import FlightStack
 from lta_model.scenario import load_scenario, Scenario
 from lta_model.vehicle import load_vehicle
-from lta_sim.readings import Outcome
+from lta_sim.readings import FlightOutcome
 from lta_sim.world import World
-from lta_vlc.faults import Fault
+from lta_vlc.faults import DiodeFault
 import numpy as np
 import pytest
 import yaml
@@ -37,15 +37,15 @@ SPEED = 0.5
 def start(seed, vehicle='gtmab', **policy):
     scenario = load_scenario('lamp_room')
     vehicle = load_vehicle(str(vehicle), scenario.air.density)
-    table = topic_table()
-    policy = {'strategy': strategy('bag'), 'gains': load_gains('gtmab'), **policy}
+    table = load_topic_table()
+    policy = {'strategy': find_strategy('bag'), 'gains': load_gains('gtmab'), **policy}
     world = World(vehicle, scenario, table, seed)
-    return Loop(world, table, Policy(**policy))
+    return ClosedLoop(world, table, FlightStack(**policy))
 
 
 @dataclass
 class Flight:
-    outcome: Outcome
+    outcome: FlightOutcome
     time: np.ndarray
     position: np.ndarray  # true, map [m]
     surge: np.ndarray  # true, body; through still air [m/s]
@@ -66,7 +66,7 @@ class Flight:
 def fly(seed):
     loop = start(seed)
     rows, phases, outcome = [(0.0, *loop.world.state[:3], 0.0, 0.0, 0.0)], [Phase.REST], None
-    while (outcome := loop.step()) is Outcome.FLYING:
+    while (outcome := loop.step()) is FlightOutcome.FLYING:
         state, estimate = loop.world.state, loop.estimate
         guess = estimate.airspeed.surge, estimate.altitude.height
         rows.append((loop.world.elapsed, *state[:3], state[7], *guess))
@@ -79,7 +79,7 @@ def fly(seed):
 @pytest.mark.parametrize('seed', SEEDS)
 def test_it_reaches_the_lamp(seed):
     flight = fly(seed)
-    assert flight.outcome is Outcome.REACHED
+    assert flight.outcome is FlightOutcome.REACHED
     assert math.dist(flight.position[-1, :2], (3.5, 0.0)) <= 1.0
     assert 6.0 <= flight.path < 12.0  # 7 m to the lamp, which is reached at 1 m
     assert flight.time[-1] < 40.0
@@ -130,7 +130,7 @@ def test_a_lamp_behind_is_reached_without_flying_away_from_it():
 @pytest.mark.long
 def test_nineteen_of_twenty_reach_the_lamp():
     flights = [fly(seed) for seed in range(1, 21)]
-    assert sum(flight.outcome is Outcome.REACHED for flight in flights) >= 19
+    assert sum(flight.outcome is FlightOutcome.REACHED for flight in flights) >= 19
     cruises = [flight.surge[flight.cruise].mean() for flight in flights]
     assert np.mean(cruises) == pytest.approx(SPEED, abs=0.1)
 
@@ -148,7 +148,7 @@ def test_the_motors_wait_for_the_estimator():
     loop = start(2)
     for step in range(230):
         loop.step()
-        assert (loop.measured() is None) == (step < 199)  # 200 samples of rest
+        assert (loop.measured_state() is None) == (step < 199)  # 200 samples of rest
         assert step >= 199 or not any(loop.duties)
     assert any(loop.duties)
     assert loop.mission.phase is Phase.CLIMB
@@ -176,7 +176,7 @@ def test_a_bearing_is_added_to_the_heading_at_the_middle_of_its_block():
     loop = start(2, strategy=replace(STRATEGY, steer=spy))
     for _ in range(900):
         loop.step()
-        headings.append(heading(loop.estimate.attitude))
+        headings.append(yaw_from_quaternion(loop.estimate.attitude))
     assert len(seen) > 20
     for step, believed in seen:
         assert believed == headings[step - 5]
@@ -184,24 +184,28 @@ def test_a_bearing_is_added_to_the_heading_at_the_middle_of_its_block():
 
 def test_it_decides_as_plain_python_does():
     """A whole climb and search: the compiled step and the same functions in Python, to the bit."""
-    loop, scratch = start(2), new_scratch()
+    loop, scratch = start(2), create_scratch()
     vehicle = load_vehicle('gtmab')
-    drone = drone_of(vehicle, EstimatorSettings(), load_gains('gtmab'), 0.01)
-    memory, taken = Onboard(), []
+    drone = build_drone_constants(vehicle, EstimatorSettings(), load_gains('gtmab'), 0.01)
+    memory, taken = OnboardMemory(), []
     sense = loop.world.sense
     loop.world.sense = lambda: taken.append(sense()) or taken[-1]
     for _ in range(900):
         loop.step()
         readings = taken.pop()
-        heard = Heard(
+        heard = SensorInputs(
             readings.rates,
             readings.force,
-            carried.single(readings.ranges[-1][1]) if readings.ranges else math.nan,
+            message_rounding.round_to_float32(readings.ranges[-1][1])
+            if readings.ranges
+            else math.nan,
             math.nan if readings.pressure is None else readings.pressure,
         )
         if loop.setpoint is not None:
             height, yaw, speed = loop.setpoint
-            asked = carried.setpoint(height, carried.level(yaw), speed)
+            asked = message_rounding.build_setpoint(
+                height, message_rounding.level_quaternion(yaw), speed
+            )
             memory = memory._replace(setpoint=asked, guided=True)
         memory = onboard_step(drone, memory, heard, scratch)
         np.testing.assert_array_equal(MEMORY.write(loop.autopilot.memory), MEMORY.write(memory))
@@ -215,7 +219,7 @@ def test_the_controller_never_sees_the_truth():
     loop, pairs = start(2), []
     for _ in range(600):
         loop.step()
-        if (measured := loop.measured()) is not None:
+        if (measured := loop.measured_state()) is not None:
             pairs.append((measured.altitude, loop.world.state[2]))
     assert len(pairs) > 300
     assert all(believed != true for believed, true in pairs)
@@ -236,14 +240,14 @@ def test_it_hovers_at_the_altitude_it_is_told():
 def test_the_forward_rotors_keep_the_hull_from_swinging(gain, calm):
     """The last 20 s of a minute of cruise; without their help it swings up by itself."""
     scenario = load_scenario('hall')
-    table, gains = topic_table(), load_gains('gtmab')
+    table, gains = load_topic_table(), load_gains('gtmab')
     if gain is not None:
         gains = gains.model_copy(update={'swing_gain': gain})
     world = World(load_vehicle('gtmab', scenario.air.density), scenario, table, 1)
-    loop = Loop(
+    loop = ClosedLoop(
         world,
         table,
-        Policy(strategy('bag'), gains, course=lambda time: Setpoint(0.6, 0.0, 0.6)),
+        FlightStack(find_strategy('bag'), gains, course=lambda time: Setpoint(0.6, 0.0, 0.6)),
     )
     tilts = []
     while world.elapsed < 60.0:
@@ -257,7 +261,7 @@ def test_the_forward_rotors_keep_the_hull_from_swinging(gain, calm):
 
 def with_rotors(path, change):
     """Write GT-MAB with other rotors: name to position [cm], force and moment per newton."""
-    content = load_yaml(find('vehicle', 'gtmab'))
+    content = load_yaml(find_file('vehicle', 'gtmab'))
     rotors, columns = content['rotors'], content['aero']['thrust_allocation']
     for name, values in change.items():
         rotors.pop(name, None)
@@ -294,29 +298,29 @@ def test_any_number_of_rotors_reaches_the_lamp(number, tmp_path):
     loop = start(1, with_rotors(tmp_path / 'rotors.yaml', FLEETS[number]))
     assert len(loop.duties) == number
     used = np.zeros(number)
-    while (outcome := loop.step()) is Outcome.FLYING:
+    while (outcome := loop.step()) is FlightOutcome.FLYING:
         used = np.maximum(used, loop.duties)
-    assert outcome is Outcome.REACHED
+    assert outcome is FlightOutcome.REACHED
     assert loop.world.elapsed < 40.0
     assert (used > 0.05).all()
 
 
 def test_a_course_ends_on_the_floor_with_its_motors_off_and_counts_as_reached():
-    scene = load_yaml(find('scenario', 'hall'))
+    scene = load_yaml(find_file('scenario', 'hall'))
     scene['goal']['time_limit'] = '40 s'
     up = {'at': '2 s', 'altitude': '0.9 m', 'heading': '90 deg', 'speed': '0 m/s'}
     down = {**up, 'at': '15 s', 'altitude': '0 m'}
     scene['course'] = {'between': 'step', 'rows': [up, down]}
-    table, vehicle = topic_table(), load_vehicle('gtmab')
+    table, vehicle = load_topic_table(), load_vehicle('gtmab')
     world = World(vehicle, Scenario.model_validate(scene), table, 1)
-    loop = Loop(world, table, Policy(strategy('bag'), load_gains('gtmab')))
+    loop = ClosedLoop(world, table, FlightStack(find_strategy('bag'), load_gains('gtmab')))
     heights, began = {}, world.state[2]
-    turned = heading(tuple(world.state[3:7].tolist()))
-    for _ in loop.flight():
+    turned = yaw_from_quaternion(tuple(world.state[3:7].tolist()))
+    for _ in loop.iterate_steps():
         heights[round(world.elapsed, 2)] = float(world.state[2])
         if round(world.elapsed, 2) == 14.9:
-            turned = wrap(heading(tuple(world.state[3:7].tolist())) - turned)
-    assert world.outcome is Outcome.REACHED
+            turned = wrap_angle(yaw_from_quaternion(tuple(world.state[3:7].tolist())) - turned)
+    assert world.outcome is FlightOutcome.REACHED
     assert heights[1.9] == pytest.approx(began, abs=0.01)
     assert heights[14.9] == pytest.approx(0.9, abs=0.1)
     assert heights[40.0] == pytest.approx(began, abs=0.02)
@@ -326,7 +330,7 @@ def test_a_course_ends_on_the_floor_with_its_motors_off_and_counts_as_reached():
 
 def test_a_finer_converter_hears_the_lamp_as_well(tmp_path):
     """Sixteen times as many counts, by the vehicle file; as of 12 bits all would be clipped."""
-    content = load_yaml(find('vehicle', 'gtmab'))
+    content = load_yaml(find_file('vehicle', 'gtmab'))
     snr = []
     for bits in (12, 16):
         content['sensors']['diodes']['bits'] = bits
@@ -335,6 +339,6 @@ def test_a_finer_converter_hears_the_lamp_as_well(tmp_path):
         loop = start(1, path)
         for _ in range(BLOCKS):
             loop.step()
-        assert set(loop.light.hearing.faults) == {Fault.NONE}
+        assert set(loop.light.hearing.faults) == {DiodeFault.NONE}
         snr.append(loop.light.hearing.peaks[0].snr.max())
     assert snr[1] > 0.9 * snr[0] > 10.0

@@ -4,7 +4,7 @@ from dataclasses import replace
 import math
 
 from lta_control.phases import Phase
-from lta_flight.ingredients import gather, loop_of
+from lta_flight.flight_spec import build_loop, load_spec
 import pytest
 
 SMALL = {
@@ -17,8 +17,8 @@ SMALL = {
 
 def fly(made_of, seconds):
     """Return a flight, its phases, all faults, and how far it was at the last phase. [m]"""
-    loop, phases, named, there = loop_of(made_of, 3), [], set(), 0.0
-    for _ in loop.flight():
+    loop, phases, named, there = build_loop(made_of, 3), [], set(), 0.0
+    for _ in loop.iterate_steps():
         if loop.mission.phase not in phases:
             phases.append(loop.mission.phase)
             there = away(loop)
@@ -32,12 +32,12 @@ def fly(made_of, seconds):
 def small(**values):
     """Return the flight of a small cell with other parameters."""
     changes = {key.replace('__', '.'): value for key, value in values.items()}
-    return gather('gtmab', 'lamp_room', 'bag', '').with_values(SMALL | changes)
+    return load_spec('gtmab', 'lamp_room', 'bag', '').with_values(SMALL | changes)
 
 
 def failing(scenario, **faults):
     """Return a flight in a scene in which the supply fails."""
-    made_of = gather('gtmab', scenario, 'bag', '')
+    made_of = load_spec('gtmab', scenario, 'bag', '')
     scene = {**made_of.contents['scenario'], 'faults': faults}
     return replace(made_of, contents={**made_of.contents, 'scenario': scene})
 
@@ -52,7 +52,7 @@ def test_it_lands_where_the_reserve_is_reached():
     loop, phases, _, there = fly(small(), 30.0)
     assert phases == [Phase.REST, Phase.CLIMB, Phase.SEEK, Phase.LAND]
     assert 2.0 < there < 5.0
-    assert loop.world.state[2] == pytest.approx(loop.world.vehicle.standing_height, abs=0.01)
+    assert loop.world.state[2] == pytest.approx(loop.world.vehicle.height_on_floor, abs=0.01)
 
 
 def test_it_returns_to_its_start_and_lands_there():

@@ -1,17 +1,17 @@
 """A launch plan is checked before anything starts."""
 
 from lta_config.errors import BadInput
-from lta_config.files import find, known
+from lta_config.files import find_file, list_shipped
 from lta_control.strategies import STRATEGIES
-from lta_flight.preflight import check
-from lta_graph.launch_file import LaunchPlan, load
-from lta_graph.launch_node import Process
+from lta_flight.preflight import check_plan
+from lta_graph.launch_file import LaunchPlan, load_plan
+from lta_graph.launch_node import LaunchProcess
 import pytest
 
 
 def plan(*words, package='lta_sim'):
     arguments = ['--ros-args', *(part for word in words for part in ('-p', word))]
-    return LaunchPlan((Process(package, 'node', 'node', '/', tuple(arguments), False),))
+    return LaunchPlan((LaunchProcess(package, 'node', 'node', '/', tuple(arguments), False),))
 
 
 @pytest.mark.parametrize(
@@ -19,11 +19,11 @@ def plan(*words, package='lta_sim'):
     [
         (
             'vehicle:="nope"',
-            f"Unknown vehicle 'nope'; known: {', '.join(known('vehicles'))}.",
+            f"Unknown vehicle 'nope'; known: {', '.join(list_shipped('vehicles'))}.",
         ),
         (
             'scenario:="moon"',
-            f"Unknown scenario 'moon'; known: {', '.join(known('scenarios'))}.",
+            f"Unknown scenario 'moon'; known: {', '.join(list_shipped('scenarios'))}.",
         ),
         ('strategy:="luck"', f"Unknown strategy 'luck'; known: {', '.join(STRATEGIES)}."),
         ('seed:=-1', 'The seed is -1, but must be a whole number from 0 to 2147483647.'),
@@ -33,29 +33,29 @@ def plan(*words, package='lta_sim'):
 )
 def test_what_a_node_would_refuse_is_refused_before(word, sentence):
     with pytest.raises(BadInput) as caught:
-        check(plan(word))
+        check_plan(plan(word))
     assert str(caught.value) == sentence
-    check(plan(word, package='their_sim'))
+    check_plan(plan(word, package='their_sim'))
 
 
 def test_a_good_plan_passes():
-    check(plan('vehicle:="gtmab"', 'scenario:="lamp_room"', 'strategy:="bag"', 'seed:=0'))
+    check_plan(plan('vehicle:="gtmab"', 'scenario:="lamp_room"', 'strategy:="bag"', 'seed:=0'))
 
 
 @pytest.fixture
 def other(tmp_path):
     """Return the file of a scene whose lamp flickers at 230 Hz."""
     path = tmp_path / 'other.yaml'
-    path.write_text(find('scenario', 'lamp_room').read_text().replace('150 Hz', '230 Hz'))
+    path.write_text(find_file('scenario', 'lamp_room').read_text().replace('150 Hz', '230 Hz'))
     return path
 
 
 @pytest.mark.parametrize('name', ['fly', 'pair'])
 def test_a_lamp_that_nobody_listens_for_is_refused_for_every_drone(name, other):
-    path = find('launch file', name, '.launch.yaml')
-    check(load(path, {}))
+    path = find_file('launch file', name, '.launch.yaml')
+    check_plan(load_plan(path, {}))
     with pytest.raises(BadInput, match='flickers at 230 Hz, but the demodulator listens at 150'):
-        check(load(path, {'scenario': str(other)}))
+        check_plan(load_plan(path, {'scenario': str(other)}))
 
 
 def test_a_demodulator_that_is_set_to_the_lamp_hears_it(other):
@@ -64,11 +64,12 @@ def test_a_demodulator_that_is_set_to_the_lamp_hears_it(other):
         (('-p', 'frequency:=230.0'), True), (('--params-file', 'own.yaml'), True), ((), False),
     ]:  # fmt: skip
         plan = LaunchPlan((
-            Process('lta_control', 'navigator', 'navigator', '/a', navigator, False),
-            Process('lta_vlc', 'demodulator', 'demodulator', '/a', ('--ros-args', *own), False),
+            LaunchProcess('lta_control', 'navigator', 'navigator', '/a', navigator, False),
+            LaunchProcess('lta_vlc', 'demodulator', 'demodulator', '/a',
+                          ('--ros-args', *own), False),
         ))  # fmt: skip
         if heard:
-            check(plan)
+            check_plan(plan)
             continue
         with pytest.raises(BadInput, match='flickers at 230 Hz'):
-            check(plan)
+            check_plan(plan)

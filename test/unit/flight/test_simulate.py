@@ -5,15 +5,15 @@ import json
 from lta_bridge import provenance
 from lta_cli.verbs import simulate as verb
 from lta_config.errors import BadInput
-from lta_config.topics import topic_table
+from lta_config.topics import load_topic_table
 from lta_data.bag import open_flight, read_bag
-from lta_flight.report.results import results_of
-from lta_flight.report.view import View
-from lta_flight.simulate import simulate_once, Simulated
+from lta_flight.report.results import compute_results
+from lta_flight.report.view import FlightView
+from lta_flight.simulate import simulate_once, SimulationRequest
 import pytest
 import yaml
 
-TABLE = topic_table()
+TABLE = load_topic_table()
 
 
 @pytest.fixture(autouse=True)
@@ -31,7 +31,7 @@ class Silent:
 
 
 def simulated(folder, *changes, **options):
-    order = Simulated('gtmab', 'lamp_room', 'bag', 'gtmab', 3, changes, folder, **options)
+    order = SimulationRequest('gtmab', 'lamp_room', 'bag', 'gtmab', 3, changes, folder, **options)
     return simulate_once(order, Silent())
 
 
@@ -40,7 +40,7 @@ def test_the_figures_without_a_bag_are_those_of_the_bag(tmp_path):
     change = 'scenario.goal.radius=4 m'
     flight, figures = simulated(tmp_path / 'a', change)
     assert flight.outcome == 'reached'
-    of_bag = results_of(View(open_flight(flight.bag))).to_dict()
+    of_bag = compute_results(FlightView(open_flight(flight.bag))).to_dict()
     assert figures.to_dict() == pytest.approx(of_bag, rel=1e-12, nan_ok=False)
     assert None not in of_bag.values()
     _, bare = simulated(tmp_path / 'b', change, record=False)
@@ -51,13 +51,13 @@ def test_the_figures_without_a_bag_are_those_of_the_bag(tmp_path):
 def test_the_bag_has_every_message_that_the_rhythm_makes_due(tmp_path):
     flight, _ = simulated(tmp_path / 'out', 'scenario.goal.time_limit=2.05 s')
     bag = read_bag(flight.bag)
-    assert bag.complete
-    end = max(when for _, when, _ in bag.messages(['/lta1/imu']))
+    assert bag.is_complete
+    end = max(when for _, when, _ in bag.iterate_messages(['/lta1/imu']))
     assert end == TABLE.start_ns + 2_110_000_000  # one step after the light block
     repeatable = {f'/lta1/{name}' for name, topic in TABLE.topics.items() if topic.repeatable}
     assert set(bag.topics) == repeatable
     for name in repeatable:
-        assert bag.topics[name].count == TABLE.due(name.removeprefix('/lta1/'), end), name
+        assert bag.topics[name].count == TABLE.count_due(name.removeprefix('/lta1/'), end), name
 
 
 def test_what_was_changed_is_kept_and_told(tmp_path):

@@ -2,9 +2,9 @@
 
 from lta_cli.verbs import fly as verb
 from lta_config.errors import BadInput
-from lta_flight.viewers import invite, refuse_taken_ports, viewers
+from lta_flight.viewers import check_live_ports, find_viewers, report_live_views
 from lta_graph.launch_file import LaunchPlan
-from lta_graph.launch_node import Process
+from lta_graph.launch_node import LaunchProcess
 import pytest
 
 
@@ -13,7 +13,7 @@ def plan(port='8765', namespaces=('/lta1',)):
     words = ('--ros-args', '-p', "host:='127.0.0.1'", '-p', f'port:={port}')
     return LaunchPlan(
         tuple(
-            Process('lta_bridge', name, name, namespace, words, False)
+            LaunchProcess('lta_bridge', name, name, namespace, words, False)
             for namespace in namespaces
             for name in ('recorder', 'live')
         )
@@ -21,41 +21,41 @@ def plan(port='8765', namespaces=('/lta1',)):
 
 
 def test_only_the_live_view_is_a_viewer_by_what_the_plan_calls_it():
-    assert viewers(plan()) == {'live'}
-    assert viewers(plan(namespaces=('/a', '/b'))) == {'a/live', 'b/live'}
-    assert viewers(LaunchPlan(plan().processes[:1])) == frozenset()
+    assert find_viewers(plan()) == {'live'}
+    assert find_viewers(plan(namespaces=('/a', '/b'))) == {'a/live', 'b/live'}
+    assert find_viewers(LaunchPlan(plan().processes[:1])) == frozenset()
 
 
 def test_people_are_told_where_to_look():
     said = []
-    invite(plan('9000'), said.append)
+    report_live_views(plan('9000'), said.append)
     live, layout = said
     assert 'https://app.foxglove.dev/?ds=foxglove-websocket&ds.url=ws://localhost:9000 ' in live
     assert 'foxglove/lta.json ' in layout
-    invite(LaunchPlan(plan().processes[:1]), said.append)
+    report_live_views(LaunchPlan(plan().processes[:1]), said.append)
     assert len(said) == 2
 
 
 def test_a_view_of_another_s_launch_file_may_keep_its_defaults_or_have_them_in_a_file():
     alone, filed = (
-        Process('lta_bridge', 'live', 'live', f'/{name}', ('--ros-args', *words), False)
+        LaunchProcess('lta_bridge', 'live', 'live', f'/{name}', ('--ros-args', *words), False)
         for name, words in (('a', ()), ('b', ('--params-file', 'live.yaml')))
     )
     said = []
-    invite(LaunchPlan((alone, filed)), said.append)
+    report_live_views(LaunchPlan((alone, filed)), said.append)
     assert 'ws://localhost:8765 ' in said[0]
     assert len(said) == 2
-    refuse_taken_ports(LaunchPlan((filed, filed)))
+    check_live_ports(LaunchPlan((filed, filed)))
     words = ('--ros-args', '--params-file', 'live.yaml', '-p', 'port:=9000')
-    told = Process('lta_bridge', 'live', 'live', '/b', words, False)
+    told = LaunchProcess('lta_bridge', 'live', 'live', '/b', words, False)
     with pytest.raises(BadInput, match='Two live views were given port 9000'):
-        refuse_taken_ports(LaunchPlan((told, told)))
+        check_live_ports(LaunchPlan((told, told)))
 
 
 @pytest.mark.parametrize('port', ['0', '65536', "'8765'", '80.5', 'true'])
 def test_what_is_no_port_is_refused(port):
     with pytest.raises(BadInput, match='whole number from 1 to 65535'):
-        refuse_taken_ports(plan(port))
+        check_live_ports(plan(port))
 
 
 @pytest.mark.parametrize(
@@ -86,9 +86,9 @@ def test_of_several_views_each_has_its_own_port_and_says_whose_it_is():
         return plan(port, (namespace,)).processes
 
     with pytest.raises(BadInput, match='Two live views were given port 8765; give each its own'):
-        refuse_taken_ports(plan(namespaces=('/a', '/b')))
+        check_live_ports(plan(namespaces=('/a', '/b')))
     said = []
-    invite(LaunchPlan(on('9000', '/a') + on('9001', '/b')), said.append)
+    report_live_views(LaunchPlan(on('9000', '/a') + on('9001', '/b')), said.append)
     first, second, layout = said
     assert ':9000  (a; or, in the' in first
     assert ':9001  (b; or, in the' in second

@@ -2,7 +2,7 @@
 
 import math
 
-from lta_graph.age import age, AHEAD
+from lta_graph.age import AHEAD, stamp_age
 import pytest
 
 NOW = 10**18
@@ -19,8 +19,8 @@ NOW = 10**18
     ],
 )
 def test_the_far_future_is_infinitely_old(ahead, expected):
-    assert age(NOW + round(1e9 * ahead), NOW) == pytest.approx(expected)
+    assert stamp_age(NOW + round(1e9 * ahead), NOW) == pytest.approx(expected)
 
 
 def test_what_never_came_is_infinitely_old():
-    assert age(None, NOW) == math.inf
+    assert stamp_age(None, NOW) == math.inf

@@ -4,12 +4,12 @@ from dataclasses import dataclass
 
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_config.topics import topic_table
-from lta_graph.health import Fact, Health, Level
+from lta_config.topics import load_topic_table
+from lta_graph.health import Health, HealthFact, HealthLevel
 from lta_graph.inbox import Inbox
 import pytest
 
-TABLE = topic_table()
+TABLE = load_topic_table()
 START = TABLE.start_ns
 MS = 1_000_000
 LENGTH = 400 * MS  # of every stream: four light blocks
@@ -46,7 +46,8 @@ class Reader:
 # Whoever answers a topic; the vehicle begins by itself, and steps on with each command.
 ROLES = [*sorted({row.source for row in TABLE.topics.values() if row.answers}), 'vehicle']
 READERS = [
-    Reader(role, tuple(TABLE.read_by(role)), TABLE.trigger(role) or 'motors') for role in ROLES
+    Reader(role, tuple(TABLE.read_by(role)), TABLE.trigger_topic(role) or 'motors')
+    for role in ROLES
 ]
 
 
@@ -105,7 +106,7 @@ def test_every_interleaving_gives_the_same_steps(drawn):
         steps += take(inbox)
     assert steps == expected(reader)
     assert not any(inbox.gaps.values())
-    assert inbox.waiting_for() == []
+    assert inbox.list_missing_topics() == []
 
 
 @given(mixed())
@@ -123,10 +124,10 @@ def test_a_begun_step_waits_for_exactly_what_is_missing(drawn):
             now = nth(reader.trigger, done) + TABLE[reader.trigger].latency_ns
             for name in reader.topics:
                 lag = TABLE[name].subscribers.get(reader.role, 0)
-                if name != reader.trigger and put[name] < TABLE.due(name, now, lag):
+                if name != reader.trigger and put[name] < TABLE.count_due(name, now, lag):
                     missing.append(name)
             assert missing, 'a step with all its inputs must be answered'
-        assert inbox.waiting_for() == missing
+        assert inbox.list_missing_topics() == missing
 
 
 @given(mixed(), st.data())
@@ -149,7 +150,7 @@ def test_a_lost_message_is_counted_and_holds_the_graph(drawn, data):
     if name == reader.trigger:
         assert len(steps) == len(expected(reader)) - 1
     elif len(steps) < len(expected(reader)):
-        assert inbox.waiting_for() == [name]
+        assert inbox.list_missing_topics() == [name]
 
 
 @given(mixed())
@@ -162,7 +163,7 @@ def test_in_real_time_nobody_waits_and_nothing_is_lost(drawn):
         inbox.put(name, stamp, message)
         since[name].append(message)
         steps = take(inbox)
-        assert inbox.waiting_for() == []
+        assert inbox.list_missing_topics() == []
         assert len(steps) == (name == reader.trigger)
         for step_stamp, taken in steps:
             assert step_stamp == stamp
@@ -203,19 +204,19 @@ def test_a_step_by_hand():
     inbox = Reader('estimator', ('imu', 'range', 'pressure', 'motors'), 'imu').inbox()
     inbox.put('imu', START, 'i0')
     assert inbox.pop() is None
-    assert inbox.waiting_for() == ['range', 'pressure']  # motors may come a period later
+    assert inbox.list_missing_topics() == ['range', 'pressure']  # motors may come a period later
     inbox.put('pressure', START, 'p0')
     inbox.put('range', START, 'r0')
     step = inbox.pop()
     assert step.stamp_ns == START
     assert step.messages == {'imu': ['i0'], 'range': ['r0'], 'pressure': ['p0'], 'motors': []}
-    assert (step.last('imu'), step.last('motors')) == ('i0', None)
+    assert (step.last_message('imu'), step.last_message('motors')) == ('i0', None)
     inbox.put('imu', START + 10 * MS, 'i1')
-    assert inbox.waiting_for() == ['motors']
+    assert inbox.list_missing_topics() == ['motors']
     inbox.put('motors', START, 'm0')
     assert inbox.pop().messages == {'imu': ['i1'], 'range': [], 'pressure': [], 'motors': ['m0']}
     assert inbox.pop() is None
-    assert inbox.waiting_for() == []
+    assert inbox.list_missing_topics() == []
 
 
 def test_several_lost_messages_are_all_counted():
@@ -241,28 +242,28 @@ def test_a_topic_without_rhythm_holds_nobody_up(lockstep):
 def test_health_keeps_the_newest_fact_of_each_task_and_tells_a_new_level():
     health = Health()
     assert (health.facts, health.changed) == ([], False)
-    health.report('state', Level.OK, 'starting')
-    health.report('inputs', Level.WARN, 'late', topic='imu', seconds=0.5)
+    health.report('state', HealthLevel.OK, 'starting')
+    health.report('inputs', HealthLevel.WARN, 'late', topic='imu', seconds=0.5)
     assert health.changed
     health.changed = False
-    health.report('state', Level.OK, 'running')  # other words, same level: no news
+    health.report('state', HealthLevel.OK, 'running')  # other words, same level: no news
     assert not health.changed
-    health.report('inputs', Level.ERROR, 'none')
+    health.report('inputs', HealthLevel.ERROR, 'none')
     assert health.changed
     assert health.facts == [
-        Fact('state', Level.OK, 'running'),
-        Fact('inputs', Level.ERROR, 'none'),
+        HealthFact('state', HealthLevel.OK, 'running'),
+        HealthFact('inputs', HealthLevel.ERROR, 'none'),
     ]
 
 
 def test_figures_of_a_fact_are_text():
     health = Health()
-    health.report('energy', Level.OK, 'fine', soc=0.5, cells=1)
+    health.report('energy', HealthLevel.OK, 'fine', soc=0.5, cells=1)
     assert health.facts[0].values == {'soc': '0.5', 'cells': '1'}
 
 
 def test_levels_are_those_of_ros():
-    assert [(level.name, level.value) for level in Level] == [
+    assert [(level.name, level.value) for level in HealthLevel] == [
         ('OK', 0),
         ('WARN', 1),
         ('ERROR', 2),

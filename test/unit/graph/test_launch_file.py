@@ -3,9 +3,9 @@
 from pathlib import Path
 
 from lta_config.errors import BadInput
-from lta_graph.launch_file import Argument, arguments, load
-from lta_graph.launch_node import ros_yaml
-from lta_graph.launch_text import command_line, Context, substitute
+from lta_graph.launch_file import LaunchArgument, list_arguments, load_plan
+from lta_graph.launch_node import format_ros_yaml
+from lta_graph.launch_substitutions import LaunchContext, split_command_line, substitute_text
 import pytest
 import yaml
 
@@ -21,7 +21,7 @@ def write(tmp_path):
 
 
 def plan_of(path: Path, **given: str):
-    return load(path, given).processes
+    return load_plan(path, given).processes
 
 
 def node_arguments(write, *lines: str, **given: str) -> tuple[str, ...]:
@@ -148,7 +148,7 @@ def test_nested_parameters_get_dotted_names(write):
     ['y', 'nan', 'a: b', '# no', '"q"', "it's", '\\', '{}', 'ä\n', ' ', '5', True, -3, 1e300, 0.1],
 )
 def test_yaml_for_ros_reads_back_as_it_was(value):
-    read = yaml.safe_load(ros_yaml([value, value]))
+    read = yaml.safe_load(format_ros_yaml([value, value]))
     # PyYAML wants a dot in a float; ROS's parser and JSON do not.
     read = [float(item) if isinstance(value, float) else item for item in read]
     assert read == [value, value]
@@ -163,10 +163,10 @@ launch:
 - arg: {name: robot, default: "$(var world)_$(var strategy)"}
 - node: {pkg: p, exec: e, name: $(var robot)}
 """)
-    assert arguments(path) == [
-        Argument('world', 'Where to fly.', None, ()),
-        Argument('strategy', '', 'bag', ('bag', 'des')),
-        Argument('robot', '', '$(var world)_$(var strategy)', ()),
+    assert list_arguments(path) == [
+        LaunchArgument('world', 'Where to fly.', None, ()),
+        LaunchArgument('strategy', '', 'bag', ('bag', 'des')),
+        LaunchArgument('robot', '', '$(var world)_$(var strategy)', ()),
     ]
     assert plan_of(path, world='room')[0].name == 'room_bag'
     assert plan_of(path, world='room', strategy='des')[0].name == 'room_des'
@@ -177,7 +177,7 @@ launch:
         ({'world': 'a', 'strateg': 'bag'}, r"Unknown launch argument 'strateg'; known: robot, s"),
     ]:
         with pytest.raises(BadInput, match=message) as caught:
-            load(path, given)
+            load_plan(path, given)
         assert str(caught.value).startswith(f'{path}: ')
 
 
@@ -213,10 +213,10 @@ launch:
 
 def test_of_several_namespaces_a_process_is_called_by_its_own(write):
     first, second = 'node: {pkg: p, exec: e}', 'node: {pkg: p, exec: f, namespace: r1/sub}'
-    both = load(write(f'launch: [{first}, {second}]'), {})
+    both = load_plan(write(f'launch: [{first}, {second}]'), {})
     assert both.namespaces == ['', 'r1/sub']
     assert [both.label(process) for process in both.processes] == ['e', 'r1/sub/f']
-    one = load(write('launch: [node: {pkg: p, exec: f, namespace: r1}]'), {})
+    one = load_plan(write('launch: [node: {pkg: p, exec: f, namespace: r1}]'), {})
     assert [one.label(process) for process in one.processes] == ['f']
 
 
@@ -343,9 +343,9 @@ def test_bad_files_get_one_sentence(write, text, message):
 
 def test_files_that_are_no_launch_files(write, tmp_path):
     with pytest.raises(BadInput, match=r'^There is no launch file .*none\.launch\.yaml; check'):
-        load(tmp_path / 'none.launch.yaml', {})
+        load_plan(tmp_path / 'none.launch.yaml', {})
     with pytest.raises(BadInput, match='only YAML launch files run'):
-        load(write('', 'fly.launch.py'), {})
+        load_plan(write('', 'fly.launch.py'), {})
 
 
 def test_substitutions_nest_and_quote(monkeypatch, tmp_path):
@@ -354,10 +354,10 @@ def test_substitutions_nest_and_quote(monkeypatch, tmp_path):
     (markers / 'lta_config').touch()
     monkeypatch.setenv('AMENT_PREFIX_PATH', f'/nowhere:{tmp_path}')
     monkeypatch.setenv('LTA_HOME', '/home/x')
-    context = Context(tmp_path, {'p': 'lta_config', 'q': 'p', 's': 'two words'})
+    context = LaunchContext(tmp_path, {'p': 'lta_config', 'q': 'p', 's': 'two words'})
 
     def made(text: str) -> str:
-        return substitute(text, context)
+        return substitute_text(text, context)
 
     assert made('$(find-pkg-share $(var p))/x') == f'{tmp_path}/share/lta_config/x'
     assert made('$(var $(var q))') == 'lta_config'
@@ -366,8 +366,8 @@ def test_substitutions_nest_and_quote(monkeypatch, tmp_path):
     assert made("$(env LTA_NONE '')") == ''
     assert made('$(env LTA_NONE $(var s))') == 'two words'
     assert made("it's 5 $ and (x)") == "it's 5 $ and (x)"
-    assert command_line('a  \'b c\'d $(var s) ""', context) == ['a', 'b cd', 'two words', '']
-    assert command_line('', context) == []
+    assert split_command_line('a  \'b c\'d $(var s) ""', context) == ['a', 'b cd', 'two words', '']
+    assert split_command_line('', context) == []
 
 
 @pytest.mark.parametrize('value', ['2024-13-45', '[' * 200_000, '!!int ""', 'a: [', '*x', ''])
@@ -378,4 +378,4 @@ def test_what_a_launch_argument_makes_no_value_of_stays_a_text(write, value):
             node_arguments(write, 'param: [{name: x, value: $(var given)}]', **given)
         return
     words = node_arguments(write, 'param: [{name: x, value: $(var given)}]', **given)
-    assert words == ('-p', f'x:={ros_yaml(value)}')
+    assert words == ('-p', f'x:={format_ros_yaml(value)}')

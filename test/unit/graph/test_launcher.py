@@ -5,7 +5,7 @@ from pathlib import Path
 import signal
 
 from lta_config.errors import BadInput
-from lta_graph.launch_file import LaunchPlan, Process
+from lta_graph.launch_file import LaunchPlan, LaunchProcess
 from lta_graph.launcher import Launcher
 import pytest
 from waiting import PATIENCE
@@ -140,7 +140,7 @@ def test_what_cannot_be_executed_starts_nothing(fleet):
     (fleet.folder / 'bad').chmod(0o644)
     with pytest.raises(BadInput, match=r"^Unknown executable of fleet 'bad'; known: good\.$"):
         fleet.launcher().start()
-    fleet.processes = [Process('nowhere', 'x', 'x', '/', (), False)]
+    fleet.processes = [LaunchProcess('nowhere', 'x', 'x', '/', (), False)]
     with pytest.raises(
         BadInput,
         match=r"^(Unknown package 'nowhere'; known: lta_|Package 'nowhere' is not in .*build)",

@@ -5,7 +5,7 @@ import signal
 import threading
 import time
 
-from lta_graph.child import Child
+from lta_graph.child_process import ChildProcess
 from lta_graph.launch_file import LaunchPlan
 from lta_graph.launcher import GRACE, Launcher, PERIOD, TERM_GRACE
 import pytest
@@ -53,7 +53,7 @@ def test_stop_gives_time_to_close(fleet):
 
 
 def test_signals_come_in_order_after_their_graces(fleet, monkeypatch):
-    clock, sent, send = Clock(), [], Child.signal
+    clock, sent, send = Clock(), [], ChildProcess.send_signal
     monkeypatch.setattr('lta_graph.launcher.time', clock)
 
     def signalled(child, number):
@@ -62,7 +62,7 @@ def test_signals_come_in_order_after_their_graces(fleet, monkeypatch):
         if number is not signal.SIGKILL:
             fleet.await_line('deaf', number.name)
 
-    monkeypatch.setattr(Child, 'signal', signalled)
+    monkeypatch.setattr(ChildProcess, 'send_signal', signalled)
     fleet.add('deaf', DEAF)
     launcher = fleet.launcher(grace=GRACE)
     launcher.start()

@@ -8,7 +8,7 @@ from waiting import PATIENCE
 
 CODE = """
 import atexit, sys, time
-from lta_graph.leave import leave
+from lta_graph.process_end import leave
 
 class Slow:
     def __del__(self):

@@ -26,39 +26,43 @@ def said(*names):
 def test_of_several_robots_each_fact_has_its_robot_s_name():
     both, one = DiagnosticsListener('lta1', 'lta2', ''), DiagnosticsListener('lta2')
     for ears in (both, one):
-        ears._hear(said('lta1/estimator', 'lta2/estimator', 'recorder', 'lta3/estimator'))
+        ears._on_diagnostics(
+            said('lta1/estimator', 'lta2/estimator', 'recorder', 'lta3/estimator')
+        )
     assert set(both.facts) == {
         'lta1/estimator: state',
         'lta2/estimator: state',
         'recorder: state',
     }
-    assert both.unheard(['lta1/estimator', 'lta2/estimator', 'recorder', 'other']) == ['other']
+    assert both.find_pending(['lta1/estimator', 'lta2/estimator', 'recorder', 'other']) == [
+        'other'
+    ]
     assert set(one.facts) == {'estimator: state'}
 
 
 def test_silence_means_nothing_before_all_have_spoken_and_could_speak_again(clock):
     ears = DiagnosticsListener('lta1', 'lta2')
     nodes = ['lta1/estimator', 'lta2/estimator']
-    assert not ears.settled(nodes)
-    ears._hear(said('lta1/estimator'))
+    assert not ears.is_settled(nodes)
+    ears._on_diagnostics(said('lta1/estimator'))
     clock[0] += 3.0
-    assert ears.silent(['lta1/estimator']) == ['lta1/estimator']
-    assert not ears.settled(nodes)
-    ears._hear(said('lta2/estimator'))
-    assert not ears.settled(nodes)
+    assert ears.find_silent(['lta1/estimator']) == ['lta1/estimator']
+    assert not ears.is_settled(nodes)
+    ears._on_diagnostics(said('lta2/estimator'))
+    assert not ears.is_settled(nodes)
     clock[0] += SILENCE + 0.01
-    assert ears.settled(nodes)
-    assert ears.silent(nodes) == nodes
+    assert ears.is_settled(nodes)
+    assert ears.find_silent(nodes) == nodes
 
 
 def test_one_that_never_speaks_does_not_keep_silence_meaningless_for_ever(clock):
     ears = DiagnosticsListener('lta1')
-    ears._hear(said('lta1/estimator'))
+    ears._on_diagnostics(said('lta1/estimator'))
     clock[0] += DISCOVERY + 0.01
-    assert not ears.settled(['estimator', 'theirs'])
+    assert not ears.is_settled(['estimator', 'theirs'])
     clock[0] += SILENCE + 0.01
-    assert ears.settled(['estimator', 'theirs'])
-    ears._hear(said('lta1/estimator'))
-    assert ears.silent(['estimator', 'theirs']) == []
+    assert ears.is_settled(['estimator', 'theirs'])
+    ears._on_diagnostics(said('lta1/estimator'))
+    assert ears.find_silent(['estimator', 'theirs']) == []
     clock[0] += LOADING
-    assert ears.silent(['theirs']) == ['theirs']
+    assert ears.find_silent(['theirs']) == ['theirs']

@@ -10,36 +10,36 @@ START, STEP, LEAD = S, 10 * MS, 100 * MS
 
 def test_who_is_ahead_waits_by_hand():
     peers = Peers(['lta2'], START, LEAD)
-    assert peers.behind(START + LEAD) == []  # before anybody has spoken
-    assert peers.behind(START + LEAD + STEP) == ['lta2']
-    assert not peers.begun('lta2')
-    peers.hear('lta2', START + LEAD)
-    assert peers.begun('lta2')
-    assert peers.behind(START + 2 * LEAD) == []
-    assert peers.behind(START + 2 * LEAD + STEP) == ['lta2']
-    peers.hear('lta2', START)  # late: time does not go back
-    assert peers.behind(START + 2 * LEAD) == []
-    peers.end('lta2')
-    peers.end('lta2')
-    assert peers.behind(START + 100 * LEAD) == []
-    assert peers.flying == []
+    assert peers.find_lagging(START + LEAD) == []  # before anybody has spoken
+    assert peers.find_lagging(START + LEAD + STEP) == ['lta2']
+    assert not peers.has_started('lta2')
+    peers.record_pulse('lta2', START + LEAD)
+    assert peers.has_started('lta2')
+    assert peers.find_lagging(START + 2 * LEAD) == []
+    assert peers.find_lagging(START + 2 * LEAD + STEP) == ['lta2']
+    peers.record_pulse('lta2', START)  # late: time does not go back
+    assert peers.find_lagging(START + 2 * LEAD) == []
+    peers.mark_ended('lta2')
+    peers.mark_ended('lta2')
+    assert peers.find_lagging(START + 100 * LEAD) == []
+    assert peers.active == []
 
 
 def test_who_has_no_peers_never_waits():
     alone = Peers([], START, LEAD)
-    assert alone.behind(START + 10**6 * LEAD) == []
-    assert alone.now(START) == START
+    assert alone.find_lagging(START + 10**6 * LEAD) == []
+    assert alone.launch_time(START) == START
 
 
 def test_the_time_goes_on_with_the_last_that_flies():
     peers = Peers(['lta2', 'lta3'], START, LEAD)
-    peers.hear('lta2', START + 3 * S)
-    peers.hear('lta3', START + 5 * S)
-    assert peers.now(START + 4 * S) == START + 4 * S
-    peers.end('lta2')
-    assert peers.now(START + 4 * S) == START + 5 * S
-    peers.end('lta3')
-    assert peers.now(START + 4 * S) == START + 4 * S
+    peers.record_pulse('lta2', START + 3 * S)
+    peers.record_pulse('lta3', START + 5 * S)
+    assert peers.launch_time(START + 4 * S) == START + 4 * S
+    peers.mark_ended('lta2')
+    assert peers.launch_time(START + 4 * S) == START + 5 * S
+    peers.mark_ended('lta3')
+    assert peers.launch_time(START + 4 * S) == START + 4 * S
 
 
 @given(st.integers(2, 4), st.randoms(use_true_random=False), st.lists(st.integers(1, 60)))
@@ -56,13 +56,13 @@ def test_no_order_of_steps_and_pulses_makes_them_drift_or_stand_still(count, cha
     while len(over) < count:
         able = [
             name for name in names
-            if name not in over and not peers[name].behind(now[name] + STEP)
+            if name not in over and not peers[name].find_lagging(now[name] + STEP)
         ]  # fmt: skip
         waiting = [pair for pair, stamps in mail.items() if stamps]
         assert able or waiting, 'all wait for one another'
         if waiting and (not able or chance.random() < 0.5):
             to, by = chance.choice(waiting)
-            peers[to].hear(by, mail[to, by].pop(0))
+            peers[to].record_pulse(by, mail[to, by].pop(0))
             continue
         name = chance.choice(able)
         now[name] += STEP
@@ -71,7 +71,7 @@ def test_no_order_of_steps_and_pulses_makes_them_drift_or_stand_still(count, cha
                 mail[other, name].append(now[name])
             if now[name] == end[name]:
                 over.add(name)
-                peers[other].end(name)
+                peers[other].mark_ended(name)
         flying = [now[each] for each in names if each not in over]
         assert max(flying, default=0) - min(flying, default=0) <= 2 * LEAD - STEP
     assert now == end

@@ -4,26 +4,35 @@ import math
 
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_config.topics import topic_table
-from lta_graph.health import Level
-from lta_graph.refused import LONGEST, Refused
-from lta_graph.ros.message_types import message_type
-from lta_graph.ros.sound import fault, JUMP_NS, LARGEST, LENGTHS, NUMBERS, Soundness
+from lta_config.topics import load_topic_table
+from lta_graph.health import HealthLevel
+from lta_graph.rejections import LONGEST, RejectionCount
+from lta_graph.ros.message_types import find_message_type
+from lta_graph.ros.message_validation import (
+    find_fault,
+    JUMP_NS,
+    LARGEST,
+    LENGTHS,
+    MessageValidator,
+    NUMBERS,
+)
 from lta_graph.ros.stamps import to_stamp
 import pytest
 from sensor_msgs.msg import Image, JointState, PointCloud2, PointField, Range
 
-TABLE = topic_table()
-IMU = message_type(TABLE['imu'])
+TABLE = load_topic_table()
+IMU = find_message_type(TABLE['imu'])
 
 
 def test_an_empty_message_of_any_topic_can_be_judged():
     for row in TABLE.topics.values():
-        assert isinstance(fault(message_type(row)()), str)
+        assert isinstance(find_fault(find_message_type(row)()), str)
 
 
 def test_every_field_that_is_looked_at_is_one():
-    kinds = {message_type(row).__name__: message_type(row) for row in TABLE.topics.values()}
+    kinds = {
+        find_message_type(row).__name__: find_message_type(row) for row in TABLE.topics.values()
+    }
     for name, paths in NUMBERS.items():
         for path in paths:
             part = kinds[name]() if name in kinds else None
@@ -41,7 +50,7 @@ def test_every_field_that_is_looked_at_is_one():
 def test_one_number_of_six_is_enough(value, field, axis):
     message = IMU()
     setattr(getattr(message, field), axis, value)
-    assert (fault(message) == '') == (abs(value) <= LARGEST)
+    assert (find_fault(message) == '') == (abs(value) <= LARGEST)
 
 
 @pytest.mark.parametrize(
@@ -60,27 +69,27 @@ def test_one_number_of_six_is_enough(value, field, axis):
     ],
 )
 def test_numbers_and_lengths(message, words):
-    assert words in fault(message)
-    assert bool(fault(message)) == bool(words)
+    assert words in find_fault(message)
+    assert bool(find_fault(message)) == bool(words)
 
 
 def test_a_stamp_that_jumps_is_counted_where_stamps_are_looked_at():
     row = TABLE['imu']
     for looks in (True, False):
-        sound = Soundness(stamps=looks)
+        sound = MessageValidator(stamps=looks)
         for at in (1, 2, 3 + 2 * JUMP_NS, 4, 5):
             message = IMU()
             message.header.stamp = to_stamp(10**12 + at)
-            sound.look(row, 'imu', message)
+            sound.validate(row, 'imu', message)
         assert sound.unsound.count == (2 if looks else 0)
-    assert Soundness(stamps=True).unsound.fact('messages').level == Level.OK
+    assert MessageValidator(stamps=True).unsound.build_fact('messages').level == HealthLevel.OK
 
 
 def test_whoever_sends_nonsense_does_not_decide_how_much_of_it_is_told():
-    refused = Refused()
+    refused = RejectionCount()
     for _ in range(3):
         refused.add('x' * 10**6)
-    fact = refused.fact('messages')
-    assert fact.level == Level.WARN
+    fact = refused.build_fact('messages')
+    assert fact.level == HealthLevel.WARN
     assert len(fact.message) < LONGEST + 100
     assert fact.values == {'count': '3'}

@@ -2,7 +2,7 @@
 
 from itertools import product
 
-from lta_graph.ros.tap import fitting
+from lta_graph.ros.raw_subscription import match_profile
 import pytest
 from rclpy.qos import (
     DurabilityPolicy,
@@ -28,7 +28,7 @@ LEAST = {'reliability': ReliabilityPolicy.BEST_EFFORT, 'durability': DurabilityP
     'publishers', [*product(PROFILES, repeat=1), *product(PROFILES, repeat=2)]
 )
 def test_no_publisher_is_incompatible_and_nothing_is_given_up_without_need(asked, publishers):
-    found = fitting(asked, publishers)
+    found = match_profile(asked, publishers)
     for each in publishers:
         assert qos_check_compatible(each, found)[0] != QoSCompatibility.ERROR
     for policy, least in LEAST.items():
@@ -41,4 +41,4 @@ def test_no_publisher_is_incompatible_and_nothing_is_given_up_without_need(asked
 
 
 def test_where_nobody_is_there_everything_is_asked_for():
-    assert fitting(PROFILES[0], []) == PROFILES[0]
+    assert match_profile(PROFILES[0], []) == PROFILES[0]

@@ -5,7 +5,7 @@ from pathlib import Path
 import signal
 import sys
 
-from lta_graph.launch_file import LaunchPlan, Process
+from lta_graph.launch_file import LaunchPlan, LaunchProcess
 from lta_graph.launcher import Launcher
 import pytest
 from waiting import PATIENCE, wait_until
@@ -49,17 +49,17 @@ class Fleet:
         (prefix / MARKERS).mkdir(parents=True)
         (prefix / MARKERS / 'fleet').touch()
         self.lines: list[tuple[str, str]] = []
-        self.processes: list[Process] = []
+        self.processes: list[LaunchProcess] = []
 
     def add(self, name: str, code: str, *, ends_run: bool = False, args: tuple[str, ...] = ()):
         path = self.folder / name
         path.write_text(f'#!{sys.executable} -IS\n{code}', encoding='utf-8')
         path.chmod(0o755)
-        self.processes.append(Process('fleet', name, name, '/', args, ends_run))
+        self.processes.append(LaunchProcess('fleet', name, name, '/', args, ends_run))
 
     def launcher(self, grace: float = PATIENCE, spare: tuple[str, ...] = ()) -> Launcher:
         plan = LaunchPlan(tuple(self.processes))
-        return Launcher(plan, lambda *line: self.lines.append(line), grace=grace, spare=spare)
+        return Launcher(plan, lambda *line: self.lines.append(line), grace=grace, optional=spare)
 
     def await_line(self, *line: str) -> None:
         wait_until(lambda: line in self.lines, f'the line {line}', lambda: self.lines)

@@ -42,7 +42,7 @@ def page(monkeypatch):
 
 
 def test_a_page_that_a_busy_machine_draws_slowly_is_waited_for(page):
-    page(200.0).wait('drawn')
+    page(200.0).wait_until('drawn')
 
 
 @pytest.mark.parametrize(
@@ -54,4 +54,4 @@ def test_a_page_that_a_busy_machine_draws_slowly_is_waited_for(page):
 )
 def test_a_page_that_is_never_drawn_is_given_up_with_the_reason(page, failed, sentence):
     with pytest.raises(BadInput, match=re.escape(sentence)):
-        page(1e9, failed).wait('drawn')
+        page(1e9, failed).wait_until('drawn')

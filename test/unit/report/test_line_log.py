@@ -1,10 +1,10 @@
 """A log of long work outlives whoever writes it, and is never mixed up or thrown away."""
 
 from lta_config.errors import BadInput
-from lta_report.line_log import Kind, LineLog
+from lta_report.line_log import LineLog, LogKind
 import pytest
 
-KIND = Kind('numbers.jsonl', 'count', 'search', '--folder')
+KIND = LogKind('numbers.jsonl', 'count', 'search', '--folder')
 
 
 def opened(folder, identity='mine'):
@@ -23,7 +23,7 @@ def three(tmp_path):
     """Return the file of a log of three pieces."""
     log = opened(tmp_path / 'new')
     for n in range(3):
-        log.keep({'n': n})
+        log.append({'n': n})
     log.close()
     return tmp_path / 'new' / KIND.file
 
@@ -78,7 +78,7 @@ def test_one_writes_at_a_time(tmp_path):
     log = opened(tmp_path)
     with pytest.raises(BadInput, match=r'Another search writes .* wait for its end'):
         opened(tmp_path)
-    log.keep({'n': 5})
+    log.append({'n': 5})
     log.close()
     assert kept(tmp_path) == [5]
 
@@ -88,7 +88,7 @@ def test_a_full_disk_is_a_sentence_and_what_was_kept_stays(three, room):
     whole = three.read_bytes()
     with room(len(whole) + 4):
         with pytest.raises(BadInput, match=r'make room and start the search again'):
-            log.keep({'n': 3})
+            log.append({'n': 3})
         log.close()
     assert three.stat().st_size == len(whole) + 4
     assert kept(three.parent) == [0, 1, 2]

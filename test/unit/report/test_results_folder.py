@@ -1,15 +1,15 @@
 """Results appear when all are there, or none does."""
 
 from lta_config.errors import BadInput
-from lta_discovery.results.overlay import topic_words
-from lta_report.results_folder import all_at_once, can_be_made
+from lta_discovery.results.overlay import format_topic_names
+from lta_report.results_folder import check_creatable, stage_results
 import pytest
 
 
 def test_results_appear_together_and_the_last_one_last(tmp_path, monkeypatch):
     folder = tmp_path / 'out'
     moved = []
-    with all_at_once(folder, 'b') as part:
+    with stage_results(folder, 'b') as part:
         for name in 'cba':
             (part / name).write_text(name)
         assert [one.name for one in folder.iterdir()] == [part.name]
@@ -29,7 +29,7 @@ def test_nothing_half_written_stays(tmp_path, fault):
     (held / 'flights').write_text('')
 
     def stopped(folder):
-        with all_at_once(folder, 'b') as part:
+        with stage_results(folder, 'b') as part:
             (part / 'a').write_text('a')
             raise fault
 
@@ -42,15 +42,15 @@ def test_nothing_half_written_stays(tmp_path, fault):
 
 def test_a_folder_that_cannot_be_is_refused_before_the_work(tmp_path):
     (tmp_path / 'file').write_text('')
-    can_be_made(tmp_path / 'new' / 'newer')
+    check_creatable(tmp_path / 'new' / 'newer')
     for place, said in ((tmp_path, 'not empty'), (tmp_path / 'file' / 'x', 'takes no files')):
         with pytest.raises(BadInput, match=said):
-            can_be_made(place)
+            check_creatable(place)
     assert [one.name for one in tmp_path.iterdir()] == ['file']
 
 
 def test_flights_whose_names_differ_by_a_sign_have_topics_of_their_own():
-    assert topic_words(['a-b', 'a b', '1', 'Ä', 'Ö']) == [
+    assert format_topic_names(['a-b', 'a b', '1', 'Ä', 'Ö']) == [
         'a_b', 'a_b_2', 'flight_1', 'flight_', 'flight__2',
     ]  # fmt: skip
 
@@ -59,6 +59,6 @@ def test_a_folder_that_cannot_be_made_is_refused(tmp_path):
     (tmp_path / 'file').write_text('')
     with (
         pytest.raises(BadInput, match='cannot be made'),
-        all_at_once(tmp_path / 'file' / 'a', 'b'),
+        stage_results(tmp_path / 'file' / 'a', 'b'),
     ):
         pass

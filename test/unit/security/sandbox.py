@@ -22,7 +22,7 @@ STREAMS = {1: '.out', 2: '.err'}
 VERBS = 'bag.check bag.export bag.info bag.plot bag.recover cfd.run compare import_ light.plan'
 VERBS += ' mission replay report simulate sweep'
 VERBS += ' vehicle.check vehicle.diff vehicle.show vehicle.trim vehicle.urdf'
-LOADED = ['lta_cli.app', 'lta_data.foreign.run']
+LOADED = ['lta_cli.app', 'lta_data.importers.run']
 LOADED += [f'lta_cli.verbs.{name}' for name in VERBS.split()]
 
 
@@ -101,9 +101,9 @@ def command(words, folder):
     resource.setrlimit(resource.RLIMIT_FSIZE, (DISK, DISK))
     sys.argv = ['lta', *words]
     try:
-        from lta_cli.app import status
+        from lta_cli.app import run_command_line
 
-        code = status()
+        code = run_command_line()
     except BaseException:
         traceback.print_exc()
         code = 1

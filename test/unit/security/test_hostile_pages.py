@@ -4,17 +4,17 @@ from dataclasses import replace
 import sys
 
 from lta_bridge.bag import BagWriter
-from lta_bridge.bag.schemas import jazzy
+from lta_bridge.bag.schemas import load_jazzy_types
 from lta_cli import app
-from lta_config.files import find
-from lta_flight.replay.against import compared
-from lta_flight.replay.decisions import decisions
-from lta_flight.replay.heard import Heard
-from lta_flight.replay.order import Order
-from lta_flight.replay.page import page as replay_page
-from lta_flight.replay.verdict import Verdict
+from lta_config.files import find_file
+from lta_flight.replay.comparison import compare_topic
+from lta_flight.replay.decisions import compare_decisions
+from lta_flight.replay.page import render_page as replay_page
+from lta_flight.replay.request import ReplayRequest
+from lta_flight.replay.topic_messages import TopicMessages
+from lta_flight.replay.verdict import ReplayVerdict
 from lta_flight.report import write_page as write_report
-from lta_report.pieces import inert as inert_figure
+from lta_report.page_parts import sanitize_figure as inert_figure
 import numpy as np
 from plotly.graph_objects import Figure
 import pytest
@@ -40,7 +40,7 @@ def lta(monkeypatch, capsys):
 
     def run(*words):
         monkeypatch.setattr(sys, 'argv', ['lta', *map(str, words)])
-        status = app.status()
+        status = app.run_command_line()
         assert status == 0, capsys.readouterr().err
 
     return run
@@ -82,7 +82,7 @@ def write_foreign(folder, evil, step=0.0):
             for topic, kind, data in (
                 (f'odom{evil}', ODOMETRY, moved), (f'joints{evil}', JOINTS, message),
             ):  # fmt: skip
-                data = bytes(jazzy().serialize_cdr(data, kind))
+                data = bytes(load_jazzy_types().serialize_cdr(data, kind))
                 bag.write(f'/lta1/{topic}', data, START + round(1e9 * when))
     return folder
 
@@ -112,14 +112,14 @@ def test_the_page_of_a_replay(tmp_path, evil):
     keys = np.arange(3) * 10**8
     names = {f'position.{evil}': np.arange(3.0)}
     runs = [
-        Heard(keys, {**names, 'pose.pose.position.z': column}, {'name': np.array(words)})
+        TopicMessages(keys, {**names, 'pose.pose.position.z': column}, {'name': np.array(words)})
         for column, words in (
             (np.zeros(3), [evil, evil, '']), (np.ones(3), ['', evil, f'{evil} again']),
         )
     ]  # fmt: skip
-    topics = tuple(compared(topic, *runs, stamped=True) for topic in (f'odom{evil}', 'odom'))
-    verdict = Verdict(topics, tuple(decisions(topics)), (evil,), 0)
-    order = Order(tmp_path / evil.replace('/', ''), ('controller',))
+    topics = tuple(compare_topic(topic, *runs, stamped=True) for topic in (f'odom{evil}', 'odom'))
+    verdict = ReplayVerdict(topics, tuple(compare_decisions(topics)), (evil,), 0)
+    order = ReplayRequest(tmp_path / evil.replace('/', ''), ('controller',))
     page = inert(replay_page(verdict, order, {'vehicle': evil, 'scenario': evil, 'seed': evil}))
     assert MARK in page.words
 
@@ -144,12 +144,12 @@ def names_a_part(data, evil):
 @pytest.mark.parametrize('changes', [names_itself, tells, names_a_layer, names_a_part])
 def test_the_page_of_a_vehicle(tmp_path, monkeypatch, capsys, evil, changes):
     """A name must be a word, or the file is refused; the rest may be anything."""
-    data = yaml.safe_load(find('vehicle', 'gtmab').read_text(encoding='utf-8'))
+    data = yaml.safe_load(find_file('vehicle', 'gtmab').read_text(encoding='utf-8'))
     changes(data, evil)
     file, out = tmp_path / 'v.yaml', tmp_path / 'vehicle.html'
     file.write_text(yaml.safe_dump(data))
     monkeypatch.setattr(sys, 'argv', ['lta', 'vehicle', 'show', str(file), '--out', str(out)])
-    status = app.status()
+    status = app.run_command_line()
     assert status == 0 or changes is not tells
     if status == 0:
         assert MARK in inert(out.read_text(encoding='utf-8')).words

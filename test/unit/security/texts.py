@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from lta_config.files import find
+from lta_config.files import find_file
 
 
 def written(folder, data, name='hostile.yaml'):
@@ -13,7 +13,7 @@ def written(folder, data, name='hostile.yaml'):
 
 def changed(folder, old, new, kind='vehicle', name='gtmab'):
     """Write a shipped file with one piece of it replaced."""
-    text = Path(find(kind, name)).read_text()
+    text = Path(find_file(kind, name)).read_text()
     assert old in text, old
     return written(folder, text.replace(old, new, 1))
 

@@ -3,14 +3,14 @@
 import copy
 
 from lta_config.errors import BadInput
-from lta_config.files import find, load_yaml
+from lta_config.files import find_file, load_yaml
 from lta_config.schema.vehicle_file import VehicleFile
 from lta_model.vehicle import Vehicle
 import pytest
 
 G = 9.80665
 RHO = 1.2041
-GTMAB = load_yaml(find('vehicle', 'gtmab'))
+GTMAB = load_yaml(find_file('vehicle', 'gtmab'))
 PARTS = {name: part for layer in GTMAB['layers'].values() for name, part in layer.items()}
 VOLUME = 2.7458 * 0.5**3  # 0.3432 m3
 

@@ -16,6 +16,6 @@ def steps(request, monkeypatch):
         return 200
     with monkeypatch.context() as while_loading:
         while_loading.setattr(config, 'DISABLE_JIT', 1)
-        plain = batch._kernel.__wrapped__()
-    monkeypatch.setattr(batch, '_kernel', lambda: plain)
+        plain = batch._load_kernel.__wrapped__()
+    monkeypatch.setattr(batch, '_load_kernel', lambda: plain)
     return 2

@@ -7,7 +7,7 @@ enough that floor, walls, ceiling and their rotors' wakes are met.
 
 from lta_model.effects import EFFECTS
 from lta_model.effects.protocol import BodyEffect, InertiaEffect, KernelEffect
-from lta_model.model import Model
+from lta_model.model import VehicleModel
 from lta_model.state import ACTUATORS
 from lta_sim.kernels.kernel import LAYOUT
 import numpy as np
@@ -104,7 +104,7 @@ def body(generator):
 def vehicle(generator, names=None):
     """Return the parameters, the body and the model of a random vehicle."""
     given, own = everything(generator, names), body(generator)
-    return given, own, Model.build(given, **own)
+    return given, own, VehicleModel.build(given, **own)
 
 
 def anywhere(generator):
@@ -127,6 +127,6 @@ def anywhere(generator):
 def memory_places():
     """Return where in the state the memory of each effect is."""
     return {
-        name: slice(first, first + LAYOUT.remembered(name))
+        name: slice(first, first + LAYOUT.memory_size(name))
         for name, first in LAYOUT.remembers.items()
     }

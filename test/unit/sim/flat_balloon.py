@@ -1,8 +1,8 @@
 """A flat foil balloon of 1 m with four rotors, to test the model on: numbers, not a claim."""
 
 from lta_model.effects import initial_memory
-from lta_model.model import Model
-from lta_model.state import pack
+from lta_model.model import VehicleModel
+from lta_model.state import pack_state
 from lta_sim.kernels.kernel import LAYOUT
 import numpy as np
 
@@ -61,12 +61,12 @@ LAG = slice(LAYOUT.remembers['motor_lag'], LAYOUT.remembers['motor_lag'] + 4)
 
 def model(given, cg=CG, inertia=INERTIA, displaced=DISPLACED):
     """Return the balloon with the effects of `given`."""
-    return Model.build(given, mass=MASS, cg=cg, inertia=inertia, displaced=displaced)
+    return VehicleModel.build(given, mass=MASS, cg=cg, inertia=inertia, displaced=displaced)
 
 
 def at(position=(0.0, 0.0, 2.0), **motion):
     """Return a state with the motors off."""
-    return pack(position, memory=initial_memory(), **motion)
+    return pack_state(position, memory=initial_memory(), **motion)
 
 
 def anywhere(generator, height=(-0.3, 0.3)):

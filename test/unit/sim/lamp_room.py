@@ -2,7 +2,7 @@
 
 import copy
 
-from lta_config.files import find, load_yaml, share
+from lta_config.files import find_file, load_yaml, share_folder
 from lta_config.schema.vehicle_file import VehicleFile
 from lta_config.topics import TopicTable
 from lta_model.scenario import Scenario
@@ -12,9 +12,9 @@ from lta_sim.world import World
 G = 9.80665
 OFF = (0.0, 0.0, 0.0, 0.0)
 HOVER = (0.12844, 0.12844, 0.0, 0.0)
-TOPICS = load_yaml(share() / 'topics.yaml')
-ROOM = load_yaml(find('scenario', 'lamp_room'))
-GTMAB = load_yaml(find('vehicle', 'gtmab'))
+TOPICS = load_yaml(share_folder() / 'topics.yaml')
+ROOM = load_yaml(find_file('scenario', 'lamp_room'))
+GTMAB = load_yaml(find_file('vehicle', 'gtmab'))
 START = 1_000_000_000
 STEP = 10_000_000
 

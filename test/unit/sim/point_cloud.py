@@ -1,6 +1,6 @@
 """A rigid body as a cloud of points, to hold formulas of mass and inertia against."""
 
-from lta_model.effects.protocol import Rigid
+from lta_model.effects.protocol import RigidBody
 import numpy as np
 
 
@@ -9,4 +9,4 @@ def of_points(masses, places, displaced):
     r = np.array(places)
     tensor = sum(m * (x @ x * np.eye(3) - np.outer(x, x)) for m, x in zip(masses, r, strict=True))
     inertia = (*np.diag(tensor), tensor[0, 1], tensor[0, 2], tensor[1, 2])
-    return Rigid(sum(masses), tuple(np.array(masses) @ r), inertia, displaced)
+    return RigidBody(sum(masses), tuple(np.array(masses) @ r), inertia, displaced)

@@ -1,6 +1,6 @@
 """A motion to look at single effects with: at rest, level, in calm and dark, unless told else."""
 
-from lta_model.effects.protocol import Motion
+from lta_model.effects.protocol import VehicleMotion
 from lta_model.state import BODY, COMMAND, DISPLACED, IRRADIANCE, MASS_PLACE, SURROUNDINGS
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -27,7 +27,7 @@ def motion(
     body[DISPLACED] = displaced
     command[MASS_PLACE : MASS_PLACE + 3] = place
     surroundings[IRRADIANCE] = irradiance
-    return Motion(
+    return VehicleMotion(
         NO,
         rotation,
         velocity,

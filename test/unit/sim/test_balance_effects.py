@@ -5,9 +5,9 @@ import math
 
 from lta_config.errors import BadInput
 from lta_model.effects.aerodynamics import strip_damping
-from lta_model.effects.protocol import Rigid
+from lta_model.effects.protocol import RigidBody
 from lta_model.effects.weight import cg_height, cg_offset, moving_mass
-from lta_model.strip_geometry import Box, strips
+from lta_model.strip_geometry import build_strips, DragBox
 import numpy as np
 import pytest
 from scipy.integrate import quad
@@ -46,7 +46,7 @@ def test_null_leaves_the_vehicle_to_the_bit(module):
 def test_a_shifted_cg_is_every_point_shifted(module, p, shift):
     changed, expected = module.change(p, cloud()), cloud(shift)
     assert changed.mass == pytest.approx(expected.mass, rel=1e-14)
-    for name in Rigid._fields:
+    for name in RigidBody._fields:
         np.testing.assert_allclose(
             getattr(changed, name), getattr(expected, name), rtol=1e-12, atol=1e-15
         )
@@ -58,45 +58,47 @@ MASS = (0.05407, 0.0747, 0.0006, -0.238)
 
 def test_null_moves_nothing():
     seen = air.motion(TILTED, place=(0.1, 0.2, 0.3))
-    assert moving_mass.wrench(null(moving_mass), (0.1, 0.2, 0.3), seen, THRUST) == (0.0,) * 6
-    assert moving_mass.rate(null(moving_mass), (0.1, 0.2, 0.3), seen) == (0.0,) * 3
+    assert (
+        moving_mass.compute_wrench(null(moving_mass), (0.1, 0.2, 0.3), seen, THRUST) == (0.0,) * 6
+    )
+    assert moving_mass.compute_memory_rate(null(moving_mass), (0.1, 0.2, 0.3), seen) == (0.0,) * 3
 
 
 def test_the_moment_is_that_of_the_weight_away_from_its_place():
     p, away = (*MASS, 0.2, 0.0), (0.04, -0.01, 0.02)
-    wrench = moving_mass.wrench(p, away, air.motion(TILTED), THRUST)
+    wrench = moving_mass.compute_wrench(p, away, air.motion(TILTED), THRUST)
     expected = np.cross(away, -0.05407 * G * air.up(TILTED))
     np.testing.assert_allclose(wrench[3:], expected, rtol=1e-13)
     assert wrench[:3] == (0.0, 0.0, 0.0)
     # Level and 4 cm ahead: 54.07 g * 4 cm pitch the nose down, positive about y.
-    ahead = moving_mass.wrench(p, (0.04, 0.0, 0.0), air.motion(), THRUST)
+    ahead = moving_mass.compute_wrench(p, (0.04, 0.0, 0.0), air.motion(), THRUST)
     assert ahead[4] == pytest.approx(0.05407 * G * 0.04, rel=1e-14)
 
 
 def test_without_lag_the_mass_is_where_it_is_told_to_be():
     told = air.motion(TILTED, place=(0.1147, 0.0006, -0.238))
-    at_once = moving_mass.wrench((*MASS, 0.0, 0.0), (0.0, 0.0, 0.0), told, THRUST)
-    there = moving_mass.wrench((*MASS, 0.2, 0.0), (0.04, 0.0, 0.0), told, THRUST)
+    at_once = moving_mass.compute_wrench((*MASS, 0.0, 0.0), (0.0, 0.0, 0.0), told, THRUST)
+    there = moving_mass.compute_wrench((*MASS, 0.2, 0.0), (0.04, 0.0, 0.0), told, THRUST)
     np.testing.assert_allclose(at_once, there, rtol=1e-12)
 
 
 def test_it_follows_first_order_and_no_faster_than_its_speed():
     told = air.motion(place=(0.0747 + 0.03, 0.0006, -0.238 + 0.04))
-    free = moving_mass.rate((*MASS, 0.2, 0.0), (0.0, 0.0, 0.0), told)
+    free = moving_mass.compute_memory_rate((*MASS, 0.2, 0.0), (0.0, 0.0, 0.0), told)
     np.testing.assert_allclose(free, (0.15, 0.0, 0.2), atol=1e-15)
-    limited = moving_mass.rate((*MASS, 0.2, 0.1), (0.0, 0.0, 0.0), told)
+    limited = moving_mass.compute_memory_rate((*MASS, 0.2, 0.1), (0.0, 0.0, 0.0), told)
     np.testing.assert_allclose(limited, (0.06, 0.0, 0.08), atol=1e-15)
-    near = moving_mass.rate((*MASS, 0.2, 0.1), (0.027, 0.0, 0.036), told)
+    near = moving_mass.compute_memory_rate((*MASS, 0.2, 0.1), (0.027, 0.0, 0.036), told)
     np.testing.assert_allclose(near, (0.015, 0.0, 0.02), atol=1e-15)
-    there = moving_mass.rate((*MASS, 0.2, 0.1), (0.03, 0.0, 0.04), told)
+    there = moving_mass.compute_memory_rate((*MASS, 0.2, 0.1), (0.03, 0.0, 0.04), told)
     np.testing.assert_allclose(there, (0.0, 0.0, 0.0), atol=1e-15)
 
 
 def test_a_speed_limit_needs_a_lag():
     values = dict.fromkeys(('mass', 'x', 'y', 'z', 'lag', 'speed'), 0.0)
-    assert moving_mass.check(values) == ''
-    assert 'lag' in moving_mass.check(values | {'speed': 0.1})
-    assert moving_mass.check(values | {'speed': 0.1, 'lag': 0.2}) == ''
+    assert moving_mass.find_conflict(values) == ''
+    assert 'lag' in moving_mass.find_conflict(values | {'speed': 0.1})
+    assert moving_mass.find_conflict(values | {'speed': 0.1, 'lag': 0.2}) == ''
 
 
 def test_what_the_moving_mass_leaves_out_of_rgblimp():
@@ -114,7 +116,7 @@ def test_what_the_moving_mass_leaves_out_of_rgblimp():
 
 def damping(given, seen):
     values = {parameter.name: 0.0 for parameter in strip_damping.PARAMETERS} | given
-    return strip_damping.wrench(tuple(values.values()), (), seen, THRUST)
+    return strip_damping.compute_wrench(tuple(values.values()), (), seen, THRUST)
 
 
 def by_quadrature(centre, half, drag, u, w):
@@ -211,9 +213,9 @@ def test_with_all_of_the_airspeed_it_is_drag_at_its_place():
 
 
 def test_a_frame_is_one_strip_and_a_panel_two():
-    frame = Box((0.0, 0.0, -0.345), (0.1, 0.32, 0.06), 0.5)
-    panel = Box((0.0, 0.0, 0.302), (0.178, 0.156, 0.002))
-    found = strips([frame, panel], 1.2)
+    frame = DragBox((0.0, 0.0, -0.345), (0.1, 0.32, 0.06), 0.5)
+    panel = DragBox((0.0, 0.0, 0.302), (0.178, 0.156, 0.002))
+    found = build_strips([frame, panel], 1.2)
     assert [parameter.name for parameter in strip_damping.PARAMETERS] == list(found)
     assert found['half_y_1'] == 0.16
     assert found['surge_1'] == pytest.approx(0.6 * 0.5 * 0.32 * 0.06, rel=1e-14)
@@ -226,6 +228,6 @@ def test_a_frame_is_one_strip_and_a_panel_two():
 
 
 def test_too_many_boxes_are_refused():
-    panel = Box((0.0, 0.0, 0.3), (0.2, 0.2, 0.002))
+    panel = DragBox((0.0, 0.0, 0.3), (0.2, 0.2, 0.002))
     with pytest.raises(BadInput, match='3 damping parts need 6 strips'):
-        strips([panel] * 3, 1.2)
+        build_strips([panel] * 3, 1.2)

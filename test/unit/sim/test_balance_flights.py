@@ -3,7 +3,7 @@
 import math
 
 from lta_model.state import COMMAND, MASS_PLACE, QUATERNION, RATES
-from lta_model.strip_geometry import Box, strips
+from lta_model.strip_geometry import build_strips, DragBox
 from lta_sim.kernels.kernel import advance, LAYOUT
 import numpy as np
 import pytest
@@ -113,7 +113,7 @@ def test_a_lower_cg_swings_as_its_depth_says():
 
 def test_a_frame_brakes_a_spin_as_one_over_time():
     """I dw/dt = -D w^2: w = w_0 / (1 + D w_0 t / I); a post 1 m off the axis, D = drag."""
-    post = strips([Box((0.0, 1.0, 0.0), (0.01, 0.01, 0.3), 1.0)], 1.2)
+    post = build_strips([DragBox((0.0, 1.0, 0.0), (0.01, 0.01, 0.3), 1.0)], 1.2)
     drag = 0.6 * 0.01 * 0.3
     state = advance(
         balloon.at(rates=(0.0, 0.0, 2.0)),

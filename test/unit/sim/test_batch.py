@@ -3,7 +3,7 @@
 from lta_config.errors import BadInput
 from lta_sim.kernels import kernel
 from lta_sim.kernels.batch import advance_many
-from lta_sim.kernels.fleet import Fleet
+from lta_sim.kernels.vehicle_batch import VehicleBatch
 import numpy as np
 import pytest
 
@@ -46,7 +46,7 @@ def alone(models, states, duties, winds, dt, steps):
 @pytest.mark.parametrize('count', [1, 15, 16, 17, 100])
 def test_each_flies_as_alone_to_the_bit(count, steps):
     models, states, duties, winds = flights(count)
-    many = advance_many(states, Fleet.of(models), duties, winds, STEP, steps)
+    many = advance_many(states, VehicleBatch.from_models(models), duties, winds, STEP, steps)
     np.testing.assert_array_equal(many, alone(models, states, duties, winds, STEP, steps))
 
 
@@ -54,7 +54,7 @@ def test_the_flights_meet_every_branch():
     models, states, duties, winds = flights(100)
     later = alone(models, states, duties, winds, STEP, 200)
     touched = [
-        bool(np.any(kernel.wrenches(state, model, np.zeros(4))['floor_contact']))
+        bool(np.any(kernel.effect_wrenches(state, model, np.zeros(4))['floor_contact']))
         for state, model in zip(later, models, strict=True)
     ]
     assert 5 < sum(touched) < 95
@@ -65,14 +65,14 @@ def test_the_flights_meet_every_branch():
 def test_null_parameters_are_null_to_the_bit(steps):
     _, states, duties, winds = flights(20)
     models = [balloon.model({'weight_and_buoyancy': balloon.WEIGHT})] * 20
-    many = advance_many(states, Fleet.of(models), duties, winds, STEP, steps)
+    many = advance_many(states, VehicleBatch.from_models(models), duties, winds, STEP, steps)
     np.testing.assert_array_equal(many, alone(models, states, duties, winds, STEP, steps))
 
 
 def test_what_is_lost_stays_its_own(steps):
     models, states, duties, winds = flights(20)
     states[3] = np.nan
-    many = advance_many(states, Fleet.of(models), duties, winds, STEP, steps)
+    many = advance_many(states, VehicleBatch.from_models(models), duties, winds, STEP, steps)
     expected = alone(models, states, duties, winds, STEP, steps)
     assert np.isnan(many[3]).all()
     np.testing.assert_array_equal(many, expected)
@@ -82,9 +82,10 @@ def test_nothing_is_written_into_what_was_given(steps):
     models, states, duties, winds = flights(3)
     before = states.copy()
     assert np.array_equal(
-        advance_many(states, Fleet.of(models), duties, winds, STEP, 0)[:, :3], before[:, :3]
+        advance_many(states, VehicleBatch.from_models(models), duties, winds, STEP, 0)[:, :3],
+        before[:, :3],
     )
-    advance_many(states, Fleet.of(models), duties, winds, STEP, steps)
+    advance_many(states, VehicleBatch.from_models(models), duties, winds, STEP, steps)
     np.testing.assert_array_equal(states, before)
 
 
@@ -102,9 +103,9 @@ def test_wrong_shapes_are_refused(part, shape, words):
     arrays[part] = np.zeros(shape)
     states, duties, winds = arrays
     with pytest.raises(ValueError, match=words):
-        advance_many(states, Fleet.of(models), duties, winds, STEP, 1)
+        advance_many(states, VehicleBatch.from_models(models), duties, winds, STEP, 1)
 
 
 def test_no_fleet_of_nobody():
     with pytest.raises(BadInput, match='fleet of 0 vehicles'):
-        Fleet.of([])
+        VehicleBatch.from_models([])

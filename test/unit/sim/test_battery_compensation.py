@@ -5,9 +5,9 @@ from itertools import pairwise
 from lta_config.errors import BadInput
 from lta_model.effects import initial_memory
 from lta_model.effects.rotors import battery_compensation, battery_sag, thrust_polynomial
-from lta_model.state import pack, SURROUNDINGS, VOLTAGE
+from lta_model.state import pack_state, SURROUNDINGS, VOLTAGE
 from lta_model.vehicle import load_vehicle
-from lta_sim.kernels.kernel import advance, thrusts
+from lta_sim.kernels.kernel import advance, rotor_thrusts
 import numpy as np
 import pytest
 
@@ -31,7 +31,9 @@ def around(volts):
 
 
 def pwm(duty, volts=NOMINAL, which='2.1+', nominal=NOMINAL):
-    return battery_compensation.output((nominal, *FIRMWARE[which]), (), duty, around(volts))
+    return battery_compensation.compute_output(
+        (nominal, *FIRMWARE[which]), (), duty, around(volts)
+    )
 
 
 def cubic(mean, which='2.1+'):
@@ -95,9 +97,9 @@ def test_the_thrust_stays_while_the_battery_sags():
     """Compensation, sag and the cubic one after the other give the share of the full thrust."""
     full, _, *coefficients = FIRMWARE['2.1+']
     for volts in (0.0, 3.2, 3.7, 4.2):
-        sagged = battery_sag.output((NOMINAL, 1.0), (), pwm(0.55, volts), around(volts))
+        sagged = battery_sag.compute_output((NOMINAL, 1.0), (), pwm(0.55, volts), around(volts))
         motor = (NOMINAL, 0.774, *coefficients)
-        thrust = thrust_polynomial.output(motor, (), sagged, around(volts))
+        thrust = thrust_polynomial.compute_output(motor, (), sagged, around(volts))
         assert thrust == pytest.approx(0.55 * full, rel=1e-12)
 
 
@@ -136,10 +138,10 @@ def declared(nominal=NOMINAL):
 
 def thrust_of(vehicle, duty, volts):
     """Return the thrust of the first rotor after half a second of a duty. [N]"""
-    model, command = vehicle.model(), vehicle.command((duty,) * 4)
-    start = pack((0.0, 0.0, 2.0), memory=initial_memory())
+    model, command = vehicle.build_model(), vehicle.pack_command((duty,) * 4)
+    start = pack_state((0.0, 0.0, 2.0), memory=initial_memory())
     late = advance(start, model, command, around(volts), 2.5e-3, 200)
-    return thrusts(late, model, command, around(volts))[0]
+    return rotor_thrusts(late, model, command, around(volts))[0]
 
 
 class TestOfAVehicle:

@@ -3,7 +3,7 @@
 import math
 
 from lta_model.effects import initial_memory
-from lta_model.state import pack
+from lta_model.state import pack_state
 from lta_model.vehicle import load_vehicle
 from lta_sim.kernels import kernel
 import numpy as np
@@ -22,9 +22,11 @@ def vehicle():
 
 def flown(vehicle, duty, wind=(0.0, 0.0, 0.0), seconds=240.0):
     """Return the state after so long at constant duties, from rest on the ground's axes."""
-    state = pack((0.0, 0.0, 100.0), memory=initial_memory())
+    state = pack_state((0.0, 0.0, 100.0), memory=initial_memory())
     count = round(seconds / 2e-3)
-    return kernel.advance(state, vehicle.model(), vehicle.command(duty), wind, 2e-3, count)
+    return kernel.advance(
+        state, vehicle.build_model(), vehicle.pack_command(duty), wind, 2e-3, count
+    )
 
 
 def over_ground(state):
@@ -34,7 +36,7 @@ def over_ground(state):
 def steady():
     """Return full surge as the published numbers have it, and its pitch: nose up, level axes."""
     pitch = math.asin(0.0400 * 0.269 / (0.184 * G * 0.125))
-    state = pack((0.0, 0.0, 100.0), velocity=(SURGE, 0.0, 0.0), memory=initial_memory())
+    state = pack_state((0.0, 0.0, 100.0), velocity=(SURGE, 0.0, 0.0), memory=initial_memory())
     state[4], state[6] = -math.sin(0.5 * pitch), math.cos(0.5 * pitch)
     return state, pitch
 
@@ -43,7 +45,7 @@ def test_full_surge_is_steady_at_the_published_speed_and_tilt(vehicle):
     """It is neutral, so only the moment of the thrust pitches it: m g 0.125 sin = T 0.269."""
     state, pitch = steady()
     assert math.degrees(pitch) == pytest.approx(2.73, abs=0.01)
-    rate = kernel.derivative(state, vehicle.model(), vehicle.command((1, 0, 0)))
+    rate = kernel.state_derivative(state, vehicle.build_model(), vehicle.pack_command((1, 0, 0)))
     assert np.max(abs(rate[7:13])) < 1e-14
     expected = (SURGE * math.cos(pitch), 0.0, SURGE * math.sin(pitch))
     np.testing.assert_allclose(rate[:3], expected, atol=1e-14)
@@ -81,13 +83,13 @@ def test_straight_surge_does_not_last(vehicle):
     inertia, sway, surge, munk = 0.0193, 0.184 + 0.129, 0.184 + 0.033, 0.033 - 0.129
     matrix = [[-0.0079 / inertia, munk * SURGE / inertia], [-surge * SURGE / sway, 0.0]]
     growth = np.linalg.eigvals(matrix).real.max()
-    command = vehicle.command((1, 0, 0))
+    command = vehicle.pack_command((1, 0, 0))
     grown = [
-        kernel.advance(state, vehicle.model(), command, np.zeros(3), 2e-3, count)[12]
+        kernel.advance(state, vehicle.build_model(), command, np.zeros(3), 2e-3, count)[12]
         for count in (1000, 1500)
     ]
     assert math.log(grown[1] / grown[0]) == pytest.approx(growth, rel=0.02)
-    late = kernel.advance(state, vehicle.model(), command, np.zeros(3), 2e-3, 60_000)
+    late = kernel.advance(state, vehicle.build_model(), command, np.zeros(3), 2e-3, 60_000)
     assert late[12] == pytest.approx(0.494, abs=0.005)
     assert math.hypot(*late[7:9]) == pytest.approx(0.297, abs=0.005)
 
@@ -104,8 +106,10 @@ def test_it_drifts_with_the_wind(vehicle):
 def test_terminal_velocity(vehicle, surplus, sign):
     """2 g too heavy or too light: sqrt(2 g / 0.22 N s2/m2) = 0.299 m/s down or up."""
     body = {'mass': vehicle.mass, 'cg': vehicle.cg, 'inertia': vehicle.inertia}
-    model = kernel.Model.build(vehicle.effects(), displaced=vehicle.mass - surplus, **body)
-    state = pack((0.0, 0.0, 200.0), memory=initial_memory())
+    model = kernel.VehicleModel.build(
+        vehicle.collect_effects(), displaced=vehicle.mass - surplus, **body
+    )
+    state = pack_state((0.0, 0.0, 200.0), memory=initial_memory())
     state = kernel.advance(state, model, (), np.zeros(3), 2e-3, 60_000)
     terminal = math.sqrt(abs(surplus) * G / 0.22)
     assert terminal == pytest.approx(0.2986, abs=1e-4)
@@ -149,6 +153,6 @@ def test_the_circle_is_that_of_the_authors_own_equations(vehicle):
     state, _ = steady()
     state[12] = -1e-3  # to the right, as there
     late = kernel.advance(
-        state, vehicle.model(), vehicle.command((1, 0, 0)), np.zeros(3), 2e-3, 120_000
+        state, vehicle.build_model(), vehicle.pack_command((1, 0, 0)), np.zeros(3), 2e-3, 120_000
     )
     assert (late[7], -late[8], -late[12]) == pytest.approx((u, v, r), rel=0.01)

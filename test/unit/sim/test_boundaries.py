@@ -5,7 +5,7 @@ import math
 from hypothesis import given
 from hypothesis import strategies as st
 from lta_model.effects.contact import walls
-from lta_model.effects.protocol import Motion
+from lta_model.effects.protocol import VehicleMotion
 from lta_model.effects.rotors import ceiling_effect, ground_effect
 from lta_model.state import BODY, ROTOR, ROTOR_PLACE
 import numpy as np
@@ -23,7 +23,9 @@ def standing(position, rotation=LEVEL, velocity=NO, rates=NO, rotors=()):
     body = [0.0] * BODY
     for i, (place, axis) in enumerate(rotors):
         body[ROTOR_PLACE + ROTOR * i : ROTOR_PLACE + ROTOR * (i + 1)] = (*place, *axis)
-    return Motion(position, rotation, velocity, rates, velocity, tuple(body), (0.0,) * 11, REST)
+    return VehicleMotion(
+        position, rotation, velocity, rates, velocity, tuple(body), (0.0,) * 11, REST
+    )
 
 
 # A room of 6 x 4 x 3 m about x = 1; a hull of 0.5 m radius and 0.3 m half height.
@@ -31,7 +33,9 @@ ROOM = (-2.0, 4.0, -2.0, 2.0, 3.0, 0.5, 0.3, 200.0, 0.1, 0.4)
 
 
 def touch(position, rotation=LEVEL, velocity=NO, rates=NO, p=ROOM):
-    return np.array(walls.wrench(p, (), standing(position, rotation, velocity, rates), REST))
+    return np.array(
+        walls.compute_wrench(p, (), standing(position, rotation, velocity, rates), REST)
+    )
 
 
 def test_in_the_room_nothing_touches():
@@ -123,12 +127,12 @@ def test_a_room_too_small_is_refused():
     named = {
         parameter.name: value for parameter, value in zip(walls.PARAMETERS, ROOM, strict=True)
     }
-    assert walls.check(named) == ''
-    assert 'radius' in walls.check({**named, 'radius': 0.0})
-    assert 'y_low' in walls.check({**named, 'y_high': -1.1})
-    assert 'ceiling' in walls.check({**named, 'ceiling': 0.9})
-    assert walls.check({**named, 'stiffness': 0.0, 'radius': 0.0}) == ''
-    assert 'half_height' in walls.check({**named, 'half_height': 0.0})
+    assert walls.find_conflict(named) == ''
+    assert 'radius' in walls.find_conflict({**named, 'radius': 0.0})
+    assert 'y_low' in walls.find_conflict({**named, 'y_high': -1.1})
+    assert 'ceiling' in walls.find_conflict({**named, 'ceiling': 0.9})
+    assert walls.find_conflict({**named, 'stiffness': 0.0, 'radius': 0.0}) == ''
+    assert 'half_height' in walls.find_conflict({**named, 'half_height': 0.0})
 
 
 @pytest.mark.parametrize(
@@ -145,7 +149,7 @@ def test_a_room_too_small_is_refused():
 )
 def test_a_room_must_be_larger_than_the_hull(changes, word):
     given = zip(walls.PARAMETERS, ROOM, strict=True)
-    said = walls.check({parameter.name: value for parameter, value in given} | changes)
+    said = walls.find_conflict({parameter.name: value for parameter, value in given} | changes)
     assert (word in said) if word else said == ''
 
 
@@ -156,7 +160,9 @@ RADIUS = 0.0235
 
 def near_floor(z, thrust, gain=1.0, rotation=LEVEL):
     motion = standing((0.0, 0.0, z), rotation, rotors=(UP, AHEAD))
-    return np.array(ground_effect.wrench((gain, RADIUS), (), motion, (*thrust, *(0.0,) * 6)))
+    return np.array(
+        ground_effect.compute_wrench((gain, RADIUS), (), motion, (*thrust, *(0.0,) * 6))
+    )
 
 
 def test_cheeseman_and_bennett_by_hand():
@@ -189,7 +195,7 @@ def test_a_tilted_rotor_gains_by_its_upward_part():
 def near_ceiling(distance, thrust, gain=1.0):
     motion = standing((0.0, 0.0, 3.0 - distance + 0.05), rotors=(UP, AHEAD))
     p = (gain, RADIUS, 3.0)
-    return np.array(ceiling_effect.wrench(p, (), motion, (*thrust, *(0.0,) * 6)))
+    return np.array(ceiling_effect.compute_wrench(p, (), motion, (*thrust, *(0.0,) * 6)))
 
 
 def test_ceiling_by_hand():
@@ -214,5 +220,5 @@ def test_rotors_without_a_size_are_refused_and_gain_nothing(effect):
 
 def test_a_ceiling_effect_needs_its_ceiling():
     values = {'gain': 1.0, 'radius': RADIUS, 'height': 0.0}
-    assert 'height' in ceiling_effect.check(values)
-    assert ceiling_effect.check({**values, 'height': 3.0}) == ''
+    assert 'height' in ceiling_effect.find_conflict(values)
+    assert ceiling_effect.find_conflict({**values, 'height': 3.0}) == ''

@@ -2,8 +2,8 @@
 
 import math
 
-from lta_config.compilation.compiled import compiled
-from lta_sim.counted_chance import normals, threefry, uniforms
+from lta_config.compilation.compiler import compile_functions
+from lta_sim.counter_rng import draw_normals, draw_uniforms, threefry
 import numpy as np
 import pytest
 
@@ -24,20 +24,20 @@ def test_it_gives_the_known_answers_of_its_authors(key, counter, bits):
 
 
 def test_compiled_it_gives_the_same_bits():
-    fast = compiled(threefry)[0]
+    fast = compile_functions(threefry)[0]
     for k in range(50):
         arguments = (2**32 - 1 - k, k, 77 * k, k % 3)
         assert fast(*arguments) == threefry(*arguments)
 
 
 def test_normal_deviates_are_normal_and_those_of_other_streams_are_others():
-    values = np.array([normals(5, 2, k, 0) for k in range(DRAWS)])
+    values = np.array([draw_normals(5, 2, k, 0) for k in range(DRAWS)])
     error = 1.0 / math.sqrt(DRAWS)
     np.testing.assert_allclose(values.mean(axis=0), 0.0, atol=4 * error)
     np.testing.assert_allclose(values.std(axis=0), 1.0, atol=4 * error)
     np.testing.assert_allclose((values**4).mean(axis=0), 3.0, atol=4 * math.sqrt(96) * error)
     others = [
-        np.array([normals(*name, k, lane)[0] for k in range(DRAWS)])
+        np.array([draw_normals(*name, k, lane)[0] for k in range(DRAWS)])
         for name, lane in (((6, 2), 0), ((5, 3), 0), ((5, 2), 1))
     ]
     for other in (values[:, 1], values[1:, 0], *others):
@@ -45,7 +45,7 @@ def test_normal_deviates_are_normal_and_those_of_other_streams_are_others():
 
 
 def test_uniform_numbers_are_between_their_ends():
-    values = np.array([uniforms(1, 0, k, 0) for k in range(DRAWS)])
+    values = np.array([draw_uniforms(1, 0, k, 0) for k in range(DRAWS)])
     assert values.min() > 0.0
     assert values.max() < 1.0
     np.testing.assert_allclose(values.mean(axis=0), 0.5, atol=4 * math.sqrt(1 / 12 / DRAWS))

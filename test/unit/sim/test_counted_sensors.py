@@ -3,21 +3,21 @@
 import math
 from types import SimpleNamespace
 
-from lta_config.topics import topic_table
-from lta_flight.fleet.craft import sensors_of
+from lta_config.topics import load_topic_table
+from lta_flight.batch.batch_flight import build_sensors
 from lta_model.hull import half_axes
-from lta_model.light.pencils import LAMPS, scratch_for, SHARE
+from lta_model.light.ray_bundles import LAMPS, scratch_size, SHARE
 from lta_model.light.view import LightView
 from lta_model.scenario import load_scenario
 from lta_model.sensors import imu, pressure, range
 from lta_model.vehicle import load_vehicle
-from lta_sim import counted_sensors as counted
-from lta_sim.counted_chance import normals
-from lta_sim.counted_light import listening_of, magnitude, on_ring
-from lta_vlc.array import bearing
-from lta_vlc.demodulation import demodulate, Peaks, plan_bins
-from lta_vlc.diodes import ring_of
-from lta_vlc.settings import Demodulation
+from lta_sim import compiled_sensors as counted
+from lta_sim.counter_rng import draw_normals
+from lta_sim.light_link import build_light_link, sample_magnitude, write_ring_light
+from lta_vlc.bearing import estimate_bearing
+from lta_vlc.demodulation import demodulate_beacon, Peaks, plan_bins
+from lta_vlc.diodes import build_even_ring
+from lta_vlc.settings import DemodulationSettings
 import numpy as np
 import pytest
 
@@ -25,8 +25,8 @@ SEED, STEP = 11, 7
 BLOCKS = 400
 VEHICLE = load_vehicle('gtmab')
 HULL = half_axes(VEHICLE.file.hull)
-SENSORS = sensors_of(VEHICLE, 101325.0)
-RING = ring_of(VEHICLE.diodes.count).ring
+SENSORS = build_sensors(VEHICLE, 101325.0)
+RING = build_even_ring(VEHICLE.diodes.count).ring
 DIODES = tuple(np.arange(VEHICLE.diodes.count).tolist())
 ERRORS = counted.draw_errors(SENSORS, SEED)
 
@@ -41,13 +41,13 @@ def giving(*deviates):
 def test_the_inertial_sensor_is_the_same():
     own = imu.ImuErrors(*ERRORS.imu)
     force, rates = (0.31, -0.2, 9.9), (0.01, 0.5, -12.0)  # the last beyond full scale
-    deviates = [x for lane in (0, 1, 2) for x in normals(SEED, counted.IMU, STEP, lane)]
-    expected = imu.measure(own, force, rates, giving(*deviates))
-    assert counted.imu_reading(ERRORS, SEED, STEP, force, rates) == expected
+    deviates = [x for lane in (0, 1, 2) for x in draw_normals(SEED, counted.IMU, STEP, lane)]
+    expected = imu.measure_imu(own, force, rates, giving(*deviates))
+    assert counted.sample_imu(ERRORS, SEED, STEP, force, rates) == expected
 
 
 def test_its_errors_are_drawn_within_the_bounds_of_the_data_sheet():
-    bounds = imu.bounds_of(imu.ImuSettings())
+    bounds = imu.error_bounds(imu.ImuSettings())
     drawn = [counted.draw_errors(SENSORS, seed) for seed in np.arange(500).tolist()]
     gains = np.array([errors.imu.gain for errors in drawn]) - 1.0
     offsets = np.array([errors.imu.offset for errors in drawn])
@@ -63,21 +63,21 @@ def test_the_range_finder_is_the_same(height):
     state = (0.0, 0.0, height, 0.02, -0.03, 0.1, 0.9943, 0, 0, 0, 0, 0, 0)
     settings = range.RangeSettings()
     own = range.RangeErrors(ERRORS.range_offset)
-    outlook = range.outlook(state, SENSORS.range_place)
-    deviate = normals(SEED, counted.RANGE, STEP, 0)[0]
-    told = range.measure(settings, own, *outlook, giving(deviate))
+    outlook = range.height_and_tilt(state, SENSORS.range_place)
+    deviate = draw_normals(SEED, counted.RANGE, STEP, 0)[0]
+    told = range.measure_range(settings, own, *outlook, giving(deviate))
     expected = told if math.isfinite(told) else math.nan
-    np.testing.assert_equal(counted.range_reading(SENSORS, ERRORS, SEED, STEP, state), expected)
+    np.testing.assert_equal(counted.sample_range(SENSORS, ERRORS, SEED, STEP, state), expected)
 
 
 def test_the_barometer_is_the_same():
     own = pressure.PressureErrors(ERRORS.pressure_offset, ERRORS.drift)
-    deviate = normals(SEED, counted.PRESSURE, STEP, 0)[0]
+    deviate = draw_normals(SEED, counted.PRESSURE, STEP, 0)[0]
     height = 0.7 + SENSORS.imu_place[2]
-    expected = pressure.measure(
+    expected = pressure.measure_pressure(
         pressure.PressureSettings(floor=101325.0), own, height, 3.0, giving(deviate)
     )
-    assert counted.pressure_reading(SENSORS, ERRORS, SEED, STEP, 0.7, 3.0) == expected
+    assert counted.sample_pressure(SENSORS, ERRORS, SEED, STEP, 0.7, 3.0) == expected
 
 
 @pytest.mark.parametrize(
@@ -90,22 +90,22 @@ def test_the_lamp_is_heard_as_through_blocks(distance):
 
     The nose is elsewhere in each: a drone that stands still rounds alike in every block.
     """
-    scene, light = load_scenario('lamp_room'), topic_table().light
-    rate, settings, chance = light.sample_rate.si, Demodulation(), np.random.default_rng(3)
+    scene, light = load_scenario('lamp_room'), load_topic_table().light
+    rate, settings, chance = light.sample_rate.si, DemodulationSettings(), np.random.default_rng(3)
     bins = plan_bins(settings, rate, light.samples)
     diodes = VEHICLE.diodes.model_copy(update={'gain_spread': 0.0})
-    listening = listening_of(scene.light_field, diodes, HULL, settings, rate, light.samples)
-    x = scene.light_field.lamp.position[0] - distance
+    listening = build_light_link(scene.light_field, diodes, HULL, settings, rate, light.samples)
+    x = scene.light_field.first_lamp.position[0] - distance
     told = []
     for k, half in enumerate(chance.uniform(0.1, 0.2, BLOCKS).tolist()):
         pose = (x, 0.0, 0.5, 0.0, 0.0, math.sin(half), math.cos(half))
         view = LightView(scene.light_field, VEHICLE, diodes)
-        view.pass_by(pose)
-        block = view.block(k * 10**8, rate, light.samples, chance)
+        view.record_pose(pose)
+        block = view.read_block(k * 10**8, rate, light.samples, chance)
         silent = listening._replace(variance=0.0, shot=0.0)
         read = readings(LightView(scene.light_field, VEHICLE, diodes), pose)
-        both = (demodulate(block, bins), heard(listening, read, k), heard(silent, read, k))
-        angles = [bearing(p, RING, settings.threshold).angle for p in both]
+        both = (demodulate_beacon(block, bins), heard(listening, read, k), heard(silent, read, k))
+        angles = [estimate_bearing(p, RING, settings.threshold).angle for p in both]
         off = (angles[0] - angles[2], angles[1] - angles[2])
         told.append((*off, *(number.mean() for p in both[:2] for number in (p.amplitude, p.snr))))
     off, own, amplitude, snr, own_amplitude, own_snr = np.array(told).T
@@ -117,8 +117,8 @@ def test_the_lamp_is_heard_as_through_blocks(distance):
 
 
 def readings(view, pose):
-    """Return what a ring reads at a pose, as `on_ring` writes it."""
-    light = view.illuminance([pose])
+    """Return what a ring reads at a pose, as `write_ring_light` writes it."""
+    light = view.compute_illuminance([pose])
     read = np.zeros((LAMPS + 1, len(DIODES)))
     read[SHARE] = light.steady[0] / view.field.ambient.steady
     read[LAMPS] = light.modulated[0, 0]
@@ -127,16 +127,18 @@ def readings(view, pose):
 
 def test_a_batch_reads_the_light_of_a_view():
     scene, pose = load_scenario('lamp_room'), (1.0, 0.5, 0.5, 0.02, -0.03, 0.6, 0.8)
-    listening = listening_of(scene.light_field, VEHICLE.diodes, HULL, Demodulation(), 1e4, 1000)
+    listening = build_light_link(
+        scene.light_field, VEHICLE.diodes, HULL, DemodulationSettings(), 1e4, 1000
+    )
     own = np.empty((LAMPS + 1, len(DIODES)))
-    on_ring(listening, pose[:3], pose[3:], own, np.empty(scratch_for(1)))
+    write_ring_light(listening, pose[:3], pose[3:], own, np.empty(scratch_size(1)))
     told = readings(LightView(scene.light_field, VEHICLE), pose)
     np.testing.assert_allclose(own[[SHARE, LAMPS]], told[[SHARE, LAMPS]], rtol=1e-12)
 
 
 def heard(listening, read, k):
     """Return what a ring hears in one block."""
-    pairs = [magnitude(listening, i, read, SEED, k) for i in DIODES]
+    pairs = [sample_magnitude(listening, i, read, SEED, k) for i in DIODES]
     amplitude, snr = np.array(pairs).T
     return Peaks(amplitude, snr, np.zeros_like(snr), np.ones_like(snr))
 
@@ -144,7 +146,7 @@ def heard(listening, read, k):
 def test_eddies_are_stationary_at_the_start():
     """Variances and the covariance that `effects.turbulence` states, within 4 sigma."""
     count = 4000
-    drawn = np.array([counted.eddies(seed) for seed in np.arange(count).tolist()])
+    drawn = np.array([counted.draw_turbulence_memory(seed) for seed in np.arange(count).tolist()])
     assert abs(drawn.mean(axis=0)).max() < 4 / math.sqrt(count)
     expected = np.zeros((5, 5))
     expected[0, 0] = 1.0

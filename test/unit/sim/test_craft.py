@@ -1,7 +1,7 @@
 """A vehicle in its row: what it writes there is what the functions of the kernel return."""
 
-from lta_sim.craft import Craft
 from lta_sim.kernels import kernel
+from lta_sim.simulated_vehicle import SimulatedVehicle
 import numpy as np
 import pytest
 
@@ -15,7 +15,7 @@ WIND = [0.3, -0.2, 0.1]
 def craft():
     """Return a balloon in motion."""
     generator = np.random.default_rng(2)
-    flown = Craft(balloon.model(balloon.EVERYTHING))
+    flown = SimulatedVehicle(balloon.model(balloon.EVERYTHING))
     flown.state[:], _, _ = balloon.anywhere(generator)
     flown.command[: len(DUTIES)] = DUTIES
     flown.surroundings[: len(WIND)] = WIND
@@ -33,10 +33,10 @@ def test_it_moves_in_place_as_the_kernel_says(craft):
 
 
 def test_looking_changes_neither_state_nor_future(craft):
-    looked = Craft(balloon.model(balloon.EVERYTHING))
+    looked = SimulatedVehicle(balloon.model(balloon.EVERYTHING))
     for name in ('state', 'command', 'surroundings'):
         getattr(looked, name)[:] = getattr(craft, name)
-    looked.look()
+    looked.evaluate_state()
     np.testing.assert_array_equal(looked.state, craft.state)
     for flown in (looked, craft):
         flown.advance(2e-3, 10)
@@ -45,12 +45,12 @@ def test_looking_changes_neither_state_nor_future(craft):
 
 def test_a_look_is_of_the_present_state_alone(craft):
     model = balloon.model(balloon.EVERYTHING)
-    craft.look()
+    craft.evaluate_state()
     craft.advance(2e-3, 10)
-    craft.look()
-    look = kernel.look(craft.state, model, DUTIES, WIND)
+    craft.evaluate_state()
+    look = kernel.evaluate_model(craft.state, model, DUTIES, WIND)
     np.testing.assert_array_equal(craft.wrenches, list(look.wrenches.values()))
     np.testing.assert_array_equal(craft.thrusts, look.thrusts)
     np.testing.assert_array_equal(craft.wind, WIND)
-    rate = kernel.derivative(craft.state, model, DUTIES, WIND)
+    rate = kernel.state_derivative(craft.state, model, DUTIES, WIND)
     np.testing.assert_array_equal(craft.rate, rate)

@@ -1,9 +1,9 @@
 """Analytic against finite differences: rates against flights, regressors, power against energy."""
 
 from lta_model.effects import EFFECTS
-from lta_model.effects.basis import basis
-from lta_model.effects.protocol import KernelEffect, Motion, WrenchEffect
-from lta_model.mass import rigid_mass_matrix
+from lta_model.effects.protocol import KernelEffect, VehicleMotion, WrenchEffect
+from lta_model.effects.regressors import compute_regressors
+from lta_model.mass_matrix import rigid_mass_matrix
 from lta_model.state import MEMORY, RIGID
 from lta_sim.kernels import kernel
 import numpy as np
@@ -40,7 +40,7 @@ def test_the_rate_is_the_slope_of_the_flight(seed):
     _, _, model = crowded.vehicle(generator, names_without(*JUMPING))
     flight = crowded.anywhere(generator)
     rate, expected = (
-        kernel.derivative(flight[0], model, *flight[1:]),
+        kernel.state_derivative(flight[0], model, *flight[1:]),
         slope(flight[0], model, *flight[1:], 2e-5),
     )
     for block in BLOCKS:
@@ -54,7 +54,7 @@ def seen(generator, model):
     turn = Rotation.from_quat(state[3:7]).as_matrix()
     airspeed = state[7:10] - turn.T @ around[:3]
     arrays = (state[:3], turn.ravel(), state[7:10], state[10:13], airspeed, model.body, command)
-    motion = Motion(*(tuple(array.tolist()) for array in (*arrays, around)))
+    motion = VehicleMotion(*(tuple(array.tolist()) for array in (*arrays, around)))
     return motion, tuple(generator.uniform(-1.0, 1.0, 8).tolist())
 
 
@@ -66,7 +66,7 @@ def test_the_basis_is_the_slope_in_the_parameters(effect, seed):
     motion, thrusts = seen(generator, model)
     values = given[effect.name]
     memory = tuple(generator.normal(size=len(effect.memory)).tolist())
-    columns = basis(effect, values, motion, thrusts, memory)
+    columns = compute_regressors(effect, values, motion, thrusts, memory)
     scale = np.max(abs(columns)) * (1.0 + max(abs(values[name]) for name in effect.linear_in))
 
     def wrench(name, change):
@@ -102,8 +102,8 @@ def test_energy_changes_by_the_power_of_the_wrenches(seed):
     given, body, model = crowded.vehicle(generator, names)
     state, command, _ = crowded.anywhere(generator)
     state[:3] = (0.0, 0.0, 1.0)
-    rate = kernel.derivative(state, model, command, CALM)
-    wrenches = kernel.wrenches(state, model, command, CALM)
+    rate = kernel.state_derivative(state, model, command, CALM)
+    wrenches = kernel.effect_wrenches(state, model, command, CALM)
     outside = sum(wrench for name, wrench in wrenches.items() if name not in INSIDE)
     h = 1e-4
 
@@ -123,8 +123,8 @@ def jacobian(state, model, h=1e-5):
     columns = []
     for unit in np.eye(RIGID, state.size):
         near, far = (
-            kernel.derivative(state + s * h * unit, model, np.zeros(4))
-            - kernel.derivative(state - s * h * unit, model, np.zeros(4))
+            kernel.state_derivative(state + s * h * unit, model, np.zeros(4))
+            - kernel.state_derivative(state - s * h * unit, model, np.zeros(4))
             for s in (1.0, 2.0)
         )
         columns.append((8.0 * near - far)[:RIGID] / (12.0 * h))
@@ -136,7 +136,7 @@ def test_about_rest_a_vehicle_without_dissipation_only_swings():
     given = crowded.everything(np.random.default_rng(0), INSIDE)
     mass, depth, inertia = 0.36, 0.08, (0.02, 0.021, 0.025)
     body = {'mass': mass, 'cg': (0.0, 0.0, -depth), 'inertia': np.diag(inertia)}
-    model = kernel.Model.build(given, displaced=mass, **body)
+    model = kernel.VehicleModel.build(given, displaced=mass, **body)
     state = np.zeros(kernel.LAYOUT.size)
     state[6] = 1.0
     rates = np.linalg.eigvals(jacobian(state, model))

@@ -1,11 +1,11 @@
 """Values of single effects by hand, and what may be an effect."""
 
-from lta_cli.reference.effects_page import page
+from lta_cli.reference.effects_page import render_page
 from lta_config.errors import BadInput
 from lta_model import effects
-from lta_model.effects.basis import basis
 from lta_model.effects.contact import floor_contact
-from lta_model.effects.protocol import Motion, Parameter, WrenchEffect
+from lta_model.effects.protocol import EffectParameter, VehicleMotion, WrenchEffect
+from lta_model.effects.regressors import compute_regressors
 from lta_model.effects.rotors import motor_lag, rotor_thrust, thrust_curve
 from lta_model.effects.weight import weight_and_buoyancy
 from lta_model.state import BODY, COMMAND, DISPLACED, MASS, MASS_MOMENT, SURROUNDINGS
@@ -22,26 +22,26 @@ def still(position=NO, rotation=LEVEL, velocity=NO, rates=NO):
     body = [0.0] * BODY
     body[MASS], body[MASS_MOMENT + 2], body[DISPLACED] = 0.4, -0.04, 0.3
     command, surroundings = (0.0,) * COMMAND, (0.0,) * SURROUNDINGS
-    return Motion(
+    return VehicleMotion(
         position, rotation, velocity, rates, velocity, tuple(body), command, surroundings
     )
 
 
 def foot(p, motion):
-    return floor_contact.wrench(p, (), motion, (0.0,) * 8)
+    return floor_contact.compute_wrench(p, (), motion, (0.0,) * 8)
 
 
 def test_cg_below_the_hull_centre_rights():
-    level = weight_and_buoyancy.wrench((10.0,), (), still(), (0.0,) * 8)
+    level = weight_and_buoyancy.compute_wrench((10.0,), (), still(), (0.0,) * 8)
     np.testing.assert_allclose(level, (0.0, 0.0, -1.0, 0.0, 0.0, 0.0), atol=1e-15)
-    down = weight_and_buoyancy.wrench((10.0,), (), still(rotation=NOSE_DOWN), (0.0,) * 8)
+    down = weight_and_buoyancy.compute_wrench((10.0,), (), still(rotation=NOSE_DOWN), (0.0,) * 8)
     # Weight 4 N along body x, 0.1 m below: -0.4 N m about y lifts the nose.
     np.testing.assert_allclose(down, (1.0, 0.0, 0.0, 0.0, -0.4, 0.0), atol=1e-15)
 
 
 def test_thrust_curve():
-    first = thrust_curve.output((0.0915, 0.0677), (), 0.5, ())
-    third = thrust_curve.output((0.02, 0.03), (), -1.0, ())
+    first = thrust_curve.compute_output((0.0915, 0.0677), (), 0.5, ())
+    third = thrust_curve.compute_output((0.02, 0.03), (), -1.0, ())
     assert (first, third) == pytest.approx((0.0915 * 0.25 + 0.0677 * 0.5, -0.05), rel=1e-15)
 
 
@@ -49,17 +49,19 @@ def test_rotor_columns():
     first, third = 0.0567, -0.05
     p = [0.0] * 48
     p[16], p[18], p[34] = 1.0, 0.5, -0.4  # heave of the first and third, pitch of the third
-    wrench = rotor_thrust.wrench(tuple(p), (), still(), (first, 1.0, third, 1.0, *[0.0] * 4))
+    wrench = rotor_thrust.compute_wrench(
+        tuple(p), (), still(), (first, 1.0, third, 1.0, *[0.0] * 4)
+    )
     expected = (0.0, 0.0, first + 0.5 * third, 0.0, -0.4 * third, 0.0)
     np.testing.assert_allclose(wrench, expected, rtol=1e-15)
 
 
 def test_lag_up_and_down():
     p = (0.1, 0.2)
-    assert motor_lag.rate(p, (0.5,), 1.0, ()) == (5.0,)
-    assert motor_lag.rate(p, (0.5,), 0.0, ()) == (-2.5,)
-    assert motor_lag.rate(p, (-0.5,), -1.0, ()) == (-5.0,)
-    assert motor_lag.output(p, (0.5,), 1.0, ()) == 0.5
+    assert motor_lag.compute_memory_rate(p, (0.5,), 1.0, ()) == (5.0,)
+    assert motor_lag.compute_memory_rate(p, (0.5,), 0.0, ()) == (-2.5,)
+    assert motor_lag.compute_memory_rate(p, (-0.5,), -1.0, ()) == (-5.0,)
+    assert motor_lag.compute_output(p, (0.5,), 1.0, ()) == 0.5
 
 
 P = (100.0, 0.05, 0.5, 0.0, 0.0, -0.3)
@@ -89,12 +91,14 @@ def test_friction_opposes_slip_at_the_foot():
 def test_basis_holds_the_other_parameters():
     effect = effects.EFFECTS['floor_contact']
     given = {'relaxation': 0.05, 'friction': 0.5, 'z': -0.3, 'stiffness': 7.0}
-    column = basis(effect, given, still((0.0, 0.0, 0.29), velocity=(1.0, 0.0, -0.1)), (0.0,) * 8)
+    column = compute_regressors(
+        effect, given, still((0.0, 0.0, 0.29), velocity=(1.0, 0.0, -0.1)), (0.0,) * 8
+    )
     assert column.shape == (6, 1)
     assert column[2, 0] == pytest.approx(0.015, rel=1e-12)
 
 
-POUNDS = Parameter('pull', 'lbf', 0.0, 0.0, 1.0, 0.1, 'nobody: a unit that no file knows')
+POUNDS = EffectParameter('pull', 'lbf', 0.0, 0.0, 1.0, 0.1, 'nobody: a unit that no file knows')
 
 
 class Point:
@@ -112,20 +116,23 @@ class Point:
     [
         (effects.EFFECTS['linear_drag'], 'linear_drag of somewhere:EFFECT exists already'),
         ('wind', 'no effect'),
-        (WrenchEffect('side-wind', (), weight_and_buoyancy.wrench), 'underscores'),
-        (WrenchEffect('tow', (POUNDS,), weight_and_buoyancy.wrench), "tow.pull .* is in 'lbf'"),
+        (WrenchEffect('side-wind', (), weight_and_buoyancy.compute_wrench), 'underscores'),
+        (
+            WrenchEffect('tow', (POUNDS,), weight_and_buoyancy.compute_wrench),
+            "tow.pull .* is in 'lbf'",
+        ),
     ],
 )
 def test_installed_effects_are_checked(monkeypatch, effect, words):
     monkeypatch.setattr(effects, 'entry_points', lambda group: [Point(effect)])
     with pytest.raises(BadInput, match=words):
-        effects.merged({'linear_drag': effects.EFFECTS['linear_drag']})
+        effects.merge_installed({'linear_drag': effects.EFFECTS['linear_drag']})
 
 
 def test_what_others_install_is_not_of_the_library(monkeypatch):
-    rope = WrenchEffect('guide_rope', (), weight_and_buoyancy.wrench)
-    before = page()
+    rope = WrenchEffect('guide_rope', (), weight_and_buoyancy.compute_wrench)
+    before = render_page()
     monkeypatch.setitem(effects.EFFECTS, 'guide_rope', rope)
-    assert effects.get('guide_rope') is rope
-    assert list(effects.built_in()) == list(effects.BUILT_IN)
-    assert page() == before
+    assert effects.get_effect('guide_rope') is rope
+    assert list(effects.select_built_in()) == list(effects.BUILT_IN)
+    assert render_page() == before

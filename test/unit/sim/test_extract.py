@@ -4,12 +4,12 @@ import math
 from math import hypot
 import os
 
-from lta_config.compilation.extract import Extract
+from lta_config.compilation.extract import SourceExtract
 from lta_config.errors import BadInput
 from lta_model.effects import EFFECTS
 from lta_model.effects.aerodynamics import linear_drag, quadratic_drag
-from lta_model.effects.protocol import KernelEffect, Motion
-from lta_sim.kernels.compose import kernel_source
+from lta_model.effects.protocol import KernelEffect, VehicleMotion
+from lta_sim.kernels.compose import write_kernel_source
 import pytest
 
 PAIR = (2.0, 3.0)
@@ -28,9 +28,9 @@ def shadow(HALF: float) -> float:
     return HALF + 1.0
 
 
-def of_motion(z: float) -> Motion:
+def of_motion(z: float) -> VehicleMotion:
     three = (0.0,) * 3
-    return Motion((0.0, 0.0, z), (0.0,) * 9, three, three, three, three, three, three)
+    return VehicleMotion((0.0, 0.0, z), (0.0,) * 9, three, three, three, three, three, three)
 
 
 def bad(x: float) -> str:
@@ -38,9 +38,9 @@ def bad(x: float) -> str:
 
 
 def text_of(*functions):
-    extract = Extract()
-    names = [extract.add(function, 'box') for function in functions]
-    text = extract.text('@plain')
+    extract = SourceExtract()
+    names = [extract.add_function(function, 'box') for function in functions]
+    text = extract.render('@plain')
     space = {'math': math, 'plain': lambda function: function}
     exec('from collections import namedtuple\n' + text, space)
     return text, [space[name] for name in names]
@@ -55,7 +55,7 @@ def test_the_text_computes_the_same():
 def test_named_tuples_come_along():
     _, (copy,) = text_of(of_motion)
     assert copy(2.0) == of_motion(2.0)
-    assert copy(2.0)._fields == Motion._fields
+    assert copy(2.0)._fields == VehicleMotion._fields
 
 
 def test_a_constant_is_part_of_the_text(monkeypatch):
@@ -81,11 +81,11 @@ def test_a_function_within_a_function_is_refused():
 
 def test_two_things_cannot_share_a_name():
     with pytest.raises(BadInput, match='box_wrench'):
-        text_of(linear_drag.wrench, quadratic_drag.wrench)
+        text_of(linear_drag.compute_wrench, quadratic_drag.compute_wrench)
 
 
 def test_the_kernel_needs_numba_only():
-    source = kernel_source(EFFECTS)
+    source = write_kernel_source(EFFECTS)
     imports = [line for line in source.splitlines() if line.startswith(('import', 'from'))]
     assert imports == [
         'from collections import namedtuple',

@@ -3,8 +3,8 @@
 import math
 from typing import NamedTuple
 
-from lta_config.compilation.flat import compiled, Layout, source
-from lta_config.settings import plain, setting, Settings
+from lta_config.compilation.flat import compile_core, render_core, TupleLayout
+from lta_config.settings import setting, Settings, to_named_tuple
 import numpy as np
 import pytest
 
@@ -43,17 +43,17 @@ def core(constants, memory, given, scratch):
 
 
 def test_the_layout_is_in_order():
-    layout = Layout(Outer())
+    layout = TupleLayout(Outer())
     assert layout.paths == ('pair[0]', 'pair[1]', 'inner.count', 'inner.on', 'last')
-    assert layout.place('inner') == slice(2, 4)
-    assert layout.place('pair') == slice(0, 2)
-    assert layout.place('last') == slice(4, 5)
+    assert layout.slice_of('inner') == slice(2, 4)
+    assert layout.slice_of('pair') == slice(0, 2)
+    assert layout.slice_of('last') == slice(4, 5)
     with pytest.raises(KeyError):
-        layout.place('inne')
+        layout.slice_of('inne')
 
 
 def test_there_and_back():
-    layout = Layout(Outer())
+    layout = TupleLayout(Outer())
     array = layout.write(Outer((0.3, math.inf), Inner(-7, False), 1.0))
     assert array.tolist() == [0.3, math.inf, -7.0, 0.0, 1.0]
     back = layout.read(array)
@@ -63,17 +63,17 @@ def test_there_and_back():
 
 
 def test_settings_are_numbers_too():
-    layout = Layout(Constants(Weights(heavy=4.0), 0.5))
+    layout = TupleLayout(Constants(Weights(heavy=4.0), 0.5))
     assert layout.paths == ('weights.heavy', 'half')
     assert layout.write(Constants(Weights(heavy=3.0), 0.25)).tolist() == [3.0, 0.25]
-    assert layout.read(np.array([1.0, 2.0])) == Constants(plain(Weights(heavy=1.0)), 2.0)
+    assert layout.read(np.array([1.0, 2.0])) == Constants(to_named_tuple(Weights(heavy=1.0)), 2.0)
 
 
 def test_compiled_it_is_the_same_function(monkeypatch, tmp_path):
     monkeypatch.setenv('XDG_CACHE_HOME', str(tmp_path))
     constants, memory = Constants(Weights(), 0.5), Outer()
-    layouts = Layout(constants), Layout(memory), Layout(Given(0.0))
-    step = compiled(core, *layouts)
+    layouts = TupleLayout(constants), TupleLayout(memory), TupleLayout(Given(0.0))
+    step = compile_core(core, *layouts)
     scratch, array = np.zeros(1), layouts[1].write(memory)
     for value in (0.7, -0.2, 1.5):
         memory = core(constants, memory, Given(value), [0.0])
@@ -84,8 +84,12 @@ def test_compiled_it_is_the_same_function(monkeypatch, tmp_path):
 
 
 def test_the_text_has_all_and_only_its_own():
-    layouts = (Layout(Constants(Weights(), 0.5)), Layout(Outer()), Layout(Given(0.0)))
-    text = source(core, *layouts)
+    layouts = (
+        TupleLayout(Constants(Weights(), 0.5)),
+        TupleLayout(Outer()),
+        TupleLayout(Given(0.0)),
+    )
+    text = render_core(core, *layouts)
     for kind in ('Constants', 'Weights', 'Outer', 'Inner', 'Given'):
         assert text.count(f'core_{kind} = namedtuple(') == 1
     imports = [line for line in text.splitlines() if line.startswith(('import', 'from'))]

@@ -5,9 +5,9 @@ from functools import cache
 from lta_model.effects import EFFECTS
 from lta_sim.kernels import kernel, row
 from lta_sim.kernels.batch import advance_many
-from lta_sim.kernels.compose import kernel_source
-from lta_sim.kernels.fleet import Fleet
+from lta_sim.kernels.compose import write_kernel_source
 from lta_sim.kernels.kernel import LAYOUT
+from lta_sim.kernels.vehicle_batch import VehicleBatch
 import numpy as np
 import pytest
 
@@ -48,7 +48,7 @@ def alone(models, states, commands, around, steps):
 @pytest.fixture(scope='module')
 def text():
     """Return `advance` of the kernel's text as plain, slow Python."""
-    source = kernel_source(EFFECTS).replace('from numba import njit', '')
+    source = write_kernel_source(EFFECTS).replace('from numba import njit', '')
     space = {'njit': lambda **_: lambda function: function}
     exec(source, space)
     return space['advance']
@@ -59,13 +59,13 @@ def text():
 @pytest.mark.parametrize('seed', range(4))
 def test_side_by_side_as_alone(seed, kinds, steps):
     models, states, commands, around = fleet(seed, kinds)
-    many = advance_many(states, Fleet.of(models), commands, around, STEP, steps)
+    many = advance_many(states, VehicleBatch.from_models(models), commands, around, STEP, steps)
     np.testing.assert_array_equal(many, alone(models, states, commands, around, steps))
 
 
 def in_python(advance, model, state, command, around, steps):
     """Return the later state by the text, from a list of floats."""
-    where = row.places(LAYOUT)
+    where = row.row_places(LAYOUT)
     numbers = [0.0] * where['wind'].stop
     for name, values in {
         'state': state,

@@ -5,32 +5,42 @@ import math
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from lta_config.compilation.compiled import compiled
+from lta_config.compilation.compiler import compile_functions
 from lta_config.errors import BadInput
 from lta_model.light.ambient import Ambient
+from lta_model.light.block_motion import write_pose_readings
 from lta_model.light.daylight import Daylight
-from lta_model.light.echo import beams, echoing, on_faces, surrounding
 from lta_model.light.field import LightField
-from lta_model.light.gather import gather
-from lta_model.light.lambertian import beam, Eye
-from lta_model.light.lamp import direct, Lamp
+from lta_model.light.lambertian import build_beam, DiodeResponse
+from lta_model.light.lamp import BeaconLamp, direct_illuminance
 from lta_model.light.modulation import SquareWave
-from lta_model.light.outside import Outside
-from lta_model.light.passage import on_the_way
-from lta_model.light.pencils import (
+from lta_model.light.outdoors import OutdoorArea
+from lta_model.light.ray_bundles import (
     BROUGHT,
-    brought,
     DAY,
     LAMPS,
     RINGS,
     ROUND,
-    scratch_for,
+    scratch_size,
     SHARE,
-    turned,
+    trace_ring,
+    write_azimuths,
 )
-from lta_model.light.room import Albedo, even, Room
-from lta_model.light.shade import visible
-from lta_model.light.surround import clear, day_on, hit, surround_of
+from lta_model.light.ray_integration import gather_indirect_light
+from lta_model.light.reflections import (
+    build_field_geometry,
+    build_reflecting_beam,
+    integrate_reflected_flux,
+    pack_beams,
+)
+from lta_model.light.room import Albedo, Room, uniform_albedo
+from lta_model.light.scene_geometry import (
+    build_scene_geometry,
+    daylight_illuminance,
+    find_first_hit,
+    is_path_clear,
+)
+from lta_model.light.shade import visible_fraction
 from lta_model.sensors.photodiode import PhotodiodeArray
 import numpy as np
 import pytest
@@ -39,22 +49,35 @@ from scipy.spatial.transform import Rotation
 LED = 300.0
 SIZE = (10.0, 8.0, 3.0)
 ROOM = Room(SIZE, Albedo(0.3, 0.5, 0.7))
-LAMP = Lamp((3.5, 0.0, 1.0), (-1.0, 0.0, 0.0), 10_000.0, SquareWave(150.0), LED)
+LAMP = BeaconLamp((3.5, 0.0, 1.0), (-1.0, 0.0, 0.0), 10_000.0, SquareWave(150.0), LED)
 RING = PhotodiodeArray(count=8, depth=0.33, radius=0.07, feedback_resistance=1e5)
 HULL = (0.5, 0.5, 0.3)
 NO_HULL = (0.0, 0.0, 0.0)
-EYE, FLAT = Eye(1.2, 0.0), Eye(1.0, 0.0)
+EYE, FLAT = DiodeResponse(1.2, 0.0), DiodeResponse(1.0, 0.0)
 DARK = Ambient(LED)
 DAYLIGHT = Daylight(90_000.0, math.radians(30.0), math.radians(45.0), 15_000.0, 0.2, 105.0)
-OUTSIDE = Outside(DAYLIGHT, 1.0, 2.0, 2.2)
+OUTSIDE = OutdoorArea(DAYLIGHT, 1.0, 2.0, 2.2)
 # As the simulator has them, which has compiled them before the tests.
-(GATHER, ON_THE_WAY), (ON_FACES,) = compiled(gather, on_the_way), compiled(on_faces)
+(GATHER, ON_THE_WAY), (ON_FACES,) = (
+    compile_functions(gather_indirect_light, write_pose_readings),
+    compile_functions(integrate_reflected_flux),
+)
 
 
 def gathered(field, position, q=(0.0, 0.0, 0.0, 1.0), eye=EYE, hull=HULL, ring=RING):
     out = np.empty((LAMPS + len(field.lamps), ring.count))
-    scratch = np.empty(scratch_for(len(field.lamps)))
-    GATHER(surrounding(field), beams(field), eye, hull, position, q, ring.planes, out, scratch)
+    scratch = np.empty(scratch_size(len(field.lamps)))
+    GATHER(
+        build_field_geometry(field),
+        pack_beams(field),
+        eye,
+        hull,
+        position,
+        q,
+        ring.planes,
+        out,
+        scratch,
+    )
     return out
 
 
@@ -96,7 +119,7 @@ def patches(room, pitch):
 def first_echo(room, position, turn, eye, hull, ring=RING, pitch=0.04):
     """Return what diodes read of light thrown back once: a sum over small patches."""
     centres, normals, areas, albedos = patches(room, pitch)
-    lux = direct(LAMP, centres, normals)
+    lux = direct_illuminance(LAMP, centres, normals)
     told = []
     for row in ring.planes:
         ray = centres - (position + turn @ row[:3])
@@ -124,7 +147,7 @@ def test_echo_by_place_is_the_sum_over_patches(hull):
     field = LightField((LAMP,), DARK, ROOM)
     for place, turn in poses(4):
         out = gathered(field, tuple(place), tuple(turn.as_quat()), hull=hull)
-        own = out[LAMPS] - echoing(LAMP, field).beyond * out[SHARE]
+        own = out[LAMPS] - build_reflecting_beam(LAMP, field).beyond * out[SHARE]
         expected = first_echo(ROOM, place, turn.as_matrix(), EYE, hull)
         assert own.mean() == pytest.approx(expected.mean(), rel=0.03)
         assert np.abs(own - expected).max() < 0.06 * expected.mean()
@@ -134,16 +157,16 @@ def test_echo_by_place_is_the_sum_over_patches(hull):
 @pytest.mark.parametrize('place', [(3.5, 0.0, 1.0), (-5.0, 1.0, 2.0), (0.0, 0.0, 3.0)])
 def test_several_pencils_at_once_bring_what_each_does_alone(order, place):
     """A room with a door that nothing fits through is looked at ray by ray."""
-    lamp = beam(replace(LAMP, position=place, axis=(-0.3, 0.5, -0.8), order=order))
-    closed = surround_of(ROOM, None, None)
+    lamp = build_beam(replace(LAMP, position=place, axis=(-0.3, 0.5, -0.8), order=order))
+    closed = build_scene_geometry(ROOM, None, None)
     for point in ((0.0, 0.0, 1.0), (-4.9, 3.9, 0.01), (7.0, 0.0, 1.0)):
         told = []
         for s in (closed, closed._replace(top=1e-9)):
-            scratch = np.zeros(scratch_for(1))
-            turned(scratch)
+            scratch = np.zeros(scratch_size(1))
+            write_azimuths(scratch)
             rows = []
             for ring in RINGS:
-                brought(s, (lamp,), point, ring, scratch)
+                trace_ring(s, (lamp,), point, ring, scratch)
                 rows.append(scratch[BROUGHT + ROUND * LAMPS :].copy())
             told.append(np.array(rows))
         assert told[0].any() == (point[0] < 5.0)
@@ -153,7 +176,7 @@ def test_several_pencils_at_once_bring_what_each_does_alone(order, place):
 def test_light_from_all_sides_by_quadrature():
     """2 / (n + 1) (1 - c^(n + 1)) of it, without a hull."""
     field = LightField((LAMP,), DARK, ROOM)
-    for eye in (Eye(1.0, 0.0), EYE, Eye(2.0, 0.5)):
+    for eye in (DiodeResponse(1.0, 0.0), EYE, DiodeResponse(2.0, 0.5)):
         share = gathered(field, (0.0, 0.0, 1.0), eye=eye, hull=NO_HULL)[SHARE]
         whole = 2.0 / (eye.exponent + 1.0) * (1.0 - eye.least ** (eye.exponent + 1.0))
         assert share.mean() == pytest.approx(whole, rel=0.01)
@@ -179,11 +202,11 @@ def test_shade_of_a_ball_by_hand():
     for off, expected in ((29.0, 0.0), (29.9, 0.45), (30.0, 0.5), (30.1, 0.55), (31.0, 1.0)):
         angle = math.radians(off)
         towards = (math.sin(angle), 0.0, math.cos(angle))
-        part = visible(ball, point, towards, math.radians(1.0))
+        part = visible_fraction(ball, point, towards, math.radians(1.0))
         assert part == pytest.approx(expected, abs=6e-3)  # the edge to first order
-    assert visible(ball, point, (0.0, 0.0, 1.0), 1e-3) == 0.0
-    assert visible(ball, point, (0.0, 0.0, -1.0), 1e-3) == 1.0
-    assert visible((0.0, 0.0, 0.0), point, (0.0, 0.0, 1.0), 1e-3) == 1.0
+    assert visible_fraction(ball, point, (0.0, 0.0, 1.0), 1e-3) == 0.0
+    assert visible_fraction(ball, point, (0.0, 0.0, -1.0), 1e-3) == 1.0
+    assert visible_fraction((0.0, 0.0, 0.0), point, (0.0, 0.0, 1.0), 1e-3) == 1.0
 
 
 UNIT = st.tuples(*[st.floats(-1.0, 1.0)] * 3).filter(lambda v: math.hypot(*v) > 0.1)
@@ -194,7 +217,7 @@ UNIT = st.tuples(*[st.floats(-1.0, 1.0)] * 3).filter(lambda v: math.hypot(*v) > 
 def test_shade_is_that_of_the_ray_apart_from_its_edge(point, towards, width):
     p, u = np.array(point), np.array(towards) / math.hypot(*towards)
     p = p * (1.2 / np.linalg.norm(p / np.array(HULL)))  # a fifth outside
-    part = visible(HULL, tuple(p), tuple(u), width)
+    part = visible_fraction(HULL, tuple(p), tuple(u), width)
     assert 0.0 <= part <= 1.0
     if part in (0.0, 1.0):
         return
@@ -211,8 +234,8 @@ def test_shade_is_that_of_the_ray_apart_from_its_edge(point, towards, width):
 @pytest.mark.parametrize('place', [(3.5, 0.0, 1.0), (-2.0, 3.0, 2.9), (4.9, -3.9, 0.1)])
 def test_all_the_light_falls_on_the_faces(place):
     """Direct flux on six faces is the lamp's, to what the grid leaves out."""
-    lamp = Lamp(place, (-1.0, 0.2, -0.3), 10_000.0, SquareWave(150.0), LED)
-    fallen, _ = ON_FACES(surround_of(ROOM, None, None), beam(lamp), 256)
+    lamp = BeaconLamp(place, (-1.0, 0.2, -0.3), 10_000.0, SquareWave(150.0), LED)
+    fallen, _ = ON_FACES(build_scene_geometry(ROOM, None, None), build_beam(lamp), 256)
     assert fallen == pytest.approx(10_000.0, rel=0.02)
 
 
@@ -225,24 +248,24 @@ def test_all_the_light_falls_on_the_faces(place):
 def test_energy_balances(albedo, place, axis):
     """What the surfaces swallow of direct, once and more often thrown back light is the flux."""
     room = Room(SIZE, Albedo(*albedo))
-    lamp = Lamp(place, axis, 10_000.0, SquareWave(150.0), LED)
-    echo = echoing(lamp, LightField((lamp,), DARK, room))
-    first = room.area * echo.diffuse * (1.0 - room.mean_albedo)
-    swallowed = (10_000.0 - first) + (1.0 - room.mean_albedo) * room.area * echo.diffuse
+    lamp = BeaconLamp(place, axis, 10_000.0, SquareWave(150.0), LED)
+    echo = build_reflecting_beam(lamp, LightField((lamp,), DARK, room))
+    first = room.surface_area * echo.diffuse * (1.0 - room.mean_albedo)
+    swallowed = (10_000.0 - first) + (1.0 - room.mean_albedo) * room.surface_area * echo.diffuse
     assert swallowed == pytest.approx(10_000.0, rel=1e-12)
     assert min(albedo) * 10_000.0 * (1 - 1e-9) <= first <= max(albedo) * 10_000.0 * (1 + 1e-9)
 
 
 def test_even_walls_echo_as_sumpner_says():
-    room = Room(SIZE, even(0.5))
-    echo = echoing(LAMP, LightField((LAMP,), DARK, room))
+    room = Room(SIZE, uniform_albedo(0.5))
+    echo = build_reflecting_beam(LAMP, LightField((LAMP,), DARK, room))
     assert echo.diffuse == pytest.approx(37.3134, abs=1e-4)
     assert echo.beyond == pytest.approx(37.3134 / 2.0, abs=1e-4)
 
 
 def test_echo_of_a_ring_averages_to_the_rooms():
     """Over places and directions in a bare room the once reflected light is rho Phi / A."""
-    room = Room(SIZE, even(0.5))
+    room = Room(SIZE, uniform_albedo(0.5))
     field = LightField((LAMP,), DARK, room)
     centres, normals, areas, _ = patches(room, 1.0)
     axes = tuple(tuple(row) for row in np.eye(3).tolist() + (-np.eye(3)).tolist())
@@ -258,12 +281,12 @@ def test_echo_of_a_ring_averages_to_the_rooms():
 
 def test_daylight_in_the_open_by_hand():
     """A plane in the open: the sun's cosine, the sky over and the ground under it."""
-    s = surround_of(None, DAYLIGHT, None)
+    s = build_scene_geometry(None, DAYLIGHT, None)
     level = 90_000.0 * math.sin(math.radians(45.0)) + 15_000.0
-    assert DAYLIGHT.level == pytest.approx(level)
-    assert day_on(s, (0.0, 0.0, 1.0), (0.0, 0.0, 1.0)) == pytest.approx(level)
+    assert DAYLIGHT.ground_illuminance == pytest.approx(level)
+    assert daylight_illuminance(s, (0.0, 0.0, 1.0), (0.0, 0.0, 1.0)) == pytest.approx(level)
     away = (-math.cos(math.radians(30.0)), -math.sin(math.radians(30.0)), 0.0)
-    assert day_on(s, (0.0, 0.0, 1.0), away) == pytest.approx(7500.0 + 0.1 * level)
+    assert daylight_illuminance(s, (0.0, 0.0, 1.0), away) == pytest.approx(7500.0 + 0.1 * level)
     ring = gathered(
         LightField((LAMP,), DARK, None, DAYLIGHT), (0.0, 0.0, 1.0), eye=FLAT, hull=NO_HULL
     )
@@ -279,7 +302,7 @@ def test_the_hull_hides_the_sun():
     assert 5000.0 < shaded[DAY].max() < 12_000.0
 
 
-BUILDING = surround_of(ROOM, None, OUTSIDE)
+BUILDING = build_scene_geometry(ROOM, None, OUTSIDE)
 
 
 @pytest.mark.parametrize(
@@ -300,24 +323,24 @@ def test_the_way_is_free_through_the_door_only(begin, end, free):
     ray = np.subtract(end, begin)
     distance = float(np.linalg.norm(ray))
     u = tuple((ray / distance).tolist())
-    assert clear(BUILDING, begin, u, distance) is free
+    assert is_path_clear(BUILDING, begin, u, distance) is free
     back = tuple((-ray / distance).tolist())
-    assert clear(BUILDING, end, back, distance) is free
-    assert clear(surround_of(ROOM, None, None), begin, u, distance)
+    assert is_path_clear(BUILDING, end, back, distance) is free
+    assert is_path_clear(build_scene_geometry(ROOM, None, None), begin, u, distance)
 
 
 def test_what_a_ray_meets():
-    met, indoors = hit(BUILDING, (0.0, 0.5, 1.0), (1.0, 0.0, 0.0))
+    met, indoors = find_first_hit(BUILDING, (0.0, 0.5, 1.0), (1.0, 0.0, 0.0))
     assert (indoors, met[:3]) == (False, (0.0, 0.0, 1e9))  # through the door, the sky
-    met, indoors = hit(BUILDING, (0.0, -2.0, 1.0), (1.0, 0.0, 0.0))
+    met, indoors = find_first_hit(BUILDING, (0.0, -2.0, 1.0), (1.0, 0.0, 0.0))
     assert (indoors, met) == (True, (5.0, -2.0, 1.0, -1.0, 0.0, 0.0, 0.5))
     down = (math.cos(0.2), 0.0, -math.sin(0.2))
-    met, indoors = hit(BUILDING, (4.0, 1.0, 1.0), down)
+    met, indoors = find_first_hit(BUILDING, (4.0, 1.0, 1.0), down)
     assert (indoors, met.albedo) == (False, 0.2)  # the ground beyond the door
     assert met.x == pytest.approx(4.0 + 1.0 / math.tan(0.2))
-    met, indoors = hit(BUILDING, (8.0, 1.0, 1.0), (-1.0, 0.0, 0.0))
+    met, indoors = find_first_hit(BUILDING, (8.0, 1.0, 1.0), (-1.0, 0.0, 0.0))
     assert (indoors, met.x, met.albedo) == (True, -5.0, 0.5)
-    met, indoors = hit(BUILDING, (8.0, -2.0, 1.0), (-1.0, 0.0, 0.0))
+    met, indoors = find_first_hit(BUILDING, (8.0, -2.0, 1.0), (-1.0, 0.0, 0.0))
     assert (indoors, met.x, met.albedo) == (True, 5.0, 0.0)  # the wall from without
 
 
@@ -327,7 +350,7 @@ def test_daylight_comes_in_through_the_door():
     day = gathered(field, (1.0, 1.0, 1.1 + RING.depth), eye=FLAT, hull=NO_HULL)[DAY]
     y, z = np.meshgrid((np.arange(200) + 0.5) / 100.0 - 1.0, (np.arange(220) + 0.5) / 100.0 - 1.1)
     window = 3.93**2 / (3.93**2 + y * y + z * z) ** 2 / math.pi * 1e-4
-    expected = (window * np.where(z > 0.0, 15_000.0, 0.2 * DAYLIGHT.level)).sum()
+    expected = (window * np.where(z > 0.0, 15_000.0, 0.2 * DAYLIGHT.ground_illuminance)).sum()
     # Rays are 7.5 degrees apart, the door is 27 degrees wide.
     assert day[0] == pytest.approx(expected, rel=0.13)
     assert day[4] == 0.0
@@ -336,17 +359,19 @@ def test_daylight_comes_in_through_the_door():
 
 
 def test_a_lamp_beyond_the_door_is_seen_through_it():
-    lamp = Lamp((9.0, 1.0, 1.0), (-1.0, 0.0, 0.0), 10_000.0, SquareWave(150.0), LED)
+    lamp = BeaconLamp((9.0, 1.0, 1.0), (-1.0, 0.0, 0.0), 10_000.0, SquareWave(150.0), LED)
     field = LightField((lamp,), DARK, ROOM, None, OUTSIDE)
     none, lit = np.zeros((LAMPS + 1, 8)), np.empty((1, 2, 8))
     flight = np.array([[0.0, 1.0, 1.3, 0, 0, 0, 1], [0.0, -3.0, 1.3, 0, 0, 0, 1]], dtype=float)
     ON_THE_WAY(
-        surrounding(field), beams(field), EYE, NO_HULL, flight, RING.planes, none, none,
-        (0.0, 0.0, 0.0), lit, np.empty((2, 8)), np.empty((2, 8)),
+        build_field_geometry(field), pack_beams(field), EYE, NO_HULL, flight, RING.planes,
+        none, none, (0.0, 0.0, 0.0), lit, np.empty((2, 8)), np.empty((2, 8)),
     )  # fmt: skip
     assert lit[0, 0, 0] == pytest.approx(10_000.0 / math.pi / 8.93**2, rel=0.01)
     assert not lit[0, 1].any()
-    first = echoing(lamp, field).diffuse * ROOM.area * (1.0 - ROOM.mean_albedo)
+    first = (
+        build_reflecting_beam(lamp, field).diffuse * ROOM.surface_area * (1.0 - ROOM.mean_albedo)
+    )
     # A door of 2 by 2.2 m at 4 m lets 2 x 2.2 / 16 / pi of the light in, less at its edges.
     assert 0.5 * 0.05 * 10_000.0 * 0.5 < first < 0.0875 * 10_000.0 * 0.7
 
@@ -366,11 +391,11 @@ def test_turning_by_one_diode_shifts_the_readings():
         (lambda: Daylight(-1.0, 0.0, 0.5, 0.0, 0.2, 105.0), 'light of the sun is -1.0 lx'),
         (lambda: Daylight(1e5, 0.0, 0.0, 0.0, 0.2, 105.0), 'stands at 0 degrees'),
         (lambda: Daylight(1e5, 0.0, 0.5, 0.0, 1.0, 105.0), 'albedo of 1.0'),
-        (lambda: Outside(DAYLIGHT, 0.0, 0.0, 2.0), '0.0 m wide'),
+        (lambda: OutdoorArea(DAYLIGHT, 0.0, 0.0, 2.0), '0.0 m wide'),
         (lambda: LightField((LAMP,), DARK, None, None, OUTSIDE), 'a door but no room'),
         (lambda: LightField((LAMP,), DARK, ROOM, DAYLIGHT, OUTSIDE), 'leave the first out'),
         (
-            lambda: LightField((LAMP,), DARK, ROOM, None, Outside(DAYLIGHT, 3.5, 2.0, 2.0)),
+            lambda: LightField((LAMP,), DARK, ROOM, None, OutdoorArea(DAYLIGHT, 3.5, 2.0, 2.0)),
             'does not fit into a wall of 8 by 3 m',
         ),
     ],

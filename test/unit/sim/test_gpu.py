@@ -13,7 +13,7 @@ import textwrap
 
 from lta_config.errors import BadInput
 from lta_sim.kernels import gpu, kernel
-from lta_sim.kernels.fleet import Fleet
+from lta_sim.kernels.vehicle_batch import VehicleBatch
 import numpy as np
 import pytest
 
@@ -28,7 +28,7 @@ SIMULATED = """
     import sys
 
     from lta_sim.kernels import gpu
-    from lta_sim.kernels.fleet import Fleet
+    from lta_sim.kernels.vehicle_batch import Fleet
     import numpy as np
 
     folder, gpu.THREADS = Path(sys.argv[1]), 2
@@ -64,7 +64,7 @@ def flights():
 @needs_cuda
 def test_each_thread_flies_its_vehicle_as_the_cpu_does(flights, tmp_path):
     models, states, duties, winds = flights
-    fleet = Fleet.of(models)
+    fleet = VehicleBatch.from_models(models)
     arrays = (states, duties, winds, fleet.parameters, fleet.on, fleet.body, fleet.inverse)
     for k, array in enumerate(arrays):
         np.save(tmp_path / f'{k}.npy', array)
@@ -99,4 +99,4 @@ def test_without_numba_cuda_it_says_what_to_do(flights, monkeypatch):
     models, states, duties, winds = flights
     monkeypatch.setitem(sys.modules, 'numba.cuda', None)
     with pytest.raises(BadInput, match=r'cannot be imported .*; install what requirements-gpu'):
-        gpu.advance_many(states, Fleet.of(models), duties, winds, 2e-3, 1)
+        gpu.advance_many(states, VehicleBatch.from_models(models), duties, winds, 2e-3, 1)

@@ -5,8 +5,8 @@ import math
 from hypothesis import given
 from hypothesis import strategies as st
 from lta_model.effects.aerodynamics import cross_flow, hull_lift, munk_moment
-from lta_model.effects.protocol import Motion
-from lta_model.rigid_body import cross
+from lta_model.effects.protocol import VehicleMotion
+from lta_model.rigid_body import cross_product
 from lta_model.state import ADDED, BODY
 import numpy as np
 import pytest
@@ -23,15 +23,15 @@ share = st.floats(0.0, 1.0)
 def flown(airspeed, rates=NO):
     body = [0.0] * BODY
     body[ADDED : ADDED + 3] = ADDED_MASS
-    return Motion(NO, LEVEL, airspeed, rates, airspeed, tuple(body), (0.0,) * 11, REST)
+    return VehicleMotion(NO, LEVEL, airspeed, rates, airspeed, tuple(body), (0.0,) * 11, REST)
 
 
 def missing(p, airspeed):
-    return np.array(cross_flow.wrench(p, (), flown(airspeed), REST))
+    return np.array(cross_flow.compute_wrench(p, (), flown(airspeed), REST))
 
 
 def too_much(lost, airspeed):
-    return np.array(munk_moment.wrench((lost,), (), flown(airspeed), REST))
+    return np.array(munk_moment.compute_wrench((lost,), (), flown(airspeed), REST))
 
 
 def axis_by_axis(drag, airspeed):
@@ -69,7 +69,7 @@ def test_cross_flow_only_slows(v, horizontal, total, drag):
 @given(v=vectors)
 def test_a_lost_share_of_one_takes_the_munk_moment_away(v):
     momentum = tuple(a * x for a, x in zip(ADDED_MASS, v, strict=True))
-    munk = np.array([-x for x in cross(v, momentum)])
+    munk = np.array([-x for x in cross_product(v, momentum)])
     wrench = too_much(1.0, v)
     np.testing.assert_allclose(wrench, [0.0, 0.0, 0.0, *-munk], atol=1e-15)
     assert np.linalg.norm(munk) <= 0.5 * (0.2 - 0.05) * np.dot(v, v) * (1.0 + 1e-12)
@@ -78,7 +78,7 @@ def test_a_lost_share_of_one_takes_the_munk_moment_away(v):
 def test_munk_turns_the_broad_side_and_its_share_holds_against_it():
     # Nose up at 45 degrees (the air comes from below): Munk pitches further up, about -y.
     v = (1.0, 0.0, -1.0)
-    munk = -np.array(cross(v, tuple(a * x for a, x in zip(ADDED_MASS, v, strict=True))))
+    munk = -np.array(cross_product(v, tuple(a * x for a, x in zip(ADDED_MASS, v, strict=True))))
     assert munk[1] == pytest.approx(-0.15)
     assert too_much(0.3, v)[4] == pytest.approx(0.045)
 
@@ -120,7 +120,7 @@ FLIP = np.array([1.0, -1.0, -1.0])  # left and up to right and down, vectors and
 
 
 def lifted(v, w=NO):
-    return np.array(hull_lift.wrench(P, (), flown(tuple(v), tuple(w)), REST))
+    return np.array(hull_lift.compute_wrench(P, (), flown(tuple(v), tuple(w)), REST))
 
 
 @pytest.mark.parametrize('seed', range(12))
@@ -179,7 +179,7 @@ def test_hull_lift_acts_where_the_wings_are():
         np.array([0.1, 0.2, 0.3]),
     )
     there = (*P[:-2], place[0], place[2])
-    moved = np.array(hull_lift.wrench(there, (), flown(tuple(v), tuple(w)), REST))
+    moved = np.array(hull_lift.compute_wrench(there, (), flown(tuple(v), tuple(w)), REST))
     seen = lifted(v + np.cross(w, place), w)
     np.testing.assert_allclose(moved[:3], seen[:3], rtol=1e-12)
     np.testing.assert_allclose(moved[3:], seen[3:] + np.cross(place, seen[:3]), rtol=1e-12)

@@ -4,7 +4,7 @@ import math
 
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_model.rigid_body import rotation
+from lta_model.rigid_body import rotation_matrix
 from lta_model.sensors import imu
 import numba
 import numpy as np
@@ -27,21 +27,21 @@ def within_five_percent(sample, sigma):
 
 
 def test_a_body_at_rest_feels_gravity_upwards():
-    assert imu.specific_force(NONE, NONE, NONE, NONE, UP, (0.1, 0.2, -0.3), G) == (0.0, 0.0, G)
+    assert imu.imu_specific_force(NONE, NONE, NONE, NONE, UP, (0.1, 0.2, -0.3), G) == (0.0, 0.0, G)
 
 
 def test_a_body_at_rest_on_its_side_feels_gravity_sideways():
     up = (0.0, 1.0, 0.0)  # rolled by 90 degrees: the body's y points up
-    assert imu.specific_force(NONE, NONE, NONE, NONE, up, (0.1, 0.0, 0.0), G) == (0.0, G, 0.0)
+    assert imu.imu_specific_force(NONE, NONE, NONE, NONE, up, (0.1, 0.0, 0.0), G) == (0.0, G, 0.0)
 
 
 def test_a_free_fall_feels_nothing():
-    assert imu.specific_force(NONE, NONE, (0.0, 0.0, -G), NONE, UP, NONE, G) == NONE
+    assert imu.imu_specific_force(NONE, NONE, (0.0, 0.0, -G), NONE, UP, NONE, G) == NONE
 
 
 def test_a_turntable_feels_the_centripetal_and_the_tangential_acceleration():
     # 2 rad/s and 3 rad/s^2 about z, half a metre ahead: -w^2 r = -2 m/s^2, w' r = 1.5 m/s^2.
-    force = imu.specific_force(
+    force = imu.imu_specific_force(
         NONE, (0.0, 0.0, 2.0), NONE, (0.0, 0.0, 3.0), UP, (0.5, 0.0, 0.0), G
     )
     assert force == pytest.approx((-2.0, 1.5, G), abs=1e-15)
@@ -49,7 +49,7 @@ def test_a_turntable_feels_the_centripetal_and_the_tangential_acceleration():
 
 def test_a_steady_turn_feels_the_pull_to_its_centre():
     # 0.5 m/s ahead while turning left at 0.4 rad/s: v w = 0.2 m/s^2 to the left.
-    force = imu.specific_force((0.5, 0.0, 0.0), (0.0, 0.0, 0.4), NONE, NONE, UP, NONE, G)
+    force = imu.imu_specific_force((0.5, 0.0, 0.0), (0.0, 0.0, 0.4), NONE, NONE, UP, NONE, G)
     assert force == pytest.approx((0.0, 0.2, G), abs=1e-15)
 
 
@@ -62,7 +62,7 @@ def test_specific_force_is_the_textbook_sum(v, w, dv, dw, up, r):
         + np.cross(w, np.cross(w, r))
         + G * np.array(up)
     )
-    got = imu.specific_force(v, w, dv, dw, up, r, G)
+    got = imu.imu_specific_force(v, w, dv, dw, up, r, G)
     assert got == pytest.approx(tuple(expected), abs=1e-11)
 
 
@@ -75,14 +75,16 @@ def test_specific_force_compiles_to_the_same():
         UP,
         (0.1, 0.2, 0.3),
     )
-    compiled = numba.njit(imu.specific_force)
-    assert compiled(*arguments, G) == pytest.approx(imu.specific_force(*arguments, G), rel=1e-15)
+    compiled = numba.njit(imu.imu_specific_force)
+    assert compiled(*arguments, G) == pytest.approx(
+        imu.imu_specific_force(*arguments, G), rel=1e-15
+    )
 
 
 def test_noise_is_the_data_sheets_density_times_the_root_of_the_bandwidth():
     rng = np.random.default_rng(1)
-    errors = imu.draw(imu.ImuSettings(), rng)
-    samples = [imu.measure(errors, (0.0, 0.0, G), (0.1, 0.0, 0.0), rng) for _ in range(40000)]
+    errors = imu.draw_errors(imu.ImuSettings(), rng)
+    samples = [imu.measure_imu(errors, (0.0, 0.0, G), (0.1, 0.0, 0.0), rng) for _ in range(40000)]
     force = np.array([sample[0] for sample in samples])
     rates = np.array([sample[1] for sample in samples])
     # 160 ug/sqrt(Hz) * sqrt(40 Hz) = 1.0119 mg = 9.924 mm/s^2; 190 ug: 11.784 mm/s^2.
@@ -100,7 +102,7 @@ def test_noise_is_the_data_sheets_density_times_the_root_of_the_bandwidth():
 
 def test_offsets_and_scales_are_uniform_within_the_data_sheets_bounds():
     rng = np.random.default_rng(2)
-    drawn = [imu.draw(imu.ImuSettings(), rng) for _ in range(3000)]
+    drawn = [imu.draw_errors(imu.ImuSettings(), rng) for _ in range(3000)]
     bounds = [0.020 * 9.80665] * 3 + [math.radians(1.0)] * 3
     for axis, bound in enumerate(bounds):
         offsets = [errors.offset[axis] for errors in drawn]
@@ -112,12 +114,12 @@ def test_offsets_and_scales_are_uniform_within_the_data_sheets_bounds():
 def silent(**settings):
     """Return the errors of a sensor without noise."""
     quiet = imu.ImuSettings(acceleration_noise=(0.0, 0.0, 0.0), rate_noise=0.0, **settings)
-    return imu.draw(quiet, np.random.default_rng(3))
+    return imu.draw_errors(quiet, np.random.default_rng(3))
 
 
 def test_a_reading_is_gain_times_truth_plus_offset_to_half_a_count():
     errors, truth = silent(), (1.0, -2.0, 9.0, 0.3, -0.2, 0.1)
-    force, rates = imu.measure(errors, truth[:3], truth[3:], np.random.default_rng(4))
+    force, rates = imu.measure_imu(errors, truth[:3], truth[3:], np.random.default_rng(4))
     for axis, read in enumerate((*force, *rates)):
         expected = errors.gain[axis] * truth[axis] + errors.offset[axis]
         assert abs(read - expected) <= errors.step[axis] / 2 * (1 + 1e-9)
@@ -126,7 +128,7 @@ def test_a_reading_is_gain_times_truth_plus_offset_to_half_a_count():
 
 def test_a_crash_reads_full_scale():
     errors = silent(acceleration_range=3.0, rate_range=250.0)
-    force, rates = imu.measure(
+    force, rates = imu.measure_imu(
         errors, (1e3, -1e3, 0.0), (1e2, -1e2, 0.0), np.random.default_rng(5)
     )
     assert force[:2] == pytest.approx((3 * 9.80665, -3 * 9.80665))
@@ -136,8 +138,8 @@ def test_a_crash_reads_full_scale():
 def test_the_same_seed_gives_the_same_flight():
     def flight(seed):
         rng = np.random.default_rng(seed)
-        errors = imu.draw(imu.ImuSettings(), rng)
-        return [imu.measure(errors, (0.0, 0.0, G), NONE, rng) for _ in range(5)]
+        errors = imu.draw_errors(imu.ImuSettings(), rng)
+        return [imu.measure_imu(errors, (0.0, 0.0, G), NONE, rng) for _ in range(5)]
 
     assert flight(7) == flight(7)
     assert flight(7) != flight(8)
@@ -146,16 +148,16 @@ def test_the_same_seed_gives_the_same_flight():
 @pytest.mark.parametrize('bias', [(0.0, 0.0, 0.0), (0.1, -0.2, 0.3)])
 def test_compiled_it_reads_what_plain_python_reads_to_the_bit(bias):
     rng = np.random.default_rng(6)
-    errors, place = imu.draw(imu.ImuSettings(), rng), (0.1, -0.02, -0.36)
+    errors, place = imu.draw_errors(imu.ImuSettings(), rng), (0.1, -0.02, -0.36)
     chain = (((lambda p, values, _: tuple(map(float, np.add(values, p)))), bias),)
     chains = (chain, chain) if any(bias) else ()
     compiled = imu.Imu(errors, place, G, np.random.default_rng(7), *chains)
     plain = np.random.default_rng(7)
     for _ in range(200):
         state, rate = rng.normal(size=13), rng.normal(size=13)
-        up = rotation(tuple(state[3:7].tolist()))[6:]
+        up = rotation_matrix(tuple(state[3:7].tolist()))[6:]
         v, w = tuple(state[7:10].tolist()), tuple(state[10:13].tolist())
         dv, dw = tuple(rate[7:10].tolist()), tuple(rate[10:13].tolist())
-        force = imu.specific_force(v, w, dv, dw, up, place, G)
+        force = imu.imu_specific_force(v, w, dv, dw, up, place, G)
         force, rates = (tuple(np.add(truth, bias).tolist()) for truth in (force, w))
-        assert compiled.read(state, rate, 0.0) == imu.measure(errors, force, rates, plain)
+        assert compiled.read(state, rate, 0.0) == imu.measure_imu(errors, force, rates, plain)

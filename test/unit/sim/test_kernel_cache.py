@@ -7,7 +7,7 @@ import subprocess
 import sys
 import textwrap
 
-from lta_config.compilation.kernel_cache import cache_root, is_kept, load, store
+from lta_config.compilation.kernel_cache import cache_root, is_cached, load_kernel, store_kernel
 import pytest
 
 TINY = 'def answer():\n    return 42\n'
@@ -106,24 +106,24 @@ def test_the_cache_is_where_xdg_says(monkeypatch, tmp_path):
 
 
 def test_each_text_has_its_folder(tmp_path):
-    one, two = store(TINY, tmp_path), store(TINY.replace('42', '43'), tmp_path)
+    one, two = store_kernel(TINY, tmp_path), store_kernel(TINY.replace('42', '43'), tmp_path)
     assert one.parent != two.parent
-    assert store(TINY, tmp_path) == one
+    assert store_kernel(TINY, tmp_path) == one
 
 
 def test_it_is_known_whether_a_kernel_has_to_be_compiled(tmp_path):
-    kernel = load(COMPILED, tmp_path)
-    assert not is_kept(COMPILED, tmp_path)
+    kernel = load_kernel(COMPILED, tmp_path)
+    assert not is_cached(COMPILED, tmp_path)
     assert kernel.answer() == 42
-    assert is_kept(COMPILED, tmp_path)
-    assert not is_kept(COMPILED.replace('42', '43'), tmp_path)
+    assert is_cached(COMPILED, tmp_path)
+    assert not is_cached(COMPILED.replace('42', '43'), tmp_path)
 
 
 @pytest.mark.parametrize('collects', [True, False])
 def test_the_garbage_collector_rests_while_a_kernel_compiles_and_is_then_as_before(
     tmp_path, collects
 ):
-    kernel = load(WATCHED, tmp_path)
+    kernel = load_kernel(WATCHED, tmp_path)
     gc.enable() if collects else gc.disable()
     try:
         assert kernel.answer() == 42
@@ -135,14 +135,14 @@ def test_the_garbage_collector_rests_while_a_kernel_compiles_and_is_then_as_befo
 
 
 def test_a_broken_file_is_mended(tmp_path):
-    path = store(TINY, tmp_path)
+    path = store_kernel(TINY, tmp_path)
     path.write_text(TINY[:10])
-    assert load(TINY, tmp_path).answer() == 42
+    assert load_kernel(TINY, tmp_path).answer() == 42
 
 
 def test_many_writers_leave_one_whole_file(tmp_path):
     with ThreadPoolExecutor(16) as pool:
-        paths = set(pool.map(lambda _: store(TINY, tmp_path), range(64)))
+        paths = set(pool.map(lambda _: store_kernel(TINY, tmp_path), range(64)))
     (path,) = paths
     assert path.read_text() == TINY
     assert [item.name for item in path.parent.iterdir()] == ['kernel.py']
@@ -151,6 +151,6 @@ def test_many_writers_leave_one_whole_file(tmp_path):
 @pytest.mark.parametrize('place', ['file', 'file/below'])
 def test_an_unwritable_cache_is_done_without(tmp_path, place):
     (tmp_path / 'file').write_text('in the way')
-    module = load(TINY.replace('42', '44'), tmp_path / place)
+    module = load_kernel(TINY.replace('42', '44'), tmp_path / place)
     assert module.answer() == 44
     assert (tmp_path / 'file').read_text() == 'in the way'

@@ -5,7 +5,7 @@ Everything is what the library has: an effect that others installed has no secon
 is off.
 """
 
-from lta_model.effects import BUILT_IN, built_in
+from lta_model.effects import BUILT_IN, select_built_in
 from lta_model.effects.protocol import (
     ActuatorEffect,
     AirEffect,
@@ -32,7 +32,7 @@ BLOCKS = {'position': slice(0, 3), 'attitude': slice(3, 7), 'motion': slice(7, 1
 
 
 def kind(kind_):
-    return [name for name, effect in built_in().items() if isinstance(effect, kind_)]
+    return [name for name, effect in select_built_in().items() if isinstance(effect, kind_)]
 
 
 def own(wrenches):
@@ -60,14 +60,14 @@ def test_every_effect_has_an_oracle_in_its_order():
     assert list(BODY) == kind(BodyEffect)
     assert list(INERTIA) == kind(InertiaEffect)
     assert set(oracle.WRENCHES) == set(kind(WrenchEffect))
-    assert set(built_in()) == set(oracle.KNOWN) | set(kind(MeasurementEffect))
+    assert set(select_built_in()) == set(oracle.KNOWN) | set(kind(MeasurementEffect))
 
 
 @pytest.mark.parametrize('seed', range(60))
 def test_derivative(seed):
     model, twin, (state, command, around) = drawn(seed)
     expected = oracle.derivative(state, twin, PLACES, command, around)
-    actual = kernel.derivative(state, model, command, around)
+    actual = kernel.state_derivative(state, model, command, around)
     for name, block in BLOCKS.items():
         assert error(actual[block], expected[block]) <= TOLERANCE, name
 
@@ -76,7 +76,7 @@ def test_derivative(seed):
 def test_each_wrench_the_thrusts_and_the_wind(seed):
     model, twin, (state, command, around) = drawn(seed)
     scene, _, thrusts, wrenches, _ = oracle.look(state, twin, PLACES, command, around)
-    look = kernel.look(state, model, command, around)
+    look = kernel.evaluate_model(state, model, command, around)
     assert error(look.thrusts, thrusts) <= TOLERANCE
     assert error(look.wind, scene.wind) <= TOLERANCE
     assert set(own(look.wrenches)) == set(wrenches)
@@ -100,7 +100,7 @@ def test_alone(name):
     for seed in range(12):
         model, twin, (state, command, around) = drawn(seed, (*beside, name))
         expected = oracle.derivative(state, twin, PLACES, command, around)
-        actual = kernel.derivative(state, model, command, around)
+        actual = kernel.state_derivative(state, model, command, around)
         for block in BLOCKS.values():
             assert error(actual[block], expected[block]) <= TOLERANCE
         rigid = [model.body[0], *model.body[1:4], model.body[16]]
@@ -114,7 +114,7 @@ def test_the_random_states_meet_every_effect():
     met = dict.fromkeys(kind(WrenchEffect), 0)
     for seed in range(60):
         model, _, (state, command, around) = drawn(seed)
-        for name, wrench in own(kernel.wrenches(state, model, command, around)).items():
+        for name, wrench in own(kernel.effect_wrenches(state, model, command, around)).items():
             met[name] += bool(np.any(wrench))
     assert min(met.values()) >= 5, met
     assert max(met['floor_contact'], met['walls']) <= 57, met

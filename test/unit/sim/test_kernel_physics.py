@@ -3,9 +3,9 @@
 from itertools import pairwise
 import math
 
-from lta_model.mass import rigid_mass_matrix
+from lta_model.mass_matrix import rigid_mass_matrix
 from lta_model.state import POSITION, QUATERNION, RATES, VELOCITY
-from lta_sim.kernels.kernel import advance, derivative, LAYOUT, wrenches
+from lta_sim.kernels.kernel import advance, effect_wrenches, LAYOUT, state_derivative
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -163,7 +163,7 @@ def test_motor_follows_its_time_constants():
 
 def test_without_lag_the_rotor_obeys_at_once():
     model = balloon.model({'thrust_curve': balloon.CURVE, 'rotor_thrust': balloon.ROTORS})
-    rate = derivative(balloon.at(), model, (1.0, 1.0, 0.0, 0.0))
+    rate = state_derivative(balloon.at(), model, (1.0, 1.0, 0.0, 0.0))
     expected = 2 * 0.961 * (0.0915 + 0.0677) / balloon.MASS
     assert rate[9] == pytest.approx(expected, rel=1e-12)
 
@@ -190,7 +190,7 @@ def test_it_stands_on_the_floor_and_takes_off():
         (np.zeros(LAYOUT.size), OFF, np.zeros((3, 1)), r'surroundings has shape \(3, 1\)'),
     ],
 )
-@pytest.mark.parametrize('function', [derivative, wrenches])
+@pytest.mark.parametrize('function', [state_derivative, effect_wrenches])
 def test_wrong_shapes_are_refused(function, state, duty, wind, words):
     with pytest.raises(ValueError, match=words):
         function(state, balloon.model({}), duty, wind)
@@ -202,5 +202,5 @@ def test_any_layout_of_the_state_will_do():
     spread = np.zeros(2 * len(state))
     spread[::2] = state
     for same in (spread[::2], state.tolist()):
-        rate = derivative(same, model, tuple(duty), list(wind))
-        np.testing.assert_array_equal(rate, derivative(state, model, duty, wind))
+        rate = state_derivative(same, model, tuple(duty), list(wind))
+        np.testing.assert_array_equal(rate, state_derivative(state, model, duty, wind))

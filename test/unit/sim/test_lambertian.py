@@ -2,25 +2,25 @@
 
 import math
 
-from lta_config.compilation.compiled import compiled
+from lta_config.compilation.compiler import compile_functions
 from lta_model.light.ambient import Ambient
-from lta_model.light.echo import beams, surrounding
+from lta_model.light.block_motion import write_pose_readings
 from lta_model.light.field import LightField
-from lta_model.light.lambertian import beam, Eye, lit
-from lta_model.light.lamp import direct, Lamp
+from lta_model.light.lambertian import build_beam, DiodeResponse, plane_illuminance
+from lta_model.light.lamp import BeaconLamp, direct_illuminance
 from lta_model.light.modulation import SquareWave
-from lta_model.light.passage import on_the_way
-from lta_model.light.pencils import DAY, LAMPS, SHARE
-from lta_model.light.room import even, Room
-from lta_model.rigid_body import rotation
-from lta_model.sensors.light_block import count
+from lta_model.light.ray_bundles import DAY, LAMPS, SHARE
+from lta_model.light.reflections import build_field_geometry, pack_beams
+from lta_model.light.room import Room, uniform_albedo
+from lta_model.rigid_body import rotation_matrix
 from lta_model.sensors.photodiode import PhotodiodeArray
+from lta_model.sensors.photodiode_adc import convert_to_counts
 import numpy as np
 import pytest
 
-LAMP = Lamp((3.5, 0.5, 1.0), (-2.0, 0.3, 0.1), 10_000.0, SquareWave(150.0), 300.0, order=1.7)
-OTHER = Lamp((-3.0, 2.0, 2.5), (1.0, -0.5, -0.3), 3000.0, SquareWave(210.0), 300.0)
-ROOM = Room((10.0, 8.0, 3.0), even(0.5))
+LAMP = BeaconLamp((3.5, 0.5, 1.0), (-2.0, 0.3, 0.1), 10_000.0, SquareWave(150.0), 300.0, order=1.7)
+OTHER = BeaconLamp((-3.0, 2.0, 2.5), (1.0, -0.5, -0.3), 3000.0, SquareWave(210.0), 300.0)
+ROOM = Room((10.0, 8.0, 3.0), uniform_albedo(0.5))
 RING = PhotodiodeArray(count=8, depth=0.33, radius=0.07, feedback_resistance=1e5)
 
 
@@ -33,35 +33,42 @@ def poses(count, seed=1):
 
 def test_one_plane_is_that_of_the_arrays():
     rng = np.random.default_rng(4)
-    lamp = beam(LAMP)
+    lamp = build_beam(LAMP)
     for point in rng.uniform(-4.0, 4.0, (200, 3)):
         normal = rng.standard_normal(3)
         normal /= np.linalg.norm(normal)
-        expected = float(direct(LAMP, point, normal))
-        assert lit(lamp, tuple(point), tuple(normal)) == pytest.approx(expected, rel=1e-13)
+        expected = float(direct_illuminance(LAMP, point, normal))
+        assert plane_illuminance(lamp, tuple(point), tuple(normal)) == pytest.approx(
+            expected, rel=1e-13
+        )
 
 
 def test_at_the_lamp_itself_there_is_no_more_than_the_echo():
-    lamp = beam(LAMP, ROOM, 5000.0)
-    assert lit(lamp, LAMP.position, (1.0, 0.0, 0.0)) == ROOM.diffuse(10_000.0)
+    lamp = build_beam(LAMP, ROOM, 5000.0)
+    assert plane_illuminance(lamp, LAMP.position, (1.0, 0.0, 0.0)) == ROOM.diffuse_illuminance(
+        10_000.0
+    )
 
 
 def test_a_ring_is_lit_as_by_the_arrays():
     field = LightField((LAMP, OTHER), Ambient(300.0))
     flight = poses(11)
-    turns = np.array([rotation(tuple(pose[3:])) for pose in flight]).reshape(-1, 3, 3)
-    place = RING.place(flight[:, :3], turns)
-    for function in (on_the_way, compiled(on_the_way)[0]):
+    turns = np.array([rotation_matrix(tuple(pose[3:])) for pose in flight]).reshape(-1, 3, 3)
+    place = RING.place_in_map(flight[:, :3], turns)
+    for function in (write_pose_readings, compile_functions(write_pose_readings)[0]):
         before, later, lit = np.zeros((4, 8)), np.zeros((4, 8)), np.empty((2, 11, 8))
         later[SHARE], later[DAY], later[LAMPS] = 0.5, 30.0, 4.0
         steady, mains = np.empty((11, 8)), np.empty((11, 8))
         function(
-            surrounding(field), beams(field), Eye(1.0, 0.0), (0.0, 0.0, 0.0), flight, RING.planes,
-            before, later, (100.0, 20.0, 2.0), lit, steady, mains,
+            build_field_geometry(field), pack_beams(field), DiodeResponse(1.0, 0.0),
+            (0.0, 0.0, 0.0), flight, RING.planes, before, later,
+            (100.0, 20.0, 2.0), lit, steady, mains,
         )  # fmt: skip
         part = np.linspace(0.0, 1.0, 11)[:, None]  # what is gathered changes evenly on the way
-        np.testing.assert_allclose(lit[0], direct(LAMP, *place) + 4.0 * part, rtol=1e-12)
-        np.testing.assert_allclose(lit[1], direct(OTHER, *place), rtol=1e-12)
+        np.testing.assert_allclose(
+            lit[0], direct_illuminance(LAMP, *place) + 4.0 * part, rtol=1e-12
+        )
+        np.testing.assert_allclose(lit[1], direct_illuminance(OTHER, *place), rtol=1e-12)
         np.testing.assert_allclose(steady, np.broadcast_to(110.0 * part, (11, 8)), rtol=1e-12)
         np.testing.assert_allclose(mains, np.broadcast_to(10.0 * part, (11, 8)), rtol=1e-12)
 
@@ -74,7 +81,7 @@ def test_compiled_counts_are_those_of_plain_python():
     keep = 0.2
     numbers = (keep, math.sqrt(1.0 - keep**2), 1e-6, 1e-6, 7.5e-3, 4096 / 3.3, 4095.0)
     told = []
-    for function in (count, compiled(count)[0]):
+    for function in (convert_to_counts, compile_functions(convert_to_counts)[0]):
         chance = np.random.default_rng(8).standard_normal((200, 8))
         volts, block = np.full(8, 0.3), np.empty((200, 8), dtype=np.uint16)
         function(*light, wave, flicker, chance, numbers, volts, block, np.empty((2, 8)))
@@ -91,5 +98,7 @@ def test_counts_round_to_the_nearest():
     zero, block = np.zeros_like(volts), np.empty((1, 6), dtype=np.uint16)
     wave, flicker, chance = np.zeros((1, 2)), np.zeros(1), np.zeros((1, 6))
     scratch = np.empty((2, 6))
-    count(zero[None], volts, zero, wave, flicker, chance, numbers, zero[0], block, scratch)
+    convert_to_counts(
+        zero[None], volts, zero, wave, flicker, chance, numbers, zero[0], block, scratch
+    )
     assert block.tolist() == [[2, 4, 3, 15, 0, 15]]

@@ -3,15 +3,15 @@
 import math
 
 from lta_model.light.ambient import Ambient
-from lta_model.light.field import Illuminance, LightField
-from lta_model.light.lamp import Lamp
+from lta_model.light.field import LightField, PlaneIlluminance
+from lta_model.light.lamp import BeaconLamp
 from lta_model.light.modulation import SquareWave
-from lta_model.light.room import even, Room
+from lta_model.light.room import Room, uniform_albedo
 from lta_model.sensors.photodiode import PhotodiodeArray
-from lta_vlc.array import bearing
-from lta_vlc.demodulation import demodulate, plan_bins
-from lta_vlc.diodes import ring_of
-from lta_vlc.settings import Demodulation
+from lta_vlc.bearing import estimate_bearing
+from lta_vlc.demodulation import demodulate_beacon, plan_bins
+from lta_vlc.diodes import build_even_ring
+from lta_vlc.settings import DemodulationSettings
 import numpy as np
 import pytest
 
@@ -36,14 +36,16 @@ DARK = Ambient(SUN)
 
 def scene(ambient: Ambient = DARK, frequency: float = 150.0) -> LightField:
     """Return the shared scene's lamp, 7 m from the origin."""
-    lamp = Lamp((7.0, 0.0, 1.0), (-1.0, 0.0, 0.0), 10_000.0, SquareWave(frequency), LED)
+    lamp = BeaconLamp((7.0, 0.0, 1.0), (-1.0, 0.0, 0.0), 10_000.0, SquareWave(frequency), LED)
     return LightField((lamp,), ambient)
 
 
-def light(modulated, steady=0.0, mains=0.0) -> Illuminance:
+def light(modulated, steady=0.0, mains=0.0) -> PlaneIlluminance:
     """Return given light on one diode at given instants."""
     column = np.array(modulated, dtype=float)[:, None]
-    return Illuminance(column[None], np.full_like(column, steady), np.full_like(column, mains))
+    return PlaneIlluminance(
+        column[None], np.full_like(column, steady), np.full_like(column, mains)
+    )
 
 
 def generator(seed: int = 1) -> np.random.Generator:
@@ -77,7 +79,7 @@ def test_mains_by_hand():
     array = ring(feedback_resistance=1e5, noise=0.0, count=1)
     field = scene(Ambient(LED, 300.0, 200.0, mains_frequency=120.0))
     block, _ = synthesise(array, field, light([0.0], 300.0, 200.0), 0, 1e4, 1000, generator())
-    peaks = demodulate(block, plan_bins(Demodulation(frequency=120.0), 1e4, 1000))
+    peaks = demodulate_beacon(block, plan_bins(DemodulationSettings(frequency=120.0), 1e4, 1000))
     assert peaks.amplitude[0] == pytest.approx(0.156 / STEP, abs=0.1)
     assert peaks.frequency[0] == pytest.approx(120.0, abs=1e-3)
     # It rises from its mean, 0.234 + 0.0075 V; one sample is a step of 14.6 counts.
@@ -133,7 +135,7 @@ def test_noise_never_goes_below_zero_counts():
 def test_variance_is_the_theorys(resistance, noise, lux):
     # Sixteen bits resolve the shot noise; the offset keeps clear of zero.
     array = ring(feedback_resistance=resistance, noise=noise, adc_bits=16, dark_offset=0.5)
-    lit = Illuminance(np.zeros((1, 1, 8)), np.full((1, 8), lux), np.zeros((1, 8)))
+    lit = PlaneIlluminance(np.zeros((1, 1, 8)), np.full((1, 8), lux), np.zeros((1, 8)))
     block, _ = synthesise(array, scene(), lit, START, 1e4, 10_000, generator(4))
     step = 3.3 / 65_536
     volts = lux / 105.0 * 5.2e-6 * 0.45 * resistance
@@ -145,7 +147,7 @@ def test_variance_is_the_theorys(resistance, noise, lux):
 def test_noise_is_as_correlated_as_the_pole_makes_it():
     # A pole at 500 Hz keeps exp(-2 pi 0.05) = 0.7304 from sample to sample.
     slow = ring(bandwidth=500.0, noise=0.03, feedback_resistance=1e6, dark_offset=0.5)
-    dark = Illuminance(np.zeros((1, 1, 8)), np.zeros((1, 8)), np.zeros((1, 8)))
+    dark = PlaneIlluminance(np.zeros((1, 1, 8)), np.zeros((1, 8)), np.zeros((1, 8)))
     state, blocks = None, []
     for k in range(20):
         block, state = synthesise(
@@ -169,7 +171,7 @@ def test_filter_is_that_of_a_fine_simulation():
     # Euler's exponential in steps of 1 us through 100 us before each sample.
     fine = START + np.arange(-20_000, 100_000, dtype=np.int64) * 1000
     ramp = np.clip(300.0 + 12.0 * (fine - START) * 1e-8, 300.0, None)
-    drive = mean_on(field.lamp.wave, fine, 1000) * ramp * 7.8e-3
+    drive = mean_on(field.first_lamp.wave, fine, 1000) * ramp * 7.8e-3
     keep = math.exp(-2.0 * math.pi * 800.0 * 1e-6)
     volts, output = 0.0, np.empty(fine.size)
     for k, level in enumerate(drive.tolist()):
@@ -186,12 +188,12 @@ def test_filter_is_that_of_a_fine_simulation():
 @pytest.mark.parametrize('bandwidth', [14e3, 300.0])
 def test_two_blocks_are_one(bandwidth):
     array = ring(bandwidth=bandwidth, noise=1e-3, feedback_resistance=1e6, adc_bits=16)
-    bright = Illuminance(
+    bright = PlaneIlluminance(
         np.linspace(20.0, 90.0, 11 * 8).reshape(1, 11, 8), np.full((11, 8), 9.0), np.ones((11, 8))
     )
     field = scene(Ambient(LED, 9.0, 1.0))
-    first = Illuminance(bright.modulated[:, :6], bright.steady[:6], bright.mains[:6])
-    second = Illuminance(bright.modulated[:, 5:], bright.steady[5:], bright.mains[5:])
+    first = PlaneIlluminance(bright.modulated[:, :6], bright.steady[:6], bright.mains[:6])
+    second = PlaneIlluminance(bright.modulated[:, 5:], bright.steady[5:], bright.mains[5:])
     whole, end = synthesise(array, field, bright, START, 1e4, 1000, generator())
     draws = generator()
     head, middle = synthesise(array, field, first, START, 1e4, 500, draws)
@@ -215,7 +217,9 @@ def test_first_block_starts_in_the_middle_of_the_flicker():
 
 def test_light_between_the_instants_is_linear():
     array = ring(feedback_resistance=1e6, noise=0.0, adc_bits=16, count=1)
-    ramp = Illuminance(np.zeros((1, 3, 1)), np.array([[10.0], [50.0], [30.0]]), np.zeros((3, 1)))
+    ramp = PlaneIlluminance(
+        np.zeros((1, 3, 1)), np.array([[10.0], [50.0], [30.0]]), np.zeros((3, 1))
+    )
     block, _ = synthesise(array, scene(), ramp, START, 1e4, 1000, generator())
     lux = (block[:, 0] * (3.3 / 65_536) - 7.5e-3) / 22.285714e-3
     assert lux[[0, 250, 500, 750, 999]] == pytest.approx([10.0, 30.0, 50.0, 40.0, 30.04], abs=0.1)
@@ -240,20 +244,20 @@ def pose(distance: float, yaw: float):
         ]
     )
     array = ring()
-    return array.place(np.array([7.0 - distance, 0.0, 1.0 + array.depth]), turn)
+    return array.place_in_map(np.array([7.0 - distance, 0.0, 1.0 + array.depth]), turn)
 
 
-@pytest.mark.parametrize('room', [None, Room((10.0, 8.0, 3.0), even(0.5))])
+@pytest.mark.parametrize('room', [None, Room((10.0, 8.0, 3.0), uniform_albedo(0.5))])
 @pytest.mark.parametrize('yaw', [0.0, 0.4, 2.0, -3.0])
 def test_lamp_is_heard_and_found_at_seven_metres(room, yaw):
-    lamp = scene().lamp
+    lamp = scene().first_lamp
     field = LightField((lamp,), Ambient(LED, steady=300.0, mains=30.0), room)
     here = illuminance(field, *pose(7.0, yaw))
-    lit = Illuminance(here.modulated[:, None], here.steady[None], here.mains[None])
+    lit = PlaneIlluminance(here.modulated[:, None], here.steady[None], here.mains[None])
     block, _ = synthesise(ring(), field, lit, START, 1e4, 1000, generator(8))
-    peaks = demodulate(block, plan_bins(Demodulation(), 1e4, 1000))
+    peaks = demodulate_beacon(block, plan_bins(DemodulationSettings(), 1e4, 1000))
     assert peaks.snr.max() > 10.0
-    found = bearing(peaks, ring_of(8).ring, Demodulation().threshold)
+    found = estimate_bearing(peaks, build_even_ring(8).ring, DemodulationSettings().threshold)
     # A ring of 5 cm sees 7 m with 0.4 % less light behind: under 0.2 degrees.
     assert math.remainder(found.angle + yaw, 2.0 * math.pi) == pytest.approx(0.0, abs=0.02)
 
@@ -261,9 +265,9 @@ def test_lamp_is_heard_and_found_at_seven_metres(room, yaw):
 def test_amplitude_at_seven_metres_by_hand():
     field = scene()
     here = illuminance(field, *pose(7.0, 0.0))
-    lit = Illuminance(here.modulated[:, None], here.steady[None], here.mains[None])
+    lit = PlaneIlluminance(here.modulated[:, None], here.steady[None], here.mains[None])
     block, _ = synthesise(ring(), field, lit, START, 1e4, 1000, generator(8))
-    peaks = demodulate(block, plan_bins(Demodulation(), 1e4, 1000))
+    peaks = demodulate_beacon(block, plan_bins(DemodulationSettings(), 1e4, 1000))
     # The forward diode is at 6.95 m: 65.90 lx x 0.78 mV/lx x 2/pi / 0.80566 mV = 40.61 counts.
     assert peaks.amplitude[0] == pytest.approx(40.61, abs=0.1)
     assert peaks.amplitude[[1, 7]] == pytest.approx([28.5, 28.5], abs=0.3)

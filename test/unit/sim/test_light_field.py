@@ -4,15 +4,15 @@ import math
 
 from lta_config.errors import BadInput
 from lta_model.light.ambient import Ambient
-from lta_model.light.lamp import direct, Lamp
+from lta_model.light.lamp import BeaconLamp, direct_illuminance
 from lta_model.light.modulation import SquareWave
-from lta_model.light.room import even, Room
+from lta_model.light.room import Room, uniform_albedo
 import numpy as np
 import pytest
 
 LED = 300.0  # lm/W
 WAVE = SquareWave(150.0)
-LAMP = Lamp((0.0, 0.0, 1.0), (1.0, 0.0, 0.0), 10_000.0, WAVE, LED)
+LAMP = BeaconLamp((0.0, 0.0, 1.0), (1.0, 0.0, 0.0), 10_000.0, WAVE, LED)
 TO_LAMP = np.array([-1.0, 0.0, 0.0])
 
 
@@ -31,45 +31,47 @@ def at(distance: float, angle: float = 0.0) -> np.ndarray:
     ],
 )
 def test_on_axis_by_hand(distance, lux, tolerance):
-    assert direct(LAMP, at(distance), TO_LAMP) == pytest.approx(lux, abs=tolerance)
+    assert direct_illuminance(LAMP, at(distance), TO_LAMP) == pytest.approx(lux, abs=tolerance)
 
 
 def test_half_power_at_sixty_degrees():
     angle = math.radians(60.0)
     ray = np.array([-math.cos(angle), -math.sin(angle), 0.0])
-    ratio = direct(LAMP, at(5.0, angle), ray) / direct(LAMP, at(5.0), TO_LAMP)
+    ratio = direct_illuminance(LAMP, at(5.0, angle), ray) / direct_illuminance(
+        LAMP, at(5.0), TO_LAMP
+    )
     assert ratio == pytest.approx(0.5, rel=1e-12)
 
 
 def test_tilted_plane_gets_the_cosine():
     normal = np.array([-math.cos(0.8), 0.0, math.sin(0.8)])
-    ratio = direct(LAMP, at(5.0), normal) / direct(LAMP, at(5.0), TO_LAMP)
+    ratio = direct_illuminance(LAMP, at(5.0), normal) / direct_illuminance(LAMP, at(5.0), TO_LAMP)
     assert ratio == pytest.approx(math.cos(0.8), rel=1e-12)
 
 
 @pytest.mark.parametrize('order', [1.0, 2.0, 5.5])
 def test_all_the_flux_arrives(order):
-    lamp = Lamp((0.0, 0.0, 0.0), (0.0, 0.0, 2.0), 10_000.0, WAVE, LED, order=order)
+    lamp = BeaconLamp((0.0, 0.0, 0.0), (0.0, 0.0, 2.0), 10_000.0, WAVE, LED, order=order)
     # Light through a sphere of 10 m, by Gauss-Legendre over the cosine of the angle.
     nodes, weights = np.polynomial.legendre.leggauss(60)
     cosine = 0.5 * (nodes + 1.0)
     outwards = np.stack([np.sqrt(1.0 - cosine**2), 0.0 * cosine, cosine], axis=-1)
-    lux = direct(lamp, 10.0 * outwards, -outwards)
+    lux = direct_illuminance(lamp, 10.0 * outwards, -outwards)
     flux = 2.0 * math.pi * 100.0 * (0.5 * weights * lux).sum()
     # The disc of 15 mm takes (0.015 / 10)^2 off.
     assert flux == pytest.approx(10_000.0, rel=5e-6)
 
 
 def test_nothing_behind_the_lamp_or_the_plane():
-    assert direct(LAMP, np.array([-2.0, 0.0, 1.0]), -TO_LAMP) == 0.0
-    assert direct(LAMP, at(2.0), -TO_LAMP) == 0.0
+    assert direct_illuminance(LAMP, np.array([-2.0, 0.0, 1.0]), -TO_LAMP) == 0.0
+    assert direct_illuminance(LAMP, at(2.0), -TO_LAMP) == 0.0
 
 
 def test_light_is_finite_at_the_lamp():
     # On the disc itself Phi / (pi r^2), the limit of its own formula.
-    close = direct(LAMP, at(1e-9), TO_LAMP)
+    close = direct_illuminance(LAMP, at(1e-9), TO_LAMP)
     assert close == pytest.approx(10_000.0 / (math.pi * 0.015**2), rel=1e-9)
-    assert direct(LAMP, np.array(LAMP.position), TO_LAMP) == 0.0
+    assert direct_illuminance(LAMP, np.array(LAMP.position), TO_LAMP) == 0.0
 
 
 def test_disc_is_exact_on_its_axis():
@@ -79,19 +81,21 @@ def test_disc_is_exact_on_its_axis():
     radiance = 10_000.0 / (math.pi * math.pi * 0.015**2)
     rings = radiance * (0.03 / distance) ** 2 / distance**2 * 2.0 * math.pi * radius
     lux = rings.sum() * 0.015 / 20_000
-    assert direct(LAMP, at(0.03), TO_LAMP) == pytest.approx(lux, rel=1e-7)
+    assert direct_illuminance(LAMP, at(0.03), TO_LAMP) == pytest.approx(lux, rel=1e-7)
 
 
 def test_echo_of_the_shared_room_by_hand():
     # 268 m^2 of surface: 10 000 x 0.5 / (268 x 0.5).
-    assert Room((10.0, 8.0, 3.0), even(0.5)).diffuse(10_000.0) == pytest.approx(37.3134, abs=1e-4)
+    assert Room((10.0, 8.0, 3.0), uniform_albedo(0.5)).diffuse_illuminance(
+        10_000.0
+    ) == pytest.approx(37.3134, abs=1e-4)
 
 
 def test_echo_is_the_sum_of_all_bounces():
-    room, bounced = Room((10.0, 8.0, 3.0), even(0.7)), 0.0
+    room, bounced = Room((10.0, 8.0, 3.0), uniform_albedo(0.7)), 0.0
     for bounce in range(1, 200):
         bounced += 10_000.0 * 0.7**bounce / 268.0
-    assert room.diffuse(10_000.0) == pytest.approx(bounced, rel=1e-12)
+    assert room.diffuse_illuminance(10_000.0) == pytest.approx(bounced, rel=1e-12)
 
 
 def test_many_points_are_as_one_by_one():
@@ -99,11 +103,13 @@ def test_many_points_are_as_one_by_one():
     points = generator.uniform(-4.0, 4.0, size=(11, 8, 3))
     normals = generator.normal(size=(11, 8, 3))
     normals /= np.linalg.norm(normals, axis=-1, keepdims=True)
-    lux = direct(LAMP, points, normals)
+    lux = direct_illuminance(LAMP, points, normals)
     assert lux.shape == (11, 8)
     for i in range(11):
         for j in range(8):
-            assert direct(LAMP, points[i, j], normals[i, j]) == pytest.approx(lux[i, j], rel=1e-12)
+            assert direct_illuminance(LAMP, points[i, j], normals[i, j]) == pytest.approx(
+                lux[i, j], rel=1e-12
+            )
 
 
 NAN = math.nan
@@ -112,19 +118,31 @@ NAN = math.nan
 @pytest.mark.parametrize(
     ('make', 'sentence'),
     [
-        (lambda: Lamp((NAN, 0.0, 1.0), (1.0, 0.0, 0.0), 1e4, WAVE, LED), 'is not finite'),
-        (lambda: Lamp((0.0, 0.0, 1.0), (math.inf, 0.0, 0.0), 1e4, WAVE, LED), 'is not finite'),
-        (lambda: Lamp((0.0, 0.0, 1.0), (0.0, 0.0, 0.0), 1e4, WAVE, LED), 'axis .* no length'),
-        (lambda: Lamp((0.0, 0.0, 1.0), (1.0, 0.0, 0.0), -1.0, WAVE, LED), 'flux of -1.0 lm'),
-        (lambda: Lamp((0.0,) * 3, (1.0, 0.0, 0.0), 1e4, WAVE, LED, order=0.0), 'order 0.0'),
-        (lambda: Lamp((0.0,) * 3, (1.0, 0.0, 0.0), 1e4, WAVE, LED, radius=0.0), 'radius of 0.0'),
-        (lambda: Lamp((0.0,) * 3, (1.0, 0.0, 0.0), 1e4, WAVE, 0.0), 'efficacy of 0.0 lm/W'),
-        (lambda: Lamp((0.0,) * 3, (1.0, 0.0, 0.0), 1e4, WAVE, 684.0), 'efficacy of 684.0 lm/W'),
+        (lambda: BeaconLamp((NAN, 0.0, 1.0), (1.0, 0.0, 0.0), 1e4, WAVE, LED), 'is not finite'),
+        (
+            lambda: BeaconLamp((0.0, 0.0, 1.0), (math.inf, 0.0, 0.0), 1e4, WAVE, LED),
+            'is not finite',
+        ),
+        (
+            lambda: BeaconLamp((0.0, 0.0, 1.0), (0.0, 0.0, 0.0), 1e4, WAVE, LED),
+            'axis .* no length',
+        ),
+        (lambda: BeaconLamp((0.0, 0.0, 1.0), (1.0, 0.0, 0.0), -1.0, WAVE, LED), 'flux of -1.0 lm'),
+        (lambda: BeaconLamp((0.0,) * 3, (1.0, 0.0, 0.0), 1e4, WAVE, LED, order=0.0), 'order 0.0'),
+        (
+            lambda: BeaconLamp((0.0,) * 3, (1.0, 0.0, 0.0), 1e4, WAVE, LED, radius=0.0),
+            'radius of 0.0',
+        ),
+        (lambda: BeaconLamp((0.0,) * 3, (1.0, 0.0, 0.0), 1e4, WAVE, 0.0), 'efficacy of 0.0 lm/W'),
+        (
+            lambda: BeaconLamp((0.0,) * 3, (1.0, 0.0, 0.0), 1e4, WAVE, 684.0),
+            'efficacy of 684.0 lm/W',
+        ),
         (lambda: Ambient(NAN), 'efficacy of nan lm/W'),
-        (lambda: Room((10.0, 0.0, 3.0), even(0.5)), 'every side positive'),
-        (lambda: Room((10.0, NAN, 3.0), even(0.5)), 'every side positive'),
-        (lambda: Room((10.0, 8.0, 3.0), even(1.0)), 'albedo of 1.0'),
-        (lambda: Room((10.0, 8.0, 3.0), even(NAN)), 'albedo of nan'),
+        (lambda: Room((10.0, 0.0, 3.0), uniform_albedo(0.5)), 'every side positive'),
+        (lambda: Room((10.0, NAN, 3.0), uniform_albedo(0.5)), 'every side positive'),
+        (lambda: Room((10.0, 8.0, 3.0), uniform_albedo(1.0)), 'albedo of 1.0'),
+        (lambda: Room((10.0, 8.0, 3.0), uniform_albedo(NAN)), 'albedo of nan'),
         (lambda: Ambient(LED, steady=-1.0), 'ambient light is -1.0 lx'),
         (lambda: Ambient(LED, steady=math.inf), 'ambient light is inf lx'),
         (lambda: Ambient(LED, steady=10.0, mains=11.0), 'by 11.0 lx around 10.0 lx'),

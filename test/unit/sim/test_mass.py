@@ -2,7 +2,7 @@
 
 import math
 
-from lta_model.mass import rigid_mass_matrix, spheroid_added_mass
+from lta_model.mass_matrix import rigid_mass_matrix, spheroid_added_mass
 import numpy as np
 import pytest
 from scipy.integrate import quad

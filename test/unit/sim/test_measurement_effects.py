@@ -14,7 +14,7 @@ from lta_model.effects.sensors import (
     tracker_delay,
     tracker_misalignment,
 )
-from lta_model.measurement import chains, read
+from lta_model.measurement_chain import apply_chain, build_chains
 import numpy as np
 import pytest
 
@@ -36,7 +36,7 @@ LEVEL = (0.0, 0.0, 0.0, 1.0)
 
 
 def told(given, channel, values, time=0.0):
-    return read(chains(given, EFFECTS)[channel], values, time)
+    return apply_chain(build_chains(given, EFFECTS)[channel], values, time)
 
 
 def rotated(quaternion):
@@ -53,7 +53,7 @@ def test_at_null_the_truth_is_left_alone(effect):
     null = tuple(parameter.null for parameter in effect.parameters)
     assert effect.reading(null, values, 12.3) == values
     given = {effect.name: {parameter.name: parameter.null for parameter in effect.parameters}}
-    assert all(chain == () for chain in chains(given, EFFECTS).values())
+    assert all(chain == () for chain in build_chains(given, EFFECTS).values())
 
 
 @pytest.mark.parametrize('effect', EFFECTS.values(), ids=lambda effect: effect.name)
@@ -77,7 +77,7 @@ def test_every_parameter_shows_in_a_reading_of_the_right_length(effect):
 
 
 def test_each_channel_is_left_to_its_own_effects():
-    found = chains({'range_offset': {'offset': 0.1}}, EFFECTS)
+    found = build_chains({'range_offset': {'offset': 0.1}}, EFFECTS)
     assert set(found) == set(CHANNELS)
     assert [name for name, chain in found.items() if chain] == ['range']
 

@@ -1,9 +1,9 @@
 """A model is refused in one sentence, or it is a body that can exist."""
 
 from lta_config.errors import BadInput
-from lta_model.effects import EFFECTS, get
+from lta_model.effects import EFFECTS, get_effect
 from lta_model.effects.protocol import KernelEffect
-from lta_model.model import Model
+from lta_model.model import VehicleModel
 from lta_sim.kernels.kernel import LAYOUT
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ from . import flat_balloon as balloon
 
 def build(given=None, mass=0.3, cg=(0.0, 0.0, 0.0), inertia=None):
     inertia = np.eye(3) if inertia is None else inertia
-    return Model.build(given or {}, mass=mass, cg=cg, inertia=inertia)
+    return VehicleModel.build(given or {}, mass=mass, cg=cg, inertia=inertia)
 
 
 @pytest.mark.parametrize(
@@ -46,7 +46,7 @@ def test_bad_input(bad, words):
 
 def test_unknown_effect_names_the_known_ones():
     with pytest.raises(BadInput) as error:
-        get('drag')
+        get_effect('drag')
     assert all(name in str(error.value) for name in EFFECTS)
 
 

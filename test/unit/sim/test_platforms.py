@@ -3,11 +3,11 @@
 import math
 
 from lta_config.errors import BadInput
-from lta_config.files import known, share
+from lta_config.files import list_shipped, share_folder
 from lta_model.effects import initial_memory
 from lta_model.hull import added_mass
 from lta_model.limits import level_force, level_speed, tumble_speed
-from lta_model.state import pack, SURROUNDINGS, VOLTAGE
+from lta_model.state import pack_state, SURROUNDINGS, VOLTAGE
 from lta_model.vehicle import load_vehicle
 from lta_sim.cfd.sweep_table import read_sweep
 from lta_sim.kernels import kernel
@@ -22,30 +22,32 @@ SURGE, HEAVE, YAW = 0, 2, 5
 
 @pytest.fixture(scope='module')
 def vehicles():
-    return {name: load_vehicle(name, RHO) for name in known('vehicles')}
+    return {name: load_vehicle(name, RHO) for name in list_shipped('vehicles')}
 
 
 def flown(vehicle, duty, seconds, step=0.002):
     """Return the state after so long at constant duties, from rest high above the floor."""
     vehicle.check_step(step)
-    state = pack((0.0, 0.0, 100.0), memory=initial_memory())
+    state = pack_state((0.0, 0.0, 100.0), memory=initial_memory())
     count = round(seconds / step)
-    command = vehicle.command(duty)
-    return kernel.advance(state, vehicle.model(), command, np.zeros(3), step, count)
+    command = vehicle.pack_command(duty)
+    return kernel.advance(state, vehicle.build_model(), command, np.zeros(3), step, count)
 
 
 def spun_up(vehicle, duty):
     """Return the wrench on a resting vehicle of which the motors have reached their duties."""
     calm = flown(vehicle, duty, 2.0)
-    calm[:13] = pack((0.0, 0.0, 100.0))[:13]
-    look = kernel.wrenches(calm, vehicle.model(), vehicle.command(duty), np.zeros(3))
+    calm[:13] = pack_state((0.0, 0.0, 100.0))[:13]
+    look = kernel.effect_wrenches(
+        calm, vehicle.build_model(), vehicle.pack_command(duty), np.zeros(3)
+    )
     jets = look['rotor_thrust']
     return jets + look.get('rotor_envelope_interaction', 0.0)
 
 
 def blown(name, pattern):
     """Return what the rotors of a pattern did at full thrust in the wind tunnel. [N, N m]"""
-    blow = read_sweep(share() / 'aero' / f'{name}.sweep.json').blows[pattern]
+    blow = read_sweep(share_folder() / 'aero' / f'{name}.sweep.json').blows[pattern]
     return np.array([*blow.force, *blow.moment])
 
 
@@ -55,13 +57,13 @@ def test_all_platforms_of_the_comparison_are_there(vehicles):
     }  # fmt: skip
 
 
-@pytest.mark.parametrize('name', known('vehicles'))
+@pytest.mark.parametrize('name', list_shipped('vehicles'))
 def test_each_stands_on_its_feet(vehicles, name):
     vehicle = vehicles[name]
-    state = pack((0.0, 0.0, vehicle.standing_height), memory=initial_memory())
-    command = vehicle.command([0.0] * len(vehicle.rotors))
-    state = kernel.advance(state, vehicle.model(), command, np.zeros(3), 0.002, 5000)
-    assert state[2] == pytest.approx(vehicle.standing_height, abs=2e-3)
+    state = pack_state((0.0, 0.0, vehicle.height_on_floor), memory=initial_memory())
+    command = vehicle.pack_command([0.0] * len(vehicle.rotors))
+    state = kernel.advance(state, vehicle.build_model(), command, np.zeros(3), 0.002, 5000)
+    assert state[2] == pytest.approx(vehicle.height_on_floor, abs=2e-3)
     tilt = Rotation.from_quat(state[3:7]).apply((0.0, 0.0, 1.0))[2]
     assert math.degrees(math.acos(min(tilt, 1.0))) < 3.0
 
@@ -108,7 +110,7 @@ class TestBlimp2b:
 
     def test_it_is_neutral_and_lambs_added_mass_is_near_the_published(self, vehicles):
         vehicle = vehicles['blimp2b']
-        assert vehicle.displaced == vehicle.mass == 0.184
+        assert vehicle.displaced_mass == vehicle.mass == 0.184
         assert vehicle.hover_duty == 0.0
         # The ellipsoid as drawn: 0.155 m3, 0.186 kg of air.
         assert vehicle.volume * RHO == pytest.approx(0.186, abs=5e-4)
@@ -140,8 +142,8 @@ class TestGtmab:
         """Let go at a speed with nothing but weight, buoyancy and added mass at work."""
         vehicle = vehicles['gtmab']
         kept = ('weight_and_buoyancy', 'added_mass', 'added_inertia')
-        given = {name: vehicle.effects()[name] for name in kept}
-        model = type(vehicle.model()).build(
+        given = {name: vehicle.collect_effects()[name] for name in kept}
+        model = type(vehicle.build_model()).build(
             given,
             mass=vehicle.mass,
             cg=vehicle.cg,
@@ -149,7 +151,7 @@ class TestGtmab:
             displaced=vehicle.mass,
         )
         speed = share * tumble_speed(vehicle)
-        state = pack((0, 0, 100.0), velocity=(speed, 0, 0), memory=initial_memory())
+        state = pack_state((0, 0, 100.0), velocity=(speed, 0, 0), memory=initial_memory())
         state[11] = 1e-4  # a touch of pitch rate [rad/s]
         worst = 0.0
         for _ in range(400):
@@ -190,7 +192,7 @@ class TestBeavis:
         assert beavis.mass == pytest.approx(gtmab.mass, rel=1e-12)
         assert beavis.added_mass == gtmab.added_mass
         for effect in ('quadratic_drag', 'linear_drag', 'rotational_drag'):
-            assert beavis.effects()[effect] == gtmab.effects()[effect]
+            assert beavis.collect_effects()[effect] == gtmab.collect_effects()[effect]
 
 
 class TestSblimp:
@@ -239,7 +241,9 @@ class TestSkye:
         assert singular[-1] > 0.5 * singular[0]
 
     def test_it_floats(self, vehicles):
-        assert vehicles['skye'].mass - vehicles['skye'].displaced == pytest.approx(0.020, rel=1e-9)
+        assert vehicles['skye'].mass - vehicles['skye'].displaced_mass == pytest.approx(
+            0.020, rel=1e-9
+        )
 
 
 class TestMultirotor:
@@ -254,22 +258,22 @@ class TestMultirotor:
     @pytest.mark.parametrize('volts', [3.1, 3.7, 4.2])
     def test_it_hovers_at_any_voltage(self, vehicles, volts):
         vehicle = vehicles['multirotor']
-        model, command = vehicle.model(), vehicle.command((vehicle.hover_duty,) * 4)
+        model, command = vehicle.build_model(), vehicle.pack_command((vehicle.hover_duty,) * 4)
         around = np.zeros(SURROUNDINGS)
         around[VOLTAGE] = volts
-        start = pack((0.0, 0.0, 1.0), memory=initial_memory())
+        start = pack_state((0.0, 0.0, 1.0), memory=initial_memory())
         late = kernel.advance(start, model, command, around, 2.5e-3, 800)
-        lift = kernel.thrusts(late, model, command, around).sum()
+        lift = kernel.rotor_thrusts(late, model, command, around).sum()
         assert lift == pytest.approx(0.027 * G, rel=1e-9)
 
     def test_its_motors_hover_between_two_rows_of_the_bench(self, vehicles):
         """Bitcraze's bench: 24.4 g at 50 % of 3.71 V, 41.7 g at 75 % of 3.56 V."""
-        motor = vehicles['multirotor'].effects()['thrust_polynomial']
+        motor = vehicles['multirotor'].collect_effects()['thrust_polynomial']
         cubic = [motor[name] for name in ('c_3', 'c_2', 'c_1', 'c_0')]
         assert np.polyval(cubic, 0.5 * 3.71) < 0.027 * G / 4 < np.polyval(cubic, 0.75 * 3.56)
 
     def test_what_its_firmware_inverts_is_what_its_motors_follow(self, vehicles):
-        given = vehicles['multirotor'].effects()
+        given = vehicles['multirotor'].collect_effects()
         firmware, motor = given['battery_compensation'], given['thrust_polynomial']
         for name in ('voltage', 'c_0', 'c_1', 'c_2', 'c_3'):
             assert firmware[name] == motor[name]
@@ -280,7 +284,7 @@ class TestMultirotor:
         vehicle = vehicles['multirotor']
         state = flown(vehicle, (vehicle.hover_duty,) * 4, 2.0)
         state[7:13] = 0.0
-        rate = kernel.derivative(state, vehicle.model(), (vehicle.hover_duty,) * 4)
+        rate = kernel.state_derivative(state, vehicle.build_model(), (vehicle.hover_duty,) * 4)
         np.testing.assert_allclose(rate[7:13], 0.0, atol=1e-9)
 
     def test_each_rotor_turns_it_as_the_firmware_mixes(self, vehicles):
@@ -290,7 +294,7 @@ class TestMultirotor:
 
     def test_nothing_carries_it(self, vehicles):
         vehicle = vehicles['multirotor']
-        assert vehicle.displaced == vehicle.volume == 0.0
+        assert vehicle.displaced_mass == vehicle.volume == 0.0
         assert vehicle.heaviness == 0.027
         assert vehicle.added_mass == (0.0,) * 6
 
@@ -349,10 +353,12 @@ class TestRgblimp:
         duty = generator.uniform(0.2, 1.0, size=2)
         over = np.diag(self.TURN)
         expected = self.published(over @ pose.as_matrix() @ over, v, w, *(0.060 * duty))
-        state = pack((0, 0, 100.0), memory=initial_memory())
+        state = pack_state((0, 0, 100.0), memory=initial_memory())
         state[3:7] = pose.as_quat()
         state[7:10], state[10:13] = self.TURN * v, self.TURN * w
-        rate = kernel.derivative(state, vehicle.model(), vehicle.command(duty))[7:13]
+        rate = kernel.state_derivative(state, vehicle.build_model(), vehicle.pack_command(duty))[
+            7:13
+        ]
         # 1e-5: below 1 mm/s the effect fades the wind axes out, (1 mm/s / 0.6 m/s)^2 here.
         scale = np.abs(expected).max()
         np.testing.assert_allclose(rate * np.tile(self.TURN, 2), expected, atol=1e-5 * scale)
@@ -360,7 +366,7 @@ class TestRgblimp:
     def test_it_is_heavy_and_cannot_hover(self, vehicles):
         vehicle = vehicles['rgblimp']
         assert vehicle.heaviness == pytest.approx(0.00685)
-        assert vehicle.displaced == pytest.approx(0.15204, rel=1e-12)
+        assert vehicle.displaced_mass == pytest.approx(0.15204, rel=1e-12)
         with pytest.raises(BadInput, match=r'^rgblimp has no rotor that lifts; it cannot hover'):
             _ = vehicle.hover_duty
 

@@ -31,7 +31,7 @@ def test_noise_is_1_2_pascals():
     rng = np.random.default_rng(1)
     size = 20000
     settings = pressure.PressureSettings()
-    sample = [pressure.measure(settings, EXACT, 0.5, 0.0, rng) for _ in range(size)]
+    sample = [pressure.measure_pressure(settings, EXACT, 0.5, 0.0, rng) for _ in range(size)]
     ratio = np.var(sample, ddof=1) / (1.2**2 + 0.33**2 / 12)
     low, high = chi2.ppf([1e-6, 1 - 1e-6], size - 1) / (size - 1)
     assert low < ratio < high
@@ -42,19 +42,19 @@ def test_noise_is_1_2_pascals():
 
 def test_offset_and_drift_add_up():
     errors = pressure.PressureErrors(offset=-5.0, drift=0.01)
-    read = pressure.measure(SILENT, errors, 0.0, 200.0, np.random.default_rng(2))
+    read = pressure.measure_pressure(SILENT, errors, 0.0, 200.0, np.random.default_rng(2))
     assert read == pytest.approx(101325.0 - 5.0 + 2.0, abs=0.165 + 1e-9)
 
 
 def test_offset_and_drift_are_drawn_uniformly():
     rng = np.random.default_rng(3)
-    drawn = [pressure.draw(pressure.PressureSettings(), rng) for _ in range(3000)]
+    drawn = [pressure.draw_errors(pressure.PressureSettings(), rng) for _ in range(3000)]
     assert kstest([e.offset for e in drawn], 'uniform', (-8.0, 16.0)).pvalue > 1e-4
     assert kstest([e.drift for e in drawn], 'uniform', (-0.006, 0.012)).pvalue > 1e-4
 
 
 @given(st.floats(0.0, 100.0))
 def test_a_reading_is_a_count_within_half_a_step(height):
-    read = pressure.measure(SILENT, EXACT, height, 0.0, np.random.default_rng(4))
+    read = pressure.measure_pressure(SILENT, EXACT, height, 0.0, np.random.default_rng(4))
     assert read / 0.33 == pytest.approx(round(read / 0.33), abs=1e-6)
     assert abs(read - pressure.air_pressure(101325.0, height)) <= 0.165 + 1e-9

@@ -15,7 +15,7 @@ SILENT = tof.RangeSettings(noise=0.0)
 
 
 def read(height, up=1.0, settings=SILENT, errors=NO_OFFSET, seed=1):
-    return tof.measure(settings, errors, height, up, np.random.default_rng(seed))
+    return tof.measure_range(settings, errors, height, up, np.random.default_rng(seed))
 
 
 @pytest.mark.parametrize(
@@ -29,14 +29,14 @@ def read(height, up=1.0, settings=SILENT, errors=NO_OFFSET, seed=1):
     ],
 )
 def test_deviation_is_the_firmwares(distance, deviation):
-    assert tof.deviation(0.0025, distance) == pytest.approx(deviation, rel=1e-12)
+    assert tof.noise_deviation(0.0025, distance) == pytest.approx(deviation, rel=1e-12)
 
 
 @pytest.mark.parametrize('height', [0.5, 2.5, 3.2])
 def test_noise_has_the_deviation(height):
     rng = np.random.default_rng(2)
     size = 20000
-    sample = [tof.measure(SETTINGS, NO_OFFSET, height, 1.0, rng) for _ in range(size)]
+    sample = [tof.measure_range(SETTINGS, NO_OFFSET, height, 1.0, rng) for _ in range(size)]
     sigma = 0.0025 * (1 + 80 ** ((height - 2.5) / 1.5))
     ratio = np.var(sample, ddof=1) / (sigma**2 + 1e-6 / 12)  # rounding to 1 mm
     low, high = chi2.ppf([1e-6, 1 - 1e-6], size - 1) / (size - 1)
@@ -79,7 +79,7 @@ def test_bright_light_shortens_the_reach():
 
 def test_the_offset_is_uniform_within_20_mm_and_added():
     rng = np.random.default_rng(3)
-    offsets = [tof.draw(SETTINGS, rng).offset for _ in range(3000)]
+    offsets = [tof.draw_errors(SETTINGS, rng).offset for _ in range(3000)]
     assert kstest(offsets, 'uniform', (-0.02, 0.04)).pvalue > 1e-4
     assert read(1.0, errors=tof.RangeErrors(offset=0.013)) == pytest.approx(1.013)
 
@@ -87,7 +87,7 @@ def test_the_offset_is_uniform_within_20_mm_and_added():
 @given(st.floats(0.0, 10.0), st.floats(-1.0, 1.0))
 def test_a_reading_is_in_range_or_infinite_and_takes_one_number_of_chance(height, up):
     rng = np.random.default_rng(4)
-    value = tof.measure(SETTINGS, NO_OFFSET, height, up, rng)
+    value = tof.measure_range(SETTINGS, NO_OFFSET, height, up, rng)
     assert math.isinf(value) or SETTINGS.minimum <= value <= SETTINGS.maximum
     other = np.random.default_rng(4)
     other.standard_normal()

@@ -1,9 +1,9 @@
 """Rotor effects in the compiled model: what a fault, a low battery and a reversed rotor do."""
 
 from lta_model.effects import initial_memory
-from lta_model.model import Model
-from lta_model.state import pack, SURROUNDINGS, VOLTAGE
-from lta_sim.kernels.kernel import derivative
+from lta_model.model import VehicleModel
+from lta_model.state import pack_state, SURROUNDINGS, VOLTAGE
+from lta_sim.kernels.kernel import state_derivative
 import numpy as np
 import pytest
 
@@ -38,7 +38,7 @@ def wrench(duties, voltage=0.0, curve=CURVE, **more):
         for i, column in enumerate(COLUMNS)
         for k, axis in enumerate(AXES)
     }
-    model = Model.build(
+    model = VehicleModel.build(
         {'thrust_curve': curve, 'rotor_thrust': allocation, **more},
         mass=MASS,
         cg=(0.0, 0.0, 0.0),
@@ -47,7 +47,7 @@ def wrench(duties, voltage=0.0, curve=CURVE, **more):
     )
     around = np.zeros(SURROUNDINGS)
     around[VOLTAGE] = voltage
-    rate = derivative(pack(memory=initial_memory()), model, duties, around)
+    rate = state_derivative(pack_state(memory=initial_memory()), model, duties, around)
     return rate[7:13] * np.array([MASS, MASS, MASS, *INERTIA])
 
 

@@ -1,7 +1,7 @@
 """What rotors do to the hull beyond B: tilted axes, reversed jets and jets that collide."""
 
-from lta_model.effects.basis import basis
-from lta_model.effects.protocol import AXES, Motion
+from lta_model.effects.protocol import AXES, VehicleMotion
+from lta_model.effects.regressors import compute_regressors
 from lta_model.effects.rotors import rotor_envelope_interaction, rotor_misalignment, rotor_thrust
 from lta_model.state import ACTUATORS, BODY, COMMAND, ROTOR, ROTOR_PLACE, SURROUNDINGS
 import numpy as np
@@ -28,7 +28,7 @@ def seen(rotors=()):
         first = ROTOR_PLACE + ROTOR * i
         body[first : first + ROTOR] = (*place, *axis)
     given = (NO, LEVEL, NO, NO, NO, tuple(body.tolist()), (0.0,) * COMMAND)
-    return Motion(*given, (0.0,) * SURROUNDINGS)
+    return VehicleMotion(*given, (0.0,) * SURROUNDINGS)
 
 
 def numbers(effect, given):
@@ -56,7 +56,9 @@ def total(columns, interaction, *thrusts):
         numbers(rotor_thrust.EFFECT, columns), (), seen(), eight(*thrusts)
     )
     p = numbers(rotor_envelope_interaction.EFFECT, interaction)
-    return np.add(linear, rotor_envelope_interaction.wrench(p, (), seen(), eight(*thrusts)))
+    return np.add(
+        linear, rotor_envelope_interaction.compute_wrench(p, (), seen(), eight(*thrusts))
+    )
 
 
 def test_a_reversed_rotor_below_a_balloon_loses_three_quarters():
@@ -119,7 +121,7 @@ def test_the_weakest_of_those_that_take_part_decides():
     )
     for second, eighth, weakest in ((0.3, -0.1, 0.1), (0.05, -0.1, 0.05), (0.3, 0.1, 0.0)):
         thrust = (9.0, second, -9.0, 0.0, 0.0, 0.0, 0.0, eighth)
-        wrench = rotor_envelope_interaction.wrench(p, (), seen(), thrust)
+        wrench = rotor_envelope_interaction.compute_wrench(p, (), seen(), thrust)
         assert wrench == (0.0, 0.0, 0.0, 0.0, 0.0, 2.0 * weakest)
 
 
@@ -164,7 +166,7 @@ def test_tilt_of_upright_and_forward_rotors(rotor, turn, force):
     p = numbers(rotor_misalignment.EFFECT, {f'{turn}_{rotor}': 0.01})
     thrust = [0.0] * ACTUATORS
     thrust[rotor - 1] = 0.5
-    wrench = rotor_misalignment.wrench(p, (), seen(ROTORS), tuple(thrust))
+    wrench = rotor_misalignment.compute_wrench(p, (), seen(ROTORS), tuple(thrust))
     np.testing.assert_allclose(wrench[:3], 0.005 * np.array(force), atol=1e-17)
     moment = np.cross(ROTORS[rotor - 1][0], wrench[:3])
     np.testing.assert_allclose(wrench[3:], moment, atol=1e-17)
@@ -191,7 +193,7 @@ def test_tilt_against_the_exact_rotation(angle, thrust):
         thrusts = [0.0] * ACTUATORS
         thrusts[i] = thrust
         p = numbers(rotor_misalignment.EFFECT, given)
-        wrench = rotor_misalignment.wrench(p, (), seen(ROTORS), tuple(thrusts))
+        wrench = rotor_misalignment.compute_wrench(p, (), seen(ROTORS), tuple(thrusts))
         off = exact - wrench[:3]
         along = np.dot(off, axis)
         assert along == pytest.approx(-thrust * angle**2 / 2.0, rel=angle**2)
@@ -217,7 +219,7 @@ def test_tilts_of_all_rotors_add():
 
 def test_rotors_that_do_not_exist_have_no_tilt():
     p = (0.1,) * (2 * ACTUATORS)
-    assert rotor_misalignment.wrench(p, (), seen(), (0.5,) * ACTUATORS) == (0.0,) * 6
+    assert rotor_misalignment.compute_wrench(p, (), seen(), (0.5,) * ACTUATORS) == (0.0,) * 6
 
 
 @pytest.mark.parametrize('effect', [rotor_misalignment.EFFECT, rotor_envelope_interaction.EFFECT])
@@ -227,7 +229,7 @@ def test_linear_where_they_say_so(effect):
     shares = {f'share_{i}': 1.0 for i in (1, 2)} if 'share_1' in str(effect.parameters) else {}
     thrust = (0.4, 0.3, -0.2, 0.1, -0.4, 0.0, 0.2, -0.1)
     given = {**values, **shares}
-    columns = basis(effect, given, seen(ROTORS), thrust)
+    columns = compute_regressors(effect, given, seen(ROTORS), thrust)
     wrench = effect.wrench(numbers(effect, given), (), seen(ROTORS), thrust)
     np.testing.assert_allclose(columns @ list(values.values()), wrench, atol=1e-14)
     assert np.max(np.abs(wrench)) > 0.01

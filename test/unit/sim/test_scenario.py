@@ -4,12 +4,12 @@ import copy
 import math
 
 from lta_config.errors import BadInput
-from lta_config.files import find, load_yaml
+from lta_config.files import find_file, load_yaml
 from lta_model.scenario import load_scenario
 import pytest
 import yaml
 
-ROOM = load_yaml(find('scenario', 'lamp_room'))
+ROOM = load_yaml(find_file('scenario', 'lamp_room'))
 
 
 def written(tmp_path, place, value):
@@ -34,12 +34,12 @@ def metres(*numbers):
 def test_the_shipped_scene():
     scene = load_scenario('lamp_room')
     field = scene.light_field
-    assert field.lamp.position == (3.5, 0.0, 1.0)
-    assert tuple(field.lamp.axis) == (-1.0, 0.0, 0.0)
-    assert field.lamp.flux == 10000.0
-    assert field.lamp.wave.frequency == 150.0
-    assert field.lamp.wave.duty == 0.5
-    assert field.lamp.efficacy == 300.0
+    assert field.first_lamp.position == (3.5, 0.0, 1.0)
+    assert tuple(field.first_lamp.axis) == (-1.0, 0.0, 0.0)
+    assert field.first_lamp.flux == 10000.0
+    assert field.first_lamp.wave.frequency == 150.0
+    assert field.first_lamp.wave.duty == 0.5
+    assert field.first_lamp.efficacy == 300.0
     assert field.ambient.efficacy == 300.0
     assert tuple(field.room.size) == (10.0, 8.0, 3.0)
     assert tuple(field.room.albedo) == (0.5, 0.5, 0.5)

@@ -3,12 +3,12 @@
 import math
 
 from lta_config.errors import BadInput
-from lta_config.files import known, load_yaml, share
+from lta_config.files import list_shipped, load_yaml, share_folder
 from lta_config.quantity import Quantity
-from lta_model.military_turbulence import low_altitude
+from lta_model.military_turbulence import low_altitude_turbulence
 from lta_model.scenario import load_scenario, Scenario
 from lta_model.vehicle import load_vehicle
-from lta_sim.in_scene import effects_in, reach
+from lta_sim.scene_model import collect_scene_effects, vehicle_reach
 import pytest
 
 from .lamp_room import edited, ROOM
@@ -34,15 +34,15 @@ def scene(**changes):
 
 
 def effects(vehicle='gtmab', **changes):
-    return effects_in(load_vehicle(vehicle), scene(**changes))
+    return collect_scene_effects(load_vehicle(vehicle), scene(**changes))
 
 
-@pytest.mark.parametrize('name', known('scenarios'))
+@pytest.mark.parametrize('name', list_shipped('scenarios'))
 def test_every_shipped_scenario_can_be_flown_in(name):
     scenario = load_scenario(name)
     assert scenario.name == name
     vehicle = load_vehicle('gtmab', scenario.air.density)
-    vehicle.model(effects_in(vehicle, scenario))
+    vehicle.build_model(collect_scene_effects(vehicle, scenario))
 
 
 def test_a_scenario_of_old_adds_nothing():
@@ -74,7 +74,9 @@ def test_turbulence_by_numbers_and_by_the_standard():
     three = effects(**{'air/turbulence': each})['turbulence']
     assert (three['along'], three['across'], three['up']) == (0.3, 0.2, 0.1)
     military = {'by': 'MIL-F-8785C', 'wind': '8 m/s', 'height': '10 m'}
-    assert effects(**{'air/turbulence': military})['turbulence'] == low_altitude(10.0, 8.0)
+    assert effects(**{'air/turbulence': military})['turbulence'] == low_altitude_turbulence(
+        10.0, 8.0
+    )
 
 
 def test_gust_and_gradient():
@@ -96,11 +98,11 @@ def test_walls_are_those_of_the_room_and_meet_the_hull():
 
 
 def test_how_far_vehicles_reach():
-    assert reach(load_vehicle('skye')) == (1.35, 1.35)
+    assert vehicle_reach(load_vehicle('skye')) == (1.35, 1.35)
     # A cigar along x counts as the round hull about it: half its length.
     hull = load_vehicle('rgblimp').file.hull
-    assert reach(load_vehicle('rgblimp')) == (hull.length.si / 2, hull.diameter.si / 2)
-    radius, height = reach(load_vehicle('multirotor'))
+    assert vehicle_reach(load_vehicle('rgblimp')) == (hull.length.si / 2, hull.diameter.si / 2)
+    radius, height = vehicle_reach(load_vehicle('multirotor'))
     assert 0.04 < radius < 0.08  # rotors 46 mm from the centre
     assert 0.005 < height < 0.05
 
@@ -145,7 +147,7 @@ def test_how_far_vehicles_reach():
     ],
 )
 def test_what_cannot_be_is_one_sentence(tmp_path, place, value, sentence):
-    content = load_yaml(share() / 'scenarios' / 'lamp_room.yaml')
+    content = load_yaml(share_folder() / 'scenarios' / 'lamp_room.yaml')
     part, key = place.split('.')
     content[part].setdefault(key, None)
     path = written(tmp_path, place, value)
@@ -165,7 +167,7 @@ def test_what_vehicle_and_scene_both_say_is_refused():
     effect = {'wind_profile': quantities}
     both = type(vehicle)(vehicle.file.model_copy(update={'effects': effect}))
     with pytest.raises(BadInput, match='set by the wind of the scenario lamp_room and by the veh'):
-        effects_in(both, scene(**{'air/profile': FIELD}))
+        collect_scene_effects(both, scene(**{'air/profile': FIELD}))
 
 
 def test_a_start_in_a_wall_is_refused():
@@ -175,7 +177,7 @@ def test_a_start_in_a_wall_is_refused():
     low = {'room/size': {'value': [10, 8, 0.5], 'unit': 'm'}, 'room/walls': 'solid'}
     low |= {'lamp/position': {'value': [3.5, 0, 0.4], 'unit': 'm'}}
     with pytest.raises(BadInput, match='the ceiling is not higher than the hull'):
-        load_vehicle('gtmab').model(effects(**low))
+        load_vehicle('gtmab').build_model(effects(**low))
 
 
 def test_half_a_metre_over_bushes_the_hull_meets_1_08_of_8_metres_a_second():

@@ -1,17 +1,17 @@
 """Scenes in the sun and with a door: the resistor for their light, wind and bounds at the door."""
 
 from lta_config.errors import BadInput
-from lta_config.files import find, load_yaml
-from lta_config.topics import topic_table
-from lta_model.light.setting import scale_in, set_for
+from lta_config.files import find_file, load_yaml
+from lta_config.topics import load_topic_table
+from lta_model.light.gain_selection import read_gain_scale, select_diode_gain
 from lta_model.light.view import LightView
 from lta_model.scenario import load_scenario, Scenario
 from lta_model.state import WIND
 from lta_model.vehicle import load_vehicle
-from lta_sim.bounds import Bounds
+from lta_sim.bounds import FlightBounds
 from lta_sim.world import World
-from lta_vlc.demodulation import demodulate, plan_bins
-from lta_vlc.settings import Demodulation
+from lta_vlc.demodulation import demodulate_beacon, plan_bins
+from lta_vlc.settings import DemodulationSettings
 import numpy as np
 from pydantic import ValidationError
 import pytest
@@ -19,43 +19,47 @@ import pytest
 from .lamp_room import edited
 
 GTMAB = load_vehicle('gtmab')
-DOOR = load_yaml(find('scenario', 'hall_door'))
+DOOR = load_yaml(find_file('scenario', 'hall_door'))
 
 
 @pytest.mark.parametrize(
     ('scene', 'resistor'), [('lamp_room', 1e5), ('sunny_field', 1e4), ('hall_door', 1e4)]
 )
 def test_the_resistor_suits_the_light(scene, resistor):
-    assert set_for(load_scenario(scene).light_field, GTMAB).feedback_resistance == resistor
-    assert scale_in(scene, 'gtmab') == resistor / 1e5
+    assert (
+        select_diode_gain(load_scenario(scene).light_field, GTMAB).feedback_resistance == resistor
+    )
+    assert read_gain_scale(scene, 'gtmab') == resistor / 1e5
 
 
 def test_with_one_resistor_or_no_scene_there_is_nothing_to_tell():
-    assert scale_in('sunny_field', 'skye') == 1.0
-    assert scale_in('', 'gtmab') == 1.0
+    assert read_gain_scale('sunny_field', 'skye') == 1.0
+    assert read_gain_scale('', 'gtmab') == 1.0
 
 
 @pytest.mark.parametrize('scene', ['lamp_room', 'sunny_field'])
 def test_the_lamp_is_heard_at_seven_metres(scene):
     """SNR above 10 in a room with mains, and at 80 klx."""
     field = load_scenario(scene).light_field
-    view = LightView(field, GTMAB, set_for(field, GTMAB))
-    view.pass_by((-3.5, 0.0, 0.5, 0.0, 0.0, 0.0, 1.0))
-    block = view.block(10**9, 1e4, 1000, np.random.default_rng(1))
-    snr = demodulate(block, plan_bins(Demodulation(), 1e4, 1000)).snr
+    view = LightView(field, GTMAB, select_diode_gain(field, GTMAB))
+    view.record_pose((-3.5, 0.0, 0.5, 0.0, 0.0, 0.0, 1.0))
+    block = view.read_block(10**9, 1e4, 1000, np.random.default_rng(1))
+    snr = demodulate_beacon(block, plan_bins(DemodulationSettings(), 1e4, 1000)).snr
     assert snr.argmax() == 0
     assert snr.max() > 30.0
     assert block.max() < 4095
 
 
 def test_the_sunny_field_has_80_klx():
-    assert load_scenario('sunny_field').light_field.daylight.level == pytest.approx(80e3, rel=0.01)
+    assert load_scenario('sunny_field').light_field.daylight.ground_illuminance == pytest.approx(
+        80e3, rel=0.01
+    )
 
 
 def test_who_leaves_by_the_door_is_in_bounds():
     def flown(*way):
-        bounds = Bounds(load_scenario('hall_door'))
-        return [bounds.hold(x, y, z) for x, y, z in way]
+        bounds = FlightBounds(load_scenario('hall_door'))
+        return [bounds.is_inside(x, y, z) for x, y, z in way]
 
     assert flown((0, 0, 1), (4.9, 0, 1), (5.1, 0, 1), (24, -19, 5)) == [True] * 4
     assert flown((4.9, 0, 1), (5.1, 0, 1), (4.9, 0, 1)) == [True] * 3
@@ -67,7 +71,7 @@ def test_who_leaves_by_the_door_is_in_bounds():
 
 def test_the_wind_steps_at_the_door_over_the_width_of_the_hull():
     scenario = load_scenario('hall_door')
-    world = World(GTMAB, scenario, topic_table(), 1)
+    world = World(GTMAB, scenario, load_topic_table(), 1)
     told = []
     for x in (0.0, 4.5, 5.0, 5.25, 5.5, 9.0):
         world._around.refresh((x, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0), 3.7, 0.0)

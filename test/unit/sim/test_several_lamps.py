@@ -5,11 +5,11 @@ import math
 
 from lta_config.errors import BadInput
 from lta_model.light.ambient import Ambient
-from lta_model.light.clock import Clock
-from lta_model.light.field import Illuminance, LightField
-from lta_model.light.flicker import lamp_wave, mains_wave, Sampling
-from lta_model.light.lambertian import beam, Eye, seen, shine
-from lta_model.light.lamp import Lamp, order_of
+from lta_model.light.clock_error import DriftingClock
+from lta_model.light.field import LightField, PlaneIlluminance
+from lta_model.light.flicker import BlockSampling, sample_lamp_wave, sample_mains_wave
+from lta_model.light.lambertian import angular_response, build_beam, DiodeResponse, direct_light
+from lta_model.light.lamp import BeaconLamp, lambertian_order
 from lta_model.light.modulation import SquareWave
 from lta_model.sensors.photodiode import PhotodiodeArray
 import numpy as np
@@ -20,7 +20,7 @@ from .lamp_room import build, fly
 
 LED = 300.0
 RATE, SAMPLES = 1e4, 1000
-LAMP = Lamp((0.0, 0.0, 1.0), (1.0, 0.0, 0.0), 10_000.0, SquareWave(150.0), LED)
+LAMP = BeaconLamp((0.0, 0.0, 1.0), (1.0, 0.0, 0.0), 10_000.0, SquareWave(150.0), LED)
 TAU = 1.0 / (2.0 * math.pi * 14e3)
 
 
@@ -34,7 +34,7 @@ def block(array, lamps, lux, start=0, seed=1):
     field = LightField(tuple(lamps), Ambient(LED))
     lit = np.array(lux)[:, None, None] * np.ones((1, 1, array.count))
     nothing = np.zeros((1, array.count))
-    light = Illuminance(lit, nothing, nothing)
+    light = PlaneIlluminance(lit, nothing, nothing)
     return synthesise(array, field, light, start, RATE, SAMPLES, np.random.default_rng(seed))[0]
 
 
@@ -66,10 +66,10 @@ def test_a_block_of_two_lamps_is_the_sum_of_theirs():
 
 def test_a_fast_clock_moves_the_line_by_its_part():
     """A lamp that is 1000 ppm fast and a converter 1000 ppm slow: 150 Hz look like 150.3."""
-    lamp = replace(LAMP, clock=Clock(1e-3))
+    lamp = replace(LAMP, clock=DriftingClock(1e-3))
     array = ring(clock_error=-1e-3)
     field = LightField((lamp,), Ambient(LED))
-    light = Illuminance(np.full((1, 1, 4), 60.0), np.zeros((1, 4)), np.zeros((1, 4)))
+    light = PlaneIlluminance(np.full((1, 1, 4), 60.0), np.zeros((1, 4)), np.zeros((1, 4)))
     chance = np.random.default_rng(1)
     counts, _ = synthesise(array, field, light, 10**9, RATE, 20_000, chance)
     found = [tone(counts.astype(float), f) for f in np.arange(149.5, 151.0, 0.05)]
@@ -78,12 +78,12 @@ def test_a_fast_clock_moves_the_line_by_its_part():
 
 def test_a_drifting_clock_is_a_chirp():
     """Phase f (o t + d t^2 / 2) against the edges of the wave, half a minute after time zero."""
-    clock = Clock(20e-6, 3e-6)
+    clock = DriftingClock(20e-6, 3e-6)
     start = 30 * 10**9
     times = start + np.arange(0, 10**8, 1000, dtype=np.int64)
     seconds = times * 1e-9
     phase = 150.0 * (seconds * (1.0 + 20e-6) + 0.5 * 3e-6 * seconds**2)
-    told = clock.around(SquareWave(150.0), start).cycles(times)
+    told = clock.distort_wave(SquareWave(150.0), start).phase_in_cycles(times)
     apart = (told - phase + 0.5) % 1.0 - 0.5
     assert np.abs(apart).max() < 150.0 * 0.5 * 3e-6 * 0.1**2 * 1.01
 
@@ -91,8 +91,8 @@ def test_a_drifting_clock_is_a_chirp():
 def test_a_rise_time_is_that_of_the_edges():
     """From 10 to 90 % in 0.4 ms, behind an amplifier that is much faster."""
     lamp = replace(LAMP, wave=SquareWave(10.0), rise=0.4e-3)
-    sampling = Sampling(1e6, 50_000)
-    wave = lamp_wave(lamp, 0, sampling, 1e-7)
+    sampling = BlockSampling(1e6, 50_000)
+    wave = sample_lamp_wave(lamp, 0, sampling, 1e-7)
     took = np.searchsorted(wave[1:], 0.9) - np.searchsorted(wave[1:], 0.1)
     assert took * 1e-6 == pytest.approx(0.4e-3, abs=2e-6)
 
@@ -101,29 +101,29 @@ def test_two_poles_are_those_of_a_fine_simulation():
     lamp = replace(LAMP, wave=SquareWave(137.0, 0.4), rise=1e-3)
     own, behind = 1e-3 / math.log(9.0), 0.7e-3
     fine = np.arange(-60_000, 20_000, dtype=np.int64) * 1000
-    drive, first, second, told = lamp.wave.values(fine), 0.0, 0.0, []
+    drive, first, second, told = lamp.wave.sample(fine), 0.0, 0.0, []
     for level in drive.tolist():
         told.append(second)
         second += (first - second) * 1e-6 / behind
         first += (level - first) * 1e-6 / own
     expected = np.array(told)[60_000::100]
-    wave = lamp_wave(lamp, 0, Sampling(1e4, 200), behind)[1:]
+    wave = sample_lamp_wave(lamp, 0, BlockSampling(1e4, 200), behind)[1:]
     assert np.abs(wave - expected).max() < 2e-3
 
 
 def test_poles_that_are_alike_are_no_trouble():
     alike = replace(LAMP, rise=TAU * math.log(9.0))
     near = replace(LAMP, rise=TAU * math.log(9.0) * 1.01)
-    sampling = Sampling(RATE, SAMPLES)
-    apart = lamp_wave(alike, 0, sampling, TAU) - lamp_wave(near, 0, sampling, TAU)
+    sampling = BlockSampling(RATE, SAMPLES)
+    apart = sample_lamp_wave(alike, 0, sampling, TAU) - sample_lamp_wave(near, 0, sampling, TAU)
     assert np.abs(apart).max() < 0.01
 
 
 def test_late_samples_see_the_wave_later():
     slow = replace(LAMP, wave=SquareWave(7.0), rise=10e-3)
     late = np.full(SAMPLES, 2e-4)
-    shaken = lamp_wave(slow, 0, Sampling(RATE, SAMPLES), TAU, late)
-    still = lamp_wave(slow, 0, Sampling(RATE, SAMPLES + 2), TAU)
+    shaken = sample_lamp_wave(slow, 0, BlockSampling(RATE, SAMPLES), TAU, late)
+    still = sample_lamp_wave(slow, 0, BlockSampling(RATE, SAMPLES + 2), TAU)
     np.testing.assert_allclose(shaken[1:], still[3:], atol=1e-9)
 
 
@@ -145,25 +145,27 @@ def test_jitter_is_as_strong_as_asked_and_hits_all_diodes_alike():
 
 def test_harmonics_of_the_mains_add_up():
     ambient = Ambient(LED, 100.0, 20.0, 100.0, mains_harmonics=(0.5, 0.25))
-    wave = mains_wave(ambient, 0, Sampling(RATE, SAMPLES))
+    wave = sample_mains_wave(ambient, 0, BlockSampling(RATE, SAMPLES))
     turn = 2.0 * math.pi * 100.0 * np.arange(SAMPLES) / RATE
     by_hand = np.sin(turn) + 0.5 * np.sin(2 * turn) + 0.25 * np.sin(3 * turn)
     np.testing.assert_allclose(wave, by_hand, atol=1e-9)
 
 
 def test_a_diode_reads_as_a_power_of_the_cosine_up_to_its_edge():
-    light, towards = shine(beam(LAMP), (7.0, 0.0, 1.0))
+    light, towards = direct_light(build_beam(LAMP), (7.0, 0.0, 1.0))
     assert light == pytest.approx(64.96, abs=0.01)
     assert towards == (-1.0, 0.0, 0.0)
     aside = (-math.cos(1.0), math.sin(1.0), 0.0)
-    assert seen(Eye(1.2, 0.0), aside, towards) == pytest.approx(math.cos(1.0) ** 1.2)
-    assert seen(Eye(1.2, math.cos(0.9)), aside, towards) == 0.0
-    assert seen(Eye(1.2, math.cos(1.1)), aside, towards) > 0.0
+    assert angular_response(DiodeResponse(1.2, 0.0), aside, towards) == pytest.approx(
+        math.cos(1.0) ** 1.2
+    )
+    assert angular_response(DiodeResponse(1.2, math.cos(0.9)), aside, towards) == 0.0
+    assert angular_response(DiodeResponse(1.2, math.cos(1.1)), aside, towards) > 0.0
 
 
 def test_gains_are_those_of_the_spread_and_dead_diodes_read_nothing():
     array = ring(count=64, gain_spread=0.02, dead=(3, 5))
-    gains = np.array([array.drawn(np.random.default_rng(k)).gains for k in range(100)])
+    gains = np.array([array.draw_gains(np.random.default_rng(k)).gains for k in range(100)])
     assert gains.mean() == pytest.approx(1.0, abs=1e-3)
     assert gains.std() == pytest.approx(0.02, rel=0.05)
     counts = block(array, (LAMP,), (60.0,))
@@ -195,9 +197,11 @@ def test_a_flight_draws_its_own_gains():
 
 
 def test_sixty_degrees_of_half_power_are_the_order_one():
-    assert order_of(math.radians(60.0)) == pytest.approx(1.0, rel=1e-12)
+    assert lambertian_order(math.radians(60.0)) == pytest.approx(1.0, rel=1e-12)
     # Half as bright at 20 degrees: cos^m = 0.5.
-    assert math.cos(math.radians(20.0)) ** order_of(math.radians(20.0)) == pytest.approx(0.5)
+    assert math.cos(math.radians(20.0)) ** lambertian_order(math.radians(20.0)) == pytest.approx(
+        0.5
+    )
 
 
 @pytest.mark.parametrize(
@@ -205,9 +209,9 @@ def test_sixty_degrees_of_half_power_are_the_order_one():
     [
         (lambda: replace(LAMP, rise=4e-3), 'takes 4 ms to rise and is on or off for only 3.3'),
         (lambda: replace(LAMP, rise=math.nan), 'not finite'),
-        (lambda: Clock(0.02), 'off by 20000 ppm; give at most 10000'),
-        (lambda: Clock(math.nan), 'off by nan ppm'),
-        (lambda: Clock(0.0, math.inf), 'drifts by inf/s'),
+        (lambda: DriftingClock(0.02), 'off by 20000 ppm; give at most 10000'),
+        (lambda: DriftingClock(math.nan), 'off by nan ppm'),
+        (lambda: DriftingClock(0.0, math.inf), 'drifts by inf/s'),
         (lambda: LightField((), Ambient(LED)), 'has no lamp'),
         (lambda: Ambient(LED, 100.0, 90.0, mains_harmonics=(0.5,)), 'harmonics included'),
         (lambda: Ambient(LED, 100.0, 9.0, mains_harmonics=(2.0,)), 'from 0 to 1'),

@@ -3,9 +3,9 @@
 from itertools import pairwise
 
 from lta_model.effects import initial_memory
-from lta_model.mass import rigid_mass_matrix
-from lta_model.model import Model
-from lta_model.state import MASS_PLACE, pack, RIGID
+from lta_model.mass_matrix import rigid_mass_matrix
+from lta_model.model import VehicleModel
+from lta_model.state import MASS_PLACE, pack_state, RIGID
 from lta_model.vehicle import load_vehicle
 from lta_sim.kernels import kernel
 import numpy as np
@@ -24,14 +24,14 @@ CONSERVATIVE = ('weight_and_buoyancy', 'added_mass', 'added_inertia')
 def conservative(name):
     """Return a shipped vehicle without what dissipates, its inertia askew, its mass moved."""
     vehicle = load_vehicle(name)
-    given = {effect: vehicle.effects()[effect] for effect in CONSERVATIVE}
+    given = {effect: vehicle.collect_effects()[effect] for effect in CONSERVATIVE}
     given['moving_mass'] = {'mass': 0.03, 'z': WEIGHED[2]}
     given['net_lift'] = {'force': 0.01}
     body = {
         'mass': vehicle.mass,
         'cg': vehicle.cg + OFF_AXIS,
         'inertia': ASKEW @ vehicle.inertia @ ASKEW.T,
-        'displaced': vehicle.displaced,
+        'displaced': vehicle.displaced_mass,
     }
     body['inertia'] = 0.5 * (body['inertia'] + body['inertia'].T)
     return given, body
@@ -51,17 +51,19 @@ def energies(state, given, body):
 @pytest.mark.parametrize('name', ['gtmab', 'blimp2b'])
 def test_energy_is_conserved_for_a_minute(name):
     given, body = conservative(name)
-    model = Model.build(given, **body)
+    model = VehicleModel.build(given, **body)
     command = np.zeros(MASS_PLACE + 3)
     command[MASS_PLACE:] = AWAY + WEIGHED
     start = {'velocity': (0.5, -0.2, 0.1), 'rates': (1.0, -0.6, 0.8)}
-    state = pack(memory=initial_memory(), **start)
+    state = pack_state(memory=initial_memory(), **start)
     kinetic, potential = energies(state, given, body)
     for _ in range(6):
         state = kernel.advance(state, model, command, CALM, 2.5e-4, 40_000)
         now = sum(energies(state, given, body))
         assert abs(now - kinetic - potential) <= 1e-9 * kinetic
-    assert not np.allclose(state[7:13], pack(memory=initial_memory(), **start)[7:13], atol=0.1)
+    assert not np.allclose(
+        state[7:13], pack_state(memory=initial_memory(), **start)[7:13], atol=0.1
+    )
 
 
 def realistic():
@@ -79,15 +81,17 @@ def realistic():
         'moving_mass': {'mass': 0.03, 'z': -0.3, 'lag': 0.3},
         'ground_effect': {'gain': 1.0, 'radius': 0.0235},
     }
-    given = {name: values for name, values in added.items() if name not in vehicle.effects()}
+    given = {
+        name: values for name, values in added.items() if name not in vehicle.collect_effects()
+    }
     body = {
         'mass': vehicle.mass,
         'cg': vehicle.cg,
         'inertia': vehicle.inertia,
-        'displaced': vehicle.displaced,
+        'displaced': vehicle.displaced_mass,
         'rotors': [(rotor.place, rotor.axis) for rotor in vehicle.rotors],
     }
-    return Model.build(vehicle.effects() | given, **body)
+    return VehicleModel.build(vehicle.collect_effects() | given, **body)
 
 
 @pytest.mark.parametrize('seed', range(3))
@@ -95,7 +99,7 @@ def test_steps_converge_with_the_fourth_power(seed):
     generator = np.random.default_rng(seed)
     model = realistic()
     motion = {'velocity': (0.6, 0.25, 0.2), 'rates': (0.25, 0.3, 1.0)}
-    start = pack((0.0, 0.0, 3.0), memory=initial_memory(), **motion)
+    start = pack_state((0.0, 0.0, 3.0), memory=initial_memory(), **motion)
     start[13:] += 0.3 * (start[13:] == 0.0)
     duties = generator.uniform(0.5, 0.9, 4)
     command = np.r_[duties, np.zeros(4), 0.05, 0.02, -0.28]

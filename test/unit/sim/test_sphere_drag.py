@@ -11,9 +11,9 @@ from pathlib import Path
 
 from lta_model.effects import initial_memory
 from lta_model.hull import half_axes
-from lta_model.mass import spheroid_added_mass
-from lta_model.model import Model
-from lta_model.state import pack
+from lta_model.mass_matrix import spheroid_added_mass
+from lta_model.model import VehicleModel
+from lta_model.state import pack_state
 from lta_model.vehicle import load_vehicle
 from lta_sim.kernels import kernel
 import numpy as np
@@ -43,7 +43,7 @@ def skye():
     """Return radius and drag coefficient of the one spherical hull that is shipped."""
     vehicle = load_vehicle('skye')
     radius = half_axes(vehicle.file.hull)[0]
-    drag = vehicle.effects()['quadratic_drag']['surge']
+    drag = vehicle.collect_effects()['quadratic_drag']['surge']
     return radius, drag / (0.5 * RHO * math.pi * radius**2)
 
 
@@ -83,13 +83,15 @@ def sphere(radius, heaviness, cd):
         'quadratic_drag': {'heave': 0.5 * RHO * cd * math.pi * radius**2},
     }
     turning = 0.4 * mass * radius**2 * np.eye(3)
-    model = Model.build(given, mass=mass, cg=(0.0, 0.0, -0.1), inertia=turning, displaced=air)
+    model = VehicleModel.build(
+        given, mass=mass, cg=(0.0, 0.0, -0.1), inertia=turning, displaced=air
+    )
     return model, air
 
 
 def fallen(model, seconds):
     """Return how far and how fast it fell from rest."""
-    state = pack(memory=initial_memory())
+    state = pack_state(memory=initial_memory())
     state = kernel.advance(state, model, (), np.zeros(3), 2e-3, round(seconds / 2e-3))
     return -state[2], -state[9]
 

@@ -1,9 +1,9 @@
 """A moved start is the start moved, and nothing else; where a drone cannot stand is refused."""
 
 from lta_config.errors import BadInput
-from lta_config.topics import topic_table
+from lta_config.topics import load_topic_table
 from lta_model.scenario import load_scenario
-from lta_model.start_offset import started
+from lta_model.start_offset import offset_start
 from lta_model.vehicle import load_vehicle
 from lta_sim.world import World
 import pytest
@@ -12,14 +12,14 @@ SCENE = load_scenario('lamp_room')
 
 
 def test_no_offset_is_the_scenario_itself():
-    assert started(SCENE, 0.0, 0.0) is SCENE
-    assert started(SCENE, -0.0, 0.0) is SCENE
+    assert offset_start(SCENE, 0.0, 0.0) is SCENE
+    assert offset_start(SCENE, -0.0, 0.0) is SCENE
 
 
 def test_the_drone_stands_there_with_the_same_heading_and_chance():
     vehicle = load_vehicle('gtmab', SCENE.air.density)
-    here = World(vehicle, SCENE, topic_table(), 3)
-    there = World(vehicle, started(SCENE, 0.5, -2.0), topic_table(), 3)
+    here = World(vehicle, SCENE, load_topic_table(), 3)
+    there = World(vehicle, offset_start(SCENE, 0.5, -2.0), load_topic_table(), 3)
     moved = there.state - here.state
     assert moved[:2].tolist() == [0.5, -2.0]
     assert not moved[2:].any()
@@ -27,7 +27,7 @@ def test_the_drone_stands_there_with_the_same_heading_and_chance():
 
 
 def test_nothing_else_of_the_scenario_changes():
-    other = started(SCENE, 1.0, 0.0)
+    other = offset_start(SCENE, 1.0, 0.0)
     assert other.start.position.vector == (-2.5, 0.0)
     fields = set(type(SCENE).model_fields) - {'start'}
     assert all(getattr(other, name) == getattr(SCENE, name) for name in fields)
@@ -43,7 +43,7 @@ def test_nothing_else_of_the_scenario_changes():
 )
 def test_an_offset_out_of_the_room_or_into_the_goal_is_one_sentence(x, y, why):
     with pytest.raises(BadInput) as caught:
-        started(SCENE, x, y)
+        offset_start(SCENE, x, y)
     sentence = str(caught.value)
     assert f"With offset {x:g}, {y:g} m the scenario 'lamp_room'" in sentence
     assert why in sentence

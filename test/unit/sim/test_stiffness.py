@@ -3,8 +3,8 @@
 import re
 
 from lta_config.errors import BadInput
-from lta_model.stiffness import fastest, STEP_NS
-from lta_sim.in_scene import check
+from lta_model.stiffness import find_fastest_damping, STEP_NS
+from lta_sim.scene_model import check_scene
 import numpy as np
 import pytest
 
@@ -18,7 +18,7 @@ STEP = STEP_NS * 1e-9
 def test_the_fastest_decay_is_damping_by_inertia():
     """A heave damping alone: rate = d (M^-1)_zz, which is d / (m + m_a) with the CG below."""
     vehicle = build(('aero.linear_drag.force', given([0, 0, 50.0], 'N s/m')))
-    name, rate = fastest(vehicle.model())
+    name, rate = find_fastest_damping(vehicle.build_model())
     assert name == 'linear_drag'
     assert rate == pytest.approx(50.0 / (vehicle.mass + vehicle.added_mass[2]), rel=1e-9)
 
@@ -61,17 +61,17 @@ def test_numbers_that_run_away_are_one_sentence():
 def test_effects_that_ground_or_flip_it_are_refused():
     scene = world_of().scenario
     with pytest.raises(BadInput, match=r'needs 1\.\d+ N of each lifting rotor to hover'):
-        check(build(('effects.payload', {'mass': given(0.2, 'kg')})), scene)
-    check(build(('effects.payload', {'mass': given(2, 'g')})), scene)
+        check_scene(build(('effects.payload', {'mass': given(0.2, 'kg')})), scene)
+    check_scene(build(('effects.payload', {'mass': given(2, 'g')})), scene)
     raised = ('effects.cg_height', {'z': given(0.3, 'm')})
     with pytest.raises(BadInput, match=r'put its centre of gravity \d+\.\d cm above the hull'):
-        check(build(raised), scene)
-    check(build(raised, ('trim.unstable', 'allowed')), scene)
+        check_scene(build(raised), scene)
+    check_scene(build(raised, ('trim.unstable', 'allowed')), scene)
 
 
 def test_lift_that_an_effect_adds_carries_a_payload():
     scene = world_of().scenario
-    check(
+    check_scene(
         build(
             ('effects.payload', {'mass': given(0.2, 'kg')}),
             ('effects.net_lift', {'force': given(1.96, 'N')}),

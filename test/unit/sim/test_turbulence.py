@@ -4,7 +4,7 @@ from functools import cache
 import math
 
 from lta_model.effects.air import turbulence
-from lta_model.effects.protocol import Place
+from lta_model.effects.protocol import AirEffectInput
 from lta_model.state import NOISE
 import numpy as np
 import pytest
@@ -24,7 +24,7 @@ def place(speed, noise=CALM, wind=CALM):
     """Return a place at which the vehicle meets the mean wind at that speed, along x."""
     surroundings = [0.0] * 8
     surroundings[NOISE : NOISE + 3] = noise
-    return Place(CALM, (wind[0] + speed, wind[1], wind[2]), wind, tuple(surroundings))
+    return AirEffectInput(CALM, (wind[0] + speed, wind[1], wind[2]), wind, tuple(surroundings))
 
 
 def unit(count, i):
@@ -34,9 +34,11 @@ def unit(count, i):
 def filters(speed, p=P):
     """Return A, B and C of the linear filters, from the effect itself."""
     rest = (0.0,) * STATES
-    a = [turbulence.rate(p, unit(STATES, i), place(speed)) for i in range(STATES)]
-    b = [turbulence.rate(p, rest, place(speed, unit(3, i))) for i in range(3)]
-    c = [turbulence.air(p, unit(STATES, i), place(speed))[:3] for i in range(STATES)]
+    a = [turbulence.compute_memory_rate(p, unit(STATES, i), place(speed)) for i in range(STATES)]
+    b = [turbulence.compute_memory_rate(p, rest, place(speed, unit(3, i))) for i in range(3)]
+    c = [
+        turbulence.compute_air_motion(p, unit(STATES, i), place(speed))[:3] for i in range(STATES)
+    ]
     return np.transpose(a), np.transpose(b), np.transpose(c)
 
 
@@ -82,7 +84,7 @@ def runge_kutta(memory, noise, speed):
     """Return the memory after one control period with the noise held."""
 
     def slope(state):
-        return np.array(turbulence.rate(P, tuple(state.tolist()), where))
+        return np.array(turbulence.compute_memory_rate(P, tuple(state.tolist()), where))
 
     where = place(speed, noise)
     one = slope(memory)
@@ -144,15 +146,17 @@ def test_a_record_has_the_spectrum(axis, speed):
 
 def test_along_is_the_way_of_the_mean_wind():
     memory = (1.0, 0.0, 0.0, 0.0, 0.0)
-    air = turbulence.air(P, memory, place(0.0, wind=(0.0, -2.0, 0.1)))
+    air = turbulence.compute_air_motion(P, memory, place(0.0, wind=(0.0, -2.0, 0.1)))
     np.testing.assert_allclose(air, (0.0, -0.3, 0.0, 0.0, 0.0, 0.0), atol=1e-16)
-    side = turbulence.air(P, (0.0, 0.0, 1.0, 0.0, 0.0), place(0.0, wind=(0.0, -2.0, 0.1)))
+    side = turbulence.compute_air_motion(
+        P, (0.0, 0.0, 1.0, 0.0, 0.0), place(0.0, wind=(0.0, -2.0, 0.1))
+    )
     np.testing.assert_allclose(side[:2], (0.25 * (1.0 - math.sqrt(3.0)), 0.0), atol=1e-16)
     # In still air, along is x. Frozen turbulence: the acceleration of the air is zero.
-    assert turbulence.air(P, memory, place(1.0)) == (0.3, 0.0, 0.0, 0.0, 0.0, 0.0)
+    assert turbulence.compute_air_motion(P, memory, place(1.0)) == (0.3, 0.0, 0.0, 0.0, 0.0, 0.0)
     # Below 1 mm/s the mean wind counts as still.
     for north, turned in ((0.9e-3, False), (1.1e-3, True)):
-        head = turbulence.air(P, memory, place(0.0, wind=(0.0, north, 0.0)))
+        head = turbulence.compute_air_motion(P, memory, place(0.0, wind=(0.0, north, 0.0)))
         assert head[:2] == pytest.approx((0.0, 0.3) if turned else (0.3, 0.0))
 
 
@@ -169,6 +173,8 @@ def test_held_noise_keeps_the_variance_that_is_stated():
 
 def test_turbulence_without_a_length_is_refused():
     named = dict(zip((parameter.name for parameter in turbulence.PARAMETERS), P, strict=True))
-    assert turbulence.check(named) == ''
-    assert 'across_length' in turbulence.check({**named, 'across_length': 0.0})
-    assert turbulence.rate((0.0,) * 6, (0.0,) * STATES, place(1.0)) == (0.0,) * STATES
+    assert turbulence.find_conflict(named) == ''
+    assert 'across_length' in turbulence.find_conflict({**named, 'across_length': 0.0})
+    assert (
+        turbulence.compute_memory_rate((0.0,) * 6, (0.0,) * STATES, place(1.0)) == (0.0,) * STATES
+    )

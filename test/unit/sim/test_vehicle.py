@@ -3,12 +3,12 @@
 import math
 
 from lta_config.errors import BadInput
-from lta_config.files import find
+from lta_config.files import find_file
 from lta_config.quantity import Quantity
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_model.effects import EFFECTS, initial_memory
-from lta_model.electrical.panel import max_power
-from lta_model.state import DISPLACED, MASS, MASS_MOMENT, pack, RIGID
+from lta_model.electrical.panel import find_max_power
+from lta_model.state import DISPLACED, MASS, MASS_MOMENT, pack_state, RIGID
 from lta_model.vehicle import load_vehicle, Vehicle
 from lta_sim.kernels import kernel
 import numpy as np
@@ -26,12 +26,12 @@ def gtmab():
 def test_the_mass_budget_by_hand(gtmab):
     grams = [1e3 * part.mass.si for part in gtmab.file.parts.values()]
     assert sum(grams) == pytest.approx(271.0 + 48.8)  # the paper's table and the panels
-    assert 1e3 * gtmab.lift == pytest.approx(331.2, abs=0.05)
-    assert 1e3 * gtmab.ballast == pytest.approx(331.2 + 2.0 - 319.8, abs=0.05)
+    assert 1e3 * gtmab.gross_lift == pytest.approx(331.2, abs=0.05)
+    assert 1e3 * gtmab.ballast_mass == pytest.approx(331.2 + 2.0 - 319.8, abs=0.05)
     # 0.3432 m3 of 93 % helium (1 / 7.236 of air) and 7 % air.
     assert gtmab.volume == pytest.approx(VOLUME)
-    assert gtmab.gas == pytest.approx(VOLUME * (0.93 * 0.1664 + 0.07 * 1.2041), rel=1e-12)
-    assert gtmab.mass == pytest.approx(gtmab.gas + 1e-3 * (331.234 + 2.0), rel=1e-5)
+    assert gtmab.gas_mass == pytest.approx(VOLUME * (0.93 * 0.1664 + 0.07 * 1.2041), rel=1e-12)
+    assert gtmab.mass == pytest.approx(gtmab.gas_mass + 1e-3 * (331.234 + 2.0), rel=1e-5)
 
 
 def test_it_is_two_grams_heavy_in_any_air():
@@ -104,16 +104,16 @@ def test_added_mass_is_lambs(gtmab):
 
 
 def test_it_stands_where_its_gear_sinks_under_two_grams(gtmab):
-    assert gtmab.standing_height == pytest.approx(0.42 - 0.002 * G / 20.0, rel=1e-12)
+    assert gtmab.height_on_floor == pytest.approx(0.42 - 0.002 * G / 20.0, rel=1e-12)
 
 
 def test_without_a_gear_it_stands_on_its_hull():
-    assert build(('effects.floor_contact', None)).standing_height == pytest.approx(0.2995)
+    assert build(('effects.floor_contact', None)).height_on_floor == pytest.approx(0.2995)
 
 
 def test_lighter_than_air_its_gear_does_not_sink():
     light = build(('trim.heaviness', given(-2, 'g')))
-    assert light.standing_height == pytest.approx(0.42)
+    assert light.height_on_floor == pytest.approx(0.42)
     assert light.hover_duty == 0.0
 
 
@@ -132,11 +132,11 @@ def test_in_the_air_the_hover_duty_hovers(gtmab):
     memory = np.array(initial_memory())
     first = kernel.LAYOUT.remembers['motor_lag'] - RIGID
     memory[first : first + 2] = u
-    state = pack((0.0, 0.0, 1.0), memory=memory)
-    rate = kernel.derivative(state, gtmab.model(), (u, u, 0.0, 0.0))
+    state = pack_state((0.0, 0.0, 1.0), memory=memory)
+    rate = kernel.state_derivative(state, gtmab.build_model(), (u, u, 0.0, 0.0))
     np.testing.assert_allclose(rate[7:10], 0.0, atol=1e-12)
-    sinking = kernel.derivative(
-        pack((0, 0, 1.0), memory=initial_memory()), gtmab.model(), (0,) * 4
+    sinking = kernel.state_derivative(
+        pack_state((0, 0, 1.0), memory=initial_memory()), gtmab.build_model(), (0,) * 4
     )
     heavy = 0.002 * G / (gtmab.mass + gtmab.added_mass[2])
     assert sinking[9] == pytest.approx(-heavy, rel=1e-9)
@@ -152,7 +152,7 @@ def test_what_the_controllers_get(gtmab):
     assert gtmab.battery.resistance == 0.15
     assert (gtmab.loads.idle, gtmab.loads.transmitting) == pytest.approx((0.097, 0.023))
     assert (gtmab.loads.rotor_offset, gtmab.loads.rotor_slope) == pytest.approx((0.027, 23.96))
-    voltage, current = max_power(gtmab.panel.model_copy(update={'warming': 0.0}), 1000.0)
+    voltage, current = find_max_power(gtmab.panel.model_copy(update={'warming': 0.0}), 1000.0)
     assert voltage == pytest.approx(8.92, rel=0.02)  # two in series, and air of 20 degC
     assert voltage * current == pytest.approx(2.4976, rel=0.02)
     ring = gtmab.diodes
@@ -161,12 +161,12 @@ def test_what_the_controllers_get(gtmab):
 
 
 def test_drag_and_thrust_reach_the_effects(gtmab):
-    effects = gtmab.effects()
+    effects = gtmab.collect_effects()
     assert effects['quadratic_drag']['heave'] == 0.359
     assert effects['rotational_drag']['pitch'] == 6.2e-4
     assert effects['rotational_drag']['yaw_2'] == 6.4e-4
     assert effects['weight_and_buoyancy'] == {'gravity': G}
-    model = gtmab.model()
+    model = gtmab.build_model()
     assert model.body[MASS] == gtmab.mass
     assert model.body[DISPLACED] == pytest.approx(VOLUME * RHO)
     assert model.body[MASS_MOMENT + 2] == gtmab.mass * gtmab.cg[2]
@@ -239,7 +239,9 @@ def test_parameter_out_of_bounds():
 
 def test_what_the_whole_vehicle_lacks_names_its_file(tmp_path):
     path = tmp_path / 'mine.yaml'
-    path.write_text(find('vehicle', 'gtmab').read_text().replace('value: 116.8', 'value: 1168', 1))
+    path.write_text(
+        find_file('vehicle', 'gtmab').read_text().replace('value: 116.8', 'value: 1168', 1)
+    )
     with pytest.raises(BadInput) as caught:
         load_vehicle(str(path))
     assert str(caught.value).startswith(f'{path}: gtmab is ')

@@ -6,7 +6,7 @@ from lta_config.errors import BadInput
 from lta_config.schema.vehicle_file import VehicleFile
 from lta_model.effects import initial_memory
 from lta_model.limits import level_force
-from lta_model.state import pack
+from lta_model.state import pack_state
 from lta_model.vehicle import load_vehicle, Vehicle
 from lta_sim.kernels import kernel
 import numpy as np
@@ -26,7 +26,7 @@ def test_version_1_of_the_file_is_the_same_vehicle(gtmab):
     del old['layers'], old['hull']['shape'], old['control']
     for rotor in old['rotors'].values():
         del rotor['axis']
-    one, two = Vehicle(VehicleFile.model_validate(old), RHO).model(), gtmab.model()
+    one, two = Vehicle(VehicleFile.model_validate(old), RHO).build_model(), gtmab.build_model()
     np.testing.assert_array_equal(one.parameters, two.parameters)
     np.testing.assert_array_equal(one.body, two.body)
     np.testing.assert_array_equal(one.inverse, two.inverse)
@@ -37,7 +37,7 @@ def test_a_layer_is_swapped_by_one_edit(gtmab):
     box = GTMAB['layers']['sensors']['light_board']
     vehicle = build(('layers.sensors', {'small_board': box | {'mass': given(20, 'g')}}))
     assert vehicle.mass == pytest.approx(gtmab.mass, rel=1e-12)
-    assert vehicle.ballast == pytest.approx(gtmab.ballast + 0.0527)
+    assert vehicle.ballast_mass == pytest.approx(gtmab.ballast_mass + 0.0527)
     lower = 0.0527 * (0.395 - 0.33) / gtmab.mass
     assert vehicle.cg[2] == pytest.approx(gtmab.cg[2] - lower, rel=1e-12)
 
@@ -50,25 +50,25 @@ def test_the_drag_of_parts_comes_on_top_of_the_wind_tunnel():
     axes = ('surge', 'sway', 'heave')
     bare = build((frame, None))
     for vehicle, more in ((draggy, plate), (known, np.zeros(3)), (bare, np.zeros(3))):
-        forces = [vehicle.effects()['quadratic_drag'][axis] for axis in axes]
+        forces = [vehicle.collect_effects()['quadratic_drag'][axis] for axis in axes]
         np.testing.assert_allclose(forces, np.array((0.092, 0.092, 0.359)) + more, rtol=1e-12)
     # Its turning is damped in both cases: one strip, 32 cm along y at its place.
     for vehicle in (draggy, known):
-        strip = vehicle.effects()['strip_damping']
+        strip = vehicle.collect_effects()['strip_damping']
         assert [strip[name] for name in ('x_1', 'y_1', 'z_1')] == pytest.approx((0, 0, -0.345))
         assert [strip[f'half_{axis}_1'] for axis in 'xyz'] == pytest.approx((0, 0.16, 0))
         assert [strip[f'{axis}_1'] for axis in axes] == pytest.approx(plate)
         assert strip['translation'] == 0.0
-    assert 'strip_damping' not in bare.effects()
+    assert 'strip_damping' not in bare.collect_effects()
 
 
 def test_a_round_hull_has_its_whole_drag_at_any_heading(gtmab):
     """At 45 degrees to its axes the drag along the way is that along an axis, and not 0.71."""
-    model, speed = gtmab.model(), 0.8
+    model, speed = gtmab.build_model(), 0.8
     for heading in np.linspace(0.0, 2.0 * np.pi, 8, endpoint=False):
-        state = pack((0.0, 0.0, 5.0), memory=initial_memory())
+        state = pack_state((0.0, 0.0, 5.0), memory=initial_memory())
         state[7:9] = speed * np.cos(heading), speed * np.sin(heading)
-        drags = kernel.wrenches(state, model, np.zeros(4))
+        drags = kernel.effect_wrenches(state, model, np.zeros(4))
         force = drags['quadratic_drag'][:2] + drags['cross_flow'][:2]
         np.testing.assert_allclose(force, -0.092 * speed * state[7:9], atol=1e-15)
 
@@ -109,8 +109,8 @@ def test_reversed_thrust_has_its_own_column_and_size():
     assert vehicle.reversible == (True, False, False, False)
     jets = {}
     for duty in (1.0, -1.0):
-        state = pack((0, 0, 1.0), memory=initial_memory())
-        look = kernel.wrenches(state, vehicle.model(), (duty, 0, 0, 0))
+        state = pack_state((0, 0, 1.0), memory=initial_memory())
+        look = kernel.effect_wrenches(state, vehicle.build_model(), (duty, 0, 0, 0))
         jets[duty] = look['rotor_thrust'] + look['rotor_envelope_interaction']
     np.testing.assert_allclose(jets[1.0], 0.1592 * np.array((0, 0.013, 0.961, 0.188, 0, 0)))
     np.testing.assert_allclose(
@@ -133,8 +133,8 @@ def test_the_sentence_about_the_step_is_true():
     """RK4 of a lag: 0.19 s settles, 0.21 s grows (limit 2.785 tau = 0.2005 s)."""
     vehicle = build(('effects.floor_contact', None))
     for step, settles in ((0.19, True), (0.21, False)):
-        start = pack((0, 0, 1.0), memory=initial_memory())
-        state = kernel.advance(start, vehicle.model(), (1e-3,), np.zeros(3), step, 200)
+        start = pack_state((0, 0, 1.0), memory=initial_memory())
+        state = kernel.advance(start, vehicle.build_model(), (1e-3,), np.zeros(3), step, 200)
         lagged = state[kernel.LAYOUT.remembers['motor_lag']]
         assert (abs(lagged - 1e-3) < 1e-4) == settles
 
@@ -161,12 +161,12 @@ def weighed(**more):
 def test_a_weighed_vehicle_is_what_the_scale_says():
     """Filled until it is 2 g heavy, or as heavy as 0.3432 m3 of air leave it."""
     filled = build(*weighed(heaviness=given(2, 'g')))
-    assert (filled.mass, filled.displaced) == (0.4, pytest.approx(0.398, rel=1e-12))
+    assert (filled.mass, filled.displaced_mass) == (0.4, pytest.approx(0.398, rel=1e-12))
     np.testing.assert_array_equal(filled.cg, (0, 0, -0.1))
     expected = [[0.04, 0.001, 0.002], [0.001, 0.04, 0.003], [0.002, 0.003, 0.03]]
     np.testing.assert_array_equal(filled.inertia, expected)
     free = build(*weighed(ballast='none'))
-    assert free.displaced == pytest.approx(VOLUME * RHO)
+    assert free.displaced_mass == pytest.approx(VOLUME * RHO)
     assert free.heaviness == pytest.approx(0.4 - VOLUME * RHO)
     assert refused(*weighed(heaviness=given(500, 'g'))) == (
         'gtmab was weighed at 400.0 g and cannot be heavier than that; lower trim.heaviness.'
@@ -176,7 +176,7 @@ def test_a_weighed_vehicle_is_what_the_scale_says():
 def test_parts_that_fly_as_heavy_as_they_are():
     """Without ballast the 13.4 g that the trim would add are missing: 11.4 g light."""
     free = build(('trim', {'ballast': 'none'}))
-    assert free.ballast == 0.0
+    assert free.ballast_mass == 0.0
     assert 1e3 * free.heaviness == pytest.approx(319.8 - 331.23, abs=0.01)
     assert free.hover_duty == 0.0
 
@@ -192,7 +192,7 @@ def test_a_moving_mass_counts_where_it_rests(gtmab):
     }
     vehicle = build(('moving_mass', moving))
     assert vehicle.mass == pytest.approx(gtmab.mass, rel=1e-12)
-    assert vehicle.ballast == pytest.approx(gtmab.ballast - 0.010)
+    assert vehicle.ballast_mass == pytest.approx(gtmab.ballast_mass - 0.010)
     assert vehicle.cg[0] == pytest.approx(0.010 * 0.1 / gtmab.mass, rel=1e-12)
     shift = 0.010 * (-0.40 + 0.395) / gtmab.mass  # it was ballast at -39.5 cm
     assert vehicle.cg[2] == pytest.approx(gtmab.cg[2] + shift, rel=1e-12)
@@ -200,7 +200,7 @@ def test_a_moving_mass_counts_where_it_rests(gtmab):
     about = gtmab.inertia[1, 1] + gtmab.mass * gtmab.cg[2] ** 2
     about += 0.010 * (0.1**2 + 0.40**2 - 0.395**2) - gtmab.mass * (x * x + z * z)
     assert vehicle.inertia[1, 1] == pytest.approx(about, rel=1e-12)
-    assert vehicle.effects()['moving_mass'] == {
+    assert vehicle.collect_effects()['moving_mass'] == {
         'mass': 0.010, 'x': 0.1, 'y': 0.0, 'z': -0.4, 'lag': 0.2,
     }  # fmt: skip
 
@@ -208,8 +208,8 @@ def test_a_moving_mass_counts_where_it_rests(gtmab):
 def test_rotors_with_curves_of_their_own_have_no_common_one(gtmab):
     weaker = {'a': given(0, 'N'), 'b': given(0.1, 'N')}
     vehicle = build(('rotors.up_left.thrust_curve', weaker))
-    assert vehicle.effects()['thrust_curve']['b_1'] == 0.1
-    assert vehicle.effects()['thrust_curve']['b_2'] == 0.0677
+    assert vehicle.collect_effects()['thrust_curve']['b_1'] == 0.1
+    assert vehicle.collect_effects()['thrust_curve']['b_2'] == 0.0677
     # The pair hovers with equal thrust, and the weaker one at the larger duty.
     each = 0.002 * G / (2 * 0.961)
     assert vehicle.hover_duty == pytest.approx(max(each / 0.1, gtmab.hover_duty))

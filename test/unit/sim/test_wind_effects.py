@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from lta_config.errors import BadInput
 from lta_model.effects.air import gusts, steady_wind, turbulence, wind_gradient, wind_profile
-from lta_model.effects.protocol import Place
-from lta_model.military_turbulence import low_altitude
+from lta_model.effects.protocol import AirEffectInput
+from lta_model.military_turbulence import low_altitude_turbulence
 import numpy as np
 import pytest
 from scipy.integrate import quad
@@ -17,11 +17,18 @@ NO_AIR = (0.0,) * 6
 
 
 def at(x=0.0, y=0.0, z=0.0, velocity=CALM, wind=CALM):
-    return Place((x, y, z), velocity, wind, (0.0,) * 8)
+    return AirEffectInput((x, y, z), velocity, wind, (0.0,) * 8)
 
 
 def test_steady_wind_is_the_same_everywhere():
-    assert steady_wind.air((1.0, -2.0, 0.3), (), at(z=7.0)) == (1.0, -2.0, 0.3, 0.0, 0.0, 0.0)
+    assert steady_wind.compute_air_motion((1.0, -2.0, 0.3), (), at(z=7.0)) == (
+        1.0,
+        -2.0,
+        0.3,
+        0.0,
+        0.0,
+        0.0,
+    )
 
 
 # 8 m/s from west to east at 10 m over 0.3 m, as the seed paper's outdoor flight is read.
@@ -29,11 +36,13 @@ OUTDOORS = (8.0, 0.0, 10.0, 0.3)
 
 
 def test_profile_at_half_a_metre_as_the_paper_is_read():
-    wind = wind_profile.air((*OUTDOORS, 0.0), (), at(z=0.5))
+    wind = wind_profile.compute_air_motion((*OUTDOORS, 0.0), (), at(z=0.5))
     assert wind[0] == pytest.approx(8.0 * math.log(0.5 / 0.3) / math.log(10.0 / 0.3), rel=1e-14)
     assert round(wind[0], 1) == 1.2
     assert wind[1:] == (0.0,) * 5
-    assert wind_profile.air((*OUTDOORS, 0.0), (), at(z=10.0))[0] == pytest.approx(8.0, rel=1e-14)
+    assert wind_profile.compute_air_motion((*OUTDOORS, 0.0), (), at(z=10.0))[0] == pytest.approx(
+        8.0, rel=1e-14
+    )
 
 
 def quadrature(z, half):
@@ -47,28 +56,34 @@ def quadrature(z, half):
 @pytest.mark.parametrize('z', [0.1, 0.5, 0.599, 0.601, 1.0, 10.0])
 @pytest.mark.parametrize('half', [0.05, 0.3])
 def test_profile_is_the_mean_over_the_hull(z, half):
-    wind = wind_profile.air((*OUTDOORS, half), (), at(z=z))
+    wind = wind_profile.compute_air_motion((*OUTDOORS, half), (), at(z=z))
     assert wind[0] == pytest.approx(quadrature(z, half), rel=1e-9, abs=1e-12)
 
 
 def test_profile_has_its_direction_and_ends_at_the_ground():
     p = (3.0, -4.0, 10.0, 0.03, 0.3)
-    wind = wind_profile.air(p, (), at(z=2.0))
+    wind = wind_profile.compute_air_motion(p, (), at(z=2.0))
     assert wind[1] / wind[0] == pytest.approx(-4.0 / 3.0, rel=1e-14)
     for z in (-0.28, -1.0, -100.0):
-        assert wind_profile.air(p, (), at(z=z)) == NO_AIR
+        assert wind_profile.compute_air_motion(p, (), at(z=z)) == NO_AIR
 
 
 @pytest.mark.parametrize(('height', 'roughness'), [(10.0, 0.0), (0.3, 0.3), (0.2, 0.3)])
 def test_profile_without_ground_or_reference_above_it_is_no_wind(height, roughness):
     """Its logarithm would be of nothing, or turn the wind round."""
-    assert wind_profile.air((3.0, -4.0, height, roughness, 0.3), (), at(z=2.0)) == NO_AIR
+    assert (
+        wind_profile.compute_air_motion((3.0, -4.0, height, roughness, 0.3), (), at(z=2.0))
+        == NO_AIR
+    )
 
 
 @given(z=st.floats(-1.0, 20.0), half=st.sampled_from([0.0, 0.01, 0.3]))
 def test_profile_has_no_step(z, half):
     p, step = (8.0, 0.0, 10.0, 0.3, half), 1e-7
-    one, two = wind_profile.air(p, (), at(z=z)), wind_profile.air(p, (), at(z=z + step))
+    one, two = (
+        wind_profile.compute_air_motion(p, (), at(z=z)),
+        wind_profile.compute_air_motion(p, (), at(z=z + step)),
+    )
     # The steepest slope is that of the log at the roughness length: 8 / ln(10 / 0.3) / 0.3.
     assert abs(two[0] - one[0]) <= 7.7 * step
     # The integral cancels at a thin hull: 1e-16 of 100 m over 0.02 m.
@@ -79,19 +94,19 @@ def test_profile_has_no_step(z, half):
 @pytest.mark.parametrize('half', [0.0, 0.3])
 def test_air_that_rises_through_the_profile_speeds_up(z, half):
     p, w, step = (8.0, -3.0, 10.0, 0.3, half), 0.7, 1e-5
-    air = wind_profile.air(p, (), at(z=z, wind=(0.0, 0.0, w)))
-    above = np.array(wind_profile.air(p, (), at(z=z + step)))
-    below = np.array(wind_profile.air(p, (), at(z=z - step)))
+    air = wind_profile.compute_air_motion(p, (), at(z=z, wind=(0.0, 0.0, w)))
+    above = np.array(wind_profile.compute_air_motion(p, (), at(z=z + step)))
+    below = np.array(wind_profile.compute_air_motion(p, (), at(z=z - step)))
     rise = w * (above - below)[:3] / (2.0 * step)
     np.testing.assert_allclose(air[3:], rise, rtol=1e-7, atol=1e-9)
 
 
 def test_profile_without_ground_is_refused():
     named = dict(zip(('x', 'y', 'height', 'roughness'), OUTDOORS, strict=True))
-    assert wind_profile.check(named) == ''
-    assert 'roughness' in wind_profile.check({**named, 'roughness': 0.0})
-    assert 'height' in wind_profile.check({**named, 'height': 0.2})
-    assert wind_profile.check({'x': 0.0, 'y': 0.0, 'height': 10.0, 'roughness': 0.0}) == ''
+    assert wind_profile.find_conflict(named) == ''
+    assert 'roughness' in wind_profile.find_conflict({**named, 'roughness': 0.0})
+    assert 'height' in wind_profile.find_conflict({**named, 'height': 0.2})
+    assert wind_profile.find_conflict({'x': 0.0, 'y': 0.0, 'height': 10.0, 'roughness': 0.0}) == ''
 
 
 G = np.array([[0.3, -0.2, 0.1], [0.5, -0.1, 0.7], [-0.4, 0.6, -0.2]])
@@ -101,14 +116,16 @@ CURRENT = (1.0, 2.0, 3.0, *G.ravel()[:8].tolist())
 def test_gradient_by_hand():
     place = np.array([1.5, 1.0, 4.0])
     steady = np.array([0.2, -0.3, 0.1])
-    air = wind_gradient.air(CURRENT, (), at(*place.tolist(), wind=tuple(steady.tolist())))
+    air = wind_gradient.compute_air_motion(
+        CURRENT, (), at(*place.tolist(), wind=tuple(steady.tolist()))
+    )
     own = G @ (place - (1.0, 2.0, 3.0))
     np.testing.assert_allclose(air, [*own, *(G @ (own + steady))], rtol=1e-14)
 
 
 def test_gradient_keeps_the_volume_of_the_air():
     def flow(place):
-        return np.array(wind_gradient.air(CURRENT, (), at(*place.tolist()))[:3])
+        return np.array(wind_gradient.compute_air_motion(CURRENT, (), at(*place.tolist()))[:3])
 
     edges = np.eye(3)
     rise = sum((flow(edge) - flow(-edge))[i] for i, edge in enumerate(edges))
@@ -118,22 +135,24 @@ def test_gradient_keeps_the_volume_of_the_air():
 def test_air_follows_its_own_acceleration():
     """A parcel carried along for a moment has changed its velocity by DU/Dt."""
     place, step = np.array([0.3, -0.8, 1.1]), 1e-6
-    air = np.array(wind_gradient.air(CURRENT, (), at(*place.tolist())))
-    later = np.array(wind_gradient.air(CURRENT, (), at(*(place + step * air[:3]).tolist())))
+    air = np.array(wind_gradient.compute_air_motion(CURRENT, (), at(*place.tolist())))
+    later = np.array(
+        wind_gradient.compute_air_motion(CURRENT, (), at(*(place + step * air[:3]).tolist()))
+    )
     np.testing.assert_allclose((later - air)[:3] / step, air[3:], rtol=1e-7)
 
 
 def test_an_eddy_presses_to_its_axis():
     turn = 0.5
     eddy = (0.0, 0.0, 0.0, 0.0, -turn, 0.0, turn, 0.0, 0.0, 0.0, 0.0)
-    assert wind_gradient.air(eddy, (), at(x=2.0)) == (0.0, 1.0, 0.0, -0.5, 0.0, 0.0)
+    assert wind_gradient.compute_air_motion(eddy, (), at(x=2.0)) == (0.0, 1.0, 0.0, -0.5, 0.0, 0.0)
 
 
 GUST = (2.0, -1.0, 0.5, 3.0, 0.8, 1.5)  # begins at 3 s, rises in 0.8 s, stands for 1.5 s
 
 
 def gust(time):
-    return np.array(gusts.air(GUST, (time,), at()))
+    return np.array(gusts.compute_air_motion(GUST, (time,), at()))
 
 
 def test_gust_rises_stands_and_falls():
@@ -156,30 +175,30 @@ def test_gust_accelerates_as_it_changes(time):
 
 
 def test_gust_keeps_time():
-    assert gusts.rate(GUST, (3.3,), at()) == (1.0,)
+    assert gusts.compute_memory_rate(GUST, (3.3,), at()) == (1.0,)
     assert gusts.EFFECT.memory == (('time', 0.0),)
 
 
 def test_gust_without_a_length_is_refused_and_blows_nothing():
     named = {'x': 1.0, 'y': 0.0, 'z': 0.0, 'length': 0.0}
-    assert 'length' in gusts.check(named)
-    assert gusts.check({**named, 'length': 0.5}) == ''
-    assert gusts.air((1.0, 0.0, 0.0, 0.0, 0.0, 5.0), (1.0,), at()) == NO_AIR
+    assert 'length' in gusts.find_conflict(named)
+    assert gusts.find_conflict({**named, 'length': 0.5}) == ''
+    assert gusts.compute_air_motion((1.0, 0.0, 0.0, 0.0, 0.0, 5.0), (1.0,), at()) == NO_AIR
 
 
 def test_military_turbulence_by_hand():
     # At 100 ft, 0.177 + 0.0823 = 0.2593; 30 knots are 15.43 m/s.
-    found = low_altitude(30.48, 15.43)
+    found = low_altitude_turbulence(30.48, 15.43)
     assert found['up'] == pytest.approx(1.543)
     assert found['along'] == found['across'] == pytest.approx(1.543 / 0.2593**0.4, rel=1e-12)
     assert found['along_length'] == pytest.approx(30.48 / 0.2593**1.2, rel=1e-12)
     assert found['up_length'] == 30.48
     assert list(found) == [parameter.name for parameter in turbulence.PARAMETERS]
     # What the seed paper's wind would be at 6.1 m, and at half a metre if it reached there.
-    speed = wind_profile.air((*OUTDOORS, 0.0), (), at(z=6.096))[0]
+    speed = wind_profile.compute_air_motion((*OUTDOORS, 0.0), (), at(z=6.096))[0]
     assert round(0.1 * speed / (0.177 + 0.000823 * 0.5 / 0.3048) ** 0.4, 1) == 1.4
     # At 1000 ft it is isotropic: 0.177 + 0.823 = 1.
-    top = low_altitude(304.8, 10.0)
+    top = low_altitude_turbulence(304.8, 10.0)
     assert top['along'] == pytest.approx(top['up'], rel=1e-12)
     assert top['along_length'] == pytest.approx(304.8, rel=1e-12)
 
@@ -187,9 +206,9 @@ def test_military_turbulence_by_hand():
 @pytest.mark.parametrize('height', [0.5, 3.0, 310.0, math.nan])
 def test_military_turbulence_does_not_reach_down_to_a_blimp(height):
     with pytest.raises(BadInput, match='give intensity and length yourself'):
-        low_altitude(height, 8.0)
+        low_altitude_turbulence(height, 8.0)
 
 
 def test_military_turbulence_needs_a_speed():
     with pytest.raises(BadInput, match='-1 m/s'):
-        low_altitude(10.0, -1.0)
+        low_altitude_turbulence(10.0, -1.0)

@@ -4,7 +4,7 @@ from itertools import pairwise
 import math
 
 from lta_model.effects.air import wind_profile
-from lta_model.effects.protocol import Place
+from lta_model.effects.protocol import AirEffectInput
 from lta_model.state import POSITION, QUATERNION, RATES, SURROUNDINGS, VELOCITY
 from lta_sim.kernels.kernel import advance
 import numpy as np
@@ -52,8 +52,8 @@ def test_a_free_balloon_drifts_with_the_wind_at_its_height(height):
     profile = {'x': 8.0, 'y': 3.0, 'height': 10.0, 'roughness': 0.3, 'half_height': 0.3}
     start = balloon.at(position=(0.0, 0.0, height))
     state = advance(start, free({'wind_profile': profile}), OFF, CALM, 1e-2, 40_000)
-    place = Place((0.0, 0.0, height), CENTRED, CENTRED, (0.0,) * SURROUNDINGS)
-    there = wind_profile.air(tuple(profile.values()), (), place)[:3]
+    place = AirEffectInput((0.0, 0.0, height), CENTRED, CENTRED, (0.0,) * SURROUNDINGS)
+    there = wind_profile.compute_air_motion(tuple(profile.values()), (), place)[:3]
     np.testing.assert_allclose(in_map(state), there, rtol=1e-9)
     assert state[2] == height
 

@@ -4,18 +4,18 @@ from functools import cache
 import math
 
 from lta_config.constants import STANDARD_GRAVITY
-from lta_config.files import checked, find, load_yaml
+from lta_config.files import find_file, load_yaml, validate_content
 from lta_config.schema.vehicle_file import VehicleFile
-from lta_flight.ingredients import gather
+from lta_flight.flight_spec import load_spec
 from lta_model import limits
 from lta_model.vehicle import load_vehicle, Vehicle
 from lta_sim import wind_limits
 from lta_sim.wind_limits import (
     air_wrench,
     rise_speed,
-    share_at_hull,
-    static_limit,
+    static_wind_limit,
     thrust_speed,
+    wind_share_at_hull,
 )
 import pytest
 from scipy.optimize import brentq
@@ -29,14 +29,14 @@ def rises(name: str) -> float:
 
 @pytest.fixture
 def once(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let `static_limit` of a shipped vehicle take the speed at which it rises as found before."""
+    """Let `static_wind_limit` of a shipped vehicle take its rise speed as found before."""
     monkeypatch.setattr(wind_limits, 'rise_speed', lambda vehicle: rises(vehicle.file.name))
 
 
 def test_gtmab_by_hand(once):
     """Two forward rotors at full against its drag: F = D1 v + D2 v^2."""
     vehicle = load_vehicle('gtmab')
-    effects = vehicle.effects()
+    effects = vehicle.collect_effects()
     linear, quadratic = effects['linear_drag']['surge'], effects['quadratic_drag']['surge']
     force = limits.level_force(vehicle)
     assert 0.30 < force <= 2 * (0.0915 + 0.0677)
@@ -45,7 +45,7 @@ def test_gtmab_by_hand(once):
     assert thrust_speed(vehicle) == pytest.approx(speed, abs=2e-4)
     # The seed paper's thrust allows 1.5 (a sphere's drag) to 1.9 m/s.
     assert 1.5 < speed < 1.9
-    assert static_limit(vehicle) == rises('gtmab') < limits.tumble_speed(vehicle) < speed
+    assert static_wind_limit(vehicle) == rises('gtmab') < limits.tumble_speed(vehicle) < speed
 
 
 def test_gtmab_rises_where_the_balance_by_hand_says():
@@ -76,19 +76,19 @@ def test_gtmab_rises_where_the_balance_by_hand_says():
 
 
 def test_weight_holds_it_down():
-    told = gather('gtmab', 'hall', 'bag', '')
+    told = load_spec('gtmab', 'hall', 'bag', '')
     heavy = told.with_values({'vehicle.trim.heaviness': {'value': 10, 'unit': 'g'}})
-    vehicle = Vehicle(checked(VehicleFile, heavy.contents['vehicle'], 'heavy'))
+    vehicle = Vehicle(validate_content(VehicleFile, heavy.contents['vehicle'], 'heavy'))
     assert rise_speed(vehicle) > rises('gtmab') + 0.1
 
 
 def test_8_metres_a_second_aloft_are_at_the_edge_of_what_the_platform_can_and_14_beyond(once):
     vehicle = load_vehicle('gtmab')
-    share = share_at_hull(vehicle, 0.5, 10.0, 0.3)
+    share = wind_share_at_hull(vehicle, 0.5, 10.0, 0.3)
     assert 8.0 * share == pytest.approx(1.083, abs=2e-3)
-    assert static_limit(vehicle) == pytest.approx(8.0 * share, rel=0.03)
+    assert static_wind_limit(vehicle) == pytest.approx(8.0 * share, rel=0.03)
     # Over smoother ground 8 m/s are too much as well.
-    assert 8.0 * share_at_hull(vehicle, 0.5, 10.0, 0.1) > static_limit(vehicle)
+    assert 8.0 * wind_share_at_hull(vehicle, 0.5, 10.0, 0.1) > static_wind_limit(vehicle)
 
 
 def test_published_speeds():
@@ -100,8 +100,8 @@ def test_published_speeds():
 
 def test_the_air_turns_with_the_pitch():
     """Pitched by 90 degrees nose down, surge drag meets a vertical axis: the drag is heave's."""
-    model = load_vehicle('gtmab').model()
-    effects = load_vehicle('gtmab').effects()
+    model = load_vehicle('gtmab').build_model()
+    effects = load_vehicle('gtmab').collect_effects()
     drag = effects['linear_drag']['heave'] + effects['quadratic_drag']['heave']
     wrench = air_wrench(model, 1.0, 0.0, math.pi / 2)
     assert wrench[0] == pytest.approx(-drag, rel=1e-9)
@@ -111,7 +111,7 @@ def test_the_air_turns_with_the_pitch():
 def test_a_multirotor_leans_as_far_as_its_thrust_carries_it():
     """Held up, its level drag is 0.0064 N s/m at any pitch; 0.48 N carry 0.265 N up to 51 deg."""
     weight, pitch = 0.027 * STANDARD_GRAVITY, math.radians(51.0)  # of a grid of 3 degrees
-    assert static_limit(load_vehicle('multirotor')) == pytest.approx(
+    assert static_wind_limit(load_vehicle('multirotor')) == pytest.approx(
         weight * math.tan(pitch) / 0.0064, abs=0.01
     )
 
@@ -119,10 +119,10 @@ def test_a_multirotor_leans_as_far_as_its_thrust_carries_it():
 def test_a_drone_without_a_known_limit_has_none():
     """Half of that drag never meets the 0.40 N that a tilt leaves."""
     drag = {'value': [3.2e-3, 3.2e-3, 3.6e-3], 'unit': 'N s/m', 'source': 'test'}
-    slippery = load_yaml(find('vehicle', 'multirotor'))
+    slippery = load_yaml(find_file('vehicle', 'multirotor'))
     slippery['aero']['linear_drag']['force'] = drag
     vehicle = Vehicle(VehicleFile.model_validate(slippery))
-    assert static_limit(vehicle) == math.inf  # and so is the thrust's
+    assert static_wind_limit(vehicle) == math.inf  # and so is the thrust's
 
 
 @pytest.mark.long

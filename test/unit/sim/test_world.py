@@ -2,7 +2,7 @@
 
 import math
 
-from lta_sim.readings import Outcome
+from lta_sim.readings import FlightOutcome
 import numpy as np
 import pytest
 
@@ -16,9 +16,9 @@ def test_it_stands_still_before_take_off():
     assert (x, y) == pytest.approx((-3.5, 0.0), abs=1e-9)
     assert z == pytest.approx(0.42 - 0.002 * G / 20.0, abs=1e-9)
     np.testing.assert_allclose(world.state[7:13], 0.0, atol=1e-9)
-    assert world.outcome is Outcome.FLYING
+    assert world.outcome is FlightOutcome.FLYING
     assert world.elapsed == pytest.approx(4.0)
-    assert world.distance == pytest.approx(7.0)
+    assert world.goal_distance == pytest.approx(7.0)
 
 
 def test_the_start_is_drawn_within_the_spread():
@@ -41,16 +41,16 @@ def arrive(x, y, z=0.5, steps=0):
 
 
 def test_outcomes():
-    assert arrive(2.49, 0.0) is Outcome.FLYING
-    assert arrive(2.5001, 0.0) is Outcome.REACHED
-    assert arrive(3.5, -1.01) is Outcome.FLYING
-    assert arrive(3.5, 0.99, 2.9) is Outcome.REACHED  # horizontally
-    assert arrive(4.99, 3.99) is Outcome.FLYING
+    assert arrive(2.49, 0.0) is FlightOutcome.FLYING
+    assert arrive(2.5001, 0.0) is FlightOutcome.REACHED
+    assert arrive(3.5, -1.01) is FlightOutcome.FLYING
+    assert arrive(3.5, 0.99, 2.9) is FlightOutcome.REACHED  # horizontally
+    assert arrive(4.99, 3.99) is FlightOutcome.FLYING
     for lost in ((5.01, 3.0), (-5.01, 0.0), (0.0, 4.01), (0.0, -4.01), (0.0, 0.0, 3.01)):
-        assert arrive(*lost) is Outcome.ESCAPED
-    assert arrive(0.0, 0.0, steps=5998) is Outcome.FLYING
-    assert arrive(0.0, 0.0, steps=5999) is Outcome.TIMEOUT
-    assert arrive(3.0, 0.0, steps=5999) is Outcome.REACHED  # at the last moment
+        assert arrive(*lost) is FlightOutcome.ESCAPED
+    assert arrive(0.0, 0.0, steps=5998) is FlightOutcome.FLYING
+    assert arrive(0.0, 0.0, steps=5999) is FlightOutcome.TIMEOUT
+    assert arrive(3.0, 0.0, steps=5999) is FlightOutcome.REACHED  # at the last moment
 
 
 def test_an_outcome_stays():
@@ -59,7 +59,7 @@ def test_an_outcome_stays():
     world.advance(OFF)
     world.state[:3] = 0.0, 0.0, 0.5
     world.advance(OFF)
-    assert world.outcome is Outcome.REACHED
+    assert world.outcome is FlightOutcome.REACHED
 
 
 def test_rotors_that_do_not_reverse_never_push_backwards():
@@ -123,7 +123,7 @@ def test_wind_carries_it_and_never_faster_than_itself():
 
 def test_the_wrenches_are_those_of_the_effects():
     world = build()
-    given = world.wrenches()
+    given = world.effect_wrenches()
     assert set(given) >= {'weight_and_buoyancy', 'quadratic_drag', 'rotor_thrust', 'floor_contact'}
     # At rest the floor carries the two grams.
     assert given['floor_contact'][2] == pytest.approx(0.002 * G, rel=1e-6)

@@ -5,10 +5,10 @@ import math
 from lta_model.effects import EFFECTS
 from lta_model.light.view import LightView
 from lta_model.state import IRRADIANCE, NOISE, VOLTAGE, WIND
-from lta_sim.around import Around
 from lta_sim.command_link import CommandLink
+from lta_sim.environment import FlightEnvironment
 from lta_sim.kernels import kernel
-from lta_sim.readings import Readings
+from lta_sim.readings import VehicleReadings
 import numpy as np
 import pytest
 
@@ -44,10 +44,12 @@ def flown(steps=12, seed=3, **vehicle):
     return world, readings, states
 
 
-def plain(reading: Readings):
+def plain(reading: VehicleReadings):
     """Return a reading as something that compares."""
     block = None if reading.block is None else reading.block[1].tobytes()
-    return [getattr(reading, name) for name in Readings.__slots__ if name != 'block'] + [block]
+    return [getattr(reading, name) for name in VehicleReadings.__slots__ if name != 'block'] + [
+        block
+    ]
 
 
 def test_at_null_every_reading_stays_bit_for_bit():
@@ -94,7 +96,7 @@ def test_between_steps_a_late_tracker_interpolates():
     np.testing.assert_allclose(readings[59].truth, middle, rtol=0.0, atol=1e-7)
     # The flight itself between them, integrated.
     world, _, _ = flown(56)
-    model, command = world.vehicle.model(), world.command
+    model, command = world.vehicle.build_model(), world.command
     truth = kernel.advance(world.state, model, command, world._around.numbers, 0.0025, 2)
     np.testing.assert_allclose(readings[59].truth, truth[:13], rtol=0.0, atol=3e-4 / 8)
     assert math.hypot(*readings[59].truth[3:7]) == pytest.approx(1.0, abs=1e-15)
@@ -149,7 +151,7 @@ def test_a_late_command_takes_over_when_it_arrives():
     """13 ms: the rotors stand still for one period and 3 ms, then obey."""
     world, _, _ = flown(2, vehicle=given('command_delay', delay=0.013))
     still = build(seed=3)
-    model, around = still.vehicle.model(), still._around.numbers
+    model, around = still.vehicle.build_model(), still._around.numbers
     off, on = np.zeros(11), np.zeros(11)
     on[:4] = FLYING
     state = kernel.advance(still.state, model, off, around, 0.0025, 4)
@@ -177,8 +179,8 @@ def test_commands_overtake_each_other_only_forwards():
     link = CommandLink((True,), {}, ((slow, ()),))
     seen = []
     for k in range(4):
-        command = link.compose((0.1 * (k + 1),))
-        spans = link.spans(k * 10**7, (k + 1) * 10**7, k * 0.01, command)
+        command = link.pack_command((0.1 * (k + 1),))
+        spans = link.send_command(k * 10**7, (k + 1) * 10**7, k * 0.01, command)
         seen.append([(until, round(float(told[0]), 3)) for until, told in spans])
     assert seen == [
         [(10_000_000, 0.0)],
@@ -191,11 +193,11 @@ def test_commands_overtake_each_other_only_forwards():
 def test_a_moving_mass_rests_where_it_was_weighed_until_told():
     link = CommandLink((False, True), {'moving_mass': {'x': 0.07, 'z': 0.2}}, ())
     assert link.idle[8:].tolist() == [0.07, 0.0, 0.2]
-    assert link.compose((-0.5, -2.0)).tolist() == [0.0, -1.0, *[0.0] * 6, 0.07, 0.0, 0.2]
-    assert link.compose((0.5, 0.5), (0.1, 0.0, 0.2))[8:].tolist() == [0.1, 0.0, 0.2]
-    assert link.compose((0.5, 0.5))[8:].tolist() == [0.1, 0.0, 0.2]
+    assert link.pack_command((-0.5, -2.0)).tolist() == [0.0, -1.0, *[0.0] * 6, 0.07, 0.0, 0.2]
+    assert link.pack_command((0.5, 0.5), (0.1, 0.0, 0.2))[8:].tolist() == [0.1, 0.0, 0.2]
+    assert link.pack_command((0.5, 0.5))[8:].tolist() == [0.1, 0.0, 0.2]
     with pytest.raises(ValueError, match='give 3 finite numbers'):
-        link.compose((0.0, 0.0), (math.nan, 0.0, 0.0))
+        link.pack_command((0.0, 0.0), (math.nan, 0.0, 0.0))
 
 
 def test_a_sagging_battery_weakens_the_rotors():
@@ -203,8 +205,8 @@ def test_a_sagging_battery_weakens_the_rotors():
     world, _, _ = flown(200, vehicle=given('battery_sag', voltage=4.2))
     volts = world._around.numbers[VOLTAGE]
     assert 3.9 < volts < 4.15
-    around, model = world._around.numbers, world.vehicle.model()
-    thrusts = kernel.thrusts(world.state, model, world.command, around)
+    around, model = world._around.numbers, world.vehicle.build_model()
+    thrusts = kernel.rotor_thrusts(world.state, model, world.command, around)
     for thrust, duty in zip(thrusts, FLYING, strict=False):
         turning = duty * volts / 4.2
         assert thrust == pytest.approx(0.0915 * turning**2 + 0.0677 * turning, rel=1e-4)
@@ -215,14 +217,16 @@ def surrounded(effects, seed=1):
     world = build(scene={'air/wind': {'value': [0.4, -0.2, 0.1], 'unit': 'm/s'}})
     light = LightView(world.scenario.light_field, world.vehicle)
     chance = np.random.default_rng(seed)
-    return Around({name: {} for name in effects}, world.scenario, light, chance, 0.01, 0.5), world
+    return FlightEnvironment(
+        {name: {} for name in effects}, world.scenario, light, chance, 0.01, 0.5
+    ), world
 
 
 def test_surroundings_hold_wind_and_voltage_and_no_noise_unless_asked():
     around, world = surrounded(())
     around.refresh(world._pose(), 3.9, 0.0)
     assert around.numbers.tolist() == [0.4, -0.2, 0.1, 0.0, 0.0, 0.0, 0.0, 3.9, 0.0, 0.0, 0.0]
-    assert world._around.numbers[VOLTAGE] == world.supply.electrics[0]
+    assert world._around.numbers[VOLTAGE] == world.supply.cell_electrics[0]
     assert world._around.numbers[WIND] == 0.4
 
 
@@ -241,12 +245,12 @@ def test_superheat_sees_the_lamp_whichever_way_the_hull_is_turned():
     around, world = surrounded(('superheat',))
     around.refresh(world._pose(), 3.9, 0.0)
     lamp, ambient, room = (
-        world.scenario.light_field.__getattribute__(n) for n in ('lamp', 'ambient', 'room')
+        world.scenario.light_field.__getattribute__(n) for n in ('first_lamp', 'ambient', 'room')
     )
     ray = np.subtract(world.state[:3], lamp.position)
     squared = float(ray @ ray)
     leaving = float(ray @ lamp.axis) / math.sqrt(squared) / math.hypot(*lamp.axis)
-    lux = 10000.0 / math.pi * leaving / (squared + 0.015**2) + room.diffuse(10000.0)
+    lux = 10000.0 / math.pi * leaving / (squared + 0.015**2) + room.diffuse_illuminance(10000.0)
     expected = 0.5 * lux / lamp.efficacy + ambient.steady / ambient.efficacy
     assert around.numbers[IRRADIANCE] == pytest.approx(expected, rel=1e-12)
 

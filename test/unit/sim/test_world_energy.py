@@ -2,12 +2,12 @@
 
 import math
 
-from lta_config.files import known
-from lta_config.topics import topic_table
+from lta_config.files import list_shipped
+from lta_config.topics import load_topic_table
 from lta_model.electrical.battery import open_circuit_voltage
-from lta_model.electrical.panel import max_power, Panel
+from lta_model.electrical.panel import find_max_power, SolarArrayModel
 from lta_model.hull import half_axes
-from lta_model.light.panel_light import plane_of
+from lta_model.light.panel_light import build_panel_plane
 from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
 from lta_sim.world import World
@@ -15,7 +15,7 @@ import pytest
 
 from .lamp_room import build, fly, OFF
 
-PANEL = Panel.wired('anysolar', 2, 1)
+PANEL = SolarArrayModel.from_cells('anysolar', 2, 1)
 TRACKED, CONVERTED, OWN = 0.95, 0.85, 0.022
 BRIGHT = {'lamp/flux': '0 lm', 'ambient/steady': '100000 lx', 'ambient/mains_amplitude': '0 lx'}
 
@@ -34,7 +34,7 @@ def test_the_battery_drains_by_what_the_loads_draw(duty):
     # By hand: 97 + 23 mW, and of each turning rotor 27 mW + 23.96 W/N of 0.0915 u^2 + 0.0677 u.
     thrust = 0.0915 * duty**2 + 0.0677 * duty
     power = 0.120 + 4 * (0.027 + 23.96 * thrust) * (duty > 0)
-    assert world.supply.books.harvested == 0.0  # too dim for the charger
+    assert world.supply.energy_books.harvested == 0.0  # too dim for the charger
     resting = open_circuit_voltage(world.charge)
     # (E - 0.15 I) I = P for 5 s of 900 C; the RC pair adds 0.094 ohm of 6 s / 33 s.
     current = (resting - math.sqrt(resting**2 - 4 * 0.15 * power)) / (2 * 0.15)
@@ -52,7 +52,7 @@ def test_light_on_the_panel_charges():
     readings = fly(bright, 200)
     lux = readings[10].illuminance
     assert lux == pytest.approx(1e5, rel=1e-9)
-    voltage, current = max_power(PANEL, 1e5 / 300.0)
+    voltage, current = find_max_power(PANEL, 1e5 / 300.0)
     assert readings[10].panel[0] == pytest.approx(voltage, abs=0.04)
     assert readings[10].panel[1] == pytest.approx(TRACKED * current, abs=0.002)
     net = TRACKED * CONVERTED * voltage * current - OWN - 0.12
@@ -69,7 +69,7 @@ def test_the_panel_gives_more_of_the_sun_than_of_leds():
 
     # 50 klx are 476 W/m2 of sunlight and 167 W/m2 of LEDs: 2.86 times; warmth takes 3 % of it.
     assert harvest('105 lm/W') == pytest.approx(
-        TRACKED * math.prod(max_power(PANEL, 5e4 / 105.0)), rel=1e-9
+        TRACKED * math.prod(find_max_power(PANEL, 5e4 / 105.0)), rel=1e-9
     )
     assert harvest('105 lm/W') / harvest('300 lm/W') == pytest.approx(2.86, rel=0.03)
 
@@ -127,13 +127,13 @@ def test_a_brown_out_stops_the_motors():
 
 def test_the_panels_place_and_side_decide_its_light():
     hull = half_axes(load_vehicle('gtmab').file.hull)
-    top = plane_of(hull, (0.0, 0.0, 0.302), (0.0, 0.0, 1.0))
+    top = build_panel_plane(hull, (0.0, 0.0, 0.302), (0.0, 0.0, 1.0))
     assert top.share == pytest.approx(1.0)
     # 1 cm under a hull with a radius of 0.83 m there, it ends 9 deg above the horizon.
-    under = plane_of(hull, (0.0, 0.0, -0.31), (0.0, 0.0, 1.0))
+    under = build_panel_plane(hull, (0.0, 0.0, -0.31), (0.0, 0.0, 1.0))
     assert under.share == pytest.approx(math.sin(math.radians(9.1)) ** 2, abs=0.004)
     # A ball of radius r hides (r / d)^2 of what a plane sees that faces its middle from d.
-    ball = plane_of((0.5, 0.5, 0.5), (0.0, 0.0, -1.0), (0.0, 0.0, 1.0))
+    ball = build_panel_plane((0.5, 0.5, 0.5), (0.0, 0.0, -1.0), (0.0, 0.0, 1.0))
     assert ball.share == pytest.approx(1.0 - 0.5**2, abs=0.01)
 
     def below(normal):
@@ -164,13 +164,13 @@ def test_the_panels_place_and_side_decide_its_light():
     assert below([0, 0, -1]) == 0.0
 
 
-@pytest.mark.parametrize('name', known('scenarios'))
+@pytest.mark.parametrize('name', list_shipped('scenarios'))
 def test_the_books_balance_in_every_scenario(name):
     scenario = load_scenario(name)
-    world = World(load_vehicle('gtmab', scenario.air.density), scenario, topic_table(), 1)
+    world = World(load_vehicle('gtmab', scenario.air.density), scenario, load_topic_table(), 1)
     for step in range(300):
         world.advance((0.4, 0.4, 0.002 * step, 0.0))
-    books = world.supply.books
+    books = world.supply.energy_books
     assert books.consumed > 3 * 0.12
     assert abs(books.imbalance) < 1e-9 * books.consumed
 

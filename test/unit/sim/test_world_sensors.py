@@ -3,7 +3,7 @@
 import itertools
 import math
 
-from lta_model.sensors.light_block import Board
+from lta_model.sensors.photodiode_adc import PhotodiodeBoard
 from lta_sim.kernels import kernel
 import numpy as np
 import pytest
@@ -90,10 +90,10 @@ def test_the_imu_feels_the_thrust_where_it_sits():
     lag = kernel.LAYOUT.remembers['motor_lag']
     pushed.state[lag + 2 : lag + 4] = 1.0
     pushed.command[2:4] = 1.0
-    rate = kernel.derivative(pushed.state, pushed.vehicle.model(), pushed.command)
+    rate = kernel.state_derivative(pushed.state, pushed.vehicle.build_model(), pushed.command)
     felt = rate[7:10] + np.cross(rate[10:13], (0.0, 0.0, -0.36))
     assert felt[0] > 0.5
-    idle = kernel.derivative(still.state, still.vehicle.model(), still.command)
+    idle = kernel.state_derivative(still.state, still.vehicle.build_model(), still.command)
     told = np.subtract(pushed.sense().force, still.sense().force)  # the same noise and bias
     np.testing.assert_allclose(told, felt - idle[7:10], rtol=0.011, atol=0.004)
 
@@ -141,14 +141,14 @@ def test_the_lamp_is_in_the_light(rested):
 
 def test_amplifiers_and_poses_go_on_from_block_to_block(monkeypatch):
     world = build(seed=5)
-    calls, own = [], Board.block
+    calls, own = [], PhotodiodeBoard.sample_block
 
     def spy(board, light, start, generator, state):
         block, after = own(board, light, start, generator, state)
         calls.append((light.modulated, state, after))
         return block, after
 
-    monkeypatch.setattr(Board, 'block', spy)
+    monkeypatch.setattr(PhotodiodeBoard, 'sample_block', spy)
     fly(world, 41, (0.3, 0.3, 0.5, 0.2))
     assert len(calls) == 4
     assert calls[0][1] is None

@@ -6,9 +6,9 @@ from lta_config.constants import STANDARD_GRAVITY
 from lta_model import messages
 from lta_model.effects import initial_memory
 from lta_model.effects.air import turbulence
-from lta_model.effects.protocol import Place
+from lta_model.effects.protocol import AirEffectInput
 from lta_model.state import RIGID, SURROUNDINGS
-from lta_sim.around import memory_at_start
+from lta_sim.environment import draw_initial_memory
 from lta_sim.kernels.kernel import LAYOUT
 import numpy as np
 import pytest
@@ -33,7 +33,7 @@ def test_the_topic_tells_the_wind_over_rough_ground_at_the_hull():
 
     mean = (area(z + half) - area(z - half)) / (2.0 * half * math.log(10.0 / rough))
     assert world.wind == pytest.approx((0.0, 8.0 * mean, 0.0), rel=1e-12, abs=1e-12)
-    message = messages.wind(messages.Time(), world.wind)
+    message = messages.build_wind(messages.Time(), world.wind)
     assert message.vector.y == world.wind[1]
 
 
@@ -67,9 +67,9 @@ def test_a_flight_begins_in_turbulence_that_has_long_been():
     p = (0.3, 0.2, 0.1, 2.0, 2.0, 2.0)
     first = LAYOUT.remembers['turbulence'] - RIGID
     for seed in range(4000):
-        memory = memory_at_start(effect, np.random.default_rng(seed))
-        place = Place(STILL, STILL, STILL, (0.0,) * SURROUNDINGS)
-        winds.append(turbulence.air(p, tuple(memory[first : first + 5]), place)[:3])
+        memory = draw_initial_memory(effect, np.random.default_rng(seed))
+        place = AirEffectInput(STILL, STILL, STILL, (0.0,) * SURROUNDINGS)
+        winds.append(turbulence.compute_air_motion(p, tuple(memory[first : first + 5]), place)[:3])
     # The estimate of a deviation from 4000 draws is good to 1.1 %; of a mean to 1.6 % of it.
     np.testing.assert_allclose(np.std(winds, axis=0), p[:3], rtol=0.045)
     assert np.all(abs(np.mean(winds, axis=0)) < 0.065 * np.array(p[:3]))
@@ -78,7 +78,9 @@ def test_a_flight_begins_in_turbulence_that_has_long_been():
 def test_the_start_is_stationary_and_stays_so():
     """Covariance of the filters: A S + S A' + B B' = 0, A = b (-1 0; 1 -1), B = (sqrt b, 0)."""
     generator = np.random.default_rng(1)
-    drawn = np.array([turbulence.stationary(tuple(z)) for z in generator.normal(size=(40000, 5))])
+    drawn = np.array(
+        [turbulence.stationary_memory(tuple(z)) for z in generator.normal(size=(40000, 5))]
+    )
     s = np.cov(drawn[:, 1:3].T)
     a, noise = np.array([[-1.0, 0.0], [1.0, -1.0]]), np.diag([1.0, 0.0])
     np.testing.assert_allclose(a @ s + s @ a.T + noise, 0.0, atol=0.03)
@@ -88,7 +90,7 @@ def test_the_start_is_stationary_and_stays_so():
 
 def test_without_turbulence_nothing_is_drawn():
     generator = np.random.default_rng(1)
-    assert memory_at_start({}, generator) == list(initial_memory())
+    assert draw_initial_memory({}, generator) == list(initial_memory())
     assert generator.random() == np.random.default_rng(1).random()
 
 
@@ -119,7 +121,7 @@ def test_a_hand_holds_the_drone_until_it_lets_go():
     wind = {'value': [-0.6, 0.0, 0.0], 'unit': 'm/s'}
     world = build(scene={'air/wind': wind, 'start/held': '2 s'})
     begun = world.state[:RIGID].copy()
-    while world.held:
+    while world.is_held:
         readings = world.sense()
         assert readings.force == pytest.approx((0.0, 0.0, STANDARD_GRAVITY), abs=0.3)
         world.advance((0.0,) * 4)

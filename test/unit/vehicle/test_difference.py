@@ -1,10 +1,10 @@
 """Where two vehicles differ, and what follows from it."""
 
 from lta_config.errors import BadInput
-from lta_config.files import find
+from lta_config.files import find_file
 from lta_model.vehicle import load_vehicle
-from lta_vehicle.difference import changes, difference, vehicle_with
-from lta_vehicle.views.scripts import plain_difference
+from lta_vehicle.difference import compare_vehicles, find_changes, load_vehicle_variant
+from lta_vehicle.views.json_output import encode_difference
 import pytest
 
 BATTERY = 'layers.propulsion_and_control.battery.mass'
@@ -21,7 +21,7 @@ def shifts(found):
 
 def test_a_heavier_battery_takes_its_weight_off_the_ballast(gtmab):
     """7 g move from 39.5 to 36.5 cm below the centre: the CG of 415.3 g rises by 0.0506 cm."""
-    found = difference(gtmab, vehicle_with('gtmab', [f'{BATTERY}=14 g']))
+    found = compare_vehicles(gtmab, load_vehicle_variant('gtmab', [f'{BATTERY}=14 g']))
     assert [change.place for change in found.changes] == [BATTERY]
     (change,) = found.changes
     assert (change.before.value, change.after.value) == ('7 g', '14 g')
@@ -34,7 +34,7 @@ def test_a_heavier_battery_takes_its_weight_off_the_ballast(gtmab):
 
 
 def test_a_heavier_vehicle_hovers_harder(gtmab):
-    found = difference(gtmab, vehicle_with('gtmab', ['vehicle.trim.heaviness=4 g']))
+    found = compare_vehicles(gtmab, load_vehicle_variant('gtmab', ['vehicle.trim.heaviness=4 g']))
     shift = shifts(found)
     assert shift['ballast'] == pytest.approx(2.0)
     assert shift['mass'] == pytest.approx(2.0)
@@ -44,26 +44,26 @@ def test_a_heavier_vehicle_hovers_harder(gtmab):
 
 
 def test_a_layer_is_taken_from_another_file(gtmab, tmp_path):
-    text = find('vehicle', 'gtmab').read_text('utf-8').replace('value: 61.1', 'value: 41.1')
+    text = find_file('vehicle', 'gtmab').read_text('utf-8').replace('value: 61.1', 'value: 41.1')
     (tmp_path / 'light.yaml').write_text(text)
-    swapped = vehicle_with('gtmab', swaps=[f'sensors={tmp_path / "light.yaml"}'])
-    found = difference(gtmab, swapped)
+    swapped = load_vehicle_variant('gtmab', swaps=[f'sensors={tmp_path / "light.yaml"}'])
+    found = compare_vehicles(gtmab, swapped)
     assert [change.place for change in found.changes] == ['layers.sensors.light_board.mass']
     assert shifts(found)['ballast'] == pytest.approx(20.0)
 
 
 def test_the_same_in_other_units_is_no_difference(tmp_path):
-    text = find('vehicle', 'gtmab').read_text('utf-8')
+    text = find_file('vehicle', 'gtmab').read_text('utf-8')
     text = text.replace('value: 116.8, unit: g', 'value: 0.1168, unit: kg')
     (tmp_path / 'same.yaml').write_text(text)
-    found = difference(load_vehicle('gtmab'), load_vehicle(str(tmp_path / 'same.yaml')))
+    found = compare_vehicles(load_vehicle('gtmab'), load_vehicle(str(tmp_path / 'same.yaml')))
     assert found.changes == []
     assert found.consequences == []
 
 
 def test_an_effect_that_is_switched_on_comes_with_its_source(gtmab, tmp_path):
     text = (
-        find('vehicle', 'gtmab')
+        find_file('vehicle', 'gtmab')
         .read_text('utf-8')
         .replace(
             '\neffects:\n',
@@ -73,14 +73,14 @@ def test_an_effect_that_is_switched_on_comes_with_its_source(gtmab, tmp_path):
     )
     (tmp_path / 'learned.yaml').write_text(text)
     other = load_vehicle(str(tmp_path / 'learned.yaml'))
-    (change,) = changes(gtmab.file, other.file)
+    (change,) = find_changes(gtmab.file, other.file)
     assert change.place == 'effects.thrust_scale.factor'
     assert change.before is None
     assert change.after.source == 'discovery: 0.93, 95 % 0.91 to 0.95'
 
 
 def test_a_part_that_only_one_has_is_one_change(gtmab):
-    found = changes(gtmab.file, load_vehicle('sblimp').file)
+    found = find_changes(gtmab.file, load_vehicle('sblimp').file)
     by_place = {change.place: change for change in found}
     motors = by_place['layers.quadrotor.motors']
     assert motors.before is None
@@ -91,7 +91,9 @@ def test_a_part_that_only_one_has_is_one_change(gtmab):
 
 
 def test_scripts_get_numbers_in_si(gtmab):
-    found = plain_difference(difference(gtmab, vehicle_with('gtmab', [f'{BATTERY}=14 g'])))
+    found = encode_difference(
+        compare_vehicles(gtmab, load_vehicle_variant('gtmab', [f'{BATTERY}=14 g']))
+    )
     (change,) = found['changes']
     assert change['before']['value'] == pytest.approx(0.007)
     assert change['after']['unit'] == 'kg'
@@ -112,4 +114,4 @@ def test_scripts_get_numbers_in_si(gtmab):
 )
 def test_what_cannot_be_changed_is_said(sets, swaps, sentence):
     with pytest.raises(BadInput, match=sentence):
-        vehicle_with('gtmab', sets, swaps)
+        load_vehicle_variant('gtmab', sets, swaps)

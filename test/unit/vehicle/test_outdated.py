@@ -3,14 +3,14 @@
 from io import StringIO
 import math
 
-from lta_config.files import known
+from lta_config.files import list_shipped
 from lta_config.schema.aero_file import load_aero_file
 from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_model.propulsion import by_geometry
+from lta_model.propulsion import geometric_column
 from lta_model.vehicle import load_vehicle
-from lta_vehicle.difference import difference, vehicle_with
-from lta_vehicle.outdated import columns_elsewhere
-from lta_vehicle.views.scripts import plain_difference
+from lta_vehicle.difference import compare_vehicles, load_vehicle_variant
+from lta_vehicle.stale_aero import find_stale_columns
+from lta_vehicle.views.json_output import encode_difference
 from lta_vehicle.views.terminal import show_difference
 import pytest
 from rich.console import Console
@@ -21,8 +21,8 @@ WIDE = [
 ]
 # Vehicles, and vehicles as they fly with what is shipped beside them.
 FLOWN = [
-    *((name, None) for name in known('vehicles')),
-    *((load_aero_file(name).vehicle, name) for name in known('aero', '.aero.yaml')),
+    *((name, None) for name in list_shipped('vehicles')),
+    *((load_aero_file(name).vehicle, name) for name in list_shipped('aero', '.aero.yaml')),
 ]
 
 
@@ -32,7 +32,7 @@ def gtmab():
 
 
 def warned(*sets):
-    return list(columns_elsewhere(vehicle_with('gtmab', sets).file))
+    return list(find_stale_columns(load_vehicle_variant('gtmab', sets).file))
 
 
 def file_of(vehicle, aero):
@@ -42,7 +42,7 @@ def file_of(vehicle, aero):
 
 @pytest.mark.parametrize(('vehicle', 'aero'), FLOWN)
 def test_no_shipped_column_is_called_outdated(vehicle, aero):
-    assert list(columns_elsewhere(file_of(vehicle, aero))) == []
+    assert list(find_stale_columns(file_of(vehicle, aero))) == []
 
 
 def test_the_thresholds_have_room_above_all_that_is_shipped():
@@ -51,7 +51,7 @@ def test_the_thresholds_have_room_above_all_that_is_shipped():
     for file in (file_of(*each) for each in FLOWN):
         for name, column in file.aero.thrust_allocation.items():
             rotor, force = file.rotors[name], column.force.vector
-            plain = by_geometry(rotor)
+            plain = geometric_column(rotor)
             along = sum(a * b for a, b in zip(force, plain[:3], strict=True))
             angles.append(math.degrees(math.acos(along / math.hypot(*force))))
             off = math.dist(column.moment.vector, plain[3:])
@@ -62,7 +62,7 @@ def test_the_thresholds_have_room_above_all_that_is_shipped():
 
 def test_place_and_axis_make_a_column_by_hand(gtmab):
     """A push of 1 N forward, 10 cm to the left and 40 cm below: -0.4 N m nose up, -0.1 left."""
-    assert by_geometry(gtmab.file.rotors['forward_left']) == pytest.approx(
+    assert geometric_column(gtmab.file.rotors['forward_left']) == pytest.approx(
         (1.0, 0.0, 0.0, 0.0, -0.4, -0.1)
     )
 
@@ -98,9 +98,9 @@ def test_only_what_changes_the_lever_is_far(place, is_far):
 
 
 def test_without_columns_there_is_nothing_to_be_outdated(gtmab):
-    wide = vehicle_with('gtmab', WIDE).file
+    wide = load_vehicle_variant('gtmab', WIDE).file
     bare = wide.model_copy(update={'aero': wide.aero.model_copy(update={'thrust_allocation': {}})})
-    assert list(columns_elsewhere(bare)) == []
+    assert list(find_stale_columns(bare)) == []
 
 
 def said(found):
@@ -110,8 +110,8 @@ def said(found):
 
 
 def test_diff_says_which_columns_held_moved_rotors(gtmab):
-    found = difference(gtmab, vehicle_with('gtmab', WIDE))
-    (told,) = found.kept
+    found = compare_vehicles(gtmab, load_vehicle_variant('gtmab', WIDE))
+    (told,) = found.stale_aero_notes
     assert told.startswith(
         'forward_left, forward_right: moved or turned, but aero.thrust_allocation has the same '
         'columns as before'
@@ -120,26 +120,34 @@ def test_diff_says_which_columns_held_moved_rotors(gtmab):
     words = said(found)
     assert told in words
     assert 'Nothing follows' not in words
-    assert plain_difference(found)['warnings'] == [told]
+    assert encode_difference(found)['warnings'] == [told]
 
 
 def test_diff_is_silent_where_the_column_came_along(gtmab):
     column = 'aero.thrust_allocation.forward_left.moment=[0, -0.4, -0.2] m'
-    found = difference(gtmab, vehicle_with('gtmab', [WIDE[0], column]))
-    assert found.kept == []
+    found = compare_vehicles(gtmab, load_vehicle_variant('gtmab', [WIDE[0], column]))
+    assert found.stale_aero_notes == []
     assert 'push_turn_right' in {item.figure.key for item in found.consequences}
 
 
 def test_diff_says_that_the_drag_is_of_another_hull(gtmab):
     larger = ['hull.diameter=110 cm', 'hull.height=65.9 cm']
-    (told,) = difference(gtmab, vehicle_with('gtmab', larger)).kept
+    (told,) = compare_vehicles(gtmab, load_vehicle_variant('gtmab', larger)).stale_aero_notes
     assert told == (
         'The hull has another shape or size, but aero has the same drag as before; make it anew '
         'with lta cfd run.'
     )
     drag = 'aero.quadratic_drag.force=[0.114, 0.111, 0.445] N s2/m2'
-    assert difference(gtmab, vehicle_with('gtmab', [*larger, drag])).kept == []
-    assert difference(gtmab, vehicle_with('gtmab', ['hull.purity=95 %'])).kept == []
+    assert (
+        compare_vehicles(gtmab, load_vehicle_variant('gtmab', [*larger, drag])).stale_aero_notes
+        == []
+    )
+    assert (
+        compare_vehicles(
+            gtmab, load_vehicle_variant('gtmab', ['hull.purity=95 %'])
+        ).stale_aero_notes
+        == []
+    )
 
 
 def test_a_column_that_pushes_nowhere_is_judged_by_its_moment(gtmab):
@@ -148,4 +156,4 @@ def test_a_column_that_pushes_nowhere_is_judged_by_its_moment(gtmab):
     nothing = column.force.model_copy(update={'value': (0.0, 0.0, 0.0)})
     still = column.model_copy(update={'force': nothing})
     aero = gtmab.file.aero.model_copy(update={'thrust_allocation': {'forward_left': still}})
-    assert list(columns_elsewhere(gtmab.file.model_copy(update={'aero': aero}))) == []
+    assert list(find_stale_columns(gtmab.file.model_copy(update={'aero': aero}))) == []

@@ -2,20 +2,20 @@
 
 import math
 
-from lta_config.files import known
-from lta_config.schema.vehicle_body import Hull
+from lta_config.files import list_shipped
+from lta_config.schema.vehicle_body import HullBlock
 from lta_model.effects import initial_memory
 from lta_model.limits import level_force
-from lta_model.state import pack
+from lta_model.state import pack_state
 from lta_model.vehicle import load_vehicle
 from lta_sim.kernels import kernel
 from lta_vehicle.figures.climb import time_to_climb
-from lta_vehicle.figures.entries import entries, numbers
-from lta_vehicle.figures.leak import surface
-from lta_vehicle.figures.reach import reach
-from lta_vehicle.figures.sheet import sheet_of
-from lta_vehicle.figures.swing import swing
-from lta_vehicle.views.words import headline, sentences
+from lta_vehicle.figures.entries import list_entries, list_numbers
+from lta_vehicle.figures.helium_leak import film_area
+from lta_vehicle.figures.pendulum import compute_pendulum_mode
+from lta_vehicle.figures.sheet import build_sheet
+from lta_vehicle.figures.wrench_limit import solve_wrench_limit
+from lta_vehicle.views.summary import describe_vehicle, format_headline
 import numpy as np
 import pytest
 
@@ -23,12 +23,12 @@ from ..sim.changed_vehicle import build, given  # noqa: TID252 - `test` is Pytho
 
 G = 9.80665
 FULL = 0.0915 + 0.0677  # N of one rotor
-VEHICLES = known('vehicles')
+VEHICLES = list_shipped('vehicles')
 
 
 @pytest.fixture(scope='module')
 def gtmab():
-    return sheet_of(load_vehicle('gtmab'))
+    return build_sheet(load_vehicle('gtmab'))
 
 
 def value(sheet, key):
@@ -53,7 +53,7 @@ def test_the_budget_adds_up_to_the_mass(gtmab):
 
 @pytest.mark.parametrize('name', VEHICLES)
 def test_every_budget_adds_up(name):
-    sheet = sheet_of(load_vehicle(name))
+    sheet = build_sheet(load_vehicle(name))
     assert sum(share.mass for share in sheet.budget) == pytest.approx(sheet.vehicle.mass)
 
 
@@ -98,14 +98,14 @@ def test_pushes_forward_and_left_are_the_limits_of_level_flight(name):
     """`lta_model.limits` asks the same of a heading with a programme of its own."""
     vehicle = load_vehicle(name)
     for direction, heading in (('forward', 0.0), ('left', math.pi / 2), ('right', -math.pi / 2)):
-        assert reach(vehicle, direction).most == pytest.approx(
+        assert solve_wrench_limit(vehicle, direction).most == pytest.approx(
             level_force(vehicle, heading), abs=1e-9
         )
 
 
 def test_a_glider_cannot_hold_altitude_and_says_so():
-    sheet = sheet_of(load_vehicle('rgblimp'))
-    assert reach(sheet.vehicle, 'forward') is None
+    sheet = build_sheet(load_vehicle('rgblimp'))
+    assert solve_wrench_limit(sheet.vehicle, 'forward') is None
     assert value(sheet, 'push_forward') == pytest.approx(120.0)
     assert 'without holding altitude' in sheet.by_key['push_forward'].note
     assert value(sheet, 'hover_duty') is None
@@ -115,18 +115,18 @@ def test_a_glider_cannot_hold_altitude_and_says_so():
 
 def tilted(vehicle, angle):
     """Return the state of a vehicle pitched by an angle."""
-    state = pack((0.0, 0.0, 100.0), memory=initial_memory())
+    state = pack_state((0.0, 0.0, 100.0), memory=initial_memory())
     state[3:7] = (0.0, math.sin(angle / 2), 0.0, math.cos(angle / 2))
     return state
 
 
 def pitches(vehicle, angle, step, count):
     """Let a vehicle go and return sin(pitch) at even steps. [1]"""
-    model, state, found = vehicle.model(), tilted(vehicle, angle), []
+    model, state, found = vehicle.build_model(), tilted(vehicle, angle), []
     for _ in range(count):
         x, y, z, w = state[3:7]
         found.append(2.0 * (w * y - z * x))
-        state = kernel.advance(state, model, vehicle.command([0.0] * 4), (), step / 4, 4)
+        state = kernel.advance(state, model, vehicle.pack_command([0.0] * 4), (), step / 4, 4)
     return np.array(found)
 
 
@@ -149,18 +149,18 @@ def test_the_period_is_that_of_the_kernel_in_free_air():
     times = crossings(pitches(vehicle, math.radians(1.0), 0.01, 1500), 0.01)
     assert len(times) > 10
     period = 2.0 * np.diff(times).mean()
-    assert swing(vehicle, 'pitch').period == pytest.approx(period, rel=2e-4)
+    assert compute_pendulum_mode(vehicle, 'pitch').period == pytest.approx(period, rel=2e-4)
 
 
 def test_the_damping_is_that_of_the_kernel_at_five_degrees():
     """What a swing loses in one period at 5 degrees; the surge that goes with it is damped too."""
     vehicle = build(NEUTRAL)
-    found = swing(vehicle, 'pitch')
+    found = compute_pendulum_mode(vehicle, 'pitch')
     step = 0.005
     values = pitches(vehicle, math.radians(5.0), step, round(1.2 * found.period / step))
     back = values[round(0.8 * found.period / step) :].max()
     lost = math.log(math.sin(math.radians(5.0)) / back)
-    assert lost == pytest.approx(2.0 * math.pi * found.ratio, rel=0.03)
+    assert lost == pytest.approx(2.0 * math.pi * found.damping_ratio, rel=0.03)
 
 
 def test_helium_of_gtmab_by_hand(gtmab):
@@ -182,49 +182,51 @@ def area(half):
 
 @pytest.mark.parametrize('length', [0.52, 1.092, 0.3])
 def test_surface_of_a_spheroid_against_narrow_cones(length):
-    hull = Hull.model_validate({
+    hull = HullBlock.model_validate({
         'shape': 'spheroid', 'axis': 'x', 'diameter': given(0.52, 'm'),
         'length': given(length, 'm'), 'purity': given(93, '%'),
     })  # fmt: skip
-    assert surface(hull) == pytest.approx(area((0.26, length / 2)), rel=1e-6)
+    assert film_area(hull) == pytest.approx(area((0.26, length / 2)), rel=1e-6)
 
 
 def test_every_number_has_its_place_and_source(gtmab):
     file = gtmab.vehicle.file
-    by_place = {entry.place: entry for entry in numbers(file)}
+    by_place = {entry.place: entry for entry in list_numbers(file)}
     battery = by_place['layers.propulsion_and_control.battery.mass']
     assert (battery.value, battery.source) == ('7 g', 'seed paper, 1S 250 mAh')
     assert by_place['trim.ballast_position'].value == '[0, 0, -39.5] cm'
-    assert by_place['trim.ballast_position'].assumed
+    assert by_place['trim.ballast_position'].is_assumed
     assert all(entry.source for entry in by_place.values())
-    assert any(entry.place == 'hull.shape' for entry in entries(file))
+    assert any(entry.place == 'hull.shape' for entry in list_entries(file))
 
 
 def test_what_is_assumed_is_counted_where_it_is_used(gtmab):
     # Of what carries it: five places of rotors and the ballast's; the heaviness is from the paper.
-    used, assumed = gtmab.rests_on(gtmab.by_key['hover_duty'])
+    used, assumed = gtmab.count_inputs(gtmab.by_key['hover_duty'])
     assert (used, assumed) == (24, 5)
-    assert gtmab.assumed == sum('assumed' in entry.source for entry in gtmab.numbers)
+    assert gtmab.assumed_count == sum('assumed' in entry.source for entry in gtmab.numbers)
 
 
 def test_the_headline_says_what_matters(gtmab):
-    assert headline(gtmab) == (
+    assert format_headline(gtmab) == (
         'gtmab weighs 415.3 g, gas included, and is 2.00 g heavier than air; it hovers at 12.8 % '
         'duty'
     )
-    assert headline(sheet_of(load_vehicle('blimp2b'))).endswith('gas included, and floats')
-    assert 'cannot carry it' in headline(sheet_of(load_vehicle('rgblimp')))
-    assert any('It can hover until 29.2 g are lost' in line for line in sentences(gtmab))
+    assert format_headline(build_sheet(load_vehicle('blimp2b'))).endswith(
+        'gas included, and floats'
+    )
+    assert 'cannot carry it' in format_headline(build_sheet(load_vehicle('rgblimp')))
+    assert any('It can hover until 29.2 g are lost' in line for line in describe_vehicle(gtmab))
 
 
 @pytest.mark.parametrize('name', VEHICLES)
 def test_every_figure_says_what_it_follows_from_and_why_it_is_missing(name):
-    sheet = sheet_of(load_vehicle(name))
+    sheet = build_sheet(load_vehicle(name))
     assert len(sheet.by_key) == len(sheet.figures)
     for figure in sheet.figures:
         assert figure.source, figure
         assert figure.value is not None or figure.note, figure
-        assert 'nan' not in figure.shown
+        assert 'nan' not in figure.text
 
 
 def test_a_vehicle_that_leans_over_at_full_push_says_so():
@@ -232,6 +234,6 @@ def test_a_vehicle_that_leans_over_at_full_push_says_so():
     vehicle = build(('trim.ballast_position', given([0, 0, 30], 'cm')),
                     ('layers.top.solar_panels.mass', given(62, 'g')),
                     ('layers.sensors.light_board.position', given([0, 0, 20], 'cm')))  # fmt: skip
-    sheet = sheet_of(vehicle)
+    sheet = build_sheet(vehicle)
     assert value(sheet, 'push_lean') is None
     assert 'it would go over' in sheet.by_key['push_lean'].note

@@ -3,11 +3,11 @@
 import math
 
 from lta_config.errors import BadInput
-from lta_data.bag.flight import open_flight
+from lta_data.bag.recorded_flight import open_flight
 from lta_model.vehicle import load_vehicle
-from lta_vehicle.recorded import Commands, Path, recorded
-from lta_vehicle.trim import weigh
-from lta_vehicle.trimmed import plain_weighing, told
+from lta_vehicle.flight_record import read_flight_record, RotorCommands, VehiclePath
+from lta_vehicle.trim import estimate_heaviness
+from lta_vehicle.trim_report import describe_heaviness, encode_heaviness
 import numpy as np
 import pytest
 
@@ -37,27 +37,27 @@ def hanging(seconds=20.0, duty=DUTY, height=lambda t: 0.0 * t, ahead=lambda t: 0
     place = np.stack([ahead(time), 0.0 * time, 1.0 + height(time)], axis=1)
     attitude = np.tile(LEVEL, (len(time), 1))
     duties = np.tile([duty, duty, 0.0, 0.0], (len(time), 1))
-    return Path(time, place, attitude), Commands(time, duties)
+    return VehiclePath(time, place, attitude), RotorCommands(time, duties)
 
 
 def test_a_hover_at_the_duty_of_two_grams_weighs_two_grams(gtmab):
-    found = weigh(gtmab, *hanging())
+    found = estimate_heaviness(gtmab, *hanging())
     assert found.heaviness == pytest.approx(0.002, rel=1e-5)
     assert found.error == pytest.approx(0.0, abs=1e-9)
-    assert found.add == pytest.approx(0.0, abs=1e-7)
+    assert found.ballast_change == pytest.approx(0.0, abs=1e-7)
     assert found.duty == pytest.approx(DUTY)
 
 
 def test_a_slow_rise_under_the_same_duty_means_less_weight(gtmab):
     """At 4 cm/s the drag of 0.359 N s2/m2 is 0.574 mN, which is 0.0586 g."""
-    found = weigh(gtmab, *hanging(height=lambda t: 0.04 * t))
+    found = estimate_heaviness(gtmab, *hanging(height=lambda t: 0.04 * t))
     assert found.heaviness == pytest.approx(0.002 - 0.359 * 0.04**2 / G, rel=1e-4)
 
 
 def test_what_it_gains_in_speed_is_not_weight(gtmab):
     """Rising ever faster by 2 mm/s2: 0.415 kg and the 0.343 kg of air that rises with it."""
     path, commands = hanging(20.0, height=lambda t: 0.001 * t**2)
-    found = weigh(gtmab, path, commands)
+    found = estimate_heaviness(gtmab, path, commands)
     rising = (gtmab.mass + gtmab.added_mass[2]) * 0.002 / G
     drag = 0.359 * 0.02**2 / G  # at most, at the end of what counts as calm: a few milligrams
     assert found.heaviness == pytest.approx(0.002 - rising, abs=3.0 * drag)
@@ -65,15 +65,15 @@ def test_what_it_gains_in_speed_is_not_weight(gtmab):
 
 def test_no_still_stretch_is_one_sentence(gtmab):
     with pytest.raises(BadInput, match='hangs still for 0 s only'):
-        weigh(gtmab, *hanging(ahead=lambda t: 0.5 * t))
+        estimate_heaviness(gtmab, *hanging(ahead=lambda t: 0.5 * t))
 
 
 def test_a_flown_load_is_found_to_a_fifth_of_a_gram(gtmab, hover):
     """1.5 g more on board than the file says, flown by the loop with all its sensor noise."""
-    found = weigh(gtmab, *recorded(open_flight(hover), gtmab)[:2])
+    found = estimate_heaviness(gtmab, *read_flight_record(open_flight(hover), gtmab)[:2])
     assert found.heaviness == pytest.approx(0.0035, abs=0.0002)
     assert abs(found.heaviness - 0.0035) < 2.0 * found.error
-    assert found.add == pytest.approx(-0.0015, abs=0.0002)
+    assert found.ballast_change == pytest.approx(-0.0015, abs=0.0002)
     assert found.duration >= 10.0
 
 
@@ -81,43 +81,45 @@ def test_a_flown_load_is_found_to_a_fifth_of_a_gram(gtmab, hover):
 def test_lost_lift_and_another_seed_as_well(gtmab, tmp_path):
     """0.01 N of lift gone: 1.02 g."""
     bag = write_hover(tmp_path / 'bag', 'vehicle.effects.net_lift.force=-0.01 N', seed=2)
-    found = weigh(gtmab, *recorded(open_flight(bag), gtmab)[:2])
+    found = estimate_heaviness(gtmab, *read_flight_record(open_flight(bag), gtmab)[:2])
     assert found.heaviness == pytest.approx(0.002 + 0.01 / G, abs=0.0002)
 
 
 def test_the_estimate_alone_will_do(gtmab, hover):
     """Without a tracker: the drone's own odometry."""
     flight = open_flight(hover)
-    poses = flight.series('odom')
-    path = Path(
+    poses = flight.read_series('odom')
+    path = VehiclePath(
         poses.time, poses.vector('pose.pose.position'), poses.vector('pose.pose.orientation')
     )
-    _, commands, topic = recorded(flight, gtmab)
+    _, commands, topic = read_flight_record(flight, gtmab)
     assert topic == 'ground_truth/odom'
-    assert weigh(gtmab, path, commands).heaviness == pytest.approx(0.0035, abs=0.0003)
+    assert estimate_heaviness(gtmab, path, commands).heaviness == pytest.approx(0.0035, abs=0.0003)
 
 
 def test_words_say_what_to_do(gtmab):
-    heavy = weigh(gtmab, *hanging(duty=0.2))
-    text = told(heavy, 'gtmab', simulated=True)
+    heavy = estimate_heaviness(gtmab, *hanging(duty=0.2))
+    text = describe_heaviness(heavy, 'gtmab', simulated=True)
     grams = 1e3 * 2 * 0.961 * (0.0915 * 0.04 + 0.0677 * 0.2) / G
     assert f'gtmab was {grams:.2f} g heavier than air' in text
     assert f'Take off {grams - 2.0:.2f} g of ballast to be 2.00 g heavy' in text
-    light = weigh(gtmab, *hanging(duty=0.05))
-    assert 'Add 1.' in told(light, 'gtmab', simulated=True)
-    assert 'leave the ballast' in told(weigh(gtmab, *hanging()), 'gtmab', simulated=True)
+    light = estimate_heaviness(gtmab, *hanging(duty=0.05))
+    assert 'Add 1.' in describe_heaviness(light, 'gtmab', simulated=True)
+    assert 'leave the ballast' in describe_heaviness(
+        estimate_heaviness(gtmab, *hanging()), 'gtmab', simulated=True
+    )
 
 
 def test_a_real_flight_is_told_of_the_thrust_curve(gtmab):
     """2.9 mN a rotor, two of them at 0.961: 0.40 g."""
-    found = weigh(gtmab, *hanging())
-    assert 'thrust curve' not in told(found, 'gtmab', simulated=True)
-    assert '0.4 g if it is as good' in told(found, 'gtmab', simulated=False)
+    found = estimate_heaviness(gtmab, *hanging())
+    assert 'thrust curve' not in describe_heaviness(found, 'gtmab', simulated=True)
+    assert '0.4 g if it is as good' in describe_heaviness(found, 'gtmab', simulated=False)
     expected = 0.0029 * 0.961 * math.sqrt(2.0) / G
-    assert plain_weighing(found)['thrust_curve_error'] == pytest.approx(expected)
+    assert encode_heaviness(found)['thrust_curve_error'] == pytest.approx(expected)
 
 
 def test_duties_of_another_vehicle_are_refused(hover):
     beavis = load_vehicle('beavis')
     with pytest.raises(BadInput, match='no duty of front, left, rear, right of beavis'):
-        recorded(open_flight(hover), beavis)
+        read_flight_record(open_flight(hover), beavis)

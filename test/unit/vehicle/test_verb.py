@@ -4,10 +4,10 @@ from functools import partial
 import json
 import re
 
-from lta_config.files import find, known
+from lta_config.files import find_file, list_shipped
 import pytest
 
-SHIPPED = find('vehicle', 'gtmab').read_text('utf-8')
+SHIPPED = find_file('vehicle', 'gtmab').read_text('utf-8')
 
 
 @pytest.fixture
@@ -35,7 +35,7 @@ def test_a_new_vehicle_is_a_copy_with_comments_that_loads(call, tmp_path):
     assert 'say the same' in call('diff', 'gtmab', 'my_blimp.yaml')[1].out
 
 
-@pytest.mark.parametrize('model', known('vehicles'))
+@pytest.mark.parametrize('model', list_shipped('vehicles'))
 def test_every_shipped_vehicle_is_a_start(call, tmp_path, model):
     assert call('new', 'mine', '--from', model)[0] == 0
     assert '\nname: mine\n' in (tmp_path / 'mine.yaml').read_text('utf-8')
@@ -146,7 +146,7 @@ def test_show_gives_numbers_to_scripts(call):
     assert found['assumed'] == sum(entry['assumed'] for entry in found['numbers']) == 37
 
 
-@pytest.mark.parametrize('name', known('vehicles'))
+@pytest.mark.parametrize('name', list_shipped('vehicles'))
 def test_every_vehicle_is_shown_in_a_narrow_window(call, name):
     status, said = call('show', name, columns=60)
     assert status == 0

@@ -5,7 +5,7 @@ import numpy as np
 
 def mean_on(wave, times, interval):
     """Return which part of each interval [ns], at least one, a wave is on."""
-    start = wave.cycles(times)
+    start = wave.phase_in_cycles(times)
     length = wave.frequency * interval * 1e-9
     return (_time_on(wave, start + length) - _time_on(wave, start)) / length
 

@@ -2,11 +2,11 @@
 
 import math
 
-from lta_model.ring import azimuths, Ring
-from lta_vlc.array import bearing, weighted_mean
-from lta_vlc.demodulation import demodulate, Peaks, plan_bins
-from lta_vlc.diodes import ring_of
-from lta_vlc.settings import Demodulation
+from lta_model.diode_ring import DiodeRing, spread_azimuths
+from lta_vlc.bearing import estimate_bearing, weighted_mean_bearing
+from lta_vlc.demodulation import demodulate_beacon, Peaks, plan_bins
+from lta_vlc.diodes import build_even_ring
+from lta_vlc.settings import DemodulationSettings
 import numba
 import numpy as np
 import pytest
@@ -16,7 +16,7 @@ SURE = 1e6  # an SNR that passes every gate
 
 def seen(count: int, angle: float, response) -> Peaks:
     """Return the peaks of a ring that sees a lamp at an angle through an angular response."""
-    towards = np.cos(np.array(azimuths(count)) - angle)
+    towards = np.cos(np.array(spread_azimuths(count)) - angle)
     amplitude = response(np.maximum(towards, 0.0))
     return Peaks(
         amplitude, np.where(amplitude > 1e-12, SURE, 0.0), np.full(count, 150.0), np.ones(count)
@@ -31,14 +31,17 @@ def difference(a: float, b: float) -> float:
 @pytest.mark.parametrize('count', [4, 6, 8, 16])
 @pytest.mark.parametrize('angle', np.radians(np.arange(-180.0, 180.0, 7.5)).tolist())
 def test_cosine_diodes_are_exact_at_every_angle(count, angle):
-    found = bearing(seen(count, angle, lambda c: c), ring_of(count).ring, 6.0)
+    found = estimate_bearing(seen(count, angle, lambda c: c), build_even_ring(count).ring, 6.0)
     assert difference(found.angle, angle) == pytest.approx(0.0, abs=1e-12)
 
 
 @pytest.mark.parametrize('count', [3, 5])
 def test_odd_rings_are_not_exact(count):
     errors = [
-        difference(bearing(seen(count, a, lambda c: c), ring_of(count).ring, 6.0).angle, a)
+        difference(
+            estimate_bearing(seen(count, a, lambda c: c), build_even_ring(count).ring, 6.0).angle,
+            a,
+        )
         for a in np.linspace(0.0, 2.0 * math.pi, 73)
     ]
     assert max(map(abs, errors)) > math.radians(1.0)
@@ -46,7 +49,7 @@ def test_odd_rings_are_not_exact(count):
 
 def test_squared_cosine_with_four_diodes_errs_as_computed():
     angle = math.radians(22.5)
-    found = bearing(seen(4, angle, np.square), ring_of(4).ring, 6.0)
+    found = estimate_bearing(seen(4, angle, np.square), build_even_ring(4).ring, 6.0)
     # atan(tan^2 22.5) = 9.736 degrees.
     assert math.degrees(found.angle) == pytest.approx(9.7356, abs=1e-4)
 
@@ -54,90 +57,94 @@ def test_squared_cosine_with_four_diodes_errs_as_computed():
 @pytest.mark.parametrize('step', range(16))
 def test_identical_diodes_make_eight_exact_at_the_papers_angles(step):
     angle = step * math.pi / 8.0
-    found = bearing(seen(8, angle, np.square), ring_of(8).ring, 6.0)
+    found = estimate_bearing(seen(8, angle, np.square), build_even_ring(8).ring, 6.0)
     assert difference(found.angle, angle) == pytest.approx(0.0, abs=1e-12)
 
 
 def test_vector_by_hand():
     # Four diodes reading 3, 1, 0, 0: v = (3, 1) / 4.
-    ring = ring_of(4).ring
+    ring = build_even_ring(4).ring
     peaks = Peaks(
         np.array([3.0, 1.0, 0.5, 0.5]), np.array([9.0, 6.0, 5.9, 0.0]), np.zeros(4), np.ones(4)
     )
-    found = bearing(peaks, ring, 6.0)
+    found = estimate_bearing(peaks, ring, 6.0)
     assert (found.x, found.y) == pytest.approx((0.75, 0.25), abs=1e-15)
     assert found.angle == pytest.approx(math.atan2(1.0, 3.0), abs=1e-15)
 
 
 def test_deviation_by_hand():
     # Readings 1 and 1 forward and left with SNR 10; the gated diode behind reads 0.1.
-    ring = Ring((1.0, 0.0, -1.0), (0.0, 1.0, 0.0))
+    ring = DiodeRing((1.0, 0.0, -1.0), (0.0, 1.0, 0.0))
     peaks = Peaks(np.array([1.0, 1.0, 0.1]), np.array([10.0, 10.0, 1.0]), np.zeros(3), np.ones(3))
     # Length sqrt(2), all axes at 45 degrees to it: each adds (error / 2)^2.
     each = 0.1 * math.sqrt(2.0 / math.pi)
     hand = 0.5 * math.sqrt(2.0 * each**2 + 0.1**2)
-    assert bearing(peaks, ring, 6.0).deviation == pytest.approx(hand, rel=1e-12)
+    assert estimate_bearing(peaks, ring, 6.0).deviation == pytest.approx(hand, rel=1e-12)
 
 
 def test_left_is_positive():
     peaks = Peaks(
         np.array([0.0, 1.0, 0.0, 0.0]), np.array([0.0, 99.0, 0.0, 0.0]), np.zeros(4), np.ones(4)
     )
-    assert bearing(peaks, ring_of(4).ring, 6.0).angle == pytest.approx(math.pi / 2.0, abs=1e-12)
+    assert estimate_bearing(peaks, build_even_ring(4).ring, 6.0).angle == pytest.approx(
+        math.pi / 2.0, abs=1e-12
+    )
 
 
 def test_common_pedestal_cancels():
     direct = seen(8, 0.6, lambda c: c)
     lit = Peaks(direct.amplitude + 5.0, np.full(8, SURE), direct.frequency, direct.noise)
-    found = bearing(lit, ring_of(8).ring, 6.0)
+    found = estimate_bearing(lit, build_even_ring(8).ring, 6.0)
     assert found.angle == pytest.approx(0.6, abs=1e-12)
     assert math.hypot(found.x, found.y) < 0.1
 
 
 def test_no_bearing_when_every_diode_is_gated():
     peaks = Peaks(np.ones(8), np.full(8, 5.99), np.zeros(8), np.ones(8))
-    assert bearing(peaks, ring_of(8).ring, 6.0) is None
+    assert estimate_bearing(peaks, build_even_ring(8).ring, 6.0) is None
 
 
 @pytest.mark.parametrize('level', [0.0, 1e-300, 1.0, 4095.0])
 @pytest.mark.parametrize('count', [4, 8, 16])
 def test_no_bearing_in_even_light(level, count):
     peaks = Peaks(np.full(count, level), np.full(count, SURE), np.zeros(count), np.ones(count))
-    assert bearing(peaks, ring_of(count).ring, 6.0) is None
+    assert estimate_bearing(peaks, build_even_ring(count).ring, 6.0) is None
 
 
 def test_core_compiles_to_the_same_numbers():
-    compiled = numba.njit(weighted_mean)
+    compiled = numba.njit(weighted_mean_bearing)
     generator = np.random.default_rng(7)
-    ring = ring_of(8).ring
+    ring = build_even_ring(8).ring
     for _ in range(50):
         amplitudes = tuple(generator.uniform(0.0, 100.0, 8).tolist())
         snrs = tuple(generator.uniform(0.0, 12.0, 8).tolist())
         given = (amplitudes, snrs, ring.cosines, ring.sines, 6.0)
         # LLVM may round atan2 and hypot otherwise than the C library: in the last bit.
-        assert compiled(*given) == pytest.approx(weighted_mean(*given), rel=1e-14, abs=1e-300)
+        assert compiled(*given) == pytest.approx(
+            weighted_mean_bearing(*given), rel=1e-14, abs=1e-300
+        )
     silent = ((1.0,) * 8, (0.0,) * 8, ring.cosines, ring.sines, 6.0)
-    assert compiled(*silent) == weighted_mean(*silent) == (False, 0.0, 0.0, 0.0, 0.0)
+    assert compiled(*silent) == weighted_mean_bearing(*silent) == (False, 0.0, 0.0, 0.0, 0.0)
 
 
 @pytest.mark.parametrize(('amplitude', 'pedestal'), [(40.0, 30.0), (30.0, 0.0), (200.0, 120.0)])
 def test_deviation_is_that_of_many_noisy_blocks(amplitude, pedestal):
     generator = np.random.default_rng(21)
-    ring, angle, trials = ring_of(8).ring, 0.3, 1000
-    towards = np.maximum(np.cos(np.array(azimuths(8)) - angle), 0.0)
+    ring, angle, trials = build_even_ring(8).ring, 0.3, 1000
+    towards = np.maximum(np.cos(np.array(spread_azimuths(8)) - angle), 0.0)
     time = np.arange(250) / 2500.0
     tone = np.sin(2.0 * math.pi * 150.0 * time)
     signal = tone[:, None] * (amplitude * towards + pedestal)
     noise = generator.normal(0.0, 20.0, size=(250, trials, 8))
-    bins = plan_bins(Demodulation(), 2500.0, 250)
-    peaks = demodulate((signal[:, None, :] + noise).reshape(250, -1), bins)
+    bins = plan_bins(DemodulationSettings(), 2500.0, 250)
+    peaks = demodulate_beacon((signal[:, None, :] + noise).reshape(250, -1), bins)
     errors, stated = [], []
     for k in range(trials):
         part = slice(8 * k, 8 * k + 8)
         each = Peaks(
             peaks.amplitude[part], peaks.snr[part], peaks.frequency[part], peaks.noise[part]
         )
-        found = bearing(each, ring, 6.0)
+        found = estimate_bearing(each, ring, 6.0)
         errors.append(difference(found.angle, angle))
         stated.append(found.deviation)
     if pedestal:
@@ -150,7 +157,7 @@ def test_deviation_is_that_of_many_noisy_blocks(amplitude, pedestal):
 
 def test_a_diode_at_the_snr_threshold_adds_only_its_noise_to_the_deviation():
     """Two equal diodes at right angles: each errs by sqrt(2 / pi) / 6, their sum is sqrt(2)."""
-    ring = Ring((1.0, 0.0), (0.0, 1.0))
+    ring = DiodeRing((1.0, 0.0), (0.0, 1.0))
     peaks = Peaks(np.ones(2), np.full(2, 6.0), np.zeros(2), np.ones(2))
     each = math.sqrt(2.0 / math.pi) / 6.0
-    assert bearing(peaks, ring, 6.0).deviation == pytest.approx(each * math.sqrt(0.5))
+    assert estimate_bearing(peaks, ring, 6.0).deviation == pytest.approx(each * math.sqrt(0.5))

@@ -2,21 +2,21 @@
 
 from lta_config.errors import BadInput
 from lta_vlc.demodulation import plan_bins
-from lta_vlc.settings import Demodulation
-from lta_vlc.spectral.bins import plan_beacons
+from lta_vlc.settings import DemodulationSettings
+from lta_vlc.spectral.bins import plan_beacon_bins
 import pytest
 
 
 def planned(samples, rate=None, **settings):
     """Return the bins of one beacon: 1 Hz wide and without mains unless stated otherwise."""
     given = {'mains': 0.0, 'harmonics': 1} | settings
-    return plan_bins(Demodulation(**given), rate or float(samples), samples)
+    return plan_bins(DemodulationSettings(**given), rate or float(samples), samples)
 
 
 def test_the_window_may_begin_at_the_first_bin_and_end_at_the_last():
     bins = planned(100, frequency=3.0, window=2)
     assert (bins.first, bins.last) == (1, 5)
-    assert bins.limits == (0.5, 5.5)
+    assert bins.frequency_limits == (0.5, 5.5)
     bins = planned(100, frequency=48.0, window=2)
     assert (bins.first, bins.last) == (46, 50)
     for frequency in (2.0, 49.0):
@@ -61,4 +61,6 @@ def test_the_refusal_names_all_beacons():
     with pytest.raises(
         BadInput, match=r'^The beacons at 5, 10 Hz and their harmonics leave 9 bins'
     ):
-        plan_beacons((5.0, 10.0), Demodulation(window=1, harmonics=1, mains=0.0), 30.0, 30)
+        plan_beacon_bins(
+            (5.0, 10.0), DemodulationSettings(window=1, harmonics=1, mains=0.0), 30.0, 30
+        )

@@ -2,40 +2,45 @@
 
 import math
 
-from lta_graph.health import Level
-from lta_vlc.condition import conditions
-from lta_vlc.demodulation import Hearing, Peaks
-from lta_vlc.faults import Fault
-from lta_vlc.presence import Presence
+from lta_graph.health import HealthLevel
+from lta_vlc.demodulation import DemodulatedBlock, Peaks
+from lta_vlc.diagnostics import describe_beacons
+from lta_vlc.faults import DiodeFault
+from lta_vlc.presence import BeaconPresence
 import numpy as np
 
 NOTHING = np.zeros(4)
-LOST, FOUND = Presence(False), Presence(True)
+LOST, FOUND = BeaconPresence(False), BeaconPresence(True)
 
 
-def told(*presences, snr=(5.0, 3.0), faults=(Fault.NONE,) * 4):
+def told(*presences, snr=(5.0, 3.0), faults=(DiodeFault.NONE,) * 4):
     """Return the facts of two beacons, at 150 and 250 Hz, that are heard 0.3 Hz too high."""
     peaks = tuple(
         Peaks(NOTHING, np.array([0.5 * best, best, 0.0, 0.0]), NOTHING, NOTHING) for best in snr
     )
-    hearing = Hearing(peaks, (150.3, 250.3), faults, NOTHING)
-    return list(conditions(hearing, (150.0, 250.0), presences, 7, 2))
+    hearing = DemodulatedBlock(peaks, (150.3, 250.3), faults, NOTHING)
+    return list(describe_beacons(hearing, (150.0, 250.0), presences, 7, 2))
 
 
 def test_the_wanted_beacon_warns_where_no_diode_hears_it_and_another_never():
     assert [(fact.task, fact.level, fact.message) for fact in told(FOUND, FOUND)] == [
-        ('light', Level.OK, 'beacon found'),
-        ('beacon at 250 Hz', Level.OK, 'beacon found'),
+        ('light', HealthLevel.OK, 'beacon found'),
+        ('beacon at 250 Hz', HealthLevel.OK, 'beacon found'),
     ]
     assert [(fact.level, fact.message) for fact in told(LOST, LOST)] == [
-        (Level.WARN, 'no diode hears the beacon'),
-        (Level.OK, 'no diode hears the beacon'),
+        (HealthLevel.WARN, 'no diode hears the beacon'),
+        (HealthLevel.OK, 'no diode hears the beacon'),
     ]
 
 
 def test_what_concerns_the_diodes_is_told_once():
-    saturated = Fault.SATURATED | Fault.ALIASED
-    faults = (saturated, Fault.FLAT, Fault.SATURATED, Fault.SATURATED | Fault.NOT_A_NUMBER)
+    saturated = DiodeFault.SATURATED | DiodeFault.ALIASED
+    faults = (
+        saturated,
+        DiodeFault.FLAT,
+        DiodeFault.SATURATED,
+        DiodeFault.SATURATED | DiodeFault.NOT_A_NUMBER,
+    )
     wanted, other = told(FOUND, FOUND, faults=faults)
     assert wanted.values == {
         'beacon_Hz': '150',

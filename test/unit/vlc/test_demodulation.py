@@ -4,8 +4,8 @@ import math
 
 from lta_config.errors import BadInput
 from lta_model.light.modulation import SquareWave
-from lta_vlc.demodulation import demodulate, find_peaks, plan_bins
-from lta_vlc.settings import Demodulation
+from lta_vlc.demodulation import demodulate_beacon, find_peaks, plan_bins
+from lta_vlc.settings import DemodulationSettings
 import numpy as np
 from pydantic import ValidationError
 import pytest
@@ -17,14 +17,14 @@ TIMES = np.arange(1000, dtype=np.int64) * 100_000
 
 
 def test_plan_of_the_default_beacon():
-    bins = plan_bins(Demodulation(), RATE, 1000)
+    bins = plan_bins(DemodulationSettings(), RATE, 1000)
     assert (bins.first, bins.last, bins.width, bins.samples) == (13, 17, 10.0, 1000)
     # 500 bins above zero; 33 harmonics below Nyquist, bins 15 to 495, five bins each.
     assert bins.quiet.size == 500 - 33 * 5
 
 
 def test_peak_and_snr_of_a_spectrum_by_hand():
-    bins = plan_bins(Demodulation(window=1, harmonics=1), 100.0 * 150.0 / 10.0, 100)
+    bins = plan_bins(DemodulationSettings(window=1, harmonics=1), 100.0 * 150.0 / 10.0, 100)
     assert (bins.first, bins.last) == (9, 11)
     spectrum = np.full((51, 2), 0.5)
     spectrum[0] = 1e9
@@ -42,7 +42,7 @@ def test_peak_and_snr_of_a_spectrum_by_hand():
 def test_square_wave_reads_its_fundamental(duty):
     wave = SquareWave(150.0, duty, phase=0.123)
     block = 1000.0 * mean_on(wave, TIMES, 100_000)[:, None]
-    peaks = demodulate(block, plan_bins(Demodulation(), RATE, 1000))
+    peaks = demodulate_beacon(block, plan_bins(DemodulationSettings(), RATE, 1000))
     # 2/pi sin(pi d), times the sine cardinal of averaging over 1.5 % of a period.
     loss = math.sin(math.pi * 0.015) / (math.pi * 0.015)
     hand = 1000.0 * 2.0 / math.pi * math.sin(math.pi * duty) * loss
@@ -54,7 +54,7 @@ def test_square_wave_reads_its_fundamental(duty):
 @pytest.mark.parametrize('drift', [-20.0, -10.0, -3.3, 4.9, 10.0, 20.0])
 def test_drifting_beacon_is_found_within_the_window(drift):
     sine = np.sin(2.0 * math.pi * (150.0 + drift) * TIMES * 1e-9)[:, None]
-    peaks = demodulate(100.0 * sine, plan_bins(Demodulation(), RATE, 1000))
+    peaks = demodulate_beacon(100.0 * sine, plan_bins(DemodulationSettings(), RATE, 1000))
     assert peaks.frequency[0] == pytest.approx(150.0 + drift, abs=1e-4)
     assert peaks.amplitude[0] == pytest.approx(100.0, rel=1e-5)
 
@@ -64,7 +64,7 @@ def test_snr_of_a_sine_in_white_noise():
     amplitude, deviation = 20.0, 30.0
     sine = amplitude * np.sin(2.0 * math.pi * 150.0 * TIMES * 1e-9)
     block = sine[:, None] + generator.normal(0.0, deviation, size=(1000, 400))
-    peaks = demodulate(block, plan_bins(Demodulation(), RATE, 1000))
+    peaks = demodulate_beacon(block, plan_bins(DemodulationSettings(), RATE, 1000))
     # Rayleigh mean of the quiet bins: deviation sqrt(pi / n).
     hand = amplitude / (deviation * math.sqrt(math.pi / 1000.0))
     # One block in 400 scatters by 6.7 % (peak) and 2.9 % (noise): the mean by 0.4 %; plus the
@@ -75,7 +75,7 @@ def test_snr_of_a_sine_in_white_noise():
 @pytest.mark.parametrize('window', [0, 2, 4])
 def test_false_alarms_are_as_rare_as_stated(window):
     block = np.random.default_rng(12).normal(size=(1000, 8000))
-    snr = demodulate(block, plan_bins(Demodulation(window=window), RATE, 1000)).snr
+    snr = demodulate_beacon(block, plan_bins(DemodulationSettings(window=window), RATE, 1000)).snr
     # One of 2 window + 1 Rayleigh draws above 2.5 means: 0.74, 3.64 and 6.45 %; 8000 such blocks
     # scatter by 0.10, 0.21 and 0.27 %, and the mean of some 300 quiet bins adds a twentieth.
     one = math.exp(-math.pi * 2.5**2 / 4.0)
@@ -83,12 +83,12 @@ def test_false_alarms_are_as_rare_as_stated(window):
     assert (snr >= 2.5).mean() == pytest.approx(
         hand, abs=3.0 * math.sqrt(hand / 8000.0) + 0.1 * hand
     )
-    assert not (snr >= Demodulation().threshold).any()
+    assert not (snr >= DemodulationSettings().threshold).any()
 
 
 def test_flat_and_saturated_blocks_have_no_snr():
     block = np.full((1000, 3), 4095, dtype=np.uint16)
-    peaks = demodulate(block, plan_bins(Demodulation(), RATE, 1000))
+    peaks = demodulate_beacon(block, plan_bins(DemodulationSettings(), RATE, 1000))
     assert peaks.snr.tolist() == [0.0, 0.0, 0.0]
     assert peaks.amplitude.tolist() == [0.0, 0.0, 0.0]
 
@@ -106,7 +106,7 @@ def test_flat_and_saturated_blocks_have_no_snr():
     ],
 )
 def test_what_cannot_be_seen_is_refused(settings, sample_rate, samples, sentence):
-    demodulation = Demodulation(**settings)
+    demodulation = DemodulationSettings(**settings)
     with pytest.raises(BadInput, match=sentence):
         plan_bins(demodulation, sample_rate, samples)
 
@@ -114,7 +114,7 @@ def test_what_cannot_be_seen_is_refused(settings, sample_rate, samples, sentence
 @pytest.mark.parametrize('shape', [(999, 8), (1000,), (8, 1000), (1000, 8, 1)])
 def test_block_of_another_shape_is_refused(shape):
     with pytest.raises(BadInput, match='1000 samples by diodes are expected'):
-        demodulate(np.zeros(shape), plan_bins(Demodulation(), RATE, 1000))
+        demodulate_beacon(np.zeros(shape), plan_bins(DemodulationSettings(), RATE, 1000))
 
 
 @pytest.mark.parametrize(
@@ -130,10 +130,10 @@ def test_block_of_another_shape_is_refused(shape):
 )
 def test_setting_out_of_bounds_is_refused(setting):
     with pytest.raises(ValidationError):
-        Demodulation(**setting)
+        DemodulationSettings(**setting)
 
 
 def test_every_setting_says_what_it_is():
-    for name, field in Demodulation.model_fields.items():
+    for name, field in DemodulationSettings.model_fields.items():
         assert field.description, name
         assert field.json_schema_extra['unit'], name

@@ -6,9 +6,9 @@ import math
 from lta_config.errors import BadInput
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_vlc.demodulation import Peaks
-from lta_vlc.diodes import diodes_of, ring_of
-from lta_vlc.direction import Direction, DirectionFinder, expected_of
-from lta_vlc.fit import blind, Fit
+from lta_vlc.diodes import build_diode_array, build_even_ring
+from lta_vlc.direction import build_direction_prior, Direction, DirectionFinder
+from lta_vlc.direction_fit import DirectionFit, failed_fit
 from lta_vlc.lamp import LampPrior
 import numpy as np
 import pytest
@@ -17,14 +17,14 @@ ENTRY = load_vehicle_file('gtmab').sensors.diodes
 
 
 def test_the_diodes_of_a_ring_face_outwards_from_its_centre():
-    diodes = ring_of(4, 0.07, 1.2, 0.02)
+    diodes = build_even_ring(4, 0.07, 1.2, 0.02)
     assert diodes.axes[1] == pytest.approx((0.0, 1.0, 0.0), abs=1e-15)
     assert diodes.axes[2] == pytest.approx((-1.0, 0.0, 0.0), abs=1e-15)
     assert diodes.places[3] == pytest.approx((0.0, -0.07, 0.0), abs=1e-15)
     assert (diodes.response, diodes.gains, diodes.spread) == (1.2, (1.0,) * 4, 0.02)
     assert diodes.ring.cosines == tuple(axis[0] for axis in diodes.axes)
     assert diodes.ring.sines == tuple(axis[1] for axis in diodes.axes)
-    plain = ring_of(4)
+    plain = build_even_ring(4)
     assert plain.places == ((0.0, 0.0, 0.0),) * 4
     assert (plain.response, plain.spread) == (1.0, 0.0)
 
@@ -40,7 +40,7 @@ def test_places_are_relative_to_the_mean_place_of_the_diodes():
             'dead': (1,),
         }
     )
-    diodes = diodes_of(entry)
+    diodes = build_diode_array(entry)
     assert diodes.axes == ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
     assert diodes.gains == (1.0, 0.0, 1.0)
     assert diodes.places == (
@@ -56,11 +56,11 @@ def test_places_are_relative_to_the_mean_place_of_the_diodes():
         {'gains': (0.0,) * 4},
         {'spread': 0.0},
         {'response': 1e-9},
-        {'axes': ((1.0 + 0.9e-6, 0.0, 0.0), *ring_of(4).axes[1:])},
+        {'axes': ((1.0 + 0.9e-6, 0.0, 0.0), *build_even_ring(4).axes[1:])},
     ],
 )
 def test_limiting_values_of_diodes_are_accepted(allowed):
-    made = replace(ring_of(4), **allowed)
+    made = replace(build_even_ring(4), **allowed)
     assert {name: getattr(made, name) for name in allowed} == allowed
 
 
@@ -72,25 +72,25 @@ def test_limiting_values_of_diodes_are_accepted(allowed):
         {'spread': math.inf},
         {'response': math.inf},
         {'response': -1.0},
-        {'axes': ((1.0 + 1.1e-6, 0.0, 0.0), *ring_of(4).axes[1:])},
-        {'axes': (*ring_of(4).axes[:3], (0.0, 0.0, 0.0))},
-        {'places': ring_of(3).axes},
+        {'axes': ((1.0 + 1.1e-6, 0.0, 0.0), *build_even_ring(4).axes[1:])},
+        {'axes': (*build_even_ring(4).axes[:3], (0.0, 0.0, 0.0))},
+        {'places': build_even_ring(3).axes},
         {'gains': (1.0,) * 5},
     ],
 )
 def test_impossible_diodes_are_refused(wrong):
     with pytest.raises(BadInput):
-        replace(ring_of(4), **wrong)
+        replace(build_even_ring(4), **wrong)
 
 
 def test_the_expected_elevation_and_nearness_follow_from_the_prior():
     """Nearness 1 / 4 with deviation 3 / 4^2, elevation with atan2(1, 4); 1e-3 is the least."""
     prior = LampPrior(distance=4.0, distance_deviation=3.0, height_deviation=1.0)
-    assert expected_of(prior) == (
+    assert build_direction_prior(prior) == (
         0.0, pytest.approx(math.atan2(1.0, 4.0)), 0.25, pytest.approx(3.0 / 16.0),
     )  # fmt: skip
     sure = LampPrior(distance=4.0, distance_deviation=0.0, height_deviation=0.0)
-    assert expected_of(sure) == (0.0, 1e-3, 0.25, 1e-3)
+    assert build_direction_prior(sure) == (0.0, 1e-3, 0.25, 1e-3)
 
 
 @pytest.fixture
@@ -100,9 +100,9 @@ def finder():
 
     def core(array, expected, readings, errors, scratch):
         told.append((readings, errors))
-        return Fit(True, 0.6, 0.0, 0.8, 0.1, 0.2, 0.3, 70.0, 9.0, 5.0)
+        return DirectionFit(True, 0.6, 0.0, 0.8, 0.1, 0.2, 0.3, 70.0, 9.0, 5.0)
 
-    return DirectionFinder(ring_of(4), core), told
+    return DirectionFinder(build_even_ring(4), core), told
 
 
 def test_the_fit_gets_amplitudes_and_errors_which_are_infinite_without_any_snr(finder):
@@ -123,7 +123,7 @@ def test_the_fit_gets_amplitudes_and_errors_which_are_infinite_without_any_snr(f
 
 
 def test_a_fit_without_a_direction_gives_none():
-    find = DirectionFinder(ring_of(4), lambda *_: blind())
+    find = DirectionFinder(build_even_ring(4), lambda *_: failed_fit())
     peaks = Peaks(np.ones(4), np.full(4, 9.0), np.full(4, 150.0), np.ones(4))
     assert find.find(peaks, 6.0, LampPrior()) is None
 

@@ -5,15 +5,23 @@ import math
 
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_config.compilation.compiled import compiled
+from lta_config.compilation.compiler import compile_functions
 from lta_config.errors import BadInput
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_vlc.demodulation import Peaks
-from lta_vlc.diodes import Diodes, diodes_of, ring_of
-from lta_vlc.direction import array_of, DirectionFinder, expected_of, PART
-from lta_vlc.fit import fit
+from lta_vlc.diodes import build_diode_array, build_even_ring, DiodeArray
+from lta_vlc.direction import build_direction_prior, build_fit_array, DirectionFinder, PART
+from lta_vlc.direction_fit import fit_direction
 from lta_vlc.lamp import LampPrior
-from lta_vlc.readings import BEAM, BENDS, Expected, LEANING, REST, SLOPES, unevenness
+from lta_vlc.reading_model import (
+    BEAM,
+    BENDS,
+    DirectionPrior,
+    LEANING,
+    pedestal_unevenness,
+    REST,
+    SLOPES,
+)
 import numpy as np
 import pytest
 from scipy.optimize import least_squares
@@ -29,7 +37,7 @@ def tetrahedral(count, spread=0.0, response=1.2):
     lift = np.radians(40.0) * (-1.0) ** np.arange(count)
     axes = np.stack([np.cos(angle) * np.cos(lift), np.sin(angle) * np.cos(lift), np.sin(lift)], 1)
     axes = tuple(map(tuple, axes.tolist()))
-    return Diodes(axes, tuple((0.0,) * 3 for _ in axes), response, (1.0,) * count, spread)
+    return DiodeArray(axes, tuple((0.0,) * 3 for _ in axes), response, (1.0,) * count, spread)
 
 
 def readings(diodes, ray, strength=200.0, pedestal=40.0, distance=math.inf):
@@ -38,7 +46,7 @@ def readings(diodes, ray, strength=200.0, pedestal=40.0, distance=math.inf):
     way = np.array(ray) - places / distance
     away = np.linalg.norm(way, axis=1)
     cosine = np.maximum(np.einsum('ij,ij->i', axes, way) / away, 0.0)
-    diffuse = pedestal + LEANING * unevenness(strength, pedestal) * (axes @ np.array(ray))
+    diffuse = pedestal + LEANING * pedestal_unevenness(strength, pedestal) * (axes @ np.array(ray))
     return np.array(diodes.gains) * (strength * cosine**diodes.response / away**2 + diffuse)
 
 
@@ -63,7 +71,7 @@ def apart(a, b):
 @pytest.mark.parametrize('count', [5, 8, 16])
 @pytest.mark.parametrize('degrees', [-170.0, -90.0, -22.5, 0.0, 11.0, 45.0, 101.3])
 def test_a_level_ring_is_exact_without_noise(count, degrees, response):
-    azimuth, diodes = math.radians(degrees), ring_of(count, 0.0, response)
+    azimuth, diodes = math.radians(degrees), build_even_ring(count, 0.0, response)
     found = DirectionFinder(diodes).find(heard(readings(diodes, ray(azimuth))), 6.0, FAR)
     assert apart(found.azimuth, azimuth) == pytest.approx(0.0, abs=EXACT)
     assert found.strength == pytest.approx(200.0, rel=3e-3)
@@ -81,7 +89,7 @@ def test_diodes_that_look_up_and_down_tell_the_elevation(azimuth, elevation):
 
 
 def test_a_level_ring_leaves_the_elevation_to_what_was_expected():
-    diodes, prior = ring_of(8), LampPrior(distance=4.0, height_deviation=1.0)
+    diodes, prior = build_even_ring(8), LampPrior(distance=4.0, height_deviation=1.0)
     found = DirectionFinder(diodes).find(heard(readings(diodes, ray(0.2, 0.3))), 6.0, prior)
     assert found.azimuth == pytest.approx(0.2, abs=3e-4)
     assert found.elevation == 0.0
@@ -90,7 +98,7 @@ def test_a_level_ring_leaves_the_elevation_to_what_was_expected():
 
 @pytest.mark.parametrize('distance', [1.5, 3.0])
 def test_a_lamp_close_by_is_seen_from_where_each_diode_is(distance):
-    diodes = ring_of(8, SMALL, 1.2)
+    diodes = build_even_ring(8, SMALL, 1.2)
     amplitude = readings(diodes, ray(0.3), distance=distance)
     known = LampPrior(distance=distance, distance_deviation=0.0)
     assert DirectionFinder(diodes).find(heard(amplitude), 6.0, known).azimuth == pytest.approx(
@@ -103,14 +111,14 @@ def test_a_lamp_close_by_is_seen_from_where_each_diode_is(distance):
 
 def test_known_gains_and_a_dead_diode_cost_nothing_without_noise():
     gains = (1.1, 0.9, 1.0, 0.0, 1.2, 0.8, 1.0, 1.05)
-    diodes = replace(ring_of(8, 0.0, 1.2), gains=gains)
+    diodes = replace(build_even_ring(8, 0.0, 1.2), gains=gains)
     found = DirectionFinder(diodes).find(heard(readings(diodes, ray(1.0))), 6.0, FAR)
     assert found.azimuth == pytest.approx(1.0, abs=EXACT)
 
 
 @pytest.mark.parametrize('spoilt', range(8))
 def test_a_spoilt_diode_is_left_out(spoilt):
-    diodes = ring_of(8, 0.0, 1.2)
+    diodes = build_even_ring(8, 0.0, 1.2)
     amplitude = readings(diodes, ray(0.3))
     amplitude[spoilt] = 3000.0
     peaks = heard(amplitude)
@@ -120,12 +128,12 @@ def test_a_spoilt_diode_is_left_out(spoilt):
 
 
 def test_nothing_is_found_below_the_gate_or_in_even_light():
-    finder = DirectionFinder(ring_of(8))
+    finder = DirectionFinder(build_even_ring(8))
     assert finder.find(heard(np.full(8, 40.0)), 6.0, FAR) is None
-    dim = heard(readings(ring_of(8), ray(0.0)), noise=60.0)
+    dim = heard(readings(build_even_ring(8), ray(0.0)), noise=60.0)
     assert dim.snr.max() < 6.0
     assert finder.find(dim, 6.0, FAR) is None
-    spoilt = heard(readings(ring_of(8), ray(0.0)))
+    spoilt = heard(readings(build_even_ring(8), ray(0.0)))
     spoilt.snr[:] = 0.0
     assert finder.find(spoilt, 6.0, FAR) is None
 
@@ -136,8 +144,8 @@ NOISY = st.lists(st.floats(-1.0, 1.0), min_size=8, max_size=8).map(np.array)
 
 @given(azimuth=ANGLES, noise=NOISY, turns=st.integers(1, 7))
 def test_turning_the_readings_round_the_ring_turns_the_direction(azimuth, noise, turns):
-    finder = DirectionFinder(ring_of(8, SMALL, 1.2, 0.02))
-    amplitude = readings(ring_of(8, SMALL, 1.2), ray(azimuth)) + noise
+    finder = DirectionFinder(build_even_ring(8, SMALL, 1.2, 0.02))
+    amplitude = readings(build_even_ring(8, SMALL, 1.2), ray(azimuth)) + noise
     one = finder.find(heard(amplitude, 1.0), 6.0, LampPrior())
     other = finder.find(heard(np.roll(amplitude, turns), 1.0), 6.0, LampPrior())
     turned = apart(other.azimuth - one.azimuth, turns * math.pi / 4.0)
@@ -148,8 +156,8 @@ def test_turning_the_readings_round_the_ring_turns_the_direction(azimuth, noise,
 
 @given(azimuth=ANGLES, noise=NOISY, scale=st.floats(1e-3, 1e3))
 def test_a_brighter_lamp_in_as_much_more_noise_is_the_same_direction(azimuth, noise, scale):
-    finder = DirectionFinder(ring_of(8, SMALL, 1.2, 0.02))
-    amplitude = readings(ring_of(8, SMALL, 1.2), ray(azimuth)) + noise
+    finder = DirectionFinder(build_even_ring(8, SMALL, 1.2, 0.02))
+    amplitude = readings(build_even_ring(8, SMALL, 1.2), ray(azimuth)) + noise
     one = finder.find(heard(amplitude, 1.0), 6.0, LampPrior())
     other = finder.find(heard(scale * amplitude, scale), 6.0, LampPrior())
     assert apart(other.azimuth, one.azimuth) == pytest.approx(0.0, abs=1e-5)
@@ -171,8 +179,8 @@ def test_the_order_of_the_diodes_does_not_matter(azimuth, noise, order):
 def independent(diodes, amplitude, noise, prior, found):
     """Return azimuth, elevation and strength by scipy, from the docstring of `readings` alone."""
     axes, places, p = np.array(diodes.axes), np.array(diodes.places), diodes.response
-    expected: Expected = expected_of(prior)
-    uneven = unevenness(found.strength, found.pedestal)
+    expected: DirectionPrior = build_direction_prior(prior)
+    uneven = pedestal_unevenness(found.strength, found.pedestal)
 
     def direct(azimuth, elevation, strength, near, fall):
         towards = np.array(ray(azimuth, elevation))
@@ -206,7 +214,7 @@ def independent(diodes, amplitude, noise, prior, found):
     return least_squares(residuals, start, x_scale=np.maximum(np.abs(start), 0.1)).x
 
 
-@pytest.mark.parametrize('diodes', [ring_of(8, SMALL, 1.2, 0.02), tetrahedral(8, 0.02)])
+@pytest.mark.parametrize('diodes', [build_even_ring(8, SMALL, 1.2, 0.02), tetrahedral(8, 0.02)])
 def test_another_solver_finds_the_same_minimum(diodes):
     generator = np.random.default_rng(8)
     prior, differences = LampPrior(), []
@@ -228,9 +236,9 @@ def test_another_solver_finds_the_same_minimum(diodes):
 def test_the_interval_holds_what_the_light_does_by_its_priors():
     """Rooms drawn from the priors themselves: the fit linearises, and that is all it may lose."""
     generator = np.random.default_rng(12)
-    diodes, prior = ring_of(8, SMALL, 1.2, 0.02), LampPrior()
-    expected, axes = expected_of(prior), np.array(diodes.axes)
-    finder = DirectionFinder(diodes, compiled(fit)[0], np.array)
+    diodes, prior = build_even_ring(8, SMALL, 1.2, 0.02), LampPrior()
+    expected, axes = build_direction_prior(prior), np.array(diodes.axes)
+    finder = DirectionFinder(diodes, compile_functions(fit_direction)[0], np.array)
     inside, trials = 0, 2000
     for _ in range(trials):
         azimuth = generator.uniform(-math.pi, math.pi)
@@ -238,7 +246,7 @@ def test_the_interval_holds_what_the_light_does_by_its_priors():
         amplitude = readings(diodes, ray(azimuth), distance=1.0 / near, pedestal=0.0)
         left = np.array([-math.sin(azimuth), math.cos(azimuth), 0.0])
         amplitude *= 1.0 + near * generator.normal() * (np.array(diodes.places) @ left)
-        uneven = unevenness(200.0, 40.0)
+        uneven = pedestal_unevenness(200.0, 40.0)
         slope = SLOPES * generator.standard_normal(3) + LEANING * np.array(ray(azimuth))
         bend = BENDS * generator.standard_normal(2)
         pattern = axes @ slope + bend[0] * (axes[:, 0] ** 2 - axes[:, 1] ** 2)
@@ -257,8 +265,11 @@ def test_the_interval_holds_what_the_light_does_by_its_priors():
 def test_compiled_it_is_the_same_to_the_last_bit(count):
     """With readings that follow the model, and with some that follow none."""
     generator = np.random.default_rng(count)
-    diodes = ring_of(count, SMALL, 1.2, 0.02)
-    plain, fast = DirectionFinder(diodes), DirectionFinder(diodes, compiled(fit)[0], np.array)
+    diodes = build_even_ring(count, SMALL, 1.2, 0.02)
+    plain, fast = (
+        DirectionFinder(diodes),
+        DirectionFinder(diodes, compile_functions(fit_direction)[0], np.array),
+    )
     for k in range(200):
         truth = readings(diodes, ray(generator.uniform(-3.1, 3.1)), distance=3.0)
         off = generator.normal(0.0, 2.0 + k % 100, count)
@@ -269,11 +280,11 @@ def test_compiled_it_is_the_same_to_the_last_bit(count):
 
 def test_a_vehicles_diodes_are_those_of_its_file():
     entry = load_vehicle_file('gtmab').sensors.diodes
-    diodes = diodes_of(entry)
+    diodes = build_diode_array(entry)
     assert len(diodes.axes) == entry.count == 8
     assert diodes.axes[2] == pytest.approx((0.0, 1.0, 0.0), abs=1e-15)
     assert diodes.places[2] == pytest.approx((0.0, 0.07, 0.0), abs=1e-15)
-    array = array_of(diodes)
+    array = build_fit_array(diodes)
     assert array.rx[0] == pytest.approx(0.07)
     assert array.gains == (1.0,) * 8
 
@@ -291,17 +302,17 @@ def test_a_vehicles_diodes_are_those_of_its_file():
 )
 def test_diodes_that_cannot_be_are_refused(wrong, sentence):
     with pytest.raises(BadInput, match=sentence):
-        replace(ring_of(8), **wrong)
+        replace(build_even_ring(8), **wrong)
 
 
 def test_another_number_of_diodes_is_refused():
     with pytest.raises(BadInput, match='4 diodes, but the vehicle file 8'):
-        ring_of(8).check(4)
+        build_even_ring(8).check_count(4)
 
 
 def test_readings_that_follow_no_model_widen_the_interval():
     """A lamp half behind the hull: a diode that should be lit reads as if it looked away."""
-    diodes = ring_of(8, SMALL, 1.2, 0.02)
+    diodes = build_even_ring(8, SMALL, 1.2, 0.02)
     amplitude = readings(diodes, ray(0.3), distance=4.0)
     whole = DirectionFinder(diodes).find(heard(amplitude, 0.5), 6.0, LampPrior())
     amplitude[0] = amplitude[4]

@@ -3,24 +3,24 @@
 import math
 import sys
 
-from lta_vlc.fit import (
-    blind,
-    by_cholesky,
-    cholesky,
-    concluded,
-    first_guess,
-    fit,
-    renewed,
-    strangeness,
-    turned_by,
+from lta_vlc.direction_fit import (
+    build_fit,
+    factorize_cholesky,
+    failed_fit,
+    fit_direction,
+    guess_direction,
+    rotate_direction,
+    solve_cholesky,
+    update_unknowns,
+    variance_inflation,
 )
-from lta_vlc.readings import (
-    Array,
+from lta_vlc.reading_model import (
     AZIMUTH,
+    DirectionPrior,
     ELEVATION,
-    Expected,
     FALL,
     FIT_SCRATCH,
+    FitArray,
     MISFIT,
     NEARNESS,
     NORMAL,
@@ -36,13 +36,13 @@ import pytest
 CROSS = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))
 NONE = (0.0,) * 4
 SURE = (1.0,) * 4
-EXPECTED = Expected(0.3, 0.1, 0.25, 0.1)
+EXPECTED = DirectionPrior(0.3, 0.1, 0.25, 0.1)
 
 
 def four(gains=SURE):
     """Return four level diodes at right angles, the first facing forward."""
     x, y = zip(*CROSS, strict=True)
-    return Array(x, y, NONE, NONE, NONE, NONE, gains, 1.0, 0.0)
+    return FitArray(x, y, NONE, NONE, NONE, NONE, gains, 1.0, 0.0)
 
 
 def normal(seed=1):
@@ -60,10 +60,10 @@ def normal(seed=1):
 @pytest.mark.parametrize('seed', range(3))
 def test_the_normal_equations_are_solved(seed):
     scratch, matrix, pulls = normal(seed)
-    assert cholesky(scratch)
+    assert factorize_cholesky(scratch)
     factor = np.tril(scratch[NORMAL:VALUES].reshape(UNKNOWNS, UNKNOWNS))
     assert factor == pytest.approx(np.linalg.cholesky(matrix), abs=1e-12)
-    by_cholesky(scratch)
+    solve_cholesky(scratch)
     assert scratch[PULLS:NORMAL] == pytest.approx(np.linalg.solve(matrix, pulls), abs=1e-12)
 
 
@@ -73,17 +73,17 @@ def test_a_matrix_that_is_not_positive_definite_has_no_factor(worst, unknown):
     scratch, _, _ = normal()
     scratch[NORMAL + UNKNOWNS * unknown : NORMAL + UNKNOWNS * unknown + UNKNOWNS] = 0.0
     scratch[NORMAL + (UNKNOWNS + 1) * unknown] = worst
-    assert not cholesky(scratch)
+    assert not factorize_cholesky(scratch)
 
 
 @pytest.mark.parametrize('seed', range(3))
 def test_the_covariance_is_the_inverse_of_the_normal_matrix(seed):
     """Azimuth is the step to the left over cos(elevation) = 0.8; 2.5 scales all variances."""
     scratch, matrix, _ = normal(seed)
-    cholesky(scratch)
+    factorize_cholesky(scratch)
     scratch[VALUES + STRENGTH], scratch[VALUES + PEDESTAL] = 70.0, 8.0
     inverse = np.linalg.inv(matrix)
-    found = concluded(scratch, 0.48, -0.64, 0.6, 2.5)
+    found = build_fit(scratch, 0.48, -0.64, 0.6, 2.5)
     assert found[:4] == (True, 0.48, -0.64, 0.6)
     assert found.azimuth_variance == pytest.approx(2.5 * inverse[AZIMUTH, AZIMUTH] / 0.8**2)
     assert found.covariance == pytest.approx(2.5 * inverse[AZIMUTH, ELEVATION] / 0.8)
@@ -99,10 +99,10 @@ def test_an_azimuth_deviation_of_a_radian_or_more_gives_no_direction(side, level
     scratch = np.zeros(FIT_SCRATCH)
     for unknown in range(UNKNOWNS):
         scratch[NORMAL + (UNKNOWNS + 1) * unknown] = 1.0 / side
-    told = concluded(scratch, level, 0.0, math.sqrt(1.0 - level**2), 1.0)
+    told = build_fit(scratch, level, 0.0, math.sqrt(1.0 - level**2), 1.0)
     assert told.found is found
-    assert (told == blind()) is not found
-    assert blind() == (False, *(0.0,) * 9)
+    assert (told == failed_fit()) is not found
+    assert failed_fit() == (False, *(0.0,) * 9)
 
 
 def test_the_variance_factor_is_the_misfit_per_valid_reading_and_at_least_one():
@@ -110,14 +110,14 @@ def test_the_variance_factor_is_the_misfit_per_valid_reading_and_at_least_one():
     errors = (1.0, math.inf, 2.0, 3.0)
     for misfit, strange in ((12.0, 4.0), (3.0, 1.0), (0.5, 1.0)):
         scratch[MISFIT] = misfit
-        assert strangeness(scratch, errors) == strange
+        assert variance_inflation(scratch, errors) == strange
 
 
 def test_a_first_guess_is_the_weighted_mean_lifted_to_the_expected_elevation():
     """Over their gains the readings are 60, 40, 20 and dead: (40, 20) above the lowest."""
     scratch = np.full(FIT_SCRATCH, 9.0)
     array = four((1.0, 2.0, 1.0, 0.0))
-    x, y, z, top = first_guess(array, EXPECTED, (60.0, 80.0, 20.0, 9.0), SURE, scratch)
+    x, y, z, top = guess_direction(array, EXPECTED, (60.0, 80.0, 20.0, 9.0), SURE, scratch)
     length = math.hypot(40.0, 20.0)
     flat = math.cos(0.3)
     assert (x, y, z) == pytest.approx((40 * flat / length, 20 * flat / length, math.sin(0.3)))
@@ -130,16 +130,16 @@ def test_a_first_guess_is_the_weighted_mean_lifted_to_the_expected_elevation():
 
 def test_a_diode_with_an_infinite_error_does_not_affect_the_first_guess():
     scratch, errors = np.zeros(FIT_SCRATCH), (1.0, 1.0, math.inf, 1.0)
-    x, y, _, top = first_guess(four(), EXPECTED, (30.0, 10.0, 900.0, 10.0), errors, scratch)
+    x, y, _, top = guess_direction(four(), EXPECTED, (30.0, 10.0, 900.0, 10.0), errors, scratch)
     assert (x, y) == pytest.approx((math.cos(0.3), 0.0))
     assert (top, scratch[VALUES + STRENGTH], scratch[VALUES + PEDESTAL]) == (30.0, 20.0, 10.0)
 
 
 @pytest.mark.parametrize('readings', [(5.0,) * 4, (math.inf, 1.0, 1.0, 1.0)])
 def test_equal_or_infinite_readings_give_no_first_guess(readings):
-    found = first_guess(four(), EXPECTED, readings, SURE, np.zeros(FIT_SCRATCH))
+    found = guess_direction(four(), EXPECTED, readings, SURE, np.zeros(FIT_SCRATCH))
     assert found == (1.0, 0.0, 0.0, 0.0)
-    assert fit(four(), EXPECTED, readings, SURE, np.zeros(FIT_SCRATCH)) == blind()
+    assert fit_direction(four(), EXPECTED, readings, SURE, np.zeros(FIT_SCRATCH)) == failed_fit()
 
 
 def test_a_step_goes_to_the_left_and_up_on_the_sphere():
@@ -148,9 +148,9 @@ def test_a_step_goes_to_the_left_and_up_on_the_sphere():
     here = np.array([math.cos(e) * math.cos(a), math.cos(e) * math.sin(a), math.sin(e)])
     left = np.array([-math.sin(a), math.cos(a), 0.0])
     there = here + 0.2 * left - 0.1 * np.cross(here, left)
-    found = turned_by(*here.tolist(), 0.2, -0.1)
+    found = rotate_direction(*here.tolist(), 0.2, -0.1)
     assert found == pytest.approx(there / np.linalg.norm(there))
-    assert turned_by(0.0, 0.0, 1.0, 0.0, 0.0) == pytest.approx((0.0, 0.0, 1.0))
+    assert rotate_direction(0.0, 0.0, 1.0, 0.0, 0.0) == pytest.approx((0.0, 0.0, 1.0))
 
 
 def test_a_step_keeps_the_values_within_their_limits():
@@ -158,14 +158,14 @@ def test_a_step_keeps_the_values_within_their_limits():
     scratch = np.zeros(FIT_SCRATCH)
     scratch[VALUES:MISFIT] = 1.0
     scratch[PULLS:NORMAL] = 0.25
-    renewed(scratch, 100.0)
+    update_unknowns(scratch, 100.0)
     assert scratch[VALUES:MISFIT].tolist() == [1.25] * ELEVATION
     scratch[PULLS:NORMAL] = 9.0
-    renewed(scratch, 100.0)
+    update_unknowns(scratch, 100.0)
     assert (scratch[VALUES + NEARNESS], scratch[VALUES + FALL]) == (2.0, 3.0)
     assert scratch[VALUES + STRENGTH] == 10.25
     scratch[PULLS:NORMAL] = -99.0
-    renewed(scratch, 100.0)
+    update_unknowns(scratch, 100.0)
     assert (scratch[VALUES + NEARNESS], scratch[VALUES + FALL]) == (0.0, -3.0)
     assert scratch[VALUES + STRENGTH] == pytest.approx(0.1)
 
@@ -191,9 +191,9 @@ def test_at_most_twelve_steps_are_limited_and_halved_after_five(monkeypatch, pul
             scratch[NORMAL + (UNKNOWNS + 1) * unknown] = 4.0
         scratch[PULLS + AZIMUTH] = 4.0 * pull
 
-    monkeypatch.setattr(sys.modules['lta_vlc.fit'], 'normal_equations', pulling)
+    monkeypatch.setattr(sys.modules['lta_vlc.direction_fit'], 'normal_equations', pulling)
     level = EXPECTED._replace(elevation=0.0)
-    found = fit(four(), level, (50.0, 10.0, 10.0, 10.0), SURE, [0.0] * FIT_SCRATCH)
+    found = fit_direction(four(), level, (50.0, 10.0, 10.0, 10.0), SURE, [0.0] * FIT_SCRATCH)
     assert found.found
     apart = math.remainder(math.atan2(found.y, found.x) - azimuth, math.tau)
     assert apart == pytest.approx(0.0, abs=1e-9)

@@ -3,7 +3,7 @@
 import math
 
 from lta_vlc.direction import Direction
-from lta_vlc.lamp import lamp_estimate, LampPrior, range_of
+from lta_vlc.lamp import estimate_lamp_position, estimate_range, LampPrior
 import numpy as np
 import pytest
 
@@ -35,7 +35,7 @@ def matrix(lamp):
 )
 def test_ahead_and_to_the_left_by_hand(azimuth, place, variances):
     """Along: 3^2. Across: (4^2 + 3^2) 0.05^2. Up: 25 x 0.1^2."""
-    lamp = lamp_estimate(direction(azimuth, 0.0, [[0.05**2, 0.0], [0.0, 0.1**2]]), PRIOR)
+    lamp = estimate_lamp_position(direction(azimuth, 0.0, [[0.05**2, 0.0], [0.0, 0.1**2]]), PRIOR)
     assert lamp[:3] == pytest.approx(place, abs=1e-12)
     assert matrix(lamp) == pytest.approx(np.diag(variances), abs=1e-12)
 
@@ -51,10 +51,10 @@ def test_covariance_is_that_of_drawn_lamps(azimuth, elevation):
         [level * np.cos(drawn[:, 0]), level * np.sin(drawn[:, 0]), np.sin(drawn[:, 1])]
     )
     found = np.cov(distance * rays)
-    stated = matrix(lamp_estimate(direction(azimuth, elevation, given), PRIOR))
+    stated = matrix(estimate_lamp_position(direction(azimuth, elevation, given), PRIOR))
     # 200 000 draws know a variance of 9 to 0.03; the bend adds 25 x 0.04^2 at most.
     assert found == pytest.approx(stated, abs=0.1)
-    ray = np.array(lamp_estimate(direction(azimuth, elevation, given), PRIOR)[:3]) / 4.0
+    ray = np.array(estimate_lamp_position(direction(azimuth, elevation, given), PRIOR)[:3]) / 4.0
     left = np.array([-ray[1], ray[0], 0.0]) / math.hypot(ray[0], ray[1])
     up = np.cross(ray, left)
     for a, b in ((left, left), (up, up), (left, up)):
@@ -64,7 +64,7 @@ def test_covariance_is_that_of_drawn_lamps(azimuth, elevation):
 def test_the_range_follows_from_the_strength_where_the_lamp_was_measured():
     prior = LampPrior(intensity=500.0)
     # 500 x 0.8 / 100 = 2^2; 5 % of strength are 2.5 % of range, beside 15 % by the beam.
-    distance, deviation = range_of(direction(0.0, 0.0, np.eye(2), 100.0, 5.0), prior)
+    distance, deviation = estimate_range(direction(0.0, 0.0, np.eye(2), 100.0, 5.0), prior)
     assert distance == pytest.approx(2.0)
     assert deviation == pytest.approx(2.0 * math.hypot(0.15, 0.025))
-    assert range_of(direction(0.0, 0.0, np.eye(2)), PRIOR) == (4.0, 3.0)
+    assert estimate_range(direction(0.0, 0.0, np.eye(2)), PRIOR) == (4.0, 3.0)

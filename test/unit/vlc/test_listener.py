@@ -3,11 +3,11 @@
 import math
 
 from lta_config.errors import BadInput
-from lta_vlc.demodulation import hear
-from lta_vlc.faults import Fault
-from lta_vlc.listener import Listener
-from lta_vlc.settings import Demodulation
-from lta_vlc.wish import NO_WISH
+from lta_vlc.beacon_request import NO_WISH
+from lta_vlc.demodulation import demodulate_block
+from lta_vlc.faults import DiodeFault
+from lta_vlc.receiver import BeaconReceiver
+from lta_vlc.settings import DemodulationSettings
 import numpy as np
 import pytest
 
@@ -16,8 +16,8 @@ from .tones import RATE, SAMPLES, square, tone
 FACING = np.maximum(np.cos(np.arange(8) * math.pi / 4.0), 0.0)
 
 
-def listener(**settings) -> Listener:
-    return Listener(Demodulation(**settings), RATE, SAMPLES)
+def listener(**settings) -> BeaconReceiver:
+    return BeaconReceiver(DemodulationSettings(**settings), RATE, SAMPLES)
 
 
 def counts(*lamps, noise=3.0, seed=1):
@@ -30,7 +30,7 @@ def counts(*lamps, noise=3.0, seed=1):
 
 
 def test_two_lamps_are_heard_each_from_its_side():
-    heard = listener(others=(250.0,)).hear(counts((150.0, 200.0, 0), (250.0, 20.0, 3)))
+    heard = listener(others=(250.0,)).demodulate(counts((150.0, 200.0, 0), (250.0, 20.0, 3)))
     near, far = heard.peaks
     assert near.amplitude.argmax() == 0
     assert far.amplitude.argmax() == 3
@@ -40,14 +40,14 @@ def test_two_lamps_are_heard_each_from_its_side():
     assert heard.frequencies == pytest.approx([150.0, 250.0], abs=0.05)
     assert heard.level == pytest.approx(np.full(8, 800.0), abs=0.5)
     assert near.noise is far.noise
-    assert set(heard.faults) == {Fault.NONE}
+    assert set(heard.faults) == {DiodeFault.NONE}
 
 
 def test_the_other_lamp_is_no_noise():
     """Without its harmonics masked, those of the near lamp would bury the far one."""
     block = counts((150.0, 400.0, 0), (250.0, 2.0, 0))
-    both = listener(others=(250.0,)).hear(block)
-    alone = listener(frequency=250.0).hear(block)
+    both = listener(others=(250.0,)).demodulate(block)
+    alone = listener(frequency=250.0).demodulate(block)
     assert both.peaks[1].snr[0] > 6.0
     assert alone.peaks[0].snr[0] < 2.0
 
@@ -55,21 +55,21 @@ def test_the_other_lamp_is_no_noise():
 def test_what_is_wanted_comes_first_and_the_rest_stays():
     ears = listener()
     block = counts((150.0, 200.0, 0), (250.0, 20.0, 3))
-    assert len(ears.hear(block).peaks) == 1
-    ears.want(250.0)
+    assert len(ears.demodulate(block).peaks) == 1
+    ears.prioritize_beacon(250.0)
     assert ears.beacons == (250.0, 150.0)
-    assert ears.hear(block).peaks[0].amplitude.argmax() == 3
-    ears.want(NO_WISH)
+    assert ears.demodulate(block).peaks[0].amplitude.argmax() == 3
+    ears.prioritize_beacon(NO_WISH)
     assert ears.beacons == (150.0, 250.0)
-    assert ears.hear(block).peaks[0].amplitude.argmax() == 0
+    assert ears.demodulate(block).peaks[0].amplitude.argmax() == 0
 
 
 def test_a_wish_pushes_out_what_it_collides_with():
     ears = listener()
-    ears.want(180.0 - 10.0)  # within the resolution of 150 Hz
+    ears.prioritize_beacon(180.0 - 10.0)  # within the resolution of 150 Hz
     assert ears.beacons == (170.0,)
     with pytest.raises(BadInput, match='at 310 Hz is sought within 2 bins'):
-        ears.want(310.0)
+        ears.prioritize_beacon(310.0)
     assert ears.beacons == (170.0,)
 
 
@@ -77,14 +77,14 @@ def test_a_wish_pushes_out_what_it_collides_with():
 def test_a_wish_for_no_frequency_is_refused(wish):
     ears = listener()
     with pytest.raises(BadInput):
-        ears.want(wish)
+        ears.prioritize_beacon(wish)
     assert ears.beacons == (150.0,)
 
 
 def test_only_so_many_wishes_are_remembered():
     ears = listener(window=1)
     for wish in (250.0, 350.0, 550.0, 650.0, 850.0):
-        ears.want(wish)
+        ears.prioritize_beacon(wish)
     assert ears.beacons == (850.0, 650.0, 550.0, 350.0)
 
 
@@ -93,22 +93,22 @@ def test_a_clock_that_drifts_is_followed_out_of_the_window():
     ears, errors = listener(frequency=1250.0), []
     for k in range(120):
         frequency = 1250.0 + 37.0 * min(k / 100.0, 1.0)
-        heard = ears.hear(counts((frequency, 50.0, 0), seed=k))
+        heard = ears.demodulate(counts((frequency, 50.0, 0), seed=k))
         assert heard.peaks[0].snr[0] > 6.0, k
         errors.append(heard.frequencies[0] - frequency)
     assert np.abs(errors).max() < 0.1  # Hz, of 10 Hz a bin
-    still = listener(frequency=1250.0).hear(counts((1287.0, 50.0, 0)))
+    still = listener(frequency=1250.0).demodulate(counts((1287.0, 50.0, 0)))
     assert abs(still.frequencies[0] - 1287.0) > 5.0  # not in the window from the start
 
 
 def test_a_lamp_that_is_gone_is_sought_where_it_should_be():
     ears = listener(frequency=1250.0)
     for k in range(30):
-        ears.hear(counts((1265.0, 50.0, 0), seed=k))
-    aside = ears.hear(counts((1282.0, 50.0, 0)))
+        ears.demodulate(counts((1265.0, 50.0, 0), seed=k))
+    aside = ears.demodulate(counts((1282.0, 50.0, 0)))
     assert aside.frequencies[0] == pytest.approx(1282.0, abs=0.2)
-    ears.miss(20)
-    back = ears.hear(counts((1235.0, 50.0, 0)))
+    ears.skip_blocks(20)
+    back = ears.demodulate(counts((1235.0, 50.0, 0)))
     assert back.frequencies[0] == pytest.approx(1235.0, abs=0.2)
 
 
@@ -116,7 +116,7 @@ def test_a_beacon_is_found_and_lost_with_patience():
     ears, bright, dark = listener(), counts((150.0, 50.0, 0)), counts()
     told = []
     for block in [bright, bright, dark, bright, dark, dark, dark, dark, dark, bright]:
-        ears.hear(block)
+        ears.demodulate(block)
         told.append(ears.presences[150.0].found)
     assert told == [False, True, True, True, True, True, True, True, False, False]
 
@@ -128,10 +128,10 @@ def test_spoilt_diodes_are_flagged_gated_and_pull_nothing():
     block[5, 3] = math.nan
     block[7, 4] = -math.inf
     block[3, 5] = 4095.0  # a glitch, no more
-    heard = hear(block, listener()._planned((150.0,), (0,)), 4095.0)
-    wild = Fault.NOT_A_NUMBER
-    assert heard.faults[1:5] == (Fault.SATURATED, Fault.FLAT, wild, wild)
-    assert [heard.faults[k] for k in (0, 5, 6, 7)] == [Fault.NONE] * 4
+    heard = demodulate_block(block, listener()._planned((150.0,), (0,)), 4095.0)
+    wild = DiodeFault.NOT_A_NUMBER
+    assert heard.faults[1:5] == (DiodeFault.SATURATED, DiodeFault.FLAT, wild, wild)
+    assert [heard.faults[k] for k in (0, 5, 6, 7)] == [DiodeFault.NONE] * 4
     assert heard.peaks[0].snr[1:5].tolist() == [0.0] * 4
     assert heard.frequencies[0] == pytest.approx(150.3, abs=0.05)
     assert heard.peaks[0].amplitude[0] == pytest.approx(200.0, abs=0.6)
@@ -143,20 +143,20 @@ def test_spoilt_diodes_are_flagged_gated_and_pull_nothing():
 def test_what_clips_is_what_the_converter_says(bits, factor):
     """800 counts of 12 bits with 200 of a lamp on them: the top of 10 bits, and far from it."""
     top = 2.0**bits - 1.0
-    ears = Listener(Demodulation(), RATE, SAMPLES, top)
-    heard = ears.hear((factor * counts((150.0, 400.0, 0)).astype(float)).clip(0.0, top))
-    assert (heard.faults[0] is Fault.SATURATED) == (bits == 10)
-    assert heard.faults[4] is Fault.NONE
+    ears = BeaconReceiver(DemodulationSettings(), RATE, SAMPLES, top)
+    heard = ears.demodulate((factor * counts((150.0, 400.0, 0)).astype(float)).clip(0.0, top))
+    assert (heard.faults[0] is DiodeFault.SATURATED) == (bits == 10)
+    assert heard.faults[4] is DiodeFault.NONE
 
 
 def test_a_tone_that_nobody_knows_is_told_and_mains_are_known():
     strange = counts((150.0, 5.0, 0)) + np.rint(200.0 + 40.0 * tone(3210.0))[:, None].astype(int)
-    assert set(listener().hear(strange).faults) == {Fault.ALIASED}
+    assert set(listener().demodulate(strange).faults) == {DiodeFault.ALIASED}
     mains = counts((150.0, 5.0, 0)) + np.rint(200.0 + 40.0 * tone(100.4))[:, None].astype(int)
-    assert set(listener().hear(mains).faults) == {Fault.NONE}
+    assert set(listener().demodulate(mains).faults) == {DiodeFault.NONE}
 
 
 @pytest.mark.parametrize('shape', [(999, 8), (1000,), (8, 1000), (1000, 8, 1), (1000, 0)])
 def test_a_truncated_block_is_refused(shape):
     with pytest.raises(BadInput, match='1000 samples by diodes are expected'):
-        listener().hear(np.zeros(shape))
+        listener().demodulate(np.zeros(shape))

@@ -4,7 +4,7 @@ from fractions import Fraction
 import math
 
 from lta_config.errors import BadInput
-from lta_model.light.modulation import cycles, SquareWave
+from lta_model.light.modulation import phase_in_cycles, SquareWave
 import numpy as np
 import pytest
 
@@ -24,23 +24,23 @@ def test_phase_is_exact_after_any_time(frequency, hours):
     times = start + np.arange(0, 100_000_000, 100_000, dtype=np.int64)
     exact = [exact_cycles(int(time), frequency, 0.25) for time in times]
     # 500 cycles at 4999 Hz times the rounding of a product: a few 1e-13.
-    distance = np.abs(cycles(times, frequency, 0.25) - exact)
+    distance = np.abs(phase_in_cycles(times, frequency, 0.25) - exact)
     assert np.minimum(distance, 1.0 - distance).max() < 5e-13
 
 
 def test_phase_stays_below_one():
-    assert cycles(np.array([0], dtype=np.int64), 1.0, -1e-20)[0] == 0.0
+    assert phase_in_cycles(np.array([0], dtype=np.int64), 1.0, -1e-20)[0] == 0.0
 
 
 def test_values_of_a_quarter_wave():
     wave = SquareWave(10.0, duty=0.25, phase=0.0)
     times = np.array([0, 24_999_999, 25_000_000, 99_999_999, 100_000_000], dtype=np.int64)
-    assert wave.values(times).tolist() == [1.0, 1.0, 0.0, 0.0, 1.0]
+    assert wave.sample(times).tolist() == [1.0, 1.0, 0.0, 0.0, 1.0]
 
 
 def test_phase_shifts_the_wave_ahead():
     wave = SquareWave(10.0, duty=0.5, phase=0.5)
-    assert wave.values(np.array([0, 49_999_999, 50_000_000])).tolist() == [0.0, 0.0, 1.0]
+    assert wave.sample(np.array([0, 49_999_999, 50_000_000])).tolist() == [0.0, 0.0, 1.0]
 
 
 def test_lagged_wave_is_its_filtered_fourier_series():
@@ -54,7 +54,7 @@ def test_lagged_wave_is_its_filtered_fourier_series():
     series = duty + 2.0 * np.real(
         np.exp(np.outer(times * (frequency * 1e-9), rotation)) @ coefficient
     )
-    lagged = SquareWave(frequency, duty).lagged(times, time_constant)
+    lagged = SquareWave(frequency, duty).sample_filtered(times, time_constant)
     # No time falls on an edge, where alone the rest of the series would add up (to 4e-5).
     assert np.abs(lagged - series).max() < 1e-8
 
@@ -62,9 +62,9 @@ def test_lagged_wave_is_its_filtered_fourier_series():
 def test_fast_lag_follows_and_slow_lag_averages():
     wave = SquareWave(150.0, duty=0.3)
     times = np.arange(1_000, 20_000_000, 99_991, dtype=np.int64)
-    assert wave.lagged(times, 1e-9) == pytest.approx(wave.values(times), abs=1e-9)
+    assert wave.sample_filtered(times, 1e-9) == pytest.approx(wave.sample(times), abs=1e-9)
     # A triangle of 0.3 x 0.7 / (f tau) from end to end around the duty.
-    slow = wave.lagged(times, 10.0)
+    slow = wave.sample_filtered(times, 10.0)
     assert np.abs(slow - 0.3).max() < 0.3 * 0.7 / 1500.0
 
 
@@ -87,5 +87,5 @@ def test_what_is_no_wave_is_refused(wave, sentence):
 
 def test_by_default_a_wave_is_on_for_the_first_half_of_each_cycle():
     times = np.array([0, 49_999_999, 50_000_000, 99_999_999])
-    assert SquareWave(10.0).values(times).tolist() == [1.0, 1.0, 0.0, 0.0]
-    assert cycles(times, 10.0)[:3] == pytest.approx([0.0, 0.5, 0.5], abs=1e-7)
+    assert SquareWave(10.0).sample(times).tolist() == [1.0, 1.0, 0.0, 0.0]
+    assert phase_in_cycles(times, 10.0)[:3] == pytest.approx([0.0, 0.5, 0.5], abs=1e-7)

@@ -1,9 +1,9 @@
 """Which beacons are refused, and with what sentence."""
 
 from lta_config.errors import BadInput
-from lta_vlc.listener import Listener
-from lta_vlc.settings import Demodulation
-from lta_vlc.spectral.separation import check_beacons, folded, mains_flicker
+from lta_vlc.receiver import BeaconReceiver
+from lta_vlc.settings import DemodulationSettings
+from lta_vlc.spectral.separation import alias_frequency, check_beacons, mains_flicker_frequencies
 import pytest
 
 
@@ -12,13 +12,13 @@ import pytest
     [(150.0, 150.0), (5000.0, 5000.0), (6000.0, 4000.0), (10_000.0, 0.0), (10_150.0, 150.0)],
 )
 def test_sampling_folds_frequencies(frequency, appears):
-    assert folded(frequency, 10_000.0) == pytest.approx(appears)
+    assert alias_frequency(frequency, 10_000.0) == pytest.approx(appears)
 
 
 def test_lamps_on_the_mains_flicker_at_twice_its_frequency():
-    assert mains_flicker(60.0, 10_000.0) == [120.0 * k for k in range(1, 11)]
-    assert mains_flicker(0.0, 10_000.0) == []
-    assert mains_flicker(50.0, 250.0)[:4] == [100.0, 50.0, 50.0, 100.0]
+    assert mains_flicker_frequencies(60.0, 10_000.0) == [120.0 * k for k in range(1, 11)]
+    assert mains_flicker_frequencies(0.0, 10_000.0) == []
+    assert mains_flicker_frequencies(50.0, 250.0)[:4] == [100.0, 50.0, 50.0, 100.0]
 
 
 @pytest.mark.parametrize(
@@ -44,7 +44,7 @@ def test_lamps_on_the_mains_flicker_at_twice_its_frequency():
 )
 def test_what_cannot_be_told_apart_is_refused_at_the_start(settings, sentence):
     with pytest.raises(BadInput, match=sentence):
-        Listener(Demodulation(**settings), 10_000.0, 1000)
+        BeaconReceiver(DemodulationSettings(**settings), 10_000.0, 1000)
 
 
 @pytest.mark.parametrize(
@@ -62,11 +62,13 @@ def test_what_cannot_be_told_apart_is_refused_at_the_start(settings, sentence):
     ],
 )
 def test_what_can_be_told_apart_is_taken(settings):
-    Listener(Demodulation(**settings), 10_000.0, 1000)
+    BeaconReceiver(DemodulationSettings(**settings), 10_000.0, 1000)
 
 
 def test_many_beacons_leave_no_bins_for_the_noise():
-    settings = Demodulation(frequency=150.0, others=(2e2, 2.5e2, 3.5e2), window=0, mains=0.0)
+    settings = DemodulationSettings(
+        frequency=150.0, others=(2e2, 2.5e2, 3.5e2), window=0, mains=0.0
+    )
     with pytest.raises(BadInput, match='250, 350 Hz and their harmonics leave 2 bins'):
-        Listener(settings, 800.0, 16)
+        BeaconReceiver(settings, 800.0, 16)
     check_beacons((150.0, 250.0), settings, 10_000.0, 1000)

@@ -1,8 +1,8 @@
 """Blocks that are missing, late, doubled, and a time that begins anew."""
 
 from lta_config.errors import BadInput
-from lta_vlc.presence import Presence
-from lta_vlc.sequence import Sequence
+from lta_vlc.presence import BeaconPresence
+from lta_vlc.sequence import BlockSequence
 import pytest
 
 PERIOD = 100_000_000
@@ -11,8 +11,8 @@ START = 1_000_000_000
 
 def taken(*blocks: float) -> list[int]:
     """Return how many blocks are missing before each of these, counted in blocks."""
-    sequence = Sequence(PERIOD)
-    return [sequence.take(START + round(block * PERIOD)) for block in blocks]
+    sequence = BlockSequence(PERIOD)
+    return [sequence.accept_block(START + round(block * PERIOD)) for block in blocks]
 
 
 def test_blocks_go_on_from_one_another():
@@ -24,18 +24,18 @@ def test_a_clock_that_trembles_loses_nothing():
 
 
 def test_missing_blocks_are_counted():
-    sequence = Sequence(PERIOD)
-    assert [sequence.take(START + k * PERIOD) for k in (0, 3, 4, 9)] == [0, 2, 0, 4]
+    sequence = BlockSequence(PERIOD)
+    assert [sequence.accept_block(START + k * PERIOD) for k in (0, 3, 4, 9)] == [0, 2, 0, 4]
     assert sequence.missing == 6
 
 
 @pytest.mark.parametrize('late', [1, 0, 1.4, 1.4999, -8.9999])
 def test_a_block_out_of_order_is_refused_and_the_newest_kept(late):
-    sequence = Sequence(PERIOD)
-    sequence.take(START + PERIOD)
+    sequence = BlockSequence(PERIOD)
+    sequence.accept_block(START + PERIOD)
     with pytest.raises(BadInput, match=r'comes after that of 1.100 s, though a block lasts 0.1 s'):
-        sequence.take(START + round(late * PERIOD))
-    assert sequence.take(START + 2 * PERIOD) == 0
+        sequence.accept_block(START + round(late * PERIOD))
+    assert sequence.accept_block(START + 2 * PERIOD) == 0
 
 
 def test_a_recording_may_begin_again():
@@ -43,10 +43,10 @@ def test_a_recording_may_begin_again():
 
 
 def test_presence_takes_blocks_that_are_missing_for_silent():
-    assert Presence(True).after(False, 4) == (True, 4)
-    assert Presence(True).after(False, 5) == (False, 0)
-    assert Presence(True, 4).after(True) == (True, 0)
-    assert Presence().after(True).after(True) == (True, 0)
+    assert BeaconPresence(True).update(False, 4) == (True, 4)
+    assert BeaconPresence(True).update(False, 5) == (False, 0)
+    assert BeaconPresence(True, 4).update(True) == (True, 0)
+    assert BeaconPresence().update(True).update(True) == (True, 0)
 
 
 def test_gaps_between_stamps_are_rounded_to_whole_blocks():

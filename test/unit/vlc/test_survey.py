@@ -2,16 +2,16 @@
 
 import math
 
-from lta_vlc.faults import Fault, FAULTS, sample_faults, SPOILT, tone_faults
-from lta_vlc.spectral.samples import look, Looked
-from lta_vlc.spectral.survey import Survey, survey
+from lta_vlc.faults import detect_sample_faults, detect_tone_faults, DiodeFault, FAULTS, SPOILT
+from lta_vlc.spectral.samples import center_samples, SampleStatistics
+from lta_vlc.spectral.spectrum_scan import scan_spectrum, SpectrumScan
 import numpy as np
 import pytest
 
 
 def test_look_returns_mean_span_and_part_at_full_scale_and_removes_the_mean():
     waves = np.array([[1.0, 5.0, 5.0, 9.0], [-4.0, -2.0, -6.0, -4.0], [3.0, math.nan, 3.0, 3.0]])
-    looked = look(waves, 5.0)
+    looked = center_samples(waves, 5.0)
     assert looked.level == pytest.approx([5.0, -4.0, math.nan], nan_ok=True)
     assert looked.span[:2] == pytest.approx([8.0, 4.0])
     assert looked.full == pytest.approx([0.75, 0.0, 0.0])
@@ -22,8 +22,8 @@ def test_look_returns_mean_span_and_part_at_full_scale_and_removes_the_mean():
 def test_the_extremes_of_a_wave_are_found_at_any_place(place):
     high, low = np.zeros((1, 4)), np.zeros((1, 4))
     high[0, place], low[0, place] = 8.0, -8.0
-    assert look(high, 8.0)[1:] == ([8.0], [0.25])
-    assert look(low, 1.0)[1:] == ([8.0], [0.0])
+    assert center_samples(high, 8.0)[1:] == ([8.0], [0.25])
+    assert center_samples(low, 1.0)[1:] == ([8.0], [0.0])
 
 
 def surveyed(weight=(1.0, 1.0)):
@@ -32,7 +32,7 @@ def surveyed(weight=(1.0, 1.0)):
         [[9.0, 1.0, 4.0, 1.0, 0.5, 2.0, 3.0, 0.7], [9.0, 5.0, 1.0, 2.0, 1.5, 0.0, 1.0, 0.1]]
     )
     ranges = np.array([[1, 3], [5, 6]])
-    return survey(size, ranges, np.array([4, 7]), np.array([7]), np.array(weight))
+    return scan_spectrum(size, ranges, np.array([4, 7]), np.array([7]), np.array(weight))
 
 
 def test_survey_finds_peaks_noise_and_the_loudest_unlit_bin():
@@ -52,16 +52,22 @@ def test_the_highest_bin_is_chosen_by_the_diodes_of_weight_one():
 
 def test_more_than_a_hundredth_of_the_samples_at_full_scale_is_saturation():
     level, span = np.array([1.0, 1.0, 2.0, math.nan]), np.array([5.0, 5.0, 0.0, 0.0])
-    looked = Looked(level, span, np.array([0.01, 0.0101, 1.0, 1.0]))
-    assert [FAULTS[k] for k in sample_faults(looked).tolist()] == [
-        Fault.NONE, Fault.SATURATED, Fault.SATURATED | Fault.FLAT, Fault.NOT_A_NUMBER,
+    looked = SampleStatistics(level, span, np.array([0.01, 0.0101, 1.0, 1.0]))
+    assert [FAULTS[k] for k in detect_sample_faults(looked).tolist()] == [
+        DiodeFault.NONE, DiodeFault.SATURATED, DiodeFault.SATURATED | DiodeFault.FLAT,
+        DiodeFault.NOT_A_NUMBER,
     ]  # fmt: skip
-    assert [FAULTS[fault.value] for fault in Fault] == list(Fault)
-    assert Fault.ALIASED not in SPOILT  # beacons can be read beside an unknown tone
+    assert [FAULTS[fault.value] for fault in DiodeFault] == list(DiodeFault)
+    assert DiodeFault.ALIASED not in SPOILT  # beacons can be read beside an unknown tone
 
 
 def test_a_tone_above_all_beacons_and_six_times_the_noise_is_an_alias():
     loudest = np.array([6.0, 6.01, 9.0, 9.01])
     peak = np.array([[1.0, 1.0, 2.0, 9.0], [2.0, 2.0, 9.0, 1.0]])
-    found = Survey(np.zeros(2, np.int64), peak, np.ones(4), loudest)
-    assert tone_faults(found).tolist() == [0, Fault.ALIASED.value, 0, Fault.ALIASED.value]
+    found = SpectrumScan(np.zeros(2, np.int64), peak, np.ones(4), loudest)
+    assert detect_tone_faults(found).tolist() == [
+        0,
+        DiodeFault.ALIASED.value,
+        0,
+        DiodeFault.ALIASED.value,
+    ]

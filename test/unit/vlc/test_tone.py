@@ -7,8 +7,8 @@ Run as a script, it prints the table of `lta_vlc.spectral.tone`.
 import math
 import sys
 
-from lta_vlc.spectral.spectrum import transform
-from lta_vlc.spectral.tone import kernel, read_tones
+from lta_vlc.spectral.spectrum import fourier_transform
+from lta_vlc.spectral.tone import dirichlet_kernel, estimate_tones
 import numpy as np
 import pytest
 
@@ -21,15 +21,15 @@ def read(waves, bins, samples=SAMPLES):
     """Return what is read of waves, shape (d, n), around some bins."""
     waves = np.atleast_2d(waves)
     weight = np.ones(len(waves))
-    spectrum = transform(waves - waves.mean(axis=1, keepdims=True))
-    return read_tones(spectrum, np.array(bins), weight, samples)
+    spectrum = fourier_transform(waves - waves.mean(axis=1, keepdims=True))
+    return estimate_tones(spectrum, np.array(bins), weight, samples)
 
 
 @pytest.mark.parametrize('offset', [0.0, 0.3, 0.5, -0.77, 13.25, -40.0])
 def test_kernel_is_a_sum_over_the_samples(offset):
     n = np.arange(SAMPLES)
     hand = np.exp(2j * math.pi * offset * n / SAMPLES).mean()
-    assert kernel(offset, SAMPLES) == pytest.approx(hand, abs=1e-13)
+    assert dirichlet_kernel(offset, SAMPLES) == pytest.approx(hand, abs=1e-13)
 
 
 @pytest.mark.parametrize('phase', [0.0, 1.0, 2.5, -1.2])
@@ -65,8 +65,8 @@ def test_all_diodes_share_a_frequency_and_keep_their_amplitudes():
 
 def test_a_diode_without_a_say_is_read_and_does_not_pull():
     waves = np.stack([tone(151.0), 50.0 * tone(158.0)])
-    spectrum = transform(waves - waves.mean(axis=1, keepdims=True))
-    found = read_tones(spectrum, np.array([15]), np.array([1.0, 0.0]), SAMPLES)
+    spectrum = fourier_transform(waves - waves.mean(axis=1, keepdims=True))
+    found = estimate_tones(spectrum, np.array([15]), np.array([1.0, 0.0]), SAMPLES)
     assert found.frequency[0] == pytest.approx(15.1, abs=1e-5)
 
 
@@ -104,8 +104,8 @@ def test_a_tone_is_sought_within_one_bin_of_the_highest(k, read_at):
 def test_at_the_ends_of_a_spectrum_the_bins_beside_are_used(k, highest, near):
     """Bin 0 and the last are left out; near 0 the mirror image passes for a second harmonic."""
     wave = 3.0 * np.cos(2.0 * math.pi * k * np.arange(16) / 16 + 0.4)
-    spectrum = transform(wave[None, :])
-    found = read_tones(spectrum, np.array([highest]), np.ones(1), 16)
+    spectrum = fourier_transform(wave[None, :])
+    found = estimate_tones(spectrum, np.array([highest]), np.ones(1), 16)
     assert found.frequency[0] == pytest.approx(k, abs=near)
     assert found.amplitude[0, 0] == pytest.approx(3.0, abs=5.0 * near)
 
@@ -129,10 +129,13 @@ def test_a_diode_is_read_the_same_however_many_others_there_are():
     chance, time = np.random.default_rng(3), np.arange(64)
     tones = [np.cos(2.0 * math.pi * k * time / 64 + p) for k, p in ((9.2, 0.3), (20.7, 1.0))]
     waves = chance.uniform(1.0, 5.0, (50, 2)) @ np.array(tones)
-    spectrum, highest = transform(waves - waves.mean(axis=1, keepdims=True)), np.array([9, 21])
-    whole = read_tones(spectrum, highest, np.eye(50)[0], 64)
+    spectrum, highest = (
+        fourier_transform(waves - waves.mean(axis=1, keepdims=True)),
+        np.array([9, 21]),
+    )
+    whole = estimate_tones(spectrum, highest, np.eye(50)[0], 64)
     for diode in (1, 20, 40, 49):
-        pair = read_tones(spectrum[[0, diode]], highest, np.array([1.0, 0.0]), 64)
+        pair = estimate_tones(spectrum[[0, diode]], highest, np.array([1.0, 0.0]), 64)
         assert whole.frequency == pytest.approx(pair.frequency, rel=1e-12)
         assert whole.amplitude[:, diode] == pytest.approx(pair.amplitude[:, 1], rel=1e-9)
         assert whole.own[:, diode] == pytest.approx(pair.own[:, 1], rel=1e-9)

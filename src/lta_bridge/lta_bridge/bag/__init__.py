@@ -1,7 +1,7 @@
 """Writing recordings: rosbag2 folders with MCAP that stay readable whatever happens."""
 
-from lta_bridge.bag.qos import offered_qos, Profile
+from lta_bridge.bag.qos import build_offered_qos, OfferedQos
 from lta_bridge.bag.storage import free_space, StorageFault
 from lta_bridge.bag.writer import BagWriter
 
-__all__ = ['BagWriter', 'Profile', 'StorageFault', 'free_space', 'offered_qos']
+__all__ = ['BagWriter', 'OfferedQos', 'StorageFault', 'build_offered_qos', 'free_space']

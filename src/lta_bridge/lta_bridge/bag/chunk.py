@@ -6,7 +6,7 @@ import struct
 from typing import final
 import zlib
 
-from lta_bridge.bag.records import encoded
+from lta_bridge.bag.records import encode_records
 from mcap.opcode import Opcode
 from mcap.records import Chunk, ChunkIndex
 import zstandard
@@ -20,7 +20,7 @@ ENTRIES_HEAD = 6  # bytes of an index record before its entries
 
 @final
 @dataclass(frozen=True, slots=True)
-class FinishedChunk:
+class PlacedChunk:
     """A chunk ready for the file: its bytes, its index entry, and what it counts."""
 
     data: bytes
@@ -30,7 +30,7 @@ class FinishedChunk:
 
 @final
 @dataclass(frozen=True, slots=True)
-class SealedChunk:
+class CompressedChunk:
     """
     A compressed chunk that may stand anywhere in a file.
 
@@ -55,16 +55,16 @@ class SealedChunk:
     size: int
 
     @property
-    def counts(self) -> dict[int, int]:
+    def message_counts(self) -> dict[int, int]:
         """Messages by channel."""
         return {id: len(found) // INDEX_ENTRY.size for id, found in self.entries.items()}
 
     @property
-    def footprint(self) -> int:
+    def memory_size(self) -> int:
         """Memory that it takes. [bytes]"""
         return len(self.record) + sum(map(len, self.entries.values()))
 
-    def at(self, offset: int) -> FinishedChunk:
+    def place_at(self, offset: int) -> PlacedChunk:
         """
         Return the chunk and its message indexes for a place in a file.
 
@@ -91,7 +91,7 @@ class SealedChunk:
             message_start_time=self.start,
             uncompressed_size=self.size,
         )
-        return FinishedChunk(self.record + indexes, index, self.counts)
+        return PlacedChunk(self.record + indexes, index, self.message_counts)
 
 
 @final
@@ -111,7 +111,7 @@ class ChunkBuilder:
         return len(self._records)
 
     @property
-    def waiting(self) -> int:
+    def message_count(self) -> int:
         """Messages collected."""
         return sum(len(found) for found in self._entries.values()) // INDEX_ENTRY.size
 
@@ -147,14 +147,14 @@ class ChunkBuilder:
         """Log time from the first to the last message. [ns]"""
         return self._end - self._start if self._records else 0
 
-    def seal(self) -> SealedChunk:
+    def build_chunk(self) -> CompressedChunk:
         """Return what was collected as a chunk, and start afresh."""
         records = bytes(self._records)
         packed = self._compressor.compress(records)
-        chunk = encoded(
+        chunk = encode_records(
             [Chunk('zstd', packed, self._end, self._start, zlib.crc32(records), len(records))]
         )
         entries = {channel: bytes(found) for channel, found in self._entries.items()}
         self._records = bytearray()
         self._entries = defaultdict(bytearray)
-        return SealedChunk(chunk, entries, self._start, self._end, len(packed), len(records))
+        return CompressedChunk(chunk, entries, self._start, self._end, len(packed), len(records))

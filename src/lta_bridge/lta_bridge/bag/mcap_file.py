@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import final
 import zlib
 
-from lta_bridge.bag.chunk import ChunkBuilder, SealedChunk
-from lta_bridge.bag.records import encoded, MAGIC, PackedRecords
-from lta_bridge.bag.schemas import Definition
+from lta_bridge.bag.chunk import ChunkBuilder, CompressedChunk
+from lta_bridge.bag.records import CompressedRecords, encode_records, MAGIC
+from lta_bridge.bag.schemas import MessageDefinition
 from lta_bridge.bag.storage import RecordFile
 from mcap.opcode import Opcode
 from mcap.records import (
@@ -50,15 +50,15 @@ class McapFile:
         self.path = path
         self._file = RecordFile(path)
         self._builder = ChunkBuilder()
-        self._schemas: dict[Definition, Schema] = {}
+        self._schemas: dict[MessageDefinition, Schema] = {}
         self._channels: list[Channel] = []
-        self._chunk_index = PackedRecords()
+        self._chunk_index = CompressedRecords()
         self._span: tuple[int, int] | None = None
         self._metadata: list[MetadataIndex] = []
         self._summary_size = 0
         self.counts: Counter[int] = Counter()
         try:
-            self._file.append(MAGIC + encoded([Header('ros2', library)]))
+            self._file.append(MAGIC + encode_records([Header('ros2', library)]))
         except BaseException:
             self._file.discard()
             raise
@@ -84,18 +84,18 @@ class McapFile:
         return self._summary_size + 1024
 
     @property
-    def waiting(self) -> int:
+    def pending_count(self) -> int:
         """Messages that the next flush will write."""
-        return self._builder.waiting
+        return self._builder.message_count
 
     def add_metadata(self, name: str, values: Mapping[str, str]) -> None:
         """Write named texts into the file."""
-        data = encoded([Metadata(name, dict(values))])
+        data = encode_records([Metadata(name, dict(values))])
         index = MetadataIndex(self._file.append(data), len(data), name)
         self._metadata.append(index)
-        self._summary_size += len(encoded([index]))
+        self._summary_size += len(encode_records([index]))
 
-    def add_channel(self, topic: str, definition: Definition, qos: str) -> int:
+    def add_channel(self, topic: str, definition: MessageDefinition, qos: str) -> int:
         """Announce a topic and return the number of its channel."""
         records: list[McapRecord] = []
         schema = self._schemas.get(definition)
@@ -115,7 +115,7 @@ class McapFile:
             len(self._channels) + 1, topic, definition.message_encoding, metadata, schema.id
         )
         records.append(channel)
-        data = encoded(records)
+        data = encode_records(records)
         self._file.append(data)
         self._schemas[definition] = schema
         self._channels.append(channel)
@@ -138,21 +138,21 @@ class McapFile:
     def flush(self) -> None:
         """Finish the chunk in progress and hand it to the operating system."""
         if self._builder.size:
-            self.add_chunk(self._builder.seal())
+            self.add_chunk(self._builder.build_chunk())
 
-    def add_chunk(self, sealed: SealedChunk) -> None:
+    def add_chunk(self, compressed: CompressedChunk) -> None:
         """Hand a whole chunk to the operating system; its channels must have been announced."""
-        chunk = sealed.at(self._file.size)
+        chunk = compressed.place_at(self._file.size)
         self._file.append(chunk.data)
         self._summary_size += self._chunk_index.add(chunk.index)
-        start, end = self._span or (sealed.start, sealed.end)
-        self._span = min(start, sealed.start), max(end, sealed.end)
+        start, end = self._span or (compressed.start, compressed.end)
+        self._span = min(start, compressed.start), max(end, compressed.end)
         self.counts.update(chunk.counts)
 
     def close(self, *, sync: bool = True) -> None:
         """Write the summary of what reached the disk, and close the file; see `RecordFile`."""
         try:
-            self._file.append(self._summary(self._file.size))
+            self._file.append(self._build_summary(self._file.size))
         finally:
             self._file.close(sync=sync)
 
@@ -160,7 +160,7 @@ class McapFile:
         """Close the file and remove it."""
         self._file.discard()
 
-    def _statistics(self) -> Statistics:
+    def _count_records(self) -> Statistics:
         """Count what is in the file."""
         return Statistics(
             attachment_count=0,
@@ -174,16 +174,16 @@ class McapFile:
             schema_count=len(self._schemas),
         )
 
-    def _summary(self, offset: int) -> bytes:
+    def _build_summary(self, offset: int) -> bytes:
         """Return everything from the end of the data to the end of the file."""
-        ending = encoded([DataEnd(0)])
+        ending = encode_records([DataEnd(0)])
         start = offset + len(ending)
         groups = {
-            Opcode.SCHEMA: encoded(self._schemas.values()),
-            Opcode.CHANNEL: encoded(self._channels),
-            Opcode.STATISTICS: encoded([self._statistics()]),
-            Opcode.CHUNK_INDEX: self._chunk_index.unpacked(),
-            Opcode.METADATA_INDEX: encoded(self._metadata),
+            Opcode.SCHEMA: encode_records(self._schemas.values()),
+            Opcode.CHANNEL: encode_records(self._channels),
+            Opcode.STATISTICS: encode_records([self._count_records()]),
+            Opcode.CHUNK_INDEX: self._chunk_index.decompress(),
+            Opcode.METADATA_INDEX: encode_records(self._metadata),
         }
         body, places = b'', []
         for opcode, data in groups.items():
@@ -191,6 +191,6 @@ class McapFile:
                 places.append(SummaryOffset(opcode, start + len(body), len(data)))
             body += data
         footer = Footer(start, start + len(body), 0)
-        body += encoded(places)
-        footer.summary_crc = zlib.crc32(body + encoded([footer])[:-4])
-        return ending + body + encoded([footer]) + MAGIC
+        body += encode_records(places)
+        footer.summary_crc = zlib.crc32(body + encode_records([footer])[:-4])
+        return ending + body + encode_records([footer]) + MAGIC

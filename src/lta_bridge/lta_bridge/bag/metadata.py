@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import final
 
-from lta_bridge.bag.qos import Profile
-from lta_bridge.bag.schemas import Definition
-from lta_bridge.bag.storage import storage_fault
-from lta_config.whole_file import whole
+from lta_bridge.bag.qos import OfferedQos
+from lta_bridge.bag.schemas import MessageDefinition
+from lta_bridge.bag.storage import to_storage_fault
+from lta_config.atomic_file import replace_atomically
 import yaml
 
 NAME = 'metadata.yaml'
@@ -21,15 +21,15 @@ class TopicRecord:
     """One recorded topic: its type, what its publishers offered, and its messages so far."""
 
     name: str
-    definition: Definition
-    qos: Sequence[Profile]
+    definition: MessageDefinition
+    qos: Sequence[OfferedQos]
     channel: int
     written: int = 0
 
 
 @final
 @dataclass(frozen=True, slots=True)
-class FilePart:
+class BagFileEntry:
     """One file of a bag: its name, first and last log time in ns, and its messages by channel."""
 
     name: str
@@ -38,12 +38,12 @@ class FilePart:
     counts: Mapping[int, int]
 
     @property
-    def total(self) -> int:
+    def message_count(self) -> int:
         """Number of its messages."""
         return sum(self.counts.values())
 
 
-def topic_entry(topic: TopicRecord, count: int) -> dict[str, object]:
+def build_topic_entry(topic: TopicRecord, count: int) -> dict[str, object]:
     """Return one entry of `topics_with_message_count`."""
     return {
         'topic_metadata': {
@@ -57,8 +57,8 @@ def topic_entry(topic: TopicRecord, count: int) -> dict[str, object]:
     }
 
 
-def bag_metadata(
-    parts: Sequence[FilePart], topics: Sequence[TopicRecord], provenance: Mapping[str, str]
+def build_metadata(
+    parts: Sequence[BagFileEntry], topics: Sequence[TopicRecord], provenance: Mapping[str, str]
 ) -> dict[str, object]:
     """
     Return the content of `metadata.yaml`.
@@ -76,22 +76,23 @@ def bag_metadata(
     counts: Counter[int] = Counter()
     for part in parts:
         counts.update(part.counts)
-    filled = [part for part in parts if part.total]
+    filled = [part for part in parts if part.message_count]
     start = min((part.start for part in filled), default=0)
     end = max((part.end for part in filled), default=0)
     return {
         'rosbag2_bagfile_information': {
             'version': 9,
             'storage_identifier': 'mcap',
-            **times(start, end, counts.total()),
+            **build_time_range(start, end, counts.total()),
             'topics_with_message_count': [
-                topic_entry(topic, counts[topic.channel]) for topic in topics
+                build_topic_entry(topic, counts[topic.channel]) for topic in topics
             ],
             'compression_format': '',
             'compression_mode': '',
             'relative_file_paths': [part.name for part in parts],
             'files': [
-                {'path': part.name, **times(part.start, part.end, part.total)} for part in parts
+                {'path': part.name, **build_time_range(part.start, part.end, part.message_count)}
+                for part in parts
             ],
             'custom_data': dict(provenance) or None,
             'ros_distro': 'jazzy',
@@ -99,7 +100,7 @@ def bag_metadata(
     }
 
 
-def times(start: int, end: int, messages: int) -> dict[str, object]:
+def build_time_range(start: int, end: int, messages: int) -> dict[str, object]:
     """Return what metadata.yaml tells of a file and of the whole; log times in ns."""
     return {
         'duration': {'nanoseconds': end - start},
@@ -118,15 +119,15 @@ def write_metadata(folder: Path, content: Mapping[str, object]) -> None:
         If there is no room; the old one stays.
 
     """
-    text = yaml.dump(content, Dumper=PlainDumper, sort_keys=False, allow_unicode=True)
+    text = yaml.dump(content, Dumper=AliasFreeDumper, sort_keys=False, allow_unicode=True)
     try:
-        with whole(folder / NAME) as part:
+        with replace_atomically(folder / NAME) as part:
             part.write_text(text, encoding='utf-8')
     except OSError as error:
-        raise storage_fault(error, folder / NAME) from error
+        raise to_storage_fault(error, folder / NAME) from error
 
 
-class PlainDumper(yaml.CSafeDumper):
+class AliasFreeDumper(yaml.CSafeDumper):
     """YAML without anchors: rosbag2's reader need not know them."""
 
     def ignore_aliases(self, data: object) -> bool:

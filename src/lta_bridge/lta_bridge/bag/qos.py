@@ -6,37 +6,37 @@ from typing import Literal, TypedDict
 import yaml
 
 
-class Interval(TypedDict):
+class QosDuration(TypedDict):
     """A time span of a profile."""
 
     sec: int
     nsec: int
 
 
-class Profile(TypedDict):
+class OfferedQos(TypedDict):
     """One publisher's profile; the keys and their order are rosbag2's."""
 
     history: str
     depth: int
     reliability: str
     durability: str
-    deadline: Interval
-    lifespan: Interval
+    deadline: QosDuration
+    lifespan: QosDuration
     liveliness: str
-    liveliness_lease_duration: Interval
+    liveliness_lease_duration: QosDuration
     avoid_ros_namespace_conventions: bool
 
 
-def infinite() -> Interval:
+def infinite_duration() -> QosDuration:
     """Return the interval that stands for no limit, 2^63 - 1 ns."""
     return {'sec': 9223372036, 'nsec': 854775807}
 
 
-def offered_qos(
+def build_offered_qos(
     reliability: Literal['reliable', 'best_effort'],
     durability: Literal['volatile', 'transient_local'],
     depth: int,
-) -> Profile:
+) -> OfferedQos:
     """
     Return a profile that keeps the last messages, without deadline, lifespan or lease.
 
@@ -55,25 +55,25 @@ def offered_qos(
         'depth': depth,
         'reliability': reliability,
         'durability': durability,
-        'deadline': infinite(),
-        'lifespan': infinite(),
+        'deadline': infinite_duration(),
+        'lifespan': infinite_duration(),
         'liveliness': 'automatic',
-        'liveliness_lease_duration': infinite(),
+        'liveliness_lease_duration': infinite_duration(),
         'avoid_ros_namespace_conventions': False,
     }
 
 
-def is_latched(profiles: Sequence[Profile]) -> bool:
+def is_latched(profiles: Sequence[OfferedQos]) -> bool:
     """Tell whether all publishers of a topic keep messages for late joiners."""
     return bool(profiles) and all(each['durability'] == 'transient_local' for each in profiles)
 
 
-def is_mixed(profiles: Sequence[Profile]) -> bool:
+def has_mixed_durability(profiles: Sequence[OfferedQos]) -> bool:
     """Tell whether some publishers of a topic keep messages for late joiners, and some do not."""
     return len({each['durability'] for each in profiles}) > 1
 
 
-def to_yaml(profiles: Sequence[Profile]) -> str:
+def format_offered_qos(profiles: Sequence[OfferedQos]) -> str:
     """Return the text of a channel's `offered_qos_profiles`; empty where none is known."""
     if not profiles:
         return ''

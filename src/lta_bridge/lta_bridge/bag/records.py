@@ -11,7 +11,7 @@ MAGIC = b'\x89MCAP0\r\n'
 PROVENANCE = 'provenance'  # name of the metadata record
 
 
-def encoded(records: Iterable[McapRecord]) -> bytes:
+def encode_records(records: Iterable[McapRecord]) -> bytes:
     """Return the bytes of some records, one after the other."""
     builder = RecordBuilder()
     for record in records:
@@ -21,7 +21,7 @@ def encoded(records: Iterable[McapRecord]) -> bytes:
 
 
 @final
-class PackedRecords:
+class CompressedRecords:
     """
     Records that wait for the summary, compressed.
 
@@ -36,12 +36,12 @@ class PackedRecords:
 
     def add(self, record: McapRecord) -> int:
         """Take one record and return its size. [bytes]"""
-        data = encoded([record])
+        data = encode_records([record])
         self._packed += self._packer.compress(data)
         self.count += 1
         return len(data)
 
-    def unpacked(self) -> bytes:
+    def decompress(self) -> bytes:
         """Return the bytes of all records so far."""
         self._packed += self._packer.flush(zstandard.COMPRESSOBJ_FLUSH_BLOCK)
         return zstandard.ZstdDecompressor().decompressobj().decompress(bytes(self._packed))

@@ -11,7 +11,7 @@ from rosbags.typesys.store import Typestore
 
 @final
 @dataclass(frozen=True, slots=True)
-class Definition:
+class MessageDefinition:
     """
     A message type: its whole text (ros2msg, parts joined by 80 '=') and its REP-2016 hash.
 
@@ -27,18 +27,18 @@ class Definition:
 
 
 @cache
-def jazzy() -> Typestore:
+def load_jazzy_types() -> Typestore:
     """Return the message types of ROS 2 Jazzy."""
     return get_typestore(Stores.ROS2_JAZZY)
 
 
-def is_known(type_name: str) -> bool:
+def is_jazzy_type(type_name: str) -> bool:
     """Tell whether a message type is one of ROS 2 Jazzy's common interfaces."""
-    return type_name in jazzy().fielddefs
+    return type_name in load_jazzy_types().fielddefs
 
 
 @cache
-def definition(type_name: str) -> Definition:
+def generate_definition(type_name: str) -> MessageDefinition:
     """
     Return the definition of a message type of ROS 2 Jazzy.
 
@@ -53,11 +53,11 @@ def definition(type_name: str) -> Definition:
         If ROS 2 Jazzy has no such type.
 
     """
-    types = jazzy()
-    if not is_known(type_name):
+    types = load_jazzy_types()
+    if not is_jazzy_type(type_name):
         raise BadInput(
             f"Message type '{type_name}' is not part of ROS 2 Jazzy's common interfaces; "
             "record a type such as 'sensor_msgs/msg/Imu'."
         )
     text, _ = types.generate_msgdef(type_name, ros_version=2)
-    return Definition(type_name, text, types.hash_rihs01(type_name))
+    return MessageDefinition(type_name, text, types.hash_rihs01(type_name))

@@ -6,7 +6,7 @@ from typing import final
 
 @final
 @dataclass(frozen=True, slots=True)
-class Split:
+class SplitLimits:
     """
     When the next file of a bag begins.
 
@@ -23,9 +23,9 @@ class Split:
     size: int = 0
     duration_ns: int = 0
 
-    def due(self, size: int, age_ns: int) -> bool:
+    def is_exceeded(self, size: int, age_ns: int) -> bool:
         """Tell whether a file of a size [bytes] and an age [ns] is full."""
         return 0 < self.size <= size or 0 < self.duration_ns <= age_ns
 
 
-WHOLE = Split()
+WHOLE = SplitLimits()

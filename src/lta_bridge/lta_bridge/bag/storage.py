@@ -21,7 +21,7 @@ class StorageFault(OSError):
         )
 
 
-def storage_fault(error: OSError, path: Path) -> StorageFault:
+def to_storage_fault(error: OSError, path: Path) -> StorageFault:
     """Return the error to raise in place of the system's own."""
     return StorageFault(error.errno, error.strerror, str(path))
 
@@ -55,7 +55,7 @@ class FolderGone(StorageFault):
 
 
 @final
-class NearlyFull(StorageFault):
+class DiskNearlyFull(StorageFault):
     """So little room is left that a bag must be closed while its index still fits."""
 
     def __str__(self) -> str:
@@ -84,10 +84,10 @@ def check_room(path: Path, needed: int) -> None:
 
     """
     if free_space(path) < needed + MARGIN:
-        raise NearlyFull(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
+        raise DiskNearlyFull(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
 
 
-def sync(path: Path) -> None:
+def sync_file(path: Path) -> None:
     """Make a file that has been closed safe from a power cut."""
     try:
         fd = os.open(path, os.O_RDONLY | os.O_CLOEXEC)
@@ -96,7 +96,7 @@ def sync(path: Path) -> None:
         finally:
             os.close(fd)
     except OSError as error:
-        raise storage_fault(error, path) from error
+        raise to_storage_fault(error, path) from error
 
 
 @final
@@ -125,7 +125,7 @@ class RecordFile:
         try:
             self._fd = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o644)
         except OSError as error:
-            raise storage_fault(error, path) from error
+            raise to_storage_fault(error, path) from error
 
     def append(self, data: bytes) -> int:
         """
@@ -144,13 +144,13 @@ class RecordFile:
                 left = left[os.pwrite(self._fd, left, start + len(data) - len(left)) :]
             self.size = start + len(data)
         except OSError as error:
-            raise storage_fault(error, self.path) from error
+            raise to_storage_fault(error, self.path) from error
         finally:
             if self.size == start:  # Ctrl-C tears a record as a full disk does.
-                self._cut_back()
+                self._truncate_torn_record()
         return start
 
-    def _cut_back(self) -> None:
+    def _truncate_torn_record(self) -> None:
         """End the file on its last whole record."""
         with suppress(OSError):  # Where even that fails, the next append overwrites the rest.
             os.ftruncate(self._fd, self.size)
@@ -161,7 +161,7 @@ class RecordFile:
             if sync:
                 os.fsync(self._fd)
         except OSError as error:
-            raise storage_fault(error, self.path) from error
+            raise to_storage_fault(error, self.path) from error
         finally:
             os.close(self._fd)
 

@@ -13,20 +13,20 @@ from pathlib import Path
 from types import TracebackType
 from typing import final, Self
 
-from lta_bridge.bag.chunk import SealedChunk
+from lta_bridge.bag.chunk import CompressedChunk
 from lta_bridge.bag.mcap_file import McapFile
-from lta_bridge.bag.metadata import bag_metadata, FilePart, NAME, TopicRecord, write_metadata
-from lta_bridge.bag.qos import Profile, to_yaml
+from lta_bridge.bag.metadata import BagFileEntry, build_metadata, NAME, TopicRecord, write_metadata
+from lta_bridge.bag.qos import format_offered_qos, OfferedQos
 from lta_bridge.bag.records import PROVENANCE
-from lta_bridge.bag.schemas import Definition, definition
-from lta_bridge.bag.split import Split, WHOLE
-from lta_bridge.bag.storage import check_room, StorageFault, sync
+from lta_bridge.bag.schemas import generate_definition, MessageDefinition
+from lta_bridge.bag.split import SplitLimits, WHOLE
+from lta_bridge.bag.storage import check_room, StorageFault, sync_file
 from lta_config.errors import BadInput
 
 LIBRARY = 'lta'
 
 
-def empty_folder(path: Path) -> Path:
+def prepare_empty_folder(path: Path) -> Path:
     """
     Return `path` as an empty folder, made if it was not there.
 
@@ -71,26 +71,30 @@ class BagWriter:
 
     """
 
-    def __init__(self, path: Path, provenance: Mapping[str, str], split: Split = WHOLE) -> None:
-        self.path = empty_folder(Path(path))
+    def __init__(
+        self, path: Path, provenance: Mapping[str, str], split: SplitLimits = WHOLE
+    ) -> None:
+        self.path = prepare_empty_folder(Path(path))
         self._provenance = dict(provenance)
         self._split = split
         self._topics: dict[str, TopicRecord] = {}
         self._described = 0
         self._fault: StorageFault | None = None
         self._open = True
-        self._parts: list[FilePart] = []
+        self._parts: list[BagFileEntry] = []
         self._first: int | None = None
-        self._mcap = self._begin_file(0)
-        self._describe()
+        self._mcap = self._create_file(0)
+        self._write_metadata()
 
     @property
-    def reserve(self) -> int:
+    def closing_size(self) -> int:
         """Space that `close` still needs: stop recording before less is left. [bytes]"""
         described = 1024 * (4 + len(self._topics)) + 256 * len(self._parts)
         return self._mcap.summary_size + described
 
-    def add_topic(self, name: str, type_name: str | Definition, qos: Sequence[Profile]) -> None:
+    def add_topic(
+        self, name: str, type_name: str | MessageDefinition, qos: Sequence[OfferedQos]
+    ) -> None:
         """
         Announce a topic; it appears in the bag even if no message ever comes.
 
@@ -114,16 +118,16 @@ class BagWriter:
         """
         if name in self._topics:
             raise BadInput(f"Topic '{name}' is in the bag already; announce each topic once.")
-        found = definition(type_name) if isinstance(type_name, str) else type_name
-        self._check()
+        found = generate_definition(type_name) if isinstance(type_name, str) else type_name
+        self._check_fault()
         try:
-            channel = self._mcap.add_channel(name, found, to_yaml(qos))
+            channel = self._mcap.add_channel(name, found, format_offered_qos(qos))
         except StorageFault as fault:
             self._fault = fault
             raise
         self._topics[name] = TopicRecord(name, found, list(qos), channel)
 
-    def offer(self, name: str, qos: Sequence[Profile]) -> None:
+    def update_qos(self, name: str, qos: Sequence[OfferedQos]) -> None:
         """Tell what a topic's publishers offer by now, for metadata.yaml and the next file."""
         self._topics[name].qos = list(qos)
 
@@ -157,7 +161,7 @@ class BagWriter:
         record.written += 1
         try:
             if self._split is not WHOLE:
-                self._turn(log_time_ns)
+                self._split_if_due(log_time_ns)
             self._mcap.add_message(
                 record.channel, record.written, log_time_ns, data, publish_time_ns
             )
@@ -165,13 +169,13 @@ class BagWriter:
             self._fault = fault
             raise
 
-    def add_chunk(self, sealed: SealedChunk) -> None:
+    def add_chunk(self, compressed: CompressedChunk) -> None:
         """Record packed messages, channels numbered as the topics here; raises as `write` does."""
         self.flush()
         for record in self._topics.values():
-            record.written += sealed.counts.get(record.channel, 0)
+            record.written += compressed.message_counts.get(record.channel, 0)
         try:
-            self._mcap.add_chunk(sealed)
+            self._mcap.add_chunk(compressed)
         except StorageFault as fault:
             self._fault = fault
             raise
@@ -186,22 +190,22 @@ class BagWriter:
             As `write` does.
 
         """
-        self._check()
+        self._check_fault()
         try:
             self._mcap.flush()
             if self._described < len(self._topics):
-                self._describe()
+                self._write_metadata()
         except StorageFault as fault:
             self._fault = fault
             raise
 
-    def refresh(self) -> None:
+    def update_metadata(self) -> None:
         """Bring metadata.yaml up to date, for whoever finds the bag after a SIGKILL."""
-        self._describe()
+        self._write_metadata()
 
     def check_room(self) -> None:
         """Raise `NearlyFull` when the disk has little more room than closing needs."""
-        check_room(self.path, self.reserve)
+        check_room(self.path, self.closing_size)
 
     def close(self) -> None:
         """
@@ -217,7 +221,7 @@ class BagWriter:
             return
         self._open = False
         told = self._fault
-        for step in (self._mcap.flush, self._mcap.close, self._describe, self._sync):
+        for step in (self._mcap.flush, self._mcap.close, self._write_metadata, self._sync_files):
             try:
                 step()
             except StorageFault as fault:
@@ -226,63 +230,63 @@ class BagWriter:
             raise self._fault
 
     @property
-    def total(self) -> int:
+    def message_count(self) -> int:
         """Messages in the files."""
-        return sum(part.total for part in self._parts) + self._mcap.counts.total()
+        return sum(part.message_count for part in self._parts) + self._mcap.counts.total()
 
     @property
-    def lost(self) -> int:
+    def lost_count(self) -> int:
         """Messages that were accepted and are neither in a file nor waiting for a flush."""
         accepted = sum(record.written for record in self._topics.values())
-        return accepted - self.total - self._mcap.waiting
+        return accepted - self.message_count - self._mcap.pending_count
 
-    def _check(self) -> None:
+    def _check_fault(self) -> None:
         """Refuse to go on after a fault."""
         if self._fault is not None:
             raise self._fault
 
-    def _begin_file(self, number: int) -> McapFile:
+    def _create_file(self, number: int) -> McapFile:
         """Return a file, with everything in it that reading it alone takes."""
         name = f'{self.path.resolve().name}_{number}.mcap'
         mcap = McapFile(self.path / name, LIBRARY)
         try:
             mcap.add_metadata(PROVENANCE, self._provenance)
             for record in self._topics.values():  # in the order of their channels' numbers
-                mcap.add_channel(record.name, record.definition, to_yaml(record.qos))
+                mcap.add_channel(record.name, record.definition, format_offered_qos(record.qos))
         except BaseException:
             mcap.discard()
             raise
         return mcap
 
-    def _turn(self, log_time_ns: int) -> None:
+    def _split_if_due(self, log_time_ns: int) -> None:
         """Go on in the next file before a message, if that is due. [ns]"""
         self._first = log_time_ns if self._first is None else self._first
         size = self._mcap.size if self._mcap.counts else 0  # what all files begin with fills none
-        if self._split.due(size, log_time_ns - self._first):
+        if self._split.is_exceeded(size, log_time_ns - self._first):
             self._mcap.flush()
             # The old file is closed once the next one stands, and no message is in a file that
             # metadata.yaml does not list: whenever the process dies, the bag is whole.
-            following, full = self._begin_file(len(self._parts) + 1), self._mcap
-            self._parts.append(self._part(full))
+            following, full = self._create_file(len(self._parts) + 1), self._mcap
+            self._parts.append(self._describe_file(full))
             self._mcap = following
             self._first = log_time_ns
             full.close(sync=False)  # a slow disk must not keep the next messages waiting
-            self._describe()
+            self._write_metadata()
 
-    def _part(self, mcap: McapFile) -> FilePart:
+    def _describe_file(self, mcap: McapFile) -> BagFileEntry:
         """Return what metadata.yaml tells of a file as it stands."""
-        return FilePart(mcap.path.name, mcap.start, mcap.end, Counter(mcap.counts))
+        return BagFileEntry(mcap.path.name, mcap.start, mcap.end, Counter(mcap.counts))
 
-    def _sync(self) -> None:
+    def _sync_files(self) -> None:
         """Make the whole bag safe from a power cut; a slow disk may take long."""
         for name in (*(part.name for part in self._parts), NAME):
-            sync(self.path / name)
+            sync_file(self.path / name)
 
-    def _describe(self) -> None:
+    def _write_metadata(self) -> None:
         """Write metadata.yaml as things stand."""
         topics = list(self._topics.values())
-        parts = [*self._parts, self._part(self._mcap)]
-        write_metadata(self.path, bag_metadata(parts, topics, self._provenance))
+        parts = [*self._parts, self._describe_file(self._mcap)]
+        write_metadata(self.path, build_metadata(parts, topics, self._provenance))
         self._described = len(topics)
 
     def __enter__(self) -> Self:

@@ -17,11 +17,19 @@ import time
 from typing import Any, Final, final
 import warnings
 
-from lta_bridge.crazyflie.link import Event, LinkFailed, LogPacket, Lost, Malformed, OLDEST, Ping
-from lta_bridge.crazyflie.log_table import Block
-from lta_bridge.crazyflie.packet_check import fault, size_of
-from lta_bridge.crazyflie.remedies import remedied
-from lta_bridge.crazyflie.round_trips import sent_at
+from lta_bridge.crazyflie.link import (
+    Event,
+    LinkFailed,
+    LinkLost,
+    LogPacket,
+    MalformedPacket,
+    OLDEST,
+    Ping,
+)
+from lta_bridge.crazyflie.log_table import LogBlock
+from lta_bridge.crazyflie.packet_check import block_size, find_packet_fault
+from lta_bridge.crazyflie.remedies import suggest_remedy
+from lta_bridge.crazyflie.round_trips import parse_ping_time
 from lta_config.errors import BadInput
 
 try:
@@ -52,7 +60,7 @@ PARTING: Final = 3  # times that motors are let go of before a link is closed
 DRIVERS = threading.Lock()
 
 
-def _drivers() -> None:
+def _register_drivers() -> None:
     """Register cflib's link drivers once, in whatever thread comes first."""
     with DRIVERS:
         if not cflib.crtp.CLASSES:
@@ -61,7 +69,7 @@ def _drivers() -> None:
             logging.getLogger('cflib').setLevel(logging.CRITICAL)
 
 
-def scanned(radio: bool, usb: bool) -> Iterator[str]:
+def scan_crazyflies(radio: bool, usb: bool) -> Iterator[str]:
     """
     Yield the URIs of Crazyflies that answer, by radio and on a cable.
 
@@ -73,7 +81,7 @@ def scanned(radio: bool, usb: bool) -> Iterator[str]:
         Whether to ask a Crazyradio, and the USB ports; cflib fails without them.
 
     """
-    _drivers()
+    _register_drivers()
     wanted = {'RadioDriver': radio, 'UsbDriver': usb}
     for driver in cflib.crtp.CLASSES:
         if wanted.get(driver.__name__):
@@ -88,7 +96,7 @@ def scanned(radio: bool, usb: bool) -> Iterator[str]:
 @final
 class CflibLink:
     """
-    One Crazyflie by cflib; see `lta_bridge.crazyflie.link.Link`.
+    One Crazyflie by cflib; see `lta_bridge.crazyflie.link.CrazyflieLink`.
 
     Parameters
     ----------
@@ -106,13 +114,13 @@ class CflibLink:
 
     """
 
-    def __init__(self, uri: str, blocks: Sequence[Block], clock: Callable[[], int]) -> None:
+    def __init__(self, uri: str, blocks: Sequence[LogBlock], clock: Callable[[], int]) -> None:
         if not CFLIB:
             raise BadInput(
                 'A Crazyflie needs cflib, which is not installed: .venv/bin/pip install -c '
                 'constraints.txt -r requirements-hardware.txt.'
             )
-        _drivers()
+        _register_drivers()
         self._uri, self._blocks, self._clock = uri, blocks, clock
         self._drone: Any = None  # that is spoken to
         self._opened: Any = None  # that is to be closed
@@ -128,10 +136,10 @@ class CflibLink:
         outcome: SimpleQueue[str] = SimpleQueue()
         drone.fully_connected.add_callback(lambda _: outcome.put(''))
         for caller in (drone.connection_failed, drone.connection_lost):
-            caller.add_callback(lambda _, why: outcome.put(remedied(str(why))))
-        drone.connection_lost.add_callback(self._guarded(drone, self._lost))
-        drone.packet_received.add_callback(self._guarded(drone, self._check))
-        drone.add_header_callback(self._guarded(drone, self._ping), *ECHO)
+            caller.add_callback(lambda _, why: outcome.put(suggest_remedy(str(why))))
+        drone.connection_lost.add_callback(self._guard_callback(drone, self._on_link_lost))
+        drone.packet_received.add_callback(self._guard_callback(drone, self._check_packet))
+        drone.add_header_callback(self._guard_callback(drone, self._on_ping), *ECHO)
         drone.open_link(self._uri)
         try:
             why = outcome.get(timeout=deadline)
@@ -143,48 +151,50 @@ class CflibLink:
         try:
             if why:
                 raise LinkFailed(why)
-            self._log(drone, until)
+            self._start_logging(drone, until)
         except LinkFailed:
             self.close()
             raise
 
-    def _guarded(self, drone: object, callback: Callable[..., None]) -> Callable[..., None]:
+    def _guard_callback(self, drone: object, callback: Callable[..., None]) -> Callable[..., None]:
         """Return a callback that is deaf to every drone object but the present one."""
 
-        def guarded(*words: object) -> None:
+        def call_if_current(*words: object) -> None:
             if self._drone is drone:
                 callback(*words)
 
-        return guarded
+        return call_if_current
 
-    def _lost(self, _: str, why: str) -> None:
-        self.events.put(Lost(remedied(str(why))))
+    def _on_link_lost(self, _: str, why: str) -> None:
+        self.events.put(LinkLost(suggest_remedy(str(why))))
 
-    def _check(self, packet: Any) -> None:  # noqa: ANN401 - untyped library
+    def _check_packet(self, packet: Any) -> None:  # noqa: ANN401 - untyped library
         """Look at a packet before cflib reads it, in the same thread."""
-        self._fault = fault(packet.port, packet.channel, bytes(packet.data), self._sizes)
+        self._fault = find_packet_fault(
+            packet.port, packet.channel, bytes(packet.data), self._sizes
+        )
         if self._fault:
-            self.events.put(Malformed(self._fault))
+            self.events.put(MalformedPacket(self._fault))
 
-    def _ping(self, echo: Any) -> None:  # noqa: ANN401 - untyped library
+    def _on_ping(self, echo: Any) -> None:  # noqa: ANN401 - untyped library
         """Take back what cflib sends ten times a second: when it did so."""
-        if (sent := sent_at(echo.data)) is not None:
+        if (sent := parse_ping_time(echo.data)) is not None:
             self.events.put(Ping(time.time() - sent))
 
-    def _log(self, drone: Any, until: float) -> None:  # noqa: ANN401 - untyped library
+    def _start_logging(self, drone: Any, until: float) -> None:  # noqa: ANN401 - untyped library
         """Start every block; all must be confirmed by a deadline."""
         outcomes: SimpleQueue[tuple[str, str]] = SimpleQueue()
         for block in self._blocks:
             config = cflib.crazyflie.log.LogConfig(block.name, block.period_ms)
             for name, kind in block.variables.items():
                 config.add_variable(name, kind)
-            callback = partial(self._packet, block.name)
-            config.data_received_cb.add_callback(self._guarded(drone, callback))
+            callback = partial(self._on_log_packet, block.name)
+            config.data_received_cb.add_callback(self._guard_callback(drone, callback))
             config.started_cb.add_callback(lambda one, _: outcomes.put((one.name, '')))
             config.error_cb.add_callback(lambda one, why: outcomes.put((one.name, str(why))))
             try:
                 drone.log.add_config(config)
-                self._sizes[config.id] = size_of(block)
+                self._sizes[config.id] = block_size(block)
                 config.start()
             except (KeyError, AttributeError) as error:
                 raise LinkFailed(f'log block {block.name} cannot be had: {error}') from None
@@ -199,7 +209,9 @@ class CflibLink:
                 raise LinkFailed(f'log block {name} was refused: {why}')
             waiting.discard(name)
 
-    def _packet(self, name: str, stamp_ms: int, values: Mapping[str, float], _: object) -> None:
+    def _on_log_packet(
+        self, name: str, stamp_ms: int, values: Mapping[str, float], _: object
+    ) -> None:
         if not self._fault:
             self.events.put(LogPacket(name, stamp_ms, values, self._clock()))
 
@@ -207,7 +219,7 @@ class CflibLink:
         """Disconnect, which takes up to two seconds; what still flies or lands goes on with it."""
         if self._overrides:
             for _ in range(PARTING):
-                self.override(())
+                self.override_motors(())
         drone, self._drone, self._opened = self._opened, None, None
         self._overrides, self._sizes = False, {}
         if drone is not None:
@@ -220,13 +232,13 @@ class CflibLink:
             leaving.start()
             leaving.join(CLOSING)
 
-    def parameter(self, name: str) -> float | None:
+    def read_parameter(self, name: str) -> float | None:
         """Return the value read when the link came up, or since, in the firmware's unit."""
         group, _, word = name.partition('.')
         text = self._drone.param.values.get(group, {}).get(word)
         return None if text is None else float(text)
 
-    def write(self, name: str, value: float, deadline: float) -> None:
+    def write_parameter(self, name: str, value: float, deadline: float) -> None:
         """Set a parameter and wait for the value to come back, until a deadline from now. [s]"""
         group, _, word = name.partition('.')
         echoes: SimpleQueue[float] = SimpleQueue()
@@ -244,34 +256,34 @@ class CflibLink:
         finally:
             param.remove_update_callback(group, word, callback)
 
-    def arm(self, on: bool) -> None:
+    def request_arming(self, on: bool) -> None:
         """Ask to arm or disarm; firmware before protocol 12 is asked on its own port."""
         with warnings.catch_warnings(action='ignore'):
-            self._sends('supervisor', 'send_arming_request', on)
+            self._call_cflib('supervisor', 'send_arming_request', on)
 
-    def stop(self) -> None:
+    def send_emergency_stop(self) -> None:
         """Send one emergency stop."""
         with warnings.catch_warnings(action='ignore'):
-            self._sends('supervisor', 'send_emergency_stop')
+            self._call_cflib('supervisor', 'send_emergency_stop')
         # Whoever turned the override on: a stop does not reach motors through it.
-        self._sends('param', 'set_value_raw', 'motorPowerSet.enable', U8, 0)
+        self._call_cflib('param', 'set_value_raw', 'motorPowerSet.enable', U8, 0)
 
-    def watchdog(self) -> None:
+    def feed_watchdog(self) -> None:
         """Keep the firmware's emergency-stop watchdog quiet for another second."""
         with warnings.catch_warnings(action='ignore'):
-            self._sends('supervisor', 'send_emergency_stop_watchdog')
+            self._call_cflib('supervisor', 'send_emergency_stop_watchdog')
 
-    def hover(self, forward: float, yaw_rate: float, height: float) -> None:
+    def send_hover_setpoint(self, forward: float, yaw_rate: float, height: float) -> None:
         """Send speed [m/s], yaw rate [rad/s] and height [m]; cflib takes degrees a second."""
-        self._sends(
+        self._call_cflib(
             'commander', 'send_hover_setpoint', forward, 0.0, math.degrees(yaw_rate), height
         )
 
-    def duties(self, payload: bytes) -> None:
+    def send_duties(self, payload: bytes) -> None:
         """Send a packet on the app channel."""
-        self._sends('appchannel', 'send_packet', payload)
+        self._call_cflib('appchannel', 'send_packet', payload)
 
-    def override(self, duties: Sequence[float]) -> None:
+    def override_motors(self, duties: Sequence[float]) -> None:
         """
         Set `motorPowerSet`, without waiting for an answer: the next one comes soon.
 
@@ -282,15 +294,15 @@ class CflibLink:
         motors = [(f'motorPowerSet.m{n}', U16, ratio) for n, ratio in enumerate(ratios, start=1)]
         enable = ('motorPowerSet.enable', U8, int(bool(duties)))
         for words in (*motors, enable) if duties else (enable, *motors):
-            self._sends('param', 'set_value_raw', *words)
+            self._call_cflib('param', 'set_value_raw', *words)
 
     def hand_over(self, land: bool) -> None:
         """Let go of the commander, and have the high-level one land."""
-        self._sends('commander', 'send_notify_setpoint_stop')
+        self._call_cflib('commander', 'send_notify_setpoint_stop')
         if land:
-            self._sends('high_level_commander', 'land', 0.0, LANDING)
+            self._call_cflib('high_level_commander', 'land', 0.0, LANDING)
 
-    def _sends(self, part: str, method: str, *words: object) -> None:
+    def _call_cflib(self, part: str, method: str, *words: object) -> None:
         """Send where there is a link; it may go at any moment, in the middle of this too."""
         drone = self._drone
         if drone is None:
@@ -299,7 +311,7 @@ class CflibLink:
             getattr(getattr(drone, part), method)(*words)
         except Exception as error:  # whatever a driver raises, and cflib's lock stays taken then
             self._drone = None
-            self._lost('', f'{type(error).__name__}: {error}')
+            self._on_link_lost('', f'{type(error).__name__}: {error}')
 
 
 LINK: Final = CflibLink

@@ -14,7 +14,7 @@ FULL = 32767
 FORM = struct.Struct('<BB4hH')
 
 
-class Duties(NamedTuple):
+class DutiesPacket(NamedTuple):
     """Sequence 0 to 255, duty -1 to 1 of M1 to M4, and for how long they hold. [ms]"""
 
     sequence: int
@@ -22,7 +22,7 @@ class Duties(NamedTuple):
     timeout_ms: int
 
 
-def packed(sequence: int, duties: Sequence[float], timeout_ms: int) -> bytes:
+def pack_duties(sequence: int, duties: Sequence[float], timeout_ms: int) -> bytes:
     """
     Return the payload.
 
@@ -40,12 +40,12 @@ def packed(sequence: int, duties: Sequence[float], timeout_ms: int) -> bytes:
     return FORM.pack(MARK, sequence & 0xFF, *steps, timeout_ms)
 
 
-def unpacked(data: bytes) -> Duties | None:
+def unpack_duties(data: bytes) -> DutiesPacket | None:
     """Return what a payload says; None where it is none of ours."""
     if len(data) != FORM.size or data[0] != MARK:
         return None
     _, sequence, *steps, timeout_ms = FORM.unpack(data)
-    return Duties(sequence, tuple(step / FULL for step in steps), timeout_ms)
+    return DutiesPacket(sequence, tuple(step / FULL for step in steps), timeout_ms)
 
 
 def is_newer(sequence: int, than: int) -> bool:

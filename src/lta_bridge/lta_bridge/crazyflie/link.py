@@ -22,26 +22,26 @@ class Ping(NamedTuple):
     round_trip: float
 
 
-class Malformed(NamedTuple):
+class MalformedPacket(NamedTuple):
     """A packet came that cannot be read, and why."""
 
     why: str
 
 
-class Lost(NamedTuple):
+class LinkLost(NamedTuple):
     """The link is gone, and why."""
 
     why: str
 
 
-Event = LogPacket | Ping | Malformed | Lost
+Event = LogPacket | Ping | MalformedPacket | LinkLost
 
 
 class LinkFailed(RuntimeError):
     """A link did not come up, or a parameter did not do as told; worth another try."""
 
 
-class Link(Protocol):
+class CrazyflieLink(Protocol):
     """
     One connection at a time; `open` and `close` block and are called from one thread.
 
@@ -65,35 +65,35 @@ class Link(Protocol):
         """Disconnect; nothing is sent afterwards."""
         ...
 
-    def parameter(self, name: str) -> float | None:
+    def read_parameter(self, name: str) -> float | None:
         """Return a parameter in the firmware's unit; None where it has none of that name."""
         ...
 
-    def write(self, name: str, value: float, deadline: float) -> None:
+    def write_parameter(self, name: str, value: float, deadline: float) -> None:
         """Set a parameter, confirmed by the Crazyflie's own word; `LinkFailed` otherwise. [s]"""
         ...
 
-    def arm(self, on: bool) -> None:
+    def request_arming(self, on: bool) -> None:
         """Ask to arm or disarm."""
         ...
 
-    def stop(self) -> None:
+    def send_emergency_stop(self) -> None:
         """Send one emergency stop."""
         ...
 
-    def watchdog(self) -> None:
+    def feed_watchdog(self) -> None:
         """Keep the firmware's emergency-stop watchdog quiet; the first word starts it."""
         ...
 
-    def hover(self, forward: float, yaw_rate: float, height: float) -> None:
+    def send_hover_setpoint(self, forward: float, yaw_rate: float, height: float) -> None:
         """Send a speed [m/s], yaw rate [rad/s] and height [m]."""
         ...
 
-    def duties(self, payload: bytes) -> None:
+    def send_duties(self, payload: bytes) -> None:
         """Send a packet to the app aboard."""
         ...
 
-    def override(self, duties: Sequence[float]) -> None:
+    def override_motors(self, duties: Sequence[float]) -> None:
         """Turn M1 to M4 by duties 0 to 1 whatever the supervisor says; none lets go of them."""
         ...
 

@@ -10,8 +10,8 @@ from importlib import import_module
 import re
 from typing import Final, NamedTuple
 
-from lta_bridge.crazyflie.link import Link
-from lta_bridge.crazyflie.log_table import Block
+from lta_bridge.crazyflie.link import CrazyflieLink
+from lta_bridge.crazyflie.log_table import LogBlock
 from lta_config.errors import BadInput
 
 FILES: Final = (  # each is the file of this name
@@ -19,7 +19,7 @@ FILES: Final = (  # each is the file of this name
 )
 
 
-class Way(NamedTuple):
+class LinkScheme(NamedTuple):
     """
     How the URIs of one scheme are used.
 
@@ -33,17 +33,17 @@ class Way(NamedTuple):
     """
 
     rest: str
-    link: Callable[[str, Sequence[Block], Callable[[], int]], Link]
+    link: Callable[[str, Sequence[LogBlock], Callable[[], int]], CrazyflieLink]
 
 
-LINKS: Final[dict[str, Way]] = {
-    scheme: Way(rest, made.LINK)
+LINKS: Final[dict[str, LinkScheme]] = {
+    scheme: LinkScheme(rest, made.LINK)
     for made in (import_module(f'{__package__}.{file}') for file in FILES)
     for scheme, rest in made.SCHEMES.items()
 }
 
 
-def link_to(uri: str, blocks: Sequence[Block], clock: Callable[[], int]) -> Link:
+def create_link(uri: str, blocks: Sequence[LogBlock], clock: Callable[[], int]) -> CrazyflieLink:
     """
     Return the link to a Crazyflie, closed.
 

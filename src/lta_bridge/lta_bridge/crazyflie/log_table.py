@@ -16,7 +16,7 @@ MOST_VARIABLES: Final = 128
 SHORTEST_MS, LONGEST_MS, STEP_MS = 10, 2540, 10
 
 
-class Block(NamedTuple):
+class LogBlock(NamedTuple):
     """
     One packet.
 
@@ -36,26 +36,36 @@ class Block(NamedTuple):
     variables: dict[str, str]
 
 
-def _all(kind: str, *names: str) -> dict[str, str]:
+def _map_to_type(kind: str, *names: str) -> dict[str, str]:
     return dict.fromkeys(names, kind)
 
 
 BLOCKS: Final = (
-    Block('imu', 10, _all('float', *(f'{s}.{a}' for s in ('acc', 'gyro') for a in 'xyz'))),
-    Block('air', 20, _all('float', 'baro.pressure') | _all('uint16_t', 'range.zrange')),
-    Block(
-        'attitude', 20, _all('float', *(f'stateEstimate.{a}' for a in ('roll', 'pitch', 'yaw')))
+    LogBlock(
+        'imu', 10, _map_to_type('float', *(f'{s}.{a}' for s in ('acc', 'gyro') for a in 'xyz'))
     ),
-    Block(
+    LogBlock(
+        'air',
+        20,
+        _map_to_type('float', 'baro.pressure') | _map_to_type('uint16_t', 'range.zrange'),
+    ),
+    LogBlock(
+        'attitude',
+        20,
+        _map_to_type('float', *(f'stateEstimate.{a}' for a in ('roll', 'pitch', 'yaw'))),
+    ),
+    LogBlock(
         'motors',
         50,
-        _all('uint16_t', *(f'motor.m{number}' for number in range(1, 5)), 'supervisor.info'),
+        _map_to_type(
+            'uint16_t', *(f'motor.m{number}' for number in range(1, 5)), 'supervisor.info'
+        ),
     ),
-    Block('power', 100, _all('float', 'pm.vbat') | _all('int8_t', 'pm.state')),
+    LogBlock('power', 100, _map_to_type('float', 'pm.vbat') | _map_to_type('int8_t', 'pm.state')),
 )
 
 
-def check(blocks: tuple[Block, ...]) -> None:
+def check_log_table(blocks: tuple[LogBlock, ...]) -> None:
     """
     Refuse a table that no Crazyflie can serve.
 

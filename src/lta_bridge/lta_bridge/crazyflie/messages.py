@@ -4,27 +4,29 @@ import math
 
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import PoseStamped, TwistStamped
-from lta_bridge.crazyflie.bridge import Asked, Where
-from lta_bridge.crazyflie.readings import Air, Motion
-from lta_control.attitude import heading
-from lta_control.cascade import wrap
-from lta_control.messages import attitude_of, to_setpoint
+from lta_bridge.crazyflie.bridge_core import CrazyflieCommand, PositionEstimate
+from lta_bridge.crazyflie.readings import AirReading, ImuReading
+from lta_control.attitude import yaw_from_quaternion
+from lta_control.cascade import wrap_angle
+from lta_control.messages import to_attitude, to_setpoint
 from lta_graph.ros.stamps import from_stamp
 from lta_model import messages
-from lta_model.sensors.imu import bounds_of, ImuSettings
+from lta_model.sensors.imu import error_bounds, ImuSettings
 from lta_model.sensors.pressure import PressureSettings
 from lta_model.sensors.range import RangeSettings
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import BatteryState, FluidPressure, Imu, JointState, Range
 
 ATTITUDE_SIGMA = 0.05  # rad, of the firmware's own attitude: an assumption
-IMU_NOISE = bounds_of(ImuSettings()).noise
+IMU_NOISE = error_bounds(ImuSettings()).noise
 RANGE = RangeSettings()
 
 
-def imu(stamp: Time, motion: Motion, attitude: tuple[float, float, float, float] | None) -> Imu:
+def to_imu(
+    stamp: Time, motion: ImuReading, attitude: tuple[float, float, float, float] | None
+) -> Imu:
     """Return specific force and rates, and the attitude (x y z w) where it has come."""
-    message = messages.imu(stamp, motion.force, motion.rates, IMU_NOISE)
+    message = messages.build_imu(stamp, motion.force, motion.rates, IMU_NOISE)
     if attitude is not None:
         q = message.orientation
         q.x, q.y, q.z, q.w = attitude
@@ -33,33 +35,35 @@ def imu(stamp: Time, motion: Motion, attitude: tuple[float, float, float, float]
     return message
 
 
-def air(stamp: Time, felt: Air) -> tuple[Range, FluidPressure]:
+def to_range_pressure(stamp: Time, felt: AirReading) -> tuple[Range, FluidPressure]:
     """Return distance and pressure."""
     return (
-        messages.range_(stamp, felt.distance, RANGE),
-        messages.pressure(stamp, felt.pressure, PressureSettings().noise),
+        messages.build_range(stamp, felt.distance, RANGE),
+        messages.build_pressure(stamp, felt.pressure, PressureSettings().noise),
     )
 
 
-def battery(stamp: Time, voltage: float, current: float) -> BatteryState:
+def to_battery(stamp: Time, voltage: float, current: float) -> BatteryState:
     """Return the cell's measured voltage and its current, which a model gives. [V, A]"""
-    return messages.branch(stamp, voltage, current, 'battery')
+    return messages.build_battery_state(stamp, voltage, current, 'battery')
 
 
-def to_duties(message: JointState, names: list[str], stamp_ns: int) -> Asked:
+def to_duties_command(message: JointState, names: list[str], stamp_ns: int) -> CrazyflieCommand:
     """Return duties by rotor; none where they are for other rotors."""
     fits = list(message.name) == names and len(message.effort) == len(names)
-    return Asked(stamp_ns, duties=tuple(message.effort) if fits else ())
+    return CrazyflieCommand(stamp_ns, duties=tuple(message.effort) if fits else ())
 
 
-def to_hover(pose: PoseStamped, velocity: TwistStamped, odom: Odometry, stamp_ns: int) -> Asked:
+def to_hover_command(
+    pose: PoseStamped, velocity: TwistStamped, odom: Odometry, stamp_ns: int
+) -> CrazyflieCommand:
     """Return speed, height, and how far to turn from where the estimator sees the nose."""
     asked = to_setpoint(pose, velocity)
-    turn = wrap(asked.heading - heading(attitude_of(odom)))
-    return Asked(stamp_ns, speed=asked.speed, turn=turn, height=asked.altitude)
+    turn = wrap_angle(asked.heading - yaw_from_quaternion(to_attitude(odom)))
+    return CrazyflieCommand(stamp_ns, speed=asked.speed, turn=turn, height=asked.altitude)
 
 
-def to_where(odom: Odometry) -> Where:
+def to_position(odom: Odometry) -> PositionEstimate:
     """Return height and way from the start by the estimate, and of when it is."""
     p = odom.pose.pose.position
-    return Where(p.z, math.hypot(p.x, p.y), from_stamp(odom.header.stamp))
+    return PositionEstimate(p.z, math.hypot(p.x, p.y), from_stamp(odom.header.stamp))

@@ -8,7 +8,7 @@ drone alone: our state machine decides as ever, but what only the drone can do, 
 from collections.abc import Mapping
 
 from lta_config.errors import BadInput
-from lta_config.schema.crazyflie_file import CrazyflieFile, Expected
+from lta_config.schema.crazyflie_file import CrazyflieFile, ExpectedParameter
 from lta_model.vehicle import Vehicle
 
 OVERRIDE = 'override'
@@ -32,13 +32,13 @@ def check_tether(command: str, tethered: bool) -> None:
         )
 
 
-def expected(file: CrazyflieFile, command: str) -> Mapping[str, Expected]:
+def select_parameters(file: CrazyflieFile, command: str) -> Mapping[str, ExpectedParameter]:
     """Return the parameters that a way to command it needs."""
     if command != OVERRIDE:
         return file.expected
     return {name: want for name, want in file.expected.items() if not name.startswith(APP)}
 
 
-def compensated(vehicle: Vehicle, command: str) -> bool | None:
+def required_compensation(vehicle: Vehicle, command: str) -> bool | None:
     """Return whether duties must be corrected aboard; None by a way that goes past that."""
     return None if command == OVERRIDE else vehicle.battery_compensated

@@ -8,7 +8,7 @@ and what is too short ends in an exception that it logs. So each packet is looke
 from collections.abc import Mapping
 from typing import Final
 
-from lta_bridge.crazyflie.log_table import Block, SIZES
+from lta_bridge.crazyflie.log_table import LogBlock, SIZES
 
 MOST: Final = 30  # bytes of payload (CRTP)
 LOG, DATA = 5, 2  # port and channel of log packets
@@ -27,12 +27,12 @@ CHANNELS: Final[Mapping[int, Mapping[int, int]]] = {
 }
 
 
-def size_of(block: Block) -> int:
+def block_size(block: LogBlock) -> int:
     """Return how many bytes the values of a log block take."""
     return sum(SIZES[kind] for kind in block.variables.values())
 
 
-def fault(port: int, channel: int, data: bytes, sizes: Mapping[int, int]) -> str:
+def find_packet_fault(port: int, channel: int, data: bytes, sizes: Mapping[int, int]) -> str:
     """
     Return what is wrong with a packet; empty where it can be read.
 

@@ -31,35 +31,35 @@ WHOLE: Final = {block.name: block.variables.keys() for block in BLOCKS}
 Values = Mapping[str, float]
 
 
-class Motion(NamedTuple):
+class ImuReading(NamedTuple):
     """Specific force [m/s2] and angular rate [rad/s], body FLU."""
 
     force: tuple[float, float, float]
     rates: tuple[float, float, float]
 
 
-class Air(NamedTuple):
+class AirReading(NamedTuple):
     """Pressure [Pa] and downward distance [m]; infinite where nothing returned."""
 
     pressure: float
     distance: float
 
 
-class Motors(NamedTuple):
+class MotorsReading(NamedTuple):
     """Duty of M1 to M4, 0 to 1, and the supervisor's word."""
 
     duties: tuple[float, ...]
     word: int
 
 
-class Power(NamedTuple):
+class PowerReading(NamedTuple):
     """Cell voltage [V] and the firmware's power state by its number."""
 
     voltage: float
     state: int
 
 
-def unusable(block: str, values: Values) -> str:
+def find_value_fault(block: str, values: Values) -> str:
     """Return why the values of a log block cannot be used; empty where they can."""
     if values.keys() != WHOLE.get(block, ()):
         return f'log block {block} has other values than it should'
@@ -70,32 +70,34 @@ def unusable(block: str, values: Values) -> str:
     return ''
 
 
-def motion(values: Values) -> Motion:
+def convert_imu(values: Values) -> ImuReading:
     """Return an IMU block: g to m/s2, deg/s to rad/s."""
     fx, fy, fz = (STANDARD_GRAVITY * values[f'acc.{axis}'] for axis in 'xyz')
     wx, wy, wz = (math.radians(values[f'gyro.{axis}']) for axis in 'xyz')
-    return Motion((fx, fy, fz), (wx, wy, wz))
+    return ImuReading((fx, fy, fz), (wx, wy, wz))
 
 
-def air(values: Values) -> Air:
+def convert_air(values: Values) -> AirReading:
     """Return a block of pressure and range: mbar to Pa, mm to m."""
     distance = MILLIMETRE * values['range.zrange']
-    return Air(MILLIBAR * values['baro.pressure'], math.inf if distance >= NO_RETURN else distance)
+    return AirReading(
+        MILLIBAR * values['baro.pressure'], math.inf if distance >= NO_RETURN else distance
+    )
 
 
-def attitude(values: Values) -> tuple[float, float, float, float]:
+def convert_attitude(values: Values) -> tuple[float, float, float, float]:
     """Return the firmware's attitude as a quaternion x y z w, body FLU to its start frame."""
     roll, pitch, yaw = (values[f'stateEstimate.{angle}'] for angle in ('roll', 'pitch', 'yaw'))
     x, y, z, w = Rotation.from_euler('ZYX', [yaw, -pitch, roll], degrees=True).as_quat().tolist()
     return x, y, z, w
 
 
-def motors(values: Values) -> Motors:
+def convert_motors(values: Values) -> MotorsReading:
     """Return a motor block: ratios to duties."""
     duties = tuple(values[f'motor.m{number}'] / FULL_RATIO for number in range(1, 5))
-    return Motors(duties, int(values['supervisor.info']))
+    return MotorsReading(duties, int(values['supervisor.info']))
 
 
-def power(values: Values) -> Power:
+def convert_power(values: Values) -> PowerReading:
     """Return a power block."""
-    return Power(values['pm.vbat'], int(values['pm.state']))
+    return PowerReading(values['pm.vbat'], int(values['pm.state']))

@@ -25,7 +25,7 @@ REMEDIES: Final = {
 }
 
 
-def remedied(text: str) -> str:
+def suggest_remedy(text: str) -> str:
     """Return why a link failed: with the remedy where that is known, else the first line."""
     for sign, sentence in REMEDIES.items():
         if sign in text:

@@ -20,7 +20,7 @@ MARK, SENT = 0, struct.Struct('<Bd')  # mark of cflib's ping, and how it tells w
 LONGEST: Final = 10.0  # s; what takes longer was no trip: the computer's clock was set meanwhile
 
 
-def sent_at(echo: bytes | bytearray) -> float | None:
+def parse_ping_time(echo: bytes | bytearray) -> float | None:
     """Return when cflib sent the ping that comes back; None where it is none. [s]"""
     if len(echo) != SENT.size:
         return None
@@ -41,7 +41,7 @@ class RoundTrips:
             self._kept.append(seconds)
 
     @property
-    def most(self) -> float:
+    def latency(self) -> float:
         """What 95 % of the newest take at most; NaN before the first. [s]"""
         newest = list(self._kept)[-NEWEST:]
         return float(np.percentile(newest, 95)) if newest else math.nan

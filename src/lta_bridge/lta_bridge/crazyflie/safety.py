@@ -1,7 +1,8 @@
 """
 When the motors may turn: the one state machine of the Crazyflie bridge.
 
-`tick` is called at a steady rhythm with what is known and what was asked, and says what to send.
+`step_state` is called at a steady rhythm with what is known and what was asked, and says what to
+send.
 Motors turn in FLYING and for `RAMP` into LANDING, nowhere else. Whatever goes wrong in the air
 comes down in order: a ramp, then the hand-over to the firmware, then disarmed. Silence is never
 an answer, because the firmware locks itself after 2 s of it.
@@ -11,7 +12,7 @@ from enum import StrEnum
 import math
 from typing import Final, NamedTuple
 
-from lta_bridge.crazyflie.supervisor import Bit, trouble
+from lta_bridge.crazyflie.supervisor_word import explain_fault, SupervisorBit
 
 STALE: Final = 0.3  # s: age from which a command is not flown; the firmware levels out at 0.5
 SILENT: Final = 0.5  # s: age of the newest log packet from which the link counts as lost
@@ -26,7 +27,7 @@ LEAVE: Final = 15.0  # s at most to land and to hear that it is disarmed, before
 STOPS: Final = 10  # emergency stops that are sent: nobody confirms one
 
 
-class Stage(StrEnum):
+class SafetyStage(StrEnum):
     """Where the bridge stands."""
 
     DISARMED = 'disarmed'
@@ -37,7 +38,7 @@ class Stage(StrEnum):
     STOPPED = 'stopped'  # by an emergency stop; for good
 
 
-class Limits(NamedTuple):
+class SafetyLimits(NamedTuple):
     """What ends a flight: cell voltage [V], time [s], height [m] and way through the air [m]."""
 
     voltage: float
@@ -46,7 +47,7 @@ class Limits(NamedTuple):
     distance: float
 
 
-class Seen(NamedTuple):
+class SafetyInputs(NamedTuple):
     """
     What is known at a tick.
 
@@ -82,14 +83,14 @@ class Seen(NamedTuple):
     place_age: float = 0.0
 
 
-class Asked(NamedTuple):
+class SafetyRequest(NamedTuple):
     """What people asked since the last tick: to arm or disarm, to stop at once."""
 
     arm: bool | None = None
     stop: bool = False
 
 
-class State(NamedTuple):
+class SafetyState(NamedTuple):
     """
     The memory.
 
@@ -112,7 +113,7 @@ class State(NamedTuple):
 
     """
 
-    stage: Stage = Stage.DISARMED
+    stage: SafetyStage = SafetyStage.DISARMED
     since: float = 0.0
     began: float = 0.0
     why: str = 'not armed yet'
@@ -122,7 +123,7 @@ class State(NamedTuple):
     low_since: float = math.inf
 
 
-class Order(NamedTuple):
+class SafetyOutputs(NamedTuple):
     """
     What to send at this tick.
 
@@ -148,60 +149,68 @@ class Order(NamedTuple):
     stop: bool = False
 
 
-QUIET: Final = Order()
+QUIET: Final = SafetyOutputs()
 
 
-def refusal(state: State, seen: Seen, limits: Limits) -> str:
+def find_arming_refusal(state: SafetyState, inputs: SafetyInputs, limits: SafetyLimits) -> str:
     """Return why a request to arm is refused; empty where it is not."""
-    if state.stage is Stage.STOPPED:
+    if state.stage is SafetyStage.STOPPED:
         return 'stopped by an emergency stop: switch the Crazyflie off and on, restart the bridge'
-    if not seen.linked:
+    if not inputs.linked:
         return 'no Crazyflie is connected'
-    if not seen.active:
+    if not inputs.active:
         return 'the bridge is not active: activate it first'
-    if math.isinf(seen.silence):
+    if math.isinf(inputs.silence):
         return 'the Crazyflie has not told how it is yet: ask again'
-    if seen.silence > SILENT:
-        return f'the Crazyflie has said nothing for {seen.silence:.1f} s'
-    if math.isnan(seen.voltage):
+    if inputs.silence > SILENT:
+        return f'the Crazyflie has said nothing for {inputs.silence:.1f} s'
+    if math.isnan(inputs.voltage):
         return 'the Crazyflie has not told the voltage of its cell yet: ask again'
-    if seen.voltage < limits.voltage:
-        return f'the cell has {seen.voltage:.2f} V, less than {limits.voltage:.2f} V: charge it'
-    return trouble(seen.word)
+    if inputs.voltage < limits.voltage:
+        return f'the cell has {inputs.voltage:.2f} V, less than {limits.voltage:.2f} V: charge it'
+    return explain_fault(inputs.word)
 
 
-def peril(state: State, now: float, seen: Seen, limits: Limits) -> str:
+def find_landing_reason(
+    state: SafetyState, now: float, inputs: SafetyInputs, limits: SafetyLimits
+) -> str:
     """Return why a flight must end at a time [s] although commands are fresh; empty: go on."""
-    if not seen.active:
+    if not inputs.active:
         return 'deactivated'
-    if seen.silence > SILENT:
-        return f'the Crazyflie has said nothing for {seen.silence:.1f} s'
+    if inputs.silence > SILENT:
+        return f'the Crazyflie has said nothing for {inputs.silence:.1f} s'
     if now - state.low_since >= LOW:
-        known = not math.isnan(seen.voltage)
+        known = not math.isnan(inputs.voltage)
         return (
-            f'the cell has {seen.voltage:.2f} V' if known else 'nobody tells its voltage any more'
+            f'the cell has {inputs.voltage:.2f} V'
+            if known
+            else 'nobody tells its voltage any more'
         )
     if now - state.began > limits.time:
         return f'the flight has lasted {limits.time:.0f} s'
-    if seen.height > limits.height:
+    if inputs.height > limits.height:
         return f'higher than {limits.height:.1f} m'
-    if seen.distance > limits.distance:
+    if inputs.distance > limits.distance:
         return f'farther than {limits.distance:.1f} m'
     return ''
 
 
-def old(seen: Seen) -> str:
+def find_stale_input(inputs: SafetyInputs) -> str:
     """Return why commands cannot be flown for their age, or that of the place; empty: they can."""
-    if seen.command_age > STALE:
-        return f'the newest command is {seen.command_age:.2f} s old'
-    if seen.place_age > LOST:
-        return f'the newest place by the estimator is {seen.place_age:.2f} s old'
+    if inputs.command_age > STALE:
+        return f'the newest command is {inputs.command_age:.2f} s old'
+    if inputs.place_age > LOST:
+        return f'the newest place by the estimator is {inputs.place_age:.2f} s old'
     return ''
 
 
-def tick(
-    state: State, now: float, seen: Seen, asked: Asked, limits: Limits
-) -> tuple[State, Order]:
+def step_state(
+    state: SafetyState,
+    now: float,
+    inputs: SafetyInputs,
+    request: SafetyRequest,
+    limits: SafetyLimits,
+) -> tuple[SafetyState, SafetyOutputs]:
     """
     Return the next state and what to send.
 
@@ -219,110 +228,153 @@ def tick(
         What ends a flight.
 
     """
-    low = not seen.voltage >= limits.voltage  # nor may it fly on where nobody knows
+    low = not inputs.voltage >= limits.voltage  # nor may it fly on where nobody knows
     state = state._replace(low_since=min(state.low_since, now) if low else math.inf)
-    if asked.stop:
-        state = State(Stage.STOPPED, now, state.began, 'emergency stop', STOPS)
-    if state.stage is Stage.STOPPED:
+    if request.stop:
+        state = SafetyState(SafetyStage.STOPPED, now, state.began, 'emergency stop', STOPS)
+    if state.stage is SafetyStage.STOPPED:
         # Nobody answers a stop; who still says that it is armed has not heard one.
-        unheard = seen.linked and bool(seen.word & Bit.ARMED)
+        unheard = inputs.linked and bool(inputs.word & SupervisorBit.ARMED)
         stop = state.stops > 0 or unheard
-        return state._replace(stops=max(0, state.stops - 1)), Order(stop=stop)
-    if not seen.linked:
-        return _down(state, now, 'no link'), QUIET
-    if trouble(seen.word):
-        return _down(state, now, trouble(seen.word)), QUIET
-    return STEPS[state.stage](state, now, seen, asked, limits)
+        return state._replace(stops=max(0, state.stops - 1)), SafetyOutputs(stop=stop)
+    if not inputs.linked:
+        return _enter_disarmed(state, now, 'no link'), QUIET
+    if explain_fault(inputs.word):
+        return _enter_disarmed(state, now, explain_fault(inputs.word)), QUIET
+    return STEPS[state.stage](state, now, inputs, request, limits)
 
 
-def _down(state: State, now: float, why: str) -> State:
+def _enter_disarmed(state: SafetyState, now: float, why: str) -> SafetyState:
     """Return the state of rest, for this reason; its time is that of the change."""
-    if state.stage is Stage.DISARMED:
+    if state.stage is SafetyStage.DISARMED:
         return state._replace(why=why)
-    return State(Stage.DISARMED, now, why=why)
+    return SafetyState(SafetyStage.DISARMED, now, why=why)
 
 
-def _to(state: State, stage: Stage, now: float, why: str = '', curable: bool = False) -> State:
+def _enter_stage(
+    state: SafetyState, stage: SafetyStage, now: float, why: str = '', curable: bool = False
+) -> SafetyState:
     return state._replace(stage=stage, since=now, why=why, curable=curable)
 
 
-def _disarmed(
-    state: State, now: float, seen: Seen, asked: Asked, limits: Limits
-) -> tuple[State, Order]:
-    if asked.arm:
-        why = refusal(state, seen, limits)
+def _step_disarmed(
+    state: SafetyState,
+    now: float,
+    inputs: SafetyInputs,
+    request: SafetyRequest,
+    limits: SafetyLimits,
+) -> tuple[SafetyState, SafetyOutputs]:
+    if request.arm:
+        why = find_arming_refusal(state, inputs, limits)
         if why:
             return state._replace(why=why), QUIET
-        return _to(state, Stage.ARMING, now)._replace(asked_at=now), Order(arm=True)
+        return _enter_stage(state, SafetyStage.ARMING, now)._replace(asked_at=now), SafetyOutputs(
+            arm=True
+        )
     # Found armed, by whoever flew before or by a request that was never confirmed.
-    armed = seen.word & Bit.ARMED and not seen.word & (Bit.FLYING | Bit.AUTO_ARM)
+    armed = inputs.word & SupervisorBit.ARMED and not inputs.word & (
+        SupervisorBit.FLYING | SupervisorBit.AUTO_ARM
+    )
     if armed and now - state.asked_at >= AGAIN:
-        return state._replace(asked_at=now), Order(arm=False)
+        return state._replace(asked_at=now), SafetyOutputs(arm=False)
     return state, QUIET
 
 
-def _arming(
-    state: State, now: float, seen: Seen, asked: Asked, limits: Limits
-) -> tuple[State, Order]:
-    why = 'asked to' if asked.arm is False else refusal(state, seen, limits)
+def _step_arming(
+    state: SafetyState,
+    now: float,
+    inputs: SafetyInputs,
+    request: SafetyRequest,
+    limits: SafetyLimits,
+) -> tuple[SafetyState, SafetyOutputs]:
+    why = 'asked to' if request.arm is False else find_arming_refusal(state, inputs, limits)
     if why or now - state.since > ASKING:
         why = why or f'the supervisor did not confirm within {ASKING:.0f} s'
-        return _down(state, now, why), Order(arm=False)
-    if seen.word & Bit.ARMED and now - state.since > seen.silence:
-        return _to(state, Stage.READY, now), QUIET
+        return _enter_disarmed(state, now, why), SafetyOutputs(arm=False)
+    if inputs.word & SupervisorBit.ARMED and now - state.since > inputs.silence:
+        return _enter_stage(state, SafetyStage.READY, now), QUIET
     if now - state.asked_at >= AGAIN:
-        return state._replace(asked_at=now), Order(arm=True)
+        return state._replace(asked_at=now), SafetyOutputs(arm=True)
     return state, QUIET
 
 
-def _ready(
-    state: State, now: float, seen: Seen, asked: Asked, limits: Limits
-) -> tuple[State, Order]:
-    if not seen.word & Bit.ARMED:
-        return _down(state, now, 'the Crazyflie disarmed itself, as one does that stands'), QUIET
-    why = 'asked to' if asked.arm is False else peril(state._replace(began=now), now, seen, limits)
+def _step_ready(
+    state: SafetyState,
+    now: float,
+    inputs: SafetyInputs,
+    request: SafetyRequest,
+    limits: SafetyLimits,
+) -> tuple[SafetyState, SafetyOutputs]:
+    if not inputs.word & SupervisorBit.ARMED:
+        return _enter_disarmed(
+            state, now, 'the Crazyflie disarmed itself, as one does that stands'
+        ), QUIET
+    why = (
+        'asked to'
+        if request.arm is False
+        else find_landing_reason(state._replace(began=now), now, inputs, limits)
+    )
     if why:
-        return _down(state, now, why), Order(arm=False)
-    if not old(seen):
-        return _to(state, Stage.FLYING, now)._replace(began=now), Order(drive=1.0, stream=True)
-    return state, Order(stream=True)
+        return _enter_disarmed(state, now, why), SafetyOutputs(arm=False)
+    if not find_stale_input(inputs):
+        return _enter_stage(state, SafetyStage.FLYING, now)._replace(began=now), SafetyOutputs(
+            drive=1.0, stream=True
+        )
+    return state, SafetyOutputs(stream=True)
 
 
-def _flying(
-    state: State, now: float, seen: Seen, asked: Asked, limits: Limits
-) -> tuple[State, Order]:
-    if not seen.word & Bit.ARMED:
-        return _down(state, now, 'the Crazyflie disarmed itself, as one does that coasts'), QUIET
-    why = 'asked to' if asked.arm is False else peril(state, now, seen, limits)
-    stale = old(seen)
+def _step_flying(
+    state: SafetyState,
+    now: float,
+    inputs: SafetyInputs,
+    request: SafetyRequest,
+    limits: SafetyLimits,
+) -> tuple[SafetyState, SafetyOutputs]:
+    if not inputs.word & SupervisorBit.ARMED:
+        return _enter_disarmed(
+            state, now, 'the Crazyflie disarmed itself, as one does that coasts'
+        ), QUIET
+    why = 'asked to' if request.arm is False else find_landing_reason(state, now, inputs, limits)
+    stale = find_stale_input(inputs)
     if why or stale:
-        landing = _to(state, Stage.LANDING, now, why or stale, curable=bool(stale))
-        return landing, Order(drive=1.0, stream=True)
-    return state, Order(drive=1.0, stream=True)
+        landing = _enter_stage(state, SafetyStage.LANDING, now, why or stale, curable=bool(stale))
+        return landing, SafetyOutputs(drive=1.0, stream=True)
+    return state, SafetyOutputs(drive=1.0, stream=True)
 
 
-def _landing(
-    state: State, now: float, seen: Seen, asked: Asked, limits: Limits
-) -> tuple[State, Order]:
+def _step_landing(
+    state: SafetyState,
+    now: float,
+    inputs: SafetyInputs,
+    request: SafetyRequest,
+    limits: SafetyLimits,
+) -> tuple[SafetyState, SafetyOutputs]:
     gone = now - state.since
     if gone < RAMP:
-        fit = asked.arm is not False and not peril(state, now, seen, limits)
-        if state.curable and fit and not old(seen) and seen.word & Bit.ARMED:
-            return _to(state, Stage.FLYING, now), Order(drive=1.0, stream=True)
+        fit = request.arm is not False and not find_landing_reason(state, now, inputs, limits)
+        if (
+            state.curable
+            and fit
+            and not find_stale_input(inputs)
+            and inputs.word & SupervisorBit.ARMED
+        ):
+            return _enter_stage(state, SafetyStage.FLYING, now), SafetyOutputs(
+                drive=1.0, stream=True
+            )
         curable = state.curable and fit
-        return state._replace(curable=curable), Order(drive=1.0 - gone / RAMP, stream=True)
-    landed = not seen.word & Bit.FLYING
+        return state._replace(curable=curable), SafetyOutputs(drive=1.0 - gone / RAMP, stream=True)
+    landed = not inputs.word & SupervisorBit.FLYING
     if (landed and gone > RAMP + AGAIN) or gone > RAMP + SETTLING:
-        return _down(state, now, state.why), Order(arm=False)
+        return _enter_disarmed(state, now, state.why), SafetyOutputs(arm=False)
     if gone < RAMP + HANDING and now - state.asked_at >= AGAIN:
-        return state._replace(asked_at=now), Order(hand_over=True)
+        return state._replace(asked_at=now), SafetyOutputs(hand_over=True)
     return state, QUIET
 
 
 STEPS: Final = {
-    Stage.DISARMED: _disarmed,
-    Stage.ARMING: _arming,
-    Stage.READY: _ready,
-    Stage.FLYING: _flying,
-    Stage.LANDING: _landing,
+    SafetyStage.DISARMED: _step_disarmed,
+    SafetyStage.ARMING: _step_arming,
+    SafetyStage.READY: _step_ready,
+    SafetyStage.FLYING: _step_flying,
+    SafetyStage.LANDING: _step_landing,
 }

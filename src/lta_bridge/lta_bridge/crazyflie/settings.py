@@ -5,7 +5,7 @@ from typing import Literal
 from lta_config.settings import setting, Settings
 
 
-class BridgeSettings(Settings):
+class CrazyflieBridgeSettings(Settings):
     """Which Crazyflie, and how it is commanded."""
 
     uri: str = setting('radio://0/80/2M/E7E7E7E7E7', 'Where the Crazyflie is.', fixed=True)

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from lta_config.errors import BadInput
 
 
-def rotor_places(motors: Mapping[str, str], names: Sequence[str]) -> tuple[int, ...]:
+def find_rotor_indices(motors: Mapping[str, str], names: Sequence[str]) -> tuple[int, ...]:
     """
     Return for M1 to M4 the place of its rotor among the vehicle's.
 

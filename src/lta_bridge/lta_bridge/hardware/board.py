@@ -5,14 +5,14 @@ from dataclasses import dataclass
 import time
 from typing import Final, final
 
-from lta_bridge.hardware.check_result import Check
+from lta_bridge.hardware.check_result import HardwareCheck
 from lta_bridge.teensy.light_board import LightBlock, LightBoard, LightPeaks
-from lta_bridge.teensy.reader import Reader
-from lta_config.schema.vehicle_diodes import Diodes
-from lta_config.topics import Light
-from lta_vlc.demodulation import hear
+from lta_bridge.teensy.reader import BoardReader
+from lta_config.schema.vehicle_diodes import DiodesBlock
+from lta_config.topics import AdcBlockShape
+from lta_vlc.demodulation import demodulate_block
 from lta_vlc.faults import SPOILT
-from lta_vlc.spectral.bins import Bins
+from lta_vlc.spectral.bins import BeaconBins
 import numpy as np
 
 PAUSE: Final = 0.05  # s between two looks at the clock
@@ -20,7 +20,7 @@ PAUSE: Final = 0.05  # s between two looks at the clock
 
 @final
 @dataclass(frozen=True, slots=True)
-class DiodeHeard:
+class DiodeMeasurement:
     """One diode: mean, least and largest reading [counts], SNR of the beacon, and its faults."""
 
     mean: float
@@ -33,7 +33,7 @@ class DiodeHeard:
 
 @final
 @dataclass(frozen=True, slots=True)
-class BoardHeard:
+class BoardMeasurement:
     """
     What a light board told.
 
@@ -71,17 +71,17 @@ class BoardHeard:
     uncertainty: float | None
     wrong: str
     trouble: str
-    diodes: tuple[DiodeHeard, ...]
+    diodes: tuple[DiodeMeasurement, ...]
 
 
-def listen(
+def measure_board(
     port: str,
-    light: Light,
-    diodes: Diodes,
-    bins: Bins,
+    light: AdcBlockShape,
+    diodes: DiodesBlock,
+    bins: BeaconBins,
     seconds: float,
     tick: Callable[[float], None],
-) -> BoardHeard:
+) -> BoardMeasurement:
     """
     Return what a board tells.
 
@@ -109,11 +109,11 @@ def listen(
     board = LightBoard(light, diodes.count, bits=diodes.bits)
     blocks: list[LightBlock] = []
 
-    def keep(told: LightBlock | LightPeaks) -> None:
-        if isinstance(told, LightBlock):
-            blocks.append(told)
+    def keep_block(block: LightBlock | LightPeaks) -> None:
+        if isinstance(block, LightBlock):
+            blocks.append(block)
 
-    reader = Reader(port, board, keep, time.time_ns)
+    reader = BoardReader(port, board, keep_block, time.time_ns)
     began = time.monotonic()
     try:
         while (been := time.monotonic() - began) < seconds:
@@ -122,7 +122,7 @@ def listen(
     finally:
         reader.close()
     clock, framing, rows = board.clock, board.framing, board.blocks
-    return BoardHeard(
+    return BoardMeasurement(
         port=port,
         rate=rows.rows / seconds,
         rows=rows.rows,
@@ -131,16 +131,18 @@ def listen(
         frames=framing.frames,
         crc_errors=framing.crc_errors,
         unknown=framing.unknown,
-        round_trip=1e-9 * clock.round_trip if clock.known else None,
-        drift=clock.drift if clock.known else None,
-        uncertainty=clock.uncertainty if clock.known else None,
-        wrong=board.wrong,
+        round_trip=1e-9 * clock.round_trip if clock.is_synchronized else None,
+        drift=clock.drift if clock.is_synchronized else None,
+        uncertainty=clock.uncertainty if clock.is_synchronized else None,
+        wrong=board.fault,
         trouble=reader.trouble,
-        diodes=tuple(of_diodes(blocks, bins, diodes.top)),
+        diodes=tuple(measure_diodes(blocks, bins, diodes.largest_reading)),
     )
 
 
-def of_diodes(blocks: Sequence[LightBlock], bins: Bins, top: float) -> Iterator[DiodeHeard]:
+def measure_diodes(
+    blocks: Sequence[LightBlock], bins: BeaconBins, top: float
+) -> Iterator[DiodeMeasurement]:
     """
     Yield what blocks say of each diode: extremes over all, the median SNR, every fault.
 
@@ -156,65 +158,77 @@ def of_diodes(blocks: Sequence[LightBlock], bins: Bins, top: float) -> Iterator[
     """
     if not blocks:
         return
-    heard = [hear(block.samples, (bins,), top) for block in blocks]
+    heard = [demodulate_block(block.samples, (bins,), top) for block in blocks]
     samples = np.stack([block.samples for block in blocks])
     snr = np.median([each.peaks[0].snr for each in heard], axis=0)
     for k in range(samples.shape[2]):
         faults = [each.faults[k] for each in heard]
         named = {flag.name for fault in faults for flag in fault if flag.name}
         one = samples[:, :, k]
-        yield DiodeHeard(
+        yield DiodeMeasurement(
             float(one.mean()), int(one.min()), int(one.max()), float(snr[k]),
             tuple(sorted(name.lower().replace('_', ' ') for name in named)),
             any(fault & SPOILT for fault in faults),
         )  # fmt: skip
 
 
-def judged(heard: BoardHeard, light: Light, threshold: float) -> Iterator[Check]:
+def judge_board(
+    measurement: BoardMeasurement, light: AdcBlockShape, threshold: float
+) -> Iterator[HardwareCheck]:
     """Yield what is to be said of a light board, the most fundamental first."""
-    if not heard.frames:
-        why = heard.trouble or 'nothing came'
+    if not measurement.frames:
+        why = measurement.trouble or 'nothing came'
         remedy = 'Flash firmware/light_board, and see that the port is that of the board.'
-        yield Check('light board', 'fail', f'{heard.port}: {why}', remedy)
+        yield HardwareCheck('light board', 'fail', f'{measurement.port}: {why}', remedy)
         return
-    if heard.wrong:
-        yield Check('light board', 'fail', heard.wrong)
-    yield _rows(heard, light.sample_rate.si)
-    yield _clock(heard)
-    yield _diodes(heard.diodes, threshold)
+    if measurement.wrong:
+        yield HardwareCheck('light board', 'fail', measurement.wrong)
+    yield _judge_rows(measurement, light.sample_rate.si)
+    yield _judge_clock(measurement)
+    yield _judge_diodes(measurement.diodes, threshold)
 
 
-def _rows(heard: BoardHeard, wanted: float) -> Check:
+def _judge_rows(measurement: BoardMeasurement, nominal_rate: float) -> HardwareCheck:
     found = (
-        f'{heard.rate:.0f} rows a second of {wanted:.0f}, {heard.lost} lost on the way, '
-        f'{heard.overruns} on the board, {heard.crc_errors} torn frames'
+        f'{measurement.rate:.0f} rows a second of {nominal_rate:.0f}, {measurement.lost} lost on '
+        f'the way, '
+        f'{measurement.overruns} on the board, {measurement.crc_errors} torn frames'
     )
-    if heard.lost or heard.overruns or heard.crc_errors:
-        return Check('light', 'warn', found, 'Try a shorter cable, or another USB port.')
-    return Check('light', 'ok', found)
+    if measurement.lost or measurement.overruns or measurement.crc_errors:
+        return HardwareCheck('light', 'warn', found, 'Try a shorter cable, or another USB port.')
+    return HardwareCheck('light', 'ok', found)
 
 
-def _clock(heard: BoardHeard) -> Check:
-    if heard.round_trip is None or heard.drift is None or heard.uncertainty is None:
-        return Check("board's clock", 'fail', 'it answers no question', 'Flash it anew.')
-    return Check(
+def _judge_clock(measurement: BoardMeasurement) -> HardwareCheck:
+    if (
+        measurement.round_trip is None
+        or measurement.drift is None
+        or measurement.uncertainty is None
+    ):
+        return HardwareCheck("board's clock", 'fail', 'it answers no question', 'Flash it anew.')
+    return HardwareCheck(
         "board's clock", 'ok',
-        f'{1e6 * heard.drift:.0f} ppm slow, known to {1e6 * heard.uncertainty:.0f} us; '
-        f'{1e3 * heard.round_trip:.2f} ms there and back',
+        f'{1e6 * measurement.drift:.0f} ppm slow, known to {1e6 * measurement.uncertainty:.0f} '
+        f'us; '
+        f'{1e3 * measurement.round_trip:.2f} ms there and back',
     )  # fmt: skip
 
 
-def _diodes(diodes: Sequence[DiodeHeard], threshold: float) -> Check:
+def _judge_diodes(diodes: Sequence[DiodeMeasurement], threshold: float) -> HardwareCheck:
     if not diodes:
-        return Check('diodes', 'fail', 'no whole block came', 'Check again for longer.')
+        return HardwareCheck('diodes', 'fail', 'no whole block came', 'Check again for longer.')
     spoilt = [str(k + 1) for k, each in enumerate(diodes) if each.spoilt]
     if spoilt:
         remedy = 'Flat: look at its wires. Saturated: shade it, or choose a smaller resistor.'
-        return Check('diodes', 'fail', f'{", ".join(spoilt)} of {len(diodes)} are spoilt', remedy)
+        return HardwareCheck(
+            'diodes', 'fail', f'{", ".join(spoilt)} of {len(diodes)} are spoilt', remedy
+        )
     best = max(each.snr for each in diodes)
     if best < threshold:
-        return Check(
+        return HardwareCheck(
             'diodes', 'warn', f'all {len(diodes)} read light, none hears the lamp',
             'Switch the lamp on, and give its --frequency.',
         )  # fmt: skip
-    return Check('diodes', 'ok', f'all {len(diodes)} read light, SNR of the best {best:.0f}')
+    return HardwareCheck(
+        'diodes', 'ok', f'all {len(diodes)} read light, SNR of the best {best:.0f}'
+    )

@@ -9,7 +9,7 @@ State = Literal['ok', 'warn', 'fail']
 
 @final
 @dataclass(frozen=True, slots=True)
-class Check:
+class HardwareCheck:
     """
     The result of one check.
 
@@ -32,7 +32,9 @@ class Check:
     remedy: str = ''
 
 
-def graded(name: str, figure: float, warn: float, fail: float, found: str, remedy: str) -> Check:
+def grade_figure(
+    name: str, figure: float, warn: float, fail: float, finding: str, remedy: str
+) -> HardwareCheck:
     """Return a check whose state follows from a figure that should not be below two limits."""
     state: State = 'ok' if figure >= warn else 'warn' if figure >= fail else 'fail'
-    return Check(name, state, found, '' if state == 'ok' else remedy)
+    return HardwareCheck(name, state, finding, '' if state == 'ok' else remedy)

@@ -8,15 +8,15 @@ import time
 from typing import Final, final
 
 from lta_bridge.crazyflie import readings
-from lta_bridge.crazyflie.clock import DeviceClock
-from lta_bridge.crazyflie.keeper import compensates, mismatch
-from lta_bridge.crazyflie.link import Link, LogPacket, Lost, Ping
+from lta_bridge.crazyflie.connection_manager import explain_mismatch, has_voltage_compensation
+from lta_bridge.crazyflie.device_clock import DeviceClock
+from lta_bridge.crazyflie.link import CrazyflieLink, LinkLost, LogPacket, Ping
 from lta_bridge.crazyflie.log_table import BLOCKS
 from lta_bridge.crazyflie.round_trips import RoundTrips
-from lta_bridge.crazyflie.supervisor import Bit, trouble
-from lta_bridge.hardware.check_result import Check
-from lta_bridge.hardware.stream import Streamed, streamed
-from lta_config.schema.crazyflie_file import CrazyflieFile, Expected
+from lta_bridge.crazyflie.supervisor_word import explain_fault, SupervisorBit
+from lta_bridge.hardware.check_result import HardwareCheck
+from lta_bridge.hardware.stream import measure_stream, StreamStatistics
+from lta_config.schema.crazyflie_file import CrazyflieFile, ExpectedParameter
 
 DEADLINE: Final = 8.0  # s for the connection, as the bridge has it
 LOSSY: Final = 0.01  # part of the packets whose loss is worth a word
@@ -26,7 +26,7 @@ RELEASE: Final = ('firmware.revision0', 'firmware.revision1')
 
 @final
 @dataclass(frozen=True, slots=True)
-class DroneHeard:
+class DroneMeasurement:
     """
     What a Crazyflie told.
 
@@ -60,7 +60,7 @@ class DroneHeard:
     uri: str
     protocol: int
     revision: str
-    streams: tuple[Streamed, ...]
+    streams: tuple[StreamStatistics, ...]
     latency: float
     drift: float
     voltage: float
@@ -70,9 +70,13 @@ class DroneHeard:
     lost: str
 
 
-def listen(
-    link: Link, uri: str, file: CrazyflieFile, seconds: float, tick: Callable[[float], None]
-) -> DroneHeard:
+def measure_drone(
+    link: CrazyflieLink,
+    uri: str,
+    file: CrazyflieFile,
+    seconds: float,
+    tick: Callable[[float], None],
+) -> DroneMeasurement:
     """
     Return what a Crazyflie tells.
 
@@ -102,37 +106,39 @@ def listen(
         match event:
             case LogPacket() as packet:
                 heard[packet.block].append(packet)
-                clock.stamp(packet.stamp_ms, packet.arrival_ns)
+                clock.stamp_packet(packet.stamp_ms, packet.arrival_ns)
             case Ping(took):
                 trips.add(took)
-            case Lost(why):
+            case LinkLost(why):
                 lost = why
-    power = [readings.power(packet.values) for packet in heard['power'][-1:]]
-    words = [readings.motors(packet.values).word for packet in heard['motors'][-1:]]
-    return DroneHeard(
+    power = [readings.convert_power(packet.values) for packet in heard['power'][-1:]]
+    words = [readings.convert_motors(packet.values).word for packet in heard['motors'][-1:]]
+    return DroneMeasurement(
         uri=uri,
         protocol=int(getattr(link, 'protocol', -1)),
-        revision=revision({name: link.parameter(name) for name in RELEASE}),
-        streams=tuple(streamed(block, heard[block.name]) for block in BLOCKS),
-        latency=trips.most,
+        revision=format_revision({name: link.read_parameter(name) for name in RELEASE}),
+        streams=tuple(measure_stream(block, heard[block.name]) for block in BLOCKS),
+        latency=trips.latency,
         drift=clock.drift,
         voltage=power[0].voltage if power else math.nan,
         word=words[0] if words else None,
-        parameters={name: link.parameter(name) for name in file.expected},
-        compensates=compensates(link),
+        parameters={name: link.read_parameter(name) for name in file.expected},
+        compensates=has_voltage_compensation(link),
         lost=lost,
     )
 
 
-def revision(told: Mapping[str, float | None]) -> str:
+def format_revision(parameters: Mapping[str, float | None]) -> str:
     """Return the firmware's revision, of which a Crazyflie tells 32 and 16 bits."""
-    high, low = (told[name] for name in RELEASE)
+    high, low = (parameters[name] for name in RELEASE)
     if high is None:
         return 'unknown'
     return f'{int(high):08x}' + ('' if low is None else f'{int(low):04x}')
 
 
-def judged(heard: DroneHeard, file: CrazyflieFile, compensated: bool) -> Iterator[Check]:
+def judge_drone(
+    measurement: DroneMeasurement, file: CrazyflieFile, compensated: bool
+) -> Iterator[HardwareCheck]:
     """
     Yield what is to be said of a Crazyflie, the most fundamental first.
 
@@ -146,85 +152,101 @@ def judged(heard: DroneHeard, file: CrazyflieFile, compensated: bool) -> Iterato
         Whether the vehicle counts on firmware that corrects duties.
 
     """
-    if heard.lost:
-        yield Check('link', 'fail', f'lost: {heard.lost}', 'Bring it nearer, and switch it on.')
-    yield Check(
-        'firmware', 'ok', f'revision {heard.revision}, protocol {heard.protocol} at {heard.uri}'
+    if measurement.lost:
+        yield HardwareCheck(
+            'link', 'fail', f'lost: {measurement.lost}', 'Bring it nearer, and switch it on.'
+        )
+    yield HardwareCheck(
+        'firmware',
+        'ok',
+        f'revision {measurement.revision}, protocol {measurement.protocol} at {measurement.uri}',
     )
-    yield _streams(heard)
-    yield _latency(heard.latency)
-    yield _battery(heard.voltage, file.limits.voltage.si)
-    yield _supervisor(heard.word)
-    yield _duties(heard, compensated)
+    yield _judge_streams(measurement)
+    yield _judge_latency(measurement.latency)
+    yield _judge_battery(measurement.voltage, file.limits.voltage.si)
+    yield _judge_supervisor(measurement.word)
+    yield _judge_duties(measurement, compensated)
     for name, want in file.expected.items():
-        check = _parameter(name, heard.parameters[name], want)
+        check = _judge_parameter(name, measurement.parameters[name], want)
         if check is not None:
             yield check
 
 
-def _streams(heard: DroneHeard) -> Check:
-    silent = [each.name for each in heard.streams if not each.packets]
+def _judge_streams(measurement: DroneMeasurement) -> HardwareCheck:
+    silent = [each.name for each in measurement.streams if not each.packets]
     if silent:
         remedy = 'Switch the Crazyflie off and on; update its firmware if that does not help.'
-        return Check('telemetry', 'fail', f'nothing came of {", ".join(silent)}', remedy)
-    worst = max(heard.streams, key=lambda each: each.loss)
-    found = f'{len(heard.streams)} log blocks, {worst.loss:.1%} lost of {worst.name} at most'
+        return HardwareCheck('telemetry', 'fail', f'nothing came of {", ".join(silent)}', remedy)
+    worst = max(measurement.streams, key=lambda each: each.loss)
+    found = f'{len(measurement.streams)} log blocks, {worst.loss:.1%} lost of {worst.name} at most'
     if worst.loss > LOSSY:
-        return Check('telemetry', 'warn', found, 'Bring it nearer, or choose a free channel.')
-    return Check('telemetry', 'ok', found)
+        return HardwareCheck(
+            'telemetry', 'warn', found, 'Bring it nearer, or choose a free channel.'
+        )
+    return HardwareCheck('telemetry', 'ok', found)
 
 
-def _latency(latency: float) -> Check:
+def _judge_latency(latency: float) -> HardwareCheck:
     if math.isnan(latency):
-        return Check('latency', 'warn', 'no answer to a ping', 'Check again for longer.')
+        return HardwareCheck('latency', 'warn', 'no answer to a ping', 'Check again for longer.')
     found = f'{1e3 * latency:.1f} ms there and back, 95 % of the time'
     if latency > SLOW:
-        return Check('latency', 'warn', found, 'Bring it nearer, or choose a free channel.')
-    return Check('latency', 'ok', found)
+        return HardwareCheck(
+            'latency', 'warn', found, 'Bring it nearer, or choose a free channel.'
+        )
+    return HardwareCheck('latency', 'ok', found)
 
 
-def _battery(voltage: float, least: float) -> Check:
+def _judge_battery(voltage: float, least: float) -> HardwareCheck:
     if math.isnan(voltage):
-        return Check('battery', 'warn', 'no voltage came', 'Check again for longer.')
+        return HardwareCheck('battery', 'warn', 'no voltage came', 'Check again for longer.')
     if voltage < least:
         found = f'{voltage:.2f} V, and below {least:.2f} V it does not arm'
-        return Check('battery', 'fail', found, 'Charge the cell.')
-    return Check('battery', 'ok', f'{voltage:.2f} V')
+        return HardwareCheck('battery', 'fail', found, 'Charge the cell.')
+    return HardwareCheck('battery', 'ok', f'{voltage:.2f} V')
 
 
-def _supervisor(word: int | None) -> Check:
+def _judge_supervisor(word: int | None) -> HardwareCheck:
     if word is None:
-        return Check('supervisor', 'fail', 'no word came', 'Update the firmware.')
-    if why := trouble(word):
-        return Check('supervisor', 'fail', why, 'It does not fly until that is done.')
-    if word & Bit.ARMED:
-        return Check('supervisor', 'warn', 'armed by somebody', 'Disarm it before you touch it.')
-    ready = bool(word & Bit.CAN_BE_ARMED)
-    return Check('supervisor', 'ok', 'disarmed, and can be armed' if ready else 'disarmed')
+        return HardwareCheck('supervisor', 'fail', 'no word came', 'Update the firmware.')
+    if why := explain_fault(word):
+        return HardwareCheck('supervisor', 'fail', why, 'It does not fly until that is done.')
+    if word & SupervisorBit.ARMED:
+        return HardwareCheck(
+            'supervisor', 'warn', 'armed by somebody', 'Disarm it before you touch it.'
+        )
+    ready = bool(word & SupervisorBit.CAN_BE_ARMED)
+    return HardwareCheck('supervisor', 'ok', 'disarmed, and can be armed' if ready else 'disarmed')
 
 
-def _duties(heard: DroneHeard, compensated: bool) -> Check:
+def _judge_duties(measurement: DroneMeasurement, compensated: bool) -> HardwareCheck:
     """Return what becomes of a duty on its way to a motor."""
-    if why := mismatch(heard.compensates, compensated):
+    if why := explain_mismatch(measurement.compensates, compensated):
         found, _, remedy = why.partition(': ')
-        return Check('duties', 'fail', found, f'{remedy[0].upper()}{remedy[1:]}.')
-    idle = heard.parameters['powerDist.idleThrust']
+        return HardwareCheck('duties', 'fail', found, f'{remedy[0].upper()}{remedy[1:]}.')
+    idle = measurement.parameters['powerDist.idleThrust']
     thrust = 'unknown' if idle is None else f'{idle:g} of 65535'
-    corrected = '' if heard.compensates else 'not '
-    return Check(
+    corrected = '' if measurement.compensates else 'not '
+    return HardwareCheck(
         'duties', 'ok', f"idle thrust {thrust}, {corrected}corrected for the battery's voltage"
     )
 
 
-def _parameter(name: str, value: float | None, want: Expected) -> Check | None:
+def _judge_parameter(
+    name: str, value: float | None, want: ExpectedParameter
+) -> HardwareCheck | None:
     """Return what is to be said of a parameter; nothing where it is as expected."""
     if value is None:
-        return Check(name, 'fail', f'the firmware lacks it ({want.why})', 'Flash the firmware.')
+        return HardwareCheck(
+            name, 'fail', f'the firmware lacks it ({want.why})', 'Flash the firmware.'
+        )
     if value == want.value:
         return None
     found = f'{value:g}, not {want.value:g} ({want.why})'
     if name == 'motorPowerSet.enable':
-        return Check(name, 'fail', found, 'Switch the drone off and on: its motors may turn.')
+        return HardwareCheck(
+            name, 'fail', found, 'Switch the drone off and on: its motors may turn.'
+        )
     if want.write:
-        return Check(name, 'ok', f'{found}; the bridge sets it before it flies')
-    return Check(name, 'fail', found, 'Flash the firmware that the vehicle needs.')
+        return HardwareCheck(name, 'ok', f'{found}; the bridge sets it before it flies')
+    return HardwareCheck(name, 'fail', found, 'Flash the firmware that the vehicle needs.')

@@ -5,12 +5,12 @@ from dataclasses import asdict
 import math
 from typing import Any
 
-from lta_bridge.hardware.board import DiodeHeard
-from lta_bridge.hardware.check import Outcome
-from lta_bridge.hardware.stream import Streamed
+from lta_bridge.hardware.board import DiodeMeasurement
+from lta_bridge.hardware.check import HardwareCheckReport
+from lta_bridge.hardware.stream import StreamStatistics
 
 
-def stream_rows(streams: Sequence[Streamed]) -> list[tuple[str, ...]]:
+def format_stream_rows(streams: Sequence[StreamStatistics]) -> list[tuple[str, ...]]:
     """Return log blocks as text, the first row their head."""
     head: tuple[str, ...] = ('block', 'rate [Hz]', 'wanted [Hz]', 'lost [%]', 'jitter [ms]')
     return [head, *(
@@ -22,7 +22,7 @@ def stream_rows(streams: Sequence[Streamed]) -> list[tuple[str, ...]]:
     )]  # fmt: skip
 
 
-def diode_rows(diodes: Sequence[DiodeHeard]) -> list[tuple[str, ...]]:
+def format_diode_rows(diodes: Sequence[DiodeMeasurement]) -> list[tuple[str, ...]]:
     """Return diodes as text, the first row their head."""
     head: tuple[str, ...] = ('diode', 'mean', 'least', 'largest', 'SNR', 'fault')
     return [head, *(
@@ -34,23 +34,23 @@ def diode_rows(diodes: Sequence[DiodeHeard]) -> list[tuple[str, ...]]:
     )]  # fmt: skip
 
 
-def to_json(outcome: Outcome) -> dict[str, Any]:
+def to_json(outcome: HardwareCheckReport) -> dict[str, Any]:
     """Return everything; what is unknown is null, as JSON has no NaN."""
     return {
         'checks': [asdict(check) for check in outcome.checks],
-        'drone': None if outcome.drone is None else _plain(asdict(outcome.drone)),
-        'light_board': None if outcome.board is None else _plain(asdict(outcome.board)),
+        'drone': None if outcome.drone is None else _to_json_value(asdict(outcome.drone)),
+        'light_board': None if outcome.board is None else _to_json_value(asdict(outcome.board)),
     }
 
 
-def _plain(value: Any) -> Any:  # noqa: ANN401 - whatever JSON holds
+def _to_json_value(value: Any) -> Any:  # noqa: ANN401 - whatever JSON holds
     match value:
         case float():
             return value if math.isfinite(value) else None
         case dict():
-            return {name: _plain(one) for name, one in value.items()}
+            return {name: _to_json_value(one) for name, one in value.items()}
         case tuple() if hasattr(value, '_asdict'):
-            return _plain(value._asdict())
+            return _to_json_value(value._asdict())
         case list() | tuple():
-            return [_plain(one) for one in value]
+            return [_to_json_value(one) for one in value]
     return value

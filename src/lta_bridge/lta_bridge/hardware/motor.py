@@ -15,14 +15,14 @@ import time
 from typing import Final, final, NamedTuple, NoReturn
 
 from lta_bridge.crazyflie import readings
-from lta_bridge.crazyflie.bridge import Asked, Bridge, HOLD_MS, RATE
-from lta_bridge.crazyflie.keeper import agree
-from lta_bridge.crazyflie.link import Link, LinkFailed, LogPacket, Lost
-from lta_bridge.crazyflie.safety import Asked as Wish
-from lta_bridge.crazyflie.safety import Stage
-from lta_bridge.crazyflie.supervisor import Bit
+from lta_bridge.crazyflie.bridge_core import BridgeCore, CrazyflieCommand, HOLD_MS, RATE
+from lta_bridge.crazyflie.connection_manager import apply_parameters
+from lta_bridge.crazyflie.link import CrazyflieLink, LinkFailed, LinkLost, LogPacket
+from lta_bridge.crazyflie.safety import SafetyRequest as Wish
+from lta_bridge.crazyflie.safety import SafetyStage
+from lta_bridge.crazyflie.supervisor_word import SupervisorBit
 from lta_config.schema.crazyflie_file import CrazyflieFile, MOTORS
-from lta_graph.interrupts import held_interrupts
+from lta_graph.interrupts import hold_interrupts
 from lta_model.vehicle import Vehicle
 
 STARTING: Final = 3.0  # s for telemetry to come, and again for the supervisor to arm
@@ -32,7 +32,7 @@ NOTHING: Final = Wish()
 
 
 @final
-class Turned(NamedTuple):
+class MotorTurnResult(NamedTuple):
     """
     What the drone itself logged.
 
@@ -70,17 +70,21 @@ class MotorBench:
 
     """
 
-    def __init__(self, link: Link, file: CrazyflieFile, vehicle: Vehicle, motor: str) -> None:
+    def __init__(
+        self, link: CrazyflieLink, file: CrazyflieFile, vehicle: Vehicle, motor: str
+    ) -> None:
         self._link, self._file, self._vehicle = link, file, vehicle
         rotors = vehicle.rotor_names
-        self._bridge = Bridge(link, file, rotors, 'motors')
+        self._bridge = BridgeCore(link, file, rotors, 'motors')
         self._motor = MOTORS.index(motor)
         self._place = list(rotors).index(file.motors[motor])
         self._rotors = len(rotors)
-        self._logged: list[readings.Motors] = []
+        self._logged: list[readings.MotorsReading] = []
         self._volts: list[float] = []
 
-    def turn(self, duty: float, seconds: float, tick: Callable[[float], None]) -> Turned:
+    def turn_motor(
+        self, duty: float, seconds: float, tick: Callable[[float], None]
+    ) -> MotorTurnResult:
         """
         Arm, turn, disarm; whatever happens, the motor stands afterwards.
 
@@ -99,7 +103,7 @@ class MotorBench:
             If the drone refuses, disarms itself, or falls silent.
 
         """
-        agree(self._link, self._file.expected, self._vehicle.battery_compensated)
+        apply_parameters(self._link, self._file.expected, self._vehicle.battery_compensated)
         try:
             self._arm()
             self._drive(duty, seconds, tick)
@@ -107,7 +111,7 @@ class MotorBench:
             self._disarm()
         duties = [each.duties for each in self._logged]
         others = [one for each in duties for k, one in enumerate(each) if k != self._motor]
-        return Turned(
+        return MotorTurnResult(
             max((each[self._motor] for each in duties), default=0.0),
             max(others, default=0.0), min(self._volts, default=math.nan),
         )  # fmt: skip
@@ -115,74 +119,82 @@ class MotorBench:
     def _arm(self) -> None:
         """Wait for telemetry, and for the supervisor's word that it is armed."""
         until = time.monotonic() + STARTING
-        while self._bridge.refusal(time.time_ns(), True, True) and time.monotonic() < until:
+        while (
+            self._bridge.find_arming_refusal(time.time_ns(), True, True)
+            and time.monotonic() < until
+        ):
             self._step(NOTHING)
-        if why := self._bridge.refusal(time.time_ns(), True, True):
+        if why := self._bridge.find_arming_refusal(time.time_ns(), True, True):
             raise LinkFailed(why)
         self._step(Wish(arm=True))
-        while self._bridge.state.stage is Stage.ARMING:
+        while self._bridge.state.stage is SafetyStage.ARMING:
             self._step(NOTHING)
-        if self._bridge.state.stage is not Stage.READY:
+        if self._bridge.state.stage is not SafetyStage.READY:
             raise LinkFailed(self._bridge.state.why)
 
     def _drive(self, duty: float, seconds: float, tick: Callable[[float], None]) -> None:
         duties = tuple(duty if k == self._place else 0.0 for k in range(self._rotors))
         began = time.monotonic()
         while (been := time.monotonic() - began) < seconds:
-            self._bridge.commanded(Asked(time.time_ns(), duties=duties))
+            self._bridge.accept_command(CrazyflieCommand(time.time_ns(), duties=duties))
             self._step(NOTHING)
             tick(been)
-            if self._bridge.state.stage is not Stage.FLYING:
+            if self._bridge.state.stage is not SafetyStage.FLYING:
                 raise LinkFailed(self._bridge.state.why)
 
     def _step(self, wish: Wish) -> None:
         """Hear what has come, decide and send once, and wait for the next turn."""
-        for packet in self._heard():
-            self._bridge.heard(packet)
+        for packet in self._drain_packets():
+            self._bridge.receive_packet(packet)
         self._bridge.tick(time.monotonic(), time.time_ns(), True, True, wish)
         time.sleep(1.0 / RATE)
 
-    def _heard(self) -> Iterator[LogPacket]:
+    def _drain_packets(self) -> Iterator[LogPacket]:
         with suppress(Empty):
             while True:
                 match self._link.events.get_nowait():
-                    case Lost(why):
+                    case LinkLost(why):
                         raise LinkFailed(f'{why}; the app aboard stops after {HOLD_MS} ms')
                     case LogPacket() as packet:
-                        self._keep(packet)
+                        self._store_reading(packet)
                         yield packet
 
-    def _keep(self, packet: LogPacket) -> None:
+    def _store_reading(self, packet: LogPacket) -> None:
         if packet.block == 'motors':
-            self._logged.append(readings.motors(packet.values))
+            self._logged.append(readings.convert_motors(packet.values))
         elif packet.block == 'power':
-            self._volts.append(readings.power(packet.values).voltage)
+            self._volts.append(readings.convert_power(packet.values).voltage)
 
     def _disarm(self) -> None:
         """Disarm, which stops motors at once, until the supervisor confirms it; else for good."""
-        with held_interrupts(), suppress(LinkFailed):
+        with hold_interrupts(), suppress(LinkFailed):
             asked = time.monotonic()
             known = len(self._logged)
             while time.monotonic() - asked < CONFIRMING:
-                self._link.arm(False)
+                self._link.request_arming(False)
                 time.sleep(1.0 / RATE)
-                for _ in self._heard():
+                for _ in self._drain_packets():
                     pass
-                if len(self._logged) > known + 1 and not self._logged[-1].word & Bit.ARMED:
+                if (
+                    len(self._logged) > known + 1
+                    and not self._logged[-1].word & SupervisorBit.ARMED
+                ):
                     return
             for _ in range(STOPS):
-                self._link.stop()
+                self._link.send_emergency_stop()
                 time.sleep(1.0 / RATE)
 
 
 @contextmanager
-def ended_by_signals() -> Iterator[None]:
+def interrupt_on_signals() -> Iterator[None]:
     """Make SIGTERM and a closed terminal end things as Ctrl-C does: through every `finally`."""
 
-    def end(*_: object) -> NoReturn:
+    def raise_interrupt(*_: object) -> NoReturn:
         raise KeyboardInterrupt
 
-    before = {each: signal.signal(each, end) for each in (signal.SIGTERM, signal.SIGHUP)}
+    before = {
+        each: signal.signal(each, raise_interrupt) for each in (signal.SIGTERM, signal.SIGHUP)
+    }
     try:
         yield
     finally:

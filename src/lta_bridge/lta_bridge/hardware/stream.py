@@ -3,14 +3,14 @@
 from collections.abc import Sequence
 from typing import final, NamedTuple
 
-from lta_bridge.crazyflie.clock import WRAP
+from lta_bridge.crazyflie.device_clock import WRAP
 from lta_bridge.crazyflie.link import LogPacket
-from lta_bridge.crazyflie.log_table import Block
+from lta_bridge.crazyflie.log_table import LogBlock
 import numpy as np
 
 
 @final
-class Streamed(NamedTuple):
+class StreamStatistics(NamedTuple):
     """
     One log block over a while.
 
@@ -38,7 +38,7 @@ class Streamed(NamedTuple):
     jitter: float
 
 
-def streamed(block: Block, packets: Sequence[LogPacket]) -> Streamed:
+def measure_stream(block: LogBlock, packets: Sequence[LogPacket]) -> StreamStatistics:
     """
     Return what the packets of one block come to.
 
@@ -52,14 +52,14 @@ def streamed(block: Block, packets: Sequence[LogPacket]) -> Streamed:
     """
     wanted = 1e3 / block.period_ms
     if len(packets) < 2:
-        return Streamed(block.name, wanted, 0.0, len(packets), float(not packets), 0.0)
+        return StreamStatistics(block.name, wanted, 0.0, len(packets), float(not packets), 0.0)
     stamps = np.array([packet.stamp_ms for packet in packets])
     arrivals = np.array([packet.arrival_ns for packet in packets])
     gaps = (np.diff(stamps) + WRAP // 2) % WRAP - WRAP // 2  # 24 bits, that may have wrapped
     span = max(int(gaps.sum()), 1)
     sent = 1 + round(span / block.period_ms)
     uneven = np.abs(1e-9 * np.diff(arrivals) - 1e-3 * gaps)
-    return Streamed(
+    return StreamStatistics(
         block.name, wanted, 1e3 * (len(packets) - 1) / span, len(packets),
         max(0.0, 1.0 - len(packets) / sent), float(np.percentile(uneven, 95.0)),
     )  # fmt: skip

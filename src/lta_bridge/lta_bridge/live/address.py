@@ -10,7 +10,7 @@ PORT = 8765  # that Foxglove proposes
 LOCAL = '127.0.0.1'
 
 
-def taken(port: int, reason: str) -> BadInput:
+def build_port_error(port: int, reason: str) -> BadInput:
     """Return the sentence on a port that nothing can listen on."""
     return BadInput(
         f'Port {port} cannot be used for the live view ({reason}); end what listens there, or '
@@ -18,7 +18,7 @@ def taken(port: int, reason: str) -> BadInput:
     )
 
 
-def refuse_taken(host: str, port: int) -> None:
+def check_port(host: str, port: int) -> None:
     """
     Refuse a port that nothing could listen on.
 
@@ -34,10 +34,10 @@ def refuse_taken(host: str, port: int) -> None:
             probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
             probe.bind(address)
     except OSError as error:
-        raise taken(port, error.strerror or str(error)) from None
+        raise build_port_error(port, error.strerror or str(error)) from None
 
 
-def app_url(port: int) -> str:
+def build_app_url(port: int) -> str:
     """Return the address at which Foxglove in a browser shows a live view of this machine."""
     query = {'ds': 'foxglove-websocket', 'ds.url': f'ws://localhost:{port}'}
     return f'{APP}?{urlencode(query, safe=":/")}'

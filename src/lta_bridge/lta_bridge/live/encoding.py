@@ -3,19 +3,19 @@
 from collections.abc import Iterable
 
 import foxglove.messages as fg
-from lta_bridge.live.frames import Frame
+from lta_bridge.live.frames import SceneFrame
 from lta_bridge.live.shapes import (
-    Arrow,
-    Box,
+    ArrowShape,
+    BoxShape,
     Colour,
-    Cylinder,
-    Ellipsoid,
-    Entity,
-    Label,
+    CylinderShape,
+    EllipsoidShape,
+    LabelShape,
     LEVEL,
-    Line,
+    LineShape,
     ORIGIN,
     Shape,
+    ShapeEntity,
     Three,
     Turn,
 )
@@ -24,7 +24,7 @@ HEAD = 2.0  # width of an arrow's head by its shaft's
 HEAD_SHARE = 0.25  # of an arrow's length
 
 
-def scene_update(entities: Iterable[Entity], stamp_ns: int) -> bytes:
+def encode_scene_update(entities: Iterable[ShapeEntity], stamp_ns: int) -> bytes:
     """
     Return entities as a serialised foxglove.SceneUpdate; each replaces the one of its name.
 
@@ -36,113 +36,117 @@ def scene_update(entities: Iterable[Entity], stamp_ns: int) -> bytes:
         Graph time. [ns]
 
     """
-    return fg.SceneUpdate(entities=[_entity(item, stamp_ns) for item in entities]).encode()
+    return fg.SceneUpdate(entities=[_encode_entity(item, stamp_ns) for item in entities]).encode()
 
 
-def frame_transforms(frames: Iterable[Frame], stamp_ns: int) -> bytes:
+def encode_frame_transforms(frames: Iterable[SceneFrame], stamp_ns: int) -> bytes:
     """Return frames as serialised foxglove.FrameTransforms of a graph time. [ns]"""
-    stamp = _stamp(stamp_ns)
+    stamp = _encode_stamp(stamp_ns)
     return fg.FrameTransforms(
         transforms=[
             fg.FrameTransform(
                 timestamp=stamp,
                 parent_frame_id=frame.parent,
                 child_frame_id=frame.name,
-                translation=_vector(frame.place),
-                rotation=_quaternion(frame.turn),
+                translation=_encode_vector(frame.place),
+                rotation=_encode_quaternion(frame.turn),
             )
             for frame in frames
         ]
     ).encode()
 
 
-def _entity(item: Entity, stamp_ns: int) -> fg.SceneEntity:
+def _encode_entity(item: ShapeEntity, stamp_ns: int) -> fg.SceneEntity:
     shapes = item.shapes
     return fg.SceneEntity(
-        timestamp=_stamp(stamp_ns),
+        timestamp=_encode_stamp(stamp_ns),
         frame_id=item.frame,
         id=item.name,
         frame_locked=True,
-        arrows=[_arrow(s) for s in shapes if isinstance(s, Arrow)],
+        arrows=[_encode_arrow(s) for s in shapes if isinstance(s, ArrowShape)],
         cubes=[
-            fg.CubePrimitive(pose=_pose(s), size=_vector(s.size), color=_colour(s.colour))
+            fg.CubePrimitive(
+                pose=_encode_pose(s), size=_encode_vector(s.size), color=_encode_color(s.colour)
+            )
             for s in shapes
-            if isinstance(s, Box)
+            if isinstance(s, BoxShape)
         ],
         spheres=[
-            fg.SpherePrimitive(pose=_pose(s), size=_vector(s.size), color=_colour(s.colour))
+            fg.SpherePrimitive(
+                pose=_encode_pose(s), size=_encode_vector(s.size), color=_encode_color(s.colour)
+            )
             for s in shapes
-            if isinstance(s, Ellipsoid)
+            if isinstance(s, EllipsoidShape)
         ],
-        cylinders=[_cylinder(s) for s in shapes if isinstance(s, Cylinder)],
-        lines=[_line(s) for s in shapes if isinstance(s, Line)],
-        texts=[_label(s) for s in shapes if isinstance(s, Label)],
+        cylinders=[_encode_cylinder(s) for s in shapes if isinstance(s, CylinderShape)],
+        lines=[_encode_line(s) for s in shapes if isinstance(s, LineShape)],
+        texts=[_encode_label(s) for s in shapes if isinstance(s, LabelShape)],
     )
 
 
-def _stamp(stamp_ns: int) -> fg.Timestamp:
+def _encode_stamp(stamp_ns: int) -> fg.Timestamp:
     return fg.Timestamp(sec=stamp_ns // 1_000_000_000, nsec=stamp_ns % 1_000_000_000)
 
 
-def _vector(numbers: Three) -> fg.Vector3:
+def _encode_vector(numbers: Three) -> fg.Vector3:
     x, y, z = numbers
     return fg.Vector3(x=x, y=y, z=z)
 
 
-def _quaternion(turn: Turn) -> fg.Quaternion:
+def _encode_quaternion(turn: Turn) -> fg.Quaternion:
     x, y, z, w = turn
     return fg.Quaternion(x=x, y=y, z=z, w=w)
 
 
-def _colour(colour: Colour) -> fg.Color:
+def _encode_color(colour: Colour) -> fg.Color:
     r, g, b, a = colour
     return fg.Color(r=r, g=g, b=b, a=a)
 
 
-def _pose(shape: Shape) -> fg.Pose:
-    place = ORIGIN if isinstance(shape, Line) else shape.place
-    turn = LEVEL if isinstance(shape, Line | Label) else shape.turn
-    return fg.Pose(position=_vector(place), orientation=_quaternion(turn))
+def _encode_pose(shape: Shape) -> fg.Pose:
+    place = ORIGIN if isinstance(shape, LineShape) else shape.place
+    turn = LEVEL if isinstance(shape, LineShape | LabelShape) else shape.turn
+    return fg.Pose(position=_encode_vector(place), orientation=_encode_quaternion(turn))
 
 
-def _cylinder(shape: Cylinder) -> fg.CylinderPrimitive:
+def _encode_cylinder(shape: CylinderShape) -> fg.CylinderPrimitive:
     return fg.CylinderPrimitive(
-        pose=_pose(shape),
-        size=_vector(shape.size),
+        pose=_encode_pose(shape),
+        size=_encode_vector(shape.size),
         bottom_scale=shape.bottom,
         top_scale=shape.top,
-        color=_colour(shape.colour),
+        color=_encode_color(shape.colour),
     )
 
 
-def _arrow(shape: Arrow) -> fg.ArrowPrimitive:
+def _encode_arrow(shape: ArrowShape) -> fg.ArrowPrimitive:
     head = HEAD_SHARE * shape.length
     return fg.ArrowPrimitive(
-        pose=_pose(shape),
+        pose=_encode_pose(shape),
         shaft_length=shape.length - head,
         shaft_diameter=shape.thickness,
         head_length=head,
         head_diameter=HEAD * shape.thickness,
-        color=_colour(shape.colour),
+        color=_encode_color(shape.colour),
     )
 
 
-def _line(shape: Line) -> fg.LinePrimitive:
+def _encode_line(shape: LineShape) -> fg.LinePrimitive:
     kinds = fg.LinePrimitiveLineType
     return fg.LinePrimitive(
         type=kinds.LineList if shape.pairs else kinds.LineStrip,
-        pose=_pose(shape),
+        pose=_encode_pose(shape),
         thickness=shape.thickness,
         points=[fg.Point3(x=x, y=y, z=z) for x, y, z in shape.points],
-        color=_colour(shape.colour),
+        color=_encode_color(shape.colour),
     )
 
 
-def _label(shape: Label) -> fg.TextPrimitive:
+def _encode_label(shape: LabelShape) -> fg.TextPrimitive:
     return fg.TextPrimitive(
-        pose=_pose(shape),
+        pose=_encode_pose(shape),
         billboard=True,
         font_size=shape.height,
-        color=_colour(shape.colour),
+        color=_encode_color(shape.colour),
         text=shape.text,
     )

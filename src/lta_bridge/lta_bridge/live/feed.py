@@ -4,8 +4,8 @@ from collections.abc import Callable
 import time
 from typing import final
 
-from lta_bridge.bookkeeping import Bookkeeping, stamp_of
-from lta_bridge.live.pace import Pace
+from lta_bridge.live.rate_limiter import RateLimiter
+from lta_bridge.message_accounting import MessageAccounting, read_stamp
 from lta_config.topics import TopicTable
 
 FASTEST = 60.0  # Hz of wall time: as often as a screen changes
@@ -13,7 +13,7 @@ HEAVY = {'sensor_msgs/msg/Image': 10.0}  # Hz of what is large; a light block ha
 
 
 @final
-class Feed:
+class LiveFeed:
     """
     The share of each topic that viewers get.
 
@@ -37,9 +37,9 @@ class Feed:
     def __init__(self, table: TopicTable, clock: Callable[[], float] = time.monotonic) -> None:
         self._table = table
         self._clock = clock
-        self._books = Bookkeeping(table, lockstep=False, clock=clock)
+        self._books = MessageAccounting(table, lockstep=False, clock=clock)
         self._paces = {
-            name: Pace(HEAVY.get(topic.type, FASTEST))
+            name: RateLimiter(HEAVY.get(topic.type, FASTEST))
             for name, topic in table.topics.items()
             if topic.period_ns
         }
@@ -52,7 +52,7 @@ class Feed:
         """The newest publication that has been heard and believed. [ns]"""
         return self._books.now
 
-    def take(self, name: str, data: bytes, *, wanted: bool) -> int | None:
+    def admit_message(self, name: str, data: bytes, *, has_viewers: bool) -> int | None:
         """
         Return the log time of a message if it is to be handed on. [ns]
 
@@ -66,20 +66,20 @@ class Feed:
             Whether anybody looks at the topic.
 
         """
-        when = self._books.log_time(name, data)
-        if not wanted:
+        when = self._books.assign_log_time(name, data)
+        if not has_viewers:
             self._last.pop(name, None)  # nobody misses what comes until the next is sent
             return None
-        if name in self._paces and not self._paces[name].due(self._clock()):
+        if name in self._paces and not self._paces[name].try_acquire(self._clock()):
             return None
-        self._count(name, data)
+        self._count_message(name, data)
         return when
 
-    def _count(self, name: str, data: bytes) -> None:
+    def _count_message(self, name: str, data: bytes) -> None:
         """Count a message, and by its stamp those between it and the one before."""
         self.sent[name] = self.sent.get(name, 0) + 1
         topic = self._table[name]
-        stamp = stamp_of(data) if topic.period_ns and topic.stamped else None
+        stamp = read_stamp(data) if topic.period_ns and topic.stamped else None
         if stamp is None:
             return
         before = self._last.get(name, stamp - topic.period_ns)

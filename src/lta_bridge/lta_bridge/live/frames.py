@@ -3,9 +3,9 @@
 import math
 from typing import final, NamedTuple
 
-from lta_bridge.live.craft import BASE
-from lta_bridge.live.room import MAP
-from lta_bridge.live.shapes import LEVEL, Three, three, Turn
+from lta_bridge.live.room_shapes import MAP
+from lta_bridge.live.shapes import LEVEL, Three, to_triple, Turn
+from lta_bridge.live.vehicle_shapes import BASE
 from lta_model.vehicle import Vehicle
 
 _HALF = math.sqrt(0.5)
@@ -14,7 +14,7 @@ BACK: Turn = (0.0, 0.0, 1.0, 0.0)  # turns x backwards
 
 
 @final
-class Frame(NamedTuple):
+class SceneFrame(NamedTuple):
     """A frame in its parent: where its origin is [m], and how it is turned."""
 
     parent: str
@@ -23,7 +23,7 @@ class Frame(NamedTuple):
     turn: Turn
 
 
-def towards(axis: Three) -> Turn:
+def rotation_from_x(axis: Three) -> Turn:
     """Return the shortest turn of x, where a light sensor must point, to a unit axis."""
     x, y, z = axis
     length = math.sqrt(2.0 + 2.0 * x)
@@ -32,16 +32,21 @@ def towards(axis: Three) -> Turn:
     return (0.0, -z / length, y / length, 0.5 * length)
 
 
-def sensor_frames(vehicle: Vehicle) -> list[Frame]:
+def list_sensor_frames(vehicle: Vehicle) -> list[SceneFrame]:
     """Return the frames of the sensors, which stand still in the vehicle's."""
     sensors = vehicle.file.sensors
     return [
-        Frame(BASE, 'imu_link', three(sensors.imu_position.vector), LEVEL),
-        Frame(BASE, 'range_link', three(sensors.range_position.vector), DOWN),
-        Frame(BASE, 'panel_link', vehicle.file.panel_place, towards(vehicle.file.panel_normal)),
+        SceneFrame(BASE, 'imu_link', to_triple(sensors.imu_position.vector), LEVEL),
+        SceneFrame(BASE, 'range_link', to_triple(sensors.range_position.vector), DOWN),
+        SceneFrame(
+            BASE,
+            'panel_link',
+            vehicle.file.panel_place,
+            rotation_from_x(vehicle.file.panel_normal),
+        ),
     ]
 
 
-def vehicle_frame(place: Three, turn: Turn) -> Frame:
+def build_vehicle_frame(place: Three, turn: Turn) -> SceneFrame:
     """Return the vehicle's frame in the map."""
-    return Frame(MAP, BASE, place, turn)
+    return SceneFrame(MAP, BASE, place, turn)

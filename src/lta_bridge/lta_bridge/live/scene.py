@@ -3,11 +3,22 @@
 import math
 from typing import final, NamedTuple
 
-from lta_bridge.live.craft import bearing, body, reach, thrust
-from lta_bridge.live.frames import Frame, sensor_frames, vehicle_frame
-from lta_bridge.live.room import MAP, standing
-from lta_bridge.live.shapes import along, Arrow, Entity, LEVEL, ORIGIN, shifted, Three, Turn, X, Z
-from lta_bridge.live.track import Track
+from lta_bridge.live.frames import build_vehicle_frame, list_sensor_frames, SceneFrame
+from lta_bridge.live.path_trace import PathTrace
+from lta_bridge.live.room_shapes import draw_static_scene, MAP
+from lta_bridge.live.shapes import (
+    ArrowShape,
+    LEVEL,
+    move_point,
+    ORIGIN,
+    rotation_between,
+    ShapeEntity,
+    Three,
+    Turn,
+    X,
+    Z,
+)
+from lta_bridge.live.vehicle_shapes import draw_bearing, draw_body, draw_thrust, vehicle_reach
 from lta_model.scenario import Scenario
 from lta_model.vehicle import Vehicle
 
@@ -16,7 +27,7 @@ CALM = 0.01  # m/s below which no wind is drawn
 WIND = (0.45, 0.75, 0.95, 1.0)
 
 
-class State(NamedTuple):
+class SceneState(NamedTuple):
     """
     What moves in a scene.
 
@@ -41,7 +52,7 @@ class State(NamedTuple):
 
 
 @final
-class Scene:
+class LiveScene:
     """
     The scene of one vehicle in one scenario.
 
@@ -56,32 +67,34 @@ class Scene:
 
     def __init__(self, vehicle: Vehicle, scenario: Scenario) -> None:
         self._vehicle = vehicle
-        self._above = reach(vehicle) + 0.2
-        self._sensors = sensor_frames(vehicle)
-        self.track = Track()
-        self.standing = [*standing(scenario), body(vehicle)]
+        self._above = vehicle_reach(vehicle) + 0.2
+        self._sensors = list_sensor_frames(vehicle)
+        self.track = PathTrace()
+        self.standing = [*draw_static_scene(scenario), draw_body(vehicle)]
 
-    def moving(self, state: State) -> list[Entity]:
+    def draw_moving(self, state: SceneState) -> list[ShapeEntity]:
         """Return thrust, bearing and wind; the path goes on to where the vehicle is."""
-        self.track.add(state.place)
+        self.track.add_place(state.place)
         return [
-            thrust(self._vehicle, state.duties),
-            bearing(self._vehicle, state.seen, RAY),
-            self._wind(state),
+            draw_thrust(self._vehicle, state.duties),
+            draw_bearing(self._vehicle, state.seen, RAY),
+            self._draw_wind(state),
         ]
 
-    def path(self) -> Entity:
+    def draw_path(self) -> ShapeEntity:
         """Return the path so far."""
-        return self.track.entity(MAP)
+        return self.track.to_entity(MAP)
 
-    def frames(self, state: State) -> list[Frame]:
+    def list_frames(self, state: SceneState) -> list[SceneFrame]:
         """Return where the vehicle is in the map, and the sensors on it."""
-        return [vehicle_frame(state.place, state.turn), *self._sensors]
+        return [build_vehicle_frame(state.place, state.turn), *self._sensors]
 
-    def _wind(self, state: State) -> Entity:
+    def _draw_wind(self, state: SceneState) -> ShapeEntity:
         """Return the wind as an arrow above the vehicle, a metre long for each m/s."""
         speed = math.hypot(*state.wind)
         if not speed > CALM:
-            return Entity('wind', MAP, ())
-        tail = shifted(state.place, Z, self._above)
-        return Entity('wind', MAP, (Arrow(tail, speed, 0.05, WIND, along(X, state.wind)),))
+            return ShapeEntity('wind', MAP, ())
+        tail = move_point(state.place, Z, self._above)
+        return ShapeEntity(
+            'wind', MAP, (ArrowShape(tail, speed, 0.05, WIND, rotation_between(X, state.wind)),)
+        )

@@ -11,7 +11,7 @@ import threading
 from typing import final
 
 from foxglove.websocket import Capability, ChannelView, Client, ServerListener
-from lta_bridge.live.address import taken
+from lta_bridge.live.address import build_port_error
 
 import foxglove
 
@@ -42,12 +42,12 @@ class Audience(ServerListener):
             self._looks.discard((client.id, channel.topic))
 
     @property
-    def viewers(self) -> int:
+    def viewer_count(self) -> int:
         """How many look at anything."""
         with self._lock:
             return len({client for client, _ in self._looks})
 
-    def newcomer(self, topic: str) -> bool:
+    def pop_newcomer(self, topic: str) -> bool:
         """Tell whether somebody has begun to look at a topic since this was last asked."""
         with self._lock:
             found = topic in self._newcomers
@@ -98,17 +98,19 @@ class LiveServer:
                 message_backlog_size=BACKLOG,
             )
         except (OSError, RuntimeError, ValueError) as error:
-            raise taken(port, str(error).rpartition(': ')[2].partition(' (os error')[0]) from None
+            raise build_port_error(
+                port, str(error).rpartition(': ')[2].partition(' (os error')[0]
+            ) from None
 
-    def wanted(self, topic: str) -> bool:
+    def has_viewers(self, topic: str) -> bool:
         """Tell whether anybody looks at a topic."""
         return self._channels[topic].has_sinks()
 
-    def send(self, topic: str, data: bytes, when_ns: int) -> None:
+    def send_message(self, topic: str, data: bytes, when_ns: int) -> None:
         """Show a message, logged at a graph time. [ns]"""
         self._channels[topic].log(data, log_time=when_ns)
 
-    def tell_time(self, now_ns: int) -> None:
+    def broadcast_time(self, now_ns: int) -> None:
         """Tell all viewers the graph time. [ns]"""
         self._server.broadcast_time(now_ns)
 

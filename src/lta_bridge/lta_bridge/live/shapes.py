@@ -18,7 +18,7 @@ ORIGIN: Three = (0.0, 0.0, 0.0)
 LEVEL: Turn = (0.0, 0.0, 0.0, 1.0)
 
 
-class Ellipsoid(NamedTuple):
+class EllipsoidShape(NamedTuple):
     """An ellipsoid along its own axes."""
 
     place: Three
@@ -27,7 +27,7 @@ class Ellipsoid(NamedTuple):
     turn: Turn = LEVEL
 
 
-class Box(NamedTuple):
+class BoxShape(NamedTuple):
     """A box along its own axes."""
 
     place: Three
@@ -36,7 +36,7 @@ class Box(NamedTuple):
     turn: Turn = LEVEL
 
 
-class Cylinder(NamedTuple):
+class CylinderShape(NamedTuple):
     """A cylinder or cone about its own z; `bottom` and `top` are the ends' shares of its size."""
 
     place: Three
@@ -47,7 +47,7 @@ class Cylinder(NamedTuple):
     top: float = 1.0
 
 
-class Arrow(NamedTuple):
+class ArrowShape(NamedTuple):
     """An arrow from its place along its own x."""
 
     place: Three
@@ -57,7 +57,7 @@ class Arrow(NamedTuple):
     turn: Turn = LEVEL
 
 
-class Line(NamedTuple):
+class LineShape(NamedTuple):
     """A line through points; with `pairs` a stroke from each second point to the next."""
 
     points: tuple[Three, ...]
@@ -66,7 +66,7 @@ class Line(NamedTuple):
     pairs: bool = False
 
 
-class Label(NamedTuple):
+class LabelShape(NamedTuple):
     """A word that faces whoever looks."""
 
     place: Three
@@ -75,10 +75,10 @@ class Label(NamedTuple):
     colour: Colour
 
 
-Shape = Ellipsoid | Box | Cylinder | Arrow | Line | Label
+Shape = EllipsoidShape | BoxShape | CylinderShape | ArrowShape | LineShape | LabelShape
 
 
-class Entity(NamedTuple):
+class ShapeEntity(NamedTuple):
     """What is drawn, moved and replaced together, by its name; without shapes it vanishes."""
 
     name: str
@@ -86,7 +86,7 @@ class Entity(NamedTuple):
     shapes: tuple[Shape, ...]
 
 
-def along(start: Three, direction: Three) -> Turn:
+def rotation_between(start: Three, direction: Three) -> Turn:
     """
     Return the shortest turn of one direction onto another.
 
@@ -109,13 +109,13 @@ def along(start: Three, direction: Three) -> Turn:
     return a / norm, b / norm, c / norm, d / norm
 
 
-def shifted(place: Three, direction: Three, length: float) -> Three:
+def move_point(place: Three, direction: Three, length: float) -> Three:
     """Return the place that lies a length away along a unit direction. [m]"""
     x, y, z = (p + length * d for p, d in zip(place, direction, strict=True))
     return x, y, z
 
 
-def three(numbers: tuple[float, ...]) -> Three:
+def to_triple(numbers: tuple[float, ...]) -> Three:
     """Return three numbers as such."""
     x, y, z = numbers
     return float(x), float(y), float(z)

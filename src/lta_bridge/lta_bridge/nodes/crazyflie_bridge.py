@@ -11,26 +11,26 @@ import time
 from typing import Any
 
 from lta_bridge.crazyflie import messages, readings
-from lta_bridge.crazyflie.bridge import Bridge, RATE, Stamped
-from lta_bridge.crazyflie.claim import Claim
-from lta_bridge.crazyflie.condition import condition, kept
-from lta_bridge.crazyflie.consumption import Consumption
-from lta_bridge.crazyflie.keeper import Keeper
-from lta_bridge.crazyflie.link import Lost, Malformed, Ping
-from lta_bridge.crazyflie.links import link_to
-from lta_bridge.crazyflie.log_table import BLOCKS, check
-from lta_bridge.crazyflie.override import check_tether, compensated, expected
-from lta_bridge.crazyflie.safety import Asked, LEAVE, Stage
-from lta_bridge.crazyflie.settings import BridgeSettings
+from lta_bridge.crazyflie.bridge_core import BridgeCore, RATE, StampedReading
+from lta_bridge.crazyflie.connection_manager import ConnectionManager
+from lta_bridge.crazyflie.drone_lock import DroneLock
+from lta_bridge.crazyflie.health_facts import describe_connection, describe_health
+from lta_bridge.crazyflie.link import LinkLost, MalformedPacket, Ping
+from lta_bridge.crazyflie.links import create_link
+from lta_bridge.crazyflie.log_table import BLOCKS, check_log_table
+from lta_bridge.crazyflie.override import check_tether, required_compensation, select_parameters
+from lta_bridge.crazyflie.power_model import CrazyfliePowerModel
+from lta_bridge.crazyflie.safety import LEAVE, SafetyRequest, SafetyStage
+from lta_bridge.crazyflie.settings import CrazyflieBridgeSettings
 from lta_config.errors import BadInput
-from lta_config.schema.crazyflie_file import crazyflie_of
-from lta_graph.health import Level
+from lta_config.schema.crazyflie_file import find_crazyflie
+from lta_graph.health import HealthLevel
+from lta_graph.ros.command_mux import CommandMux
 from lta_graph.ros.device import DeviceNode
-from lta_graph.ros.helm import Helm
-from lta_graph.ros.links import Links
-from lta_graph.ros.parameters import Parameters
-from lta_graph.ros.process import run
-from lta_graph.ros.sound import fault
+from lta_graph.ros.message_validation import find_fault
+from lta_graph.ros.parameters import NodeParameters
+from lta_graph.ros.process import run_node
+from lta_graph.ros.reader_links import ReaderLinks
 from lta_graph.ros.stamps import from_stamp, to_stamp
 from lta_model.vehicle import load_vehicle
 from rclpy.clock import Clock, ClockType
@@ -39,7 +39,7 @@ from std_srvs.srv import SetBool, Trigger
 
 HEARING = 5.0  # s at most until all nodes hear each other: what a user runs beside may never fit
 CONFIRMING = 1.0  # s of LEAVE for the drone to say that it is disarmed
-ALOFT = (Stage.READY, Stage.FLYING, Stage.LANDING)
+ALOFT = (SafetyStage.READY, SafetyStage.FLYING, SafetyStage.LANDING)
 DEAD = 2.0  # s of silence after which the link is made anew: blocks may be gone (firmware #428)
 
 
@@ -48,25 +48,25 @@ class CrazyflieBridge(DeviceNode):
 
     def __init__(self) -> None:
         super().__init__('crazyflie_bridge', 'Crazyflie')
-        check(BLOCKS)
+        check_log_table(BLOCKS)
         self._outputs = {
-            'imu': self.output('imu'),
-            'range': self.output('range'),
-            'pressure': self.output('pressure'),
-            'battery': self.output('battery'),
+            'imu': self.create_output('imu'),
+            'range': self.create_output('range'),
+            'pressure': self.create_output('pressure'),
+            'battery': self.create_output('battery'),
         }
-        settings = self._settings = Parameters(self, BridgeSettings).value
+        settings = self._settings = NodeParameters(self, CrazyflieBridgeSettings).value
         check_tether(settings.command, settings.tethered)
         vehicle = self._vehicle = load_vehicle(settings.vehicle)
         self._names = vehicle.rotor_names
-        self._consumption = Consumption.of(vehicle.file.energy)
-        link = self._link = link_to(settings.uri, BLOCKS, self._graph_ns)
-        file = self._file = crazyflie_of(settings.vehicle, vehicle.file.name, settings.crazyflie)
-        self._bridge = Bridge(link, file, self._names, settings.command, settings.watchdog)
-        self._keeper: Keeper | None = None
-        self._former: Keeper | None = None  # whose connection may still be closing
+        self._consumption = CrazyfliePowerModel.from_energy(vehicle.file.energy)
+        link = self._link = create_link(settings.uri, BLOCKS, self._now_ns)
+        file = self._file = find_crazyflie(settings.vehicle, vehicle.file.name, settings.crazyflie)
+        self._bridge = BridgeCore(link, file, self._names, settings.command, settings.watchdog)
+        self._keeper: ConnectionManager | None = None
+        self._former: ConnectionManager | None = None  # whose connection may still be closing
         self.autostart = settings.autostart
-        self._asked = Asked()
+        self._asked = SafetyRequest()
         self._was_up, self._connected, self._complained = False, 0.0, ''
         self._pose: Any = None
         self._velocity: Any = None
@@ -75,27 +75,29 @@ class CrazyflieBridge(DeviceNode):
         self._told = False  # whether the controller was told to be armed
         self.create_service(SetBool, '~/arm', self._on_arm)
         self._stop = self.create_service(Trigger, '~/emergency_stop', self._on_emergency_stop)
-        self._subscribe()
+        self._subscribe_inputs()
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(1.0 / RATE, self._tick, clock=steady)
-        threading.Thread(target=self._pump, name='crazyflie_pump', daemon=True).start()
+        threading.Thread(target=self._publish_events, name='crazyflie_pump', daemon=True).start()
 
-    def _subscribe(self) -> None:
-        self.listen(self.table.read_by('vehicle'), trigger='motors', on_step=self._on_motors)
+    def _subscribe_inputs(self) -> None:
+        self.subscribe_inputs(
+            self.table.read_by('vehicle'), trigger='motors', on_step=self._on_motors
+        )
         for name, callback in (
             ('odom', self._on_odom),
             ('setpoint/pose', self._on_pose),
             ('setpoint/velocity', self._on_velocity),
         ):
-            self.hear(name, callback)
-        self._helm = Helm(self, self._steer)
-        self._links = Links(self, self.table)
+            self.subscribe_topic(name, callback)
+        self._helm = CommandMux(self, self._accept_setpoint)
+        self._links = ReaderLinks(self, self.table)
 
-    def _graph_ns(self) -> int:
+    def _now_ns(self) -> int:
         return self.get_clock().now().nanoseconds
 
     @property
-    def _up(self) -> bool:
+    def _is_linked(self) -> bool:
         return self._keeper is not None and self._keeper.up
 
     # Transitions.
@@ -107,41 +109,41 @@ class CrazyflieBridge(DeviceNode):
                 raise BadInput(
                     'The last connection is still being closed; try again in some seconds.'
                 )
-            claim = Claim(self._settings.uri)
+            claim = DroneLock(self._settings.uri)
         except BadInput as error:
             self.refusal = str(error)
             self.get_logger().error(self.refusal)
             return TransitionCallbackReturn.FAILURE
         # A connection that is still being made outlives its keeper by seconds; so does the claim.
         command = self._bridge.command
-        self._keeper = Keeper(
+        self._keeper = ConnectionManager(
             self._link,
-            expected(self._file, command),
+            select_parameters(self._file, command),
             claim.close,
-            compensated(self._vehicle, command),
+            required_compensation(self._vehicle, command),
         )
         return super().on_configure(state)
 
     def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Land where it flies, and disarm."""
         self.active = False
-        self._settle()
+        self._wait_until_stopped()
         return super().on_deactivate(state)
 
-    def _settle(self) -> None:
+    def _wait_until_stopped(self) -> None:
         """Tick until nothing turns: landing is the state machine's own way down."""
         until = time.monotonic() + LEAVE
-        flew = self._bridge.busy
-        while self._bridge.busy and time.monotonic() < until:
-            self._turn()
+        flew = self._bridge.is_busy
+        while self._bridge.is_busy and time.monotonic() < until:
+            self._tick_and_wait()
         # A request to disarm may be lost: until the supervisor's own word says that it came.
         until = min(until, time.monotonic() + CONFIRMING)
-        while flew and self._up and self._bridge.armed and time.monotonic() < until:
-            self._turn()
+        while flew and self._is_linked and self._bridge.is_armed and time.monotonic() < until:
+            self._tick_and_wait()
         if flew:  # the last word: who records must hear why before this node is gone
             self.publish_health()
 
-    def _turn(self) -> None:
+    def _tick_and_wait(self) -> None:
         """Go on for a tick within a callback, while which no other is served but a stop."""
         with self._stop.handle:
             request, header = self._stop.handle.service_take_request(Trigger.Request)
@@ -151,13 +153,13 @@ class CrazyflieBridge(DeviceNode):
         self._tick()
         time.sleep(1.0 / RATE)
 
-    def let_go(self) -> None:
+    def release_device(self) -> None:
         """Land, disarm, and close the link, in this order."""
         self.active = False
-        self._settle()
+        self._wait_until_stopped()
         if self._keeper is not None:
             if self._keeper.up:
-                self._link.arm(False)
+                self._link.request_arming(False)
             self._keeper.close()
             self._former, self._keeper = self._keeper, None
 
@@ -165,17 +167,17 @@ class CrazyflieBridge(DeviceNode):
 
     def _on_arm(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
         """Arm or disarm, and answer with what the supervisor's own word says."""
-        why = self._bridge.refusal(self._graph_ns(), self._up, self.active)
+        why = self._bridge.find_arming_refusal(self._now_ns(), self._is_linked, self.active)
         if not (request.data and why):
-            if request.data and self._bridge.state.stage is Stage.DISARMED:
+            if request.data and self._bridge.state.stage is SafetyStage.DISARMED:
                 self._wait_for_links()
             self._asked = self._asked._replace(arm=request.data)
             self._tick()
-            while self._bridge.state.stage is Stage.ARMING:
-                self._turn()
+            while self._bridge.state.stage is SafetyStage.ARMING:
+                self._tick_and_wait()
             why = self._bridge.state.why
         stage = self._bridge.state.stage
-        armed = stage in (Stage.READY, Stage.FLYING)
+        armed = stage in (SafetyStage.READY, SafetyStage.FLYING)
         response.success = armed == request.data
         response.message = stage.value if armed or not why else f'{stage.value}: {why}'
         return response
@@ -183,12 +185,14 @@ class CrazyflieBridge(DeviceNode):
     def _wait_for_links(self) -> None:
         """Wait until all that the nodes say is heard: a flight begins with arming."""
         until = time.monotonic() + HEARING
-        while (short := self._links.short(self.readers())) and time.monotonic() < until:
-            self._turn()
+        while (
+            short := self._links.find_unmatched_topics(self.count_readers())
+        ) and time.monotonic() < until:
+            self._tick_and_wait()
         words = f'armed before all readers of {", ".join(short)} were found'
         if short:
             self.get_logger().warning(words)
-            self.health.report('start', Level.WARN, words)
+            self.health.report('start', HealthLevel.WARN, words)
 
     def _on_emergency_stop(
         self, _: Trigger.Request, response: Trigger.Response
@@ -201,98 +205,102 @@ class CrazyflieBridge(DeviceNode):
     # What the graph commands.
 
     def _on_motors(self, step: Any) -> None:  # noqa: ANN401 - a Step of ROS messages
-        if self._bridge.by_duties:
+        if self._bridge.sends_duties:
             newest = step.messages['motors'][-1]
             stamp = from_stamp(newest.header.stamp)
-            self._bridge.commanded(messages.to_duties(newest, self._names, stamp))
+            self._bridge.accept_command(messages.to_duties_command(newest, self._names, stamp))
 
     def _on_odom(self, odom: Any) -> None:  # noqa: ANN401 - a generated class
-        if fault(odom):  # no place: the one before counts on, and ages
+        if find_fault(odom):  # no place: the one before counts on, and ages
             return
         self._odom = odom
-        self._bridge.placed(messages.to_where(odom))
+        self._bridge.update_position(messages.to_position(odom))
 
     def _on_pose(self, pose: Any) -> None:  # noqa: ANN401 - a generated class
         self._pose = pose
 
     def _on_velocity(self, velocity: Any) -> None:  # noqa: ANN401 - a generated class
         self._velocity = velocity
-        self._steer()
+        self._accept_setpoint()
 
-    def _steer(self) -> None:
+    def _accept_setpoint(self) -> None:
         """Take a setpoint; the navigator's counts from when its light block ended."""
-        pose, velocity = self._helm.steering(self._pose, self._velocity)
+        pose, velocity = self._helm.select_setpoint(self._pose, self._velocity)
         known = all(part is not None for part in (pose, velocity, self._odom))
         if self._bridge.command == 'setpoint' and known:
             oldest = min(from_stamp(half.header.stamp) for half in (pose, velocity))
             late = 0 if self._helm.held else self.table['setpoint/velocity'].latency_ns
-            self._bridge.commanded(messages.to_hover(pose, velocity, self._odom, oldest + late))
+            self._bridge.accept_command(
+                messages.to_hover_command(pose, velocity, self._odom, oldest + late)
+            )
 
     # The steady work.
 
     def _tick(self) -> None:
-        up, now_ns = self._up, self._graph_ns()
+        up, now_ns = self._is_linked, self._now_ns()
         if up and not self._was_up:
-            self._bridge.forget()
+            self._bridge.reset()
             self._connected = time.monotonic()
         self._was_up = up
-        asked, self._asked = self._asked, Asked()
+        asked, self._asked = self._asked, SafetyRequest()
         self._bridge.tick(time.monotonic(), now_ns, up, self.active, asked)
-        self._tell_controller()
+        self._arm_controller()
         if up and time.monotonic() - self._connected > DEAD:
-            silence = self._bridge.seen(now_ns, up, self.active).silence
+            silence = self._bridge.collect_inputs(now_ns, up, self.active).silence
             if silence > DEAD and self._keeper is not None:
-                self._keeper.lost(f'nothing was heard for {silence:.1f} s')
+                self._keeper.reconnect(f'nothing was heard for {silence:.1f} s')
 
-    def _tell_controller(self) -> None:
+    def _arm_controller(self) -> None:
         """Arm the controller with the drone, so that its loops wind up only where they act."""
         stage = self._bridge.state.stage
-        wanted = stage in ALOFT and self._bridge.by_duties
+        wanted = stage in ALOFT and self._bridge.sends_duties
         if wanted != self._told and self._controller.service_is_ready():
             self._controller.call_async(SetBool.Request(data=wanted))
             self._told = wanted
 
-    def _pump(self) -> None:
+    def _publish_events(self) -> None:
         """Publish what the link tells as it comes."""
         while True:
             event = self._link.events.get()
-            if isinstance(event, Lost):
+            if isinstance(event, LinkLost):
                 if self._keeper is not None:
-                    self._keeper.lost(event.why)
+                    self._keeper.reconnect(event.why)
             elif isinstance(event, Ping):
-                self._bridge.pinged(event.round_trip)
-            elif isinstance(event, Malformed):
+                self._bridge.add_round_trip(event.round_trip)
+            elif isinstance(event, MalformedPacket):
                 self._bridge.malformed.add(event.why)
             else:
-                self._publish(self._bridge.heard(event))
+                self._publish_reading(self._bridge.receive_packet(event))
 
-    def _publish(self, told: Stamped) -> None:
-        stamp, out = to_stamp(told.stamp_ns), self._outputs
-        match told.reading:
-            case readings.Motion() as motion:
-                out['imu'].publish(messages.imu(stamp, motion, self._bridge.attitude))
-            case readings.Air() as felt:
-                distance, pressure = messages.air(stamp, felt)
+    def _publish_reading(self, stamped: StampedReading) -> None:
+        stamp, out = to_stamp(stamped.stamp_ns), self._outputs
+        match stamped.reading:
+            case readings.ImuReading() as motion:
+                out['imu'].publish(messages.to_imu(stamp, motion, self._bridge.attitude))
+            case readings.AirReading() as felt:
+                distance, pressure = messages.to_range_pressure(stamp, felt)
                 out['range'].publish(distance)
                 out['pressure'].publish(pressure)
-            case readings.Power() as power:
+            case readings.PowerReading() as power:
                 if self._bridge.motors is not None and power.voltage > 0.0:
-                    current = self._consumption.current(self._bridge.motors.duties, power.voltage)
-                    out['battery'].publish(messages.battery(stamp, power.voltage, current))
+                    current = self._consumption.cell_current(
+                        self._bridge.motors.duties, power.voltage
+                    )
+                    out['battery'].publish(messages.to_battery(stamp, power.voltage, current))
 
     def publish_health(self) -> None:
         """Tell how the link and the drone stand."""
         # Read once: it changes in the keeper's thread, and what is shown is to be said as well.
-        why, attempts = kept(self._keeper)
+        why, attempts = describe_connection(self._keeper)
         if why not in (self._complained, ''):
             self._complained = why
             self.get_logger().warning(f'no link: {why}')
-        seen = self._bridge.seen(self._graph_ns(), self._up, self.active)
-        for fact in condition(self._bridge, why, attempts, self._link.protocol, seen):
+        seen = self._bridge.collect_inputs(self._now_ns(), self._is_linked, self.active)
+        for fact in describe_health(self._bridge, why, attempts, self._link.protocol, seen):
             self.health.report(fact.task, fact.level, fact.message, **fact.values)
         super().publish_health()
 
 
 def main(args: list[str] | None = None) -> None:
     """Run the node until it is told to stop."""
-    run(CrazyflieBridge, args)
+    run_node(CrazyflieBridge, args)

@@ -10,13 +10,13 @@ nothing, so nobody waits for it.
 from typing import Any, Literal
 
 from geometry_msgs.msg import TransformStamped
-from lta_bridge.description import fixed_frames, urdf
-from lta_bridge.live.frames import Frame
+from lta_bridge.live.frames import SceneFrame
+from lta_bridge.urdf import build_urdf, list_fixed_frames
 from lta_config.settings import setting, Settings
-from lta_graph.health import Level
+from lta_graph.health import HealthLevel
 from lta_graph.ros.node import GraphNode
-from lta_graph.ros.parameters import Parameters
-from lta_graph.ros.process import run
+from lta_graph.ros.parameters import NodeParameters
+from lta_graph.ros.process import run_node
 from lta_model.vehicle import load_vehicle
 from nav_msgs.msg import Odometry
 from rclpy.qos import DurabilityPolicy, QoSProfile
@@ -40,25 +40,25 @@ class DescriptionSettings(Settings):
     )
 
 
-class Description(GraphNode):
+class DescriptionNode(GraphNode):
     """Publish URDF and, where that is possible, transforms."""
 
     def __init__(self) -> None:
         super().__init__('description')
-        settings = Parameters(self, DescriptionSettings).value
+        settings = NodeParameters(self, DescriptionSettings).value
         vehicle = load_vehicle(settings.vehicle)
         self._text = self.create_publisher(String, 'robot_description', LATCHED)
-        self._text.publish(String(data=urdf(vehicle)))
+        self._text.publish(String(data=build_urdf(vehicle)))
         if TFMessage is None:
             text = 'URDF alone: /tf needs tf2_msgs, which comes with a full ROS 2'
-            self.health.report('frames', Level.OK, text)
+            self.health.report('frames', HealthLevel.OK, text)
             return
         self._tf = self.create_publisher(TFMessage, '/tf', DEPTH)
         self._static = self.create_publisher(TFMessage, '/tf_static', LATCHED)
-        still = [to_fixed(frame) for frame in fixed_frames(vehicle)]
+        still = [to_fixed_transform(frame) for frame in list_fixed_frames(vehicle)]
         self._static.publish(TFMessage(transforms=still))
-        self.hear(settings.pose, self._on_pose)
-        self.health.report('frames', Level.OK, f'base_link by {settings.pose}')
+        self.subscribe_topic(settings.pose, self._on_pose)
+        self.health.report('frames', HealthLevel.OK, f'base_link by {settings.pose}')
 
     def _on_pose(self, odom: Any) -> None:  # noqa: ANN401 - a generated class
         self._tf.publish(TFMessage(transforms=[to_transform(odom)]))
@@ -73,7 +73,7 @@ def to_transform(odom: Odometry) -> TransformStamped:
     return message
 
 
-def to_fixed(frame: Frame) -> TransformStamped:
+def to_fixed_transform(frame: SceneFrame) -> TransformStamped:
     """Return a frame that stands still in its parent; such a transform holds at all times."""
     message = TransformStamped(child_frame_id=frame.name)
     message.header.frame_id = frame.parent
@@ -85,4 +85,4 @@ def to_fixed(frame: Frame) -> TransformStamped:
 
 def main(args: list[str] | None = None) -> None:
     """Run the node until it is told to stop."""
-    run(Description, args)
+    run_node(DescriptionNode, args)

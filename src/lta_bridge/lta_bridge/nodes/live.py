@@ -11,23 +11,23 @@ import time
 from typing import Any, Final
 
 from foxglove.messages import FrameTransforms, SceneUpdate
-from lta_bridge.bag.schemas import definition
-from lta_bridge.bookkeeping import stamp_of
+from lta_bridge.bag.schemas import generate_definition
 from lta_bridge.live.address import LOCAL, PORT
-from lta_bridge.live.encoding import frame_transforms, scene_update
-from lta_bridge.live.feed import Feed
+from lta_bridge.live.encoding import encode_frame_transforms, encode_scene_update
+from lta_bridge.live.feed import LiveFeed
 from lta_bridge.live.messages import to_duties, to_pose, to_vector
-from lta_bridge.live.pace import Pace
-from lta_bridge.live.scene import Scene, State
+from lta_bridge.live.rate_limiter import RateLimiter
+from lta_bridge.live.scene import LiveScene, SceneState
 from lta_bridge.live.server import LiveServer
+from lta_bridge.message_accounting import read_stamp
 from lta_config.settings import setting, Settings
 from lta_config.topics import robot_topic
-from lta_graph.health import Level
-from lta_graph.ros.message_types import message_type
+from lta_graph.health import HealthLevel
+from lta_graph.ros.message_types import find_message_type
 from lta_graph.ros.node import GraphNode
-from lta_graph.ros.parameters import Parameters
-from lta_graph.ros.process import run
-from lta_graph.ros.spin import spin
+from lta_graph.ros.parameters import NodeParameters
+from lta_graph.ros.process import run_node
+from lta_graph.ros.spin import spin_node
 from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
 from rclpy.qos import QoSProfile, ReliabilityPolicy
@@ -51,52 +51,54 @@ class LiveSettings(Settings):
     port: int = setting(PORT, 'Port to listen on.', low=1, high=65535, fixed=True)
 
 
-class Live(GraphNode):
+class LiveNode(GraphNode):
     """Show raw messages and a scene to viewers."""
 
     def __init__(self) -> None:
         super().__init__('live')
-        settings = Parameters(self, LiveSettings).value
+        settings = NodeParameters(self, LiveSettings).value
         self._robot = self.get_namespace().strip('/')
         scenario = load_scenario(settings.scenario)
-        self._scene = Scene(load_vehicle(settings.vehicle, scenario.air.density), scenario)
-        self._feed = Feed(self.table)
+        self._scene = LiveScene(load_vehicle(settings.vehicle, scenario.air.density), scenario)
+        self._feed = LiveFeed(self.table)
         self._raw: dict[str, bytes] = {}
         self._torn = 0
-        self._draw, self._path = Pace(DRAW_RATE), Pace(PATH_RATE)
-        self._scene_topic, self._tf_topic = self._absolute('scene'), self._absolute('tf')
+        self._draw, self._path = RateLimiter(DRAW_RATE), RateLimiter(PATH_RATE)
+        self._scene_topic, self._tf_topic = self._absolute_name('scene'), self._absolute_name('tf')
         title = f'LTA {self._robot}'
-        self._server = LiveServer(title, settings.host, settings.port, self._channels())
+        self._server = LiveServer(title, settings.host, settings.port, self._list_channels())
         for name in self.table.topics:
-            self._show(name)
+            self._subscribe_topic(name)
 
-    def _absolute(self, name: str) -> str:
+    def _absolute_name(self, name: str) -> str:
         return robot_topic(self._robot, name) if self._robot else f'/{name.lstrip("/")}'
 
-    def _channels(self) -> dict[str, tuple[str, foxglove.Schema]]:
+    def _list_channels(self) -> dict[str, tuple[str, foxglove.Schema]]:
         """Return every topic of the table as it is on the wire, and the scene's two."""
         found = {}
         for name, topic in self.table.topics.items():
-            text = definition(topic.type).text.encode()
+            text = generate_definition(topic.type).text.encode()
             schema = foxglove.Schema(name=topic.type, encoding='ros2msg', data=text)
-            found[self._absolute(name)] = ('cdr', schema)
+            found[self._absolute_name(name)] = ('cdr', schema)
         found[self._scene_topic] = ('protobuf', SceneUpdate.get_schema())
         found[self._tf_topic] = ('protobuf', FrameTransforms.get_schema())
         return found
 
-    def _show(self, name: str) -> None:
+    def _subscribe_topic(self, name: str) -> None:
         topic = self.table[name]
         depth = 1 if topic.period_ns or name == '/clock' else MANY
         asked = QoSProfile(depth=depth, reliability=ReliabilityPolicy.BEST_EFFORT)
-        self.create_subscription(message_type(topic), name, self._shows(name), asked, raw=True)
+        self.create_subscription(
+            find_message_type(topic), name, self._build_receiver_for(name), asked, raw=True
+        )
 
-    def _shows(self, name: str) -> Callable[[bytes], None]:
-        absolute, server, feed = self._absolute(name), self._server, self._feed
+    def _build_receiver_for(self, name: str) -> Callable[[bytes], None]:
+        absolute, server, feed = self._absolute_name(name), self._server, self._feed
 
         def show(data: bytes) -> None:
-            when = feed.take(name, data, wanted=server.wanted(absolute))
+            when = feed.admit_message(name, data, has_viewers=server.has_viewers(absolute))
             if when is not None:
-                server.send(absolute, data, when)
+                server.send_message(absolute, data, when)
 
         def draw(data: bytes) -> None:
             self._raw[name] = data
@@ -106,30 +108,30 @@ class Live(GraphNode):
 
         def tell(data: bytes) -> None:
             show(data)
-            now = stamp_of(data)
+            now = read_stamp(data)
             if now is not None and now >= 0:
-                server.tell_time(now)
+                server.broadcast_time(now)
 
         return draw if name in DRAWN else tell if name == '/clock' else show
 
-    def _newest(self, name: str) -> Any:  # noqa: ANN401 - a generated class, or None
+    def _parse_newest(self, name: str) -> Any:  # noqa: ANN401 - a generated class, or None
         """Return the newest message of a topic; None if none has come or it cannot be read."""
         data = self._raw.get(name)
         try:
-            return data and deserialize_message(data, message_type(self.table[name]))
+            return data and deserialize_message(data, find_message_type(self.table[name]))
         except RuntimeError:  # as rclpy says that it is cut short
             self._torn += 1
             del self._raw[name]
             return None
 
-    def _state(self) -> State | None:
+    def _collect_state(self) -> SceneState | None:
         """Return what moves, by the newest messages; placed by the truth where there is one."""
-        pose = self._newest('ground_truth/odom') or self._newest('odom')
-        motors, seen, wind = map(self._newest, ('motors', 'light/bearing', 'wind'))
+        pose = self._parse_newest('ground_truth/odom') or self._parse_newest('odom')
+        motors, seen, wind = map(self._parse_newest, ('motors', 'light/bearing', 'wind'))
         if pose is None:
             return None
         place, turn = to_pose(pose)
-        told = State(place, turn)
+        told = SceneState(place, turn)
         return told._replace(
             duties=to_duties(motors) if motors else told.duties,
             seen=to_vector(seen) if seen else told.seen,
@@ -139,26 +141,26 @@ class Live(GraphNode):
     def _draw_scene(self) -> None:
         """Show where everything is, once it is time to draw again."""
         now, stamp, server = time.monotonic(), self._feed.now, self._server
-        if not self._draw.due(now) or (state := self._state()) is None:
+        if not self._draw.try_acquire(now) or (state := self._collect_state()) is None:
             return
-        entities = self._scene.moving(state)
-        if server.wanted(self._tf_topic):
-            frames = frame_transforms(self._scene.frames(state), stamp)
-            server.send(self._tf_topic, frames, stamp)
-        if server.wanted(self._scene_topic):
-            if server.audience.newcomer(self._scene_topic):
-                entities += [*self._scene.standing, self._scene.path()]
-            elif self._path.due(now):
-                entities.append(self._scene.path())
-            server.send(self._scene_topic, scene_update(entities, stamp), stamp)
+        entities = self._scene.draw_moving(state)
+        if server.has_viewers(self._tf_topic):
+            frames = encode_frame_transforms(self._scene.list_frames(state), stamp)
+            server.send_message(self._tf_topic, frames, stamp)
+        if server.has_viewers(self._scene_topic):
+            if server.audience.pop_newcomer(self._scene_topic):
+                entities += [*self._scene.standing, self._scene.draw_path()]
+            elif self._path.try_acquire(now):
+                entities.append(self._scene.draw_path())
+            server.send_message(self._scene_topic, encode_scene_update(entities, stamp), stamp)
 
     def publish_health(self) -> None:
         """Tell who looks, and how many messages went to them and past them."""
         sent, left_out = self._feed.sent, self._feed.left_out
-        viewers = self._server.audience.viewers
+        viewers = self._server.audience.viewer_count
         self.health.report(
             'view',
-            Level.WARN if self._torn else Level.OK,
+            HealthLevel.WARN if self._torn else HealthLevel.OK,
             f'{viewers} viewers' if viewers != 1 else '1 viewer',
             unreadable=self._torn,
             viewers=viewers,
@@ -168,10 +170,10 @@ class Live(GraphNode):
         )
         super().publish_health()
 
-    def work(self) -> None:
+    def run(self) -> None:
         """Show until told to stop."""
-        self.health.report('state', Level.OK, 'running')
-        spin(self, lambda: self.running, awaited=list, wait_ns=NAP_NS)
+        self.health.report('state', HealthLevel.OK, 'running')
+        spin_node(self, lambda: self.running, awaited=list, wait_ns=NAP_NS)
 
     def close(self) -> None:
         """Let all viewers go."""
@@ -181,4 +183,4 @@ class Live(GraphNode):
 
 def main(args: list[str] | None = None) -> None:
     """Run the node until it is told to stop."""
-    run(Live, args)
+    run_node(LiveNode, args)

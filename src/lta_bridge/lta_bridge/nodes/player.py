@@ -14,26 +14,26 @@ from pathlib import Path
 import sys
 import time
 
-from lta_bridge.bag.qos import offered_qos, Profile
+from lta_bridge.bag.qos import build_offered_qos, OfferedQos
 from lta_bridge.playback.answer_bag import AnswerBag
-from lta_bridge.playback.cast import cast_of, CLOCK
-from lta_bridge.playback.due import answered, survey
-from lta_bridge.playback.owed import Owed
-from lta_bridge.playback.pace import Pace
+from lta_bridge.playback.due_times import compute_answer_times, compute_due_times
+from lta_bridge.playback.message_iterator import MessageIterator
+from lta_bridge.playback.node_selection import CLOCK, select_nodes
+from lta_bridge.playback.pending_answers import PendingAnswers
+from lta_bridge.playback.playback_clock import PlaybackClock
 from lta_bridge.playback.recording import open_recording
-from lta_bridge.playback.reel import Reel
 from lta_bridge.playback.settings import FOREVER, PlayerSettings
-from lta_config.bounded_memory import bounded_memory
+from lta_config.bounded_memory import limit_memory
 from lta_config.errors import BadInput
-from lta_graph.health import Level
-from lta_graph.ros.gathering import gather
+from lta_graph.health import HealthLevel
 from lta_graph.ros.node import GraphNode, WHOLE
-from lta_graph.ros.parameters import Parameters
+from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.peer_listener import OVER
-from lta_graph.ros.process import run
-from lta_graph.ros.qos import profile
+from lta_graph.ros.process import run_node
+from lta_graph.ros.qos import select_profile
 from lta_graph.ros.replay_due import from_due
 from lta_graph.ros.stamps import to_stamp
+from lta_graph.ros.startup import wait_until_complete
 from rclpy.clock import Clock, ClockType
 from rclpy.subscription import Subscription
 from rosgraph_msgs.msg import Clock as ClockMessage
@@ -51,92 +51,97 @@ class Player(GraphNode):
 
     def __init__(self) -> None:
         super().__init__('player', role='vehicle')
-        settings = self._settings = Parameters(self, PlayerSettings).value
+        settings = self._settings = NodeParameters(self, PlayerSettings).value
         if not settings.bag:
             raise BadInput('The player has no bag; give one, as in bag:=runs/flight/bag.')
         if settings.loop and self.lockstep:
             raise BadInput('A loop in lockstep has no end; play it with time:=realtime.')
         own = self.get_namespace().strip('/')
         self._recording = open_recording(Path(settings.bag), settings.robot, self.table, own)
-        self._cast = cast_of(self.table, settings.nodes.split(), settings.roles.split())
+        self._cast = select_nodes(self.table, settings.nodes.split(), settings.roles.split())
         topics = [name for name in self._cast.played if name in self._recording.topics]
         end = math.inf if settings.end >= FOREVER else settings.end
-        self._reel = Reel(self._recording, topics, self.table, settings.start, end, settings.loop)
-        self._outputs = {name: self.output(name) for name in topics}
-        self._telling = self.output(CLOCK)
-        self._due = self.output('replay/due')
-        self._owed = Owed(
-            self._planned() if self.lockstep else {n: [] for n in self._cast.answers}
+        self._reel = MessageIterator(
+            self._recording, topics, self.table, settings.start, end, settings.loop
         )
-        self._pace = Pace(
+        self._outputs = {name: self.create_output(name) for name in topics}
+        self._telling = self.create_output(CLOCK)
+        self._due = self.create_output('replay/due')
+        self._owed = PendingAnswers(
+            self._plan_answers() if self.lockstep else {n: [] for n in self._cast.answers}
+        )
+        self._pace = PlaybackClock(
             self._reel.begin_ns, None if self.lockstep else settings.rate, settings.paused
         )
         self._heard_answers = [
-            self.overhear(name, self._taker(name)) for name in self._cast.answers
+            self.subscribe_raw(name, self._build_answer_receiver(name))
+            for name in self._cast.answers
         ]
-        self._kept = self._answer_bag()
+        self._kept = self._open_answer_bag()
         self._messages = 0
         self._now = self._reel.begin_ns
         self._began = self._clocked = self._news = 0.0
         self._ended = ''
         self.create_service(SetBool, 'player/pause', self._on_pause)
-        self.create_service(Trigger, 'player/step', self._on_step_asked)
+        self.create_service(Trigger, 'player/step', self._on_step)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(0.1 if self.lockstep else TICK, self._tick, clock=steady)
 
-    def _planned(self) -> dict[str, list[int]]:
+    def _plan_answers(self) -> dict[str, list[int]]:
         """Tell the nodes when what they read is due, and return when their answers are. [ns]"""
         read = {name for node in self._cast.nodes for name in self.table.read_by(node)}
-        wanted = read | {self.table.trigger(node) for node in self._cast.nodes}
-        played = survey(
-            (item for item in self._reel.section() if item.topic in wanted), self.table
+        wanted = read | {self.table.trigger_topic(node) for node in self._cast.nodes}
+        played = compute_due_times(
+            (item for item in self._reel.iterate_section() if item.topic in wanted), self.table
         )
-        answers = answered(played, self.table, self._cast)
+        answers = compute_answer_times(played, self.table, self._cast)
         told = {name: times.due for name, times in (played | answers).items() if name in read}
         self._due.publish(from_due(told))
         return {name: times.due for name, times in answers.items()}
 
-    def _answer_bag(self) -> AnswerBag | None:
+    def _open_answer_bag(self) -> AnswerBag | None:
         if not self._settings.answers:
             return None
 
-        def offered(name: str) -> list[Profile]:
-            told = profile(self.table[name], self.lockstep)
+        def build_qos(name: str) -> list[OfferedQos]:
+            told = select_profile(self.table[name], self.lockstep)
             return [
-                offered_qos(
+                build_offered_qos(
                     told.reliability.name.lower(), told.durability.name.lower(), told.depth
                 )
             ]
 
         robot = self.get_namespace().strip('/')
         return AnswerBag(
-            Path(self._settings.answers), self._recording, self._cast, self.table, robot, offered
+            Path(self._settings.answers), self._recording, self._cast, self.table, robot, build_qos
         )
 
-    def work(self) -> None:
+    def run(self) -> None:
         """Wait for the graph, then play; exit status 1 where the nodes do not answer."""
-        gather(self, self._lonely, self._settings.patience)
+        wait_until_complete(self, self._list_missing_nodes, self._settings.patience)
         self._began = self._news = time.monotonic()
         self.begun = True
-        self._report_bag()
-        self._pace.begin(self._began)
-        self._play()
-        super().work()
+        self._report_missing_topics()
+        self._pace.start(self._began)
+        self._publish_due()
+        super().run()
         if self._ended == 'unanswered':
-            late = ', '.join(f'{n} from {self.source(n)}' for n in self._owed.waiting())
+            late = ', '.join(
+                f'{n} from {self.find_source(n)}' for n in self._owed.list_oldest_topics()
+            )
             sys.stderr.write(f'In {self._settings.patience:g} s no answer came: {late}.\n')
             sys.exit(1)
 
-    def _report_bag(self) -> None:
+    def _report_missing_topics(self) -> None:
         """Say what the recording lacks."""
-        absent = self._cast.absent(self.table, self._recording.topics)
+        absent = self._cast.find_missing_topics(self.table, self._recording.topics)
         words = [*self._recording.strange]
         if absent:
             words.append(f'the recording has no {", ".join(absent)}, which the nodes read')
-        level = Level.WARN if words else Level.OK
+        level = HealthLevel.WARN if words else HealthLevel.OK
         self.health.report('recording', level, '; '.join(words) or 'whole')
 
-    def _lonely(self) -> list[str]:
+    def _list_missing_nodes(self) -> list[str]:
         """Return whom the player still waits for."""
         waiting: set[str] = set()
         for name, publisher in self._outputs.items():
@@ -145,41 +150,43 @@ class Player(GraphNode):
                 readers.add('recorder')
             if publisher.get_subscription_count() < len(readers):
                 waiting |= readers
-        waiting |= {self.source(n) for n in self._cast.answers if not self.count_publishers(n)}
+        waiting |= {
+            self.find_source(n) for n in self._cast.answers if not self.count_publishers(n)
+        }
         if self.lockstep and self._settings.record:  # it dates by that what has no stamp
             told = self.get_subscriptions_info_by_topic(self._due.topic_name)
             waiting |= {'recorder'} - {each.node_name for each in told}
         return sorted(waiting)
 
-    def awaited(self) -> Iterable[Subscription]:
+    def list_wakeups(self) -> Iterable[Subscription]:
         """Return what to wake up for: the answers."""
         return self._heard_answers
 
-    def missing(self) -> list[str]:
+    def list_missing(self) -> list[str]:
         """Return the answers that keep the player from going on."""
         if not self.lockstep or not self.begun or self._pace.paused or self._ended:
             return []
-        return self._owed.waiting()
+        return self._owed.list_oldest_topics()
 
-    def _taker(self, name: str) -> Callable[[bytes], None]:
+    def _build_answer_receiver(self, name: str) -> Callable[[bytes], None]:
         def take(data: bytes) -> None:
             self._news = time.monotonic()
-            due = self._owed.take(name)
+            due = self._owed.take_answer(name)
             if self._kept is not None:
                 self._kept.write(name, data, due, self._now)
             if self.lockstep:
-                self._play()
+                self._publish_due()
 
         return take
 
     def _tick(self) -> None:
         """Follow the wall clock; in lockstep, give up on answers that do not come."""
-        self._play()
+        self._publish_due()
         if self._kept is not None:
             self._kept.flush()
             if self._kept.fault and self.running:
                 self.running = False
-                self.health.report('recording', Level.ERROR, self._kept.fault)
+                self.health.report('recording', HealthLevel.ERROR, self._kept.fault)
         waited = time.monotonic() - self._news
         if (
             self._ended
@@ -190,30 +197,30 @@ class Player(GraphNode):
             return
         self._ended, self.running = 'unanswered', False
 
-    def _play(self) -> None:
+    def _publish_due(self) -> None:
         """Publish what is due now."""
         if not self.begun or self._ended:
             return
-        until = min(self._pace.now(time.monotonic()), self._owed.horizon(AHEAD_NS))
+        until = min(self._pace.now(time.monotonic()), self._owed.play_horizon(AHEAD_NS))
         for _ in range(MOST):
             due = self._reel.next_ns
             if due is None or due > until:
                 break
-            self._publish()
-        self._tell_clock()
+            self._publish_next()
+        self._publish_clock()
         late = not self.lockstep and time.monotonic() - self._news < QUIET
-        if self._reel.next_ns is None and not self._owed.all_left and not late:
+        if self._reel.next_ns is None and not self._owed.total_left and not late:
             self._ended, self.running, self.farewell = 'played', False, WHOLE
 
-    def _publish(self) -> None:
+    def _publish_next(self) -> None:
         """Publish the next message."""
-        item = self._reel.take()
+        item = self._reel.take_next()
         self._now = max(self._now, item.time_ns)
         self._outputs[item.topic].publish(item.data)
         self._messages += 1
         self._news = time.monotonic() if not self.lockstep else self._news
 
-    def _tell_clock(self) -> None:
+    def _publish_clock(self) -> None:
         """Publish the bag's time, if that is due."""
         wall = time.monotonic()
         if wall - self._clocked >= CLOCK_PERIOD:
@@ -228,25 +235,25 @@ class Player(GraphNode):
         else:
             self._pace.resume(wall)
             self._news = wall
-        response.success, response.message = True, self._where()
+        response.success, response.message = True, self._format_position()
         return response
 
-    def _on_step_asked(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+    def _on_step(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         """Play all messages of the next instant."""
         due = self._reel.next_ns
         response.success = self._pace.paused and due is not None
         if response.success and due is not None:
             self._pace.step(due)
-            self._play()
-        response.message = self._where() if response.success else 'not paused'
+            self._publish_due()
+        response.message = self._format_position() if response.success else 'not paused'
         return response
 
-    def _where(self) -> str:
+    def _format_position(self) -> str:
         """Return where the player is, for people."""
         state = 'paused' if self._pace.paused else 'playing'
         return f'{state} at {(self._now - self._reel.begin_ns) * 1e-9:.3f} s'
 
-    def _standing(self) -> dict[str, str]:
+    def _collect_progress(self) -> dict[str, str]:
         """Return how the replay stands, in figures."""
         elapsed = (self._now - self._reel.begin_ns) * 1e-9
         wall = time.monotonic() - self._began if self._began else 0.0
@@ -256,24 +263,26 @@ class Player(GraphNode):
             'messages': str(self._messages),
             'answers': str(sum(self._owed.come.values())),
             'owed': str(self._owed.total),
-            'unanswered': str(self._owed.all_left),
+            'unanswered': str(self._owed.total_left),
             'rounds': str(self._reel.rounds),
             'pace': f'{elapsed / wall:.2f}' if wall else '0.00',
         }
 
-    def _watch(self) -> None:
+    def _monitor_inputs(self) -> None:
         """Tell how the replay stands at every look, for progress bars."""
         over = {OVER: self._ended == 'played'}
-        self.health.report('playback', Level.OK, self._where(), **self._standing(), **over)
+        self.health.report(
+            'playback', HealthLevel.OK, self._format_position(), **self._collect_progress(), **over
+        )
         self.health.changed = True
-        super()._watch()
+        super()._monitor_inputs()
 
     def close(self) -> None:
         """Say how the replay ended, finish the bag of answers, and let the last messages out."""
-        self._watch()
+        self._monitor_inputs()
         if self._kept is not None:
             self._kept.close()
-        sys.stdout.write(json.dumps(self._standing()) + '\n')
+        sys.stdout.write(json.dumps(self._collect_progress()) + '\n')
         sys.stdout.flush()
         super().close()
         if self._kept is not None and self._kept.fault:
@@ -282,5 +291,5 @@ class Player(GraphNode):
 
 def main(args: list[str] | None = None) -> None:
     """Run the node until the recording ends or it is told to stop."""
-    with bounded_memory():
-        run(Player, args)
+    with limit_memory():
+        run_node(Player, args)

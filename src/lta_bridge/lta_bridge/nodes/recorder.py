@@ -19,36 +19,36 @@ import time
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
-from lta_bridge.bag.background import BackgroundWriter
-from lta_bridge.bag.memory import SnapshotMemory
-from lta_bridge.bag.qos import is_mixed, Profile
-from lta_bridge.bag.schemas import is_known
-from lta_bridge.bag.split import Split
+from lta_bridge.bag.background_writer import BackgroundWriter
+from lta_bridge.bag.qos import has_mixed_durability, OfferedQos
+from lta_bridge.bag.schemas import is_jazzy_type
+from lta_bridge.bag.snapshot_buffer import SnapshotBuffer
+from lta_bridge.bag.split import SplitLimits
 from lta_bridge.bag.storage import StorageFault
 from lta_bridge.bag.writer import BagWriter
-from lta_bridge.cdr import serialise
+from lta_bridge.cdr import encode_cdr
 from lta_bridge.crazyflie.safety import LEAVE
-from lta_bridge.intake import Intake
-from lta_bridge.messages import profiles, statuses
-from lta_bridge.playback.origin import of_replay
+from lta_bridge.intake import MessageIntake
+from lta_bridge.messages import parse_statuses, to_offered_qos
+from lta_bridge.playback.origin import build_replay_origin
 from lta_bridge.playback.recording import open_recording
-from lta_bridge.provenance import joined
-from lta_bridge.recorder_settings import Origin, RecorderSettings
-from lta_bridge.snapshots import Snapshots
-from lta_config.bounded_memory import bounded_memory
+from lta_bridge.provenance import merge_origins
+from lta_bridge.recorder_settings import RecorderSettings, RobotOrigin
+from lta_bridge.snapshots import SnapshotScheduler
+from lta_config.bounded_memory import limit_memory
 from lta_config.errors import BadInput
-from lta_config.recorded import EVERYTHING, wanted
 from lta_config.settings import setting, Settings
+from lta_config.topic_selection import EVERYTHING, select_topics
 from lta_config.topics import is_name
-from lta_graph.health import Level
-from lta_graph.interrupts import held_interrupts
+from lta_graph.health import HealthLevel
+from lta_graph.interrupts import hold_interrupts
 from lta_graph.ros.node import GraphNode, REPORT_PERIOD
-from lta_graph.ros.parameters import Parameters
-from lta_graph.ros.process import run
-from lta_graph.ros.qos import profile
-from lta_graph.ros.replay_due import hear_due
-from lta_graph.ros.spin import spin
-from lta_graph.ros.taps import GENEROUS, message_class, Taps
+from lta_graph.ros.parameters import NodeParameters
+from lta_graph.ros.process import run_node
+from lta_graph.ros.qos import select_profile
+from lta_graph.ros.raw_subscriptions import GENEROUS, load_message_class, RawSubscriptions
+from lta_graph.ros.replay_due import subscribe_due
+from lta_graph.ros.spin import spin_node
 from pydantic import create_model
 from rclpy.clock import Clock, ClockType
 from rclpy.qos import QoSProfile
@@ -66,7 +66,7 @@ NAP_NS = 20_000_000  # between looks: waking up for every message would cost hal
 MB = 1_000_000
 
 
-def origins(node: GraphNode, robots: list[str]) -> dict[str, Origin]:
+def declare_origins(node: GraphNode, robots: list[str]) -> dict[str, RobotOrigin]:
     """Declare and return the origin of each robot, its parameters named `lta2.seed`."""
     for name in robots:
         if not is_name(name) or robots.count(name) > 1:
@@ -74,18 +74,20 @@ def origins(node: GraphNode, robots: list[str]) -> dict[str, Origin]:
                 f"The recorder's robots are '{' '.join(robots)}', but '{name}' is no name or "
                 'stands twice; give different namespaces.'
             )
-    fields: Any = {name: (Origin, setting(Origin(), f'Origin of {name}.')) for name in robots}
-    told = Parameters(node, create_model('Origins', __base__=Settings, **fields)).value
+    fields: Any = {
+        name: (RobotOrigin, setting(RobotOrigin(), f'Origin of {name}.')) for name in robots
+    }
+    told = NodeParameters(node, create_model('Origins', __base__=Settings, **fields)).value
     return {name: getattr(told, name) for name in robots}
 
 
-def cleaner(type_name: str) -> Callable[[bytes], bytes]:
+def build_cleaner(type_name: str) -> Callable[[bytes], bytes]:
     """Return what writes a message of a type anew, with zeros between its fields."""
-    kind = message_class(type_name)
+    kind = load_message_class(type_name)
 
     def clean(data: bytes) -> bytes:
         try:
-            return serialise(deserialize_message(data, kind))
+            return encode_cdr(deserialize_message(data, kind))
         except RuntimeError:  # it is no such message, and is kept as it came
             return data
 
@@ -97,156 +99,166 @@ class Recorder(GraphNode):
 
     def __init__(self) -> None:
         super().__init__('recorder')
-        told = self._told = Parameters(self, RecorderSettings).value
-        origin = self._origin()
+        told = self._told = NodeParameters(self, RecorderSettings).value
+        origin = self._collect_origin()
         robots = self._robots = told.robots.split() or [self.get_namespace().strip('/')]
-        topics = wanted(told.topics, robots, self.table)
+        topics = select_topics(told.topics, robots, self.table)
         self._fault = ''
-        self._snapshots: Snapshots | None = None
+        self._snapshots: SnapshotScheduler | None = None
         self._types: dict[str, str] = {}
         self._announced: set[str] = set()
-        self._offers: dict[str, list[Profile]] = {}
+        self._offers: dict[str, list[OfferedQos]] = {}
         self._left_out: dict[str, str] = {}
         with ExitStack() as unfinished:
-            with held_interrupts():  # a bag is begun whole ...
+            with hold_interrupts():  # a bag is begun whole ...
                 try:
-                    self._writer = self._begin(Path(told.bag), origin)
+                    self._writer = self._open_writer(Path(told.bag), origin)
                 except StorageFault as fault:
                     raise BadInput(str(fault)) from None
                 unfinished.callback(self._writer.close)  # ... and closed, whoever ends it here
             whole = self.lockstep and not self.replayed  # a recording may begin anywhere
             self._real = self.get_parameter('source').value == 'crazyflie'
             begun_ns = self.get_clock().now().nanoseconds if self._real else None
-            self._intake = Intake(self.table, whole, robots, self._writer, begun_ns)
+            self._intake = MessageIntake(self.table, whole, robots, self._writer, begun_ns)
             everything = told.topics.split() == [EVERYTHING]
-            self._taps = Taps(self, self._receiver, self._wants if everything else None)
+            self._taps = RawSubscriptions(
+                self, self._build_tap_receiver, self._accepts_topic if everything else None
+            )
             for name, type_name in topics.items():
-                self._taps.add(name, type_name, self._expected(name))
+                self._taps.subscribe(name, type_name, self._expected_profile(name))
             if self._snapshots and DIAGNOSTICS not in self._taps:
                 self.create_subscription(
-                    DiagnosticArray, DIAGNOSTICS, self._hear, GENEROUS.depth, raw=True
+                    DiagnosticArray, DIAGNOSTICS, self._on_diagnostics, GENEROUS.depth, raw=True
                 )
             if self.replayed:  # made last, so that it is taken first
-                hear_due(self, self.table, partial(self._intake.learn, robots[0]))
+                subscribe_due(self, self.table, partial(self._intake.set_due_times, robots[0]))
             self.create_service(Trigger, 'recorder/snapshot', self._on_snapshot)
             steady = Clock(clock_type=ClockType.STEADY_TIME)
-            self.create_timer(LOOK_PERIOD, self._look, clock=steady)
-            self.create_timer(DISK_PERIOD, self._look_at_disk, clock=steady)
+            self.create_timer(LOOK_PERIOD, self._report_recording, clock=steady)
+            self.create_timer(DISK_PERIOD, self._report_disk, clock=steady)
             unfinished.pop_all()
 
-    def _origin(self) -> dict[str, str]:
+    def _collect_origin(self) -> dict[str, str]:
         """Return where the data come from: the launch, or what is played in it."""
         told, lockstep = self._told, self.lockstep
         robots = told.robots.split()
-        each = {name: item.told(lockstep=lockstep) for name, item in origins(self, robots).items()}
-        origin = joined(each) if each else told.told(lockstep=lockstep)
+        each = {
+            name: item.to_provenance(lockstep=lockstep)
+            for name, item in declare_origins(self, robots).items()
+        }
+        origin = merge_origins(each) if each else told.told(lockstep=lockstep)
         if told.replay and self.get_parameter('source').value == 'replay':
             own = self.get_namespace().strip('/')
-            with bounded_memory():
+            with limit_memory():
                 played = open_recording(Path(told.replay), '', self.table, own)
-            return of_replay(played, origin)
+            return build_replay_origin(played, origin)
         return origin
 
-    def _begin(self, path: Path, origin: dict[str, str]) -> BackgroundWriter:
+    def _open_writer(self, path: Path, origin: dict[str, str]) -> BackgroundWriter:
         """Begin the bag, or the memory that snapshots are made of."""
         told, room = self._told, int(self._told.queue_size * MB)
         if not told.snapshot:
-            split = Split(int(told.split_size * MB), int(told.split_duration * 1e9))
+            split = SplitLimits(int(told.split_size * MB), int(told.split_duration * 1e9))
             return BackgroundWriter(BagWriter(path, origin, split), room)
         span, size = int(told.snapshot * 1e9), int(told.snapshot_size * MB)
-        memory = SnapshotMemory(path, origin, span, size)
+        memory = SnapshotBuffer(path, origin, span, size)
         writer = BackgroundWriter(memory, room)
-        self._snapshots = Snapshots(memory, writer)
+        self._snapshots = SnapshotScheduler(memory, writer)
         return writer
 
-    def _expected(self, name: str) -> QoSProfile:
+    def _expected_profile(self, name: str) -> QoSProfile:
         """Return the profile that a topic should have."""
-        topic = self.table.topics.get(self._intake.owner(name)[1])
-        return profile(topic, self.lockstep) if topic else GENEROUS
+        topic = self.table.topics.get(self._intake.find_owner(name)[1])
+        return select_profile(topic, self.lockstep) if topic else GENEROUS
 
-    def _wants(self, name: str, type_name: str) -> bool:
+    def _accepts_topic(self, name: str, type_name: str) -> bool:
         """Tell whether to record a topic that was found, and take note of what cannot be."""
-        if not self._intake.covers(name):
+        if not self._intake.covers_topic(name):
             return False
-        known = is_known(type_name) and message_class(type_name) is not None
+        known = is_jazzy_type(type_name) and load_message_class(type_name) is not None
         if not known:
             self._left_out[name] = type_name or 'several types'
         return known
 
-    def _receiver(self, name: str, type_name: str) -> Callable[[bytes], None]:
+    def _build_tap_receiver(self, name: str, type_name: str) -> Callable[[bytes], None]:
         """Return what takes the messages of a topic."""
         self._types[name] = type_name
-        announced, take = self._announced, self._intake.takes(name, type_name, cleaner(type_name))
+        announced, take = (
+            self._announced,
+            self._intake.build_receiver(name, type_name, build_cleaner(type_name)),
+        )
         watched = self._snapshots is not None and name == DIAGNOSTICS
 
         def receive(data: bytes) -> None:
             if name not in announced:
-                self._announce(name)
+                self._announce_topic(name)
             take(data)
             if watched:
-                self._hear(data)
+                self._on_diagnostics(data)
 
         return receive
 
-    def _announce(self, name: str) -> None:
+    def _announce_topic(self, name: str) -> None:
         """Tell the bag what the publishers of a topic offer, and those offered that have gone."""
-        offered, expected = self._taps[name].offered(), self._expected(name)
+        offered, expected = self._taps[name].list_offered_profiles(), self._expected_profile(name)
         known = self._offers.setdefault(name, [])
-        fresh = [each for each in profiles(offered, expected) if offered and each not in known]
+        fresh = [
+            each for each in to_offered_qos(offered, expected) if offered and each not in known
+        ]
         known += fresh
         if name not in self._announced:
             self._announced.add(name)
-            told = list(known) or profiles([], expected)
+            told = list(known) or to_offered_qos([], expected)
             self._writer.add_topic(name, self._types[name], told)
         elif fresh:
-            self._writer.offer(name, list(known))
+            self._writer.update_qos(name, list(known))
 
-    def _hear(self, data: bytes) -> None:
+    def _on_diagnostics(self, data: bytes) -> None:
         """Look for faults in a diagnostics message."""
         if self._snapshots is None:
             return
         with suppress(RuntimeError):  # what is no such message tells of no fault
             message = deserialize_message(data, DiagnosticArray)
-            self._snapshots.hear(statuses(message), time.monotonic())
+            self._snapshots.add_statuses(parse_statuses(message), time.monotonic())
 
-    def _look(self) -> None:
+    def _report_recording(self) -> None:
         """Look at the graph and at the writer, and tell how the recording stands."""
-        for name in self._taps.look():
+        for name in self._taps.poll_changes():
             if self._taps[name].publishers:
-                self._announce(name)
+                self._announce_topic(name)
         if self._snapshots is not None:
-            self._snapshots.tend(time.monotonic())
-            level, words, figures = self._snapshots.tally()
+            self._snapshots.save_if_due(time.monotonic())
+            level, words, figures = self._snapshots.summarize()
             self.health.report('snapshots', level, words, **figures)
-        if mixed := [name for name, known in self._offers.items() if is_mixed(known)]:
+        if mixed := [name for name, known in self._offers.items() if has_mixed_durability(known)]:
             self.health.report(
                 'latched',
-                Level.WARN,
+                HealthLevel.WARN,
                 f'what was sent before the recorder came is missed on {", ".join(mixed)}: '
                 'not all publishers keep it',
             )
         if self._left_out:
             self.health.report(
                 'left out',
-                Level.WARN,
+                HealthLevel.WARN,
                 'topics of types that are not in the common interfaces of ROS 2 Jazzy',
                 **self._left_out,
             )
         if not self._fault:
-            level, words, figures = self._intake.tally(self._taps.lost)
+            level, words, figures = self._intake.summarize(self._taps.lost_counts)
             self.health.report('recording', level, words, **figures)
 
-    def _look_at_disk(self) -> None:
+    def _report_disk(self) -> None:
         """Tell what is wrong with it, soon enough for the second in which a fault is named."""
-        busy = self._writer.busy
+        busy = self._writer.busy_time
         if busy > SLOW:
             words = f'slow: it has been busy for {busy:.1f} s; messages wait'
-            self.health.report(DISK, Level.ERROR, words)
+            self.health.report(DISK, HealthLevel.ERROR, words)
         elif DISK in self.health:
-            self.health.report(DISK, Level.OK, 'keeps up')
+            self.health.report(DISK, HealthLevel.OK, 'keeps up')
         if self._writer.fault is not None and not self._fault:
             self._fault = str(self._writer.fault)
-            self.health.report('recording', Level.ERROR, self._fault)
+            self.health.report('recording', HealthLevel.ERROR, self._fault)
             self.running = False
 
     def _on_snapshot(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
@@ -257,7 +269,7 @@ class Recorder(GraphNode):
                 'keep the last seconds in memory instead.'
             )
             return response
-        saving = self._snapshots.ask()
+        saving = self._snapshots.request_snapshot()
         told = time.monotonic()
         while self.running and not saving.done.wait(NAP_NS * 1e-9):
             for item in self.subscriptions:
@@ -267,45 +279,47 @@ class Recorder(GraphNode):
                 told = time.monotonic()
                 self.publish_health()
         response.success = saving.made is not None
-        response.message = saving.sentence
+        response.message = saving.summary
         return response
 
-    def work(self) -> None:
+    def run(self) -> None:
         """Record until told to stop, then until nothing more is on the way."""
-        self.health.report('state', Level.OK, 'running')
+        self.health.report('state', HealthLevel.OK, 'running')
         while self.running:
-            self._taps.mend()
-            going = lambda: self.running and not self._taps.due  # noqa: E731
-            spin(self, going, awaited=list, wait_ns=NAP_NS)
+            self._taps.apply_changes()
+            going = lambda: self.running and not self._taps.has_pending_changes  # noqa: E731
+            spin_node(self, going, awaited=list, wait_ns=NAP_NS)
         landed = time.monotonic() + LEAVE
-        coming_down = lambda: self._aloft() and time.monotonic() < landed  # noqa: E731
-        spin(self, coming_down, awaited=list, wait_ns=NAP_NS)
+        coming_down = lambda: self._has_flight_bridge() and time.monotonic() < landed  # noqa: E731
+        spin_node(self, coming_down, awaited=list, wait_ns=NAP_NS)
         deadline = time.monotonic() + LINGER
         if not self._fault:
             self._intake.latest = time.monotonic()
             end = lambda: time.monotonic() < min(deadline, self._intake.latest + QUIET)  # noqa: E731
-            spin(self, end, awaited=list, wait_ns=NAP_NS)
+            spin_node(self, end, awaited=list, wait_ns=NAP_NS)
 
-    def _aloft(self) -> bool:
+    def _has_flight_bridge(self) -> bool:
         """Tell whether a real drone has its bridge yet: that comes down before it leaves."""
         own = (f'/{robot}/imu'.replace('//', '/') for robot in self._robots)
         return self._real and not self.hurried and any(map(self.count_publishers, own))
 
     def close(self) -> None:
         """Finish the bag, or save a last snapshot; say so if it had to end early."""
-        last = None if self._snapshots is None else self._snapshots.finish(self._robots)
+        last = None if self._snapshots is None else self._snapshots.save_remaining(self._robots)
         for name in self._taps:
             if name not in self._announced:
-                self._announce(name)
+                self._announce_topic(name)
         try:
             self._writer.close()
         except StorageFault as fault:
             self._fault = str(fault)
         if last is not None:
             self._fault = self._fault or last.fault
-            sys.stdout.write(f'{last.sentence}\n' if last.made else '')
+            sys.stdout.write(f'{last.summary}\n' if last.made else '')
         if self._fault:
-            self.health.report('recording', Level.ERROR, self._fault, unwritten=self._writer.lost)
+            self.health.report(
+                'recording', HealthLevel.ERROR, self._fault, unwritten=self._writer.lost_count
+            )
         self.publish_health()
         super().close()
         if self._fault:
@@ -314,4 +328,4 @@ class Recorder(GraphNode):
 
 def main(args: list[str] | None = None) -> None:
     """Run the node until it is told to stop."""
-    run(Recorder, args)
+    run_node(Recorder, args)

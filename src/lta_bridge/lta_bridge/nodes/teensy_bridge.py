@@ -8,24 +8,24 @@ deactivate stops publishing, cleanup gives the link back. It commands nothing.
 import time
 
 from builtin_interfaces.msg import Time
-from lta_bridge.teensy.condition import condition, TASK
+from lta_bridge.teensy.health_facts import describe_health, TASK
 from lta_bridge.teensy.light_board import LightBlock, LightBoard, LightPeaks
-from lta_bridge.teensy.reader import Reader
+from lta_bridge.teensy.reader import BoardReader
 from lta_config.errors import BadInput
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.settings import setting, Settings
-from lta_graph.health import Level
+from lta_graph.health import HealthLevel
 from lta_graph.ros.device import DeviceNode
-from lta_graph.ros.parameters import Parameters
-from lta_graph.ros.process import run
+from lta_graph.ros.parameters import NodeParameters
+from lta_graph.ros.process import run_node
 from lta_graph.ros.stamps import to_stamp
-from lta_model.messages import light_block
+from lta_model.messages import build_light_block
 from lta_vlc.demodulation import Peaks
-from lta_vlc.diodes import diodes_of
+from lta_vlc.diodes import build_diode_array
 from lta_vlc.lamp import LampPrior
 from lta_vlc.lamp_finder import LampFinder
 from lta_vlc.messages import from_bearing, from_lamp, from_peaks
-from lta_vlc.settings import Demodulation
+from lta_vlc.settings import DemodulationSettings
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from std_msgs.msg import Header
 
@@ -47,7 +47,7 @@ class TeensyBridgeSettings(Settings):
         fixed=True,
     )
     threshold: float = setting(
-        Demodulation().threshold,
+        DemodulationSettings().threshold,
         'With peaks, SNR from which a diode is believed.',
         unit='1',
         low=1.0,
@@ -70,38 +70,38 @@ class TeensyBridge(DeviceNode):
 
     def __init__(self) -> None:
         super().__init__('teensy_bridge', 'light board')
-        self._settings = Parameters(self, TeensyBridgeSettings).value
+        self._settings = NodeParameters(self, TeensyBridgeSettings).value
         if self._settings.peaks:  # as a demodulator
             answers = self.table.published_by('demodulator')
-            self._outputs = {name: self.output(name) for name in answers}
+            self._outputs = {name: self.create_output(name) for name in answers}
         else:
-            self._outputs = {'photodiodes': self.output('photodiodes')}
+            self._outputs = {'photodiodes': self.create_output('photodiodes')}
         self._entry = load_vehicle_file(self._settings.vehicle).sensors.diodes
-        self._finder = LampFinder(diodes_of(self._entry))
+        self._finder = LampFinder(build_diode_array(self._entry))
         if self._settings.peaks:
             self._finder.prepare()
-        self._reader: Reader | None = None
+        self._reader: BoardReader | None = None
         self.autostart = self._settings.autostart
 
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Open the link."""
         try:
-            self._reader = self._opened()
+            self._reader = self._open_reader()
         except BadInput as error:
             self.refusal = str(error)
-            self.health.report(TASK, Level.ERROR, self.refusal)
+            self.health.report(TASK, HealthLevel.ERROR, self.refusal)
             self.get_logger().error(self.refusal)
             return TransitionCallbackReturn.FAILURE
         return super().on_configure(state)
 
-    def _opened(self) -> Reader:
+    def _open_reader(self) -> BoardReader:
         """Return the open link, after some patience; `BadInput` where it stays away."""
         port, until = self._settings.port, time.monotonic() + self._settings.patience
         entry, peaks = self._entry, self._settings.peaks
         board = LightBoard(self.table.light, entry.count, peaks, entry.bits)
         while True:
             try:
-                return Reader(port, board, self._publish, self._now_ns)
+                return BoardReader(port, board, self._publish_light, self._now_ns)
             except BadInput:
                 if time.monotonic() >= until or not self.running:
                     raise
@@ -110,11 +110,11 @@ class TeensyBridge(DeviceNode):
     def publish_health(self) -> None:
         """Tell how the board and its link are."""
         if self._reader is not None or not self.refusal:
-            fact = condition(self._reader, self._now_ns(), self.active)
+            fact = describe_health(self._reader, self._now_ns(), self.active)
             self.health.report(fact.task, fact.level, fact.message, **fact.values)
         super().publish_health()
 
-    def _publish(self, came: LightBlock | LightPeaks) -> None:
+    def _publish_light(self, came: LightBlock | LightPeaks) -> None:
         """Publish a block, or what peaks say; called in the reader's thread."""
         if not self.active:
             return
@@ -123,12 +123,12 @@ class TeensyBridge(DeviceNode):
             if self._settings.peaks:
                 self._publish_peaks(stamp, came.peaks)
         elif not self._settings.peaks:
-            self._outputs['photodiodes'].publish(light_block(stamp, came.samples))
+            self._outputs['photodiodes'].publish(build_light_block(stamp, came.samples))
 
     def _publish_peaks(self, stamp: Time, peaks: Peaks) -> None:
         """Publish what a demodulator would have made of the samples."""
         header = Header(stamp=stamp, frame_id=self.table['light/peaks'].frame)
-        found = self._finder.found(peaks, self._settings.threshold, self._settings.prior)
+        found = self._finder.find(peaks, self._settings.threshold, self._settings.prior)
         out = self._outputs
         out['light/bearing'].publish(from_bearing(header, found.towards))
         out['light/peaks'].publish(from_peaks(header, (peaks,), self._finder.diodes.axes))
@@ -137,7 +137,7 @@ class TeensyBridge(DeviceNode):
     def _now_ns(self) -> int:
         return int(self.get_clock().now().nanoseconds)
 
-    def let_go(self) -> None:
+    def release_device(self) -> None:
         """Give the link back."""
         self.active = False
         if self._reader is not None:
@@ -147,4 +147,4 @@ class TeensyBridge(DeviceNode):
 
 def main(args: list[str] | None = None) -> None:
     """Run the node until it is told to stop."""
-    run(TeensyBridge, args)
+    run_node(TeensyBridge, args)

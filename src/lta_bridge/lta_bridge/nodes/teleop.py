@@ -11,17 +11,23 @@ import time
 from typing import Any
 
 from lta_bridge.teleop.gamepad import Gamepad
-from lta_bridge.teleop.helm import Felt, Rates, Stage, State, tick
 from lta_bridge.teleop.keyboard import HELP, Keyboard
-from lta_bridge.teleop.messages import Flyers, JoyDevice, to_felt
-from lta_bridge.teleop.sticks import Device, Layout
+from lta_bridge.teleop.messages import JoyDevice, SetpointFollowers, to_heading_altitude
+from lta_bridge.teleop.steering import (
+    HeadingAltitude,
+    step_state,
+    TeleopRates,
+    TeleopStage,
+    TeleopState,
+)
+from lta_bridge.teleop.sticks import GamepadLayout, StickDevice
 from lta_config.errors import BadInput
 from lta_config.settings import setting, Settings
 from lta_control.messages import from_setpoint
-from lta_graph.health import Level
+from lta_graph.health import HealthLevel
 from lta_graph.ros.node import GraphNode
-from lta_graph.ros.parameters import Parameters
-from lta_graph.ros.process import run
+from lta_graph.ros.parameters import NodeParameters
+from lta_graph.ros.process import run_node
 from rclpy.clock import Clock, ClockType
 from sensor_msgs.msg import Joy
 from std_msgs.msg import Bool
@@ -32,9 +38,9 @@ TAPS = 50  # Joy messages that wait at most: the newest alone would hide a butto
 FRESH = 0.3  # s for which an estimate is one
 STOPPING = ('emergency_stop', 'crazyflie_bridge/emergency_stop')  # services; who is there hears it
 STEERS = {
-    Stage.UNKNOWN: (Level.WARN, 'nobody who flies by setpoints has said whose count'),
-    Stage.NAVIGATOR: (Level.OK, 'the navigator steers'),
-    Stage.PERSON: (Level.OK, 'a person steers'),
+    TeleopStage.UNKNOWN: (HealthLevel.WARN, 'nobody who flies by setpoints has said whose count'),
+    TeleopStage.NAVIGATOR: (HealthLevel.OK, 'the navigator steers'),
+    TeleopStage.PERSON: (HealthLevel.OK, 'a person steers'),
 }
 
 
@@ -46,8 +52,8 @@ class TeleopSettings(Settings):
         'keyboard (this terminal), a gamepad (/dev/input/js0), or joy: Joy messages.',
         fixed=True,
     )
-    rates: Rates = setting(Rates(), 'What full deflections mean.')
-    layout: Layout = setting(Layout(), "The gamepad's axes and buttons.")
+    rates: TeleopRates = setting(TeleopRates(), 'What full deflections mean.')
+    layout: GamepadLayout = setting(GamepadLayout(), "The gamepad's axes and buttons.")
 
 
 class Teleop(GraphNode):
@@ -57,21 +63,24 @@ class Teleop(GraphNode):
         super().__init__('teleop')
         if self.lockstep:
             raise BadInput('A person keeps real time: leave time:=lockstep out.')
-        self._held = self.output('teleop/held')
-        self._pose, self._velocity = self.output('teleop/pose'), self.output('teleop/velocity')
-        self._settings = Parameters(self, TeleopSettings)
+        self._held = self.create_output('teleop/held')
+        self._pose, self._velocity = (
+            self.create_output('teleop/pose'),
+            self.create_output('teleop/velocity'),
+        )
+        self._settings = NodeParameters(self, TeleopSettings)
         self._stops = {name: self.create_client(Trigger, name) for name in STOPPING}
         self._answered: set[str] = set()
-        self._flyers = Flyers(self.get_namespace())
+        self._flyers = SetpointFollowers(self.get_namespace())
         self._odom: Any = None
         self._odom_at = -FRESH
-        self._state, self._ticked = State(), time.monotonic()
-        for name, callback in (('odom', self._on_odom), ('/diagnostics', self._flyers.heard)):
-            self.hear(name, callback)
-        self._device = self._made(self._settings.value)
+        self._state, self._ticked = TeleopState(), time.monotonic()
+        for name, callback in (('odom', self._on_odom), ('/diagnostics', self._flyers.update)):
+            self.subscribe_topic(name, callback)
+        self._device = self._create_device(self._settings.value)
         self.create_timer(PERIOD, self._tick, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
-    def _made(self, settings: TeleopSettings) -> Device:
+    def _create_device(self, settings: TeleopSettings) -> StickDevice:
         if settings.device == 'keyboard':
             keyboard = Keyboard()
             sys.stdout.write(HELP)
@@ -81,7 +90,7 @@ class Teleop(GraphNode):
             joy = JoyDevice(settings.layout)
             self.soundness.unsound = joy.unsound  # one count of all that this node hears
             self.create_subscription(
-                Joy, 'joy', lambda told: joy.heard(told, time.monotonic()), TAPS
+                Joy, 'joy', lambda told: joy.receive(told, time.monotonic()), TAPS
             )
             return joy
         return Gamepad(Path(settings.device), settings.layout)
@@ -89,17 +98,17 @@ class Teleop(GraphNode):
     def _on_odom(self, odom: Any) -> None:  # noqa: ANN401 - a generated class
         self._odom, self._odom_at = odom, time.monotonic()
 
-    def _felt(self, now: float) -> Felt | None:
-        return None if now - self._odom_at > FRESH else to_felt(self._odom)
+    def _newest_estimate(self, now: float) -> HeadingAltitude | None:
+        return None if now - self._odom_at > FRESH else to_heading_altitude(self._odom)
 
     def _tick(self) -> None:
         now = time.monotonic()
-        sticks, felt = self._device.sticks(now), self._felt(now)
+        sticks, felt = self._device.read_sticks(now), self._newest_estimate(now)
         before = self._state.stage
         dt, self._ticked = now - self._ticked, now
         rates = self._settings.value.rates
-        self._state, order = tick(
-            self._state, now, min(dt, FRESH), sticks, felt, rates, self._flyers.held
+        self._state, order = step_state(
+            self._state, now, min(dt, FRESH), sticks, felt, rates, self._flyers.person_steers
         )
         if order.setpoint is not None:
             # A setpoint answers the newest estimate: its age is counted from that one's stamp.
@@ -109,28 +118,28 @@ class Teleop(GraphNode):
         if order.held is not None:
             self._held.publish(Bool(data=order.held))
         if order.stop:
-            self._stop()
+            self._request_stop()
         if self._state.stage is not before:
             self.get_logger().info(f'{self._state.stage.value} has the helm')
-        self._tell(sticks is not None, felt is not None)
+        self._report_steering(sticks is not None, felt is not None)
 
-    def _stop(self) -> None:
+    def _request_stop(self) -> None:
         """Ask whoever can stop motors to do so."""
         for name, client in self._stops.items():
             if client.service_is_ready():
                 answer = client.call_async(Trigger.Request())
                 answer.add_done_callback(lambda _, name=name: self._answered.add(name))
 
-    def _tell(self, alive: bool, placed: bool) -> None:
+    def _report_steering(self, alive: bool, placed: bool) -> None:
         stage = self._state.stage
-        if stage is Stage.STOPPED:
+        if stage is TeleopStage.STOPPED:
             heard = ', '.join(sorted(self._answered)) or 'nobody yet'
-            self.health.report('helm', Level.ERROR, f'emergency stop; heard by {heard}')
+            self.health.report('helm', HealthLevel.ERROR, f'emergency stop; heard by {heard}')
         elif not alive or not placed:
             silent = 'the device is silent' if not alive else 'there is no estimate'
-            steers = stage is Stage.PERSON
+            steers = stage is TeleopStage.PERSON
             text = f'{silent}: the drone holds, then lands' if steers else silent
-            self.health.report('helm', Level.ERROR if steers else Level.WARN, text)
+            self.health.report('helm', HealthLevel.ERROR if steers else HealthLevel.WARN, text)
         else:
             level, text = STEERS[stage]
             self.health.report('helm', level, text)
@@ -143,4 +152,4 @@ class Teleop(GraphNode):
 
 def main(args: list[str] | None = None) -> None:
     """Run the node until it is told to stop."""
-    run(Teleop, args)
+    run_node(Teleop, args)

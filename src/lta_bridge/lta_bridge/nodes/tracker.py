@@ -9,13 +9,13 @@ from typing import Any
 
 from geometry_msgs.msg import PoseStamped
 from lta_bridge.tracking.messages import from_pose, from_transform, to_odometry
-from lta_bridge.tracking.pose import planted, Pose
-from lta_bridge.tracking.tracked import Tracked
+from lta_bridge.tracking.pose import level_pose, TrackerPose
+from lta_bridge.tracking.tracked_drone import TrackedDrone
 from lta_config.errors import BadInput
 from lta_config.settings import setting, Settings
 from lta_graph.ros.node import GraphNode
-from lta_graph.ros.parameters import Parameters
-from lta_graph.ros.process import run
+from lta_graph.ros.parameters import NodeParameters
+from lta_graph.ros.process import run_node
 from lta_graph.ros.stamps import from_stamp, to_stamp
 from rclpy.qos import qos_profile_sensor_data
 
@@ -55,17 +55,17 @@ class TrackerSettings(Settings):
     )
 
 
-class Tracker(GraphNode):
+class TrackerNode(GraphNode):
     """Publish where the drone is."""
 
     def __init__(self) -> None:
         super().__init__('tracker', role='vehicle')
         if self.lockstep:
             raise BadInput('A real tracker keeps real time: leave time:=lockstep out.')
-        self._truth = self.output('ground_truth/odom')
-        settings = Parameters(self, TrackerSettings).value
-        self._tracked = Tracked(
-            planted(*settings.origin), planted(*settings.body), round(1e9 * settings.delay)
+        self._truth = self.create_output('ground_truth/odom')
+        settings = NodeParameters(self, TrackerSettings).value
+        self._tracked = TrackedDrone(
+            level_pose(*settings.origin), level_pose(*settings.body), round(1e9 * settings.delay)
         )
         self._frame = settings.frame
         if not settings.frame:
@@ -81,15 +81,15 @@ class Tracker(GraphNode):
             self.create_subscription(TFMessage, '/tf', self._on_frames, DEPTH)
 
     def _on_pose(self, message: PoseStamped) -> None:
-        self._follow(from_stamp(message.header.stamp), from_pose(message))
+        self._publish_motion(from_stamp(message.header.stamp), from_pose(message))
 
     def _on_frames(self, message: Any) -> None:  # noqa: ANN401 - a generated class
         for each in message.transforms:
             if each.child_frame_id == self._frame:
-                self._follow(from_stamp(each.header.stamp), from_transform(each))
+                self._publish_motion(from_stamp(each.header.stamp), from_transform(each))
 
-    def _follow(self, stamp_ns: int, pose: Pose) -> None:
-        for motion in self._tracked.heard(stamp_ns, pose, self._now_ns()):
+    def _publish_motion(self, stamp_ns: int, pose: TrackerPose) -> None:
+        for motion in self._tracked.receive_pose(stamp_ns, pose, self._now_ns()):
             frame = self.table['ground_truth/odom'].frame
             self._truth.publish(to_odometry(to_stamp(motion.stamp_ns), frame, motion))
 
@@ -98,11 +98,11 @@ class Tracker(GraphNode):
 
     def publish_health(self) -> None:
         """Tell how the tracker is."""
-        fact = self._tracked.condition(self._now_ns())
+        fact = self._tracked.describe_health(self._now_ns())
         self.health.report(fact.task, fact.level, fact.message, **fact.values)
         super().publish_health()
 
 
 def main(args: list[str] | None = None) -> None:
     """Run the node until it is told to stop."""
-    run(Tracker, args)
+    run_node(TrackerNode, args)

@@ -9,14 +9,14 @@ from pathlib import Path
 import time
 from typing import final
 
-from lta_bridge.bag.background import FLUSH_PERIOD
-from lta_bridge.bag.qos import Profile
+from lta_bridge.bag.background_writer import FLUSH_PERIOD
+from lta_bridge.bag.qos import OfferedQos
 from lta_bridge.bag.storage import StorageFault
 from lta_bridge.bag.writer import BagWriter
-from lta_bridge.bookkeeping import stamp_of
-from lta_bridge.playback.cast import Cast
-from lta_bridge.playback.origin import of_answers
-from lta_bridge.playback.recording import Recording
+from lta_bridge.message_accounting import read_stamp
+from lta_bridge.playback.node_selection import NodeSelection
+from lta_bridge.playback.origin import build_answers_origin
+from lta_bridge.playback.recording import BagRecording
 from lta_config.errors import BadInput
 from lta_config.topics import robot_topic, TopicTable
 
@@ -56,18 +56,18 @@ class AnswerBag:
     def __init__(
         self,
         path: Path,
-        recording: Recording,
-        cast: Cast,
+        recording: BagRecording,
+        cast: NodeSelection,
         table: TopicTable,
         robot: str,
-        offered: Callable[[str], Sequence[Profile]],
+        offered: Callable[[str], Sequence[OfferedQos]],
     ) -> None:
         self._table = table
         self._names: Mapping[str, str] = {name: robot_topic(robot, name) for name in cast.answers}
         self.fault = ''
         self._flushed = time.monotonic()
         try:
-            self._writer = BagWriter(path, of_answers(recording, cast.nodes))
+            self._writer = BagWriter(path, build_answers_origin(recording, cast.nodes))
             for name, full in self._names.items():
                 self._writer.add_topic(full, table[name].type, offered(name))
         except StorageFault as fault:
@@ -92,21 +92,21 @@ class AnswerBag:
         when = due_ns
         if when is None:
             row = self._table[name]
-            stamp = stamp_of(data) if row.stamped else None
+            stamp = read_stamp(data) if row.stamped else None
             when = now_ns if stamp is None else stamp + row.latency_ns
-        self._try(lambda: self._writer.write(self._names[name], data, when))
+        self._try_step(lambda: self._writer.write(self._names[name], data, when))
 
     def flush(self) -> None:
         """Hand what has come to the operating system, if that is due."""
         if time.monotonic() - self._flushed >= FLUSH_PERIOD:
-            self._try(self._writer.flush)
+            self._try_step(self._writer.flush)
             self._flushed = time.monotonic()
 
     def close(self) -> None:
         """Finish the bag."""
-        self._try(self._writer.close, always=True)
+        self._try_step(self._writer.close, always=True)
 
-    def _try(self, step: Callable[[], None], *, always: bool = False) -> None:
+    def _try_step(self, step: Callable[[], None], *, always: bool = False) -> None:
         """Do something with the bag, unless the disk has failed, and keep the first fault."""
         if self.fault and not always:
             return

@@ -2,21 +2,21 @@
 
 from collections.abc import Mapping
 
-from lta_bridge.playback.recording import Recording
-from lta_bridge.provenance import here
+from lta_bridge.playback.recording import BagRecording
+from lta_bridge.provenance import describe_environment
 
 REPLAY_OF, REPLAYED = 'replay_of', 'replayed_nodes'  # keys of the origin
 SCENE = ('scenario', 'scenario_file', 'seed', 'offset_x', 'offset_y')  # as it was recorded
 SET = 'set'  # parameters of the flight, which `lta replay` alone gives to the nodes again
 
 
-def of_answers(recording: Recording, nodes: tuple[str, ...]) -> dict[str, str]:
+def build_answers_origin(recording: BagRecording, nodes: tuple[str, ...]) -> dict[str, str]:
     """Return the origin of what some nodes answer to a recording, with its own parameters."""
     told = {REPLAY_OF: str(recording.path), REPLAYED: ' '.join(nodes)}
-    return {**recording.provenance, **here(), **told}
+    return {**recording.provenance, **describe_environment(), **told}
 
 
-def of_replay(recording: Recording, graph: Mapping[str, str]) -> dict[str, str]:
+def build_replay_origin(recording: BagRecording, graph: Mapping[str, str]) -> dict[str, str]:
     """
     Return the origin of a whole graph that is recorded while a recording is played to it.
 

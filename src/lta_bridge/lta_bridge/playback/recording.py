@@ -10,14 +10,14 @@ from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import final, NamedTuple
 
-from lta_bridge.bookkeeping import stamp_of
-from lta_bridge.playback.files import ADVICE, announced, ordered
-from lta_bridge.provenance import part
-from lta_config.errors import BadInput, unknown
+from lta_bridge.message_accounting import read_stamp
+from lta_bridge.playback.mcap_reader import ADVICE, iterate_by_time, read_topic_types
+from lta_bridge.provenance import extract_robot_origin
+from lta_config.errors import BadInput, unknown_name
 from lta_config.topics import TopicTable
 
 
-class Recorded(NamedTuple):
+class RecordedMessage(NamedTuple):
     """One message: relative topic, time on the bag's clock [ns], bytes as recorded."""
 
     topic: str
@@ -26,7 +26,7 @@ class Recorded(NamedTuple):
 
 
 @final
-class Recording:
+class BagRecording:
     """
     One robot's part of a bag; see `open_recording`.
 
@@ -50,11 +50,15 @@ class Recording:
     ) -> None:
         self.path = path
         self._files = files
-        channels, told = announced(files)
-        robots = sorted({found[0] for found in split(channels, table)})
-        self.robot = chosen(path, robot or (own if own in robots else ''), robots)
-        self.provenance = part(told, self.robot)
-        mine = {name: full for owner, name, full in split(channels, table) if owner == self.robot}
+        channels, told = read_topic_types(files)
+        robots = sorted({found[0] for found in split_topic_names(channels, table)})
+        self.robot = choose_robot(path, robot or (own if own in robots else ''), robots)
+        self.provenance = extract_robot_origin(told, self.robot)
+        mine = {
+            name: full
+            for owner, name, full in split_topic_names(channels, table)
+            if owner == self.robot
+        }
         self.strange = tuple(
             f"'{full}' is of type '{channels[full]}', not {table[name].type}, and is left out"
             for name, full in mine.items()
@@ -65,9 +69,11 @@ class Recording:
         }
         self.topics = frozenset(self._names.values())
         self._shift = 0
-        self._shift = self._found_shift(table)
+        self._shift = self._find_clock_shift(table)
 
-    def messages(self, topics: Collection[str], begin_ns: int | None = None) -> Iterator[Recorded]:
+    def iterate_messages(
+        self, topics: Collection[str], begin_ns: int | None = None
+    ) -> Iterator[RecordedMessage]:
         """
         Yield messages in the order of the bag's clock.
 
@@ -82,19 +88,19 @@ class Recording:
         wanted = [full for full, name in self._names.items() if name in topics]
         since = None if begin_ns is None else max(0, begin_ns - self._shift)
         for file in self._files if wanted else []:
-            for full, log_time, data in ordered(file, wanted, since):
-                yield Recorded(self._names[full], log_time + self._shift, data)
+            for full, log_time, data in iterate_by_time(file, wanted, since):
+                yield RecordedMessage(self._names[full], log_time + self._shift, data)
 
-    def _found_shift(self, table: TopicTable) -> int:
+    def _find_clock_shift(self, table: TopicTable) -> int:
         """Return what to add to a log time for the time on the bag's clock. [ns]"""
         rhythmic = [name for name in self.topics if table[name].stamped and table[name].period_ns]
-        for name, time_ns, data in self.messages(rhythmic):
-            if stamp := stamp_of(data):
+        for name, time_ns, data in self.iterate_messages(rhythmic):
+            if stamp := read_stamp(data):
                 return stamp + table[name].latency_ns - time_ns
         return 0
 
 
-def open_recording(path: Path, robot: str, table: TopicTable, own: str = '') -> Recording:
+def open_recording(path: Path, robot: str, table: TopicTable, own: str = '') -> BagRecording:
     """
     Open a bag for playing.
 
@@ -126,10 +132,10 @@ def open_recording(path: Path, robot: str, table: TopicTable, own: str = '') -> 
     files = [file for file in files if not file.is_file() or file.stat().st_size] or files
     if not files:
         raise BadInput(f"'{path}' holds no recording in MCAP; {ADVICE}.")
-    return Recording(path, files, robot, table, own)
+    return BagRecording(path, files, robot, table, own)
 
 
-def split(names: Mapping[str, str], table: TopicTable) -> list[tuple[str, str, str]]:
+def split_topic_names(names: Mapping[str, str], table: TopicTable) -> list[tuple[str, str, str]]:
     """Return robot, relative name and full name of each topic that stands in the table."""
     found = []
     for full in names:
@@ -142,14 +148,14 @@ def split(names: Mapping[str, str], table: TopicTable) -> list[tuple[str, str, s
     return found
 
 
-def chosen(path: Path, robot: str, found: list[str]) -> str:
+def choose_robot(path: Path, robot: str, robots: list[str]) -> str:
     """Return the robot to play: the one that is named, or the only one."""
-    if not found:
+    if not robots:
         raise BadInput(f"'{path}' has no topic that LTA knows; see docs/topics.md.")
-    if robot and robot not in found:
-        raise unknown('robot', robot, found)
-    if not robot and len(found) > 1:
+    if robot and robot not in robots:
+        raise unknown_name('robot', robot, robots)
+    if not robot and len(robots) > 1:
         raise BadInput(
-            f"'{path}' holds several robots ({', '.join(found)}); name the one to play."
+            f"'{path}' holds several robots ({', '.join(robots)}); name the one to play."
         )
-    return robot or found[0]
+    return robot or robots[0]

@@ -6,10 +6,10 @@ Written by tools/dialect.py from firmware/light_board/mavlink/link.xml; do not e
 
 from typing import Final
 
-from lta_bridge.teensy.message import Message
+from lta_bridge.teensy.message import MavlinkMessage
 import numpy as np
 
-HEARTBEAT: Final = Message(
+HEARTBEAT: Final = MavlinkMessage(
     0,
     'HEARTBEAT',
     50,
@@ -24,7 +24,7 @@ HEARTBEAT: Final = Message(
         ]
     ),
 )
-TIMESYNC: Final = Message(
+TIMESYNC: Final = MavlinkMessage(
     111,
     'TIMESYNC',
     34,
@@ -35,7 +35,7 @@ TIMESYNC: Final = Message(
         ]
     ),
 )
-LTA_LIGHT_BLOCK: Final = Message(
+LTA_LIGHT_BLOCK: Final = MavlinkMessage(
     53400,
     'LTA_LIGHT_BLOCK',
     191,
@@ -49,7 +49,7 @@ LTA_LIGHT_BLOCK: Final = Message(
         ]
     ),
 )
-LTA_LIGHT_PEAKS: Final = Message(
+LTA_LIGHT_PEAKS: Final = MavlinkMessage(
     53401,
     'LTA_LIGHT_PEAKS',
     103,
@@ -65,7 +65,7 @@ LTA_LIGHT_PEAKS: Final = Message(
         ]
     ),
 )
-LTA_LIGHT_STATUS: Final = Message(
+LTA_LIGHT_STATUS: Final = MavlinkMessage(
     53402,
     'LTA_LIGHT_STATUS',
     193,

@@ -8,8 +8,8 @@ from collections.abc import Iterator
 import math
 from typing import final, NamedTuple
 
-from lta_bridge.teensy.blocks import Blocks
-from lta_bridge.teensy.clock import BoardClock, Exchange
+from lta_bridge.teensy.block_assembler import BlockAssembler
+from lta_bridge.teensy.board_clock import BoardClock, ClockExchange
 from lta_bridge.teensy.dialect import (
     HEARTBEAT,
     LTA_LIGHT_BLOCK,
@@ -17,12 +17,12 @@ from lta_bridge.teensy.dialect import (
     LTA_LIGHT_STATUS,
     TIMESYNC,
 )
-from lta_bridge.teensy.framing import Frame, Framing
-from lta_bridge.teensy.message import Message
-from lta_bridge.teensy.one_sender import OneSender
-from lta_config.topics import Light
+from lta_bridge.teensy.frame_parser import FrameParser, MavlinkFrame
+from lta_bridge.teensy.message import MavlinkMessage
+from lta_bridge.teensy.sender_filter import SenderFilter
+from lta_config.topics import AdcBlockShape
 from lta_vlc.demodulation import Peaks
-from lta_vlc.spectral.snr import signal_to_noise
+from lta_vlc.spectral.snr import signal_to_noise_ratio
 import numpy as np
 from numpy.typing import NDArray
 
@@ -94,7 +94,7 @@ class LightBoard:
     """
 
     def __init__(
-        self, light: Light, diodes: int, finds_peaks: bool = False, bits: int | None = None
+        self, light: AdcBlockShape, diodes: int, finds_peaks: bool = False, bits: int | None = None
     ) -> None:
         self._light, self._diodes, self._finds_peaks = light, diodes, finds_peaks
         self._bits = bits
@@ -102,10 +102,10 @@ class LightBoard:
         self._asked: list[int] = []
         self._next_beat = self._next_ask = self._looked_ns = 0
         self._replies: list[bytes] = []
-        self.sender = OneSender()
-        self.framing = Framing()
+        self.sender = SenderFilter()
+        self.framing = FrameParser()
         self.clock = BoardClock()
-        self.blocks = Blocks(light.samples, light.sample_rate.si)
+        self.blocks = BlockAssembler(light.samples, light.sample_rate.si)
         self.undated = self.heard_ns = self.overruns = self.peaks = 0
         self.unfit = self.unanswered = 0
         self._newest_ns = 0  # of the board's times
@@ -113,14 +113,14 @@ class LightBoard:
         self._unlike = self._unfit = ''  # by its status, and by the light that it sends
 
     @property
-    def wrong(self) -> str:
+    def fault(self) -> str:
         """Why its blocks cannot be used, in one sentence; empty where they can."""
         return self._unlike or self._unfit
 
-    def take(self, data: bytes, now_ns: int) -> Iterator[LightBlock | LightPeaks]:
+    def receive_data(self, data: bytes, now_ns: int) -> Iterator[LightBlock | LightPeaks]:
         """Take any part of the stream, when it came [ns], and yield what it completes."""
-        for frame in self.framing.take(data):
-            if not self._is_board(frame, now_ns):
+        for frame in self.framing.parse_frames(data):
+            if not self._is_from_board(frame, now_ns):
                 continue
             if frame.message is LTA_LIGHT_BLOCK:
                 yield from self._take_rows(frame.record, now_ns)
@@ -131,27 +131,27 @@ class LightBoard:
             elif frame.message is LTA_LIGHT_PEAKS:
                 yield from self._take_peaks(frame.record, now_ns)
 
-    def _is_board(self, frame: Frame, now_ns: int) -> bool:
+    def _is_from_board(self, frame: MavlinkFrame, now_ns: int) -> bool:
         """Tell whether the board sent it, and note that it lives; only light says who it is."""
         source, known = (frame.system, frame.component), self.sender.who
         if frame.message in OF_LIGHT:
-            heard = self.sender.believes(source, now_ns)
+            heard = self.sender.accept_sender(source, now_ns)
         else:
             heard = source == known or (known is None and frame.message is TIMESYNC)
         if heard:
             self.heard_ns = now_ns
         return heard
 
-    def due(self, now_ns: int) -> bytes:
+    def compose_due_messages(self, now_ns: int) -> bytes:
         """Return what is to be sent now: a heartbeat, a question for the time, answers."""
         out, self._replies = b''.join(self._replies), []
         if now_ns < self._looked_ns - BACK_NS:  # our own clock was set back
             self._next_beat = self._next_ask = now_ns
-            self.clock.begin_anew()
+            self.clock.restart()
         self._looked_ns = now_ns
         if now_ns >= self._next_beat:
             self._next_beat = now_ns + BEAT_NS
-            out += self._frame(
+            out += self._build_frame(
                 HEARTBEAT,
                 type=CONTROLLER,
                 autopilot=NO_AUTOPILOT,
@@ -159,29 +159,31 @@ class LightBoard:
                 mavlink_version=PROTOCOL,
             )
         if now_ns >= self._next_ask:
-            self._next_ask = now_ns + (ASK_NS if self.clock.known else EAGER_NS)
+            self._next_ask = now_ns + (ASK_NS if self.clock.is_synchronized else EAGER_NS)
             self._asked = [*self._asked[1 - QUESTIONS :], now_ns]
-            out += self._frame(TIMESYNC, ts1=now_ns)
+            out += self._build_frame(TIMESYNC, ts1=now_ns)
         return out
 
-    def _frame(self, message: Message, **values: int) -> bytes:
+    def _build_frame(self, message: MavlinkMessage, **values: int) -> bytes:
         self._sent += 1
-        return message.frame(self._sent - 1, SYSTEM, COMPONENT, **values)
+        return message.build_frame(self._sent - 1, SYSTEM, COMPONENT, **values)
 
     def _take_rows(self, record: np.void, now_ns: int) -> Iterator[LightBlock]:
-        self._heed_restart(_ns(record))
-        self._unfit = self._why_no_rows(int(record['diodes']), int(record['rows']))
+        self._detect_restart(_board_time_ns(record))
+        self._unfit = self._find_rows_fault(int(record['diodes']), int(record['rows']))
         if self._unfit:
             self.unfit += 1
             return
         diodes, rows = self._diodes, int(record['rows'])
         samples = record['samples'][: diodes * rows].reshape(rows, diodes)
-        for block in self.blocks.take(_ns(record), int(record['sequence']), samples):
-            stamp = self._dated(block.board_ns, now_ns)
+        for block in self.blocks.add_rows(
+            _board_time_ns(record), int(record['sequence']), samples
+        ):
+            stamp = self._find_host_time(block.board_ns, now_ns)
             if stamp is not None:
                 yield LightBlock(stamp, block.samples)
 
-    def _why_no_rows(self, diodes: int, rows: int) -> str:
+    def _find_rows_fault(self, diodes: int, rows: int) -> str:
         if self._finds_peaks:
             return (
                 'The light board sends samples and no peaks; start without light_peaks:=true, or '
@@ -198,8 +200,8 @@ class LightBoard:
 
     def _take_peaks(self, record: np.void, now_ns: int) -> Iterator[LightPeaks]:
         self.peaks += 1
-        self._heed_restart(_ns(record))
-        self._unfit = self._why_no_peaks(record)
+        self._detect_restart(_board_time_ns(record))
+        self._unfit = self._find_peaks_fault(record)
         if self._unfit:
             self.unfit += 1
             return
@@ -208,12 +210,12 @@ class LightBoard:
         # Of white noise with this root mean square, the mean magnitude of a bin.
         noise = record['noise'][:diodes].astype(np.float64) * math.sqrt(math.pi / window)
         frequency = np.full(diodes, float(record['frequency']))
-        stamp = self._dated(_ns(record), now_ns)
+        stamp = self._find_host_time(_board_time_ns(record), now_ns)
         if stamp is not None:
-            snr = signal_to_noise(amplitude, noise)
+            snr = signal_to_noise_ratio(amplitude, noise)
             yield LightPeaks(stamp, Peaks(amplitude, snr, frequency, noise))
 
-    def _why_no_peaks(self, record: np.void) -> str:
+    def _find_peaks_fault(self, record: np.void) -> str:
         diodes, window = int(record['diodes']), int(record['window'])
         if not self._finds_peaks:
             return 'The light board sends peaks and no samples; start with light_peaks:=true.'
@@ -233,22 +235,22 @@ class LightBoard:
             )
         return ''
 
-    def _heed_restart(self, board_ns: int) -> None:
+    def _detect_restart(self, board_ns: int) -> None:
         """Forget clock and rows of before where the board's time has gone back."""
         if board_ns < self._newest_ns - BACK_NS:
             if self.clock.restarts == self._resets:  # an answer has not told it that already
-                self.clock.begin_anew()
-            self.blocks.begin_anew()
+                self.clock.restart()
+            self.blocks.restart()
             self._newest_ns = board_ns
         self._newest_ns = max(self._newest_ns, board_ns)
         self._resets = self.clock.restarts
 
-    def _dated(self, board_ns: int, now_ns: int) -> int | None:
+    def _find_host_time(self, board_ns: int, now_ns: int) -> int | None:
         """Return our time of what the board stamped so; None where it may not be used."""
         if self._unlike:
             return None
-        if self.clock.known:
-            stamp = self.clock.ours(board_ns)
+        if self.clock.is_synchronized:
+            stamp = self.clock.to_host_time(board_ns)
             # Of a board that has just started anew, or anything: ROS cannot tell every time.
             if now_ns - OLDEST_NS < stamp < now_ns + AHEAD_NS:
                 return stamp
@@ -259,12 +261,12 @@ class LightBoard:
         board, asked = int(record['tc1']), int(record['ts1'])
         if board == 0:  # the other asks
             if len(self._replies) < QUESTIONS:
-                self._replies.append(self._frame(TIMESYNC, tc1=now_ns, ts1=asked))
+                self._replies.append(self._build_frame(TIMESYNC, tc1=now_ns, ts1=asked))
             else:
                 self.unanswered += 1
         elif asked in self._asked and 0 <= now_ns - asked < ANSWER_NS:
             self._asked.remove(asked)
-            self.clock.add(Exchange(asked, board, now_ns))
+            self.clock.add_exchange(ClockExchange(asked, board, now_ns))
 
     def _take_status(self, record: np.void) -> None:
         self.overruns = int(record['overruns'])
@@ -289,5 +291,5 @@ class LightBoard:
             )
 
 
-def _ns(record: np.void) -> int:
+def _board_time_ns(record: np.void) -> int:
     return int(record['time_usec']) * 1000

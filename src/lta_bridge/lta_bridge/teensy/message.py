@@ -15,7 +15,7 @@ SIGNED = 0x01  # the one incompatibility flag that there is
 
 @final
 @dataclass(frozen=True, slots=True)
-class Message:
+class MavlinkMessage:
     """
     One message of the dialect.
 
@@ -37,12 +37,12 @@ class Message:
     crc_extra: int
     layout: 'np.dtype[np.void]'
 
-    def record(self, payload: bytes | bytearray) -> np.void:
+    def parse_payload(self, payload: bytes | bytearray) -> np.void:
         """Return the fields of a payload; zeros at its end are not sent, newer fields are cut."""
         size = self.layout.itemsize
         return np.frombuffer(bytes(payload[:size]).ljust(size, b'\0'), self.layout)[0]  # type: ignore[no-any-return]
 
-    def frame(self, turn: int, system: int, component: int, **values: Any) -> bytes:  # noqa: ANN401
+    def build_frame(self, turn: int, system: int, component: int, **values: Any) -> bytes:  # noqa: ANN401
         """
         Return a message as it goes on the wire.
 

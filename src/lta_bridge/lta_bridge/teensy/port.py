@@ -9,7 +9,7 @@ import termios
 import time
 from typing import Final, final, Protocol
 
-from lta_bridge.teensy.one_sender import OneSender
+from lta_bridge.teensy.sender_filter import SenderFilter
 from lta_config.errors import BadInput
 import serial
 from serial.tools import list_ports
@@ -28,7 +28,7 @@ class Unplugged(OSError):
     """The link is gone."""
 
 
-class Port(Protocol):
+class BoardPort(Protocol):
     """An open link; `strangers` counts what came from others than the board, and was left out."""
 
     @property
@@ -49,7 +49,7 @@ class Port(Protocol):
         ...
 
 
-def open_port(address: str) -> Port:
+def open_port(address: str) -> BoardPort:
     """
     Return an open link.
 
@@ -82,7 +82,7 @@ class SerialPort:
                 path, BAUD, timeout=0.0, write_timeout=SEND_TIMEOUT, exclusive=True
             )
         except (OSError, ValueError, termios.error) as error:  # the last, as it is pulled out
-            raise BadInput(_why(path, error)) from None
+            raise BadInput(_explain_open_error(path, error)) from None
 
     def read(self, timeout: float) -> bytes:
         """Return what has come, after at most so long. [s]"""
@@ -136,8 +136,8 @@ class UdpPort:
                 f"'{address}' is no place to listen; give udp://0.0.0.0:14550, or where others "
                 'can send too udp://0.0.0.0:14550?from=192.168.4.2.'
             )
-        self._clock, self._sender = clock, OneSender()
-        self._only = None if told['board'] is None else _resolved(told['board'], address)
+        self._clock, self._sender = clock, SenderFilter()
+        self._only = None if told['board'] is None else _resolve_host(told['board'], address)
         self._foreign = 0  # datagrams of other addresses than the one that was given
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 20)
@@ -164,18 +164,18 @@ class UdpPort:
         try:
             for _ in range(MOST):
                 data, sender = self._socket.recvfrom(CHUNK)
-                if self._believes(sender):
+                if self._accept_sender(sender):
                     self._board = sender
                     parts.append(data)
         except OSError:  # nothing more, or word that an answer found nobody
             pass
         return b''.join(parts)
 
-    def _believes(self, sender: tuple[str, int]) -> bool:
+    def _accept_sender(self, sender: tuple[str, int]) -> bool:
         if self._only not in (None, sender[0]):
             self._foreign += 1
             return False
-        return self._sender.believes(sender, self._clock())
+        return self._sender.accept_sender(sender, self._clock())
 
     def write(self, data: bytes) -> None:
         """Send to where the board sends from."""
@@ -190,7 +190,7 @@ class UdpPort:
         self._socket.close()
 
 
-def _resolved(host: str, address: str) -> str:
+def _resolve_host(host: str, address: str) -> str:
     """Return the address of a host; `BadInput` where nobody knows it."""
     try:
         return socket.gethostbyname(host)
@@ -200,7 +200,7 @@ def _resolved(host: str, address: str) -> str:
         ) from None
 
 
-def _why(path: str, error: Exception) -> str:
+def _explain_open_error(path: str, error: Exception) -> str:
     """Return why a serial port cannot be opened and what to do."""
     number = getattr(error, 'errno', None)
     if number == errno.ENOENT:

@@ -6,7 +6,7 @@ import time
 from typing import final
 
 from lta_bridge.teensy.light_board import LightBlock, LightBoard, LightPeaks
-from lta_bridge.teensy.port import open_port, Port, Unplugged
+from lta_bridge.teensy.port import BoardPort, open_port, Unplugged
 from lta_config.errors import BadInput
 
 GATHER = 1e-3  # s between reads: a wake-up for each frame would cost more than the frame
@@ -15,7 +15,7 @@ BACK_OFF = (0.1, 0.2, 0.5, 1.0)  # s before opening again; the last goes on
 
 
 @final
-class Reader:
+class BoardReader:
     """
     A thread that reads one board.
 
@@ -54,7 +54,7 @@ class Reader:
         self._address, self.board, self._publish, self._clock = address, board, publish, clock
         self.unplugged = 0
         self.trouble = ''
-        self._port: Port | None = open_port(address)
+        self._port: BoardPort | None = open_port(address)
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._run, name='light board', daemon=True)
         self._thread.start()
@@ -76,25 +76,25 @@ class Reader:
                 if self._port is None:
                     self._port = open_port(self._address)
                     self.trouble = ''
-                self._exchange(self._port)
+                self._exchange_data(self._port)
                 failures = 0
             except (Unplugged, BadInput) as error:
-                self._lose(str(error))
+                self._drop_port(str(error))
                 self._ended.wait(BACK_OFF[min(failures, len(BACK_OFF) - 1)])
                 failures += 1
         if self._port is not None:
             self._port.close()
 
-    def _exchange(self, port: Port) -> None:
+    def _exchange_data(self, port: BoardPort) -> None:
         """Send what is due, take what has come, and let a little gather."""
-        if due := self.board.due(self._clock()):
+        if due := self.board.compose_due_messages(self._clock()):
             port.write(due)
         if data := port.read(IDLE):
-            for block in self.board.take(data, self._clock()):
+            for block in self.board.receive_data(data, self._clock()):
                 self._publish(block)
         time.sleep(GATHER)
 
-    def _lose(self, why: str) -> None:
+    def _drop_port(self, why: str) -> None:
         if self._port is not None:
             self._port.close()
             self._port = None

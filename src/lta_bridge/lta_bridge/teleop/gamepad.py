@@ -11,7 +11,7 @@ from pathlib import Path
 import struct
 from typing import Final, final
 
-from lta_bridge.teleop.sticks import Layout, of_gamepad, Sticks
+from lta_bridge.teleop.sticks import GamepadLayout, Sticks, to_sticks
 from lta_config.errors import BadInput
 
 EVENT: Final = struct.Struct('<IhBB')  # time [ms], value, type, number
@@ -39,7 +39,7 @@ class Gamepad:
 
     """
 
-    def __init__(self, path: Path, layout: Layout) -> None:
+    def __init__(self, path: Path, layout: GamepadLayout) -> None:
         self._path, self._layout = path, layout
         try:
             self._fd: int | None = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
@@ -55,7 +55,7 @@ class Gamepad:
         self._axes: dict[int, float] = {}
         self._buttons: dict[int, int] = {}
 
-    def sticks(self, now: float) -> Sticks | None:
+    def read_sticks(self, now: float) -> Sticks | None:
         """
         Return what it says at a time [s]; None while it is unplugged, or not the layout's.
 
@@ -63,9 +63,9 @@ class Gamepad:
         the emergency stop means it. So does one that was pressed just before the plug was pulled.
         """
         if self._fd is None:
-            self._reopen(now)
+            self._try_reopen(now)
         tapped = set()
-        for value, kind, number in self._events():
+        for value, kind, number in self._read_events():
             if kind == AXIS:
                 # Left and up are negative here, and positive in Joy.
                 self._axes[number] = -value / FULL
@@ -75,10 +75,10 @@ class Gamepad:
                     tapped.add(number)
         if self._fd is None and not tapped:
             return None
-        buttons = [int(level) for level in _row(self._buttons)]
-        return of_gamepad(self._layout, _row(self._axes), buttons, tapped)
+        buttons = [int(level) for level in _fill_gaps(self._buttons)]
+        return to_sticks(self._layout, _fill_gaps(self._axes), buttons, tapped)
 
-    def _reopen(self, now: float) -> None:
+    def _try_reopen(self, now: float) -> None:
         if now - self._tried < REOPEN:
             return
         self._tried = now
@@ -88,7 +88,7 @@ class Gamepad:
             return
         self._axes, self._buttons = {}, {}
 
-    def _events(self) -> Iterator[tuple[int, int, int]]:
+    def _read_events(self) -> Iterator[tuple[int, int, int]]:
         """Yield value, kind and number of what has come; close what is gone."""
         while self._fd is not None:
             try:
@@ -110,6 +110,6 @@ class Gamepad:
             self._fd = None
 
 
-def _row(told: dict[int, float] | dict[int, int]) -> list[float]:
+def _fill_gaps(levels: dict[int, float] | dict[int, int]) -> list[float]:
     """Return what was told by number, without gaps."""
-    return [told.get(number, 0) for number in range(max(told, default=-1) + 1)]
+    return [levels.get(number, 0) for number in range(max(levels, default=-1) + 1)]

@@ -63,9 +63,9 @@ class Keyboard:
         self._torn = b''
         self._dead = False
 
-    def sticks(self, now: float) -> Sticks | None:
+    def read_sticks(self, now: float) -> Sticks | None:
         """Return which keys are down at a time [s]; None once the terminal is gone."""
-        fresh = self._typed()
+        fresh = self._read_keys()
         if self._dead:
             return None
         for key in fresh:
@@ -76,7 +76,7 @@ class Keyboard:
         )
         return Sticks(forward, turn, climb, TAKE in fresh, GIVE_BACK in fresh, STOP in fresh)
 
-    def _typed(self) -> str:
+    def _read_keys(self) -> str:
         try:
             typed = os.read(self._fd, 1024)
         except BlockingIOError:

@@ -3,12 +3,12 @@
 from typing import Final, final
 
 from diagnostic_msgs.msg import DiagnosticArray
-from lta_bridge.teleop.helm import Felt
-from lta_bridge.teleop.sticks import Layout, of_gamepad, Sticks
-from lta_control.messages import to_measured
-from lta_graph.refused import Refused
-from lta_graph.ros.helm import HELD, HELM
-from lta_graph.ros.sound import fault
+from lta_bridge.teleop.steering import HeadingAltitude
+from lta_bridge.teleop.sticks import GamepadLayout, Sticks, to_sticks
+from lta_control.messages import to_measurement
+from lta_graph.rejections import RejectionCount
+from lta_graph.ros.command_mux import HELD, HELM
+from lta_graph.ros.message_validation import find_fault
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import Joy
 
@@ -27,38 +27,38 @@ class JoyDevice:
 
     """
 
-    def __init__(self, layout: Layout) -> None:
+    def __init__(self, layout: GamepadLayout) -> None:
         self._layout = layout
-        self.unsound = Refused()
+        self.unsound = RejectionCount()
         self._newest: Joy | None = None
         self._heard = 0.0
         self._tapped: set[int] = set()
 
-    def heard(self, message: Joy, now: float) -> None:
+    def receive(self, message: Joy, now: float) -> None:
         """Take a message at a time. [s]"""
         self._newest, self._heard = message, now
-        if of_gamepad(self._layout, message.axes, message.buttons) is None:
+        if to_sticks(self._layout, message.axes, message.buttons) is None:
             have = f'{len(message.axes)} axes and {len(message.buttons)} buttons'
             self.unsound.add(f'joy: {have} are not those of the layout')
             return
         self._tapped |= {number for number, level in enumerate(message.buttons) if level == 1}
-        if why := fault(message):  # such an axis is at rest, and the buttons count
+        if why := find_fault(message):  # such an axis is at rest, and the buttons count
             self.unsound.add(f'joy: {why}')
 
-    def sticks(self, now: float) -> Sticks | None:
+    def read_sticks(self, now: float) -> Sticks | None:
         """Return what it says at a time [s]; None where nothing has come for `SILENT`."""
         tapped, self._tapped = self._tapped, set()
         silent = now - self._heard > SILENT and not tapped
         if self._newest is None or silent:
             return None
-        return of_gamepad(self._layout, self._newest.axes, self._newest.buttons, tapped)
+        return to_sticks(self._layout, self._newest.axes, self._newest.buttons, tapped)
 
     def close(self) -> None:
         """Do nothing: the subscription is the node's."""
 
 
 @final
-class Flyers:
+class SetpointFollowers:
     """
     What a drone's nodes that fly by setpoints say of whose count, in their health.
 
@@ -73,7 +73,7 @@ class Flyers:
         self._robot = robot.strip('/')
         self._held: dict[str, bool] = {}
 
-    def heard(self, array: DiagnosticArray) -> None:
+    def update(self, array: DiagnosticArray) -> None:
         """Take what some node says of its health."""
         for status in array.status:
             if status.hardware_id == self._robot and status.name.endswith(f': {HELM}'):
@@ -82,12 +82,12 @@ class Flyers:
                     self._held[status.name] = told[HELD] == str(True)
 
     @property
-    def held(self) -> bool | None:
+    def person_steers(self) -> bool | None:
         """Whether any flies by a person's; None where none has said."""
         return any(self._held.values()) if self._held else None
 
 
-def to_felt(odom: Odometry) -> Felt | None:
+def to_heading_altitude(odom: Odometry) -> HeadingAltitude | None:
     """Return heading and altitude; None while the estimator still learns, or where it fails."""
-    measured = None if fault(odom) else to_measured(odom)
-    return None if measured is None else Felt(measured.heading, measured.altitude)
+    measured = None if find_fault(odom) else to_measurement(odom)
+    return None if measured is None else HeadingAltitude(measured.heading, measured.altitude)

@@ -27,22 +27,22 @@ class Sticks(NamedTuple):
     stop: bool = False
 
     @property
-    def moved(self) -> bool:
+    def is_deflected(self) -> bool:
         """Whether any stick is out of its rest."""
         return any((self.forward, self.turn, self.climb))
 
 
-class Device(Protocol):
+class StickDevice(Protocol):
     """What a person holds."""
 
-    def sticks(self, now: float) -> Sticks | None:
+    def read_sticks(self, now: float) -> Sticks | None:
         """Return what it says at a time [s], on a clock that only goes on; None: it is dead."""
 
     def close(self) -> None:
         """Give it back as it was."""
 
 
-class Layout(Settings):
+class GamepadLayout(Settings):
     """Which axis and button of a gamepad is which; these are an Xbox pad's under Linux."""
 
     forward: int = setting(4, 'Axis: right stick, up is ahead.', low=0, high=63, fixed=True)
@@ -56,8 +56,8 @@ class Layout(Settings):
     rest: float = setting(0.1, 'Deflection that counts as none.', low=0.0, high=0.9, fixed=True)
 
 
-def of_gamepad(
-    layout: Layout,
+def to_sticks(
+    layout: GamepadLayout,
     axes: Sequence[float],
     buttons: Sequence[int],
     tapped: Collection[int] = (),
@@ -86,12 +86,12 @@ def of_gamepad(
     pressed = (layout.take, layout.give_back, layout.stop)
     if max(wanted) >= len(axes) or max(pressed) >= len(buttons):
         return None
-    forward, turn, climb = (deflection(axes[axis], layout.rest) for axis in wanted)
+    forward, turn, climb = (apply_dead_zone(axes[axis], layout.rest) for axis in wanted)
     take, give_back, stop = (buttons[button] == 1 or button in tapped for button in pressed)
     return Sticks(forward, turn, climb, take, give_back, stop)
 
 
-def deflection(raw: float, rest: float) -> float:
+def apply_dead_zone(raw: float, rest: float) -> float:
     """Return a stick's deflection without the play about its rest, again from -1 to 1."""
     size = (min(abs(raw), 1.0) - rest) / (1.0 - rest)
     if not size > 0.0:  # what is no number is none either

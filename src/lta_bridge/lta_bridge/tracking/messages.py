@@ -5,27 +5,27 @@ from typing import Any
 
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import PoseStamped
-from lta_bridge.tracking.motion import Motion
-from lta_bridge.tracking.pose import Pose
+from lta_bridge.tracking.motion import TrackerMotion
+from lta_bridge.tracking.pose import TrackerPose
 from nav_msgs.msg import Odometry
 import numpy as np
 
 
-def from_pose(message: PoseStamped) -> Pose:
+def from_pose(message: PoseStamped) -> TrackerPose:
     """Return the pose."""
-    return _pose(message.pose.position, message.pose.orientation)
+    return _build_pose(message.pose.position, message.pose.orientation)
 
 
-def from_transform(message: Any) -> Pose:  # noqa: ANN401 - a TransformStamped
+def from_transform(message: Any) -> TrackerPose:  # noqa: ANN401 - a TransformStamped
     """Return the pose of the child frame."""
-    return _pose(message.transform.translation, message.transform.rotation)
+    return _build_pose(message.transform.translation, message.transform.rotation)
 
 
-def _pose(p: Any, q: Any) -> Pose:  # noqa: ANN401 - generated classes of the same fields
-    return Pose((p.x, p.y, p.z), (q.x, q.y, q.z, q.w))
+def _build_pose(p: Any, q: Any) -> TrackerPose:  # noqa: ANN401 - generated classes of the same fields
+    return TrackerPose((p.x, p.y, p.z), (q.x, q.y, q.z, q.w))
 
 
-def to_odometry(stamp: Time, frame: str, motion: Motion) -> Odometry:
+def to_odometry(stamp: Time, frame: str, motion: TrackerMotion) -> Odometry:
     """Return pose and twist with their variances; -1 says that one is not known."""
     message = Odometry(child_frame_id='base_link')
     message.header.stamp, message.header.frame_id = stamp, frame
@@ -35,12 +35,12 @@ def to_odometry(stamp: Time, frame: str, motion: Motion) -> Odometry:
     q.x, q.y, q.z, q.w = motion.pose.turn
     v.x, v.y, v.z = motion.velocity
     w.x, w.y, w.z = motion.rates
-    message.pose.covariance = _diagonal(motion.place_sigma, motion.turn_sigma)
-    message.twist.covariance = _diagonal(motion.velocity_sigma, motion.rates_sigma)
+    message.pose.covariance = _diagonal_covariance(motion.place_sigma, motion.turn_sigma)
+    message.twist.covariance = _diagonal_covariance(motion.velocity_sigma, motion.rates_sigma)
     return message
 
 
-def _diagonal(first: float, second: float) -> np.ndarray:
+def _diagonal_covariance(first: float, second: float) -> np.ndarray:
     """Return a covariance of two deviations, three times each."""
     if math.isnan(first) or math.isnan(second):
         unknown = np.zeros(36)

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 import math
 from typing import Final, final, NamedTuple
 
-from lta_bridge.tracking.pose import Pose, Three
+from lta_bridge.tracking.pose import Three, TrackerPose
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
@@ -20,7 +20,7 @@ HALF_NS: Final = 50_000_000  # of the window: an airship's motion takes many tim
 GAP_NS: Final = 250_000_000  # poses farther apart than this say nothing of each other
 
 
-class Motion(NamedTuple):
+class TrackerMotion(NamedTuple):
     """
     A pose with its motion.
 
@@ -39,7 +39,7 @@ class Motion(NamedTuple):
     """
 
     stamp_ns: int
-    pose: Pose
+    pose: TrackerPose
     velocity: Three
     rates: Three
     place_sigma: float
@@ -49,7 +49,7 @@ class Motion(NamedTuple):
 
 
 @final
-class Window:
+class MotionWindow:
     """
     Take poses, and give them back with their motion once it is known.
 
@@ -62,7 +62,7 @@ class Window:
 
     def __init__(self) -> None:
         self.gaps = 0
-        self._poses: deque[tuple[int, Pose]] = deque()
+        self._poses: deque[tuple[int, TrackerPose]] = deque()
         self._next = 0  # index of the first pose that is not told yet
 
     def clear(self) -> None:
@@ -70,7 +70,7 @@ class Window:
         self._poses.clear()
         self._next = 0
 
-    def add(self, stamp_ns: int, pose: Pose) -> Iterator[Motion]:
+    def add_pose(self, stamp_ns: int, pose: TrackerPose) -> Iterator[TrackerMotion]:
         """Take a pose, later than all before, and yield what is settled by it."""
         if self._poses and stamp_ns - self._poses[-1][0] > GAP_NS:
             self.gaps += 1
@@ -82,17 +82,17 @@ class Window:
                 return
             # The first pose has none before it.
             if self._next > 0:
-                yield moving(list(self._around(centre)), centre)
+                yield estimate_motion(list(self._select_neighbors(centre)), centre)
             self._next += 1
-            self._drop()
+            self._drop_old_poses()
 
-    def _around(self, centre_ns: int) -> Iterator[tuple[int, Pose]]:
+    def _select_neighbors(self, centre_ns: int) -> Iterator[tuple[int, TrackerPose]]:
         """Yield the poses of the window, and the neighbours where they are farther away."""
         for k, item in enumerate(self._poses):
             if abs(item[0] - centre_ns) <= HALF_NS or abs(k - self._next) <= 1:
                 yield item
 
-    def _drop(self) -> None:
+    def _drop_old_poses(self) -> None:
         """Forget what no window needs any more."""
         centre = self._poses[self._next][0]
         while self._next > 1 and self._poses[0][0] < centre - HALF_NS:
@@ -100,7 +100,7 @@ class Window:
             self._next -= 1
 
 
-def moving(poses: list[tuple[int, Pose]], centre_ns: int) -> Motion:
+def estimate_motion(poses: list[tuple[int, TrackerPose]], centre_ns: int) -> TrackerMotion:
     """
     Return the motion at one of three or more poses.
 
@@ -118,14 +118,14 @@ def moving(poses: list[tuple[int, Pose]], centre_ns: int) -> Motion:
     own = turn.inv()
     places = own.apply(np.array([each.place for _, each in poses]) - pose.place)
     turns = (own * Rotation.from_quat([each.turn for _, each in poses])).as_rotvec()
-    slope, (place, spun), grown = parabola(t, np.hstack((places, turns)))
+    slope, (place, spun), grown = fit_parabola(t, np.hstack((places, turns)))
     vx, vy, vz, wx, wy, wz = slope
-    return Motion(
+    return TrackerMotion(
         centre_ns, pose, (vx, vy, vz), (wx, wy, wz), place, spun, grown * place, grown * spun
     )
 
 
-def parabola(
+def fit_parabola(
     t: NDArray[np.float64], y: NDArray[np.float64]
 ) -> tuple[list[float], tuple[float, float], float]:
     """

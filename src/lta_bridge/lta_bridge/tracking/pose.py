@@ -7,44 +7,48 @@ Three = tuple[float, float, float]
 Turn = tuple[float, float, float, float]
 
 
-class Pose(NamedTuple):
+class TrackerPose(NamedTuple):
     """Where a frame's origin is in its parent [m], and how it is turned there."""
 
     place: Three
     turn: Turn
 
 
-def planted(x: float, y: float, z: float, yaw: float) -> Pose:
+def level_pose(x: float, y: float, z: float, yaw: float) -> TrackerPose:
     """Return a pose that is level: place [m] and heading [rad]."""
-    return Pose((x, y, z), (0.0, 0.0, math.sin(0.5 * yaw), math.cos(0.5 * yaw)))
+    return TrackerPose((x, y, z), (0.0, 0.0, math.sin(0.5 * yaw), math.cos(0.5 * yaw)))
 
 
-def unit(pose: Pose) -> Pose:
+def normalize_pose(pose: TrackerPose) -> TrackerPose:
     """Return a pose whose quaternion has the length 1."""
     x, y, z, w = pose.turn
     length = math.hypot(x, y, z, w)
-    return Pose(pose.place, (x / length, y / length, z / length, w / length))
+    return TrackerPose(pose.place, (x / length, y / length, z / length, w / length))
 
 
-def chained(a: Pose, b: Pose) -> Pose:
+def compose_poses(a: TrackerPose, b: TrackerPose) -> TrackerPose:
     """Return b in the frame that a is given in."""
-    x, y, z = rotated(a.turn, b.place)
-    return Pose((a.place[0] + x, a.place[1] + y, a.place[2] + z), _product(a.turn, b.turn))
+    x, y, z = rotate_vector(a.turn, b.place)
+    return TrackerPose(
+        (a.place[0] + x, a.place[1] + y, a.place[2] + z), _quaternion_product(a.turn, b.turn)
+    )
 
 
-def rotated(turn: Turn, v: Three) -> Three:
+def rotate_vector(turn: Turn, v: Three) -> Three:
     """Return a vector turned."""
-    x, y, z, _ = _product(_product(turn, (*v, 0.0)), (-turn[0], -turn[1], -turn[2], turn[3]))
+    x, y, z, _ = _quaternion_product(
+        _quaternion_product(turn, (*v, 0.0)), (-turn[0], -turn[1], -turn[2], turn[3])
+    )
     return x, y, z
 
 
-def angle(a: Turn, b: Turn) -> float:
+def angle_between(a: Turn, b: Turn) -> float:
     """Return the angle between two attitudes, 0 to pi. [rad]"""
-    x, y, z, w = _product((-a[0], -a[1], -a[2], a[3]), b)
+    x, y, z, w = _quaternion_product((-a[0], -a[1], -a[2], a[3]), b)
     return 2.0 * math.atan2(math.hypot(x, y, z), abs(w))
 
 
-def _product(p: Turn, q: Turn) -> Turn:
+def _quaternion_product(p: Turn, q: Turn) -> Turn:
     px, py, pz, pw = p
     qx, qy, qz, qw = q
     return (

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 import math
 from typing import Final, final, Protocol
 
-from lta_challenge.other.truth import Six, Truth
+from lta_challenge.other.truth import Six, VehicleTruth
 import numpy as np
 
 UNSTEADY: Final = 0.02  # of a wind, by which it comes and goes, root mean square
@@ -15,13 +15,13 @@ MEMORY: Final = 2.5  # s; of each of its two filters
 class MovingAir(Protocol):
     """What moves the air somewhere."""
 
-    def at(self, time: float, x: float, y: float, z: float) -> Six:
+    def sample_flow(self, time: float, x: float, y: float, z: float) -> Six:
         """Return velocity and acceleration of the air there, in the map. [m/s], [m/s2]."""
         ...
 
 
 @final
-class Draught:
+class RoomDraught:
     """
     Slow random horizontal air motion, the same in the whole room.
 
@@ -52,7 +52,7 @@ class Draught:
         series *= size / math.sqrt(float(np.sum(kernel**2)))
         self._series: list[list[float]] = series[settled:].tolist()
 
-    def at(self, time: float, x: float, y: float, z: float) -> Six:
+    def sample_flow(self, time: float, x: float, y: float, z: float) -> Six:
         """Return it, straight between the points of its grid."""
         index = min(int(time / GRID), len(self._series) - 2)
         one, two = self._series[index], self._series[index + 1]
@@ -80,13 +80,13 @@ class UnsteadyWind:
 
     """
 
-    def __init__(self, truth: Truth, seconds: float, draw: np.random.Generator) -> None:
+    def __init__(self, truth: VehicleTruth, seconds: float, draw: np.random.Generator) -> None:
         self._wind = truth.wind
-        self._more = Draught(UNSTEADY, seconds, draw)
+        self._more = RoomDraught(UNSTEADY, seconds, draw)
 
-    def at(self, time: float, x: float, y: float, z: float) -> Six:
+    def sample_flow(self, time: float, x: float, y: float, z: float) -> Six:
         """Return velocity and acceleration of the air."""
-        share, _, _, gain, _, _ = self._more.at(time, x, y, z)
+        share, _, _, gain, _, _ = self._more.sample_flow(time, x, y, z)
         u, v, w = self._wind
         share += 1.0
         return share * u, share * v, share * w, gain * u, gain * v, gain * w
@@ -99,11 +99,11 @@ class RoomAir:
     def __init__(self, movers: Sequence[MovingAir]) -> None:
         self._movers = movers
 
-    def at(self, time: float, x: float, y: float, z: float) -> Six:
+    def sample_flow(self, time: float, x: float, y: float, z: float) -> Six:
         """Return velocity and acceleration of the air at a place of the map."""
         u = v = w = a = b = c = 0.0
         for one in self._movers:
-            more = one.at(time, x, y, z)
+            more = one.sample_flow(time, x, y, z)
             u, v, w = u + more[0], v + more[1], w + more[2]
             a, b, c = a + more[3], b + more[4], c + more[5]
         return u, v, w, a, b, c

@@ -13,7 +13,7 @@ acceleration times the displaced and the added mass.
 import math
 from typing import Final, final
 
-from lta_challenge.other.truth import Six, Triple, Truth
+from lta_challenge.other.truth import Six, Triple, VehicleTruth
 import numpy as np
 from numpy.typing import NDArray
 
@@ -29,7 +29,7 @@ State = list[float]  # place, velocity over the map, quaternion w x y z, body ra
 Nine = tuple[float, float, float, float, float, float, float, float, float]
 
 
-def rotation(w: float, x: float, y: float, z: float) -> Nine:
+def rotation_matrix(w: float, x: float, y: float, z: float) -> Nine:
     """Return the matrix from body to map, row by row, of a quaternion of about unit length."""
     two = 2.0 / (w * w + x * x + y * y + z * z)
     xx, yy, zz = two * x * x, two * y * y, two * z * z
@@ -42,7 +42,7 @@ def rotation(w: float, x: float, y: float, z: float) -> Nine:
     )  # fmt: skip
 
 
-def cross(a: Triple, b: Triple) -> Triple:
+def cross_product(a: Triple, b: Triple) -> Triple:
     """Return a x b."""
     return (
         a[1] * b[2] - a[2] * b[1],
@@ -69,7 +69,7 @@ def to_map(r: Nine, x: float, y: float, z: float) -> Triple:
     )
 
 
-def mass_matrix(truth: Truth) -> NDArray[np.float64]:
+def mass_matrix(truth: VehicleTruth) -> NDArray[np.float64]:
     """Return impulse and its moment per velocity and rate about the hull centre, shape (6, 6)."""
     x, y, z = truth.cg
     arm = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
@@ -91,12 +91,12 @@ class KirchhoffBody:
 
     """
 
-    def __init__(self, truth: Truth) -> None:
+    def __init__(self, truth: VehicleTruth) -> None:
         self.truth = truth
         self.masses = mass_matrix(truth)
         self._inverse: list[list[float]] = np.linalg.inv(self.masses).tolist()
 
-    def drag(self, v: Triple, w: Triple) -> Six:
+    def drag_wrench(self, v: Triple, w: Triple) -> Six:
         """
         Return force and moment of drag.
 
@@ -118,10 +118,10 @@ class KirchhoffBody:
             -(square * abs(u) + linear) * u
             for square, linear, u in zip(t.turn_square, t.turn_linear, w, strict=True)
         ]
-        a, b, c = self._plates(w)
+        a, b, c = self._plate_moment(w)
         return force[0], force[1], force[2], moment[0] + a, moment[1] + b, moment[2] + c
 
-    def _plates(self, w: Triple) -> Triple:
+    def _plate_moment(self, w: Triple) -> Triple:
         """
         Return the moment of the parts that stand in the air, by Gauss's rule.
 
@@ -133,35 +133,39 @@ class KirchhoffBody:
         for plate in self.truth.plates:
             for share, weight in GAUSS:
                 x, y, z = (c + share * h for c, h in zip(plate.place, plate.reach, strict=True))
-                u = cross(w, (x, y, z))
+                u = cross_product(w, (x, y, z))
                 a, b, c = (-weight * d * abs(s) * s for d, s in zip(plate.drag, u, strict=True))
-                for k, each in enumerate(cross((x, y, z), (a, b, c))):
+                for k, each in enumerate(cross_product((x, y, z), (a, b, c))):
                     sums[k] += each
         return sums[0], sums[1], sums[2]
 
-    def _weight(self, up: Triple, time: float) -> Six:
+    def _weight_wrench(self, up: Triple, time: float) -> Six:
         """Return weight at the centre of gravity, with buoyancy and lift at the hull centre."""
         t = self.truth
         weight = t.mass * GRAVITY
         free = t.displaced * GRAVITY - weight + t.lift - t.leak * time
-        moment = cross(t.cg, (-weight * up[0], -weight * up[1], -weight * up[2]))
+        moment = cross_product(t.cg, (-weight * up[0], -weight * up[1], -weight * up[2]))
         return (free * up[0], free * up[1], free * up[2], *moment)
 
-    def _carried(self, v: Triple, w: Triple) -> Six:
+    def _rotating_frame_wrench(self, v: Triple, w: Triple) -> Six:
         """Return P x w, and H x w + P x v: what turning axes make of the impulse."""
         t = self.truth
         m, (a, b, c) = t.mass, t.added_mass
-        swing = cross(w, t.cg)
+        swing = cross_product(w, t.cg)
         air = (a * v[0], b * v[1], c * v[2])
         body = (m * (v[0] + swing[0]), m * (v[1] + swing[1]), m * (v[2] + swing[2]))
-        own, (i, j, k), (d, e, f) = cross(t.cg, body), t.inertia, t.added_inertia
+        own, (i, j, k), (d, e, f) = cross_product(t.cg, body), t.inertia, t.added_inertia
         spin = (
             own[0] + (i + d) * w[0],
             own[1] + (j + e) * w[1],
             own[2] + (k + f + t.yaw_air * (1.0 + GROWTH * abs(w[2]))) * w[2],
         )
-        force = cross((body[0] + air[0], body[1] + air[1], body[2] + air[2]), w)
-        turned, pulled, munk = cross(spin, w), cross(body, v), cross(air, v)
+        force = cross_product((body[0] + air[0], body[1] + air[1], body[2] + air[2]), w)
+        turned, pulled, munk = (
+            cross_product(spin, w),
+            cross_product(body, v),
+            cross_product(air, v),
+        )
         part = t.munk
         return (
             *force,
@@ -170,7 +174,7 @@ class KirchhoffBody:
             turned[2] + pulled[2] + part * munk[2],
         )
 
-    def _gust(self, r: Nine, air: Six) -> Six:
+    def _gust_wrench(self, r: Nine, air: Six) -> Six:
         """Return the force of air that gains speed."""
         if not (air[3] or air[4] or air[5]):
             return STILL
@@ -178,7 +182,7 @@ class KirchhoffBody:
         x, y, z = ((t.displaced + t.added_mass[k]) * gain[k] for k in range(3))
         return x, y, z, 0.0, 0.0, 0.0
 
-    def accelerations(self, state: State, air: Six, push: Six, time: float) -> Six:
+    def compute_accelerations(self, state: State, air: Six, push: Six, time: float) -> Six:
         """
         Return the acceleration of the hull centre over the map, and that of the body rates.
 
@@ -194,12 +198,12 @@ class KirchhoffBody:
             Since the start. [s]
 
         """
-        r = rotation(state[6], state[7], state[8], state[9])
+        r = rotation_matrix(state[6], state[7], state[8], state[9])
         w = (state[10], state[11], state[12])
         v = to_body(r, state[3] - air[0], state[4] - air[1], state[5] - air[2])
         parts = (
-            push, self.drag(v, w), self._weight((r[6], r[7], r[8]), time), self._carried(v, w),
-            self._gust(r, air),
+            push, self.drag_wrench(v, w), self._weight_wrench((r[6], r[7], r[8]), time),
+            self._rotating_frame_wrench(v, w), self._gust_wrench(r, air),
         )  # fmt: skip
         a, b, c, d, e, f = map(sum, zip(*parts, strict=True))
         gains = [
@@ -210,6 +214,6 @@ class KirchhoffBody:
             more = 2.0 * GROWTH * self.truth.yaw_air * abs(w[2])
             share = more * gains[5] / (1.0 + more * self._inverse[5][5])
             gains = [g - share * n[5] for g, n in zip(gains, self._inverse, strict=True)]
-        turned = cross(w, v)
+        turned = cross_product(w, v)
         over = to_map(r, gains[0] + turned[0], gains[1] + turned[1], gains[2] + turned[2])
         return (*over, gains[3], gains[4], gains[5])

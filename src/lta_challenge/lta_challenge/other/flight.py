@@ -6,9 +6,9 @@ import math
 from typing import Final, final, Protocol
 
 from lta_challenge.other.air import MovingAir, RoomAir
-from lta_challenge.other.body import KirchhoffBody, rotation, State, STILL
+from lta_challenge.other.body import KirchhoffBody, rotation_matrix, State, STILL
 from lta_challenge.other.rotors import RotorSet
-from lta_challenge.other.truth import Six, Truth
+from lta_challenge.other.truth import Six, VehicleTruth
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,41 +17,41 @@ Array = NDArray[np.float64]
 TICK: Final = 0.01  # s; from command to command, and the step of the integrator
 
 
-class Unlisted(Protocol):
+class UnlistedDisturbance(Protocol):
     """Something that is in no library, and acts on one flight."""
 
-    def duties(self, duties: Sequence[float]) -> Sequence[float]:
+    def adjust_duties(self, duties: Sequence[float]) -> Sequence[float]:
         """Return what the rotors do of what is commanded."""
         ...
 
-    def thrusts(self, thrusts: Sequence[float], duties: Sequence[float]) -> Sequence[float]:
+    def adjust_thrusts(self, thrusts: Sequence[float], duties: Sequence[float]) -> Sequence[float]:
         """Return what comes of the thrust of each rotor. [N]."""
         ...
 
-    def air(self) -> MovingAir | None:
+    def moving_air(self) -> MovingAir | None:
         """Return how it moves the air, if it does."""
         ...
 
-    def push(self, time: float, state: State, air: Six, acceleration: Six) -> Six:
+    def step_wrench(self, time: float, state: State, air: Six, acceleration: Six) -> Six:
         """Return its wrench about the hull centre in body axes over the next step, and go on."""
         ...
 
 
-class Flyer(Protocol):
+class DutyPilot(Protocol):
     """Who commands."""
 
-    def resting(self) -> list[float]:
+    def initial_duties(self) -> list[float]:
         """Return the duties before the start."""
         ...
 
-    def duties(self, time: float, state: State) -> list[float]:
+    def compute_duties(self, time: float, state: State) -> list[float]:
         """Return the duties at a time and state."""
         ...
 
 
 @final
 @dataclass(frozen=True, slots=True)
-class FlownPath:
+class SimulatedPath:
     """
     What happened.
 
@@ -80,7 +80,7 @@ class FlownPath:
     unlisted: Array
 
 
-def spun(state: State, gain: Six) -> State:
+def state_derivative(state: State, gain: Six) -> State:
     """Return the derivative of a state."""
     _, _, _, u, v, w, q, x, y, z, a, b, c = state
     return [
@@ -93,15 +93,17 @@ def spun(state: State, gain: Six) -> State:
     ]  # fmt: skip
 
 
-def step(rate: Callable[[float, State], State], state: State, first: State, dt: float) -> State:
+def step_runge_kutta(
+    rate: Callable[[float, State], State], state: State, first: State, dt: float
+) -> State:
     """Return a state a step later, by the classical method of Runge and Kutta."""
 
-    def moved(by: float, along: State) -> State:
+    def shift_state(by: float, along: State) -> State:
         return [s + by * d for s, d in zip(state, along, strict=True)]
 
-    second = rate(0.5 * dt, moved(0.5 * dt, first))
-    third = rate(0.5 * dt, moved(0.5 * dt, second))
-    fourth = rate(dt, moved(dt, third))
+    second = rate(0.5 * dt, shift_state(0.5 * dt, first))
+    third = rate(0.5 * dt, shift_state(0.5 * dt, second))
+    fourth = rate(dt, shift_state(dt, third))
     after = [
         s + dt / 6.0 * (a + 2.0 * (b + c) + d)
         for s, a, b, c, d in zip(state, first, second, third, fourth, strict=True)
@@ -112,7 +114,7 @@ def step(rate: Callable[[float, State], State], state: State, first: State, dt: 
 
 
 @final
-class Flying:
+class FlightSimulator:
     """
     One flight.
 
@@ -133,45 +135,45 @@ class Flying:
 
     def __init__(
         self,
-        truth: Truth,
-        pilot: Flyer,
+        truth: VehicleTruth,
+        pilot: DutyPilot,
         air: Sequence[MovingAir] = (),
-        unlisted: Unlisted | None = None,
+        unlisted: UnlistedDisturbance | None = None,
     ) -> None:
         self._body, self._pilot, self._strange = KirchhoffBody(truth), pilot, unlisted
-        own = unlisted.air() if unlisted else None
+        own = unlisted.moving_air() if unlisted else None
         self._plain_air = RoomAir(air)
         self._air = RoomAir([*air, own]) if own else self._plain_air
-        self._rotors, self._plain = (RotorSet(truth, pilot.resting()) for _ in range(2))
+        self._rotors, self._plain = (RotorSet(truth, pilot.initial_duties()) for _ in range(2))
         self._late = math.floor(truth.delay / TICK)
         self._shift = truth.delay - TICK * self._late
-        self._duties: Sequence[float] = pilot.resting()
+        self._duties: Sequence[float] = pilot.initial_duties()
         self._push = STILL
 
-    def _thrusts(self, after: float) -> Sequence[float]:
+    def _rotor_thrusts(self, after: float) -> Sequence[float]:
         """Return the thrust of each rotor, so long after the last command."""
-        thrusts = self._rotors.thrusts(after)
-        return self._strange.thrusts(thrusts, self._duties) if self._strange else thrusts
+        thrusts = self._rotors.thrusts_after(after)
+        return self._strange.adjust_thrusts(thrusts, self._duties) if self._strange else thrusts
 
-    def _gain(self, time: float, after: float, state: State) -> Six:
+    def _compute_accelerations(self, time: float, after: float, state: State) -> Six:
         """Return the accelerations of a state."""
-        wrench = self._rotors.wrench(self._thrusts(after))
+        wrench = self._rotors.total_wrench(self._rotor_thrusts(after))
         a, b, c, d, e, f = (one + two for one, two in zip(wrench, self._push, strict=True))
-        air = self._air.at(time, state[0], state[1], state[2])
-        return self._body.accelerations(state, air, (a, b, c, d, e, f), time)
+        air = self._air.sample_flow(time, state[0], state[1], state[2])
+        return self._body.compute_accelerations(state, air, (a, b, c, d, e, f), time)
 
-    def _unlisted(self, time: float, state: State, gain: Six) -> Array:
+    def _unlisted_wrench(self, time: float, state: State, gain: Six) -> Array:
         """Return the wrench without which the vehicle would fly as if nothing were strange."""
-        wrench = self._plain.wrench(self._plain.thrusts(0.0))
-        air = self._plain_air.at(time, state[0], state[1], state[2])
-        plain = self._body.accelerations(state, air, wrench, time)
+        wrench = self._plain.total_wrench(self._plain.thrusts_after(0.0))
+        air = self._plain_air.sample_flow(time, state[0], state[1], state[2])
+        plain = self._body.compute_accelerations(state, air, wrench, time)
         more = np.subtract(gain, plain)
-        r = np.array(rotation(*state[6:10])).reshape(3, 3)
+        r = np.array(rotation_matrix(*state[6:10])).reshape(3, 3)
         more[:3] = more[:3] @ r
         wrench_more: Array = self._body.masses @ more
         return wrench_more
 
-    def flown(self, state: State, seconds: float) -> FlownPath:
+    def simulate(self, state: State, seconds: float) -> SimulatedPath:
         """Fly from a state; the first command comes TICK after it."""
         count = round(seconds / TICK)
         commands: list[Sequence[float]] = []
@@ -180,38 +182,40 @@ class Flying:
         for k in range(-1, count):
             time = k * TICK + self._shift
             if k >= 0:
-                commands.append(self._pilot.duties(k * TICK, state))
-            self._command(commands[k - self._late] if k >= self._late and k >= 0 else None)
+                commands.append(self._pilot.compute_duties(k * TICK, state))
+            self._apply_command(commands[k - self._late] if k >= self._late and k >= 0 else None)
             if self._strange:
-                air = self._air.at(time, state[0], state[1], state[2])
-                self._push = self._strange.push(time, state, air, gain)
-            gain = self._gain(time, 0.0, state)
+                air = self._air.sample_flow(time, state[0], state[1], state[2])
+                self._push = self._strange.step_wrench(time, state, air, gain)
+            gain = self._compute_accelerations(time, 0.0, state)
             states.append(state)
             gains.append(gain)
-            thrusts.append(self._thrusts(0.0))
-            strange.append(self._unlisted(time, state, gain) if self._strange else np.zeros(6))
-            state = self._stepped(time, state, gain)
+            thrusts.append(self._rotor_thrusts(0.0))
+            strange.append(
+                self._unlisted_wrench(time, state, gain) if self._strange else np.zeros(6)
+            )
+            state = self._step_state(time, state, gain)
         time_of = TICK * np.arange(-1, count, dtype=np.float64) + self._shift
-        return FlownPath(
+        return SimulatedPath(
             time_of, np.array(states), np.array(gains), np.array(commands),
             np.array(thrusts), np.array(strange),
         )  # fmt: skip
 
-    def _command(self, duties: Sequence[float] | None) -> None:
+    def _apply_command(self, duties: Sequence[float] | None) -> None:
         """Let a command reach the rotors."""
         if duties is None:
             return
-        self._plain.command(duties)
-        self._duties = self._strange.duties(duties) if self._strange else duties
-        self._rotors.command(self._duties)
+        self._plain.set_duties(duties)
+        self._duties = self._strange.adjust_duties(duties) if self._strange else duties
+        self._rotors.set_duties(self._duties)
 
-    def _stepped(self, time: float, state: State, gain: Six) -> State:
+    def _step_state(self, time: float, state: State, gain: Six) -> State:
         """Return the state a step later, and let the rotors run on."""
 
         def rate(after: float, at: State) -> State:
-            return spun(at, self._gain(time + after, after, at))
+            return state_derivative(at, self._compute_accelerations(time + after, after, at))
 
-        later = step(rate, state, spun(state, gain), TICK)
+        later = step_runge_kutta(rate, state, state_derivative(state, gain), TICK)
         self._rotors.advance(TICK)
         self._plain.advance(TICK)
         return later

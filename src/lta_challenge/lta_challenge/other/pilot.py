@@ -4,8 +4,8 @@ from dataclasses import dataclass
 import math
 from typing import Final, final
 
-from lta_challenge.other.body import GRAVITY, rotation, State
-from lta_challenge.other.truth import Truth
+from lta_challenge.other.body import GRAVITY, rotation_matrix, State
+from lta_challenge.other.truth import VehicleTruth
 import numpy as np
 
 Draw = np.random.Generator
@@ -23,7 +23,7 @@ EASE: Final = 0.0067  # N; of each forward rotor, that they can steer while the 
 
 @final
 @dataclass(frozen=True, slots=True)
-class Manoeuvre:
+class PilotManeuver:
     """
     What is flown for a while.
 
@@ -52,9 +52,9 @@ class Manoeuvre:
     turn: float
 
 
-def flown_plan(seconds: float, draw: Draw) -> list[Manoeuvre]:
+def draw_plan(seconds: float, draw: Draw) -> list[PilotManeuver]:
     """Return what is flown, one after the other."""
-    plan, time = list[Manoeuvre](), 0.0
+    plan, time = list[PilotManeuver](), 0.0
     order = list(draw.permutation(MANOEUVRES[:3]))
     while time < seconds:
         name = str(order.pop() if order else draw.choice(MANOEUVRES, p=WEIGHTS))
@@ -63,7 +63,7 @@ def flown_plan(seconds: float, draw: Draw) -> list[Manoeuvre]:
         duty = float(draw.uniform(0.3, 0.6) if name == 'rock' else draw.uniform(0.25, 0.5))
         period, height = float(draw.uniform(1.7, 2.5)), float(draw.uniform(*HEIGHTS))
         turn = float(draw.choice([-1.0, 1.0]) * draw.uniform(0.4, 2.2))
-        plan.append(Manoeuvre(name, time, duty, period, height, turn))
+        plan.append(PilotManeuver(name, time, duty, period, height, turn))
     return plan
 
 
@@ -83,8 +83,8 @@ class SwingingPilot:
 
     """
 
-    def __init__(self, seconds: float, nominal: Truth, draw: Draw) -> None:
-        self.plan = flown_plan(seconds, draw)
+    def __init__(self, seconds: float, nominal: VehicleTruth, draw: Draw) -> None:
+        self.plan = draw_plan(seconds, draw)
         self._draw = draw
         self._curve = nominal.curve
         self._lifting = nominal.columns[0][2]
@@ -100,18 +100,18 @@ class SwingingPilot:
         """Where to at the start. [rad]."""
         return self._heading
 
-    def resting(self) -> list[float]:
+    def initial_duties(self) -> list[float]:
         """Return the duties that carry the vehicle of the file."""
-        up = self._duty(0.5 * self._weight / self._lifting)
-        ease = self._duty(EASE)
+        up = self._thrust_to_duty(0.5 * self._weight / self._lifting)
+        ease = self._thrust_to_duty(EASE)
         return [up, up, ease, ease]
 
-    def _duty(self, thrust: float) -> float:
+    def _thrust_to_duty(self, thrust: float) -> float:
         """Return the duty for a thrust of one rotor. [N]."""
         a, b = self._curve
         return (math.sqrt(b * b + 4.0 * a * max(thrust, 0.0)) - b) / (2.0 * a)
 
-    def _dither(self, time: float) -> list[float]:
+    def _draw_dither(self, time: float) -> list[float]:
         """Return what is added to each duty, at random and for a while."""
         for k, until in enumerate(self._until):
             if time >= until:
@@ -119,7 +119,7 @@ class SwingingPilot:
                 self._until[k] = time + float(self._draw.uniform(0.12, 0.5))
         return self._shake
 
-    def _now(self, time: float, state: State) -> Manoeuvre:
+    def _current_maneuver(self, time: float, state: State) -> PilotManeuver:
         """Return what is flown now; begin the next one where the last is over."""
         begin = self._at < 0 or (time >= self.plan[self._at].end and self._at + 1 < len(self.plan))
         if begin:
@@ -131,7 +131,7 @@ class SwingingPilot:
                 self._heading = home + float(self._draw.uniform(-0.7, 0.7))
         return self.plan[self._at]
 
-    def duties(self, time: float, state: State) -> list[float]:
+    def compute_duties(self, time: float, state: State) -> list[float]:
         """
         Return the duties of up left, up right, forward left and forward right.
 
@@ -143,21 +143,24 @@ class SwingingPilot:
             The vehicle, which the pilot sees.
 
         """
-        now = self._now(time, state)
-        r = rotation(*state[6:10])
+        now = self._current_maneuver(time, state)
+        r = rotation_matrix(*state[6:10])
         swing = math.hypot(math.acos(min(r[8], 1.0)), state[10] / SWING, state[11] / SWING)
-        ahead, aside = self._forward(now, time, state, swing), self._steered(state, r[0], r[3])
-        lift, roll = self._lifted(now, state), self._rolled(now, time)
+        ahead, aside = (
+            self._forward_duty(now, time, state, swing),
+            self._steering_difference(state, r[0], r[3]),
+        )
+        lift, roll = self._lift_duty(now, state), self._roll_difference(now, time)
         wanted = [lift - roll, lift + roll]
-        base = self._duty(EASE)
+        base = self._thrust_to_duty(EASE)
         # Without thrust ahead the rotors cannot steer, and they cannot pull back.
         wanted += [max(ahead, base) - aside, max(ahead, base) + aside]
         return [
             min(max(one + more, 0.0), 1.0)
-            for one, more in zip(wanted, self._dither(time), strict=True)
+            for one, more in zip(wanted, self._draw_dither(time), strict=True)
         ]
 
-    def _forward(self, now: Manoeuvre, time: float, state: State, swing: float) -> float:
+    def _forward_duty(self, now: PilotManeuver, time: float, state: State, swing: float) -> float:
         """Return the duty ahead."""
         nose_up = state[11] < 0.0  # rates about y, which points left: the nose goes up
         if state[2] > CEILING:
@@ -172,22 +175,22 @@ class SwingingPilot:
             return now.duty if nose_up else 0.0
         return 0.0
 
-    def _steered(self, state: State, forward_x: float, forward_y: float) -> float:
+    def _steering_difference(self, state: State, forward_x: float, forward_y: float) -> float:
         """Return by how much the forward duties differ, half of it, to hold the heading."""
         off = self._heading - math.atan2(forward_y, forward_x)
         off = math.remainder(off, 2.0 * math.pi)
         return min(max(0.12 * off - 0.35 * state[12], -0.25), 0.25)
 
-    def _lifted(self, now: Manoeuvre, state: State) -> float:
+    def _lift_duty(self, now: PilotManeuver, state: State) -> float:
         """Return the duty upward that brings the height that is wanted."""
         off = now.height - state[2]
         self._sum = min(max(self._sum + 2e-5 * off, -0.03), 0.08)  # N
         force = self._weight + self._sum + 0.06 * off - 0.15 * state[5]
         if state[2] < FLOOR:
             force += 0.3 * (FLOOR - state[2])
-        return self._duty(0.5 * force / self._lifting)
+        return self._thrust_to_duty(0.5 * force / self._lifting)
 
-    def _rolled(self, now: Manoeuvre, time: float) -> float:
+    def _roll_difference(self, now: PilotManeuver, time: float) -> float:
         """Return by how much the upward duties differ, half of it."""
         if now.name != 'roll':
             return 0.0

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 import math
 from typing import Final, final
 
-from lta_challenge.other.body import cross
-from lta_challenge.other.truth import Six, Truth
+from lta_challenge.other.body import cross_product
+from lta_challenge.other.truth import Six, VehicleTruth
 
 WIDTH: Final = 0.02  # of a deadband, by which it starts later and stops earlier, relative
 SECOND: Final = 0.1  # of a hidden lag is a second stage
@@ -25,7 +25,7 @@ class RotorSet:
 
     """
 
-    def __init__(self, truth: Truth, duties: Sequence[float]) -> None:
+    def __init__(self, truth: VehicleTruth, duties: Sequence[float]) -> None:
         self._truth = truth
         whole = truth.lag + truth.slow_lag
         # Two stages delay on the average by the sum of their time constants.
@@ -33,10 +33,10 @@ class RotorSet:
         self._early = whole - self._late
         self._turning = [False] * len(truth.gains)
         self._aim = [0.0] * len(truth.gains)
-        self.command(duties)
+        self.set_duties(duties)
         self._first, self._second = list(self._aim), list(self._aim)
 
-    def command(self, duties: Sequence[float]) -> None:
+    def set_duties(self, duties: Sequence[float]) -> None:
         """Take the duties that hold from now on."""
         low = self._truth.deadband
         for k, duty in enumerate(duties):
@@ -44,7 +44,7 @@ class RotorSet:
             self._turning[k] = duty >= edge
             self._aim[k] = duty if self._turning[k] else 0.0
 
-    def _after(self, seconds: float) -> tuple[list[float], list[float]]:
+    def _lag_stages(self, seconds: float) -> tuple[list[float], list[float]]:
         """Return both stages so long after the command."""
         early, late = self._early, self._late
         fast = math.exp(-seconds / early)
@@ -60,18 +60,18 @@ class RotorSet:
 
     def advance(self, seconds: float) -> None:
         """Let them run on."""
-        self._first, self._second = self._after(seconds)
+        self._first, self._second = self._lag_stages(seconds)
 
-    def thrusts(self, seconds: float) -> list[float]:
+    def thrusts_after(self, seconds: float) -> list[float]:
         """Return the thrust of each, so long after the command. [N]."""
         a, b = self._truth.curve
         scale = self._truth.thrust
         return [
             scale * gain * (a * u + b) * u
-            for gain, u in zip(self._truth.gains, self._after(seconds)[1], strict=True)
+            for gain, u in zip(self._truth.gains, self._lag_stages(seconds)[1], strict=True)
         ]
 
-    def wrench(self, thrusts: Sequence[float]) -> Six:
+    def total_wrench(self, thrusts: Sequence[float]) -> Six:
         """Return force and moment about the hull centre of some thrusts."""
         sums = [0.0] * 6
         for thrust, column in zip(thrusts, self._truth.columns, strict=True):
@@ -80,11 +80,13 @@ class RotorSet:
         return sums[0], sums[1], sums[2], sums[3], sums[4], sums[5]
 
 
-def toed(column: Six, place: tuple[float, float, float], turn: tuple[float, float, float]) -> Six:
+def rotate_column(
+    column: Six, place: tuple[float, float, float], turn: tuple[float, float, float]
+) -> Six:
     """Return what a rotor does that is turned about its own place by small angles. [rad]."""
     force, moment = column[:3], column[3:]
-    more = cross(turn, force)
-    lever = cross(place, more)
+    more = cross_product(turn, force)
+    lever = cross_product(place, more)
     x, y, z = (force[k] + more[k] for k in range(3))
     l, m, n = (moment[k] + lever[k] for k in range(3))  # noqa: E741
     return x, y, z, l, m, n

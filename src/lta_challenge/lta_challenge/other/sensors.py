@@ -5,8 +5,8 @@ import math
 from typing import Final, final, Literal
 
 from lta_challenge.other.body import GRAVITY
-from lta_challenge.other.flight import Array, FlownPath, TICK
-from lta_challenge.other.truth import Truth
+from lta_challenge.other.flight import Array, SimulatedPath, TICK
+from lta_challenge.other.truth import VehicleTruth
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 from scipy.spatial.transform import Rotation
@@ -46,7 +46,7 @@ INNER: Final = 0.15  # ohm
 
 @final
 @dataclass(frozen=True, slots=True)
-class Moments:
+class SampledMotion:
     """
     The motion at the times of some samples.
 
@@ -87,7 +87,9 @@ class SensorSet:
 
     """
 
-    def __init__(self, path: FlownPath, truth: Truth, stamps: Stamps, draw: Draw) -> None:
+    def __init__(
+        self, path: SimulatedPath, truth: VehicleTruth, stamps: Stamps, draw: Draw
+    ) -> None:
         self._path, self._truth, self._stamps, self._draw = path, truth, stamps, draw
         time, states, gains = path.time, path.states, path.gains
         w, (q, x, y, z) = states[:, 10:13], states[:, 6:10].T
@@ -100,14 +102,14 @@ class SensorSet:
         slopes = np.hstack([states[:, 3:6], gains[:, :3], turning, gains[:, 3:]])
         self._states = CubicHermiteSpline(time, states, slopes)
 
-    def _sampled(self, rate: float, age: float = 0.0) -> Array:
+    def _sample_times(self, rate: float, age: float = 0.0) -> Array:
         """Return when a sensor looks, at a rate of its own. [s]."""
         off = self._draw.choice([-1.0, 1.0]) * self._draw.uniform(*CLOCK)
         period = (1.0 + off) / rate
         first = 2.0 * TICK + age + self._draw.uniform(0.0, 1.0 / rate)
         return np.arange(first, self._path.time[-1], period)
 
-    def _stamped(self, time: Array, *, pose: bool = False) -> Array:
+    def _stamp_times(self, time: Array, *, pose: bool = False) -> Array:
         """Return what is written down of the times of samples."""
         if self._stamps == 'millisecond':
             return np.round(time / MILLISECOND) * MILLISECOND
@@ -117,82 +119,86 @@ class SensorSet:
             return time + JITTER * self._draw.standard_normal(len(time))
         return time
 
-    def _noise(self, size: float, *shape: int) -> Array:
+    def _white_noise(self, size: float, *shape: int) -> Array:
         """Return white noise."""
         return size * self._draw.standard_normal(shape)
 
-    def _moments(self, time: Array) -> Moments:
+    def _interpolate_motion(self, time: Array) -> SampledMotion:
         """Return the motion at some times."""
         states = self._states(time)
         gains = np.column_stack([
             np.interp(time, self._path.time, each) for each in self._path.gains.T
         ])  # fmt: skip
         turn = Rotation.from_quat(np.roll(states[:, 6:10], -1, axis=1))
-        return Moments(
+        return SampledMotion(
             states[:, :3], states[:, 3:6], gains[:, :3], turn, states[:, 10:], gains[:, 3:]
         )
 
-    def poses(self) -> tuple[Array, Array]:
+    def measure_poses(self) -> tuple[Array, Array]:
         """Return what a tracker sees: place and quaternion x y z w, in its own axes."""
         age = self._truth.tracker_delay
-        time = self._sampled(POSE_RATE, age)
-        moments = self._moments(time - age)
+        time = self._sample_times(POSE_RATE, age)
+        moments = self._interpolate_motion(time - age)
         to_map = Rotation.from_euler('ZYX', self._truth.tracker)
-        place = to_map.apply(moments.place, inverse=True) + self._noise(PLACE_NOISE, len(time), 3)
-        shaken = Rotation.from_rotvec(self._noise(ATTITUDE_NOISE, len(time), 3))
+        place = to_map.apply(moments.place, inverse=True) + self._white_noise(
+            PLACE_NOISE, len(time), 3
+        )
+        shaken = Rotation.from_rotvec(self._white_noise(ATTITUDE_NOISE, len(time), 3))
         turn = to_map.inv() * moments.turn * shaken
-        return self._stamped(time, pose=True), np.hstack([place, turn.as_quat()])
+        return self._stamp_times(time, pose=True), np.hstack([place, turn.as_quat()])
 
-    def imu(self) -> tuple[Array, Array]:
+    def measure_imu(self) -> tuple[Array, Array]:
         """Return body rates and specific force at the place of the IMU."""
-        time, t = self._sampled(IMU_RATE), self._truth
-        moments = self._moments(time)
+        time, t = self._sample_times(IMU_RATE), self._truth
+        moments = self._interpolate_motion(time)
         free = moments.gain + np.array([0.0, 0.0, GRAVITY])
         arm, rates = np.array(t.imu_place), moments.rates
         lever = np.cross(moments.spin, arm) + np.cross(rates, np.cross(rates, arm))
         force = moments.turn.apply(free, inverse=True) + lever
         rates = rates * (1.0 + np.array(t.gyro_scale)) + t.gyro_bias
-        rates = rates + self._noise(GYRO_NOISE, len(time), 3)
-        force = force + t.imu_bias + self._noise(FORCE_NOISE, len(time), 3)
-        return self._stamped(time), np.hstack([rates, force])
+        rates = rates + self._white_noise(GYRO_NOISE, len(time), 3)
+        force = force + t.imu_bias + self._white_noise(FORCE_NOISE, len(time), 3)
+        return self._stamp_times(time), np.hstack([rates, force])
 
-    def ranges(self) -> tuple[Array, Array]:
+    def measure_ranges(self) -> tuple[Array, Array]:
         """Return the distance to the floor along the body's downward axis."""
-        time, t = self._sampled(RANGE_RATE), self._truth
-        moments = self._moments(time)
+        time, t = self._sample_times(RANGE_RATE), self._truth
+        moments = self._interpolate_motion(time)
         height = moments.place[:, 2] + moments.turn.apply(t.range_place)[:, 2]
         upright = moments.turn.apply([0.0, 0.0, 1.0])[:, 2]
-        seen = height / upright + t.range_offset + self._noise(RANGE_NOISE, len(time))
-        return self._stamped(time), seen[:, None]
+        seen = height / upright + t.range_offset + self._white_noise(RANGE_NOISE, len(time))
+        return self._stamp_times(time), seen[:, None]
 
-    def pressures(self) -> tuple[Array, Array]:
+    def measure_pressures(self) -> tuple[Array, Array]:
         """Return the pressure of the air at the flight controller."""
-        time, t = self._sampled(PRESSURE_RATE), self._truth
-        moments = self._moments(time)
+        time, t = self._sample_times(PRESSURE_RATE), self._truth
+        moments = self._interpolate_motion(time)
         height = moments.place[:, 2] + moments.turn.apply(t.imu_place)[:, 2]
-        walk = np.cumsum(self._noise(PRESSURE_WALK / math.sqrt(PRESSURE_RATE), len(time)))
+        walk = np.cumsum(self._white_noise(PRESSURE_WALK / math.sqrt(PRESSURE_RATE), len(time)))
         seen = SEA_LEVEL * np.exp(-height / SCALE_HEIGHT) + t.pressure_offset + walk
-        return self._stamped(time), (seen + self._noise(PRESSURE_NOISE, len(time)))[:, None]
+        return self._stamp_times(time), (seen + self._white_noise(PRESSURE_NOISE, len(time)))[
+            :, None
+        ]
 
-    def voltages(self) -> tuple[Array, Array]:
+    def measure_voltages(self) -> tuple[Array, Array]:
         """Return the voltage of the battery, which falls as charge is used and sags under load."""
         full, noise = self._draw.uniform(3.95, 4.15), VOLTAGE_NOISE
         power = POWER[0] + POWER[1] * self._path.thrusts.sum(axis=1)
         current = power / full
         used = np.cumsum(current) * TICK / CHARGE
         voltage = full - 0.7 * used - INNER * current
-        time = self._sampled(BATTERY_RATE)
-        seen = np.interp(time, self._path.time, voltage) + self._noise(noise, len(time))
-        return self._stamped(time), seen[:, None]
+        time = self._sample_times(BATTERY_RATE)
+        seen = np.interp(time, self._path.time, voltage) + self._white_noise(noise, len(time))
+        return self._stamp_times(time), seen[:, None]
 
-    def streams(self) -> dict[str, tuple[Array, Array]]:
+    def record_streams(self) -> dict[str, tuple[Array, Array]]:
         """Return all that is recorded, the commands included."""
         commands = self._path.commands
         return {
-            'ground_truth/odom': self.poses(),
-            'imu': self.imu(),
-            'range': self.ranges(),
-            'pressure': self.pressures(),
-            'battery': self.voltages(),
+            'ground_truth/odom': self.measure_poses(),
+            'imu': self.measure_imu(),
+            'range': self.measure_ranges(),
+            'pressure': self.measure_pressures(),
+            'battery': self.measure_voltages(),
             'motors': (TICK * np.arange(len(commands), dtype=np.float64), commands),
         }

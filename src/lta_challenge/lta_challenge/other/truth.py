@@ -14,7 +14,7 @@ NONE: Final[Triple] = (0.0, 0.0, 0.0)
 
 
 @final
-class Plate(NamedTuple):
+class DragPlate(NamedTuple):
     """A part that brakes turns: where it is, how far it reaches each way, N s2/m2 by axis."""
 
     place: Triple
@@ -24,7 +24,7 @@ class Plate(NamedTuple):
 
 @final
 @dataclass(frozen=True, slots=True)
-class Truth:
+class VehicleTruth:
     """
     What is true of one flight.
 
@@ -94,7 +94,7 @@ class Truth:
     drag: Triple
     turn_linear: Triple
     turn_square: Triple
-    plates: tuple[Plate, ...]
+    plates: tuple[DragPlate, ...]
     curve: tuple[float, float]
     columns: tuple[Six, ...]
     places: tuple[Triple, ...]
@@ -123,7 +123,7 @@ class Truth:
     pressure_offset: float = 0.0
 
 
-def triple(values: object) -> Triple:
+def to_triple(values: object) -> Triple:
     """Return three floats of anything that holds three numbers."""
     x, y, z = (float(each) for each in values)  # type: ignore[attr-defined]
     return x, y, z
@@ -160,21 +160,21 @@ def spheroid_added_mass(diameter: float, height: float, density: float) -> tuple
     return (edge, edge, broad), (tumbling, tumbling, 0.0)
 
 
-def plates_of(vehicle: Vehicle) -> tuple[Plate, ...]:
+def build_plates(vehicle: Vehicle) -> tuple[DragPlate, ...]:
     """Return the boxes that brake turns: the aero block has what they do to straight motion."""
     out = []
     for part in vehicle.file.parts.values():
         if part.drag and part.drag.in_aero and part.size:
-            x, y, z = triple(part.size.vector)
+            x, y, z = to_triple(part.size.vector)
             each = 0.5 * vehicle.air_density * part.drag.coefficient.si
             drag = (each * y * z, each * z * x, each * x * y)
             longest = max(x, y, z)
-            reach = triple(0.5 * side if side == longest else 0.0 for side in (x, y, z))
-            out.append(Plate(triple(part.position.vector), reach, drag))
+            reach = to_triple(0.5 * side if side == longest else 0.0 for side in (x, y, z))
+            out.append(DragPlate(to_triple(part.position.vector), reach, drag))
     return tuple(out)
 
 
-def truth_of(vehicle: Vehicle) -> Truth:
+def build_truth(vehicle: Vehicle) -> VehicleTruth:
     """Return a vehicle as its file has it; `BadInput` if it is none that this can fly."""
     file = vehicle.file
     diameter, height = file.hull.diameter, file.hull.height
@@ -183,26 +183,26 @@ def truth_of(vehicle: Vehicle) -> Truth:
     added = spheroid_added_mass(diameter.si, height.si, vehicle.air_density)
     linear, square = file.aero.linear_drag, file.aero.quadratic_drag
     columns = tuple(
-        (*triple(each.force.vector), *triple(each.moment.vector))
+        (*to_triple(each.force.vector), *to_triple(each.moment.vector))
         for each in file.aero.thrust_allocation.values()
     )
-    return Truth(
+    return VehicleTruth(
         mass=vehicle.mass,
-        displaced=vehicle.displaced,
-        cg=triple(vehicle.cg),
-        inertia=triple(vehicle.inertia.diagonal()),
+        displaced=vehicle.displaced_mass,
+        cg=to_triple(vehicle.cg),
+        inertia=to_triple(vehicle.inertia.diagonal()),
         added_mass=added[0],
         added_inertia=added[1],
-        drag=triple(square.force.vector),
-        linear_drag=triple(linear.force.vector),
-        turn_linear=triple(linear.moment.vector),
-        turn_square=triple(square.moment.vector),
-        plates=plates_of(vehicle),
+        drag=to_triple(square.force.vector),
+        linear_drag=to_triple(linear.force.vector),
+        turn_linear=to_triple(linear.moment.vector),
+        turn_square=to_triple(square.moment.vector),
+        plates=build_plates(vehicle),
         curve=vehicle.thrust_curve,
         columns=columns,
-        places=tuple(triple(one.position.vector) for one in file.rotors.values()),
+        places=tuple(to_triple(one.position.vector) for one in file.rotors.values()),
         gains=(1.0,) * len(columns),
-        imu_place=triple(file.sensors.imu_position.vector),
-        range_place=triple(file.sensors.range_position.vector),
-        lag=vehicle.effects()['motor_lag']['up'],
+        imu_place=to_triple(file.sensors.imu_position.vector),
+        range_place=to_triple(file.sensors.range_position.vector),
+        lag=vehicle.collect_effects()['motor_lag']['up'],
     )

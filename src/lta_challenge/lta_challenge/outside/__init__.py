@@ -33,15 +33,15 @@ from lta_challenge.outside import (
     weathercock,
     wobble,
 )
-from lta_challenge.outside.shared.kind import Outside
+from lta_challenge.outside.shared.kind import OutsideKind
 
 
-def _by_name(*kinds: Outside) -> dict[str, Outside]:
+def _index_kinds(*kinds: OutsideKind) -> dict[str, OutsideKind]:
     """Return kinds under the names of their effects."""
     return {kind.effect.name: kind for kind in kinds}
 
 
-OUTSIDE: Final = _by_name(
+OUTSIDE: Final = _index_kinds(
     tether.KIND,
     sloshing.KIND,
     flapping.KIND,
@@ -64,5 +64,5 @@ OUTSIDE: Final = _by_name(
     drying.KIND,
 )
 # What every flight of the row 'structured' has, of either sign.
-STRUCTURED: Final = _by_name(inflow.KIND, coupling.KIND, weathercock.KIND)
+STRUCTURED: Final = _index_kinds(inflow.KIND, coupling.KIND, weathercock.KIND)
 STRANGE: Final = {**OUTSIDE, **STRUCTURED}

@@ -6,13 +6,13 @@ A fin in the jet: its moment goes with thrust times speed.
 
 from typing import Final
 
-from lta_challenge.outside.shared.kind import Outside
-from lta_model.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
+from lta_challenge.outside.shared.kind import OutsideKind
+from lta_model.effects.protocol import EffectParameter, Values, VehicleMotion, Wrench, WrenchEffect
 
-PARAMETERS: Final = (Parameter('size', 'm/(m/s)', 0.0, -10.0, 10.0, 0.02, 'of a challenge'),)
+PARAMETERS: Final = (EffectParameter('size', 'm/(m/s)', 0.0, -10.0, 10.0, 0.02, 'of a challenge'),)
 
 
-def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+def wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
     """Return the moment of the fin."""
     (size,) = p
     v = motion.airspeed
@@ -20,7 +20,7 @@ def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
     return (0.0, 0.0, 0.0, 0.0, -jet * v[2], jet * v[0])
 
 
-KIND: Final = Outside(
+KIND: Final = OutsideKind(
     WrenchEffect('blown_fin', PARAMETERS, wrench),
     'a fin in the jet',
     {'size': (0.03, 0.1)},

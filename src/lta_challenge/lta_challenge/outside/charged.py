@@ -12,33 +12,33 @@ velocity through the air. A charge of 1 uC has a size of (1 uC)^2 / (16 pi eps_0
 import math
 from typing import Final
 
-from lta_challenge.outside.shared.axes import in_body
-from lta_challenge.outside.shared.kind import Outside
-from lta_model.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
+from lta_challenge.outside.shared.axes import rotate_to_body
+from lta_challenge.outside.shared.kind import OutsideKind
+from lta_model.effects.protocol import EffectParameter, Values, VehicleMotion, Wrench, WrenchEffect
 
 PARAMETERS: Final = (
-    Parameter('size', 'N m2', 0.0, 0.0, 0.1, 0.02, 'of a challenge'),
-    Parameter('leak', 's', 0.0, 0.0, 1e4, 30.0, 'of a challenge'),
-    Parameter('normal', 'rad', 0.0, -4.0, 4.0, 1.0, 'of a challenge'),
-    Parameter('away', 'm', 0.0, -20.0, 20.0, 1.0, 'of a challenge'),
+    EffectParameter('size', 'N m2', 0.0, 0.0, 0.1, 0.02, 'of a challenge'),
+    EffectParameter('leak', 's', 0.0, 0.0, 1e4, 30.0, 'of a challenge'),
+    EffectParameter('normal', 'rad', 0.0, -4.0, 4.0, 1.0, 'of a challenge'),
+    EffectParameter('away', 'm', 0.0, -20.0, 20.0, 1.0, 'of a challenge'),
 )
 APART: Final = 5.0  # m
 WIDE: Final = 0.5  # m; the charge is spread over the hull
 RUBBED: Final = 5.0  # m; of flight
 
 
-def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+def wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
     """Return the pull of the curtains."""
     size, leak, normal, away = p  # noqa: RUF059 (the kernel knows parameters by their order)
     x, y = math.cos(normal), math.sin(normal)
     a = (away - x * motion.position[0] - y * motion.position[1]) * math.pi / APART
     s, d = APART * math.sin(2.0 * a) / (2.0 * math.pi), APART * math.sin(a) / math.pi
     pull = size * memory[0] * memory[0] * s / (d * d + WIDE * WIDE) ** 1.5
-    f, g, h = in_body(motion.rotation, pull * x, pull * y, 0.0)
+    f, g, h = rotate_to_body(motion.rotation, pull * x, pull * y, 0.0)
     return (f, g, h, 0.0, 0.0, 0.0)
 
 
-def rate(p: Values, memory: Values, motion: Motion) -> Values:
+def rate(p: Values, memory: Values, motion: VehicleMotion) -> Values:
     """Return how the charge grows and leaks."""
     size, leak, normal, away = p  # noqa: RUF059
     v = motion.airspeed
@@ -46,7 +46,7 @@ def rate(p: Values, memory: Values, motion: Motion) -> Values:
     return ((1.0 - memory[0]) * speed / RUBBED - memory[0] / max(leak, 1.0),)
 
 
-KIND: Final = Outside(
+KIND: Final = OutsideKind(
     WrenchEffect('charged', PARAMETERS, wrench, memory=(('charge', 0.5),), rate=rate),
     'a charged hull among curtains',
     {'size': (0.01, 0.04), 'leak': (10.0, 60.0), 'normal': (-3.1, 3.1), 'away': (0.5, 2.5)},

@@ -6,20 +6,22 @@ A pitch moment of a flight that goes ahead and up at once, beyond that of potent
 
 from typing import Final
 
-from lta_challenge.outside.shared.kind import Outside
-from lta_model.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
+from lta_challenge.outside.shared.kind import OutsideKind
+from lta_model.effects.protocol import EffectParameter, Values, VehicleMotion, Wrench, WrenchEffect
 
-PARAMETERS: Final = (Parameter('size', 'N m s2/m2', 0.0, -10.0, 10.0, 0.01, 'of a challenge'),)
+PARAMETERS: Final = (
+    EffectParameter('size', 'N m s2/m2', 0.0, -10.0, 10.0, 0.01, 'of a challenge'),
+)
 
 
-def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+def wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
     """Return the moment."""
     (size,) = p
     v = motion.airspeed
     return (0.0, 0.0, 0.0, 0.0, size * v[0] * v[2], 0.0)
 
 
-KIND: Final = Outside(
+KIND: Final = OutsideKind(
     WrenchEffect('coupling', PARAMETERS, wrench),
     'pitch by ahead times up',
     {'size': (-0.02, 0.02)},

@@ -9,27 +9,27 @@ d is the duty that the third rotor is told, r = (0, 0.1, -0.4) m.
 
 from typing import Final
 
-from lta_challenge.outside.shared.kind import Outside
-from lta_model.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
+from lta_challenge.outside.shared.kind import OutsideKind
+from lta_model.effects.protocol import EffectParameter, Values, VehicleMotion, Wrench, WrenchEffect
 
 PARAMETERS: Final = (
-    Parameter('size', '1', 0.0, 0.0, 1.0, 0.5, 'of a challenge'),
-    Parameter('jump', '1', 0.0, 0.0, 1.0, 0.1, 'of a challenge'),
-    Parameter('back', 's', 0.0, 0.0, 20.0, 0.5, 'of a challenge'),
+    EffectParameter('size', '1', 0.0, 0.0, 1.0, 0.5, 'of a challenge'),
+    EffectParameter('jump', '1', 0.0, 0.0, 1.0, 0.1, 'of a challenge'),
+    EffectParameter('back', 's', 0.0, 0.0, 20.0, 0.5, 'of a challenge'),
 )
 TOLD: Final = 2  # the third rotor
 LOSES: Final = 40.0  # 1/s
 FOLLOWS: Final = 0.1  # s
 
 
-def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+def wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
     """Return the thrust that is missing."""
     size, jump, back = p  # noqa: RUF059 (the kernel knows parameters by their order)
     x = -size * thrust[TOLD] * memory[0]
     return (x, 0.0, 0.0, 0.0, -0.4 * x, -0.1 * x)
 
 
-def rate(p: Values, memory: Values, motion: Motion) -> Values:
+def rate(p: Values, memory: Values, motion: VehicleMotion) -> Values:
     """Return how step is lost and found."""
     size, jump, back = p  # noqa: RUF059
     lost, slow = memory[0], memory[1]
@@ -38,7 +38,7 @@ def rate(p: Values, memory: Values, motion: Motion) -> Values:
     return (loses - lost / max(back, 0.05), (told - slow) / FOLLOWS)
 
 
-KIND: Final = Outside(
+KIND: Final = OutsideKind(
     WrenchEffect('desync', PARAMETERS, wrench, memory=(('lost', 0.0), ('slow', 0.0)), rate=rate),
     'a motor that loses step',
     {'size': (0.3, 0.8), 'jump': (0.06, 0.14), 'back': (0.2, 0.8)},

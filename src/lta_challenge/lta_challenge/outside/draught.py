@@ -7,16 +7,16 @@ A field of draughts: vents blow here up and there aside.
 import math
 from typing import Final
 
-from lta_challenge.outside.shared.kind import Outside
-from lta_model.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
+from lta_challenge.outside.shared.kind import OutsideKind
+from lta_model.effects.protocol import EffectParameter, Values, VehicleMotion, Wrench, WrenchEffect
 
 PARAMETERS: Final = (
-    Parameter('size', 'N', 0.0, 0.0, 10.0, 0.01, 'of a challenge'),
-    Parameter('s', 'm', 0.0, 0.0, 20.0, 1.0, 'of a challenge'),
+    EffectParameter('size', 'N', 0.0, 0.0, 10.0, 0.01, 'of a challenge'),
+    EffectParameter('s', 'm', 0.0, 0.0, 20.0, 1.0, 'of a challenge'),
 )
 
 
-def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+def wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
     """Return the push of the place."""
     size, s = p
     r, (x, y, _) = motion.rotation, motion.position
@@ -26,7 +26,7 @@ def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
     return (r[0] * f + r[6] * h, r[1] * f + r[7] * h, r[2] * f + r[8] * h, 0.0, 0.0, 0.0)
 
 
-KIND: Final = Outside(
+KIND: Final = OutsideKind(
     WrenchEffect('draught', PARAMETERS, wrench),
     'draughts from vents',
     {'size': (0.004, 0.01), 's': (0.6, 1.5)},

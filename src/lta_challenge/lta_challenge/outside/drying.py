@@ -9,17 +9,17 @@ v is the velocity through the air; it is trimmed dry.
 import math
 from typing import Final
 
-from lta_challenge.outside.shared.kind import Outside
-from lta_model.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
+from lta_challenge.outside.shared.kind import OutsideKind
+from lta_model.effects.protocol import EffectParameter, Values, VehicleMotion, Wrench, WrenchEffect
 
 PARAMETERS: Final = (
-    Parameter('size', 'N', 0.0, 0.0, 0.06, 0.01, 'of a challenge'),
-    Parameter('takes', 's', 0.0, 0.0, 1e4, 60.0, 'of a challenge'),
+    EffectParameter('size', 'N', 0.0, 0.0, 0.06, 0.01, 'of a challenge'),
+    EffectParameter('takes', 's', 0.0, 0.0, 1e4, 60.0, 'of a challenge'),
 )
 WINDY: Final = 0.3  # m/s
 
 
-def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+def wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
     """Return the weight of the water."""
     size, takes = p  # noqa: RUF059 (the kernel knows parameters by their order)
     r = motion.rotation
@@ -27,7 +27,7 @@ def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
     return (lift * r[6], lift * r[7], lift * r[8], 0.0, 0.0, 0.0)
 
 
-def rate(p: Values, memory: Values, motion: Motion) -> Values:
+def rate(p: Values, memory: Values, motion: VehicleMotion) -> Values:
     """Return how fast it dries."""
     size, takes = p  # noqa: RUF059
     v = motion.airspeed
@@ -35,7 +35,7 @@ def rate(p: Values, memory: Values, motion: Motion) -> Values:
     return (-memory[0] * (1.0 + speed / WINDY) / max(takes, 1.0),)
 
 
-KIND: Final = Outside(
+KIND: Final = OutsideKind(
     WrenchEffect('drying', PARAMETERS, wrench, memory=(('water', 1.0),), rate=rate),
     'a wet hull that dries',
     {'size': (0.01, 0.03), 'takes': (30.0, 90.0)},

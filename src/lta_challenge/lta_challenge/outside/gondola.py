@@ -9,17 +9,17 @@ for pitch and for roll; `size` is its inertia, a its angle.
 import math
 from typing import Final
 
-from lta_challenge.outside.shared.kind import Outside
-from lta_model.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
+from lta_challenge.outside.shared.kind import OutsideKind
+from lta_model.effects.protocol import EffectParameter, Values, VehicleMotion, Wrench, WrenchEffect
 
 PARAMETERS: Final = (
-    Parameter('size', 'kg m2', 0.0, 0.0, 1.0, 0.003, 'of a challenge'),
-    Parameter('f', 'rad/s', 0.0, 0.0, 50.0, 5.0, 'of a challenge'),
-    Parameter('damping', '1', 0.0, 0.0, 1.0, 0.1, 'of a challenge'),
+    EffectParameter('size', 'kg m2', 0.0, 0.0, 1.0, 0.003, 'of a challenge'),
+    EffectParameter('f', 'rad/s', 0.0, 0.0, 50.0, 5.0, 'of a challenge'),
+    EffectParameter('damping', '1', 0.0, 0.0, 1.0, 0.1, 'of a challenge'),
 )
 
 
-def twist(p: Values, memory: Values, motion: Motion) -> tuple[float, float]:
+def spring_moments(p: Values, memory: Values, motion: VehicleMotion) -> tuple[float, float]:
     """Return the moment in roll and in pitch by size."""
     size, f, damping = p  # noqa: RUF059 (the kernel knows parameters by their order)
     r, w = motion.rotation, motion.rates
@@ -29,21 +29,21 @@ def twist(p: Values, memory: Values, motion: Motion) -> tuple[float, float]:
     return (x, y)
 
 
-def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+def wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
     """Return the moment of the springs."""
     size, f, damping = p
-    x, y = twist((size, f, damping), memory, motion)
+    x, y = spring_moments((size, f, damping), memory, motion)
     return (0.0, 0.0, 0.0, size * x, size * y, 0.0)
 
 
-def rate(p: Values, memory: Values, motion: Motion) -> Values:
+def rate(p: Values, memory: Values, motion: VehicleMotion) -> Values:
     """Return how the gondola swings."""
     size, f, damping = p
-    x, y = twist((size, f, damping), memory, motion)
+    x, y = spring_moments((size, f, damping), memory, motion)
     return (memory[1], -x, memory[3], -y)
 
 
-KIND: Final = Outside(
+KIND: Final = OutsideKind(
     WrenchEffect(
         'gondola',
         PARAMETERS,

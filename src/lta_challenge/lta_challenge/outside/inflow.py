@@ -6,20 +6,20 @@ Forward thrust that a faster flight takes away, which a bench does not show.
 
 from typing import Final
 
-from lta_challenge.outside.shared.kind import Outside
-from lta_model.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
+from lta_challenge.outside.shared.kind import OutsideKind
+from lta_model.effects.protocol import EffectParameter, Values, VehicleMotion, Wrench, WrenchEffect
 
-PARAMETERS: Final = (Parameter('size', '1/(m/s)', 0.0, -10.0, 10.0, 0.1, 'of a challenge'),)
+PARAMETERS: Final = (EffectParameter('size', '1/(m/s)', 0.0, -10.0, 10.0, 0.1, 'of a challenge'),)
 
 
-def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+def wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
     """Return the thrust that is lost."""
     (size,) = p
     lost = size * (thrust[2] + thrust[3]) * motion.airspeed[0]
     return (-lost, 0.0, 0.0, 0.0, 0.4 * lost, 0.0)
 
 
-KIND: Final = Outside(
+KIND: Final = OutsideKind(
     WrenchEffect('inflow', PARAMETERS, wrench),
     'thrust lost with speed',
     {'size': (0.04, 0.12)},

@@ -7,16 +7,16 @@ Air in layers: lift that changes with height.
 import math
 from typing import Final
 
-from lta_challenge.outside.shared.kind import Outside
-from lta_model.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
+from lta_challenge.outside.shared.kind import OutsideKind
+from lta_model.effects.protocol import EffectParameter, Values, VehicleMotion, Wrench, WrenchEffect
 
 PARAMETERS: Final = (
-    Parameter('size', 'N', 0.0, 0.0, 10.0, 0.01, 'of a challenge'),
-    Parameter('s', 'm', 0.0, 0.0, 20.0, 0.3, 'of a challenge'),
+    EffectParameter('size', 'N', 0.0, 0.0, 10.0, 0.01, 'of a challenge'),
+    EffectParameter('s', 'm', 0.0, 0.0, 20.0, 0.3, 'of a challenge'),
 )
 
 
-def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+def wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
     """Return the lift of the layer."""
     size, s = p
     r = motion.rotation
@@ -24,7 +24,7 @@ def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
     return (lift * r[6], lift * r[7], lift * r[8], 0.0, 0.0, 0.0)
 
 
-KIND: Final = Outside(
+KIND: Final = OutsideKind(
     WrenchEffect('layers', PARAMETERS, wrench),
     'air in layers',
     {'size': (0.004, 0.01), 's': (0.15, 0.5)},

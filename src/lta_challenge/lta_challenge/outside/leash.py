@@ -10,15 +10,15 @@ it pulls harder while line is paid out than while it is taken in.
 import math
 from typing import Final
 
-from lta_challenge.outside.shared.axes import in_body
-from lta_challenge.outside.shared.kind import Outside
-from lta_model.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
+from lta_challenge.outside.shared.axes import rotate_to_body
+from lta_challenge.outside.shared.kind import OutsideKind
+from lta_model.effects.protocol import EffectParameter, Values, VehicleMotion, Wrench, WrenchEffect
 
 PARAMETERS: Final = (
-    Parameter('size', 'N', 0.0, 0.0, 0.1, 0.01, 'of a challenge'),
-    Parameter('length', 'm', 0.0, 0.0, 20.0, 1.0, 'of a challenge'),
-    Parameter('east', 'm', 0.0, -20.0, 20.0, 0.5, 'of a challenge'),
-    Parameter('north', 'm', 0.0, -20.0, 20.0, 0.5, 'of a challenge'),
+    EffectParameter('size', 'N', 0.0, 0.0, 0.1, 0.01, 'of a challenge'),
+    EffectParameter('length', 'm', 0.0, 0.0, 20.0, 1.0, 'of a challenge'),
+    EffectParameter('east', 'm', 0.0, -20.0, 20.0, 0.5, 'of a challenge'),
+    EffectParameter('north', 'm', 0.0, -20.0, 20.0, 0.5, 'of a challenge'),
 )
 DEEP: Final = 0.4  # m; of the gondola below the hull centre
 GIVES: Final = 0.1  # m; over which the line comes taut
@@ -26,7 +26,7 @@ RUBS: Final = 0.3  # of the pull
 SLOW: Final = 0.05  # m/s
 
 
-def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+def wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
     """Return the pull of the leash."""
     size, length, east, north = p
     r, v, w = motion.rotation, motion.velocity, motion.rates
@@ -37,13 +37,13 @@ def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
     if far <= length or far <= 0.0:
         return (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     # The direction in body axes, in which the gondola's velocity is known.
-    a, b, c = in_body(r, x / far, y / far, z / far)
+    a, b, c = rotate_to_body(r, x / far, y / far, z / far)
     out = a * (v[0] - DEEP * w[1]) + b * (v[1] + DEEP * w[0]) + c * v[2]
     pull = size * (1.0 - math.exp((length - far) / GIVES)) * (1.0 + RUBS * math.tanh(out / SLOW))
     return (-pull * a, -pull * b, -pull * c, -DEEP * pull * b, DEEP * pull * a, 0.0)
 
 
-KIND: Final = Outside(
+KIND: Final = OutsideKind(
     WrenchEffect('leash', PARAMETERS, wrench),
     'a leash on a reel that comes taut',
     {'size': (0.005, 0.02), 'length': (0.9, 1.5), 'east': (-0.6, 0.6), 'north': (-0.6, 0.6)},

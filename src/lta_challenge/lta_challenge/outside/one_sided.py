@@ -6,23 +6,23 @@ A flap that opens one way only: it brakes a turn to the left and not one to the 
 
 from typing import Final
 
-from lta_challenge.outside.shared.kind import Outside
-from lta_model.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
+from lta_challenge.outside.shared.kind import OutsideKind
+from lta_model.effects.protocol import EffectParameter, Values, VehicleMotion, Wrench, WrenchEffect
 
 PARAMETERS: Final = (
-    Parameter('size', 'N m s2', 0.0, 0.0, 10.0, 0.002, 'of a challenge'),
-    Parameter('lever', '1/m', 0.0, -10.0, 10.0, 1.0, 'of a challenge'),
+    EffectParameter('size', 'N m s2', 0.0, 0.0, 10.0, 0.002, 'of a challenge'),
+    EffectParameter('lever', '1/m', 0.0, -10.0, 10.0, 1.0, 'of a challenge'),
 )
 
 
-def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+def wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
     """Return what the flap brakes."""
     size, lever = p
     turn, slip = max(0.0, motion.rates[2]), max(0.0, motion.airspeed[1])
     return (0.0, -lever * size * slip * slip, 0.0, 0.0, 0.0, -size * turn * turn)
 
 
-KIND: Final = Outside(
+KIND: Final = OutsideKind(
     WrenchEffect('one_sided', PARAMETERS, wrench),
     'a flap that opens one way',
     {'size': (0.002, 0.006), 'lever': (2.0, 10.0)},

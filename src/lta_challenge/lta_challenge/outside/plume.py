@@ -11,22 +11,22 @@ another patch every 4 m. Air sinks between them.
 import math
 from typing import Final
 
-from lta_challenge.outside.shared.axes import in_body
-from lta_challenge.outside.shared.kind import Outside
-from lta_model.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
+from lta_challenge.outside.shared.axes import rotate_to_body
+from lta_challenge.outside.shared.kind import OutsideKind
+from lta_model.effects.protocol import EffectParameter, Values, VehicleMotion, Wrench, WrenchEffect
 
 PARAMETERS: Final = (
-    Parameter('size', 'N', 0.0, 0.0, 0.025, 0.01, 'of a challenge'),
-    Parameter('wide', 'm', 0.0, 0.0, 20.0, 0.6, 'of a challenge'),
-    Parameter('east', 'm', 0.0, -20.0, 20.0, 1.0, 'of a challenge'),
-    Parameter('north', 'm', 0.0, -20.0, 20.0, 1.0, 'of a challenge'),
+    EffectParameter('size', 'N', 0.0, 0.0, 0.025, 0.01, 'of a challenge'),
+    EffectParameter('wide', 'm', 0.0, 0.0, 20.0, 0.6, 'of a challenge'),
+    EffectParameter('east', 'm', 0.0, -20.0, 20.0, 1.0, 'of a challenge'),
+    EffectParameter('north', 'm', 0.0, -20.0, 20.0, 1.0, 'of a challenge'),
 )
 APART: Final = 4.0  # m
 SINKS: Final = 0.2  # of the rise
 HIGH: Final = 1.0  # m; up to which air is drawn in
 
 
-def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+def wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
     """Return the push of the warm air."""
     size, wide, east, north = p
     k = 2.0 * math.pi / APART
@@ -35,11 +35,11 @@ def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
     warm = size * math.exp((math.cos(x) + math.cos(y) - 2.0) / (spread * spread))
     inward = 0.5 * warm * math.exp(-motion.position[2] / HIGH) / spread
     f, g = -inward * math.sin(x), -inward * math.sin(y)
-    a, b, c = in_body(motion.rotation, f, g, warm - SINKS * size)
+    a, b, c = rotate_to_body(motion.rotation, f, g, warm - SINKS * size)
     return (a, b, c, 0.0, 0.0, 0.0)
 
 
-KIND: Final = Outside(
+KIND: Final = OutsideKind(
     WrenchEffect('plume', PARAMETERS, wrench),
     'warm air over patches of the floor',
     {'size': (0.005, 0.02), 'wide': (0.4, 0.8), 'east': (-1.5, 1.5), 'north': (-1.5, 1.5)},

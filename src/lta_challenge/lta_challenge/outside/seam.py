@@ -11,20 +11,20 @@ one that sinks by as much is buckled (a = -1); between, it stays what it was: 2 
 
 from typing import Final
 
-from lta_challenge.outside.shared.kind import Outside
-from lta_model.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
+from lta_challenge.outside.shared.kind import OutsideKind
+from lta_model.effects.protocol import EffectParameter, Values, VehicleMotion, Wrench, WrenchEffect
 
 PARAMETERS: Final = (
-    Parameter('size', 'N', 0.0, 0.0, 0.03, 0.005, 'of a challenge'),
-    Parameter('half', 'm', 0.0, 0.0, 20.0, 0.1, 'of a challenge'),
-    Parameter('lever', 'm', 0.0, -1.0, 1.0, 0.1, 'of a challenge'),
+    EffectParameter('size', 'N', 0.0, 0.0, 0.03, 0.005, 'of a challenge'),
+    EffectParameter('half', 'm', 0.0, 0.0, 20.0, 0.1, 'of a challenge'),
+    EffectParameter('lever', 'm', 0.0, -1.0, 1.0, 0.1, 'of a challenge'),
 )
 FOLD: Final = 0.3849  # 2 / (3 sqrt 3)
 TAKES: Final = 0.2  # s
 EVENS: Final = 10.0  # s
 
 
-def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+def wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
     """Return the lift that the buckled hull lacks."""
     size, half, lever = p  # noqa: RUF059 (the kernel knows parameters by their order)
     r = motion.rotation
@@ -33,7 +33,7 @@ def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
     return (x, y, z, 0.0, -lever * z, lever * y)
 
 
-def rate(p: Values, memory: Values, motion: Motion) -> Values:
+def rate(p: Values, memory: Values, motion: VehicleMotion) -> Values:
     """Return how fast it buckles, and how the pressure evens out."""
     size, half, lever = p  # noqa: RUF059
     a, above = memory[0], motion.position[2] - memory[1]
@@ -41,7 +41,7 @@ def rate(p: Values, memory: Values, motion: Motion) -> Values:
     return ((a - a * a * a + push) / TAKES, above / EVENS)
 
 
-KIND: Final = Outside(
+KIND: Final = OutsideKind(
     WrenchEffect('seam', PARAMETERS, wrench, memory=(('taut', 1.0), ('even', 1.5)), rate=rate),
     'a seam that buckles and springs back',
     {'size': (0.002, 0.006), 'half': (0.04, 0.1), 'lever': (-0.15, 0.15)},

@@ -8,22 +8,22 @@ A skin that folds one way and the other: a moment with hysteresis.
 
 from typing import Final
 
-from lta_challenge.outside.shared.kind import Outside
-from lta_model.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
+from lta_challenge.outside.shared.kind import OutsideKind
+from lta_model.effects.protocol import EffectParameter, Values, VehicleMotion, Wrench, WrenchEffect
 
 PARAMETERS: Final = (
-    Parameter('size', 'N m', 0.0, 0.0, 1.0, 0.001, 'of a challenge'),
-    Parameter('s', 'rad', 0.0, 0.0, 5.0, 0.1, 'of a challenge'),
+    EffectParameter('size', 'N m', 0.0, 0.0, 1.0, 0.001, 'of a challenge'),
+    EffectParameter('s', 'rad', 0.0, 0.0, 5.0, 0.1, 'of a challenge'),
 )
 
 
-def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+def wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
     """Return the moment of the skin."""
     size, s = p  # noqa: RUF059 (the kernel knows parameters by their order)
     return (0.0, 0.0, 0.0, 0.0, -size * memory[0], -size * memory[1])
 
 
-def rate(p: Values, memory: Values, motion: Motion) -> Values:
+def rate(p: Values, memory: Values, motion: VehicleMotion) -> Values:
     """Return how the folds move."""
     size, s = p  # noqa: RUF059
     q, r = motion.rates[1], motion.rates[2]
@@ -31,7 +31,7 @@ def rate(p: Values, memory: Values, motion: Motion) -> Values:
     return ((q - abs(q) * memory[0]) / wide, (r - abs(r) * memory[1]) / wide)
 
 
-KIND: Final = Outside(
+KIND: Final = OutsideKind(
     WrenchEffect('skin', PARAMETERS, wrench, memory=(('a', 0.0), ('b', 0.0)), rate=rate),
     'a skin with hysteresis',
     {'size': (0.0005, 0.002), 's': (0.03, 0.3)},

@@ -9,46 +9,48 @@ the tray, 0.4 m below the hull centre. Its weight is trimmed away.
 
 from typing import Final
 
-from lta_challenge.outside.shared.axes import in_body, level
-from lta_challenge.outside.shared.kind import Outside
-from lta_model.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
+from lta_challenge.outside.shared.axes import horizontal_components, rotate_to_body
+from lta_challenge.outside.shared.kind import OutsideKind
+from lta_model.effects.protocol import EffectParameter, Values, VehicleMotion, Wrench, WrenchEffect
 
 PARAMETERS: Final = (
-    Parameter('size', 'kg', 0.0, 0.0, 1.0, 0.01, 'of a challenge'),
-    Parameter('f', 'rad/s', 0.0, 0.0, 50.0, 3.0, 'of a challenge'),
-    Parameter('damping', '1', 0.0, 0.0, 1.0, 0.1, 'of a challenge'),
+    EffectParameter('size', 'kg', 0.0, 0.0, 1.0, 0.01, 'of a challenge'),
+    EffectParameter('f', 'rad/s', 0.0, 0.0, 50.0, 3.0, 'of a challenge'),
+    EffectParameter('damping', '1', 0.0, 0.0, 1.0, 0.1, 'of a challenge'),
 )
 DEEP: Final = 0.4  # m
 
 
-def force(p: Values, memory: Values, motion: Motion) -> tuple[float, float, float, float]:
+def ballast_force(
+    p: Values, memory: Values, motion: VehicleMotion
+) -> tuple[float, float, float, float]:
     """Return the push on the tray, and its velocity, in the map."""
     size, f, damping = p
     r, v, w = motion.rotation, motion.velocity, motion.rates
     a, b, c = v[0] - DEEP * w[1], v[1] + DEEP * w[0], v[2]
-    east, north = level(r, a, b, c)
+    east, north = horizontal_components(r, a, b, c)
     x = size * (f * f * memory[0] + 2.0 * damping * f * (memory[2] - east))
     y = size * (f * f * memory[1] + 2.0 * damping * f * (memory[3] - north))
     return (x, y, east, north)
 
 
-def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+def wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
     """Return the push of the ballast."""
     size, f, damping = p
-    x, y, _, _ = force((size, f, damping), memory, motion)
-    a, b, c = in_body(motion.rotation, x, y, 0.0)
+    x, y, _, _ = ballast_force((size, f, damping), memory, motion)
+    a, b, c = rotate_to_body(motion.rotation, x, y, 0.0)
     return (a, b, c, DEEP * b, -DEEP * a, 0.0)
 
 
-def rate(p: Values, memory: Values, motion: Motion) -> Values:
+def rate(p: Values, memory: Values, motion: VehicleMotion) -> Values:
     """Return how the ballast moves."""
     size, f, damping = p
-    x, y, east, north = force((size, f, damping), memory, motion)
+    x, y, east, north = ballast_force((size, f, damping), memory, motion)
     heavy = max(size, 1e-9)
     return (memory[2] - east, memory[3] - north, -x / heavy, -y / heavy)
 
 
-KIND: Final = Outside(
+KIND: Final = OutsideKind(
     WrenchEffect(
         'sloshing',
         PARAMETERS,

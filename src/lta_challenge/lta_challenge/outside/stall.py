@@ -10,26 +10,26 @@ middle + half and are free again below middle - half (vortex ring, with its hyst
 
 from typing import Final
 
-from lta_challenge.outside.shared.kind import Outside
-from lta_model.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
+from lta_challenge.outside.shared.kind import OutsideKind
+from lta_model.effects.protocol import EffectParameter, Values, VehicleMotion, Wrench, WrenchEffect
 
 PARAMETERS: Final = (
-    Parameter('size', '1', 0.0, 0.0, 1.0, 0.3, 'of a challenge'),
-    Parameter('middle', 'm/s', 0.0, 0.0, 5.0, 0.04, 'of a challenge'),
-    Parameter('half', 'm/s', 0.0, 0.0, 5.0, 0.02, 'of a challenge'),
+    EffectParameter('size', '1', 0.0, 0.0, 1.0, 0.3, 'of a challenge'),
+    EffectParameter('middle', 'm/s', 0.0, 0.0, 5.0, 0.04, 'of a challenge'),
+    EffectParameter('half', 'm/s', 0.0, 0.0, 5.0, 0.02, 'of a challenge'),
 )
 FOLD: Final = 0.3849  # 2 / (3 sqrt 3)
 TAKES: Final = 0.15  # s
 
 
-def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+def wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
     """Return the thrust that is lost."""
     size, middle, half = p  # noqa: RUF059 (the kernel knows parameters by their order)
     stalled = min(max(0.5 * (1.0 + memory[0]), 0.0), 1.0)
     return (0.0, 0.0, -size * (thrust[0] + thrust[1]) * stalled, 0.0, 0.0, 0.0)
 
 
-def rate(p: Values, memory: Values, motion: Motion) -> Values:
+def rate(p: Values, memory: Values, motion: VehicleMotion) -> Values:
     """Return how fast the wash closes around the rotors."""
     size, middle, half = p  # noqa: RUF059
     a = memory[0]
@@ -37,7 +37,7 @@ def rate(p: Values, memory: Values, motion: Motion) -> Values:
     return ((a - a * a * a + min(max(over, -2.0), 2.0)) / TAKES,)
 
 
-KIND: Final = Outside(
+KIND: Final = OutsideKind(
     WrenchEffect('stall', PARAMETERS, wrench, memory=(('wash', -1.0),), rate=rate),
     'rotors that stall in their own wash',
     {'size': (0.3, 0.7), 'middle': (0.02, 0.06), 'half': (0.01, 0.03)},

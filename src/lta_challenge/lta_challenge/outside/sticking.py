@@ -9,13 +9,13 @@ T is the thrust of the fourth rotor, r = (0, -0.1, -0.4) m.
 import math
 from typing import Final
 
-from lta_challenge.outside.shared.kind import Outside
-from lta_model.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
+from lta_challenge.outside.shared.kind import OutsideKind
+from lta_model.effects.protocol import EffectParameter, Values, VehicleMotion, Wrench, WrenchEffect
 
-PARAMETERS: Final = (Parameter('size', '1', 0.0, 0.0, 1.0, 0.3, 'of a challenge'),)
+PARAMETERS: Final = (EffectParameter('size', '1', 0.0, 0.0, 1.0, 0.3, 'of a challenge'),)
 
 
-def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+def wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
     """Return the thrust that is missing."""
     (size,) = p
     t = memory[0]
@@ -24,13 +24,13 @@ def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
     return (x, 0.0, 0.0, 0.0, -0.4 * x, 0.1 * x)
 
 
-def rate(p: Values, memory: Values, motion: Motion) -> Values:
+def rate(p: Values, memory: Values, motion: VehicleMotion) -> Values:
     """Return how time goes by."""
     (size,) = p  # noqa: RUF059
     return (1.0,)
 
 
-KIND: Final = Outside(
+KIND: Final = OutsideKind(
     WrenchEffect('sticking', PARAMETERS, wrench, memory=(('time', 0.0),), rate=rate),
     'a rotor that sticks',
     {'size': (0.2, 0.5)},

@@ -9,18 +9,18 @@ size is its weight, x its way from the middle, no more than half the play.
 
 from typing import Final
 
-from lta_challenge.outside.shared.kind import Outside
-from lta_model.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
+from lta_challenge.outside.shared.kind import OutsideKind
+from lta_model.effects.protocol import EffectParameter, Values, VehicleMotion, Wrench, WrenchEffect
 
 PARAMETERS: Final = (
-    Parameter('size', 'N', 0.0, 0.0, 1.5, 0.2, 'of a challenge'),
-    Parameter('half', 'm', 0.0, 0.0, 0.2, 0.015, 'of a challenge'),
-    Parameter('grip', '1', 0.0, 0.0, 1.0, 0.02, 'of a challenge'),
+    EffectParameter('size', 'N', 0.0, 0.0, 1.5, 0.2, 'of a challenge'),
+    EffectParameter('half', 'm', 0.0, 0.0, 0.2, 0.015, 'of a challenge'),
+    EffectParameter('grip', '1', 0.0, 0.0, 1.0, 0.02, 'of a challenge'),
 )
 SLIDES: Final = 1.0  # m/s on a vertical tray without grip
 
 
-def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+def wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
     """Return the moment of the battery about where it was trimmed."""
     size, half, grip = p  # noqa: RUF059 (the kernel knows parameters by their order)
     r = motion.rotation
@@ -28,7 +28,7 @@ def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
     return (0.0, 0.0, 0.0, 0.0, size * way * r[8], -size * way * r[7])
 
 
-def rate(p: Values, memory: Values, motion: Motion) -> Values:
+def rate(p: Values, memory: Values, motion: VehicleMotion) -> Values:
     """Return how fast it slides."""
     size, half, grip = p  # noqa: RUF059
     steep = -motion.rotation[6]
@@ -38,7 +38,7 @@ def rate(p: Values, memory: Values, motion: Motion) -> Values:
     return (speed,)
 
 
-KIND: Final = Outside(
+KIND: Final = OutsideKind(
     WrenchEffect('tray', PARAMETERS, wrench, memory=(('way', 0.0),), rate=rate),
     'a battery that slides in its tray',
     {'size': (0.1, 0.4), 'half': (0.005, 0.02), 'grip': (0.01, 0.04)},

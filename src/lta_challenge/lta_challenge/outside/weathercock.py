@@ -7,13 +7,15 @@ A hull that turns into the wind of its flight.
 import math
 from typing import Final
 
-from lta_challenge.outside.shared.kind import Outside
-from lta_model.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
+from lta_challenge.outside.shared.kind import OutsideKind
+from lta_model.effects.protocol import EffectParameter, Values, VehicleMotion, Wrench, WrenchEffect
 
-PARAMETERS: Final = (Parameter('size', 'N m s2/m2', 0.0, -10.0, 10.0, 0.01, 'of a challenge'),)
+PARAMETERS: Final = (
+    EffectParameter('size', 'N m s2/m2', 0.0, -10.0, 10.0, 0.01, 'of a challenge'),
+)
 
 
-def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+def wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
     """Return the moment."""
     (size,) = p
     v = motion.airspeed
@@ -21,7 +23,7 @@ def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
     return (0.0, 0.0, 0.0, 0.0, 0.0, size * v[1] * speed)
 
 
-KIND: Final = Outside(
+KIND: Final = OutsideKind(
     WrenchEffect('weathercock', PARAMETERS, wrench),
     'turns into the wind',
     {'size': (-0.01, 0.01)},

@@ -9,16 +9,16 @@ T is the thrust of the third rotor [N], r = (0, 0.1, -0.4) m.
 import math
 from typing import Final
 
-from lta_challenge.outside.shared.kind import Outside
-from lta_model.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
+from lta_challenge.outside.shared.kind import OutsideKind
+from lta_model.effects.protocol import EffectParameter, Values, VehicleMotion, Wrench, WrenchEffect
 
 PARAMETERS: Final = (
-    Parameter('size', '1', 0.0, 0.0, 10.0, 0.1, 'of a challenge'),
-    Parameter('f', 'rad/s', 0.0, 0.0, 100.0, 12.0, 'of a challenge'),
+    EffectParameter('size', '1', 0.0, 0.0, 10.0, 0.1, 'of a challenge'),
+    EffectParameter('f', 'rad/s', 0.0, 0.0, 100.0, 12.0, 'of a challenge'),
 )
 
 
-def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+def wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
     """Return the force that turns."""
     size, f = p  # noqa: RUF059 (the kernel knows parameters by their order)
     y = size * thrust[2] * math.cos(memory[0])
@@ -26,13 +26,13 @@ def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
     return (0.0, y, z, 0.1 * z + 0.4 * y, 0.0, 0.0)
 
 
-def rate(p: Values, memory: Values, motion: Motion) -> Values:
+def rate(p: Values, memory: Values, motion: VehicleMotion) -> Values:
     """Return how fast it turns."""
     size, f = p  # noqa: RUF059
     return (f,)
 
 
-KIND: Final = Outside(
+KIND: Final = OutsideKind(
     WrenchEffect('wobble', PARAMETERS, wrench, memory=(('phase', 0.0),), rate=rate),
     'a bent shaft',
     {'size': (0.1, 0.4), 'f': (8.0, 16.0)},

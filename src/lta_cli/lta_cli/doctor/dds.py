@@ -7,7 +7,7 @@ import subprocess
 import sys
 import time
 
-from lta_bridge.hardware.check_result import Check
+from lta_bridge.hardware.check_result import HardwareCheck
 
 DEADLINE = 10.0  # s for everything; two processes start and find each other in about 1 s
 SLOW = 3.0  # s; discovery that takes this long makes a launch look stuck
@@ -31,7 +31,7 @@ def domain_ports(domain: int) -> list[int]:
     return [base + 10 + offset for offset in range(2 * PARTICIPANTS)]
 
 
-def taken(ports: list[int]) -> list[int]:
+def find_busy_ports(ports: list[int]) -> list[int]:
     """Return those ports that somebody listens on."""
     busy = []
     for port in ports:
@@ -43,14 +43,16 @@ def taken(ports: list[int]) -> list[int]:
     return busy
 
 
-def free_domain() -> int:
+def find_free_domain() -> int:
     """Return a domain in which nobody listens (above 101 the ports meet Linux's own)."""
-    return next(domain for domain in range(101, 0, -1) if not taken(domain_ports(domain)))
+    return next(
+        domain for domain in range(101, 0, -1) if not find_busy_ports(domain_ports(domain))
+    )
 
 
-def conversation() -> Check:
+def check_conversation() -> HardwareCheck:
     """Check that two processes find each other and exchange messages, and how fast."""
-    environment = {**os.environ, 'ROS_DOMAIN_ID': str(free_domain())}
+    environment = {**os.environ, 'ROS_DOMAIN_ID': str(find_free_domain())}
     command = [sys.executable, '-m', 'lta_graph.ros.echo', '--seconds', str(DEADLINE - 2.0)]
     began = time.monotonic()
     pipe = subprocess.PIPE
@@ -67,30 +69,36 @@ def conversation() -> Check:
     if asking.returncode != 0 or not output:
         lines = errors.decode(errors='replace').strip().splitlines()
         if lines:
-            return Check('dds', 'fail', lines[-1], FAULT)
+            return HardwareCheck('dds', 'fail', lines[-1], FAULT)
         found = f'no answer from another process within {DEADLINE - 2.0:g} s'
-        return Check('dds', 'fail', found, FIREWALL)
+        return HardwareCheck('dds', 'fail', found, FIREWALL)
     times = json.loads(output)
     found = (
         f'two processes found each other in {times["discovery_s"]:.1f} s, round trip'
         f' {times["round_trip_s"] * 1e6:.0f} us ({time.monotonic() - began:.1f} s in all)'
     )
     if times['discovery_s'] > SLOW:
-        return Check('dds', 'warn', found, 'Discovery is slow: the machine is busy or lossy.')
-    return Check('dds', 'ok', found)
+        return HardwareCheck(
+            'dds', 'warn', found, 'Discovery is slow: the machine is busy or lossy.'
+        )
+    return HardwareCheck('dds', 'ok', found)
 
 
-def ports() -> Check:
+def check_ports() -> HardwareCheck:
     """Check that nobody else is in the domain that a flight would use."""
     text = os.environ.get('ROS_DOMAIN_ID') or '0'
     if not text.isdecimal() or int(text) > 232:
         found = f'ROS_DOMAIN_ID is {text!r}'
-        return Check('ports', 'fail', found, 'Set it to a number from 0 to 101, or unset it.')
+        return HardwareCheck(
+            'ports', 'fail', found, 'Set it to a number from 0 to 101, or unset it.'
+        )
     domain = int(text)
-    busy = taken(domain_ports(domain))
+    busy = find_busy_ports(domain_ports(domain))
     if busy:
         found = f'domain {domain}: in use on UDP port {", ".join(map(str, busy))}'
         remedy = 'Another graph runs here; end it, or fly in a domain of your own: ROS_DOMAIN_ID=7'
-        return Check('ports', 'warn', found, f'{remedy}.')
+        return HardwareCheck('ports', 'warn', found, f'{remedy}.')
     listened = domain_ports(domain)
-    return Check('ports', 'ok', f'domain {domain}: UDP {listened[0]} to {listened[-1]} are free')
+    return HardwareCheck(
+        'ports', 'ok', f'domain {domain}: UDP {listened[0]} to {listened[-1]} are free'
+    )

@@ -6,51 +6,57 @@ import platform as host
 import shutil
 import sys
 
-from lta_bridge.hardware.check_result import Check, graded, MEGABYTE
+from lta_bridge.hardware.check_result import grade_figure, HardwareCheck, MEGABYTE
 
 OLDEST_PYTHON, NEWEST_PYTHON = (3, 11), (3, 14)  # which `make` takes; a test compares
 
 
-def python(version: tuple[int, int] = sys.version_info[:2]) -> Check:
+def check_python(version: tuple[int, int] = sys.version_info[:2]) -> HardwareCheck:
     """Check the interpreter that runs this."""
     found = f'{host.python_version()} ({sys.executable})'
     if not OLDEST_PYTHON <= version <= NEWEST_PYTHON:
         oldest, newest = ('.'.join(map(str, bound)) for bound in (OLDEST_PYTHON, NEWEST_PYTHON))
         remedy = f'LTA needs {oldest} to {newest}: make PYTHON=/path/to/it.'
-        return Check('python', 'fail', found, remedy)
-    return Check('python', 'ok', found)
+        return HardwareCheck('python', 'fail', found, remedy)
+    return HardwareCheck('python', 'ok', found)
 
 
-def platform() -> Check:
+def check_platform() -> HardwareCheck:
     """Check the operating system and the processor."""
     found = f'{host.system()} {host.release()}, {host.machine()}'
     if (host.system(), host.machine()) != ('Linux', 'x86_64'):
         remedy = 'ROS 2 comes as wheels for Linux on x86-64; use such a machine or container.'
-        return Check('platform', 'fail', found, remedy)
-    return Check('platform', 'ok', found)
+        return HardwareCheck('platform', 'fail', found, remedy)
+    return HardwareCheck('platform', 'ok', found)
 
 
-def disk(runs: Path = Path('runs')) -> Check:
+def check_disk(runs: Path = Path('runs')) -> HardwareCheck:
     """Check the room for recordings; a flight takes some tens of megabytes."""
     folder = next(path for path in (runs.absolute(), *runs.absolute().parents) if path.is_dir())
     free = shutil.disk_usage(folder).free / MEGABYTE
     found = f'{free:.0f} MB free for {runs.absolute()}'
     if not os.access(folder, os.W_OK):
-        return Check('disk', 'fail', f'{folder} cannot be written', 'Change to a folder of yours.')
-    return graded('disk', free, 2000.0, 200.0, found, 'Remove old runs or choose another folder.')
+        return HardwareCheck(
+            'disk', 'fail', f'{folder} cannot be written', 'Change to a folder of yours.'
+        )
+    return grade_figure(
+        'disk', free, 2000.0, 200.0, found, 'Remove old runs or choose another folder.'
+    )
 
 
-def cores() -> Check:
+def check_cores() -> HardwareCheck:
     """Check the processor cores that this process may use."""
     count = len(os.sched_getaffinity(0))
     found = f'{count} cores, load {os.getloadavg()[0]:.1f}'
     remedy = 'Seven nodes share one core: the flight will be slow; give it two or more.'
-    return graded('cores', count, 2, 1, found, remedy)
+    return grade_figure('cores', count, 2, 1, found, remedy)
 
 
-def memory(table: Path = Path('/proc/meminfo')) -> Check:
+def check_memory(table: Path = Path('/proc/meminfo')) -> HardwareCheck:
     """Check the memory available; the whole graph takes about 1 GB."""
     lines = dict(line.split(':', 1) for line in table.read_text().splitlines())
     free = int(lines['MemAvailable'].split()[0]) * 1024 / MEGABYTE
     found = f'{free:.0f} MB available'
-    return graded('memory', free, 1500.0, 500.0, found, 'Close other programs before you fly.')
+    return grade_figure(
+        'memory', free, 1500.0, 500.0, found, 'Close other programs before you fly.'
+    )

@@ -8,7 +8,7 @@ import shutil
 import subprocess
 import sys
 
-from lta_bridge.hardware.check_result import Check
+from lta_bridge.hardware.check_result import HardwareCheck
 
 MODULES = ('rclpy', 'sensor_msgs', 'numpy', 'scipy', 'numba', 'pydantic', 'yaml', 'mcap', 'plotly')
 PACKAGES = ('analysis', 'bridge', 'config', 'control', 'energy', 'graph', 'sim', 'vlc')
@@ -17,7 +17,7 @@ PATIENCE = 60.0  # s; the first import after an installation reads from a cold d
 MAKE_AGAIN = "Run 'make build'; if that changes nothing, 'make clean' and 'make build'."
 
 
-def wheels() -> Check:
+def check_wheels() -> HardwareCheck:
     """Check that what LTA runs on can be imported, in a process that a bad library may end."""
     script = '; '.join(f'print({module!r}, flush=True); import {module}' for module in MODULES)
     result = subprocess.run(
@@ -26,33 +26,35 @@ def wheels() -> Check:
     if result.returncode != 0:
         module = result.stdout.split()[-1]
         why = (result.stderr.strip().splitlines() or [f'exit status {result.returncode}'])[-1]
-        return Check('wheels', 'fail', f'cannot import {module}: {why}', MAKE_AGAIN)
-    return Check('wheels', 'ok', f'{len(MODULES)} of {len(MODULES)} can be imported')
+        return HardwareCheck('wheels', 'fail', f'cannot import {module}: {why}', MAKE_AGAIN)
+    return HardwareCheck('wheels', 'ok', f'{len(MODULES)} of {len(MODULES)} can be imported')
 
 
-def pins(constraints: Path) -> dict[str, str]:
+def read_pins(constraints: Path) -> dict[str, str]:
     """Return the version that a constraints file asks for, by normalised name."""
     lines = (line.split('#')[0].strip() for line in constraints.read_text().splitlines())
     pairs = (line.split('==') for line in lines if '==' in line)
-    return {_normal(name): version for name, version in pairs}
+    return {_normalize_name(name): version for name, version in pairs}
 
 
-def _normal(name: str) -> str:
+def _normalize_name(name: str) -> str:
     return re.sub(r'[-_.]+', '-', name).lower()
 
 
-def versions(constraints: Path = Path(sys.prefix).parent / 'constraints.txt') -> Check:
+def check_versions(
+    constraints: Path = Path(sys.prefix).parent / 'constraints.txt',
+) -> HardwareCheck:
     """Check that the installed versions are the ones that LTA was tested with."""
     if not constraints.is_file():
         found = f'not compared: {sys.prefix} is no environment made by make'
-        return Check('versions', 'ok', found)
-    wanted = pins(constraints)
+        return HardwareCheck('versions', 'ok', found)
+    wanted = read_pins(constraints)
     # Pinned and not installed is fine: only the tests need it. The wheels carry records that pip
     # did not write and that tell other versions.
     installed = {
-        _normal(item.name): item.version
+        _normalize_name(item.name): item.version
         for item in metadata.distributions()
-        if _normal(item.name) in wanted and item.read_text('INSTALLER')
+        if _normalize_name(item.name) in wanted and item.read_text('INSTALLER')
     }
     other = [
         f'{name} {version} instead of {wanted[name]}'
@@ -60,11 +62,11 @@ def versions(constraints: Path = Path(sys.prefix).parent / 'constraints.txt') ->
         if version != wanted[name]
     ]
     if other:
-        return Check('versions', 'warn', ', '.join(other), MAKE_AGAIN)
-    return Check('versions', 'ok', f'{len(installed)} packages as pinned')
+        return HardwareCheck('versions', 'warn', ', '.join(other), MAKE_AGAIN)
+    return HardwareCheck('versions', 'ok', f'{len(installed)} packages as pinned')
 
 
-def packages() -> Check:
+def check_packages() -> HardwareCheck:
     """Check that the workspace is built and in the ament index."""
     prefixes = [Path(path) for path in os.environ.get('AMENT_PREFIX_PATH', '').split(':') if path]
     index = Path('share/ament_index/resource_index/packages')
@@ -75,16 +77,18 @@ def packages() -> Check:
     ]
     if missing:
         found = f'not in the ament index: {", ".join(missing)}'
-        return Check('packages', 'fail', found, MAKE_AGAIN)
-    return Check('packages', 'ok', f'{len(PACKAGES)} of {len(PACKAGES)} in the ament index')
+        return HardwareCheck('packages', 'fail', found, MAKE_AGAIN)
+    return HardwareCheck(
+        'packages', 'ok', f'{len(PACKAGES)} of {len(PACKAGES)} in the ament index'
+    )
 
 
-def browser() -> Check:
+def check_browser() -> HardwareCheck:
     """Check for the Chromium that turns the page of a flight into pictures."""
     for name in BROWSERS:
         if (path := shutil.which(name)) is not None:
-            return Check('browser', 'ok', path)
-    return Check(
+            return HardwareCheck('browser', 'ok', path)
+    return HardwareCheck(
         'browser',
         'warn',
         'no Chromium; pages are written, pictures of them are not',

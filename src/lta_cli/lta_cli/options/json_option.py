@@ -16,6 +16,6 @@ def print_json(content: Any, page: Path | None = None) -> None:  # noqa: ANN401 
     sys.stdout.write(json.dumps(told, indent=1) + '\n')
 
 
-def print_kept_json(text: str, page: Path) -> None:
+def print_json_text(text: str, page: Path) -> None:
     """Print the results that a file holds as JSON, and where their page is."""
     print_json(json.loads(text), page)

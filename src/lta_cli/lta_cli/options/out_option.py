@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 
-def folder(text: str) -> Path:
+def parse_folder(text: str) -> Path:
     """Return a folder; the empty text of a variable that is not set would be the present one."""
     if not text.strip():
         raise typer.BadParameter('it is empty; give a folder')
@@ -17,7 +17,7 @@ Out = Annotated[
     Path | None,
     typer.Option(
         help='Folder of the results; runs/<time>-<name> by default.',
-        parser=folder,
+        parser=parse_folder,
         metavar='FOLDER',
     ),
 ]

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Annotated
 
-from lta_bridge.bag.writer import empty_folder
+from lta_bridge.bag.writer import prepare_empty_folder
 from lta_report.browser import find_chromium
 import typer
 
@@ -13,8 +13,8 @@ Pictures = Annotated[
 ]
 
 
-def can_be_taken(folder: Path | None) -> None:
+def check_pictures(folder: Path | None) -> None:
     """Refuse, before any work, pictures that could not be taken or written."""
     if folder is not None:
         find_chromium()  # says what is missing
-        empty_folder(folder)
+        prepare_empty_folder(folder)

@@ -3,7 +3,7 @@
 from importlib import import_module
 import sys
 
-from lta_config.errors import BadInput, unknown
+from lta_config.errors import BadInput, unknown_name
 
 PAGES = {  # the pages by name and where they stand; `make reference` writes them
     'verbs': 'verbs.md',
@@ -14,7 +14,7 @@ PAGES = {  # the pages by name and where they stand; `make reference` writes the
 }
 
 
-def page(name: str) -> str:
+def render_page(name: str) -> str:
     """
     Return the text of a page.
 
@@ -25,14 +25,14 @@ def page(name: str) -> str:
 
     """
     if name not in PAGES:
-        raise unknown('page of the reference', name, list(PAGES))
+        raise unknown_name('page of the reference', name, list(PAGES))
     module = import_module(f'lta_cli.reference.{name}')
-    text: str = module.page()
+    text: str = module.render_page()
     return text
 
 
 if __name__ == '__main__':
     try:
-        sys.stdout.write(page(' '.join(sys.argv[1:])))
+        sys.stdout.write(render_page(' '.join(sys.argv[1:])))
     except BadInput as error:
         sys.exit(f'{error}')

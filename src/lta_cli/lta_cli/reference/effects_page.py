@@ -7,18 +7,18 @@ A test holds the page in docs/ against this; the equations stand at the top of e
 from collections.abc import Iterator
 import re
 
-from lta_model.effects import built_in
+from lta_model.effects import select_built_in
 from lta_model.effects.protocol import (
     ActuatorEffect,
     AirEffect,
     BodyEffect,
     Effect,
+    EffectParameter,
     InertiaEffect,
     MeasurementEffect,
-    Parameter,
     WrenchEffect,
 )
-from lta_model.effects.summary import summary
+from lta_model.effects.summary import describe_effect
 
 HEAD = """# Effects
 
@@ -41,18 +41,20 @@ KINDS: dict[type, tuple[str, str]] = {
 }
 
 
-def _told(known: Parameter, name: str) -> str:
+def _format_parameter(parameter: EffectParameter, name: str) -> str:
     """Return a parameter with its unit, null value and bounds."""
-    unit = '' if known.unit == '1' else f' {known.unit}'
-    null = f', null {known.null:g}' if known.null else ''
-    return f'`{name}` {known.low:g} to {known.high:g}{unit}{null}'
+    unit = '' if parameter.unit == '1' else f' {parameter.unit}'
+    null = f', null {parameter.null:g}' if parameter.null else ''
+    return f'`{name}` {parameter.low:g} to {parameter.high:g}{unit}{null}'
 
 
-def parameters(effect: Effect) -> Iterator[str]:
+def format_parameters(effect: Effect) -> Iterator[str]:
     """Return the parameters in words, alike ones together."""
     if isinstance(effect, ActuatorEffect):
-        yield from (_told(known, known.name) for known in effect.shared)
-        yield from (f'{_told(known, known.name)} (each rotor)' for known in effect.each)
+        yield from (_format_parameter(known, known.name) for known in effect.shared)
+        yield from (
+            f'{_format_parameter(known, known.name)} (each rotor)' for known in effect.each
+        )
         return
     groups: dict[tuple[object, ...], list[str]] = {}
     for known in effect.parameters:
@@ -62,17 +64,17 @@ def parameters(effect: Effect) -> Iterator[str]:
         if stem not in names:
             names.append(stem)
     for (unit, null, low, high), names in groups.items():
-        like = Parameter('', str(unit), float(null), float(low), float(high), 1.0, '')  # type: ignore[arg-type]
-        yield _told(like, '`, `'.join(names))
+        like = EffectParameter('', str(unit), float(null), float(low), float(high), 1.0, '')  # type: ignore[arg-type]
+        yield _format_parameter(like, '`, `'.join(names))
 
 
-def page() -> str:
+def render_page() -> str:
     """Return the page, a table for each kind; what others installed is not in it."""
     texts = [HEAD]
     for kind, (title, about) in KINDS.items():
         rows = [
-            f'| `{name}` | {summary(effect)} | {"; ".join(parameters(effect))} |\n'
-            for name, effect in built_in().items()
+            f'| `{name}` | {describe_effect(effect)} | {"; ".join(format_parameters(effect))} |\n'
+            for name, effect in select_built_in().items()
             if type(effect) is kind
         ]
         table = '| effect | what | parameters |\n|---|---|---|\n' + ''.join(rows)

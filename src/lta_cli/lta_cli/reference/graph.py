@@ -9,7 +9,7 @@ above the diagonal, what comes back below it, and no two lines cross.
 from collections.abc import Sequence
 from html import escape
 
-from lta_config.topics import topic_table, TopicTable
+from lta_config.topics import load_topic_table, TopicTable
 
 WIDTH, LINE, MARGIN = 178, 15, 12  # of a column, a line of text and the edge [px]
 SHOWN = 'all see'
@@ -23,12 +23,12 @@ text { font: 11px sans-serif; fill: #333; }
 """
 
 
-def page() -> str:
+def render_page() -> str:
     """Return the picture as SVG."""
-    table = topic_table()
-    roles = order(table)
+    table = load_topic_table()
+    roles = order_nodes(table)
     columns = [*roles, SHOWN]
-    rows = [[told(table, role, reader) for reader in columns] for role in roles]
+    rows = [[list_links(table, role, reader) for reader in columns] for role in roles]
     heights = [max(3, *(len(cell) for cell in row)) * LINE + 10 for row in rows]
     width, height = 2 * MARGIN + WIDTH * len(columns), 2 * MARGIN + LINE + sum(heights)
     parts = [
@@ -43,21 +43,21 @@ def page() -> str:
         for column, lines in enumerate(row):
             left = MARGIN + WIDTH * column
             if column == k:
-                parts.append(node(role, left, top, high))
+                parts.append(draw_node(role, left, top, high))
             elif lines:
-                parts.append(cell(lines, left, top, high, 'back' if column < k else 'cell'))
+                parts.append(draw_cell(lines, left, top, high, 'back' if column < k else 'cell'))
         top += high
     return ''.join(parts) + '</svg>\n'
 
 
-def order(table: TopicTable) -> list[str]:
+def order_nodes(table: TopicTable) -> list[str]:
     """Return the nodes that tell others something: the vehicle, then as the table has them."""
     told = [topic.source for topic in table.topics.values() if topic.subscribers]
     roles = list(dict.fromkeys(told))
     return sorted(roles, key=lambda role: role == 'controller')  # it closes the loop: last
 
 
-def told(table: TopicTable, role: str, reader: str) -> list[tuple[str, bool]]:
+def list_links(table: TopicTable, role: str, reader: str) -> list[tuple[str, bool]]:
     """Return what a node tells another: the topic with its rate, and whether it is used late."""
     lines = []
     for name in table.published_by(role):
@@ -70,7 +70,7 @@ def told(table: TopicTable, role: str, reader: str) -> list[tuple[str, bool]]:
     return lines
 
 
-def node(role: str, left: int, top: int, high: int) -> str:
+def draw_node(role: str, left: int, top: int, high: int) -> str:
     """Return a node on the diagonal."""
     middle, centre = left + WIDTH // 2, top + high // 2 + 4
     return (
@@ -79,7 +79,7 @@ def node(role: str, left: int, top: int, high: int) -> str:
     )
 
 
-def cell(lines: Sequence[tuple[str, bool]], left: int, top: int, high: int, kind: str) -> str:
+def draw_cell(lines: Sequence[tuple[str, bool]], left: int, top: int, high: int, kind: str) -> str:
     """Return what one node tells another; late ones in another colour."""
     box = (
         f'<rect class="{kind}" x="{left + 4}" y="{top + 4}" width="{WIDTH - 8}" '

@@ -8,7 +8,7 @@ from typing import Any
 
 from lta_config.settings import Settings
 from lta_graph.ros.node import GraphSettings
-from lta_graph.ros.parameters import leaves
+from lta_graph.ros.parameters import iterate_fields
 from pydantic.fields import FieldInfo
 
 PACKAGES = ('lta_sim', 'lta_vlc', 'lta_control', 'lta_energy', 'lta_bridge')
@@ -28,52 +28,62 @@ files in `config/control`.
 """
 
 
-def page() -> str:
+def render_page() -> str:
     """Return the page: what every node takes, then a section for each node."""
-    tables = [section('Every node', GraphSettings, 'Beside its own, every node of the graph.')]
-    tables += [section(f'{package} {node}', model) for package, node, model in declared()]
+    tables = [
+        format_section('Every node', GraphSettings, 'Beside its own, every node of the graph.')
+    ]
+    tables += [
+        format_section(f'{package} {node}', model) for package, node, model in iterate_models()
+    ]
     return HEAD + ''.join(tables)
 
 
-def declared() -> Iterator[tuple[str, str, type[Settings]]]:
+def iterate_models() -> Iterator[tuple[str, str, type[Settings]]]:
     """Yield package, node and model of each node: the model that it hands to `Parameters`."""
     for package in PACKAGES:
         folder = resources.files(f'{package}.nodes')
         for found in pkgutil.iter_modules([str(folder)]):
             tree = ast.parse((folder / f'{found.name}.py').read_text(encoding='utf-8'))
             module = import_module(f'{package}.nodes.{found.name}')
-            for name in handed_over(tree):
+            for name in find_model_names(tree):
                 yield package, found.name, getattr(module, name)
 
 
-def handed_over(tree: ast.AST) -> Iterator[str]:
-    """Yield the names of the models in calls of `Parameters(node, MODEL, ...)`."""
+def find_model_names(tree: ast.AST) -> Iterator[str]:
+    """Yield the names of the models in calls of `NodeParameters(node, MODEL, ...)`."""
     for node in ast.walk(tree):
-        if isinstance(node, ast.Call) and getattr(node.func, 'id', '') == 'Parameters':
+        if isinstance(node, ast.Call) and getattr(node.func, 'id', '') == 'NodeParameters':
             model = node.args[1]
             if isinstance(model, ast.Name):
                 yield model.id
 
 
-def section(title: str, model: type[Settings], about: str = '') -> str:
+def format_section(title: str, model: type[Settings], about: str = '') -> str:
     """Return a heading and the table of a model's parameters."""
-    rows = ''.join(row(*leaf) for leaf in leaves(model()))
+    rows = ''.join(format_row(*leaf) for leaf in iterate_fields(model()))
     text = f'\n## {title}\n' + (f'{about}\n\n' if about else '\n')
     return (
         f'{text}| parameter | unless set | unit | bounds | what |\n|---|---|---|---|---|\n{rows}'
     )
 
 
-def row(name: str, info: FieldInfo, value: Any) -> str:  # noqa: ANN401 - of the parameter's type
+def format_row(name: str, info: FieldInfo, value: Any) -> str:  # noqa: ANN401 - of the parameter's type
     """Return one parameter as a row of the table."""
     extra = info.json_schema_extra if isinstance(info.json_schema_extra, dict) else {}
     fixed = ' *Fixed.*' if extra.get('read_only') else ''
     about = (info.description or '').replace('|', '\\|')
-    cells = (f'`{name}`', shown(value), str(extra.get('unit') or ''), bounds(info), about + fixed)
+    cells = (
+        f'`{name}`',
+        format_default(value),
+        str(extra.get('unit') or ''),
+        format_bounds(info),
+        about + fixed,
+    )
     return '| ' + ' | '.join(cells) + ' |\n'
 
 
-def shown(value: object) -> str:
+def format_default(value: object) -> str:
     """Return a default as it is written on a command line, empty for none."""
     if value in ('', None, ()):
         return ''
@@ -82,7 +92,7 @@ def shown(value: object) -> str:
     return f'`{str(value).lower() if isinstance(value, bool) else value}`'
 
 
-def bounds(info: FieldInfo) -> str:
+def format_bounds(info: FieldInfo) -> str:
     """Return the closed bounds of a parameter in words."""
     found = {type(item).__name__: item for item in info.metadata}
     low, high = getattr(found.get('Ge'), 'ge', None), getattr(found.get('Le'), 'le', None)

@@ -98,7 +98,7 @@ def parse_thresholds(module: str, text: str) -> Iterator[Threshold]:
         above = [*above, line.removeprefix('# ')] if line.startswith('# ') else []
 
 
-def page() -> str:
+def render_page() -> str:
     """Return the page: a section for each part."""
     measured = load_sensitivity()
     out = [HEAD]

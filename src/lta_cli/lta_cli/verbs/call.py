@@ -4,7 +4,7 @@ from typing import Annotated
 
 from lta_cli.options.plain_console import plain_console
 from lta_config.topics import robot_topic
-from lta_graph.ros import calling
+from lta_graph.ros import service_call
 import typer
 
 
@@ -27,7 +27,7 @@ def call(
 
     Example: lta call player/pause true
     """
-    answer = calling.call(robot_topic(robot, service), data)
+    answer = service_call.call_service(robot_topic(robot, service), data)
     words = answer.message or ('done' if answer.success else 'not done')
     plain_console().print(words, highlight=False, markup=False, soft_wrap=True)
     if not answer.success:

@@ -2,21 +2,26 @@
 
 from typing import Annotated
 
-from lta_bridge.bag.writer import empty_folder
-from lta_cli.options.json_option import Json, print_kept_json
+from lta_bridge.bag.writer import prepare_empty_folder
+from lta_cli.options.json_option import Json, print_json_text
 from lta_cli.options.out_option import Out
-from lta_cli.options.pictures_option import can_be_taken, Pictures
+from lta_cli.options.pictures_option import check_pictures, Pictures
 from lta_cli.options.plain_console import plain_console
+from lta_config.command_line import format_lta_command, relative_path
 from lta_config.errors import BadInput
-from lta_config.quantity import misfit, Quantity
+from lta_config.quantity import describe_misfit, Quantity
 from lta_config.schema.cell_table import load_cell_table
 from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_config.typed import near, typed
-from lta_report.results_folder import keep_json, page_line, results_folder
+from lta_report.results_folder import format_page_line, resolve_folder, write_json
 from lta_report.screenshots import write_pictures
 from lta_studies.energy.cells.page import TITLE, write_page
-from lta_studies.energy.cells.rows import afforded, plain, ranking, trial
-from lta_studies.energy.tables import show
+from lta_studies.energy.cells.tables import (
+    build_array_table,
+    build_mass_budget_table,
+    build_ranking_table,
+    to_json,
+)
+from lta_studies.energy.tables import print_table
 from pydantic import ValidationError
 import typer
 
@@ -48,31 +53,37 @@ def cells(
     Example: lta cells --budget "50 g"
     """
     console = plain_console(stderr=json)
-    can_be_taken(pictures)
-    mass, energy = weight(budget), load_vehicle_file(vehicle).energy
+    check_pictures(pictures)
+    mass, energy = parse_mass(budget), load_vehicle_file(vehicle).energy
     if energy.charger is None:
         raise BadInput(f'{vehicle} has no charger that panels could feed; take another --vehicle.')
     read = load_cell_table(table)
-    target = empty_folder(results_folder(out, 'cells'))
-    content = keep_json(plain(read, energy, mass), target / 'cells.json')
-    again = typed('cells', table, '--budget', budget, '--vehicle', vehicle)
+    target = prepare_empty_folder(resolve_folder(out, 'cells'))
+    content = write_json(to_json(read, energy, mass), target / 'cells.json')
+    again = format_lta_command('cells', table, '--budget', budget, '--vehicle', vehicle)
     page = write_page(read, energy, mass, {'Find it again': again}, target / 'report.html')
     if pictures is not None:
         write_pictures(page, pictures)
     if json:
-        print_kept_json(content, page)
-    for each in (ranking(read), trial(read, energy), afforded(read, energy, mass)):
-        show(each, console)
-    console.print(f'{TITLE}\n{page_line(near(page))}', highlight=False, soft_wrap=True)
+        print_json_text(content, page)
+    for each in (
+        build_ranking_table(read),
+        build_array_table(read, energy),
+        build_mass_budget_table(read, energy, mass),
+    ):
+        print_table(each, console)
+    console.print(
+        f'{TITLE}\n{format_page_line(relative_path(page))}', highlight=False, soft_wrap=True
+    )
 
 
-def weight(text: str) -> float:
+def parse_mass(text: str) -> float:
     """Return a mass that somebody typed [kg]; `BadInput` if it is none."""
     try:
         given = Quantity.model_validate(text)
     except ValidationError as error:
         reason = error.errors()[0]['msg'].removeprefix('Value error, ')
         raise BadInput(f'The budget {reason}.') from None
-    if complaint := misfit(given, 'kg', above=0.0, high=100.0):
+    if complaint := describe_misfit(given, 'kg', above=0.0, high=100.0):
         raise BadInput(f'The budget {complaint}.')
     return given.si

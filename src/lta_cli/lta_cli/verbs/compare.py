@@ -7,24 +7,24 @@ from pathlib import Path
 import re
 from typing import Annotated
 
-from lta_bridge.bag.writer import empty_folder
+from lta_bridge.bag.writer import prepare_empty_folder
 from lta_cli.options.json_option import print_json
-from lta_cli.options.out_option import folder
-from lta_cli.options.pictures_option import can_be_taken, Pictures
+from lta_cli.options.out_option import parse_folder
+from lta_cli.options.pictures_option import check_pictures, Pictures
 from lta_cli.options.plain_console import plain_console
 from lta_config.errors import BadInput
 from lta_config.quantity import UNITS
-from lta_data.bag.flight import Flight, open_flight
-from lta_data.bag.folder import bag_in
-from lta_data.compare.apart import Apart
-from lta_data.compare.comparison import Asked, compare_flights, ticks
+from lta_data.bag.bag_folder import find_bag
+from lta_data.bag.recorded_flight import open_flight, RecordedFlight
+from lta_data.compare.channel_comparison import ChannelComparison
+from lta_data.compare.comparison import compare_flights, ComparisonRequest, count_ticks
+from lta_data.compare.frame_alignment import Frames
+from lta_data.compare.json_data import comparison_to_dict
 from lta_data.compare.page import NAME, write_page
-from lta_data.compare.placing import Frames
 from lta_data.compare.progress import CompareProgress
-from lta_data.compare.terminal import show
-from lta_data.compare.timing import Align
-from lta_data.compare.told import to_dict
-from lta_report.results_folder import keep_json, page_line, results_folder
+from lta_data.compare.terminal import print_comparison
+from lta_data.compare.time_alignment import Align
+from lta_report.results_folder import format_page_line, resolve_folder, write_json
 from lta_report.screenshots import write_pictures
 import typer
 
@@ -77,7 +77,7 @@ def compare(
         Path | None,
         typer.Option(
             help='Folder of the results; runs/<time>-compare by default.',
-            parser=folder,
+            parser=parse_folder,
             metavar='FOLDER',
         ),
     ] = None,
@@ -99,62 +99,62 @@ def compare(
     Example: lta compare BAG BAG --pair odom=ground_truth/odom
     """
     console = plain_console(stderr=json)
-    asked = Asked(
+    asked = ComparisonRequest(
         tuple(pair or ()), tuple(topic or ()), align,
-        None if offset is None else quantity(offset, '--offset', 's'),
-        frames, dict(told_tolerance(text) for text in tolerance or ()),
+        None if offset is None else parse_quantity(offset, '--offset', 's'),
+        frames, dict(parse_tolerance(text) for text in tolerance or ()),
     )  # fmt: skip
     robots = (robot or '').partition(':')
-    one = opened(a, robots[0], 'A')
-    other = opened(b, robots[2] or robots[0], 'B')
+    one = open_side(a, robots[0], 'A')
+    other = open_side(b, robots[2] or robots[0], 'B')
     if pictures is not None and not page:
         raise BadInput('--pictures are taken of the page; leave --no-page out.')
-    can_be_taken(pictures)
+    check_pictures(pictures)
     if out is not None and out.exists():
-        empty_folder(out.absolute())  # refused before the work, not after
-    with CompareProgress(console, ticks(one, other, asked)) as progress:
+        prepare_empty_folder(out.absolute())  # refused before the work, not after
+    with CompareProgress(console, count_ticks(one, other, asked)) as progress:
         found = compare_flights(one, other, asked, progress.tick)
     check_units(tolerance or (), found.channels)
-    target = empty_folder(results_folder(out, 'compare'))
-    content = to_dict(found)
-    keep_json(content, target / 'compare.json')
+    target = prepare_empty_folder(resolve_folder(out, 'compare'))
+    content = comparison_to_dict(found)
+    write_json(content, target / 'compare.json')
     written = write_page(found, target / NAME) if page else None
     if written is not None and pictures is not None:
         write_pictures(written, pictures)
     if json:
         made = {} if written is None else {'page': str(written)}
         print_json({**content, **made})
-    show(found, console)
+    print_comparison(found, console)
     if written is not None:
-        console.print(page_line(written), highlight=False, markup=False, soft_wrap=True)
-    if same and not (found.identical or found.same):
+        console.print(format_page_line(written), highlight=False, markup=False, soft_wrap=True)
+    if same and not (found.is_identical or found.is_same):
         raise typer.Exit(1)
 
 
-def opened(path: Path, robot: str, label: str) -> Flight:
+def open_side(path: Path, robot: str, label: str) -> RecordedFlight:
     """Return a flight; which of both is meant is said where several robots are in it."""
     try:
-        return open_flight(bag_in(path), robot or None)
+        return open_flight(find_bag(path), robot or None)
     except BadInput as error:
         if 'several robots' in str(error):
             raise BadInput(f'{label}: {error} For different ones: --robot lta1:lta2.') from error
         raise
 
 
-def told_tolerance(text: str) -> tuple[str, float]:
+def parse_tolerance(text: str) -> tuple[str, float]:
     """Return channel and band of a text as 'odom/pose.pose.position.z=0.05 m'."""
     name, equals, value = text.rpartition('=')
     if not equals or not name:
         raise BadInput(
             f"'{text}' is no tolerance; write CHANNEL=VALUE, as in odom/pose.pose.position.z=0.05."
         )
-    band = quantity(value, f'The tolerance of {name}')
+    band = parse_quantity(value, f'The tolerance of {name}')
     if band < 0.0:
         raise BadInput(f'The tolerance of {name} is {band:g}; give zero or more.')
     return name, band
 
 
-def check_units(tolerances: Sequence[str], channels: Sequence[Apart]) -> None:
+def check_units(tolerances: Sequence[str], channels: Sequence[ChannelComparison]) -> None:
     """Raise BadInput where none of the channels of a tolerance is in such a unit."""
     for name, _, value in (text.rpartition('=') for text in tolerances):
         found = QUANTITY.fullmatch(value)
@@ -170,7 +170,7 @@ def check_units(tolerances: Sequence[str], channels: Sequence[Apart]) -> None:
             )
 
 
-def quantity(text: str, what: str, unit: str | None = None) -> float:
+def parse_quantity(text: str, what: str, unit: str | None = None) -> float:
     """Return a number with or without its unit, in SI; `BadInput` where it is none."""
     found = QUANTITY.fullmatch(text)
     own = found and found[2]

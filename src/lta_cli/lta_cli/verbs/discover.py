@@ -5,21 +5,21 @@ from typing import Annotated
 
 from lta_cli.options.json_option import print_json
 from lta_cli.options.out_option import Out
-from lta_cli.options.pictures_option import can_be_taken, Pictures
+from lta_cli.options.pictures_option import check_pictures, Pictures
 from lta_cli.options.plain_console import plain_console
+from lta_config.command_line import format_lta_command, relative_path
 from lta_config.errors import BadInput
-from lta_config.typed import near, typed
-from lta_discovery.demo.demo import demonstrate
-from lta_discovery.demo.hidden import Hidden
+from lta_discovery.demo.demo import demonstrate_discovery
+from lta_discovery.demo.hidden_effect import DemoEffect
 from lta_discovery.flights.bags import Role
-from lta_discovery.page.verdict_words import learned_commands
-from lta_discovery.planning.next_flight import between as plan_between
-from lta_discovery.planning.next_flight import FILE, Next, SCENE
+from lta_discovery.page.verdict_text import list_learned_commands
+from lta_discovery.planning.next_flight import FILE, NextFlight, SCENE
+from lta_discovery.planning.next_flight import plan_between as plan_between
 from lta_discovery.progress import DiscoverProgress
-from lta_discovery.results.terminal import found_words, show
-from lta_discovery.run import Asked, Discovered
-from lta_discovery.run import discover as discovered
-from lta_report.results_folder import can_be_made, page_line, results_folder
+from lta_discovery.results.terminal import format_result, print_finding
+from lta_discovery.run import discover_effects as discovered
+from lta_discovery.run import DiscoveryRequest, DiscoveryResult
+from lta_report.results_folder import check_creatable, format_page_line, resolve_folder
 from lta_report.screenshots import write_pictures
 from rich.console import Console
 import typer
@@ -92,33 +92,33 @@ def discover(
     bags: dict[Role, list[Path]] = {
         'train': train or [], 'confirm': confirm or [], 'holdout': holdout or [],
     }  # fmt: skip
-    _sensible(vehicle, any(bags.values()), demo, between is not None)
+    _check_options(vehicle, any(bags.values()), demo, between is not None)
     if pictures is not None and between is not None:
         raise BadInput('--between writes no page to take pictures of; leave --pictures out.')
-    can_be_taken(pictures)
-    folder = results_folder(out, 'discover-demo' if demo else 'discover')
-    can_be_made(folder)
+    check_pictures(pictures)
+    folder = resolve_folder(out, 'discover-demo' if demo else 'discover')
+    check_creatable(folder)
     if between is not None and vehicle is not None:
         with DiscoverProgress(console) as progress:
-            planned = plan_between(vehicle, *between, scenario, tell=progress.stage)
-        told_plan(planned, vehicle, folder, json, console)
+            planned = plan_between(vehicle, *between, scenario, tell=progress.show_stage)
+        write_next_flight(planned, vehicle, folder, json, console)
         return
     hidden = None
     with DiscoverProgress(console) as progress:
         if vehicle is None:
-            hidden, found = demonstrate(seed, folder, progress.stage)
+            hidden, found = demonstrate_discovery(seed, folder, progress.show_stage)
         else:
-            asked = Asked(vehicle, bags, seed, robot, plan)
-            found = discovered(asked, folder, progress.stage)
+            asked = DiscoveryRequest(vehicle, bags, seed, robot, plan)
+            found = discovered(asked, folder, progress.show_stage)
     if pictures is not None:
         write_pictures(found.page, pictures)
     if json:
-        told_json(found, hidden)
+        print_result_json(found, hidden)
     else:
-        told(found, hidden, folder, console)
+        print_result(found, hidden, folder, console)
 
 
-def _sensible(vehicle: str | None, bags: bool, demo: bool, between: bool) -> None:
+def _check_options(vehicle: str | None, bags: bool, demo: bool, between: bool) -> None:
     """Refuse options that do not go together."""
     if demo and (bags or vehicle):
         raise BadInput('--demo flies flights of its own; leave the vehicle and the bags out.')
@@ -131,29 +131,33 @@ def _sensible(vehicle: str | None, bags: bool, demo: bool, between: bool) -> Non
         raise BadInput('--between plans without flights; leave the bags out, or take --plan.')
 
 
-def told_json(found: Discovered, hidden: Hidden | None) -> None:
+def print_result_json(result: DiscoveryResult, hidden: DemoEffect | None) -> None:
     """Print discovery.json with the page, and what a demonstration hid."""
-    content = {**found.told, 'page': str(found.page)}
+    content = {**result.told, 'page': str(result.page)}
     if hidden is not None:
         content['hidden'] = {'name': hidden.name, 'value': hidden.value, 'unit': hidden.unit}
     print_json(content)
 
 
-def told(found: Discovered, hidden: Hidden | None, folder: Path, console: Console) -> None:
+def print_result(
+    result: DiscoveryResult, hidden: DemoEffect | None, folder: Path, console: Console
+) -> None:
     """Print what was found, what a demonstration hid, and what can be done with it."""
-    finding = found.study.finding
-    show(finding, console)
+    finding = result.study.finding
+    print_finding(finding, console)
     if hidden is not None:
-        both = f'Hidden was {hidden}; found was {found_words(finding)}.'
+        both = f'Hidden was {hidden}; found was {format_result(finding)}.'
         console.print(both, style='bold', highlight=False, soft_wrap=True)
     if (folder / FILE).exists():
-        show_flight(finding.vehicle, folder / FILE, console)
-    for line in learned_commands(finding, folder).values():
+        print_flight_command(finding.vehicle, folder / FILE, console)
+    for line in list_learned_commands(finding, folder).values():
         console.print(line, style='dim', highlight=False, markup=False, soft_wrap=True)
-    console.print(page_line(found.page), highlight=False, markup=False, soft_wrap=True)
+    console.print(format_page_line(result.page), highlight=False, markup=False, soft_wrap=True)
 
 
-def told_plan(planned: Next, vehicle: str, folder: Path, json: bool, console: Console) -> None:
+def write_next_flight(
+    planned: NextFlight, vehicle: str, folder: Path, json: bool, console: Console
+) -> None:
     """Write the next flight and say what it is."""
     if planned.scenario is not None:
         folder.mkdir(parents=True, exist_ok=True)
@@ -167,10 +171,10 @@ def told_plan(planned: Next, vehicle: str, folder: Path, json: bool, console: Co
         print_json(content)
     console.print(planned.text, highlight=False, soft_wrap=True)
     if path is not None:
-        show_flight(vehicle, path, console)
+        print_flight_command(vehicle, path, console)
 
 
-def show_flight(vehicle: str, path: Path, console: Console) -> None:
+def print_flight_command(vehicle: str, path: Path, console: Console) -> None:
     """Print how a planned flight is flown."""
-    line = typed('fly', '--vehicle', vehicle, '--scenario', near(path))
+    line = format_lta_command('fly', '--vehicle', vehicle, '--scenario', relative_path(path))
     console.print(line, style='dim', highlight=False, markup=False, soft_wrap=True)

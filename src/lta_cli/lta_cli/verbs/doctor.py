@@ -4,7 +4,7 @@ from contextlib import nullcontext
 from dataclasses import asdict
 from typing import Annotated
 
-from lta_cli.doctor import checks, show, status
+from lta_cli.doctor import exit_status, iterate_checks, print_checks
 from lta_cli.options.json_option import print_json
 from lta_cli.options.plain_console import plain_console
 import typer
@@ -21,9 +21,9 @@ def doctor(
     console = plain_console()
     waiting = console.status('looking at this machine ...')
     with waiting if console.is_terminal else nullcontext():
-        results = list(checks())
+        results = list(iterate_checks())
     if json:
         print_json([asdict(item) for item in results])
     else:
-        show(results, console)
-    raise typer.Exit(status(results))
+        print_checks(results, console)
+    raise typer.Exit(exit_status(results))

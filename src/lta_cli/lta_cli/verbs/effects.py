@@ -4,9 +4,9 @@ import sys
 from typing import Annotated
 
 from lta_cli.options.plain_console import plain_console
-from lta_cli.reference.effects_page import KINDS, page
-from lta_model.effects import EFFECTS, get
-from lta_model.effects.summary import summary
+from lta_cli.reference.effects_page import KINDS, render_page
+from lta_model.effects import EFFECTS, get_effect
+from lta_model.effects.summary import describe_effect
 from rich.table import Table
 import typer
 
@@ -26,14 +26,14 @@ def effects(
     Example: lta effects ground_effect
     """
     if markdown:
-        sys.stdout.write(page())
+        sys.stdout.write(render_page())
     elif name:
-        show(name)
+        print_effect(name)
     else:
-        show_all()
+        print_all_effects()
 
 
-def show_all() -> None:
+def print_all_effects() -> None:
     """Print a line for each effect, kind by kind."""
     console = plain_console()
     for kind, (title, about) in KINDS.items():
@@ -42,15 +42,15 @@ def show_all() -> None:
         table.add_column('what')
         for name, effect in EFFECTS.items():
             if type(effect) is kind:
-                table.add_row(name, summary(effect))
+                table.add_row(name, describe_effect(effect))
         console.print(table)
         console.print()
 
 
-def show(name: str) -> None:
+def print_effect(name: str) -> None:
     """Print one effect with all its parameters."""
-    console, effect = plain_console(), get(name)
-    console.print(f'{name}: {summary(effect)}.\n', markup=False)
+    console, effect = plain_console(), get_effect(name)
+    console.print(f'{name}: {describe_effect(effect)}.\n', markup=False)
     table = Table(box=None)
     for column in ('parameter', 'unit', 'null', 'from', 'to', 'spread', 'source'):
         table.add_column(column, overflow='fold')

@@ -7,17 +7,17 @@ from lta_bridge.live.address import PORT
 from lta_cli.options.json_option import Json, print_json
 from lta_cli.options.out_option import Out
 from lta_cli.options.plain_console import plain_console
+from lta_config.command_line import format_lta_command, relative_path
 from lta_config.errors import BadInput
-from lta_config.typed import near, typed
 from lta_control.strategies import STRATEGIES
-from lta_data.bag.flight import open_flight
-from lta_flight.flight import Flown, fly_once, Order
+from lta_data.bag.recorded_flight import open_flight
+from lta_flight.flight import FlightRequest, FlightRun, fly_once
 from lta_flight.progress import FlightProgress
-from lta_flight.report.outcome import sentence
+from lta_flight.report.outcome import describe_outcome
 from lta_flight.report.page import write_page
-from lta_flight.report.results import Results, results_of
-from lta_flight.report.view import View
-from lta_report.results_folder import page_line
+from lta_flight.report.results import compute_results, FlightResults
+from lta_flight.report.view import FlightView
+from lta_report.results_folder import format_page_line
 from rich.console import Console
 import typer
 
@@ -60,33 +60,37 @@ def fly(
     """
     console = plain_console(stderr=json)
     pace = time or ('realtime' if live else 'lockstep')
-    order = Order(vehicle, scenario, strategy, seed, pace, out, live_port if live else None)
+    order = FlightRequest(
+        vehicle, scenario, strategy, seed, pace, out, live_port if live else None
+    )
     with FlightProgress(console) as progress:
         flight = fly_once(order, progress)
     target = flight.folder / 'report.html' if page else None
-    figures = reported(flight, target)
+    figures = write_report(flight, target)
     if json:
-        print_json(printed(flight, figures, target))
-    console.print(told(flight, figures), highlight=False, soft_wrap=True)
+        print_json(flight_to_dict(flight, figures, target))
+    console.print(format_outcome(flight, figures), highlight=False, soft_wrap=True)
     if figures is not None:
-        show_files(flight.bag, target, console)
+        print_files(flight.bag, target, console)
     if flight.outcome != 'reached':
         raise typer.Exit(1)
 
 
-def reported(flight: Flown, page: Path | None) -> Results | None:
+def write_report(flight: FlightRun, page: Path | None) -> FlightResults | None:
     """Return the results, and write the page; None for a broken flight without a recording."""
     try:
         if page is not None:
             return write_page(flight.bag, page)
-        return results_of(View(open_flight(flight.bag)))
+        return compute_results(FlightView(open_flight(flight.bag)))
     except BadInput:
         if flight.outcome == 'failed':
             return None
         raise
 
 
-def printed(flight: Flown, figures: Results | None, page: Path | None) -> dict[str, object]:
+def flight_to_dict(
+    flight: FlightRun, figures: FlightResults | None, page: Path | None
+) -> dict[str, object]:
     """Return what --json prints."""
     pages = {} if page is None or figures is None else {'page': str(page)}
     return {
@@ -95,23 +99,26 @@ def printed(flight: Flown, figures: Results | None, page: Path | None) -> dict[s
         'bag': str(flight.bag),
         **({} if figures is None else figures.to_dict()),
         **pages,
-        'units': {'pace': '1', **({} if figures is None else figures.units())},
+        'units': {'pace': '1', **({} if figures is None else figures.list_units())},
     }
 
 
-def told(flight: Flown, figures: Results | None) -> str:
+def format_outcome(flight: FlightRun, figures: FlightResults | None) -> str:
     """Return the outcome in one sentence: the page's own, and what else the simulator knows."""
     on_course = flight.outcome == 'reached' and figures is not None and figures.success is None
     if figures is None or flight.outcome == 'failed' or on_course:
         return f'The drone {flight.sentence}.'
     if flight.outcome == 'reached':
-        return f'{sentence(figures)}.'
-    return f'{sentence(figures)}; it {flight.sentence}.'
+        return f'{describe_outcome(figures)}.'
+    return f'{describe_outcome(figures)}; it {flight.sentence}.'
 
 
-def show_files(bag: Path, page: Path | None, console: Console) -> None:
+def print_files(bag: Path, page: Path | None, console: Console) -> None:
     """Print where the results are and how to look at them."""
-    lines = [f'Bag  {bag}  (drop it into Foxglove, or: {typed("bag", "info", near(bag))})']
+    lines = [
+        f'Bag  {bag}  (drop it into Foxglove, or: '
+        f'{format_lta_command("bag", "info", relative_path(bag))})'
+    ]
     if page is not None:
-        lines.append(page_line(page))
+        lines.append(format_page_line(page))
     console.print('\n'.join(lines), highlight=False, markup=False, soft_wrap=True)

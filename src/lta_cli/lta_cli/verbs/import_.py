@@ -7,17 +7,17 @@ from typing import Annotated, get_args, TYPE_CHECKING
 from lta_cli.options.json_option import Json, print_json
 from lta_cli.options.out_option import Out
 from lta_cli.options.plain_console import plain_console
+from lta_config.command_line import format_lta_command, relative_path
 from lta_config.errors import BadInput
-from lta_config.files import known
+from lta_config.files import list_shipped
 from lta_config.schema.import_file import Format
 from lta_config.topics import is_name
-from lta_config.typed import near, typed
-from lta_report.results_folder import results_folder
+from lta_report.results_folder import resolve_folder
 from rich.console import Console
 import typer
 
 if TYPE_CHECKING:
-    from lta_data.foreign.run import Imported
+    from lta_data.importers.run import ImportedLog
 
 
 def import_(
@@ -27,7 +27,8 @@ def import_(
     mapping: Annotated[
         str | None,
         typer.Option(
-            help=f'What the columns are: a file, or one of {", ".join(known("imports"))}. Found '
+            help=f'What the columns are: a file, or one of {", ".join(list_shipped("imports"))}. '
+            f'Found '
             'from the columns where just one shipped mapping fits.'
         ),
     ] = None,
@@ -61,25 +62,25 @@ def import_(
     Example: lta import log00 log01 --json
     """
     # The readers of all formats take a while to load, which no other verb should wait for.
-    from lta_data.foreign.progress import ImportProgress
-    from lta_data.foreign.run import import_all, Order
+    from lta_data.importers.progress import ImportProgress
+    from lta_data.importers.run import import_logs, ImportRequest
 
     console = plain_console(stderr=json)
     if not is_name(robot):
         raise BadInput(f"Robot '{robot}' is no name for topics; use letters and digits.")
     name = sources[0].name.split('.')[0] or 'log'
-    target = results_folder(out, name)
-    order = Order(sources, mapping, format, robot, vehicle)
+    target = resolve_folder(out, name)
+    order = ImportRequest(sources, mapping, format, robot, vehicle)
     with ImportProgress(console, len(sources)) as progress:
-        done = import_all(order, target, progress)
+        done = import_logs(order, target, progress)
     if json:
         print_json([asdict(one) for one in done])
         return
     for one in done:
-        _show(one, console)
+        _print_import(one, console)
 
 
-def _show(one: 'Imported', console: Console) -> None:
+def _print_import(one: 'ImportedLog', console: Console) -> None:
     """Print what became of one log."""
     told = f'{one.format}, mapping {one.mapping}' if one.mapping else one.format
     console.print(
@@ -89,6 +90,8 @@ def _show(one: 'Imported', console: Console) -> None:
         console.print(f'  {topic}: {count} messages', highlight=False, markup=False)
     for note in one.notes:
         console.print(f'  {note}', style='yellow', highlight=False, markup=False, soft_wrap=True)
-    console.print(f'Bag {near(Path(one.bag))}', highlight=False, markup=False, soft_wrap=True)
-    command = typed('bag', 'info', near(Path(one.bag)))
+    console.print(
+        f'Bag {relative_path(Path(one.bag))}', highlight=False, markup=False, soft_wrap=True
+    )
+    command = format_lta_command('bag', 'info', relative_path(Path(one.bag)))
     console.print(f'See {command}', style='dim', highlight=False, markup=False, soft_wrap=True)

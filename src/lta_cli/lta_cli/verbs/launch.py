@@ -8,11 +8,11 @@ from typing import Annotated
 
 from lta_cli.options.plain_console import plain_console
 from lta_config.errors import BadInput
-from lta_config.files import find
-from lta_flight.flight import refused
+from lta_config.files import find_file
+from lta_flight.flight import is_refusal
 from lta_flight.graph import run_graph
-from lta_flight.preflight import check
-from lta_graph.launch_file import arguments, load
+from lta_flight.preflight import check_plan
+from lta_graph.launch_file import list_arguments, load_plan
 from rich.table import Table
 import typer
 
@@ -39,36 +39,36 @@ def launch(
 
     Example: lta launch fly seed:=2 time:=lockstep bag:=/tmp/flight
     """
-    path = find('launch file', file, SUFFIX)
+    path = find_file('launch file', file, SUFFIX)
     if show_args:
-        show(path)
+        print_arguments(path)
         return
-    pairs = parse(given or [])
-    plan = load(path, pairs)
+    pairs = parse_arguments(given or [])
+    plan = load_plan(path, pairs)
     if os.environ.get('LTA_UNDERLAY') != WHEELS and shutil.which('ros2'):
         os.execvp('ros2', ['ros2', 'launch', str(path), *(given or [])])
-    check(plan)
-    outcome = run_graph(plan, say, tell)
-    if refused(outcome):
+    check_plan(plan)
+    outcome = run_graph(plan, print_node_line, print_event)
+    if is_refusal(outcome):
         raise BadInput(outcome.lines[-1])
     if not outcome.success:
         raise typer.Exit(1)
 
 
-def tell(sentence: str) -> None:
+def print_event(sentence: str) -> None:
     """Print what happened to the graph."""
     sys.stderr.write(f'{sentence}\n')
 
 
-def say(node: str, line: str) -> None:
+def print_node_line(node: str, line: str) -> None:
     """Print one line of a node under its name."""
     sys.stdout.write(f'[{node}] {line}\n')
 
 
-def parse(given: list[str]) -> dict[str, str]:
+def parse_arguments(texts: list[str]) -> dict[str, str]:
     """Return launch arguments by name; each is written NAME:=VALUE."""
     pairs = {}
-    for item in given:
+    for item in texts:
         name, mark, value = item.partition(':=')
         if not mark or not name:
             raise BadInput(f"'{item}' is no launch argument; write NAME:=VALUE.")
@@ -76,10 +76,10 @@ def parse(given: list[str]) -> dict[str, str]:
     return pairs
 
 
-def show(path: Path) -> None:
+def print_arguments(path: Path) -> None:
     """Print the arguments of a launch file as a table."""
     table = Table('argument', 'default', 'choices', 'meaning', title=path.name)
-    for item in arguments(path):
+    for item in list_arguments(path):
         default = 'required' if item.default is None else item.default
         table.add_row(item.name, default, ' '.join(item.choices), item.description)
     plain_console().print(table)

@@ -5,15 +5,15 @@ from typing import Annotated, Literal
 
 from lta_cli.options.json_option import Json, print_json
 from lta_cli.options.out_option import Out
-from lta_cli.options.pictures_option import can_be_taken, Pictures
+from lta_cli.options.pictures_option import check_pictures, Pictures
 from lta_cli.options.plain_console import plain_console
-from lta_config.typed import near, typed
-from lta_report.bar import Bar
-from lta_report.results_folder import keep_json, page_line, results_folder
+from lta_config.command_line import format_lta_command, relative_path
+from lta_report.progress_bar import ProgressBar
+from lta_report.results_folder import format_page_line, resolve_folder, write_json
 from lta_report.screenshots import write_pictures
-from lta_studies.energy.tables import show, turned
-from lta_studies.mission.page import tables, title, write_page
-from lta_studies.mission.run import gain, order_of, run, SCHEDULES
+from lta_studies.energy.tables import print_table, transpose_table
+from lta_studies.mission.page import build_tables, format_title, write_page
+from lta_studies.mission.run import load_request, run_missions, schedule_gain, SCHEDULES
 from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
 import typer
 
@@ -51,40 +51,41 @@ def mission(
     Example: lta mission greenhouse --days 2 --seeds 5
     """
     console = plain_console(stderr=json)
-    can_be_taken(pictures)
+    check_pictures(pictures)
     schedules = SCHEDULES if schedule == 'all' else (schedule,)
-    order = order_of(name, days, range(seed, seed + seeds), schedules)
-    folder = results_folder(out, f'mission-{order.mission.name}')
+    order = load_request(name, days, range(seed, seed + seeds), schedules)
+    folder = resolve_folder(out, f'mission-{order.mission.name}')
     columns = (TextColumn('{task.description}'), BarColumn(), TimeRemainingColumn())
     total = DAY * days * seeds * len(schedules)
-    with Bar(console, *columns, begin='living', total=total) as bar:
-        lives = run(order, folder, lambda gone: bar.move(advance=gone))
+    with ProgressBar(console, *columns, begin='living', total=total) as bar:
+        lives = run_missions(order, folder, lambda gone: bar.update_bar(advance=gone))
     content = {
         'mission': order.mission.name,
         'days': days,
-        'gain': None if (more := gain(lives)) is None else more._asdict(),
+        'gain': None if (more := schedule_gain(lives)) is None else more._asdict(),
         'lives': [
             {'schedule': each.schedule, 'seed': each.seed, **asdict(each.figures)}
             for each in lives
         ],
     }
-    keep_json(content, folder / 'mission.json')
-    again = typed(
+    write_json(content, folder / 'mission.json')
+    again = format_lta_command(
         'mission', name, '--days', str(days), '--seeds', str(seeds), '--seed', str(seed),
         '--schedule', schedule,
     )  # fmt: skip
     commands = {
         'Live it again': again,
-        'Fly between its beacons': typed('simulate', '--scenario', order.mission.scene,
-                                         '--strategy', 'homing'),
+        'Fly between its beacons': format_lta_command(
+            'simulate', '--scenario', order.mission.scene, '--strategy', 'homing',
+        ),
     }  # fmt: skip
     page = write_page(order, lives, commands, folder / 'report.html')
     if pictures is not None:
         write_pictures(page, pictures)
     if json:
         print_json(content, page)
-    schedules_table, ratios = tables(order, lives)
-    show(turned(schedules_table), console)
-    show(ratios, console)
-    lines = [title(order, lives), page_line(near(page))]
+    schedules_table, ratios = build_tables(order, lives)
+    print_table(transpose_table(schedules_table), console)
+    print_table(ratios, console)
+    lines = [format_title(order, lives), format_page_line(relative_path(page))]
     console.print('\n'.join(lines), highlight=False, markup=False, soft_wrap=True)

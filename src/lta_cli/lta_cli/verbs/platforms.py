@@ -5,19 +5,26 @@ from pathlib import Path
 import sys
 from typing import Annotated
 
-from lta_bridge.bag.writer import empty_folder
-from lta_bridge.provenance import commit
+from lta_bridge.bag.writer import prepare_empty_folder
+from lta_bridge.provenance import read_commit
 from lta_cli.options.out_option import Out
 from lta_cli.options.plain_console import plain_console
+from lta_config.command_line import format_lta_command
 from lta_config.schema.comparison_file import load_comparison
-from lta_config.typed import typed
 from lta_report.browser import find_chromium
-from lta_report.results_folder import keep_json, page_line, results_folder
+from lta_report.results_folder import format_page_line, resolve_folder, write_json
 from lta_report.screenshots import write_pictures
-from lta_studies.platforms.page import Told, write_page
-from lta_studies.platforms.run import check, fly_all, jobs, printed, processors, Row
-from lta_studies.platforms.summary import reversals
-from lta_studies.platforms.verdict import title
+from lta_studies.platforms.page import ComparisonReport, write_page
+from lta_studies.platforms.run import (
+    check_comparison,
+    count_processors,
+    fly_all,
+    list_jobs,
+    PlatformResult,
+    result_to_json,
+)
+from lta_studies.platforms.summary import describe_reversals
+from lta_studies.platforms.verdict import format_title
 from rich.progress import track
 import typer
 
@@ -57,28 +64,32 @@ def platforms(
     console = plain_console(stderr=json)
     if pictures is not None:
         find_chromium()  # says what is missing before anything flies
-        empty_folder(pictures)
+        prepare_empty_folder(pictures)
     comparison = load_comparison(file)
-    check(file, comparison)
-    todo = jobs(file, comparison, seeds or comparison.seeds)
+    check_comparison(file, comparison)
+    todo = list_jobs(file, comparison, seeds or comparison.seeds)
     created = datetime.now().astimezone().isoformat(timespec='seconds')
-    target = empty_folder(results_folder(out, comparison.name))
-    coming = fly_all(todo, workers or processors())
-    rows: list[Row] = list(
+    target = prepare_empty_folder(resolve_folder(out, comparison.name))
+    coming = fly_all(todo, workers or count_processors())
+    rows: list[PlatformResult] = list(
         track(coming, 'flying', len(todo), console=console, disable=not console.is_terminal)
     )
     order = {job: index for index, job in enumerate(todo)}
     rows.sort(key=lambda row: order[row.job])
-    content = keep_json([printed(row) for row in rows], target / 'flights.json')
+    content = write_json([result_to_json(row) for row in rows], target / 'flights.json')
     origin = {
         'comparison': file, 'seeds': str(seeds or comparison.seeds), 'flights': str(len(rows)),
-        'commit': commit(), 'created': created,
-        'again': typed('platforms', file, '--seeds', str(seeds or comparison.seeds)),
+        'commit': read_commit(), 'created': created,
+        'again': format_lta_command('platforms', file, '--seeds', str(seeds or comparison.seeds)),
     }  # fmt: skip
-    page = write_page(Told(comparison, rows, target, origin))
+    page = write_page(ComparisonReport(comparison, rows, target, origin))
     if pictures is not None:
         write_pictures(page, pictures)
     if json:
         sys.stdout.write(content)
-    lines = [title(comparison, rows), *reversals(comparison, rows), page_line(page)]
+    lines = [
+        format_title(comparison, rows),
+        *describe_reversals(comparison, rows),
+        format_page_line(page),
+    ]
     console.print('\n'.join(lines), highlight=False, markup=False, soft_wrap=True)

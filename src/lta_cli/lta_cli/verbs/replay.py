@@ -6,19 +6,19 @@ from typing import Annotated
 
 from lta_bridge.playback.settings import FOREVER
 from lta_cli.options.json_option import Json
-from lta_cli.options.out_option import folder
+from lta_cli.options.out_option import parse_folder
 from lta_cli.options.plain_console import plain_console
-from lta_config.typed import near
-from lta_data.bag.flight import Flight, open_flight
-from lta_data.bag.folder import bag_in
-from lta_flight.replay.given import settings_of
-from lta_flight.replay.order import nodes_of, Order
-from lta_flight.replay.page import figure, largest, write_page
+from lta_config.command_line import relative_path
+from lta_data.bag.bag_folder import find_bag
+from lta_data.bag.recorded_flight import open_flight, RecordedFlight
+from lta_flight.replay.node_settings import parse_settings
+from lta_flight.replay.page import format_largest_change, format_value, write_page
 from lta_flight.replay.progress import ReplayProgress
-from lta_flight.replay.run import replay as run_again
-from lta_flight.replay.run import Replayed
-from lta_flight.replay.verdict import judged, Verdict
-from lta_report.results_folder import keep_json, page_line, results_folder
+from lta_flight.replay.request import parse_nodes, ReplayRequest
+from lta_flight.replay.run import ReplayRun
+from lta_flight.replay.run import run_replay as run_again
+from lta_flight.replay.verdict import compare_flights, ReplayVerdict
+from lta_report.results_folder import format_page_line, resolve_folder, write_json
 from rich.console import Console
 from rich.table import Column, Table
 import typer
@@ -56,7 +56,7 @@ def replay(
         Path | None,
         typer.Option(
             help='Folder of the results; runs/<time>-replay by default.',
-            parser=folder,
+            parser=parse_folder,
             metavar='FOLDER',
         ),
     ] = None,
@@ -77,27 +77,31 @@ def replay(
     demodulator.window=4
     """
     console = plain_console(stderr=json)
-    names = nodes_of(nodes)
-    order = Order(
-        bag_in(bag).absolute(), names, settings_of(set_ or [], names), vehicle, gains, strategy,
-        rate, start, FOREVER if end is None else end,
+    names = parse_nodes(nodes)
+    order = ReplayRequest(
+        find_bag(bag).absolute(), names, parse_settings(set_ or [], names), vehicle, gains,
+        strategy, rate, start, FOREVER if end is None else end,
     )  # fmt: skip
     flight = open_flight(order.bag, robot)
-    target = results_folder(out, 'replay')
+    target = resolve_folder(out, 'replay')
     span = ((flight.bag.end or 0) - (flight.bag.start or 0)) * 1e-9
     with ReplayProgress(console, max(0.0, min(span, order.end) - start)) as progress:
         played = run_again(order, flight, target, progress)
-    verdict = judged(flight, open_flight(played.bag), order.cast.answers) if against else None
-    tell(played, verdict, order, flight, target, console, json)
-    if not played.whole or (verdict is not None and verdict.word == 'different'):
+    verdict = (
+        compare_flights(flight, open_flight(played.bag), order.node_selection.answers)
+        if against
+        else None
+    )
+    write_results(played, verdict, order, flight, target, console, json)
+    if not played.is_complete or (verdict is not None and verdict.word == 'different'):
         raise typer.Exit(1)
 
 
-def tell(
-    played: Replayed,
-    verdict: Verdict | None,
-    order: Order,
-    flight: Flight,
+def write_results(
+    played: ReplayRun,
+    verdict: ReplayVerdict | None,
+    order: ReplayRequest,
+    flight: RecordedFlight,
     target: Path,
     console: Console,
     json: bool,
@@ -105,7 +109,7 @@ def tell(
     """Write the results, and say what came out and where it is."""
     content = {
         'bag': str(played.bag),
-        'whole': played.whole,
+        'whole': played.is_complete,
         'player': played.standing,
         'changes': order.changes,
         **(verdict.to_dict() if verdict else {}),
@@ -114,10 +118,10 @@ def tell(
     if verdict is not None:
         page = write_page(verdict, order, flight.provenance, target)
         content['page'] = str(page)
-    written = keep_json(content, target / 'replay.json')
+    written = write_json(content, target / 'replay.json')
     if json:
         sys.stdout.write(written)
-    if not played.whole:
+    if not played.is_complete:
         console.print('The replay did not come to its end.', highlight=False)
     elif played.standing is not None:
         said = played.standing
@@ -127,13 +131,17 @@ def tell(
             highlight=False,
         )
     if verdict is not None:
-        show(verdict, console)
-    console.print(f'Bag  {near(played.bag)}', highlight=False, markup=False, soft_wrap=True)
+        print_verdict(verdict, console)
+    console.print(
+        f'Bag  {relative_path(played.bag)}', highlight=False, markup=False, soft_wrap=True
+    )
     if page is not None:
-        console.print(page_line(near(page)), highlight=False, markup=False, soft_wrap=True)
+        console.print(
+            format_page_line(relative_path(page)), highlight=False, markup=False, soft_wrap=True
+        )
 
 
-def show(verdict: Verdict, console: Console) -> None:
+def print_verdict(verdict: ReplayVerdict, console: Console) -> None:
     """Print the verdict, what differs, and which decisions changed."""
     console.print(f'{verdict.sentence}.', highlight=False, soft_wrap=True)
     printed = Table(
@@ -142,19 +150,20 @@ def show(verdict: Verdict, console: Console) -> None:
     )  # fmt: skip
     for topic in verdict.topics:
         for each in topic.channels[:WORST]:
-            at = verdict.seconds(int(topic.recorded.keys[each.first]))
+            at = verdict.relative_time(int(topic.recorded.keys[each.first]))
             printed.add_row(
                 topic.topic, each.path, f'{each.count}/{topic.count}', f'{at:.2f} s',
-                *(figure(value, 7) for value in (each.recorded, each.again, each.largest)),
+                *(format_value(value, 7) for value in (each.recorded, each.again, each.largest)),
             )  # fmt: skip
     if printed.row_count:
         console.print(printed)
     for decision in verdict.decisions:
-        if decision.first is not None:
-            at = verdict.seconds(int(decision.keys[decision.first]))
-            how = f', {largest(decision)}' if decision.unit else ''
+        if decision.first_change is not None:
+            at = verdict.relative_time(int(decision.keys[decision.first_change]))
+            how = f', {format_largest_change(decision)}' if decision.unit else ''
             console.print(
-                f'{decision.name}: {decision.changed} of {len(decision.keys)} changed, first at '
+                f'{decision.name}: {decision.change_count} of {len(decision.keys)} changed, first '
+                f'at '
                 f'{at:.2f} s{how}.',
                 highlight=False,
             )

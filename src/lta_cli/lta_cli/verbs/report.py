@@ -3,11 +3,11 @@
 from pathlib import Path
 from typing import Annotated
 
-from lta_bridge.bag.writer import empty_folder
+from lta_bridge.bag.writer import prepare_empty_folder
 from lta_cli.options.plain_console import plain_console
-from lta_data.bag.flight import chosen
-from lta_data.bag.folder import bag_in
+from lta_data.bag.bag_folder import find_bag
 from lta_data.bag.reader import read_bag
+from lta_data.bag.recorded_flight import select_robot
 from lta_flight.report.page import write_page
 from lta_report.screenshots import write_pictures
 import typer
@@ -35,12 +35,12 @@ def report(
 
     Example: lta report pair/bag --robot lta2
     """
-    bag = bag_in(bag)
-    chosen(read_bag(bag), robot)  # nothing is made where there is nothing to report on
+    bag = find_bag(bag)
+    select_robot(read_bag(bag), robot)  # nothing is made where there is nothing to report on
     name = 'report.html' if robot is None else f'report-{robot}.html'
     page = (out or bag.absolute().parent / name).absolute()
     if pictures is not None:
-        empty_folder(pictures)
+        prepare_empty_folder(pictures)
     write_page(bag, page, robot)
     console = plain_console()
     console.print(f'Page {page}', highlight=False, soft_wrap=True)

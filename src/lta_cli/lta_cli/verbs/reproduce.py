@@ -5,21 +5,27 @@ from pathlib import Path
 import sys
 from typing import Annotated
 
-from lta_cli.options.json_option import print_kept_json
-from lta_cli.options.out_option import folder
-from lta_cli.options.pictures_option import can_be_taken, Pictures
+from lta_cli.options.json_option import print_json_text
+from lta_cli.options.out_option import parse_folder
+from lta_cli.options.pictures_option import check_pictures, Pictures
 from lta_cli.options.plain_console import plain_console
+from lta_config.command_line import format_lta_command, relative_path
 from lta_config.schema.paper_file import PaperRow
-from lta_config.typed import near, typed
-from lta_report.bar import Bar
-from lta_report.results_folder import keep_json, page_line
+from lta_report.progress_bar import ProgressBar
+from lta_report.results_folder import format_page_line, write_json
 from lta_report.screenshots import write_pictures
-from lta_studies.energy.tables import show, Table
-from lta_studies.platforms.run import processors
+from lta_studies.energy.tables import print_table, TextTable
+from lta_studies.platforms.run import count_processors
 from lta_studies.reproduce import figures_file, lines, markdown
-from lta_studies.reproduce.kept import Kept
 from lta_studies.reproduce.page import write_page
-from lta_studies.reproduce.run import known_rows, Order, rows_of, seeds_of, study_all
+from lta_studies.reproduce.row_store import StoredRow
+from lta_studies.reproduce.run import (
+    read_stored_rows,
+    ReproductionRequest,
+    seed_count,
+    select_rows,
+    study_all,
+)
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsedColumn
 import typer
@@ -37,7 +43,7 @@ def reproduce(
         Path | None,
         typer.Option(
             help='Folder of the results; runs/paper or runs/paper-quick by default.',
-            parser=folder,
+            parser=parse_folder,
             metavar='FOLDER',
         ),
     ] = None,
@@ -65,52 +71,65 @@ def reproduce(
     Example: lta reproduce --quick
     """
     console = plain_console(stderr=json or as_markdown)
-    rows = rows_of(names or [])
+    rows = select_rows(names or [])
     if listed:
-        show(list_table(rows), console)
+        print_table(build_row_table(rows), console)
         return
-    can_be_taken(pictures)
+    check_pictures(pictures)
     target = (out or Path('runs') / ('paper-quick' if quick else 'paper')).absolute()
-    order = Order(tuple(row.name for row in rows), quick, target, workers or processors())
-    kepts = gathered(order, rows, console)
-    told = keep_json(figures_file.content(rows, kepts), target / 'paper.json')
+    order = ReproductionRequest(
+        tuple(row.name for row in rows), quick, target, workers or count_processors()
+    )
+    kepts = gather_rows(order, rows, console)
+    told = write_json(figures_file.build_figures(rows, kepts), target / 'paper.json')
     words = ['reproduce', *(names or []), *(['--quick'] if quick else [])]
-    page = write_page(rows, kepts, {'Find it again': typed(*words)}, target / 'report.html')
+    page = write_page(
+        rows, kepts, {'Find it again': format_lta_command(*words)}, target / 'report.html'
+    )
     if pictures is not None:
         write_pictures(page, pictures)
     if as_markdown:
-        sys.stdout.write(markdown.page(rows, kepts))
+        sys.stdout.write(markdown.format_page(rows, kepts))
     if json:
-        print_kept_json(told, page)
-    show(Table('Claims of the paper', lines.SUMMARY_HEADS, lines.summary(rows, kepts)), console)
-    console.print(lines.title(rows, kepts), highlight=False, soft_wrap=True)
-    console.print(page_line(near(page)), highlight=False, markup=False, soft_wrap=True)
+        print_json_text(told, page)
+    print_table(
+        TextTable(
+            'Claims of the paper', lines.SUMMARY_HEADS, lines.build_summary_lines(rows, kepts)
+        ),
+        console,
+    )
+    console.print(lines.format_title(rows, kepts), highlight=False, soft_wrap=True)
+    console.print(
+        format_page_line(relative_path(page)), highlight=False, markup=False, soft_wrap=True
+    )
 
 
-def gathered(order: Order, rows: Sequence[PaperRow], console: Console) -> dict[str, Kept]:
+def gather_rows(
+    order: ReproductionRequest, rows: Sequence[PaperRow], console: Console
+) -> dict[str, StoredRow]:
     """Return all rows, those that are kept taken up and the others studied."""
-    kepts = known_rows(order, rows)
+    kepts = read_stored_rows(order, rows)
     todo = [row for row in rows if row.name not in kepts]
     columns = (
         TextColumn('{task.description}'), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
     )  # fmt: skip
-    with Bar(console, *columns, begin='the paper', total=len(rows)) as bar:
-        bar.move(advance=len(kepts))
+    with ProgressBar(console, *columns, begin='the paper', total=len(rows)) as bar:
+        bar.update_bar(advance=len(kepts))
         for name, kept in study_all(order, todo):
             kepts[name] = kept
-            bar.move(advance=1, description=name)
+            bar.update_bar(advance=1, description=name)
             if console.is_terminal:
-                bar.say(f'{name}: {kept.seconds:.0f} s')
+                bar.show_message(f'{name}: {kept.seconds:.0f} s')
     return kepts
 
 
-def list_table(rows: Sequence[PaperRow]) -> Table:
+def build_row_table(rows: Sequence[PaperRow]) -> TextTable:
     """Return what rows there are."""
     body = [
         [
-            row.name, f'{row.number}. {row.title}', str(seeds_of(row, False)),
-            str(seeds_of(row, True)), str(len(row.claims)), str(len(row.defects)),
+            row.name, f'{row.number}. {row.title}', str(seed_count(row, False)),
+            str(seed_count(row, True)), str(len(row.claims)), str(len(row.defects)),
         ]
         for row in rows
     ]  # fmt: skip
-    return Table('Rows of the paper', LIST_HEADS, body)
+    return TextTable('Rows of the paper', LIST_HEADS, body)

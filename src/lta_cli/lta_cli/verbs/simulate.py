@@ -5,12 +5,12 @@ from typing import Annotated
 from lta_cli.options.json_option import Json, print_json
 from lta_cli.options.out_option import Out
 from lta_cli.options.plain_console import plain_console
-from lta_cli.verbs.fly import printed, show_files, told
+from lta_cli.verbs.fly import flight_to_dict, format_outcome, print_files
 from lta_control.strategies import STRATEGIES
 from lta_flight.progress import FlightProgress
 from lta_flight.report.page import write_page
-from lta_flight.simulate import simulate_once, Simulated
-from lta_sim.craft import is_compiled
+from lta_flight.simulate import simulate_once, SimulationRequest
+from lta_sim.simulated_vehicle import is_compiled
 import typer
 
 KNOWN = ', '.join(STRATEGIES)
@@ -51,7 +51,7 @@ def simulate(
     Example: lta simulate --seed 3 --set 'vehicle.trim.heaviness=4 g'
     """
     console = plain_console(stderr=json)
-    order = Simulated(
+    order = SimulationRequest(
         vehicle, scenario, strategy, gains, seed, tuple(changes or ()), out, record=bag
     )
     with FlightProgress(console, 'loading the world') as progress:
@@ -62,13 +62,13 @@ def simulate(
     if target is not None:
         figures = write_page(flight.bag, target)
     if json:
-        content = printed(flight, figures, target)
+        content = flight_to_dict(flight, figures, target)
         if not bag:
             del content['bag']
         print_json(content)
-    console.print(told(flight, figures), highlight=False, soft_wrap=True)
+    console.print(format_outcome(flight, figures), highlight=False, soft_wrap=True)
     console.print(f'Simulated at {flight.pace:.1f} x real time.', highlight=False)
     if bag:
-        show_files(flight.bag, target, console)
+        print_files(flight.bag, target, console)
     if flight.outcome != 'reached':
         raise typer.Exit(1)

@@ -6,15 +6,15 @@ from pathlib import Path
 from typing import Annotated
 
 from lta_cli.options.json_option import print_json
-from lta_cli.options.out_option import folder
+from lta_cli.options.out_option import parse_folder
 from lta_cli.options.plain_console import plain_console
 from lta_config.errors import BadInput
-from lta_flight.fleet.fly import Device
-from lta_flight.sweep.flown import FAILED
-from lta_flight.sweep.page import title
-from lta_flight.sweep.run import Order, sweep_once, Swept
+from lta_flight.batch.fly import Device
+from lta_flight.sweep.job_runner import FAILED
+from lta_flight.sweep.page import format_title
+from lta_flight.sweep.run import sweep_once, SweepRequest, SweepRun
 from lta_flight.sweep.statistics import reached_share
-from lta_report.results_folder import page_line
+from lta_report.results_folder import format_page_line
 from rich.console import Console
 import typer
 
@@ -25,7 +25,7 @@ def sweep(
         Path | None,
         typer.Option(
             help='Folder of the results; runs/sweep-<name>-<hash> by default.',
-            parser=folder,
+            parser=parse_folder,
             metavar='FOLDER',
         ),
     ] = None,
@@ -75,22 +75,22 @@ def sweep(
     Example: lta sweep heaviness --workers 2
     """
     console = plain_console(stderr=json)
-    asked = duties_in(duties)
-    refuse_both(device, asked, workers, scheduler)
-    order = Order(file, out, workers, scheduler, retry, page, device, asked)
+    asked = parse_duties(duties)
+    check_options(device, asked, workers, scheduler)
+    order = SweepRequest(file, out, workers, scheduler, retry, page, device, asked)
     try:
         done = sweep_once(order, console)
     except KeyboardInterrupt:
         console.print('What was flown is kept; the same command goes on from there.')
         raise
     if json:
-        print_json(printed(done))
-    tell(done, console)
+        print_json(sweep_to_dict(done))
+    print_summary(done, console)
     if any(row.outcome == FAILED for row in done.rows):
         raise typer.Exit(1)
 
 
-def duties_in(text: str | None) -> tuple[float, ...]:
+def parse_duties(text: str | None) -> tuple[float, ...]:
     """Return the duties in a text; `BadInput` where they are none."""
     try:
         found = tuple(float(word) for word in text.split(',')) if text else ()
@@ -101,7 +101,7 @@ def duties_in(text: str | None) -> tuple[float, ...]:
     return found
 
 
-def refuse_both(
+def check_options(
     device: Device | None, duties: tuple[float, ...], workers: int | None, scheduler: str | None
 ) -> None:
     """Refuse options that exclude each other."""
@@ -111,7 +111,7 @@ def refuse_both(
         raise BadInput('A batch (--device) needs no --workers and no --scheduler; leave them out.')
 
 
-def printed(done: Swept) -> dict[str, object]:
+def sweep_to_dict(done: SweepRun) -> dict[str, object]:
     """Return what --json prints."""
     share = reached_share(done.rows)
     return {
@@ -129,9 +129,9 @@ def printed(done: Swept) -> dict[str, object]:
     }
 
 
-def tell(done: Swept, console: Console) -> None:
+def print_summary(done: SweepRun, console: Console) -> None:
     """Say what came out and where it is."""
-    lines = [title(done.plan, done.rows)]
+    lines = [format_title(done.plan, done.rows)]
     if done.flown:
         rate = done.flown / done.wall
         lines.append(f'{done.flown} flights in {done.wall:.0f} s: {rate:.2f} flights/s.')
@@ -144,5 +144,5 @@ def tell(done: Swept, console: Console) -> None:
         lines.append(f'{count} failed: {sentence}')
     lines.append(f'Table {done.table}')
     if done.page is not None:
-        lines.append(page_line(done.page))
+        lines.append(format_page_line(done.page))
     console.print('\n'.join(lines), highlight=False, markup=False, soft_wrap=True)

@@ -6,18 +6,24 @@ from pathlib import Path
 from typing import Annotated, Any
 
 from lta_cli.options.json_option import Json, print_json
-from lta_cli.options.out_option import folder
+from lta_cli.options.out_option import parse_folder
 from lta_cli.options.plain_console import plain_console
-from lta_config.override import quantity_in
-from lta_config.typed import near, typed
-from lta_report.json_value import finite
-from lta_report.results_folder import page_line
-from lta_studies.tune.compare import difference, NAMES
-from lta_studies.tune.exam import Case, Scene
-from lta_studies.tune.margins import decibel
+from lta_config.command_line import format_lta_command, relative_path
+from lta_config.parameter_override import parse_quantity
+from lta_report.json_value import replace_nonfinite
+from lta_report.results_folder import format_page_line
+from lta_studies.tune.compare import compare_costs, NAMES
+from lta_studies.tune.margins import to_decibels
 from lta_studies.tune.page import write_page
-from lta_studies.tune.run import Order, Side, traced, tune_once, Tuned
-from lta_studies.tune.told import limit_rows, robust_rows, title
+from lta_studies.tune.report_tables import build_benefit_rows, build_limit_rows, format_title
+from lta_studies.tune.run import (
+    fly_responses,
+    GainSetResult,
+    tune_once,
+    TuningRequest,
+    TuningResult,
+)
+from lta_studies.tune.step_response import TuningCase, TuningScene
 from rich.console import Console
 import typer
 
@@ -38,9 +44,9 @@ UNITS = {
 }
 
 
-def mass(text: str) -> float:
+def parse_mass(text: str) -> float:
     """Return a mass in kg."""
-    found = quantity_in(text)
+    found = parse_quantity(text)
     factor = {'g': 1e-3, 'kg': 1.0}.get(found['unit']) if found else None
     if found is None or factor is None or not isinstance(found['value'], int | float):
         raise typer.BadParameter(f"'{text}' is no mass; give one like '6 g'")
@@ -54,10 +60,10 @@ def tune(
         typer.Option(help='Gains to start from, name or file; those of the vehicle by default.'),
     ] = None,
     least: Annotated[
-        float, typer.Option(help='Least lift lost.', parser=mass, metavar='MASS')
+        float, typer.Option(help='Least lift lost.', parser=parse_mass, metavar='MASS')
     ] = '0 g',  # type: ignore[assignment]
     most: Annotated[
-        float, typer.Option(help='Most lift lost.', parser=mass, metavar='MASS')
+        float, typer.Option(help='Most lift lost.', parser=parse_mass, metavar='MASS')
     ] = '6 g',  # type: ignore[assignment]
     cases: Annotated[
         int, typer.Option(help='Losses over the spread; flights of each candidate.', min=1)
@@ -81,7 +87,7 @@ def tune(
         typer.Option(
             '--folder',
             help='Folder of the search and the page; runs/tune-<name>-<hash> by default.',
-            parser=folder,
+            parser=parse_folder,
             metavar='FOLDER',
         ),
     ] = None,
@@ -115,27 +121,27 @@ def tune(
     asked = [f'--least={1e3 * least:g} g', f'--most={1e3 * most:g} g', f'--cases={cases}']
     asked += [f'--budget={budget}', f'--seed={seed}', *(f'--number={n}' for n in numbers or ())]
     start = [] if gains is None else ['--gains', gains]
-    order = Order(
+    order = TuningRequest(
         vehicle, gains, least, most, cases, budget, draws, seed, tuple(numbers or ()), workers,
-        where, out, typed('tune', vehicle, *start, *asked),
+        where, out, format_lta_command('tune', vehicle, *start, *asked),
     )  # fmt: skip
     done = tune_once(order, console)
     target = None
     if page:
-        scene = Scene(vehicle)
-        examined = [Case(loss, seed + k) for k, loss in enumerate(done.losses)]
+        scene = TuningScene(vehicle)
+        examined = [TuningCase(loss, seed + k) for k, loss in enumerate(done.losses)]
         target = write_page(
-            done, *(traced(scene, side.gains, examined) for side in (done.old, done.new))
+            done, *(fly_responses(scene, side.gains, examined) for side in (done.old, done.new))
         )
     if json:
-        print_json(printed(done, target))
-    tell(done, target, console)
+        print_json(tuning_to_dict(done, target))
+    print_summary(done, target, console)
 
 
-def printed(done: Tuned, page: Path | None) -> Any:  # noqa: ANN401 - what JSON holds
+def tuning_to_dict(done: TuningResult, page: Path | None) -> Any:  # noqa: ANN401 - what JSON holds
     """Return what --json prints."""
-    gap = difference(done.old.flights, done.new.flights)
-    return finite(
+    gap = compare_costs(done.old.flights, done.new.flights)
+    return replace_nonfinite(
         {
             'candidates': len(done.found.history),
             'flights': len(done.found.history) * len(done.losses),
@@ -143,8 +149,8 @@ def printed(done: Tuned, page: Path | None) -> Any:  # noqa: ANN401 - what JSON 
             'cost': {'old': done.found.first, 'new': done.found.cost},
             'fresh_difference': asdict(gap),
             'gains': dict(done.found.numbers),
-            'old': side_of(done.old),
-            'new': side_of(done.new),
+            'old': side_to_dict(done.old),
+            'new': side_to_dict(done.new),
             'file': str(done.file),
             **({} if page is None else {'page': str(page)}),
             'units': UNITS,
@@ -152,11 +158,11 @@ def printed(done: Tuned, page: Path | None) -> Any:  # noqa: ANN401 - what JSON 
     )
 
 
-def side_of(side: Side) -> dict[str, object]:
+def side_to_dict(side: GainSetResult) -> dict[str, object]:
     """Return one set of gains and what is known of it."""
     steps = {
         name: {
-            figure: asdict(side.flights.of(k, figure))
+            figure: asdict(side.flights.summarize_step(k, figure))
             for figure in ('settle', 'overshoot', 'steady')
         }
         for k, name in enumerate(NAMES)
@@ -170,8 +176,8 @@ def side_of(side: Side) -> dict[str, object]:
         }  # fmt: skip
         if found is not None:
             row |= {
-                'gain': None if found.gain is None else decibel(found.gain),
-                'gain_down': None if found.gain_down is None else decibel(found.gain_down),
+                'gain': None if found.gain is None else to_decibels(found.gain),
+                'gain_down': None if found.gain_down is None else to_decibels(found.gain_down),
                 'phase': None if found.phase is None else math.degrees(found.phase),
                 'delay': found.delay,
                 'crossover': found.crossover,
@@ -179,26 +185,26 @@ def side_of(side: Side) -> dict[str, object]:
         margins.append(row)
     limit = side.limit
     return {
-        'lost': side.flights.lost._asdict(),
-        'reached': side.flights.reached._asdict(),
-        'cost': asdict(side.flights.whole('cost')),
-        'swing_angle': asdict(side.flights.whole('swing')),
+        'lost': side.flights.lost_share._asdict(),
+        'reached': side.flights.reached_share._asdict(),
+        'cost': asdict(side.flights.summarize_flights('cost')),
+        'swing_angle': asdict(side.flights.summarize_flights('swing')),
         'steps': steps,
         'margins': margins,
         'helium': {**asdict(limit), 'days': list(limit.days)},
     }
 
 
-def tell(done: Tuned, page: Path | None, console: Console) -> None:
+def print_summary(done: TuningResult, page: Path | None, console: Console) -> None:
     """Say what came out and where it is."""
-    lines = [title(done), f'{"":<40}{"old":<26}new']
-    rows = robust_rows(done) + limit_rows(done.old.limit, done.new.limit)
+    lines = [format_title(done), f'{"":<40}{"old":<26}new']
+    rows = build_benefit_rows(done) + build_limit_rows(done.old.limit, done.new.limit)
     lines += [f'{name:<40}{old:<26}{new}' for name, old, new in rows]
     if done.found.stopped:
         lines.append(
             f'Stopped after {len(done.found.history)} candidates; the same command goes on.'
         )
-    lines.append(f'Gains {near(done.file)}')
+    lines.append(f'Gains {relative_path(done.file)}')
     if page is not None:
-        lines.append(page_line(page))
+        lines.append(format_page_line(page))
     console.print('\n'.join(lines), highlight=False, markup=False, soft_wrap=True)

@@ -5,19 +5,25 @@ import math
 from pathlib import Path
 from typing import Annotated
 
-from lta_bridge.bag.writer import empty_folder
+from lta_bridge.bag.writer import prepare_empty_folder
 from lta_cli.options.json_option import Json, print_json
-from lta_cli.options.out_option import folder
+from lta_cli.options.out_option import parse_folder
 from lta_cli.options.plain_console import plain_console
-from lta_config.files import known
-from lta_config.typed import near
+from lta_config.command_line import relative_path
+from lta_config.files import list_shipped
 from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
-from lta_report.bar import Bar
-from lta_report.results_folder import keep_json, page_line, results_folder
-from lta_studies.wind.limits import Asked, Limits, measured, ticks, to_json
+from lta_report.progress_bar import ProgressBar
+from lta_report.results_folder import format_page_line, resolve_folder, write_json
+from lta_studies.wind.flyable_wind import FlyableWind
+from lta_studies.wind.limits import (
+    count_ticks,
+    measure_limits,
+    PlatformWindLimits,
+    to_json,
+    WindStudyRequest,
+)
 from lta_studies.wind.page import write_page
-from lta_studies.wind.trial import Flyable
 from rich.console import Console
 from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
 from rich.table import Table
@@ -56,7 +62,7 @@ def wind(
         Path | None,
         typer.Option(
             help='Folder of the results; runs/<time>-wind by default.',
-            parser=folder,
+            parser=parse_folder,
             metavar='FOLDER',
         ),
     ] = None,
@@ -80,70 +86,84 @@ def wind(
     Example: lta wind gtmab skye --roughness 0.03 --roughness 0.3
     """
     console = plain_console(stderr=json)
-    asked = Asked(
-        tuple(dict.fromkeys(vehicles or known('vehicles'))),
+    asked = WindStudyRequest(
+        tuple(dict.fromkeys(vehicles or list_shipped('vehicles'))),
         tuple(sorted(set(roughness or ROUGHNESS))),
         height, reference, scenario, 1 if quick else seeds, quick, fly,
     )  # fmt: skip
     for name in asked.vehicles:
         load_vehicle(name)
     load_scenario(asked.scenario)
-    target = empty_folder(results_folder(out, 'wind'))
+    target = prepare_empty_folder(resolve_folder(out, 'wind'))
     found = find_limits(asked, console)
     content = to_json(found, asked)
-    rows = table(found, asked)
-    page = keep(target, content, found, asked)
+    rows = build_table(found, asked)
+    page = write_results(target, content, found, asked)
     if json:
         print_json(content, page)
-    show(rows, found, asked, console)
-    console.print(page_line(near(page)), highlight=False, markup=False, soft_wrap=True)
+    print_table(rows, found, asked, console)
+    console.print(
+        format_page_line(relative_path(page)), highlight=False, markup=False, soft_wrap=True
+    )
 
 
-def find_limits(asked: Asked, console: Console) -> list[Limits]:
+def find_limits(request: WindStudyRequest, console: Console) -> list[PlatformWindLimits]:
     """Return the limits of all platforms, with a progress bar."""
     columns = (TextColumn('{task.description}'), BarColumn(), TimeRemainingColumn())
-    total = ticks(asked) + len(asked.vehicles)
+    total = count_ticks(request) + len(request.vehicles)
     found = []
-    with Bar(console, *columns, begin='wind', total=total) as bar:
-        for name in asked.vehicles:
-            bar.move(description=name)
-            found.append(measured(asked, name, lambda: bar.move(advance=1)))
-            bar.move(advance=1)
+    with ProgressBar(console, *columns, begin='wind', total=total) as bar:
+        for name in request.vehicles:
+            bar.update_bar(description=name)
+            found.append(measure_limits(request, name, lambda: bar.update_bar(advance=1)))
+            bar.update_bar(advance=1)
     return found
 
 
-def keep(target: Path, content: dict[str, object], found: Sequence[Limits], asked: Asked) -> Path:
+def write_results(
+    target: Path,
+    content: dict[str, object],
+    limits: Sequence[PlatformWindLimits],
+    request: WindStudyRequest,
+) -> Path:
     """Write results and page; return the page."""
-    keep_json(content, target / 'wind.json')
-    return write_page(found, asked, target / 'report.html')
+    write_json(content, target / 'wind.json')
+    return write_page(limits, request, target / 'report.html')
 
 
-def table(found: Sequence[Limits], asked: Asked) -> list[list[str]]:
+def build_table(
+    limits: Sequence[PlatformWindLimits], request: WindStudyRequest
+) -> list[list[str]]:
     """Return the table as text, its first row the head; winds in m/s."""
     head = ['', 'thrust', 'tumbles', 'rises', 'even', 'flown']
-    for z in asked.roughness:
+    for z in request.roughness:
         head += [f'z0 {z:g}', 'flown']
     rows = [head]
-    for each in found:
+    for each in limits:
         held = (each.thrust, each.tumble, each.rise, each.static)
-        row = [each.name, *map(speed, held), flight(each.flown)]
+        row = [each.name, *map(format_speed, held), format_flyable(each.flown)]
         for over in each.over:
-            row += [speed(over.static), flight(over.flown)]
+            row += [format_speed(over.static), format_flyable(over.flown)]
         rows.append(row)
     return rows
 
 
-def speed(value: float) -> str:
+def format_speed(value: float) -> str:
     """Return a speed; a dash where there is no limit."""
     return f'{value:.2f}' if math.isfinite(value) else '-'
 
 
-def flight(flown: Flyable | None) -> str:
+def format_flyable(limit: FlyableWind | None) -> str:
     """Return a flown limit; a dash where nothing was flown."""
-    return '-' if flown is None else f'{flown.wind:.2f}'
+    return '-' if limit is None else f'{limit.wind:.2f}'
 
 
-def show(rows: list[list[str]], found: Sequence[Limits], asked: Asked, console: Console) -> None:
+def print_table(
+    rows: list[list[str]],
+    limits: Sequence[PlatformWindLimits],
+    request: WindStudyRequest,
+    console: Console,
+) -> None:
     """Print the table and what is missing in it."""
     printed = Table(
         title='Flyable wind in m/s: by the numbers, and flown',
@@ -161,11 +181,11 @@ def show(rows: list[list[str]], found: Sequence[Limits], asked: Asked, console: 
         printed.add_row(*row)
     console.print(printed)
     console.print(
-        f'even: uniform wind. z0: wind at {asked.reference:g} m over a roughness of so many '
-        f'metres, the hull at {asked.height:g} m.',
+        f'even: uniform wind. z0: wind at {request.reference:g} m over a roughness of so many '
+        f'metres, the hull at {request.height:g} m.',
         highlight=False,
     )
-    for each in found:
+    for each in limits:
         if each.flown is not None:
             console.print(
                 f'{each.name}: in uniform wind it flew best when told {each.flown.airspeed:g} '

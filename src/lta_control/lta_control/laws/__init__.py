@@ -1,6 +1,6 @@
 """Control laws by name."""
 
-from lta_config.errors import unknown
+from lta_config.errors import unknown_name
 from lta_control.laws import (
     cascade,
     glide,
@@ -10,9 +10,9 @@ from lta_control.laws import (
     quadrotor,
     velocity,
 )
-from lta_control.laws.protocol import Law
+from lta_control.laws.protocol import ControlLaw
 
-LAWS: dict[str, Law] = {
+LAWS: dict[str, ControlLaw] = {
     'cascade': cascade.LAW,
     'glide': glide.LAW,
     'lateral': lateral.LAW,
@@ -23,8 +23,8 @@ LAWS: dict[str, Law] = {
 }
 
 
-def law(name: str) -> Law:
+def find_law(name: str) -> ControlLaw:
     """Return a control law; an unknown name is a `BadInput` that lists the known ones."""
     if name not in LAWS:
-        raise unknown('control law', name, list(LAWS))
+        raise unknown_name('control law', name, list(LAWS))
     return LAWS[name]

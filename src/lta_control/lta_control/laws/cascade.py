@@ -8,15 +8,15 @@ to the last bit.
 from typing import NamedTuple
 
 from lta_control.allocation import Rotors, Scratch
-from lta_control.carried import measured
 from lta_control.cascade import CascadeGains
 from lta_control.control import control_step, ControlMemory
-from lta_control.laws.protocol import Command, Feedback, Heard, Law, UNMOVED
-from lta_control.vehicle_side import rotors_of, surge_drag_of
+from lta_control.laws.protocol import ControlLaw, Feedback, LawCommand, LawInputs, UNMOVED
+from lta_control.message_rounding import build_measurement
+from lta_control.vehicle_parameters import build_rotors, surge_drag_coefficients
 from lta_model.vehicle import Vehicle
 
 
-class CascadeKnown(NamedTuple):
+class CascadeLawConstants(NamedTuple):
     """Gains, rotors, and drag along body x: linear [N s/m] and quadratic [N s2/m2]."""
 
     gains: CascadeGains
@@ -24,34 +24,36 @@ class CascadeKnown(NamedTuple):
     surge_drag: tuple[float, float]
 
 
-class CascadeState(NamedTuple):
+class CascadeLawMemory(NamedTuple):
     """The newest command and what control remembers."""
 
-    command: Command = Command()
+    command: LawCommand = LawCommand()
     control: ControlMemory = ControlMemory()
 
 
-def known(gains: CascadeGains, vehicle: Vehicle) -> CascadeKnown:
+def build_constants(gains: CascadeGains, vehicle: Vehicle) -> CascadeLawConstants:
     """Return what stays the same during a flight."""
-    return CascadeKnown(gains, rotors_of(vehicle), surge_drag_of(vehicle))
+    return CascadeLawConstants(gains, build_rotors(vehicle), surge_drag_coefficients(vehicle))
 
 
 def step(
-    constants: CascadeKnown, memory: CascadeState, heard: Heard, scratch: Scratch
-) -> CascadeState:
+    constants: CascadeLawConstants, memory: CascadeLawMemory, inputs: LawInputs, scratch: Scratch
+) -> CascadeLawMemory:
     """Return the memory one step later, with the new command in it."""
-    motion = heard.motion
+    motion = inputs.motion
     duties, control = control_step(
         constants.gains,
         constants.rotors,
         constants.surge_drag,
         memory.control,
-        measured(motion.attitude, motion.position[2], motion.velocity, motion.rates),
-        heard.setpoint,
-        heard.dt,
+        build_measurement(motion.attitude, motion.position[2], motion.velocity, motion.rates),
+        inputs.setpoint,
+        inputs.dt,
         scratch,
     )
-    return CascadeState(Command(duties, UNMOVED), control)
+    return CascadeLawMemory(LawCommand(duties, UNMOVED), control)
 
 
-LAW = Law('cascade', CascadeGains, Feedback.ESTIMATOR, known, CascadeState(), step)
+LAW = ControlLaw(
+    'cascade', CascadeGains, Feedback.ESTIMATOR, build_constants, CascadeLawMemory(), step
+)

@@ -2,7 +2,7 @@
 
 from lta_config.settings import setting, Settings
 from lta_control.cascade import pid_gains
-from lta_control.laws.frames import limited
+from lta_control.laws.frames import clamp_symmetric
 from lta_control.pid import pid_step, PidGains
 
 
@@ -38,5 +38,5 @@ def lift_step(
         Time since the last step. [s]
 
     """
-    wanted = limited(gains.altitude_kp * error, gains.climb_limit)
+    wanted = clamp_symmetric(gains.altitude_kp * error, gains.climb_limit)
     return pid_step(pid_gains(gains.climb), integral, wanted - climb, 0.0, missing, dt)

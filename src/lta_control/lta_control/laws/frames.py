@@ -25,13 +25,13 @@ def to_body(q: Quaternion, v: Vector) -> Vector:
     return to_world((-q[0], -q[1], -q[2], q[3]), v)
 
 
-def turned(yaw: float, forward: float, left: float) -> tuple[float, float]:
+def rotate_level(yaw: float, forward: float, left: float) -> tuple[float, float]:
     """Return the x and y of a level vector given along a heading and to its left."""
     cos, sin = math.cos(yaw), math.sin(yaw)
     return cos * forward - sin * left, sin * forward + cos * left
 
 
-def from_angles(roll: float, pitch: float, yaw: float) -> Quaternion:
+def quaternion_from_angles(roll: float, pitch: float, yaw: float) -> Quaternion:
     """Return the quaternion of yaw, then pitch (nose down), then roll; REP-103. [rad]"""
     cr, sr = math.cos(0.5 * roll), math.sin(0.5 * roll)
     cp, sp = math.cos(0.5 * pitch), math.sin(0.5 * pitch)
@@ -44,7 +44,7 @@ def from_angles(roll: float, pitch: float, yaw: float) -> Quaternion:
     )
 
 
-def turn_to(here: Quaternion, there: Quaternion) -> Vector:
+def rotation_between(here: Quaternion, there: Quaternion) -> Vector:
     """
     Return the turn from one attitude to another, in the body frame of the first.
 
@@ -61,6 +61,6 @@ def turn_to(here: Quaternion, there: Quaternion) -> Vector:
     )
 
 
-def limited(value: float, limit: float) -> float:
+def clamp_symmetric(value: float, limit: float) -> float:
     """Return a value held within plus and minus a limit."""
     return min(max(value, -limit), limit)

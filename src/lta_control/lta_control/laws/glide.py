@@ -16,13 +16,13 @@ from typing import NamedTuple
 
 from lta_config.errors import BadInput
 from lta_config.settings import setting, Settings
-from lta_control.allocation import duties, Rotors, Scratch
-from lta_control.attitude import heading, up_in_body, Vector
-from lta_control.cascade import pid_gains, wrap
-from lta_control.laws.frames import limited, to_world
-from lta_control.laws.protocol import Command, Feedback, Heard, Law
+from lta_control.allocation import Rotors, Scratch, thrusts_to_duties
+from lta_control.attitude import up_in_body, Vector, yaw_from_quaternion
+from lta_control.cascade import pid_gains, wrap_angle
+from lta_control.laws.frames import clamp_symmetric, to_world
+from lta_control.laws.protocol import ControlLaw, Feedback, LawCommand, LawInputs
 from lta_control.pid import pid_step, PidGains
-from lta_control.vehicle_side import rotors_of
+from lta_control.vehicle_parameters import build_rotors
 from lta_model.vehicle import Vehicle
 
 TWO = 2
@@ -45,7 +45,7 @@ class GlideGains(Settings):
     yaw_rate: PidGains = setting(..., 'Yaw rate to yaw moment, N m per rad/s.')
 
 
-class GlideKnown(NamedTuple):
+class GlideLawConstants(NamedTuple):
     """Gains, rotors, lever of the differential thrust [m], and where the mass rests and ends."""
 
     gains: GlideGains
@@ -56,10 +56,10 @@ class GlideKnown(NamedTuple):
     high: float
 
 
-class GlideState(NamedTuple):
+class GlideLawMemory(NamedTuple):
     """The newest command and the integrals."""
 
-    command: Command = Command()
+    command: LawCommand = LawCommand()
     climb: float = 0.0  # [rad]
     pitch: float = 0.0  # [m]
     speed: float = 0.0  # [N]
@@ -67,7 +67,7 @@ class GlideState(NamedTuple):
     missing: Vector = (0.0, 0.0, 0.0)  # place [m], thrust [N], yaw moment [N m]
 
 
-def known(gains: GlideGains, vehicle: Vehicle) -> GlideKnown:
+def build_constants(gains: GlideGains, vehicle: Vehicle) -> GlideLawConstants:
     """Return what stays the same during a flight; a vehicle of another kind is a `BadInput`."""
     mass, columns = vehicle.file.moving_mass, vehicle.allocation
     if mass is None or mass.low is None or mass.high is None or len(columns) != TWO:
@@ -78,18 +78,20 @@ def known(gains: GlideGains, vehicle: Vehicle) -> GlideKnown:
     x, y, z = mass.position.vector
     lever = 0.5 * (columns[1][5] - columns[0][5])
     low, high = mass.low.vector[0], mass.high.vector[0]
-    return GlideKnown(gains, rotors_of(vehicle), lever, (x, y, z), low, high)
+    return GlideLawConstants(gains, build_rotors(vehicle), lever, (x, y, z), low, high)
 
 
-def step(constants: GlideKnown, memory: GlideState, heard: Heard, scratch: Scratch) -> GlideState:
+def step(
+    constants: GlideLawConstants, memory: GlideLawMemory, inputs: LawInputs, scratch: Scratch
+) -> GlideLawMemory:
     """Return the memory one step later, with the new command in it."""
-    gains, motion, setpoint, dt = constants.gains, heard.motion, heard.setpoint, heard.dt
+    gains, motion, setpoint, dt = constants.gains, inputs.motion, inputs.setpoint, inputs.dt
     rising = to_world(motion.attitude, motion.velocity)[2]
     gap = memory.missing
     error = setpoint.altitude - motion.position[2]
-    wanted = limited(gains.altitude_kp * error, gains.climb_limit)
+    wanted = clamp_symmetric(gains.altitude_kp * error, gains.climb_limit)
     nose, climb = pid_step(pid_gains(gains.climb), memory.climb, wanted - rising, 0.0, 0.0, dt)
-    pitch = math.asin(limited(up_in_body(motion.attitude)[0], 1.0))
+    pitch = math.asin(clamp_symmetric(up_in_body(motion.attitude)[0], 1.0))
     # The rate about body y is nose down.
     back, tilt = pid_step(
         pid_gains(gains.pitch), memory.pitch, nose - pitch, -motion.rates[1], gap[0], dt
@@ -99,14 +101,14 @@ def step(constants: GlideKnown, memory: GlideState, heard: Heard, scratch: Scrat
     thrust, speed = pid_step(
         pid_gains(gains.speed), memory.speed, setpoint.speed - along, 0.0, gap[1], dt
     )
-    off = wrap(setpoint.heading - heading(motion.attitude))
-    rate = limited(gains.heading_kp * off, gains.yaw_rate_limit)
+    off = wrap_angle(setpoint.heading - yaw_from_quaternion(motion.attitude))
+    rate = clamp_symmetric(gains.heading_kp * off, gains.yaw_rate_limit)
     turn, yaw_rate = pid_step(
         pid_gains(gains.yaw_rate), memory.yaw_rate, rate - motion.rates[2], 0.0, gap[2], dt
     )
     # The turn comes first: each propeller gives 0 to full.
     full = constants.rotors.high[0]
-    half = limited(0.5 * turn / constants.lever, 0.5 * full)
+    half = clamp_symmetric(0.5 * turn / constants.lever, 0.5 * full)
     middle = min(max(0.5 * thrust, abs(half)), full - abs(half))
     left, right = middle - half, middle + half
     missing = (
@@ -115,10 +117,10 @@ def step(constants: GlideKnown, memory: GlideState, heard: Heard, scratch: Scrat
         2.0 * half * constants.lever - turn,
     )
     thrusts = (left, right, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    command = Command(
-        duties(constants.rotors, thrusts), (place, constants.rest[1], constants.rest[2])
+    command = LawCommand(
+        thrusts_to_duties(constants.rotors, thrusts), (place, constants.rest[1], constants.rest[2])
     )
-    return GlideState(command, climb, tilt, speed, yaw_rate, missing)
+    return GlideLawMemory(command, climb, tilt, speed, yaw_rate, missing)
 
 
-LAW = Law('glide', GlideGains, Feedback.TRACKER, known, GlideState(), step)
+LAW = ControlLaw('glide', GlideGains, Feedback.TRACKER, build_constants, GlideLawMemory(), step)

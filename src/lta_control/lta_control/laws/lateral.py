@@ -22,15 +22,15 @@ from typing import cast, NamedTuple
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.errors import BadInput
 from lta_config.settings import setting
-from lta_control.allocation import duties, Rotors, Scratch
-from lta_control.attitude import heading
-from lta_control.cascade import pid_gains, wrap
+from lta_control.allocation import Rotors, Scratch, thrusts_to_duties
+from lta_control.attitude import yaw_from_quaternion
+from lta_control.cascade import pid_gains, wrap_angle
 from lta_control.laws.climbing import ClimbGains, lift_step
-from lta_control.laws.frames import limited, to_world, turned
-from lta_control.laws.protocol import Command, Feedback, Heard, Law, UNMOVED
+from lta_control.laws.frames import clamp_symmetric, rotate_level, to_world
+from lta_control.laws.protocol import ControlLaw, Feedback, LawCommand, LawInputs, UNMOVED
 from lta_control.per_rotor import PerRotor
 from lta_control.pid import pid_step, PidGains
-from lta_control.vehicle_side import rotors_of
+from lta_control.vehicle_parameters import build_rotors
 from lta_model.vehicle import Vehicle
 import numpy as np
 
@@ -55,7 +55,7 @@ class LateralGains(ClimbGains):
     )
 
 
-class LateralKnown(NamedTuple):
+class LateralLawConstants(NamedTuple):
     """Gains, rotors, offsets by surge, sway and yaw, lift alone and by collision, weight [N]."""
 
     gains: LateralGains
@@ -68,10 +68,10 @@ class LateralKnown(NamedTuple):
     weight: float
 
 
-class LateralState(NamedTuple):
+class LateralLawMemory(NamedTuple):
     """The newest command, integrals, and what the rotors gave beyond the last demand."""
 
-    command: Command = Command()
+    command: LawCommand = LawCommand()
     climb: float = 0.0  # [N]
     yaw_rate: float = 0.0  # [N m]
     surge: float = 0.0  # [N]
@@ -79,7 +79,7 @@ class LateralState(NamedTuple):
     missing: Four = (0.0, 0.0, 0.0, 0.0)  # lift, yaw, surge, sway
 
 
-def known(gains: LateralGains, vehicle: Vehicle) -> LateralKnown:
+def build_constants(gains: LateralGains, vehicle: Vehicle) -> LateralLawConstants:
     """Return what stays the same during a flight; a vehicle of another kind is a `BadInput`."""
     coupling, columns = vehicle.file.aero.coupling, vehicle.allocation
     if coupling is None or len(columns) != FOUR or len(coupling.rotors) != FOUR:
@@ -95,9 +95,9 @@ def known(gains: LateralGains, vehicle: Vehicle) -> LateralKnown:
             'independently; turn their axes, or take another law.'
         )
     surge, sway, yaw = (cast('Four', tuple(part.tolist())) for part in np.linalg.inv(matrix).T[:3])
-    return LateralKnown(
+    return LateralLawConstants(
         gains,
-        rotors_of(vehicle),
+        build_rotors(vehicle),
         surge,
         sway,
         yaw,
@@ -108,34 +108,34 @@ def known(gains: LateralGains, vehicle: Vehicle) -> LateralKnown:
 
 
 def step(
-    constants: LateralKnown, memory: LateralState, heard: Heard, scratch: Scratch
-) -> LateralState:
+    constants: LateralLawConstants, memory: LateralLawMemory, inputs: LawInputs, scratch: Scratch
+) -> LateralLawMemory:
     """Return the memory one step later, with the new command in it."""
-    gains, motion, setpoint, dt = constants.gains, heard.motion, heard.setpoint, heard.dt
+    gains, motion, setpoint, dt = constants.gains, inputs.motion, inputs.setpoint, inputs.dt
     climb_rate = to_world(motion.attitude, motion.velocity)[2]
-    yaw = heading(motion.attitude)
+    yaw = yaw_from_quaternion(motion.attitude)
     gap = memory.missing
     error = setpoint.altitude - motion.position[2]
     push, climb = lift_step(gains, memory.climb, error, climb_rate, gap[0], dt)
-    off = wrap(setpoint.heading - yaw)
-    rate = limited(gains.heading_kp * off, gains.yaw_rate_limit)
+    off = wrap_angle(setpoint.heading - yaw)
+    rate = clamp_symmetric(gains.heading_kp * off, gains.yaw_rate_limit)
     turn, yaw_rate = pid_step(
         pid_gains(gains.yaw_rate), memory.yaw_rate, rate - motion.rates[2], 0.0, gap[1], dt
     )
-    forward, left = turned(off, setpoint.speed, 0.0)
+    forward, left = rotate_level(off, setpoint.speed, 0.0)
     loop = pid_gains(gains.velocity)
     fx, surge = pid_step(loop, memory.surge, forward - motion.velocity[0], 0.0, gap[2], dt)
     fy, sway = pid_step(loop, memory.sway, left - motion.velocity[1], 0.0, gap[3], dt)
     lift = max(constants.weight + push, 0.0)
-    thrusts, share, given = mixed(constants, lift, fx, fy, turn)
+    thrusts, share, given = mix_thrusts(constants, lift, fx, fy, turn)
     short = share - 1.0
     missing = (given - constants.weight - push, short * turn, short * fx, short * fy)
-    command = Command(duties(constants.rotors, thrusts), UNMOVED)
-    return LateralState(command, climb, yaw_rate, surge, sway, missing)
+    command = LawCommand(thrusts_to_duties(constants.rotors, thrusts), UNMOVED)
+    return LateralLawMemory(command, climb, yaw_rate, surge, sway, missing)
 
 
-def mixed(
-    constants: LateralKnown, lift: float, fx: float, fy: float, turn: float
+def mix_thrusts(
+    constants: LateralLawConstants, lift: float, fx: float, fy: float, turn: float
 ) -> tuple[PerRotor, float, float]:
     """Return the thrusts [N], the share of the offsets that fitted, and the lift meant [N]."""
     k, p, q = constants.surge, constants.sway, constants.yaw
@@ -152,17 +152,19 @@ def mixed(
     share = min(1.0, (full - lift / together) / reach) if reach > 0.0 else 1.0
     collective = lift / together - share * back
     return (
-        within(collective + share * o0, full),
-        within(collective + share * o1, full),
-        within(collective + share * o2, full),
-        within(collective + share * o3, full),
+        clamp_thrust(collective + share * o0, full),
+        clamp_thrust(collective + share * o1, full),
+        clamp_thrust(collective + share * o2, full),
+        clamp_thrust(collective + share * o3, full),
         0.0, 0.0, 0.0, 0.0,
     ), share, lift  # fmt: skip
 
 
-def within(thrust: float, full: float) -> float:
+def clamp_thrust(thrust: float, full: float) -> float:
     """Return a thrust that a rotor can give that does not reverse. [N]"""
     return min(max(thrust, 0.0), full)
 
 
-LAW = Law('lateral', LateralGains, Feedback.ESTIMATOR, known, LateralState(), step)
+LAW = ControlLaw(
+    'lateral', LateralGains, Feedback.ESTIMATOR, build_constants, LateralLawMemory(), step
+)

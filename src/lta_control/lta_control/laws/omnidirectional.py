@@ -12,13 +12,20 @@ from typing import NamedTuple
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.settings import setting, Settings
-from lta_control.allocation import allocate, duties, Rotors, Scratch
+from lta_control.allocation import allocate, Rotors, Scratch, thrusts_to_duties
 from lta_control.attitude import Vector
 from lta_control.cascade import drag_force
-from lta_control.laws.frames import from_angles, limited, to_body, to_world, turn_to, turned
-from lta_control.laws.protocol import Command, Feedback, Heard, Law, UNMOVED
+from lta_control.laws.frames import (
+    clamp_symmetric,
+    quaternion_from_angles,
+    rotate_level,
+    rotation_between,
+    to_body,
+    to_world,
+)
+from lta_control.laws.protocol import ControlLaw, Feedback, LawCommand, LawInputs, UNMOVED
 from lta_control.per_rotor import NONE, PerRotor
-from lta_control.vehicle_side import rotors_of, surge_drag_of
+from lta_control.vehicle_parameters import build_rotors, surge_drag_coefficients
 from lta_model.vehicle import Vehicle
 
 ALL_ALIKE = (1.0, 1.0, 1.0, 1.0, 1.0, 1.0)  # its lever is near 1 m: N and N m compare
@@ -36,7 +43,7 @@ class OmnidirectionalGains(Settings):
     attitude_kd: float = setting(..., 'Moment by rate.', unit='N m s', low=0.0, high=1e3)
 
 
-class OmnidirectionalKnown(NamedTuple):
+class OmnidirectionalLawConstants(NamedTuple):
     """Gains, rotors, drag (linear, quadratic), and weight [N]."""
 
     gains: OmnidirectionalGains
@@ -45,41 +52,44 @@ class OmnidirectionalKnown(NamedTuple):
     weight: float
 
 
-class OmnidirectionalState(NamedTuple):
+class OmnidirectionalLawMemory(NamedTuple):
     """The newest command, the moving goal, and the integrals."""
 
-    command: Command = Command()
+    command: LawCommand = LawCommand()
     begun: bool = False
     goal: tuple[float, float] = (0.0, 0.0)  # [m]
     integral: Vector = (0.0, 0.0, 0.0)  # world [N]
     thrusts: PerRotor = NONE
 
 
-def known(gains: OmnidirectionalGains, vehicle: Vehicle) -> OmnidirectionalKnown:
+def build_constants(gains: OmnidirectionalGains, vehicle: Vehicle) -> OmnidirectionalLawConstants:
     """Return what stays the same during a flight."""
     weight = vehicle.heaviness * STANDARD_GRAVITY
-    return OmnidirectionalKnown(
-        gains, rotors_of(vehicle, ALL_ALIKE), surge_drag_of(vehicle), weight
+    return OmnidirectionalLawConstants(
+        gains, build_rotors(vehicle, ALL_ALIKE), surge_drag_coefficients(vehicle), weight
     )
 
 
 def step(
-    constants: OmnidirectionalKnown, memory: OmnidirectionalState, heard: Heard, scratch: Scratch
-) -> OmnidirectionalState:
+    constants: OmnidirectionalLawConstants,
+    memory: OmnidirectionalLawMemory,
+    inputs: LawInputs,
+    scratch: Scratch,
+) -> OmnidirectionalLawMemory:
     """Return the memory one step later, with the new command in it."""
-    gains, motion, setpoint, dt = constants.gains, heard.motion, heard.setpoint, heard.dt
+    gains, motion, setpoint, dt = constants.gains, inputs.motion, inputs.setpoint, inputs.dt
     px, py, pz = motion.position
     vx, vy, vz = to_world(motion.attitude, motion.velocity)
     gx, gy = memory.goal if memory.begun else (px, py)
-    wx, wy = turned(setpoint.heading, setpoint.speed, 0.0)
+    wx, wy = rotate_level(setpoint.heading, setpoint.speed, 0.0)
     gx, gy = gx + dt * wx, gy + dt * wy
-    ex, ey = limited(gx - px, gains.reach), limited(gy - py, gains.reach)
-    ez = limited(setpoint.altitude - pz, gains.reach)
-    ix = limited(memory.integral[0] + dt * gains.position_ki * ex, gains.integral_limit)
-    iy = limited(memory.integral[1] + dt * gains.position_ki * ey, gains.integral_limit)
-    iz = limited(memory.integral[2] + dt * gains.position_ki * ez, gains.integral_limit)
+    ex, ey = clamp_symmetric(gx - px, gains.reach), clamp_symmetric(gy - py, gains.reach)
+    ez = clamp_symmetric(setpoint.altitude - pz, gains.reach)
+    ix = clamp_symmetric(memory.integral[0] + dt * gains.position_ki * ex, gains.integral_limit)
+    iy = clamp_symmetric(memory.integral[1] + dt * gains.position_ki * ey, gains.integral_limit)
+    iz = clamp_symmetric(memory.integral[2] + dt * gains.position_ki * ez, gains.integral_limit)
     drag = drag_force(constants.drag[0], constants.drag[1], setpoint.speed)
-    dx, dy = turned(setpoint.heading, drag, 0.0)
+    dx, dy = rotate_level(setpoint.heading, drag, 0.0)
     kp, kd = gains.position_kp, gains.position_kd
     fx, fy, fz = to_body(
         motion.attitude,
@@ -89,15 +99,22 @@ def step(
             kp * ez + iz - kd * vz + constants.weight,
         ),
     )
-    tx, ty, tz = turn_to(motion.attitude, from_angles(0.0, 0.0, setpoint.heading))
+    tx, ty, tz = rotation_between(
+        motion.attitude, quaternion_from_angles(0.0, 0.0, setpoint.heading)
+    )
     kp, kd = gains.attitude_kp, gains.attitude_kd
     p, q, r = motion.rates
     wrench = (fx, fy, fz, kp * tx - kd * p, kp * ty - kd * q, kp * tz - kd * r)
     thrusts, _ = allocate(constants.rotors, wrench, memory.thrusts, scratch)
-    command = Command(duties(constants.rotors, thrusts), UNMOVED)
-    return OmnidirectionalState(command, True, (gx, gy), (ix, iy, iz), thrusts)
+    command = LawCommand(thrusts_to_duties(constants.rotors, thrusts), UNMOVED)
+    return OmnidirectionalLawMemory(command, True, (gx, gy), (ix, iy, iz), thrusts)
 
 
-LAW = Law(
-    'omnidirectional', OmnidirectionalGains, Feedback.TRACKER, known, OmnidirectionalState(), step
+LAW = ControlLaw(
+    'omnidirectional',
+    OmnidirectionalGains,
+    Feedback.TRACKER,
+    build_constants,
+    OmnidirectionalLawMemory(),
+    step,
 )

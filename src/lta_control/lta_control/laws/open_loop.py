@@ -15,12 +15,12 @@ from typing import NamedTuple
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.settings import setting, Settings
-from lta_control.allocation import allocate, duties, Rotors, Scratch
-from lta_control.cascade import drag_force, wrap
-from lta_control.laws.frames import limited
-from lta_control.laws.protocol import Command, Feedback, Heard, Law, UNMOVED
+from lta_control.allocation import allocate, Rotors, Scratch, thrusts_to_duties
+from lta_control.cascade import drag_force, wrap_angle
+from lta_control.laws.frames import clamp_symmetric
+from lta_control.laws.protocol import ControlLaw, Feedback, LawCommand, LawInputs, UNMOVED
 from lta_control.per_rotor import NONE, PerRotor
-from lta_control.vehicle_side import rotors_of
+from lta_control.vehicle_parameters import build_rotors
 from lta_model.vehicle import Vehicle
 
 
@@ -31,7 +31,7 @@ class OpenLoopGains(Settings):
     turn_rate: float = setting(..., 'Turn rate.', unit='rad/s', low=0.001, high=6.0)
 
 
-class OpenLoopKnown(NamedTuple):
+class OpenLoopLawConstants(NamedTuple):
     """Gains, rotors, drag of surge, heave and yaw (linear, quadratic), weight [N], start [m]."""
 
     gains: OpenLoopGains
@@ -43,39 +43,39 @@ class OpenLoopKnown(NamedTuple):
     standing: float
 
 
-class OpenLoopState(NamedTuple):
+class OpenLoopLawMemory(NamedTuple):
     """The newest command, and where the vehicle would be if it were prompt."""
 
-    command: Command = Command()
+    command: LawCommand = LawCommand()
     begun: bool = False
     altitude: float = 0.0  # [m]
     heading: float = 0.0  # [rad]
     thrusts: PerRotor = NONE
 
 
-def known(gains: OpenLoopGains, vehicle: Vehicle) -> OpenLoopKnown:
+def build_constants(gains: OpenLoopGains, vehicle: Vehicle) -> OpenLoopLawConstants:
     """Return what stays the same during a flight."""
     linear, quadratic = vehicle.file.aero.linear_drag, vehicle.file.aero.quadratic_drag
-    return OpenLoopKnown(
+    return OpenLoopLawConstants(
         gains,
-        rotors_of(vehicle),
+        build_rotors(vehicle),
         (linear.force.vector[0], quadratic.force.vector[0]),
         (linear.force.vector[2], quadratic.force.vector[2]),
         (linear.moment.vector[2], quadratic.moment.vector[2]),
         vehicle.heaviness * STANDARD_GRAVITY,
-        vehicle.standing_height,
+        vehicle.height_on_floor,
     )
 
 
 def step(
-    constants: OpenLoopKnown, memory: OpenLoopState, heard: Heard, scratch: Scratch
-) -> OpenLoopState:
+    constants: OpenLoopLawConstants, memory: OpenLoopLawMemory, inputs: LawInputs, scratch: Scratch
+) -> OpenLoopLawMemory:
     """Return the memory one step later, with the new command in it; motion is not looked at."""
-    gains, setpoint, dt = constants.gains, heard.setpoint, heard.dt
+    gains, setpoint, dt = constants.gains, inputs.setpoint, inputs.dt
     altitude = memory.altitude if memory.begun else constants.standing
     heading = memory.heading
-    climb = limited((setpoint.altitude - altitude) / dt, gains.climb_rate)
-    turn = limited(wrap(setpoint.heading - heading) / dt, gains.turn_rate)
+    climb = clamp_symmetric((setpoint.altitude - altitude) / dt, gains.climb_rate)
+    turn = clamp_symmetric(wrap_angle(setpoint.heading - heading) / dt, gains.turn_rate)
     wrench = (
         drag_force(constants.surge[0], constants.surge[1], setpoint.speed),
         0.0,
@@ -85,8 +85,12 @@ def step(
         drag_force(constants.yaw[0], constants.yaw[1], turn),
     )
     thrusts, _ = allocate(constants.rotors, wrench, memory.thrusts, scratch)
-    command = Command(duties(constants.rotors, thrusts), UNMOVED)
-    return OpenLoopState(command, True, altitude + dt * climb, wrap(heading + dt * turn), thrusts)
+    command = LawCommand(thrusts_to_duties(constants.rotors, thrusts), UNMOVED)
+    return OpenLoopLawMemory(
+        command, True, altitude + dt * climb, wrap_angle(heading + dt * turn), thrusts
+    )
 
 
-LAW = Law('open_loop', OpenLoopGains, Feedback.ESTIMATOR, known, OpenLoopState(), step)
+LAW = ControlLaw(
+    'open_loop', OpenLoopGains, Feedback.ESTIMATOR, build_constants, OpenLoopLawMemory(), step
+)

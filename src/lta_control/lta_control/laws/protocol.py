@@ -26,7 +26,7 @@ class Feedback(StrEnum):
     TRACKER = 'tracker'  # an outside tracker's pose and velocity, and the drone's own gyroscope
 
 
-class Motion(NamedTuple):
+class ControlMotion(NamedTuple):
     """
     Where the vehicle is, as its law sees it; the frame begins with the vehicle's start.
 
@@ -50,15 +50,15 @@ class Motion(NamedTuple):
     rates: Vector = (0.0, 0.0, 0.0)
 
 
-class Heard(NamedTuple):
+class LawInputs(NamedTuple):
     """What a law is given at each step: motion, setpoint, and the time since the last. [s]"""
 
-    motion: Motion = Motion()
+    motion: ControlMotion = ControlMotion()
     setpoint: Setpoint = Setpoint(0.0, 0.0, 0.0)
     dt: float = 0.01
 
 
-class Command(NamedTuple):
+class LawCommand(NamedTuple):
     """What a law asks for: duties by slot, and the place of a moving mass where there is one."""
 
     duties: PerRotor = NONE
@@ -67,7 +67,7 @@ class Command(NamedTuple):
 
 @final
 @dataclass(frozen=True, slots=True)
-class Law:
+class ControlLaw:
     """
     A control law. A new one is one file with its functions and a `LAW`, and one registry line.
 
@@ -83,7 +83,7 @@ class Law:
         `known(gains, vehicle) -> constants`, a named tuple of numbers, the gains as `gains` among
         them; a `BadInput` for a vehicle that it cannot fly.
     start : tuple
-        The memory before the first step, a named tuple with a `Command` as `command`.
+        The memory before the first step, a named tuple with a `LawCommand` as `command`.
     step : callable
         `step(constants, memory, heard, scratch) -> memory`.
 
@@ -94,4 +94,4 @@ class Law:
     feedback: Feedback
     known: Callable[[Any, Vehicle], Any]
     start: Any
-    step: Callable[[Any, Any, Heard, Any], Any]
+    step: Callable[[Any, Any, LawInputs, Any], Any]

@@ -13,15 +13,21 @@ from typing import NamedTuple
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.settings import setting
-from lta_control.allocation import allocate, duties, Rotors, Scratch
-from lta_control.attitude import heading, up_in_body, Vector
-from lta_control.cascade import pid_gains, wrap
+from lta_control.allocation import allocate, Rotors, Scratch, thrusts_to_duties
+from lta_control.attitude import up_in_body, Vector, yaw_from_quaternion
+from lta_control.cascade import pid_gains, wrap_angle
 from lta_control.laws.climbing import ClimbGains, lift_step
-from lta_control.laws.frames import from_angles, limited, to_world, turn_to, turned
-from lta_control.laws.protocol import Command, Feedback, Heard, Law, UNMOVED
+from lta_control.laws.frames import (
+    clamp_symmetric,
+    quaternion_from_angles,
+    rotate_level,
+    rotation_between,
+    to_world,
+)
+from lta_control.laws.protocol import ControlLaw, Feedback, LawCommand, LawInputs, UNMOVED
 from lta_control.per_rotor import NONE, PerRotor
 from lta_control.pid import pid_step, PidGains
-from lta_control.vehicle_side import rotors_of
+from lta_control.vehicle_parameters import build_rotors
 from lta_model.vehicle import Vehicle
 
 # Upright before high before heading: a moment counts by an arm of 1 cm, in yaw of 10 cm.
@@ -52,7 +58,7 @@ class QuadrotorGains(ClimbGains):
     )
 
 
-class QuadrotorKnown(NamedTuple):
+class QuadrotorLawConstants(NamedTuple):
     """Gains, rotors, moments of inertia [kg m2], and weight [N]."""
 
     gains: QuadrotorGains
@@ -61,10 +67,10 @@ class QuadrotorKnown(NamedTuple):
     weight: float
 
 
-class QuadrotorState(NamedTuple):
+class QuadrotorLawMemory(NamedTuple):
     """The newest command, integrals, and the slopes of the rates."""
 
-    command: Command = Command()
+    command: LawCommand = LawCommand()
     begun: bool = False
     climb: float = 0.0  # [N]
     east: float = 0.0  # [m/s2]
@@ -75,58 +81,67 @@ class QuadrotorState(NamedTuple):
     thrusts: PerRotor = NONE
 
 
-def known(gains: QuadrotorGains, vehicle: Vehicle) -> QuadrotorKnown:
+def build_constants(gains: QuadrotorGains, vehicle: Vehicle) -> QuadrotorLawConstants:
     """Return what stays the same during a flight."""
     x, y, z = (float(vehicle.inertia[axis, axis]) for axis in range(3))
     weight = vehicle.heaviness * STANDARD_GRAVITY
-    return QuadrotorKnown(gains, rotors_of(vehicle, MIXER), (x, y, z), weight)
+    return QuadrotorLawConstants(gains, build_rotors(vehicle, MIXER), (x, y, z), weight)
 
 
 def step(
-    constants: QuadrotorKnown, memory: QuadrotorState, heard: Heard, scratch: Scratch
-) -> QuadrotorState:
+    constants: QuadrotorLawConstants,
+    memory: QuadrotorLawMemory,
+    inputs: LawInputs,
+    scratch: Scratch,
+) -> QuadrotorLawMemory:
     """Return the memory one step later, with the new command in it."""
-    gains, motion, setpoint, dt = constants.gains, heard.motion, heard.setpoint, heard.dt
+    gains, motion, setpoint, dt = constants.gains, inputs.motion, inputs.setpoint, inputs.dt
     vx, vy, vz = to_world(motion.attitude, motion.velocity)
     error = setpoint.altitude - motion.position[2]
     push, climb = lift_step(gains, memory.climb, error, vz, memory.missing, dt)
     upright = max(up_in_body(motion.attitude)[2], STEEP)
     thrust = (constants.weight + push) / upright
-    wx, wy = turned(setpoint.heading, setpoint.speed, 0.0)
+    wx, wy = rotate_level(setpoint.heading, setpoint.speed, 0.0)
     loop = pid_gains(gains.velocity)
     ax, east = pid_step(loop, memory.east, wx - vx, 0.0, 0.0, dt)
     ay, north = pid_step(loop, memory.north, wy - vy, 0.0, 0.0, dt)
-    yaw = heading(motion.attitude)
-    forward, left = turned(-yaw, ax, ay)
-    goal = from_angles(
+    yaw = yaw_from_quaternion(motion.attitude)
+    forward, left = rotate_level(-yaw, ax, ay)
+    goal = quaternion_from_angles(
         -math.atan(left / STANDARD_GRAVITY), math.atan(forward / STANDARD_GRAVITY), yaw
     )
-    mx, my, slopes = tilting(constants, memory, turn_to(motion.attitude, goal), heard)
-    wanted = limited(gains.heading_kp * wrap(setpoint.heading - yaw), gains.rate_limit)
+    mx, my, slopes = tilt_moments(
+        constants, memory, rotation_between(motion.attitude, goal), inputs
+    )
+    wanted = clamp_symmetric(
+        gains.heading_kp * wrap_angle(setpoint.heading - yaw), gains.rate_limit
+    )
     mz = constants.inertia[2] * gains.yaw_rate_kp * (wanted - motion.rates[2])
     wrench = (0.0, 0.0, thrust, mx, my, mz)
     thrusts, given = allocate(constants.rotors, wrench, memory.thrusts, scratch)
-    command = Command(duties(constants.rotors, thrusts), UNMOVED)
-    return QuadrotorState(
+    command = LawCommand(thrusts_to_duties(constants.rotors, thrusts), UNMOVED)
+    return QuadrotorLawMemory(
         command, True, climb, east, north, motion.rates, slopes, given[2] - thrust, thrusts
     )
 
 
-def tilting(
-    constants: QuadrotorKnown, memory: QuadrotorState, turn: Vector, heard: Heard
+def tilt_moments(
+    constants: QuadrotorLawConstants, memory: QuadrotorLawMemory, turn: Vector, inputs: LawInputs
 ) -> tuple[float, float, tuple[float, float]]:
     """Return the moments that tilt it by a turn [N m], and the slopes of the rates [rad/s2]."""
-    gains, dt = constants.gains, heard.dt
-    p, q, _ = heard.motion.rates
-    before = memory.rates if memory.begun else heard.motion.rates
+    gains, dt = constants.gains, inputs.dt
+    p, q, _ = inputs.motion.rates
+    before = memory.rates if memory.begun else inputs.motion.rates
     share = dt / (gains.slope_time + dt)
     roll = memory.slopes[0] + share * ((p - before[0]) / dt - memory.slopes[0])
     pitch = memory.slopes[1] + share * ((q - before[1]) / dt - memory.slopes[1])
-    wanted_p = limited(gains.attitude_kp * turn[0], gains.rate_limit)
-    wanted_q = limited(gains.attitude_kp * turn[1], gains.rate_limit)
+    wanted_p = clamp_symmetric(gains.attitude_kp * turn[0], gains.rate_limit)
+    wanted_q = clamp_symmetric(gains.attitude_kp * turn[1], gains.rate_limit)
     mx = constants.inertia[0] * (gains.rate_kp * (wanted_p - p) - gains.rate_kd * roll)
     my = constants.inertia[1] * (gains.rate_kp * (wanted_q - q) - gains.rate_kd * pitch)
     return mx, my, (roll, pitch)
 
 
-LAW = Law('quadrotor', QuadrotorGains, Feedback.TRACKER, known, QuadrotorState(), step)
+LAW = ControlLaw(
+    'quadrotor', QuadrotorGains, Feedback.TRACKER, build_constants, QuadrotorLawMemory(), step
+)

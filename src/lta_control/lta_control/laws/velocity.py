@@ -15,15 +15,15 @@ from typing import NamedTuple
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.settings import setting
-from lta_control.allocation import allocate, duties, Rotors, Scratch
+from lta_control.allocation import allocate, Rotors, Scratch, thrusts_to_duties
 from lta_control.attitude import Vector
 from lta_control.cascade import drag_force, pid_gains
 from lta_control.laws.climbing import ClimbGains, lift_step
-from lta_control.laws.frames import to_body, to_world, turned
-from lta_control.laws.protocol import Command, Feedback, Heard, Law, UNMOVED
+from lta_control.laws.frames import rotate_level, to_body, to_world
+from lta_control.laws.protocol import ControlLaw, Feedback, LawCommand, LawInputs, UNMOVED
 from lta_control.per_rotor import NONE, PerRotor
 from lta_control.pid import pid_step, PidGains
-from lta_control.vehicle_side import rotors_of, surge_drag_of
+from lta_control.vehicle_parameters import build_rotors, surge_drag_coefficients
 from lta_model.vehicle import Vehicle
 
 YAW_WEIGHT = 1000.0  # N m against N, by an arm of 3 cm; only to share thrust evenly
@@ -44,7 +44,7 @@ class VelocityGains(ClimbGains):
     )
 
 
-class VelocityKnown(NamedTuple):
+class VelocityLawConstants(NamedTuple):
     """Gains, rotors, lateral drag (linear, quadratic), and weight [N]."""
 
     gains: VelocityGains
@@ -53,10 +53,10 @@ class VelocityKnown(NamedTuple):
     weight: float
 
 
-class VelocityState(NamedTuple):
+class VelocityLawMemory(NamedTuple):
     """The newest command, integrals by axis, and what the rotors gave beyond the last demand."""
 
-    command: Command = Command()
+    command: LawCommand = LawCommand()
     climb: float = 0.0  # [N]
     east: float = 0.0  # [N]
     north: float = 0.0  # [N]
@@ -64,36 +64,40 @@ class VelocityState(NamedTuple):
     thrusts: PerRotor = NONE
 
 
-def known(gains: VelocityGains, vehicle: Vehicle) -> VelocityKnown:
+def build_constants(gains: VelocityGains, vehicle: Vehicle) -> VelocityLawConstants:
     """Return what stays the same during a flight."""
     weights = (1.0, 1.0, gains.height_weight, 0.0, 0.0, YAW_WEIGHT)
     weight = vehicle.heaviness * STANDARD_GRAVITY
-    return VelocityKnown(gains, rotors_of(vehicle, weights), surge_drag_of(vehicle), weight)
+    return VelocityLawConstants(
+        gains, build_rotors(vehicle, weights), surge_drag_coefficients(vehicle), weight
+    )
 
 
 def step(
-    constants: VelocityKnown, memory: VelocityState, heard: Heard, scratch: Scratch
-) -> VelocityState:
+    constants: VelocityLawConstants, memory: VelocityLawMemory, inputs: LawInputs, scratch: Scratch
+) -> VelocityLawMemory:
     """Return the memory one step later, with the new command in it."""
-    gains, motion, setpoint, dt = constants.gains, heard.motion, heard.setpoint, heard.dt
+    gains, motion, setpoint, dt = constants.gains, inputs.motion, inputs.setpoint, inputs.dt
     vx, vy, vz = to_world(motion.attitude, motion.velocity)
     gap = memory.missing
     error = setpoint.altitude - motion.position[2]
     up, climb = lift_step(gains, memory.climb, error, vz, gap[2], dt)
-    wx, wy = turned(setpoint.heading, setpoint.speed, 0.0)
+    wx, wy = rotate_level(setpoint.heading, setpoint.speed, 0.0)
     loop = pid_gains(gains.velocity)
     fx, east = pid_step(loop, memory.east, wx - vx, 0.0, gap[0], dt)
     fy, north = pid_step(loop, memory.north, wy - vy, 0.0, gap[1], dt)
     drag = drag_force(constants.drag[0], constants.drag[1], setpoint.speed)
-    dx, dy = turned(setpoint.heading, drag, 0.0)
+    dx, dy = rotate_level(setpoint.heading, drag, 0.0)
     force = (fx + dx, fy + dy, up + constants.weight)
     bx, by, bz = to_body(motion.attitude, force)
     wrench = (bx, by, bz, 0.0, 0.0, -gains.yaw_damping * motion.rates[2])
     thrusts, given = allocate(constants.rotors, wrench, memory.thrusts, scratch)
     gx, gy, gz = to_world(motion.attitude, (given[0], given[1], given[2]))
     missing = (gx - force[0], gy - force[1], gz - force[2])
-    command = Command(duties(constants.rotors, thrusts), UNMOVED)
-    return VelocityState(command, climb, east, north, missing, thrusts)
+    command = LawCommand(thrusts_to_duties(constants.rotors, thrusts), UNMOVED)
+    return VelocityLawMemory(command, climb, east, north, missing, thrusts)
 
 
-LAW = Law('velocity', VelocityGains, Feedback.TRACKER, known, VelocityState(), step)
+LAW = ControlLaw(
+    'velocity', VelocityGains, Feedback.TRACKER, build_constants, VelocityLawMemory(), step
+)

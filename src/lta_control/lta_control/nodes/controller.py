@@ -10,22 +10,22 @@ import math
 
 from geometry_msgs.msg import PoseStamped, TwistStamped
 from lta_config.settings import setting, Settings
-from lta_control.allocation import new_scratch
-from lta_control.cascade import CascadeGains, Measured, Setpoint
-from lta_control.control import control_step, ControlMemory, elapsed, landed, TILT_LIMIT
+from lta_control.allocation import create_scratch
+from lta_control.cascade import CascadeGains, CascadeMeasurement, Setpoint
+from lta_control.control import control_step, ControlMemory, has_landed, step_duration, TILT_LIMIT
 from lta_control.gains_file import load_gains
-from lta_control.laws.aboard import Aboard, CASCADE, law_named
-from lta_control.messages import from_duties, is_level, to_measured, to_motion, to_setpoint
-from lta_control.vehicle_side import rotors_of, surge_drag_of
-from lta_graph.age import age
-from lta_graph.health import Level
-from lta_graph.inbox import Step
-from lta_graph.ros.helm import Helm
+from lta_control.laws.onboard_law import CASCADE, law_name, OnboardLaw
+from lta_control.messages import from_duties, is_level, to_measurement, to_motion, to_setpoint
+from lta_control.vehicle_parameters import build_rotors, surge_drag_coefficients
+from lta_graph.age import stamp_age
+from lta_graph.health import HealthLevel
+from lta_graph.inbox import InboxStep
+from lta_graph.ros.command_mux import CommandMux
 from lta_graph.ros.node import GraphNode
-from lta_graph.ros.parameters import Parameters
-from lta_graph.ros.process import run
+from lta_graph.ros.parameters import NodeParameters
+from lta_graph.ros.process import run_node
 from lta_graph.ros.stamps import from_stamp
-from lta_model.scenario import course_in
+from lta_model.scenario import load_course
 from lta_model.vehicle import load_vehicle
 from nav_msgs.msg import Odometry
 from std_srvs.srv import SetBool, Trigger
@@ -61,19 +61,19 @@ class Controller(GraphNode):
 
     def __init__(self) -> None:
         super().__init__('controller')
-        self._motors = self.output('motors')
-        self._settings = Parameters(self, ControllerSettings)
+        self._motors = self.create_output('motors')
+        self._settings = NodeParameters(self, ControllerSettings)
         vehicle = load_vehicle(self._settings.value.vehicle)
-        self._drag = surge_drag_of(vehicle)
-        self._rotors = rotors_of(vehicle)
+        self._drag = surge_drag_coefficients(vehicle)
+        self._rotors = build_rotors(vehicle)
         self._names, self._reversible = vehicle.rotor_names, vehicle.reversible
-        self._course = course_in(self._settings.value.scenario)
+        self._course = load_course(self._settings.value.scenario)
         self._begun_ns: int | None = None
-        self._standing = vehicle.standing_height
-        name = self._settings.value.law or law_named(vehicle)
-        self._law = None if name == CASCADE else Aboard(name, vehicle)
+        self._standing = vehicle.height_on_floor
+        name = self._settings.value.law or law_name(vehicle)
+        self._law = None if name == CASCADE else OnboardLaw(name, vehicle)
         self._memory = ControlMemory()
-        self._scratch = new_scratch()
+        self._scratch = create_scratch()
         self._pose: PoseStamped | None = None
         self._velocity: TwistStamped | None = None
         self._last_ns: int | None = None
@@ -81,8 +81,10 @@ class Controller(GraphNode):
         self._stopped = ''
         self.create_service(SetBool, 'arm', self._on_arm)
         self.create_service(Trigger, 'emergency_stop', self._on_emergency_stop)
-        self.listen(self.table.read_by('controller'), trigger='odom', on_step=self._on_step)
-        self._helm = Helm(self)
+        self.subscribe_inputs(
+            self.table.read_by('controller'), trigger='odom', on_step=self._on_step
+        )
+        self._helm = CommandMux(self)
 
     def _on_arm(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
         refused = request.data and bool(self._stopped)
@@ -95,37 +97,41 @@ class Controller(GraphNode):
     def _on_emergency_stop(
         self, _: Trigger.Request, response: Trigger.Response
     ) -> Trigger.Response:
-        self._stop('emergency stop: restart the controller to fly again')
+        self._stop_motors('emergency stop: restart the controller to fly again')
         response.success, response.message = True, self._stopped
         return response
 
-    def _stop(self, reason: str) -> None:
+    def _stop_motors(self, reason: str) -> None:
         self._armed, self._stopped = False, reason
-        self.health.report('motors', Level.ERROR, reason)
+        self.health.report('motors', HealthLevel.ERROR, reason)
 
-    def _on_step(self, step: Step) -> None:
-        odom = step.last('odom')
-        self._pose = step.last('setpoint/pose') or self._pose
-        self._velocity = step.last('setpoint/velocity') or self._velocity
-        measured = to_measured(odom)
+    def _on_step(self, step: InboxStep) -> None:
+        odom = step.last_message('odom')
+        self._pose = step.last_message('setpoint/pose') or self._pose
+        self._velocity = step.last_message('setpoint/velocity') or self._velocity
+        measured = to_measurement(odom)
         known = measured is not None and all(map(math.isfinite, measured))
         if self._armed and known and not is_level(odom, self._settings.value.tilt_limit):
-            self._stop('turned over: the motors are off until the controller restarts')
-        duties = self._shaken(step.stamp_ns, self._duties(step.stamp_ns, odom, measured))
+            self._stop_motors('turned over: the motors are off until the controller restarts')
+        duties = self._excite_duties(
+            step.stamp_ns, self._compute_duties(step.stamp_ns, odom, measured)
+        )
         self._last_ns = step.stamp_ns
         self._motors.publish(from_duties(odom.header.stamp, self._names, duties))
 
-    def _duties(self, now_ns: int, odom: Odometry, measured: Measured | None) -> tuple[float, ...]:
-        pose, velocity = self._helm.steering(self._pose, self._velocity)
+    def _compute_duties(
+        self, now_ns: int, odom: Odometry, measured: CascadeMeasurement | None
+    ) -> tuple[float, ...]:
+        pose, velocity = self._helm.select_setpoint(self._pose, self._velocity)
         if not self._armed or measured is None or pose is None or velocity is None:
-            return self._off('' if self._stopped else 'off')
-        setpoint = self._fresh(now_ns, measured, pose, velocity)
+            return self._reset_to_zero('' if self._stopped else 'off')
+        setpoint = self._current_setpoint(now_ns, measured, pose, velocity)
         if not all(map(math.isfinite, (*measured, *setpoint))):
-            self._stop(f'not a number in {measured} or {setpoint}: the motors are off')
-            return self._off()
-        if landed(measured, setpoint, self._standing):
-            return self._off('on the ground')
-        dt = elapsed(self._last_ns, now_ns, self.table.control_ns)
+            self._stop_motors(f'not a number in {measured} or {setpoint}: the motors are off')
+            return self._reset_to_zero()
+        if has_landed(measured, setpoint, self._standing):
+            return self._reset_to_zero('on the ground')
+        dt = step_duration(self._last_ns, now_ns, self.table.control_ns)
         if self._law is not None:
             return self._law.step(to_motion(odom), setpoint, dt).duties
         duties, self._memory = control_step(
@@ -140,41 +146,45 @@ class Controller(GraphNode):
         )
         return duties
 
-    def _shaken(self, now_ns: int, duties: tuple[float, ...]) -> tuple[float, ...]:
+    def _excite_duties(self, now_ns: int, duties: tuple[float, ...]) -> tuple[float, ...]:
         """Return duties with what the course of the scenario shakes them by."""
         if self._course is None:
             return duties
         self._begun_ns = now_ns if self._begun_ns is None else self._begun_ns
-        return self._course.shaken((now_ns - self._begun_ns) * 1e-9, duties, self._reversible)
+        return self._course.excite_duties(
+            (now_ns - self._begun_ns) * 1e-9, duties, self._reversible
+        )
 
-    def _off(self, text: str = '') -> tuple[float, ...]:
+    def _reset_to_zero(self, text: str = '') -> tuple[float, ...]:
         """Return no duty at all, and forget what the loops had wound up."""
         self._memory = ControlMemory()
         if self._law is not None:
-            self._law.forget()
+            self._law.reset()
         if text:
-            self.health.report('motors', Level.OK, text)
+            self.health.report('motors', HealthLevel.OK, text)
         return (0.0,) * len(self._names)
 
-    def _fresh(
-        self, now_ns: int, measured: Measured, pose: PoseStamped, velocity: TwistStamped
+    def _current_setpoint(
+        self, now_ns: int, measured: CascadeMeasurement, pose: PoseStamped, velocity: TwistStamped
     ) -> Setpoint:
         """Return the setpoint, or what replaces one that is too old: hold, then come down."""
         setpoint, settings = to_setpoint(pose, velocity), self._settings.value
-        oldest = max(age(from_stamp(half.header.stamp), now_ns) for half in (pose, velocity))
+        oldest = max(stamp_age(from_stamp(half.header.stamp), now_ns) for half in (pose, velocity))
         if oldest <= settings.hold_after:
             steers = 'a person' if self._helm.held else 'the setpoint'
-            self.health.report('motors', Level.OK, f'flying by {steers}')
+            self.health.report('motors', HealthLevel.OK, f'flying by {steers}')
             return setpoint
         landing = oldest > settings.land_after
         limit = settings.land_after if landing else settings.hold_after
         future = math.isinf(oldest)
         text = 'a setpoint of the future: ' if future else f'no setpoint for {limit} s: '
-        self.health.report('motors', Level.WARN, text + ('landing' if landing else 'holding'))
+        self.health.report(
+            'motors', HealthLevel.WARN, text + ('landing' if landing else 'holding')
+        )
         altitude = measured.altitude - DESCENT if landing else setpoint.altitude
         return Setpoint(altitude, setpoint.heading, 0.0)
 
 
 def main(args: list[str] | None = None) -> None:
     """Run the node until it is told to stop."""
-    run(Controller, args)
+    run_node(Controller, args)

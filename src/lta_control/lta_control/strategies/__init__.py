@@ -2,8 +2,8 @@
 
 from importlib import import_module
 
-from lta_config.errors import BadInput, unknown
-from lta_control.strategies.protocol import Strategy
+from lta_config.errors import BadInput, unknown_name
+from lta_control.strategies.protocol import NavigationStrategy
 
 FILES = (
     'bearing_angle',
@@ -11,12 +11,12 @@ FILES = (
     'gradient',
     'homing',
 )
-STRATEGIES: dict[str, Strategy] = {
+STRATEGIES: dict[str, NavigationStrategy] = {
     made.name: made for made in (import_module(f'{__name__}.{file}').STRATEGY for file in FILES)
 }
 
 
-def check_route(strategy: Strategy, lamps: int) -> None:
+def check_route(strategy: NavigationStrategy, lamps: int) -> None:
     """Refuse a strategy on a route of several lamps that never says that it has arrived."""
     if lamps > 1 and not strategy.arrives:
         able = [name for name, known in STRATEGIES.items() if known.arrives]
@@ -26,8 +26,8 @@ def check_route(strategy: Strategy, lamps: int) -> None:
         )
 
 
-def strategy(name: str) -> Strategy:
+def find_strategy(name: str) -> NavigationStrategy:
     """Return a strategy; an unknown name is a `BadInput` that lists the known ones."""
     if name not in STRATEGIES:
-        raise unknown('strategy', name, list(STRATEGIES))
+        raise unknown_name('strategy', name, list(STRATEGIES))
     return STRATEGIES[name]

@@ -7,7 +7,7 @@ the last heading asked for.
 
 from typing import TYPE_CHECKING
 
-from lta_control.strategies.protocol import Course, Memory, Sight, Strategy
+from lta_control.strategies.protocol import LightSight, Memory, NavigationStrategy, SteeringCommand
 
 if TYPE_CHECKING:
     from lta_control.strategies.settings import StrategySettings
@@ -18,12 +18,14 @@ def start(heading: float) -> Memory:
     return (heading,)
 
 
-def steer(settings: 'StrategySettings', memory: Memory, sight: Sight) -> tuple[Course, Memory]:
+def steer(
+    settings: 'StrategySettings', memory: Memory, sight: LightSight
+) -> tuple[SteeringCommand, Memory]:
     """Return the heading of the lamp at cruise speed, or a slow turn on the spot."""
     heading, speed = sight.heading + sight.bearing, settings.speed
     if not sight.seen:
         heading, speed = memory[0] + settings.search_rate * sight.interval, 0.0
-    return Course(heading, speed, False), (heading,)
+    return SteeringCommand(heading, speed, False), (heading,)
 
 
-STRATEGY = Strategy('bag', start, steer)
+STRATEGY = NavigationStrategy('bag', start, steer)

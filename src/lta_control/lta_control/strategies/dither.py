@@ -24,8 +24,8 @@ import math
 from typing import NamedTuple, TYPE_CHECKING
 
 from lta_config.settings import setting, Settings
-from lta_control.cascade import wrap
-from lta_control.strategies.protocol import Course, Sight, Strategy
+from lta_control.cascade import wrap_angle
+from lta_control.strategies.protocol import LightSight, NavigationStrategy, SteeringCommand
 
 if TYPE_CHECKING:
     from lta_control.strategies.settings import StrategySettings
@@ -54,7 +54,7 @@ class DitherSettings(Settings):
     )
 
 
-class Dither(NamedTuple):
+class DitherMemory(NamedTuple):
     """What DES remembers."""
 
     heading: float  # asked for last [rad]
@@ -65,23 +65,25 @@ class Dither(NamedTuple):
     mean: float  # of it, over the washout
 
 
-def start(heading: float) -> Dither:
+def start(heading: float) -> DitherMemory:
     """Return the memory before the first light: swing about the heading."""
-    return Dither(heading, heading, 0.0, False, 0.0, 0.0)
+    return DitherMemory(heading, heading, 0.0, False, 0.0, 0.0)
 
 
-def steer(settings: 'StrategySettings', memory: Dither, sight: Sight) -> tuple[Course, Dither]:
+def steer(
+    settings: 'StrategySettings', memory: DitherMemory, sight: LightSight
+) -> tuple[SteeringCommand, DitherMemory]:
     """Return the swinging heading at cruise speed."""
     own, dt = settings.des, sight.interval
     level = math.log(sight.amplitudes[0] + own.floor)
     before, mean = (memory.level, memory.mean) if memory.begun else (level, level)
     mean += min(dt / own.washout, 1.0) * (level - mean)
-    swing = math.sin(wrap(sight.heading - memory.estimate))
+    swing = math.sin(wrap_angle(sight.heading - memory.estimate))
     turn = (own.scan * (level - mean) * dt + own.gradient * (level - before)) * swing
     estimate, time = memory.estimate + turn, memory.time + dt
     heading = estimate + own.amplitude * math.cos(own.rate * time)
-    course = Course(heading, settings.speed, False)
-    return course, Dither(heading, estimate, time, True, level, mean)
+    course = SteeringCommand(heading, settings.speed, False)
+    return course, DitherMemory(heading, estimate, time, True, level, mean)
 
 
-STRATEGY = Strategy('des', start, steer)
+STRATEGY = NavigationStrategy('des', start, steer)

@@ -24,8 +24,8 @@ import math
 from typing import NamedTuple, TYPE_CHECKING
 
 from lta_config.settings import setting, Settings
-from lta_control.cascade import wrap
-from lta_control.strategies.protocol import Course, Sight, Strategy
+from lta_control.cascade import wrap_angle
+from lta_control.strategies.protocol import LightSight, NavigationStrategy, SteeringCommand
 
 if TYPE_CHECKING:
     from lta_control.strategies.settings import StrategySettings
@@ -59,7 +59,7 @@ class GradientSettings(Settings):
     )
 
 
-class Gradient(NamedTuple):
+class GradientMemory(NamedTuple):
     """What DGA remembers."""
 
     heading: float  # asked for last [rad]
@@ -74,19 +74,21 @@ class Gradient(NamedTuple):
     pairs: tuple[Pair, ...]  # place [m, odom] and light [counts], the newest last
 
 
-def start(heading: float) -> Gradient:
+def start(heading: float) -> GradientMemory:
     """Return the memory before the first light."""
-    return Gradient(
+    return GradientMemory(
         heading, 0.0, 0.0, 0.0, heading, heading, 0.0, False, 0.0, EMPTY
     )  # fmt: skip
 
 
-def steer(settings: 'StrategySettings', memory: Gradient, sight: Sight) -> tuple[Course, Gradient]:
+def steer(
+    settings: 'StrategySettings', memory: GradientMemory, sight: LightSight
+) -> tuple[SteeringCommand, GradientMemory]:
     """Return the heading of the newest plane, at cruise speed or standing to turn."""
     own, m, dt = settings.dga, memory, sight.interval
     x = m.x + m.speed * math.cos(m.heading) * dt
     y = m.y + m.speed * math.sin(m.heading) * dt
-    pairs, more = kept(m.pairs, m.filled, (x, y, sight.amplitudes[0]), own.cell)
+    pairs, more = add_pair(m.pairs, m.filled, (x, y, sight.amplitudes[0]), own.cell)
     count = min(m.filled + more, float(PAIRS))
     target, coming, computed = m.target, m.next, m.computed + dt
     if count < own.least:
@@ -94,16 +96,16 @@ def steer(settings: 'StrategySettings', memory: Gradient, sight: Sight) -> tuple
         computed = own.computing
     elif computed >= own.computing:
         # A first heading is not waited for in flight along the arc: its time counts from here.
-        target, coming, computed = coming, steepest(own, pairs, count, m.heading), 0.0
-    off = abs(wrap(target - sight.heading))
+        target, coming, computed = coming, steepest_heading(own, pairs, count, m.heading), 0.0
+    off = abs(wrap_angle(target - sight.heading))
     arcing = count < own.least
     turning = not arcing and off > (own.go_within if m.turning else own.stop_beyond)
     speed = 0.0 if turning else settings.speed
-    after = Gradient(target, x, y, speed, target, coming, computed, turning, count, pairs)
-    return Course(target, speed, False), after
+    after = GradientMemory(target, x, y, speed, target, coming, computed, turning, count, pairs)
+    return SteeringCommand(target, speed, False), after
 
 
-def kept(
+def add_pair(
     pairs: tuple[Pair, ...], count: float, new: Pair, cell: float
 ) -> tuple[tuple[Pair, ...], float]:
     """Return the pairs with a new one, and by how many they are more: a cell keeps its mean."""
@@ -114,7 +116,7 @@ def kept(
     return pairs[1:] + (new,), 1.0  # noqa: RUF005 - numba
 
 
-def steepest(
+def steepest_heading(
     own: GradientSettings, pairs: tuple[Pair, ...], count: float, heading: float
 ) -> float:
     """Return the heading up the plane through the newest pairs; the old one of a flat plane."""
@@ -135,4 +137,4 @@ def steepest(
     return math.atan2(b, a) if math.hypot(a, b) > 0.0 else heading
 
 
-STRATEGY = Strategy('dga', start, steer)
+STRATEGY = NavigationStrategy('dga', start, steer)

@@ -23,18 +23,18 @@ import math
 from typing import NamedTuple, TYPE_CHECKING
 
 from lta_config.settings import setting, Settings
-from lta_control.strategies.lamp_filter import (
+from lta_control.strategies.lamp_ekf import (
     bearing_deviation,
-    begin,
-    expected,
-    Fix,
-    Optics,
-    predict,
-    see,
-    surprise,
+    expected_strength,
+    initialize_fix,
+    LampFilterPrior,
+    LampFix,
+    normalized_innovation,
+    predict_fix,
+    update_fix,
 )
-from lta_control.strategies.protocol import Course, Sight, Strategy
-from lta_control.strategies.wind_triangle import through_air
+from lta_control.strategies.protocol import LightSight, NavigationStrategy, SteeringCommand
+from lta_control.strategies.wind_triangle import solve_wind_triangle
 
 if TYPE_CHECKING:
     from lta_control.strategies.settings import StrategySettings
@@ -115,12 +115,12 @@ class HomingSettings(Settings):
     )
 
 
-class Homing(NamedTuple):
+class HomingMemory(NamedTuple):
     """What homing remembers."""
 
     heading: float  # asked for last [rad]
     known: bool  # whether there is a fix
-    fix: Fix
+    fix: LampFix
     begun: bool  # whether `place` is known
     place: tuple[float, float]  # dead reckoned, at the last sight [m]
     flown: float  # time since the first sight [s]
@@ -130,53 +130,55 @@ class Homing(NamedTuple):
     arrived: bool
 
 
-def start(heading: float) -> Homing:
+def start(heading: float) -> HomingMemory:
     """Return the memory before the first sight: nothing is known."""
     none = (0.0, 0.0, 0.0, 0.0, 0.0)
-    fix = Fix(0.0, 0.0, 0.0, 0.0, 0.0, (none, none, none, none, none))
-    return Homing(heading, False, fix, False, (0.0, 0.0), 0.0, 0.0, 0.0, 0.0, False)
+    fix = LampFix(0.0, 0.0, 0.0, 0.0, 0.0, (none, none, none, none, none))
+    return HomingMemory(heading, False, fix, False, (0.0, 0.0), 0.0, 0.0, 0.0, 0.0, False)
 
 
-def onward(memory: Homing) -> Homing:
+def reset_for_next_lamp(memory: HomingMemory) -> HomingMemory:
     """Return the memory on the way to another lamp: the wind is the same."""
-    return Homing(
+    return HomingMemory(
         memory.heading, False, memory.fix, memory.begun, memory.place, memory.flown, 0.0, 0.0, 0.0,
         False,
     )  # fmt: skip
 
 
-def watch(settings: 'StrategySettings', memory: Homing, sight: Sight) -> Homing:
+def watch(settings: 'StrategySettings', memory: HomingMemory, sight: LightSight) -> HomingMemory:
     """Return the memory after a sight from a drone that climbs: wind is felt at once."""
-    return followed(settings, memory, sight)
+    return follow_sight(settings, memory, sight)
 
 
-def steer(settings: 'StrategySettings', memory: Homing, sight: Sight) -> tuple[Course, Homing]:
+def steer(
+    settings: 'StrategySettings', memory: HomingMemory, sight: LightSight
+) -> tuple[SteeringCommand, HomingMemory]:
     """Return the course through the air that leads along the line to the lamp."""
     own = settings.homing
-    memory = followed(settings, memory, sight)
+    memory = follow_sight(settings, memory, sight)
     unsure = memory.searched > 0.0 or bearing_deviation(memory.fix) > own.certain
     lost = memory.lost > own.hold or (memory.lost > 0.0 and unsure)
     if not memory.known or lost:
-        heading, speed = searching(settings, memory, sight.interval)
-        after = _searched(memory, heading, memory.searched + sight.interval)
-        return Course(heading, speed, False), after
-    heading, speed = homeward(settings, memory)
-    after = _searched(memory, heading, 0.0)
-    return Course(heading, speed, after.arrived), after
+        heading, speed = steer_search(settings, memory, sight.interval)
+        after = _update_search(memory, heading, memory.searched + sight.interval)
+        return SteeringCommand(heading, speed, False), after
+    heading, speed = steer_to_lamp(settings, memory)
+    after = _update_search(memory, heading, 0.0)
+    return SteeringCommand(heading, speed, after.arrived), after
 
 
-def _searched(m: Homing, heading: float, searched: float) -> Homing:
+def _update_search(m: HomingMemory, heading: float, searched: float) -> HomingMemory:
     """Return a memory with what was asked for."""
     arrived = m.arrived and searched <= 0.0
-    return Homing(
+    return HomingMemory(
         heading, m.known, m.fix, m.begun, m.place, m.flown, m.lost, m.doubted, searched, arrived
     )  # fmt: skip
 
 
-def optics_of(own: HomingSettings, flown: float) -> Optics:
+def build_optics(own: HomingSettings, flight_time: float) -> LampFilterPrior:
     """Return what the filter knows beforehand, some time after the first sight. [s]"""
-    gusts = math.hypot(own.gusts, own.unsettled * math.exp(-flown / own.settling))
-    return Optics(
+    gusts = math.hypot(own.gusts, own.unsettled * math.exp(-flight_time / own.settling))
+    return LampFilterPrior(
         math.log(own.brightness),
         own.unsure,
         own.bearing_noise,
@@ -186,44 +188,44 @@ def optics_of(own: HomingSettings, flown: float) -> Optics:
     )
 
 
-def followed(settings: 'StrategySettings', m: Homing, sight: Sight) -> Homing:
+def follow_sight(settings: 'StrategySettings', m: HomingMemory, sight: LightSight) -> HomingMemory:
     """Return the memory with what one more sight tells, if it fits."""
     own, dt = settings.homing, sight.interval
-    optics = optics_of(own, m.flown)
+    optics = build_optics(own, m.flown)
     fix, known, lost, doubted = m.fix, m.known, m.lost + dt, m.doubted
     if m.known:
         moved_x, moved_y = sight.position[0] - m.place[0], sight.position[1] - m.place[1]
-        fix = predict(optics, fix, moved_x, moved_y, dt)
+        fix = predict_fix(optics, fix, moved_x, moved_y, dt)
     if sight.seen and sight.deviation <= own.trusted:
         bearing, strength = sight.heading + sight.bearing, max(sight.strength, 1.0)
-        there = known and surprise(fix, optics, bearing, sight.deviation) <= own.gate
-        share = strength / expected(fix) if known else 1.0
+        there = known and normalized_innovation(fix, optics, bearing, sight.deviation) <= own.gate
+        share = strength / expected_strength(fix) if known else 1.0
         fits = there and own.echo <= share <= 1.0 / own.echo
         doubted = 0.0 if fits or share < own.echo else doubted + dt
-        sought = m.searched > whole_turn(settings)
+        sought = m.searched > full_turn_time(settings)
         if not known or doubted > own.doubt or (sought and not fits):
             drift = fix.wind_x, fix.wind_y
-            fix, known = begin(optics, bearing, sight.deviation, strength, drift), True
+            fix, known = initialize_fix(optics, bearing, sight.deviation, strength, drift), True
             lost = doubted = 0.0
         elif fits:
-            fix, lost = see(fix, optics, bearing, sight.deviation, strength), 0.0
+            fix, lost = update_fix(fix, optics, bearing, sight.deviation, strength), 0.0
     away = math.hypot(fix.x, fix.y)
     limit = own.arrival * (STAY if m.arrived else 1.0)
     arrived = known and away <= limit
-    return Homing(
+    return HomingMemory(
         m.heading, known, fix, True, sight.position, m.flown + dt, lost, doubted, m.searched,
         arrived,
     )  # fmt: skip
 
 
-def homeward(settings: 'StrategySettings', m: Homing) -> tuple[float, float]:
+def steer_to_lamp(settings: 'StrategySettings', m: HomingMemory) -> tuple[float, float]:
     """Return heading [rad] and airspeed [m/s] along the line to the lamp, or to hold there."""
     own, fix = settings.homing, m.fix
     away = max(math.hypot(fix.x, fix.y), 1e-6)
     over_ground = min(settings.speed, max(own.approach * (away - 0.5 * own.arrival), 0.0))
     top = max(own.top_speed, settings.speed)
     near = own.approach * away < settings.speed
-    return through_air(
+    return solve_wind_triangle(
         (fix.x + 1e-9, fix.y),
         (fix.wind_x, fix.wind_y),
         over_ground,
@@ -232,17 +234,19 @@ def homeward(settings: 'StrategySettings', m: Homing) -> tuple[float, float]:
     )
 
 
-def whole_turn(settings: 'StrategySettings') -> float:
+def full_turn_time(settings: 'StrategySettings') -> float:
     """Return how long a turn on the spot takes. [s]"""
     return 2.0 * math.pi / max(settings.search_rate, 1e-3)
 
 
-def searching(settings: 'StrategySettings', m: Homing, interval: float) -> tuple[float, float]:
+def steer_search(
+    settings: 'StrategySettings', m: HomingMemory, interval: float
+) -> tuple[float, float]:
     """Return heading [rad] and airspeed [m/s] of a search: a turn, then circles that widen."""
-    turn = whole_turn(settings)
+    turn = full_turn_time(settings)
     if m.searched < turn:
         return m.heading + settings.search_rate * interval, 0.0
     return m.heading + settings.search_rate * interval * turn / m.searched, settings.speed
 
 
-STRATEGY = Strategy('homing', start, steer, watch, onward, ranges=True)
+STRATEGY = NavigationStrategy('homing', start, steer, watch, reset_for_next_lamp, ranges=True)

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 Memory = tuple[Any, ...]  # numbers and tuples of such; the first is the heading asked for last
 
 
-class Sight(NamedTuple):
+class LightSight(NamedTuple):
     """
     What the light of one block says, at the middle of the block.
 
@@ -54,7 +54,7 @@ class Sight(NamedTuple):
     drift: tuple[float, float] = (0.0, 0.0)
 
 
-class Course(NamedTuple):
+class SteeringCommand(NamedTuple):
     """
     Where to go.
 
@@ -85,7 +85,7 @@ class CruiseSettings(Settings):
 
 @final
 @dataclass(frozen=True, slots=True)
-class Strategy:
+class NavigationStrategy:
     """
     A navigation strategy: two plain functions of scalars and tuples, memory handed in and out.
 
@@ -106,14 +106,14 @@ class Strategy:
         `onward(memory) -> memory` when the drone has arrived and is to go to another lamp; only
         who ever says that it has arrived has it, and can fly a route.
     ranges : bool
-        Whether it looks at `Sight.strength`, for which the selected resistor must be known.
+        Whether it looks at `LightSight.strength`, for which the selected resistor must be known.
 
     """
 
     name: str
     start: Callable[[float], Memory]
-    steer: Callable[['StrategySettings', Any, Sight], tuple[Course, Memory]]
-    watch: Callable[['StrategySettings', Any, Sight], Memory] | None = None
+    steer: Callable[['StrategySettings', Any, LightSight], tuple[SteeringCommand, Memory]]
+    watch: Callable[['StrategySettings', Any, LightSight], Memory] | None = None
     onward: Callable[[Any], Memory] | None = None
     ranges: bool = False
 

@@ -19,7 +19,7 @@ MOST_ACROSS = 0.95  # of the airspeed, against a wind across that is stronger
 STEERAGE = 0.1  # m/s of airspeed below which a heading means nothing
 
 
-def through_air(
+def solve_wind_triangle(
     line: tuple[float, float],
     wind: tuple[float, float],
     over_ground: float,

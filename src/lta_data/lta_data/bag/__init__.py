@@ -1,7 +1,7 @@
 """Reading recordings: bags as they are on the disk, and flights as aligned arrays."""
 
-from lta_data.bag.flight import Flight, open_flight
-from lta_data.bag.info import bag_info, BagInfo
+from lta_data.bag.info import BagInfo, summarize_bag
 from lta_data.bag.reader import Bag, read_bag
+from lta_data.bag.recorded_flight import open_flight, RecordedFlight
 
-__all__ = ['Bag', 'BagInfo', 'Flight', 'bag_info', 'open_flight', 'read_bag']
+__all__ = ['Bag', 'BagInfo', 'RecordedFlight', 'open_flight', 'read_bag', 'summarize_bag']

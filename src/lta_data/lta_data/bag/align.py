@@ -2,8 +2,10 @@
 Several topics on one clock.
 
 Topics come at times of their own. On a common clock a column has either the newest value at each
-instant (`previous`: what a program on board would have known) or the value on the line between its
-neighbours (`linear`); quaternions go the shorter way round, at an even rate. Whole numbers, flags
+instant (`previous_weights`: what a program on board would have known) or the value on the line
+between its
+neighbours (`linear_weights`); quaternions go the shorter way round, at an even rate. Whole
+numbers, flags
 and texts are always the newest. Where a topic says nothing for longer than its gap, there is
 nothing: a gap is never bridged.
 """
@@ -11,10 +13,10 @@ nothing: a gap is never bridged.
 from collections.abc import Callable, Sequence
 from typing import Any, Final, final, NamedTuple
 
-from lta_config.errors import BadInput, unknown
-from lta_data.bag.table import AXES, Table
+from lta_config.errors import BadInput, unknown_name
+from lta_data.bag.table import AXES, RecordingTable
 from lta_data.bag.table_text import DIM
-from lta_data.even_grid import fits
+from lta_data.even_grid import is_grid_allowed
 import numpy as np
 from numpy.typing import NDArray
 
@@ -27,7 +29,7 @@ Stamps = NDArray[np.int64]
 
 
 @final
-class Sorted(NamedTuple):
+class SortedRows(NamedTuple):
     """Rows of a topic in the order of their stamps, the last one of each stamp. [ns]"""
 
     stamps: Stamps
@@ -35,7 +37,7 @@ class Sorted(NamedTuple):
 
 
 @final
-class Weights(NamedTuple):
+class ResamplingWeights(NamedTuple):
     """
     How rows make values at other times.
 
@@ -49,15 +51,15 @@ class Weights(NamedTuple):
     known: NDArray[np.bool_]
 
 
-def previous(rows: Sorted, clock: Stamps, gap: float) -> Weights:
+def previous_weights(rows: SortedRows, clock: Stamps, gap: float) -> ResamplingWeights:
     """Return the newest row at each instant if it is no older than the gap. [ns]"""
     index = np.searchsorted(rows.stamps, clock, side='right') - 1
     row = rows.rows[np.maximum(index, 0)]
     known = (index >= 0) & (clock - rows.stamps[np.maximum(index, 0)] <= gap)
-    return Weights(row, row, np.zeros(len(clock)), known)
+    return ResamplingWeights(row, row, np.zeros(len(clock)), known)
 
 
-def linear(rows: Sorted, clock: Stamps, gap: float) -> Weights:
+def linear_weights(rows: SortedRows, clock: Stamps, gap: float) -> ResamplingWeights:
     """Return the rows around each instant if they are no farther apart than the gap. [ns]"""
     last = len(rows.stamps) - 1
     left = np.searchsorted(rows.stamps, clock, side='right') - 1
@@ -67,21 +69,23 @@ def linear(rows: Sorted, clock: Stamps, gap: float) -> Weights:
     apart = rows.stamps[right] - rows.stamps[inside]
     share = (clock - rows.stamps[inside]) / np.maximum(apart, 1)
     known = (left >= 0) & (hit | ((left < last) & (apart <= gap)))
-    return Weights(rows.rows[inside], rows.rows[right], np.where(known, share, 0.0), known)
+    return ResamplingWeights(
+        rows.rows[inside], rows.rows[right], np.where(known, share, 0.0), known
+    )
 
 
-METHODS: Final[dict[str, Callable[[Sorted, Stamps, float], Weights]]] = {
-    'previous': previous,
-    'linear': linear,
+METHODS: Final[dict[str, Callable[[SortedRows, Stamps, float], ResamplingWeights]]] = {
+    'previous': previous_weights,
+    'linear': linear_weights,
 }
 
 
-def aligned(
-    tables: Sequence[Table],
+def align_tables(
+    tables: Sequence[RecordingTable],
     clock: Stamps,
     method: str = 'previous',
     gap: float | None = None,
-) -> Table:
+) -> RecordingTable:
     """
     Return several topics as one table on one clock.
 
@@ -110,7 +114,7 @@ def aligned(
 
     """
     if method not in METHODS:
-        raise unknown('method', method, list(METHODS))
+        raise unknown_name('method', method, list(METHODS))
     if gap is not None and not gap > 0.0:
         raise BadInput(f'A gap of {gap} s leaves nothing; give one above zero.')
     if not tables:
@@ -118,32 +122,32 @@ def aligned(
     data: dict[str, NDArray[Any]] = {}
     units: dict[str, str] = {}
     for table in tables:
-        rows = in_order(table.stamp_ns)
-        weights = METHODS[method](rows, clock, allowed(rows, gap)) if len(table) else None
-        for name, values in resampled(table, weights, len(clock)).items():
+        rows = sort_rows(table.stamp_ns)
+        weights = METHODS[method](rows, clock, maximum_gap(rows, gap)) if len(table) else None
+        for name, values in resample_columns(table, weights, len(clock)).items():
             data[f'{table.name}/{name}'] = values
             units[f'{table.name}/{name}'] = table.units.get(name, '')
     name = ' + '.join(table.name for table in tables)
-    return Table(name, clock, tables[0].start, data, units)
+    return RecordingTable(name, clock, tables[0].start, data, units)
 
 
-def in_order(stamps: Stamps) -> Sorted:
+def sort_rows(stamps: Stamps) -> SortedRows:
     """Return rows in the order of their stamps, the last one of each stamp."""
     order = np.argsort(stamps, kind='stable')
     if not len(order):
-        return Sorted(stamps, order)
+        return SortedRows(stamps, order)
     kept = np.append(np.diff(stamps[order]) > 0, True)
-    return Sorted(stamps[order][kept], order[kept])
+    return SortedRows(stamps[order][kept], order[kept])
 
 
-def allowed(rows: Sorted, gap: float | None) -> float:
+def maximum_gap(rows: SortedRows, gap: float | None) -> float:
     """Return for how long a topic may be silent. [ns]"""
     if gap is not None:
         return gap * 1e9
     return PERIODS * float(np.median(np.diff(rows.stamps))) if len(rows.stamps) > 1 else np.inf
 
 
-def even(tables: Sequence[Table], rate: float) -> Stamps:
+def build_even_clock(tables: Sequence[RecordingTable], rate: float) -> Stamps:
     """Return an even clock from the first row to the last one of some tables; rate in Hz. [ns]"""
     if not 0.0 < rate <= 1e6:
         raise BadInput(f'A rate of {rate} Hz makes no clock; give one above zero, up to 1e6.')
@@ -153,7 +157,7 @@ def even(tables: Sequence[Table], rate: float) -> Stamps:
     start = tables[0].start
     first = (min(int(each.min()) for each in stamps) - start) * 1e-9
     last = (max(int(each.max()) for each in stamps) - start) * 1e-9
-    if not fits((last - first) * rate, sum(map(len, stamps)), DENSE):
+    if not is_grid_allowed((last - first) * rate, sum(map(len, stamps)), DENSE):
         raise BadInput(
             f'The stamps reach over {last - first:.0f} s, too far for a clock of {rate:g} Hz; '
             'give a lower rate, or see with `lta bag check` whether a clock was set meanwhile.'
@@ -162,12 +166,14 @@ def even(tables: Sequence[Table], rate: float) -> Stamps:
     return start + np.rint(steps * (1e9 / rate)).astype(np.int64)
 
 
-def resampled(table: Table, weights: Weights | None, count: int) -> dict[str, NDArray[Any]]:
+def resample_columns(
+    table: RecordingTable, weights: ResamplingWeights | None, count: int
+) -> dict[str, NDArray[Any]]:
     """Return the columns of a table at other times, shape (n, ...), empty where nothing is."""
     found = {}
-    turns = {f'{turn}.{axis}': turn for turn in table.turns for axis in AXES}
+    turns = {f'{turn}.{axis}': turn for turn in table.quaternions for axis in AXES}
     turned: dict[str, NDArray[np.float64]] = {}
-    for name in table.stored:
+    for name in table.stored_columns:
         if DIM.search(name) or name.startswith(LEFT_OUT):
             continue
         values = table[name]
@@ -176,14 +182,14 @@ def resampled(table: Table, weights: Weights | None, count: int) -> dict[str, ND
         elif name in turns:
             turn = turns[name]
             if turn not in turned:
-                turned[turn] = between_turns(table.vector(turn), weights)
+                turned[turn] = interpolate_quaternions(table.vector(turn), weights)
             found[name] = turned[turn][:, AXES.index(name[-1])]
         else:
-            found[name] = between_values(values, weights)
+            found[name] = interpolate_values(values, weights)
     return found
 
 
-def between_values(values: NDArray[Any], weights: Weights) -> NDArray[Any]:
+def interpolate_values(values: NDArray[Any], weights: ResamplingWeights) -> NDArray[Any]:
     """Return a column, shape (m, ...), at other times, shape (n, ...)."""
     found = values[weights.before]
     if values.dtype.kind == 'f':
@@ -196,7 +202,9 @@ def between_values(values: NDArray[Any], weights: Weights) -> NDArray[Any]:
     return np.where(weights.known, found, nothing)
 
 
-def between_turns(turns: NDArray[np.float64], weights: Weights) -> NDArray[np.float64]:
+def interpolate_quaternions(
+    turns: NDArray[np.float64], weights: ResamplingWeights
+) -> NDArray[np.float64]:
     """Return quaternions, shape (n, 4), at other times: the shorter way round at an even rate."""
     found = turns[weights.before]
     between = weights.share > 0.0

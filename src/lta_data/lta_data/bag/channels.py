@@ -14,10 +14,10 @@ import re
 from typing import Any, Final, final, NamedTuple
 
 from lta_config.errors import BadInput
-from lta_data.bag.flight import Flight
-from lta_data.bag.series import Series
-from lta_data.bag.units import unit_of
-from lta_model.attitude import angles
+from lta_data.bag.recorded_flight import RecordedFlight
+from lta_data.bag.series import TopicSeries
+from lta_data.bag.units import find_unit
+from lta_model.attitude import to_euler_angles
 import numpy as np
 from numpy.typing import NDArray
 
@@ -37,7 +37,7 @@ _ELEMENT: Final = re.compile(r'(.*)\[(\d+)\]')
 
 @final
 @dataclass(frozen=True, slots=True)
-class Channel:
+class SignalChannel:
     """
     One quantity over time.
 
@@ -73,7 +73,9 @@ class Channel:
         return self.name.rpartition('/')[2]
 
 
-def channels(flight: Flight, topic: str, series: Series | None = None) -> Iterator[Channel]:
+def iterate_channels(
+    flight: RecordedFlight, topic: str, series: TopicSeries | None = None
+) -> Iterator[SignalChannel]:
     """
     Yield the channels of one topic of a flight.
 
@@ -94,45 +96,51 @@ def channels(flight: Flight, topic: str, series: Series | None = None) -> Iterat
         If the topic is not there or cannot be decoded.
 
     """
-    kind = flight.type_of(topic)
+    kind = flight.message_type(topic)
     if kind == IMAGE:
-        yield from _of_blocks(flight, topic)
+        yield from _iterate_block_channels(flight, topic)
     elif kind == CLOUD:
-        yield from _of_points(flight, topic)
+        yield from _iterate_point_channels(flight, topic)
     else:
-        yield from _of_series(flight.series(topic) if series is None else series, topic, kind)
+        yield from _iterate_series_channels(
+            flight.read_series(topic) if series is None else series, topic, kind
+        )
 
 
-def read_together(flight: Flight, topics: Collection[str]) -> dict[str, Series]:
+def read_topics(flight: RecordedFlight, topics: Collection[str]) -> dict[str, TopicSeries]:
     """
     Return the messages of all topics of numbers from one pass over the bag.
 
     Images and point clouds are not among them; nothing is where one topic cannot be decoded, which
-    `channels` then tells of that topic.
+    `iterate_channels` then tells of that topic.
     """
-    plain = [topic for topic in topics if flight.type_of(topic) not in (IMAGE, CLOUD)]
+    plain = [topic for topic in topics if flight.message_type(topic) not in (IMAGE, CLOUD)]
     try:
-        return flight.read(plain)
+        return flight.read_topics(plain)
     except BadInput:
         return {}
 
 
-def _of_series(series: Series, topic: str, kind: str) -> Iterator[Channel]:
+def _iterate_series_channels(
+    series: TopicSeries, topic: str, kind: str
+) -> Iterator[SignalChannel]:
     """Yield the channels of messages of numbers."""
     turned = {path.removesuffix('.w') for path in series.numbers if path.endswith('.w')}
     for path in sorted(turned):
-        found = angles(np.where(_known(series, path)[:, None], series.vector(path), np.nan))
+        found = to_euler_angles(
+            np.where(_find_valid_messages(series, path)[:, None], series.vector(path), np.nan)
+        )
         for part, values in zip(PARTS, found, strict=True):
-            yield Channel(f'{topic}/{path}.{part}', 'rad', series.time, values, angular=True)
+            yield SignalChannel(f'{topic}/{path}.{part}', 'rad', series.time, values, angular=True)
     for path, values in series.numbers.items():
         if HIDDEN.search(path) or path.rpartition('.')[0] in turned:
             continue
-        unit, name = unit_of(kind, path, topic), _named(series, path)
-        kept = np.where(_known(series, path), values.astype(np.float64), np.nan)
-        yield Channel(f'{topic}/{name}', unit, series.time, kept)
+        unit, name = find_unit(kind, path, topic), _resolve_joint_name(series, path)
+        kept = np.where(_find_valid_messages(series, path), values.astype(np.float64), np.nan)
+        yield SignalChannel(f'{topic}/{name}', unit, series.time, kept)
 
 
-def _known(series: Series, path: str) -> NDArray[np.bool_]:
+def _find_valid_messages(series: TopicSeries, path: str) -> NDArray[np.bool_]:
     """Tell for each message whether it knows the quantity, by the covariance beside it."""
     first = path.split('.')[0]
     known = np.ones(len(series), dtype=np.bool_)
@@ -142,7 +150,7 @@ def _known(series: Series, path: str) -> NDArray[np.bool_]:
     return known
 
 
-def _named(series: Series, path: str) -> str:
+def _resolve_joint_name(series: TopicSeries, path: str) -> str:
     """Return the path of a joint's element with the joint's name, where it keeps it."""
     element = _ELEMENT.fullmatch(path)
     if element is None:
@@ -152,42 +160,42 @@ def _named(series: Series, path: str) -> str:
     return f'{field}.{names[0]}' if len(names) and (names == names[0]).all() else path
 
 
-def _of_blocks(flight: Flight, topic: str) -> Iterator[Channel]:
+def _iterate_block_channels(flight: RecordedFlight, topic: str) -> Iterator[SignalChannel]:
     """Yield what each column of blocks comes to, at the time of the block."""
-    blocks = flight.blocks(topic)
+    blocks = flight.read_blocks(topic)
     if not len(blocks.time):  # announced, and nothing came
         return
-    unit = unit_of(IMAGE, 'data', topic)
+    unit = find_unit(IMAGE, 'data', topic)
     for what, reduced in BLOCK.items():
         # Block by block: all of them as float64 would be four times the recording.
         rows = [reduced(block, axis=0) for block in blocks.samples]
         table = np.array(rows, dtype=np.float64).reshape(len(rows), -1)
         for index, column in enumerate(table.T):
-            yield Channel(f'{topic}/{what}[{index}]', unit, blocks.time, column)
+            yield SignalChannel(f'{topic}/{what}[{index}]', unit, blocks.time, column)
 
 
-def _of_points(flight: Flight, topic: str) -> Iterator[Channel]:
+def _iterate_point_channels(flight: RecordedFlight, topic: str) -> Iterator[SignalChannel]:
     """Yield each field of each point."""
-    points = flight.points(topic)
+    points = flight.read_points(topic)
     for field, table in points.fields.items():
-        unit = unit_of(CLOUD, field, topic)
+        unit = find_unit(CLOUD, field, topic)
         for index, column in enumerate(table.T):
-            yield Channel(f'{topic}/{field}[{index}]', unit, points.time, column)
+            yield SignalChannel(f'{topic}/{field}[{index}]', unit, points.time, column)
 
 
-class Found(NamedTuple):
+class DecodedChannels(NamedTuple):
     """Channels by name, and a sentence for each topic that could not be decoded."""
 
-    channels: dict[str, Channel]
+    channels: dict[str, SignalChannel]
     remarks: list[str]
 
 
-def all_channels(flight: Flight) -> Found:
+def read_all_channels(flight: RecordedFlight) -> DecodedChannels:
     """Return every channel of the robot's topics."""
-    found = Found({}, [])
+    found = DecodedChannels({}, [])
     for topic in flight.topics:
         try:
-            found.channels.update((item.name, item) for item in channels(flight, topic))
+            found.channels.update((item.name, item) for item in iterate_channels(flight, topic))
         except BadInput as fault:
             found.remarks.append(f"Topic '{topic}' is left out: {fault}")
     return found

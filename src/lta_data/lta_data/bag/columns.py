@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 
-def columns(messages: Iterable[object]) -> tuple[Columns, Columns]:
+def build_columns(messages: Iterable[object]) -> tuple[Columns, Columns]:
     """
     Return the numbers and the texts of some messages of one type by field path.
 
@@ -36,7 +36,7 @@ def columns(messages: Iterable[object]) -> tuple[Columns, Columns]:
     found: defaultdict[str, list[Any]] = defaultdict(list)
     count = 0
     for message in messages:
-        for path, value in leaves(message, ''):
+        for path, value in iterate_leaves(message, ''):
             column = found[path]
             if len(column) < count:
                 column.extend([None] * (count - len(column)))
@@ -50,13 +50,15 @@ def columns(messages: Iterable[object]) -> tuple[Columns, Columns]:
         if isinstance(kind, str):
             texts[path] = np.array(['' if value is None else value for value in column])
         elif isinstance(kind, np.ndarray):
-            numbers |= elements(path, column)
+            numbers |= split_array_columns(path, column)
         else:
-            numbers[path] = listed([np.nan if value is None else value for value in column])
+            numbers[path] = collect_scalars(
+                [np.nan if value is None else value for value in column]
+            )
     return numbers, texts
 
 
-def listed(values: list[Any]) -> NDArray[Any]:
+def collect_scalars(values: list[Any]) -> NDArray[Any]:
     """Return single values of one field, shape (n,); whole numbers stay whole."""
     found = np.array(values)
     if found.dtype == np.float64 and all(type(value) is int for value in values):
@@ -64,23 +66,23 @@ def listed(values: list[Any]) -> NDArray[Any]:
     return found
 
 
-def leaves(value: object, path: str) -> Iterator[tuple[str, object]]:
+def iterate_leaves(value: object, path: str) -> Iterator[tuple[str, object]]:
     """Yield path and value of what a message is made of; numeric arrays come whole."""
     if isinstance(value, np.ndarray):
         if value.dtype != np.uint8:
             yield path, value
     elif is_dataclass(value) and not isinstance(value, type):
-        for name in field_names(type(value)):
-            yield from leaves(getattr(value, name), f'{path}.{name}' if path else name)
+        for name in list_field_names(type(value)):
+            yield from iterate_leaves(getattr(value, name), f'{path}.{name}' if path else name)
     elif isinstance(value, list):
         for index, element in enumerate(value):
-            yield from leaves(element, f'{path}[{index}]')
+            yield from iterate_leaves(element, f'{path}[{index}]')
     else:
         yield path, value
 
 
 @cache
-def field_names(message_type: type) -> tuple[str, ...]:
+def list_field_names(message_type: type) -> tuple[str, ...]:
     """Return the names of a message's fields; constants are upper-case in ROS, and no fields."""
     return tuple(field.name for field in fields(message_type) if is_field(field.name))
 
@@ -90,7 +92,7 @@ def is_field(name: str) -> bool:
     return name.islower() and not name.startswith('__')
 
 
-def elements(path: str, arrays: list[NDArray[Any] | None]) -> Columns:
+def split_array_columns(path: str, arrays: list[NDArray[Any] | None]) -> Columns:
     """Return a column, shape (n,), per element of an array field; short arrays end in NaN."""
     given = [np.empty(0) if array is None else array for array in arrays]
     lengths = {len(array) for array in given}

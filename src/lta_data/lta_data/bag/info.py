@@ -5,9 +5,9 @@ import json
 from pathlib import Path
 from typing import final
 
-from lta_data.bag.flight import namespaces
 from lta_data.bag.reader import Bag, read_bag
-from lta_data.bag.remarks import remarks
+from lta_data.bag.recorded_flight import list_robots
+from lta_data.bag.remarks import list_remarks
 from rich.console import Console
 from rich.table import Table
 
@@ -77,7 +77,7 @@ class BagInfo:
         return json.dumps(asdict(self), indent=2, ensure_ascii=False)
 
 
-def bag_info(path: Path | str) -> BagInfo:
+def summarize_bag(path: Path | str) -> BagInfo:
     """
     Return what a bag holds.
 
@@ -88,7 +88,7 @@ def bag_info(path: Path | str) -> BagInfo:
 
     """
     bag = read_bag(path)
-    seconds = duration(bag)
+    seconds = bag_duration(bag)
     topics = [
         TopicInfo(
             topic.name,
@@ -104,21 +104,21 @@ def bag_info(path: Path | str) -> BagInfo:
         start=bag.start,
         duration=seconds,
         messages=sum(topic.count for topic in topics),
-        robots=namespaces(bag),
+        robots=list_robots(bag),
         topics=topics,
         provenance=bag.provenance,
-        complete=bag.complete,
+        complete=bag.is_complete,
         losses=list(bag.losses),
-        remarks=remarks(bag),
+        remarks=list_remarks(bag),
     )
 
 
-def duration(bag: Bag) -> float:
+def bag_duration(bag: Bag) -> float:
     """Return the time from the first to the last log time. [s]"""
     return 0.0 if bag.start is None or bag.end is None else (bag.end - bag.start) * 1e-9
 
 
-def show(info: BagInfo, console: Console) -> None:
+def print_bag_info(info: BagInfo, console: Console) -> None:
     """Print what a bag holds; whole files that it carries are only counted."""
     console.print(info.path, style='bold', highlight=False, markup=False)
     several = f' of {" and ".join(info.robots)}' if len(info.robots) > 1 else ''

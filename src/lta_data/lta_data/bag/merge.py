@@ -10,7 +10,7 @@ Columns = dict[str, NDArray[Any]]
 Rows = slice | NDArray[np.intp]
 
 
-class Piece(NamedTuple):
+class ColumnPiece(NamedTuple):
     """A field of some messages: which ones, and values of shape (n,) or (n, elements)."""
 
     rows: Rows
@@ -19,7 +19,7 @@ class Piece(NamedTuple):
 
 @final
 @dataclass(slots=True)
-class Column:
+class PartialColumn:
     """
     A field in pieces.
 
@@ -27,17 +27,17 @@ class Column:
     """
 
     first: tuple[int, int]
-    pieces: list[Piece] = field(default_factory=list)
+    pieces: list[ColumnPiece] = field(default_factory=list)
     count: int = 0  # of messages that have it
 
-    def add(self, first: tuple[int, int], rows: Rows, values: NDArray[Any]) -> None:
+    def add_piece(self, first: tuple[int, int], rows: Rows, values: NDArray[Any]) -> None:
         """Add what some messages have of the field."""
         self.first = min(self.first, first)
-        self.pieces.append(Piece(rows, values))
+        self.pieces.append(ColumnPiece(rows, values))
         self.count += len(values)
 
 
-def merged(columns: dict[str, Column], count: int) -> tuple[Columns, Columns]:
+def merge_columns(columns: dict[str, PartialColumn], count: int) -> tuple[Columns, Columns]:
     """
     Return numbers and texts by path, in the order in which a reader meets them; empties `columns`.
 
@@ -55,16 +55,16 @@ def merged(columns: dict[str, Column], count: int) -> tuple[Columns, Columns]:
         column = columns.pop(path)
         values = column.pieces[0].values
         if values.ndim == 2:
-            table = array_of(column, count)
+            table = merge_arrays(column, count)
             numbers |= {f'{path}[{index}]': table[:, index] for index in range(table.shape[1])}
         elif values.dtype.kind == 'U':
-            texts[path] = text_of(column, count)
+            texts[path] = merge_texts(column, count)
         else:
-            numbers[path] = number_of(column, count)
+            numbers[path] = merge_numbers(column, count)
     return numbers, texts
 
 
-def array_of(column: Column, count: int) -> NDArray[Any]:
+def merge_arrays(column: PartialColumn, count: int) -> NDArray[Any]:
     """Return an array field, shape (n, longest); short arrays end in NaN."""
     lengths = {piece.values.shape[1] for piece in column.pieces}
     if len(lengths) == 1 and column.count == count:
@@ -77,7 +77,7 @@ def array_of(column: Column, count: int) -> NDArray[Any]:
     return table
 
 
-def text_of(column: Column, count: int) -> NDArray[Any]:
+def merge_texts(column: PartialColumn, count: int) -> NDArray[Any]:
     """Return a text field, shape (n,); '' where a message has none."""
     longest = max(piece.values.dtype.itemsize for piece in column.pieces)
     result = np.full(count, '', f'U{longest // np.dtype("U1").itemsize}')
@@ -86,7 +86,7 @@ def text_of(column: Column, count: int) -> NDArray[Any]:
     return result
 
 
-def number_of(column: Column, count: int) -> NDArray[Any]:
+def merge_numbers(column: PartialColumn, count: int) -> NDArray[Any]:
     """Return a field of single numbers, shape (n,); NaN where a message has none."""
     kinds = {piece.values.dtype for piece in column.pieces}
     large = np.dtype(np.uint64)

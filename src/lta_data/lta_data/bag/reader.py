@@ -10,26 +10,36 @@ from pathlib import Path
 from typing import Any, BinaryIO, final
 
 from lta_bridge.bag.records import MAGIC
-from lta_config.errors import BadInput, unknown
+from lta_config.errors import BadInput, unknown_name
 from lta_config.limits import CHUNK_BYTES
-from lta_data.bag.folder import (
-    absent_files,
+from lta_data.bag.bag_folder import (
     ADVICE,
-    bag_files,
-    description,
-    message_compression,
-    provenance_in,
-    wrong_format,
+    describe_absent_files,
+    extract_provenance,
+    find_bag_files,
+    find_message_compression,
+    read_metadata,
+    wrong_format_error,
 )
-from lta_data.bag.mcap_file.chunks import Message, messages, RECORD, unpacked
-from lta_data.bag.mcap_file.contents import Contents, Place, read_at
-from lta_data.bag.mcap_file.decoder import Decoder, undecodable
-from lta_data.bag.mcap_file.names import complete_names, Told, told_topics
-from lta_data.bag.mcap_file.packing import Damaged, inflated
-from lta_data.bag.mcap_file.parts import indexed_rhythm, lost_chunk, Part, Topic, type_of
-from lta_data.bag.mcap_file.rhythm import Rhythm
-from lta_data.bag.mcap_file.scan import damage, scan
-from lta_data.bag.mcap_file.summary import read_summary, summary_is_damaged, UNUSABLE
+from lta_data.bag.mcap_file.bag_parts import (
+    BagTopic,
+    build_chunk_loss,
+    find_message_type,
+    read_indexed_rhythm,
+    RecordingFile,
+)
+from lta_data.bag.mcap_file.channel_names import (
+    complete_names,
+    parse_topic_metadata,
+    TopicMetadata,
+)
+from lta_data.bag.mcap_file.chunks import iterate_messages, McapMessage, RECORD, unpack_chunk
+from lta_data.bag.mcap_file.compression import DamagedRecord, decompress
+from lta_data.bag.mcap_file.contents import McapContents, MessageRegion, read_at
+from lta_data.bag.mcap_file.decoder import explain_undecodable, MessageDecoder
+from lta_data.bag.mcap_file.rhythm import MessageRhythm
+from lta_data.bag.mcap_file.scan import describe_damage, scan_file
+from lta_data.bag.mcap_file.summary import has_damaged_summary, read_summary, UNUSABLE
 from mcap.records import Channel, Schema
 
 
@@ -61,36 +71,40 @@ class Bag:
 
     """
 
-    def __init__(self, path: Path, parts: list[Part], described: dict[str, object]) -> None:
+    def __init__(
+        self, path: Path, parts: list[RecordingFile], described: dict[str, object]
+    ) -> None:
         self.path = path
-        self._message_kind = message_compression(described)
+        self._message_kind = find_message_compression(described)
         self.parts = parts
         self.size = sum(file.stat().st_size for file, *_ in parts)
         self.losses = [loss for _, contents, _ in parts for loss in contents.losses]
         self.remarks = [remark for _, contents, _ in parts for remark in contents.remarks]
-        self.provenance = provenance_in(described)
+        self.provenance = extract_provenance(described)
         for _, contents, _ in parts:
             self.provenance |= contents.provenance
         self.start = min((c.start for _, c, _ in parts if c.start is not None), default=None)
         self.end = max((c.end for _, c, _ in parts if c.end is not None), default=None)
         self._schemas: dict[str, Schema] = {}
         self.channels: dict[str, tuple[Channel, Schema | None]] = {}
-        self.topics: dict[str, Topic] = {}
+        self.topics: dict[str, BagTopic] = {}
         for _, contents, _ in parts:
             self._add_topics(contents)
-        self._decoder = Decoder(self._schemas)
+        self._decoder = MessageDecoder(self._schemas)
 
     @property
-    def complete(self) -> bool:
+    def is_complete(self) -> bool:
         """Whether the recording was finished and nothing in it is known to be missing."""
         return not self.losses
 
     @property
-    def indexed(self) -> bool:
+    def is_indexed(self) -> bool:
         """Whether every file was finished with a summary that holds."""
         return all(contents.indexed for _, contents, _ in self.parts)
 
-    def messages(self, topics: Collection[str] | None = None) -> Iterator[tuple[str, int, bytes]]:
+    def iterate_messages(
+        self, topics: Collection[str] | None = None
+    ) -> Iterator[tuple[str, int, bytes]]:
         """
         Yield topic, log time in ns and CDR bytes in the order of recording.
 
@@ -105,14 +119,14 @@ class Bag:
             If a topic is not in the bag.
 
         """
-        for topic, found in self.records(topics):
+        for topic, found in self.iterate_records(topics):
             yield topic, found.log_time, found.data
 
-    def records(
+    def iterate_records(
         self, topics: Collection[str] | None = None, at: Callable[[int], None] | None = None
-    ) -> Iterator[tuple[str, Message]]:
+    ) -> Iterator[tuple[str, McapMessage]]:
         """
-        Yield topic and message with all that is recorded of it; otherwise as `messages`.
+        Yield topic and message with all that is recorded of it; otherwise as `iterate_messages`.
 
         Parameters
         ----------
@@ -124,17 +138,17 @@ class Bag:
         """
         wanted = set(self.topics if topics is None else topics)
         for name in sorted(wanted - set(self.topics)):
-            raise unknown('topic', name, list(self.topics))
+            raise unknown_name('topic', name, list(self.topics))
         behind = 0
         for part in self.parts:
-            names = self._names(part.contents, wanted)
+            names = self._select_channels(part.contents, wanted)
             channels = frozenset(names)
             with part.file.open('rb') as stream:
                 for place in part.contents.places:
                     if at is not None:
                         at(behind + place.offset)
                     if place.channels is None or not channels.isdisjoint(place.channels):
-                        for found in self._in_place(part, stream, place, channels):
+                        for found in self._read_region(part, stream, place, channels):
                             yield names[found.channel], found
             behind += part.file.stat().st_size
 
@@ -148,27 +162,27 @@ class Bag:
             )
         return self._decoder.decode(found.type_name, data)
 
-    def rhythm(self) -> Rhythm:
+    def read_rhythm(self) -> MessageRhythm:
         """Return when messages were recorded, by the indexes alone where the bag has them."""
-        whole = Rhythm()
+        whole = MessageRhythm()
         for part in self.parts:
-            found = indexed_rhythm(part) if part.contents.indexed else part.contents.rhythm
+            found = read_indexed_rhythm(part) if part.contents.indexed else part.contents.rhythm
             channel = part.contents.channels.get(-1 if found.worst_of is None else found.worst_of)
             whole.join(found, None if channel is None else channel.topic)
         return whole
 
-    def fields(self, type_name: str) -> list[tuple[str, Any]]:
-        """Return the fields of a type of messages in the bag; see `Decoder.fields`."""
-        return self._decoder.fields(type_name)
+    def list_fields(self, type_name: str) -> list[tuple[str, Any]]:
+        """Return the fields of a type of messages in the bag; see `MessageDecoder.list_fields`."""
+        return self._decoder.list_fields(type_name)
 
-    def _add_topics(self, contents: Contents) -> None:
+    def _add_topics(self, contents: McapContents) -> None:
         """Take note of the topics of one file."""
         for channel in contents.channels.values():
             schema = contents.schemas.get(channel.schema_id)
-            type_name = type_of(contents, channel)
+            type_name = find_message_type(contents, channel)
             known = self.topics.get(channel.topic)
             if known is not None and known.type_name != type_name:
-                self._note(
+                self._note_loss(
                     f"Topic '{channel.topic}' has messages of type '{known.type_name}' and of "
                     f"'{type_name}'; the latter are left out."
                 )
@@ -177,41 +191,41 @@ class Bag:
                 self._schemas.setdefault(type_name, schema)
             self.channels.setdefault(channel.topic, (channel, schema))
             count = contents.counts[channel.id] + (0 if known is None else known.count)
-            reason = undecodable(schema, channel.message_encoding)
-            self.topics[channel.topic] = Topic(channel.topic, type_name, count, reason)
+            reason = explain_undecodable(schema, channel.message_encoding)
+            self.topics[channel.topic] = BagTopic(channel.topic, type_name, count, reason)
 
-    def _names(self, contents: Contents, wanted: set[str]) -> dict[int, str]:
+    def _select_channels(self, contents: McapContents, topics: set[str]) -> dict[int, str]:
         """Return the topics that are wanted of one file, by channel."""
         return {
             id: channel.topic
             for id, channel in contents.channels.items()
-            if channel.topic in wanted
-            and self.topics[channel.topic].type_name == type_of(contents, channel)
+            if channel.topic in topics
+            and self.topics[channel.topic].type_name == find_message_type(contents, channel)
         }
 
-    def _in_place(
-        self, part: Part, stream: BinaryIO, place: Place, channels: frozenset[int]
-    ) -> Iterator[Message]:
+    def _read_region(
+        self, part: RecordingFile, stream: BinaryIO, place: MessageRegion, channels: frozenset[int]
+    ) -> Iterator[McapMessage]:
         """Yield messages of one stretch of a file."""
         try:
             if place.length > 2 * CHUNK_BYTES:
-                raise Damaged(f'claim to be a chunk of {place.length} bytes')
+                raise DamagedRecord(f'claim to be a chunk of {place.length} bytes')
             data: bytes | memoryview = read_at(stream, place.offset, place.length)
             if place.packed:
-                data = unpacked(memoryview(data)[RECORD.size :])
-            found = messages(data, channels)
-            yield from map(self._unpacked, found) if self._message_kind else found
-        except Damaged as error:
-            told = damage(place.offset, place.length, str(error))
+                data = unpack_chunk(memoryview(data)[RECORD.size :])
+            found = iterate_messages(data, channels)
+            yield from map(self._decompress_message, found) if self._message_kind else found
+        except DamagedRecord as error:
+            told = describe_damage(place.offset, place.length, str(error))
             if told not in self.losses:
-                part.contents.lost.append(lost_chunk(stream, place))
-                self._note(told)
+                part.contents.lost.append(build_chunk_loss(stream, place))
+                self._note_loss(told)
 
-    def _unpacked(self, found: Message) -> Message:
+    def _decompress_message(self, message: McapMessage) -> McapMessage:
         """Return a message that was compressed by itself."""
-        return found._replace(data=bytes(inflated(self._message_kind, found.data)))
+        return message._replace(data=bytes(decompress(self._message_kind, message.data)))
 
-    def _note(self, loss: str) -> None:
+    def _note_loss(self, loss: str) -> None:
         """Remember a loss once, however often it is met."""
         if loss not in self.losses:
             self.losses.append(loss)
@@ -234,27 +248,27 @@ def read_bag(path: Path | str) -> Bag:
     """
     path = Path(path)
     try:
-        described = description(path) if path.is_dir() else {}
-        told = told_topics(described)
-        parts = [opened(file, told) for file in bag_files(path, described)]
+        described = read_metadata(path) if path.is_dir() else {}
+        told = parse_topic_metadata(described)
+        parts = [open_bag_file(file, told) for file in find_bag_files(path, described)]
         if parts[0].refused is not None and all(part.refused for part in parts):
             raise parts[0].refused
         bag = Bag(path, parts, described)
     except OSError as error:
         raise BadInput(f"'{path}' cannot be read ({error.strerror}); {ADVICE}.") from error
-    bag.losses += absent_files(path, described)
+    bag.losses += describe_absent_files(path, described)
     return bag
 
 
-def opened(file: Path, told: list[Told]) -> Part:
+def open_bag_file(file: Path, metadata_topics: list[TopicMetadata]) -> RecordingFile:
     """Return one file of a bag; one that is no recording is a loss of the whole."""
     try:
-        return Part(file, file_contents(file, told))
+        return RecordingFile(file, read_contents(file, metadata_topics))
     except BadInput as error:
-        return Part(file, Contents(losses=[str(error)]), error)
+        return RecordingFile(file, McapContents(losses=[str(error)]), error)
 
 
-def file_contents(file: Path, told: Sequence[Told] = ()) -> Contents:
+def read_contents(file: Path, metadata_topics: Sequence[TopicMetadata] = ()) -> McapContents:
     """
     Return the contents of one MCAP file, from its summary if that can be relied on.
 
@@ -263,13 +277,13 @@ def file_contents(file: Path, told: Sequence[Told] = ()) -> Contents:
     size = file.stat().st_size
     with file.open('rb') as stream:
         head = stream.read(32)
-        if not begins_as_mcap(head):
-            raise wrong_format(file, head)
+        if not has_mcap_magic(head):
+            raise wrong_format_error(file, head)
         contents = read_summary(stream, size)
         if contents is None:
-            contents = scan(stream, size)
-            complete_names(contents, told)
-            if summary_is_damaged(stream, size):
+            contents = scan_file(stream, size)
+            complete_names(contents, metadata_topics)
+            if has_damaged_summary(stream, size):
                 contents.remarks.append(UNUSABLE)
         if not head.startswith(MAGIC):
             contents.indexed = False
@@ -277,7 +291,7 @@ def file_contents(file: Path, told: Sequence[Told] = ()) -> Contents:
         return contents
 
 
-def begins_as_mcap(head: bytes) -> bool:
+def has_mcap_magic(head: bytes) -> bool:
     """Tell whether a file begins with MCAP's first bytes, or with most of them after damage."""
     pairs = zip(head[: len(MAGIC)], MAGIC, strict=False)
     return sum(found == wanted for found, wanted in pairs) >= len(MAGIC) - 3 and len(head) >= 8

@@ -18,12 +18,12 @@ import re
 from typing import Any, Final, final
 
 from lta_config.errors import BadInput
-from lta_data.bag.align import aligned, even, in_order
-from lta_data.bag.flight import Flight, open_flight
-from lta_data.bag.folder import bag_in
-from lta_data.bag.series import Series
-from lta_data.bag.table import Table
-from lta_data.bag.units import unit_of
+from lta_data.bag.align import align_tables, build_even_clock, sort_rows
+from lta_data.bag.bag_folder import find_bag
+from lta_data.bag.recorded_flight import open_flight, RecordedFlight
+from lta_data.bag.series import TopicSeries
+from lta_data.bag.table import RecordingTable
+from lta_data.bag.units import find_unit
 import numpy as np
 from numpy.typing import NDArray
 
@@ -32,7 +32,7 @@ CLOUD: Final = 'sensor_msgs/msg/PointCloud2'
 ELEMENT: Final = re.compile(r'(\w+)\[(\d+)\]')
 
 
-def open_recording(bag: Path | str, robot: str | None = None) -> 'Recording':
+def open_recording(bag: Path | str, robot: str | None = None) -> 'RobotRecording':
     """
     Open a recording; `lta_analysis.open` is this function.
 
@@ -49,11 +49,11 @@ def open_recording(bag: Path | str, robot: str | None = None) -> 'Recording':
         If there is no recording, or the robot is unknown or not the only one.
 
     """
-    return Recording(open_flight(bag_in(Path(bag)), robot))
+    return RobotRecording(open_flight(find_bag(Path(bag)), robot))
 
 
 @final
-class Recording:
+class RobotRecording:
     """
     One robot's part of a recording, its topics as tables.
 
@@ -64,9 +64,9 @@ class Recording:
 
     """
 
-    def __init__(self, flight: Flight) -> None:
+    def __init__(self, flight: RecordedFlight) -> None:
         self.flight = flight
-        self._tables: dict[str, Table] = {}
+        self._tables: dict[str, RecordingTable] = {}
 
     @property
     def topics(self) -> list[str]:
@@ -100,7 +100,7 @@ class Recording:
         """Tell whether the robot has a topic."""
         return topic in self.topics
 
-    def __getitem__(self, topic: str) -> Table:
+    def __getitem__(self, topic: str) -> RecordingTable:
         """
         Return a topic as a table.
 
@@ -116,21 +116,21 @@ class Recording:
 
         """
         if topic not in self._tables:
-            self._tables[topic] = table_of(self.flight, topic)
+            self._tables[topic] = read_table(self.flight, topic)
         return self._tables[topic]
 
-    def forget(self) -> None:
+    def clear_cache(self) -> None:
         """Let go of the tables that were read."""
         self._tables.clear()
 
-    def aligned(
+    def align_topics(
         self,
         *topics: str,
         rate: float | None = None,
         on: str | None = None,
         method: str = 'previous',
         gap: float | None = None,
-    ) -> Table:
+    ) -> RecordingTable:
         """
         Return several topics as one table on one clock.
 
@@ -161,15 +161,15 @@ class Recording:
         if not tables:
             raise BadInput(f'No topics to align; known: {", ".join(sorted(self.topics))}.')
         if rate is not None:
-            clock = even(tables, rate)
+            clock = build_even_clock(tables, rate)
         else:
-            clock = in_order(self[on or topics[0]].stamp_ns).stamps
-        return aligned(tables, clock, method, gap)
+            clock = sort_rows(self[on or topics[0]].stamp_ns).stamps
+        return align_tables(tables, clock, method, gap)
 
     def __repr__(self) -> str:
         """Return what the recording holds, a topic a line."""
         bag = self.flight.bag
-        names = {topic: self.flight.absolute(topic) for topic in self.topics}
+        names = {topic: self.flight.absolute_name(topic) for topic in self.topics}
         width = max(map(len, names), default=0)
         seconds = 0.0 if bag.start is None or bag.end is None else (bag.end - bag.start) * 1e-9
         of = f' of {self.robot}' if self.robot else ''
@@ -180,12 +180,12 @@ class Recording:
         return '\n'.join([*lines, *self.losses])
 
 
-def table_of(flight: Flight, topic: str) -> Table:
-    """Return a topic of a flight as a table; errors as `Recording.__getitem__`."""
-    kind = flight.type_of(topic)
-    unit = partial(unit_of, kind, topic=topic)
+def read_table(flight: RecordedFlight, topic: str) -> RecordingTable:
+    """Return a topic of a flight as a table; errors as `RobotRecording.__getitem__`."""
+    kind = flight.message_type(topic)
+    unit = partial(find_unit, kind, topic=topic)
     if kind == CLOUD:
-        points = flight.points(topic)
+        points = flight.read_points(topic)
         stamps = flight.start + np.rint(points.time * 1e9).astype(np.int64)
         data = {
             f'{field}[{index}]': column
@@ -193,13 +193,16 @@ def table_of(flight: Flight, topic: str) -> Table:
             for index, column in enumerate(table.T)
         }
         units = {name: unit(name.partition('[')[0]) for name in data}
-        return Table(topic, stamps, flight.start, data, units, kind)
-    return table_from(flight, topic, flight.series(topic))
+        return RecordingTable(topic, stamps, flight.start, data, units, kind)
+    return build_table(flight, topic, flight.read_series(topic))
 
 
-def table_from(
-    flight: Flight, topic: str, series: Series, joints: Mapping[str, str] | None = None
-) -> Table:
+def build_table(
+    flight: RecordedFlight,
+    topic: str,
+    series: TopicSeries,
+    joints: Mapping[str, str] | None = None,
+) -> RecordingTable:
     """
     Return the messages of a topic, or some of them, as a table.
 
@@ -212,21 +215,21 @@ def table_from(
     series : Series
         Its fields.
     joints : mapping of str to str, optional
-        Columns by path that get another name; as `joints_of` finds by default.
+        Columns by path that get another name; as `map_joint_names` finds by default.
 
     """
-    kind = flight.type_of(topic)
-    joints = joints_of(series) if joints is None else joints
+    kind = flight.message_type(topic)
+    joints = map_joint_names(series) if joints is None else joints
     data = {joints.get(path, path): values for path, values in series.numbers.items()}
-    units = {joints.get(path, path): unit_of(kind, path, topic) for path in series.numbers}
+    units = {joints.get(path, path): find_unit(kind, path, topic) for path in series.numbers}
     data |= series.texts
-    samples = partial(samples_of, flight, topic) if kind == IMAGE else None
-    return Table(
+    samples = partial(read_samples, flight, topic) if kind == IMAGE else None
+    return RecordingTable(
         topic, series.stamps, flight.start, data, units, kind, samples=samples, also=joints
     )
 
 
-def joints_of(series: Series) -> dict[str, str]:
+def map_joint_names(series: TopicSeries) -> dict[str, str]:
     """Return 'effort.left' for 'effort[0]' where all messages call their element 0 'left'."""
     found = {}
     for path in series.numbers:
@@ -237,6 +240,6 @@ def joints_of(series: Series) -> dict[str, str]:
     return found if len(set(found.values())) == len(found) else {}
 
 
-def samples_of(flight: Flight, topic: str, messages: NDArray[np.intp]) -> NDArray[Any]:
+def read_samples(flight: RecordedFlight, topic: str, messages: NDArray[np.intp]) -> NDArray[Any]:
     """Return the samples of some messages of a topic of images, shape (n, rows, columns)."""
-    return flight.blocks(topic, messages.tolist()).samples
+    return flight.read_blocks(topic, messages.tolist()).samples

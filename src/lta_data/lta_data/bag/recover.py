@@ -8,13 +8,18 @@ from pathlib import Path
 import shutil
 from typing import Any, cast, final
 
-from lta_bridge.bag.qos import Profile
-from lta_bridge.bag.schemas import Definition
+from lta_bridge.bag.qos import OfferedQos
+from lta_bridge.bag.schemas import MessageDefinition
 from lta_bridge.bag.writer import BagWriter
 from lta_config.errors import BadInput
 from lta_config.files import parse_yaml
-from lta_data.bag.folder import bag_files, description, listed_files
-from lta_data.bag.missing import Missing, missing, pulses, spans
+from lta_data.bag.bag_folder import find_bag_files, find_listed_files, read_metadata
+from lta_data.bag.missing_messages import (
+    create_period_trackers,
+    estimate_missing,
+    list_loss_spans,
+    MissingMessages,
+)
 from lta_data.bag.reader import Bag, read_bag
 from mcap.records import Channel, Schema
 
@@ -59,7 +64,7 @@ class Recovery:
     lost_bytes: int
     lost_chunks: int
     lost_spans: list[tuple[float | None, float | None]]
-    missing: dict[str, Missing]
+    missing: dict[str, MissingMessages]
     losses: list[str]
     remarks: list[str]
 
@@ -67,7 +72,7 @@ class Recovery:
         """Return the facts as one JSON object."""
         return json.dumps(asdict(self), indent=2, ensure_ascii=False)
 
-    def sentences(self) -> list[str]:
+    def describe_losses(self) -> list[str]:
         """Return what was saved and what was lost, for a person."""
         told = [
             f'{self.messages} messages of {len(self.topics)} topics are saved in {self.path}.',
@@ -75,30 +80,30 @@ class Recovery:
             *self.remarks,
         ]
         if self.lost_bytes:
-            chunks = f', {counted(self.lost_chunks, "chunk")}' if self.lost_chunks else ''
+            chunks = f', {format_count(self.lost_chunks, "chunk")}' if self.lost_chunks else ''
             told.append(f'Lost are {self.lost_bytes} of {self.size} bytes{chunks}.')
-        told += [span_sentence(start, end) for start, end in self.lost_spans[:MOST_NOTED]]
+        told += [format_loss_span(start, end) for start, end in self.lost_spans[:MOST_NOTED]]
         for topic, lost in sorted(self.missing.items()):
-            told.append(f'{topic} lacks {self._about(lost)} ({lost.source}).')
+            told.append(f'{topic} lacks {self._describe_missing(lost)} ({lost.source}).')
         if not self.lost_bytes and not self.missing:
             told.append('No message is known to be lost.')
         return told
 
-    def _about(self, lost: Missing) -> str:
+    def _describe_missing(self, lost: MissingMessages) -> str:
         """Return how many messages are lost, no surer than that is known."""
-        count = counted(lost.count, 'message')
+        count = format_count(lost.count, 'message')
         if lost.source == 'rhythm':
             return f'about {count}'
         cut = any(end is None for _, end in self.lost_spans)
         return f'at least {count}' if cut and lost.source == 'index' else count
 
 
-def counted(count: int, what: str) -> str:
+def format_count(count: int, what: str) -> str:
     """Return a number with its noun."""
     return f'{count} {what}' if count == 1 else f'{count} {what}s'
 
 
-def span_sentence(start: float | None, end: float | None) -> str:
+def format_loss_span(start: float | None, end: float | None) -> str:
     """Return when something was lost. [s]"""
     if start is None and end is None:
         return 'Nothing tells when what is lost was recorded.'
@@ -109,7 +114,7 @@ def span_sentence(start: float | None, end: float | None) -> str:
     return f'What is lost was recorded between {start:.3f} s and {end:.3f} s.'
 
 
-def recover(
+def recover_bag(
     source: Path, out: Path, at: Callable[[int, int], None] = lambda done, total: None
 ) -> Recovery:
     """
@@ -137,14 +142,14 @@ def recover(
         raise BadInput(f"'{source}' holds no whole message; there is nothing to recover.")
     refuse_inside(source, out)
     if is_finished(bag):
-        total = sum(1 for _ in bag.records(at=lambda done: at(done, bag.size)))
-        if bag.complete:
+        total = sum(1 for _ in bag.iterate_records(at=lambda done: at(done, bag.size)))
+        if bag.is_complete:
             raise BadInput(
                 f"'{source}' is whole: all its {total} messages are there; nothing is to mend."
             )
     fresh = not out.exists()
     try:
-        return copied(bag, out, at)
+        return write_recovered_bag(bag, out, at)
     except KeyboardInterrupt:
         if fresh:
             shutil.rmtree(out, ignore_errors=True)
@@ -155,9 +160,9 @@ def is_finished(bag: Bag) -> bool:
     """Tell whether a recording looks whole from outside: summaries, files and metadata.yaml."""
     described = True
     if bag.path.is_dir():
-        told = description(bag.path)
-        described = listed_files(bag.path, told) == bag_files(bag.path, told)
-    return bag.complete and bag.indexed and described and not bag.remarks
+        told = read_metadata(bag.path)
+        described = find_listed_files(bag.path, told) == find_bag_files(bag.path, told)
+    return bag.is_complete and bag.is_indexed and described and not bag.remarks
 
 
 def refuse_inside(source: Path, out: Path) -> None:
@@ -169,22 +174,22 @@ def refuse_inside(source: Path, out: Path) -> None:
         )
 
 
-def copied(bag: Bag, out: Path, at: Callable[[int, int], None]) -> Recovery:
-    """Write the new bag; see `recover`."""
+def write_recovered_bag(bag: Bag, out: Path, at: Callable[[int, int], None]) -> Recovery:
+    """Write the new bag; see `recover_bag`."""
     kept: Counter[str] = Counter()
-    beats = pulses(bag)
+    beats = create_period_trackers(bag)
     expected = sum(topic.count for topic in bag.topics.values())
     note = {ORIGIN: f'{bag.path.resolve()} ({bag.size} bytes, {expected} messages seen)'}
     if bag.losses:
         note[LOSSES] = ' '.join(bag.losses[:MOST_NOTED])
     with BagWriter(out, bag.provenance | note) as writer:
         for topic, (channel, schema) in bag.channels.items():
-            writer.add_topic(topic, given(channel, schema), profiles(channel))
-        for topic, found in bag.records(at=lambda done: at(done, bag.size)):
+            writer.add_topic(topic, build_definition(channel, schema), parse_qos_profiles(channel))
+        for topic, found in bag.iterate_records(at=lambda done: at(done, bag.size)):
             writer.write(topic, found.data, found.log_time, found.publish_time)
             kept[topic] += 1
             if topic in beats:
-                beats[topic].beat(found.log_time)
+                beats[topic].add_time(found.log_time)
     lost = [loss for part in bag.parts for loss in part.contents.lost]
     return Recovery(
         source=str(bag.path),
@@ -194,28 +199,31 @@ def copied(bag: Bag, out: Path, at: Callable[[int, int], None]) -> Recovery:
         size=bag.size,
         lost_bytes=sum(loss.length for loss in lost),
         lost_chunks=sum(loss.chunks for loss in lost),
-        lost_spans=[(since(bag, start), since(bag, end)) for start, end in spans(bag)],
-        missing=missing(bag, kept, beats),
+        lost_spans=[
+            (seconds_since_start(bag, start), seconds_since_start(bag, end))
+            for start, end in list_loss_spans(bag)
+        ],
+        missing=estimate_missing(bag, kept, beats),
         losses=list(bag.losses),
         remarks=list(bag.remarks),
     )
 
 
-def since(bag: Bag, time: int | None) -> float | None:
+def seconds_since_start(bag: Bag, time: int | None) -> float | None:
     """Return a log time since the first message that is left. [s]"""
     return None if time is None or bag.start is None else round((time - bag.start) * 1e-9, 9)
 
 
-def given(channel: Channel, schema: Schema | None) -> Definition:
+def build_definition(channel: Channel, schema: Schema | None) -> MessageDefinition:
     """Return a topic's definition as the recording has it."""
     kind = channel.metadata.get('topic_type_hash', '')
     if schema is None:
-        return Definition('', '', kind, '', channel.message_encoding)
+        return MessageDefinition('', '', kind, '', channel.message_encoding)
     text = schema.data.decode(errors='surrogateescape')
-    return Definition(schema.name, text, kind, schema.encoding, channel.message_encoding)
+    return MessageDefinition(schema.name, text, kind, schema.encoding, channel.message_encoding)
 
 
-def profiles(channel: Channel) -> list[Profile]:
+def parse_qos_profiles(channel: Channel) -> list[OfferedQos]:
     """Return what a topic's publishers offered; empty where the recording does not say."""
     text = channel.metadata.get('offered_qos_profiles', '')
     try:
@@ -224,4 +232,4 @@ def profiles(channel: Channel) -> list[Profile]:
         return []
     if not isinstance(listed, list) or not all(isinstance(entry, dict) for entry in listed):
         return []
-    return cast('list[Profile]', listed)
+    return cast('list[OfferedQos]', listed)

@@ -1,44 +1,44 @@
 """What is odd about a recording though nothing of it is missing, in sentences."""
 
-from lta_data.bag.mcap_file.rhythm import Rhythm
+from lta_data.bag.mcap_file.rhythm import MessageRhythm
 from lta_data.bag.reader import Bag
 
 MOST = 10  # sentences of one kind
 WOVEN = 1_000_000_000  # ns by which topics interleave where log time is that of publication
 
 
-def remarks(bag: Bag) -> list[str]:
+def list_remarks(bag: Bag) -> list[str]:
     """Return one sentence for each odd thing that the contents and indexes of a bag tell."""
     return [
         *bag.remarks[:MOST],
-        *beyond(len(bag.remarks), 'remarks on its files'),
-        *empty(bag),
-        *topic_remarks(bag),
-        *time_remarks(bag.rhythm(), bag.start),
+        *describe_omitted(len(bag.remarks), 'remarks on its files'),
+        *describe_empty_bag(bag),
+        *list_topic_remarks(bag),
+        *list_time_remarks(bag.read_rhythm(), bag.start),
     ]
 
 
-def beyond(count: int, what: str) -> list[str]:
+def describe_omitted(count: int, what: str) -> list[str]:
     """Return a sentence about what is not told one by one."""
     return [f'There are {count - MOST} more {what}.'] if count > MOST else []
 
 
-def empty(bag: Bag) -> list[str]:
+def describe_empty_bag(bag: Bag) -> list[str]:
     """Return the remark on a bag without messages."""
     return [] if any(topic.count for topic in bag.topics.values()) else ['It holds no message.']
 
 
-def topic_remarks(bag: Bag) -> list[str]:
+def list_topic_remarks(bag: Bag) -> list[str]:
     """Return the remarks on topics that cannot be decoded."""
     told = [
         f"The messages of '{topic.name}' {topic.undecodable}; they are kept but not decoded."
         for _, topic in sorted(bag.topics.items())
         if topic.undecodable is not None
     ]
-    return [*told[:MOST], *beyond(len(told), 'topics that cannot be decoded')]
+    return [*told[:MOST], *describe_omitted(len(told), 'topics that cannot be decoded')]
 
 
-def time_remarks(rhythm: Rhythm, start: int | None) -> list[str]:
+def list_time_remarks(rhythm: MessageRhythm, start: int | None) -> list[str]:
     """Return the remarks on steps back in time and on long silences; `start` in ns."""
     told = []
     if rhythm.backwards and rhythm.worst > WOVEN:
@@ -47,8 +47,8 @@ def time_remarks(rhythm: Rhythm, start: int | None) -> list[str]:
             f'Time runs backwards at {rhythm.backwards} of {rhythm.count} messages, by up to '
             f'{rhythm.worst * 1e-9:.6g} s{whose}; they are kept in the order of recording.'
         )
-    silences = rhythm.long_silences()
+    silences = rhythm.find_long_silences()
     for begin, end in silences[:MOST]:
         at = (begin - (start or 0)) * 1e-9
         told.append(f'Nothing was recorded for {(end - begin) * 1e-9:.6g} s from {at:.6g} s on.')
-    return [*told, *beyond(len(silences), 'long silences')]
+    return [*told, *describe_omitted(len(silences), 'long silences')]

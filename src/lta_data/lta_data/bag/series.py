@@ -3,14 +3,14 @@
 from dataclasses import dataclass
 from typing import Any, final
 
-from lta_config.errors import unknown
+from lta_config.errors import unknown_name
 import numpy as np
 from numpy.typing import NDArray
 
 
 @final
 @dataclass(frozen=True, slots=True)
-class Series:
+class TopicSeries:
     """
     Fields of one topic over time; `series['pose.pose.position.x']` is one of them.
 
@@ -40,7 +40,7 @@ class Series:
     def __getitem__(self, path: str) -> NDArray[Any]:
         """Return one numeric field; an unknown path is a `BadInput` that lists the known."""
         if path not in self.numbers:
-            raise unknown('field', path, list(self.numbers))
+            raise unknown_name('field', path, list(self.numbers))
         return self.numbers[path]
 
     def vector(self, path: str) -> NDArray[np.float64]:

@@ -8,7 +8,7 @@ SECOND: Final = 1_000_000_000  # ns
 PLACES: Final = ('transforms[0].header.stamp', 'header.stamp', 'clock')
 
 
-def stamp_of(message: object) -> int | None:
+def extract_stamp(message: object) -> int | None:
     """
     Return the stamp of a message. [ns]
 
@@ -34,7 +34,7 @@ def stamp_of(message: object) -> int | None:
     return int(seconds) * SECOND + int(rest) or None
 
 
-def stamp_place(paths: Collection[str]) -> str | None:
+def find_stamp_path(paths: Collection[str]) -> str | None:
     """
     Return where messages with some fields have their stamp; None where they have none.
 

@@ -7,10 +7,10 @@ from itertools import count, takewhile
 import re
 from typing import Any, Final, final, overload
 
-from lta_config.errors import BadInput, unknown
+from lta_config.errors import BadInput, unknown_name
 from lta_data.bag.merge import Columns
-from lta_data.bag.table_text import DIM, heading, lines
-from lta_model.attitude import angles
+from lta_data.bag.table_text import DIM, format_heading, format_lines
+from lta_model.attitude import to_euler_angles
 import numpy as np
 from numpy.typing import NDArray
 import pyarrow as arrow
@@ -24,7 +24,7 @@ Samples = Callable[[NDArray[np.intp]], NDArray[Any]]
 
 
 @final
-class Table:
+class RecordingTable:
     """
     Columns over time, `table['pose.pose.position.x']`.
 
@@ -81,7 +81,7 @@ class Table:
         self._messages = np.arange(len(stamp_ns)) if messages is None else messages
         self._also = also or {}
         self.units = {column: units[column] for column in data if units.get(column)}
-        self.units |= {f'{turn}.{part}': 'rad' for turn in self.turns for part in PARTS}
+        self.units |= {f'{turn}.{part}': 'rad' for turn in self.quaternions for part in PARTS}
 
     @cached_property
     def time(self) -> NDArray[np.float64]:
@@ -89,13 +89,13 @@ class Table:
         return (self.stamp_ns - self.start).astype(np.float64) * 1e-9
 
     @cached_property
-    def turns(self) -> list[str]:
+    def quaternions(self) -> list[str]:
         """The quaternions: columns with x, y, z and w."""
         found = (column.removesuffix('.w') for column in self._data if column.endswith('.w'))
         return [turn for turn in found if all(f'{turn}.{axis}' in self._data for axis in AXES)]
 
     @property
-    def stored(self) -> list[str]:
+    def stored_columns(self) -> list[str]:
         """The names of the columns that the messages themselves have."""
         return list(self._data)
 
@@ -105,7 +105,7 @@ class Table:
         found = []
         for column in self._data:
             found.append(column)
-            if column.removesuffix('.w') in self.turns:
+            if column.removesuffix('.w') in self.quaternions:
                 found += [f'{column.removesuffix(".w")}.{part}' for part in PARTS]
         return found
 
@@ -117,15 +117,17 @@ class Table:
         return self._samples(self._messages)
 
     @property
-    def arrays(self) -> list[str]:
+    def array_names(self) -> list[str]:
         """The columns that are elements of arrays, without their index: 'effort', 'snr'."""
         known = [*self._data, *self._also]
         return [column.removesuffix('[0]') for column in known if column.endswith('[0]')]
 
     def array(self, path: str) -> NDArray[Any]:
         """Return an array field or a field of points, shape (n, elements)."""
-        if path not in self.arrays:
-            raise unknown('array', path, [each for each in self.arrays if not DIM.search(each)])
+        if path not in self.array_names:
+            raise unknown_name(
+                'array', path, [each for each in self.array_names if not DIM.search(each)]
+            )
         known = {*self._data, *self._also}
         elements = takewhile(known.__contains__, (f'{path}[{k}]' for k in count()))
         return np.stack([self[element] for element in elements], axis=1)
@@ -146,9 +148,9 @@ class Table:
     def __getitem__(self, column: str) -> NDArray[Any]: ...
 
     @overload
-    def __getitem__(self, column: slice | NDArray[Any]) -> 'Table': ...
+    def __getitem__(self, column: slice | NDArray[Any]) -> 'RecordingTable': ...
 
-    def __getitem__(self, column: str | slice | NDArray[Any]) -> 'NDArray[Any] | Table':
+    def __getitem__(self, column: str | slice | NDArray[Any]) -> 'NDArray[Any] | RecordingTable':
         """
         Return a column, shape (n,), or some rows: `table[10:20]`, `table[table['z'] > 1.0]`.
 
@@ -159,36 +161,38 @@ class Table:
 
         """
         if not isinstance(column, str):
-            return self.rows(rows_of(column, len(self)))
+            return self.select_rows(resolve_rows(column, len(self)))
         column = self._also.get(column, column)
         if column in self._data:
             return self._data[column]
         turn, _, part = column.rpartition('.')
-        if turn in self.turns and part in PARTS:
-            found: NDArray[np.float64] = getattr(angles(self.vector(turn)), part)
+        if turn in self.quaternions and part in PARTS:
+            found: NDArray[np.float64] = getattr(to_euler_angles(self.vector(turn)), part)
             return found
-        raise unknown('column', column, [each for each in self.columns if not DIM.search(each)])
+        raise unknown_name(
+            'column', column, [each for each in self.columns if not DIM.search(each)]
+        )
 
     def vector(self, path: str) -> NDArray[np.float64]:
         """Return columns x, y, z and perhaps w of a path as one array, shape (n, 3) or (n, 4)."""
         axes = AXES if f'{path}.w' in self._data else AXES[:3]
         return np.stack([self[f'{path}.{axis}'] for axis in axes], axis=1).astype(np.float64)
 
-    def between(self, begin: float, end: float) -> 'Table':
+    def between(self, begin: float, end: float) -> 'RecordingTable':
         """Return the rows of a stretch of time, both ends included. [s]"""
         elapsed = self.stamp_ns - self.start
         first, last = np.rint(begin * 1e9), np.rint(end * 1e9)
-        return self.rows(np.flatnonzero((elapsed >= first) & (elapsed <= last)))
+        return self.select_rows(np.flatnonzero((elapsed >= first) & (elapsed <= last)))
 
-    def rows(self, chosen: NDArray[np.intp]) -> 'Table':
+    def select_rows(self, chosen: NDArray[np.intp]) -> 'RecordingTable':
         """Return some rows; copied only where they do not follow each other."""
         which: slice | NDArray[np.intp] = chosen
         if len(chosen) and chosen[0] >= 0 and (np.diff(chosen) == 1).all():
             which = slice(int(chosen[0]), int(chosen[-1]) + 1)
         data = {column: values[which] for column, values in self._data.items()}
-        return self._with(data, which)
+        return self._with_columns(data, which)
 
-    def select(self, *patterns: str) -> 'Table':
+    def select(self, *patterns: str) -> 'RecordingTable':
         """
         Return some columns.
 
@@ -212,20 +216,20 @@ class Table:
                 self[pattern]  # says which there are
             chosen += found
         data = {column: self._data[column] for column in self._data if column in chosen}
-        return self._with(data, slice(None))
+        return self._with_columns(data, slice(None))
 
     def to_arrow(self) -> Any:  # noqa: ANN401 - pyarrow has no types
         """Return a `pyarrow.Table`: stamp_ns, time, all columns; units in the fields' metadata."""
         columns = {STAMP: self.stamp_ns, TIME: self.time} | {each: self[each] for each in self}
         units = {STAMP: 'ns', TIME: 's'} | self.units
-        fields = [arrow_field(name, values.dtype, units) for name, values in columns.items()]
+        fields = [build_arrow_field(name, values.dtype, units) for name, values in columns.items()]
         arrays = [arrow.array(values) for values in columns.values()]
         about = {'topic': self.name, 'type': self.kind}
         return arrow.table(arrays, schema=arrow.schema(fields, metadata=about))
 
     def to_pandas(self) -> Any:  # noqa: ANN401 - optional
         """Return a `pandas.DataFrame` over time [s]; `df.attrs['units']` has the units."""
-        pandas = optional('pandas')
+        pandas = import_optional('pandas')
         index = pandas.Index(self.time, name=TIME)
         frame = pandas.DataFrame({column: self[column] for column in self}, index=index)
         frame.attrs = {'topic': self.name, 'units': {TIME: 's'} | self.units}
@@ -233,12 +237,12 @@ class Table:
 
     def to_polars(self) -> Any:  # noqa: ANN401 - optional
         """Return a `polars.DataFrame` with the time [s] in front; polars knows no units."""
-        polars = optional('polars')
+        polars = import_optional('polars')
         return polars.DataFrame({TIME: self.time} | {column: self[column] for column in self})
 
-    def _with(self, data: Columns, rows: slice | NDArray[np.intp]) -> 'Table':
+    def _with_columns(self, data: Columns, rows: slice | NDArray[np.intp]) -> 'RecordingTable':
         """Return a table of other columns for some of the rows."""
-        return Table(
+        return RecordingTable(
             self.name,
             self.stamp_ns[rows],
             self.start,
@@ -252,10 +256,10 @@ class Table:
 
     def __repr__(self) -> str:
         """Return what the table holds, a column a line."""
-        return '\n'.join([heading(self), *lines(self)])
+        return '\n'.join([format_heading(self), *format_lines(self)])
 
 
-def rows_of(chosen: slice | NDArray[Any], count: int) -> NDArray[np.intp]:
+def resolve_rows(chosen: slice | NDArray[Any], count: int) -> NDArray[np.intp]:
     """Return the numbers of the rows that a slice, flags or numbers choose, shape (n,)."""
     try:
         return np.atleast_1d(np.arange(count)[chosen])
@@ -266,7 +270,7 @@ def rows_of(chosen: slice | NDArray[Any], count: int) -> NDArray[np.intp]:
         ) from None
 
 
-def optional(name: str) -> Any:  # noqa: ANN401 - a module
+def import_optional(name: str) -> Any:  # noqa: ANN401 - a module
     """Return a library that people may have; `BadInput` with the remedy where they have not."""
     try:
         return import_module(name)
@@ -277,7 +281,7 @@ def optional(name: str) -> Any:  # noqa: ANN401 - a module
         ) from None
 
 
-def arrow_field(name: str, kind: np.dtype[Any], units: Mapping[str, str]) -> Any:  # noqa: ANN401
+def build_arrow_field(name: str, kind: np.dtype[Any], units: Mapping[str, str]) -> Any:  # noqa: ANN401
     """Return the declaration of a column with its unit."""
     stored = arrow.string() if kind.kind == 'U' else arrow.from_numpy_dtype(kind)
     return arrow.field(name, stored, metadata={'unit': units[name]} if name in units else None)

@@ -8,13 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from lta_data.bag.table import Table
+    from lta_data.bag.table import RecordingTable
 
 DIM: Final = re.compile(r'(^|/|\.)header\.|covariance($|\[|/)')  # columns that few look at
 SHOWN: Final = 24  # columns that a table prints
 
 
-def heading(table: 'Table') -> str:
+def format_heading(table: 'RecordingTable') -> str:
     """Return the first line about a table."""
     if not len(table):
         return f'{table.name}: no rows'
@@ -24,27 +24,27 @@ def heading(table: 'Table') -> str:
     return f'{table.name}: {len(table)} rows from {first:.2f} to {last:.2f} s{rate}{kind}'
 
 
-def lines(table: 'Table') -> Iterator[str]:
+def format_lines(table: 'RecordingTable') -> Iterator[str]:
     """Yield a line for each column that people look at, then the number of the others."""
     seen = [column for column in table.columns if not DIM.search(column)]
     width = max(map(len, seen[:SHOWN]), default=0)
     for column in seen[:SHOWN]:
-        unit, values = table.units.get(column, ''), extremes(table[column])
+        unit, values = table.units.get(column, ''), format_range(table[column])
         yield f'  {column:{width}}  {unit:8} {values}'.rstrip()
     if hidden := len(table.columns) - len(seen[:SHOWN]):
         yield f'  and {hidden} more, in .columns'
 
 
-def extremes(values: NDArray[Any]) -> str:
+def format_range(values: NDArray[Any]) -> str:
     """Return the least and the greatest of a column, or what texts it has."""
     if not len(values):
         return ''
     if values.dtype.kind in 'Ub':
-        return several([str(value) for value in np.unique(values)])
+        return format_examples([str(value) for value in np.unique(values)])
     finite = values[np.isfinite(values)]
     return f'{finite.min():.4g} to {finite.max():.4g}' if len(finite) else 'nothing finite'
 
 
-def several(texts: Sequence[str]) -> str:
+def format_examples(texts: Sequence[str]) -> str:
     """Return a few of some texts."""
     return ', '.join(texts[:3]) + (', ...' if len(texts) > 3 else '')

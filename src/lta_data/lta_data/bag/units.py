@@ -10,7 +10,7 @@ from functools import cache
 import re
 from typing import Final
 
-from lta_bridge.bag.schemas import jazzy
+from lta_bridge.bag.schemas import load_jazzy_types
 from rosbags.interfaces import Nodetype
 
 ONE: Final = '1'
@@ -82,7 +82,7 @@ OF_TOPIC: Final = {  # by relative name; wins over the message type
 _INDEX: Final = re.compile(r'\[(\d+)\]$')
 
 
-def unit_of(type_name: str, path: str, topic: str = '') -> str:
+def find_unit(type_name: str, path: str, topic: str = '') -> str:
     """
     Return the unit of a field.
 
@@ -102,33 +102,33 @@ def unit_of(type_name: str, path: str, topic: str = '') -> str:
 
     """
     own = OF_TOPIC.get(topic, {}).get(_INDEX.sub('', path.split('.')[0]))
-    return _by_type(type_name, path) if own is None else own
+    return _find_type_unit(type_name, path) if own is None else own
 
 
 @cache
-def _by_type(type_name: str, path: str) -> str:
+def _find_type_unit(type_name: str, path: str) -> str:
     """Return the unit that the message type gives a field."""
     unit, kind = UNKNOWN, type_name
     for part in path.split('.'):
         index = _INDEX.search(part)
         field = _INDEX.sub('', part)
         if kind in MATRICES and field == 'covariance' and index is not None:
-            return _of_matrix(MATRICES[kind], int(index.group(1)))
+            return _find_covariance_unit(MATRICES[kind], int(index.group(1)))
         unit = RULES.get(kind, {}).get(field, unit)
-        kind = _type_of(kind, field)
+        kind = _find_field_type(kind, field)
     return unit
 
 
-def _of_matrix(units: tuple[str, str, str], index: int) -> str:
+def _find_covariance_unit(units: tuple[str, str, str], index: int) -> str:
     """Return the unit of an element of a 6 x 6 covariance, row after row."""
     row, column = divmod(index, 6)
     return units[(row > 2) + (column > 2)]
 
 
 @cache
-def _type_of(kind: str, field: str) -> str:
+def _find_field_type(kind: str, field: str) -> str:
     """Return the message type of a field; '' where it is no message."""
-    _, fields = jazzy().fielddefs.get(kind, ([], []))
+    _, fields = load_jazzy_types().fielddefs.get(kind, ([], []))
     for name, found in fields:
         if name == field:
             item = found[1][0] if found[0] in (Nodetype.ARRAY, Nodetype.SEQUENCE) else found

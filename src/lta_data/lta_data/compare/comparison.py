@@ -5,14 +5,24 @@ from dataclasses import dataclass, field, replace
 from typing import Final, final
 
 from lta_config.errors import BadInput
-from lta_data.bag.flight import Flight
-from lta_data.compare.apart import Apart, apart, lines_of, tolerances
-from lta_data.compare.faults import Faults, faults, SLOWER
-from lta_data.compare.line import Array, known_only
-from lta_data.compare.pairs import Pair, paired, Wanted, wanted_pairs
-from lta_data.compare.placing import Frames, Placed, placed
-from lta_data.compare.side import Side, side_of
-from lta_data.compare.timing import Align, Timing, timing
+from lta_data.bag.recorded_flight import RecordedFlight
+from lta_data.compare.channel_comparison import (
+    build_pair_signals,
+    ChannelComparison,
+    compare_channels,
+    match_tolerances,
+)
+from lta_data.compare.channel_pairs import (
+    ChannelPair,
+    pair_channels,
+    select_topic_pairs,
+    TopicPair,
+)
+from lta_data.compare.compared_flight import ComparedFlight, read_compared_flight
+from lta_data.compare.faults import find_topic_faults, SLOWER, TopicFaults
+from lta_data.compare.frame_alignment import align_frames, FrameAlignment, Frames
+from lta_data.compare.sampling import Array, mask_unknown
+from lta_data.compare.time_alignment import Align, align_times, TimeAlignment
 import numpy as np
 
 ORDER: Final = {'parted': 0, 'apart at times': 1, 'together': 2, 'identical': 3, 'unknown': 4}
@@ -20,7 +30,7 @@ ORDER: Final = {'parted': 0, 'apart at times': 1, 'together': 2, 'identical': 3,
 
 @final
 @dataclass(frozen=True, slots=True)
-class Asked:
+class ComparisonRequest:
     """What a comparison is told; see `lta compare --help`."""
 
     pairs: tuple[str, ...] = ()
@@ -33,7 +43,7 @@ class Asked:
 
 @final
 @dataclass(frozen=True, slots=True)
-class Comparison:
+class ComparisonResult:
     """
     What a comparison found.
 
@@ -64,15 +74,15 @@ class Comparison:
 
     """
 
-    asked: Asked
-    a: Side
-    b: Side
-    timing: Timing
-    frames: tuple[Placed, ...]
+    asked: ComparisonRequest
+    a: ComparedFlight
+    b: ComparedFlight
+    timing: TimeAlignment
+    frames: tuple[FrameAlignment, ...]
     span: tuple[float, float]
-    channels: tuple[Apart, ...]
-    faults_a: Mapping[str, Faults]
-    faults_b: Mapping[str, Faults]
+    channels: tuple[ChannelComparison, ...]
+    faults_a: Mapping[str, TopicFaults]
+    faults_b: Mapping[str, TopicFaults]
     only_a: tuple[str, ...]
     only_b: tuple[str, ...]
     topics: Mapping[str, str]
@@ -80,7 +90,7 @@ class Comparison:
     remarks: tuple[str, ...]
 
     @property
-    def identical(self) -> bool:
+    def is_identical(self) -> bool:
         """Whether all is the same: topics, instants, values and, where they are at hand, bytes."""
         lacking = self.only_a or self.only_b
         digests = any(topic.digest for topic in self.a.topics.values())
@@ -89,22 +99,25 @@ class Comparison:
         return not lacking and bytes_too and same and not self.asked.pairs
 
     @property
-    def same(self) -> bool:
+    def is_same(self) -> bool:
         """Whether no channel leaves its band for longer than a moment."""
         return all(each.verdict not in ('parted', 'apart at times') for each in self.channels)
 
     @property
     def verdict(self) -> str:
         """'identical', 'same' or 'different'."""
-        return 'identical' if self.identical else 'same' if self.same else 'different'
+        return 'identical' if self.is_identical else 'same' if self.is_same else 'different'
 
 
 Told = Callable[[str], None]
 
 
 def compare_flights(
-    one: Flight, other: Flight, asked: Asked, tick: Told = lambda _: None
-) -> Comparison:
+    one: RecordedFlight,
+    other: RecordedFlight,
+    request: ComparisonRequest,
+    tick: Told = lambda _: None,
+) -> ComparisonResult:
     """
     Return what two recorded flights have in common, and what not.
 
@@ -115,7 +128,7 @@ def compare_flights(
     asked : Asked
         How.
     tick : callable
-        Told what is being done, each time something is done; see `ticks`.
+        Told what is being done, each time something is done; see `count_ticks`.
 
     Raises
     ------
@@ -123,15 +136,15 @@ def compare_flights(
         If they have no channel or no time in common, or what is asked for is not there.
 
     """
-    wanted = wanted_pairs(asked.pairs, asked.topics, one.topics, other.topics)
+    wanted = select_topic_pairs(request.pairs, request.topics, one.topics, other.topics)
     of_a, of_b = ({each[k] for each in wanted} for k in (0, 1))
-    a = side_of(one, 'A', of_a, lambda: tick('reading A'))
+    a = read_compared_flight(one, 'A', of_a, lambda: tick('reading A'))
     if of_a == of_b and (one.bag.path, one.robot) == (other.bag.path, other.robot):
         b = replace(a, label='B')
     else:
-        b = side_of(other, 'B', of_b, lambda: tick('reading B'))
-    found = compare(a, b, wanted, asked, tick)
-    if asked.pairs or asked.topics:
+        b = read_compared_flight(other, 'B', of_b, lambda: tick('reading B'))
+    found = compare_sides(a, b, wanted, request, tick)
+    if request.pairs or request.topics:
         return found
     return replace(
         found,
@@ -140,15 +153,19 @@ def compare_flights(
     )
 
 
-def ticks(one: Flight, other: Flight, asked: Asked) -> int:
+def count_ticks(one: RecordedFlight, other: RecordedFlight, request: ComparisonRequest) -> int:
     """Return how often `compare_flights` calls its tick, about: a channel is a small part."""
-    wanted = wanted_pairs(asked.pairs, asked.topics, one.topics, other.topics)
+    wanted = select_topic_pairs(request.pairs, request.topics, one.topics, other.topics)
     return 4 * len(wanted) + 4
 
 
-def compare(
-    a: Side, b: Side, wanted: Sequence[Wanted], asked: Asked, tick: Told = lambda _: None
-) -> Comparison:
+def compare_sides(
+    a: ComparedFlight,
+    b: ComparedFlight,
+    topic_pairs: Sequence[TopicPair],
+    request: ComparisonRequest,
+    tick: Told = lambda _: None,
+) -> ComparisonResult:
     """
     Return what two flights have in common; as `compare_flights`, without bags.
 
@@ -164,25 +181,25 @@ def compare(
         Told what is being done.
 
     """
-    matched, remarks = paired(wanted, a.channels, b.channels)
+    matched, remarks = pair_channels(topic_pairs, a.channels, b.channels)
     tick('aligning')
-    when = timing(a, b, matched, asked.align, asked.offset)
-    pairs, frames = placed(a, b, matched, when, asked.frames)
-    pairs = [each._replace(b=replace(each.b, time=when.on_a(each.b.time))) for each in pairs]
-    span = common_span(pairs)
+    when = align_times(a, b, matched, request.align, request.offset)
+    pairs, frames = align_frames(a, b, matched, when, request.frames)
+    pairs = [each._replace(b=replace(each.b, time=when.map_to_a(each.b.time))) for each in pairs]
+    span = find_common_span(pairs)
     tick('aligning')
-    channels = compared(pairs, asked, when, tick)
-    topics = {each.topic_a: each.topic_b for each in wanted}
-    return Comparison(
-        asked=asked,
+    channels = compare_pairs(pairs, request, when, tick)
+    topics = {each.topic_a: each.topic_b for each in topic_pairs}
+    return ComparisonResult(
+        asked=request,
         a=a,
         b=b,
         timing=when,
         frames=tuple(frames),
         span=span,
         channels=channels,
-        faults_a=side_faults(a),
-        faults_b=side_faults(b),
+        faults_a=find_side_faults(a),
+        faults_b=find_side_faults(b),
         only_a=(),
         only_b=(),
         topics=topics,
@@ -196,25 +213,32 @@ def compare(
     )  # fmt: skip
 
 
-def compared(pairs: Sequence[Pair], asked: Asked, when: Timing, tick: Told) -> tuple[Apart, ...]:
+def compare_pairs(
+    pairs: Sequence[ChannelPair], request: ComparisonRequest, when: TimeAlignment, tick: Told
+) -> tuple[ChannelComparison, ...]:
     """Return all channels, those that part most and earliest first."""
-    bands = tolerances(asked.tolerances, [pair.name for pair in pairs])
+    bands = match_tolerances(request.tolerances, [pair.name for pair in pairs])
     found = []
     topic = ''
     for pair in pairs:
         if pair.a.topic != topic:
             topic = pair.a.topic
             tick('comparing')
-        a, b = lines_of(pair)
+        a, b = build_pair_signals(pair)
         if not np.isfinite(a.values).any() and not np.isfinite(b.values).any():
             continue  # nobody measured it
-        found.append(apart(pair, a, b, tolerance=bands.get(pair.name), doubt=when.sigma))
+        found.append(
+            compare_channels(pair, a, b, tolerance=bands.get(pair.name), doubt=when.sigma)
+        )
     return tuple(sorted(found, key=lambda each: (ORDER[each.verdict], -each.score, each.name)))
 
 
-def common_span(pairs: Sequence[Pair]) -> tuple[float, float]:
+def find_common_span(pairs: Sequence[ChannelPair]) -> tuple[float, float]:
     """Return the time that both flights cover, on A's clock [s], or `BadInput` of none."""
-    ends = [covered([pair.a.time for pair in pairs]), covered([pair.b.time for pair in pairs])]
+    ends = [
+        find_time_extent([pair.a.time for pair in pairs]),
+        find_time_extent([pair.b.time for pair in pairs]),
+    ]
     begin, end = max(first for first, _ in ends), min(last for _, last in ends)
     if begin >= end:
         raise BadInput(
@@ -225,7 +249,7 @@ def common_span(pairs: Sequence[Pair]) -> tuple[float, float]:
     return begin, end
 
 
-def covered(times: Sequence[Array]) -> tuple[float, float]:
+def find_time_extent(times: Sequence[Array]) -> tuple[float, float]:
     """Return the first and the last of all instants [s]; `BadInput` where there are none."""
     known = [time for time in times if len(time)]
     if not known:
@@ -233,10 +257,13 @@ def covered(times: Sequence[Array]) -> tuple[float, float]:
     return min(float(time.min()) for time in known), max(float(time.max()) for time in known)
 
 
-def differing(found: Comparison) -> list[tuple[str, Faults, Faults]]:
+def find_rate_differences(
+    comparison: ComparisonResult,
+) -> list[tuple[str, TopicFaults, TopicFaults]]:
     """Return the topics that come at different rates in both flights, and their faults."""
     both = [
-        (name, found.faults_a[name], found.faults_b[other]) for name, other in found.topics.items()
+        (name, comparison.faults_a[name], comparison.faults_b[other])
+        for name, other in comparison.topics.items()
     ]
     return [
         (name, a, b)
@@ -245,17 +272,17 @@ def differing(found: Comparison) -> list[tuple[str, Faults, Faults]]:
     ]
 
 
-def side_faults(side: Side) -> dict[str, Faults]:
+def find_side_faults(side: ComparedFlight) -> dict[str, TopicFaults]:
     """Return what is wrong with each topic of a flight."""
     found = {}
     for name, topic in side.topics.items():
         own = [each for each in side.channels.values() if each.topic == name]
         shares = {
-            each.name: float(np.mean(np.isnan(known_only(each.values))))
+            each.name: float(np.mean(np.isnan(mask_unknown(each.values))))
             for each in own
             if len(each.values)
         }
         # What is never known was not measured, by ROS's own convention; no fault.
         partly = {name: share for name, share in shares.items() if share < 1.0}
-        found[name] = faults(topic.time, partly, topic.repeated)
+        found[name] = find_topic_faults(topic.time, partly, topic.repeated)
     return found

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Final, final, NamedTuple
 
-from lta_data.compare.line import Array, GAP
+from lta_data.compare.sampling import Array, GAP
 import numpy as np
 
 RHYTHM: Final = 3.0  # ratio of the quartiles of the steps of a topic that still has a rhythm
@@ -11,7 +11,7 @@ SLOWER: Final = 1.02  # ratio of two periods that count as different
 LISTED: Final = 50  # intervals that are kept; all are counted
 
 
-class Interval(NamedTuple):
+class FaultInterval(NamedTuple):
     """From one instant to another. [s]"""
 
     begin: float
@@ -20,7 +20,7 @@ class Interval(NamedTuple):
 
 @final
 @dataclass(frozen=True, slots=True)
-class Faults:
+class TopicFaults:
     """
     What is wrong with one topic of one flight.
 
@@ -54,25 +54,25 @@ class Faults:
     count: int
     period: float | None
     rhythm: bool
-    gaps: tuple[Interval, ...]
+    gaps: tuple[FaultInterval, ...]
     missing: float
     gap_count: int
     same_stamp: int
     repeated: int
-    backwards: tuple[Interval, ...]
+    backwards: tuple[FaultInterval, ...]
     backwards_count: int
     unknown: dict[str, float]
 
     @property
-    def clean(self) -> bool:
+    def is_clean(self) -> bool:
         """Whether nothing is wrong."""
         found = self.gap_count + self.same_stamp + self.backwards_count
         return found == 0 and not self.unknown
 
 
-def faults(
+def find_topic_faults(
     time: Array, unknown: dict[str, float] | None = None, repeated: int = 0, gap: float = GAP
-) -> Faults:
+) -> TopicFaults:
     """
     Return what is wrong with the times of a topic's messages.
 
@@ -97,16 +97,18 @@ def faults(
     rhythm = bool(long <= RHYTHM * short)
     limit = gap * usual if usual is not None and rhythm else np.inf
     holes = np.flatnonzero(rising > limit)
-    return Faults(
+    return TopicFaults(
         count=len(time),
         period=usual,
         rhythm=rhythm,
-        gaps=tuple(Interval(float(instants[k]), float(instants[k + 1])) for k in holes[:LISTED]),
+        gaps=tuple(
+            FaultInterval(float(instants[k]), float(instants[k + 1])) for k in holes[:LISTED]
+        ),
         missing=float(sum(rising[k] for k in holes)),
         gap_count=len(holes),
         same_stamp=len(time) - len(instants),
         repeated=repeated,
-        backwards=tuple(Interval(float(time[k]), float(time[k + 1])) for k in falls[:LISTED]),
+        backwards=tuple(FaultInterval(float(time[k]), float(time[k + 1])) for k in falls[:LISTED]),
         backwards_count=len(falls),
         unknown={name: share for name, share in (unknown or {}).items() if share > 0.0},
     )

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 import math
 from typing import Final, final
 
-from lta_data.compare.line import Aligned, Array, wrapped
+from lta_data.compare.sampling import AlignedSignals, Array, wrap_angle
 import numpy as np
 from scipy.special import stdtrit
 
@@ -17,7 +17,7 @@ NORMAL: Final = 1.959964  # the same tail of a normal distribution
 
 @final
 @dataclass(frozen=True, slots=True)
-class Measures:
+class DifferenceMeasures:
     """
     The difference of two channels, B minus A, on their common span.
 
@@ -49,7 +49,9 @@ class Measures:
     nrmse: float | None
 
 
-def measures(pair: Aligned, *, angular: bool = False, seed: int = 0) -> Measures | None:
+def measure_difference(
+    pair: AlignedSignals, *, angular: bool = False, seed: int = 0
+) -> DifferenceMeasures | None:
     """
     Return how far two channels are apart; None where they are never known together.
 
@@ -64,15 +66,15 @@ def measures(pair: Aligned, *, angular: bool = False, seed: int = 0) -> Measures
         Of the bootstrap's draws.
 
     """
-    known = pair.known
+    known = pair.both_valid
     if not known.any():
         return None
     difference, time, a = pair.difference[known], pair.time[known], pair.a[known]
     most = int(np.abs(difference).argmax())
     rms = math.sqrt(float(np.mean(difference**2)))
     low, high = rms_interval(difference, np.random.default_rng(seed))
-    spread = spread_of(a, angular)
-    return Measures(
+    spread = standard_deviation(a, angular)
+    return DifferenceMeasures(
         count=len(difference),
         bias=float(np.mean(difference)),
         rms=rms,
@@ -85,17 +87,17 @@ def measures(pair: Aligned, *, angular: bool = False, seed: int = 0) -> Measures
     )
 
 
-def spread_of(values: Array, angular: bool) -> float:
+def standard_deviation(values: Array, angular: bool) -> float:
     """Return the standard deviation of finite values, in their unit; zero where all are equal."""
     if not len(values) or np.ptp(values) == 0.0:
         return 0.0
     if angular:
         middle = math.atan2(float(np.mean(np.sin(values))), float(np.mean(np.cos(values))))
-        return float(np.std(wrapped(values - middle)))
+        return float(np.std(wrap_angle(values - middle)))
     return float(np.std(values))
 
 
-def memory(values: Array) -> float:
+def autocorrelation_time(values: Array) -> float:
     """
     Return the integrated autocorrelation time in samples: 1 for white noise.
 
@@ -138,7 +140,7 @@ def rms_interval(
     count, mean = len(squares), float(np.mean(squares))
     if count < 2 or np.ptp(squares) == 0.0 or mean == 0.0:
         return math.sqrt(mean), math.sqrt(mean)
-    alike = memory(squares)
+    alike = autocorrelation_time(squares)
     most = max(1, count // FEWEST)
     length = min(math.ceil(max(5.0 * alike, count ** (1 / 3))), most)
     blocks = -(-count // length)

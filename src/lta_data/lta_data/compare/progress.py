@@ -2,13 +2,13 @@
 
 from typing import final
 
-from lta_report.bar import Bar
+from lta_report.progress_bar import ProgressBar
 from rich.console import Console
 from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
 
 
 @final
-class CompareProgress(Bar):
+class CompareProgress(ProgressBar):
     """
     Show a comparison while it lasts.
 
@@ -31,4 +31,4 @@ class CompareProgress(Bar):
 
     def tick(self, doing: str) -> None:
         """Say what is being done, and go on."""
-        self.move(description=doing, advance=1)
+        self.update_bar(description=doing, advance=1)

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Final, final, NamedTuple
 
-from lta_data.compare.line import Aligned, Array
+from lta_data.compare.sampling import AlignedSignals, Array
 import numpy as np
 from scipy import signal
 
@@ -14,7 +14,7 @@ FEWEST: Final = 32  # samples of which a spectrum can be made
 
 @final
 @dataclass(frozen=True, slots=True)
-class Spectra:
+class ChannelSpectra:
     """
     Power of both channels and of their difference by frequency.
 
@@ -43,20 +43,20 @@ class Spectra:
     span: tuple[float, float]
 
 
-class Peak(NamedTuple):
+class CorrelationPeak(NamedTuple):
     """The most that two channels resemble each other: correlation, and B's lag behind A. [1, s]"""
 
     value: float
     lag: float
 
 
-def evenly(pair: Aligned, *, angular: bool = False) -> tuple[Array, Array, Array]:
+def resample_evenly(pair: AlignedSignals, *, angular: bool = False) -> tuple[Array, Array, Array]:
     """
     Return instants and both channels at even steps, over the longest stretch without a gap.
 
     Angles come without jumps.
     """
-    known = pair.known
+    known = pair.both_valid
     edges = np.diff(np.concatenate([[0], known.astype(np.int8), [0]]))
     begins, ends = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
     if not len(begins):
@@ -74,7 +74,7 @@ def evenly(pair: Aligned, *, angular: bool = False) -> tuple[Array, Array, Array
     return grid, np.interp(grid, time, a), np.interp(grid, time, b)
 
 
-def spectra(pair: Aligned, *, angular: bool = False) -> Spectra | None:
+def compute_spectra(pair: AlignedSignals, *, angular: bool = False) -> ChannelSpectra | None:
     """
     Return the spectra by Welch's method: Hann windows, half overlapping, each without its mean.
 
@@ -91,30 +91,32 @@ def spectra(pair: Aligned, *, angular: bool = False) -> Spectra | None:
         None where fewer than 32 instants follow each other without a gap.
 
     """
-    time, a, b = evenly(pair, angular=angular)
+    time, a, b = resample_evenly(pair, angular=angular)
     count = len(time)
     if count < FEWEST:
         return None
     length = min(SEGMENT, 2 * count // (SEGMENTS + 1))
     rate = (count - 1) / float(time[-1] - time[0])
 
-    def power_of(values: Array) -> tuple[Array, Array]:
+    def welch_power(values: Array) -> tuple[Array, Array]:
         found: tuple[Array, Array] = signal.welch(values, fs=rate, nperseg=length)
         return found
 
-    frequency, of_a = power_of(a)
-    (_, of_b), (_, of_difference) = power_of(b), power_of(b - a)
+    frequency, of_a = welch_power(a)
+    (_, of_b), (_, of_difference) = welch_power(b), welch_power(b - a)
     across = np.abs(signal.csd(a, b, fs=rate, nperseg=length)[1]) ** 2
     power = of_a * of_b
     coherence = np.divide(across, power, out=np.zeros_like(power), where=power > 0.0)
-    return Spectra(
+    return ChannelSpectra(
         frequency[1:], of_a[1:], of_b[1:], of_difference[1:],
         np.clip(coherence[1:], 0.0, 1.0), (count - length // 2) // (length - length // 2),
         (float(time[0]), float(time[-1])),
     )  # fmt: skip
 
 
-def resemblance(pair: Aligned, *, angular: bool = False, longest: float = 5.0) -> Peak | None:
+def find_correlation_peak(
+    pair: AlignedSignals, *, angular: bool = False, longest: float = 5.0
+) -> CorrelationPeak | None:
     """
     Return the greatest cross-correlation and the lag of B behind A there.
 
@@ -137,24 +139,24 @@ def resemblance(pair: Aligned, *, angular: bool = False, longest: float = 5.0) -
         is at the last lag looked at.
 
     """
-    time, a, b = evenly(pair, angular=angular)
+    time, a, b = resample_evenly(pair, angular=angular)
     count = len(time)
     if count < FEWEST or np.ptp(a) == 0.0 or np.ptp(b) == 0.0:
         return None
     step = float(time[-1] - time[0]) / (count - 1)
     most = max(1, min(int(longest / step), count // 4))
-    near = likeness(a - a.mean(), b - b.mean(), most)
+    near = lagged_correlation(a - a.mean(), b - b.mean(), most)
     if not np.isfinite(near).any():
         return None
     near = np.nan_to_num(near, nan=-1.0)
     best = int(near.argmax())
     if not 0 < best < len(near) - 1:  # as of a ramp, which resembles itself at any lag
         return None
-    shift, value = parabola(near, best)
-    return Peak(float(np.clip(value, -1.0, 1.0)), (best - most + shift) * step)
+    shift, value = fit_parabola_peak(near, best)
+    return CorrelationPeak(float(np.clip(value, -1.0, 1.0)), (best - most + shift) * step)
 
 
-def likeness(a: Array, b: Array, most: int) -> Array:
+def lagged_correlation(a: Array, b: Array, most: int) -> Array:
     """Return the correlation of what overlaps at each lag of b, shape (2 most + 1,). [1]"""
     count = len(a)
     lags = np.arange(-most, most + 1)
@@ -175,7 +177,7 @@ def likeness(a: Array, b: Array, most: int) -> Array:
     return found
 
 
-def parabola(values: Array, best: int) -> tuple[float, float]:
+def fit_parabola_peak(values: Array, best: int) -> tuple[float, float]:
     """Return where, from the greatest of values at even steps, their peak is, and how high."""
     if not 0 < best < len(values) - 1:
         return 0.0, float(values[best])
@@ -187,18 +189,18 @@ def parabola(values: Array, best: int) -> tuple[float, float]:
     return shift, here - 0.25 * (before - after) * shift
 
 
-def thinned_spectra(found: Spectra, points: int = 96) -> Spectra:
+def thin_spectra(full: ChannelSpectra, points: int = 96) -> ChannelSpectra:
     """Return spectra at frequencies spaced evenly in logarithm, each the mean of its stretch."""
-    if len(found.frequency) <= points:
-        return found
-    edges = np.geomspace(1, len(found.frequency), points + 1)
+    if len(full.frequency) <= points:
+        return full
+    edges = np.geomspace(1, len(full.frequency), points + 1)
     starts = np.unique(np.floor(edges[:-1]).astype(int) - 1)
-    sizes = np.diff(np.append(starts, len(found.frequency)))
+    sizes = np.diff(np.append(starts, len(full.frequency)))
 
     def mean(values: Array) -> Array:
         return np.add.reduceat(values, starts) / sizes
 
-    return Spectra(
-        mean(found.frequency), mean(found.a), mean(found.b), mean(found.difference),
-        mean(found.coherence), found.segments, found.span,
+    return ChannelSpectra(
+        mean(full.frequency), mean(full.a), mean(full.b), mean(full.difference),
+        mean(full.coherence), full.segments, full.span,
     )  # fmt: skip

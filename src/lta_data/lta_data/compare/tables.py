@@ -3,45 +3,45 @@
 from html import escape
 from typing import Final
 
-from lta_data.compare.apart import Apart
-from lta_data.compare.comparison import Comparison, differing
-from lta_data.compare.terminal import cells
-from lta_data.compare.words import fault_words, rate
+from lta_data.compare.channel_comparison import ChannelComparison
+from lta_data.compare.comparison import ComparisonResult, find_rate_differences
+from lta_data.compare.sentences import describe_faults, format_rate
+from lta_data.compare.terminal import format_ranking_row
 
 HEADS: Final = (
     'channel', 'parts at', 'bias', 'RMS', '95 % of RMS', 'NRMSE', 'most', 'at', 'lag',
 )  # fmt: skip
 
 
-def pickable(each: Apart) -> bool:
+def is_pickable(each: ChannelComparison) -> bool:
     """Tell whether a channel is worth a picture."""
-    return each.measures is not None and not each.still
+    return each.measures is not None and not each.is_still
 
 
-def short_row(each: Apart) -> str:
+def format_short_row(each: ChannelComparison) -> str:
     """Return a line of the short ranking."""
-    parts, _, rms, _, nrmse, *_ = cells(each)
+    parts, _, rms, _, nrmse, *_ = format_ranking_row(each)
     own = ''.join(f'<td>{escape(cell)}</td>' for cell in (parts, rms, nrmse))
-    return f'<tr><th scope="row">{pick(each)}</th>{own}</tr>'
+    return f'<tr><th scope="row">{format_pick_button(each)}</th>{own}</tr>'
 
 
-def pick(each: Apart) -> str:
+def format_pick_button(each: ChannelComparison) -> str:
     """Return a channel's name as a button that shows it, where it can be shown."""
     name = escape(each.name)
-    if not pickable(each):
+    if not is_pickable(each):
         return name
     shown = name.replace('/', '/<wbr>').replace('.', '.<wbr>')
     return f'<button type="button" class="pick" data-channel="{name}">{shown}</button>'
 
 
-def channel_table(found: Comparison) -> str:
+def format_channel_table(comparison: ComparisonResult) -> str:
     """Return all channels."""
     heads = ''.join(f'<th scope="col">{head}</th>' for head in HEADS)
     rows = ''.join(
-        f'<tr><th scope="row">{pick(each)}</th>'
-        + ''.join(f'<td>{escape(cell)}</td>' for cell in cells(each))
+        f'<tr><th scope="row">{format_pick_button(each)}</th>'
+        + ''.join(f'<td>{escape(cell)}</td>' for cell in format_ranking_row(each))
         + '</tr>'
-        for each in found.channels
+        for each in comparison.channels
     )
     return (
         '<table><caption class="hidden">All channels</caption>'
@@ -49,15 +49,17 @@ def channel_table(found: Comparison) -> str:
     )
 
 
-def fault_table(found: Comparison) -> str:
+def format_fault_table(comparison: ComparisonResult) -> str:
     """Return what is wrong with the data, and which topics differ in rate."""
     rows = []
-    for label, faults in (('A', found.faults_a), ('B', found.faults_b)):
+    for label, faults in (('A', comparison.faults_a), ('B', comparison.faults_b)):
         for topic, each in faults.items():
-            if not each.clean:
-                rows.append((label, topic, rate(each), fault_words(each)))
-    for topic, each, other in differing(found):
-        rows.append(('A, B', topic, f'{rate(each)}, {rate(other)}', 'different rates'))
+            if not each.is_clean:
+                rows.append((label, topic, format_rate(each), describe_faults(each)))
+    for topic, each, other in find_rate_differences(comparison):
+        rows.append(
+            ('A, B', topic, f'{format_rate(each)}, {format_rate(other)}', 'different rates')
+        )
     if not rows:
         return '<p class="note">No gap, duplicate, lost value or backward step of time.</p>'
     heads = ''.join(f'<th scope="col">{head}</th>' for head in ('flight', 'topic', 'rate', 'what'))

@@ -2,16 +2,16 @@
 
 from typing import Final
 
-from lta_data.compare.apart import Apart
-from lta_data.compare.comparison import Comparison, differing
-from lta_data.compare.words import (
-    amount,
-    fault_words,
-    frame_words,
-    rate,
-    signless,
-    timing_words,
-    verdict,
+from lta_data.compare.channel_comparison import ChannelComparison
+from lta_data.compare.comparison import ComparisonResult, find_rate_differences
+from lta_data.compare.sentences import (
+    describe_faults,
+    describe_frames,
+    describe_timing,
+    format_decimal,
+    format_quantity,
+    format_rate,
+    format_verdict,
 )
 from rich.console import Console
 from rich.table import Table
@@ -20,32 +20,35 @@ ROWS: Final = 20
 DASH: Final = '-'
 
 
-def show(found: Comparison, console: Console, rows: int = ROWS) -> None:
+def print_comparison(comparison: ComparisonResult, console: Console, rows: int = ROWS) -> None:
     """Print a comparison."""
-    lines = [verdict(found), f'Time: {timing_words(found.timing)}']
-    lines += [f'Frames of {each.topic}: {frame_words(each)}' for each in found.frames]
-    for label, only in (('A', found.only_a), ('B', found.only_b)):
+    lines = [format_verdict(comparison), f'Time: {describe_timing(comparison.timing)}']
+    lines += [f'Frames of {each.topic}: {describe_frames(each)}' for each in comparison.frames]
+    for label, only in (('A', comparison.only_a), ('B', comparison.only_b)):
         if only:
             lines.append(f'Only in {label}: {", ".join(only)}.')
-    if found.identical_topics and not found.identical:
-        lines.append(f'Byte for byte the same: {", ".join(found.identical_topics)}.')
-    for label, faults in (('A', found.faults_a), ('B', found.faults_b)):
+    if comparison.identical_topics and not comparison.is_identical:
+        lines.append(f'Byte for byte the same: {", ".join(comparison.identical_topics)}.')
+    for label, faults in (('A', comparison.faults_a), ('B', comparison.faults_b)):
         for topic, each in faults.items():
-            if not each.clean:
-                lines.append(f'{label}, {topic}: {fault_words(each)}.')
-    rates = [f'{name} ({rate(a)} and {rate(b)})' for name, a, b in differing(found)]
+            if not each.is_clean:
+                lines.append(f'{label}, {topic}: {describe_faults(each)}.')
+    rates = [
+        f'{name} ({format_rate(a)} and {format_rate(b)})'
+        for name, a, b in find_rate_differences(comparison)
+    ]
     if rates:
         lines.append(f'Different rates in A and B: {", ".join(rates)}.')
-    lines += list(found.remarks)
+    lines += list(comparison.remarks)
     for line in lines:
         console.print(line, highlight=False, markup=False, soft_wrap=True)
-    if not found.identical:
-        console.print(ranking(found, rows))
+    if not comparison.is_identical:
+        console.print(build_ranking(comparison, rows))
 
 
-def ranking(found: Comparison, rows: int) -> Table:
+def build_ranking(comparison: ComparisonResult, rows: int) -> Table:
     """Return the channels that part most and earliest."""
-    count = len(found.channels)
+    count = len(comparison.channels)
     more = f', the first {rows} of {count}' if count > rows else ''
     table = Table(
         title=f'Channels by how much and how early they part{more}', title_justify='left',
@@ -54,26 +57,26 @@ def ranking(found: Comparison, rows: int) -> Table:
     table.add_column('channel', overflow='fold')
     for head in ('parts at', 'bias', 'RMS', 'NRMSE'):
         table.add_column(head, justify='right', no_wrap=True)
-    for each in found.channels[:rows]:
-        parts, bias, rms, _, nrmse, *_ = cells(each)
+    for each in comparison.channels[:rows]:
+        parts, bias, rms, _, nrmse, *_ = format_ranking_row(each)
         table.add_row(each.name, parts, bias, rms, nrmse)
     return table
 
 
-def cells(each: Apart) -> list[str]:
+def format_ranking_row(each: ChannelComparison) -> list[str]:
     """Return a line of the ranking."""
     found, when = each.measures, each.parting
     if found is None:
         return ['never both', *[DASH] * 7]
     parts = each.verdict if when.at is None else f'{when.at:.2f} s'
-    low, high = (amount(value, each.unit) for value in (found.rms_low, found.rms_high))
+    low, high = (format_quantity(value, each.unit) for value in (found.rms_low, found.rms_high))
     return [
         parts,
-        amount(found.bias, each.unit),
-        amount(found.rms, each.unit),
+        format_quantity(found.bias, each.unit),
+        format_quantity(found.rms, each.unit),
         f'{low.split(" ")[0]} to {high.split(" ")[0]}',
         DASH if found.nrmse is None else f'{found.nrmse:.2g}',
-        amount(found.greatest, each.unit),
+        format_quantity(found.greatest, each.unit),
         f'{found.greatest_at:.2f} s',
-        DASH if each.peak is None else f'{signless(1e3 * each.peak.lag, 0)} ms',
+        DASH if each.peak is None else f'{format_decimal(1e3 * each.peak.lag, 0)} ms',
     ]

@@ -4,8 +4,8 @@ from base64 import b64encode
 import math
 from typing import Final, NamedTuple
 
-from lta_data.compare.apart import Apart
-from lta_data.compare.line import broken, Line
+from lta_data.compare.channel_comparison import ChannelComparison
+from lta_data.compare.sampling import break_at_gaps, SampledSignal
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,7 +13,7 @@ POINTS: Final = 1200
 DEGREES: Final = 180.0 / math.pi
 
 
-def thin(line: Line, points: int = POINTS) -> Line:
+def thin_signal(line: SampledSignal, points: int = POINTS) -> SampledSignal:
     """
     Return a line in few points: the least and the greatest of each stretch, and its gaps.
 
@@ -41,56 +41,60 @@ def thin(line: Line, points: int = POINTS) -> Line:
         np.array([0, count - 1]),
     ]
     index = np.unique(np.minimum(np.concatenate(keep), count - 1))
-    return Line(line.time[index], line.values[index])
+    return SampledSignal(line.time[index], line.values[index])
 
 
-class Drawn(NamedTuple):
+class ChannelTrace(NamedTuple):
     """A channel as it is drawn: the unit there, A, B and the difference, and the band."""
 
     unit: str
-    a: Line
-    b: Line
-    difference: Line
+    a: SampledSignal
+    b: SampledSignal
+    difference: SampledSignal
     band: float
 
 
-def drawn(each: Apart, points: int = POINTS) -> Drawn:
+def build_channel_trace(each: ChannelComparison, points: int = POINTS) -> ChannelTrace:
     """Return a channel as it is drawn: angles in degrees and without jumps."""
     unit, factor = each.unit, 1.0
     if unit in ('rad', 'rad/s'):
         unit, factor = unit.replace('rad', '°'), DEGREES
     if each.angular:
-        a, b = unwound(each)
+        a, b = unwrap_pair(each)
     else:
-        a, b = broken(each.a), broken(each.b)
-    lines = [a, b, broken(Line(each.both.time, each.both.difference))]
-    one, other, apart = (thin(Line(line.time, factor * line.values), points) for line in lines)
-    return Drawn(unit, one, other, apart, factor * each.parting.band)
+        a, b = break_at_gaps(each.a), break_at_gaps(each.b)
+    lines = [a, b, break_at_gaps(SampledSignal(each.both.time, each.both.difference))]
+    one, other, apart = (
+        thin_signal(SampledSignal(line.time, factor * line.values), points) for line in lines
+    )
+    return ChannelTrace(unit, one, other, apart, factor * each.parting.band)
 
 
-def unwound(each: Apart) -> tuple[Line, Line]:
+def unwrap_pair(each: ChannelComparison) -> tuple[SampledSignal, SampledSignal]:
     """Return both angles at their common instants, the second near the first."""
     time, difference = each.both.time, each.both.difference
     known = np.isfinite(each.both.a)
     a = np.full(len(time), np.nan)
     a[known] = np.unwrap(each.both.a[known])
-    return broken(Line(time, a)), broken(Line(time, a + difference))
+    return break_at_gaps(SampledSignal(time, a)), break_at_gaps(
+        SampledSignal(time, a + difference)
+    )
 
 
-def packed(values: NDArray[np.float64]) -> dict[str, str]:
+def encode_floats(values: NDArray[np.float64]) -> dict[str, str]:
     """Return numbers as plotly takes them in binary: single precision, base 64."""
     return {'dtype': 'f4', 'bdata': b64encode(values.astype('<f4').tobytes()).decode()}
 
 
-def packed_channel(each: Apart, points: int) -> dict[str, object]:
+def encode_channel(each: ChannelComparison, points: int) -> dict[str, object]:
     """Return what the page needs to draw a channel that somebody picks."""
-    shown = drawn(each, points)
+    shown = build_channel_trace(each, points)
     found: dict[str, object] = {
         'unit': shown.unit,
         'band': shown.band,
         'at': each.parting.at,
         'lines': [
-            {'x': packed(line.time), 'y': packed(line.values)}
+            {'x': encode_floats(line.time), 'y': encode_floats(line.values)}
             for line in (shown.a, shown.b, shown.difference)
         ],
     }

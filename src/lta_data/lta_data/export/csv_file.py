@@ -5,17 +5,19 @@ import csv
 from pathlib import Path
 from typing import Final
 
-from lta_data.bag.table import arrow_field
-from lta_data.export.source import Source
+from lta_data.bag.table import build_arrow_field
+from lta_data.export.source import ExportSource
 import pyarrow as arrow
 from pyarrow import csv as arrow_csv
 
 UNITS: Final = 'units.csv'
 
 
-def write_csv(source: Source, path: Path) -> Iterator[int]:
+def write_csv(source: ExportSource, path: Path) -> Iterator[int]:
     """Write a file and yield the number of rows of each stretch that is in it."""
-    fields = [arrow_field(name, kind, source.units) for name, kind in source.declared.items()]
+    fields = [
+        build_arrow_field(name, kind, source.units) for name, kind in source.declared.items()
+    ]
     schema = arrow.schema(fields)
     with arrow_csv.CSVWriter(path, schema) as file:
         for part in source.parts():
@@ -24,7 +26,7 @@ def write_csv(source: Source, path: Path) -> Iterator[int]:
             yield len(arrays[0])
 
 
-def write_units(files: Iterable[tuple[str, Source]], folder: Path) -> None:
+def write_units(files: Iterable[tuple[str, ExportSource]], folder: Path) -> None:
     """Write the unit of each column of each file; '' where nobody says."""
     with (folder / UNITS).open('w', newline='', encoding='utf-8') as file:
         writer = csv.writer(file)

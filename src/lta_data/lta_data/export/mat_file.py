@@ -12,7 +12,7 @@ import re
 from typing import Any, Final
 
 from lta_config.errors import BadInput
-from lta_data.export.source import Source
+from lta_data.export.source import ExportSource
 import numpy as np
 from scipy.io import savemat
 
@@ -25,7 +25,7 @@ _LAST: Final = re.compile(r'(.*)\[(\d+)\]')
 Struct = dict[str, Any]
 
 
-def write_mat(source: Source, path: Path) -> Iterator[int]:
+def write_mat(source: ExportSource, path: Path) -> Iterator[int]:
     """
     Write a file and yield the number of rows.
 
@@ -50,17 +50,19 @@ def write_mat(source: Source, path: Path) -> Iterator[int]:
     }
     values: Struct = {}
     units: Struct = {}
-    for name, column in matrices(columns).items():
+    for name, column in join_array_columns(columns).items():
         shown = column.astype(object) if column.dtype.kind == 'U' else column
         unit = source.units.get(name, source.units.get(f'{name}[0]', ''))
-        place(values, name, shown if shown.ndim == 2 else shown[:, None])
-        place(units, name, unit)
-    content = {legal(source.name): values, UNITS: units}
+        set_nested_value(values, name, shown if shown.ndim == 2 else shown[:, None])
+        set_nested_value(units, name, unit)
+    content = {format_matlab_name(source.name): values, UNITS: units}
     savemat(path, content, long_field_names=True, do_compression=True, oned_as='column')
     yield len(columns['time'])
 
 
-def matrices(columns: Mapping[str, np.ndarray[Any, Any]]) -> dict[str, np.ndarray[Any, Any]]:
+def join_array_columns(
+    columns: Mapping[str, np.ndarray[Any, Any]],
+) -> dict[str, np.ndarray[Any, Any]]:
     """Return columns with the elements of each array of numbers together, shape (n, elements)."""
     found: dict[str, Any] = {}
     for name, values in columns.items():
@@ -75,9 +77,9 @@ def matrices(columns: Mapping[str, np.ndarray[Any, Any]]) -> dict[str, np.ndarra
     }
 
 
-def place(struct: Struct, path: str, value: object) -> None:
+def set_nested_value(struct: Struct, path: str, value: object) -> None:
     """Put a value into a struct of structs."""
-    *outer, last = [legal(part) for part in re.split('[./]', path)]
+    *outer, last = [format_matlab_name(part) for part in re.split('[./]', path)]
     for name in outer:
         inside = struct.setdefault(name, {})
         if not isinstance(inside, dict):  # a name that is a value already
@@ -88,7 +90,7 @@ def place(struct: Struct, path: str, value: object) -> None:
     struct[last] = value
 
 
-def legal(name: str) -> str:
+def format_matlab_name(name: str) -> str:
     """Return a name as MATLAB takes it: letters, digits and underscores, a letter in front."""
     plain = re.sub(r'\W', '_', _INDEX.sub(r'_\1', name), flags=re.ASCII).strip('_')
     return (plain if plain[:1].isalpha() else f'x{plain}')[:LONGEST]

@@ -3,15 +3,17 @@
 from collections.abc import Iterator
 from pathlib import Path
 
-from lta_data.bag.table import arrow_field
-from lta_data.export.source import Source
+from lta_data.bag.table import build_arrow_field
+from lta_data.export.source import ExportSource
 import pyarrow as arrow
 from pyarrow import parquet
 
 
-def write_parquet(source: Source, path: Path) -> Iterator[int]:
+def write_parquet(source: ExportSource, path: Path) -> Iterator[int]:
     """Write a file and yield the number of rows of each stretch that is in it."""
-    fields = [arrow_field(name, kind, source.units) for name, kind in source.declared.items()]
+    fields = [
+        build_arrow_field(name, kind, source.units) for name, kind in source.declared.items()
+    ]
     about = {'topic': source.name, 'type': source.kind}
     schema = arrow.schema(fields, metadata=about)
     with parquet.ParquetWriter(path, schema, compression='zstd') as file:

@@ -2,13 +2,13 @@
 
 from typing import final
 
-from lta_report.bar import Bar
+from lta_report.progress_bar import ProgressBar
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, TextColumn
 
 
 @final
-class ExportProgress(Bar):
+class ExportProgress(ProgressBar):
     """
     Show an export while it lasts.
 
@@ -27,6 +27,6 @@ class ExportProgress(Bar):
         )
         super().__init__(console, *columns, begin='reading')
 
-    def at(self, topic: str, done: int, total: int) -> None:
+    def show_topic(self, topic: str, done: int, total: int) -> None:
         """Show the topic that is written."""
-        self.move(description=topic, completed=done, total=total)
+        self.update_bar(description=topic, completed=done, total=total)

@@ -6,16 +6,16 @@ from pathlib import Path
 import re
 from typing import Final, final, Protocol
 
-from lta_bridge.bag.writer import empty_folder
-from lta_config.errors import BadInput, unknown
-from lta_config.whole_file import whole
-from lta_data.bag.recording import IMAGE, Recording
+from lta_bridge.bag.writer import prepare_empty_folder
+from lta_config.atomic_file import replace_atomically
+from lta_config.errors import BadInput, unknown_name
+from lta_data.bag.recording import IMAGE, RobotRecording
 from lta_data.export.csv_file import write_csv, write_units
 from lta_data.export.mat_file import write_mat
 from lta_data.export.parquet_file import write_parquet
-from lta_data.export.source import Source, source_of, source_of_table
+from lta_data.export.source import build_table_source, build_topic_source, ExportSource
 
-FORMATS: Final[dict[str, Callable[[Source, Path], Iterator[int]]]] = {
+FORMATS: Final[dict[str, Callable[[ExportSource, Path], Iterator[int]]]] = {
     'parquet': write_parquet,
     'csv': write_csv,
     'mat': write_mat,
@@ -23,17 +23,17 @@ FORMATS: Final[dict[str, Callable[[Source, Path], Iterator[int]]]] = {
 ALIGNED: Final = 'aligned'
 
 
-class Watcher(Protocol):
+class ExportWatcher(Protocol):
     """Whoever looks on."""
 
-    def at(self, topic: str, done: int, total: int) -> None:
+    def show_topic(self, topic: str, done: int, total: int) -> None:
         """Tell which topic is written, and how many are done."""
         ...
 
 
 @final
 @dataclass(frozen=True, slots=True)
-class Order:
+class ExportRequest:
     """
     What to export.
 
@@ -58,7 +58,7 @@ class Order:
 
 @final
 @dataclass(frozen=True, slots=True)
-class Exported:
+class ExportedFile:
     """One file: topic, place, and size of its table."""
 
     topic: str
@@ -69,14 +69,16 @@ class Exported:
 
 @final
 @dataclass(frozen=True, slots=True)
-class Done:
+class ExportResult:
     """The files, and a sentence for all that is left out."""
 
-    files: list[Exported]
+    files: list[ExportedFile]
     remarks: list[str]
 
 
-def export(recording: Recording, order: Order, folder: Path, watcher: Watcher) -> Done:
+def export_recording(
+    recording: RobotRecording, order: ExportRequest, folder: Path, watcher: ExportWatcher
+) -> ExportResult:
     """
     Write a recording into a folder.
 
@@ -88,27 +90,27 @@ def export(recording: Recording, order: Order, folder: Path, watcher: Watcher) -
 
     """
     if order.form not in FORMATS:
-        raise unknown('format', order.form, list(FORMATS))
-    topics = chosen(recording, order.topics)
-    done, written = Done([], []), []
+        raise unknown_name('format', order.form, list(FORMATS))
+    topics = select_topics(recording, order.topics)
+    done, written = ExportResult([], []), []
     try:
         if order.rate is not None:
-            tables = together(recording, topics, order, done)
-            empty_folder(folder)
-            watcher.at(ALIGNED, 0, 1)
-            written.append(save(tables, folder, order.form, done))
+            tables = align_export_topics(recording, topics, order, done)
+            prepare_empty_folder(folder)
+            watcher.show_topic(ALIGNED, 0, 1)
+            written.append(save_source(tables, folder, order.form, done))
         else:
-            empty_folder(folder)
+            prepare_empty_folder(folder)
             for index, topic in enumerate(topics):
-                watcher.at(topic, index, len(topics))
+                watcher.show_topic(topic, index, len(topics))
                 try:
-                    source = source_of(recording.flight, topic)
+                    source = build_topic_source(recording.flight, topic)
                 except BadInput as fault:
                     if order.topics:
                         raise
                     done.remarks.append(f"Topic '{topic}' is left out: {fault}")
                     continue
-                written.append(save(source, folder, order.form, done))
+                written.append(save_source(source, folder, order.form, done))
         if order.form == 'csv':
             write_units(written, folder)
         done.remarks.extend(recording.losses)  # some damage shows only where it is read
@@ -120,22 +122,24 @@ def export(recording: Recording, order: Order, folder: Path, watcher: Watcher) -
     return done
 
 
-def chosen(recording: Recording, topics: Sequence[str]) -> list[str]:
+def select_topics(recording: RobotRecording, topics: Sequence[str]) -> list[str]:
     """Return the topics to write: those that are named, or the robot's and those of no robot."""
     for topic in topics:
-        recording.flight.type_of(topic)
+        recording.flight.message_type(topic)
     if topics:
         return list(dict.fromkeys(topics))
     shared = [name for name in recording.flight.bag.topics if name.count('/') == 1]
     return recording.topics + (shared if recording.robot else [])
 
 
-def together(recording: Recording, topics: Sequence[str], order: Order, done: Done) -> Source:
+def align_export_topics(
+    recording: RobotRecording, topics: Sequence[str], order: ExportRequest, done: ExportResult
+) -> ExportSource:
     """Return all topics on one clock; images and what cannot be decoded are left out."""
     usable = []
     for topic in topics:
         try:
-            if recording.flight.type_of(topic) == IMAGE:
+            if recording.flight.message_type(topic) == IMAGE:
                 raise BadInput('samples have a clock of their own; export it without --rate.')
             recording[topic]
         except BadInput as fault:
@@ -144,20 +148,22 @@ def together(recording: Recording, topics: Sequence[str], order: Order, done: Do
             done.remarks.append(f"Topic '{topic}' is left out: {fault}")
             continue
         usable.append(topic)
-    table = recording.aligned(*usable, rate=order.rate, method=order.method)
-    return source_of_table(table, ALIGNED)
+    table = recording.align_topics(*usable, rate=order.rate, method=order.method)
+    return build_table_source(table, ALIGNED)
 
 
-def save(source: Source, folder: Path, form: str, done: Done) -> tuple[str, Source]:
+def save_source(
+    source: ExportSource, folder: Path, form: str, done: ExportResult
+) -> tuple[str, ExportSource]:
     """Write one file, whole or not at all."""
     name = re.sub(r'\W+', '_', source.name).strip('_') or 'topic'
     taken = {exported.file.stem for exported in done.files}
     while name in taken:
         name += '_'
     path = folder / f'{name}.{form}'
-    with whole(path) as part:
+    with replace_atomically(path) as part:
         rows = sum(FORMATS[form](source, part))
-    done.files.append(Exported(source.name, path, rows, len(source.declared)))
+    done.files.append(ExportedFile(source.name, path, rows, len(source.declared)))
     if source.remark:
         done.remarks.append(source.remark)
     return path.name, source

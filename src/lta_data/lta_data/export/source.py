@@ -12,12 +12,12 @@ from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from typing import Any, Final, final, NamedTuple
 
-from lta_config.topics import topic_table
-from lta_data.bag.flight import Flight
+from lta_config.topics import load_topic_table
 from lta_data.bag.merge import Columns
-from lta_data.bag.recording import CLOUD, IMAGE, joints_of, table_from
-from lta_data.bag.table import STAMP, Table, TIME
-from lta_data.bag.units import unit_of
+from lta_data.bag.recorded_flight import RecordedFlight
+from lta_data.bag.recording import build_table, CLOUD, IMAGE, map_joint_names
+from lta_data.bag.table import RecordingTable, STAMP, TIME
+from lta_data.bag.units import find_unit
 import numpy as np
 from numpy.typing import NDArray
 
@@ -29,7 +29,7 @@ FIXED: Final = {STAMP: 'ns', TIME: 's'}  # columns that every file has, with the
 
 
 @final
-class Source(NamedTuple):
+class ExportSource(NamedTuple):
     """
     The columns of one file.
 
@@ -58,70 +58,70 @@ class Source(NamedTuple):
     remark: str = ''
 
 
-def source_of(flight: Flight, topic: str) -> Source:
+def build_topic_source(flight: RecordedFlight, topic: str) -> ExportSource:
     """Return what the file of a topic holds; `BadInput` if the topic cannot be decoded."""
-    kind = flight.type_of(topic)
+    kind = flight.message_type(topic)
     if kind == CLOUD:
-        units = partial(unit_of, kind, topic=topic)
-        return source(topic, kind, partial(point_rows, flight, topic), units)
+        units = partial(find_unit, kind, topic=topic)
+        return build_source(topic, kind, partial(iterate_point_rows, flight, topic), units)
     if topic == DIODES and kind == IMAGE:
-        return source(topic, kind, partial(sample_rows, flight), sample_unit)
+        return build_source(topic, kind, partial(iterate_sample_rows, flight), find_sample_unit)
     remark = f"The pixels of '{topic}' are left out." if kind == IMAGE else ''
-    return series_source(flight, topic, kind)._replace(remark=remark)
+    return build_series_source(flight, topic, kind)._replace(remark=remark)
 
 
-def source_of_table(table: Table, name: str) -> Source:
+def build_table_source(table: RecordingTable, name: str) -> ExportSource:
     """Return what the file of a table holds."""
     columns = {STAMP: table.stamp_ns, TIME: table.time} | {each: table[each] for each in table}
     declared = {column: values.dtype for column, values in columns.items()}
-    return Source(name, '', declared, FIXED | table.units, lambda: iter([columns]))
+    return ExportSource(name, '', declared, FIXED | table.units, lambda: iter([columns]))
 
 
-def source(
+def build_source(
     topic: str, kind: str, rows: Callable[[], Iterator[Columns]], unit: Callable[[str], str]
-) -> Source:
+) -> ExportSource:
     """Return a source of columns that need no names from elsewhere."""
     declared: dict[str, np.dtype[Any]] = {}
     for part in rows():
-        widen(declared, part)
-    whole = with_clock(declared)
+        widen_columns(declared, part)
+    whole = add_clock_columns(declared)
     units = {column: unit(column) for column in whole if unit(column)} | FIXED
-    return Source(topic, kind, whole, units, partial(completed, rows, whole))
+    return ExportSource(topic, kind, whole, units, partial(complete_rows, rows, whole))
 
 
-def series_source(flight: Flight, topic: str, kind: str) -> Source:
+def build_series_source(flight: RecordedFlight, topic: str, kind: str) -> ExportSource:
     """Return a source of messages of numbers; joints are called by their names."""
-    parts = partial(flight.parts, topic, ROWS)
-    if flight.bag.topics[flight.absolute(topic)].count <= ROWS:
+    parts = partial(flight.iterate_series, topic, ROWS)
+    if flight.bag.topics[flight.absolute_name(topic)].count <= ROWS:
         kept = list(parts())
         parts = partial(iter, kept)
     joints: dict[str, str] | None = None
     declared: dict[str, np.dtype[Any]] = {}
     units: dict[str, str] = {}
     for series in parts():
-        found = joints_of(series)
+        found = map_joint_names(series)
         joints = found if joints is None or joints == found else {}
-        table = table_from(flight, topic, series, {})
+        table = build_table(flight, topic, series, {})
         units |= table.units
-        widen(declared, {column: table[column] for column in table})
+        widen_columns(declared, {column: table[column] for column in table})
     names = joints or {}
 
-    def rows() -> Iterator[Columns]:
+    def iterate_rows() -> Iterator[Columns]:
         for series in parts():
-            table = table_from(flight, topic, series, names)
+            table = build_table(flight, topic, series, names)
             yield {STAMP: table.stamp_ns, TIME: table.time} | {each: table[each] for each in table}
 
-    renamed = with_clock({names.get(path, path): type_ for path, type_ in declared.items()})
+    renamed = add_clock_columns({names.get(path, path): type_ for path, type_ in declared.items()})
     units = {names.get(path, path): unit for path, unit in units.items()} | FIXED
-    return Source(topic, kind, renamed, units, partial(completed, rows, renamed))
+    return ExportSource(topic, kind, renamed, units, partial(complete_rows, iterate_rows, renamed))
 
 
-def with_clock(declared: Mapping[str, np.dtype[Any]]) -> dict[str, np.dtype[Any]]:
+def add_clock_columns(declared: Mapping[str, np.dtype[Any]]) -> dict[str, np.dtype[Any]]:
     """Return columns with those of the time in front."""
     return {STAMP: np.dtype(np.int64), TIME: np.dtype(np.float64), **declared}
 
 
-def widen(declared: dict[str, np.dtype[Any]], part: Columns) -> None:
+def widen_columns(declared: dict[str, np.dtype[Any]], part: Columns) -> None:
     """Take note of the columns of a stretch: types that hold what all stretches have."""
     for column in declared.keys() - part.keys():
         if declared[column].kind not in 'fU':
@@ -136,7 +136,7 @@ def widen(declared: dict[str, np.dtype[Any]], part: Columns) -> None:
             declared[column] = np.promote_types(known, values.dtype)
 
 
-def completed(
+def complete_rows(
     rows: Callable[[], Iterator[Columns]], declared: Mapping[str, np.dtype[Any]]
 ) -> Iterator[Columns]:
     """Yield stretches with all columns, NaN or '' where a stretch lacks one."""
@@ -150,42 +150,42 @@ def completed(
         }
 
 
-def sample_rows(flight: Flight) -> Iterator[Columns]:
+def iterate_sample_rows(flight: RecordedFlight) -> Iterator[Columns]:
     """Yield the samples of the photodiodes, one row a sampling instant."""
-    period = round(1e9 / topic_table().light.sample_rate.si)
-    for time, samples in flight.block_parts(DIODES, BLOCKS):
+    period = round(1e9 / load_topic_table().light.sample_rate.si)
+    for time, samples in flight.iterate_blocks(DIODES, BLOCKS):
         count = samples.shape[1]
         inside = np.tile(np.arange(count), len(samples))
-        stamps = np.repeat(stamps_of(flight, time), count) + inside * period
+        stamps = np.repeat(compute_stamps(flight, time), count) + inside * period
         table = samples.reshape(-1, samples.shape[2])
         diodes = {f'diode[{index}]': column for index, column in enumerate(table.T)}
-        yield clock(flight, stamps) | {'sample': inside} | diodes
+        yield build_clock_columns(flight, stamps) | {'sample': inside} | diodes
 
 
-def sample_unit(column: str) -> str:
+def find_sample_unit(column: str) -> str:
     """Return the unit of a column of samples."""
-    return unit_of(IMAGE, 'data', DIODES) if column.startswith('diode') else ''
+    return find_unit(IMAGE, 'data', DIODES) if column.startswith('diode') else ''
 
 
-def point_rows(flight: Flight, topic: str) -> Iterator[Columns]:
+def iterate_point_rows(flight: RecordedFlight, topic: str) -> Iterator[Columns]:
     """Yield the points of clouds, one row a point; a cloud with fewer has fewer rows."""
-    for time, fields in flight.point_parts(topic, CLOUDS):
+    for time, fields in flight.iterate_points(topic, CLOUDS):
         if not fields:
             continue
         table = np.stack(list(fields.values()))
         _, clouds, most = table.shape
         there = ~np.isnan(table).all(axis=0).ravel()
-        stamps = np.repeat(stamps_of(flight, time), most)[there]
+        stamps = np.repeat(compute_stamps(flight, time), most)[there]
         index = np.tile(np.arange(most), clouds)[there]
         columns = {name: values.ravel()[there] for name, values in fields.items()}
-        yield clock(flight, stamps) | {'point': index} | columns
+        yield build_clock_columns(flight, stamps) | {'point': index} | columns
 
 
-def clock(flight: Flight, stamps: NDArray[np.int64]) -> Columns:
+def build_clock_columns(flight: RecordedFlight, stamps: NDArray[np.int64]) -> Columns:
     """Return the columns of the time."""
     return {STAMP: stamps, TIME: (stamps - flight.start).astype(np.float64) * 1e-9}
 
 
-def stamps_of(flight: Flight, time: NDArray[np.float64]) -> NDArray[np.int64]:
+def compute_stamps(flight: RecordedFlight, time: NDArray[np.float64]) -> NDArray[np.int64]:
     """Return the stamps of times since the start. [ns]"""
     return flight.start + np.rint(time * 1e9).astype(np.int64)

@@ -6,13 +6,13 @@ from pathlib import Path
 import tempfile
 from typing import Final
 
-from lta_data.bag.channels import Channel
-from lta_report.drawing import blank, thinned
-from lta_report.formatting import number, Tile
-from lta_report.frame import framed, written
+from lta_data.bag.channels import SignalChannel
+from lta_report.drawing import create_figure, decimate_line
+from lta_report.formatting import format_number, Tile
+from lta_report.page_frame import assemble_page, write_file
+from lta_report.page_parts import render_section, render_tile
 from lta_report.palette import ESTIMATE, GOOD, LAMP, SETPOINT, TIME, TRUTH
-from lta_report.pieces import section, tile_html
-from lta_report.screenshots import picture
+from lta_report.screenshots import write_picture
 import numpy as np
 from plotly.graph_objects import Figure, Scatter
 
@@ -20,14 +20,16 @@ COLOURS: Final = (TRUTH, ESTIMATE, GOOD, LAMP, TIME[0], SETPOINT, TIME[2])
 LINE: Final = 20  # px of a line of the legend
 TILES: Final = 8
 NAME: Final = 'channels'
-Panels = Sequence[tuple[str, list[Channel]]]
+Panels = Sequence[tuple[str, list[SignalChannel]]]
 
 
-def drawing(unit: str, shown: Sequence[Channel], span: tuple[float, float]) -> Figure:
+def plot_channels(
+    unit: str, channels: Sequence[SignalChannel], span: tuple[float, float]
+) -> Figure:
     """Return channels of one unit over time."""
-    figure = blank()
-    for k, channel in enumerate(shown):
-        time, values = thinned(channel.time, channel.values)
+    figure = create_figure()
+    for k, channel in enumerate(channels):
+        time, values = decimate_line(channel.time, channel.values)
         figure.add_trace(
             Scatter(
                 x=time,
@@ -42,38 +44,44 @@ def drawing(unit: str, shown: Sequence[Channel], span: tuple[float, float]) -> F
     figure.update_xaxes(range=list(span), hoverformat='.3f', unifiedhovertitle_text='%{x} s')
     figure.update_xaxes(title_text='time [s]')
     legend = {'orientation': 'h', 'x': 0, 'y': 1.0, 'yanchor': 'bottom', 'font': {'size': 11}}
-    top = LINE * -(-len(shown) // 3) + 12
+    top = LINE * -(-len(channels) // 3) + 12
     return figure.update_layout(showlegend=True, legend=legend, margin={'t': top, 'r': 12})
 
 
-def page(title: str, panels: Panels, span: tuple[float, float], facts: dict[str, str]) -> str:
+def render_page(
+    title: str, panels: Panels, span: tuple[float, float], facts: dict[str, str]
+) -> str:
     """Return the whole page."""
     every = [channel for _, shown in panels for channel in shown]
     pictures = [
-        section(f'unit-{k}', heading(shown), '', drawing(unit, shown, span), timed=True)
+        render_section(
+            f'unit-{k}', format_heading(shown), '', plot_channels(unit, shown, span), timed=True
+        )
         for k, (unit, shown) in enumerate(panels)
     ]
-    return framed(
+    return assemble_page(
         'plot.html',
         title=escape(title),
-        kicker=escape(f'{len(every)} channels, {number(span[0], 1)} to {number(span[1], 1)} s'),
+        kicker=escape(
+            f'{len(every)} channels, {format_number(span[0], 1)} to {format_number(span[1], 1)} s'
+        ),
         about='As recorded; angles in degrees, without jumps.',
-        tiles='\n'.join(tile_html(*tile(channel)) for channel in every[:TILES]),
+        tiles='\n'.join(render_tile(*build_tile(channel)) for channel in every[:TILES]),
         pictures='\n'.join(pictures),
         facts=facts,
     )
 
 
-def heading(shown: Sequence[Channel]) -> str:
+def format_heading(channels: Sequence[SignalChannel]) -> str:
     """Return the topics of some channels."""
-    return ', '.join(dict.fromkeys(channel.topic for channel in shown))
+    return ', '.join(dict.fromkeys(channel.topic for channel in channels))
 
 
-def tile(channel: Channel) -> Tile:
+def build_tile(channel: SignalChannel) -> Tile:
     """Return the mean of a channel with its range."""
     finite = channel.values[np.isfinite(channel.values)]
     if not len(finite):
-        return Tile(channel.name, number(None), channel.unit, 'no value')
+        return Tile(channel.name, format_number(None), channel.unit, 'no value')
     ends = f'{finite.min():.4g} to {finite.max():.4g}'
     return Tile(channel.name, f'{finite.mean():.4g}', channel.unit, f'mean; {ends}')
 
@@ -81,7 +89,7 @@ def tile(channel: Channel) -> Tile:
 def write_png(text: str, out: Path) -> Path:
     """Write the page's picture as PNG; `BadInput` without a browser or where it cannot be."""
     with tempfile.TemporaryDirectory() as folder:
-        made = written(text, Path(folder) / 'plot.html')
+        made = write_file(text, Path(folder) / 'plot.html')
         shot = Path(folder) / 'plot.png'
-        picture(made, shot, NAME)
-        return written(shot.read_bytes(), out)
+        write_picture(made, shot, NAME)
+        return write_file(shot.read_bytes(), out)

@@ -3,8 +3,8 @@
 from collections.abc import Iterable, Sequence
 from typing import Final
 
-from lta_data.bag.channels import Channel
-from lta_report.braille import Canvas
+from lta_data.bag.channels import SignalChannel
+from lta_report.braille_canvas import BrailleCanvas
 import numpy as np
 from numpy.typing import NDArray
 from rich.console import Console
@@ -20,12 +20,12 @@ MARGIN: Final = 12  # characters left of it
 STYLES: Final = ('cyan', 'yellow', 'magenta', 'green', 'red', 'blue', 'white')
 
 
-def figure(value: float) -> str:
+def format_number(value: float) -> str:
     """Return a number in few characters."""
     return f'{value:.4g}' if np.isfinite(value) else ''
 
 
-def sparkline(values: NDArray[np.float64], width: int = SPARK) -> str:
+def draw_sparkline(values: NDArray[np.float64], width: int = SPARK) -> str:
     """
     Return means of even stretches as blocks of eight heights, or a word where nothing changes.
 
@@ -51,10 +51,10 @@ def sparkline(values: NDArray[np.float64], width: int = SPARK) -> str:
     return ''.join(found)
 
 
-def listing(found: Iterable[Channel], width: int) -> Table:
+def build_channel_listing(channels: Iterable[SignalChannel], width: int) -> Table:
     """Return every channel with its range and its course in a line, in so many characters."""
-    found = list(found)
-    longest = max((len(channel.name) for channel in found), default=0)
+    channels = list(channels)
+    longest = max((len(channel.name) for channel in channels), default=0)
     # Names are for copying, so they come whole if they can.
     spark = max(FEW, min(SPARK, width - longest - FIGURES))
     table = Table(box=None, pad_edge=False)
@@ -62,14 +62,20 @@ def listing(found: Iterable[Channel], width: int) -> Table:
     for name in ('unit', 'least', 'most'):
         table.add_column(name, justify='right', no_wrap=True)
     table.add_column('over time', no_wrap=True)
-    for channel in found:
+    for channel in channels:
         finite = channel.values[np.isfinite(channel.values)]
-        ends = ('', '') if not len(finite) else (figure(finite.min()), figure(finite.max()))
-        table.add_row(channel.name, channel.unit, *ends, sparkline(channel.values, spark))
+        ends = (
+            ('', '')
+            if not len(finite)
+            else (format_number(finite.min()), format_number(finite.max()))
+        )
+        table.add_row(channel.name, channel.unit, *ends, draw_sparkline(channel.values, spark))
     return table
 
 
-def curves(unit: str, shown: Sequence[Channel], span: tuple[float, float], width: int) -> Text:
+def draw_curves(
+    unit: str, channels: Sequence[SignalChannel], span: tuple[float, float], width: int
+) -> Text:
     """
     Return channels of one unit as curves over time.
 
@@ -85,28 +91,32 @@ def curves(unit: str, shown: Sequence[Channel], span: tuple[float, float], width
         Characters.
 
     """
-    canvas = Canvas(max(8, width - MARGIN), HEIGHT)
-    every = np.concatenate([channel.values for channel in shown])
+    canvas = BrailleCanvas(max(8, width - MARGIN), HEIGHT)
+    every = np.concatenate([channel.values for channel in channels])
     every = every[np.isfinite(every)]
     low, high = (float(every.min()), float(every.max())) if len(every) else (0.0, 1.0)
-    for k, channel in enumerate(shown):
-        draw(canvas, channel, span, (low, high), STYLES[k % len(STYLES)])
-    labels = {0: figure(high), HEIGHT - 1: figure(low), HEIGHT // 2: f'[{unit}]' if unit else ''}
+    for k, channel in enumerate(channels):
+        draw_curve(canvas, channel, span, (low, high), STYLES[k % len(STYLES)])
+    labels = {
+        0: format_number(high),
+        HEIGHT - 1: format_number(low),
+        HEIGHT // 2: f'[{unit}]' if unit else '',
+    }
     found = Text()
-    for row, line in enumerate(canvas.lines()):
+    for row, line in enumerate(canvas.render_lines()):
         found.append(f'{labels.get(row, ""):>{MARGIN - 2}} ', 'dim').append('│', 'dim')
         found.append_text(line).append('\n')
-    ends = [f'{figure(time)} s' for time in span]
+    ends = [f'{format_number(time)} s' for time in span]
     gap = canvas.width - sum(map(len, ends))
     found.append(f'{"":{MARGIN - 1}}└{ends[0]}{"─" * max(1, gap)}{ends[1]}\n', 'dim')
-    for k, channel in enumerate(shown):
+    for k, channel in enumerate(channels):
         found.append(f'{"":{MARGIN}}━━ ', STYLES[k % len(STYLES)]).append(f'{channel.name}\n')
     return found
 
 
-def draw(
-    canvas: Canvas,
-    channel: Channel,
+def draw_curve(
+    canvas: BrailleCanvas,
+    channel: SignalChannel,
     span: tuple[float, float],
     ends: tuple[float, float],
     style: str,
@@ -122,12 +132,12 @@ def draw(
     for column in np.unique(across):
         inside = down[across == column]
         for row in range(int(inside.min()), int(inside.max()) + 1):
-            canvas.dot(float(column), float(row), style)
+            canvas.draw_dot(float(column), float(row), style)
 
 
-def show(
-    panels: Iterable[tuple[str, list[Channel]]], span: tuple[float, float], console: Console
+def print_channels(
+    panels: Iterable[tuple[str, list[SignalChannel]]], span: tuple[float, float], console: Console
 ) -> None:
     """Print each axis with its channels."""
     for unit, shown in panels:
-        console.print(curves(unit, shown, span, console.width), soft_wrap=True)
+        console.print(draw_curves(unit, shown, span, console.width), soft_wrap=True)

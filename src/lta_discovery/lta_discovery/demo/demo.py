@@ -4,9 +4,9 @@ from pathlib import Path
 import shutil
 from typing import Final
 
-from lta_discovery.demo.hidden import drawn, fly_hidden, Hidden, VEHICLE
+from lta_discovery.demo.hidden_effect import DemoEffect, draw_demo_effect, fly_hidden, VEHICLE
 from lta_discovery.flights.bags import Role
-from lta_discovery.run import Asked, discover, Discovered, Tell
+from lta_discovery.run import discover_effects, DiscoveryRequest, DiscoveryResult, Tell
 
 SECONDS: Final = 48.0  # of each flight
 FLIGHTS: Final[tuple[tuple[str, Role], ...]] = (
@@ -15,7 +15,9 @@ FLIGHTS: Final[tuple[tuple[str, Role], ...]] = (
 APART: Final = 1000  # between the seeds of two demonstrations: no two flights are alike
 
 
-def demonstrate(seed: int, folder: Path, tell: Tell) -> tuple[Hidden, Discovered]:
+def demonstrate_discovery(
+    seed: int, folder: Path, tell: Tell
+) -> tuple[DemoEffect, DiscoveryResult]:
     """
     Hide an effect, fly three flights with it, and look for it.
 
@@ -29,13 +31,13 @@ def demonstrate(seed: int, folder: Path, tell: Tell) -> tuple[Hidden, Discovered
         Told what is being done.
 
     """
-    hidden, bags = drawn(seed), {}
+    hidden, bags = draw_demo_effect(seed), {}
     try:
         for k, (name, role) in enumerate(FLIGHTS):
             tell(f'flying {name} with something hidden', None)
             place = folder / 'flights' / name
             bags[role] = [fly_hidden(hidden, APART * seed + k, SECONDS, place)]
-        return hidden, discover(Asked(VEHICLE, bags, seed), folder, tell)
+        return hidden, discover_effects(DiscoveryRequest(VEHICLE, bags, seed), folder, tell)
     except BaseException:
         shutil.rmtree(folder)  # flights of a demonstration that nobody saw through
         raise

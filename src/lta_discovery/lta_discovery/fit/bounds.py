@@ -5,28 +5,31 @@ import math
 from typing import Final
 
 from lta_discovery.fit.evidence import Prior
-from lta_discovery.model.knobs import Knob
-from lta_discovery.model.nominal import Nominal
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import FreeParameter
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
 # Standard deviations that a fit may take a tolerance from the vehicle file (where it can be an
-# effect too, of both). What wants to go further is left unexplained, and said (`wanting_out`).
+# effect too, of both). What wants to go further is left unexplained, and said
+# (`find_strained_tolerances`).
 FARTHEST: Final = 6.0
 
 
-def turned(nominal: Nominal, knobs: Sequence[Knob], values: Array) -> tuple[Nominal, Array]:
+def apply_parameters(
+    nominal: NominalVehicle, knobs: Sequence[FreeParameter], values: Array
+) -> tuple[NominalVehicle, Array]:
     """Return the vehicle with its knobs at values, and those values within their bounds."""
-    out = within(knobs, values)
+    out = clip_to_bounds(knobs, values)
     for k, knob in enumerate(knobs):
         if out[k] != 0.0:
-            nominal = knob.turned(nominal, float(out[k]))
+            nominal = knob.apply_to(nominal, float(out[k]))
     return nominal, out
 
 
-def reach(knobs: Sequence[Knob], prior: Prior) -> tuple[Array, Array]:
+def parameter_bounds(knobs: Sequence[FreeParameter], prior: Prior) -> tuple[Array, Array]:
     """
     Return between which values a fit may put what flights share, two ndarrays of shape (G,).
 
@@ -42,7 +45,9 @@ def reach(knobs: Sequence[Knob], prior: Prior) -> tuple[Array, Array]:
     return np.maximum(low, prior.mean - far), np.minimum(high, prior.mean + far)
 
 
-def wanting_out(knobs: Sequence[Knob], prior: Prior, mean: Array) -> list[str]:
+def find_strained_tolerances(
+    knobs: Sequence[FreeParameter], prior: Prior, mean: Array
+) -> list[str]:
     """
     Return the tolerances that the data would put further from the vehicle file than they may be.
 
@@ -56,7 +61,7 @@ def wanting_out(knobs: Sequence[Knob], prior: Prior, mean: Array) -> list[str]:
         What is most probable, if nothing but the prior held it (`Fitted.mean`).
 
     """
-    low, high = reach(knobs, prior)
+    low, high = parameter_bounds(knobs, prior)
     spread = np.sqrt(np.diag(prior.covariance))
     return [
         knob.name
@@ -65,7 +70,7 @@ def wanting_out(knobs: Sequence[Knob], prior: Prior, mean: Array) -> list[str]:
     ]
 
 
-def strained_words(names: Sequence[str]) -> list[str]:
+def format_strained_tolerances(names: Sequence[str]) -> list[str]:
     """Return a sentence on tolerances that are not enough, if there are any."""
     if not names:
         return []
@@ -75,12 +80,12 @@ def strained_words(names: Sequence[str]) -> list[str]:
     ]
 
 
-def _is_tolerance(knob: Knob, spread: float) -> bool:
+def _is_tolerance(knob: FreeParameter, spread: float) -> bool:
     """Tell whether a knob is free by its tolerance, and not as an effect that was named."""
     return 0.0 < spread < (1.0 + 1e-9) * knob.tolerance
 
 
-def within(knobs: Sequence[Knob], values: Array) -> Array:
+def clip_to_bounds(knobs: Sequence[FreeParameter], values: Array) -> Array:
     """Return values within their bounds; the last, of SENSORS, have none."""
     out = values.copy()
     for k, knob in enumerate(knobs):

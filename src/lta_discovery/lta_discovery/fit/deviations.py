@@ -9,8 +9,8 @@ from collections.abc import Callable, Sequence
 from typing import Final
 
 from lta_discovery.fit.evidence import Prior
-from lta_discovery.fit.group import Group
-from lta_discovery.fit.steepness import Steepness, steepness
+from lta_discovery.fit.evidence_gradient import compute_evidence_gradient, EvidenceGradient
+from lta_discovery.fit.flight_group import LinearizedGroup
 import numpy as np
 from numpy.typing import NDArray
 
@@ -26,20 +26,20 @@ LOWEST: Final = 0.05  # floors; of a deviation
 HIGHEST: Final = 1e3  # floors; of a deviation
 
 
-def strides(seen: Steepness) -> Array:
+def newton_strides(gradient: EvidenceGradient) -> Array:
     """
     Return by how much the logarithms of the deviations should change.
 
     The evidence is nearer to a parabola in a variance than in its logarithm: where there is too
     much, a stride is made longer, where there is too little, shorter.
     """
-    step = np.linalg.solve(seen.bend, seen.slope)
+    step = np.linalg.solve(gradient.bend, gradient.slope)
     out: Array = 0.5 * np.log(np.maximum(1.0 + 2.0 * step, np.exp(-2.0 * LONGEST)))
     return np.minimum(out, LONGEST)
 
 
-def best(
-    steep: Callable[[Array], Steepness], start: Array, floor: Array, worth: float = WORTH
+def maximize_evidence(
+    steep: Callable[[Array], EvidenceGradient], start: Array, floor: Array, worth: float = WORTH
 ) -> tuple[Array, float]:
     """
     Return the deviations of greatest value near a start, and the value.
@@ -60,7 +60,7 @@ def best(
     at, part = np.clip(np.log(start), low, high), 1.0
     now = steep(np.exp(at))
     for _ in range(STRIDES if np.isfinite(now.value) else 0):
-        step = np.clip(at + part * strides(now), low, high) - at
+        step = np.clip(at + part * newton_strides(now), low, high) - at
         promised = float(now.slope @ step)
         if promised < worth:
             break
@@ -81,8 +81,8 @@ def best(
     return np.exp(at), now.value
 
 
-def weighed(
-    group: Group,
+def fit_deviations(
+    group: LinearizedGroup,
     prior: Prior,
     start: Array,
     floor: Array,
@@ -103,19 +103,22 @@ def weighed(
     caps : sequence of float
         Of further starts. [floors]
     worth : float
-        As for `best`.
+        As for `maximize_evidence`.
 
     """
-    narrow, kept = group.narrowed(prior.free)
+    narrow, kept = group.select_columns(prior.free)
     own = Prior(prior.mean[kept], prior.covariance[np.ix_(kept, kept)])
 
-    def steep(deviations: Array) -> Steepness:
+    def evaluate_gradient(deviations: Array) -> EvidenceGradient:
         try:
-            return steepness(narrow, own, deviations, floor)
+            return compute_evidence_gradient(narrow, own, deviations, floor)
         except np.linalg.LinAlgError:
             # So far off that nothing is left of a column but rounding.
-            return Steepness(-np.inf, np.zeros(len(floor)), np.eye(len(floor)))
+            return EvidenceGradient(-np.inf, np.zeros(len(floor)), np.eye(len(floor)))
 
     starts = [start, *(np.minimum(start, cap * floor) for cap in caps)]
     distinct = [s for k, s in enumerate(starts) if k == 0 or not np.allclose(s, start)]
-    return max((best(steep, s, floor, worth) for s in distinct), key=lambda found: found[1])
+    return max(
+        (maximize_evidence(evaluate_gradient, s, floor, worth) for s in distinct),
+        key=lambda found: found[1],
+    )

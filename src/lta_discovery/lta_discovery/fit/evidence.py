@@ -14,11 +14,11 @@ from typing import Final, final, NamedTuple
 
 from lta_discovery.fit.triangular import invert_lower, solve_lower
 from lta_discovery.flights.windows import LENGTH
-from lta_discovery.model.candidates import components
-from lta_discovery.model.knobs import Knob
-from lta_discovery.model.nominal import Nominal
-from lta_discovery.replay.linear import AXES, Linear, Point
-from lta_discovery.replay.tangent import WIDTH
+from lta_discovery.model.candidates import vector_components
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.replay.linearized_flight import AXES, LinearizationPoint, LinearizedFlight
+from lta_discovery.replay.variational_equation import WIDTH
 import numpy as np
 from numpy.typing import NDArray
 
@@ -30,7 +30,7 @@ PIECE_PRESSURE: Final = 0.6  # Pa; 5 cm of air
 OWN: Final = np.array([2.4, 0.006, 0.006, 0.006])  # of SENSORS: 20 cm of air; parts of 1
 MEMORY: Final = 1.5  # s; over which a latent force forgets itself
 # Least standard deviation of the latent force [N] and moment [N m] worth speaking of, for a blimp
-# of this mass [kg] and inertia [kg m2]; it grows with them (`floor_of`).
+# of this mass [kg] and inertia [kg m2]; it grows with them (`wrench_floor`).
 FLOOR: Final = np.array([4e-4, 4e-4, 4e-4, 8e-5, 8e-5, 4e-5])
 MASS: Final = 0.415  # kg; of the vehicle of which the floor is
 INERTIA: Final = np.array([0.039, 0.039, 0.028])
@@ -55,7 +55,7 @@ def knot_precision(knots: int, length: float = LENGTH) -> Array:
     return precision
 
 
-def floor_of(nominal: Nominal) -> Array:
+def wrench_floor(nominal: NominalVehicle) -> Array:
     """Return the least latent wrench worth speaking of for a vehicle, shape (6,). [N, N m]"""
     inertia = np.diag(nominal.inertia) / INERTIA
     floor: Array = FLOOR * np.concatenate([np.full(3, nominal.mass / MASS), inertia])
@@ -85,7 +85,9 @@ class Prior(NamedTuple):
         return np.diag(self.covariance) > 0.0
 
 
-def tolerances(knobs: Sequence[Knob], named: Sequence[str] = (), sizes: Sizes = NO_SIZES) -> Prior:
+def build_prior(
+    knobs: Sequence[FreeParameter], named: Sequence[str] = (), sizes: Sizes = NO_SIZES
+) -> Prior:
     """
     Return the prior in which some candidates are there and the others are not.
 
@@ -99,7 +101,7 @@ def tolerances(knobs: Sequence[Knob], named: Sequence[str] = (), sizes: Sizes = 
         How many typical sizes each may have, where it is not one (`naming.scan.SIZES`).
 
     """
-    there = {one: sizes.get(name, 1.0) for name in named for one in components(name)}
+    there = {one: sizes.get(name, 1.0) for name in named for one in vector_components(name)}
     variance = [
         knob.tolerance**2 + (there.get(knob.name, 0.0) * knob.typical) ** 2 for knob in knobs
     ]
@@ -107,19 +109,21 @@ def tolerances(knobs: Sequence[Knob], named: Sequence[str] = (), sizes: Sizes = 
     return Prior(np.zeros(len(covariance)), covariance)
 
 
-def own_variance(knobs: Sequence[Knob]) -> Array:
+def per_flight_variance(knobs: Sequence[FreeParameter]) -> Array:
     """Return the variance of what is drawn anew for each flight, 0 for what flights share."""
     trims = [knob.tolerance**2 if knob.per_flight else 0.0 for knob in knobs]
     return np.array([*trims, *OWN**2])
 
 
-def shared(knobs: Sequence[Knob], named: Sequence[str] = (), sizes: Sizes = NO_SIZES) -> Prior:
-    """Return the prior of what flights share: `tolerances` less what is each one's own."""
-    both = tolerances(knobs, named, sizes)
-    return Prior(both.mean, both.covariance - np.diag(own_variance(knobs)))
+def build_shared_prior(
+    knobs: Sequence[FreeParameter], named: Sequence[str] = (), sizes: Sizes = NO_SIZES
+) -> Prior:
+    """Return the prior of what flights share: `build_prior` less what is each one's own."""
+    both = build_prior(knobs, named, sizes)
+    return Prior(both.mean, both.covariance - np.diag(per_flight_variance(knobs)))
 
 
-def learned(before: 'Fitted', widened: float = 1.5) -> Prior:
+def posterior_as_prior(before: 'ParameterPosterior', widened: float = 1.5) -> Prior:
     """
     Return what some flights say about the next: their posterior, a little wider.
 
@@ -136,7 +140,7 @@ def learned(before: 'Fitted', widened: float = 1.5) -> Prior:
 
 @final
 @dataclass(frozen=True, slots=True)
-class Reduced:
+class ReducedFlight:
     """
     A flight with the unknowns of its pieces eliminated.
 
@@ -154,7 +158,7 @@ class Reduced:
 
 
 @final
-class Solved(NamedTuple):
+class LatentSolution(NamedTuple):
     """
     The latent wrench of a flight's pieces, solved for some deviations.
 
@@ -170,13 +174,13 @@ class Solved(NamedTuple):
 
     """
 
-    reduced: Reduced
+    reduced: ReducedFlight
     inverse: Array
     answer: Array
 
 
 @final
-class Pieces:
+class PieceReducer:
     """
     The pieces of a flight, ready to be reduced for any deviations of the latent wrench.
 
@@ -187,30 +191,32 @@ class Pieces:
 
     """
 
-    def __init__(self, linear: Linear) -> None:
+    def __init__(self, linear: LinearizedFlight) -> None:
         self.linear = linear
-        latent, random = slice(WIDTH, WIDTH + AXES * linear.knots), linear.random
+        latent, random = slice(WIDTH, WIDTH + AXES * linear.knots), linear.unknown_count
         keep = np.r_[latent, random : linear.grams.shape[1]]
         out = np.r_[0:WIDTH, random - 1]
         precision = np.concatenate([STATE**-2.0, [PIECE_PRESSURE**-2.0]])
         mean = -linear.point.random[:, out]
-        self._grams, self._constant = eliminated(linear.grams, keep, out, np.diag(precision), mean)
+        self._grams, self._constant = eliminate_columns(
+            linear.grams, keep, out, np.diag(precision), mean
+        )
         self._knots = knot_precision(linear.knots)
         self._mean = -linear.point.random[:, latent]
 
-    def narrowed(self, kept: NDArray[np.int64]) -> 'Pieces':
+    def select_columns(self, columns: NDArray[np.int64]) -> 'PieceReducer':
         """Return the flight with only some columns, for what needs no more than to be reduced."""
         out, point = copy(self), self.linear.point
-        names = tuple(self.linear.names[k] for k in kept)
+        names = tuple(self.linear.names[k] for k in columns)
         out.linear = replace(
-            self.linear, names=names, point=replace(point, values=point.values[kept])
+            self.linear, names=names, point=replace(point, values=point.values[columns])
         )
         count = AXES * self.linear.knots
-        index = np.concatenate([np.arange(count), count + kept, [self._grams.shape[1] - 1]])
+        index = np.concatenate([np.arange(count), count + columns, [self._grams.shape[1] - 1]])
         out._grams = self._grams[:, index[:, None], index]
         return out
 
-    def reduced(self, deviations: Array) -> Reduced:
+    def reduce(self, deviations: Array) -> ReducedFlight:
         """
         Return the flight without its pieces' unknowns.
 
@@ -220,19 +226,21 @@ class Pieces:
             Of the latent force [N] and moment [N m].
 
         """
-        precision, count = self._precision(deviations), AXES * self.linear.knots
+        precision, count = self._latent_precision(deviations), AXES * self.linear.knots
         keep = np.arange(count, self._grams.shape[1])
-        products, constant = eliminated(self._grams, keep, np.arange(count), precision, self._mean)
-        return self._summed(products, constant)
+        products, constant = eliminate_columns(
+            self._grams, keep, np.arange(count), precision, self._mean
+        )
+        return self._sum_pieces(products, constant)
 
     @property
-    def latent(self) -> Array:
+    def latent_wrench(self) -> Array:
         """The latent wrench at the knots where the flight stands, shape (S, L)."""
         return -self._mean
 
-    def solution(self, deviations: Array) -> Solved:
+    def solve_latent(self, deviations: Array) -> LatentSolution:
         """Return the same as `reduced`, with what it takes to see how it answers to them."""
-        precision, count = self._precision(deviations), AXES * self.linear.knots
+        precision, count = self._latent_precision(deviations), AXES * self.linear.knots
         inner = self._grams[:, :count, :count] + precision
         cross = self._grams[:, :count, count:].copy()
         pull = self._mean @ precision
@@ -245,18 +253,18 @@ class Pieces:
         left[:, -1, -1] += np.sum(pull * self._mean, axis=1)
         logs = np.linalg.slogdet(precision)[1]
         logs = logs - 2.0 * np.log(np.diagonal(root, axis1=1, axis2=2)).sum(axis=1)
-        return Solved(self._summed(left, 0.5 * logs), inverse, answer)
+        return LatentSolution(self._sum_pieces(left, 0.5 * logs), inverse, answer)
 
-    def _precision(self, deviations: Array) -> Array:
+    def _latent_precision(self, deviations: Array) -> Array:
         """Return the inverse covariance of the latent wrench of a piece."""
-        return _by_axis(deviations, self._knots)
+        return _expand_precision(deviations, self._knots)
 
-    def _summed(self, products: Array, constant: Array) -> Reduced:
+    def _sum_pieces(self, products: Array, constant: Array) -> ReducedFlight:
         """Return what all pieces say together."""
         rows = -0.5 * np.log(2.0 * np.pi) * self.linear.rows.sum()
-        return Reduced(products.sum(axis=0), self._constant.sum() + constant.sum() + rows)
+        return ReducedFlight(products.sum(axis=0), self._constant.sum() + constant.sum() + rows)
 
-    def solved(self, deviations: Array, change: Array) -> Array:
+    def solve_unknowns(self, deviations: Array, change: Array) -> Array:
         """
         Return the most probable unknowns of each piece, given how far knobs move from the point.
 
@@ -274,7 +282,11 @@ class Pieces:
 
         """
         precision = unknown_precision(deviations, self.linear.knots)
-        grams, before, random = self.linear.grams, self.linear.point.random, self.linear.random
+        grams, before, random = (
+            self.linear.grams,
+            self.linear.point.random,
+            self.linear.unknown_count,
+        )
         right = grams[:, :random, -1] - grams[:, :random, random:-1] @ change
         right = right - before @ precision
         moved = np.linalg.solve(grams[:, :random, :random] + precision, right[..., None])
@@ -285,16 +297,16 @@ def unknown_precision(deviations: Array, knots: int) -> Array:
     """Return the inverse covariance of a piece's unknowns, shape (R, R)."""
     out = np.diag(np.concatenate([STATE**-2.0, np.zeros(AXES * knots), [PIECE_PRESSURE**-2.0]]))
     latent = slice(WIDTH, WIDTH + AXES * knots)
-    out[latent, latent] = _by_axis(deviations, knot_precision(knots))
+    out[latent, latent] = _expand_precision(deviations, knot_precision(knots))
     return out
 
 
-def _by_axis(deviations: Array, knots: Array) -> Array:
+def _expand_precision(deviations: Array, knots: Array) -> Array:
     """Return the inverse covariance of the knots of all axes, from that of one of deviation 1."""
     return np.asarray(np.kron(np.diag(deviations**-2.0), knots), dtype=np.float64)
 
 
-def eliminated(
+def eliminate_columns(
     grams: Array, keep: NDArray[np.int64], out: NDArray[np.int64], precision: Array, mean: Array
 ) -> tuple[Array, Array]:
     """Return products without some columns that have a prior, and the log evidence's constant."""
@@ -311,7 +323,7 @@ def eliminated(
     return left, 0.5 * own - logs
 
 
-class Fitted(NamedTuple):
+class ParameterPosterior(NamedTuple):
     """The knobs after the data: log evidence, mean from the vehicle file, and covariance."""
 
     log_evidence: float
@@ -319,7 +331,7 @@ class Fitted(NamedTuple):
     covariance: Array
 
 
-def fitted(reduced: Reduced, at: Array, prior: Prior) -> Fitted:
+def compute_posterior(reduced: ReducedFlight, at: Array, prior: Prior) -> ParameterPosterior:
     """
     Return the posterior of the knobs, and the log evidence.
 
@@ -347,10 +359,10 @@ def fitted(reduced: Reduced, at: Array, prior: Prior) -> Fitted:
     after[free] += np.linalg.solve(root.T, half)
     inverse = np.linalg.inv(root)
     covariance[np.ix_(free, free)] = inverse.T @ inverse
-    return Fitted(float(reduced.constant + logs - 0.5 * square), after, covariance)
+    return ParameterPosterior(float(reduced.constant + logs - 0.5 * square), after, covariance)
 
 
-def strain(point: Point, deviations: Array) -> float:
+def unknowns_penalty(point: LinearizationPoint, deviations: Array) -> float:
     """Return minus twice the log density of the unknowns of a flight's pieces, less a constant."""
     inverse, random = knot_precision(point.knots), point.random
     knots = random[:, WIDTH:-1].reshape(-1, AXES, point.knots)

@@ -10,12 +10,12 @@ from collections.abc import Sequence
 from typing import Final
 
 from lta_config.errors import BadInput
-from lta_discovery.fit.evidence import Prior, strain
-from lta_discovery.fit.group import Group
-from lta_discovery.flights.measured import PERIOD
+from lta_discovery.fit.evidence import Prior, unknowns_penalty
+from lta_discovery.fit.flight_group import LinearizedGroup
+from lta_discovery.flights.measured_flight import PERIOD
 from lta_discovery.parallel import map_parallel
-from lta_discovery.replay.linear import Point
-from lta_discovery.replay.linearise import Linearised
+from lta_discovery.replay.linearized_flight import LinearizationPoint
+from lta_discovery.replay.linearizer import FlightLinearizer
 from lta_discovery.replay.replay import STEPS
 import numpy as np
 from numpy.typing import NDArray
@@ -25,13 +25,13 @@ Array = NDArray[np.float64]
 AHEAD: Final = 3.0  # s; of a forecast
 
 
-def misfit_at(
-    flights: Sequence[Linearised],
+def compute_misfit(
+    flights: Sequence[FlightLinearizer],
     deviations: Array,
     prior: Prior,
     variance: Array,
     at: Array,
-    points: Sequence[Point],
+    points: Sequence[LinearizationPoint],
 ) -> float:
     """
     Return the misfit of flights at a point; inf where one ran away or no such vehicle can be.
@@ -52,25 +52,27 @@ def misfit_at(
         Of each flight.
 
     """
-    flown = map_parallel(_flown_misfit, list(zip(flights, points, strict=True)))
-    return _unknowns(deviations, prior, variance, at, points) + sum(flown)
+    flown = map_parallel(_readings_misfit, list(zip(flights, points, strict=True)))
+    return _unknowns_misfit(deviations, prior, variance, at, points) + sum(flown)
 
 
-def _flown_misfit(one: tuple[Linearised, Point]) -> float:
+def _readings_misfit(one: tuple[FlightLinearizer, LinearizationPoint]) -> float:
     """Return the misfit of the readings of one flight at a point."""
     flight, point = one
     with np.errstate(over='ignore', invalid='ignore'):
         try:
-            grid = flight.trajectory(point)[:, ::STEPS]
+            grid = flight.simulate_trajectory(point)[:, ::STEPS]
         except BadInput:
             return np.inf  # no such vehicle can be
         if not np.isfinite(grid).all():
             return np.inf
-        left = flight.left(grid, point, flight.replay.rows(point.nominal))
+        left = flight.compute_residual(grid, point, flight.replay.build_rows(point.nominal))
         return float(np.nansum((left / flight.replay.flight.noise) ** 2))
 
 
-def forecast_error(flights: Sequence[Linearised], points: Sequence[Point]) -> float:
+def forecast_error(
+    flights: Sequence[FlightLinearizer], points: Sequence[LinearizationPoint]
+) -> float:
     """
     Return the typical error of forecasts that no latent wrench helps, in the tracker's noise.
 
@@ -83,17 +85,17 @@ def forecast_error(flights: Sequence[Linearised], points: Sequence[Point]) -> fl
     return float(np.nanmedian(np.concatenate([errors for errors in found if errors is not None])))
 
 
-def _forecast_errors(one: tuple[Linearised, Point]) -> Array | None:
+def _forecast_errors(one: tuple[FlightLinearizer, LinearizationPoint]) -> Array | None:
     """Return the errors of the forecasts of each piece of a flight; None of no such vehicle."""
     flight, point = one
     here, measured = (slice(None), slice(round(AHEAD / PERIOD))), flight.replay.flight
     with np.errstate(over='ignore', invalid='ignore'):
         try:
-            grid = flight.forecast(point)[:, ::STEPS]
+            grid = flight.simulate_forecast(point)[:, ::STEPS]
         except BadInput:
             return None
         # As the tracker would tell it: its frame and its clock may be among what was fitted.
-        left = flight.left(grid, point, flight.replay.rows(point.nominal))[here]
+        left = flight.compute_residual(grid, point, flight.replay.build_rows(point.nominal))[here]
         off = left[..., :3] / measured.noise[:3]
         known = np.isfinite(measured.position[flight.index[here]])
         known &= flight.replay.cut.inside[here][..., None]
@@ -102,11 +104,15 @@ def _forecast_errors(one: tuple[Linearised, Point]) -> Array | None:
         return errors
 
 
-def promised(
-    group: Group, deviations: Array, prior: Prior, at: Array, points: Sequence[Point]
+def predict_linear_misfit(
+    group: LinearizedGroup,
+    deviations: Array,
+    prior: Prior,
+    at: Array,
+    points: Sequence[LinearizationPoint],
 ) -> float:
     """Return the same as flights that are linearised elsewhere would have it."""
-    total = _unknowns(deviations, prior, group.variance, at, points)
+    total = _unknowns_misfit(deviations, prior, group.variance, at, points)
     for linear, point in zip(group.linears, points, strict=True):
         moved = np.tile(point.values - linear.point.values, (len(linear.grams), 1))
         none = np.full((len(linear.grams), 1), -1.0)
@@ -115,14 +121,18 @@ def promised(
     return total
 
 
-def _unknowns(
-    deviations: Array, prior: Prior, variance: Array, at: Array, points: Sequence[Point]
+def _unknowns_misfit(
+    deviations: Array,
+    prior: Prior,
+    variance: Array,
+    at: Array,
+    points: Sequence[LinearizationPoint],
 ) -> float:
     """Return the share of the unknowns: of what is shared, of each flight, of its pieces."""
     free, own = prior.free, variance > 0.0
     off = (at - prior.mean)[free]
     total = float(off @ np.linalg.solve(prior.covariance[np.ix_(free, free)], off))
     for point in points:
-        total += strain(point, deviations)
+        total += unknowns_penalty(point, deviations)
         total += float(np.sum((point.values - at)[own] ** 2 / variance[own]))
     return total

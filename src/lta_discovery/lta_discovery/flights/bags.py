@@ -7,11 +7,11 @@ from typing import Final, final, Literal
 
 from lta_config.errors import BadInput
 from lta_config.schema.vehicle_file import VehicleFile
-from lta_data.bag.flight import open_flight
-from lta_data.bag.folder import bag_files, bag_in
-from lta_data.scene import parsed
-from lta_data.trust.recording import Recording, recording_of
-from lta_data.trust.twins import twins
+from lta_data.bag.bag_folder import find_bag, find_bag_files
+from lta_data.bag.recorded_flight import open_flight
+from lta_data.data_quality.duplicate_runs import find_duplicate_runs
+from lta_data.data_quality.recording import ChannelRecording, read_recording
+from lta_data.scene import parse_provenance_file
 from lta_discovery.flights.streams import COMMAND
 
 Role = Literal['train', 'confirm', 'holdout']
@@ -20,7 +20,7 @@ ROLES: Final[tuple[Role, ...]] = ('train', 'confirm', 'holdout')
 
 @final
 @dataclass(frozen=True, slots=True)
-class Recorded:
+class StudyRecording:
     """
     One recorded flight.
 
@@ -39,27 +39,27 @@ class Recorded:
 
     name: str
     role: Role
-    recording: Recording
+    recording: ChannelRecording
     losses: tuple[str, ...] = ()
 
     @property
     def vehicle(self) -> str:
         """Name of the vehicle that flew; '' where the recording does not say."""
-        known = parsed(VehicleFile, self.recording.provenance, 'vehicle_file')
+        known = parse_provenance_file(VehicleFile, self.recording.provenance, 'vehicle_file')
         return known.name if known else ''
 
     @property
-    def rotors(self) -> tuple[str, ...]:
+    def rotor_names(self) -> tuple[str, ...]:
         """Names of the rotors that were commanded."""
         found = (n for n in self.recording.channels if n.startswith(COMMAND))
         return tuple(sorted(name.removeprefix(COMMAND) for name in found))
 
 
 def read_bags(
-    given: Mapping[Role, Sequence[Path]],
+    paths: Mapping[Role, Sequence[Path]],
     robot: str | None = None,
     tell: Callable[[str], None] = lambda _: None,
-) -> list[Recorded]:
+) -> list[StudyRecording]:
     """
     Read the flights of a study.
 
@@ -78,48 +78,48 @@ def read_bags(
         If there is nothing to learn from, one recording is given twice, or one cannot be read.
 
     """
-    if not given.get('train'):
+    if not paths.get('train'):
         raise BadInput('There is no flight to learn from; name one or more with --train.')
     seen: dict[Path, Role] = {}
     for role in ROLES:
-        for path in given.get(role, ()):
-            _once(path, role, seen)
-    out: list[Recorded] = []
+        for path in paths.get(role, ()):
+            _register_recording(path, role, seen)
+    out: list[StudyRecording] = []
     for role in ROLES:
-        for path in given.get(role, ()):
-            name = _name(path, [one.name for one in out])
+        for path in paths.get(role, ()):
+            name = _name_bag(path, [one.name for one in out])
             tell(name)
-            flight = open_flight(bag_in(path), robot)
-            recording, remarks = recording_of(flight)
-            out.append(Recorded(name, role, recording, (*flight.bag.losses, *remarks)))
+            flight = open_flight(find_bag(path), robot)
+            recording, remarks = read_recording(flight)
+            out.append(StudyRecording(name, role, recording, (*flight.bag.losses, *remarks)))
     return out
 
 
-def _once(path: Path, role: Role, seen: dict[Path, Role]) -> None:
+def _register_recording(path: Path, role: Role, roles: dict[Path, Role]) -> None:
     """Refuse a recording that is there already; note those that are not."""
-    for file in bag_files(bag_in(path)):
+    for file in find_bag_files(find_bag(path)):
         place = file.resolve()
-        if place in seen:
-            both = f'to {seen[place]} and to {role}' if seen[place] != role else f'to {role}'
+        if place in roles:
+            both = f'to {roles[place]} and to {role}' if roles[place] != role else f'to {role}'
             raise BadInput(f"'{path}' is given twice, {both}; a flight has one role, once.")
-        seen[place] = role
+        roles[place] = role
 
 
-def _name(path: Path, taken: Sequence[str]) -> str:
+def _name_bag(path: Path, names: Sequence[str]) -> str:
     """Return what a bag is called: its folder's name, or its results folder's."""
-    place = bag_in(path).resolve()
+    place = find_bag(path).resolve()
     if place.is_file():
         name = place.stem
     else:
         name = place.parent.name if place.name == 'bag' else place.name
     count, only = 1, name
-    while name in taken:
+    while name in names:
         count += 1
         name = f'{only}_{count}'
     return name
 
 
-def one_vehicle(flights: Sequence[Recorded], vehicle: VehicleFile) -> list[str]:
+def check_one_vehicle(flights: Sequence[StudyRecording], vehicle: VehicleFile) -> list[str]:
     """
     Refuse flights of several vehicles; return what is odd about whose they are.
 
@@ -130,10 +130,12 @@ def one_vehicle(flights: Sequence[Recorded], vehicle: VehicleFile) -> list[str]:
 
     """
     by_name = {one.vehicle: one.name for one in flights if one.vehicle}
-    by_rotors = {one.rotors: one.name for one in flights if one.rotors}
+    by_rotors = {one.rotor_names: one.name for one in flights if one.rotor_names}
     for kinds, what in ((by_name, 'fly'), (by_rotors, 'command')):
         if len(kinds) > 1:
-            told = '; '.join(f"'{flight}' {_spoken(kind)}" for kind, flight in kinds.items())
+            told = '; '.join(
+                f"'{flight}' {_format_vehicle(kind)}" for kind, flight in kinds.items()
+            )
             raise BadInput(
                 f'The flights {what} different vehicles ({told}); study one vehicle at a time.'
             )
@@ -144,14 +146,18 @@ def one_vehicle(flights: Sequence[Recorded], vehicle: VehicleFile) -> list[str]:
     ]
 
 
-def _spoken(kind: str | tuple[str, ...]) -> str:
+def _format_vehicle(kind: str | tuple[str, ...]) -> str:
     """Return a vehicle or its rotors as words."""
     return kind if isinstance(kind, str) else f'the rotors {", ".join(kind)}'
 
 
-def no_copies(flights: Sequence[Recorded]) -> None:
+def check_no_copies(flights: Sequence[StudyRecording]) -> None:
     """Refuse a run that is there twice, however trimmed or written, with `BadInput`."""
-    again = twins([(one.name, one.recording) for one in flights]) if len(flights) > 1 else {}
+    again = (
+        find_duplicate_runs([(one.name, one.recording) for one in flights])
+        if len(flights) > 1
+        else {}
+    )
     for name, found in again.items():
         raise BadInput(
             f'{name}: {found[0].evidence} A flight that is there twice confirms nothing; leave '

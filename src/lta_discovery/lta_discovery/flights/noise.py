@@ -17,7 +17,7 @@ SMOOTH: Final = 16.0  # of LEAST
 ALIKE: Final = 12.5  # poses
 
 
-def noise_of(values: Array) -> float:
+def estimate_noise(values: Array) -> float:
     """
     Return the standard deviation of white noise on a smooth series, from its third differences.
 
@@ -36,7 +36,7 @@ def noise_of(values: Array) -> float:
     return float(np.median(np.abs(third)) / HALF / np.sqrt(20.0))
 
 
-def pose_noise(poses: Array) -> tuple[Array, float]:
+def estimate_pose_noise(poses: Array) -> tuple[Array, float]:
     """
     Return the noise of a tracker, and how many of its poses say the same.
 
@@ -52,7 +52,7 @@ def pose_noise(poses: Array) -> tuple[Array, float]:
         independent.
 
     """
-    own = np.array([noise_of(column) for column in poses.T])
+    own = np.array([estimate_noise(column) for column in poses.T])
     turning = np.full(3, 2.0 * np.sqrt(np.mean(own[3:7] ** 2) * 4.0 / 3.0))
     levels = np.maximum(np.concatenate([own[:3], turning]), LEAST[:6])
     if np.median(own[:3] / LEAST[:3]) >= FILTERED:

@@ -10,7 +10,7 @@ out before that (`mistaken`).
 from dataclasses import replace
 from typing import Final
 
-from lta_discovery.flights.measured import Measured
+from lta_discovery.flights.measured_flight import MeasuredFlight
 import numpy as np
 from numpy.typing import NDArray
 
@@ -23,7 +23,7 @@ SHARE: Final = 0.3  # of the worst; what is less is the cubic's own error
 LONGEST: Final = 9  # readings in doubt; more are no matter of single ones
 
 
-def wild(values: Array, noise: float) -> Flags:
+def find_outliers(values: Array, noise: float) -> Flags:
     """
     Return which readings of an even series are wild.
 
@@ -53,7 +53,7 @@ def wild(values: Array, noise: float) -> Flags:
     return out
 
 
-def without_outliers(flight: Measured) -> tuple[Measured, int]:
+def remove_outliers(flight: MeasuredFlight) -> tuple[MeasuredFlight, int]:
     """
     Return a flight without its wild readings, and how many there were.
 
@@ -62,12 +62,12 @@ def without_outliers(flight: Measured) -> tuple[Measured, int]:
     # Half the rotation is in a quaternion.
     noise = np.concatenate([flight.noise[:3], np.full(4, 0.5 * flight.noise[3:6].max())])
     poses = np.column_stack([flight.position, flight.quaternion])
-    lost = np.any([wild(*each) for each in zip(poses.T, noise, strict=True)], axis=0)
+    lost = np.any([find_outliers(*each) for each in zip(poses.T, noise, strict=True)], axis=0)
     position, quaternion = flight.position.copy(), flight.quaternion.copy()
     position[lost] = quaternion[lost] = np.nan
     readings, count = flight.readings.copy(), int(lost.sum())
     for k, level in enumerate(flight.noise[6:]):
-        gone = wild(readings[:, k], level)
+        gone = find_outliers(readings[:, k], level)
         readings[gone, k] = np.nan
         count += int(gone.sum())
     out = replace(flight, position=position, quaternion=quaternion, readings=readings)

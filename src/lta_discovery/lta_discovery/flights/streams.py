@@ -6,9 +6,9 @@ from typing import Any, Final
 
 from lta_config.errors import BadInput
 from lta_config.files import parse_yaml
-from lta_data.bag.channels import Channel
-from lta_discovery.flights.measured import Stream, Streams
-from lta_discovery.model.nominal import Nominal
+from lta_data.bag.channels import SignalChannel
+from lta_discovery.flights.measured_flight import FlightStreams, Stream
+from lta_discovery.model.nominal import NominalVehicle
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
@@ -34,7 +34,7 @@ SENSORS: Final[dict[str, tuple[str, ...]]] = {
 }
 
 
-def _joined(channels: Sequence[Channel]) -> Stream:
+def _join_channels(channels: Sequence[SignalChannel]) -> Stream:
     """Return channels of one topic side by side, in the order of time, no instant twice."""
     time = channels[0].time
     if any(len(channel.time) != len(time) for channel in channels):
@@ -45,35 +45,35 @@ def _joined(channels: Sequence[Channel]) -> Stream:
     return Stream(time[first], np.column_stack([channel.values for channel in channels])[first])
 
 
-def _wrench(channels: Mapping[str, Channel]) -> Stream | None:
+def _read_wrench(channels: Mapping[str, SignalChannel]) -> Stream | None:
     """Return the commanded wrench; an axis that nobody commands, or says nothing, is at 0."""
     known = [channels[name] for name in WRENCH if name in channels]
     if not known:
         return None
-    told = _joined(known)
+    told = _join_channels(known)
     table = np.zeros((len(told.time), len(WRENCH)))
     for column, channel in zip(told.values.T, known, strict=True):
         table[:, WRENCH.index(channel.name)] = np.nan_to_num(column)
     return Stream(told.time, table)
 
 
-def _mass(channels: Mapping[str, Channel]) -> Stream | None:
+def _read_moving_mass(channels: Mapping[str, SignalChannel]) -> Stream | None:
     """Return where the moving mass is told to be, None where nobody tells."""
     if not all(name in channels for name in MASS):
         return None
-    told = _joined([channels[name] for name in MASS])
+    told = _join_channels([channels[name] for name in MASS])
     known = np.isfinite(told.values).all(axis=1)
     return Stream(told.time[known], told.values[known]) if known.any() else None
 
 
-def _dicts(holder: object, name: str) -> list[dict[str, Any]]:
+def _list_dicts(holder: object, name: str) -> list[dict[str, Any]]:
     """Return the entries of a list, or the values of a dictionary, that are dictionaries."""
     found = holder.get(name) if isinstance(holder, dict) else None
     each = [*found.values()] if isinstance(found, dict) else found
     return [entry for entry in each if isinstance(entry, dict)] if isinstance(each, list) else []
 
 
-def told_in_newtons(provenance: Mapping[str, str]) -> bool | None:
+def has_newton_commands(provenance: Mapping[str, str]) -> bool | None:
     """Tell whether an import has the propellers' efforts in newtons; None where it is not said."""
     text = provenance.get('mapping_file')
     if not text:
@@ -83,14 +83,16 @@ def told_in_newtons(provenance: Mapping[str, str]) -> bool | None:
         mapping = parse_yaml(text, 'The mapping')
     except BadInput:
         return None
-    for topic in _dicts(mapping, 'topics'):
+    for topic in _list_dicts(mapping, 'topics'):
         if topic.get('topic') == 'motors':
-            efforts = [actuator.get('effort') for actuator in _dicts(topic, 'actuators')]
+            efforts = [actuator.get('effort') for actuator in _list_dicts(topic, 'actuators')]
             return any(isinstance(each, dict) and each.get('unit') in NEWTONS for each in efforts)
     return None
 
 
-def in_duties(told: Streams, nominal: Nominal, provenance: Mapping[str, str]) -> Streams:
+def convert_to_duties(
+    streams: FlightStreams, nominal: NominalVehicle, provenance: Mapping[str, str]
+) -> FlightStreams:
     """
     Return streams whose commands are duties, where a recording has the thrusts themselves.
 
@@ -105,27 +107,27 @@ def in_duties(told: Streams, nominal: Nominal, provenance: Mapping[str, str]) ->
         give in newtons are taken for newtons: as duties they would hardly turn.
 
     """
-    if told.wrench is not None or not np.any(told.commands.values):
-        return told  # nothing is told to the rotors
-    count = told.commands.values.shape[1]
+    if streams.wrench is not None or not np.any(streams.commands.values):
+        return streams  # nothing is told to the rotors
+    count = streams.commands.values.shape[1]
     a, b = (
-        np.array([nominal.value('thrust_curve', f'{c}_{i + 1}') for i in range(count)])
+        np.array([nominal.parameter_value('thrust_curve', f'{c}_{i + 1}') for i in range(count)])
         for c in 'ab'
     )
-    said = told_in_newtons(provenance)
+    said = has_newton_commands(provenance)
     if said is None:
-        most = np.nanmax(np.abs(told.commands.values), axis=0, initial=0.0)
+        most = np.nanmax(np.abs(streams.commands.values), axis=0, initial=0.0)
         said = bool(np.all(a + b < FAINT) and np.all(most <= 1.1 * (a + b)))
     if not said:
-        return told
-    size = np.abs(told.commands.values)
+        return streams
+    size = np.abs(streams.commands.values)
     curved = np.where(a == 0.0, 1.0, a)
     root = (np.sqrt(b * b + 4.0 * curved * size) - b) / (2.0 * curved)
-    duty = np.sign(told.commands.values) * np.where(a == 0.0, size / b, root)
-    return replace(told, commands=Stream(told.commands.time, duty))
+    duty = np.sign(streams.commands.values) * np.where(a == 0.0, size / b, root)
+    return replace(streams, commands=Stream(streams.commands.time, duty))
 
 
-def tracker(channels: Mapping[str, Channel]) -> str:
+def find_tracker_prefix(channels: Mapping[str, SignalChannel]) -> str:
     """
     Return where the channels of the tracked pose begin: 'ground_truth/odom/pose.pose.'.
 
@@ -153,16 +155,16 @@ def tracker(channels: Mapping[str, Channel]) -> str:
     )
 
 
-def streams_of(
-    channels: Mapping[str, Channel], rotors: Sequence[str], floor: float = -np.inf
-) -> Streams:
+def build_streams(
+    channels: Mapping[str, SignalChannel], rotors: Sequence[str], floor: float = -np.inf
+) -> FlightStreams:
     """
     Return what a recording has of a flight.
 
     Parameters
     ----------
     channels : mapping of str to Channel
-        Of `lta_data.bag.channels.all_channels`.
+        Of `lta_data.bag.channels.read_all_channels`.
     rotors : sequence of str
         Names of the actuators in the order of the vehicle file.
     floor : float
@@ -174,15 +176,15 @@ def streams_of(
         If there is no tracked pose, or neither a command of each rotor nor a commanded wrench.
 
     """
-    start = tracker(channels)
+    start = find_tracker_prefix(channels)
     parts = [f'{start}position.{axis}' for axis in 'xyz']
     turns = [f'{start}orientation.{angle}' for angle in ('yaw', 'pitch', 'roll')]
-    told = _joined([channels[name] for name in (*parts, *turns)])
+    told = _join_channels([channels[name] for name in (*parts, *turns)])
     known = np.asarray(np.isfinite(told.values).all(axis=1))
     quaternion = np.full((len(told.time), 4), np.nan)
     quaternion[known] = Rotation.from_euler('ZYX', told.values[known, 3:]).as_quat()
     missing = [name for name in rotors if f'{COMMAND}{name}' not in channels]
-    wrench = _wrench(channels) if missing else None
+    wrench = _read_wrench(channels) if missing else None
     if missing and wrench is None:
         there = [name.removeprefix(COMMAND) for name in channels if name.startswith(COMMAND)]
         raise BadInput(
@@ -193,11 +195,11 @@ def streams_of(
     if missing:
         commands = Stream(told.time[:1], np.zeros((1, len(rotors))))
     else:
-        commands = _joined([channels[f'{COMMAND}{name}'] for name in rotors])
+        commands = _join_channels([channels[f'{COMMAND}{name}'] for name in rotors])
     others = {
-        sensor: _joined([channels[name] for name in names])
+        sensor: _join_channels([channels[name] for name in names])
         for sensor, names in SENSORS.items()
         if all(name in channels for name in names)
     }
     pose = Stream(told.time, np.column_stack([told.values[:, :3], quaternion]))
-    return Streams(pose, commands, others, floor, wrench, _mass(channels))
+    return FlightStreams(pose, commands, others, floor, wrench, _read_moving_mass(channels))

@@ -8,8 +8,14 @@ the disagreement stays where it arises.
 from dataclasses import dataclass
 from typing import Final, final
 
-from lta_discovery.flights.measured import Measured, PERIOD
-from lta_discovery.model.rotations import exponential, logarithm, product, reverse, rotated
+from lta_discovery.flights.measured_flight import MeasuredFlight, PERIOD
+from lta_discovery.model.quaternions import (
+    quaternion_conjugate,
+    quaternion_exponential,
+    quaternion_logarithm,
+    quaternion_product,
+    rotate_vectors,
+)
 import numpy as np
 from numpy.typing import NDArray
 
@@ -51,13 +57,13 @@ class Windows:
     knots: int = KNOTS
 
 
-def stretches(usable: NDArray[np.bool_]) -> list[tuple[int, int]]:
+def find_usable_runs(usable: NDArray[np.bool_]) -> list[tuple[int, int]]:
     """Return the runs of usable points as (first, end)."""
     edges = np.flatnonzero(np.diff(np.concatenate([[0], usable.astype(np.int8), [0]])))
     return [(int(a), int(b)) for a, b in edges.reshape(-1, 2)]
 
 
-def state_at(flight: Measured, index: int, shift: float = 0.0) -> Array | None:
+def estimate_state(flight: MeasuredFlight, index: int, shift: float = 0.0) -> Array | None:
     """
     Return the state at a grid point from a cubic through the poses around it.
 
@@ -84,16 +90,16 @@ def state_at(flight: Measured, index: int, shift: float = 0.0) -> Array | None:
         return None
     offset = (flight.time[low:high] - flight.time[index])[good] + shift
     middle = quaternion[good][np.argmin(np.abs(offset))]
-    turn = logarithm(product(reverse(middle), quaternion[good]))
+    turn = quaternion_logarithm(quaternion_product(quaternion_conjugate(middle), quaternion[good]))
     powers = np.vander(offset / AROUND, 4, increasing=True)
     fit = np.linalg.lstsq(powers, np.hstack([position[good], turn]), rcond=None)[0]
-    here = product(middle, exponential(fit[0, 3:]))
-    velocity = rotated(reverse(here), fit[1, :3] / AROUND)
+    here = quaternion_product(middle, quaternion_exponential(fit[0, 3:]))
+    velocity = rotate_vectors(quaternion_conjugate(here), fit[1, :3] / AROUND)
     # The rate of a small rotation vector is the body rate to second order in its size.
     return np.concatenate([fit[0, :3], here, velocity, fit[1, 3:] / AROUND])
 
 
-def _apart(stretches: list[tuple[int, int]], count: int, shortest: int) -> int:
+def _piece_spacing(stretches: list[tuple[int, int]], count: int, shortest: int) -> int:
     """Return how far apart pieces begin: their length, or less in a short flight."""
     if sum(len(range(begin, end - shortest, count)) for begin, end in stretches) >= FEWEST:
         return count
@@ -101,8 +107,8 @@ def _apart(stretches: list[tuple[int, int]], count: int, shortest: int) -> int:
     return max(shortest + 1, min(count, -(-longest // FEWEST)))
 
 
-def windows(
-    flight: Measured, length: float = LENGTH, shift: float = 0.0, knots: int = KNOTS
+def cut_windows(
+    flight: MeasuredFlight, length: float = LENGTH, shift: float = 0.0, knots: int = KNOTS
 ) -> Windows:
     """
     Cut a flight into pieces; one too short for two whole ones into two shorter ones.
@@ -114,18 +120,18 @@ def windows(
     length : float
         Of each piece. [s]
     shift : float
-        As for `state_at`.
+        As for `estimate_state`.
     knots : int
         As of `Windows`.
 
     """
     count, shortest = round(length / PERIOD), round(SHORTEST / PERIOD)
     first, start, inside = [], [], []
-    runs = stretches(flight.usable)
-    apart = _apart(runs, count, shortest)
+    runs = find_usable_runs(flight.usable)
+    apart = _piece_spacing(runs, count, shortest)
     for begin, end in runs:
         for index in range(begin, end - shortest, apart):
-            state = state_at(flight, index, shift)
+            state = estimate_state(flight, index, shift)
             if state is not None:
                 first.append(index)
                 start.append(state)

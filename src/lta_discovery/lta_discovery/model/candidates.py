@@ -57,17 +57,17 @@ NO_CANDIDATE: Final = frozenset(
 _VECTOR_OF: Final = {name: vector for vector in VECTORS for name in vector}
 
 
-def components(name: str) -> tuple[str, ...]:
+def vector_components(name: str) -> tuple[str, ...]:
     """Return the components of the vector that a candidate is one of; of most, itself alone."""
     return _VECTOR_OF.get(name, (name,))
 
 
-def whole(names: Iterable[str]) -> set[str]:
+def expand_vectors(names: Iterable[str]) -> set[str]:
     """Return candidates with all components of each."""
-    return {one for name in names for one in components(name)}
+    return {one for name in names for one in vector_components(name)}
 
 
-def alongside(effect: str) -> dict[str, float]:
+def companion_values(effect: str) -> dict[str, float]:
     """Return what numbers of an effect that a vehicle lacks are taken to be, by name."""
     beside = {p.name: p.beside for p in EFFECTS[effect].parameters if p.beside is not None}
     return beside | BEGINS.get(effect, {})

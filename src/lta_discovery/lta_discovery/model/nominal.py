@@ -13,12 +13,12 @@ from lta_discovery.model.replay_kernel import (
 )
 from lta_model.effects import EFFECTS, initial_memory
 from lta_model.effects.protocol import BodyEffect, Effect, InertiaEffect, MeasurementEffect
-from lta_model.measurement import Chain, chains
-from lta_model.model import Model, values_of
+from lta_model.measurement_chain import build_chains, Chain
+from lta_model.model import fill_parameters, VehicleModel
 from lta_model.state import RIGID
 from lta_model.vehicle import Vehicle
-from lta_sim.craft import LAYOUT
-from lta_sim.kernels.layout import Layout
+from lta_sim.kernels.layout import EffectLayout
+from lta_sim.simulated_vehicle import LAYOUT
 import numpy as np
 from numpy.typing import NDArray
 
@@ -29,7 +29,7 @@ Given = Mapping[str, Mapping[str, float]]
 
 @final
 @dataclass(frozen=True, slots=True)
-class Rows:
+class ReplayRows:
     """
     What the compiled replay takes of one set of parameters.
 
@@ -56,9 +56,9 @@ class Rows:
 
 @final
 @dataclass(frozen=True, slots=True, eq=False)
-class Nominal:
+class NominalVehicle:
     """
-    A vehicle as what `Model.build` takes.
+    A vehicle as what `VehicleModel.build` takes.
 
     Attributes
     ----------
@@ -71,7 +71,7 @@ class Nominal:
     inertia : ndarray, shape (3, 3)
         About the centre of gravity. [kg m2]
     rotors : tuple of (place, axis)
-        As in `Model.build`.
+        As in `VehicleModel.build`.
     gains : tuple of 6 float
         What arrives of a wrench that is commanded as such, axis by axis.
 
@@ -86,28 +86,28 @@ class Nominal:
     gains: tuple[float, ...] = (1.0,) * 6
 
     @classmethod
-    def of(cls, vehicle: Vehicle) -> Self:
+    def from_vehicle(cls, vehicle: Vehicle) -> Self:
         """Return a vehicle's numbers."""
         return cls(
-            vehicle.effects(),
+            vehicle.collect_effects(),
             vehicle.mass,
-            vehicle.displaced,
+            vehicle.displaced_mass,
             np.asarray(vehicle.cg, dtype=np.float64),
             np.asarray(vehicle.inertia, dtype=np.float64),
             tuple((np.array(rotor.place), np.array(rotor.axis)) for rotor in vehicle.rotors),
         )
 
-    def value(self, effect: str, parameter: str) -> float:
+    def parameter_value(self, effect: str, parameter: str) -> float:
         """Return a parameter of an effect; its null value where the vehicle does not set it."""
         null = {known.name: known.null for known in EFFECTS[effect].parameters}[parameter]
         return float(self.given.get(effect, {}).get(parameter, null))
 
-    def with_value(self, effect: str, parameter: str, value: float) -> 'Nominal':
+    def with_value(self, effect: str, parameter: str, value: float) -> 'NominalVehicle':
         """Return the vehicle with one parameter of an effect replaced."""
         own = {**self.given.get(effect, {}), parameter: value}
         return replace(self, given={**self.given, effect: own})
 
-    def placed(self, place: Array) -> 'Nominal':
+    def with_mass_at(self, place: Array) -> 'NominalVehicle':
         """
         Return the vehicle weighed with its moving mass at a place: balance and inertia follow.
 
@@ -126,14 +126,18 @@ class Nominal:
             return self
         rest = np.array([own.get(axis, 0.0) for axis in 'xyz'])
         cg = self.cg + mass / self.mass * (place - rest)
-        about_hull = self.inertia + self.mass * _square(self.cg)
-        inertia = about_hull + mass * (_square(place) - _square(rest)) - self.mass * _square(cg)
+        about_hull = self.inertia + self.mass * _point_inertia(self.cg)
+        inertia = (
+            about_hull
+            + mass * (_point_inertia(place) - _point_inertia(rest))
+            - self.mass * _point_inertia(cg)
+        )
         there = {**own, **dict(zip('xyz', map(float, place), strict=True))}
         return replace(self, cg=cg, inertia=inertia, given={**self.given, 'moving_mass': there})
 
-    def model(self) -> Model:
+    def build_model(self) -> VehicleModel:
         """Return what the kernel takes; `BadInput` where no such vehicle can be."""
-        return Model.build(
+        return VehicleModel.build(
             self.given,
             mass=self.mass,
             cg=self.cg,
@@ -142,19 +146,19 @@ class Nominal:
             rotors=self.rotors,
         )
 
-    def rows(self) -> Rows:
+    def build_rows(self) -> ReplayRows:
         """Return what the compiled replay takes; errors as `model`."""
-        model = self.model()
+        model = self.build_model()
         actuators = np.zeros(max(part.stop for part in ACTUATOR_PLACES.values()))
         body = np.zeros(max(part.stop for part in BODY_PLACES.values()))
         for row, where in ((actuators, ACTUATOR_PLACES), (body, BODY_PLACES)):
             row[where['body']], row[where['inverse']] = model.body, model.inverse
-        a_on = _taken(model, actuators, ACTUATOR_PLACES, ACTUATOR_LAYOUT)
-        b_on = _taken(model, body, BODY_PLACES, BODY_LAYOUT)
-        acting = chains(model.given, EFFECTS)
-        return Rows(actuators, a_on, body, b_on, acting, np.array(self.gains))
+        a_on = _copy_model(model, actuators, ACTUATOR_PLACES, ACTUATOR_LAYOUT)
+        b_on = _copy_model(model, body, BODY_PLACES, BODY_LAYOUT)
+        acting = build_chains(model.given, EFFECTS)
+        return ReplayRows(actuators, a_on, body, b_on, acting, np.array(self.gains))
 
-    def rows_beside(self, other: 'Nominal', rows: Rows) -> Rows:
+    def update_rows(self, other: 'NominalVehicle', rows: ReplayRows) -> ReplayRows:
         """
         Return what `rows` returns, knowing that of a vehicle that differs little.
 
@@ -187,11 +191,11 @@ class Nominal:
         )
         kinds = [EFFECTS[name] for name in changed]
         if weighed or any(isinstance(kind, InertiaEffect | BodyEffect) for kind in kinds):
-            return self.rows()
+            return self.build_rows()
         acting = rows.acting
         if any(isinstance(kind, MeasurementEffect) for kind in kinds):
-            acting = chains(self.given, EFFECTS)
-        new = Rows(
+            acting = build_chains(self.given, EFFECTS)
+        new = ReplayRows(
             rows.actuators.copy(),
             rows.actuators_on.copy(),
             rows.body.copy(),
@@ -200,23 +204,25 @@ class Nominal:
             np.array(self.gains),
         )
         for kind in kinds:
-            numbers = values_of(kind, self.given[kind.name])
-            _put(new.actuators, new.actuators_on, ACTUATOR_PLACES, ACTUATOR_LAYOUT, kind, numbers)
-            _put(new.body, new.body_on, BODY_PLACES, BODY_LAYOUT, kind, numbers)
+            numbers = fill_parameters(kind, self.given[kind.name])
+            _write_effect(
+                new.actuators, new.actuators_on, ACTUATOR_PLACES, ACTUATOR_LAYOUT, kind, numbers
+            )
+            _write_effect(new.body, new.body_on, BODY_PLACES, BODY_LAYOUT, kind, numbers)
         return new
 
 
-def _square(place: Array) -> Array:
+def _point_inertia(place: Array) -> Array:
     """Return the inertia of a unit mass at a place, about the hull centre."""
     tensor: Array = place @ place * np.eye(3) - np.outer(place, place)
     return tensor
 
 
-def _put(
+def _write_effect(
     row: Array,
     on: Flags,
     where: Mapping[str, slice],
-    layout: Layout,
+    layout: EffectLayout,
     effect: Effect,
     values: Mapping[str, float],
 ) -> None:
@@ -225,20 +231,22 @@ def _put(
         first = where['parameters'].start + layout.first[effect.name]
         row[first : first + len(values)] = list(values.values())
         active = any(values[known.name] != known.null for known in effect.parameters)
-        on[layout.flag(effect.name)] = active
+        on[layout.flag_index(effect.name)] = active
 
 
-def _taken(model: Model, row: Array, where: Mapping[str, slice], layout: Layout) -> Flags:
+def _copy_model(
+    model: VehicleModel, row: Array, where: Mapping[str, slice], layout: EffectLayout
+) -> Flags:
     """Copy a model's parameters and initial memory into a row of some effects; return flags."""
     memory = initial_memory()
     on = np.ones(len(layout.effects), dtype=np.uint8)
     for flag, (name, effect) in enumerate(layout.effects.items()):
         if name == LATENT:
             continue
-        count, size = len(effect.parameters), layout.remembered(name)
+        count, size = len(effect.parameters), layout.memory_size(name)
         to, of = where['parameters'].start + layout.first[name], LAYOUT.first[name]
         row[to : to + count] = model.parameters[of : of + count]
         to, of = layout.remembers[name], LAYOUT.remembers[name] - RIGID
         row[to : to + size] = memory[of : of + size]
-        on[flag] = model.on[LAYOUT.flag(name)]
+        on[flag] = model.on[LAYOUT.flag_index(name)]
     return on

@@ -6,20 +6,31 @@ from html import escape
 from pathlib import Path
 from typing import Any, Final
 
-from lta_config.typed import typed
-from lta_discovery.finding import Finding
-from lta_discovery.page import errors, pictures, tables
-from lta_discovery.page.carried import carried
-from lta_discovery.page.latent import followed, joined, latents
-from lta_discovery.page.told import Overlay, overlay, Seen, seen, together
-from lta_discovery.page.verdict_words import about, headline, learned_commands, tiles
-from lta_discovery.page.whiteness import autocorrelation, GROUPS, spectrum
-from lta_discovery.page.words import listed, remainder_words, size_unit
-from lta_discovery.study import Study
+from lta_config.command_line import format_lta_command
+from lta_discovery.finding import DiscoveryFinding
+from lta_discovery.page import error_tables, figures, tables
+from lta_discovery.page.flight_views import (
+    build_flight_views,
+    build_overlay,
+    FlightOverlay,
+    select_residuals,
+    StudyFlightView,
+)
+from lta_discovery.page.formatting import format_remainder, join_words, remainder_unit
+from lta_discovery.page.latent_wrench import collect_latent_wrenches, fit_terms, join_pieces
+from lta_discovery.page.transfer_table import render_transfer
+from lta_discovery.page.verdict_text import (
+    build_tiles,
+    format_headline,
+    list_learned_commands,
+    summarize_flights,
+)
+from lta_discovery.page.whiteness import autocorrelation, GROUPS, residual_spectrum
+from lta_discovery.study import DiscoveryStudy
 from lta_model.effects.protocol import AXES
-from lta_report.frame import framed, written
+from lta_report.page_frame import assemble_page, write_file
+from lta_report.page_parts import embed_data, render_section, render_tile
 from lta_report.palette import DARK, ESTIMATE, FILL, GOOD, LAMP, TRUTH, WALL
-from lta_report.pieces import embedded, section, tile_html
 import numpy as np
 from numpy.typing import NDArray
 
@@ -60,7 +71,7 @@ POWER: Final = (
 NOBODY: Final = '<p class="absent">There is no flight to draw.</p>'
 
 
-def write_page(study: Study, folder: Path, bags: Bags = NONE) -> Path:
+def write_page(study: DiscoveryStudy, folder: Path, bags: Bags = NONE) -> Path:
     """
     Write the page of a study and return where it is.
 
@@ -80,90 +91,93 @@ def write_page(study: Study, folder: Path, bags: Bags = NONE) -> Path:
         If the page cannot be written.
 
     """
-    return written(page(study, folder, bags), folder / NAME)
+    return write_file(render_page(study, folder, bags), folder / NAME)
 
 
-def page(study: Study, folder: Path, bags: Bags = NONE) -> str:
+def render_page(study: DiscoveryStudy, folder: Path, bags: Bags = NONE) -> str:
     """Return the whole page."""
-    found, flights = study.finding, seen(study)
-    drawn = [overlay(one, sum(each.shown for each in flights)) for one in flights if one.shown]
+    found, flights = study.finding, build_flight_views(study)
+    drawn = [
+        build_overlay(one, sum(each.shown for each in flights)) for one in flights if one.shown
+    ]
     names = [one.flown.name for one in flights if one.shown]
     colours = COLOURS | {f'{key}_dark': DARK[colour] for key, colour in COLOURS.items()}
-    return framed(
+    return assemble_page(
         'discover.html',
-        title=escape(headline(found)),
+        title=escape(format_headline(found)),
         kicker=escape(f'discover · {found.vehicle} · {len(study.flights)} flights'),
-        about=escape(about(found)),
-        tiles='\n'.join(tile_html(*each) for each in tiles(found)),
-        effects=tables.effects(found),
-        gaps=errors.gaps(found),
-        channels=errors.by_channel(found),
-        where=where(found, flights),
-        places=tables.places(found),
-        ladder=carried(found) + tables.ladder(found),
-        overlays=overlays(names, drawn),
-        white=white(flights),
-        remains=remains(study),
-        following=tables.following(found),
-        seen=tables.detectable(found),
-        warnings=tables.warned(found),
-        facts=facts(found),
-        commands=commands(found, folder, bags or found.bags),
+        about=escape(summarize_flights(found)),
+        tiles='\n'.join(render_tile(*each) for each in build_tiles(found)),
+        effects=tables.render_effects(found),
+        gaps=error_tables.render_gaps(found),
+        channels=error_tables.render_channel_errors(found),
+        where=render_discrepancies(found, flights),
+        places=tables.render_discrepancies(found),
+        ladder=render_transfer(found) + tables.render_ladder(found),
+        overlays=render_overlays(names, drawn),
+        white=render_whiteness(flights),
+        remains=render_remainders(study),
+        following=tables.render_next_steps(found),
+        seen=tables.render_detection_limits(found),
+        warnings=tables.render_warnings(found),
+        facts=list_facts(found),
+        commands=list_commands(found, folder, bags or found.bags),
         files={},
-        drawn=True,
+        has_plots=True,
         **colours,
     )
 
 
-def where(found: Finding, flights: Sequence[Seen]) -> str:
+def render_discrepancies(finding: DiscoveryFinding, flights: Sequence[StudyFlightView]) -> str:
     """Return the pictures of where the model is off."""
     if not any(len(one.before.time) for one in flights):
         return NOBODY
-    return section(
-        'heat', 'Where and when the model is off', HEAT, pictures.heat(flights, found.where)
-    ) + section(
-        'conditions', 'In which conditions', CONDITIONS, pictures.by_condition(flights)
+    return render_section(
+        'heat', 'Where and when the model is off', HEAT,
+        figures.plot_error_map(flights, finding.where),
+    ) + render_section(
+        'conditions', 'In which conditions', CONDITIONS, figures.plot_by_condition(flights)
     )  # fmt: skip
 
 
-def overlays(names: Sequence[str], drawn: Sequence[Overlay]) -> str:
+def render_overlays(names: Sequence[str], lines: Sequence[FlightOverlay]) -> str:
     """Return the overlay of one flight, and a choice where there are several."""
-    if not drawn:
+    if not lines:
         return NOBODY
-    first, choice = drawn[0], ''
-    if len(drawn) > 1:
+    first, choice = lines[0], ''
+    if len(lines) > 1:
         options = ''.join(
             f'<option value="{k}">{escape(name)}</option>' for k, name in enumerate(names)
         )
-        content = {str(k): _packed(one) for k, one in enumerate(drawn) if k}
+        content = {str(k): _pack_overlay(one) for k, one in enumerate(lines) if k}
         choice = (
             '<p class="choice"><label for="flight">Flight</label> '
-            f'<select id="flight">{options}</select></p>{embedded("flights", content)}'
+            f'<select id="flight">{options}</select></p>{embed_data("flights", content)}'
         )
     return (
         f'{choice}<div class="grid">'
-        + section('above', 'Before and after, from above', ABOVE, pictures.path(first))
-        + section(
+        + render_section('above', 'Before and after, from above', ABOVE, figures.plot_path(first))
+        + render_section(
             'overtime',
             'Before and after, over time',
             OVER,
-            pictures.over_time(first),
+            figures.plot_over_time(first),
             timed=True,
         )
         + '</div>'
     )
 
 
-def _packed(one: Overlay) -> dict[str, object]:
+def _pack_overlay(one: FlightOverlay) -> dict[str, object]:
     """Return what the page's script needs of a flight."""
     return {
         'begin': one.begin,
         'period': one.period,
-        'lines': [[short(column) for column in line.T] for line in one.lines],
+        'lines': [[pack_column(column) for column in line.T] for line in one.lines],
     }
 
 
-def short(values: Array) -> dict[str, object]:
+def pack_column(values: Array) -> dict[str, object]:
     """Return a line in two bytes a number, to be multiplied by `scale`; the least is NaN."""
     largest = float(np.nanmax(np.abs(values), initial=0.0)) or 1.0
     factor = largest / 32000.0
@@ -171,102 +185,107 @@ def short(values: Array) -> dict[str, object]:
     return {'scale': factor, 'data': b64encode(numbers.tobytes()).decode()}
 
 
-def white(flights: Sequence[Seen]) -> str:
+def render_whiteness(flights: Sequence[StudyFlightView]) -> str:
     """Return the pictures of how much like noise what is left over is."""
-    both = [together(flights, after) for after in (False, True)]
+    both = [select_residuals(flights, after) for after in (False, True)]
     if not any(len(each) for each in both[0]):
         return NOBODY
-    kinds = list(zip(('before', 'after'), (pictures.BEFORE, pictures.AFTER), both, strict=True))
+    kinds = list(zip(('before', 'after'), (figures.BEFORE, figures.AFTER), both, strict=True))
     rows, powers = [], []
     for part in GROUPS.values():
         of = [(name, colour, [each[..., part] for each in left]) for name, colour, left in kinds]
         rows.append([(name, colour, *autocorrelation(left)[:2]) for name, colour, left in of])
-        powers.append([(name, colour, *spectrum(left)) for name, colour, left in of])
+        powers.append([(name, colour, *residual_spectrum(left)) for name, colour, left in of])
     titles = list(GROUPS)
-    correlated = pictures.lines(rows, titles, 'later', 's')
+    correlated = figures.plot_lines(rows, titles, 'later', 's')
     band = autocorrelation([each[..., GROUPS['position']] for each in both[0]])[2]
     for level in (-band, band):
-        pictures.levelled(correlated, level)
-    by_frequency = pictures.lines(powers, titles, 'frequency', 'Hz')
+        figures.mark_level(correlated, level)
+    by_frequency = figures.plot_lines(powers, titles, 'frequency', 'Hz')
     by_frequency.update_xaxes(type='log', tickvals=[0.2, 0.5, 1, 2, 5, 10]).update_yaxes(
         type='log', exponentformat='power', dtick=1
     )
-    pictures.levelled(by_frequency, 1.0)
-    return section('white', 'Is what is left over noise?', WHITE, correlated) + section(
-        'power', 'What is left over, by frequency', POWER, by_frequency
-    )
+    figures.mark_level(by_frequency, 1.0)
+    return render_section(
+        'white', 'Is what is left over noise?', WHITE, correlated
+    ) + render_section('power', 'What is left over, by frequency', POWER, by_frequency)
 
 
-def remains(study: Study) -> str:
+def render_remainders(study: DiscoveryStudy) -> str:
     """Return what no effect explains, drawn; that nothing remains where that is so."""
     found = study.finding
     if not found.remains:
         more = 'else ' if found.draught else ''
         said = f'Nothing {more}stands clear of the floor on any axis.'
-        return f'{tables.unexplained(found)}<p class="note">{said}</p>'
-    return tables.unexplained(found) + tables.remains(found) + _drawn(study)
+        return f'{tables.render_unexplained(found)}<p class="note">{said}</p>'
+    return (
+        tables.render_unexplained(found)
+        + tables.render_remainders(found)
+        + _render_latent_wrench(study)
+    )
 
 
-def _drawn(study: Study) -> str:
+def _render_latent_wrench(study: DiscoveryStudy) -> str:
     """Return the latent force over time, and against what it follows."""
-    flights, found = latents(study), study.finding
+    flights, found = collect_latent_wrenches(study), study.finding
     if not flights:
         return ''
     top = found.remains[:3]
     rows = [
         [
-            (each.name, colour, *joined(each, AXES.index(one.axis)))
-            for each, colour in zip(flights, (pictures.AFTER, pictures.BEFORE), strict=False)
+            (each.name, colour, *join_pieces(each, AXES.index(one.axis)))
+            for each, colour in zip(flights, (figures.AFTER, figures.BEFORE), strict=False)
         ]
         for one in top
     ]
-    titles = [f'{one.axis} [{size_unit(one)}]' for one in top]
-    names = listed(
+    titles = [f'{one.axis} [{remainder_unit(one)}]' for one in top]
+    names = join_words(
         [f'{word} {each.name}' for word, each in zip(('blue', 'orange'), flights, strict=False)]
     )
-    made = section(
+    made = render_section(
         'latent', 'The force that nothing explains, over time',
         f'As the flights themselves show it, {names}.',
-        pictures.lines(rows, titles, 'time', 's'),
+        figures.plot_lines(rows, titles, 'time', 's'),
     )  # fmt: skip
     known = flights[0].terms
     following = next((one for one in found.remains if known.keys() & set(one.follows)), None)
     if following is not None:
-        axis, unit = AXES.index(following.axis), size_unit(following)
-        made += section(
+        axis, unit = AXES.index(following.axis), remainder_unit(following)
+        made += render_section(
             'follows', f'What the {following.axis} part follows',
-            f'{remainder_words(following).capitalize()}. On the dashes, those terms would '
+            f'{format_remainder(following).capitalize()}. On the dashes, those terms would '
             'explain it all.',
-            pictures.scatter(
-                followed(flights, axis, following.follows),
+            figures.plot_scatter(
+                fit_terms(flights, axis, following.follows),
                 [np.where(each.known, each.wrench[..., axis], np.nan).ravel() for each in flights],
                 [each.name for each in flights],
-                (f'{listed(following.follows)}, fitted [{unit}]', f'{following.axis} [{unit}]'),
+                (f'{join_words(following.follows)}, fitted [{unit}]', f'{following.axis} '
+                f'[{unit}]'),
             ),
         )  # fmt: skip
     return f'<div class="grid drawn">{made}</div>'
 
 
-def facts(found: Finding) -> Mapping[str, str]:
+def list_facts(finding: DiscoveryFinding) -> Mapping[str, str]:
     """Return where the page comes from."""
     roles = {'train': 'learned from', 'confirm': 'confirmed by', 'holdout': 'held out'}
     return {
-        'vehicle': found.vehicle,
+        'vehicle': finding.vehicle,
         **{
-            words: listed(found.bags[role])
+            words: join_words(finding.bags[role])
             for role, words in roles.items()
-            if found.bags.get(role)
+            if finding.bags.get(role)
         },
-        'seed': str(found.seed),
-        **found.versions,
+        'seed': str(finding.seed),
+        **finding.versions,
     }
 
 
-def commands(found: Finding, folder: Path, bags: Bags) -> Mapping[str, str]:
+def list_commands(finding: DiscoveryFinding, folder: Path, bags: Bags) -> Mapping[str, str]:
     """Return how to do it again, and how to go on."""
-    words = ['--vehicle', found.vehicle]
+    words = ['--vehicle', finding.vehicle]
     for role in ('train', 'confirm', 'holdout'):
         if bags.get(role):
             words += [f'--{role}', *map(str, bags[role])]
-    again = typed('discover', *words, '--seed', str(found.seed))
-    return {'do it again': again, **learned_commands(found, folder)}
+    again = format_lta_command('discover', *words, '--seed', str(finding.seed))
+    return {'do it again': again, **list_learned_commands(finding, folder)}

@@ -7,13 +7,15 @@ from typing import Final
 MARGIN: Final = 2.0  # per cent of the strip on either side
 
 
-def at(value: float, low: float, high: float) -> float:
+def strip_position(value: float, low: float, high: float) -> float:
     """Return where a value is on a strip. [%]"""
     share = (value - low) / (high - low) if high > low else 0.5
     return MARGIN + (100.0 - 2.0 * MARGIN) * min(max(share, 0.0), 1.0)
 
 
-def points(values: Mapping[str, float], low: float, high: float, floor: float = math.nan) -> str:
+def render_points(
+    values: Mapping[str, float], low: float, high: float, floor: float = math.nan
+) -> str:
     """
     Return points on a logarithmic scale.
 
@@ -30,33 +32,35 @@ def points(values: Mapping[str, float], low: float, high: float, floor: float = 
     ends = math.log(low), math.log(high)
     parts = []
     if floor > 0.0:
-        parts.append(f'<i class="floor" style="width:{at(math.log(floor), *ends):.1f}%"></i>')
+        parts.append(
+            f'<i class="floor" style="width:{strip_position(math.log(floor), *ends):.1f}%"></i>'
+        )
     known = {kind: math.log(v) for kind, v in values.items() if v > 0.0 and math.isfinite(v)}
     if 'before' in known and 'after' in known:
-        a, b = sorted(at(known[kind], *ends) for kind in ('before', 'after'))
+        a, b = sorted(strip_position(known[kind], *ends) for kind in ('before', 'after'))
         parts.append(f'<i class="way" style="left:{a:.1f}%;width:{b - a:.1f}%"></i>')
     parts += [
-        f'<i class="dot {kind}" style="left:{at(value, *ends):.1f}%"></i>'
+        f'<i class="dot {kind}" style="left:{strip_position(value, *ends):.1f}%"></i>'
         for kind, value in known.items()
     ]
-    return _strip(parts)
+    return _render_strip(parts)
 
 
-def interval(before: float, value: float, ci95: tuple[float, float]) -> str:
+def render_interval(before: float, value: float, ci95: tuple[float, float]) -> str:
     """Return a value with its interval beside what was there before."""
     finite = [part for part in (before, value, *ci95) if math.isfinite(part)]
     low, high = min(finite, default=0.0), max(finite, default=1.0)
-    a, b = (at(part, low, high) for part in ci95)
+    a, b = (strip_position(part, low, high) for part in ci95)
     parts = [
         f'<i class="span" style="left:{a:.1f}%;width:{max(b - a, 0.8):.1f}%"></i>'
         if all(map(math.isfinite, ci95)) else '',
-        *(f'<i class="dot {kind}" style="left:{at(part, low, high):.1f}%"></i>'
+        *(f'<i class="dot {kind}" style="left:{strip_position(part, low, high):.1f}%"></i>'
           for kind, part in (('before', before), ('after', value)) if math.isfinite(part)),
     ]  # fmt: skip
-    return _strip(parts)
+    return _render_strip(parts)
 
 
-def stacked(first: float, second: float, line: float, most: float) -> str:
+def render_stacked(first: float, second: float, line: float, most: float) -> str:
     """
     Return two amounts on top of each other, and a line that they have to pass.
 
@@ -64,27 +68,27 @@ def stacked(first: float, second: float, line: float, most: float) -> str:
     takes away from the other.
     """
 
-    def place(value: float) -> float:
+    def clipped_position(value: float) -> float:
         share = math.sqrt(max(value, 0.0) / most) if most > 0.0 else 0.0
         return 100.0 * min(share, 1.0)
 
-    begin = place(min(first, first + second))
-    more = max(place(first + second) - begin, 0.0)
-    return _strip(
+    begin = clipped_position(min(first, first + second))
+    more = max(clipped_position(first + second) - begin, 0.0)
+    return _render_strip(
         [
             f'<i class="bar one" style="left:0;width:{begin:.1f}%"></i>',
             f'<i class="bar two" style="left:{begin:.1f}%;width:{more:.1f}%"></i>',
-            f'<i class="line" style="left:{place(line):.1f}%"></i>',
+            f'<i class="line" style="left:{clipped_position(line):.1f}%"></i>',
         ]
     )
 
 
-def bar(value: float, most: float) -> str:
+def render_bar(value: float, most: float) -> str:
     """Return one amount."""
     share = 100.0 * min(max(value / most, 0.0), 1.0) if most > 0.0 else 0.0
-    return _strip([f'<i class="bar off" style="left:0;width:{share:.1f}%"></i>'])
+    return _render_strip([f'<i class="bar off" style="left:0;width:{share:.1f}%"></i>'])
 
 
-def _strip(parts: Sequence[str]) -> str:
+def _render_strip(parts: Sequence[str]) -> str:
     """Return a strip; what it shows stands beside it in figures."""
     return f'<div class="strip" aria-hidden="true">{"".join(parts)}</div>'

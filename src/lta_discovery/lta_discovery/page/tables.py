@@ -6,35 +6,41 @@ import math
 from typing import Final
 
 from lta_discovery.conclusion import draw_conclusion, is_still_named
-from lta_discovery.finding import Finding, Learned, NamedEffect, Place, Rung
-from lta_discovery.forecast.replayed import NAMES
-from lta_discovery.naming.accept import GAIN
-from lta_discovery.outside.unexplained import Remainder
-from lta_discovery.page import strips
-from lta_discovery.page.verdict_words import format_advice
-from lta_discovery.page.words import (
-    because,
-    called,
-    figure,
-    format_assumed,
-    held_words,
-    listed,
-    meaning,
-    odds,
-    percent,
-    remainder_words,
-    size_unit,
-    spoken,
-    with_unit,
-    within,
+from lta_discovery.finding import (
+    DiscoveryFinding,
+    Discrepancy,
+    LadderRung,
+    NamedEffect,
+    ParameterEstimate,
 )
+from lta_discovery.forecast.flight_prediction import NAMES
+from lta_discovery.page import strips
+from lta_discovery.page.formatting import (
+    explain_decision,
+    explain_effect,
+    format_assumed,
+    format_effect,
+    format_file_value,
+    format_number,
+    format_odds,
+    format_parameter,
+    format_percent,
+    format_remainder,
+    format_with_interval,
+    format_with_unit,
+    join_words,
+    remainder_unit,
+)
+from lta_discovery.page.verdict_text import format_advice
+from lta_discovery.selection.acceptance import GAIN
+from lta_discovery.unmodeled.remainders import Remainder
 
 Row = Sequence[str]
 MOST: Final = 6  # places that are not folded
 BLIND: Final = ' class="blind"'
 
 
-def table(heads: Row, rows: Sequence[Row], name: str, caption: str) -> str:
+def render_table(heads: Row, rows: Sequence[Row], name: str, caption: str) -> str:
     """
     Return a table; the first cell of a row is its heading.
 
@@ -62,53 +68,56 @@ def table(heads: Row, rows: Sequence[Row], name: str, caption: str) -> str:
     )
 
 
-def effects(found: Finding) -> str:
+def render_effects(finding: DiscoveryFinding) -> str:
     """Return what is missing, effect by effect; what it would have taken where nothing is."""
-    if found.effects:
-        return ''.join(map(_effect, found.effects))
-    return f'<p class="calm">{escape(_nothing(found))}</p>'
+    if finding.effects:
+        return ''.join(map(_render_effect, finding.effects))
+    return f'<p class="calm">{escape(_format_nothing_named(finding))}</p>'
 
 
-def _nothing(found: Finding) -> str:
+def _format_nothing_named(finding: DiscoveryFinding) -> str:
     """Return in a few sentences that nothing has a name, and what that means."""
-    tried = [rung for step in found.ladder for rung in step]
+    tried = [rung for step in finding.ladder for rung in step]
     best = max(tried, key=lambda rung: rung.total, default=None)
     near = (
         'No candidate looked worth a refit.'
         if best is None
-        else f'The best candidate was {spoken(best.knob)}, with {figure(best.total)} nats where '
-        f'{GAIN:g} make a name: {because(best, beaten=False, stands=False)}.'
+        else f'The best candidate was {format_parameter(best.knob)}, with '
+        f'{format_number(best.total)} nats where '
+        f'{GAIN:g} make a name: {explain_decision(best, beaten=False, stands=False)}.'
     )
     said = {
         'none': 'The vehicle file explains these flights to within its own tolerances and the '
         'noise.'
-        if draw_conclusion(found).fits
+        if draw_conclusion(finding).fits
         else 'No candidate was confirmed by all flights.',
         'not_identifiable': 'What is missing, or whether anything is, cannot be told from these '
         'flights, so nothing is named.',
     }.get(
-        found.verdict,
+        finding.verdict,
         'A force or moment is left over that no effect of the library explains on both flights. '
         'It is described below, not named.',
     )
     return f'{said} {near}'
 
 
-def detectable(found: Finding) -> str:
+def render_detection_limits(finding: DiscoveryFinding) -> str:
     """Return how small an effect could have been seen, the clearest first; '' if nobody asked."""
-    if not found.detectable:
+    if not finding.detectable:
         return ''
-    ordered = sorted(found.detectable, key=lambda one: one.size / (one.typical or math.inf))
+    ordered = sorted(finding.detectable, key=lambda one: one.size / (one.typical or math.inf))
     clear = sum(one.size < one.typical for one in ordered)
     rows = ''.join(
-        f'<li{"" if one.size < one.typical else BLIND}><span>{escape(spoken(one.knob))}</span> '
-        f'<b>{escape(with_unit(figure(one.size, 2), one.unit))}</b></li>'
+        f'<li{"" if one.size < one.typical else BLIND}>'
+        f'<span>{escape(format_parameter(one.knob))}</span> '
+        f'<b>{escape(format_with_unit(format_number(one.size, 2), one.unit))}</b></li>'
         for one in ordered
     )
     return (
         '<section class="panel section" aria-labelledby="title-seen">'
         '<h2 id="title-seen">How small an effect could have been seen</h2>'
-        f'<details{"" if found.effects else " open"}><summary>{len(ordered)} candidates</summary>'
+        f'<details{"" if finding.effects else " open"}><summary>{len(ordered)} '
+        f'candidates</summary>'
         f'<p class="note">From this size on it would have been named, 19 times in 20, if nothing '
         f'else were missing. {clear} of {len(ordered)} would have been seen below their typical '
         'size; the others (in italics) only if they were larger than usual.</p>'
@@ -116,142 +125,149 @@ def detectable(found: Finding) -> str:
     )
 
 
-def _effect(one: NamedEffect) -> str:
+def _render_effect(one: NamedEffect) -> str:
     """Return one named effect."""
-    names = called(one)
+    names = format_effect(one)
     alike = (
         f'<p class="note">These flights cannot tell it from <b>'
-        f'{escape(listed([spoken(knob) for knob in one.confusable_with], "or"))}</b>.</p>'
+        f'{escape(join_words([format_parameter(knob) for knob in one.confusable_with], "or"))}'
+        '</b>.</p>'
         if one.confusable_with
         else '<p class="note">No other effect of the library looks like it on these flights.</p>'
     )
     return (
         f'<div class="effect"><h3>{escape(names[:1].upper() + names[1:])}</h3>'
-        f'<p class="what">{escape(meaning(one.name))}</p>'
-        f'{"".join(map(_parameter, one.parameters))}{_assumed(one)}'
-        f'<p class="note">Without it the flights lose <b>{figure(one.log_evidence)} nats</b> of '
-        f'evidence, {odds(one.log_evidence)} against that nothing is missing.</p>{alike}</div>'
+        f'<p class="what">{escape(explain_effect(one.name))}</p>'
+        f'{"".join(map(_render_parameter, one.parameters))}{_render_assumed(one)}'
+        f'<p class="note">Without it the flights lose <b>{format_number(one.log_evidence)} '
+        f'nats</b> of '
+        f'evidence, {format_odds(one.log_evidence)} against that nothing is '
+        f'missing.</p>{alike}</div>'
     )
 
 
-def _assumed(one: NamedEffect) -> str:
+def _render_assumed(one: NamedEffect) -> str:
     """Return on which assumed numbers the values of an effect depend."""
     said = format_assumed(one).strip()
     return f'<p class="note">Its values hold {escape(said)}.</p>' if said else ''
 
 
-def _parameter(one: Learned) -> str:
+def _render_parameter(one: ParameterEstimate) -> str:
     """Return one parameter with its interval."""
-    value, low, high = within(one.value, one.ci95)
+    value, low, high = format_with_interval(one.value, one.ci95)
     before = one.before if one.in_file else math.nan
     return (
         f'<dl class="learned"><dt>{escape(one.name.replace("_", " "))}</dt>'
-        f'<dd><b>{value}</b> {escape(with_unit("", one.unit).strip())} '
-        f'<small>95 %: {low} to {high}; {held_words(one)}</small></dd></dl>'
-        f'{strips.interval(before, one.value, one.ci95)}'
+        f'<dd><b>{value}</b> {escape(format_with_unit("", one.unit).strip())} '
+        f'<small>95 %: {low} to {high}; {format_file_value(one)}</small></dd></dl>'
+        f'{strips.render_interval(before, one.value, one.ci95)}'
     )
 
 
-def ladder(found: Finding) -> str:
+def render_ladder(finding: DiscoveryFinding) -> str:
     """Return all candidates round by round."""
-    rungs = [rung for step in found.ladder for rung in step]
+    rungs = [rung for step in finding.ladder for rung in step]
     if not rungs:
         return '<p class="absent">No candidate looked worth a refit.</p>'
     most = max(GAIN * 1.6, *(rung.total for rung in rungs))
     out = []
-    for k, step in enumerate(found.ladder, 1):
+    for k, step in enumerate(finding.ladder, 1):
         named = next((rung for rung in step if rung.accepted), None)
         words = 'nothing is confirmed'
         if named is not None:
-            kept = is_still_named(found, named.knob)
-            words = f'{spoken(named.knob)} is named{"" if kept else ", and given up at the end"}'
+            kept = is_still_named(finding, named.knob)
+            words = (
+                f'{format_parameter(named.knob)} is named'
+                f'{"" if kept else ", and given up at the end"}'
+            )
         out.append(f'<h3>Round {k}: {escape(words)}</h3>')
         heads = ('candidate', 'evidence', 'train', 'confirm', 'carried', 'apart', 'because')
         if not step:
             out.append('<p class="note">No candidate looked worth a refit.</p>')
             continue
         rows = [
-            _rung(rung, most, named is not None, is_still_named(found, rung.knob)) for rung in step
+            _format_rung(rung, most, named is not None, is_still_named(finding, rung.knob))
+            for rung in step
         ]
-        out.append(table(heads, rows, 'plain ladder', f'Candidates of round {k}'))
+        out.append(render_table(heads, rows, 'plain ladder', f'Candidates of round {k}'))
     return ''.join(out)
 
 
-def _rung(rung: Rung, most: float, beaten: bool, stands: bool) -> Row:
+def _format_rung(rung: LadderRung, most: float, beaten: bool, stands: bool) -> Row:
     """Return one candidate."""
-    name = escape(spoken(rung.knob))
+    name = escape(format_parameter(rung.knob))
     return (
         f'<b>{name}</b>' if rung.accepted and stands else name,
-        strips.stacked(rung.train, max(rung.confirm, rung.carried), GAIN, most),
-        *(figure(part) for part in (rung.train, rung.confirm, rung.carried)),
-        figure(rung.apart, 2),
-        because(rung, beaten, stands),
+        strips.render_stacked(rung.train, max(rung.confirm, rung.carried), GAIN, most),
+        *(format_number(part) for part in (rung.train, rung.confirm, rung.carried)),
+        format_number(rung.apart, 2),
+        explain_decision(rung, beaten, stands),
     )
 
 
-def places(found: Finding) -> str:
+def render_discrepancies(finding: DiscoveryFinding) -> str:
     """Return where the model disagrees most, the largest first."""
-    if not found.where:
+    if not finding.where:
         return '<p class="absent">Nowhere does the error stand out from the noise.</p>'
-    most = max(place.ratio_to_noise for place in found.where)
-    rows = [_place(place, most) for place in found.where]
+    most = max(place.ratio_to_noise for place in finding.where)
+    rows = [_format_discrepancy(place, most) for place in finding.where]
     heads = ('when', 'by the noise', '', 'channel', 'flight', 'from', 'to')
     first, rest = (
-        table(heads, part, 'plain places', 'Where the model disagrees most') if part else ''
+        render_table(heads, part, 'plain places', 'Where the model disagrees most') if part else ''
         for part in (rows[:MOST], rows[MOST:])
     )
     more = f'<details><summary>{len(rows) - MOST} more</summary>{rest}</details>' if rest else ''
     return first + more
 
 
-def _place(place: Place, most: float) -> Row:
+def _format_discrepancy(place: Discrepancy, most: float) -> Row:
     """Return one place."""
     return (
         escape(place.condition),
-        figure(place.ratio_to_noise),
-        strips.bar(place.ratio_to_noise, most),
+        format_number(place.ratio_to_noise),
+        strips.render_bar(place.ratio_to_noise, most),
         escape(NAMES.get(place.channel, place.channel)),
         escape(place.flight),
-        f'{figure(place.from_s)} s',
-        f'{figure(place.to_s)} s',
+        f'{format_number(place.from_s)} s',
+        f'{format_number(place.to_s)} s',
     )
 
 
-def remains(found: Finding) -> str:
+def render_remainders(finding: DiscoveryFinding) -> str:
     """Return what no effect explains, the largest first."""
-    if not found.remains:
+    if not finding.remains:
         return ''
-    most = max(one.floors for one in found.remains)
-    rows = [_remainder(one, most) for one in found.remains]
+    most = max(one.floors for one in finding.remains)
+    rows = [_format_remainder(one, most) for one in finding.remains]
     heads = ('axis', 'by the floor', '', 'size', 'what it is', 'carries over')
-    return table(heads, rows, 'plain remains', 'What no effect of the library explains')
+    return render_table(heads, rows, 'plain remains', 'What no effect of the library explains')
 
 
-def _remainder(one: Remainder, most: float) -> Row:
+def _format_remainder(one: Remainder, most: float) -> Row:
     """Return what remains on one axis."""
-    said = remainder_words(one)
+    said = format_remainder(one)
     return (
         one.axis,
-        figure(one.floors),
-        strips.bar(one.floors, most),
-        f'{figure(one.size)} {size_unit(one)}',
+        format_number(one.floors),
+        strips.render_bar(one.floors, most),
+        f'{format_number(one.size)} {remainder_unit(one)}',
         escape(said),
-        f'{percent(one.carried)} %',
+        f'{format_percent(one.carried)} %',
     )
 
 
-def unexplained(found: Finding) -> str:
+def render_unexplained(finding: DiscoveryFinding) -> str:
     """Return in sentences what no effect explains, with lines of the spectrum, and a draught."""
-    told = [*found.unexplained, *([found.draught.sentence] if found.draught else [])]
+    told = [*finding.unexplained, *([finding.draught.sentence] if finding.draught else [])]
     if not told:
         return ''
     rows = ''.join(f'<li>{escape(said[:1].upper() + said[1:])}.</li>' for said in told)
     return f'<ul class="words">{rows}</ul>'
 
 
-def following(found: Finding) -> str:
+def render_next_steps(finding: DiscoveryFinding) -> str:
     """Return what to do with the vehicle file, and what to fly or measure next."""
-    said = f'{format_advice(found)} {found.next_flight}'.strip()
+    said = f'{format_advice(finding)} {finding.next_flight}'.strip()
     return (
         '<section class="panel" aria-labelledby="title-following">'
         f'<h2 id="title-following">What to do next</h2>'
@@ -259,9 +275,13 @@ def following(found: Finding) -> str:
     )
 
 
-def warned(found: Finding) -> str:
+def render_warnings(finding: DiscoveryFinding) -> str:
     """Return the warnings as a list, or that there are none."""
-    if not found.warnings:
-        doubt = '.' if draw_conclusion(found).doubtful else ': the data gave no cause for doubt.'
+    if not finding.warnings:
+        doubt = (
+            '.' if draw_conclusion(finding).is_doubtful else ': the data gave no cause for doubt.'
+        )
         return f'<p class="note">None{doubt}</p>'
-    return f'<ul class="words">{"".join(f"<li>{escape(one)}</li>" for one in found.warnings)}</ul>'
+    return (
+        f'<ul class="words">{"".join(f"<li>{escape(one)}</li>" for one in finding.warnings)}</ul>'
+    )

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Final
 
-from lta_discovery.flights.measured import PERIOD
+from lta_discovery.flights.measured_flight import PERIOD
 import numpy as np
 from numpy.typing import NDArray
 
@@ -48,7 +48,7 @@ def autocorrelation(left: Sequence[Array], longest: float = LONGEST) -> tuple[Ar
     return lags, out, float(SURE / np.sqrt(max(pairs[0], 1.0)))
 
 
-def spectrum(left: Sequence[Array]) -> tuple[Array, Array]:
+def residual_spectrum(left: Sequence[Array]) -> tuple[Array, Array]:
     """
     Return the mean power of what is left over by frequency.
 

@@ -10,20 +10,25 @@ from pathlib import Path
 from typing import Any, Final, final
 
 from lta_config.errors import BadInput
-from lta_config.files import find
+from lta_config.files import find_file
 from lta_discovery.finding import NamedEffect
-from lta_discovery.fit.evidence import floor_of, Pieces, Reduced
-from lta_discovery.model.knobs import Knob
-from lta_discovery.naming.accept import TIE
-from lta_discovery.naming.classes import Kind, kind_of, same_class
-from lta_discovery.naming.classes import others as alike
-from lta_discovery.planning.advice import advice
-from lta_discovery.planning.choice import Chosen, Planner, Rival, Tell
-from lta_discovery.planning.pairs import Pairs
+from lta_discovery.fit.evidence import PieceReducer, ReducedFlight, wrench_floor
+from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.planning.flight_choice import (
+    DecidingFlight,
+    NextFlightPlanner,
+    ParameterHypothesis,
+    Tell,
+)
+from lta_discovery.planning.measurement_advice import suggest_measurement
 from lta_discovery.planning.rehearsal import Sensors
-from lta_discovery.replay.linear import origin
-from lta_discovery.study import Study
-from lta_flight.ingredients import gather
+from lta_discovery.planning.separability import PairSeparability
+from lta_discovery.replay.linearized_flight import build_origin
+from lta_discovery.selection.acceptance import TIE
+from lta_discovery.selection.equivalence_classes import classify_data_kind, is_same_class, Kind
+from lta_discovery.selection.equivalence_classes import list_equivalents as alike
+from lta_discovery.study import DiscoveryStudy
+from lta_flight.flight_spec import load_spec
 import yaml
 
 FILE: Final = 'next_flight.yaml'
@@ -43,7 +48,7 @@ SEEN_BY: Final[dict[Kind, Sensors]] = {
 
 @final
 @dataclass(frozen=True, slots=True)
-class Next:
+class NextFlight:
     """
     What comes next.
 
@@ -76,14 +81,14 @@ class Next:
         return path
 
 
-def between(
+def plan_between(
     vehicle: str,
     first: str,
     second: str,
     scene: str = SCENE,
     kind: Kind = 'all',
     tell: Tell = lambda _words, _share: None,
-) -> Next:
+) -> NextFlight:
     """
     Return the flight that tells two names apart, without any flights that there are.
 
@@ -106,20 +111,20 @@ def between(
         If there is no such name, or the scene is too low to fly in.
 
     """
-    planner = _planner(vehicle, scene, kind, (), tell)
+    planner = _build_planner(vehicle, scene, kind, (), tell)
     if first == second:
         raise BadInput(f"'{first}' is to be told from itself; name another effect.")
-    one, other = planner.knob(first), planner.knob(second)
-    a, b = (Rival(k, BIG * max(k.typical, 3.0 * k.tolerance)) for k in (one, other))
-    return decided(planner, a, [b], kind)
+    one, other = planner.find_parameter(first), planner.find_parameter(second)
+    a, b = (ParameterHypothesis(k, BIG * max(k.typical, 3.0 * k.tolerance)) for k in (one, other))
+    return plan_decision(planner, a, [b], kind)
 
 
-def of_study(
-    study: Study,
+def plan_for_study(
+    study: DiscoveryStudy,
     vehicle: str,
     tell: Tell = lambda _words, _share: None,
     scene: str = SCENE,
-) -> Next:
+) -> NextFlight:
     """
     Return the flight that makes the strongest name of a study unique that is not so yet.
 
@@ -128,64 +133,72 @@ def of_study(
     study : Study
         What was found, from which flights.
     vehicle, tell, scene
-        As for `between`.
+        As for `plan_between`.
 
     """
     one = next((one for one in study.finding.effects if one.confusable_with), None)
     if one is None:
-        return Next(CERTAIN)
-    planner = _planner(vehicle, scene, _kind(study), _reduced(study), tell)
-    knob = planner.knob(one.knobs[0])
-    first = Rival(knob, _learned(one, planner.knobs)[knob.name])
+        return NextFlight(CERTAIN)
+    planner = _build_planner(vehicle, scene, _classify_study(study), _reduce_flights(study), tell)
+    knob = planner.find_parameter(one.knobs[0])
+    first = ParameterHypothesis(knob, _estimate_changes(one, planner.knobs)[knob.name])
     known = {each.name for each in planner.knobs}
     rivals = [name for name in one.confusable_with if name in known and name != knob.name]
-    others = [planner.mimic(first, planner.knob(name)) for name in rivals]
-    return decided(planner, first, others, _kind(study))
+    others = [planner.match_rival(first, planner.find_parameter(name)) for name in rivals]
+    return plan_decision(planner, first, others, _classify_study(study))
 
 
-def _planner(
+def _build_planner(
     vehicle: str,
     scene: str,
     kind: Kind,
-    flown: Sequence[Reduced],
+    past_flights: Sequence[ReducedFlight],
     tell: Tell,
-) -> Planner:
+) -> NextFlightPlanner:
     """Return what plans for a vehicle."""
-    made = gather(vehicle, scene, STRATEGY, '')
-    text = find('vehicle', vehicle).read_text(encoding='utf-8')
-    return Planner(made, text, SEEN_BY[kind], flown, tell)
+    made = load_spec(vehicle, scene, STRATEGY, '')
+    text = find_file('vehicle', vehicle).read_text(encoding='utf-8')
+    return NextFlightPlanner(made, text, SEEN_BY[kind], past_flights, tell)
 
 
-def decided(planner: Planner, first: Rival, others: Sequence[Rival], kind: Kind) -> Next:
+def plan_decision(
+    planner: NextFlightPlanner,
+    first: ParameterHypothesis,
+    others: Sequence[ParameterHypothesis],
+    kind: Kind,
+) -> NextFlight:
     """Return what tells a name from others: a flight, a measurement, or both."""
     # A hover is one of many flights: what it cannot tell, another may.
     rich: Kind = 'all' if kind == 'hover' else kind
     name = first.knob.name
-    never = tuple(o.knob.name for o in others if same_class(name, o.knob.name, rich))
+    never = tuple(o.knob.name for o in others if is_same_class(name, o.knob.name, rich))
     open_ = [other for other in others if other.knob.name not in never][:MOST]
     words = []
     if never:
-        words.append(_never(name, never, rich))
+        words.append(_format_no_flight(name, never, rich))
     if not open_:
-        return Next(' '.join(words))
+        return NextFlight(' '.join(words))
     names = tuple(other.knob.name for other in open_)
-    chosen = planner.choose(first, open_)
+    chosen = planner.choose_flight(first, open_)
     if chosen is None:
         words.append(
-            f'No safe flight that was tried would tell {name} from {_listed(names, "or")}: '
-            f'{advice(name, names, rich)}.'
+            f'No safe flight that was tried would tell {name} from {_join_names(names, "or")}: '
+            f'{suggest_measurement(name, names, rich)}.'
         )
-        return Next(' '.join(words))
-    words.append(_told(name, names, chosen))
-    return Next(' '.join(words), scenario_of(name, names, chosen), chosen.nats)
+        return NextFlight(' '.join(words))
+    words.append(_format_flight(name, names, chosen))
+    return NextFlight(' '.join(words), build_scenario(name, names, chosen), chosen.nats)
 
 
-def _never(name: str, others: tuple[str, ...], kind: Kind) -> str:
+def _format_no_flight(name: str, others: tuple[str, ...], kind: Kind) -> str:
     """Return what to measure in place of a flight."""
-    return f'No flight tells {_listed((name, *others))} apart: {advice(name, others, kind)}.'
+    return (
+        f'No flight tells {_join_names((name, *others))} apart: '
+        f'{suggest_measurement(name, others, kind)}.'
+    )
 
 
-def doubted(study: Study) -> Study:
+def add_confusable(study: DiscoveryStudy) -> DiscoveryStudy:
     """
     Return a study whose names are confusable with all that its flights cannot tell from them.
 
@@ -194,14 +207,16 @@ def doubted(study: Study) -> Study:
     """
     if not study.finding.effects:
         return study
-    kind = _kind(study)
+    kind = _classify_study(study)
     taught = [one.flight for one in study.flights if one.role != 'holdout']
-    pairs = Pairs(_reduced(study), taught[0].knobs)
+    pairs = PairSeparability(_reduce_flights(study), taught[0].knobs)
     effects = []
     for one in study.finding.effects:
-        values = _learned(one, taught[0].knobs)
+        values = _estimate_changes(one, taught[0].knobs)
         own = [name for knob in one.knobs for name in alike(knob, kind)]
-        near = [name for knob in one.knobs for name in pairs.confused(knob, values[knob], TIE)]
+        near = [
+            name for knob in one.knobs for name in pairs.list_confused(knob, values[knob], TIE)
+        ]
         found = dict.fromkeys((*one.confusable_with, *own, *near))
         both = [
             other
@@ -214,7 +229,7 @@ def doubted(study: Study) -> Study:
     return replace(study, finding=replace(study.finding, effects=tuple(effects)))
 
 
-def _learned(one: NamedEffect, knobs: Sequence[Knob]) -> dict[str, float]:
+def _estimate_changes(one: NamedEffect, knobs: Sequence[FreeParameter]) -> dict[str, float]:
     """Return how far each named knob of an effect was turned; its typical size if that is lost."""
     change = {each.name: each.value - each.before for each in one.parameters}
     out = {}
@@ -229,60 +244,62 @@ def _learned(one: NamedEffect, knobs: Sequence[Knob]) -> dict[str, float]:
     return out
 
 
-def _reduced(study: Study) -> list[Reduced]:
+def _reduce_flights(study: DiscoveryStudy) -> list[ReducedFlight]:
     """Return what the flights that taught and confirmed say, about the vehicle file."""
     out = []
     for flight in (one.flight for one in study.flights if one.role != 'holdout'):
-        begin = origin(study.nominal, flight.knobs, flight.replay.cut)
-        out.append(Pieces(flight.at(begin)).reduced(floor_of(study.nominal)))
+        begin = build_origin(study.nominal, flight.knobs, flight.replay.cut)
+        out.append(PieceReducer(flight.linearize(begin)).reduce(wrench_floor(study.nominal)))
     return out
 
 
-def _kind(study: Study) -> Kind:
+def _classify_study(study: DiscoveryStudy) -> Kind:
     """Return the kind of data that taught and confirmed."""
-    return kind_of([one.flight.replay.flight for one in study.flights if one.role != 'holdout'])
+    return classify_data_kind(
+        [one.flight.replay.flight for one in study.flights if one.role != 'holdout']
+    )
 
 
-def hint(study: Study) -> str:
+def format_hint(study: DiscoveryStudy) -> str:
     """Return what comes next without planning it: the page of every study has this."""
     one = next((one for one in study.finding.effects if one.confusable_with), None)
     if one is None:
         return ''
-    kind = _kind(study)
+    kind = _classify_study(study)
     rich: Kind = 'all' if kind == 'hover' else kind
     name = one.knobs[0]
     rivals = [o for o in one.confusable_with if o != name]
-    never = tuple(o for o in rivals if same_class(name, o, rich))
+    never = tuple(o for o in rivals if is_same_class(name, o, rich))
     rest = tuple(o for o in rivals if o not in never)
-    words = [_never(name, never, rich)] if never else []
+    words = [_format_no_flight(name, never, rich)] if never else []
     if rest:
         words.append(
             f'The same command with --plan writes the flight that is to tell {name} from '
-            f'{_listed(rest, "or")}.'
+            f'{_join_names(rest, "or")}.'
         )
     return ' '.join(words)
 
 
-def _told(name: str, names: tuple[str, ...], chosen: Chosen) -> str:
+def _format_flight(name: str, names: tuple[str, ...], chosen: DecidingFlight) -> str:
     """Return a flight in words."""
     x, y, z = chosen.space
     return (
-        f'To tell {name} from {_listed(names, "or")}, {chosen.manoeuvre.about} for '
+        f'To tell {name} from {_join_names(names, "or")}, {chosen.manoeuvre.about} for '
         f'{chosen.manoeuvre.length:.0f} s, twice: the true one is then expected to lead by '
         f'{chosen.nats:.0f} nats (3 decide). It takes {x:.0f} m by {y:.0f} m, and {z:.1f} m of '
         'height.'
     )
 
 
-def scenario_of(name: str, names: tuple[str, ...], chosen: Chosen) -> dict[str, Any]:
+def build_scenario(name: str, names: tuple[str, ...], chosen: DecidingFlight) -> dict[str, Any]:
     """Return the scenario file of a chosen flight."""
     scene = dict(chosen.made.contents['scenario'])
-    about = f'{chosen.manoeuvre.about}, to tell {name} from {_listed(names, "or")}.'
+    about = f'{chosen.manoeuvre.about}, to tell {name} from {_join_names(names, "or")}.'
     scene |= {'name': 'next_flight', 'about': about[0].upper() + about[1:]}
     return scene
 
 
-def _listed(names: Sequence[str], word: str = 'and') -> str:
+def _join_names(names: Sequence[str], word: str = 'and') -> str:
     """Return names in a row."""
     *first, last = names
     return f'{", ".join(first)} {word} {last}' if first else last

@@ -9,22 +9,22 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Final, final, Literal
 
-from lta_config.topics import topic_table
-from lta_discovery.flights.measured import measured, Stream, Streams
-from lta_discovery.flights.windows import windows
-from lta_discovery.model.knobs import Knob
-from lta_discovery.model.nominal import Nominal
-from lta_discovery.model.rotations import exponential, product
-from lta_discovery.replay.linearise import Linearised
-from lta_discovery.replay.periods import knots_for
-from lta_discovery.replay.replay import Replay
-from lta_discovery.replay.sensing import floor_pressure, Places
-from lta_flight.ingredients import Ingredients
-from lta_flight.loop import Loop
-from lta_flight.policy import Policy
+from lta_config.topics import load_topic_table
+from lta_discovery.flights.measured_flight import FlightStreams, resample_flight, Stream
+from lta_discovery.flights.windows import cut_windows
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.model.quaternions import quaternion_exponential, quaternion_product
+from lta_discovery.replay.knot_count import count_needed_knots
+from lta_discovery.replay.linearizer import FlightLinearizer
+from lta_discovery.replay.replay import ModelReplay
+from lta_discovery.replay.sensing import estimate_floor_pressure, SensorPlaces
+from lta_flight.closed_loop import ClosedLoop
+from lta_flight.flight_spec import FlightSpec
+from lta_flight.flight_stack import FlightStack
 from lta_model.scenario import Scenario
 from lta_model.vehicle import Vehicle
-from lta_sim.readings import Outcome
+from lta_sim.readings import FlightOutcome
 from lta_sim.world import World
 import numpy as np
 from numpy.typing import NDArray
@@ -44,17 +44,17 @@ KEPT: Final[dict[str, tuple[str, ...]]] = {
 }
 
 
-def along(made: Ingredients, course: Mapping[str, Any], length: float) -> Ingredients:
+def with_course(spec: FlightSpec, course: Mapping[str, Any], length: float) -> FlightSpec:
     """Return a flight along a course, as a scenario file has it, for so long. [s]"""
-    scene = made.contents['scenario']
+    scene = spec.contents['scenario']
     goal = {**scene['goal'], 'time_limit': {'value': length, 'unit': 's'}}
     scene = {**scene, 'goal': goal, 'course': course}
-    return replace(made, contents={**made.contents, 'scenario': scene})
+    return replace(spec, contents={**spec.contents, 'scenario': scene})
 
 
 @final
 @dataclass(frozen=True, slots=True)
-class Rehearsed:
+class RehearsedFlight:
     """
     What came of it.
 
@@ -75,17 +75,21 @@ class Rehearsed:
 
     """
 
-    streams: Streams
-    outcome: Outcome
+    streams: FlightStreams
+    outcome: FlightOutcome
     path: Array
     duties: Array
     tilt: float
     standing: float
 
 
-def rehearse(
-    vehicle: Vehicle, scenario: Scenario, policy: Policy, seed: int, known: Vehicle | None = None
-) -> Rehearsed:
+def rehearse_flight(
+    vehicle: Vehicle,
+    scenario: Scenario,
+    policy: FlightStack,
+    seed: int,
+    pilot_vehicle: Vehicle | None = None,
+) -> RehearsedFlight:
     """
     Fly a scenario in this process.
 
@@ -103,23 +107,23 @@ def rehearse(
         As the drone knows it; by default as it is.
 
     """
-    table = topic_table()
+    table = load_topic_table()
     world = World(vehicle, scenario, table, seed)
-    loop = Loop(world, table, policy, known or Vehicle(vehicle.file))
+    loop = ClosedLoop(world, table, policy, pilot_vehicle or Vehicle(vehicle.file))
     rows: dict[str, list[tuple[float, ...]]] = {
         name: [] for name in ('pose', 'commands', *KEPT['all'])
     }
-    for outcome in loop.flight():
-        if outcome is not Outcome.FLYING:
+    for outcome in loop.iterate_steps():
+        if outcome is not FlightOutcome.FLYING:
             break
-        _take(loop, rows)
-    streams = {name: _stream(found) for name, found in rows.items() if found}
+        _record_step(loop, rows)
+    streams = {name: _build_stream(found) for name, found in rows.items() if found}
     pose, commands = streams.pop('pose'), streams.pop('commands')
-    path, upright = pose.values[:, :3].copy(), _upright(pose.values[:, 3:])
-    seen = _tracked(pose, np.random.default_rng([seed, 9]))
-    standing = vehicle.standing_height
-    return Rehearsed(
-        Streams(seen, commands, streams, standing + CLEAR),
+    path, upright = pose.values[:, :3].copy(), _tilt_cosine(pose.values[:, 3:])
+    seen = _add_tracker_noise(pose, np.random.default_rng([seed, 9]))
+    standing = vehicle.height_on_floor
+    return RehearsedFlight(
+        FlightStreams(seen, commands, streams, standing + CLEAR),
         world.outcome,
         path,
         commands.values,
@@ -128,7 +132,7 @@ def rehearse(
     )
 
 
-def _take(loop: Loop, rows: dict[str, list[tuple[float, ...]]]) -> None:
+def _record_step(loop: ClosedLoop, rows: dict[str, list[tuple[float, ...]]]) -> None:
     """Write one step down."""
     told, now = loop.readings, loop.world.elapsed
     if told.truth is not None:
@@ -144,57 +148,59 @@ def _take(loop: Loop, rows: dict[str, list[tuple[float, ...]]]) -> None:
     rows['commands'].append((now, *loop.duties))
 
 
-def _stream(rows: list[tuple[float, ...]]) -> Stream:
+def _build_stream(rows: list[tuple[float, ...]]) -> Stream:
     table = np.array(rows)
     return Stream(table[:, 0], table[:, 1:])
 
 
-def _upright(quaternion: Array) -> Array:
+def _tilt_cosine(quaternion: Array) -> Array:
     """Return the cosine of the tilt."""
     x, y, _, _ = quaternion.T
     cosine: Array = 1.0 - 2.0 * (x**2 + y**2)
     return cosine
 
 
-def _tracked(pose: Stream, rng: np.random.Generator) -> Stream:
+def _add_tracker_noise(pose: Stream, rng: np.random.Generator) -> Stream:
     """Return a pose with the noise of a tracker."""
     values = pose.values.copy()
     values[:, :3] += POSE * rng.standard_normal((len(values), 3))
-    wobble = exponential(TURN * rng.standard_normal((len(values), 3)))
-    values[:, 3:] = product(values[:, 3:], wobble)
+    wobble = quaternion_exponential(TURN * rng.standard_normal((len(values), 3)))
+    values[:, 3:] = quaternion_product(values[:, 3:], wobble)
     return Stream(pose.time, values)
 
 
-def seen_by(streams: Streams, sensors: Sensors) -> Streams:
+def select_sensors(streams: FlightStreams, sensors: Sensors) -> FlightStreams:
     """Return a recording with the readings of some sensors only; the pose is always there."""
     others = {name: streams.others[name] for name in KEPT[sensors] if name in streams.others}
     return replace(streams, others=others)
 
 
-def prepared(
-    streams: Streams, vehicle: Vehicle, knobs: list[Knob], sensors: Sensors = 'all'
-) -> Linearised:
+def prepare_linearizer(
+    streams: FlightStreams, vehicle: Vehicle, knobs: list[FreeParameter], sensors: Sensors = 'all'
+) -> FlightLinearizer:
     """
     Return a flight ready to be linearised.
 
     Of `wrench`, what the rotors gave counts as commanded as such, and nobody knows their duties.
     """
-    streams = seen_by(streams, sensors)
-    still = vehicle.command(())
-    flight = measured(streams)
+    streams = select_sensors(streams, sensors)
+    still = vehicle.pack_command(())
+    flight = resample_flight(streams)
     if sensors == 'wrench':
-        wrench = _wrench(Replay(flight, windows(flight), still), Nominal.of(vehicle))
+        wrench = _rotor_wrench(
+            ModelReplay(flight, cut_windows(flight), still), NominalVehicle.from_vehicle(vehicle)
+        )
         silent = Stream(streams.commands.time[:1], 0.0 * streams.commands.values[:1])
         flight = replace(flight, commands=silent, wrench=wrench)
-    places = Places.of(vehicle, STANDARD)
-    places = Places.of(vehicle, floor_pressure(flight, places))
-    ready = Linearised(Replay(flight, windows(flight), still), knobs, places)
-    return ready.with_knots(knots_for([ready], Nominal.of(vehicle)))
+    places = SensorPlaces.from_vehicle(vehicle, STANDARD)
+    places = SensorPlaces.from_vehicle(vehicle, estimate_floor_pressure(flight, places))
+    ready = FlightLinearizer(ModelReplay(flight, cut_windows(flight), still), knobs, places)
+    return ready.with_knots(count_needed_knots([ready], NominalVehicle.from_vehicle(vehicle)))
 
 
-def _wrench(replay: Replay, nominal: Nominal) -> Stream:
+def _rotor_wrench(replay: ModelReplay, nominal: NominalVehicle) -> Stream:
     """Return the force and moment of the rotors about the hull centre, body frame."""
-    thrusts = replay.thrusts(nominal.rows())
+    thrusts = replay.mean_thrusts(nominal.build_rows())
     each = [np.concatenate([axis, np.cross(place, axis)]) for place, axis in nominal.rotors]
     time = replay.flight.time[0] + replay.dt * np.arange(len(thrusts))
     return Stream(time, thrusts[:, : len(each)] @ np.array(each))

@@ -3,15 +3,15 @@
 from dataclasses import dataclass, replace
 from typing import Final, final
 
-from lta_discovery.flights.held_means import held_means
-from lta_discovery.flights.measured import Measured, PERIOD, Stream
+from lta_discovery.flights.measured_flight import MeasuredFlight, PERIOD, Stream
 from lta_discovery.flights.windows import Windows
-from lta_discovery.model.knob_sets import Turns
-from lta_discovery.model.knobs import Knob
-from lta_discovery.model.nominal import Nominal, Rows
-from lta_discovery.model.replay_kernel import actuators, body, BODY_LAYOUT, RIGID
-from lta_discovery.replay.sensing import act
-from lta_discovery.replay.tangent import NUDGE, WIDTH
+from lta_discovery.flights.zero_order_hold import average_held_values
+from lta_discovery.model.nominal import NominalVehicle, ReplayRows
+from lta_discovery.model.parameter_sets import ParameterSteps
+from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.model.replay_kernel import BODY_LAYOUT, load_actuators, load_body, RIGID
+from lta_discovery.replay.sensing import transform_readings
+from lta_discovery.replay.variational_equation import NUDGE, WIDTH
 from lta_model.state import ACTUATORS, COMMAND, MASS_PLACE, SURROUNDINGS, VOLTAGE
 import numpy as np
 from numpy.typing import NDArray
@@ -24,13 +24,13 @@ ALL: Final = slice(None)
 AXES: Final = 6
 CLOCKS: Final = ('clock', 'pose_time')  # channels that decide when a pose is true
 REMEMBERING: Final = [
-    flag for flag, name in enumerate(BODY_LAYOUT.effects) if BODY_LAYOUT.remembered(name)
+    flag for flag, name in enumerate(BODY_LAYOUT.effects) if BODY_LAYOUT.memory_size(name)
 ]
 
 
 @final
 @dataclass(frozen=True, slots=True)
-class Ready:
+class BodyInputs:
     """
     What the body meets in each step of a flight, under one set of parameters.
 
@@ -49,7 +49,7 @@ class Ready:
     memory: Array
     wrench: Array
 
-    def by_period(self) -> tuple[Array, Array, Array]:
+    def average_periods(self) -> tuple[Array, Array, Array]:
         """Return the means over each grid period."""
         first, second, third = (
             part.reshape(-1, STEPS, part.shape[1]).mean(axis=1)
@@ -59,7 +59,7 @@ class Ready:
 
 
 @final
-class Replay:
+class ModelReplay:
     """
     A flight that can be replayed.
 
@@ -74,7 +74,7 @@ class Replay:
 
     """
 
-    def __init__(self, flight: Measured, cut: Windows, still: Array) -> None:
+    def __init__(self, flight: MeasuredFlight, cut: Windows, still: Array) -> None:
         self.flight, self.cut, self._still = flight, cut, still
         self.dt = PERIOD / STEPS
         count = (len(flight.time) + cut.length) * STEPS
@@ -82,28 +82,28 @@ class Replay:
         self.first = cut.first * STEPS
         self.span = cut.length * STEPS
         self._around = np.zeros((count, SURROUNDINGS))
-        self._around[:, VOLTAGE] = self._volts(self._steps)
+        self._around[:, VOLTAGE] = self._interpolate_voltage(self._steps)
         self._sparse = self._around[::STEPS].copy()
         orders = flight.commands
         self._orders = np.zeros((len(orders.time), COMMAND))
         self._orders[:, : orders.values.shape[1]] = orders.values
         self._met = np.zeros((len(orders.time), SURROUNDINGS))
-        self._met[:, VOLTAGE] = self._volts(orders.time)
-        self._known = self._motion()
-        self._rest = self._resting()
+        self._met[:, VOLTAGE] = self._interpolate_voltage(orders.time)
+        self._known = self._measured_motion()
+        self._rest = self._rest_commands()
 
-    def in_pieces(self, cut: Windows) -> 'Replay':
+    def with_pieces(self, cut: Windows) -> 'ModelReplay':
         """Return the same flight in other pieces."""
-        return Replay(self.flight, cut, self._still)
+        return ModelReplay(self.flight, cut, self._still)
 
-    def _volts(self, time: Array) -> Array:
+    def _interpolate_voltage(self, time: Array) -> Array:
         """Return the voltage, 0 where nobody knows it."""
         known = np.isfinite(self.flight.voltage)
         if not known.any():
             return np.zeros(len(time))
         return np.interp(time, self.flight.time[known], self.flight.voltage[known])
 
-    def _motion(self) -> Array:
+    def _measured_motion(self) -> Array:
         """Return the measured motion by step, at rest where nobody knows: what memories see."""
         states = np.zeros((len(self._steps), RIGID))
         states[:, 6] = 1.0
@@ -113,7 +113,7 @@ class Replay:
             states[:, k] = np.interp(self._steps, self.flight.time[good], values)
         return states
 
-    def _resting(self) -> Array:
+    def _rest_commands(self) -> Array:
         """Return the command of each step with no rotor turning: where the moving mass is."""
         commands = np.tile(self._still, (len(self._steps), 1))
         if self.flight.mass is not None:
@@ -122,24 +122,26 @@ class Replay:
             commands[:, MASS_PLACE:] = told.values[np.maximum(newest, 0)]
         return commands
 
-    def rows(self, nominal: Nominal) -> Rows:
+    def build_rows(self, nominal: NominalVehicle) -> ReplayRows:
         """Return what the compiled replay takes of a vehicle in this flight."""
         if self.flight.mass is not None:
             # About its mean place: where it stands still, as in a glide, nothing is left out.
-            nominal = nominal.placed(self._rest[:, MASS_PLACE:].mean(axis=0))
-        return self._delay_by_clocks(nominal.rows())
+            nominal = nominal.with_mass_at(self._rest[:, MASS_PLACE:].mean(axis=0))
+        return self._delay_by_clocks(nominal.build_rows())
 
-    def rows_beside(self, nominal: Nominal, other: Nominal, rows: Rows) -> Rows:
+    def update_rows(
+        self, nominal: NominalVehicle, other: NominalVehicle, rows: ReplayRows
+    ) -> ReplayRows:
         """Return `rows` of a vehicle, knowing those of one that differs little."""
         if self.flight.mass is not None:
-            return self.rows(nominal)  # its balance and inertia are weighed anew
-        return self._delay_by_clocks(nominal.rows_beside(other, rows))
+            return self.build_rows(nominal)  # its balance and inertia are weighed anew
+        return self._delay_by_clocks(nominal.update_rows(other, rows))
 
-    def delays_commands(self, knob: Knob) -> bool:
+    def delays_commands(self, knob: FreeParameter) -> bool:
         """Tell whether a knob of the clocks decides when commands are obeyed in this flight."""
-        return self.flight.only_tracked and knob.channels <= set(CLOCKS)
+        return self.flight.has_only_pose and knob.channels <= set(CLOCKS)
 
-    def _delay_by_clocks(self, rows: Rows) -> Rows:
+    def _delay_by_clocks(self, rows: ReplayRows) -> ReplayRows:
         """
         Return parameters with what the tracker's stamps are off by as a delay of the commands.
 
@@ -150,35 +152,35 @@ class Replay:
         """
         acting = rows.acting
         late = tuple(link for name in CLOCKS for link in acting[name])
-        if not late or not self.flight.only_tracked:
+        if not late or not self.flight.has_only_pose:
             return rows
         orders = {'command_time': (*acting['command_time'], *late)}
         return replace(rows, acting={**acting, **dict.fromkeys(CLOCKS, ()), **orders})
 
-    def _wrench(self, rows: Rows) -> Array:
+    def _mean_wrench(self, rows: ReplayRows) -> Array:
         """Return the mean commanded wrench in each step, after any delay."""
         told = self.flight.wrench
         if told is None:
             return np.zeros((len(self._steps), AXES))
-        late = Stream(told.time + _delays(rows, told.time), told.values * rows.gains)
-        return held_means(late, np.append(self._steps, self._steps[-1] + self.dt))
+        late = Stream(told.time + _command_delays(rows, told.time), told.values * rows.gains)
+        return average_held_values(late, np.append(self._steps, self._steps[-1] + self.dt))
 
-    def _forced(self, ready: Ready, latent: Array, which: slice) -> Array:
+    def _applied_wrench(self, ready: BodyInputs, latent: Array, which: slice) -> Array:
         """Return the wrench in each step of some pieces: latent, and commanded as such."""
         steps = self.first[which, None] + np.arange(self.span)
         return np.ascontiguousarray(latent + ready.wrench[steps])
 
-    def thrusts(self, rows: Rows) -> Array:
+    def mean_thrusts(self, rows: ReplayRows) -> Array:
         """Return the mean thrust of each rotor in each step. [N]"""
         out = np.zeros((len(self._steps), ACTUATORS))
         time = self.flight.commands.time
-        actuators().chain(
-            rows.actuators.copy(), rows.actuators_on, time + _delays(rows, time),
+        load_actuators().chain(
+            rows.actuators.copy(), rows.actuators_on, time + _command_delays(rows, time),
             self._orders, self._met, float(self._steps[0]), self.dt, LONGEST, out,
         )  # fmt: skip
         return out
 
-    def ready(self, rows: Rows, before: Ready | None = None) -> Ready:
+    def compute_inputs(self, rows: ReplayRows, before: BodyInputs | None = None) -> BodyInputs:
         """
         Return what the body meets.
 
@@ -192,28 +194,28 @@ class Replay:
         """
         if before is None:
             commands = self._rest.copy()
-            commands[:, :ACTUATORS] = self.thrusts(rows)
-            wrench = self._wrench(rows)
+            commands[:, :ACTUATORS] = self.mean_thrusts(rows)
+            wrench = self._mean_wrench(rows)
         else:
             commands, wrench = before.commands, before.wrench
-        return Ready(commands, self._memory(rows, commands), wrench)
+        return BodyInputs(commands, self._compute_memory(rows, commands), wrench)
 
-    def _memory(self, rows: Rows, commands: Array) -> Array:
+    def _compute_memory(self, rows: ReplayRows, commands: Array) -> Array:
         """Return the memory of the effects in each step."""
         memory = np.tile(rows.body[RIGID : BODY_LAYOUT.size], (len(self._steps), 1))
         if rows.body_on[REMEMBERING].any():
-            body().remember(
+            load_body().remember(
                 rows.body.copy(), rows.body_on, self._known, commands, self._around, self.dt,
                 memory,
             )  # fmt: skip
         return memory
 
-    def gained(self, rows: Rows, before: Ready) -> Ready:
+    def update_wrench(self, rows: ReplayRows, before: BodyInputs) -> BodyInputs:
         """Return what the body meets with other gains of the commanded wrench."""
-        return replace(before, wrench=self._wrench(rows))
+        return replace(before, wrench=self._mean_wrench(rows))
 
-    def fly(
-        self, rows: Rows, ready: Ready, start: Array, latent: Array, which: slice = ALL
+    def integrate_pieces(
+        self, rows: ReplayRows, ready: BodyInputs, start: Array, latent: Array, which: slice = ALL
     ) -> Array:
         """
         Integrate each piece.
@@ -236,13 +238,15 @@ class Replay:
 
         """
         out = np.zeros((len(start), self.span + 1, RIGID))
-        body().fly(
+        load_body().fly(
             rows.body.copy(), rows.body_on, self.first[which], start, ready.commands, self._around,
-            ready.memory, self._forced(ready, latent, which), self.dt, out,
+            ready.memory, self._applied_wrench(ready, latent, which), self.dt, out,
         )  # fmt: skip
         return out
 
-    def jacobians(self, turns: Turns, states: Array, latent: Array, which: slice = ALL) -> Array:
+    def state_jacobians(
+        self, turns: ParameterSteps, states: Array, latent: Array, which: slice = ALL
+    ) -> Array:
         """
         Return how the rates of a change answer to the change, at given states.
 
@@ -264,13 +268,15 @@ class Replay:
 
         """
         out = np.zeros((*states.shape[:2], WIDTH, WIDTH))
-        body().jacobians(
+        load_body().jacobians(
             turns.rows[0].copy(), turns.on[0], self.cut.first[which], states, turns.commands[0],
             self._sparse, turns.memory[0], turns.wrench[0], latent, NUDGE, out,
         )  # fmt: skip
         return out
 
-    def answers(self, turns: Turns, states: Array, latent: Array, which: slice = ALL) -> Array:
+    def parameter_sensitivities(
+        self, turns: ParameterSteps, states: Array, latent: Array, which: slice = ALL
+    ) -> Array:
         """
         Return how the accelerations answer to knobs, at given states.
 
@@ -279,7 +285,7 @@ class Replay:
         turns : Turns
             The knobs.
         states, latent, which
-            As for `jacobians`.
+            As for `state_jacobians`.
 
         Returns
         -------
@@ -289,7 +295,7 @@ class Replay:
         """
         out = np.zeros((*states.shape[:2], AXES, len(turns.steps)))
         kept = np.empty((len(turns.rows), states.shape[1], AXES))
-        body().answers(
+        load_body().answers(
             turns.rows, turns.on, turns.faced, self.cut.first[which], states, turns.commands,
             self._sparse, turns.memory, turns.wrench, latent, turns.before, turns.after,
             turns.steps, kept, out,
@@ -297,6 +303,6 @@ class Replay:
         return out
 
 
-def _delays(rows: Rows, time: Array) -> Array:
+def _command_delays(rows: ReplayRows, time: Array) -> Array:
     """Return how late the commands of some times are obeyed. [s]"""
-    return -act(rows.acting['command_time'], np.zeros((len(time), 1)), time)[:, 0]
+    return -transform_readings(rows.acting['command_time'], np.zeros((len(time), 1)), time)[:, 0]

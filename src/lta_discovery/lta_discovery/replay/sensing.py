@@ -5,10 +5,15 @@ from dataclasses import dataclass
 from typing import Any, Final, final, NamedTuple
 
 from lta_config.constants import STANDARD_GRAVITY
-from lta_discovery.flights.measured import Measured, PERIOD
-from lta_discovery.model.rotations import exponential, product, reverse, rotated
-from lta_model.measurement import Chain, read
-from lta_model.sensors.imu import specific_force
+from lta_discovery.flights.measured_flight import MeasuredFlight, PERIOD
+from lta_discovery.model.quaternions import (
+    quaternion_conjugate,
+    quaternion_exponential,
+    quaternion_product,
+    rotate_vectors,
+)
+from lta_model.measurement_chain import apply_chain, Chain
+from lta_model.sensors.imu import imu_specific_force
 from lta_model.sensors.pressure import air_pressure, EXPONENT, LAPSE, SEA_TEMPERATURE
 from lta_model.vehicle import Vehicle
 import numpy as np
@@ -28,7 +33,7 @@ PARTS: Final = {
 
 @final
 @dataclass(frozen=True, slots=True)
-class Places:
+class SensorPlaces:
     """Where the sensors are, in the body frame, and the pressure at the floor. [m, Pa]"""
 
     imu: tuple[float, float, float]
@@ -36,7 +41,7 @@ class Places:
     floor: float
 
     @classmethod
-    def of(cls, vehicle: Vehicle, floor: float) -> 'Places':
+    def from_vehicle(cls, vehicle: Vehicle, floor: float) -> 'SensorPlaces':
         """Return those of a vehicle."""
         sensors = vehicle.file.sensors
         a, b, c = sensors.imu_position.vector
@@ -44,7 +49,7 @@ class Places:
         return cls((a, b, c), (d, e, f), floor)
 
 
-class Told(NamedTuple):
+class PredictedReadings(NamedTuple):
     """What is said: position, quaternion, and rates, force, range, pressure; shape (..., k)."""
 
     position: Array
@@ -52,45 +57,47 @@ class Told(NamedTuple):
     readings: Array
 
 
-def act(chain: Chain, values: Array, time: Array) -> Array:
+def transform_readings(chain: Chain, values: Array, time: Array) -> Array:
     """Return readings after the effects of a channel; `values` has shape (..., k)."""
     if not chain:
         return values
-    parts = read(chain, tuple(np.moveaxis(values, -1, 0)), time)  # type: ignore[arg-type]
+    parts = apply_chain(chain, tuple(np.moveaxis(values, -1, 0)), time)  # type: ignore[arg-type]
     shape = values.shape[:-1]
     return np.stack([np.broadcast_to(part, shape) for part in parts], axis=-1)
 
 
-def shift_of(acting: Mapping[str, Chain], time: Array) -> Array:
+def pose_time_shift(acting: Mapping[str, Chain], time: Array) -> Array:
     """Return how much later than its stamp a tracked pose was true. [s]"""
-    clock = act(acting['clock'], time[..., None], time)
-    return act(acting['pose_time'], clock, time)[..., 0] - time
+    clock = transform_readings(acting['clock'], time[..., None], time)
+    return transform_readings(acting['pose_time'], clock, time)[..., 0] - time
 
 
-def _shifted(states: Array, shift: Array) -> tuple[Array, Array]:
+def _shift_poses(states: Array, shift: Array) -> tuple[Array, Array]:
     """
     Return the poses a little later or earlier than states on the grid.
 
     To second order: to the first, a tenth of a second makes swings so much larger that the gyros
     seem to read too little.
     """
-    velocity = rotated(states[..., 3:7], states[..., 7:10])
+    velocity = rotate_vectors(states[..., 3:7], states[..., 7:10])
     rates, half = states[..., :-1, 10:13], 0.5 * shift**2
     change, turning = (
         np.gradient(each, PERIOD, axis=-2)[..., :-1, :] for each in (velocity, states[..., 10:13])
     )
     position = states[..., :-1, :3] + shift * velocity[..., :-1, :] + half * change
-    turn = exponential(shift * rates + half * turning)
-    return position, product(states[..., :-1, 3:7], turn)
+    turn = quaternion_exponential(shift * rates + half * turning)
+    return position, quaternion_product(states[..., :-1, 3:7], turn)
 
 
-def _pose(states: Array, time: Array, acting: Mapping[str, Chain]) -> tuple[Array, Array]:
+def _predict_pose(states: Array, time: Array, acting: Mapping[str, Chain]) -> tuple[Array, Array]:
     """Return what the tracker says of all states on the grid but the last."""
     position, quaternion = states[..., :-1, :3], states[..., :-1, 3:7]
     if acting['clock'] or acting['pose_time']:
-        position, quaternion = _shifted(states, shift_of(acting, time)[..., None])
+        position, quaternion = _shift_poses(states, pose_time_shift(acting, time)[..., None])
     if acting['pose']:
-        pose = act(acting['pose'], np.concatenate([position, quaternion], axis=-1), time)
+        pose = transform_readings(
+            acting['pose'], np.concatenate([position, quaternion], axis=-1), time
+        )
         position, quaternion = pose[..., :3], pose[..., 3:]
     return position, quaternion
 
@@ -100,12 +107,12 @@ def tracker_frame(acting: Mapping[str, Chain]) -> tuple[Array, Array]:
     chain = acting['pose']
     if not chain:
         return np.eye(3), np.array([0.0, 0.0, 0.0, 1.0])
-    axes = [read(chain, (*axis, 0.0, 0.0, 0.0, 1.0), 0.0)[:3] for axis in np.eye(3)]
-    turn = read(chain, (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0), 0.0)[3:]
+    axes = [apply_chain(chain, (*axis, 0.0, 0.0, 0.0, 1.0), 0.0)[:3] for axis in np.eye(3)]
+    turn = apply_chain(chain, (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0), 0.0)[3:]
     return np.array(axes, dtype=np.float64).T, np.array(turn, dtype=np.float64)
 
 
-def in_map(states: Array, acting: Mapping[str, Chain]) -> Array:
+def transform_to_map(states: Array, acting: Mapping[str, Chain]) -> Array:
     """
     Return states that a tracker told, in the map, where forces are.
 
@@ -120,32 +127,33 @@ def in_map(states: Array, acting: Mapping[str, Chain]) -> Array:
     if not acting['pose']:
         return states
     frame, turn = tracker_frame(acting)
-    back = np.broadcast_to(reverse(turn), (*states.shape[:-1], 4))
+    back = np.broadcast_to(quaternion_conjugate(turn), (*states.shape[:-1], 4))
     return np.concatenate(
-        [states[..., :3] @ frame, product(back, states[..., 3:7]), states[..., 7:]], axis=-1
+        [states[..., :3] @ frame, quaternion_product(back, states[..., 3:7]), states[..., 7:]],
+        axis=-1,
     )
 
 
-def vertical_of(states: Array) -> Array:
+def body_vertical(states: Array) -> Array:
     """Return the map's vertical in the body, shape (..., 3)."""
     up = np.broadcast_to(np.array([0.0, 0.0, 1.0]), (*states.shape[:-1], 3))
-    return rotated(reverse(states[..., 3:7]), up)
+    return rotate_vectors(quaternion_conjugate(states[..., 3:7]), up)
 
 
-def _force(begin: Array, end: Array, place: tuple[float, float, float]) -> Array:
+def _specific_force(begin: Array, end: Array, place: tuple[float, float, float]) -> Array:
     """Return the mean specific force between two states."""
-    up = 0.5 * (vertical_of(begin) + vertical_of(end))
+    up = 0.5 * (body_vertical(begin) + body_vertical(end))
     mean, rate = 0.5 * (begin + end), (end - begin) / PERIOD
     across = [
         tuple(np.moveaxis(part, -1, 0))
         for part in (mean[..., 7:10], mean[..., 10:13], rate[..., 7:10], rate[..., 10:13], up)
     ]
     # Plain arithmetic, so arrays do as well as numbers.
-    whole: Callable[..., Any] = specific_force
+    whole: Callable[..., Any] = imu_specific_force
     return np.stack(whole(*across, place, STANDARD_GRAVITY), axis=-1)
 
 
-def plain(begin: Array, end: Array, places: Places) -> Array:
+def ideal_readings(begin: Array, end: Array, places: SensorPlaces) -> Array:
     """
     Return rates, force, range and pressure of states and those a grid period later.
 
@@ -164,24 +172,24 @@ def plain(begin: Array, end: Array, places: Places) -> Array:
         In SI; the first six as means of the period.
 
     """
-    vertical = vertical_of(begin)
+    vertical = body_vertical(begin)
     distance = (begin[..., 2] + vertical @ np.array(places.range)) / vertical[..., 2]
     # At the IMU, without its tilt: as the simulated barometer has it.
     height = begin[..., 2] + places.imu[2]
     pressure = places.floor * (1.0 - LAPSE * height / SEA_TEMPERATURE) ** EXPONENT
     rates = 0.5 * (begin[..., 10:13] + end[..., 10:13])
-    force = _force(begin, end, places.imu)
+    force = _specific_force(begin, end, places.imu)
     return np.concatenate([rates, force, distance[..., None], pressure[..., None]], axis=-1)
 
 
-def readings(exact: Array, time: Array, acting: Mapping[str, Chain]) -> Array:
+def apply_sensor_effects(exact: Array, time: Array, acting: Mapping[str, Chain]) -> Array:
     """
     Return what the effects of the sensors make of readings.
 
     Parameters
     ----------
     exact : ndarray, shape (..., 8)
-        Of `plain`.
+        Of `ideal_readings`.
     time : ndarray, shape (...)
         [s]
     acting : mapping of str to Chain
@@ -191,17 +199,17 @@ def readings(exact: Array, time: Array, acting: Mapping[str, Chain]) -> Array:
     out = exact.copy()
     for name, part in PARTS.items():
         if acting[name]:
-            out[..., part] = act(acting[name], exact[..., part], time)
+            out[..., part] = transform_readings(acting[name], exact[..., part], time)
     return out
 
 
-def told(
+def predict_readings(
     states: Array,
     time: Array,
     acting: Mapping[str, Chain],
-    places: Places,
+    places: SensorPlaces,
     exact: Array | None = None,
-) -> Told:
+) -> PredictedReadings:
     """
     Return what is said of trajectories on the grid.
 
@@ -216,16 +224,16 @@ def told(
     places : Places
         Of the sensors.
     exact : ndarray, shape (..., n, 8), optional
-        Of `plain`, where it is known already.
+        Of `ideal_readings`, where it is known already.
 
     """
     begin, end = states[..., :-1, :], states[..., 1:, :]
-    position, quaternion = _pose(states, time, acting)
-    exact = plain(begin, end, places) if exact is None else exact
-    return Told(position, quaternion, readings(exact, time, acting))
+    position, quaternion = _predict_pose(states, time, acting)
+    exact = ideal_readings(begin, end, places) if exact is None else exact
+    return PredictedReadings(position, quaternion, apply_sensor_effects(exact, time, acting))
 
 
-def floor_pressure(flight: Measured, places: Places) -> float:
+def estimate_floor_pressure(flight: MeasuredFlight, places: SensorPlaces) -> float:
     """Return the pressure at the floor that fits a flight on the whole; 101325 Pa without. [Pa]"""
     ratio = [
         reading / air_pressure(1.0, height + places.imu[2])

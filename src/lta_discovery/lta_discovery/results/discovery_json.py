@@ -5,9 +5,9 @@ import math
 from typing import Any, Final
 
 from lta_discovery.conclusion import draw_conclusion
-from lta_discovery.finding import Finding, Gap, NamedEffect, SCHEMA
-from lta_discovery.flights.loud import Cut
-from lta_discovery.page.verdict_words import format_advice, headline
+from lta_discovery.finding import DiscoveryFinding, NamedEffect, PredictionGap, SCHEMA
+from lta_discovery.flights.noisy_intervals import ExcludedInterval
+from lta_discovery.page.verdict_text import format_advice, format_headline
 
 NAME: Final = 'discovery.json'
 WHAT: Final = 'position'  # what the gap as a whole is told of
@@ -16,7 +16,7 @@ ERRORS: Final = (
 )  # fmt: skip
 
 
-def to_dict(finding: Finding, cuts: Sequence[Cut] = ()) -> dict[str, Any]:
+def to_dict(finding: DiscoveryFinding, cuts: Sequence[ExcludedInterval] = ()) -> dict[str, Any]:
     """
     Return what was found as JSON holds it: SI units, no number that JSON does not know.
 
@@ -31,15 +31,15 @@ def to_dict(finding: Finding, cuts: Sequence[Cut] = ()) -> dict[str, Any]:
     told: dict[str, Any] = {
         'schema': SCHEMA,
         'verdict': finding.verdict,
-        'conclusion': _conclusion(finding),
+        'conclusion': _encode_conclusion(finding),
         'vehicle': finding.vehicle,
-        'effects': [_effect(effect) for effect in finding.effects],
+        'effects': [_encode_effect(effect) for effect in finding.effects],
         'where': [place._asdict() for place in finding.where],
-        'gap': gap(finding),
-        'gaps': [_gap(each) for each in finding.gaps],
+        'gap': summarize_gap(finding),
+        'gaps': [_encode_gap(each) for each in finding.gaps],
         'remains': [remainder._asdict() for remainder in finding.remains],
         'unexplained': list(finding.unexplained),
-        'draught': _draught(finding),
+        'draught': _encode_draught(finding),
         'detectable': [each._asdict() for each in finding.detectable],
         'ladder': [[rung._asdict() for rung in stage] for stage in finding.ladder],
         'warnings': list(finding.warnings),
@@ -50,27 +50,27 @@ def to_dict(finding: Finding, cuts: Sequence[Cut] = ()) -> dict[str, Any]:
             for cut in cuts
         ],
         'bags': {role: list(names) for role, names in finding.bags.items()},
-        'carried': _carried(finding),
+        'carried': _encode_transfer(finding),
         'seed': finding.seed,
         'versions': dict(finding.versions),
     }  # fmt: skip
-    plain: dict[str, Any] = spoken(told)
+    plain: dict[str, Any] = to_json_value(told)
     return plain
 
 
-def _conclusion(finding: Finding) -> dict[str, Any]:
+def _encode_conclusion(finding: DiscoveryFinding) -> dict[str, Any]:
     """Return what may be said, and what to do."""
     said = draw_conclusion(finding)
     return {
-        'headline': headline(finding),
+        'headline': format_headline(finding),
         'asserted': said.asserted,
         'advice': said.advice,
         'do': format_advice(finding),
-        'gain': None if said.gain is None else _gap(said.gain),
+        'gain': None if said.gain is None else _encode_gap(said.gain),
     }
 
 
-def _effect(effect: NamedEffect) -> dict[str, Any]:
+def _encode_effect(effect: NamedEffect) -> dict[str, Any]:
     """Return one named effect."""
     return {
         'name': effect.name,
@@ -90,13 +90,13 @@ def _effect(effect: NamedEffect) -> dict[str, Any]:
     }
 
 
-def _draught(finding: Finding) -> dict[str, float] | None:
+def _encode_draught(finding: DiscoveryFinding) -> dict[str, float] | None:
     """Return the air that moved by itself; None where none was found."""
     told = finding.draught
     return None if told is None else {'force': told.force, 'speed': told.speed}
 
 
-def _carried(finding: Finding) -> dict[str, Any] | None:
+def _encode_transfer(finding: DiscoveryFinding) -> dict[str, Any] | None:
     """Return what names by forecasts rest on; None where the readings gave them."""
     told = finding.carried
     if told is None:
@@ -109,14 +109,14 @@ def _carried(finding: Finding) -> dict[str, Any] | None:
     }
 
 
-def _gap(one: Gap) -> dict[str, Any]:
+def _encode_gap(one: PredictionGap) -> dict[str, Any]:
     """Return the gap of one channel at one horizon."""
     figures = {key: getattr(one, key) for key in ERRORS}
     start = {'channel': one.channel, 'unit': one.unit, 'horizon_s': one.horizon_s}
     return {**start, **figures, 'pieces': one.pieces}
 
 
-def horizon(gaps: Sequence[Gap]) -> float | None:
+def common_horizon(gaps: Sequence[PredictionGap]) -> float | None:
     """Return the longest horizon that most channels have, the position among them. [s]"""
     mine = {one.horizon_s for one in gaps if one.channel == WHAT} or {
         one.horizon_s for one in gaps
@@ -127,9 +127,9 @@ def horizon(gaps: Sequence[Gap]) -> float | None:
     return max(at for at, number in count.items() if number == max(count.values()))
 
 
-def gap(finding: Finding) -> dict[str, Any]:
+def summarize_gap(finding: DiscoveryFinding) -> dict[str, Any]:
     """Return the gap as a whole: of the position, at the longest horizon that all have."""
-    at = horizon(finding.gaps)
+    at = common_horizon(finding.gaps)
     here = {one.channel: one for one in finding.gaps if one.horizon_s == at}
     first = here.get(WHAT) or next(iter(here.values()), None)
     whole: dict[str, Any] = dict.fromkeys(ERRORS)
@@ -139,19 +139,19 @@ def gap(finding: Finding) -> dict[str, Any]:
         'horizon_s': at,
         'unit': first.unit if first else None,
         **whole,
-        'per_channel': {name: _gap(one) for name, one in here.items()},
+        'per_channel': {name: _encode_gap(one) for name, one in here.items()},
         'held_out': finding.held_out,
     }
 
 
-def spoken(value: Any) -> Any:  # noqa: ANN401 - whatever JSON holds
+def to_json_value(value: Any) -> Any:  # noqa: ANN401 - whatever JSON holds
     """Return a value with None for what is no finite number, lists for tuples."""
     if isinstance(value, Mapping):
-        return {str(key): spoken(one) for key, one in value.items()}
+        return {str(key): to_json_value(one) for key, one in value.items()}
     if isinstance(value, str) or value is None or isinstance(value, bool):
         return value
     if isinstance(value, Sequence):
-        return [spoken(one) for one in value]
+        return [to_json_value(one) for one in value]
     if isinstance(value, int):
         return value
     number = float(value)

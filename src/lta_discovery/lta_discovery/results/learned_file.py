@@ -14,12 +14,12 @@ from typing import Any, Final, final
 
 from lta_config.errors import BadInput
 from lta_config.files import parse_yaml
-from lta_config.override import held
-from lta_config.vehicle_edit import with_value
-from lta_discovery.finding import Finding, Learned, NamedEffect
-from lta_discovery.model.nominal import Nominal
-from lta_discovery.page.words import format_assumed, listed
-from lta_model.declared import parts_drag
+from lta_config.parameter_override import get_parameter
+from lta_config.vehicle_edit import set_value
+from lta_discovery.finding import DiscoveryFinding, NamedEffect, ParameterEstimate
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.page.formatting import format_assumed, join_words
+from lta_model.effect_parameters import parts_drag
 from lta_model.effects import EFFECTS
 from lta_model.effects.protocol import AXES
 from lta_model.vehicle import Vehicle
@@ -44,7 +44,7 @@ FOLLOWS: Final = {'cross_flow': AXES[:3]}
 
 @final
 @dataclass(frozen=True, slots=True)
-class Value:
+class VehicleFileQuantity:
     """A quantity and its place in the file."""
 
     place: str
@@ -53,20 +53,24 @@ class Value:
     source: str
 
     @property
-    def held(self) -> dict[str, Any]:
+    def as_yaml(self) -> dict[str, Any]:
         """As YAML has it."""
         return {'value': self.value, 'unit': self.unit, 'source': self.source}
 
 
-def source_of(finding: Finding) -> str:
+def format_source(finding: DiscoveryFinding) -> str:
     """Return what numbers rest on: the flights that taught and confirmed, and the program."""
     flights = [*finding.bags.get('train', ()), *finding.bags.get('confirm', ())]
     commit = finding.versions.get('commit', 'unknown')
     return f'lta discover from {", ".join(flights)}, commit {commit}'
 
 
-def learned_text(
-    text: str, vehicle: Vehicle, nominal: Nominal, learned: Nominal, finding: Finding
+def format_learned_vehicle(
+    text: str,
+    vehicle: Vehicle,
+    nominal: NominalVehicle,
+    learned: NominalVehicle,
+    finding: DiscoveryFinding,
 ) -> str:
     """
     Return the text of a vehicle file with what was learned.
@@ -89,43 +93,51 @@ def learned_text(
 
     """
     known = {
-        (effect.name, one.name): said(one) + _reservations(effect)
+        (effect.name, one.name): format_interval(one) + _format_reservations(effect)
         for effect in finding.effects
         for one in effect.parameters
     }
-    for one in values(text, vehicle, nominal, learned, known, source_of(finding)):
-        text = with_value(text, one.place.split('.'), one.held)
+    for one in list_changed_quantities(
+        text, vehicle, nominal, learned, known, format_source(finding)
+    ):
+        text = set_value(text, one.place.split('.'), one.as_yaml)
     return text
 
 
-def values(
+def list_changed_quantities(
     text: str,
     vehicle: Vehicle,
-    nominal: Nominal,
-    learned: Nominal,
-    known: Mapping[tuple[str, str], str],
+    nominal: NominalVehicle,
+    learned: NominalVehicle,
+    notes: Mapping[tuple[str, str], str],
     source: str,
-) -> Iterator[Value]:
+) -> Iterator[VehicleFileQuantity]:
     """Yield what has to change in a file; `known` says what is to be said of each parameter."""
     content = parse_yaml(text, vehicle.file.name)
-    moved = _moved(nominal.given, learned.given)
+    moved = _find_changed_parameters(nominal.given, learned.given)
     if set(moved) & set(TOGETHER):
         moved = {**dict.fromkeys(TOGETHER, ()), **moved}
     for effect, names in moved.items():
-        told = {name: known[effect, name] for name in names if (effect, name) in known}
+        told = {name: notes[effect, name] for name in names if (effect, name) in notes}
         if effect in BLOCKS:
-            yield from _of_block(content, vehicle, learned, effect, names, told, source)
+            yield from _list_block_quantities(
+                content, vehicle, learned, effect, names, told, source
+            )
         else:
             units = {one.name: one.unit for one in EFFECTS[effect].parameters}
             for name in names:
                 if name in FOLLOWS.get(effect, ()):
                     continue
                 place = f'effects.{effect}.{name}'
-                words = _words(source, [told[name]] if name in told else [], content, place)
-                yield Value(place, learned.value(effect, name), units[name], words)
+                words = _format_provenance(
+                    source, [told[name]] if name in told else [], content, place
+                )
+                yield VehicleFileQuantity(
+                    place, learned.parameter_value(effect, name), units[name], words
+                )
 
 
-def _moved(
+def _find_changed_parameters(
     before: Mapping[str, Mapping[str, float]], after: Mapping[str, Mapping[str, float]]
 ) -> dict[str, Sequence[str]]:
     """Return the parameters that are new or not the same, by effect."""
@@ -142,21 +154,21 @@ def _moved(
     return out
 
 
-def _of_block(
+def _list_block_quantities(
     content: Any,  # noqa: ANN401 - as YAML has it
     vehicle: Vehicle,
-    learned: Nominal,
+    learned: NominalVehicle,
     effect: str,
     names: Sequence[str],
-    told: Mapping[str, str],
+    notes: Mapping[str, str],
     source: str,
-) -> Iterator[Value]:
+) -> Iterator[VehicleFileQuantity]:
     """Yield the numbers of an effect that follows from a block."""
     units = {one.name: one.unit for one in EFFECTS[effect].parameters}
     for place, order in BLOCKS[effect]:
         if not set(order) & set(names) and effect not in TOGETHER:
             continue
-        numbers = [learned.value(effect, name) for name in order]
+        numbers = [learned.parameter_value(effect, name) for name in order]
         if effect == 'quadratic_drag':
             faces = parts_drag(vehicle.file, vehicle.air_density)
             numbers = [all_ - own for all_, own in zip(numbers, faces, strict=True)]
@@ -165,33 +177,35 @@ def _of_block(
                     f'The quadratic drag that was learned is less than that of the parts of '
                     f'{vehicle.file.name}; mark their drag as in_aero, and study it again.'
                 )
-        words = [f'{name} {told[name]}' for name in order if name in told]
+        words = [f'{name} {notes[name]}' for name in order if name in notes]
         if not set(order) & set(names):
-            yield Value(place, numbers, units[order[0]], 'as the hull had it before')
+            yield VehicleFileQuantity(place, numbers, units[order[0]], 'as the hull had it before')
         else:
             held = numbers if len(order) > 1 else numbers[0]
-            yield Value(place, held, units[order[0]], _words(source, words, content, place))
+            yield VehicleFileQuantity(
+                place, held, units[order[0]], _format_provenance(source, words, content, place)
+            )
 
 
-def _words(source: str, told: Sequence[str], content: Any, place: str) -> str:  # noqa: ANN401 - YAML
+def _format_provenance(source: str, notes: Sequence[str], content: Any, place: str) -> str:  # noqa: ANN401 - YAML
     """Return the source of a number: what was learned, by what, and what it was before."""
     try:
-        before = held(content, place, 'vehicle')
+        before = get_parameter(content, place, 'vehicle')
     except BadInput:
         before = None
     was = before.get('source') if isinstance(before, dict) else None
     number = before.get('value') if isinstance(before, dict) else None
     old = '' if number is None else f'; before {number} {before["unit"]} ({was or "no source"})'
-    return '; '.join([*told, source]) + old
+    return '; '.join([*notes, source]) + old
 
 
-def _reservations(one: NamedEffect) -> str:
+def _format_reservations(one: NamedEffect) -> str:
     """Return what the values of an effect take for granted, and what it may be instead."""
-    rivals = listed(list(one.confusable_with), 'or')
+    rivals = join_words(list(one.confusable_with), 'or')
     return format_assumed(one) + (f'; it may be {rivals} instead' if rivals else '')
 
 
-def said(one: Learned) -> str:
+def format_interval(one: ParameterEstimate) -> str:
     """Return a parameter's interval in words."""
     low, high = one.ci95
     return f'{one.value:.4g} {one.unit}, 95 % {low:.4g} to {high:.4g}'

@@ -11,13 +11,13 @@ FRAME = 'map'
 SECOND = 1_000_000_000
 
 
-def stamp_of(time_ns: int) -> Time:
+def build_stamp(time_ns: int) -> Time:
     """Return a time. [ns]"""
     seconds, rest = divmod(time_ns, SECOND)
     return Time(sec=seconds, nanosec=rest)
 
 
-def pose(time_ns: int, values: NDArray[np.float64], child: str) -> Odometry:
+def build_pose_message(time_ns: int, values: NDArray[np.float64], child: str) -> Odometry:
     """
     Return a pose in `map` and the velocities in the body.
 
@@ -32,7 +32,7 @@ def pose(time_ns: int, values: NDArray[np.float64], child: str) -> Odometry:
 
     """
     message = Odometry(
-        header=Header(stamp=stamp_of(time_ns), frame_id=FRAME), child_frame_id=child
+        header=Header(stamp=build_stamp(time_ns), frame_id=FRAME), child_frame_id=child
     )
     at, turn = message.pose.pose.position, message.pose.pose.orientation
     at.x, at.y, at.z, turn.x, turn.y, turn.z, turn.w = map(float, values[:7])
@@ -42,8 +42,8 @@ def pose(time_ns: int, values: NDArray[np.float64], child: str) -> Odometry:
     return message
 
 
-def error(time_ns: int, vector: NDArray[np.float64]) -> Vector3Stamped:
+def build_offset_message(time_ns: int, vector: NDArray[np.float64]) -> Vector3Stamped:
     """Return how far a prediction is off, in `map`. [m]"""
-    message = Vector3Stamped(header=Header(stamp=stamp_of(time_ns), frame_id=FRAME))
+    message = Vector3Stamped(header=Header(stamp=build_stamp(time_ns), frame_id=FRAME))
     message.vector.x, message.vector.y, message.vector.z = map(float, vector)
     return message

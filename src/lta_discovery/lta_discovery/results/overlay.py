@@ -10,16 +10,16 @@ from pathlib import Path
 import re
 from typing import Any, Final
 
-from lta_bridge.bag.qos import offered_qos
+from lta_bridge.bag.qos import build_offered_qos
 from lta_bridge.bag.writer import BagWriter
-from lta_bridge.cdr import serialise
-from lta_discovery.flights.measured import PERIOD
-from lta_discovery.replay.linear import Point
-from lta_discovery.replay.linearise import Linearised
+from lta_bridge.cdr import encode_cdr
+from lta_discovery.flights.measured_flight import PERIOD
+from lta_discovery.replay.linearized_flight import LinearizationPoint
+from lta_discovery.replay.linearizer import FlightLinearizer
 from lta_discovery.replay.replay import STEPS
-from lta_discovery.replay.sensing import told
-from lta_discovery.results.messages import error, pose, SECOND
-from lta_discovery.study import Shown
+from lta_discovery.replay.sensing import predict_readings
+from lta_discovery.results.messages import build_offset_message, build_pose_message, SECOND
+from lta_discovery.study import StudyComparison
 import numpy as np
 from numpy.typing import NDArray
 
@@ -38,7 +38,9 @@ KINDS: Final = {
 Row = tuple[int, str, Any]
 
 
-def write_overlay(shown: Sequence[Shown], folder: Path, origin: Mapping[str, str]) -> Path:
+def write_overlay(
+    comparisons: Sequence[StudyComparison], folder: Path, origin: Mapping[str, str]
+) -> Path:
     """
     Write the bag of some flights; return its file.
 
@@ -53,15 +55,19 @@ def write_overlay(shown: Sequence[Shown], folder: Path, origin: Mapping[str, str
 
     """
     bag = folder / NAME
-    qos = [offered_qos('reliable', 'volatile', 10)]
-    words = topic_words([one.flown.name for one in shown])
-    rows = [row for one, word in zip(shown, words, strict=True) for row in _rows(one, f'/{word}')]
+    qos = [build_offered_qos('reliable', 'volatile', 10)]
+    words = format_topic_names([one.flown.name for one in comparisons])
+    rows = [
+        row
+        for one, word in zip(comparisons, words, strict=True)
+        for row in _list_messages(one, f'/{word}')
+    ]
     with BagWriter(bag, origin) as writer:
         for word in words:
             for name, kind in KINDS.items():
                 writer.add_topic(f'/{word}/{name}', kind, qos)
         for time_ns, topic, message in sorted(rows, key=lambda row: row[:2]):
-            writer.write(topic, serialise(message), time_ns)
+            writer.write(topic, encode_cdr(message), time_ns)
     # One file is all that a viewer takes; the folder around it says nothing more.
     (only,) = bag.glob('*.mcap')
     target = only.rename(folder / FILE)
@@ -70,34 +76,34 @@ def write_overlay(shown: Sequence[Shown], folder: Path, origin: Mapping[str, str
     return target
 
 
-def topic_word(name: str) -> str:
+def format_topic_name(name: str) -> str:
     """Return the name of a flight as a part of a topic's name."""
     word = re.sub(r'\W+', '_', name, flags=re.ASCII).strip('_')
     return word if word[:1].isalpha() else f'flight_{word}'
 
 
-def topic_words(names: Sequence[str]) -> list[str]:
+def format_topic_names(names: Sequence[str]) -> list[str]:
     """Return the names of flights as parts of topics' names, no two alike."""
     out: list[str] = []
     for name in names:
-        word, count = topic_word(name), 1
+        word, count = format_topic_name(name), 1
         while word in out:
             count += 1
-            word = f'{topic_word(name)}_{count}'
+            word = f'{format_topic_name(name)}_{count}'
         out.append(word)
     return out
 
 
-def predicted(flight: Linearised, point: Point) -> Array:
+def predict_tracker_states(flight: FlightLinearizer, point: LinearizationPoint) -> Array:
     """Return what a tracker would see of a model, and its motion, shape (S, n, 13)."""
-    still = Point(point.nominal, point.values, np.zeros_like(point.random))
-    states = flight.forecast(still)[:, ::STEPS]
-    acting = flight.replay.rows(point.nominal).acting
-    seen = told(states, flight.time, acting, flight.places)
+    still = LinearizationPoint(point.nominal, point.values, np.zeros_like(point.random))
+    states = flight.simulate_forecast(still)[:, ::STEPS]
+    acting = flight.replay.build_rows(point.nominal).acting
+    seen = predict_readings(states, flight.time, acting, flight.places)
     return np.concatenate([seen.position, seen.quaternion, states[:, :-1, 7:13]], axis=-1)
 
 
-def _rows(one: Shown, place: str) -> list[Row]:
+def _list_messages(one: StudyComparison, place: str) -> list[Row]:
     """Return the messages of one flight with their times and topics."""
     flight = one.flown.flight
     measured = flight.replay.flight
@@ -107,13 +113,19 @@ def _rows(one: Shown, place: str) -> list[Row]:
         time_ns = round(float(measured.time[0]) * SECOND) + int(k) * round(PERIOD * SECOND)
         still = np.zeros(6)
         values = np.concatenate([measured.position[k], measured.quaternion[k], still])
-        rows.append((time_ns, f'{place}/measured', pose(time_ns, values, 'measured')))
+        rows.append(
+            (time_ns, f'{place}/measured', build_pose_message(time_ns, values, 'measured'))
+        )
     for name in MODELS:
-        rows += _of_model(flight, predicted(flight, getattr(one, name)), name, place)
+        rows += _list_model_messages(
+            flight, predict_tracker_states(flight, getattr(one, name)), name, place
+        )
     return rows
 
 
-def _of_model(flight: Linearised, states: Array, name: str, place: str) -> list[Row]:
+def _list_model_messages(
+    flight: FlightLinearizer, states: Array, name: str, place: str
+) -> list[Row]:
     """Return the messages of one model."""
     measured, inside = flight.replay.flight, flight.replay.cut.inside
     start = round(float(measured.time[0]) * SECOND)
@@ -124,8 +136,8 @@ def _of_model(flight: Linearised, states: Array, name: str, place: str) -> list[
         if not np.isfinite(values).all() or abs(values).max() > 1e6:
             continue  # a model that ran away draws nothing
         time_ns = start + int(at) * round(PERIOD * SECOND)
-        rows.append((time_ns, f'{place}/{name}', pose(time_ns, values, name)))
+        rows.append((time_ns, f'{place}/{name}', build_pose_message(time_ns, values, name)))
         off = values[:3] - measured.position[at]
         if np.isfinite(off).all():
-            rows.append((time_ns, f'{place}/{name}/error', error(time_ns, off)))
+            rows.append((time_ns, f'{place}/{name}/error', build_offset_message(time_ns, off)))
     return rows

@@ -4,20 +4,20 @@ from collections.abc import Iterator
 import math
 from typing import Final
 
-from lta_discovery.finding import Carried, Finding, Gap
-from lta_discovery.forecast.replayed import NAMES
-from lta_discovery.page.verdict_words import format_advice, headline
-from lta_discovery.page.words import (
-    amount,
-    figure,
+from lta_discovery.finding import DiscoveryFinding, PredictionGap, TransferEvidence
+from lta_discovery.forecast.flight_prediction import NAMES
+from lta_discovery.page.formatting import (
     format_assumed,
-    held_words,
-    listed,
-    percent,
-    with_unit,
-    within,
+    format_file_value,
+    format_number,
+    format_percent,
+    format_quantity,
+    format_with_interval,
+    format_with_unit,
+    join_words,
 )
-from lta_discovery.results.discovery_json import horizon
+from lta_discovery.page.verdict_text import format_advice, format_headline
+from lta_discovery.results.discovery_json import common_horizon
 from lta_model.effects.protocol import AXES
 from rich.console import Console
 from rich.table import Table
@@ -35,17 +35,17 @@ WHOLE: Final = ('position', 'attitude')
 MOST: Final = 8  # places that are told
 
 
-def show(finding: Finding, console: Console) -> None:
+def print_finding(finding: DiscoveryFinding, console: Console) -> None:
     """Print the verdict, the effects with their intervals, the gap, and where it was."""
-    console.print(Text(headline(finding), 'bold'), soft_wrap=True)
-    for said in effect_lines(finding):
+    console.print(Text(format_headline(finding), 'bold'), soft_wrap=True)
+    for said in format_effects(finding):
         console.print(Text(said), soft_wrap=True)
     if finding.carried is not None:
-        console.print(Text(carried_words(finding.carried)), soft_wrap=True)
-    for line in gap_lines(finding):
+        console.print(Text(format_transfer(finding.carried)), soft_wrap=True)
+    for line in format_gaps(finding):
         console.print(line, soft_wrap=True)
     if finding.where:
-        console.print(where_table(finding))
+        console.print(build_discrepancy_table(finding))
     for said in finding.unexplained:
         console.print(Text(f'Unexplained: {said}.'), soft_wrap=True)
     if finding.draught is not None:
@@ -56,11 +56,11 @@ def show(finding: Finding, console: Console) -> None:
         console.print(Text(word, 'yellow'), soft_wrap=True)
 
 
-def found_words(finding: Finding) -> str:
+def format_result(finding: DiscoveryFinding) -> str:
     """Return what was found as short as what was hidden is told."""
-    return listed(
+    return join_words(
         [
-            f'{effect.name}.{one.name} = {with_unit(figure(one.value), one.unit)}'
+            f'{effect.name}.{one.name} = {format_with_unit(format_number(one.value), one.unit)}'
             for effect in finding.effects
             for one in effect.parameters
         ]
@@ -68,7 +68,7 @@ def found_words(finding: Finding) -> str:
     )
 
 
-def carried_words(carried: Carried) -> str:
+def format_transfer(carried: TransferEvidence) -> str:
     """Return what names by forecasts rest on, in a sentence."""
     ratios = [one.ratio for one in carried.regimes]
     better = sum(ratio < 1.0 for ratio in ratios)
@@ -79,7 +79,7 @@ def carried_words(carried: Carried) -> str:
     )
 
 
-def _table(*heads: tuple[str, str]) -> Table:
+def _build_table(*heads: tuple[str, str]) -> Table:
     """Return an empty table without frames."""
     table = Table(box=None, pad_edge=False, header_style='dim')
     for head, side in heads:
@@ -88,38 +88,41 @@ def _table(*heads: tuple[str, str]) -> Table:
     return table
 
 
-def effect_lines(finding: Finding) -> Iterator[str]:
+def format_effects(finding: DiscoveryFinding) -> Iterator[str]:
     """Yield the named effects, a line each, and a line for each parameter: lines are not cut."""
     for one in finding.effects:
-        rivals = listed(one.confusable_with, 'or')
+        rivals = join_words(one.confusable_with, 'or')
         instead = f'; it may be {rivals} instead' if rivals else ''
-        yield f'{one.name}: {figure(one.log_evidence)} nats{instead}'
+        yield f'{one.name}: {format_number(one.log_evidence)} nats{instead}'
         for each in one.parameters:
-            now, low, high = within(each.value, each.ci95)
+            now, low, high = format_with_interval(each.value, each.ci95)
             yield (
-                f'  {each.name} {with_unit(now, each.unit)} '
-                f'(95 %: {low} to {high}; {held_words(each)})'
+                f'  {each.name} {format_with_unit(now, each.unit)} '
+                f'(95 %: {low} to {high}; {format_file_value(each)})'
             )
         if one.assumed:
             yield f'  These values hold{format_assumed(one)}.'
 
 
-def gap_lines(finding: Finding) -> Iterator[Text]:
+def format_gaps(finding: DiscoveryFinding) -> Iterator[Text]:
     """Yield headings and bars: how far predictions are off, for each of the models."""
-    at = horizon(finding.gaps)
+    at = common_horizon(finding.gaps)
     for one in finding.gaps:
         if one.horizon_s == at and one.channel in WHOLE:
             seen = 'on flights nothing was fitted to' if finding.held_out else 'not held out'
             sign, word = (1.0, 'less') if one.shrink >= 0.0 else (-1.0, 'more')
-            low, high = (percent(part) for part in sorted(sign * end for end in one.shrink_ci95))
+            low, high = (
+                format_percent(part) for part in sorted(sign * end for end in one.shrink_ci95)
+            )
             yield Text(
-                f'Off in {one.channel} after {at:g} s, {seen}: {percent(sign * one.shrink)} % '
+                f'Off in {one.channel} after {at:g} s, {seen}: '
+                f'{format_percent(sign * one.shrink)} % '
                 f'{word} ({low} to {high} %)'
             )
-            yield from _bars(one)
+            yield from _format_bars(one)
 
 
-def _bars(one: Gap) -> Iterator[Text]:
+def _format_bars(one: PredictionGap) -> Iterator[Text]:
     """Yield a bar for each model."""
     # What ignores the commands may be off by a room; its bar is cut then.
     most = max(one.before, one.tuned, one.after, 1e-12)
@@ -127,12 +130,12 @@ def _bars(one: Gap) -> Iterator[Text]:
         size = getattr(one, key)
         share = min(size / most, 1.0) if math.isfinite(size) else 0.0
         bar = '█' * round(BAR * share) + ('>' if size > most else '')
-        yield Text(f'  {label:22}{amount(size, one.unit):>9}  ').append(bar, style)
+        yield Text(f'  {label:22}{format_quantity(size, one.unit):>9}  ').append(bar, style)
 
 
-def where_table(finding: Finding) -> Table:
+def build_discrepancy_table(finding: DiscoveryFinding) -> Table:
     """Return the places where the model of the vehicle file disagrees most."""
-    table = _table(
+    table = _build_table(
         ('where', 'left'), ('flight', 'left'), ('from', 'right'), ('to', 'right'),
         ('when', 'left'), ('x noise', 'right'),
     )  # fmt: skip

@@ -2,7 +2,7 @@
 
 from typing import Final, final
 
-from lta_bridge.crazyflie.duties_packet import Duties, is_newer, unpacked
+from lta_bridge.crazyflie.duties_packet import DutiesPacket, is_newer, unpack_duties
 
 VERSION: Final = 2
 FULL_RATIO: Final = 65535
@@ -13,7 +13,7 @@ MOST: Final = 0.5  # s that duties hold at most, whatever their packet asks for
 
 
 @final
-class App:
+class DutiesApp:
     """
     What the app remembers.
 
@@ -23,13 +23,13 @@ class App:
     """
 
     def __init__(self) -> None:
-        self._newest: Duties | None = None
+        self._newest: DutiesPacket | None = None
         self._until = 0.0  # when they hold no longer
         self._feeding = self._turned = False
 
-    def take(self, data: bytes, now: float) -> None:
+    def receive_packet(self, data: bytes, now: float) -> None:
         """Take a packet at a time [s]; one that is no duties, or older than the last, is none."""
-        duties = unpacked(data)
+        duties = unpack_duties(data)
         if duties is None:
             return
         newest = self._newest
@@ -40,32 +40,32 @@ class App:
         self._feeding = True
         self._turned |= any(duty > 0.0 for duty in duties.duties)
 
-    def holds(self, now: float) -> bool:
+    def is_current(self, now: float) -> bool:
         """Tell whether the newest duties hold at a time. [s]"""
         return self._newest is not None and now < self._until
 
-    def duties(self, now: float) -> tuple[float, ...]:
+    def current_duties(self, now: float) -> tuple[float, ...]:
         """Return the duties of M1 to M4 at a time. [s]"""
-        if self._newest is None or not self.holds(now):
+        if self._newest is None or not self.is_current(now):
             return (0.0,) * 4
         first, *others = (max(0.0, duty) for duty in self._newest.duties)
         return (max(first, STEP) if self._turned else first, *others)
 
-    def feeds(self) -> bool:
+    def is_feeding(self) -> bool:
         """Tell whether the app renews a setpoint without thrust now, which keeps the lock away."""
         return self._feeding
 
-    def ends(self, now: float) -> bool:
+    def requests_disarm(self, now: float) -> bool:
         """Tell whether the app asks the supervisor to disarm at a time. [s]"""
         return self._feeding and now >= self._until + REST
 
-    def lets_go(self, now: float) -> bool:
+    def take_release(self, now: float) -> bool:
         """Tell, once, that the app lets go of the commander. [s]"""
         if not self._feeding or now < self._until + REST + LET_GO:
             return False
         self._feeding = False
         return True
 
-    def forget(self) -> None:
+    def forget_turning(self) -> None:
         """Forget that a motor turned: nobody is armed."""
         self._turned = False

@@ -3,12 +3,12 @@
 from collections.abc import Mapping
 from typing import final, Protocol
 
-from lta_emulation.crazyflie.commander import Wish
+from lta_emulation.crazyflie.commander import BodyCommand
 
 STILL = (0.0, 0.0, 0.0, 0.0)
 
 
-class Body(Protocol):
+class CrazyflieBody(Protocol):
     """Something that can be driven and that senses, in its own time."""
 
     @property
@@ -16,23 +16,23 @@ class Body(Protocol):
         """Present duty of M1 to M4, 0 to 1."""
         ...
 
-    def fly(self, now: float, wish: Wish) -> None:
+    def advance(self, now: float, wish: BodyCommand) -> None:
         """Go on to a time since the boot, driven by a wish. [s]"""
         ...
 
-    def read(self) -> Mapping[str, float]:
+    def read_values(self) -> Mapping[str, float]:
         """Return the newest values of log variables, in the firmware's units."""
         ...
 
 
 @final
-class Bench:
+class BenchBody:
     """A Crazyflie that is clamped to a bench: motors turn, nothing moves."""
 
     def __init__(self) -> None:
         self.duties: tuple[float, ...] = STILL
 
-    def fly(self, now: float, wish: Wish) -> None:
+    def advance(self, now: float, wish: BodyCommand) -> None:
         """Turn the motors, at a time [s]: a hover and a landing take half duty here."""
         del now
         duties = wish.duties
@@ -40,6 +40,6 @@ class Bench:
             duties = (0.5,) * 4 if wish.hover is not None or wish.land else STILL
         self.duties = tuple(max(wish.idle, duty) for duty in duties)
 
-    def read(self) -> Mapping[str, float]:
+    def read_values(self) -> Mapping[str, float]:
         """Return what a Crazyflie at rest on a bench says."""
         return {'acc.z': 1.0, 'range.zrange': 450.0, 'baro.pressure': 1013.25}

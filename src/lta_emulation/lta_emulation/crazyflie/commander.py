@@ -20,11 +20,11 @@ LAST = 13  # of the commands of port 8
 UNBLOCKED: Final = (0, 3, 6)  # of these, what may be asked for while nothing flies
 
 
-class Asserted(Exception):
+class FirmwareAssertion(Exception):
     """The firmware asserts that this packet is otherwise: it stops its motors and starts anew."""
 
 
-class Hover(NamedTuple):
+class HoverSetpoint(NamedTuple):
     """Body-fixed speeds [m/s], yaw rate [rad/s] and height [m]."""
 
     forward: float = 0.0
@@ -33,7 +33,7 @@ class Hover(NamedTuple):
     height: float = 0.0
 
 
-class Wish(NamedTuple):
+class BodyCommand(NamedTuple):
     """
     What the body shall do: duties of M1 to M4, or a hover, or come down; none of them is rest.
 
@@ -41,7 +41,7 @@ class Wish(NamedTuple):
     """
 
     duties: tuple[float, ...] | None = None
-    hover: Hover | None = None
+    hover: HoverSetpoint | None = None
     land: bool = False
     idle: float = 0.0
 
@@ -62,7 +62,7 @@ def check_length(data: bytes, size: int) -> None:
     elif size and data[0] == CPPM:
         wanted = 10 + 2 * (data[1] & 0x0F)
     if not size or wanted not in (None, size):
-        raise Asserted
+        raise FirmwareAssertion
 
 
 @final
@@ -75,12 +75,12 @@ class Commander:
     """
 
     def __init__(self) -> None:
-        self._hover: Hover | None = None
+        self._hover: HoverSetpoint | None = None
         self._said: float | None = None  # when the low-level setpoint in force came
         self._land = False
         self.thrust_packets = 0
 
-    def generic(self, channel: int, data: bytes, size: int, now: float) -> None:
+    def receive_generic(self, channel: int, data: bytes, size: int, now: float) -> None:
         """
         Take a packet of port 7 at a time [s]: a setpoint, or that no more will come.
 
@@ -92,39 +92,39 @@ class Commander:
         """
         if channel == 1 and data[0] == NOTIFY:
             if size != 1 + NOTIFIED:
-                raise Asserted
-            self.relax()
+                raise FirmwareAssertion
+            self.release_setpoint()
         elif channel == 0:
             check_length(data, size)
-            self._take(self._hover_of(data), now)
+            self._set_hover(self._parse_hover(data), now)
 
     @staticmethod
-    def _hover_of(data: bytes) -> Hover | None:
+    def _parse_hover(data: bytes) -> HoverSetpoint | None:
         """Return a hover; None for anything else, and for one that is no number."""
         if data[0] not in YAW_SIGN:
             return None
         forward, left, yaw, height = struct.unpack_from('<ffff', data, 1)
         if not all(map(math.isfinite, (forward, left, yaw, height))):
             return None
-        return Hover(forward, left, math.radians(YAW_SIGN[data[0]] * yaw), height)
+        return HoverSetpoint(forward, left, math.radians(YAW_SIGN[data[0]] * yaw), height)
 
-    def _take(self, hover: Hover | None, now: float) -> None:
+    def _set_hover(self, hover: HoverSetpoint | None, now: float) -> None:
         self._hover, self._said, self._land = hover, now, False
 
-    def attitude(self, now: float) -> None:
+    def receive_attitude(self, now: float) -> None:
         """Take a packet of roll, pitch, yaw rate and thrust at a time. [s]"""
         self.thrust_packets += 1
-        self._take(None, now)
+        self._set_hover(None, now)
 
-    def rest(self, now: float) -> None:
+    def set_zero_thrust(self, now: float) -> None:
         """Take a setpoint without thrust from aboard, at a time. [s]"""
-        self._take(None, now)
+        self._set_hover(None, now)
 
-    def relax(self) -> None:
+    def release_setpoint(self) -> None:
         """Let go of the low-level setpoint."""
         self._said, self._hover = None, None
 
-    def high_level(self, data: bytes, blocked: bool) -> bytes:
+    def answer_high_level(self, data: bytes, blocked: bool) -> bytes:
         """Take a packet of port 8, which may be blocked; return the answer."""
         command, group = data[0], data[1]
         status = 0
@@ -136,14 +136,14 @@ class Commander:
             self._land = self._said is None
         return data[:3] + bytes([status])
 
-    def age(self, now: float) -> float | None:
+    def setpoint_age(self, now: float) -> float | None:
         """Return the age of the low-level setpoint in force; None without one. [s]"""
         return None if self._said is None else now - self._said
 
-    def wish(self, level: bool) -> Wish:
+    def select_command(self, level: bool) -> BodyCommand:
         """Return what is in force; where it levels out, only the height of a hover is."""
         if self._said is None:
-            return Wish(land=self._land)
+            return BodyCommand(land=self._land)
         if level and self._hover is not None:
-            return Wish(hover=Hover(height=self._hover.height))
-        return Wish(hover=self._hover)
+            return BodyCommand(hover=HoverSetpoint(height=self._hover.height))
+        return BodyCommand(hover=self._hover)

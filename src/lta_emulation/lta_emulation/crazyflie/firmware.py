@@ -9,16 +9,16 @@ from collections.abc import Mapping
 import struct
 from typing import Final, final
 
-from lta_emulation.crazyflie.app import App
-from lta_emulation.crazyflie.body import Body, STILL
-from lta_emulation.crazyflie.build import APP, Build
-from lta_emulation.crazyflie.commander import Asserted, Commander, Wish
-from lta_emulation.crazyflie.contents import Contents
+from lta_emulation.crazyflie.app import DutiesApp
+from lta_emulation.crazyflie.body import CrazyflieBody, STILL
+from lta_emulation.crazyflie.commander import BodyCommand, Commander, FirmwareAssertion
+from lta_emulation.crazyflie.firmware_build import APP, FirmwareBuild
 from lta_emulation.crazyflie.log_blocks import BLOCKS, LogBlocks, VARIABLES
-from lta_emulation.crazyflie.packet import Buffer, MOST, Packet
-from lta_emulation.crazyflie.parameters import Parameters
-from lta_emulation.crazyflie.supervisor import Acceleration, State, Supervisor
-from lta_emulation.crazyflie.variables import default_controller, LOG, OUT_OF_TREE, parameters
+from lta_emulation.crazyflie.packet import CrtpPacket, MOST, ReceiveBuffer
+from lta_emulation.crazyflie.parameters import ParameterStore
+from lta_emulation.crazyflie.supervisor import Acceleration, Supervisor, SupervisorState
+from lta_emulation.crazyflie.table_of_contents import TableOfContents
+from lta_emulation.crazyflie.variables import default_controller, list_parameters, LOG, OUT_OF_TREE
 
 NAME = b'Bitcraze Crazyflie'.ljust(MOST, b'\0')
 TAG, DEVICE = b'2026.08', b'Crazyflie 2.1'
@@ -62,82 +62,84 @@ class Firmware:
 
     def __init__(
         self,
-        body: Body,
+        body: CrazyflieBody,
         protocol: int = 12,
         boot_ms: int = 0,
         drift: float = 0.0,
-        build: Build = APP,
+        build: FirmwareBuild = APP,
         up_at: float = 0.0,
     ) -> None:
         self.body, self.build = body, build
         self.supervisor = Supervisor(arms_itself=not build.requires_arming)
-        self.commander, self.app = Commander(), App()
-        contents = Contents(parameters(build))
-        self.parameters = Parameters(contents)
-        self._contents = Contents(LOG, bytes([BLOCKS, VARIABLES])), contents
+        self.commander, self.app = Commander(), DutiesApp()
+        contents = TableOfContents(list_parameters(build))
+        self.parameters = ParameterStore(contents)
+        self._contents = TableOfContents(LOG, bytes([BLOCKS, VARIABLES])), contents
         self.log = LogBlocks(self._contents[0])
         self.voltage: float | None = None
         self.acceleration: Acceleration | None = None
         self.halted = False
         self._protocol, self._boot_ms, self._drift = protocol, boot_ms, drift
-        self._up_at, self._buffer = up_at, Buffer()
+        self._up_at, self._buffer = up_at, ReceiveBuffer()
         self._controller = default_controller(build)
         self._values: Mapping[str, float] = {}
 
-    def milliseconds(self, now: float) -> int:
+    def clock_ms(self, now: float) -> int:
         """Return what its own clock says. [ms]"""
         return self._boot_ms + int(1e3 * now * (1.0 + self._drift))
 
     # Packets.
 
-    def receive(self, packet: Packet, now: float) -> list[Packet]:
+    def receive(self, packet: CrtpPacket, now: float) -> list[CrtpPacket]:
         """Take a packet at a time [s]; return the answers."""
         if self.halted or now < self._up_at:
             return []
         try:
-            answer = self._answer(packet, now)
-        except Asserted:
+            answer = self._answer_packet(packet, now)
+        except FirmwareAssertion:
             self.halted = True
             return []
-        return [] if answer is None else [packet.answer(answer)]
+        return [] if answer is None else [packet.build_reply(answer)]
 
-    def _answer(self, packet: Packet, now: float) -> bytes | None:
+    def _answer_packet(self, packet: CrtpPacket, now: float) -> bytes | None:
         port, channel, told = packet
-        data, size = self._buffer.take(told), len(told)
+        data, size = self._buffer.receive(told), len(told)
         match port:
             case 2:
-                return self._parameter(channel, data, size)
+                return self._answer_parameter(channel, data, size)
             case 3 if channel == 0:
-                self.commander.attitude(now)
+                self.commander.receive_attitude(now)
             case 4:
                 return b'\x01\0' if data[:1] == b'\x01' else None
             case 5:
                 if channel == 0:
-                    return self._contents[0].told(data)
+                    return self._contents[0].answer(data)
                 if channel == 1:
-                    return self.log.command(data, size, self.milliseconds(now))
+                    return self.log.run_command(data, size, self.clock_ms(now))
             case 6 if channel == 1 and size:
-                self._localize(data[0], now)
+                self._receive_localization(data[0], now)
             case 7:
-                self.commander.generic(channel, data, size, now)
+                self.commander.receive_generic(channel, data, size, now)
             case 8:
-                return self.commander.high_level(data, blocked=not self.supervisor.flies)
+                return self.commander.answer_high_level(
+                    data, blocked=not self.supervisor.accepts_setpoints
+                )
             case 9 if size and self._protocol >= SUPERVISOR:
-                return self._supervise(channel, data, now)
+                return self._answer_supervisor(channel, data, now)
             case 13:
-                return self._platform(channel, data, size, now)
+                return self._answer_platform(channel, data, size, now)
             case 15:
                 return NAME if channel == 1 else told if channel == 0 else None
         return None
 
-    def _parameter(self, channel: int, data: bytes, size: int) -> bytes | None:
+    def _answer_parameter(self, channel: int, data: bytes, size: int) -> bytes | None:
         if channel == 0:
-            return self._contents[1].told(data)
-        answer = self.parameters.answer(channel, data, size)
-        self._apply()
+            return self._contents[1].answer(data)
+        answer = self.parameters.answer_packet(channel, data, size)
+        self._apply_parameters()
         return answer
 
-    def _apply(self) -> None:
+    def _apply_parameters(self) -> None:
         """Let the parameters have their effect."""
         values, supervisor = self.parameters.values, self.supervisor
         supervisor.landed_timeout = 1e-3 * values['supervisor.landedTimeout']
@@ -154,13 +156,13 @@ class Firmware:
             self._controller = controller
         values['stabilizer.controller'] = self._controller
 
-    def _localize(self, what: int, now: float) -> None:
+    def _receive_localization(self, what: int, now: float) -> None:
         if what == 3:
             self.supervisor.stop()
         elif what == 4:
-            self.supervisor.feed(now)
+            self.supervisor.feed_watchdog(now)
 
-    def _supervise(self, channel: int, data: bytes, now: float) -> bytes | None:
+    def _answer_supervisor(self, channel: int, data: bytes, now: float) -> bytes | None:
         supervisor, what = self.supervisor, data[0]
         if channel == 0 and what == WORD:
             return bytes([0x80 | WORD]) + struct.pack('<H', supervisor.word)
@@ -175,20 +177,20 @@ class Firmware:
                 case 3:
                     supervisor.stop()
                 case 4:
-                    supervisor.feed(now)
+                    supervisor.feed_watchdog(now)
         return None
 
-    def _platform(self, channel: int, data: bytes, size: int, now: float) -> bytes | None:
+    def _answer_platform(self, channel: int, data: bytes, size: int, now: float) -> bytes | None:
         if channel == 0:
-            return self._platform_command(data, size)
+            return self._run_platform_command(data, size)
         if channel == 1:
             told = {0: struct.pack('<I', self._protocol), 1: TAG, 2: DEVICE}.get(data[0])
             return None if told is None else data[:1] + told
         if channel == 2 and self.build.app:
-            self.app.take(data[:size], now)
+            self.app.receive_packet(data[:size], now)
         return None
 
-    def _platform_command(self, data: bytes, size: int) -> bytes:
+    def _run_platform_command(self, data: bytes, size: int) -> bytes:
         """Obey what has a port of its own since protocol 12; anything else comes back."""
         supervisor = self.supervisor
         match data[0]:
@@ -203,69 +205,75 @@ class Firmware:
 
     # Time.
 
-    def tick(self, now: float) -> list[Packet]:
+    def tick(self, now: float) -> list[CrtpPacket]:
         """Go on to a time; return the log packets that are due. [s]"""
         if self.halted or now < self._up_at:
-            self.body.fly(now, Wish(duties=STILL))
+            self.body.advance(now, BodyCommand(duties=STILL))
             return []
         self._run_app(now)
-        sensed = self.body.read()
-        self.supervisor.watch(now, self._turning(), self.commander.age(now), self._felt(sensed))
-        self.body.fly(now, self._wish(now))
-        sensed = self.body.read()
-        self._values = {**sensed, **self._own(sensed.get('pm.vbat', FULL))}
-        data = self.log.due(self.milliseconds(now), lambda name: self._values.get(name, 0.0))
-        return [Packet(5, 2, packet) for packet in data]
+        sensed = self.body.read_values()
+        self.supervisor.update(
+            now, self._is_turning(), self.commander.setpoint_age(now), self._specific_force(sensed)
+        )
+        self.body.advance(now, self._select_command(now))
+        sensed = self.body.read_values()
+        self._values = {**sensed, **self._own_values(sensed.get('pm.vbat', FULL))}
+        data = self.log.take_due_packets(
+            self.clock_ms(now), lambda name: self._values.get(name, 0.0)
+        )
+        return [CrtpPacket(5, 2, packet) for packet in data]
 
     def _run_app(self, now: float) -> None:
         """Let the app feed the commander, disarm, and let go."""
         if not self.supervisor.armed:
-            self.app.forget()
-        if self.app.lets_go(now):
-            self.commander.relax()
-        elif self.app.feeds():
-            self.commander.rest(now)
-            if self.app.ends(now):
+            self.app.forget_turning()
+        if self.app.take_release(now):
+            self.commander.release_setpoint()
+        elif self.app.is_feeding():
+            self.commander.set_zero_thrust(now)
+            if self.app.requests_disarm(now):
                 self.supervisor.arm(False)
 
     @property
-    def _idle(self) -> int:
+    def _idle_ratio(self) -> int:
         """The least ratio of a motor that may turn: none on a build that arms itself."""
         idle = int(self.parameters.values['powerDist.idleThrust'])
         return idle if self.build.requires_arming else 0
 
-    def _turning(self) -> bool:
+    def _is_turning(self) -> bool:
         """Tell whether a motor turns faster than at idle; one at idle does not fly."""
-        return any(ratio > self._idle for ratio in map(_ratio, self.body.duties))
+        return any(ratio > self._idle_ratio for ratio in map(_motor_ratio, self.body.duties))
 
-    def _felt(self, sensed: Mapping[str, float]) -> Acceleration:
+    def _specific_force(self, sensed: Mapping[str, float]) -> Acceleration:
         if self.acceleration is not None:
             return self.acceleration
         return sensed.get('acc.x', 0.0), sensed.get('acc.y', 0.0), sensed.get('acc.z', 1.0)
 
-    def _wish(self, now: float) -> Wish:
+    def _select_command(self, now: float) -> BodyCommand:
         """Return what the motors do: the override asks neither supervisor nor time (motors.c)."""
         values, supervisor = self.parameters.values, self.supervisor
         ratios = tuple(values[f'motorPowerSet.m{number}'] / FULL_RATIO for number in range(1, 5))
         if values['motorPowerSet.enable'] == OWN:
-            return Wish(duties=ratios)
+            return BodyCommand(duties=ratios)
         if values['motorPowerSet.enable'] in ALL_AS_FIRST:
-            return Wish(duties=ratios[:1] * 4)
-        if not supervisor.runs:
-            return Wish(duties=STILL)
-        return self._flown(now)._replace(idle=self._idle / FULL_RATIO)
+            return BodyCommand(duties=ratios[:1] * 4)
+        if not supervisor.motors_enabled:
+            return BodyCommand(duties=STILL)
+        return self._controller_command(now)._replace(idle=self._idle_ratio / FULL_RATIO)
 
-    def _flown(self, now: float) -> Wish:
+    def _controller_command(self, now: float) -> BodyCommand:
         """Return what the controller does: the app's with its duties, any other by setpoints."""
         if self._controller == OUT_OF_TREE:
-            return Wish(duties=self.app.duties(now))
-        if not self.supervisor.flies:
-            return Wish()
-        return self.commander.wish(level=self.supervisor.state is State.LEVEL_OUT)
+            return BodyCommand(duties=self.app.current_duties(now))
+        if not self.supervisor.accepts_setpoints:
+            return BodyCommand()
+        return self.commander.select_command(
+            level=self.supervisor.state is SupervisorState.LEVEL_OUT
+        )
 
-    def _own(self, sensed: float) -> dict[str, float]:
+    def _own_values(self, sensed: float) -> dict[str, float]:
         motors = {
-            f'motor.m{number}': _ratio(duty)
+            f'motor.m{number}': _motor_ratio(duty)
             for number, duty in enumerate(self.body.duties, start=1)
         }
         voltage = sensed if self.voltage is None else self.voltage
@@ -277,6 +285,6 @@ class Firmware:
         }
 
 
-def _ratio(duty: float) -> int:
+def _motor_ratio(duty: float) -> int:
     """Return what the firmware makes of a duty: 16 bits, cut off."""
     return int(FULL_RATIO * duty + ROUNDING)

@@ -5,7 +5,13 @@ import errno
 import struct
 from typing import final
 
-from lta_emulation.crazyflie.contents import Contents, LOG_TYPES, LogVariable, packer, Reader
+from lta_emulation.crazyflie.table_of_contents import (
+    LOG_TYPES,
+    LogVariable,
+    pack_value,
+    Reader,
+    TableOfContents,
+)
 
 BLOCKS, VARIABLES, BYTES = 16, 128, 26  # firmware: log.c
 TICK_MS = 10  # of a period in the command that starts a block
@@ -13,7 +19,7 @@ TICK_MS = 10  # of a period in the command that starts a block
 
 @final
 @dataclass(slots=True)
-class Block:
+class EmulatedLogBlock:
     """
     One block.
 
@@ -58,12 +64,12 @@ class LogBlocks:
 
     """
 
-    def __init__(self, contents: Contents[LogVariable]) -> None:
+    def __init__(self, contents: TableOfContents[LogVariable]) -> None:
         self._contents = contents
-        self.blocks: dict[int, Block] = {}
+        self.blocks: dict[int, EmulatedLogBlock] = {}
         self.refuse = 0
 
-    def command(self, data: bytes, size: int, now_ms: int) -> bytes:
+    def run_command(self, data: bytes, size: int, now_ms: int) -> bytes:
         """
         Obey a settings packet at a time [ms]; return command, block and errno.
 
@@ -82,12 +88,12 @@ class LogBlocks:
         variables = data[2:size] if size >= 2 else data[2:]
         done = {
             5: lambda: self.reset(),
-            6: lambda: self._create(number, variables),
-            7: lambda: self._append(number, variables),
-            2: lambda: self._delete(number),
-            3: lambda: self._start(number, TICK_MS * data[2], now_ms),
-            8: lambda: self._start(number, int.from_bytes(data[2:4], 'little'), now_ms),
-            4: lambda: self._halt(number),
+            6: lambda: self._create_block(number, variables),
+            7: lambda: self._append_variables(number, variables),
+            2: lambda: self._delete_block(number),
+            3: lambda: self._start_block(number, TICK_MS * data[2], now_ms),
+            8: lambda: self._start_block(number, int.from_bytes(data[2:4], 'little'), now_ms),
+            4: lambda: self._stop_block(number),
         }.get(what)
         return bytes([what, number, errno.ENOEXEC if done is None else done()])
 
@@ -96,17 +102,17 @@ class LogBlocks:
         self.blocks.clear()
         return 0
 
-    def _create(self, number: int, data: bytes) -> int:
+    def _create_block(self, number: int, data: bytes) -> int:
         if self.refuse:
             return self.refuse
         if number in self.blocks:
             return errno.EEXIST
         if len(self.blocks) == BLOCKS:
             return errno.ENOMEM
-        self.blocks[number] = Block()
-        return self._append(number, data)
+        self.blocks[number] = EmulatedLogBlock()
+        return self._append_variables(number, data)
 
-    def _append(self, number: int, data: bytes) -> int:
+    def _append_variables(self, number: int, data: bytes) -> int:
         block = self.blocks.get(number)
         if block is None:
             return errno.ENOENT
@@ -124,10 +130,10 @@ class LogBlocks:
             block.fields.append((which, kind))
         return 0
 
-    def _delete(self, number: int) -> int:
+    def _delete_block(self, number: int) -> int:
         return 0 if self.blocks.pop(number, None) else errno.ENOENT
 
-    def _start(self, number: int, period_ms: int, now_ms: int) -> int:
+    def _start_block(self, number: int, period_ms: int, now_ms: int) -> int:
         block = self.blocks.get(number)
         if block is None:
             return errno.ENOENT
@@ -137,31 +143,33 @@ class LogBlocks:
         block.period_ms, block.due_ms = period_ms, now_ms + period_ms
         return 0
 
-    def _halt(self, number: int) -> int:
+    def _stop_block(self, number: int) -> int:
         block = self.blocks.get(number)
         if block is None:
             return errno.ENOENT
         block.period_ms = 0
         return 0
 
-    def due(self, now_ms: int, read: Reader) -> list[bytes]:
+    def take_due_packets(self, now_ms: int, read: Reader) -> list[bytes]:
         """Return the data packets that are due; those missed while nobody looked are left out."""
         packets = []
         for number, block in self.blocks.items():
             if block.once:
                 block.once = False
-                packets.append(self._packet(number, block, now_ms, read))
+                packets.append(self._build_packet(number, block, now_ms, read))
             if block.period_ms and now_ms >= block.due_ms:
                 late = (now_ms - block.due_ms) // block.period_ms
                 stamp = block.due_ms + late * block.period_ms
                 block.due_ms += (late + 1) * block.period_ms
-                packets.append(self._packet(number, block, stamp, read))
+                packets.append(self._build_packet(number, block, stamp, read))
         return packets
 
-    def _packet(self, number: int, block: Block, stamp_ms: int, read: Reader) -> bytes:
+    def _build_packet(
+        self, number: int, block: EmulatedLogBlock, stamp_ms: int, read: Reader
+    ) -> bytes:
         head = bytes([number]) + (stamp_ms & 0xFFFFFF).to_bytes(3, 'little')
         values = [
-            packer(LOG_TYPES[kind], read(self._contents.entries[which].name))
+            pack_value(LOG_TYPES[kind], read(self._contents.entries[which].name))
             for which, kind in block.fields
         ]
         return head + b''.join(values)

@@ -5,7 +5,7 @@ from typing import final, NamedTuple
 MOST = 30  # bytes of payload
 
 
-class Packet(NamedTuple):
+class CrtpPacket(NamedTuple):
     """
     A packet without its link.
 
@@ -22,25 +22,25 @@ class Packet(NamedTuple):
     channel: int
     data: bytes = b''
 
-    def packed(self) -> bytes:
+    def pack(self) -> bytes:
         """Return the datagram; bits 2 and 3 of the header are zero, as the firmware sends them."""
         return bytes([self.port << 4 | self.channel]) + self.data[:MOST]
 
-    def answer(self, data: bytes) -> 'Packet':
+    def build_reply(self, data: bytes) -> 'CrtpPacket':
         """Return a reply on the same port and channel."""
-        return Packet(self.port, self.channel, data)
+        return CrtpPacket(self.port, self.channel, data)
 
 
-def unpacked(datagram: bytes) -> Packet | None:
+def unpack_datagram(datagram: bytes) -> CrtpPacket | None:
     """Return the packet in a datagram; None where it is empty or too long."""
     if not 1 <= len(datagram) <= 1 + MOST:
         return None
     header = datagram[0]
-    return Packet(header >> 4, header & 3, datagram[1:])
+    return CrtpPacket(header >> 4, header & 3, datagram[1:])
 
 
 @final
-class Buffer:
+class ReceiveBuffer:
     """
     Where the firmware receives packets.
 
@@ -51,7 +51,7 @@ class Buffer:
     def __init__(self) -> None:
         self._bytes = bytearray(MOST)
 
-    def take(self, data: bytes) -> bytes:
+    def receive(self, data: bytes) -> bytes:
         """Receive a payload; return all that its service sees."""
         self._bytes[: len(data)] = data
         return bytes(self._bytes)

@@ -10,22 +10,22 @@ import errno
 import struct
 from typing import Final, final
 
-from lta_emulation.crazyflie.contents import (
+from lta_emulation.crazyflie.table_of_contents import (
     BASIC,
-    Contents,
     CORE,
     EXTENDED,
-    packer,
-    Parameter,
+    FirmwareParameter,
+    pack_value,
     PARAMETER_TYPES,
     READ_ONLY,
+    TableOfContents,
 )
 
 READ, WRITE, OTHER = 1, 2, 3  # channels
 PERSISTENT: Final = 1  # the one extended type there is
 
 
-class Question(IntEnum):
+class ParameterQuestion(IntEnum):
     """What the first byte of channel 3 asks for."""
 
     SET_BY_NAME = 0
@@ -38,11 +38,11 @@ class Question(IntEnum):
     DEFAULT_2 = 8
 
 
-QUESTIONS: Final = frozenset(Question)
+QUESTIONS: Final = frozenset(ParameterQuestion)
 
 
 @final
-class Parameters:
+class ParameterStore:
     """
     The parameters' values.
 
@@ -53,11 +53,11 @@ class Parameters:
 
     """
 
-    def __init__(self, contents: Contents[Parameter]) -> None:
+    def __init__(self, contents: TableOfContents[FirmwareParameter]) -> None:
         self._contents = contents
         self.values = {entry.name: entry.default for entry in contents.entries}
 
-    def answer(self, channel: int, data: bytes, size: int) -> bytes | None:
+    def answer_packet(self, channel: int, data: bytes, size: int) -> bytes | None:
         """
         Return what is answered on one of the three channels; None for no answer.
 
@@ -72,73 +72,73 @@ class Parameters:
 
         """
         if channel == READ:
-            return self._read(data)
+            return self._answer_read(data)
         if channel == WRITE:
-            return self._write(data, size)
+            return self._answer_write(data, size)
         if channel == OTHER:
-            return self._other(data)
+            return self._answer_other(data)
         return None
 
-    def _entry(self, number: bytes) -> Parameter | None:
+    def _find_entry(self, number: bytes) -> FirmwareParameter | None:
         which = int.from_bytes(number, 'little')
         entries = self._contents.entries
         return entries[which] if which < len(entries) else None
 
-    def _packed(self, entry: Parameter) -> bytes:
-        return packer(PARAMETER_TYPES[entry.kind & BASIC], self.values[entry.name])
+    def _pack_entry(self, entry: FirmwareParameter) -> bytes:
+        return pack_value(PARAMETER_TYPES[entry.kind & BASIC], self.values[entry.name])
 
-    def _read(self, data: bytes) -> bytes:
+    def _answer_read(self, data: bytes) -> bytes:
         number = data[:2]
-        entry = self._entry(number)
+        entry = self._find_entry(number)
         if entry is None:
             return number + bytes([errno.ENOENT])
-        return number + b'\0' + self._packed(entry)
+        return number + b'\0' + self._pack_entry(entry)
 
-    def _write(self, data: bytes, size: int) -> bytes | None:
+    def _answer_write(self, data: bytes, size: int) -> bytes | None:
         """Store a value, and send the packet back as it came."""
-        entry = self._entry(data[:2])
+        entry = self._find_entry(data[:2])
         if entry is None:
             return data[:2] + bytes([errno.ENOENT])
         if entry.kind & READ_ONLY:
             return None
-        self._store(entry, data[2:])
+        self._store_value(entry, data[2:])
         return data[:size]
 
-    def _store(self, entry: Parameter, value: bytes) -> None:
+    def _store_value(self, entry: FirmwareParameter, value: bytes) -> None:
         kind = '<' + PARAMETER_TYPES[entry.kind & BASIC]
         # A name can end at the end of the buffer: what the firmware reads behind it is zero here.
         (self.values[entry.name],) = struct.unpack_from(kind, value.ljust(8, b'\0'))
 
-    def _other(self, data: bytes) -> bytes | None:
+    def _answer_other(self, data: bytes) -> bytes | None:
         """Set by name, or answer a question on a parameter's type, default or storage."""
         if data[0] not in QUESTIONS:
             return None
-        if data[0] == Question.SET_BY_NAME:
+        if data[0] == ParameterQuestion.SET_BY_NAME:
             return self._set_by_name(data)
-        entry = self._entry(data[1:3])
+        entry = self._find_entry(data[1:3])
         if entry is None:
             return data[:3] + bytes([errno.ENOENT])
-        return data[:3] + self._told(Question(data[0]), entry)
+        return data[:3] + self._answer_question(ParameterQuestion(data[0]), entry)
 
     @staticmethod
-    def _told(question: Question, entry: Parameter) -> bytes:
+    def _answer_question(question: ParameterQuestion, entry: FirmwareParameter) -> bytes:
         """Return an answer; nothing can be stored here, so nothing is found to be cleared."""
-        default = packer(PARAMETER_TYPES[entry.kind & BASIC], entry.default)
+        default = pack_value(PARAMETER_TYPES[entry.kind & BASIC], entry.default)
         answer = {
-            Question.EXTENDED_TYPE: bytes([PERSISTENT]),
-            Question.EXTENDED_TYPE_2: bytes([0, PERSISTENT]),
-            Question.STORE: b'\0',
-            Question.STORED: b'\0' + default,
-            Question.DEFAULT: default,
-            Question.DEFAULT_2: b'\0' + default,
+            ParameterQuestion.EXTENDED_TYPE: bytes([PERSISTENT]),
+            ParameterQuestion.EXTENDED_TYPE_2: bytes([0, PERSISTENT]),
+            ParameterQuestion.STORE: b'\0',
+            ParameterQuestion.STORED: b'\0' + default,
+            ParameterQuestion.DEFAULT: default,
+            ParameterQuestion.DEFAULT_2: b'\0' + default,
         }
         lacking = {
-            Question.EXTENDED_TYPE: not entry.kind & EXTENDED,
-            Question.EXTENDED_TYPE_2: not entry.kind & EXTENDED,
-            Question.STORE: not entry.kind & EXTENDED,
-            Question.CLEAR: True,
-            Question.DEFAULT: bool(entry.kind & READ_ONLY),
-            Question.DEFAULT_2: bool(entry.kind & READ_ONLY),
+            ParameterQuestion.EXTENDED_TYPE: not entry.kind & EXTENDED,
+            ParameterQuestion.EXTENDED_TYPE_2: not entry.kind & EXTENDED,
+            ParameterQuestion.STORE: not entry.kind & EXTENDED,
+            ParameterQuestion.CLEAR: True,
+            ParameterQuestion.DEFAULT: bool(entry.kind & READ_ONLY),
+            ParameterQuestion.DEFAULT_2: bool(entry.kind & READ_ONLY),
         }
         return bytes([errno.ENOENT]) if lacking.get(question) else answer[question]
 
@@ -147,10 +147,10 @@ class Parameters:
             return None
         group, _, rest = data[1:].partition(b'\0')
         name, _, value = rest.partition(b'\0')
-        status = self._named(group, name, value)
+        status = self._store_by_name(group, name, value)
         return (data + bytes(4))[: 3 + len(group) + len(name)] + bytes([status])
 
-    def _named(self, group: bytes, name: bytes, value: bytes) -> int:
+    def _store_by_name(self, group: bytes, name: bytes, value: bytes) -> int:
         """Store a value behind its type, by name; return the firmware's errno."""
         which = self._contents.numbers.get(f'{group.decode("latin")}.{name.decode("latin")}')
         if which is None:
@@ -160,5 +160,5 @@ class Parameters:
             return errno.EINVAL
         if entry.kind & READ_ONLY:
             return errno.EACCES
-        self._store(entry, value[1:])
+        self._store_value(entry, value[1:])
         return 0

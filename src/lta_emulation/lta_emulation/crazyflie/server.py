@@ -6,14 +6,14 @@ import time
 from typing import Final, final, Self
 
 from lta_emulation.crazyflie.firmware import Firmware
-from lta_emulation.crazyflie.link import Link
-from lta_emulation.crazyflie.packet import unpacked
+from lta_emulation.crazyflie.lossy_link import LossyLink
+from lta_emulation.crazyflie.packet import unpack_datagram
 
 TICK: Final = 0.002  # s between two looks at the clock
 
 
 @final
-class Server:
+class CrazyflieServer:
     """
     A Crazyflie at `udp://127.0.0.1:port`.
 
@@ -34,10 +34,14 @@ class Server:
     """
 
     def __init__(
-        self, firmware: Firmware, port: int = 0, up: Link | None = None, down: Link | None = None
+        self,
+        firmware: Firmware,
+        port: int = 0,
+        up: LossyLink | None = None,
+        down: LossyLink | None = None,
     ) -> None:
         self.firmware = firmware
-        self.up, self.down = up or Link(), down or Link()
+        self.up, self.down = up or LossyLink(), down or LossyLink()
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self._socket.bind(('127.0.0.1', port))
         self._socket.settimeout(TICK)
@@ -47,7 +51,7 @@ class Server:
         self._shut = threading.Event()
         self._running = threading.Event()
         self._running.set()
-        self._thread = threading.Thread(target=self._work, name='emulated_crazyflie', daemon=True)
+        self._thread = threading.Thread(target=self._run, name='emulated_crazyflie', daemon=True)
 
     @property
     def now(self) -> float:
@@ -64,7 +68,7 @@ class Server:
         """Switch off: the port is closed, so that whoever sends hears that nobody is there."""
         self.close()
 
-    def shut(self) -> None:
+    def close_port(self) -> None:
         """Close the port for good, and fly on: whoever sends hears that nobody is there."""
         self._shut.set()
 
@@ -75,17 +79,17 @@ class Server:
             self._thread.join()
         self._socket.close()
 
-    def _work(self) -> None:
+    def _run(self) -> None:
         while self._running.is_set():
-            self._hear()
+            self._receive_datagrams()
             now = self.now
-            for datagram in self.up.out(now):
-                self._obey(datagram, now)
+            for datagram in self.up.receive(now):
+                self._process_datagram(datagram, now)
             for packet in self.firmware.tick(now):
-                self.down.put(packet.packed(), now)
-            self._tell(now)
+                self.down.send(packet.pack(), now)
+            self._send_datagrams(now)
 
-    def _hear(self) -> None:
+    def _receive_datagrams(self) -> None:
         """Take what has come, or wait a moment."""
         if self._shut.is_set():
             self._socket.close()
@@ -98,16 +102,16 @@ class Server:
                 datagram, self._peer = self._socket.recvfrom(64)
             except (TimeoutError, BlockingIOError, ConnectionError):
                 return
-            self.up.put(datagram, self.now)
+            self.up.send(datagram, self.now)
             wait = 0.0
 
-    def _obey(self, datagram: bytes, now: float) -> None:
-        packet = unpacked(datagram)
+    def _process_datagram(self, datagram: bytes, now: float) -> None:
+        packet = unpack_datagram(datagram)
         if packet is not None:
             for answer in self.firmware.receive(packet, now):
-                self.down.put(answer.packed(), now)
+                self.down.send(answer.pack(), now)
 
-    def _tell(self, now: float) -> None:
-        for datagram in self.down.out(now):
+    def _send_datagrams(self, now: float) -> None:
+        for datagram in self.down.receive(now):
             if self._peer is not None and not self._shut.is_set():
                 self._socket.sendto(datagram, self._peer)

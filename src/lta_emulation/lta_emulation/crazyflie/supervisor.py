@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from enum import auto, Enum
 from typing import Final, final, NamedTuple
 
-from lta_bridge.crazyflie.supervisor import Bit
+from lta_bridge.crazyflie.supervisor_word import SupervisorBit
 
 PERIOD: Final = 0.04  # s between two looks
 HYSTERESIS: Final = 2.0  # s with the motors at idle after which it counts as landed
@@ -21,7 +21,7 @@ FREE_FALL: Final = 0.1  # g on every axis
 Acceleration = tuple[float, float, float]
 
 
-class State(Enum):
+class SupervisorState(Enum):
     """Where the supervisor stands."""
 
     CHECKS_NOT_PASSED = auto()
@@ -37,7 +37,7 @@ class State(Enum):
     CRASHED = auto()
 
 
-class Conditions(NamedTuple):
+class SupervisorConditions(NamedTuple):
     """What a transition may ask for."""
 
     armed: bool
@@ -51,65 +51,75 @@ class Conditions(NamedTuple):
     landed_over: bool
 
 
-Transition = tuple[Callable[[Conditions], bool], State]
+Transition = tuple[Callable[[SupervisorConditions], bool], SupervisorState]
 # The first that applies is taken, one at a look.
-TRANSITIONS: Final[Mapping[State, tuple[Transition, ...]]] = {
-    State.CHECKS_NOT_PASSED: (
-        (lambda c: c.stop, State.FREE_FALL),
-        (lambda c: not c.tumbled, State.CHECKS_PASSED),
+TRANSITIONS: Final[Mapping[SupervisorState, tuple[Transition, ...]]] = {
+    SupervisorState.CHECKS_NOT_PASSED: (
+        (lambda c: c.stop, SupervisorState.FREE_FALL),
+        (lambda c: not c.tumbled, SupervisorState.CHECKS_PASSED),
     ),
-    State.CHECKS_PASSED: (
-        (lambda c: c.stop, State.FREE_FALL),
-        (lambda c: c.tumbled, State.CHECKS_NOT_PASSED),
-        (lambda c: c.armed, State.ARMING),
+    SupervisorState.CHECKS_PASSED: (
+        (lambda c: c.stop, SupervisorState.FREE_FALL),
+        (lambda c: c.tumbled, SupervisorState.CHECKS_NOT_PASSED),
+        (lambda c: c.armed, SupervisorState.ARMING),
     ),
-    State.ARMING: (
-        (lambda c: c.stop, State.FREE_FALL),
-        (lambda c: c.tumbled or not c.armed, State.CHECKS_NOT_PASSED),
-        (lambda _: True, State.READY),
+    SupervisorState.ARMING: (
+        (lambda c: c.stop, SupervisorState.FREE_FALL),
+        (lambda c: c.tumbled or not c.armed, SupervisorState.CHECKS_NOT_PASSED),
+        (lambda _: True, SupervisorState.READY),
     ),
-    State.READY: (
-        (lambda c: c.stop, State.FREE_FALL),
-        (lambda c: c.tumbled or c.preflight_over or not c.armed, State.CHECKS_NOT_PASSED),
-        (lambda c: c.flying, State.FLYING),
+    SupervisorState.READY: (
+        (lambda c: c.stop, SupervisorState.FREE_FALL),
+        (
+            lambda c: c.tumbled or c.preflight_over or not c.armed,
+            SupervisorState.CHECKS_NOT_PASSED,
+        ),
+        (lambda c: c.flying, SupervisorState.FLYING),
     ),
-    State.FLYING: (
-        (lambda c: c.stop or c.too_old, State.FREE_FALL),
-        (lambda c: c.tumbled, State.CRASHED),
-        (lambda c: not c.armed, State.RESET),
-        (lambda c: c.old, State.LEVEL_OUT),
-        (lambda c: not c.flying, State.LANDED),
+    SupervisorState.FLYING: (
+        (lambda c: c.stop or c.too_old, SupervisorState.FREE_FALL),
+        (lambda c: c.tumbled, SupervisorState.CRASHED),
+        (lambda c: not c.armed, SupervisorState.RESET),
+        (lambda c: c.old, SupervisorState.LEVEL_OUT),
+        (lambda c: not c.flying, SupervisorState.LANDED),
     ),
     # Neither an emergency stop nor an old setpoint ends this one: its own time-out does.
-    State.LANDED: (
-        (lambda c: c.landed_over or not c.armed, State.RESET),
-        (lambda c: c.flying, State.FLYING),
+    SupervisorState.LANDED: (
+        (lambda c: c.landed_over or not c.armed, SupervisorState.RESET),
+        (lambda c: c.flying, SupervisorState.FLYING),
     ),
-    State.RESET: ((lambda _: True, State.CHECKS_NOT_PASSED),),
+    SupervisorState.RESET: ((lambda _: True, SupervisorState.CHECKS_NOT_PASSED),),
     # Nor does disarming end this one.
-    State.LEVEL_OUT: (
-        (lambda c: c.stop or c.too_old or c.tumbled, State.FREE_FALL),
-        (lambda c: not c.old, State.FLYING),
+    SupervisorState.LEVEL_OUT: (
+        (lambda c: c.stop or c.too_old or c.tumbled, SupervisorState.FREE_FALL),
+        (lambda c: not c.old, SupervisorState.FLYING),
     ),
-    State.FREE_FALL: ((lambda _: True, State.LOCKED),),
-    State.LOCKED: (),
-    State.CRASHED: (
-        (lambda c: not c.crashed and not c.tumbled, State.CHECKS_NOT_PASSED),
-        (lambda c: c.stop, State.LOCKED),
+    SupervisorState.FREE_FALL: ((lambda _: True, SupervisorState.LOCKED),),
+    SupervisorState.LOCKED: (),
+    SupervisorState.CRASHED: (
+        (lambda c: not c.crashed and not c.tumbled, SupervisorState.CHECKS_NOT_PASSED),
+        (lambda c: c.stop, SupervisorState.LOCKED),
     ),
 }
-FLIES: Final = frozenset({State.READY, State.FLYING, State.LEVEL_OUT, State.LANDED})
-RUNS: Final = FLIES | {State.ARMING}
+FLIES: Final = frozenset(
+    {
+        SupervisorState.READY,
+        SupervisorState.FLYING,
+        SupervisorState.LEVEL_OUT,
+        SupervisorState.LANDED,
+    }
+)
+RUNS: Final = FLIES | {SupervisorState.ARMING}
 
 
 @final
-class Tumble:
+class TumbleDetector:
     """How long it has been tilted."""
 
     def __init__(self) -> None:
         self._since: float | None = None
 
-    def look(self, acceleration: Acceleration, now: float) -> bool:
+    def update(self, acceleration: Acceleration, now: float) -> bool:
         """Tell whether it has tumbled, by the specific force on it [g] at a time [s]."""
         up = acceleration[2]
         if up >= TILTED or all(abs(each) < FREE_FALL for each in acceleration):
@@ -148,29 +158,29 @@ class Supervisor:
 
     def __init__(self, arms_itself: bool = False) -> None:
         self._arms_itself = self.armed = arms_itself
-        self.state = State.CHECKS_PASSED
+        self.state = SupervisorState.CHECKS_PASSED
         self.tumbled = self.crashed = self._stop = False
         self.landed_timeout, self.preflight_timeout = 3.0, 30.0
         self.tumble_check = True
-        self._tumble = Tumble()
+        self._tumble = TumbleDetector()
         self._due = 0.0
         self._since = 0.0  # when it came to its state
         self._turned_at: float | None = None
         self._fed_at: float | None = None
-        self.word = self._told()
+        self.word = self._status_word()
 
     @property
-    def locked(self) -> bool:
+    def is_locked(self) -> bool:
         """Whether only a restart helps."""
-        return self.state is State.LOCKED
+        return self.state is SupervisorState.LOCKED
 
     @property
-    def runs(self) -> bool:
+    def motors_enabled(self) -> bool:
         """Whether motors may turn."""
         return self.state in RUNS
 
     @property
-    def flies(self) -> bool:
+    def accepts_setpoints(self) -> bool:
         """Whether setpoints are flown; while it arms they are not, and motors idle."""
         return self.state in FLIES
 
@@ -178,7 +188,7 @@ class Supervisor:
         """Arm or disarm; return whether that was done."""
         if on == self.armed:
             return True
-        if on and self.state is not State.CHECKS_PASSED:
+        if on and self.state is not SupervisorState.CHECKS_PASSED:
             return False
         self.armed = on
         return True
@@ -196,19 +206,19 @@ class Supervisor:
 
     def lock(self) -> None:
         """Lock at once, for tests."""
-        self._enter(State.LOCKED, self._since)
-        self.word = self._told()
+        self._enter_state(SupervisorState.LOCKED, self._since)
+        self.word = self._status_word()
 
     def crash(self) -> None:
         """Crash at once, for tests."""
-        self._enter(State.CRASHED, self._since)
-        self.word = self._told()
+        self._enter_state(SupervisorState.CRASHED, self._since)
+        self.word = self._status_word()
 
-    def feed(self, now: float) -> None:
+    def feed_watchdog(self, now: float) -> None:
         """Start the emergency-stop watchdog at a time [s], or keep it quiet."""
         self._fed_at = now
 
-    def watch(
+    def update(
         self, now: float, turning: bool, age: float | None, acceleration: Acceleration
     ) -> None:
         """
@@ -229,13 +239,13 @@ class Supervisor:
         self._due = max(self._due, now - HYSTERESIS)  # what nobody looked at longer ago is over
         while self._due <= now:
             self._due += PERIOD
-            self._look(now, turning, age or 0.0, acceleration)
+            self._step(now, turning, age or 0.0, acceleration)
 
-    def _look(self, now: float, turning: bool, age: float, acceleration: Acceleration) -> None:
+    def _step(self, now: float, turning: bool, age: float, acceleration: Acceleration) -> None:
         self._turned_at = now if turning else self._turned_at
-        self.tumbled = self._tumble.look(acceleration, now) and self.tumble_check
+        self.tumbled = self._tumble.update(acceleration, now) and self.tumble_check
         late = self._fed_at is not None and now - self._fed_at >= WATCHDOG
-        conditions = Conditions(
+        conditions = SupervisorConditions(
             armed=self.armed,
             flying=self._turned_at is not None and now - self._turned_at < HYSTERESIS,
             tumbled=self.tumbled,
@@ -248,25 +258,26 @@ class Supervisor:
         )
         for applies, state in TRANSITIONS[self.state]:
             if applies(conditions):
-                self._enter(state, now)
+                self._enter_state(state, now)
                 break
-        self.word = self._told()
+        self.word = self._status_word()
 
-    def _enter(self, state: State, now: float) -> None:
+    def _enter_state(self, state: SupervisorState, now: float) -> None:
         self.state, self._since = state, now
-        self.crashed |= state is State.CRASHED
+        self.crashed |= state is SupervisorState.CRASHED
         if state not in RUNS:
-            self.armed = self._arms_itself and state is State.CHECKS_PASSED
+            self.armed = self._arms_itself and state is SupervisorState.CHECKS_PASSED
 
-    def _told(self) -> int:
+    def _status_word(self) -> int:
         told = {
-            Bit.CAN_BE_ARMED: self.state is State.CHECKS_PASSED,
-            Bit.ARMED: self.armed,
-            Bit.AUTO_ARM: self._arms_itself,
-            Bit.CAN_FLY: self.flies,
-            Bit.FLYING: self.state in (State.FLYING, State.LEVEL_OUT),
-            Bit.TUMBLED: self.tumbled,
-            Bit.LOCKED: self.locked,
-            Bit.CRASHED: self.crashed,
+            SupervisorBit.CAN_BE_ARMED: self.state is SupervisorState.CHECKS_PASSED,
+            SupervisorBit.ARMED: self.armed,
+            SupervisorBit.AUTO_ARM: self._arms_itself,
+            SupervisorBit.CAN_FLY: self.accepts_setpoints,
+            SupervisorBit.FLYING: self.state
+            in (SupervisorState.FLYING, SupervisorState.LEVEL_OUT),
+            SupervisorBit.TUMBLED: self.tumbled,
+            SupervisorBit.LOCKED: self.is_locked,
+            SupervisorBit.CRASHED: self.crashed,
         }
         return sum(bit for bit, on in told.items() if on)

@@ -1,8 +1,14 @@
 """The variables and parameters that the emulated Crazyflie knows, with the firmware's types."""
 
 from lta_emulation.crazyflie.app import VERSION
-from lta_emulation.crazyflie.build import Build
-from lta_emulation.crazyflie.contents import CORE, EXTENDED, LogVariable, Parameter, READ_ONLY
+from lta_emulation.crazyflie.firmware_build import FirmwareBuild
+from lta_emulation.crazyflie.table_of_contents import (
+    CORE,
+    EXTENDED,
+    FirmwareParameter,
+    LogVariable,
+    READ_ONLY,
+)
 
 FLOAT, U8, U16, I8, I16 = 7, 1, 2, 4, 5
 BYTE, WORD, LONG = 0x08, 0x09, 0x0A  # of parameters
@@ -21,26 +27,26 @@ LOG = (
 )
 
 
-def default_controller(build: Build) -> int:
+def default_controller(build: FirmwareBuild) -> int:
     """Return the controller that a build selects by itself."""
     return OUT_OF_TREE if build.app else PID
 
 
-def parameters(build: Build) -> tuple[Parameter, ...]:
+def list_parameters(build: FirmwareBuild) -> tuple[FirmwareParameter, ...]:
     """Return the parameters of a build, with the values they have when it is up."""
     app = (
-        Parameter('lta.app', BYTE | READ_ONLY, VERSION),
-        Parameter('lta.compensated', BYTE | READ_ONLY, int(build.compensated)),
+        FirmwareParameter('lta.app', BYTE | READ_ONLY, VERSION),
+        FirmwareParameter('lta.compensated', BYTE | READ_ONLY, int(build.compensated)),
     )
     return (
-        Parameter('supervisor.landedTimeout', WORD | EXTENDED, 3000),
-        Parameter('supervisor.prefltTimeout', WORD | EXTENDED, 30000),
-        Parameter('supervisor.tmblChckEn', BYTE | EXTENDED, 1),
-        Parameter('powerDist.idleThrust', LONG | EXTENDED | CORE, build.idle_thrust),
-        Parameter('stabilizer.controller', BYTE | CORE, default_controller(build)),
-        Parameter('stabilizer.stop', BYTE | CORE, 0),
-        Parameter('motorPowerSet.enable', BYTE | CORE, 0),
-        *(Parameter(f'motorPowerSet.m{number}', WORD | CORE, 0) for number in range(1, 5)),
+        FirmwareParameter('supervisor.landedTimeout', WORD | EXTENDED, 3000),
+        FirmwareParameter('supervisor.prefltTimeout', WORD | EXTENDED, 30000),
+        FirmwareParameter('supervisor.tmblChckEn', BYTE | EXTENDED, 1),
+        FirmwareParameter('powerDist.idleThrust', LONG | EXTENDED | CORE, build.idle_thrust),
+        FirmwareParameter('stabilizer.controller', BYTE | CORE, default_controller(build)),
+        FirmwareParameter('stabilizer.stop', BYTE | CORE, 0),
+        FirmwareParameter('motorPowerSet.enable', BYTE | CORE, 0),
+        *(FirmwareParameter(f'motorPowerSet.m{number}', WORD | CORE, 0) for number in range(1, 5)),
         *(app if build.app else ()),
-        Parameter('firmware.revision0', LONG | READ_ONLY, 0x2026_0800),
+        FirmwareParameter('firmware.revision0', LONG | READ_ONLY, 0x2026_0800),
     )

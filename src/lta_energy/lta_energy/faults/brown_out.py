@@ -1,19 +1,28 @@
 """A cell that gives way: below its cut-off the electronics may reset at any moment."""
 
+from lta_energy.faults.detector import FaultDetector, Memory, MeterObservation
 from lta_energy.faults.dropout import NOTHING
-from lta_energy.faults.protocol import Detector, Memory, Seen
-from lta_graph.health import Level
+from lta_graph.health import HealthLevel
 
 
-def _sees(memory: Memory, seen: Seen) -> tuple[bool, Memory]:
-    return NOTHING <= seen.reading.voltage <= seen.cell.discharge_cutoff, memory
+def _detect_brown_out(memory: Memory, observation: MeterObservation) -> tuple[bool, Memory]:
+    return NOTHING <= observation.reading.voltage <= observation.cell.discharge_cutoff, memory
 
 
-def _says(seen: Seen) -> str:
+def _describe_brown_out(observation: MeterObservation) -> str:
     return (
-        f'brown-out: the cell gives {seen.reading.voltage:.2f} V under '
-        f'{-seen.reading.current:.2f} A, and its cut-off is {seen.cell.discharge_cutoff:.2f} V'
+        f'brown-out: the cell gives {observation.reading.voltage:.2f} V under '
+        f'{-observation.reading.current:.2f} A, and its cut-off is '
+        f'{observation.cell.discharge_cutoff:.2f} V'
     )
 
 
-DETECTOR = Detector('brown-out', _sees, _says, Level.ERROR, spoils=False, rise=0.2, fall=5.0)
+DETECTOR = FaultDetector(
+    'brown-out',
+    _detect_brown_out,
+    _describe_brown_out,
+    HealthLevel.ERROR,
+    spoils=False,
+    rise=0.2,
+    fall=5.0,
+)

@@ -5,51 +5,58 @@ A meter with half a count of noise repeats a reading about every second time, so
 repeats for 5 s at 10 Hz has a chance of 1e-15. A panel in the dark really reads zero.
 """
 
+from lta_energy.faults.detector import FaultDetector, Memory, MeterObservation
 from lta_energy.faults.dropout import NOTHING
-from lta_energy.faults.protocol import Detector, Memory, Seen
-from lta_graph.health import Level
+from lta_graph.health import HealthLevel
 
 LONGEST = 5.0  # s
 DARK = 0.01  # A
 
 
-def _longer(time: float, now: float, before: float, dt: float) -> float:
+def _update_frozen_time(time: float, now: float, before: float, dt: float) -> float:
     """Return how long a number has stayed the same. [s]"""
     return time + dt if now == before else 0.0
 
 
-def _cell(memory: Memory, seen: Seen) -> tuple[bool, Memory]:
-    if seen.before is None or seen.dt <= 0.0:
+def _detect_frozen_cell(memory: Memory, observation: MeterObservation) -> tuple[bool, Memory]:
+    if observation.before is None or observation.dt <= 0.0:
         return False, memory
     voltage, current = memory
-    now, before = seen.reading, seen.before
+    now, before = observation.reading, observation.before
     if abs(now.voltage) < NOTHING:  # nothing is measured: that has a name of its own
         return False, (0.0, 0.0)
-    voltage = _longer(voltage, now.voltage, before.voltage, seen.dt)
-    current = _longer(current, now.current, before.current, seen.dt)
+    voltage = _update_frozen_time(voltage, now.voltage, before.voltage, observation.dt)
+    current = _update_frozen_time(current, now.current, before.current, observation.dt)
     return max(voltage, current) >= LONGEST, (voltage, current)
 
 
-def _panel(memory: Memory, seen: Seen) -> tuple[bool, Memory]:
-    if seen.before is None or seen.dt <= 0.0:
+def _detect_frozen_panel(memory: Memory, observation: MeterObservation) -> tuple[bool, Memory]:
+    if observation.before is None or observation.dt <= 0.0:
         return False, memory
-    now, before = seen.reading.panel_current, seen.before.panel_current
-    time = _longer(memory[0], now, before, seen.dt) if abs(now) > DARK else 0.0
+    now, before = observation.reading.panel_current, observation.before.panel_current
+    time = _update_frozen_time(memory[0], now, before, observation.dt) if abs(now) > DARK else 0.0
     return time >= LONGEST, (time,)
 
 
-def _says(seen: Seen) -> str:
+def _describe_frozen_cell(observation: MeterObservation) -> str:
     return f'voltage or current of the cell has not changed for {LONGEST:g} s: the meter hangs'
 
 
-def _says_of_panel(seen: Seen) -> str:
+def _describe_frozen_panel(observation: MeterObservation) -> str:
     return f'the current of the panel has not changed for {LONGEST:g} s: its meter hangs'
 
 
-DETECTOR = Detector(
-    'frozen', _cell, _says, Level.ERROR, spoils=True, rise=0.0, fall=2.0, start=(0.0, 0.0)
+DETECTOR = FaultDetector(
+    'frozen',
+    _detect_frozen_cell,
+    _describe_frozen_cell,
+    HealthLevel.ERROR,
+    spoils=True,
+    rise=0.0,
+    fall=2.0,
+    start=(0.0, 0.0),
 )
-PANEL = Detector(
-    'panel frozen', _panel, _says_of_panel, Level.WARN, spoils=False, rise=0.0, fall=2.0,
-    start=(0.0,),
+PANEL = FaultDetector(
+    'panel frozen', _detect_frozen_panel, _describe_frozen_panel, HealthLevel.WARN,
+    spoils=False, rise=0.0, fall=2.0, start=(0.0,),
 )  # fmt: skip

@@ -1,17 +1,19 @@
 """A time without readings: what flowed meanwhile is not known."""
 
-from lta_energy.faults.protocol import Detector, Memory, Seen
-from lta_graph.health import Level
+from lta_energy.faults.detector import FaultDetector, Memory, MeterObservation
+from lta_graph.health import HealthLevel
 
 LONGEST = 1.0  # s; ten turns of the meters, as long as the navigator waits by default
 
 
-def _sees(memory: Memory, seen: Seen) -> tuple[bool, Memory]:
-    return seen.dt > LONGEST, memory
+def _detect_gap(memory: Memory, observation: MeterObservation) -> tuple[bool, Memory]:
+    return observation.dt > LONGEST, memory
 
 
-def _says(seen: Seen) -> str:
+def _describe_gap(observation: MeterObservation) -> str:
     return f'more than {LONGEST:g} s passed without a reading: the charge is less certain'
 
 
-DETECTOR = Detector('gap', _sees, _says, Level.WARN, spoils=False, rise=0.0, fall=5.0)
+DETECTOR = FaultDetector(
+    'gap', _detect_gap, _describe_gap, HealthLevel.WARN, spoils=False, rise=0.0, fall=5.0
+)

@@ -1,8 +1,8 @@
 """A voltage that no cell of this kind has."""
 
+from lta_energy.faults.detector import FaultDetector, Memory, MeterObservation
 from lta_energy.faults.dropout import NOTHING
-from lta_energy.faults.protocol import Detector, Memory, Seen
-from lta_graph.health import Level
+from lta_graph.health import HealthLevel
 
 LOWEST, HIGHEST = (
     2.0,
@@ -10,16 +10,26 @@ LOWEST, HIGHEST = (
 )  # V; a LiPo cell is ruined below, and 0.25 V above full it is in danger
 
 
-def _sees(memory: Memory, seen: Seen) -> tuple[bool, Memory]:
-    voltage = seen.reading.voltage
+def _detect_implausible_voltage(
+    memory: Memory, observation: MeterObservation
+) -> tuple[bool, Memory]:
+    voltage = observation.reading.voltage
     return NOTHING <= abs(voltage) < LOWEST or voltage > HIGHEST, memory
 
 
-def _says(seen: Seen) -> str:
+def _describe_implausible_voltage(observation: MeterObservation) -> str:
     return (
-        f'{seen.reading.voltage:.2f} V is no voltage of a LiPo cell '
+        f'{observation.reading.voltage:.2f} V is no voltage of a LiPo cell '
         f'({LOWEST:g} to {HIGHEST:g} V): check the power meter and its unit'
     )
 
 
-DETECTOR = Detector('implausible', _sees, _says, Level.ERROR, spoils=True, rise=0.3, fall=2.0)
+DETECTOR = FaultDetector(
+    'implausible',
+    _detect_implausible_voltage,
+    _describe_implausible_voltage,
+    HealthLevel.ERROR,
+    spoils=True,
+    rise=0.3,
+    fall=2.0,
+)

@@ -2,20 +2,28 @@
 
 import math
 
-from lta_energy.faults.protocol import Detector, Memory, Seen
-from lta_graph.health import Level
+from lta_energy.faults.detector import FaultDetector, Memory, MeterObservation
+from lta_graph.health import HealthLevel
 
 
-def _sees(memory: Memory, seen: Seen) -> tuple[bool, Memory]:
-    return not seen.reading.usable, memory
+def _detect_not_a_number(memory: Memory, observation: MeterObservation) -> tuple[bool, Memory]:
+    return not observation.reading.is_usable, memory
 
 
-def _says(seen: Seen) -> str:
-    reading = seen.reading
+def _describe_not_a_number(observation: MeterObservation) -> str:
+    reading = observation.reading
     if math.isfinite(reading.voltage) and math.isfinite(reading.current):
         told = f'{reading.voltage:.3g} V and {reading.current:.3g} A'
         return f'the cell cannot have {told}: check the power meter'
     return 'voltage or current of the cell is not a number: check the power meter'
 
 
-DETECTOR = Detector('not a number', _sees, _says, Level.ERROR, spoils=True, rise=0.0, fall=2.0)
+DETECTOR = FaultDetector(
+    'not a number',
+    _detect_not_a_number,
+    _describe_not_a_number,
+    HealthLevel.ERROR,
+    spoils=True,
+    rise=0.0,
+    fall=2.0,
+)

@@ -8,8 +8,8 @@ also in bright light. The slope is fitted to the changes of the last while.
 
 import math
 
-from lta_energy.faults.protocol import Detector, Memory, Seen
-from lta_graph.health import Level
+from lta_energy.faults.detector import FaultDetector, Memory, MeterObservation
+from lta_graph.health import HealthLevel
 
 DOUBTFUL_POWER = 0.05  # W; ten times what the meters' offsets can amount to
 MEMORY = 10.0  # s
@@ -18,42 +18,47 @@ AGAINST = -0.5  # of the resistance
 NOISE = 0.02  # V
 
 
-def _sees(memory: Memory, seen: Seen) -> tuple[bool, Memory]:
-    reading = seen.reading
-    if not reading.usable:
+def _detect_reversed_sign(memory: Memory, observation: MeterObservation) -> tuple[bool, Memory]:
+    reading = observation.reading
+    if not reading.is_usable:
         return False, memory
-    squares, products = _changes(memory, seen)
+    squares, products = _sum_changes(memory, observation)
     slope = products / squares if squares > EXCITED else 0.0
-    against = slope < AGAINST * seen.cell.resistance
-    too_much = math.isfinite(reading.harvest) and reading.power > reading.income + DOUBTFUL_POWER
+    against = slope < AGAINST * observation.cell.resistance
+    too_much = (
+        math.isfinite(reading.panel_power)
+        and reading.cell_power > reading.plausible_panel_power + DOUBTFUL_POWER
+    )
     return against or too_much, (squares, products)
 
 
-def _changes(memory: Memory, seen: Seen) -> tuple[float, float]:
+def _sum_changes(memory: Memory, observation: MeterObservation) -> tuple[float, float]:
     """Return the faded sums of current change squared, and times voltage change. [A2, V A]"""
     squares, products = memory
-    before, now = seen.before, seen.reading
-    if before is None or not before.usable or not 0.0 < seen.dt < 1.0:
+    before, now = observation.before, observation.reading
+    if before is None or not before.is_usable or not 0.0 < observation.dt < 1.0:
         return squares, products
-    kept = math.exp(-seen.dt / MEMORY)
+    kept = math.exp(-observation.dt / MEMORY)
     current = now.current - before.current
     voltage = now.voltage - before.voltage
-    if abs(voltage) > 2.0 * seen.cell.resistance * abs(current) + NOISE:  # something else's doing
+    if (
+        abs(voltage) > 2.0 * observation.cell.resistance * abs(current) + NOISE
+    ):  # something else's doing
         return kept * squares, kept * products
     return kept * squares + current * current, kept * products + voltage * current
 
 
-def _says(seen: Seen) -> str:
-    reading = seen.reading
-    if reading.power > reading.income + DOUBTFUL_POWER:
+def _describe_reversed_sign(observation: MeterObservation) -> str:
+    reading = observation.reading
+    if reading.cell_power > reading.plausible_panel_power + DOUBTFUL_POWER:
         return (
-            f'the cell takes up {reading.power:.2f} W but the panel gives '
-            f'{reading.income:.2f} W: check the sign of the current'
+            f'the cell takes up {reading.cell_power:.2f} W but the panel gives '
+            f'{reading.plausible_panel_power:.2f} W: check the sign of the current'
         )
     return 'the voltage falls when the cell is charged: check the sign of the current'
 
 
-DETECTOR = Detector(
-    'reversed current', _sees, _says, Level.ERROR, spoils=True, rise=0.3, fall=5.0,
-    start=(0.0, 0.0),
+DETECTOR = FaultDetector(
+    'reversed current', _detect_reversed_sign, _describe_reversed_sign, HealthLevel.ERROR,
+    spoils=True, rise=0.3, fall=5.0, start=(0.0, 0.0),
 )  # fmt: skip

@@ -2,64 +2,74 @@
 
 import math
 
-from lta_energy.monitoring.estimate import Estimate
+from lta_energy.monitoring.endurance import TimeEstimate
+from lta_energy.monitoring.estimate import EnergyEstimate
 from lta_energy.monitoring.monitor import MonitorSettings, time_to_empty, time_to_full
-from lta_energy.monitoring.outlook import Time
-from lta_graph.health import Level
-from lta_model.electrical.battery import Battery
+from lta_graph.health import HealthLevel
+from lta_model.electrical.battery import BatteryModel
 
-Verdict = tuple[Level, str]
+Verdict = tuple[HealthLevel, str]
 LONGEST = 360_000.0  # s; a hundred hours: what lasts longer is not worth a figure
 
 
-def battery(settings: MonitorSettings, cell: Battery, estimate: Estimate) -> Verdict:
+def assess_battery(
+    settings: MonitorSettings, cell: BatteryModel, estimate: EnergyEstimate
+) -> Verdict:
     """
     Return how the energy stands, and by its level what it asks for.
 
     ERROR is: come down now, do not take off; WARN: the reserve is reached.
     """
-    if faults := [fault for fault in estimate.watch.faults if fault.level >= Level.ERROR]:
-        return Level.ERROR, faults[0].sentence
+    if faults := [fault for fault in estimate.watch.faults if fault.level >= HealthLevel.ERROR]:
+        return HealthLevel.ERROR, faults[0].sentence
     if estimate.belief is None or estimate.last is None or estimate.stock is None:
-        return Level.ERROR, 'no usable reading of the battery yet; the reserve counts as reached'
+        return (
+            HealthLevel.ERROR,
+            'no usable reading of the battery yet; the reserve counts as reached',
+        )
     percent = f'{estimate.charge:.0%} +- {estimate.deviation:.0%}'
     if estimate.critical.on:
-        return Level.ERROR, f'the battery gives only {estimate.last.voltage:.2f} V: land now'
+        return HealthLevel.ERROR, f'the battery gives only {estimate.last.voltage:.2f} V: land now'
     if estimate.low:
-        return Level.WARN, (
+        return HealthLevel.WARN, (
             f'reserve reached: {percent} left, reserve {settings.reserve:.0%}, '
             f'way home {estimate.stock.home:.1%}'
         )
     if estimate.reserve:
-        return Level.WARN, f'the charge is doubtful: {percent}; the reserve counts as reached'
-    return Level.OK, f'{percent} left{_lasts(settings, cell, estimate)}'
+        return (
+            HealthLevel.WARN,
+            f'the charge is doubtful: {percent}; the reserve counts as reached',
+        )
+    return HealthLevel.OK, f'{percent} left{_format_endurance(settings, cell, estimate)}'
 
 
-def _lasts(settings: MonitorSettings, cell: Battery, estimate: Estimate) -> str:
+def _format_endurance(
+    settings: MonitorSettings, cell: BatteryModel, estimate: EnergyEstimate
+) -> str:
     """Return how long it lasts or takes, in words."""
     empty, full = time_to_empty(settings, cell, estimate), time_to_full(settings, cell, estimate)
     if empty.mean < LONGEST:
-        return f', {_minutes(empty)} at this power'
-    return f', full in {_minutes(full)}' if full.mean < LONGEST else ''
+        return f', {_format_minutes(empty)} at this power'
+    return f', full in {_format_minutes(full)}' if full.mean < LONGEST else ''
 
 
-def _minutes(time: Time) -> str:
+def _format_minutes(time: TimeEstimate) -> str:
     return f'{time.mean / 60.0:.0f} +- {math.ceil(time.deviation / 60.0)} min'
 
 
-def meters(estimate: Estimate) -> Verdict:
+def assess_meters(estimate: EnergyEstimate) -> Verdict:
     """Return whether the readings can be believed."""
     faults = estimate.watch.faults
     if not faults:
-        return Level.OK, 'readings are plausible'
+        return HealthLevel.OK, 'readings are plausible'
     level = max(fault.level for fault in faults)
     return level, '; '.join(f'{fault.name}: {fault.sentence}' for fault in faults)
 
 
-def way(estimate: Estimate) -> Verdict:
+def assess_way_home(estimate: EnergyEstimate) -> Verdict:
     """Return how far home is, and what is left beyond the way there and the reserve."""
     stock = estimate.stock
     if stock is None or estimate.last is None or estimate.last.where is None:
-        return Level.OK, 'where the drone is, is not known; the way home counts as none'
+        return HealthLevel.OK, 'where the drone is, is not known; the way home counts as none'
     text = f'home is {estimate.last.where.distance:.1f} m away, {stock.spare:.0f} J to spare'
-    return (Level.WARN if stock.spare <= 0.0 else Level.OK), text
+    return (HealthLevel.WARN if stock.spare <= 0.0 else HealthLevel.OK), text

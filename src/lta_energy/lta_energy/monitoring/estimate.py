@@ -3,17 +3,17 @@
 import math
 from typing import NamedTuple
 
-from lta_energy.faults.watch import Watch
-from lta_energy.monitoring.belief import Belief, Surprise
-from lta_energy.monitoring.books import Books
+from lta_energy.faults.all_detectors import DetectorStates
+from lta_energy.monitoring.energy_balance import EnergyBalance
 from lta_energy.monitoring.latch import Latch
-from lta_energy.monitoring.load import Load
-from lta_energy.monitoring.reading import Reading
-from lta_energy.monitoring.reserve import Stock
-from lta_energy.monitoring.way_home import Travel
+from lta_energy.monitoring.load import LoadEstimate
+from lta_energy.monitoring.reading import MeterReading
+from lta_energy.monitoring.reserve import ReserveMargin
+from lta_energy.monitoring.soc_ekf import CellState, VoltageInnovation
+from lta_energy.monitoring.way_home import TravelEstimate
 
 
-class Estimate(NamedTuple):
+class EnergyEstimate(NamedTuple):
     """
     What is known after a reading.
 
@@ -50,19 +50,19 @@ class Estimate(NamedTuple):
 
     """
 
-    belief: Belief | None = None
-    load: Load = Load()
-    travel: Travel | None = None
-    stock: Stock | None = None
+    belief: CellState | None = None
+    load: LoadEstimate = LoadEstimate()
+    travel: TravelEstimate | None = None
+    stock: ReserveMargin | None = None
     low: bool = False
     reserve: bool = True
     critical: Latch = Latch()
-    watch: Watch = Watch()
-    surprise: Surprise | None = None
+    watch: DetectorStates = DetectorStates()
+    surprise: VoltageInnovation | None = None
     gap: float = 0.0
-    last: Reading | None = None
-    good: Reading | None = None
-    books: Books = Books()
+    last: MeterReading | None = None
+    good: MeterReading | None = None
+    books: EnergyBalance = EnergyBalance()
     behind: tuple[int, ...] = ()
 
     @property
@@ -76,6 +76,6 @@ class Estimate(NamedTuple):
         return math.nan if self.belief is None else self.belief.deviation
 
     @property
-    def urgent(self) -> bool:
+    def is_urgent(self) -> bool:
         """Whether to come down at once: a cell that gives way, or readings that mean nothing."""
-        return self.belief is None or self.critical.on or self.watch.doubtful
+        return self.belief is None or self.critical.on or self.watch.is_doubtful

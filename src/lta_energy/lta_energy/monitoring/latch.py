@@ -12,7 +12,7 @@ class Latch(NamedTuple):
     since: float = 0.0
 
 
-def latched(latch: Latch, condition: bool, dt: float, rise: float, fall: float) -> Latch:
+def update_latch(latch: Latch, condition: bool, dt: float, rise: float, fall: float) -> Latch:
     """
     Return the latch after some time.
 

@@ -10,7 +10,7 @@ import math
 from typing import NamedTuple
 
 
-class Load(NamedTuple):
+class LoadEstimate(NamedTuple):
     """Quick and slow mean [W], variance of the quick one about the slow [W2], age [s]."""
 
     quick: float = 0.0
@@ -19,12 +19,14 @@ class Load(NamedTuple):
     age: float = 0.0
 
 
-def first(power: float) -> Load:
+def initial_load(power: float) -> LoadEstimate:
     """Return the load after one reading: nothing is known of how it changes. [W]"""
-    return Load(power, power, power * power)
+    return LoadEstimate(power, power, power * power)
 
 
-def smoothed(before: Load, power: float, dt: float, quick: float, slow: float) -> Load:
+def update_load(
+    before: LoadEstimate, power: float, dt: float, quick: float, slow: float
+) -> LoadEstimate:
     """
     Return the load after one more reading.
 
@@ -43,10 +45,10 @@ def smoothed(before: Load, power: float, dt: float, quick: float, slow: float) -
 
     """
     age = before.age + dt
-    now = before.quick + _weight(dt, quick, age) * (power - before.quick)
-    share = _weight(dt, slow, age)
+    now = before.quick + _smoothing_weight(dt, quick, age) * (power - before.quick)
+    share = _smoothing_weight(dt, slow, age)
     off = now - before.mean
-    return Load(
+    return LoadEstimate(
         now,
         before.mean + share * off,
         (1.0 - share) * (before.variance + share * off * off),
@@ -54,13 +56,13 @@ def smoothed(before: Load, power: float, dt: float, quick: float, slow: float) -
     )
 
 
-def deviation(load: Load, quick: float, slow: float) -> float:
+def mean_load_deviation(load: LoadEstimate, quick: float, slow: float) -> float:
     """Return the standard deviation of the mean. [W]"""
     span = min(slow, load.age)
     share = quick / (quick + span) if quick + span > 0.0 else 1.0
     return math.sqrt(load.variance * share)
 
 
-def _weight(dt: float, time: float, age: float) -> float:
+def _smoothing_weight(dt: float, time: float, age: float) -> float:
     """Return the share of the newest in a mean over a time, or over all of a younger age."""
     return max(-math.expm1(-dt / time), dt / age) if time > 0.0 and age > 0.0 else 1.0

@@ -11,7 +11,7 @@ MOST_AMPERES: Final = 100.0
 
 @final
 @dataclass(frozen=True, slots=True)
-class Whereabouts:
+class TravelState:
     """
     Where the drone is by dead reckoning, and how fast it flies.
 
@@ -30,7 +30,7 @@ class Whereabouts:
 
 @final
 @dataclass(frozen=True, slots=True)
-class Reading:
+class MeterReading:
     """
     One turn of the meters; NaN is what is not measured.
 
@@ -55,25 +55,25 @@ class Reading:
     panel_voltage: float = math.nan
     panel_current: float = math.nan
     illuminance: float = math.nan
-    where: Whereabouts | None = None
+    where: TravelState | None = None
 
     @property
-    def usable(self) -> bool:
+    def is_usable(self) -> bool:
         """Whether the cell's voltage and current are numbers that a meter can read."""
         return abs(self.voltage) <= MOST_VOLTS and abs(self.current) <= MOST_AMPERES
 
     @property
-    def harvest(self) -> float:
+    def panel_power(self) -> float:
         """Power of the panel. [W]"""
         return self.panel_voltage * self.panel_current
 
     @property
-    def income(self) -> float:
+    def plausible_panel_power(self) -> float:
         """Power of the panel as the books take it: 0 where no meter can have read it. [W]"""
         known = abs(self.panel_voltage) <= MOST_VOLTS and abs(self.panel_current) <= MOST_AMPERES
-        return self.harvest if known else 0.0
+        return self.panel_power if known else 0.0
 
     @property
-    def power(self) -> float:
+    def cell_power(self) -> float:
         """Power into the cell at its terminals. [W]"""
         return self.voltage * self.current

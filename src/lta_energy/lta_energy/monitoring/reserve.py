@@ -3,12 +3,12 @@
 from typing import NamedTuple
 
 from lta_config.settings import setting, Settings
-from lta_energy.monitoring.belief import Belief, INVERSE
-from lta_energy.monitoring.outlook import energy_between
-from lta_model.electrical.battery import Battery, open_circuit_voltage
+from lta_energy.monitoring.endurance import energy_between
+from lta_energy.monitoring.soc_ekf import CellState, INVERSE
+from lta_model.electrical.battery import BatteryModel, open_circuit_voltage
 
 
-class ReserveSettings(Settings):
+class EnergyReserveSettings(Settings):
     """What must be left."""
 
     reserve: float = setting(
@@ -25,7 +25,7 @@ class ReserveSettings(Settings):
     )
 
 
-class Stock(NamedTuple):
+class ReserveMargin(NamedTuple):
     """
     The charge against what must be left.
 
@@ -45,15 +45,19 @@ class Stock(NamedTuple):
     spare: float
 
 
-def stock(settings: ReserveSettings, cell: Battery, belief: Belief, home: float) -> Stock:
+def compute_margin(
+    settings: EnergyReserveSettings, cell: BatteryModel, state: CellState, home: float
+) -> ReserveMargin:
     """Return how a charge stands against the reserve and the energy of the way home. [J]"""
-    sure = belief.charge - settings.caution * belief.deviation
-    full = open_circuit_voltage(belief.charge) * cell.capacity / belief.mean[INVERSE]
-    return Stock(
-        sure, home / full, energy_between(cell, belief, settings.reserve, max(sure, 0.0)) - home
+    sure = state.charge - settings.caution * state.deviation
+    full = open_circuit_voltage(state.charge) * cell.capacity / state.mean[INVERSE]
+    return ReserveMargin(
+        sure, home / full, energy_between(cell, state, settings.reserve, max(sure, 0.0)) - home
     )
 
 
-def reached(settings: ReserveSettings, before: bool, stock: Stock) -> bool:
+def is_reserve_reached(
+    settings: EnergyReserveSettings, before: bool, stock: ReserveMargin
+) -> bool:
     """Tell whether the reserve is reached, with hysteresis."""
     return stock.sure <= settings.reserve + stock.home + (settings.hysteresis if before else 0.0)

@@ -10,10 +10,10 @@ import math
 from typing import NamedTuple
 
 from lta_config.settings import setting, Settings
-from lta_energy.monitoring.reading import Whereabouts
+from lta_energy.monitoring.reading import TravelState
 
 
-class WaySettings(Settings):
+class WayHomeSettings(Settings):
     """What is assumed of the way home until it has been measured, and for what nobody measures."""
 
     power: float = setting(1.4, 'Power of flight until measured.', unit='W', low=0.0, high=1000.0)
@@ -32,42 +32,46 @@ class WaySettings(Settings):
     )
 
 
-class Travel(NamedTuple):
+class TravelEstimate(NamedTuple):
     """Power out of the chemistry and airspeed while the drone moves. [W, m/s]"""
 
     power: float
     speed: float
 
 
-def begun(settings: WaySettings) -> Travel:
+def initial_travel(settings: WayHomeSettings) -> TravelEstimate:
     """Return what is assumed before the drone has moved."""
-    return Travel(settings.power, settings.speed)
+    return TravelEstimate(settings.power, settings.speed)
 
 
-def seen(
-    settings: WaySettings, travel: Travel, where: Whereabouts | None, power: float, dt: float
-) -> Travel:
+def update_travel(
+    settings: WayHomeSettings,
+    travel: TravelEstimate,
+    where: TravelState | None,
+    power: float,
+    dt: float,
+) -> TravelEstimate:
     """Return what is known of travelling after one more reading. [W, s]"""
     if where is None or where.speed < settings.moving:
         return travel
     share = -math.expm1(-dt / settings.smoothing) if settings.smoothing > 0.0 else 1.0
-    return Travel(
+    return TravelEstimate(
         travel.power + share * (max(power, 0.0) - travel.power),
         travel.speed + share * (where.speed - travel.speed),
     )
 
 
-def energy_home(settings: WaySettings, travel: Travel, distance: float) -> float:
+def energy_home(settings: WayHomeSettings, travel: TravelEstimate, distance: float) -> float:
     """Return what a way of some metres takes out of the cell. [J]"""
-    return travel.power * distance / _over_ground(settings, travel)
+    return travel.power * distance / _ground_speed(settings, travel)
 
 
-def reach(settings: WaySettings, travel: Travel, energy: float) -> float:
+def reachable_distance(settings: WayHomeSettings, travel: TravelEstimate, energy: float) -> float:
     """Return how far the drone comes on an energy [J]. [m]"""
     if travel.power <= 0.0:
         return math.inf
-    return max(energy, 0.0) / travel.power * _over_ground(settings, travel)
+    return max(energy, 0.0) / travel.power * _ground_speed(settings, travel)
 
 
-def _over_ground(settings: WaySettings, travel: Travel) -> float:
+def _ground_speed(settings: WayHomeSettings, travel: TravelEstimate) -> float:
     return max(travel.speed - settings.head_wind, settings.slowest)

@@ -4,8 +4,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, final, NamedTuple
 
-from lta_flight.replay.against import Compared
-from lta_flight.replay.heard import Heard
+from lta_flight.replay.comparison import TopicComparison
+from lta_flight.replay.topic_messages import TopicMessages
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,7 +16,7 @@ Column = NDArray[np.float64]
 
 @final
 @dataclass(frozen=True, slots=True)
-class Decision:
+class DecisionComparison:
     """
     One kind of decision in both runs.
 
@@ -41,67 +41,70 @@ class Decision:
     gaps: Column
 
     @property
-    def changed(self) -> int:
+    def change_count(self) -> int:
         """How often it was decided otherwise."""
         return int((self.gaps > SAME).sum())
 
     @property
-    def first(self) -> int | None:
+    def first_change(self) -> int | None:
         """Row of the first change."""
-        return int(np.argmax(self.gaps > SAME)) if self.changed else None
+        return int(np.argmax(self.gaps > SAME)) if self.change_count else None
 
     @property
-    def largest(self) -> float:
+    def largest_change(self) -> float:
         """The largest change."""
         return float(self.gaps.max(initial=0.0))
 
 
-class Kind(NamedTuple):
+class DecisionKind(NamedTuple):
     """Where a decision stands: topic, name, unit, how to read it, and whether it is a heading."""
 
     topic: str
     name: str
     unit: str
-    read: Callable[[Heard], Column]
+    read: Callable[[TopicMessages], Column]
     turning: bool = False
 
 
-def field(path: str) -> Callable[[Heard], Column]:
+def build_field_reader(path: str) -> Callable[[TopicMessages], Column]:
     """Return what reads one field."""
 
-    def read(heard: Heard) -> Column:
-        found = heard.numbers.get(path)
-        return np.full(len(heard.keys), np.nan) if found is None else found.astype(np.float64)
+    def read(messages: TopicMessages) -> Column:
+        found = messages.numbers.get(path)
+        return np.full(len(messages.keys), np.nan) if found is None else found.astype(np.float64)
 
     return read
 
 
-def heading(heard: Heard) -> Column:
+def read_heading(messages: TopicMessages) -> Column:
     """Return the heading of a pose whose axis is up. [rad]"""
-    parts: Mapping[str, NDArray[Any]] = heard.numbers
+    parts: Mapping[str, NDArray[Any]] = messages.numbers
     z, w = (parts[f'pose.orientation.{axis}'].astype(np.float64) for axis in 'zw')
     return np.unwrap(2.0 * np.arctan2(z, w)) if len(z) else z
 
 
-def seen(heard: Heard) -> Column:
+def read_lamp_visible(messages: TopicMessages) -> Column:
     """Return 1 where a lamp is seen; a variance of -1 says that none is."""
-    found: Column = (heard.numbers['pose.covariance[0]'] >= 0.0).astype(np.float64)
+    found: Column = (messages.numbers['pose.covariance[0]'] >= 0.0).astype(np.float64)
     return found
 
 
 KINDS = (
-    Kind('light/estimate', 'lamp seen', '', seen),
-    Kind('setpoint/pose', 'heading', 'rad', heading, turning=True),
-    Kind('setpoint/pose', 'altitude', 'm', field('pose.position.z')),
-    Kind('setpoint/velocity', 'speed', 'm/s', field('twist.linear.x')),
-    Kind('energy/reserve', 'reserve reached', '', field('data')),
-    *(Kind('motors', f'duty {k + 1}', '1', field(f'effort[{k}]')) for k in range(8)),
+    DecisionKind('light/estimate', 'lamp seen', '', read_lamp_visible),
+    DecisionKind('setpoint/pose', 'heading', 'rad', read_heading, turning=True),
+    DecisionKind('setpoint/pose', 'altitude', 'm', build_field_reader('pose.position.z')),
+    DecisionKind('setpoint/velocity', 'speed', 'm/s', build_field_reader('twist.linear.x')),
+    DecisionKind('energy/reserve', 'reserve reached', '', build_field_reader('data')),
+    *(
+        DecisionKind('motors', f'duty {k + 1}', '1', build_field_reader(f'effort[{k}]'))
+        for k in range(8)
+    ),
 )
 
 
-def decisions(found: Sequence[Compared]) -> list[Decision]:
+def compare_decisions(comparisons: Sequence[TopicComparison]) -> list[DecisionComparison]:
     """Return the decisions in the topics that were compared."""
-    topics = {each.topic: each for each in found if each.count}
+    topics = {each.topic: each for each in comparisons if each.count}
     made = []
     for kind in KINDS:
         each = topics.get(kind.topic)
@@ -110,12 +113,14 @@ def decisions(found: Sequence[Compared]) -> list[Decision]:
         recorded, again = kind.read(each.recorded), kind.read(each.again)
         known = ~(np.isnan(recorded) & np.isnan(again))
         if known.any():
-            gaps = between(recorded, again, kind.turning)
-            made.append(Decision(kind.name, kind.unit, each.recorded.keys, recorded, again, gaps))
+            gaps = compute_gaps(recorded, again, kind.turning)
+            made.append(
+                DecisionComparison(kind.name, kind.unit, each.recorded.keys, recorded, again, gaps)
+            )
     return made
 
 
-def between(x: Column, y: Column, turning: bool) -> Column:
+def compute_gaps(x: Column, y: Column, turning: bool) -> Column:
     """Return how far apart two columns are; what only one knows is infinitely far."""
     with np.errstate(invalid='ignore'):
         gaps = np.abs(x - y)

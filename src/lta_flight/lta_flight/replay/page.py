@@ -6,15 +6,15 @@ import math
 from pathlib import Path
 from typing import Final
 
-from lta_config.typed import near, typed
-from lta_flight.replay.decisions import Decision
-from lta_flight.replay.order import Order
-from lta_flight.replay.verdict import Verdict
-from lta_report.drawing import blank
+from lta_config.command_line import format_lta_command, relative_path
+from lta_flight.replay.decisions import DecisionComparison
+from lta_flight.replay.request import ReplayRequest
+from lta_flight.replay.verdict import ReplayVerdict
+from lta_report.drawing import create_figure
 from lta_report.formatting import Tile
-from lta_report.frame import framed, written
+from lta_report.page_frame import assemble_page, write_file
+from lta_report.page_parts import render_section, render_tile
 from lta_report.palette import ESTIMATE, RAW
-from lta_report.pieces import section, tile_html
 import numpy as np
 from plotly.graph_objects import Figure, Scatter
 
@@ -31,12 +31,16 @@ NAMES: Final = {
 }  # fmt: skip
 
 
-def write_page(verdict: Verdict, order: Order, told: Mapping[str, str], folder: Path) -> Path:
+def write_page(
+    verdict: ReplayVerdict, order: ReplayRequest, provenance: Mapping[str, str], folder: Path
+) -> Path:
     """Write the page and return where it is; `BadInput` where it cannot be written."""
-    return written(page(verdict, order, told), folder / NAME)
+    return write_file(render_page(verdict, order, provenance), folder / NAME)
 
 
-def page(verdict: Verdict, order: Order, told: Mapping[str, str]) -> str:
+def render_page(
+    verdict: ReplayVerdict, order: ReplayRequest, provenance: Mapping[str, str]
+) -> str:
     """
     Return the whole page.
 
@@ -50,27 +54,27 @@ def page(verdict: Verdict, order: Order, told: Mapping[str, str]) -> str:
         Where the recording comes from.
 
     """
-    return framed(
+    return assemble_page(
         'replay.html',
         title=escape(f'{verdict.sentence}.'),
-        kicker=escape(f'replay · {" ".join(order.nodes)} · {near(order.bag)}'),
-        about=escape(about(verdict, order)),
-        tiles='\n'.join(tile_html(*each) for each in tiles(verdict)),
-        table=table_html(verdict),
-        notes=''.join(f'<p class="note">{escape(each)}</p>' for each in notes(verdict)),
+        kicker=escape(f'replay · {" ".join(order.nodes)} · {relative_path(order.bag)}'),
+        about=escape(format_about(verdict, order)),
+        tiles='\n'.join(render_tile(*each) for each in build_tiles(verdict)),
+        table=render_channel_table(verdict),
+        notes=''.join(f'<p class="note">{escape(each)}</p>' for each in list_notes(verdict)),
         pictures='\n'.join(
-            section(
-                f'decision-{k}', each.name.capitalize(), caption(each, verdict),
-                picture(each, verdict), timed=True,
+            render_section(
+                f'decision-{k}', each.name.capitalize(), format_caption(each, verdict),
+                plot_decision(each, verdict), timed=True,
             )
             for k, each in enumerate(verdict.decisions)
         ),
-        facts=facts(told),
-        commands=commands(order),
+        facts=describe_provenance(provenance),
+        commands=suggest_commands(order),
     )  # fmt: skip
 
 
-def about(verdict: Verdict, order: Order) -> str:
+def format_about(verdict: ReplayVerdict, order: ReplayRequest) -> str:
     """Return what was done, in two sentences."""
     changed = ', '.join(order.changes) or 'nothing'
     pace = 'in lockstep' if order.rate is None else f'at {order.rate:g} times real time'
@@ -81,7 +85,7 @@ def about(verdict: Verdict, order: Order) -> str:
     )
 
 
-def tiles(verdict: Verdict) -> list[Tile]:
+def build_tiles(verdict: ReplayVerdict) -> list[Tile]:
     """Return the verdict, and each kind of decision."""
     total = sum(topic.count for topic in verdict.topics)
     differing = sum(topic.differing for topic in verdict.topics)
@@ -90,23 +94,28 @@ def tiles(verdict: Verdict) -> list[Tile]:
         Tile('messages', str(total), '', f'{differing} differ'),
     ]
     return made + [
-        Tile(each.name, str(each.changed), f'of {len(each.keys)} changed', largest(each))
+        Tile(
+            each.name,
+            str(each.change_count),
+            f'of {len(each.keys)} changed',
+            format_largest_change(each),
+        )
         for each in verdict.decisions
-        if each.changed or not each.name.startswith('duty')
+        if each.change_count or not each.name.startswith('duty')
     ]
 
 
-def largest(decision: Decision) -> str:
+def format_largest_change(decision: DecisionComparison) -> str:
     """Return the largest change in words."""
-    if not decision.changed:
+    if not decision.change_count:
         return 'all as recorded'
     if not decision.unit:
         return 'otherwise'
     unit = '' if decision.unit == '1' else f' {decision.unit}'
-    return f'by up to {figure(decision.largest, 4)}{unit}'
+    return f'by up to {format_value(decision.largest_change, 4)}{unit}'
 
 
-def figure(value: object, digits: int = 10) -> str:
+def format_value(value: object, digits: int = 10) -> str:
     """Return a value short enough to be read, long enough to tell two apart."""
     if isinstance(value, float):
         return f'{value:.{digits}g}' if math.isfinite(value) else str(value)
@@ -114,16 +123,16 @@ def figure(value: object, digits: int = 10) -> str:
     return text if len(text) <= 30 else f'{text[:29]}…'
 
 
-def table_html(verdict: Verdict) -> str:
+def render_channel_table(verdict: ReplayVerdict) -> str:
     """Return all channels that differ, or a sentence that there is none."""
     heads = ['topic', 'field', 'differs', 'first at [s]', 'recorded', 'replayed', 'largest']
     lines = []
     for topic in verdict.topics:
         for each in topic.channels:
-            at = verdict.seconds(int(topic.recorded.keys[each.first]))
+            at = verdict.relative_time(int(topic.recorded.keys[each.first]))
             cells = (
-                each.path, f'{each.count} of {topic.count}', f'{at:.3f}', figure(each.recorded),
-                figure(each.again), figure(each.largest),
+                each.path, f'{each.count} of {topic.count}', f'{at:.3f}',
+                format_value(each.recorded), format_value(each.again), format_value(each.largest),
             )  # fmt: skip
             own = ''.join(f'<td>{escape(cell)}</td>' for cell in cells)
             lines.append(f'<tr><th scope="row">{escape(topic.topic)}</th>{own}</tr>')
@@ -140,7 +149,7 @@ def table_html(verdict: Verdict) -> str:
     )
 
 
-def notes(verdict: Verdict) -> list[str]:
+def list_notes(verdict: ReplayVerdict) -> list[str]:
     """Return how it was compared, and what could not be."""
     alone = [
         f'{topic.topic}: {topic.unmatched[0]} recorded messages without a replayed one, '
@@ -151,18 +160,18 @@ def notes(verdict: Verdict) -> list[str]:
     return [METHOD, *alone]
 
 
-def caption(decision: Decision, verdict: Verdict) -> str:
+def format_caption(decision: DecisionComparison, verdict: ReplayVerdict) -> str:
     """Return what a picture shows, and where the first change is."""
     lines = 'Wide: as recorded. Thin: as the nodes answer now.'
-    if decision.first is None:
+    if decision.first_change is None:
         return f'{lines} They agree.'
-    at = verdict.seconds(int(decision.keys[decision.first]))
+    at = verdict.relative_time(int(decision.keys[decision.first_change]))
     return f'{lines} The first change is at {at:.2f} s.'
 
 
-def picture(decision: Decision, verdict: Verdict) -> Figure:
+def plot_decision(decision: DecisionComparison, verdict: ReplayVerdict) -> Figure:
     """Return a decision over time, recorded and replayed."""
-    figure = blank()
+    figure = create_figure()
     rows = np.arange(len(decision.keys))
     rows = rows[:: max(1, len(rows) // MOST)]
     time = (decision.keys[rows] - verdict.start_ns) * 1e-9
@@ -185,18 +194,18 @@ def picture(decision: Decision, verdict: Verdict) -> Figure:
     return figure
 
 
-def facts(told: Mapping[str, str]) -> dict[str, str]:
+def describe_provenance(provenance: Mapping[str, str]) -> dict[str, str]:
     """Return where the recording comes from."""
     names = ('vehicle', 'scenario', 'strategy', 'seed', 'time', 'created', 'commit', 'platform')
-    known = {name: told[name] for name in names if name in told}
+    known = {name: provenance[name] for name in names if name in provenance}
     return known or {'recording': 'tells nothing of its origin'}
 
 
-def commands(order: Order) -> dict[str, str]:
+def suggest_commands(order: ReplayRequest) -> dict[str, str]:
     """Return how to replay it again, and how to go on."""
     words: list[str | Path] = [
         'replay',
-        near(order.bag),
+        relative_path(order.bag),
         '--nodes',
         ','.join(order.nodes),
         '--against',
@@ -205,6 +214,6 @@ def commands(order: Order) -> dict[str, str]:
         for name, value in given.items():
             words += ['--set', f'{node}.{name}={value}']
     return {
-        'Replay it again': typed(*words),
-        'See the recording': typed('report', near(order.bag)),
+        'Replay it again': format_lta_command(*words),
+        'See the recording': format_lta_command('report', relative_path(order.bag)),
     }

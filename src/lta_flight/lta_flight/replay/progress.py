@@ -2,13 +2,13 @@
 
 from typing import final
 
-from lta_report.bar import Bar
+from lta_report.progress_bar import ProgressBar
 from rich.console import Console
 from rich.progress import BarColumn, TextColumn
 
 
 @final
-class ReplayProgress(Bar):
+class ReplayProgress(ProgressBar):
     """
     Show a replay while it lasts: `with ReplayProgress(console, 60.0) as progress: ...`.
 
@@ -26,7 +26,7 @@ class ReplayProgress(Bar):
         columns = (TextColumn('{task.description}'), BarColumn(), detail)
         super().__init__(console, *columns, begin='starting the nodes', total=length, detail='')
 
-    def at(self, time: float, pace: float) -> None:
+    def show_progress(self, time: float, pace: float) -> None:
         """Show how far the replay is: bag time [s] and bag seconds a wall second."""
         detail = f'{time:.1f} s, {pace:.1f} x real time'
-        self.move(description='replaying', completed=time, detail=detail)
+        self.update_bar(description='replaying', completed=time, detail=detail)

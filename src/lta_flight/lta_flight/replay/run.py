@@ -7,14 +7,14 @@ import json
 from pathlib import Path
 from typing import final, Protocol
 
-from lta_bridge.bag.writer import empty_folder
+from lta_bridge.bag.writer import prepare_empty_folder
 from lta_config.errors import BadInput
-from lta_data.bag.flight import Flight
-from lta_flight.blame import Lookout, PLAYBACK
+from lta_data.bag.recorded_flight import RecordedFlight
 from lta_flight.domain_lock import DomainLock
-from lta_flight.flight import refused
-from lta_flight.replay.order import check, Order, plan_of
-from lta_graph.child import Ended
+from lta_flight.flight import is_refusal
+from lta_flight.replay.request import build_plan, check_request, ReplayRequest
+from lta_flight.stall_monitor import PLAYBACK, StallMonitor
+from lta_graph.child_process import ProcessExit
 from lta_graph.launcher import Launcher
 from lta_graph.ros.listener import DiagnosticsListener
 
@@ -22,21 +22,21 @@ PATIENCE = 15.0  # wall seconds that the graph may stand still before the replay
 LOOK = 0.05  # wall seconds between looks at the processes and the diagnostics
 
 
-class Watcher(Protocol):
+class ReplayObserver(Protocol):
     """Whoever shows the replay to a person."""
 
-    def at(self, time: float, pace: float) -> None:
+    def show_progress(self, time: float, pace: float) -> None:
         """Show how far it is: bag time [s], and bag seconds a wall second."""
         ...
 
-    def say(self, sentence: str) -> None:
+    def show_message(self, sentence: str) -> None:
         """Tell something that happened."""
         ...
 
 
 @final
 @dataclass(frozen=True, slots=True)
-class Replayed:
+class ReplayRun:
     """
     How a replay went.
 
@@ -53,12 +53,14 @@ class Replayed:
     standing: dict[str, str] | None
 
     @property
-    def whole(self) -> bool:
+    def is_complete(self) -> bool:
         """Whether the recording was played to its end."""
         return self.standing is not None and self.standing['outcome'] == 'played'
 
 
-def replay(order: Order, flight: Flight, folder: Path, watcher: Watcher) -> Replayed:
+def run_replay(
+    order: ReplayRequest, flight: RecordedFlight, folder: Path, watcher: ReplayObserver
+) -> ReplayRun:
     """
     Run nodes again on a recording.
 
@@ -79,49 +81,51 @@ def replay(order: Order, flight: Flight, folder: Path, watcher: Watcher) -> Repl
         If it cannot be replayed.
 
     """
-    check(order, flight)
-    empty_folder(folder)
-    plan = plan_of(order, flight, folder)
+    check_request(order, flight)
+    prepare_empty_folder(folder)
+    plan = build_plan(order, flight, folder)
     robot = plan.namespaces[0]
     with (
         DomainLock(robot),
         DiagnosticsListener(robot) as listener,
         Launcher(plan, on_line=lambda _name, _line: None) as launcher,
     ):
-        watch(launcher, listener, watcher)
-    return judged(folder / 'bag', launcher, watcher)
+        supervise_replay(launcher, listener, watcher)
+    return collect_result(folder / 'bag', launcher, watcher)
 
 
-def watch(launcher: Launcher, listener: DiagnosticsListener, watcher: Watcher) -> None:
+def supervise_replay(
+    launcher: Launcher, listener: DiagnosticsListener, watcher: ReplayObserver
+) -> None:
     """Follow a replay until a process ends it, or the graph has stood still for too long."""
-    lookout = Lookout(watcher.say, listener.tell)
+    lookout = StallMonitor(watcher.show_message, listener.publish_error)
     while launcher.outcome is None:
         facts = listener.poll(LOOK)
         launcher.poll()
         fact = facts.get(PLAYBACK)
-        if fact is not None and (told := fact.numbers('time_s', 'pace')):
-            watcher.at(*told)
+        if fact is not None and (told := fact.parse_numbers('time_s', 'pace')):
+            watcher.show_progress(*told)
         running = launcher.running
-        lookout.look(facts, listener.silent(running), listener.unheard(running))
-        if lookout.standing > PATIENCE:
-            watcher.say(f'The graph has stood still for {PATIENCE:.0f} s and is stopped.')
+        lookout.update(facts, listener.find_silent(running), listener.find_pending(running))
+        if lookout.stall_time > PATIENCE:
+            watcher.show_message(f'The graph has stood still for {PATIENCE:.0f} s and is stopped.')
             return
 
 
-def judged(bag: Path, launcher: Launcher, watcher: Watcher) -> Replayed:
+def collect_result(bag: Path, launcher: Launcher, watcher: ReplayObserver) -> ReplayRun:
     """Return how the replay went, from how its processes ended; a refusal is a `BadInput`."""
     end = launcher.outcome
     broken = end is None or not end.success
     for item in launcher.ended:
         if not item.status or (broken and item.stopped):
             continue
-        if refused(item):
+        if is_refusal(item):
             raise BadInput(item.lines[-1])
-        watcher.say('\n'.join((f'{item.sentence}.', *item.lines)))
-    return Replayed(bag, None if broken else last_word(launcher.ended))
+        watcher.show_message('\n'.join((f'{item.sentence}.', *item.lines)))
+    return ReplayRun(bag, None if broken else parse_final_status(launcher.ended))
 
 
-def last_word(ended: Iterable[Ended]) -> dict[str, str] | None:
+def parse_final_status(ended: Iterable[ProcessExit]) -> dict[str, str] | None:
     """Return the player's last word, None where it died without one."""
     for item in ended:
         if item.name == 'player' and item.stdout:

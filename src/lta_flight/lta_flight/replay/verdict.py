@@ -4,21 +4,26 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, final, Literal
 
-from lta_bridge.provenance import here
+from lta_bridge.provenance import describe_environment
 from lta_config.errors import BadInput
-from lta_config.topics import robot_topic, topic_table
-from lta_data.bag.flight import Flight
-from lta_flight.replay.against import Compared, compared, elsewhere, TOLERANCE
-from lta_flight.replay.decisions import Decision, decisions
-from lta_flight.replay.heard import heard
-from lta_report.json_value import finite
+from lta_config.topics import load_topic_table, robot_topic
+from lta_data.bag.recorded_flight import RecordedFlight
+from lta_flight.replay.comparison import (
+    compare_topic,
+    find_origin_differences,
+    TOLERANCE,
+    TopicComparison,
+)
+from lta_flight.replay.decisions import compare_decisions, DecisionComparison
+from lta_flight.replay.topic_messages import read_topic
+from lta_report.json_value import replace_nonfinite
 
 Word = Literal['identical', 'same', 'different']
 
 
 @final
 @dataclass(frozen=True, slots=True)
-class Verdict:
+class ReplayVerdict:
     """
     A replay against its recording.
 
@@ -35,8 +40,8 @@ class Verdict:
 
     """
 
-    topics: tuple[Compared, ...]
-    decisions: tuple[Decision, ...]
+    topics: tuple[TopicComparison, ...]
+    decisions: tuple[DecisionComparison, ...]
     elsewhere: tuple[str, ...]
     start_ns: int
 
@@ -45,8 +50,8 @@ class Verdict:
         """The verdict in a word."""
         if not any(topic.differing for topic in self.topics):
             return 'identical'
-        changed = any(decision.changed for decision in self.decisions)
-        close = all(topic.close for topic in self.topics)
+        changed = any(decision.change_count for decision in self.decisions)
+        close = all(topic.is_close for topic in self.topics)
         return 'same' if self.elsewhere and close and not changed else 'different'
 
     @property
@@ -63,10 +68,10 @@ class Verdict:
                 f'The same within {TOLERANCE:g}, all decisions too: {differing} of {total} '
                 f'messages differ in the last places, as they may with another {where}'
             )
-        changed = sum(decision.changed for decision in self.decisions)
+        changed = sum(decision.change_count for decision in self.decisions)
         return f'Different: {differing} of {total} messages, {changed} decisions'
 
-    def seconds(self, key_ns: int) -> float:
+    def relative_time(self, key_ns: int) -> float:
         """Return a message's time since the start of the recording. [s]"""
         return (key_ns - self.start_ns) * 1e-9
 
@@ -76,20 +81,22 @@ class Verdict:
             'verdict': self.word,
             'sentence': self.sentence,
             'elsewhere': list(self.elsewhere),
-            'topics': {topic.topic: self._told(topic) for topic in self.topics},
+            'topics': {topic.topic: self._describe_topic(topic) for topic in self.topics},
             'decisions': {
                 each.name: {
                     'compared': len(each.keys),
-                    'changed': each.changed,
-                    'largest': finite(each.largest),
+                    'changed': each.change_count,
+                    'largest': replace_nonfinite(each.largest_change),
                     'unit': each.unit,
-                    'first_s': None if each.first is None else self.seconds(each.keys[each.first]),
+                    'first_s': None
+                    if each.first_change is None
+                    else self.relative_time(each.keys[each.first_change]),
                 }
                 for each in self.decisions
             },
         }
 
-    def _told(self, topic: Compared) -> dict[str, Any]:
+    def _describe_topic(self, topic: TopicComparison) -> dict[str, Any]:
         return {
             'compared': topic.count,
             'differing': topic.differing,
@@ -99,10 +106,10 @@ class Verdict:
                 {
                     'path': each.path,
                     'differing': each.count,
-                    'first_s': self.seconds(topic.recorded.keys[each.first]),
-                    'recorded': finite(each.recorded),
-                    'replayed': finite(each.again),
-                    'largest': finite(each.largest),
+                    'first_s': self.relative_time(topic.recorded.keys[each.first]),
+                    'recorded': replace_nonfinite(each.recorded),
+                    'replayed': replace_nonfinite(each.again),
+                    'largest': replace_nonfinite(each.largest),
                     'within_tolerance': each.close,
                 }
                 for each in topic.channels
@@ -110,12 +117,14 @@ class Verdict:
         }
 
 
-def absolute(robot: str, name: str) -> str:
+def resolve_topic(robot: str, name: str) -> str:
     """Return a topic's name in a bag, which may be without namespaces."""
     return robot_topic(robot, name) if robot else f'/{name}'
 
 
-def judged(recorded: Flight, again: Flight, topics: Sequence[str]) -> Verdict:
+def compare_flights(
+    recorded: RecordedFlight, again: RecordedFlight, topics: Sequence[str]
+) -> ReplayVerdict:
     """
     Compare a replay with its recording.
 
@@ -132,22 +141,22 @@ def judged(recorded: Flight, again: Flight, topics: Sequence[str]) -> Verdict:
         If the recording has none of it.
 
     """
-    table = topic_table()
+    table = load_topic_table()
     found = []
     for name in topics:
         row = table[name]
-        then = heard(recorded.bag, absolute(recorded.robot, name), row)
-        now = heard(again.bag, absolute(again.robot, name), row)
+        then = read_topic(recorded.bag, resolve_topic(recorded.robot, name), row)
+        now = read_topic(again.bag, resolve_topic(again.robot, name), row)
         whole = not row.stamped and len(then.keys) == len(now.keys)
         if len(now.keys) and not whole:  # of a section, only what lies in it
             inside = (then.keys >= now.keys[0]) & (then.keys <= now.keys[-1])
-            then = then.picked(inside.nonzero()[0])
-        found.append(compared(name, then, now, row.stamped))
+            then = then.select_rows(inside.nonzero()[0])
+        found.append(compare_topic(name, then, now, row.stamped))
     if not any(topic.count for topic in found):
         raise BadInput(
             f"'{recorded.bag.path}' has no message of {', '.join(topics)} to compare with; replay "
             'it without --against.'
         )
     kept = tuple(topic for topic in found if topic.count or any(topic.unmatched))
-    place = elsewhere(recorded.provenance, here())
-    return Verdict(kept, tuple(decisions(kept)), tuple(place), recorded.start)
+    place = find_origin_differences(recorded.provenance, describe_environment())
+    return ReplayVerdict(kept, tuple(compare_decisions(kept)), tuple(place), recorded.start)

@@ -2,21 +2,21 @@
 
 from typing import Protocol
 
-from lta_data.bag.flight import Points
-from lta_data.scene import Scene
-from lta_flight.report.goal import Goal
-from lta_report.curves import Arrow, Electricity, Motion, Track
+from lta_data.bag.recorded_flight import PointSeries
+from lta_data.scene import RecordedScene
+from lta_flight.report.goal import FlightGoal
+from lta_report.curves import DirectionCurve, ElectricalCurve, MotionCurve, TimeCurve
 
 
-class Evidence(Protocol):
-    """A flight as `View` tells it; `has` says which of it there is."""
+class FlightEvidence(Protocol):
+    """A flight as `View` tells it; `has_topics` says which of it there is."""
 
-    def has(self, *topics: str) -> bool:
+    def has_topics(self, *topics: str) -> bool:
         """Tell whether there is something of all these topics."""
         ...
 
     @property
-    def scene(self) -> Scene:
+    def scene(self) -> RecordedScene:
         """The world of the flight."""
         ...
 
@@ -26,46 +26,46 @@ class Evidence(Protocol):
         ...
 
     @property
-    def goal(self) -> Goal:
+    def goal(self) -> FlightGoal:
         """The lamps to be reached, and when each was."""
         ...
 
     @property
-    def truth(self) -> Motion:
+    def truth(self) -> MotionCurve:
         """The true motion."""
         ...
 
     @property
-    def estimate(self) -> Motion:
+    def estimate(self) -> MotionCurve:
         """The drone's own idea of its motion."""
         ...
 
     @property
-    def altitude_setpoint(self) -> Track:
+    def altitude_setpoint(self) -> TimeCurve:
         """Altitude to hold. [m]"""
         ...
 
     @property
-    def speed_setpoint(self) -> Track:
+    def speed_setpoint(self) -> TimeCurve:
         """Forward airspeed to hold. [m/s]"""
         ...
 
     @property
-    def peaks(self) -> Points:
+    def peaks(self) -> PointSeries:
         """SNR and frequency of each diode's peak, at the middle of its block."""
         ...
 
     @property
-    def sighting(self) -> Arrow:
+    def sighting(self) -> DirectionCurve:
         """Direction to the lamp that the drone steers by, at the middle of its block."""
         ...
 
     @property
-    def bearing(self) -> Arrow:
+    def bearing(self) -> DirectionCurve:
         """The paper's direction to the lamp, at the middle of its block."""
         ...
 
     @property
-    def battery(self) -> Electricity:
+    def battery(self) -> ElectricalCurve:
         """The cell as measured."""
         ...

@@ -5,14 +5,14 @@ from functools import cached_property
 from typing import final
 
 from lta_model.scenario import Scenario
-from lta_report.curves import Array, Motion, Spot
+from lta_report.curves import Array, FloorPoint, MotionCurve
 import numpy as np
 from numpy.typing import NDArray
 
 
 @final
 @dataclass(frozen=True)
-class Goal:
+class FlightGoal:
     """
     The goal of one flight.
 
@@ -26,14 +26,14 @@ class Goal:
     """
 
     scenario: Scenario | None
-    truth: Motion | None
+    truth: MotionCurve | None
 
     @cached_property
-    def places(self) -> list[Spot]:
+    def places(self) -> list[FloorPoint]:
         """The lamps to be reached in their order: none on a course, or where none is known."""
         if self.scenario is None or self.scenario.course is not None:
             return []
-        return [Spot(*lamp.position.vector[:2]) for lamp in self.scenario.stops]
+        return [FloorPoint(*lamp.position.vector[:2]) for lamp in self.scenario.target_lamps]
 
     @property
     def radius(self) -> float:
@@ -60,12 +60,12 @@ class Goal:
         return found
 
     @property
-    def reached(self) -> bool:
+    def is_reached(self) -> bool:
         """Whether all lamps were; False where there are none."""
         return len(self.arrivals) == len(self.places) > 0
 
     @property
-    def shortest(self) -> float:
+    def shortest_length(self) -> float:
         """The shortest way from the start through all goal circles; NaN where unknown. [m]"""
         if self.truth is None or not self.places:
             return np.nan
@@ -74,19 +74,19 @@ class Goal:
         legs[0] += self.radius  # the start is a point
         return float(np.maximum(legs, 0.0).sum())
 
-    def leg(self, time: Array) -> NDArray[np.intp]:
+    def leg_index(self, time: Array) -> NDArray[np.intp]:
         """Return which of the lamps is next at each instant [s], from 0."""
         return np.minimum(np.searchsorted(self.arrivals, time), len(self.places) - 1)
 
-    def distance(self, motion: Motion) -> Array:
+    def lamp_distance(self, motion: MotionCurve) -> Array:
         """Return the horizontal distance to the lamp that is next, NaN where none is. [m]"""
-        return np.hypot(*self._to(motion, self.leg(motion.time), self.places))
+        return np.hypot(*self._place_offset(motion, self.leg_index(motion.time), self.places))
 
-    def direction(self, motion: Motion) -> Array:
+    def lamp_direction(self, motion: MotionCurve) -> Array:
         """Return the direction to the lamp that is next, body frame; NaN where none is. [rad]"""
-        return self._aimed(motion, self.leg(motion.time), self.places)
+        return self._body_direction(motion, self.leg_index(motion.time), self.places)
 
-    def heard(self, motion: Motion, frequency: Array) -> Array:
+    def beacon_direction(self, motion: MotionCurve, frequency: Array) -> Array:
         """
         Return the direction to the lamp that the drone listens for, which follows its own belief.
 
@@ -108,15 +108,21 @@ class Goal:
         lamps = list(self.scenario.lamps.values())
         own = np.array([lamp.frequency.si for lamp in lamps])
         meant = np.abs(frequency[:, None] - own).argmin(axis=1)
-        return self._aimed(motion, meant, [Spot(*lamp.position.vector[:2]) for lamp in lamps])
+        return self._body_direction(
+            motion, meant, [FloorPoint(*lamp.position.vector[:2]) for lamp in lamps]
+        )
 
     @classmethod
-    def _aimed(cls, motion: Motion, which: NDArray[np.intp], places: list[Spot]) -> Array:
-        x, y = cls._to(motion, which, places)
-        return wrapped(np.arctan2(y, x) - motion.yaw)
+    def _body_direction(
+        cls, motion: MotionCurve, which: NDArray[np.intp], places: list[FloorPoint]
+    ) -> Array:
+        x, y = cls._place_offset(motion, which, places)
+        return wrap_angle(np.arctan2(y, x) - motion.yaw)
 
     @staticmethod
-    def _to(motion: Motion, which: NDArray[np.intp], places: list[Spot]) -> tuple[Array, Array]:
+    def _place_offset(
+        motion: MotionCurve, which: NDArray[np.intp], places: list[FloorPoint]
+    ) -> tuple[Array, Array]:
         """Return the way to one of some places at each instant, along x and y. [m, map]"""
         if not places:
             unknown = np.full(len(motion.time), np.nan)
@@ -125,6 +131,6 @@ class Goal:
         return there[:, 0] - motion.x, there[:, 1] - motion.y
 
 
-def wrapped(angle: Array) -> Array:
+def wrap_angle(angle: Array) -> Array:
     """Return angles in [-pi, pi). [rad]"""
     return (angle + np.pi) % (2.0 * np.pi) - np.pi

@@ -3,13 +3,13 @@
 import math
 from typing import Final, NamedTuple
 
-from lta_flight.report.results import Results
-from lta_report.formatting import amount, MISSING, number, spread, Tile
+from lta_flight.report.results import FlightResults
+from lta_report.formatting import format_amount, format_number, format_spread, MISSING, Tile
 
 DEGREES: Final = 180.0 / math.pi
 
 
-class Row(NamedTuple):
+class OutcomeRow(NamedTuple):
     """One line of the table: what, this flight, the paper."""
 
     name: str
@@ -17,12 +17,15 @@ class Row(NamedTuple):
     paper: str = MISSING
 
 
-def sentence(results: Results) -> str:
+def describe_outcome(results: FlightResults) -> str:
     """Return the outcome in one sentence."""
     if results.success is None:
         return 'A flight was recorded; whether it reached a lamp, its bag does not tell'
-    count, near = int(results.lamps or 1), amount(results.closest, 'm', 1)
-    time, path = amount(results.search_time, 's', 1), amount(results.path_length, 'm', 1)
+    count, near = int(results.lamps or 1), format_amount(results.closest, 'm', 1)
+    time, path = (
+        format_amount(results.search_time, 's', 1),
+        format_amount(results.path_length, 'm', 1),
+    )
     if count > 1 and results.success:
         return f'The drone reached all {count} lamps of its route in {time} over {path}'
     if count > 1:
@@ -33,32 +36,34 @@ def sentence(results: Results) -> str:
     return f'The drone did not reach the lamp: it came no nearer than {near}'
 
 
-def tiles(results: Results) -> list[Tile]:
+def build_tiles(results: FlightResults) -> list[Tile]:
     """Return the figures that matter most."""
     r = results
-    paper = amount(r.bearing_error, '°', 1, DEGREES)
+    paper = format_amount(r.bearing_error, '°', 1, DEGREES)
     return [
-        Tile('Time to the lamp', number(r.search_time, 1), 's',
-             f'{amount(r.flight_time, "s", 1)} from leaving the ground'),
-        Tile('Path', number(r.path_length), 'm',
+        Tile('Time to the lamp', format_number(r.search_time, 1), 's',
+             f'{format_amount(r.flight_time, "s", 1)} from leaving the ground'),
+        Tile('Path', format_number(r.path_length), 'm',
              f'{"shortest way" if (r.lamps or 1) > 1 else "straight line"} to the goal '
-             f'{amount(r.straight_length, "m")}'),
-        Tile('Airspeed', number(r.airspeed), 'm/s',
-             f'true mean, \N{PLUS-MINUS SIGN} {number(r.airspeed_spread)} over the cruise'),
-        Tile('Altitude', number(r.altitude), 'm',
-             f'{amount(r.altitude_error, "cm", 1, 100.0)} RMS off the set-point'),
-        Tile('Direction of the lamp', number(r.lamp_error, 1, DEGREES), '° RMS off',
+             f'{format_amount(r.straight_length, "m")}'),
+        Tile('Airspeed', format_number(r.airspeed), 'm/s',
+             f'true mean, \N{PLUS-MINUS SIGN} {format_number(r.airspeed_spread)} over the cruise'),
+        Tile('Altitude', format_number(r.altitude), 'm',
+             f'{format_amount(r.altitude_error, "cm", 1, 100.0)} RMS off the set-point'),
+        Tile('Direction of the lamp', format_number(r.lamp_error, 1, DEGREES), '° RMS off',
              f"as the drone steers by it; the paper's bearing {paper}"),
-        Tile('Signal to noise', f'{number(r.snr_start, 0)} → {number(r.snr_end, 0)}', '',
+        Tile('Signal to noise', f'{format_number(r.snr_start, 0)} → '
+        f'{format_number(r.snr_end, 0)}', '',
              'best diode, first and last half second'),
-        Tile('Power', number(r.cruise_power), 'W',
-             f'{amount(r.energy, "J", 1)} from the cell, from leaving the ground to the goal'),
-        Tile('Heading drift', number(r.heading_drift, 1, DEGREES), '°',
+        Tile('Power', format_number(r.cruise_power), 'W',
+             f'{format_amount(r.energy, "J", 1)} from the cell, from leaving the ground to the '
+             f'goal'),
+        Tile('Heading drift', format_number(r.heading_drift, 1, DEGREES), '°',
              'of the estimate, at the end'),
     ]  # fmt: skip
 
 
-def table(results: Results) -> list[Row]:
+def build_table(results: FlightResults) -> list[OutcomeRow]:
     """
     Return this flight beside the indoor flight of the paper with the same strategy.
 
@@ -67,22 +72,29 @@ def table(results: Results) -> list[Row]:
     r = results
     reached = {None: MISSING, True: 'yes', False: 'no'}[r.success]
     rows = [
-        Row('came within the goal radius', reached, 'yes'),
-        Row('path to the goal', amount(r.path_length, 'm'), '7.3 m'),
-        Row('time from the first forward command', amount(r.search_time, 's', 1), '8.4 s'),
-        Row('time from leaving the ground', amount(r.flight_time, 's', 1)),
-        Row('forward airspeed, true, cruise, mean and SD',
-            spread(r.airspeed, r.airspeed_spread, 'm/s'), '0.5 m/s'),
-        Row('altitude of the hull centre, cruise', amount(r.altitude, 'm'), '0.5 m'),
-        Row('altitude off its set-point, RMS, cruise', amount(r.altitude_error, 'cm', 1, 100.0)),
-        Row('nose off the lamp, RMS, cruise', amount(r.heading_error, '°', 1, DEGREES)),
-        Row('direction of the lamp that it steers by, RMS error',
-            amount(r.lamp_error, '°', 1, DEGREES)),
-        Row("the paper's bearing beside it, RMS error", amount(r.bearing_error, '°', 1, DEGREES)),
-        Row('power, cruise', amount(r.cruise_power, 'W'), '1.52 to 1.54 W'),
-        Row('energy from leaving the ground to the goal', amount(r.energy, 'J', 1)),
-        Row('estimated altitude, RMS error', amount(r.altitude_estimate_error, 'cm', 1, 100.0)),
-        Row('estimated airspeed, RMS error', amount(r.airspeed_estimate_error, 'm/s')),
-        Row('estimated heading, RMS error', amount(r.heading_estimate_error, '°', 1, DEGREES)),
+        OutcomeRow('came within the goal radius', reached, 'yes'),
+        OutcomeRow('path to the goal', format_amount(r.path_length, 'm'), '7.3 m'),
+        OutcomeRow('time from the first forward command',
+            format_amount(r.search_time, 's', 1), '8.4 s'),
+        OutcomeRow('time from leaving the ground', format_amount(r.flight_time, 's', 1)),
+        OutcomeRow('forward airspeed, true, cruise, mean and SD',
+            format_spread(r.airspeed, r.airspeed_spread, 'm/s'), '0.5 m/s'),
+        OutcomeRow('altitude of the hull centre, cruise', format_amount(r.altitude, 'm'), '0.5 m'),
+        OutcomeRow('altitude off its set-point, RMS, cruise',
+            format_amount(r.altitude_error, 'cm', 1, 100.0)),
+        OutcomeRow('nose off the lamp, RMS, cruise',
+            format_amount(r.heading_error, '°', 1, DEGREES)),
+        OutcomeRow('direction of the lamp that it steers by, RMS error',
+            format_amount(r.lamp_error, '°', 1, DEGREES)),
+        OutcomeRow("the paper's bearing beside it, RMS error",
+            format_amount(r.bearing_error, '°', 1, DEGREES)),
+        OutcomeRow('power, cruise', format_amount(r.cruise_power, 'W'), '1.52 to 1.54 W'),
+        OutcomeRow('energy from leaving the ground to the goal', format_amount(r.energy, 'J', 1)),
+        OutcomeRow('estimated altitude, RMS error',
+            format_amount(r.altitude_estimate_error, 'cm', 1, 100.0)),
+        OutcomeRow('estimated airspeed, RMS error',
+            format_amount(r.airspeed_estimate_error, 'm/s')),
+        OutcomeRow('estimated heading, RMS error',
+            format_amount(r.heading_estimate_error, '°', 1, DEGREES)),
     ]  # fmt: skip
     return [row for row in rows if row.here != MISSING or row.paper != MISSING]

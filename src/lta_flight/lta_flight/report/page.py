@@ -6,16 +6,16 @@ from pathlib import Path
 import shlex
 from typing import Final
 
-from lta_config.typed import near, typed
-from lta_data.bag.flight import Flight, open_flight
-from lta_data.bag.folder import bag_files
-from lta_flight.report.outcome import sentence, table, tiles
-from lta_flight.report.panels.registry import Panel, PANELS
-from lta_flight.report.results import Results, results_of
-from lta_flight.report.track import track_of
-from lta_flight.report.view import View
-from lta_report.frame import framed, written
-from lta_report.pieces import section, tile_html
+from lta_config.command_line import format_lta_command, relative_path
+from lta_data.bag.bag_folder import find_bag_files
+from lta_data.bag.recorded_flight import open_flight, RecordedFlight
+from lta_flight.report.outcome import build_table, build_tiles, describe_outcome
+from lta_flight.report.panels.registry import FlightPanel, PANELS
+from lta_flight.report.results import compute_results, FlightResults
+from lta_flight.report.track import build_track
+from lta_flight.report.view import FlightView
+from lta_report.page_frame import assemble_page, write_file
+from lta_report.page_parts import render_section, render_tile
 
 FILES: Final = ('vehicle_file', 'scenario_file', 'gains_file')
 CHOSEN: Final = ('vehicle', 'scenario', 'strategy', 'seed', 'time')
@@ -30,7 +30,7 @@ MEASURED: Final = (
 )
 
 
-def write_page(bag: Path, out: Path, robot: str | None = None) -> Results:
+def write_page(bag: Path, out: Path, robot: str | None = None) -> FlightResults:
     """
     Write the page of a flight and return its results.
 
@@ -51,27 +51,27 @@ def write_page(bag: Path, out: Path, robot: str | None = None) -> Results:
 
     """
     flight = open_flight(bag, robot)
-    view = View(flight)
-    results = results_of(view)
-    written(page(view, results, bag), out)
+    view = FlightView(flight)
+    results = compute_results(view)
+    write_file(render_page(view, results, bag), out)
     return results
 
 
-def page(view: View, results: Results, bag: Path) -> str:
+def render_page(view: FlightView, results: FlightResults, bag: Path) -> str:
     """Return the whole page of a flight in a bag."""
-    sections = {panel.name: picture_of(panel, view) for panel in PANELS}
-    return framed(
+    sections = {panel.name: render_panel(panel, view) for panel in PANELS}
+    return assemble_page(
         'flight.html',
-        title=f'{escape(sentence(results))}.',
-        kicker=escape(kicker(view.provenance)),
-        about=escape(origin(view)),
-        tiles='\n'.join(tile_html(*tile) for tile in tiles(results)),
-        track=track_of(view),
-        table='\n'.join(row_html(*row) for row in table(results)),
+        title=f'{escape(describe_outcome(results))}.',
+        kicker=escape(format_kicker(view.provenance)),
+        about=escape(format_origin(view)),
+        tiles='\n'.join(render_tile(*tile) for tile in build_tiles(results)),
+        track=build_track(view),
+        table='\n'.join(render_row(*row) for row in build_table(results)),
         hero=sections.pop('path'),
         panels='\n'.join(sections.values()),
-        facts=facts(view.flight),
-        commands=commands(view, near(bag)),
+        facts=describe_provenance(view.flight),
+        commands=suggest_commands(view, relative_path(bag)),
         files={
             key.replace('_', ' ').capitalize(): view.provenance[key]
             for key in FILES
@@ -80,30 +80,30 @@ def page(view: View, results: Results, bag: Path) -> str:
     )
 
 
-def picture_of(panel: Panel, view: View) -> str:
+def render_panel(panel: FlightPanel, view: FlightView) -> str:
     """Return one picture with heading and caption, or a sentence on why there is none."""
-    missing = [topic for topic in panel.needs if not view.has(topic)]
+    missing = [topic for topic in panel.needs if not view.has_topics(topic)]
     names = ' and '.join(f'<code>{escape(topic)}</code>' for topic in missing)
     absent = f'<p class="absent">The recording has nothing on {names}.</p>'
     picture = absent if missing else panel.picture(view)
-    return section(panel.name, panel.title, panel.caption, picture, timed=panel.timed)
+    return render_section(panel.name, panel.title, panel.caption, picture, timed=panel.timed)
 
 
-def kicker(provenance: Mapping[str, str]) -> str:
+def format_kicker(provenance: Mapping[str, str]) -> str:
     """Return the line above the title."""
     names = [provenance.get(key, '') for key in ('vehicle', 'scenario', 'strategy')]
     seed = provenance.get('seed')
     return ' · '.join([name for name in names if name] + ([f'seed {seed}'] if seed else []))
 
 
-def origin(view: View) -> str:
+def format_origin(view: FlightView) -> str:
     """Return what is simulated, what is estimated, and where the truth comes from."""
     if view.scene.scenario is None:
         return MEASURED
     return SIMULATED
 
 
-def row_html(name: str, here: str, paper: str) -> str:
+def render_row(name: str, here: str, paper: str) -> str:
     """Return one line of the table."""
     return (
         f'<tr><th scope="row">{escape(name)}</th><td>{escape(here)}</td>'
@@ -111,35 +111,37 @@ def row_html(name: str, here: str, paper: str) -> str:
     )
 
 
-def facts(flight: Flight) -> dict[str, str]:
+def describe_provenance(flight: RecordedFlight) -> dict[str, str]:
     """Return where the data come from."""
     found = {key: value for key, value in flight.provenance.items() if key not in FILES}
     return found | {
-        'recording': 'complete' if flight.bag.complete else ' '.join(flight.bag.losses)
+        'recording': 'complete' if flight.bag.is_complete else ' '.join(flight.bag.losses)
     }
 
 
-def commands(view: View, bag: Path) -> dict[str, str]:
+def suggest_commands(view: FlightView, bag: Path) -> dict[str, str]:
     """Return how to look further, and how to fly it again."""
     # A bag with a /clock brings the time itself; a second one would contradict it.
     clock = [] if '/clock' in view.flight.bag.topics else ['--clock']
     return {
-        'List what was recorded': typed('bag', 'info', bag),
+        'List what was recorded': format_lta_command('bag', 'info', bag),
         # PlotJuggler opens files, not folders.
-        'Plot any topic': shlex.join(['plotjuggler', '-d', str(bag_files(bag)[0])]),
+        'Plot any topic': shlex.join(['plotjuggler', '-d', str(find_bag_files(bag)[0])]),
         'Replay in ROS 2': shlex.join(['ros2', 'bag', 'play', str(bag), *clock]),
-        'Look at every channel': typed('bag', 'plot', bag),
-        'Decide again on what was sensed': typed('replay', bag, '--against'),
-        'Fly it again': again(view.provenance),
+        'Look at every channel': format_lta_command('bag', 'plot', bag),
+        'Decide again on what was sensed': format_lta_command('replay', bag, '--against'),
+        'Fly it again': format_repeat_command(view.provenance),
     }
 
 
-def again(provenance: Mapping[str, str]) -> str:
+def format_repeat_command(provenance: Mapping[str, str]) -> str:
     """Return the command that makes a flight again; a moved start is an argument of the launch."""
     given = {key: provenance[key] for key in CHOSEN if key in provenance}
     moved = {key: provenance[key] for key in MOVED if key in provenance}
     if moved:
-        return typed(
+        return format_lta_command(
             'launch', 'fly', *(f'{key}:={value}' for key, value in (given | moved).items())
         )
-    return typed('fly', *(word for key, value in given.items() for word in (f'--{key}', value)))
+    return format_lta_command(
+        'fly', *(word for key, value in given.items() for word in (f'--{key}', value))
+    )

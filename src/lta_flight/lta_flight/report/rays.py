@@ -1,8 +1,8 @@
 """The measured bearings on the floor plan, one a second."""
 
-from lta_flight.report.results import phases_of
-from lta_flight.report.view import View
-from lta_report.curves import Array, sampled
+from lta_flight.report.results import find_phases
+from lta_flight.report.view import FlightView
+from lta_report.curves import Array, interpolate
 from lta_report.palette import SOFT, STRENGTH
 import numpy as np
 from numpy.typing import NDArray
@@ -12,32 +12,34 @@ LENGTH = 0.75  # m; long enough to see a direction, short enough not to hide the
 PERIOD = 1.0  # s
 
 
-def first_of_each(time: Array, start: float, end: float) -> NDArray[np.intp]:
+def select_per_period(time: Array, start: float, end: float) -> NDArray[np.intp]:
     """Return the first sample of each period between two times, where it has one."""
     inside = np.flatnonzero((time >= start) & (time < end))
     _, first = np.unique(np.floor((time[inside] - start) / PERIOD), return_index=True)
     return inside[first]
 
 
-def draw_rays(figure: Figure, view: View) -> None:
+def draw_rays(figure: Figure, view: FlightView) -> None:
     """Draw short rays towards where the drone saw the lamp, darker with a better SNR."""
     time, angle = view.bearing
-    phases = phases_of(view)
+    phases = find_phases(view)
     start = phases.search if np.isfinite(phases.search) else view.span[0]
-    chosen = first_of_each(time, start, phases.end)
+    chosen = select_per_period(time, start, phases.end)
     chosen = chosen[np.isfinite(angle[chosen])]
     if not len(chosen):
         return
     truth = view.truth
-    x, y, yaw = (sampled(time[chosen], truth.time, part) for part in (truth.x, truth.y, truth.yaw))
+    x, y, yaw = (
+        interpolate(time[chosen], truth.time, part) for part in (truth.x, truth.y, truth.yaw)
+    )
     peak_time, parts = view.peaks
-    snr = sampled(time[chosen], peak_time, parts['snr'].max(axis=1))
+    snr = interpolate(time[chosen], peak_time, parts['snr'].max(axis=1))
     course = yaw + angle[chosen]
-    shades = graded(np.log(np.maximum(snr, 1.0)))
+    shades = grade_values(np.log(np.maximum(snr, 1.0)))
     for grade, colour in enumerate(STRENGTH):
         strong = shades == grade
         if strong.any():
-            figure.add_trace(rays(x[strong], y[strong], course[strong], colour))
+            figure.add_trace(build_rays(x[strong], y[strong], course[strong], colour))
     key = ''.join(
         f'<span style="color:{colour}">\N{BOX DRAWINGS HEAVY HORIZONTAL}</span>'
         for colour in STRENGTH
@@ -53,14 +55,14 @@ def draw_rays(figure: Figure, view: View) -> None:
     )
 
 
-def graded(values: Array) -> Array:
+def grade_values(values: Array) -> Array:
     """Return which of the shades each value has, from the least to the greatest."""
     span = float(np.ptp(values)) or 1.0
     share = (values - values.min()) / span
     return np.asarray(np.minimum(share * len(STRENGTH), len(STRENGTH) - 1).astype(int))
 
 
-def rays(x: Array, y: Array, course: Array, colour: str) -> Scatter:
+def build_rays(x: Array, y: Array, course: Array, colour: str) -> Scatter:
     """Return rays of one colour as a single broken line."""
     gap = np.full(len(x), np.nan)
     return Scatter(

@@ -11,9 +11,9 @@ tracker.
 from dataclasses import asdict, dataclass, field, fields
 from typing import Any, final, NamedTuple
 
-from lta_flight.report.evidence import Evidence
-from lta_flight.report.goal import wrapped
-from lta_report.curves import Array, Arrow, held, Motion, sampled
+from lta_flight.report.evidence import FlightEvidence
+from lta_flight.report.goal import wrap_angle
+from lta_report.curves import Array, DirectionCurve, hold_last, interpolate, MotionCurve
 import numpy as np
 from numpy.typing import NDArray
 
@@ -24,63 +24,77 @@ CRUISING = 0.9  # of the set speed, whose first reaching begins the cruise
 ENDS = 5  # blocks whose median is the SNR at the start or the end
 
 
-def figure(unit: str, about: str) -> Any:  # noqa: ANN401 - a field of any type
+def result_field(unit: str, about: str) -> Any:  # noqa: ANN401 - a field of any type
     """Return a field of the results: None unless the bag tells it."""
     return field(default=None, metadata={'unit': unit, 'about': about})
 
 
 @final
 @dataclass(frozen=True, slots=True)
-class Results:
+class FlightResults:
     """The results of one flight; None is what its bag cannot tell. SI units, angles in rad."""
 
-    success: bool | None = figure('', 'came within the goal radius, of each lamp of the route')
-    lamps: int | None = figure('1', 'lamps that were to be reached')
-    lamps_reached: int | None = figure('1', 'those that were, in their order')
-    lift_off: float | None = figure('s', 'left the ground')
-    search_start: float | None = figure('s', 'was first asked to fly forward')
-    end: float | None = figure('s', 'reached the goal, or the end of the recording')
-    flight_time: float | None = figure('s', 'from leaving the ground to the goal')
-    search_time: float | None = figure('s', 'from the first forward set-point to the goal')
-    path_length: float | None = figure('m', 'true horizontal path to the goal')
-    straight_length: float | None = figure(
+    success: bool | None = result_field(
+        '', 'came within the goal radius, of each lamp of the route'
+    )
+    lamps: int | None = result_field('1', 'lamps that were to be reached')
+    lamps_reached: int | None = result_field('1', 'those that were, in their order')
+    lift_off: float | None = result_field('s', 'left the ground')
+    search_start: float | None = result_field('s', 'was first asked to fly forward')
+    end: float | None = result_field('s', 'reached the goal, or the end of the recording')
+    flight_time: float | None = result_field('s', 'from leaving the ground to the goal')
+    search_time: float | None = result_field('s', 'from the first forward set-point to the goal')
+    path_length: float | None = result_field('m', 'true horizontal path to the goal')
+    straight_length: float | None = result_field(
         'm', 'shortest way from the start to the goal circle, by those of the route'
     )
-    closest: float | None = figure('m', 'nearest to the lamp that was next at last, horizontally')
-    airspeed: float | None = figure('m/s', 'true forward airspeed, mean over the cruise')
-    airspeed_spread: float | None = figure('m/s', 'its standard deviation over the cruise')
-    altitude: float | None = figure('m', 'true altitude of the hull centre, mean over the cruise')
-    altitude_error: float | None = figure('m', 'true altitude against set-point, RMS, cruise')
-    heading_error: float | None = figure('rad', 'nose against the true lamp, RMS, cruise')
-    lamp_error: float | None = figure(
+    closest: float | None = result_field(
+        'm', 'nearest to the lamp that was next at last, horizontally'
+    )
+    airspeed: float | None = result_field('m/s', 'true forward airspeed, mean over the cruise')
+    airspeed_spread: float | None = result_field('m/s', 'its standard deviation over the cruise')
+    altitude: float | None = result_field(
+        'm', 'true altitude of the hull centre, mean over the cruise'
+    )
+    altitude_error: float | None = result_field(
+        'm', 'true altitude against set-point, RMS, cruise'
+    )
+    heading_error: float | None = result_field('rad', 'nose against the true lamp, RMS, cruise')
+    lamp_error: float | None = result_field(
         'rad', 'direction of the lamp that the drone steers by, against the true one, RMS'
     )
-    lamp_share: float | None = figure('1', 'part of the light blocks that gave this direction')
-    bearing_error: float | None = figure(
+    lamp_share: float | None = result_field(
+        '1', 'part of the light blocks that gave this direction'
+    )
+    bearing_error: float | None = result_field(
         'rad', "the paper's bearing, of light/bearing, against the true one, RMS"
     )
-    bearing_share: float | None = figure('1', 'part of the light blocks that gave this bearing')
-    snr_start: float | None = figure('1', 'SNR of the best diode when the search starts')
-    snr_end: float | None = figure('1', 'SNR of the best diode at the end')
-    altitude_estimate_error: float | None = figure('m', 'estimated altitude, RMS, in flight')
-    airspeed_estimate_error: float | None = figure('m/s', 'estimated airspeed, RMS, in flight')
-    heading_estimate_error: float | None = figure('rad', 'estimated heading, RMS, in flight')
-    heading_drift: float | None = figure('rad', 'estimated less true heading at the end')
-    energy: float | None = figure('J', 'out of the cell from leaving the ground to the goal')
-    power: float | None = figure('W', 'mean of the same')
-    cruise_power: float | None = figure('W', 'out of the cell, mean over the cruise')
+    bearing_share: float | None = result_field(
+        '1', 'part of the light blocks that gave this bearing'
+    )
+    snr_start: float | None = result_field('1', 'SNR of the best diode when the search starts')
+    snr_end: float | None = result_field('1', 'SNR of the best diode at the end')
+    altitude_estimate_error: float | None = result_field('m', 'estimated altitude, RMS, in flight')
+    airspeed_estimate_error: float | None = result_field(
+        'm/s', 'estimated airspeed, RMS, in flight'
+    )
+    heading_estimate_error: float | None = result_field('rad', 'estimated heading, RMS, in flight')
+    heading_drift: float | None = result_field('rad', 'estimated less true heading at the end')
+    energy: float | None = result_field('J', 'out of the cell from leaving the ground to the goal')
+    power: float | None = result_field('W', 'mean of the same')
+    cruise_power: float | None = result_field('W', 'out of the cell, mean over the cruise')
 
     def to_dict(self) -> dict[str, float | bool | None]:
         """Return the figures by name, ready for JSON."""
         return asdict(self)
 
     @classmethod
-    def units(cls) -> dict[str, str]:
+    def list_units(cls) -> dict[str, str]:
         """Return the unit of each figure that has one, by name."""
         return {item.name: item.metadata['unit'] for item in fields(cls) if item.metadata['unit']}
 
 
-class Phases(NamedTuple):
+class FlightPhases(NamedTuple):
     """When the flight, search and cruise start and all end; NaN where they never do. [s]"""
 
     lift_off: float
@@ -89,57 +103,57 @@ class Phases(NamedTuple):
     end: float
 
 
-def results_of(view: Evidence) -> Results:
+def compute_results(view: FlightEvidence) -> FlightResults:
     """Return the results of a flight."""
-    phases = phases_of(view)
+    phases = find_phases(view)
     found: dict[str, float] = {
         'lift_off': phases.lift_off,
         'search_start': phases.search,
         'end': phases.end,
-        **reached(view, phases),
-        **cruise(view, phases),
-        **light(view, phases),
-        **estimates(view, phases),
-        **electricity(view, phases),
+        **compute_goal_figures(view, phases),
+        **compute_cruise_figures(view, phases),
+        **compute_light_figures(view, phases),
+        **compute_estimate_errors(view, phases),
+        **compute_energy_figures(view, phases),
     }
     known: dict[str, Any] = {
         name: value if isinstance(value, int) else float(value)
         for name, value in found.items()
         if np.isfinite(value)
     }
-    return Results(**known)
+    return FlightResults(**known)
 
 
-def phases_of(view: Evidence) -> Phases:
+def find_phases(view: FlightEvidence) -> FlightPhases:
     """Return when the parts of the flight start and end."""
     lift_off = search = np.nan
     end = view.span[1]
-    if view.has('ground_truth/odom'):
+    if view.has_topics('ground_truth/odom'):
         truth = view.truth
-        lift_off = first(truth.time, truth.z > truth.z[0] + LIFTED)
-        end = view.goal.arrivals[-1] if view.goal.reached else end
-    if view.has('setpoint/velocity'):
+        lift_off = find_first_time(truth.time, truth.z > truth.z[0] + LIFTED)
+        end = view.goal.arrivals[-1] if view.goal.is_reached else end
+    if view.has_topics('setpoint/velocity'):
         setpoint = view.speed_setpoint
-        search = first(setpoint.time, setpoint.value > 0.0)
-    return Phases(lift_off, search, cruise_start(view, search), end)
+        search = find_first_time(setpoint.time, setpoint.value > 0.0)
+    return FlightPhases(lift_off, search, find_cruise_start(view, search), end)
 
 
-def cruise_start(view: Evidence, search: float) -> float:
+def find_cruise_start(view: FlightEvidence, search: float) -> float:
     """Return when the true forward speed is first near the one asked for. [s]"""
-    if not view.has('ground_truth/odom') or not np.isfinite(search):
+    if not view.has_topics('ground_truth/odom') or not np.isfinite(search):
         return np.nan
     truth = view.truth
-    asked = held(truth.time, view.speed_setpoint)
+    asked = hold_last(truth.time, view.speed_setpoint)
     fast = (truth.time >= search) & (asked > 0.0) & (truth.speed >= CRUISING * asked)
-    return first(truth.time, fast)
+    return find_first_time(truth.time, fast)
 
 
-def first(time: Array, holds: Flags) -> float:
+def find_first_time(time: Array, holds: Flags) -> float:
     """Return the first instant at which a condition holds, NaN if it never does. [s]"""
     return float(time[np.argmax(holds)]) if np.any(holds) else np.nan
 
 
-def within(time: Array, start: float, end: float) -> Flags:
+def is_within(time: Array, start: float, end: float) -> Flags:
     """Tell which instants [s] lie in a closed interval; none if it has no start."""
     return (time >= start) & (time <= end)
 
@@ -150,109 +164,119 @@ def rms(errors: Array) -> float:
     return float(np.sqrt(np.mean(finite**2))) if len(finite) else np.nan
 
 
-def mean(values: Array) -> float:
+def mean_or_nan(values: Array) -> float:
     """Return the mean, NaN of nothing."""
     return float(np.mean(values)) if len(values) else np.nan
 
 
-def reached(view: Evidence, phases: Phases) -> dict[str, float]:
+def compute_goal_figures(view: FlightEvidence, phases: FlightPhases) -> dict[str, float]:
     """Return whether, when and over which path the lamp was reached."""
     goal = view.goal
     if goal.truth is None or not goal.places:
         return {}
     truth = goal.truth
     next_lamp = min(len(goal.arrivals), len(goal.places) - 1)
-    away = goal.distance(truth)[goal.leg(truth.time) == next_lamp]
+    away = goal.lamp_distance(truth)[goal.leg_index(truth.time) == next_lamp]
     flown = truth.time <= phases.end
     path = float(np.hypot(np.diff(truth.x[flown]), np.diff(truth.y[flown])).sum())
-    end = phases.end if goal.reached else np.nan
+    end = phases.end if goal.is_reached else np.nan
     return {
-        'success': goal.reached,
+        'success': goal.is_reached,
         'lamps': len(goal.places),
         'lamps_reached': len(goal.arrivals),
         'flight_time': end - phases.lift_off,
         'search_time': end - phases.search,
         'path_length': path,
-        'straight_length': goal.shortest,
+        'straight_length': goal.shortest_length,
         'closest': float(np.nanmin(away)) if np.isfinite(away).any() else np.nan,
     }
 
 
-def cruise(view: Evidence, phases: Phases) -> dict[str, float]:
+def compute_cruise_figures(view: FlightEvidence, phases: FlightPhases) -> dict[str, float]:
     """Return how well speed, altitude and heading were held. [m/s, m, rad]"""
-    if not view.has('ground_truth/odom'):
+    if not view.has_topics('ground_truth/odom'):
         return {}
     truth = view.truth
-    flown = cruising(view, phases, truth.time)
+    flown = is_cruising(view, phases, truth.time)
     speed, height = truth.speed[flown], truth.z[flown]
     found = {
-        'airspeed': mean(speed),
+        'airspeed': mean_or_nan(speed),
         'airspeed_spread': float(np.std(speed)) if len(speed) else np.nan,
-        'altitude': mean(height),
-        'heading_error': rms(view.goal.direction(truth)[flown]),
+        'altitude': mean_or_nan(height),
+        'heading_error': rms(view.goal.lamp_direction(truth)[flown]),
     }
-    if view.has('setpoint/pose'):
-        found['altitude_error'] = rms(height - held(truth.time[flown], view.altitude_setpoint))
+    if view.has_topics('setpoint/pose'):
+        found['altitude_error'] = rms(
+            height - hold_last(truth.time[flown], view.altitude_setpoint)
+        )
     return found
 
 
-def cruising(view: Evidence, phases: Phases, time: Array) -> Flags:
+def is_cruising(view: FlightEvidence, phases: FlightPhases, time: Array) -> Flags:
     """Tell which instants [s] are of the cruise: a rest at a lamp of the route is not."""
-    if not view.has('setpoint/velocity'):
+    if not view.has_topics('setpoint/velocity'):
         return np.zeros(len(time), dtype=bool)
-    return within(time, phases.cruise, phases.end) & (held(time, view.speed_setpoint) > 0.0)
+    return is_within(time, phases.cruise, phases.end) & (
+        hold_last(time, view.speed_setpoint) > 0.0
+    )
 
 
-def light(view: Evidence, phases: Phases) -> dict[str, float]:
+def compute_light_figures(view: FlightEvidence, phases: FlightPhases) -> dict[str, float]:
     """Return what the photodiodes were worth during the search."""
     found = {}
-    if view.has('light/estimate'):
-        found['lamp_error'], found['lamp_share'] = aimed(view, phases, view.sighting)
-    if view.has('light/bearing'):
-        found['bearing_error'], found['bearing_share'] = aimed(view, phases, view.bearing)
-    if view.has('light/peaks'):
+    if view.has_topics('light/estimate'):
+        found['lamp_error'], found['lamp_share'] = compute_direction_error(
+            view, phases, view.sighting
+        )
+    if view.has_topics('light/bearing'):
+        found['bearing_error'], found['bearing_share'] = compute_direction_error(
+            view, phases, view.bearing
+        )
+    if view.has_topics('light/peaks'):
         time, parts = view.peaks
-        best = parts['snr'].max(axis=1)[within(time, phases.search, phases.end)]
+        best = parts['snr'].max(axis=1)[is_within(time, phases.search, phases.end)]
         if len(best):
             found['snr_start'] = float(np.median(best[:ENDS]))
             found['snr_end'] = float(np.median(best[-ENDS:]))
     return found
 
 
-def aimed(view: Evidence, phases: Phases, arrow: Arrow) -> tuple[float, float]:
+def compute_direction_error(
+    view: FlightEvidence, phases: FlightPhases, arrow: DirectionCurve
+) -> tuple[float, float]:
     """Return how far directions to the lamp were off, RMS [rad], and the part that there was."""
     time, angle = arrow
-    searched = within(time, phases.search, phases.end)
-    share = mean(np.isfinite(angle[searched]))
-    if not view.has('ground_truth/odom'):
+    searched = is_within(time, phases.search, phases.end)
+    share = mean_or_nan(np.isfinite(angle[searched]))
+    if not view.has_topics('ground_truth/odom'):
         return np.nan, share
     truth = view.truth
-    x, y, yaw = (sampled(time, truth.time, part) for part in (truth.x, truth.y, truth.yaw))
+    x, y, yaw = (interpolate(time, truth.time, part) for part in (truth.x, truth.y, truth.yaw))
     there = truth._replace(time=time, x=x, y=y, yaw=yaw)
-    return rms(wrapped(angle - meant(view, there))[searched]), share
+    return rms(wrap_angle(angle - beacon_direction(view, there))[searched]), share
 
 
-def meant(view: Evidence, motion: Motion) -> Array:
+def beacon_direction(view: FlightEvidence, motion: MotionCurve) -> Array:
     """Return the direction to the lamp that the drone listens for, body frame. [rad]"""
-    if not view.has('light/peaks') or 'frequency' not in view.peaks.fields:
-        return view.goal.direction(motion)
+    if not view.has_topics('light/peaks') or 'frequency' not in view.peaks.fields:
+        return view.goal.lamp_direction(motion)
     time, parts = view.peaks
     best = parts['snr'].argmax(axis=1)
     frequency = parts['frequency'][np.arange(len(time)), best]
     newest = np.searchsorted(time, motion.time, side='right') - 1
-    return view.goal.heard(motion, frequency[np.maximum(newest, 0)])
+    return view.goal.beacon_direction(motion, frequency[np.maximum(newest, 0)])
 
 
-def estimates(view: Evidence, phases: Phases) -> dict[str, float]:
+def compute_estimate_errors(view: FlightEvidence, phases: FlightPhases) -> dict[str, float]:
     """Return how far the estimator was from the truth in flight. [m, rad, m/s]"""
-    if not view.has('ground_truth/odom', 'odom'):
+    if not view.has_topics('ground_truth/odom', 'odom'):
         return {}
     estimate, truth = view.estimate, view.truth
-    flown = within(estimate.time, phases.lift_off, phases.end)
+    flown = is_within(estimate.time, phases.lift_off, phases.end)
     time = estimate.time[flown]
-    yaw = estimate.yaw[flown] - sampled(time, truth.time, truth.yaw)
-    height = estimate.z[flown] - sampled(time, truth.time, truth.z)
-    speed = estimate.speed[flown] - sampled(time, truth.time, truth.speed)
+    yaw = estimate.yaw[flown] - interpolate(time, truth.time, truth.yaw)
+    height = estimate.z[flown] - interpolate(time, truth.time, truth.z)
+    speed = estimate.speed[flown] - interpolate(time, truth.time, truth.speed)
     return {
         'altitude_estimate_error': rms(height),
         'airspeed_estimate_error': rms(speed),
@@ -261,17 +285,17 @@ def estimates(view: Evidence, phases: Phases) -> dict[str, float]:
     }
 
 
-def electricity(view: Evidence, phases: Phases) -> dict[str, float]:
+def compute_energy_figures(view: FlightEvidence, phases: FlightPhases) -> dict[str, float]:
     """Return what the flight cost. [J, W]"""
-    if not view.has('battery'):
+    if not view.has_topics('battery'):
         return {}
     time, voltage, current = view.battery
     power = -voltage * current
     inside = time[(time > phases.lift_off) & (time < phases.end)]
     instants = np.array([phases.lift_off, *inside, phases.end])
-    energy = float(np.trapezoid(sampled(instants, time, power), instants))
+    energy = float(np.trapezoid(interpolate(instants, time, power), instants))
     return {
         'energy': energy,
         'power': energy / (phases.end - phases.lift_off),
-        'cruise_power': mean(power[cruising(view, phases, time)]),
+        'cruise_power': mean_or_nan(power[is_cruising(view, phases, time)]),
     }

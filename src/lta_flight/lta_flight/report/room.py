@@ -2,11 +2,11 @@
 
 import math
 
-from lta_model.light.lamp import direct, Lamp
+from lta_model.light.lamp import BeaconLamp, direct_illuminance
 from lta_model.scenario import Scenario
 from lta_model.scenario_light import LampScene
 from lta_report.curves import Array
-from lta_report.palette import GLOW, GOOD, INK, LAMP, PAPER, scale, VEIL, WALL
+from lta_report.palette import build_color_scale, GLOW, GOOD, INK, LAMP, PAPER, VEIL, WALL
 import numpy as np
 from plotly.graph_objects import Contour, Figure, Scatter
 
@@ -15,7 +15,7 @@ MOST_CELLS = 160  # along a side; a hall is drawn in larger ones
 FAINTEST, BRIGHTEST = 3.0, 12.0  # log2 of lx, the ends of the shading
 
 
-def word(
+def draw_label(
     figure: Figure, place: tuple[float, float], text: str, colour: str, across: float, up: float
 ) -> None:
     """Write a word some px beside a place on the floor."""
@@ -33,7 +33,7 @@ def word(
 
 def draw_room(figure: Figure, scenario: Scenario, height: float) -> None:
     """Draw the room of a scenario, with the light at a height. [m]"""
-    figure.add_trace(glow(scenario, height))
+    figure.add_trace(build_light_contour(scenario, height))
     length, width, _ = scenario.room.size.vector
     figure.add_shape(
         type='rect', x0=-length / 2, x1=length / 2, y0=-width / 2, y1=width / 2,
@@ -49,7 +49,7 @@ def draw_room(figure: Figure, scenario: Scenario, height: float) -> None:
             marker={'symbol': 'circle-open', 'size': 10, 'color': INK, 'line': {'width': 1.5}},
         )
     )  # fmt: skip
-    word(figure, (x, y), 'start', INK, 0, -16)
+    draw_label(figure, (x, y), 'start', INK, 0, -16)
 
 
 def draw_goals(figure: Figure, scenario: Scenario) -> None:
@@ -60,7 +60,7 @@ def draw_goals(figure: Figure, scenario: Scenario) -> None:
             type='circle', x0=x - radius, x1=x + radius, y0=y - radius, y1=y + radius,
             line={'color': GOOD, 'width': 1.5, 'dash': 'dash'},
         )  # fmt: skip
-        word(figure, (x, y - radius), f'goal: within {radius:g} m', GOOD, 0, -10)
+        draw_label(figure, (x, y - radius), f'goal: within {radius:g} m', GOOD, 0, -10)
 
 
 def draw_lamp(figure: Figure, name: str, lamp: LampScene) -> None:
@@ -78,10 +78,10 @@ def draw_lamp(figure: Figure, name: str, lamp: LampScene) -> None:
             hovertemplate=f'{name}, {frequency:g} Hz<extra></extra>',
         )
     )  # fmt: skip
-    word(figure, (x, y), f'{name}<br>{frequency:g} Hz', LAMP, 30, 0)
+    draw_label(figure, (x, y), f'{name}<br>{frequency:g} Hz', LAMP, 30, 0)
 
 
-def glow(scenario: Scenario, height: float) -> Contour:
+def build_light_contour(scenario: Scenario, height: float) -> Contour:
     """Return the direct light of all lamps at a height, a shade for each factor of two."""
     length, width, _ = scenario.room.size.vector
     x, y = (
@@ -89,13 +89,13 @@ def glow(scenario: Scenario, height: float) -> Contour:
         for side in (length, width)
     )
     points = np.stack([*np.meshgrid(x, y), np.full((len(y), len(x)), height)], axis=-1)
-    light = sum(lit(lamp, points) for lamp in scenario.light_field.lamps)
+    light = sum(lamp_illuminance(lamp, points) for lamp in scenario.light_field.lamps)
     return Contour(
         x=x.astype(np.float32),
         y=y.astype(np.float32),
         z=np.log2(np.maximum(light, 1.0)).astype(np.float32),
         name='light of the lamps',
-        colorscale=scale(GLOW),
+        colorscale=build_color_scale(GLOW),
         showscale=False,
         zmin=FAINTEST,
         zmax=BRIGHTEST,
@@ -105,7 +105,7 @@ def glow(scenario: Scenario, height: float) -> Contour:
     )
 
 
-def lit(lamp: Lamp, points: Array) -> Array:
+def lamp_illuminance(lamp: BeaconLamp, points: Array) -> Array:
     """
     Return the light of a lamp on planes that face it.
 
@@ -124,4 +124,4 @@ def lit(lamp: Lamp, points: Array) -> Array:
     """
     towards = np.array(lamp.position) - points
     towards /= np.maximum(np.linalg.norm(towards, axis=-1, keepdims=True), CELL)
-    return direct(lamp, points, towards)
+    return direct_illuminance(lamp, points, towards)

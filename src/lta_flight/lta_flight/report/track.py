@@ -1,9 +1,9 @@
 """The flight as the page replays it: a few numbers at even instants."""
 
-from lta_flight.report.results import phases_of
-from lta_flight.report.view import View
+from lta_flight.report.results import find_phases
+from lta_flight.report.view import FlightView
 from lta_model.hull import half_axes
-from lta_report.curves import Array, sampled
+from lta_report.curves import Array, interpolate
 import numpy as np
 
 RATE = 20.0  # instants a second; a screen shows no more of a blimp
@@ -11,7 +11,7 @@ MOST = 3000
 DECIMALS = 3
 
 
-def track_of(view: View) -> dict[str, list[float | None]]:
+def build_track(view: FlightView) -> dict[str, list[float | None]]:
     """
     Return time, place, yaw, speed, distance, bearing and SNR at even instants.
 
@@ -22,24 +22,24 @@ def track_of(view: View) -> dict[str, list[float | None]]:
         is the one instant to show first, `radius` that of the hull.
 
     """
-    if not view.has('ground_truth/odom'):
+    if not view.has_topics('ground_truth/odom'):
         return {}
     first, last = view.span
     time = np.linspace(first, last, min(MOST, int((last - first) * RATE) + 2))
     truth = view.truth
     columns = {
-        part: sampled(time, truth.time, getattr(truth, part))
+        part: interpolate(time, truth.time, getattr(truth, part))
         for part in ('x', 'y', 'z', 'yaw', 'speed')
     }
-    columns['distance'] = sampled(time, truth.time, view.goal.distance(truth))
-    if view.has('light/bearing'):
-        columns['bearing'] = latest(time, *view.bearing)
+    columns['distance'] = interpolate(time, truth.time, view.goal.lamp_distance(truth))
+    if view.has_topics('light/bearing'):
+        columns['bearing'] = hold_latest(time, *view.bearing)
     elif view.goal.places:
-        columns['bearing'] = sampled(time, truth.time, view.goal.direction(truth))
-    if view.has('light/peaks'):
+        columns['bearing'] = interpolate(time, truth.time, view.goal.lamp_direction(truth))
+    if view.has_topics('light/peaks'):
         when, parts = view.peaks
-        columns['snr'] = latest(time, when, parts['snr'].max(axis=1))
-    phases = phases_of(view)
+        columns['snr'] = hold_latest(time, when, parts['snr'].max(axis=1))
+    phases = find_phases(view)
     begin = phases.search if np.isfinite(phases.search) else first
     vehicle = view.scene.vehicle
     columns |= {
@@ -47,15 +47,15 @@ def track_of(view: View) -> dict[str, list[float | None]]:
         'start': np.array([begin + 0.75 * (phases.end - begin)]),
         'radius': np.array([0.5 if vehicle is None else half_axes(vehicle.hull)[0]]),
     }
-    return {name: plain(values) for name, values in columns.items()}
+    return {name: to_json_numbers(values) for name, values in columns.items()}
 
 
-def latest(time: Array, when: Array, values: Array) -> Array:
+def hold_latest(time: Array, when: Array, values: Array) -> Array:
     """Return the newest value at each instant, NaN before the first."""
     index = np.searchsorted(when, time, side='right') - 1
     return np.asarray(np.where(index < 0, np.nan, values[np.maximum(index, 0)]))
 
 
-def plain(values: Array) -> list[float | None]:
+def to_json_numbers(values: Array) -> list[float | None]:
     """Return numbers as JSON knows them."""
     return [round(float(value), DECIMALS) if np.isfinite(value) else None for value in values]

@@ -10,16 +10,16 @@ from contextlib import suppress
 from types import TracebackType
 from typing import Any, final, Self
 
-from lta_flight.ingredients import Ingredients
-from lta_flight.sweep.flown import failed, fly_job, Row
-from lta_flight.sweep.plan import Job
-from lta_report.cluster import connected
+from lta_flight.flight_spec import FlightSpec
+from lta_flight.sweep.job_runner import build_failed_row, fly_job, SweepRow
+from lta_flight.sweep.plan import SweepJob
+from lta_report.cluster import connect_cluster
 
 AHEAD = 4  # jobs a thread of the cluster has waiting
 
 
 @final
-class ClusterCrew:
+class SweepCluster:
     """
     Workers of a Dask cluster.
 
@@ -37,8 +37,8 @@ class ClusterCrew:
 
     """
 
-    def __init__(self, base: Ingredients, address: str) -> None:
-        self._dask, self._client = connected(address)
+    def __init__(self, base: FlightSpec, address: str) -> None:
+        self._dask, self._client = connect_cluster(address)
         self._base = base
         self.deaths = 0  # Dask replaces workers by itself and does not tell
 
@@ -57,28 +57,35 @@ class ClusterCrew:
         with suppress(OSError):
             self._client.close()
 
-    def fly(self, jobs: Iterator[Job]) -> Iterator[Row]:
+    def run_jobs(self, jobs: Iterator[SweepJob]) -> Iterator[SweepRow]:
         """Yield the rows of all jobs as they come; what a lost worker had is flown again."""
-        given: dict[Any, Job] = {}
+        given: dict[Any, SweepJob] = {}
         threads = sum(self._client.nthreads().values()) or 1
         flying = self._dask.as_completed([], loop=self._client.loop)
         for _ in range(AHEAD * threads):
-            self._give(jobs, given, flying)
+            self._submit_next(jobs, given, flying)
         for future in flying:
             job = given.pop(future.key)
             error = future.exception()
-            yield future.result() if error is None else self._given_up(job, error)
+            yield future.result() if error is None else self._build_failed_row(job, error)
             future.release()
-            self._give(jobs, given, flying)
+            self._submit_next(jobs, given, flying)
 
-    def _give(self, jobs: Iterator[Job], given: dict[Any, Job], flying: Any) -> None:  # noqa: ANN401
+    def _submit_next(
+        self,
+        jobs: Iterator[SweepJob],
+        pending: dict[Any, SweepJob],
+        flying: Any,  # noqa: ANN401
+    ) -> None:
         job = next(jobs, None)
         if job is not None:
             future = self._client.submit(fly_job, self._common, job, pure=False)
-            given[future.key] = job
+            pending[future.key] = job
             flying.add(future)
 
-    def _given_up(self, job: Job, error: BaseException) -> Row:
+    def _build_failed_row(self, job: SweepJob, error: BaseException) -> SweepRow:
         self.deaths += 1
         reason = ' '.join(str(error).split())
-        return failed(job, f'The cluster gave this flight up: {type(error).__name__}: {reason}')
+        return build_failed_row(
+            job, f'The cluster gave this flight up: {type(error).__name__}: {reason}'
+        )

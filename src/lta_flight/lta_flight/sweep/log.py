@@ -5,14 +5,14 @@ from pathlib import Path
 from typing import Any, final
 
 from lta_config.errors import BadInput
-from lta_flight.sweep.flown import FAILED, Row
-from lta_report.line_log import Kind, LineLog
+from lta_flight.sweep.job_runner import FAILED, SweepRow
+from lta_report.line_log import LineLog, LogKind
 
-KIND = Kind('flights.jsonl', 'sweep', 'sweep', '--out')
+KIND = LogKind('flights.jsonl', 'sweep', 'sweep', '--out')
 
 
 @final
-class Log(AbstractContextManager['Log', None]):
+class SweepLog(AbstractContextManager['SweepLog', None]):
     """
     Open the log in a folder, or begin it; use it as a context manager.
 
@@ -38,20 +38,20 @@ class Log(AbstractContextManager['Log', None]):
     """
 
     def __init__(self, folder: Path, identity: str, retry: bool = False) -> None:
-        if _of_others(folder):
+        if _is_foreign(folder):
             raise BadInput(f"'{folder}' holds something else; choose another folder.")
-        self._lines = LineLog(folder, KIND, identity, _row)
+        self._lines = LineLog(folder, KIND, identity, _parse_row)
         self.rows = {row.index: row for row in self._lines.pieces}
         if retry:
             self.rows = {k: row for k, row in self.rows.items() if row.outcome != FAILED}
 
-    def add(self, row: Row) -> None:
+    def add(self, row: SweepRow) -> None:
         """Keep a row; it outlives this process from now on."""
         self.rows[row.index] = row
-        self._lines.keep(row.to_dict())
+        self._lines.append(row.to_dict())
 
     @property
-    def ordered(self) -> list[Row]:
+    def sorted_rows(self) -> list[SweepRow]:
         """All rows by index."""
         return [self.rows[index] for index in sorted(self.rows)]
 
@@ -60,7 +60,7 @@ class Log(AbstractContextManager['Log', None]):
         self._lines.close()
 
 
-def _of_others(folder: Path) -> bool:
+def _is_foreign(folder: Path) -> bool:
     """Tell whether a folder holds something, and no log."""
     try:
         return folder.is_dir() and not (folder / KIND.file).exists() and any(folder.iterdir())
@@ -68,5 +68,5 @@ def _of_others(folder: Path) -> bool:
         return False  # the log says why it cannot be used
 
 
-def _row(content: dict[str, Any]) -> Row:
-    return Row(**content)
+def _parse_row(content: dict[str, Any]) -> SweepRow:
+    return SweepRow(**content)

@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from statistics import median
 from typing import Final, NamedTuple
 
-from lta_flight.sweep.flown import Row
-from lta_flight.sweep.statistics import figures, Group, groups, reached_share
-from lta_report.drawing import blank
+from lta_flight.sweep.job_runner import SweepRow
+from lta_flight.sweep.statistics import collect_figures, group_rows, ParameterGroup, reached_share
+from lta_report.drawing import create_figure
 from lta_report.palette import ESTIMATE, GOOD, GRID, INK, TRUTH
 from plotly.graph_objects import Box, Figure, Histogram, Scatter
 
@@ -16,7 +16,7 @@ CLEAR: Final = 'rgba(0,0,0,0)'
 DOTS: Final = 1500  # flights shown as dots; more would only blacken the picture
 
 
-class Measure(NamedTuple):
+class SweepMeasure(NamedTuple):
     """One figure of the results that is drawn: its name, title, unit and colour."""
 
     name: str
@@ -26,15 +26,15 @@ class Measure(NamedTuple):
 
 
 MEASURES: Final = (
-    Measure('search_time', 'time', 's', TRUTH),
-    Measure('path_length', 'path', 'm', ESTIMATE),
+    SweepMeasure('search_time', 'time', 's', TRUTH),
+    SweepMeasure('path_length', 'path', 'm', ESTIMATE),
 )
 
 
-def spread(rows: Sequence[Row], measure: Measure) -> Figure:
+def plot_spread(rows: Sequence[SweepRow], measure: SweepMeasure) -> Figure:
     """Return the distribution of one figure over all flights that reached their goal."""
-    figure = blank()
-    values = figures(rows, measure.name)
+    figure = create_figure()
+    values = collect_figures(rows, measure.name)
     bins = min(MOST_BINS, max(FEWEST_BINS, len(values) // 4))
     figure.add_trace(
         Histogram(
@@ -50,10 +50,10 @@ def spread(rows: Sequence[Row], measure: Measure) -> Figure:
     )
 
 
-def by_parameter(rows: Sequence[Row], path: str, unit: str, even_in_log: bool) -> Figure:
+def plot_by_parameter(rows: Sequence[SweepRow], path: str, unit: str, even_in_log: bool) -> Figure:
     """Return the reached share, time and path along one parameter, on a logarithm if told."""
-    figure = blank(3, [0.3, 0.35, 0.35])
-    found = groups(rows, path)
+    figure = create_figure(3, [0.3, 0.35, 0.35])
+    found = group_rows(rows, path)
     words = any(isinstance(group.place, str) for group in found)
     drawn = len(found) < len({str(row.values[path]) for row in rows})
     add_shares(figure, found)
@@ -69,12 +69,12 @@ def by_parameter(rows: Sequence[Row], path: str, unit: str, even_in_log: bool) -
     return figure
 
 
-def add_shares(figure: Figure, found: Sequence[Group]) -> None:
+def add_shares(figure: Figure, groups: Sequence[ParameterGroup]) -> None:
     """Draw the reached share of each group with its interval."""
-    shares = [reached_share(group.rows) for group in found]
+    shares = [reached_share(group.rows) for group in groups]
     figure.add_trace(
         Scatter(
-            x=[group.place for group in found],
+            x=[group.place for group in groups],
             y=[share.value for share in shares],
             error_y={
                 'type': 'data', 'symmetric': False, 'thickness': 1.2, 'width': 4, 'color': GOOD,
@@ -83,7 +83,7 @@ def add_shares(figure: Figure, found: Sequence[Group]) -> None:
             },
             mode='lines+markers', line={'color': GOOD, 'width': 1.2},
             marker={'color': GOOD, 'size': 7}, name='reached',
-            text=[f'{group.name}: {len(group.rows)} flights' for group in found],
+            text=[f'{group.name}: {len(group.rows)} flights' for group in groups],
             hovertemplate='%{y:.1%} reached<br>%{text}<extra></extra>',
         ),
         row=1, col=1,
@@ -93,10 +93,12 @@ def add_shares(figure: Figure, found: Sequence[Group]) -> None:
     )
 
 
-def add_dots(figure: Figure, rows: Sequence[Row], path: str, measure: Measure, line: int) -> None:
+def add_dots(
+    figure: Figure, rows: Sequence[SweepRow], path: str, measure: SweepMeasure, line: int
+) -> None:
     """Draw each flight that reached its goal as a dot."""
     step = -(-len(rows) // DOTS)
-    shown = [row for row in rows[::step] if figures([row], measure.name)]
+    shown = [row for row in rows[::step] if collect_figures([row], measure.name)]
     figure.add_trace(
         Scatter(
             x=[row.values[path] for row in shown],
@@ -111,12 +113,12 @@ def add_dots(figure: Figure, rows: Sequence[Row], path: str, measure: Measure, l
 
 
 def add_boxes(
-    figure: Figure, found: Sequence[Group], measure: Measure, line: int, dots: bool
+    figure: Figure, groups: Sequence[ParameterGroup], measure: SweepMeasure, line: int, dots: bool
 ) -> None:
     """Draw each group's quartiles: a box for each value, a line along stretches."""
     if dots:
-        for group in found:
-            values = figures(group.rows, measure.name)
+        for group in groups:
+            values = collect_figures(group.rows, measure.name)
             figure.add_trace(
                 Box(
                     x=[group.place] * len(values), y=values, name=group.name,
@@ -128,11 +130,11 @@ def add_boxes(
                 row=line, col=1,
             )  # fmt: skip
         return
-    parts = [figures(group.rows, measure.name) for group in found]
+    parts = [collect_figures(group.rows, measure.name) for group in groups]
     middle = [median(part) if part else None for part in parts]
     figure.add_trace(
         Scatter(
-            x=[group.place for group in found], y=middle, mode='lines+markers', name='median',
+            x=[group.place for group in groups], y=middle, mode='lines+markers', name='median',
             line={'color': INK, 'width': 1.4}, marker={'color': INK, 'size': 5},
             hovertemplate=f'median %{{y:.2f}} {measure.unit}<extra></extra>',
         ),
@@ -140,9 +142,9 @@ def add_boxes(
     )  # fmt: skip
 
 
-def outcomes(counts: dict[str, int]) -> Figure:
+def plot_outcomes(counts: dict[str, int]) -> Figure:
     """Return how many flights ended how."""
-    figure = blank()
+    figure = create_figure()
     colours = {'reached': GOOD, 'failed': INK}
     for name, count in counts.items():
         figure.add_trace(

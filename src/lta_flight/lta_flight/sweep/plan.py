@@ -14,18 +14,18 @@ import math
 from typing import Any, final
 
 from lta_config.errors import BadInput
-from lta_config.override import quantity_in, shown, value_of
+from lta_config.parameter_override import format_value, parse_quantity, parse_value
 from lta_config.quantity import Quantity, UNITS
 from lta_config.schema.sweep_file import CASE, Distribution, SweepFile
-from lta_flight.ingredients import FILES, gather, Ingredients, loop_of
-from lta_flight.sweep.draws import draw
+from lta_flight.flight_spec import build_loop, FILES, FlightSpec, load_spec
+from lta_flight.sweep.sampling import draw_value
 
 MOST = 10_000_000  # flights; more do not fit a table that one machine reads
 
 
 @final
 @dataclass(frozen=True, slots=True)
-class Job:
+class SweepJob:
     """
     One flight of a sweep.
 
@@ -53,7 +53,7 @@ class Job:
 
 
 @final
-class Plan:
+class SweepPlan:
     """
     All flights of a sweep.
 
@@ -71,18 +71,18 @@ class Plan:
 
     def __init__(self, file: SweepFile) -> None:
         self.file = file
-        read = gather(file.vehicle, file.scenario, file.strategy, file.gains)
-        fixed = {path: value_of(value, path) for path, value in file.settings.items()}
-        self.base: Ingredients = read.with_values(fixed)
+        read = load_spec(file.vehicle, file.scenario, file.strategy, file.gains)
+        fixed = {path: parse_value(value, path) for path, value in file.settings.items()}
+        self.base: FlightSpec = read.with_values(fixed)
         named = {CASE: ''} if file.cases else {}
-        varied = {path: self.base.unit(path) or self._own_unit(path) for path in file.vary}
+        varied = {path: self.base.find_unit(path) or self._find_unit(path) for path in file.vary}
         self.units = named | varied
         self.cases = {
-            name: {path: value_of(value, path) for path, value in case.items()}
+            name: {path: parse_value(value, path) for path, value in case.items()}
             for name, case in file.cases.items()
         }
         lists = {
-            path: [value_of(value, path) for value in how]
+            path: [parse_value(value, path) for value in how]
             for path, how in file.vary.items()
             if isinstance(how, list)
         }
@@ -93,7 +93,7 @@ class Plan:
     @property
     def count(self) -> int:
         """How many flights there are."""
-        return math.prod(map(len, self.lists.values())) * self.file.draws
+        return math.prod(map(len, self.lists.values())) * self.file.draws_per_point
 
     @cached_property
     def identity(self) -> str:
@@ -101,13 +101,13 @@ class Plan:
         content = {
             'strategy': self.base.strategy,
             'contents': self.base.contents,
-            'named': self._named(),
+            'named': self._collect_file_contents(),
             'sweep': self.file.model_dump(exclude={'about'}),
         }
         text = json.dumps(content, sort_keys=True, default=str)
         return hashlib.sha256(text.encode()).hexdigest()
 
-    def _named(self) -> dict[str, Any]:
+    def _collect_file_contents(self) -> dict[str, Any]:
         """Return what the files hold that are varied as a whole."""
         ways = self.file.vary.items()
         drawn = {path: how.choice or [] for path, how in ways if isinstance(how, Distribution)}
@@ -119,26 +119,26 @@ class Plan:
             for path, name in sorted(whole)
         }
 
-    def job(self, index: int) -> Job:
+    def build_job(self, index: int) -> SweepJob:
         """Return one flight, from 0; the samples or seeds of a grid point follow each other."""
-        point, turn = divmod(index, self.file.draws)
+        point, turn = divmod(index, self.file.draws_per_point)
         values = {}
         for path in reversed(self.units):
             how = self.file.vary.get(path)
             if isinstance(how, Distribution):
-                values[path] = draw(how, path, self.file.seeds.first, turn)
+                values[path] = draw_value(how, path, self.file.seeds.first, turn)
             else:
                 point, place = divmod(point, len(self.lists[path]))
                 values[path] = self.lists[path][place]
         ordered = {path: values[path] for path in self.units}
         case = self.cases[ordered[CASE]] if self.cases else {}
-        return Job(index, self.file.seeds.first + turn, ordered, case)
+        return SweepJob(index, self.file.seeds.first + turn, ordered, case)
 
-    def jobs(self, done: set[int]) -> Iterator[Job]:
+    def iterate_jobs(self, done: set[int]) -> Iterator[SweepJob]:
         """Yield the flights that are not done yet."""
         for index in range(self.count):
             if index not in done:
-                yield self.job(index)
+                yield self.build_job(index)
 
     def check(self) -> None:
         """
@@ -152,38 +152,41 @@ class Plan:
             If one cannot be flown; nothing has been flown then.
 
         """
-        loop_of(self.base, self.file.seeds.first)
+        build_loop(self.base, self.file.seeds.first)
         for name, case in self.cases.items():
-            self._check(case, f'In the case {name}')
+            self._check_values(case, f'In the case {name}')
         for path in self.file.vary:
-            for value in self._to_check(path):
-                self._check({path: value}, f'With {path} at {shown(value)}')
+            for value in self._select_check_values(path):
+                self._check_values({path: value}, f'With {path} at {format_value(value)}')
 
-    def _check(self, values: Mapping[str, Any], where: str) -> None:
+    def _check_values(self, values: Mapping[str, Any], where: str) -> None:
         try:
-            loop_of(self.base.with_values(values), self.file.seeds.first)
+            build_loop(self.base.with_values(values), self.file.seeds.first)
         except BadInput as error:
             raise BadInput(f'{where}: {error}') from None
 
-    def _to_check(self, path: str) -> list[Any]:
+    def _select_check_values(self, path: str) -> list[Any]:
         how = self.file.vary[path]
         if not isinstance(how, Distribution):
             return list(self.lists[path])
         if how.choice is not None:
-            return [value_of(value, path) for value in how.choice]
-        drawn = [draw(how, path, self.file.seeds.first, k) for k in range(self.file.draws)]
-        numbers = [si_of(value) for value in drawn]
+            return [parse_value(value, path) for value in how.choice]
+        drawn = [
+            draw_value(how, path, self.file.seeds.first, k)
+            for k in range(self.file.draws_per_point)
+        ]
+        numbers = [convert_to_si(value) for value in drawn]
         return [drawn[numbers.index(end(numbers))] for end in (min, max)]
 
-    def _own_unit(self, path: str) -> str:
+    def _find_unit(self, path: str) -> str:
         """Return the SI unit in which a parameter is given that the files leave out."""
         how = self.file.vary[path]
-        given = how if isinstance(how, list) else list(numbers_of(how))
-        found = quantity_in(value_of(given[0], path))
+        given = how if isinstance(how, list) else list(iterate_numbers(how))
+        found = parse_quantity(parse_value(given[0], path))
         return '' if found is None else UNITS.get(found['unit'], ('',))[0]
 
 
-def numbers_of(how: Distribution) -> Iterator[Any]:
+def iterate_numbers(how: Distribution) -> Iterator[Any]:
     """Yield what a distribution is given by."""
     for name in type(how).model_fields:
         kind = getattr(how, name)
@@ -193,9 +196,9 @@ def numbers_of(how: Distribution) -> Iterator[Any]:
             yield from (getattr(kind, field) for field in type(kind).model_fields)
 
 
-def si_of(value: Any) -> Any:  # noqa: ANN401 - what YAML holds
+def convert_to_si(value: Any) -> Any:  # noqa: ANN401 - what YAML holds
     """Return a value as it stands in the table: numbers in SI, anything else as it is."""
-    found = quantity_in(value)
+    found = parse_quantity(value)
     if found is None:
         return value
     numbers = Quantity.model_validate(found)

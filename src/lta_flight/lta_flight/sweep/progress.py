@@ -5,8 +5,8 @@ import time
 from types import TracebackType
 from typing import final
 
-from lta_flight.sweep.flown import Row
-from lta_report.bar import Bar
+from lta_flight.sweep.job_runner import SweepRow
+from lta_report.progress_bar import ProgressBar
 from rich.console import Console
 from rich.progress import (
     BarColumn,
@@ -20,7 +20,7 @@ RECENT = 60.0  # s over which the rate is told
 
 
 @final
-class SweepProgress(Bar):
+class SweepProgress(ProgressBar):
     """
     Show a sweep while it lasts.
 
@@ -57,24 +57,24 @@ class SweepProgress(Bar):
         trace: TracebackType | None,
     ) -> None:
         """Show the last of it, and take the bar away."""
-        self._show()
+        self._update_bar()
         super().__exit__(kind, error, trace)
 
-    def flown(self, row: Row, deaths: int) -> None:
+    def count_flight(self, row: SweepRow, deaths: int) -> None:
         """Count one more flight; `deaths` is how many workers have been lost so far."""
         self._counts[row.outcome] += 1
         self._pending += 1
         self._deaths = deaths
         if time.monotonic() - self._shown >= LOOK:
-            self._show()
+            self._update_bar()
 
-    def _show(self) -> None:
+    def _update_bar(self) -> None:
         """Move the bar by what has been flown since; a batch ends by the thousand."""
         self._shown = time.monotonic()
         words = [f'{count} {outcome}' for outcome, count in sorted(self._counts.items())]
         if self._deaths:
             words.append(f'{self._deaths} workers lost')
-        self.move(advance=self._pending, detail=', '.join(words))
+        self.update_bar(advance=self._pending, detail=', '.join(words))
         self._pending = 0
         if self.speed:
-            self.move(rate=f'{self.speed:.1f} flights/s')
+            self.update_bar(rate=f'{self.speed:.1f} flights/s')

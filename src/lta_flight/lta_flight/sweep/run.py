@@ -8,24 +8,24 @@ from pathlib import Path
 import time
 from typing import final
 
-from lta_bridge.provenance import commit
-from lta_config.files import find
+from lta_bridge.provenance import read_commit
+from lta_config.files import find_file
 from lta_config.schema.sweep_file import load_sweep
-from lta_flight.fleet.fly import Device
+from lta_flight.batch.fly import Device
 from lta_flight.sweep import page, table
-from lta_flight.sweep.cluster import ClusterCrew
-from lta_flight.sweep.crew import Crew, LocalCrew
-from lta_flight.sweep.fleet_crew import FleetCrew
-from lta_flight.sweep.flown import fly_job, Row
-from lta_flight.sweep.log import Log
-from lta_flight.sweep.plan import Plan
+from lta_flight.sweep.batch_workers import BatchWorkers
+from lta_flight.sweep.cluster import SweepCluster
+from lta_flight.sweep.job_runner import fly_job, SweepRow
+from lta_flight.sweep.log import SweepLog
+from lta_flight.sweep.plan import SweepPlan
 from lta_flight.sweep.progress import SweepProgress
+from lta_flight.sweep.workers import LocalWorkers, SweepWorkers
 from rich.console import Console
 
 
 @final
 @dataclass(frozen=True, slots=True)
-class Order:
+class SweepRequest:
     """What to sweep and how."""
 
     file: str
@@ -43,7 +43,7 @@ class Order:
         device = ('--device', self.device) if self.device else ()
         return device + (('--duties', ','.join(map(str, self.duties))) if self.duties else ())
 
-    def identity(self, plan: Plan) -> str:
+    def compute_identity(self, plan: SweepPlan) -> str:
         """Return the hash of all that decides the flights."""
         if not self.options:
             return plan.identity
@@ -52,7 +52,7 @@ class Order:
 
 @final
 @dataclass(frozen=True, slots=True)
-class Swept:
+class SweepRun:
     """
     How a sweep went.
 
@@ -73,8 +73,8 @@ class Swept:
 
     """
 
-    plan: Plan
-    rows: list[Row]
+    plan: SweepPlan
+    rows: list[SweepRow]
     folder: Path
     table: Path
     page: Path | None
@@ -83,12 +83,12 @@ class Swept:
     wall: float
 
 
-def cores() -> int:
+def count_cores() -> int:
     """Return how many processors this process may use."""
     return len(os.sched_getaffinity(0))
 
 
-def sweep_once(order: Order, console: Console) -> Swept:
+def sweep_once(order: SweepRequest, console: Console) -> SweepRun:
     """
     Fly what a sweep file asks for and has not been flown yet; write its table and page.
 
@@ -102,54 +102,61 @@ def sweep_once(order: Order, console: Console) -> Swept:
 
     """
     file = load_sweep(order.file)
-    plan = Plan(file)
+    plan = SweepPlan(file)
     plan.check()
-    identity = order.identity(plan)
+    identity = order.compute_identity(plan)
     folder = (order.out or Path('runs') / f'sweep-{file.name}-{identity[:8]}').absolute()
-    far: Crew | None = None
+    far: SweepWorkers | None = None
     if order.device is not None:
-        far = FleetCrew(plan.base, order.device, order.duties)
+        far = BatchWorkers(plan.base, order.device, order.duties)
     elif order.scheduler is not None:
-        far = ClusterCrew(plan.base, order.scheduler)
-    with Log(folder, identity, order.retry) as log:
+        far = SweepCluster(plan.base, order.scheduler)
+    with SweepLog(folder, identity, order.retry) as log:
         before = len(log.rows)
-        crew: Crew = far or LocalCrew(
-            partial(fly_job, plan.base), min(order.workers or cores(), max(1, plan.count - before))
+        crew: SweepWorkers = far or LocalWorkers(
+            partial(fly_job, plan.base),
+            min(order.workers or count_cores(), max(1, plan.count - before)),
         )
         begun = time.monotonic()
         try:
-            fly(plan, log, crew, console)
+            fly_missing(plan, log, crew, console)
         finally:
             wall = time.monotonic() - begun
-            written = write(plan, log.ordered, folder, order)
+            written = write_results(plan, log.sorted_rows, folder, order)
         flown = len(log.rows) - before
-        return Swept(plan, log.ordered, folder, *written, flown, crew.deaths, wall)
+        return SweepRun(plan, log.sorted_rows, folder, *written, flown, crew.deaths, wall)
 
 
-def fly(plan: Plan, log: Log, crew: Crew, console: Console) -> None:
+def fly_missing(plan: SweepPlan, log: SweepLog, workers: SweepWorkers, console: Console) -> None:
     """Fly what is not in the log."""
     done = set(log.rows)
-    with SweepProgress(console, plan.count, len(done)) as progress, crew:
-        for row in crew.fly(plan.jobs(done)):
+    with SweepProgress(console, plan.count, len(done)) as progress, workers:
+        for row in workers.run_jobs(plan.iterate_jobs(done)):
             log.add(row)
-            progress.flown(row, crew.deaths)
+            progress.count_flight(row, workers.deaths)
 
 
-def write(plan: Plan, rows: list[Row], folder: Path, order: Order) -> tuple[Path, Path | None]:
+def write_results(
+    plan: SweepPlan, rows: list[SweepRow], folder: Path, order: SweepRequest
+) -> tuple[Path, Path | None]:
     """Write table and page; return where they are."""
     path = folder / table.NAME
     origin = {
-        'sweep': str(find('sweep', order.file)),
+        'sweep': str(find_file('sweep', order.file)),
         'vehicle': plan.file.vehicle,
         'scenario': plan.file.scenario,
         'strategy': plan.file.strategy,
         'gains': plan.file.gains,
-        'commit': commit(),
+        'commit': read_commit(),
         **({'flown as': ' '.join(order.options)} if order.options else {}),
     }
-    about = {**origin, 'identity': order.identity(plan), 'file': plan.file.model_dump_json()}
+    about = {
+        **origin,
+        'identity': order.compute_identity(plan),
+        'file': plan.file.model_dump_json(),
+    }
     table.write_table(rows, plan.units, about, path)
     if not order.page:
         return path, None
-    told = page.Told(plan, rows, plan.units, folder, order.file, origin, order.options)
+    told = page.SweepPageData(plan, rows, plan.units, folder, order.file, origin, order.options)
     return path, page.write_page(told)

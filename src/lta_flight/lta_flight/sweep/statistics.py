@@ -4,7 +4,7 @@ from collections.abc import Sequence
 import math
 from typing import Any, Final, NamedTuple
 
-from lta_flight.sweep.flown import FAILED, Row
+from lta_flight.sweep.job_runner import FAILED, SweepRow
 import numpy as np
 
 NORMAL_95: Final = 1.959963984540054  # two-sided 95 % quantile of the normal distribution
@@ -14,7 +14,7 @@ EACH: Final = 5  # if there are so many flights of each on average
 REACHED: Final = 'reached'
 
 
-class Share(NamedTuple):
+class ShareInterval(NamedTuple):
     """A share of flights, with the ends of its 95 % interval. [1]"""
 
     value: float
@@ -22,15 +22,15 @@ class Share(NamedTuple):
     high: float
 
 
-class Group(NamedTuple):
+class ParameterGroup(NamedTuple):
     """Flights that are alike in one parameter: what it is called, where it lies, and they."""
 
     name: str
     place: float | str
-    rows: list[Row]
+    rows: list[SweepRow]
 
 
-def wilson(hits: int, count: int) -> Share:
+def wilson_interval(hits: int, count: int) -> ShareInterval:
     """
     Return a share with its 95 % interval (Wilson 1927, doi:10.1080/01621459.1927.10502953).
 
@@ -41,7 +41,7 @@ def wilson(hits: int, count: int) -> Share:
 
     """
     if count == 0:
-        return Share(math.nan, 0.0, 1.0)
+        return ShareInterval(math.nan, 0.0, 1.0)
     z2 = NORMAL_95 * NORMAL_95
     share = hits / count
     middle = (share + z2 / (2 * count)) / (1 + z2 / count)
@@ -50,46 +50,48 @@ def wilson(hits: int, count: int) -> Share:
         / (1 + z2 / count)
         * math.sqrt(share * (1 - share) / count + z2 / (4 * count * count))
     )
-    return Share(share, max(0.0, middle - half), min(1.0, middle + half))
+    return ShareInterval(share, max(0.0, middle - half), min(1.0, middle + half))
 
 
-def reached_share(rows: Sequence[Row]) -> Share:
+def reached_share(rows: Sequence[SweepRow]) -> ShareInterval:
     """Return the share of the flights flown that reached their goal; failed ones do not count."""
     flown = [row for row in rows if row.outcome != FAILED]
-    return wilson(sum(row.outcome == REACHED for row in flown), len(flown))
+    return wilson_interval(sum(row.outcome == REACHED for row in flown), len(flown))
 
 
-def figures(rows: Sequence[Row], name: str) -> list[float]:
+def collect_figures(rows: Sequence[SweepRow], name: str) -> list[float]:
     """Return one figure of every flight that reached its goal and tells it."""
     found = [row.figures.get(name) for row in rows if row.outcome == REACHED]
     return [float(value) for value in found if value is not None]
 
 
-def groups(rows: Sequence[Row], path: str) -> list[Group]:
+def group_rows(rows: Sequence[SweepRow], path: str) -> list[ParameterGroup]:
     """Return the flights by the value of one parameter: each value, or stretches of many."""
     values = [row.values[path] for row in rows]
-    distinct = list(dict.fromkeys(map(told, values)))
+    distinct = list(dict.fromkeys(map(format_value, values)))
     # A grid's value is never cut in two: its flights are in the order of the other parameters.
     grid = len(distinct) <= GRID and EACH * len(distinct) <= len(rows)
     few = grid or len(distinct) <= GROUPS
     if few or not all(map(is_number, values)):
-        found = [Group(name, name, []) for name in distinct]
+        found = [ParameterGroup(name, name, []) for name in distinct]
         by_name = {group.name: group for group in found}
         for row, value in zip(rows, values, strict=True):
-            by_name[told(value)].rows.append(row)
+            by_name[format_value(value)].rows.append(row)
         if all(map(is_number, values)):
             found = [g._replace(place=float(g.rows[0].values[path])) for g in found]
             found.sort(key=lambda group: float(group.place))
         return found
     order = np.argsort(np.array(values, dtype=np.float64), kind='stable')
-    return [stretch([rows[k] for k in part], path) for part in np.array_split(order, GROUPS)]
+    return [
+        build_range_group([rows[k] for k in part], path) for part in np.array_split(order, GROUPS)
+    ]
 
 
-def stretch(rows: list[Row], path: str) -> Group:
+def build_range_group(rows: list[SweepRow], path: str) -> ParameterGroup:
     """Return flights of neighbouring values as one group, at the median of these."""
     values = [float(row.values[path]) for row in rows]
     name = f'{min(values):.3g} to {max(values):.3g}'
-    return Group(name, float(np.median(values)), rows)
+    return ParameterGroup(name, float(np.median(values)), rows)
 
 
 def is_number(value: Any) -> bool:  # noqa: ANN401 - what YAML holds
@@ -97,10 +99,10 @@ def is_number(value: Any) -> bool:  # noqa: ANN401 - what YAML holds
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
-def told(value: Any) -> str:  # noqa: ANN401 - what YAML holds
+def format_value(value: Any) -> str:  # noqa: ANN401 - what YAML holds
     """Return a value as a short text."""
     if is_number(value):
         return f'{value:.6g}'
     if isinstance(value, list | tuple):
-        return f'[{", ".join(told(item) for item in value)}]'
+        return f'[{", ".join(format_value(item) for item in value)}]'
     return str(value)

@@ -5,10 +5,10 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any, Final
 
+from lta_config.atomic_file import replace_atomically
 from lta_config.errors import BadInput
-from lta_config.whole_file import whole
-from lta_flight.report.results import Results
-from lta_flight.sweep.flown import Row
+from lta_flight.report.results import FlightResults
+from lta_flight.sweep.job_runner import SweepRow
 import pyarrow as arrow
 from pyarrow import parquet
 
@@ -23,7 +23,7 @@ FIXED: Final = (
 
 
 def write_table(
-    rows: Sequence[Row], units: Mapping[str, str], about: Mapping[str, str], path: Path
+    rows: Sequence[SweepRow], units: Mapping[str, str], about: Mapping[str, str], path: Path
 ) -> None:
     """
     Write the rows of a sweep.
@@ -48,29 +48,31 @@ def write_table(
     columns, declared = [], []
     for name, kind, unit, meaning in FIXED:
         columns.append(arrow.array([getattr(row, name) for row in rows], kind))
-        declared.append(_field(name, kind, unit, meaning))
+        declared.append(_build_field(name, kind, unit, meaning))
     for varied, unit in units.items():
         values = [row.values.get(varied) for row in rows]
-        kind = _kind(values)
+        kind = _column_type(values)
         columns.append(arrow.array(values, kind))
-        declared.append(_field(varied, kind, unit, 'varied'))
-    for item in fields(Results):
+        declared.append(_build_field(varied, kind, unit, 'varied'))
+    for item in fields(FlightResults):
         kind = arrow.bool_() if item.name == 'success' else arrow.float64()
         columns.append(arrow.array([row.figures.get(item.name) for row in rows], kind))
-        declared.append(_field(item.name, kind, item.metadata['unit'], item.metadata['about']))
+        declared.append(
+            _build_field(item.name, kind, item.metadata['unit'], item.metadata['about'])
+        )
     table = arrow.table(columns, schema=arrow.schema(declared, metadata=dict(about)))
     try:
-        with whole(path) as part:
+        with replace_atomically(path) as part:
             parquet.write_table(table, part, compression='zstd')
     except OSError as error:
         raise BadInput(f"'{path}' cannot be written ({error}); make room.") from None
 
 
-def _field(name: str, kind: Any, unit: str, meaning: str) -> Any:  # noqa: ANN401 - pyarrow's
+def _build_field(name: str, kind: Any, unit: str, meaning: str) -> Any:  # noqa: ANN401 - pyarrow's
     return arrow.field(name, kind, metadata={'unit': unit, 'about': meaning})
 
 
-def _kind(values: Sequence[Any]) -> Any:  # noqa: ANN401 - pyarrow's
+def _column_type(values: Sequence[Any]) -> Any:  # noqa: ANN401 - pyarrow's
     """Return the type of a varied column: numbers, lists of them, flags, or texts."""
     first = next((value for value in values if value is not None), 0.0)
     if isinstance(first, list):

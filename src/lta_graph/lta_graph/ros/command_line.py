@@ -17,7 +17,7 @@ ROS_OWN = ('use_sim_time', 'start_type_description_service')
 ROS_PREFIX = 'qos_overrides.'
 
 
-def join(arguments: Sequence[str], context: Context | None = None) -> None:
+def initialize_ros(arguments: Sequence[str], context: Context | None = None) -> None:
     """
     Initialise ROS in this process: without its signal handlers, and without its log files.
 
@@ -57,7 +57,7 @@ def join(arguments: Sequence[str], context: Context | None = None) -> None:
         )
 
 
-def refuse_unknown(node: Node, arguments: Sequence[str]) -> None:
+def reject_unknown_parameters(node: Node, arguments: Sequence[str]) -> None:
     """
     Refuse parameters that were given on the command line and that a node does not have.
 
@@ -70,13 +70,13 @@ def refuse_unknown(node: Node, arguments: Sequence[str]) -> None:
 
     """
     known = node.get_parameters_by_prefix('')
-    for name in given(arguments, node.get_name()):
+    for name in list_parameter_names(arguments, node.get_name()):
         if name not in known and not name.startswith(ROS_PREFIX):
             own = ', '.join(sorted(item for item in known if item not in ROS_OWN))
             raise BadInput(f"{node.get_name()} has no parameter '{name}'; known: {own}.")
 
 
-def given(arguments: Sequence[str], node: str) -> list[str]:
+def list_parameter_names(arguments: Sequence[str], node: str) -> list[str]:
     """Return the names of the parameters that a command line gives to a node."""
     rules = [rule.partition(':=')[0] for option, rule in pairwise(arguments) if option in OPTIONS]
     split = [rule.rpartition(':') for rule in rules]

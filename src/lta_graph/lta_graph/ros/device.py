@@ -9,7 +9,7 @@ class DeviceNode(LifecycleNodeMixin, GraphNode):
     """
     A lifecycle node that plays the vehicle, or a part of it, with real hardware.
 
-    A subclass opens its link in `on_configure` and gives it back in `let_go`.
+    A subclass opens its link in `on_configure` and gives it back in `release_device`.
 
     Parameters
     ----------
@@ -30,7 +30,7 @@ class DeviceNode(LifecycleNodeMixin, GraphNode):
     Raises
     ------
     BadInput
-        In lockstep, which no hardware keeps. In `work`, what refused to be configured.
+        In lockstep, which no hardware keeps. In `run`, what refused to be configured.
 
     """
 
@@ -41,15 +41,15 @@ class DeviceNode(LifecycleNodeMixin, GraphNode):
             raise BadInput(f'A real {device} keeps real time: leave time:=lockstep out.')
         self.active, self.autostart, self.refusal = False, False, ''
 
-    def work(self) -> None:
+    def run(self) -> None:
         """Start by itself where that is wanted, and work."""
         if self.autostart:
             if self.trigger_configure() != TransitionCallbackReturn.SUCCESS:
                 raise BadInput(self.refusal)
             self.trigger_activate()
-        super().work()
+        super().run()
 
-    def let_go(self) -> None:
+    def release_device(self) -> None:
         """Give the device back, in a safe state; again is harmless."""
         raise NotImplementedError
 
@@ -65,20 +65,20 @@ class DeviceNode(LifecycleNodeMixin, GraphNode):
 
     def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Give the device back."""
-        self.let_go()
+        self.release_device()
         return super().on_cleanup(state)
 
     def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Give the device back, whatever the state was."""
-        self.let_go()
+        self.release_device()
         return super().on_shutdown(state)
 
     def on_error(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Give the device back: a transition has failed."""
-        self.let_go()
+        self.release_device()
         return super().on_error(state)
 
     def close(self) -> None:
         """Give the device back, then leave the graph."""
-        self.let_go()
+        self.release_device()
         super().close()

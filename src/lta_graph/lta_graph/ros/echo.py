@@ -12,7 +12,7 @@ import sys
 import time
 
 from lta_config.errors import BadInput
-from lta_graph.ros.command_line import join
+from lta_graph.ros.command_line import initialize_ros
 import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
@@ -24,7 +24,7 @@ ROUND_TRIPS = 20
 RETRY = 0.05  # s between questions until the first answer
 
 
-def answer(node: Node, executor: SingleThreadedExecutor, deadline: float) -> None:
+def answer_questions(node: Node, executor: SingleThreadedExecutor, deadline: float) -> None:
     """Send every question back until the last one, or until a time of the steady clock. [s]"""
     heard: list[str] = []
     publisher = node.create_publisher(String, ANSWER, 10)
@@ -38,7 +38,9 @@ def answer(node: Node, executor: SingleThreadedExecutor, deadline: float) -> Non
         executor.spin_once(timeout_sec=0.1)
 
 
-def ask(node: Node, executor: SingleThreadedExecutor, deadline: float) -> dict[str, float] | None:
+def measure_round_trip(
+    node: Node, executor: SingleThreadedExecutor, deadline: float
+) -> dict[str, float] | None:
     """Return the times of discovery and of a round trip [s], or None at the deadline."""
     heard: set[str] = set()
     publisher = node.create_publisher(String, QUESTION, 10)
@@ -75,7 +77,7 @@ def main() -> None:
     options = parser.parse_args()
     deadline = time.monotonic() + options.seconds
     try:
-        join([])
+        initialize_ros([])
     except BadInput as error:
         sys.exit(str(error))
     node = Node(f'lta_doctor_{options.role}')
@@ -84,8 +86,8 @@ def main() -> None:
     times = None
     try:
         if options.role == 'answer':
-            answer(node, executor, deadline)
-        elif (times := ask(node, executor, deadline)) is not None:
+            answer_questions(node, executor, deadline)
+        elif (times := measure_round_trip(node, executor, deadline)) is not None:
             sys.stdout.write(json.dumps(times) + '\n')
     finally:
         executor.shutdown()

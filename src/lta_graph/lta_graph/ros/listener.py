@@ -7,9 +7,9 @@ from types import TracebackType
 from typing import final, Self
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from lta_graph.health import Fact, Level
-from lta_graph.interrupts import held_interrupts
-from lta_graph.ros.visitor import visitor
+from lta_graph.health import HealthFact, HealthLevel
+from lta_graph.interrupts import hold_interrupts
+from lta_graph.ros.temporary_node import join_graph
 
 DEPTH = 100  # messages of all nodes together that may wait until the next look
 DISCOVERY = 10.0  # wall seconds after the first node in which DDS finds all, on a busy machine
@@ -39,7 +39,7 @@ class DiagnosticsListener:
         heard = robots or ('lta1',)
         self._prefix = {name: f'{name}/' if name and len(heard) > 1 else '' for name in heard}
         self._robot = heard[0]
-        self.facts: dict[str, Fact] = {}
+        self.facts: dict[str, HealthFact] = {}
         self._heard: dict[str, float] = {}
         self._begun: float | None = None
         self._complete: float | None = None
@@ -47,9 +47,9 @@ class DiagnosticsListener:
     def __enter__(self) -> Self:
         """Join the graph."""
         with ExitStack() as stack:
-            node, self._executor = stack.enter_context(visitor('lta_listener'))
+            node, self._executor = stack.enter_context(join_graph('lta_listener'))
             self._subscription = node.create_subscription(
-                DiagnosticArray, '/diagnostics', self._hear, DEPTH
+                DiagnosticArray, '/diagnostics', self._on_diagnostics, DEPTH
             )
             self._publisher = node.create_publisher(DiagnosticArray, '/diagnostics', DEPTH)
             self._stack = stack.pop_all()
@@ -64,37 +64,37 @@ class DiagnosticsListener:
         """Leave the graph."""
         self._stack.close()
 
-    def _hear(self, message: DiagnosticArray) -> None:
+    def _on_diagnostics(self, message: DiagnosticArray) -> None:
         ours = [status for status in message.status if status.hardware_id in self._prefix]
         if ours:
             self._begun = self._begun or time.monotonic()
         for status in ours:
             values = {item.key: item.value for item in status.values}
             # Anybody may speak on /diagnostics; a level that there is not counts as the worst.
-            level = Level(min(int.from_bytes(status.level, 'little'), Level.STALE))
+            level = HealthLevel(min(int.from_bytes(status.level, 'little'), HealthLevel.STALE))
             task = self._prefix[status.hardware_id] + status.name
-            self.facts[task] = Fact(task, level, status.message, values)
+            self.facts[task] = HealthFact(task, level, status.message, values)
             self._heard[task.partition(':')[0]] = time.monotonic()
 
-    def poll(self, timeout: float) -> dict[str, Fact]:
+    def poll(self, timeout: float) -> dict[str, HealthFact]:
         """Listen for a while [s] and return the newest fact of each 'NODE: TASK'."""
-        with held_interrupts():
+        with hold_interrupts():
             self._executor.spin_once(timeout_sec=timeout)
             # The executor hands out one message at a time, and more may have come.
             while (
                 taken := self._subscription.handle.take_message(DiagnosticArray, False)
             ) is not None:
-                self._hear(taken[0])
+                self._on_diagnostics(taken[0])
         return self.facts
 
-    def tell(self, sentence: str) -> None:
+    def publish_error(self, sentence: str) -> None:
         """Say at the level of an error what is wrong with a node: who records must hear it."""
         status = DiagnosticStatus(
             level=DiagnosticStatus.ERROR, name=TASK, message=sentence, hardware_id=self._robot
         )
         self._publisher.publish(DiagnosticArray(status=[status]))
 
-    def silent(self, nodes: Iterable[str]) -> list[str]:
+    def find_silent(self, nodes: Iterable[str]) -> list[str]:
         """Return which of some nodes are no longer heard, or never were, in alphabetical order."""
         now = time.monotonic()
         begun = self._begun or now
@@ -104,11 +104,11 @@ class DiagnosticsListener:
             if now - self._heard.get(name, begun + LOADING - SILENCE) > SILENCE
         )
 
-    def unheard(self, nodes: Iterable[str]) -> list[str]:
+    def find_pending(self, nodes: Iterable[str]) -> list[str]:
         """Return which of some nodes have not been heard yet: they load, or are still sought."""
         return sorted(set(nodes) - self._heard.keys())
 
-    def settled(self, nodes: Iterable[str]) -> bool:
+    def is_settled(self, nodes: Iterable[str]) -> bool:
         """
         Tell whether silence means something.
 
@@ -117,6 +117,6 @@ class DiagnosticsListener:
         """
         now = time.monotonic()
         patient = self._begun is not None and now - self._begun > DISCOVERY
-        if self._complete is None and (patient or not self.unheard(nodes)):
+        if self._complete is None and (patient or not self.find_pending(nodes)):
             self._complete = now
         return self._complete is not None and now - self._complete > SILENCE

@@ -6,6 +6,6 @@ from typing import Any
 from lta_config.topics import Topic
 
 
-def message_type(topic: Topic) -> Any:  # noqa: ANN401 - a generated class
+def find_message_type(topic: Topic) -> Any:  # noqa: ANN401 - a generated class
     """Return the Python class of a topic's messages."""
     return getattr(import_module(f'{topic.package}.msg'), topic.message)

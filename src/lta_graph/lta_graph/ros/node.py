@@ -14,17 +14,17 @@ from typing import Any, Literal
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from lta_config.settings import setting, Settings
-from lta_config.topics import topic_table
-from lta_graph.health import Health, Level
-from lta_graph.inbox import Inbox, Step
-from lta_graph.ros.links import LINKS
-from lta_graph.ros.message_types import message_type
-from lta_graph.ros.parameters import Parameters
+from lta_config.topics import load_topic_table
+from lta_graph.health import Health, HealthLevel
+from lta_graph.inbox import Inbox, InboxStep
+from lta_graph.ros.message_types import find_message_type
+from lta_graph.ros.message_validation import MESSAGES, MessageValidator
+from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.publisher_conflict import PublisherConflict
-from lta_graph.ros.qos import profile
-from lta_graph.ros.replay_due import DUE, follow_due
-from lta_graph.ros.sound import MESSAGES, Soundness
-from lta_graph.ros.spin import spin
+from lta_graph.ros.qos import select_profile
+from lta_graph.ros.reader_links import LINKS
+from lta_graph.ros.replay_due import DUE, subscribe_turns
+from lta_graph.ros.spin import spin_node
 from lta_graph.ros.stamps import from_stamp
 from rclpy.clock import Clock, ClockType
 from rclpy.duration import Duration
@@ -68,9 +68,9 @@ class GraphNode(Node):
 
     def __init__(self, name: str, role: str | None = None) -> None:
         super().__init__(name)
-        self.table = topic_table()
+        self.table = load_topic_table()
         self.role = role or name
-        graph = Parameters(self, GraphSettings).value
+        graph = NodeParameters(self, GraphSettings).value
         self.lockstep = graph.time == 'lockstep'
         self.replayed = self.lockstep and graph.source == 'replay'
         self.running = True
@@ -78,8 +78,10 @@ class GraphNode(Node):
         self.hurried = False  # told to end once more, while it was ending
         self.begun = False  # whether the first message has gone or come
         self.health = Health()
-        self.health.report('state', Level.OK, 'starting')
-        self.soundness = Soundness(stamps=not self.lockstep)  # there the inbox counts stamps
+        self.health.report('state', HealthLevel.OK, 'starting')
+        self.soundness = MessageValidator(
+            stamps=not self.lockstep
+        )  # there the inbox counts stamps
         self._inbox: Inbox | None = None
         self._inputs: dict[str, Subscription] = {}
         self._writers: dict[str, Publisher] = {}
@@ -88,11 +90,11 @@ class GraphNode(Node):
         self._heard: dict[str, float] = {}
         self._reported = 0.0
         self._lonely_from: float | None = time.monotonic() + LONELY
-        self._diagnostics = self.output('/diagnostics')
+        self._diagnostics = self.create_output('/diagnostics')
         steady = Clock(clock_type=ClockType.STEADY_TIME)
-        self.create_timer(WATCH_PERIOD, self._watch, clock=steady)
+        self.create_timer(WATCH_PERIOD, self._monitor_inputs, clock=steady)
 
-    def output(self, name: str) -> Publisher:
+    def create_output(self, name: str) -> Publisher:
         """
         Return a publisher on a topic of the table.
 
@@ -101,15 +103,19 @@ class GraphNode(Node):
         read in between are the time in which they find each other.
         """
         topic = self.table[name]
-        publisher = self.create_publisher(message_type(topic), name, profile(topic, self.lockstep))
+        publisher = self.create_publisher(
+            find_message_type(topic), name, select_profile(topic, self.lockstep)
+        )
         self._writers[name] = publisher
         return publisher
 
-    def readers(self) -> dict[str, int]:
+    def count_readers(self) -> dict[str, int]:
         """Return how many readers each output has found."""
         return {name: item.get_subscription_count() for name, item in self._writers.items()}
 
-    def listen(self, topics: list[str], trigger: str, on_step: Callable[[Step], None]) -> None:
+    def subscribe_inputs(
+        self, topics: list[str], trigger: str, on_step: Callable[[InboxStep], None]
+    ) -> None:
         """
         Subscribe to topics and call `on_step` for each message of the trigger.
 
@@ -120,79 +126,82 @@ class GraphNode(Node):
         trigger : str
             The topic that is answered.
         on_step : callable
-            Gets a `Step` with ROS messages.
+            Gets a `InboxStep` with ROS messages.
 
         """
         inbox = self._inbox = Inbox(
             self.table, self.role, topics, trigger, self.lockstep, self.replayed
         )
-        # The trigger first: `spin` takes what was made first last, when all else has been taken.
+        # The trigger first: `spin_node` takes what was made first last, when all else has been
+        # taken.
         for name in sorted(topics, key=lambda topic: topic != trigger):
             topic = self.table[name]
             self._inputs[name] = self.create_subscription(
-                message_type(topic),
+                find_message_type(topic),
                 name,
-                self._receiver(inbox, name, topic.stamped, on_step),
-                profile(topic, self.lockstep),
+                self._build_input_receiver(inbox, name, topic.stamped, on_step),
+                select_profile(topic, self.lockstep),
             )
         self._trigger = trigger
         if self.replayed:
-            then = partial(self._answer, inbox, on_step)
-            self._told = follow_due(self, self.table, inbox, then)
+            then = partial(self._answer_steps, inbox, on_step)
+            self._told = subscribe_turns(self, self.table, inbox, then)
 
-    def overhear(self, name: str, callback: Callable[[bytes], None]) -> Subscription:
+    def subscribe_raw(self, name: str, callback: Callable[[bytes], None]) -> Subscription:
         """Return a subscription that gets a topic's messages as they come on the wire."""
         row = self.table[name]
         return self.create_subscription(
-            message_type(row), name, callback, profile(row, self.lockstep), raw=True
+            find_message_type(row), name, callback, select_profile(row, self.lockstep), raw=True
         )
 
-    def _receiver(
-        self, inbox: Inbox, name: str, stamped: bool, on_step: Callable[[Step], None]
+    def _build_input_receiver(
+        self, inbox: Inbox, name: str, stamped: bool, on_step: Callable[[InboxStep], None]
     ) -> Callable[[Any], None]:
         def receive(message: Any) -> None:  # noqa: ANN401 - whatever the topic carries
             self._heard[name] = time.monotonic()
             self.begun = True
             stamp_ns = from_stamp(message.header.stamp) if stamped else 0
-            self.soundness.look(self.table[name], name, message)
+            self.soundness.validate(self.table[name], name, message)
             inbox.put(name, stamp_ns, message)
-            self._answer(inbox, on_step)
+            self._answer_steps(inbox, on_step)
 
         return receive
 
-    def hear(self, name: str, callback: Callable[[Any], None]) -> Subscription:
+    def subscribe_topic(self, name: str, callback: Callable[[Any], None]) -> Subscription:
         """Return a subscription to a topic that belongs to no step: each message as it comes."""
         row = self.table[name]
 
         def receive(message: Any) -> None:  # noqa: ANN401 - whatever the topic carries
-            self.soundness.look(row, name, message)
+            self.soundness.validate(row, name, message)
             callback(message)
 
-        quality = profile(row, self.lockstep)
-        return self.create_subscription(message_type(row), name, receive, quality)
+        quality = select_profile(row, self.lockstep)
+        return self.create_subscription(find_message_type(row), name, receive, quality)
 
-    def _answer(self, inbox: Inbox, on_step: Callable[[Step], None]) -> None:
+    def _answer_steps(self, inbox: Inbox, on_step: Callable[[InboxStep], None]) -> None:
         """Answer whatever can be answered."""
         while (step := inbox.pop()) is not None:
             on_step(step)
             self._waiting_since = time.monotonic()
 
-    def awaited(self) -> Iterable[Subscription]:
+    def list_wakeups(self) -> Iterable[Subscription]:
         """Return what to wake up for: in lockstep only what can complete the next answer."""
         if not self.lockstep or self._inbox is None:
             return self.subscriptions
         if self._inbox.turns is None:
             return [self._told]
-        return [self._inputs[name] for name in self._inbox.waiting_for() or [self._trigger]]
+        return [
+            self._inputs[name] for name in self._inbox.list_missing_topics() or [self._trigger]
+        ]
 
-    def missing(self) -> list[str]:
+    def list_missing(self) -> list[str]:
         """Return the inputs that this node is waiting for; a node may add its own."""
         if self.lockstep:
             if self._inbox is None or not self.begun:
                 return []
             if self._inbox.turns is None:
                 return [DUE]
-            return self._inbox.waiting_for() or [self._trigger]
+            return self._inbox.list_missing_topics() or [self._trigger]
         now = time.monotonic()
         return [
             name
@@ -200,45 +209,47 @@ class GraphNode(Node):
             if now - heard > PATIENCE + 1e-9 * self.table[name].period_ns
         ]
 
-    def source(self, name: str) -> str:
+    def find_source(self, name: str) -> str:
         """Return the role that a topic comes from, absolute (`/lta2/vehicle`) like its name."""
         if name in self.table.topics:
             return self.table[name].source
         robot, _, relative = name.strip('/').partition('/')
         return f'/{robot}/{self.table[relative].source}'
 
-    def _watch(self) -> None:
+    def _monitor_inputs(self) -> None:
         """Name what is missing once patience is over, and publish health when it is due."""
         now = time.monotonic()
-        missing = self.missing()
+        missing = self.list_missing()
         if not missing:
             self._waiting_since = None
         elif self._waiting_since is None:
             self._waiting_since = now
         patience = PATIENCE if self.lockstep else 0.0
         if self._waiting_since is not None and now - self._waiting_since >= patience:
-            suspects = sorted({self.source(name) for name in missing})
+            suspects = sorted({self.find_source(name) for name in missing})
             self.health.report(
                 'inputs',
-                Level.ERROR,
+                HealthLevel.ERROR,
                 f'waiting for {", ".join(missing)} from {", ".join(suspects)}',
                 suspects=','.join(suspects),
             )
         elif self._heard:
-            self.health.report('inputs', Level.OK, 'all inputs arrive')
+            self.health.report('inputs', HealthLevel.OK, 'all inputs arrive')
         gaps = self._inbox.gaps if self._inbox else {}
         lost = {name: gap for name, gap in gaps.items() if gap}
         if lost:
-            self.health.report('losses', Level.ERROR, 'messages were lost on the way', **lost)
+            self.health.report(
+                'losses', HealthLevel.ERROR, 'messages were lost on the way', **lost
+            )
         if (unsound := self.soundness.unsound).count:
-            self.health.take(unsound.fact(MESSAGES))
-        self._tell_lonely(now)
-        self.health.report(LINKS, Level.OK, 'readers of each topic', **self.readers())
-        self._conflict.look(self.health)
+            self.health.set_fact(unsound.build_fact(MESSAGES))
+        self._warn_missing_inputs(now)
+        self.health.report(LINKS, HealthLevel.OK, 'readers of each topic', **self.count_readers())
+        self._conflict.report(self.health)
         if self.health.changed or now - self._reported >= REPORT_PERIOD:
             self.publish_health()
 
-    def _tell_lonely(self, now: float) -> None:
+    def _warn_missing_inputs(self, now: float) -> None:
         """Log once which inputs have never come, for whoever started this node alone."""
         if self._lonely_from is None or now < self._lonely_from:
             return
@@ -268,10 +279,10 @@ class GraphNode(Node):
         ]
         self._diagnostics.publish(array)
 
-    def work(self) -> None:
+    def run(self) -> None:
         """Answer inputs until told to stop; a node with a rhythm of its own adds to this."""
-        self.health.report('state', Level.OK, 'running')
-        spin(self, lambda: self.running, self.awaited)
+        self.health.report('state', HealthLevel.OK, 'running')
+        spin_node(self, lambda: self.running, self.list_wakeups)
 
     def close(self) -> None:
         """Leave everything outside in order; called once on every way out but SIGKILL."""

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any, Generic, TypeVar
 
 from lta_config.errors import BadInput
-from lta_config.sentence import sentence
+from lta_config.validation_errors import format_error
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 from rcl_interfaces.msg import (
@@ -25,17 +25,17 @@ from rclpy.parameter import Parameter
 Model = TypeVar('Model', bound=BaseModel)
 
 
-def leaves(settings: BaseModel, prefix: str = '') -> Iterator[tuple[str, FieldInfo, Any]]:
+def iterate_fields(settings: BaseModel, prefix: str = '') -> Iterator[tuple[str, FieldInfo, Any]]:
     """Yield every parameter of a model: its dotted name, its field and its value."""
     for name, info in type(settings).model_fields.items():
         value = getattr(settings, name)
         if isinstance(value, BaseModel):
-            yield from leaves(value, f'{prefix}{name}.')
+            yield from iterate_fields(value, f'{prefix}{name}.')
         else:
             yield prefix + name, info, value
 
 
-def describe(info: FieldInfo, default: Any) -> ParameterDescriptor:  # noqa: ANN401
+def build_descriptor(info: FieldInfo, default: Any) -> ParameterDescriptor:  # noqa: ANN401
     """Return the descriptor of one field: meaning with unit, range, and whether it is fixed."""
     extra = info.json_schema_extra if isinstance(info.json_schema_extra, dict) else {}
     unit = extra.get('unit')
@@ -57,7 +57,7 @@ def describe(info: FieldInfo, default: Any) -> ParameterDescriptor:  # noqa: ANN
     return descriptor
 
 
-def nested(flat: Mapping[str, Any]) -> dict[str, Any]:
+def nest_names(flat: Mapping[str, Any]) -> dict[str, Any]:
     """Return dotted names as nested mappings."""
     tree: dict[str, Any] = {}
     for name, value in flat.items():
@@ -69,7 +69,7 @@ def nested(flat: Mapping[str, Any]) -> dict[str, Any]:
     return tree
 
 
-class Parameters(Generic[Model]):
+class NodeParameters(Generic[Model]):
     """
     The parameters of one node as a validated, frozen model.
 
@@ -105,45 +105,45 @@ class Parameters(Generic[Model]):
         self._changed = changed
         self._node = node
         self._names = []
-        for name, info, default in leaves(model()):
-            descriptor = describe(info, default)
+        for name, info, default in iterate_fields(model()):
+            descriptor = build_descriptor(info, default)
             try:
                 node.declare_parameter(name, default, descriptor)
             except Exception as error:
                 raise BadInput(f'{node.get_name()}: parameter {name}: {error}.') from None
             self._names.append(name)
         try:
-            self.value = self._build({})
+            self.value = self._build_model({})
         except ValidationError as error:
-            raise BadInput(f'{node.get_name()}: parameter {sentence(error)}') from None
+            raise BadInput(f'{node.get_name()}: parameter {format_error(error)}') from None
         except ValueError as error:
             raise BadInput(f'{node.get_name()}: {error}') from None
-        node.add_on_set_parameters_callback(self._check)
-        node.add_post_set_parameters_callback(self._apply)
+        node.add_on_set_parameters_callback(self._validate_changes)
+        node.add_post_set_parameters_callback(self._apply_changes)
 
-    def _build(self, changes: Mapping[str, Any]) -> Model:
+    def _build_model(self, changes: Mapping[str, Any]) -> Model:
         current = {name: self._node.get_parameter(name).value for name in self._names}
         # Lax, because ROS hands an array where the model has a tuple.
-        built = self._model.model_validate(nested({**current, **changes}), strict=False)
+        built = self._model.model_validate(nest_names({**current, **changes}), strict=False)
         if self._usable is not None:
             self._usable(built)
         return built
 
-    def _ours(self, parameters: list[Parameter]) -> dict[str, Any]:
+    def _select_own(self, parameters: list[Parameter]) -> dict[str, Any]:
         return {item.name: item.value for item in parameters if item.name in self._names}
 
-    def _check(self, parameters: list[Parameter]) -> SetParametersResult:
+    def _validate_changes(self, parameters: list[Parameter]) -> SetParametersResult:
         try:
-            self._build(self._ours(parameters))
+            self._build_model(self._select_own(parameters))
         except ValidationError as error:
-            return SetParametersResult(successful=False, reason=sentence(error))
+            return SetParametersResult(successful=False, reason=format_error(error))
         except ValueError as error:
             return SetParametersResult(successful=False, reason=str(error))
         return SetParametersResult(successful=True)
 
-    def _apply(self, parameters: list[Parameter]) -> None:
-        if not self._ours(parameters):
+    def _apply_changes(self, parameters: list[Parameter]) -> None:
+        if not self._select_own(parameters):
             return
-        self.value = self._build({})
+        self.value = self._build_model({})
         if self._changed is not None:
             self._changed(self.value)

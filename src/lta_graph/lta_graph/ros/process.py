@@ -10,17 +10,17 @@ import traceback
 from typing import Final, NoReturn
 
 from lta_config.errors import BadInput
-from lta_graph.health import Level
+from lta_graph.health import HealthLevel
 from lta_graph.interrupts import STOPS
-from lta_graph.leave import leave
-from lta_graph.ros.command_line import join, refuse_unknown
+from lta_graph.process_end import exit_process
+from lta_graph.ros.command_line import initialize_ros, reject_unknown_parameters
 from lta_graph.ros.node import GraphNode
 import rclpy
 
 TEARDOWN: Final = 5.0  # s for DDS to shut down; less than the launcher's grace
 
 
-def run(node_class: type[GraphNode], args: list[str] | None = None) -> NoReturn:
+def run_node(node_class: type[GraphNode], args: list[str] | None = None) -> NoReturn:
     """
     Run one node as a process, and end that.
 
@@ -34,7 +34,7 @@ def run(node_class: type[GraphNode], args: list[str] | None = None) -> NoReturn:
     try:
         # `lta run` holds Ctrl-C back while Python starts; one that came meanwhile comes now.
         signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
-        live(node_class, words, teardown)
+        run_until_stopped(node_class, words, teardown)
     except KeyboardInterrupt:  # before the node was made
         status = 128 + signal.SIGINT
     except BadInput as error:
@@ -46,10 +46,10 @@ def run(node_class: type[GraphNode], args: list[str] | None = None) -> NoReturn:
     limit = _limit_teardown(status)
     teardown.close()
     limit.cancel()
-    leave(status)
+    exit_process(status)
 
 
-def live(node_class: type[GraphNode], words: list[str], teardown: ExitStack) -> None:
+def run_until_stopped(node_class: type[GraphNode], words: list[str], teardown: ExitStack) -> None:
     """
     Join the graph, make a node, let it work until it should stop, and close it in any case.
 
@@ -59,7 +59,7 @@ def live(node_class: type[GraphNode], words: list[str], teardown: ExitStack) -> 
     # A C extension may drop a KeyboardInterrupt raised within it, and the node would run on:
     # a Ctrl-C is only noted here, and acts once the node can close.
     signal.signal(signal.SIGINT, lambda number, _: held.append(number))
-    join(words)
+    initialize_ros(words)
     node = node_class()  # type: ignore[call-arg]
 
     def stop(*_: object) -> None:
@@ -67,19 +67,19 @@ def live(node_class: type[GraphNode], words: list[str], teardown: ExitStack) -> 
         node.running = False
 
     try:
-        refuse_unknown(node, words)
+        reject_unknown_parameters(node, words)
         for number in STOPS:
             if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:  # by nohup
                 signal.signal(number, stop)
         if held:
             raise KeyboardInterrupt
-        node.work()
+        node.run()
     except BadInput:
         raise
     except Exception as error:
         # Leaving in order may take a landing; and who records must hear why.
         words = f'broke: {type(error).__name__}: {error}'.removesuffix(': ')
-        node.health.report('state', Level.ERROR, words)
+        node.health.report('state', HealthLevel.ERROR, words)
         node.publish_health()
         raise
     finally:

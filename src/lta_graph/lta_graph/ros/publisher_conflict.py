@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import final
 
-from lta_graph.health import Health, Level
+from lta_graph.health import Health, HealthLevel
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 
@@ -29,7 +29,7 @@ class PublisherConflict:
         self._node = node
         self._writers = writers
 
-    def look(self, health: Health) -> None:
+    def report(self, health: Health) -> None:
         """Report it; nothing until there was somebody."""
         shared = [
             name
@@ -37,12 +37,12 @@ class PublisherConflict:
             if name != COMMON and self._node.count_publishers(writer.topic_name) > 1
         ]
         if shared:
-            words = f'{", ".join(shared)} ({self._strangers(shared)}); stop all but one'
-            health.report(OTHERS, Level.ERROR, f'published by others too: {words}')
+            words = f'{", ".join(shared)} ({self._name_strangers(shared)}); stop all but one'
+            health.report(OTHERS, HealthLevel.ERROR, f'published by others too: {words}')
         elif OTHERS in health:
-            health.report(OTHERS, Level.OK, 'nobody else publishes the same')
+            health.report(OTHERS, HealthLevel.OK, 'nobody else publishes the same')
 
-    def _strangers(self, shared: list[str]) -> str:
+    def _name_strangers(self, shared: list[str]) -> str:
         """Return which nodes they are; a namesake is another."""
         own, strangers = self._node.get_fully_qualified_name(), set[str]()
         for name in shared:

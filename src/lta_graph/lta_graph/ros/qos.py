@@ -19,7 +19,7 @@ PROFILES: dict[Qos, QoSProfile] = {
 LOCKSTEP_HISTORY_NS = 20_000_000_000  # of graph time: how far a slow reader may fall behind
 
 
-def profile(topic: Topic, lockstep: bool) -> QoSProfile:
+def select_profile(topic: Topic, lockstep: bool) -> QoSProfile:
     """Return the profile that both ends of a topic use."""
     if not (lockstep and topic.repeatable):
         return PROFILES[topic.qos]

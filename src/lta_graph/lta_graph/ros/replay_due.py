@@ -5,8 +5,8 @@ from collections.abc import Callable, Mapping, Sequence
 
 from lta_config.topics import TopicTable
 from lta_graph.inbox import Inbox
-from lta_graph.ros.qos import profile
-from lta_graph.turns import RecordedTurns
+from lta_graph.lockstep import RecordedTurns
+from lta_graph.ros.qos import select_profile
 from rclpy.node import Node
 from rclpy.subscription import Subscription
 from std_msgs.msg import Int64MultiArray, MultiArrayDimension, MultiArrayLayout
@@ -35,24 +35,26 @@ def to_due(message: Int64MultiArray) -> dict[str, Sequence[int]]:
     return found
 
 
-def hear_due(
+def subscribe_due(
     node: Node, table: TopicTable, then: Callable[[dict[str, Sequence[int]]], None]
 ) -> Subscription:
     """Return a subscription by which a node learns what is due."""
 
-    def hear(message: Int64MultiArray) -> None:
+    def receive(message: Int64MultiArray) -> None:
         then(to_due(message))
 
-    return node.create_subscription(Int64MultiArray, DUE, hear, profile(table[DUE], True))
+    return node.create_subscription(
+        Int64MultiArray, DUE, receive, select_profile(table[DUE], True)
+    )
 
 
-def follow_due(
+def subscribe_turns(
     node: Node, table: TopicTable, inbox: Inbox, then: Callable[[], None]
 ) -> Subscription:
     """Return a subscription by which an inbox learns what is due, and do something then."""
 
-    def learn(due: dict[str, Sequence[int]]) -> None:
+    def set_turns(due: dict[str, Sequence[int]]) -> None:
         inbox.turns = RecordedTurns(table, due)
         then()
 
-    return hear_due(node, table, learn)
+    return subscribe_due(node, table, set_turns)

@@ -23,7 +23,7 @@ RARELY = 1.0  # s between looks at what rclpy's executor alone serves
 WAIT_NS = 100_000_000  # an upper bound of the time to notice that the node should stop
 
 
-def spin(
+def spin_node(
     node: Node,
     running: Callable[[], bool],
     awaited: Callable[[], Iterable[Subscription]],

@@ -8,7 +8,7 @@ others under the entry point group `lta.effects` follow in alphabetical order of
 from importlib import import_module
 from importlib.metadata import entry_points
 
-from lta_config.errors import BadInput, unknown
+from lta_config.errors import BadInput, unknown_name
 from lta_config.quantity import UNITS
 from lta_model.effects.protocol import ActuatorEffect, Effect, KernelEffect
 from lta_model.state import ACTUATORS
@@ -70,7 +70,7 @@ FILES = (  # folder and file of each; its name is that of the file
 BUILT_IN = tuple(path.rpartition('.')[2] for path in FILES)
 
 
-def merged(known: dict[str, Effect]) -> dict[str, Effect]:
+def merge_installed(library: dict[str, Effect]) -> dict[str, Effect]:
     """
     Return the built-in effects and then the installed ones.
 
@@ -81,7 +81,7 @@ def merged(known: dict[str, Effect]) -> dict[str, Effect]:
         unit that no file could give it in.
 
     """
-    effects = dict(known)
+    effects = dict(library)
     for point in sorted(entry_points(group=GROUP), key=lambda point: point.name):
         effect = point.load()
         if not isinstance(effect, Effect):
@@ -110,7 +110,7 @@ def merged(known: dict[str, Effect]) -> dict[str, Effect]:
     return effects
 
 
-EFFECTS: dict[str, Effect] = merged(
+EFFECTS: dict[str, Effect] = merge_installed(
     {
         name: import_module(f'{__name__}.{path}').EFFECT
         for name, path in zip(BUILT_IN, FILES, strict=True)
@@ -118,12 +118,12 @@ EFFECTS: dict[str, Effect] = merged(
 )
 
 
-def built_in() -> dict[str, Effect]:
+def select_built_in() -> dict[str, Effect]:
     """Return the effects of the library, without those that others installed."""
     return {name: EFFECTS[name] for name in BUILT_IN}
 
 
-def get(name: str) -> Effect:
+def get_effect(name: str) -> Effect:
     """
     Return an effect by name.
 
@@ -134,7 +134,7 @@ def get(name: str) -> Effect:
 
     """
     if name not in EFFECTS:
-        raise unknown('effect', name, list(EFFECTS))
+        raise unknown_name('effect', name, list(EFFECTS))
     return EFFECTS[name]
 
 

@@ -34,7 +34,7 @@ Names = tuple[tuple[str, float], ...]
 AXES = ('surge', 'sway', 'heave', 'roll', 'pitch', 'yaw')
 
 
-class Motion(NamedTuple):
+class VehicleMotion(NamedTuple):
     """
     What a wrench effect sees of the vehicle; the layouts are those of `lta_model.state`.
 
@@ -69,7 +69,7 @@ class Motion(NamedTuple):
     surroundings: Values
 
 
-class Place(NamedTuple):
+class AirEffectInput(NamedTuple):
     """
     What an air effect sees.
 
@@ -82,7 +82,7 @@ class Place(NamedTuple):
     wind : 3-tuple
         Sum of the wind of the surroundings and of the air effects before this one, `map`. [m/s]
     surroundings : SURROUNDINGS numbers
-        As in `Motion`; noise for turbulence.
+        As in `VehicleMotion`; noise for turbulence.
 
     """
 
@@ -92,7 +92,7 @@ class Place(NamedTuple):
     surroundings: Values
 
 
-class Rigid(NamedTuple):
+class RigidBody(NamedTuple):
     """
     What a body effect changes, about the hull centre, body frame.
 
@@ -117,7 +117,7 @@ class Rigid(NamedTuple):
 
 @final
 @dataclass(frozen=True, slots=True)
-class Parameter:
+class EffectParameter:
     """
     One number of an effect.
 
@@ -157,9 +157,9 @@ def no_check(values: Mapping[str, float]) -> str:
     return ''
 
 
-def no_rate(p: Values, memory: Values, seen: Motion | Place) -> Values:
+def no_rate(p: Values, memory: Values, inputs: VehicleMotion | AirEffectInput) -> Values:
     """Return the rate of no memory."""
-    del p, memory, seen
+    del p, memory, inputs
     return ()
 
 
@@ -192,11 +192,11 @@ class WrenchEffect:
     """
 
     name: str
-    parameters: tuple[Parameter, ...]
-    wrench: Callable[[Values, Values, Motion, Values], Wrench]
+    parameters: tuple[EffectParameter, ...]
+    wrench: Callable[[Values, Values, VehicleMotion, Values], Wrench]
     linear_in: tuple[str, ...] = ()
     memory: Names = ()
-    rate: Callable[[Values, Values, Motion], Values] = no_rate
+    rate: Callable[[Values, Values, VehicleMotion], Values] = no_rate
     placed: bool = False
     check: Callable[[Mapping[str, float]], str] = no_check
 
@@ -220,10 +220,10 @@ class AirEffect:
     """
 
     name: str
-    parameters: tuple[Parameter, ...]
-    air: Callable[[Values, Values, Place], Wrench]
+    parameters: tuple[EffectParameter, ...]
+    air: Callable[[Values, Values, AirEffectInput], Wrench]
     memory: Names = ()
-    rate: Callable[[Values, Values, Place], Values] = no_rate
+    rate: Callable[[Values, Values, AirEffectInput], Values] = no_rate
     check: Callable[[Mapping[str, float]], str] = no_check
 
 
@@ -234,7 +234,7 @@ def no_rotor_rate(p: Values, memory: Values, value: float, surroundings: Values)
 
 
 @cache
-def _of_rotors(each: tuple[Parameter, ...]) -> tuple[Parameter, ...]:
+def _expand_rotor_parameters(each: tuple[EffectParameter, ...]) -> tuple[EffectParameter, ...]:
     """Return the parameters of all rotors, parameter by parameter."""
     return tuple(replace(p, name=f'{p.name}_{i}') for p in each for i in range(1, ACTUATORS + 1))
 
@@ -266,17 +266,17 @@ class ActuatorEffect:
     """
 
     name: str
-    shared: tuple[Parameter, ...]
-    each: tuple[Parameter, ...]
+    shared: tuple[EffectParameter, ...]
+    each: tuple[EffectParameter, ...]
     output: Callable[[Values, Values, float, Values], float]
     memory: Names = ()
     rate: Callable[[Values, Values, float, Values], Values] = no_rotor_rate
     check: Callable[[Mapping[str, float]], str] = no_check
 
     @property
-    def parameters(self) -> tuple[Parameter, ...]:
+    def parameters(self) -> tuple[EffectParameter, ...]:
         """All parameters: the shared ones, then those of each rotor, parameter by parameter."""
-        return (*self.shared, *_of_rotors(self.each))
+        return (*self.shared, *_expand_rotor_parameters(self.each))
 
 
 @final
@@ -296,7 +296,7 @@ class InertiaEffect:
     """
 
     name: str
-    parameters: tuple[Parameter, ...]
+    parameters: tuple[EffectParameter, ...]
     diagonal: Callable[[Values], Wrench]
     check: Callable[[Mapping[str, float]], str] = no_check
 
@@ -317,8 +317,8 @@ class BodyEffect:
     """
 
     name: str
-    parameters: tuple[Parameter, ...]
-    change: Callable[[Values, Rigid], Rigid]
+    parameters: tuple[EffectParameter, ...]
+    change: Callable[[Values, RigidBody], RigidBody]
     check: Callable[[Mapping[str, float]], str] = no_check
 
 
@@ -353,7 +353,7 @@ class MeasurementEffect:
     """
 
     name: str
-    parameters: tuple[Parameter, ...]
+    parameters: tuple[EffectParameter, ...]
     channel: str
     reading: Callable[[Values, Values, float], Values]
     check: Callable[[Mapping[str, float]], str] = no_check

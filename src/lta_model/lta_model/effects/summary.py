@@ -14,7 +14,7 @@ from lta_model.effects.protocol import (
 )
 
 
-def summary(effect: Effect) -> str:
+def describe_effect(effect: Effect) -> str:
     """Return the first sentence of an effect's file."""
     function = {
         AirEffect: 'air',

@@ -6,14 +6,14 @@ One LiPo cell: open-circuit voltage by state of charge, a series resistance and 
 Signs as in sensor_msgs/BatteryState: a positive current or power charges the cell. What changes is
 the charge and the relaxation voltage U; the cell keeps its temperature and age. The functions take
 and return scalars and make nothing on the heap, so that numba compiles them. Limits of voltage and
-current are not here: see `lta_model.electrical.power_path`.
+current are not here: see `lta_model.electrical.charger`.
 """
 
 import math
 from typing import Annotated, final, Self
 
-from lta_config.files import Record
-from lta_config.schema.vehicle_energy import Energy
+from lta_config.files import StrictModel
+from lta_config.schema.vehicle_energy import EnergyBlock
 from pydantic import Field
 
 # Resting voltage in steps of 5 % from empty to full: the chart that hobby LiPo cells are sold with
@@ -36,7 +36,7 @@ Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 
 
 @final
-class Battery(Record):
+class BatteryModel(StrictModel):
     """
     One cell, as warm and as old as it is. Without more than the first two it relaxes at once.
 
@@ -68,11 +68,11 @@ class Battery(Record):
     charge_current: Positive = 1000.0
 
     @classmethod
-    def of(cls, energy: Energy) -> Self:
+    def from_energy(cls, energy: EnergyBlock) -> Self:
         """Return the cell of a vehicle file."""
         data = energy.battery
-        worse = (1.0 + data.age.si / WORN) * resistance_by_cold(data.temperature.si)
-        left = (1.0 - data.age.si) * capacity_by_cold(data.temperature.si)
+        worse = (1.0 + data.age.si / WORN) * resistance_factor(data.temperature.si)
+        left = (1.0 - data.age.si) * capacity_factor(data.temperature.si)
         return cls(
             capacity=data.capacity.si * left,
             resistance=data.resistance.si * worse,
@@ -84,13 +84,13 @@ class Battery(Record):
         )
 
 
-def resistance_by_cold(celsius: float) -> float:
+def resistance_factor(celsius: float) -> float:
     """Return the resistance at a temperature [degC] by that at 25 degC (Arrhenius). [1]"""
     there, here = 1.0 / (celsius + ZERO_CELSIUS), 1.0 / (ROOM + ZERO_CELSIUS)
     return math.exp(ACTIVATION / GAS_CONSTANT * (there - here))
 
 
-def capacity_by_cold(celsius: float) -> float:
+def capacity_factor(celsius: float) -> float:
     """Return the capacity at a temperature [degC] by that at 25 degC; warmth adds none. [1]"""
     return 1.0 - COLD_LOSS * max(ROOM - celsius, 0.0)
 
@@ -142,14 +142,14 @@ def stored_energy(charge: float, capacity: float) -> float:
     return area * capacity / INTERVALS
 
 
-def mean_open_circuit(before: float, after: float) -> float:
+def mean_open_circuit_voltage(before: float, after: float) -> float:
     """Return the mean resting voltage between two states of charge, exactly. [V]"""
     if int(before * INTERVALS) == int(after * INTERVALS):
         return 0.5 * (open_circuit_voltage(before) + open_circuit_voltage(after))
     return (stored_energy(after, 1.0) - stored_energy(before, 1.0)) / (after - before)
 
 
-def relaxation_energy(cell: Battery, relaxation: float) -> float:
+def relaxation_energy(cell: BatteryModel, relaxation: float) -> float:
     """Return what the capacitor of the RC pair holds at a relaxation voltage [V]. [J]"""
     if cell.relaxation_resistance <= 0.0:
         return 0.0
@@ -161,7 +161,7 @@ def terminal_voltage(open_circuit: float, current: float, resistance: float) -> 
     return open_circuit + resistance * current
 
 
-def current_at(open_circuit: float, power: float, resistance: float) -> float:
+def current_for_power(open_circuit: float, power: float, resistance: float) -> float:
     """
     Return the current at which the terminals take up a power.
 
@@ -186,7 +186,7 @@ def current_at(open_circuit: float, power: float, resistance: float) -> float:
     return 2.0 * held / (open_circuit + root)
 
 
-def count(charge: float, current: float, capacity: float, dt: float) -> float:
+def count_charge(charge: float, current: float, capacity: float, dt: float) -> float:
     """
     Return the state of charge after a current has flowed; clipped to 0 and 1.
 
@@ -205,7 +205,9 @@ def count(charge: float, current: float, capacity: float, dt: float) -> float:
     return min(max(charge + current * dt / capacity, 0.0), 1.0)
 
 
-def relax(cell: Battery, relaxation: float, current: float, dt: float) -> tuple[float, float]:
+def relax_voltage(
+    cell: BatteryModel, relaxation: float, current: float, dt: float
+) -> tuple[float, float]:
     """
     Return the relaxation voltage after a constant current, and its mean on the way. [V]
 
@@ -230,8 +232,8 @@ def relax(cell: Battery, relaxation: float, current: float, dt: float) -> tuple[
     )
 
 
-def heat(cell: Battery, relaxation: float, current: float, dt: float) -> float:
-    """Return the mean heat in both resistances; parameters as `relax`. [W]"""
+def resistive_heat(cell: BatteryModel, relaxation: float, current: float, dt: float) -> float:
+    """Return the mean heat in both resistances; parameters as `relax_voltage`. [W]"""
     warmth = cell.resistance * current * current
     if cell.relaxation_resistance <= 0.0:
         return warmth
@@ -245,8 +247,8 @@ def heat(cell: Battery, relaxation: float, current: float, dt: float) -> float:
     return warmth + square / cell.relaxation_resistance
 
 
-def advance(
-    cell: Battery, charge: float, relaxation: float, power: float, dt: float
+def advance_cell(
+    cell: BatteryModel, charge: float, relaxation: float, power: float, dt: float
 ) -> tuple[float, float, float, float]:
     """
     Take up a constant power for a while: one midpoint step.
@@ -275,12 +277,14 @@ def advance(
 
     """
     resistance, capacity = cell.resistance, cell.capacity
-    begin = current_at(open_circuit_voltage(charge) + relaxation, power, resistance)
-    middle = open_circuit_voltage(count(charge, begin, capacity, 0.5 * dt))
-    middle += relax(cell, relaxation, begin, dt)[1]
-    wanted = current_at(middle, power, resistance)
-    after = count(charge, wanted, capacity, dt)
+    begin = current_for_power(open_circuit_voltage(charge) + relaxation, power, resistance)
+    middle = open_circuit_voltage(count_charge(charge, begin, capacity, 0.5 * dt))
+    middle += relax_voltage(cell, relaxation, begin, dt)[1]
+    wanted = current_for_power(middle, power, resistance)
+    after = count_charge(charge, wanted, capacity, dt)
     current = (after - charge) * capacity / dt if after <= 0.0 or after >= 1.0 else wanted
-    relaxed, mean = relax(cell, relaxation, current, dt)
-    voltage = terminal_voltage(mean_open_circuit(charge, after) + mean, current, resistance)
+    relaxed, mean = relax_voltage(cell, relaxation, current, dt)
+    voltage = terminal_voltage(
+        mean_open_circuit_voltage(charge, after) + mean, current, resistance
+    )
     return after, relaxed, voltage, current

@@ -10,7 +10,7 @@ from functools import lru_cache
 from typing import NamedTuple
 
 from lta_config.errors import BadInput
-from lta_config.schema.cell_file import CellFile, Electrical
+from lta_config.schema.cell_file import CellFile, CellRatings
 import numpy as np
 
 THERMAL = 0.025692579  # V, k T / q at 25 degC
@@ -18,7 +18,7 @@ STEPS = 200  # of bisection
 MARGIN = 1e-6  # keeps the equations apart
 
 
-class Diode(NamedTuple):
+class SingleDiode(NamedTuple):
     """
     One panel at standard conditions.
 
@@ -43,7 +43,7 @@ class Diode(NamedTuple):
 
 
 @lru_cache(maxsize=16)  # the fit takes longer than the rest of loading a vehicle
-def diode_of(cell: CellFile) -> Diode:
+def fit_diode(cell: CellFile) -> SingleDiode:
     """
     Return the diode whose curve has the points of a data sheet.
 
@@ -56,18 +56,18 @@ def diode_of(cell: CellFile) -> Diode:
     data = cell.electrical
     # From `high` on the junction would be above the open-circuit voltage at the maximum.
     low, high = 0.0, (1.0 - MARGIN) * (data.open_circuit.si - data.voltage.si) / data.current.si
-    if _excess(data, low) < 0.0:
+    if _slope_at_maximum(data, low) < 0.0:
         raise BadInput(
             f'The cell {cell.name} has a curve too square for its ideality of '
             f'{data.ideality.si:g}; lower that, or check voltage and current.'
         )
     for _ in range(STEPS):
         middle = 0.5 * (low + high)
-        if _excess(data, middle) > 0.0:
+        if _slope_at_maximum(data, middle) > 0.0:
             low = middle
         else:
             high = middle
-    found = _through(data, low)
+    found = _solve_three_points(data, low)
     if found.shunt < 0.0 or found.saturation <= 0.0:
         raise BadInput(
             f'The cell {cell.name} has a curve that no diode with an ideality of '
@@ -76,7 +76,7 @@ def diode_of(cell: CellFile) -> Diode:
     return found
 
 
-def _through(data: Electrical, resistance: float) -> Diode:
+def _solve_three_points(data: CellRatings, resistance: float) -> SingleDiode:
     """Return the diode through the three points, for a series resistance. [ohm]"""
     a = data.ideality.si * data.junctions * THERMAL
     voltages = np.array([0.0, data.open_circuit.si, data.voltage.si])
@@ -85,12 +85,12 @@ def _through(data: Electrical, resistance: float) -> Diode:
     dark = np.expm1(junction / a)
     matrix = np.stack([np.ones(3), -dark / dark[1], -junction], axis=1)
     light, open_, shunt = np.linalg.solve(matrix, currents).tolist()
-    return Diode(light, open_ / float(dark[1]), a, resistance, shunt)
+    return SingleDiode(light, open_ / float(dark[1]), a, resistance, shunt)
 
 
-def _excess(data: Electrical, resistance: float) -> float:
+def _slope_at_maximum(data: CellRatings, resistance: float) -> float:
     """Return dP/dV at the maximum of the sheet; it falls as the resistance grows. [A]"""
-    diode = _through(data, resistance)
+    diode = _solve_three_points(data, resistance)
     junction = data.voltage.si + resistance * data.current.si
     conductance = diode.saturation / diode.thermal * np.exp(junction / diode.thermal) + diode.shunt
     slope = conductance / (1.0 + resistance * conductance)

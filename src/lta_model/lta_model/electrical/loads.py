@@ -9,15 +9,15 @@ duty and voltage.
 from collections.abc import Sequence
 from typing import Annotated, final, Self
 
-from lta_config.files import Record
-from lta_config.schema.vehicle_energy import Energy
+from lta_config.files import StrictModel
+from lta_config.schema.vehicle_energy import EnergyBlock
 from pydantic import Field
 
 NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
 
 
 @final
-class Loads(Record):
+class LoadModel(StrictModel):
     """
     Power of each consumer.
 
@@ -40,7 +40,7 @@ class Loads(Record):
     rotor_slope: NotNegative
 
     @classmethod
-    def of(cls, energy: Energy) -> Self:
+    def from_energy(cls, energy: EnergyBlock) -> Self:
         """Return the consumers of a vehicle file."""
         return cls(
             idle=energy.loads.idle.si,
@@ -50,7 +50,7 @@ class Loads(Record):
         )
 
 
-def navigating(energy: Energy, strategy: str) -> float:
+def navigation_power(energy: EnergyBlock, strategy: str) -> float:
     """
     Return what finding lamps takes beside controller and radio: sensing and computing. [W]
 
@@ -88,7 +88,7 @@ def rotor_power(thrust: float, offset: float, slope: float) -> float:
     return offset + slope * abs(thrust) if thrust != 0.0 else 0.0
 
 
-def demand(loads: Loads, thrusts: Sequence[float], transmitting: bool) -> float:
+def power_demand(loads: LoadModel, thrusts: Sequence[float], transmitting: bool) -> float:
     """
     Return the power that the whole drone draws.
 

@@ -15,10 +15,10 @@ found without solving for I. The functions take and return scalars, so that numb
 import math
 from typing import Annotated, final, Self
 
-from lta_config.files import Record
+from lta_config.files import StrictModel
 from lta_config.schema.cell_file import load_cell_file
-from lta_config.schema.vehicle_energy import Energy
-from lta_model.electrical.diode_fit import diode_of
+from lta_config.schema.vehicle_energy import EnergyBlock
+from lta_model.electrical.diode_fit import fit_diode
 from pydantic import Field
 
 STANDARD_IRRADIANCE = 1000.0  # W/m2
@@ -33,7 +33,7 @@ Curve = tuple[float, float, float, float, float]  # L, S, a, R, G
 
 
 @final
-class Panel(Record):
+class SolarArrayModel(StrictModel):
     """
     All solar cells of a vehicle, in one plane; the numbers are those of the whole array.
 
@@ -68,17 +68,17 @@ class Panel(Record):
     warming: NOT_NEGATIVE = 0.0
 
     @classmethod
-    def of(cls, energy: Energy) -> Self:
+    def from_energy(cls, energy: EnergyBlock) -> Self:
         """Return the array of a vehicle file; one that gives nothing if it has none."""
         if energy.array is None:
             return cls(light=0.0, saturation=0.0, thermal=1.0, series=0.0, shunt=0.0)
-        return cls.wired(energy.array.cell, energy.array.series, energy.array.parallel)
+        return cls.from_cells(energy.array.cell, energy.array.series, energy.array.parallel)
 
     @classmethod
-    def wired(cls, cell: str, series: int, parallel: int) -> Self:
+    def from_cells(cls, cell: str, series: int, parallel: int) -> Self:
         """Return so many strings of so many cells, by the name or path of their file."""
         file = load_cell_file(cell)
-        data, diode = file.electrical, diode_of(file)
+        data, diode = file.electrical, fit_diode(file)
         return cls(
             light=diode.light * parallel,
             saturation=diode.saturation * parallel,
@@ -91,7 +91,7 @@ class Panel(Record):
         )
 
 
-def curve(panel: Panel, irradiance: float) -> Curve:
+def compute_curve(panel: SolarArrayModel, irradiance: float) -> Curve:
     """
     Return the five numbers of the curve in some light: L, S, a, R and G.
 
@@ -122,7 +122,7 @@ def junction_current(numbers: Curve, u: float) -> float:
     return light - saturation * math.expm1(u / a) - u * shunt
 
 
-def highest(numbers: Curve) -> float:
+def voltage_bound(numbers: Curve) -> float:
     """Return a junction voltage at which no current is left: above the open circuit's. [V]"""
     light, saturation, a, _, _ = numbers
     return a * math.log1p(light / saturation) if saturation > 0.0 else 0.0
@@ -136,7 +136,7 @@ def power_slope(numbers: Curve, u: float) -> float:
     return current + (u - 2.0 * resistance * current) * slope
 
 
-def max_power(panel: Panel, irradiance: float) -> tuple[float, float]:
+def find_max_power(panel: SolarArrayModel, irradiance: float) -> tuple[float, float]:
     """
     Return the point of largest power in some light.
 
@@ -155,8 +155,8 @@ def max_power(panel: Panel, irradiance: float) -> tuple[float, float]:
     """
     if irradiance <= 0.0 or panel.light <= 0.0:
         return 0.0, 0.0
-    numbers = curve(panel, irradiance)
-    low, high = 0.0, highest(numbers)
+    numbers = compute_curve(panel, irradiance)
+    low, high = 0.0, voltage_bound(numbers)
     for _ in range(STEPS):
         u = 0.5 * (low + high)
         if power_slope(numbers, u) > 0.0:
@@ -167,7 +167,7 @@ def max_power(panel: Panel, irradiance: float) -> tuple[float, float]:
     return low - numbers[3] * current, current
 
 
-def current_at(panel: Panel, irradiance: float, voltage: float) -> float:
+def current_at_voltage(panel: SolarArrayModel, irradiance: float, voltage: float) -> float:
     """
     Return the current at a terminal voltage [V], 0 in the dark: no current flows back. [A]
 
@@ -175,8 +175,8 @@ def current_at(panel: Panel, irradiance: float, voltage: float) -> float:
     """
     if irradiance <= 0.0 or panel.light <= 0.0:
         return 0.0
-    numbers = curve(panel, irradiance)
-    low, high = 0.0, highest(numbers)
+    numbers = compute_curve(panel, irradiance)
+    low, high = 0.0, voltage_bound(numbers)
     for _ in range(STEPS):
         u = 0.5 * (low + high)
         if u - numbers[3] * junction_current(numbers, u) < voltage:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import math
 from typing import final
 
-from lta_model.light.refuse import require, require_efficacy, require_lux
+from lta_model.light.light_checks import require, require_efficacy, require_lux
 
 
 @final

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import math
 from typing import final
 
-from lta_model.light.refuse import require, require_efficacy, require_lux
+from lta_model.light.light_checks import require, require_efficacy, require_lux
 
 Vector = tuple[float, float, float]
 
@@ -59,7 +59,7 @@ class Daylight:
         )
 
     @property
-    def towards(self) -> Vector:
+    def sun_direction(self) -> Vector:
         """Unit vector to the sun. [map]"""
         level = math.cos(self.elevation)
         return (
@@ -69,6 +69,6 @@ class Daylight:
         )
 
     @property
-    def level(self) -> float:
+    def ground_illuminance(self) -> float:
         """Illuminance of level ground. [lx]"""
         return self.sun * math.sin(self.elevation) + self.sky

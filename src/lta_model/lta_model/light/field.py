@@ -3,7 +3,8 @@ All light of a scene.
 
 Map frame. On each small plane lie
 
-- the direct light of each lamp, by the inverse square (`lamp`), and its echo from the surfaces of
+- the direct light of each lamp, by the inverse square (`first_lamp`), and its echo from the
+surfaces of
   a room, the first by place and the rest from all sides (`gather`, `room`): it flickers;
 - ambient light, from all sides: a steady part and the flicker of the mains (`ambient`);
 - sun and sky (`daylight`), over all of the scene or beyond a door (`outside`).
@@ -16,9 +17,9 @@ from typing import final
 
 from lta_model.light.ambient import Ambient
 from lta_model.light.daylight import Daylight
-from lta_model.light.lamp import Lamp
-from lta_model.light.outside import Outside
-from lta_model.light.refuse import require
+from lta_model.light.lamp import BeaconLamp
+from lta_model.light.light_checks import require
+from lta_model.light.outdoors import OutdoorArea
 from lta_model.light.room import Room
 import numpy as np
 from numpy.typing import NDArray
@@ -47,11 +48,11 @@ class LightField:
 
     """
 
-    lamps: tuple[Lamp, ...]
+    lamps: tuple[BeaconLamp, ...]
     ambient: Ambient
     room: Room | None = None
     daylight: Daylight | None = None
-    outside: Outside | None = None
+    outside: OutdoorArea | None = None
 
     def __post_init__(self) -> None:
         """Refuse a scene without a lamp, and a door to nowhere."""
@@ -72,14 +73,14 @@ class LightField:
         )
 
     @property
-    def lamp(self) -> Lamp:
+    def first_lamp(self) -> BeaconLamp:
         """The first beacon."""
         return self.lamps[0]
 
 
 @final
 @dataclass(frozen=True, slots=True)
-class Illuminance:
+class PlaneIlluminance:
     """
     Light on each of a set of small planes.
 

@@ -1,17 +1,17 @@
 """
 The direct light of a lamp, as plain functions of numbers.
 
-The same light as `lta_model.light.lamp.direct`, which takes whole arrays and says what is behind
-it; this one serves what looks at few planes many times, and compiles.
+The same light as `lta_model.light.lamp.direct_illuminance`, which takes whole arrays and says what
+is behind it; this one serves what looks at few planes many times, and compiles.
 """
 
 import math
 from typing import NamedTuple
 
 from lta_model.effects.protocol import Quaternion, Vector
-from lta_model.light.lamp import Lamp
+from lta_model.light.lamp import BeaconLamp
 from lta_model.light.room import Room
-from lta_model.rigid_body import rotation, to_map
+from lta_model.rigid_body import rotation_matrix, to_map
 import numpy as np
 from numpy.typing import NDArray
 
@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 Row = Array | tuple[float, ...]
 
 
-class Beam(NamedTuple):
+class LampBeam(NamedTuple):
     """
     A lamp while it is on, as numbers.
 
@@ -55,7 +55,7 @@ class Beam(NamedTuple):
     beyond: float
 
 
-class Eye(NamedTuple):
+class DiodeResponse(NamedTuple):
     """
     How a photodiode's reading falls off with the angle between light and axis.
 
@@ -72,15 +72,15 @@ class Eye(NamedTuple):
     least: float
 
 
-def beam(lamp: Lamp, room: Room | None = None, thrown: float = 0.0) -> Beam:
+def build_beam(lamp: BeaconLamp, room: Room | None = None, thrown: float = 0.0) -> LampBeam:
     """Return a lamp, of whose light the surfaces of a room throw back so much at once. [lm]"""
-    diffuse = 0.0 if room is None else thrown / (room.area * (1.0 - room.mean_albedo))
+    diffuse = 0.0 if room is None else thrown / (room.surface_area * (1.0 - room.mean_albedo))
     beyond = 0.0 if room is None else diffuse * room.mean_albedo
     place, axis = lamp.position, lamp.direction
-    return Beam(*place, *axis, lamp.intensity, lamp.order, lamp.radius**2, diffuse, beyond)
+    return LampBeam(*place, *axis, lamp.intensity, lamp.order, lamp.radius**2, diffuse, beyond)
 
 
-def shine(lamp: Beam, point: Vector) -> tuple[float, Vector]:
+def direct_light(lamp: LampBeam, point: Vector) -> tuple[float, Vector]:
     """
     Return the direct light of a lamp on a plane that faces it, and the direction to it.
 
@@ -114,7 +114,7 @@ def shine(lamp: Beam, point: Vector) -> tuple[float, Vector]:
     return lamp.intensity * cosine / (squared + lamp.square), towards
 
 
-def seen(eye: Eye, axis: Vector, towards: Vector) -> float:
+def angular_response(eye: DiodeResponse, axis: Vector, towards: Vector) -> float:
     """Return which part of the light from a direction a diode with an axis reads. [1]"""
     cosine = axis[0] * towards[0] + axis[1] * towards[1] + axis[2] * towards[2]
     if cosine <= eye.least or cosine <= 0.0:
@@ -123,7 +123,7 @@ def seen(eye: Eye, axis: Vector, towards: Vector) -> float:
     return part
 
 
-def lit(lamp: Beam, point: Vector, normal: Vector) -> float:
+def plane_illuminance(lamp: LampBeam, point: Vector, normal: Vector) -> float:
     """
     Return the light of the lamp on a small plane while it is on, the room's echo included.
 
@@ -142,25 +142,27 @@ def lit(lamp: Beam, point: Vector, normal: Vector) -> float:
         Illuminance. [lx]
 
     """
-    light, towards = shine(lamp, point)
-    return light * seen(Eye(1.0, 0.0), normal, towards) + lamp.diffuse
+    light, towards = direct_light(lamp, point)
+    return light * angular_response(DiodeResponse(1.0, 0.0), normal, towards) + lamp.diffuse
 
 
-def read(lamp: Beam, eye: Eye, point: Vector, axis: Vector) -> float:
+def direct_reading(lamp: LampBeam, eye: DiodeResponse, point: Vector, axis: Vector) -> float:
     """Return what a diode reads of the direct light of a lamp while it is on. [lx]"""
-    light, towards = shine(lamp, point)
-    return light * seen(eye, axis, towards)
+    light, towards = direct_light(lamp, point)
+    return light * angular_response(eye, axis, towards)
 
 
-def beam_of(row: Row) -> Beam:
+def unpack_beam(row: Row) -> LampBeam:
     """Return a lamp from its numbers in a row."""
-    return Beam(
+    return LampBeam(
         row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7], row[8], row[9], row[10]
     )  # fmt: skip
 
 
-def place(position: Vector, q: Quaternion, point: Vector, axis: Vector) -> tuple[Vector, Vector]:
+def place_in_map(
+    position: Vector, q: Quaternion, point: Vector, axis: Vector
+) -> tuple[Vector, Vector]:
     """Return a point [m] and an axis of the body in `map`."""
-    r = rotation(q)
+    r = rotation_matrix(q)
     x, y, z = to_map(r, point)
     return (position[0] + x, position[1] + y, position[2] + z), to_map(r, axis)

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import math
 from typing import final
 
-from lta_model.light.clock import Clock, RIGHT
+from lta_model.light.clock_error import DriftingClock, RIGHT
+from lta_model.light.light_checks import require, require_efficacy
 from lta_model.light.modulation import SquareWave
-from lta_model.light.refuse import require, require_efficacy
 import numpy as np
 from numpy.typing import NDArray
 
@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 Vector = tuple[float, float, float]
 
 
-def order_of(half_power: float) -> float:
+def lambertian_order(half_power: float) -> float:
     """Return the Lambertian order of a lamp with a half-power angle. [rad]"""
     # Rounded: 60 degrees are the order 1 exactly, which needs no power.
     return round(-math.log(2.0) / math.log(math.cos(half_power)), 12)
@@ -29,7 +29,7 @@ def order_of(half_power: float) -> float:
 
 @final
 @dataclass(frozen=True, slots=True)
-class Lamp:
+class BeaconLamp:
     """
     A flickering lamp without optics.
 
@@ -64,7 +64,7 @@ class Lamp:
     order: float = 1.0
     radius: float = 0.015
     rise: float = 0.0
-    clock: Clock = RIGHT
+    clock: DriftingClock = RIGHT
 
     def __post_init__(self) -> None:
         """Refuse what cannot shine."""
@@ -101,7 +101,7 @@ class Lamp:
         return x / length, y / length, z / length
 
 
-def direct(lamp: Lamp, points: Array, normals: Array) -> Array:
+def direct_illuminance(lamp: BeaconLamp, points: Array, normals: Array) -> Array:
     """
     Return the illuminance by the lamp alone, while it is on, without any reflection.
 

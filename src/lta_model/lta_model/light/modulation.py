@@ -17,7 +17,9 @@ from numpy.typing import NDArray
 NANOSECONDS = 1_000_000_000
 
 
-def cycles(times: NDArray[np.int64], frequency: float, phase: float = 0.0) -> NDArray[np.float64]:
+def phase_in_cycles(
+    times: NDArray[np.int64], frequency: float, phase: float = 0.0
+) -> NDArray[np.float64]:
     """
     Return how far into its period a periodic signal is.
 
@@ -80,15 +82,17 @@ class SquareWave:
         if not math.isfinite(self.phase):
             raise BadInput(f'The lamp has a phase of {self.phase} cycles; give a finite one.')
 
-    def cycles(self, times: NDArray[np.int64]) -> NDArray[np.float64]:
+    def phase_in_cycles(self, times: NDArray[np.int64]) -> NDArray[np.float64]:
         """Return the position in the period, in [0, 1), at times in ns, shape (n,)."""
-        return cycles(times, self.frequency, self.phase)
+        return phase_in_cycles(times, self.frequency, self.phase)
 
-    def values(self, times: NDArray[np.int64]) -> NDArray[np.float64]:
+    def sample(self, times: NDArray[np.int64]) -> NDArray[np.float64]:
         """Return the wave, 0 or 1, at times in ns, shape (n,)."""
-        return (self.cycles(times) < self.duty).astype(np.float64)
+        return (self.phase_in_cycles(times) < self.duty).astype(np.float64)
 
-    def lagged(self, times: NDArray[np.int64], time_constant: float) -> NDArray[np.float64]:
+    def sample_filtered(
+        self, times: NDArray[np.int64], time_constant: float
+    ) -> NDArray[np.float64]:
         r"""
         Return the wave as a first-order low pass passes it on, long after its start.
 
@@ -114,7 +118,7 @@ class SquareWave:
             y = \frac{1 - e^{-kd}}{1 - e^{-k}} e^{-k(x-d)} \ (x \ge d)
 
         """
-        position = self.cycles(times)
+        position = self.phase_in_cycles(times)
         rate = 1.0 / (self.frequency * time_constant)
         whole = -math.expm1(-rate)
         missing = -math.expm1(-rate * (1.0 - self.duty)) / whole

@@ -8,16 +8,16 @@ leaves a share, which is the same at any pose.
 from typing import NamedTuple
 
 from lta_model.effects.protocol import Quaternion, Vector
-from lta_model.light.gather import SUN_RADIUS
-from lta_model.light.lambertian import Beam, Eye, seen
-from lta_model.light.passage import straight
-from lta_model.light.pencils import PENCILS, RINGS
-from lta_model.light.shade import visible
-from lta_model.light.surround import day_on, sunlit, Surround
-from lta_model.rigid_body import rotation, to_body, to_map
+from lta_model.light.block_motion import unobstructed_light
+from lta_model.light.lambertian import angular_response, DiodeResponse, LampBeam
+from lta_model.light.ray_bundles import PENCILS, RINGS
+from lta_model.light.ray_integration import SUN_RADIUS
+from lta_model.light.scene_geometry import daylight_illuminance, is_sunlit, SceneGeometry
+from lta_model.light.shade import visible_fraction
+from lta_model.rigid_body import rotation_matrix, to_body, to_map
 
 
-class Plane(NamedTuple):
+class PanelPlane(NamedTuple):
     """
     The panel on its vehicle.
 
@@ -40,31 +40,33 @@ class Plane(NamedTuple):
     share: float
 
 
-def plane_of(hull: Vector, spot: Vector, normal: Vector) -> Plane:
-    """Return a panel; the share is summed over the pencils of `lta_model.light.pencils`."""
+def build_panel_plane(hull: Vector, spot: Vector, normal: Vector) -> PanelPlane:
+    """Return a panel; the share is summed over the pencils of `lta_model.light.ray_bundles`."""
     free = whole = 0.0
     for size, half_height, up, out, *_ in RINGS:
         for c, d in PENCILS:
             way = (out * c, out * d, up)
-            part = size * seen(Eye(1.0, 0.0), normal, way)
+            part = size * angular_response(DiodeResponse(1.0, 0.0), normal, way)
             whole += part
             if part > 0.0:
-                free += part * visible(hull, spot, way, half_height)
-    return Plane(hull, spot, normal, free / whole)
+                free += part * visible_fraction(hull, spot, way, half_height)
+    return PanelPlane(hull, spot, normal, free / whole)
 
 
-def facing(plane: Plane, way: Vector) -> float:
+def incidence_cosine(plane: PanelPlane, way: Vector) -> float:
     """Return the cosine between the panel's normal and a direction [body], 0 from behind."""
-    return seen(Eye(1.0, 0.0), plane.normal, way)
+    return angular_response(DiodeResponse(1.0, 0.0), plane.normal, way)
 
 
-def point_of(plane: Plane, position: Vector, q: Quaternion) -> Vector:
+def panel_center(plane: PanelPlane, position: Vector, q: Quaternion) -> Vector:
     """Return the middle of the panel. [m, map]"""
-    x, y, z = to_map(rotation(q), plane.spot)
+    x, y, z = to_map(rotation_matrix(q), plane.spot)
     return position[0] + x, position[1] + y, position[2] + z
 
 
-def lamp_on(plane: Plane, s: Surround, lamp: Beam, position: Vector, q: Quaternion) -> float:
+def lamp_light_on_panel(
+    plane: PanelPlane, s: SceneGeometry, lamp: LampBeam, position: Vector, q: Quaternion
+) -> float:
     """
     Return the light of a lamp on the panel while it is on, the room's echo included. [lx]
 
@@ -80,22 +82,28 @@ def lamp_on(plane: Plane, s: Surround, lamp: Beam, position: Vector, q: Quaterni
         Of the hull. [m, map]
 
     """
-    light, towards, width = straight(s, lamp, point_of(plane, position, q))
+    light, towards, width = unobstructed_light(s, lamp, panel_center(plane, position, q))
     if light > 0.0:
-        way = to_body(rotation(q), towards)
-        light *= facing(plane, way) * visible(plane.hull, plane.spot, way, width)
+        way = to_body(rotation_matrix(q), towards)
+        light *= incidence_cosine(plane, way) * visible_fraction(
+            plane.hull, plane.spot, way, width
+        )
     return light + plane.share * lamp.diffuse
 
 
-def day_on_panel(plane: Plane, s: Surround, position: Vector, q: Quaternion) -> float:
-    """Return the light of sun, sky and ground on the panel; parameters as `lamp_on`. [lx]"""
-    r = rotation(q)
-    point, normal = point_of(plane, position, q), to_map(r, plane.normal)
-    day = day_on(s, point, normal)
-    if not sunlit(s, point):
+def daylight_on_panel(
+    plane: PanelPlane, s: SceneGeometry, position: Vector, q: Quaternion
+) -> float:
+    """Return sun, sky and ground light on the panel; parameters as `lamp_light_on_panel`. [lx]"""
+    r = rotation_matrix(q)
+    point, normal = panel_center(plane, position, q), to_map(r, plane.normal)
+    day = daylight_illuminance(s, point, normal)
+    if not is_sunlit(s, point):
         return plane.share * day
     way = to_body(r, (s.sun_x, s.sun_y, s.sun_z))
-    sun = s.sun * facing(plane, way)
+    sun = s.sun * incidence_cosine(plane, way)
     if sun <= 0.0:
         return plane.share * day
-    return plane.share * (day - sun) + sun * visible(plane.hull, plane.spot, way, SUN_RADIUS)
+    return plane.share * (day - sun) + sun * visible_fraction(
+        plane.hull, plane.spot, way, SUN_RADIUS
+    )

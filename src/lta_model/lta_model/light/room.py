@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import math
 from typing import final, NamedTuple
 
-from lta_model.light.refuse import require
+from lta_model.light.light_checks import require
 
 Vector = tuple[float, float, float]
 
@@ -25,7 +25,7 @@ class Albedo(NamedTuple):
     ceiling: float
 
 
-def even(albedo: float) -> Albedo:
+def uniform_albedo(albedo: float) -> Albedo:
     """Return the same albedo for all surfaces. [1]"""
     return Albedo(albedo, albedo, albedo)
 
@@ -61,7 +61,7 @@ class Room:
             )
 
     @property
-    def area(self) -> float:
+    def surface_area(self) -> float:
         """Of all surfaces. [m2]"""
         length, width, height = self.size
         return 2.0 * (length * width + length * height + width * height)
@@ -72,8 +72,8 @@ class Room:
         length, width, height = self.size
         flat, upright = length * width, 2.0 * height * (length + width)
         floor, walls, ceiling = self.albedo
-        return (flat * (floor + ceiling) + upright * walls) / self.area
+        return (flat * (floor + ceiling) + upright * walls) / self.surface_area
 
-    def diffuse(self, flux: float) -> float:
+    def diffuse_illuminance(self, flux: float) -> float:
         """Return the illuminance by light between the surfaces, by a flux on them in lm. [lx]"""
-        return flux * self.mean_albedo / (self.area * (1.0 - self.mean_albedo))
+        return flux * self.mean_albedo / (self.surface_area * (1.0 - self.mean_albedo))

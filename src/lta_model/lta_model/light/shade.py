@@ -16,7 +16,9 @@ from lta_model.effects.protocol import Vector
 LEAST = 1e-300
 
 
-def visible(half_axes: Vector, point: Vector, towards: Vector, half_width: float) -> float:
+def visible_fraction(
+    half_axes: Vector, point: Vector, towards: Vector, half_width: float
+) -> float:
     """
     Return how much of a small source a point of the body sees past the hull, 0 to 1.
 
@@ -32,11 +34,13 @@ def visible(half_axes: Vector, point: Vector, towards: Vector, half_width: float
         Half its angular width, above 0. [rad]
 
     """
-    return past(half_axes, point, towards, half_width) if half_axes[0] > 0.0 else 1.0
+    return fraction_past_hull(half_axes, point, towards, half_width) if half_axes[0] > 0.0 else 1.0
 
 
-def past(half_axes: Vector, point: Vector, towards: Vector, half_width: float) -> float:
-    """Return what `visible` does where there is a hull, without a branch."""
+def fraction_past_hull(
+    half_axes: Vector, point: Vector, towards: Vector, half_width: float
+) -> float:
+    """Return what `visible_fraction` does where there is a hull, without a branch."""
     a, b, c = half_axes
     x, y, z = point[0] / a, point[1] / b, point[2] / c
     i, j, k = towards[0] / a, towards[1] / b, towards[2] / c

@@ -8,18 +8,18 @@ Direct light is taken at every control step, everything else at the ends of a bl
 from collections.abc import Sequence
 from typing import final
 
-from lta_config.compilation.compiled import compiled
+from lta_config.compilation.compiler import compile_functions
 from lta_model.hull import half_axes
-from lta_model.light.echo import beams, echoing, surrounding
-from lta_model.light.field import Illuminance, LightField
-from lta_model.light.gather import gather
-from lta_model.light.lambertian import Eye, shine
-from lta_model.light.panel_light import day_on_panel, lamp_on, plane_of
-from lta_model.light.passage import on_the_way
-from lta_model.light.pencils import LAMPS, scratch_for, SHARE
-from lta_model.light.surround import day_on, within
-from lta_model.sensors.light_block import AmplifierState, Board
+from lta_model.light.block_motion import write_pose_readings
+from lta_model.light.field import LightField, PlaneIlluminance
+from lta_model.light.lambertian import DiodeResponse, direct_light
+from lta_model.light.panel_light import build_panel_plane, daylight_on_panel, lamp_light_on_panel
+from lta_model.light.ray_bundles import LAMPS, scratch_size, SHARE
+from lta_model.light.ray_integration import gather_indirect_light
+from lta_model.light.reflections import build_field_geometry, build_reflecting_beam, pack_beams
+from lta_model.light.scene_geometry import daylight_illuminance, is_in_room
 from lta_model.sensors.photodiode import PhotodiodeArray
+from lta_model.sensors.photodiode_adc import AmplifierState, PhotodiodeBoard
 from lta_model.vehicle import Vehicle
 import numpy as np
 from numpy.random import Generator
@@ -50,50 +50,54 @@ class LightView:
     ) -> None:
         self.field = field
         self._diodes = diodes or vehicle.diodes
-        self._beams = [echoing(lamp, field) for lamp in field.lamps]
-        eye = Eye(self._diodes.response, self._diodes.edge)
-        self._surround = surrounding(field)
+        self._beams = [build_reflecting_beam(lamp, field) for lamp in field.lamps]
+        eye = DiodeResponse(self._diodes.response, self._diodes.edge_cosine)
+        self._surround = build_field_geometry(field)
         hull = half_axes(vehicle.file.hull)
-        self._scene = (self._surround, beams(field), eye, hull)
-        self._panel = plane_of(hull, vehicle.file.panel_place, vehicle.file.panel_normal)
-        self._gather, self._on_the_way = compiled(gather, on_the_way)
+        self._scene = (self._surround, pack_beams(field), eye, hull)
+        self._panel = build_panel_plane(hull, vehicle.file.panel_place, vehicle.file.panel_normal)
+        self._gather, self._on_the_way = compile_functions(
+            gather_indirect_light, write_pose_readings
+        )
         self._poses: list[Pose] = []
-        self._scratch = np.empty(scratch_for(len(self._beams)))
+        self._scratch = np.empty(scratch_size(len(self._beams)))
         self._around: Array | None = None  # what was gathered at the end of the block before
         ambient = field.ambient
         self._ambient = ambient.steady, ambient.mains, self._daylight_share
-        self._board: Board | None = None
+        self._board: PhotodiodeBoard | None = None
         self._amplifier: AmplifierState | None = None
 
     def prepare(self, sample_rate: float, samples: int) -> None:
         """Compile what makes a block (sample rate in Hz) before the first one is waited for."""
         kept = self._poses, self._around, self._amplifier
         self._poses = [(0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)] * 2
-        self.block(0, sample_rate, samples, np.random.default_rng(0))
+        self.read_block(0, sample_rate, samples, np.random.default_rng(0))
         self._poses, self._around, self._amplifier = kept
 
-    def pass_by(self, pose: Pose) -> None:
+    def record_pose(self, pose: Pose) -> None:
         """Take note of the pose at a control step: the next block is seen from there."""
         self._poses.append(pose)
 
-    def block(
+    def read_block(
         self, start_ns: int, sample_rate: float, samples: int, chance: Generator
     ) -> NDArray[np.uint16]:
         """Return the block that began at a time [ns], shape (samples, diodes). [Hz; counts]"""
-        light = self.illuminance(self._poses)
+        light = self.compute_illuminance(self._poses)
         self._poses = [self._poses[-1]]
         board = self._board
         if board is None or board.sampling != (sample_rate, samples):
-            board = self._board = Board(self._diodes, self.field, sample_rate, samples)
-        block, self._amplifier = board.block(light, start_ns, chance, self._amplifier)
+            board = self._board = PhotodiodeBoard(self._diodes, self.field, sample_rate, samples)
+        block, self._amplifier = board.sample_block(light, start_ns, chance, self._amplifier)
         return block
 
-    def illuminance(self, poses: Sequence[Pose]) -> Illuminance:
+    def compute_illuminance(self, poses: Sequence[Pose]) -> PlaneIlluminance:
         """Return what the diodes read at some poses, one after the other."""
-        before = self._gathered(poses[0]) if self._around is None else self._around
-        self._around = after = self._gathered(poses[-1])
+        before = self._gather_light(poses[0]) if self._around is None else self._around
+        self._around = after = self._gather_light(poses[-1])
         shape = len(poses), self._diodes.count
-        light = Illuminance(np.empty((len(self._beams), *shape)), np.empty(shape), np.empty(shape))
+        light = PlaneIlluminance(
+            np.empty((len(self._beams), *shape)), np.empty(shape), np.empty(shape)
+        )
         self._on_the_way(
             *self._scene, np.array(poses), self._diodes.planes, before, after, self._ambient,
             light.modulated, light.steady, light.mains,
@@ -107,36 +111,40 @@ class LightView:
         daylight = field.daylight if field.outside is None else field.outside.daylight
         return 0.0 if daylight is None else field.ambient.efficacy / daylight.efficacy
 
-    def _gathered(self, pose: Pose) -> Array:
+    def _gather_light(self, pose: Pose) -> Array:
         """Return what is gathered at a pose, with no ambient light beyond a door."""
         x, y, z, i, j, k, w = pose
         out = np.empty((LAMPS + len(self._beams), self._diodes.count))
         self._gather(
             *self._scene, (x, y, z), (i, j, k, w), self._diodes.planes, out, self._scratch
         )
-        if not self._indoors(pose):
+        if not self._is_indoors(pose):
             out[SHARE] = 0.0
         return out
 
-    def _indoors(self, pose: Pose) -> bool:
+    def _is_indoors(self, pose: Pose) -> bool:
         """Tell whether the ambient light is there."""
-        return self.field.outside is None or within(self._surround, *pose[:3])
+        return self.field.outside is None or is_in_room(self._surround, *pose[:3])
 
-    def on_panel(self, pose: Pose) -> tuple[float, float]:
+    def panel_light(self, pose: Pose) -> tuple[float, float]:
         """Return illuminance [lx] and irradiance [W/m2] of the panel, mean over the flicker."""
         x, y, z, i, j, k, w = pose
         s, panel, position, q = self._surround, self._panel, (x, y, z), (i, j, k, w)
-        modulated = [lamp_on(panel, s, each, position, q) for each in self._beams]
-        return self._mean(pose, modulated, day_on_panel(panel, s, position, q), panel.share)
+        modulated = [lamp_light_on_panel(panel, s, each, position, q) for each in self._beams]
+        return self._average_flicker(
+            pose, modulated, daylight_on_panel(panel, s, position, q), panel.share
+        )
 
-    def on_hull(self, pose: Pose) -> float:
+    def hull_irradiance(self, pose: Pose) -> float:
         """Return the irradiance at the hull centre on planes that face each light. [W/m2]"""
         x, y, z = pose[:3]
-        facing = [shine(each, (x, y, z))[0] + each.diffuse for each in self._beams]
+        facing = [direct_light(each, (x, y, z))[0] + each.diffuse for each in self._beams]
         s = self._surround
-        return self._mean(pose, facing, day_on(s, (x, y, z), (s.sun_x, s.sun_y, s.sun_z)))[1]
+        return self._average_flicker(
+            pose, facing, daylight_illuminance(s, (x, y, z), (s.sun_x, s.sun_y, s.sun_z))
+        )[1]
 
-    def _mean(
+    def _average_flicker(
         self, pose: Pose, modulated: Sequence[float], day: float, share: float = 1.0
     ) -> tuple[float, float]:
         """
@@ -145,7 +153,7 @@ class LightView:
         From each lamp's light while it is on, daylight [lx], and the share of ambient light.
         """
         ambient = self.field.ambient
-        steady = share * ambient.steady if self._indoors(pose) else 0.0
+        steady = share * ambient.steady if self._is_indoors(pose) else 0.0
         lux = steady + day
         watts = (steady + self._daylight_share * day) / ambient.efficacy
         for lamp, light in zip(self.field.lamps, modulated, strict=True):

@@ -11,11 +11,11 @@ from dataclasses import dataclass
 import math
 from typing import final
 
-from lta_config.compilation.compiled import compiled
+from lta_config.compilation.compiler import compile_functions
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.settings import setting, Settings
-from lta_model.measurement import Chain, read
-from lta_model.rigid_body import rotation
+from lta_model.measurement_chain import apply_chain, Chain
+from lta_model.rigid_body import rotation_matrix
 import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
@@ -76,7 +76,7 @@ class ImuErrors:
     full_scale: tuple[float, ...]
 
 
-def draw(settings: ImuSettings, rng: Generator) -> ImuErrors:
+def draw_errors(settings: ImuSettings, rng: Generator) -> ImuErrors:
     """
     Return the errors of one flight; offset and scale error are uniform within their bounds.
 
@@ -88,17 +88,17 @@ def draw(settings: ImuSettings, rng: Generator) -> ImuErrors:
         Source of chance.
 
     """
-    bounds = bounds_of(settings)
+    bounds = error_bounds(settings)
     return ImuErrors(
-        gain=tuple(1.0 + bound * x for bound, x in zip(bounds.gain, _unit(rng), strict=True)),
-        offset=tuple(bound * x for bound, x in zip(bounds.offset, _unit(rng), strict=True)),
+        gain=tuple(1.0 + bound * x for bound, x in zip(bounds.gain, _draw_six(rng), strict=True)),
+        offset=tuple(bound * x for bound, x in zip(bounds.offset, _draw_six(rng), strict=True)),
         noise=bounds.noise,
         step=bounds.step,
         full_scale=bounds.full_scale,
     )
 
 
-def bounds_of(settings: ImuSettings) -> ImuErrors:
+def error_bounds(settings: ImuSettings) -> ImuErrors:
     """Return the largest errors: `gain` is the largest deviation of the factor from 1."""
     g, deg = STANDARD_GRAVITY, DEGREE
     density = (*(n * g for n in settings.acceleration_noise), *(settings.rate_noise * deg,) * 3)
@@ -113,13 +113,13 @@ def bounds_of(settings: ImuSettings) -> ImuErrors:
     )
 
 
-def _unit(rng: Generator) -> list[float]:
+def _draw_six(rng: Generator) -> list[float]:
     """Return six numbers uniform in [-1, 1)."""
     numbers: list[float] = rng.uniform(-1.0, 1.0, 6).tolist()
     return numbers
 
 
-def specific_force(
+def imu_specific_force(
     velocity: Vector,
     rates: Vector,
     velocity_rate: Vector,
@@ -165,7 +165,7 @@ def specific_force(
     )
 
 
-def measure(
+def measure_imu(
     errors: ImuErrors, force: Vector, rates: Vector, rng: Generator
 ) -> tuple[Vector, Vector]:
     """
@@ -187,18 +187,18 @@ def measure(
 
     """
     chance = rng.standard_normal(6)
-    _tell((*force, *rates), _rows(errors), chance)
+    _apply_errors((*force, *rates), _pack_errors(errors), chance)
     x, y, z, a, b, c = chance.tolist()
     return (x, y, z), (a, b, c)
 
 
-def _rows(errors: ImuErrors) -> Array:
+def _pack_errors(errors: ImuErrors) -> Array:
     """Return the errors as compiled code takes them, a row for each kind."""
     kinds = (errors.gain, errors.offset, errors.noise, errors.step, errors.full_scale)
     return np.array(kinds)
 
 
-def _tell(truth: Sequence[float] | Array, errors: Array, chance: Array) -> None:
+def _apply_errors(truth: Sequence[float] | Array, errors: Array, chance: Array) -> None:
     """Put readings of the truth into the place of the normal deviates in them."""
     for i in range(6):
         step, end = errors[3, i], errors[4, i]
@@ -207,11 +207,11 @@ def _tell(truth: Sequence[float] | Array, errors: Array, chance: Array) -> None:
         chance[i] = end if value > end else -end if value < -end else value
 
 
-def _feel(state: Array, rate: Array, place: Array, truth: Array) -> None:
+def _write_truth(state: Array, rate: Array, place: Array, truth: Array) -> None:
     """Write true specific force and rates at the sensor; `place` ends with gravity."""
-    turn = rotation((state[3], state[4], state[5], state[6]))
+    turn = rotation_matrix((state[3], state[4], state[5], state[6]))
     w = (state[10], state[11], state[12])
-    truth[0], truth[1], truth[2] = specific_force(
+    truth[0], truth[1], truth[2] = imu_specific_force(
         (state[7], state[8], state[9]),
         w,
         (rate[7], rate[8], rate[9]),
@@ -223,12 +223,12 @@ def _feel(state: Array, rate: Array, place: Array, truth: Array) -> None:
     truth[3], truth[4], truth[5] = w
 
 
-def _sample(
+def _write_reading(
     state: Array, rate: Array, place: Array, truth: Array, errors: Array, chance: Array
 ) -> None:
     """Do both, where no effect comes between them."""
-    _feel(state, rate, place, truth)
-    _tell(truth, errors, chance)
+    _write_truth(state, rate, place, truth)
+    _apply_errors(truth, errors, chance)
 
 
 @final
@@ -260,10 +260,12 @@ class Imu:
         on_force: Chain = (),
         on_rates: Chain = (),
     ) -> None:
-        self._errors, self._rng = _rows(errors), rng
+        self._errors, self._rng = _pack_errors(errors), rng
         self._place, self._truth = np.array([*position, gravity]), np.empty(6)
         self._on_force, self._on_rates = on_force, on_rates
-        self._feel, self._tell, self._sample = compiled(_feel, _tell, _sample)
+        self._feel, self._tell, self._sample = compile_functions(
+            _write_truth, _apply_errors, _write_reading
+        )
 
     def prepare(self, state: Array, rate: Array) -> None:
         """Compile what a reading calls, or load it from disk; no chance is used up."""
@@ -288,8 +290,8 @@ class Imu:
         if self._on_force or self._on_rates:
             self._feel(state, rate, self._place, truth)
             numbers = truth.tolist()
-            truth[:3] = read(self._on_force, tuple(numbers[:3]), elapsed)
-            truth[3:] = read(self._on_rates, tuple(numbers[3:]), elapsed)
+            truth[:3] = apply_chain(self._on_force, tuple(numbers[:3]), elapsed)
+            truth[3:] = apply_chain(self._on_rates, tuple(numbers[3:]), elapsed)
             self._tell(truth, self._errors, told)
         else:
             self._sample(state, rate, self._place, truth, self._errors, told)

@@ -21,8 +21,8 @@ from functools import cached_property
 import math
 from typing import Annotated, final
 
-from lta_config.files import Record
-from lta_model.ring import azimuths
+from lta_config.files import StrictModel
+from lta_model.diode_ring import spread_azimuths
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
@@ -38,7 +38,7 @@ NotNegative = Annotated[Finite, Field(ge=0.0)]
 
 
 @final
-class PhotodiodeArray(Record):
+class PhotodiodeArray(StrictModel):
     """
     A ring of photodiodes under the hull.
 
@@ -121,29 +121,29 @@ class PhotodiodeArray(Record):
         if self.axes:
             axes = np.array(self.axes)
         else:
-            angles = np.array(azimuths(self.count))
+            angles = np.array(spread_azimuths(self.count))
             axes = np.stack([np.cos(angles), np.sin(angles), np.zeros(self.count)], axis=-1)
         points = self.radius * axes - np.array([0.0, 0.0, self.depth])
         return np.concatenate([points, axes], axis=1)
 
     @property
-    def edge(self) -> float:
+    def edge_cosine(self) -> float:
         """Cosine at the edge of the field of view."""
         return math.cos(0.5 * self.field_of_view) if self.field_of_view < math.pi else 0.0
 
     @property
-    def factors(self) -> Array:
+    def diode_gains(self) -> Array:
         """Gain of each diode as it is, shape (count,): nothing where it is dead."""
         factors = np.array(self.gains) if self.gains else np.ones(self.count)
         factors[list(self.dead)] = 0.0
         return factors
 
     @property
-    def scale(self) -> float:
+    def gain_scale(self) -> float:
         """Reading by the selected resistor over that by the largest. [1]"""
         return self.feedback_resistance / max(self.resistors, default=self.feedback_resistance)
 
-    def selected(self, irradiance: float) -> 'PhotodiodeArray':
+    def select_resistor(self, irradiance: float) -> 'PhotodiodeArray':
         """Return these diodes with the largest resistor that steady light leaves room. [W/m2]"""
         volts = [
             resistor * self.area * self.responsivity * irradiance for resistor in self.resistors
@@ -153,12 +153,12 @@ class PhotodiodeArray(Record):
                 return self.model_copy(update={'feedback_resistance': resistor})
         return self
 
-    def drawn(self, chance: np.random.Generator) -> 'PhotodiodeArray':
+    def draw_gains(self, chance: np.random.Generator) -> 'PhotodiodeArray':
         """Return these diodes with gains drawn by their spread, none below zero."""
         gains = np.maximum(1.0 + self.gain_spread * chance.standard_normal(self.count), 0.0)
         return self.model_copy(update={'gains': tuple(gains.tolist())})
 
-    def place(self, position: Array, rotation: Array) -> tuple[Array, Array]:
+    def place_in_map(self, position: Array, rotation: Array) -> tuple[Array, Array]:
         """
         Return where the diodes are and where they look.
 
@@ -180,12 +180,12 @@ class PhotodiodeArray(Record):
         return position[..., None, :] + points @ turn, axes @ turn
 
 
-def sensitivity(array: PhotodiodeArray) -> float:
+def voltage_sensitivity(array: PhotodiodeArray) -> float:
     """Return the volts by irradiance. [V m2/W]"""
     return array.area * array.responsivity * array.feedback_resistance
 
 
-def noise_terms(array: PhotodiodeArray) -> tuple[float, float]:
+def noise_variances(array: PhotodiodeArray) -> tuple[float, float]:
     """Return the variance of noise without light [V2] and that of the shot noise by volt [V]."""
     step = array.adc_range / 2**array.adc_bits
     amplifier = array.noise**2 * array.feedback_resistance / NOISE_RESISTANCE

@@ -11,7 +11,7 @@ from typing import final
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.settings import setting, Settings
-from lta_model.measurement import Chain, read
+from lta_model.measurement_chain import apply_chain, Chain
 from numpy.random import Generator
 
 # ICAO standard atmosphere (Doc 7488) below 11 km.
@@ -46,7 +46,7 @@ class PressureErrors:
     drift: float
 
 
-def draw(settings: PressureSettings, rng: Generator) -> PressureErrors:
+def draw_errors(settings: PressureSettings, rng: Generator) -> PressureErrors:
     """Return the errors of one flight."""
     offset, drift = rng.uniform(-1.0, 1.0, 2).tolist()
     return PressureErrors(offset=settings.offset * offset, drift=settings.drift * drift)
@@ -72,7 +72,7 @@ def air_pressure(floor: float, height: float) -> float:
     return floor * float((1.0 - LAPSE * height / SEA_TEMPERATURE) ** EXPONENT)
 
 
-def measure(
+def measure_pressure(
     settings: PressureSettings,
     errors: PressureErrors,
     height: float,
@@ -101,7 +101,7 @@ def measure(
     """
     truth = air_pressure(settings.floor, height)
     if chain:
-        truth = read(chain, (truth,), elapsed)[0]
+        truth = apply_chain(chain, (truth,), elapsed)[0]
     noise = settings.noise * float(rng.standard_normal())
     told = truth + errors.offset + errors.drift * elapsed + noise
     return round(told / settings.resolution) * settings.resolution

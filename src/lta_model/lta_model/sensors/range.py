@@ -12,8 +12,8 @@ import math
 from typing import final
 
 from lta_config.settings import setting, Settings
-from lta_model.measurement import Chain, read
-from lta_model.rigid_body import rotation
+from lta_model.measurement_chain import apply_chain, Chain
+from lta_model.rigid_body import rotation_matrix
 from numpy.random import Generator
 
 Vector = tuple[float, float, float]
@@ -53,12 +53,12 @@ class RangeErrors:
     offset: float
 
 
-def draw(settings: RangeSettings, rng: Generator) -> RangeErrors:
+def draw_errors(settings: RangeSettings, rng: Generator) -> RangeErrors:
     """Return the errors of one flight."""
     return RangeErrors(offset=settings.offset * float(rng.uniform(-1.0, 1.0)))
 
 
-def deviation(noise: float, distance: float) -> float:
+def noise_deviation(noise: float, distance: float) -> float:
     """
     Return the standard deviation of one reading.
 
@@ -73,7 +73,7 @@ def deviation(noise: float, distance: float) -> float:
     return noise * (1.0 + math.exp(GROWTH * (distance - KNEE)))
 
 
-def outlook(state: Sequence[float], position: Vector) -> tuple[float, float]:
+def height_and_tilt(state: Sequence[float], position: Vector) -> tuple[float, float]:
     """
     Return the height of the sensor and the cosine of its tilt.
 
@@ -86,11 +86,11 @@ def outlook(state: Sequence[float], position: Vector) -> tuple[float, float]:
 
     """
     x, y, z, w = state[3:7]
-    a, b, c = rotation((x, y, z, w))[6:]
+    a, b, c = rotation_matrix((x, y, z, w))[6:]
     return state[2] + (a * position[0] + b * position[1] + c * position[2]), c
 
 
-def measure(
+def measure_range(
     settings: RangeSettings,
     errors: RangeErrors,
     height: float,
@@ -130,9 +130,9 @@ def measure(
     if up <= 0.0 or height > settings.maximum * up:
         return math.inf
     distance = max(height, 0.0) / up
-    noise = deviation(settings.noise, distance) * chance
+    noise = noise_deviation(settings.noise, distance) * chance
     if chain:
-        distance = read(chain, (distance,), elapsed)[0]
+        distance = apply_chain(chain, (distance,), elapsed)[0]
     told = distance + errors.offset + noise
     if told > settings.maximum:
         return math.inf

@@ -23,7 +23,7 @@ from collections.abc import Mapping
 import math
 from typing import Final
 
-from lta_sim.cfd.model import HULL, Model
+from lta_sim.cfd.tunnel_model import HULL, TunnelModel
 import numpy as np
 from numpy.typing import NDArray
 
@@ -31,7 +31,7 @@ Array = NDArray[np.float64]
 PLATE: Final = 1.17  # square plate across the flow (Aeronautical Engineer's Data Book, 5.13(b))
 
 
-def hull_coefficient(along: float, across: float, speed: float, viscosity: float) -> float:
+def hull_drag_coefficient(along: float, across: float, speed: float, viscosity: float) -> float:
     """
     Return the drag coefficient of a hull on the area of its shadow. [1].
 
@@ -50,7 +50,7 @@ def hull_coefficient(along: float, across: float, speed: float, viscosity: float
     return 0.44 * slender + 4.0 * friction / slender + 4.0 * friction * math.sqrt(slender)
 
 
-def drag(model: Model, axis: int, speed: float, air: tuple[float, float]) -> float:
+def drag_force(model: TunnelModel, axis: int, speed: float, air: tuple[float, float]) -> float:
     """
     Return the drag along a body axis. [N].
 
@@ -69,13 +69,15 @@ def drag(model: Model, axis: int, speed: float, air: tuple[float, float]) -> flo
     density, viscosity = air
     sizes = model.hull.extents
     across = min(float(sizes[axis - 1]), float(sizes[axis - 2]))
-    hull = hull_coefficient(float(sizes[axis]), across, speed, viscosity) * model.frontal(axis)
-    boxes = sum(PLATE * area for area in _sides(model, axis).values())
+    hull = hull_drag_coefficient(
+        float(sizes[axis]), across, speed, viscosity
+    ) * model.frontal_area(axis)
+    boxes = sum(PLATE * area for area in _box_areas(model, axis).values())
     return 0.5 * density * speed**2 * (hull + boxes)
 
 
-def damping(model: Model, axis: int, rate: float, air: tuple[float, float]) -> float:
-    """Return the moment against turning about a body axis. [N m]; parameters as `drag`."""
+def damping_moment(model: TunnelModel, axis: int, rate: float, air: tuple[float, float]) -> float:
+    """Return the moment against turning about a body axis. [N m]; parameters as `drag_force`."""
     density, viscosity = air
     sizes = model.hull.extents
     revolution = int(np.argmax(np.abs(sizes - np.median(sizes))))
@@ -87,10 +89,10 @@ def damping(model: Model, axis: int, rate: float, air: tuple[float, float]) -> f
     if axis != revolution:
         plate = PLATE * density * radius**5 * 2.0 / 15.0 * 2.0
         moment += plate * (1.0 - flat) ** 2 * rate**2
-    return moment + _boxes(model, axis, density) * rate**2
+    return moment + _box_damping(model, axis, density) * rate**2
 
 
-def _sides(model: Model, axis: int) -> Mapping[str, float]:
+def _box_areas(model: TunnelModel, axis: int) -> Mapping[str, float]:
     """Return the area of each box as the air along an axis meets it. [m2]."""
     return {
         name: float(np.prod(np.delete(mesh.extents, axis)))
@@ -99,7 +101,7 @@ def _sides(model: Model, axis: int) -> Mapping[str, float]:
     }
 
 
-def _boxes(model: Model, axis: int, density: float) -> float:
+def _box_damping(model: TunnelModel, axis: int, density: float) -> float:
     """Return 0.5 rho Cd A r^3 of all boxes that turn about an axis, in strips. [N m s2]."""
     total = 0.0
     for name, mesh in model.bodies.items():

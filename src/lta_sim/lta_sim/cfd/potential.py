@@ -10,7 +10,7 @@ displaces. The air therefore slides along the surface at (1 + k) times what of U
 with n the normal and e the direction of the stream. A sphere has k = 1/2: from 1 to -5/4.
 """
 
-from lta_config.schema.vehicle_body import Hull
+from lta_config.schema.vehicle_body import HullBlock
 from lta_model import hull
 import numpy as np
 from numpy.typing import NDArray
@@ -37,14 +37,16 @@ def pressure_coefficient(normals: Array, along: int, share: float) -> Array:
     return found
 
 
-def added_share(shape: Hull, along: int) -> float:
+def added_mass_share(shape: HullBlock, along: int) -> float:
     """Return the added mass of a hull along an axis over the air that its spheroid displaces."""
     a, b, c = hull.half_axes(shape)
     displaced = 4.0 / 3.0 * np.pi * a * b * c
     return float(hull.added_mass(shape, 1.0)[along] / displaced)
 
 
-def extremes(shape: Hull, along: int, speed: float, density: float) -> tuple[float, float]:
+def pressure_extremes(
+    shape: HullBlock, along: int, speed: float, density: float
+) -> tuple[float, float]:
     """
     Return the least and the greatest pressure on a hull in flight. [Pa].
 
@@ -63,5 +65,7 @@ def extremes(shape: Hull, along: int, speed: float, density: float) -> tuple[flo
     dynamic = 0.5 * density * speed**2
     beside, ahead = np.zeros(3), np.zeros(3)
     beside[along - 1], ahead[along] = 1.0, 1.0
-    low, high = pressure_coefficient(np.array([beside, ahead]), along, added_share(shape, along))
+    low, high = pressure_coefficient(
+        np.array([beside, ahead]), along, added_mass_share(shape, along)
+    )
     return float(dynamic * low), float(dynamic * high)

@@ -4,15 +4,15 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
-from lta_sim.cfd import gates
-from lta_sim.cfd.model import Model
-from lta_sim.cfd.openfoam.case import Step
+from lta_sim.cfd import flow_checks
+from lta_sim.cfd.openfoam.case import ProgramStep
 from lta_sim.cfd.openfoam.engine import RESIDUAL
-from lta_sim.cfd.openfoam.forces import read_forces, read_mesh, read_momentum, Wrenches
-from lta_sim.cfd.still import AXES
-from lta_sim.cfd.surface import read_surface
-from lta_sim.cfd.sweep_table import Blow, Evidence, Point
-from lta_sim.cfd.tunnel import OUTER, planes_of, SETTLING, TURNS
+from lta_sim.cfd.openfoam.output_reader import read_forces, read_mesh, read_momentum, WrenchHistory
+from lta_sim.cfd.still_air import AXES
+from lta_sim.cfd.surface import read_surface_pressure
+from lta_sim.cfd.sweep_table import Blow, FlowEvidence, SweepPoint
+from lta_sim.cfd.tunnel import OUTER, SETTLING, symmetry_planes, TURNS
+from lta_sim.cfd.tunnel_model import TunnelModel
 import numpy as np
 from numpy.typing import NDArray
 
@@ -23,31 +23,35 @@ STARTING: Final = 6.0
 BATCH: Final = 5.0  # lengths of flow, about one swing of a wake
 
 
-def _ending(wrench: Wrenches) -> slice:
-    return slice(max(len(wrench.time) - gates.WINDOW, 0), None)
+def _averaging_window(wrench: WrenchHistory) -> slice:
+    return slice(max(len(wrench.time) - flow_checks.WINDOW, 0), None)
 
 
-def _kept(place: Path, begin: str, patches: Sequence[str]) -> Array:
+def _mean_outflow(place: Path, begin: str, patches: Sequence[str]) -> Array:
     """Return what the air takes along, mean of the window, at 1 kg/m3: momentum and pressure."""
     outer = read_forces(place, 'outer', begin)
-    rows = [read_momentum(place, patch, begin)[-gates.WINDOW :].mean(axis=0) for patch in patches]
-    total: Array = outer.force[_ending(outer)].mean(axis=0) + np.sum(rows, axis=0)
+    rows = [
+        read_momentum(place, patch, begin)[-flow_checks.WINDOW :].mean(axis=0) for patch in patches
+    ]
+    total: Array = outer.force[_averaging_window(outer)].mean(axis=0) + np.sum(rows, axis=0)
     return total
 
 
-def _residual(place: Path, step: str) -> float | None:
+def _read_residual(place: Path, step: str) -> float | None:
     text = (place / f'log.{step}').read_text(encoding='utf-8', errors='replace')
     found = RESIDUAL.findall(text[-8000:])
     return float(found[-1]) if found else None
 
 
-def _cells(mesh: Path) -> int:
+def _count_cells(mesh: Path) -> int:
     cells = read_mesh(mesh)['cells']
     assert isinstance(cells, float)
     return int(cells)
 
 
-def _whole(force: Array, moment: Array, planes: tuple[bool, bool]) -> tuple[Array, Array]:
+def _unfold_symmetry(
+    force: Array, moment: Array, planes: tuple[bool, bool]
+) -> tuple[Array, Array]:
     """Return the wrench on the whole body from that on the half or quarter that was solved."""
     force, moment = force.copy(), moment.copy()
     for axis, is_one in zip((1, 2), planes, strict=True):
@@ -59,10 +63,10 @@ def _whole(force: Array, moment: Array, planes: tuple[bool, bool]) -> tuple[Arra
     return force, moment
 
 
-def wind_point(
-    model: Model, axis: str, step: Step, speed: float, place: Path, mesh: Path, seconds: float,
-    density: float,
-) -> Point:  # fmt: skip
+def reduce_wind(
+    model: TunnelModel, axis: str, step: ProgramStep, speed: float, place: Path, mesh: Path,
+    seconds: float, density: float,
+) -> SweepPoint:  # fmt: skip
     """
     Return one speed of a steady wind tunnel.
 
@@ -89,58 +93,60 @@ def wind_point(
         If a gate does not hold.
 
     """
-    planes = planes_of(model, axis)
+    planes = symmetry_planes(model, axis)
     wrenches = {name: read_forces(place, name, step.begin) for name in model.bodies}
-    drags = np.sum([each.force[_ending(each), 0] for each in wrenches.values()], axis=0)
+    drags = np.sum([each.force[_averaging_window(each), 0] for each in wrenches.values()], axis=0)
     spread = float(np.std(drags) / abs(np.mean(drags)))
-    gates.check_spread(spread, len(drags))
-    gates.check_brakes(float(np.mean(drags)))
-    lost = _kept(place, step.begin, OUTER)[0] + np.mean(drags)
+    flow_checks.check_spread(spread, len(drags))
+    flow_checks.check_brakes(float(np.mean(drags)))
+    lost = _mean_outflow(place, step.begin, OUTER)[0] + np.mean(drags)
     balance = float(abs(lost) / abs(np.mean(drags)))
-    gates.check_balance(balance)
+    flow_checks.check_balance(balance)
     scale = density * speed**2
-    force, moment = _body(axis, planes, wrenches, scale)
-    return Point(
+    force, moment = _mean_body_wrench(axis, planes, wrenches, scale)
+    return SweepPoint(
         speed=speed,
-        force=_listed(force),
-        moment=_listed(moment),
-        parts=_parts(wrenches, scale * 2 ** sum(planes)),
-        viscous=_viscous(wrenches),
-        evidence=Evidence(
-            spread=_short(spread), window=float(len(drags)), balance=_short(balance),
-            residual=_residual(place, step.name), cells=_cells(mesh), seconds=seconds,
+        force=_to_list(force),
+        moment=_to_list(moment),
+        parts=_drag_parts(wrenches, scale * 2 ** sum(planes)),
+        viscous=_viscous_share(wrenches),
+        evidence=FlowEvidence(
+            spread=_round_short(spread), window=float(len(drags)), balance=_round_short(balance),
+            residual=_read_residual(place, step.name), cells=_count_cells(mesh), seconds=seconds,
         ),
     )  # fmt: skip
 
 
-def transient_point(
-    model: Model, axis: str, step: Step, speed: float, place: Path, mesh: Path, seconds: float,
-    density: float,
-) -> Point:  # fmt: skip
-    """Return a transient wind tunnel, its spread the standard error; as `wind_point`."""
+def reduce_transient(
+    model: TunnelModel, axis: str, step: ProgramStep, speed: float, place: Path, mesh: Path,
+    seconds: float, density: float,
+) -> SweepPoint:  # fmt: skip
+    """Return a transient wind tunnel, its spread the standard error; as `reduce_wind`."""
     wrenches = {name: read_forces(place, name, step.begin) for name in model.bodies}
     first = next(iter(wrenches.values()))
     late = first.time >= SETTLING + STARTING * model.length
     drags = np.sum([each.force[late, 0] for each in wrenches.values()], axis=0)
     weights = np.gradient(first.time[late])
     error = standard_error(drags, weights, BATCH * model.length)
-    gates.check_mean(error, float(weights.sum()) / model.length)
-    gates.check_brakes(float(np.average(drags, weights=weights)))
+    flow_checks.check_mean(error, float(weights.sum()) / model.length)
+    flow_checks.check_brakes(float(np.average(drags, weights=weights)))
     cut = {
-        name: Wrenches(each.time[late], each.force[late], each.moment[late], each.viscous[late])
+        name: WrenchHistory(
+            each.time[late], each.force[late], each.moment[late], each.viscous[late]
+        )
         for name, each in wrenches.items()
     }
     scale = density * speed**2
-    force, moment = _body(axis, (False, False), cut, scale, weights)
-    return Point(
+    force, moment = _mean_body_wrench(axis, (False, False), cut, scale, weights)
+    return SweepPoint(
         speed=speed,
-        force=_listed(force),
-        moment=_listed(moment),
-        parts=_parts(cut, scale, weights),
-        viscous=_viscous(cut, weights),
-        evidence=Evidence(
-            spread=_short(error), window=_short(float(weights.sum())),
-            residual=_residual(place, step.name), cells=_cells(mesh), seconds=seconds,
+        force=_to_list(force),
+        moment=_to_list(moment),
+        parts=_drag_parts(cut, scale, weights),
+        viscous=_viscous_share(cut, weights),
+        evidence=FlowEvidence(
+            spread=_round_short(error), window=_round_short(float(weights.sum())),
+            residual=_read_residual(place, step.name), cells=_count_cells(mesh), seconds=seconds,
         ),
     )  # fmt: skip
 
@@ -171,82 +177,88 @@ def standard_error(values: Array, weights: Array, batch: float) -> float:
     return float(np.sqrt(variance) / abs(mean))
 
 
-def _body(
+def _mean_body_wrench(
     axis: str,
     planes: tuple[bool, bool],
-    wrenches: Mapping[str, Wrenches],
+    wrenches: Mapping[str, WrenchHistory],
     scale: float,
     weights: Array | None = None,
 ) -> tuple[Array, Array]:
     """Return mean force and moment in body axes."""
     force, moment = np.zeros(3), np.zeros(3)
     for each in wrenches.values():
-        rows = _ending(each) if weights is None else slice(None)
+        rows = _averaging_window(each) if weights is None else slice(None)
         force += np.average(each.force[rows], axis=0, weights=weights)
         moment += np.average(each.moment[rows], axis=0, weights=weights)
-    force, moment = _whole(force, moment, planes)
+    force, moment = _unfold_symmetry(force, moment, planes)
     turn = TURNS[axis].T
     return scale * (turn @ force), scale * (turn @ moment)
 
 
-def _parts(
-    wrenches: Mapping[str, Wrenches], scale: float, weights: Array | None = None
+def _drag_parts(
+    wrenches: Mapping[str, WrenchHistory], scale: float, weights: Array | None = None
 ) -> dict[str, float]:
     return {
-        name: _short(scale * _mean(each, each.force[:, 0], weights))
+        name: _round_short(scale * _average_window(each, each.force[:, 0], weights))
         for name, each in wrenches.items()
     }
 
 
-def _viscous(wrenches: Mapping[str, Wrenches], weights: Array | None = None) -> float:
-    friction = sum(_mean(each, each.viscous[:, 0], weights) for each in wrenches.values())
-    drag = sum(_mean(each, each.force[:, 0], weights) for each in wrenches.values())
-    return _short(friction / drag)
+def _viscous_share(wrenches: Mapping[str, WrenchHistory], weights: Array | None = None) -> float:
+    friction = sum(
+        _average_window(each, each.viscous[:, 0], weights) for each in wrenches.values()
+    )
+    drag = sum(_average_window(each, each.force[:, 0], weights) for each in wrenches.values())
+    return _round_short(friction / drag)
 
 
-def _mean(wrench: Wrenches, values: Array, weights: Array | None) -> float:
+def _average_window(wrench: WrenchHistory, values: Array, weights: Array | None) -> float:
     """Return the mean of the window of a steady flow, or of all of a transient."""
     if weights is None:
-        return float(np.mean(values[_ending(wrench)]))
+        return float(np.mean(values[_averaging_window(wrench)]))
     return float(np.average(values, weights=weights))
 
 
-def spin_point(
-    model: Model, about: str, step: Step, rate: float, place: Path, mesh: Path, seconds: float,
-    density: float,
-) -> Point:  # fmt: skip
-    """Return one rate of a turning vehicle; as `wind_point`."""
+def reduce_spin(
+    model: TunnelModel, about: str, step: ProgramStep, rate: float, place: Path, mesh: Path,
+    seconds: float, density: float,
+) -> SweepPoint:  # fmt: skip
+    """Return one rate of a turning vehicle; as `reduce_wind`."""
     axis = np.array(AXES[about])
     wrenches = {name: read_forces(place, name, step.begin) for name in model.bodies}
-    rows = {name: each.moment[_ending(each)] @ axis for name, each in wrenches.items()}
+    rows = {name: each.moment[_averaging_window(each)] @ axis for name, each in wrenches.items()}
     total = np.sum(list(rows.values()), axis=0)
     spread = float(np.std(total) / abs(np.mean(total)))
-    gates.check_spread(spread, len(total))
-    gates.check_brakes(-float(np.mean(total)))
+    flow_checks.check_spread(spread, len(total))
+    flow_checks.check_brakes(-float(np.mean(total)))
     scale = density * rate**2
-    force = sum((e.force[_ending(e)].mean(axis=0) for e in wrenches.values()), np.zeros(3))
-    moment = sum((e.moment[_ending(e)].mean(axis=0) for e in wrenches.values()), np.zeros(3))
-    return Point(
+    force = sum(
+        (e.force[_averaging_window(e)].mean(axis=0) for e in wrenches.values()), np.zeros(3)
+    )
+    moment = sum(
+        (e.moment[_averaging_window(e)].mean(axis=0) for e in wrenches.values()), np.zeros(3)
+    )
+    return SweepPoint(
         speed=rate,
-        force=_listed(scale * force),
-        moment=_listed(scale * moment),
-        parts={name: _short(-scale * float(np.mean(each))) for name, each in rows.items()},
+        force=_to_list(scale * force),
+        moment=_to_list(scale * moment),
+        parts={name: _round_short(-scale * float(np.mean(each))) for name, each in rows.items()},
         viscous=0.0,
-        evidence=Evidence(
-            spread=_short(spread), window=float(len(total)),
-            residual=_residual(place, step.name), cells=_cells(mesh), seconds=seconds,
+        evidence=FlowEvidence(
+            spread=_round_short(spread), window=float(len(total)),
+            residual=_read_residual(place, step.name), cells=_count_cells(mesh), seconds=seconds,
         ),
     )  # fmt: skip
 
 
-def blow(
-    model: Model, shares: Mapping[str, float], place: Path, mesh: Path, seconds: float,
+def reduce_blow(
+    model: TunnelModel, shares: Mapping[str, float], place: Path, mesh: Path, seconds: float,
     density: float,
 ) -> Blow:  # fmt: skip
-    """Return the net wrench of rotors that are on; as `wind_point`."""
+    """Return the net wrench of rotors that are on; as `reduce_wind`."""
     zones = read_mesh(mesh)['zones']
     assert isinstance(zones, dict)
-    gates.check_zones(zones, shares)
+    flow_checks.check_zones(zones, shares)
     thrust, torque, loudness = np.zeros(3), np.zeros(3), 0.0
     for name, share in shares.items():
         rotor = model.rotors[name]
@@ -255,29 +267,35 @@ def blow(
         torque += np.cross(rotor.place, push)
         loudness += abs(share) * rotor.thrust
     wrenches = {name: read_forces(place, name, '0') for name in model.bodies}
-    walls = np.sum([each.force[_ending(each)] for each in wrenches.values()], axis=0) * density
-    turned = np.sum([each.moment[_ending(each)] for each in wrenches.values()], axis=0) * density
+    walls = (
+        np.sum([each.force[_averaging_window(each)] for each in wrenches.values()], axis=0)
+        * density
+    )
+    turned = (
+        np.sum([each.moment[_averaging_window(each)] for each in wrenches.values()], axis=0)
+        * density
+    )
     spread = float(np.linalg.norm(np.std(walls, axis=0)) / loudness)
-    gates.check_spread(spread, len(walls))
-    lost = density * _kept(place, '0', ('far',)) + walls.mean(axis=0) + thrust
+    flow_checks.check_spread(spread, len(walls))
+    lost = density * _mean_outflow(place, '0', ('far',)) + walls.mean(axis=0) + thrust
     balance = float(np.linalg.norm(lost) / loudness)
-    gates.check_balance(balance)
+    flow_checks.check_balance(balance)
     return Blow(
         shares=dict(shares),
-        force=_listed(thrust + walls.mean(axis=0)),
-        moment=_listed(torque + turned.mean(axis=0)),
+        force=_to_list(thrust + walls.mean(axis=0)),
+        moment=_to_list(torque + turned.mean(axis=0)),
         zones={name: zones[name] for name in shares},
-        evidence=Evidence(
-            spread=_short(spread), window=float(len(walls)), balance=_short(balance),
-            residual=_residual(place, 'on'), cells=_cells(mesh), seconds=seconds,
+        evidence=FlowEvidence(
+            spread=_round_short(spread), window=float(len(walls)), balance=_round_short(balance),
+            residual=_read_residual(place, 'on'), cells=_count_cells(mesh), seconds=seconds,
         ),
-        pressed={name: read_surface(place, name, density) for name in model.bodies},
+        pressed={name: read_surface_pressure(place, name, density) for name in model.bodies},
     )  # fmt: skip
 
 
-def _short(number: float) -> float:
+def _round_short(number: float) -> float:
     return float(f'{number:.5g}')
 
 
-def _listed(vector: Array) -> list[float]:
-    return [_short(float(each)) for each in vector]
+def _to_list(vector: Array) -> list[float]:
+    return [_round_short(float(each)) for each in vector]

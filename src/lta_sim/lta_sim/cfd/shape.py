@@ -13,7 +13,7 @@ is not full is the same curve pressed flat to the height that its file gives: an
 from typing import Final
 
 from lta_config.errors import BadInput
-from lta_config.schema.vehicle_body import Hull
+from lta_config.schema.vehicle_body import HullBlock
 from lta_model.hull import half_axes
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +30,7 @@ TURNED: Final = {  # z to x, and z to y
 }
 
 
-def mylar(points: int = POINTS) -> Array:
+def mylar_profile(points: int = POINTS) -> Array:
     """
     Return the upper half of a full mylar balloon of radius 1 [1].
 
@@ -51,13 +51,13 @@ def mylar(points: int = POINTS) -> Array:
     return np.column_stack((np.sin(angle), below[-1] - below))[::20]
 
 
-def ellipse(points: int = POINTS) -> Array:
-    """Return a quarter of a circle of radius 1, from the pole to the rim, as `mylar`. [1]."""
+def ellipse_profile(points: int = POINTS) -> Array:
+    """Return a quarter of a circle of radius 1, from pole to rim, as `mylar_profile`. [1]."""
     angle = np.linspace(0.0, 0.5 * np.pi, points)
     return np.column_stack((np.sin(angle), np.cos(angle)))
 
 
-def revolved(half: Array, radius: float, height: float) -> trimesh.Trimesh:
+def revolve_profile(half: Array, radius: float, height: float) -> trimesh.Trimesh:
     """
     Return the closed surface of revolution about z of a half profile.
 
@@ -78,7 +78,7 @@ def revolved(half: Array, radius: float, height: float) -> trimesh.Trimesh:
     return mesh
 
 
-def envelope(hull: Hull) -> trimesh.Trimesh:
+def build_envelope(hull: HullBlock) -> trimesh.Trimesh:
     """
     Return the surface of a hull about its centre, body axes. [m].
 
@@ -94,8 +94,8 @@ def envelope(hull: Hull) -> trimesh.Trimesh:
         )
     half = half_axes(hull)
     axis = 'xyz'.index(hull.axis or 'z')
-    profile = mylar() if hull.shape == 'balloon' else ellipse()
-    mesh = revolved(profile, half[axis - 1], 2.0 * half[axis])
+    profile = mylar_profile() if hull.shape == 'balloon' else ellipse_profile()
+    mesh = revolve_profile(profile, half[axis - 1], 2.0 * half[axis])
     if axis != 2:
         mesh.apply_transform(TURNED['xy'[axis]])
     return mesh

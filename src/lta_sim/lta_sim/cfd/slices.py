@@ -4,10 +4,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, final
 
-from lta_sim.cfd.model import Model
-from lta_sim.cfd.openfoam.forces import read_slice
-from lta_sim.cfd.plan import Flow
-from lta_sim.cfd.tunnel import planes_of, TURNS
+from lta_sim.cfd.flow_plan import TunnelFlow
+from lta_sim.cfd.openfoam.output_reader import read_slice
+from lta_sim.cfd.tunnel import symmetry_planes, TURNS
+from lta_sim.cfd.tunnel_model import TunnelModel
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import griddata
@@ -19,7 +19,7 @@ POINTS: Final = 220  # along the longer side
 
 @final
 @dataclass(frozen=True, slots=True)
-class Slice:
+class FlowSlice:
     """
     The speed of the air in a plane.
 
@@ -43,7 +43,7 @@ class Slice:
     speed: Array
 
 
-def slice_of(model: Model, flow: Flow, place: Path) -> Slice | None:
+def read_flow_slice(model: TunnelModel, flow: TunnelFlow, place: Path) -> FlowSlice | None:
     """Return the slice of a solved flow; None where none was written."""
     rows = read_slice(place)
     if rows is None or len(rows) < 100:
@@ -62,17 +62,21 @@ def slice_of(model: Model, flow: Flow, place: Path) -> Slice | None:
         turn = TURNS.get(flow.about, np.eye(3))
         speed = speed * flow.speeds[-1]
     points = rows[:, [across, 2]]
-    if flow.kind == 'wind' and planes_of(model, flow.about)[1]:
+    if flow.kind == 'wind' and symmetry_planes(model, flow.about)[1]:
         points = np.vstack((points, points * (1.0, -1.0)))
         speed = np.concatenate((speed, speed))
     ends = size * np.array(window)
     step = float(np.ptp(ends[0])) / POINTS
     sides = [np.arange(low, high + step, step) for low, high in ends]
     grid = griddata(points, speed, tuple(np.meshgrid(*sides)), method='linear')
-    return Slice(flow.about, sides[0], sides[1], names, _hollow(model, turn, across, sides, grid))
+    return FlowSlice(
+        flow.about, sides[0], sides[1], names, _mask_bodies(model, turn, across, sides, grid)
+    )
 
 
-def _hollow(model: Model, turn: Array, across: int, sides: list[Array], grid: Array) -> Array:
+def _mask_bodies(
+    model: TunnelModel, turn: Array, across: int, sides: list[Array], grid: Array
+) -> Array:
     """Return a grid without what is inside the bodies, cut in the plane of the slice."""
     grid = grid.copy()
     normal = np.eye(3)[1 - across]
@@ -84,11 +88,11 @@ def _hollow(model: Model, turn: Array, across: int, sides: list[Array], grid: Ar
         origin = 0.0023 * model.length * normal
         cut = trimesh.intersections.mesh_plane(turned, normal, origin)  # type: ignore[no-untyped-call]
         if len(cut):
-            grid[_inside(cut[:, :, [across, 2]], sides)] = np.nan
+            grid[_find_inside(cut[:, :, [across, 2]], sides)] = np.nan
     return grid
 
 
-def _inside(lines: Array, sides: list[Array]) -> NDArray[np.bool_]:
+def _find_inside(lines: Array, sides: list[Array]) -> NDArray[np.bool_]:
     """Tell which points of a grid closed lines surround (crossings of a ray)."""
     x, y = np.meshgrid(*sides)
     odd = np.zeros(x.shape, dtype=bool)

@@ -6,21 +6,29 @@ import os
 from typing import Final
 
 from lta_config.errors import BadInput
-from lta_sim.cfd.analytic import damping, drag
-from lta_sim.cfd.crew import Crew, points_or_why
-from lta_sim.cfd.model import Model
-from lta_sim.cfd.plan import Air, Flow
-from lta_sim.cfd.still import RATES
-from lta_sim.cfd.sweep_table import AXES, Axis, Blow, Evidence, Place, Point, Sweep
+from lta_sim.cfd.analytic import damping_moment, drag_force
+from lta_sim.cfd.flow_plan import Air, TunnelFlow
+from lta_sim.cfd.flow_solvers import FlowSolver, split_result
+from lta_sim.cfd.still_air import RATES
+from lta_sim.cfd.sweep_table import (
+    AXES,
+    Axis,
+    Blow,
+    FlowEvidence,
+    RotorPlacement,
+    SweepPoint,
+    TunnelSweep,
+)
 from lta_sim.cfd.tunnel import SPEEDS
+from lta_sim.cfd.tunnel_model import TunnelModel
 
 BYTES_A_CELL: Final = 4_000  # of snappyHexMesh, which takes more than the solvers
 BY_HAND: Final = 'by hand'
-HAND: Final = Evidence(spread=0.0, window=0.0, cells=0, seconds=0.0)
+HAND: Final = FlowEvidence(spread=0.0, window=0.0, cells=0, seconds=0.0)
 
 
 def check_memory(
-    flows: Sequence[Flow], jobs: int, limit: float,
+    flows: Sequence[TunnelFlow], jobs: int, limit: float,
     remedy: str = 'use --jobs 1, a coarser fidelity, or more --memory',
 ) -> None:  # fmt: skip
     """Refuse, before any work, meshes that would not fit into a limit [bytes]."""
@@ -33,14 +41,18 @@ def check_memory(
         )
 
 
-def memory() -> float:
+def machine_memory() -> float:
     """Return the memory of this machine. [bytes]."""
     return float(os.sysconf('SC_PAGE_SIZE') * os.sysconf('SC_PHYS_PAGES'))
 
 
-def solve(
-    crew: Crew, model: Model, flows: Sequence[Flow], air: Air, said: Callable[[str], None]
-) -> tuple[dict[str, list[Point]], dict[str, Blow], dict[str, str], dict[str, Point]]:
+def solve_sweep(
+    solver: FlowSolver,
+    model: TunnelModel,
+    flows: Sequence[TunnelFlow],
+    air: Air,
+    report: Callable[[str], None],
+) -> tuple[dict[str, list[SweepPoint]], dict[str, Blow], dict[str, str], dict[str, SweepPoint]]:
     """
     Solve flows: the points of each axis, the patterns, what was refused and why, coarser meshes.
 
@@ -58,16 +70,16 @@ def solve(
         Given a sentence on each flow that is refused.
 
     """
-    axes: dict[str, list[Point]] = {}
+    axes: dict[str, list[SweepPoint]] = {}
     blows: dict[str, Blow] = {}
     refused: dict[str, str] = {}
-    coarse: dict[str, Point] = {}
-    with closing(crew.solved(model, flows, air[0])) as coming:
+    coarse: dict[str, SweepPoint] = {}
+    with closing(solver.solve_flows(model, flows, air[0])) as coming:
         for flow, found in coming:
             if isinstance(found, Blow):
                 blows[flow.about] = found
                 continue
-            points, reasons = points_or_why(flow, found)
+            points, reasons = split_result(flow, found)
             if flow.kind == 'coarse':
                 for point in points:  # one, or none
                     coarse[flow.about] = point
@@ -75,24 +87,24 @@ def solve(
                 axes.setdefault(flow.about, []).extend(points)
             refused |= reasons
             for name, reason in reasons.items():
-                said(f'{name}: {reason}')
+                report(f'{name}: {reason}')
     for each in axes.values():
         each.sort(key=lambda point: point.speed)
     return axes, blows, refused, coarse
 
 
-def by_hand(model: Model, air: Air) -> dict[Axis, list[Point]]:
+def estimate_drag(model: TunnelModel, air: Air) -> dict[Axis, list[SweepPoint]]:
     """Return what is known by hand of each axis."""
-    found: dict[Axis, list[Point]] = {}
+    found: dict[Axis, list[SweepPoint]] = {}
     for k, axis in enumerate(AXES):
         turning = k >= 3
         points = []
         for speed in RATES if turning else SPEEDS:
             wrench = [0.0] * 6
-            value = (damping if turning else drag)(model, k % 3, speed, air)
+            value = (damping_moment if turning else drag_force)(model, k % 3, speed, air)
             wrench[k] = -float(f'{value:.5g}')
             points.append(
-                Point(
+                SweepPoint(
                     speed=speed, force=wrench[:3], moment=wrench[3:], parts={}, viscous=0.0,
                     evidence=HAND,
                 )
@@ -101,13 +113,13 @@ def by_hand(model: Model, air: Air) -> dict[Axis, list[Point]]:
     return found
 
 
-def sweep_of(
-    model: Model, vehicle: str, fidelity: str, air: Air, axes: dict[str, list[Point]],
-    blows: dict[str, Blow], refused: dict[str, str], coarse: dict[str, Point] | None = None,
+def build_sweep(
+    model: TunnelModel, vehicle: str, fidelity: str, air: Air, axes: dict[str, list[SweepPoint]],
+    blows: dict[str, Blow], refused: dict[str, str], coarse: dict[str, SweepPoint] | None = None,
     engine: str = BY_HAND,
-) -> Sweep:  # fmt: skip
-    """Return a whole sweep; parameters as `solve` gave them, and what solved it."""
-    return Sweep.model_validate({
+) -> TunnelSweep:  # fmt: skip
+    """Return a whole sweep; parameters as `solve_sweep` gave them, and what solved it."""
+    return TunnelSweep.model_validate({
         'schema_version': 1,
         'name': model.name,
         'vehicle': vehicle,
@@ -116,16 +128,16 @@ def sweep_of(
         'geometry': model.fingerprint,
         'length': round(model.length, 5),
         'volume': round(float(model.hull.volume), 6),
-        'frontal': [round(model.frontal(k), 5) for k in range(3)],
+        'frontal': [round(model.frontal_area(k), 5) for k in range(3)],
         'density': air[0],
         'viscosity': air[1],
-        'symmetries': [each.tolist() for each in model.symmetries()],
+        'symmetries': [each.tolist() for each in model.find_symmetries()],
         'rotors': {
-            name: Place(place=list(each.place), axis=list(each.axis), thrust=each.thrust)
+            name: RotorPlacement(place=list(each.place), axis=list(each.axis), thrust=each.thrust)
             for name, each in model.rotors.items()
         },
         'axes': axes,
-        'by_hand': by_hand(model, air),
+        'by_hand': estimate_drag(model, air),
         'blows': blows,
         'coarse': coarse or {},
         'refused': refused,

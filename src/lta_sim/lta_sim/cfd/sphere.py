@@ -13,7 +13,7 @@ SCATTER: Final = (0.45, 0.50)  # between these Reynolds numbers
 SCATTER_RANGE: Final = (5e4, 1.4e5)
 
 
-def morrison(reynolds: float) -> float:
+def morrison_drag_coefficient(reynolds: float) -> float:
     """
     Return the drag coefficient of a smooth sphere on the area of its shadow. [1].
 
@@ -33,13 +33,13 @@ def morrison(reynolds: float) -> float:
     return coefficient
 
 
-def off(coefficient: float, reynolds: float) -> float:
+def relative_deviation(coefficient: float, reynolds: float) -> float:
     """
     Return by which share a coefficient misses what was measured, 0 within the scatter. [1].
 
     The scatter spans from Morrison's formula to the top of what was measured.
     """
-    low = high = morrison(reynolds)
+    low = high = morrison_drag_coefficient(reynolds)
     if SCATTER_RANGE[0] <= reynolds <= SCATTER_RANGE[1]:
         low, high = min(low, SCATTER[0]), max(high, SCATTER[1])
     if coefficient < low:

@@ -5,7 +5,7 @@ from typing import Final
 
 from lta_config.errors import BadInput
 from lta_config.limits import STL_BYTES, STL_TRIANGLES
-from lta_sim.cfd.crossing import crossing
+from lta_sim.cfd.self_intersection import find_crossing
 import numpy as np
 import trimesh
 
@@ -49,10 +49,10 @@ def read_stl(path: Path, unit: str) -> trimesh.Trimesh:
     if not np.isfinite(mesh.vertices).all():
         raise BadInput(f'{path} has corners that are no numbers; export it again.')
     mesh.vertices *= UNITS[unit]
-    return closed(mesh, str(path), unit)
+    return validate_closed(mesh, str(path), unit)
 
 
-def closed(mesh: trimesh.Trimesh, name: str, unit: str) -> trimesh.Trimesh:
+def validate_closed(mesh: trimesh.Trimesh, name: str, unit: str) -> trimesh.Trimesh:
     """Return a surface that encloses a volume, its normals outwards; else `BadInput`."""
     size = float(np.max(mesh.extents))
     if not SMALLEST <= size <= LARGEST:
@@ -72,7 +72,7 @@ def closed(mesh: trimesh.Trimesh, name: str, unit: str) -> trimesh.Trimesh:
             f'{name} has triangles that face inwards beside others that face outwards; '
             'unify the normals and export it again.'
         )
-    if (pair := crossing(mesh.triangles)) is not None:
+    if (pair := find_crossing(mesh.triangles)) is not None:
         place = mesh.triangles[pair[0]].mean(axis=0)
         raise BadInput(
             f'{name} crosses itself near ({place[0]:.3g}, {place[1]:.3g}, {place[2]:.3g}) m; '

@@ -3,8 +3,8 @@
 from pathlib import Path
 from typing import Final
 
-from lta_sim.cfd.openfoam.forces import table
-from lta_sim.cfd.sweep_table import Pressed
+from lta_sim.cfd.openfoam.output_reader import parse_table
+from lta_sim.cfd.sweep_table import SurfacePressure
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import NearestNDInterpolator
@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 CELLS: Final = 41  # of the map, along a side
 
 
-def read_surface(folder: Path, body: str, density: float) -> Pressed:
+def read_surface_pressure(folder: Path, body: str, density: float) -> SurfacePressure:
     """
     Return the pressure on a body at the end of a flow.
 
@@ -32,11 +32,11 @@ def read_surface(folder: Path, body: str, density: float) -> Pressed:
         (folder / 'postProcessing' / 'pressure').glob(f'*/p_{body}.raw'),
         key=lambda place: float(place.parent.name),
     )
-    rows = table(places[-1].read_text(encoding='utf-8'))
-    return pressed(rows[:, :3], density * rows[:, 3])
+    rows = parse_table(places[-1].read_text(encoding='utf-8'))
+    return reduce_pressure(rows[:, :3], density * rows[:, 3])
 
 
-def pressed(places: Array, pressure: Array) -> Pressed:
+def reduce_pressure(places: Array, pressure: Array) -> SurfacePressure:
     """
     Return what is kept of the pressure on a body.
 
@@ -50,15 +50,15 @@ def pressed(places: Array, pressure: Array) -> Pressed:
     """
     low, high = int(pressure.argmin()), int(pressure.argmax())
     side = 2.0 * float(np.abs(places[:, :2]).max())
-    return Pressed(
-        least=_short(pressure[low]), most=_short(pressure[high]),
-        least_at=[_short(each) for each in places[low]],
-        most_at=[_short(each) for each in places[high]],
-        below=_below(places, pressure, side), side=_short(side),
+    return SurfacePressure(
+        least=_round_short(pressure[low]), most=_round_short(pressure[high]),
+        least_at=[_round_short(each) for each in places[low]],
+        most_at=[_round_short(each) for each in places[high]],
+        below=_map_from_below(places, pressure, side), side=_round_short(side),
     )  # fmt: skip
 
 
-def _below(places: Array, pressure: Array, side: float) -> list[list[float | None]]:
+def _map_from_below(places: Array, pressure: Array, side: float) -> list[list[float | None]]:
     """Return the pressure of the nearest face below the middle, on a grid of x and y."""
     under = places[:, 2] <= float(places[:, 2].mean())
     flat = places[under, :2]
@@ -68,8 +68,8 @@ def _below(places: Array, pressure: Array, side: float) -> list[list[float | Non
     outline = Delaunay(flat[ConvexHull(flat).vertices])
     inside = outline.find_simplex(np.stack((x, y), axis=-1)) >= 0
     rows: list[list[float]] = np.where(inside, values, np.nan).tolist()
-    return [[None if value != value else _short(value) for value in row] for row in rows]
+    return [[None if value != value else _round_short(value) for value in row] for row in rows]
 
 
-def _short(number: float) -> float:
+def _round_short(number: float) -> float:
     return float(f'{number:.3g}')

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 from lta_config.errors import BadInput
-from lta_config.files import Record
-from lta_config.sentence import sentence
+from lta_config.files import StrictModel
+from lta_config.validation_errors import format_error
 from pydantic import Field, ValidationError
 
 Vector = Annotated[list[float], Field(min_length=3, max_length=3)]
@@ -18,7 +18,7 @@ Axis = Literal['surge', 'sway', 'heave', 'roll', 'pitch', 'yaw']
 AXES: tuple[Axis, ...] = ('surge', 'sway', 'heave', 'roll', 'pitch', 'yaw')
 
 
-class Evidence(Record):
+class FlowEvidence(StrictModel):
     """
     How good a flow is.
 
@@ -36,7 +36,7 @@ class Evidence(Record):
     seconds: float
 
 
-class Point(Record):
+class SweepPoint(StrictModel):
     """One speed [m/s] or rate [rad/s]: what the air does to the vehicle. [N, N m]."""
 
     speed: Annotated[float, Field(gt=0.0)]
@@ -44,10 +44,10 @@ class Point(Record):
     moment: Vector
     parts: Mapping[str, float]  # drag of each body [N or N m]
     viscous: float  # share of the drag that is friction [1]
-    evidence: Evidence
+    evidence: FlowEvidence
 
 
-class Pressed(Record):
+class SurfacePressure(StrictModel):
     """
     The pressure on a body over that of the air far away. [Pa].
 
@@ -64,7 +64,7 @@ class Pressed(Record):
     side: float
 
 
-class Blow(Record):
+class Blow(StrictModel):
     """
     Some rotors on: the net wrench, their own thrust included. [N, N m].
 
@@ -75,11 +75,11 @@ class Blow(Record):
     force: Vector
     moment: Vector
     zones: Mapping[str, int]
-    evidence: Evidence
-    pressed: Mapping[str, Pressed] = Field(default_factory=dict)
+    evidence: FlowEvidence
+    pressed: Mapping[str, SurfacePressure] = Field(default_factory=dict)
 
 
-class Place(Record):
+class RotorPlacement(StrictModel):
     """A rotor as it stood in the tunnel."""
 
     place: Vector
@@ -87,7 +87,7 @@ class Place(Record):
     thrust: float
 
 
-class Sweep(Record):
+class TunnelSweep(StrictModel):
     """A whole sweep."""
 
     schema_version: Literal[1]
@@ -103,26 +103,26 @@ class Sweep(Record):
     viscosity: float  # kinematic [m2/s]
     # Turns and mirrorings that leave the bodies as they are, row by row.
     symmetries: Sequence[Sequence[Vector]]
-    rotors: Mapping[str, Place]
-    axes: Mapping[Axis, Sequence[Point]]
-    by_hand: Mapping[Axis, Sequence[Point]]
+    rotors: Mapping[str, RotorPlacement]
+    axes: Mapping[Axis, Sequence[SweepPoint]]
+    by_hand: Mapping[Axis, Sequence[SweepPoint]]
     blows: Mapping[str, Blow]
     # One speed of an axis on a coarser mesh; older sweeps do not tell.
-    coarse: Mapping[Axis, Point] = Field(default_factory=dict)
+    coarse: Mapping[Axis, SweepPoint] = Field(default_factory=dict)
     refused: Mapping[str, str]  # flows that came to nothing or failed a gate, and why
 
 
-def read_sweep(path: Path) -> Sweep:
+def read_sweep(path: Path) -> TunnelSweep:
     """Return a sweep from its file; anything wrong is a `BadInput` sentence."""
     try:
-        return Sweep.model_validate_json(path.read_bytes())
+        return TunnelSweep.model_validate_json(path.read_bytes())
     except OSError as error:
         raise BadInput(f'{path} cannot be read ({error.strerror}); check the path.') from None
     except ValidationError as error:
-        raise BadInput(f'{path}: {sentence(error)}') from None
+        raise BadInput(f'{path}: {format_error(error)}') from None
 
 
-def without_maps(sweep: Sweep) -> Sweep:
+def drop_maps(sweep: TunnelSweep) -> TunnelSweep:
     """Return a sweep without its maps of pressure, which are most of it: small data to keep."""
     blows = {
         name: blow.model_copy(
@@ -138,6 +138,6 @@ def without_maps(sweep: Sweep) -> Sweep:
     return sweep.model_copy(update={'blows': blows})
 
 
-def sweep_text(sweep: Sweep) -> str:
+def format_sweep(sweep: TunnelSweep) -> str:
     """Return a sweep as it is kept."""
     return sweep.model_dump_json(indent=1) + '\n'

@@ -13,23 +13,23 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, final
 
-from lta_sim.cfd.model import HULL, Model
-from lta_sim.cfd.openfoam.case import Case, Step
-from lta_sim.cfd.openfoam.dictionary import dictionary, Entry
-from lta_sim.cfd.openfoam.fields import DETACHED, TRANSITION, tunnel_fields
-from lta_sim.cfd.openfoam.mesh import BASE, block, mesh_case, snappy
+from lta_sim.cfd.openfoam.case import FoamCase, ProgramStep
+from lta_sim.cfd.openfoam.dictionary import Entry, format_dictionary
+from lta_sim.cfd.openfoam.fields import DETACHED, format_tunnel_fields, TRANSITION
+from lta_sim.cfd.openfoam.mesh import BASE, build_mesh_case, format_block_mesh, format_snappy_mesh
 from lta_sim.cfd.openfoam.numerics import (
-    clock,
-    control,
+    build_force_functions,
+    build_momentum_functions,
+    build_slice_function,
     EDDY_VISCOSITY,
-    forces_on,
-    momentum_through,
-    slice_through,
-    solution,
-    steady_schemes,
-    transient_schemes,
-    transient_solution,
+    format_control,
+    format_solution,
+    format_steady_schemes,
+    format_time_file,
+    format_transient_schemes,
+    format_transient_solution,
 )
+from lta_sim.cfd.tunnel_model import HULL, TunnelModel
 import numpy as np
 from numpy.typing import NDArray
 
@@ -56,7 +56,7 @@ TURNS: Final = {
 
 @final
 @dataclass(frozen=True, slots=True)
-class Fineness:
+class MeshFineness:
     """
     How finely a tunnel is meshed.
 
@@ -87,35 +87,37 @@ class Fineness:
     most: int = 3_000_000
 
 
-PREVIEW: Final = Fineness()
-COARSE: Final = Fineness(hull=3, parts=4, cells=100_000)
-REFERENCE: Final = Fineness(shell=0.15, layers=5, expansion=1.4, cells=189_000)
-ROUGH: Final = Fineness(hull=3, parts=4, shell=0.15, layers=5, expansion=1.4, cells=100_000)
-FAST: Final = Fineness(trail=3, shell=0.15, layers=8, expansion=1.4, cells=346_000)
+PREVIEW: Final = MeshFineness()
+COARSE: Final = MeshFineness(hull=3, parts=4, cells=100_000)
+REFERENCE: Final = MeshFineness(shell=0.15, layers=5, expansion=1.4, cells=189_000)
+ROUGH: Final = MeshFineness(hull=3, parts=4, shell=0.15, layers=5, expansion=1.4, cells=100_000)
+FAST: Final = MeshFineness(trail=3, shell=0.15, layers=8, expansion=1.4, cells=346_000)
 # Reynolds number of the hull up to which a transient needs no model. Beyond, a sphere's drag fell
 # as that of real ones does at twice the speed; a model of detached eddies keeps the layer along it
 # laminar, and gives 0.53 at half that speed, over all that was measured.
 MODELLED: Final = 1e5
 
 
-def is_modelled(model: Model, viscosity: float, speed: float) -> bool:
+def has_eddy_model(model: TunnelModel, viscosity: float, speed: float) -> bool:
     """Tell whether eddies are modelled in a transient: viscosity in m2/s, speed in m/s."""
     return speed * model.length / viscosity > MODELLED
 
 
-def fineness(model: Model, viscosity: float, speed: float) -> Fineness:
+def choose_fineness(model: TunnelModel, viscosity: float, speed: float) -> MeshFineness:
     """Return how a transient is meshed: viscosity in m2/s, speed in m/s."""
-    return FAST if is_modelled(model, viscosity, speed) else REFERENCE
+    return FAST if has_eddy_model(model, viscosity, speed) else REFERENCE
 
 
-def planes_of(model: Model, axis: str) -> tuple[bool, bool]:
+def symmetry_planes(model: TunnelModel, axis: str) -> tuple[bool, bool]:
     """Tell whether the tunnel's planes y = 0 and z = 0 are planes of symmetry."""
     turn = TURNS[axis]
-    found = [bool(model.mirrored(int(np.argmax(np.abs(turn[k]))))) for k in (1, 2)]
+    found = [bool(model.is_mirror_symmetric(int(np.argmax(np.abs(turn[k]))))) for k in (1, 2)]
     return found[0], found[1]
 
 
-def tunnel_mesh(model: Model, axis: str, fine: Fineness, planes: tuple[bool, bool]) -> Case:
+def build_tunnel_mesh(
+    model: TunnelModel, axis: str, fine: MeshFineness, planes: tuple[bool, bool]
+) -> FoamCase:
     """
     Return the mesh of a tunnel.
 
@@ -146,12 +148,15 @@ def tunnel_mesh(model: Model, axis: str, fine: Fineness, planes: tuple[bool, boo
     patches |= {name: [f'{name[-1].lower()}-'] for name in halves}
     wide, near = 1.0 * size, 0.75 * size
     regions = {
-        'wake': (_box((-wide, -wide, -wide), (3.0 * size, wide, wide)), fine.trail - 1),
-        'near': (_box((-near, -near, -near), (1.5 * size, near, near)), 2),
+        'wake': (_refinement_box((-wide, -wide, -wide), (3.0 * size, wide, wide)), fine.trail - 1),
+        'near': (_refinement_box((-near, -near, -near), (1.5 * size, near, near)), 2),
     }
     if fine.trail > PREVIEW.trail:
-        regions['trail'] = (_box((0.0, -near, -near), (1.5 * size, near, near)), fine.trail)
-    text = snappy(
+        regions['trail'] = (
+            _refinement_box((0.0, -near, -near), (1.5 * size, near, near)),
+            fine.trail,
+        )
+    text = format_snappy_mesh(
         {name: fine.hull if name == HULL else fine.parts for name in surfaces},
         BASE * size,
         regions,
@@ -162,37 +167,39 @@ def tunnel_mesh(model: Model, axis: str, fine: Fineness, planes: tuple[bool, boo
         fine.most,
     )
     share = 2 ** -sum(planes)
-    return mesh_case(
+    return build_mesh_case(
         f'{axis} mesh',
         surfaces,
-        block(low, high, BASE * size, patches),
+        format_block_mesh(low, high, BASE * size, patches),
         text,
         int(fine.cells * share),
     )
 
 
-def _box(low: Sequence[float], high: Sequence[float]) -> Mapping[str, Entry]:
+def _refinement_box(low: Sequence[float], high: Sequence[float]) -> Mapping[str, Entry]:
     return {'type': 'searchableBox', 'min': list(low), 'max': list(high)}
 
 
-def transport(viscosity: float) -> str:
+def format_transport(viscosity: float) -> str:
     """Return transportProperties. [m2/s]."""
-    return dictionary('transportProperties', {'transportModel': 'Newtonian', 'nu': viscosity})
+    return format_dictionary(
+        'transportProperties', {'transportModel': 'Newtonian', 'nu': viscosity}
+    )
 
 
-def turbulence(model: str | None) -> str:
+def format_turbulence(model: str | None) -> str:
     """Return turbulenceProperties of a RANS model, or of none."""
     if model is None:
-        return dictionary('turbulenceProperties', {'simulationType': 'laminar'})
-    return dictionary('turbulenceProperties', {
+        return format_dictionary('turbulenceProperties', {'simulationType': 'laminar'})
+    return format_dictionary('turbulenceProperties', {
         'simulationType': 'RAS',
         'RAS': {'RASModel': model, 'turbulence': True, 'printCoeffs': False},
     })  # fmt: skip
 
 
-def detached() -> str:
+def format_detached_eddies() -> str:
     """Return turbulenceProperties of DDES, which solves eddies as large as its cells."""
-    return dictionary('turbulenceProperties', {
+    return format_dictionary('turbulenceProperties', {
         'simulationType': 'LES',
         'LES': {
             'LESModel': 'SpalartAllmarasDDES', 'turbulence': True, 'printCoeffs': False,
@@ -201,108 +208,121 @@ def detached() -> str:
     })  # fmt: skip
 
 
-def empty() -> dict[str, str]:
+def empty_files() -> dict[str, str]:
     """Return the files that the solvers want, though nothing stands in them."""
     return {
-        f'constant/{name}': dictionary(name, {}) for name in ('fvOptions', 'MRFProperties')
+        f'constant/{name}': format_dictionary(name, {}) for name in ('fvOptions', 'MRFProperties')
     }  # the solvers look for both
 
 
-def steady_wind(
-    model: Model, axis: str, viscosity: float, fine: Fineness, speeds: Sequence[float] = SPEEDS
-) -> Case:
+def build_steady_wind(
+    model: TunnelModel,
+    axis: str,
+    viscosity: float,
+    fine: MeshFineness,
+    speeds: Sequence[float] = SPEEDS,
+) -> FoamCase:
     """
     Return the steady flow around a vehicle at several speeds.
 
     Parameters
     ----------
     model, axis, fine
-        As `tunnel_mesh`.
+        As `build_tunnel_mesh`.
     viscosity : float
         Kinematic, of the air. [m2/s]
     speeds : sequence of float
         In the order in which they are solved. [m/s]
 
     """
-    planes = planes_of(model, axis)
-    mesh = tunnel_mesh(model, axis, fine, planes)
+    planes = symmetry_planes(model, axis)
+    mesh = build_tunnel_mesh(model, axis, fine, planes)
     walls = tuple(model.bodies)
     halves = [f'symmetry{name}' for name, is_one in zip('YZ', planes, strict=True) if is_one]
     functions = {
-        **forces_on({name: name for name in walls} | {'outer': '"(inlet|outlet|sides)"'}),
-        **momentum_through(OUTER),
-        **slice_through((0, 1, 0), model.length),
+        **build_force_functions(
+            {name: name for name in walls} | {'outer': '"(inlet|outlet|sides)"'}
+        ),
+        **build_momentum_functions(OUTER),
+        **build_slice_function((0, 1, 0), model.length),
     }
     steps, begin = [], 0
     for speed in speeds:
         end = begin + (NEXT if begin else FIRST)
         files = {
-            'system/controlDict': control('simpleFoam', begin, end, functions),
-            'constant/transportProperties': transport(viscosity / speed),
+            'system/controlDict': format_control('simpleFoam', begin, end, functions),
+            'constant/transportProperties': format_transport(viscosity / speed),
         }
-        steps.append(Step(f'{speed:g}', ('simpleFoam',), files, end - begin, str(begin)))
+        steps.append(ProgramStep(f'{speed:g}', ('simpleFoam',), files, end - begin, str(begin)))
         begin = end
     files = {
-        **tunnel_fields(TRANSITION, walls, halves),
-        **empty(),
-        'constant/turbulenceProperties': turbulence('kOmegaSSTLM'),
-        'system/fvSchemes': steady_schemes(),
-        'system/fvSolution': solution(),
+        **format_tunnel_fields(TRANSITION, walls, halves),
+        **empty_files(),
+        'constant/turbulenceProperties': format_turbulence('kOmegaSSTLM'),
+        'system/fvSchemes': format_steady_schemes(),
+        'system/fvSolution': format_solution(),
     }
-    return Case(axis, files, steps, mesh, mesh.cells)
+    return FoamCase(axis, files, steps, mesh, mesh.cells)
 
 
-def transient_wind(
-    model: Model, axis: str, viscosity: float, fine: Fineness, speed: float, lengths: float
-) -> Case:
+def build_transient_wind(
+    model: TunnelModel,
+    axis: str,
+    viscosity: float,
+    fine: MeshFineness,
+    speed: float,
+    lengths: float,
+) -> FoamCase:
     """
     Return the transient flow around a vehicle at one speed, in the whole tunnel.
 
     Parameters
     ----------
     model, axis, viscosity, fine
-        As `steady_wind`.
+        As `build_steady_wind`.
     speed : float
         That is meant. [m/s]
     lengths : float
         Of the hull, that the air goes past it. [1]
 
     """
-    mesh = tunnel_mesh(model, axis, fine, (False, False))
+    mesh = build_tunnel_mesh(model, axis, fine, (False, False))
     walls = tuple(model.bodies)
-    functions = forces_on({name: name for name in walls})
-    functions |= slice_through((0, 1, 0), model.length)
-    air = {'constant/transportProperties': transport(viscosity / speed)}
+    functions = build_force_functions({name: name for name in walls})
+    functions |= build_slice_function((0, 1, 0), model.length)
+    air = {'constant/transportProperties': format_transport(viscosity / speed)}
     begin = SETTLING + round(BEGINNING * model.length, 4)
     end = SETTLING + lengths * model.length
-    modelled = is_modelled(model, viscosity, speed)
+    modelled = has_eddy_model(model, viscosity, speed)
     longest = 0.03 * model.length * 2.0 ** (4 - fine.hull)
     eddies = {
-        'constant/turbulenceProperties': (detached() if modelled else turbulence(None)),
-        'system/fvSchemes': transient_schemes(),
-        'system/fvSolution': transient_solution(),
+        'constant/turbulenceProperties': (
+            format_detached_eddies() if modelled else format_turbulence(None)
+        ),
+        'system/fvSchemes': format_transient_schemes(),
+        'system/fvSolution': format_transient_solution(),
     }
     steps = [
-        Step('settle', ('simpleFoam',), {
+        ProgramStep('settle', ('simpleFoam',), {
             **air,
-            'constant/turbulenceProperties': turbulence('SpalartAllmaras'),
-            'system/fvSchemes': steady_schemes(EDDY_VISCOSITY),
-            'system/fvSolution': solution(carried=EDDY_VISCOSITY),
-            'system/controlDict': control('simpleFoam', 0, SETTLING, {}),
+            'constant/turbulenceProperties': format_turbulence('SpalartAllmaras'),
+            'system/fvSchemes': format_steady_schemes(EDDY_VISCOSITY),
+            'system/fvSolution': format_solution(carried=EDDY_VISCOSITY),
+            'system/controlDict': format_control('simpleFoam', 0, SETTLING, {}),
         }, SETTLING),
-        Step('begin', ('pimpleFoam',), {
+        ProgramStep('begin', ('pimpleFoam',), {
             **eddies,
-            f'{SETTLING}/uniform/time': clock(SETTLING, 0.05 * longest),
-            'system/controlDict': control(
+            f'{SETTLING}/uniform/time': format_time_file(SETTLING, 0.05 * longest),
+            'system/controlDict': format_control(
                 'pimpleFoam', SETTLING, begin, {}, longest, CAREFUL
             ),
         }, int(6.0 * (begin - SETTLING) / longest), str(SETTLING)),
-        Step(f'{speed:g}', ('pimpleFoam',), {
+        ProgramStep(f'{speed:g}', ('pimpleFoam',), {
             **eddies,
-            'system/controlDict': control(
+            'system/controlDict': format_control(
                 'pimpleFoam', begin, end, functions, longest, BOLD
             ),
         }, int(1.5 * lengths * model.length / longest), f'{begin:.8g}'),
     ]  # fmt: skip
-    files = {**tunnel_fields(DETACHED, walls, (), viscosity / speed), **empty()}
-    return Case(f'{axis} {speed:g} m/s', files, steps, mesh, mesh.cells)
+    files = {**format_tunnel_fields(DETACHED, walls, (), viscosity / speed), **empty_files()}
+    return FoamCase(f'{axis} {speed:g} m/s', files, steps, mesh, mesh.cells)

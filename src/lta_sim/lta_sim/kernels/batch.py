@@ -11,12 +11,12 @@ import os
 from string import Template
 from types import ModuleType
 
-from lta_config.compilation.compiled import OWN
-from lta_config.compilation.kernel_cache import load
+from lta_config.compilation.compiler import OWN
+from lta_config.compilation.kernel_cache import load_kernel
 from lta_model.effects import EFFECTS
-from lta_sim.kernels.columns import Columns
-from lta_sim.kernels.compose import Form, kernel_source
-from lta_sim.kernels.fleet import columns, Fleet
+from lta_sim.kernels.columns import ColumnAccess
+from lta_sim.kernels.compose import KernelForm, write_kernel_source
+from lta_sim.kernels.vehicle_batch import pack_columns, VehicleBatch
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -71,22 +71,22 @@ def advance_blocks(fixed, on, states, dt, steps):
             step(state, stages[0], stages[1], stages[2], stages[3], dt)
 '''
 
-FORM = Form(
+FORM = KernelForm(
     'from numba import njit\nimport numpy as np\n',
     f'@njit({OWN}, forceinline=True)',
     "@njit(error_model='numpy', fastmath=False, nogil=True, cache=True)",
-    Columns('WIDTH', 'trial'),
+    ColumnAccess('WIDTH', 'trial'),
     Template(ENTRIES),
 )
 
 
 @cache
-def _kernel() -> ModuleType:
+def _load_kernel() -> ModuleType:
     """Return the kernel of all effects."""
-    return load(kernel_source(EFFECTS, FORM))
+    return load_kernel(write_kernel_source(EFFECTS, FORM))
 
 
-def _blocks(rows: NDArray[np.float64], width: int) -> NDArray[np.float64]:
+def _pack_blocks(rows: NDArray[np.float64], width: int) -> NDArray[np.float64]:
     """Return blocks of vehicles from columns; the last vehicle fills up the last block."""
     filled = np.pad(rows, ((0, 0), (0, -rows.shape[1] % width)), mode='edge')
     blocks = filled.reshape(len(rows), -1, width).swapaxes(0, 1)
@@ -95,7 +95,7 @@ def _blocks(rows: NDArray[np.float64], width: int) -> NDArray[np.float64]:
 
 def advance_many(
     states: ArrayLike,
-    fleet: Fleet,
+    vehicles: VehicleBatch,
     commands: ArrayLike,
     surroundings: ArrayLike,
     dt: float,
@@ -130,12 +130,12 @@ def advance_many(
         If an array has the wrong shape.
 
     """
-    kernel = _kernel()
-    fixed, state = columns(states, fleet, commands, surroundings)
+    kernel = _load_kernel()
+    fixed, state = pack_columns(states, vehicles, commands, surroundings)
     size, count = state.shape
-    kept, moving = _blocks(fixed, kernel.WIDTH), _blocks(state, kernel.WIDTH)
+    kept, moving = _pack_blocks(fixed, kernel.WIDTH), _pack_blocks(state, kernel.WIDTH)
     starts = np.arange(0, count, kernel.WIDTH)
-    on = np.maximum.reduceat(fleet.on, starts, axis=0)
+    on = np.maximum.reduceat(vehicles.on, starts, axis=0)
     cores = len(os.sched_getaffinity(0))
     # More pieces than cores: one that another process holds up leaves the rest to the others.
     pieces = min(len(moving), 4 * cores)

@@ -10,40 +10,48 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import final
 
-from lta_config.compilation.compiled import OWN
+from lta_config.compilation.compiler import OWN
 from lta_model.state import ACTUATORS
-from lta_sim.kernels.layout import FIXED, indented, Layout, Stage, step, tuple_of, VARIABLES
+from lta_sim.kernels.layout import (
+    EffectLayout,
+    FIXED,
+    format_offset,
+    format_tuple,
+    indent_lines,
+    ModelStage,
+    VARIABLES,
+)
 
 # Of the functions of the stages.
 LOOP = f'@njit({OWN})'
 
 
-def _offset(name: str, layout: Layout) -> int:
+def _row_offset(name: str, layout: EffectLayout) -> int:
     """Return the first row of what a vehicle keeps."""
     counts = {'parameters': layout.parameters, **FIXED}
     names = list(counts)
     return sum(counts[known] for known in names[: names.index(name)])
 
 
-def _column(block: str, first: int, count: int, width: str) -> str:
+def _format_column(block: str, first: int, count: int, width: str) -> str:
     """Return the source of the tuple of some numbers of a vehicle in a block."""
-    return tuple_of(f'{block}[{first + k} * {width} + i]' for k in range(count))
+    return format_tuple(f'{block}[{first + k} * {width} + i]' for k in range(count))
 
 
-def thread(parts: list[Stage], layout: Layout) -> dict[str, str]:
+def build_thread_parts(parts: list[ModelStage], layout: EffectLayout) -> dict[str, str]:
     """Return the stages one after the other and the arithmetic of states that are tuples."""
     size = range(layout.size)
     return {
-        'ahead': tuple_of(f'state[{k}] + dt * rate[{k}]' for k in size),
-        'mean': tuple_of(f'(a[{k}] + 2.0 * (b[{k}] + c[{k}]) + d[{k}]) / 6.0' for k in size),
-        'bare': indented(line for stage in parts for line in stage.lines),
-        'rate': layout.rate,
+        'ahead': format_tuple(f'state[{k}] + dt * rate[{k}]' for k in size),
+        'mean': format_tuple(f'(a[{k}] + 2.0 * (b[{k}] + c[{k}]) + d[{k}]) / 6.0' for k in size),
+        'bare': indent_lines(line for stage in parts for line in stage.lines),
+        'rate': layout.rate_source,
     }
 
 
 @final
 @dataclass(frozen=True, slots=True)
-class Columns:
+class ColumnAccess:
     """
     Reach the numbers of vehicle i in blocks.
 
@@ -64,83 +72,85 @@ class Columns:
         """Whether rotors are gone through in a loop: not where a vehicle is a local tuple."""
         return bool(self.state)
 
-    def item(self, name: str, place: int, layout: Layout, each: int = 0) -> str:
+    def format_item(self, name: str, place: int, layout: EffectLayout, each: int = 0) -> str:
         """Return the source of one number."""
         if name == 'state' and not self.state:
             return f'state[{place}]'
         blocks = {
             'state': (self.state, 0),
             'rate': ('rate', 0),
-            'u': ('scratch', self._row('u')),
+            'u': ('scratch', self._variable_row('u')),
         }
-        block, first = blocks.get(name) or ('fixed', _offset(name, layout))
-        index = f'({first + place}{step(each)})' if each else f'{first + place}'
+        block, first = blocks.get(name) or ('fixed', _row_offset(name, layout))
+        index = f'({first + place}{format_offset(each)})' if each else f'{first + place}'
         return f'{block}[{index} * {self.width} + i]'
 
-    def whole(self, name: str, layout: Layout) -> str:
+    def format_whole(self, name: str, layout: EffectLayout) -> str:
         """Return the source of all numbers of a name."""
         if name == 'u':
-            return self._scratch('u') if self.state else 'u'
-        return _column('fixed', _offset(name, layout), FIXED[name], self.width)
+            return self._format_scratch('u') if self.state else 'u'
+        return _format_column('fixed', _row_offset(name, layout), FIXED[name], self.width)
 
-    def texts(self, parts: list[Stage], layout: Layout) -> dict[str, str]:
+    def build_parts(self, parts: list[ModelStage], layout: EffectLayout) -> dict[str, str]:
         """Return how states go in and out of blocks, and the stages as loops."""
         if not self.state:
-            return self._thread(parts, layout)
+            return self._build_thread(parts, layout)
         return {
-            'loops': '\n\n\n'.join(self._loops(parts)),
-            'calls': indented(self._calls(parts, layout)),
+            'loops': '\n\n\n'.join(self._write_loops(parts)),
+            'calls': indent_lines(self._write_calls(parts, layout)),
             'LOOP': LOOP,
             'scratch': str(sum(VARIABLES.values())),
         }
 
-    def _thread(self, parts: list[Stage], layout: Layout) -> dict[str, str]:
+    def _build_thread(self, parts: list[ModelStage], layout: EffectLayout) -> dict[str, str]:
         """Return what one thread does, and how its vehicle goes in and out of the block."""
         size = range(layout.size)
         return {
-            **thread(parts, layout),
-            'state': _column('block', 0, layout.size, self.width),
-            'stores': indented((f'block[{k} * {self.width} + i] = state[{k}]' for k in size), 3),
+            **build_thread_parts(parts, layout),
+            'state': _format_column('block', 0, layout.size, self.width),
+            'stores': indent_lines(
+                (f'block[{k} * {self.width} + i] = state[{k}]' for k in size), 3
+            ),
         }
 
-    def _done(self, parts: list[Stage]) -> dict[str, Stage]:
+    def _select_stages(self, parts: list[ModelStage]) -> dict[str, ModelStage]:
         """Return the stages that do something, by the names of their functions."""
         done = [stage for stage in parts if stage.writes or stage.memory or stage.each]
         return {f'stage_{k}_{stage.effect}': stage for k, stage in enumerate(done)}
 
-    def _loops(self, parts: list[Stage]) -> Iterator[str]:
+    def _write_loops(self, parts: list[ModelStage]) -> Iterator[str]:
         """Write each stage as a function, so that each is compiled into vectors by itself."""
-        for name, stage in self._done(parts).items():
-            lines = [f'{known} = {self._scratch(known)}' for known in stage.reads]
+        for name, stage in self._select_stages(parts).items():
+            lines = [f'{known} = {self._format_scratch(known)}' for known in stage.reads]
             lines += [*stage.prelude, *stage.lines]
             for known in stage.writes:
-                lines += self._stored(known)
+                lines += self._format_stores(known)
             lines += [f'rate[{k} * {self.width} + i] = {value}' for k, value in stage.memory]
             rotors = [f'    for j in range({ACTUATORS}):'] if stage.each else []
             depth = len(rotors) + 1
             columns = '    ' * depth + f'for i in range({self.width}):'
-            loop = [*rotors, columns, indented(lines, depth + 1)]
+            loop = [*rotors, columns, indent_lines(lines, depth + 1)]
             yield '\n'.join([LOOP, f'def {name}(fixed, trial, rate, scratch):', *loop])
 
-    def _calls(self, parts: list[Stage], layout: Layout) -> Iterator[str]:
+    def _write_calls(self, parts: list[ModelStage], layout: EffectLayout) -> Iterator[str]:
         """Write the calls of the stages, behind the flags of their effects."""
-        for name, stage in self._done(parts).items():
-            guard = f'if on[{layout.flag(stage.effect)}]: ' if stage.effect else ''
+        for name, stage in self._select_stages(parts).items():
+            guard = f'if on[{layout.flag_index(stage.effect)}]: ' if stage.effect else ''
             yield f'{guard}{name}(fixed, trial, rate, scratch)'
 
-    def _scratch(self, name: str) -> str:
+    def _format_scratch(self, name: str) -> str:
         """Return the source of a variable of vehicle i."""
-        return _column('scratch', self._row(name), VARIABLES[name], self.width)
+        return _format_column('scratch', self._variable_row(name), VARIABLES[name], self.width)
 
-    def _stored(self, name: str) -> list[str]:
+    def _format_stores(self, name: str) -> list[str]:
         """Return the lines that store a variable of vehicle i."""
-        first = self._row(name)
+        first = self._variable_row(name)
         return [
             f'scratch[{first + k} * {self.width} + i] = {name}[{k}]'
             for k in range(VARIABLES[name])
         ]
 
-    def _row(self, name: str) -> int:
+    def _variable_row(self, name: str) -> int:
         """Return the first row of a variable."""
         names = list(VARIABLES)
         return sum(VARIABLES[known] for known in names[: names.index(name)])

@@ -12,13 +12,13 @@ from dataclasses import dataclass
 from string import Template
 from typing import final
 
-from lta_config.compilation.compiled import ENTRY, INLINE
-from lta_config.compilation.extract import Extract
+from lta_config.compilation.compiler import ENTRY, INLINE
+from lta_config.compilation.extract import SourceExtract
 from lta_model import rigid_body
 from lta_model.effects.protocol import Effect, KernelEffect
-from lta_sim.kernels.layout import Access, Layout
-from lta_sim.kernels.row import ENTRIES, Row
-from lta_sim.kernels.stages import stages
+from lta_sim.kernels.layout import EffectLayout, KernelAccess
+from lta_sim.kernels.row import ENTRIES, RowAccess
+from lta_sim.kernels.stages import build_stages
 
 HEAD = '''"""
 The model of a vehicle, written by lta_sim.kernels.compose from the effects; edits here are lost.
@@ -34,7 +34,7 @@ import math
 
 @final
 @dataclass(frozen=True, slots=True)
-class Form:
+class KernelForm:
     """
     What the model is compiled for.
 
@@ -47,35 +47,35 @@ class Form:
     access : Access
         How the numbers of a vehicle are reached.
     entries : Template
-        The functions that know the form; `kernel_source` fills in the layout.
+        The functions that know the form; `write_kernel_source` fills in the layout.
 
     """
 
     imports: str
     inline: str
     entry: str
-    access: Access
+    access: KernelAccess
     entries: Template
 
 
 # One vehicle, in its row.
-SCALAR = Form('from numba import njit\n', INLINE, ENTRY, Row(), Template(ENTRIES))
+SCALAR = KernelForm('from numba import njit\n', INLINE, ENTRY, RowAccess(), Template(ENTRIES))
 
 
-def layout_of(effects: Mapping[str, Effect]) -> Layout:
+def build_layout(effects: Mapping[str, Effect]) -> EffectLayout:
     """Return where everything of these effects is."""
-    return Layout({n: e for n, e in effects.items() if isinstance(e, KernelEffect)})
+    return EffectLayout({n: e for n, e in effects.items() if isinstance(e, KernelEffect)})
 
 
-def _texts(layout: Layout, form: Form, extract: Extract) -> dict[str, str]:
+def _build_parts(layout: EffectLayout, form: KernelForm, extract: SourceExtract) -> dict[str, str]:
     """Return the parts of the text that know the layout."""
     for function in rigid_body.TAKEN:
-        extract.add(function, 'rigid_body')
-    parts = stages(layout, form.access, extract)
-    return {'size': str(layout.size), **form.access.texts(parts, layout)}
+        extract.add_function(function, 'rigid_body')
+    parts = build_stages(layout, form.access, extract)
+    return {'size': str(layout.size), **form.access.build_parts(parts, layout)}
 
 
-def kernel_source(effects: Mapping[str, Effect], form: Form = SCALAR) -> str:
+def write_kernel_source(effects: Mapping[str, Effect], form: KernelForm = SCALAR) -> str:
     """
     Return the kernel of these effects as Python source.
 
@@ -93,8 +93,8 @@ def kernel_source(effects: Mapping[str, Effect], form: Form = SCALAR) -> str:
         A module that needs only numba.
 
     """
-    extract = Extract()
-    layout = layout_of(effects)
-    texts = {'INLINE': form.inline, 'ENTRY': form.entry, **_texts(layout, form, extract)}
+    extract = SourceExtract()
+    layout = build_layout(effects)
+    texts = {'INLINE': form.inline, 'ENTRY': form.entry, **_build_parts(layout, form, extract)}
     glue = form.entries.substitute(texts)
-    return f'{HEAD}{form.imports}\n\n{extract.text(form.inline)}\n\n{glue}'
+    return f'{HEAD}{form.imports}\n\n{extract.render(form.inline)}\n\n{glue}'

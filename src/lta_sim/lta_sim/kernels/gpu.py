@@ -10,13 +10,13 @@ from importlib import import_module
 from string import Template
 from types import ModuleType
 
-from lta_config.compilation.kernel_cache import load
+from lta_config.compilation.kernel_cache import load_kernel
 from lta_config.errors import BadInput
 from lta_model.effects import EFFECTS
-from lta_sim.kernels.columns import Columns
-from lta_sim.kernels.compose import Form, kernel_source
-from lta_sim.kernels.fleet import columns, Fleet
+from lta_sim.kernels.columns import ColumnAccess
+from lta_sim.kernels.compose import KernelForm, write_kernel_source
 from lta_sim.kernels.kernel import LAYOUT
+from lta_sim.kernels.vehicle_batch import pack_columns, VehicleBatch
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -69,16 +69,16 @@ def advance_many(fixed, block, width, dt, steps):
 $stores
 '''
 
-FORM = Form(
+FORM = KernelForm(
     'from numba import cuda\n',
     '@cuda.jit(device=True)',
     '@cuda.jit',
-    Columns('width'),
+    ColumnAccess('width'),
     Template(ENTRIES),
 )
 
 
-def cuda_here() -> ModuleType:
+def require_cuda() -> ModuleType:
     """
     Return numba's CUDA target with a GPU that it can use.
 
@@ -106,14 +106,14 @@ def cuda_here() -> ModuleType:
 
 
 @cache
-def _kernel(names: tuple[str, ...]) -> ModuleType:
+def _load_kernel(names: tuple[str, ...]) -> ModuleType:
     """Return the kernel of some effects; registers are scarce, so the others are left out."""
-    return load(kernel_source({name: EFFECTS[name] for name in names}, FORM))
+    return load_kernel(write_kernel_source({name: EFFECTS[name] for name in names}, FORM))
 
 
 def advance_many(
     states: ArrayLike,
-    fleet: Fleet,
+    vehicles: VehicleBatch,
     commands: ArrayLike,
     surroundings: ArrayLike,
     dt: float,
@@ -150,15 +150,15 @@ def advance_many(
         If an array has the wrong shape.
 
     """
-    cuda = cuda_here()
-    fixed, state = columns(states, fleet, commands, surroundings)
-    count = len(fleet)
-    names = tuple(name for name in LAYOUT.effects if fleet.on[:, LAYOUT.flag(name)].any())
-    parameters, moving = LAYOUT.places(names)
+    cuda = require_cuda()
+    fixed, state = pack_columns(states, vehicles, commands, surroundings)
+    count = len(vehicles)
+    names = tuple(name for name in LAYOUT.effects if vehicles.on[:, LAYOUT.flag_index(name)].any())
+    parameters, moving = LAYOUT.find_places(names)
     kept = np.concatenate([fixed[parameters], fixed[LAYOUT.parameters :]])
     there = cuda.to_device(state[moving].ravel())
     blocks = -(-count // THREADS)
-    _kernel(names).advance_many[blocks, THREADS](
+    _load_kernel(names).advance_many[blocks, THREADS](
         cuda.to_device(kept.ravel()), there, count, float(dt), int(steps)
     )
     state[moving] = there.copy_to_host().reshape(len(moving), count)

@@ -4,28 +4,28 @@ The motion of a vehicle: its rate, its future, and what each effect does to it.
 Compiled once per content of the effects and kept on disk (`kernel_cache`). States, commands and
 surroundings are float64 arrays in the layouts of `lta_model.state`; a shorter command or shorter
 surroundings go on with zeros, so that four duties or a wind will do. The functions trust their
-input: a `Model` is checked when it is built.
+input: a `VehicleModel` is checked when it is built.
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import final
 
-from lta_model.model import Model
-from lta_sim import craft
-from lta_sim.craft import Craft
+from lta_model.model import VehicleModel
+from lta_sim import simulated_vehicle
+from lta_sim.simulated_vehicle import SimulatedVehicle
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 State = NDArray[np.float64]
 CALM = (0.0, 0.0, 0.0)
 
-LAYOUT = craft.LAYOUT
+LAYOUT = simulated_vehicle.LAYOUT
 
 
 @final
 @dataclass(frozen=True, slots=True)
-class Look:
+class ModelSnapshot:
     """
     What acts on a vehicle at one instant.
 
@@ -45,7 +45,7 @@ class Look:
     wind: State
 
 
-def _fill(what: str, values: ArrayLike, room: State) -> None:
+def _fill_array(what: str, values: ArrayLike, room: State) -> None:
     """
     Write numbers into room that is all zeros; it may be longer.
 
@@ -61,20 +61,22 @@ def _fill(what: str, values: ArrayLike, room: State) -> None:
     room[: len(array)] = array
 
 
-def _craft(state: ArrayLike, model: Model, command: ArrayLike, surroundings: ArrayLike) -> Craft:
+def _build_vehicle(
+    state: ArrayLike, model: VehicleModel, command: ArrayLike, surroundings: ArrayLike
+) -> SimulatedVehicle:
     """Return the vehicle with what all functions take."""
     start = np.asarray(state, dtype=np.float64)
     if start.shape != (LAYOUT.size,):
         raise ValueError(f'The state has shape {start.shape}; it must be ({LAYOUT.size},).')
-    flown = Craft(model)
+    flown = SimulatedVehicle(model)
     flown.state[:] = start
-    _fill('command', command, flown.command)
-    _fill('surroundings', surroundings, flown.surroundings)
+    _fill_array('command', command, flown.command)
+    _fill_array('surroundings', surroundings, flown.surroundings)
     return flown
 
 
-def derivative(
-    state: ArrayLike, model: Model, command: ArrayLike, surroundings: ArrayLike = CALM
+def state_derivative(
+    state: ArrayLike, model: VehicleModel, command: ArrayLike, surroundings: ArrayLike = CALM
 ) -> State:
     """
     Return d/dt of a state.
@@ -101,14 +103,14 @@ def derivative(
         If an array has the wrong shape.
 
     """
-    flown = _craft(state, model, command, surroundings)
-    flown.look()
+    flown = _build_vehicle(state, model, command, surroundings)
+    flown.evaluate_state()
     return flown.rate.copy()
 
 
 def advance(
     state: ArrayLike,
-    model: Model,
+    model: VehicleModel,
     command: ArrayLike,
     surroundings: ArrayLike,
     dt: float,
@@ -120,7 +122,7 @@ def advance(
     Parameters
     ----------
     state, model, command, surroundings
-        As for `derivative`.
+        As for `state_derivative`.
     dt : float
         Length of a step; below about 2.7 times the shortest time constant. [s]
     steps : int
@@ -132,38 +134,38 @@ def advance(
         The later state, its quaternion normalised after each step.
 
     """
-    flown = _craft(state, model, command, surroundings)
+    flown = _build_vehicle(state, model, command, surroundings)
     flown.advance(float(dt), int(steps))
     return flown.state.copy()
 
 
-def look(
-    state: ArrayLike, model: Model, command: ArrayLike, surroundings: ArrayLike = CALM
-) -> Look:
+def evaluate_model(
+    state: ArrayLike, model: VehicleModel, command: ArrayLike, surroundings: ArrayLike = CALM
+) -> ModelSnapshot:
     """
     Return what acts on a vehicle.
 
     Parameters
     ----------
     state, model, command, surroundings
-        As for `derivative`.
+        As for `state_derivative`.
 
     """
-    flown = _craft(state, model, command, surroundings)
-    flown.look()
-    wrenches = dict(zip(LAYOUT.wrenches, flown.wrenches, strict=True))
-    return Look(wrenches, flown.thrusts, flown.wind)
+    flown = _build_vehicle(state, model, command, surroundings)
+    flown.evaluate_state()
+    wrenches = dict(zip(LAYOUT.wrench_names, flown.wrenches, strict=True))
+    return ModelSnapshot(wrenches, flown.thrusts, flown.wind)
 
 
-def thrusts(
-    state: ArrayLike, model: Model, command: ArrayLike, surroundings: ArrayLike = CALM
+def rotor_thrusts(
+    state: ArrayLike, model: VehicleModel, command: ArrayLike, surroundings: ArrayLike = CALM
 ) -> State:
     """Return the thrust of each rotor: `look(...).thrusts`. [N]"""
-    return look(state, model, command, surroundings).thrusts
+    return evaluate_model(state, model, command, surroundings).thrusts
 
 
-def wrenches(
-    state: ArrayLike, model: Model, command: ArrayLike, surroundings: ArrayLike = CALM
+def effect_wrenches(
+    state: ArrayLike, model: VehicleModel, command: ArrayLike, surroundings: ArrayLike = CALM
 ) -> Mapping[str, State]:
     """Return the wrench of each wrench effect, body frame [N, N m]: `look(...).wrenches`."""
-    return look(state, model, command, surroundings).wrenches
+    return evaluate_model(state, model, command, surroundings).wrenches

@@ -1,8 +1,8 @@
 """
 Where the numbers of the effects are, and what a stage of the model is made of.
 
-A form of the model says how its source reaches a number (`Access`): one vehicle has them in a row
-(`row`), many have them in columns (`columns`).
+A form of the model says how its source reaches a number (`KernelAccess`): one vehicle has them in
+a row (`row`), many have them in columns (`columns`).
 """
 
 from collections.abc import Iterable, Mapping
@@ -23,7 +23,7 @@ FIXED = {'body': BODY, 'inverse': 36, 'command': COMMAND, 'surroundings': SURROU
 DISPLAY = 30
 
 
-def tuple_of(items: Iterable[str]) -> str:
+def format_tuple(items: Iterable[str]) -> str:
     """Return the source of a tuple of any length."""
     known = list(items)
     displays = [known[k : k + DISPLAY] for k in range(0, len(known), DISPLAY)] or [[]]
@@ -31,19 +31,19 @@ def tuple_of(items: Iterable[str]) -> str:
     return texts[0] if len(texts) == 1 else f'({" + ".join(texts)})'
 
 
-def indented(lines: Iterable[str], depth: int = 1) -> str:
+def indent_lines(lines: Iterable[str], depth: int = 1) -> str:
     """Return lines as a block of source."""
     return '\n'.join('    ' * depth + line for line in lines)
 
 
-def step(each: int) -> str:
+def format_offset(each: int) -> str:
     """Return the source of what takes an index to rotor j."""
     return f' + {each} * j' if each > 1 else ' + j' if each else ''
 
 
 @final
 @dataclass(frozen=True, slots=True)
-class Stage:
+class ModelStage:
     """
     One part of the sum.
 
@@ -74,7 +74,7 @@ class Stage:
 
 
 @final
-class Layout:
+class EffectLayout:
     """
     Where the parameters, the memory and the flag of each effect of the kernel are.
 
@@ -93,41 +93,41 @@ class Layout:
         for name, effect in self.effects.items():
             self.first[name], self.remembers[name] = parameters, size
             parameters += len(effect.parameters)
-            size += self.remembered(name)
+            size += self.memory_size(name)
         self.parameters, self.size = parameters, size
 
-    def remembered(self, name: str) -> int:
+    def memory_size(self, name: str) -> int:
         """Return how many numbers of the state are an effect's memory."""
         effect = self.effects[name]
         return len(effect.memory) * (ACTUATORS if isinstance(effect, ActuatorEffect) else 1)
 
-    def places(self, names: Iterable[str]) -> tuple[list[int], list[int]]:
+    def find_places(self, names: Iterable[str]) -> tuple[list[int], list[int]]:
         """Return where in the parameters and in the state a kernel of some effects lives."""
         parameters: list[int] = []
         state = list(range(RIGID))
         for name in names:
             first, place = self.first[name], self.remembers[name]
             parameters += range(first, first + len(self.effects[name].parameters))
-            state += range(place, place + self.remembered(name))
+            state += range(place, place + self.memory_size(name))
         return parameters, state
 
-    def flag(self, name: str) -> int:
+    def flag_index(self, name: str) -> int:
         """Return the place of an effect's flag."""
         return list(self.effects).index(name)
 
     @property
-    def wrenches(self) -> list[str]:
+    def wrench_names(self) -> list[str]:
         """Names of the wrench effects."""
         return [name for name, e in self.effects.items() if isinstance(e, WrenchEffect)]
 
     @property
-    def rate(self) -> str:
+    def rate_source(self) -> str:
         """Source of d/dt of the whole state, from what the stages leave behind."""
-        memory = [f'R_{name}[{k}]' for name in self.effects for k in range(self.remembered(name))]
-        return f'f + g + a + {tuple_of(memory)}'
+        memory = [f'R_{name}[{k}]' for name in self.effects for k in range(self.memory_size(name))]
+        return f'f + g + a + {format_tuple(memory)}'
 
 
-class Access(Protocol):
+class KernelAccess(Protocol):
     """How the source of a form reaches the numbers of a vehicle."""
 
     @property
@@ -135,18 +135,18 @@ class Access(Protocol):
         """Whether rotors are gone through in a loop over j."""
         ...
 
-    def item(self, name: str, place: int, layout: Layout, each: int = 0) -> str:
+    def format_item(self, name: str, place: int, layout: EffectLayout, each: int = 0) -> str:
         """
-        Return the source of one number of `state`, `rate`, `parameters`, `u` or one of FIXED.
+        Return the source of a number of `state`, `rate_source`, `parameters`, `u` or FIXED.
 
         Where `each` is not 0 it is that of rotor j, `each` places on from rotor to rotor.
         """
         ...
 
-    def whole(self, name: str, layout: Layout) -> str:
+    def format_whole(self, name: str, layout: EffectLayout) -> str:
         """Return the source of all numbers of `u` or one of FIXED."""
         ...
 
-    def texts(self, parts: list[Stage], layout: Layout) -> dict[str, str]:
+    def build_parts(self, parts: list[ModelStage], layout: EffectLayout) -> dict[str, str]:
         """Return what the templates of this form need beyond the common parts."""
         ...

@@ -5,61 +5,69 @@ A loop is a eighth of the text to compile, and one vehicle's rotors go through v
 as well.
 """
 
-from lta_config.compilation.extract import Extract
+from lta_config.compilation.extract import SourceExtract
 from lta_model.effects.protocol import ActuatorEffect, no_rotor_rate
 from lta_model.state import ACTUATORS
-from lta_sim.kernels.layout import Access, Layout, Stage, tuple_of
+from lta_sim.kernels.layout import EffectLayout, format_tuple, KernelAccess, ModelStage
 
 
-def obey(layout: Layout, access: Access) -> Stage:
+def build_command_stage(layout: EffectLayout, access: KernelAccess) -> ModelStage:
     """Return what the actuators begin with: the commanded duties."""
     if access.loops:
-        line = f'{access.item("u", 0, layout, 1)} = {access.item("command", 0, layout, 1)}'
-        return Stage((line,), each=True)
-    duties = tuple_of(access.item('command', i, layout) for i in range(ACTUATORS))
-    return Stage((f'u = {duties}',), (), ('u',))
+        line = (
+            f'{access.format_item("u", 0, layout, 1)} = '
+            f'{access.format_item("command", 0, layout, 1)}'
+        )
+        return ModelStage((line,), each=True)
+    duties = format_tuple(access.format_item('command', i, layout) for i in range(ACTUATORS))
+    return ModelStage((f'u = {duties}',), (), ('u',))
 
 
-def _seen(
-    name: str, effect: ActuatorEffect, layout: Layout, access: Access, rotor: int = 0
+def _format_rotor_inputs(
+    name: str, effect: ActuatorEffect, layout: EffectLayout, access: KernelAccess, rotor: int = 0
 ) -> list[str]:
     """Return the lines that take up what an effect has of a rotor: of rotor j in a loop."""
     size, j = len(effect.memory), int(access.loops)
     first, shared = layout.first[name], len(effect.shared)
     each = [first + shared + k * ACTUATORS + rotor for k in range(len(effect.each))]
     memory = [layout.remembers[name] + rotor * size + k for k in range(size)]
-    p = [access.item('parameters', first + k, layout) for k in range(shared)]
-    p += [access.item('parameters', place, layout, j) for place in each]
-    m = [access.item('state', place, layout, j * size) for place in memory]
-    return [f'p = {tuple_of(p)}', f'm = {tuple_of(m)}']
+    p = [access.format_item('parameters', first + k, layout) for k in range(shared)]
+    p += [access.format_item('parameters', place, layout, j) for place in each]
+    m = [access.format_item('state', place, layout, j * size) for place in memory]
+    return [f'p = {format_tuple(p)}', f'm = {format_tuple(m)}']
 
 
-def actuators(
-    name: str, effect: ActuatorEffect, layout: Layout, access: Access, extract: Extract
-) -> Stage:
+def build_actuator_stage(
+    name: str,
+    effect: ActuatorEffect,
+    layout: EffectLayout,
+    access: KernelAccess,
+    extract: SourceExtract,
+) -> ModelStage:
     """Return the stage of an actuator effect: all rotors."""
-    output = extract.add(effect.output, name)
-    rate = '' if effect.rate is no_rotor_rate else extract.add(effect.rate, name)
-    around = access.whole('surroundings', layout)
+    output = extract.add_function(effect.output, name)
+    rate = '' if effect.rate is no_rotor_rate else extract.add_function(effect.rate, name)
+    around = access.format_whole('surroundings', layout)
     size, first = len(effect.memory), layout.remembers[name]
     if access.loops:
-        u = access.item('u', 0, layout, 1)
-        lines = [*_seen(name, effect, layout, access), f'duty = {u}']
+        u = access.format_item('u', 0, layout, 1)
+        lines = [*_format_rotor_inputs(name, effect, layout, access), f'duty = {u}']
         if rate:
             lines.append(f'R = {rate}(p, m, duty, {around})')
             lines += [
-                f'{access.item("rate", first + k, layout, size)} = R[{k}]' for k in range(size)
+                f'{access.format_item("rate", first + k, layout, size)} = R[{k}]'
+                for k in range(size)
             ]
         lines.append(f'{u} = {output}(p, m, duty, {around})')
-        return Stage(tuple(lines), effect=name, each=True)
+        return ModelStage(tuple(lines), effect=name, each=True)
     lines, rates = [], []
     for i in range(ACTUATORS):
-        lines += _seen(name, effect, layout, access, i)
+        lines += _format_rotor_inputs(name, effect, layout, access, i)
         if rate:
             lines.append(f'r_{i} = {rate}(p, m, u[{i}], {around})')
             rates += [f'r_{i}[{k}]' for k in range(size)]
         lines.append(f'u_{i} = {output}(p, m, u[{i}], {around})')
     if rate:
-        lines.append(f'R_{name} = {tuple_of(rates)}')
-    lines.append(f'u = {tuple_of(f"u_{i}" for i in range(ACTUATORS))}')
-    return Stage(tuple(lines), ('u',), ('u',), name)
+        lines.append(f'R_{name} = {format_tuple(rates)}')
+    lines.append(f'u = {format_tuple(f"u_{i}" for i in range(ACTUATORS))}')
+    return ModelStage(tuple(lines), ('u',), ('u',), name)

@@ -3,14 +3,21 @@ One vehicle as one row of numbers, which the scalar kernel reads and writes in p
 
 Every number has a fixed place in the row. So the compiler knows that what a stage stores is not
 what the next one loads, a call hands over one array, and whoever flies a vehicle for long keeps
-its row (`lta_sim.craft`).
+its row (`lta_sim.simulated_vehicle`).
 """
 
 from collections.abc import Iterable, Iterator
 from typing import final
 
 from lta_model.state import ACTUATORS
-from lta_sim.kernels.layout import FIXED, indented, Layout, Stage, step, tuple_of
+from lta_sim.kernels.layout import (
+    EffectLayout,
+    FIXED,
+    format_offset,
+    format_tuple,
+    indent_lines,
+    ModelStage,
+)
 
 ENTRIES = '''
 $INLINE
@@ -69,7 +76,7 @@ def advance(row, on, dt, steps):
 '''
 
 
-def parts(layout: Layout) -> dict[str, int]:
+def row_parts(layout: EffectLayout) -> dict[str, int]:
     """
     Return the parts of a row in their order, and how many numbers each has.
 
@@ -84,48 +91,49 @@ def parts(layout: Layout) -> dict[str, int]:
         **scratch,
         'told': 1,
         'rate': size,
-        'wrenches': 6 * len(layout.wrenches),
+        'wrenches': 6 * len(layout.wrench_names),
         'thrusts': ACTUATORS,
         'wind': 3,
     }
 
 
-def places(layout: Layout) -> dict[str, slice]:
+def row_places(layout: EffectLayout) -> dict[str, slice]:
     """Return where in a row each part is."""
     out, first = {}, 0
-    for name, count in parts(layout).items():
+    for name, count in row_parts(layout).items():
         out[name] = slice(first, first + count)
         first += count
     return out
 
 
 @final
-class Row:
+class RowAccess:
     """Reach the numbers of the one vehicle in its row."""
 
     loops = True
 
-    def item(self, name: str, place: int, layout: Layout, each: int = 0) -> str:
+    def format_item(self, name: str, place: int, layout: EffectLayout, each: int = 0) -> str:
         """Return the source of one number; what the rotors do is kept with their thrusts."""
-        first = places(layout)['thrusts' if name == 'u' else name].start
-        return f'row[{first + place}{step(each)}]'
+        first = row_places(layout)['thrusts' if name == 'u' else name].start
+        return f'row[{first + place}{format_offset(each)}]'
 
-    def whole(self, name: str, layout: Layout) -> str:
+    def format_whole(self, name: str, layout: EffectLayout) -> str:
         """Return the source of all numbers of a name: a local variable, except for `u`."""
         if name != 'u':
             return name
-        return tuple_of(self.item('u', i, layout) for i in range(ACTUATORS))
+        return format_tuple(self.format_item('u', i, layout) for i in range(ACTUATORS))
 
-    def texts(self, stages: list[Stage], layout: Layout) -> dict[str, str]:
+    def build_parts(self, stages: list[ModelStage], layout: EffectLayout) -> dict[str, str]:
         """Return the stages one after the other, and where the parts of a row are."""
-        where = places(layout)
+        where = row_places(layout)
         head = [
-            f'{name} = {tuple_of(f"row[{k}]" for k in range(where[name].start, where[name].stop))}'
+            f'{name} = '
+            f'{format_tuple(f"row[{k}]" for k in range(where[name].start, where[name].stop))}'
             for name in FIXED
         ]
         return {
-            'head': indented(head),
-            'body': indented(self._body(stages, layout)),
+            'head': indent_lines(head),
+            'body': indent_lines(self._write_body(stages, layout)),
             **{
                 name: str(where[name].start)
                 for name in ('begin', 'first', 'middle', 'told', 'rate')
@@ -133,25 +141,25 @@ class Row:
             'end': str(max(part.stop for part in where.values())),
         }
 
-    def _body(self, stages: list[Stage], layout: Layout) -> Iterator[str]:
+    def _write_body(self, stages: list[ModelStage], layout: EffectLayout) -> Iterator[str]:
         """Write each stage behind the flag of its effect, then what is told."""
-        where = places(layout)
+        where = row_places(layout)
         row = where['wrenches'].start
         for stage in stages:
-            lines = [*stage.lines, *self._stored(where['rate'].start, stage.memory)]
-            if stage.effect in layout.wrenches:
+            lines = [*stage.lines, *self._format_stores(where['rate'].start, stage.memory)]
+            if stage.effect in layout.wrench_names:
                 lines.append(f'if told: tell(row, {row}, W_{stage.effect})')
                 row += 6
             depth = 0
             if stage.effect:
-                yield f'if on[{layout.flag(stage.effect)}]:'
+                yield f'if on[{layout.flag_index(stage.effect)}]:'
                 depth += 1
             if stage.each:
                 yield '    ' * depth + f'for j in range({ACTUATORS}):'
                 depth += 1
             yield from ('    ' * depth + line for line in lines)
-        yield from self._stored(where['wind'].start, ((k, f'wind[{k}]') for k in range(3)))
+        yield from self._format_stores(where['wind'].start, ((k, f'wind[{k}]') for k in range(3)))
 
-    def _stored(self, first: int, values: Iterable[tuple[int, str]]) -> list[str]:
+    def _format_stores(self, first: int, values: Iterable[tuple[int, str]]) -> list[str]:
         """Return the lines that store values from a place on."""
         return [f'row[{first + k}] = {value}' for k, value in values]

@@ -15,20 +15,20 @@ import operator
 import sys
 import time
 
-from lta_config.recorded import is_wanted
-from lta_graph.health import Level
-from lta_graph.inbox import Step
-from lta_graph.ros.gathering import gather, settle
+from lta_config.topic_selection import is_selected
+from lta_graph.health import HealthLevel
+from lta_graph.inbox import InboxStep
 from lta_graph.ros.node import GraphNode, WHOLE
-from lta_graph.ros.parameters import Parameters
+from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.peer_listener import OVER, PeerListener, PULSE
-from lta_graph.ros.process import run
+from lta_graph.ros.process import run_node
 from lta_graph.ros.stamps import from_stamp, to_stamp
+from lta_graph.ros.startup import wait_until_complete, wait_until_settled
 from lta_model import messages
 from lta_model.scenario import load_scenario
-from lta_model.start_offset import started
+from lta_model.start_offset import offset_start
 from lta_model.vehicle import load_vehicle
-from lta_sim.readings import Outcome, Readings
+from lta_sim.readings import FlightOutcome, VehicleReadings
 from lta_sim.simulator_settings import SimulatorSettings
 from lta_sim.world import World
 from rclpy.clock import Clock, ClockType
@@ -48,9 +48,9 @@ class Simulator(GraphNode):
 
     def __init__(self) -> None:
         super().__init__('simulator', role='vehicle')
-        self._settings = Parameters(self, SimulatorSettings).value
+        self._settings = NodeParameters(self, SimulatorSettings).value
         offset = self._settings.offset_x, self._settings.offset_y
-        scenario = started(load_scenario(self._settings.scenario), *offset)
+        scenario = offset_start(load_scenario(self._settings.scenario), *offset)
         vehicle = load_vehicle(self._settings.vehicle, scenario.air.density)
         self._world = World(
             vehicle, scenario, self.table, self._settings.seed, self._settings.strategy
@@ -58,10 +58,10 @@ class Simulator(GraphNode):
         names = self.table.published_by('vehicle')
         if not self._settings.clock:
             names.remove('/clock')
-        self._outputs = {name: self.output(name) for name in names}
+        self._outputs = {name: self.create_output(name) for name in names}
         inputs = self.table.read_by('vehicle')
-        self.listen(inputs, trigger='motors', on_step=self._on_motors)
-        self._peers = PeerListener(self, self._settings.peers.split(), self._on_news)
+        self.subscribe_inputs(inputs, trigger='motors', on_step=self._on_motors)
+        self._peers = PeerListener(self, self._settings.peers.split(), self._on_peers)
         self._duties = [0.0] * len(vehicle.rotor_names)
         self._lowest = [-1.0 if reversible else 0.0 for reversible in vehicle.reversible]
         self._refused = False
@@ -75,19 +75,21 @@ class Simulator(GraphNode):
             self._pacer = self.create_timer(self.table.control_ns * 1e-9, self._tick, clock=steady)
             self._pacer.cancel()
 
-    def work(self) -> None:
+    def run(self) -> None:
         """Wait for the graph, then fly."""
-        gather(self, self._lonely, PATIENCE * (1 + len(self._peers.names)))
+        wait_until_complete(
+            self, self._find_missing_subscribers, PATIENCE * (1 + len(self._peers.names))
+        )
         if not self.lockstep:
-            settle(self, PATIENCE)
+            wait_until_settled(self, PATIENCE)
         self._began = self._anchor = time.monotonic()
         self.begun = True
-        self._publish()
+        self._publish_step()
         if not self.lockstep:
             self._pacer.reset()
-        super().work()
+        super().run()
 
-    def _lonely(self) -> list[str]:
+    def _find_missing_subscribers(self) -> list[str]:
         """Return whom the outputs still wait for."""
         waiting: set[str] = set()
         words, robot = self._settings.topics, self.get_namespace().strip('/')
@@ -97,48 +99,48 @@ class Simulator(GraphNode):
                 readers |= {f'{peer}/vehicle' for peer in self._peers.names}
             if publisher.get_subscription_count() < len(readers):
                 waiting |= readers
-            recorded = self._settings.record and is_wanted(words, robot, name, self.table[name])
-            if recorded and not self._heard_by('recorder', name):
+            recorded = self._settings.record and is_selected(words, robot, name, self.table[name])
+            if recorded and not self._is_subscribed('recorder', name):
                 waiting.add('recorder')
         return sorted(waiting)
 
-    def _heard_by(self, node: str, name: str) -> bool:
+    def _is_subscribed(self, node: str, name: str) -> bool:
         """Tell whether a node is among the readers of a topic: a viewer's place is not its own."""
         known = self.get_subscriptions_info_by_topic(name)
         return node in {reader.node_name for reader in known}
 
-    def _on_motors(self, step: Step) -> None:
+    def _on_motors(self, step: InboxStep) -> None:
         for command in step.messages['motors']:
-            self._take(command.name, list(command.effort))
+            self._accept_command(command.name, list(command.effort))
         stamp_ns = from_stamp(step.messages['motors'][-1].header.stamp)
         if stamp_ns <= self._world.stamp_ns + STALE_NS:  # else it would be fresh for as long
             self._commanded_ns = stamp_ns
         if self.lockstep:
-            self._step()
+            self._fly_step()
 
-    def _on_news(self) -> None:
+    def _on_peers(self) -> None:
         """Go on when the others let us, or leave with them."""
         if self._finished is None:
-            if self.lockstep and self._peers.holding:
-                self._step()
-        elif self._peers.flying:
-            self._tell_clock(self._peers.now(self._world.stamp_ns))
+            if self.lockstep and self._peers.is_waiting:
+                self._fly_step()
+        elif self._peers.has_active_peers:
+            self._publish_clock(self._peers.launch_time(self._world.stamp_ns))
         else:
             self.running = False
 
-    def awaited(self) -> Iterable[Subscription]:
+    def list_wakeups(self) -> Iterable[Subscription]:
         """Return what to wake up for: the others, where they are what we wait for."""
-        if self._peers.holding or self._finished is not None:
+        if self._peers.is_waiting or self._finished is not None:
             return self._peers.subscriptions
-        return super().awaited()
+        return super().list_wakeups()
 
-    def missing(self) -> list[str]:
+    def list_missing(self) -> list[str]:
         """Return the inputs that this node is waiting for: none once its flight is over."""
         if self._finished is not None:
             return []
-        return self._peers.missing() if self._peers.holding else super().missing()
+        return self._peers.list_missing() if self._peers.is_waiting else super().list_missing()
 
-    def _take(self, names: list[str], duties: list[float]) -> None:
+    def _accept_command(self, names: list[str], duties: list[float]) -> None:
         """Accept a command, or stop the motors on one that cannot be meant."""
         expected = self._world.vehicle.rotor_names
         fits = list(names) == expected and len(duties) == len(expected)
@@ -147,13 +149,13 @@ class Simulator(GraphNode):
             self._duties = duties
             if self._refused:
                 self._refused = False
-                self.health.report('command', Level.OK, 'accepted')
+                self.health.report('command', HealthLevel.OK, 'accepted')
             return
         self._duties = [0.0] * len(expected)
         self._refused = True
         self.health.report(
             'command',
-            Level.ERROR,
+            HealthLevel.ERROR,
             f'refused duties {repr(duties)[:MOST]} of {repr(names)[:MOST]}: '
             f'expected {expected} from {self._lowest} to 1; '
             'the motors are off',
@@ -164,17 +166,17 @@ class Simulator(GraphNode):
         period = self.table.control_ns * 1e-9
         due = round((time.monotonic() - self._anchor) / period)
         if due - self._world.steps > SLIP:
-            self._let_go((due - self._world.steps - 1) * period)
+            self._skip_delay((due - self._world.steps - 1) * period)
             due = self._world.steps + 1
         while self._world.steps < due and self.running:
             if self._world.stamp_ns - self._commanded_ns > STALE_NS:
                 self._duties = [0.0] * len(self._duties)
-            if not self._step():
+            if not self._fly_step():
                 # What the others take longer is not made up for: all would fly by fits and starts.
-                self._let_go(time.monotonic() - self._world.steps * period - self._anchor)
+                self._skip_delay(time.monotonic() - self._world.steps * period - self._anchor)
                 return
 
-    def _let_go(self, delay: float) -> None:
+    def _skip_delay(self, delay: float) -> None:
         """Give up on a delay, and say so once it is more than a person would overlook. [s]"""
         self._anchor += delay
         if self._world.steps == 0:  # the others are not there yet: the flight has not begun
@@ -184,92 +186,94 @@ class Simulator(GraphNode):
         if self._lost > SLOW * (time.monotonic() - self._began):
             self.health.report(
                 'pace',
-                Level.WARN,
+                HealthLevel.WARN,
                 'cannot keep pace with the wall clock',
                 lost_s=f'{self._lost:.2f}',
             )
 
-    def _step(self) -> bool:
+    def _fly_step(self) -> bool:
         """Fly a control step; False where there is none to fly, or not yet."""
         if self._finished is not None:
             return False
-        if self._ended():
+        if self._is_over():
             self._finished, self.farewell = time.monotonic(), WHOLE
-            self._watch()  # the others may be waiting for this
-            self._on_news()
+            self._monitor_inputs()  # the others may be waiting for this
+            self._on_peers()
             return False
-        if not self._peers.lets(self._world.stamp_ns + self.table.control_ns):
+        if not self._peers.may_advance(self._world.stamp_ns + self.table.control_ns):
             return False
         self._world.advance(self._duties)
-        self._watch_supply()
-        self._publish()
+        self._report_supply()
+        self._publish_step()
         return True
 
-    def _watch_supply(self) -> None:
+    def _report_supply(self) -> None:
         """Say when the supply fails, which stops the motors, and when it comes back."""
         if self._fed == self._world.supply.flow.fed:
             return
         self._fed = not self._fed
         if self._fed:
-            self.health.report('supply', Level.OK, 'light has brought the supply back')
+            self.health.report('supply', HealthLevel.OK, 'light has brought the supply back')
         else:
             self.health.report(
                 'supply',
-                Level.ERROR,
+                HealthLevel.ERROR,
                 'browned out: the cell is empty or sagged below its cut-off; the motors are off '
                 'until light has charged it',
             )
 
-    def _ended(self) -> bool:
+    def _is_over(self) -> bool:
         """Tell whether to stop: one control step after a light block, when all have answered."""
-        over = self._world.outcome is not Outcome.FLYING
-        return over and self.table.settled(self._world.stamp_ns)
+        over = self._world.outcome is not FlightOutcome.FLYING
+        return over and self.table.is_settled(self._world.stamp_ns)
 
-    def _publish(self) -> None:
+    def _publish_step(self) -> None:
         """Publish a control step; what the next command waits for goes first."""
         readings = self._world.sense_motion()
         self._publish_motion(readings)
         self._world.sense_rest(readings)
         self._publish_rest(readings)
-        self._tell_clock(readings.stamp_ns)
+        self._publish_clock(readings.stamp_ns)
 
-    def _tell_clock(self, stamp_ns: int) -> None:
+    def _publish_clock(self, stamp_ns: int) -> None:
         """Publish graph time, if that is due and ours to do. [ns]"""
         now = time.monotonic()
         if self._settings.clock and now - self._clocked >= CLOCK_PERIOD:
             self._clocked = now
             self._outputs['/clock'].publish(ClockMessage(clock=to_stamp(stamp_ns)))
 
-    def _publish_motion(self, readings: Readings) -> None:
+    def _publish_motion(self, readings: VehicleReadings) -> None:
         """Publish range, pressure and IMU, the last of which the estimator answers."""
         stamp = to_stamp(readings.stamp_ns)
         out = self._outputs
         for taken_ns, distance in readings.ranges:
-            message = messages.range_(to_stamp(taken_ns), distance, self._world.range_settings)
+            message = messages.build_range(
+                to_stamp(taken_ns), distance, self._world.range_settings
+            )
             out['range'].publish(message)
         if readings.pressure is not None:
             noise = self._world.pressure_settings.noise
-            out['pressure'].publish(messages.pressure(stamp, readings.pressure, noise))
+            out['pressure'].publish(messages.build_pressure(stamp, readings.pressure, noise))
         noises = self._world.imu_errors.noise
-        out['imu'].publish(messages.imu(stamp, readings.force, readings.rates, noises))
+        out['imu'].publish(messages.build_imu(stamp, readings.force, readings.rates, noises))
 
-    def _publish_rest(self, readings: Readings) -> None:
+    def _publish_rest(self, readings: VehicleReadings) -> None:
         """Publish light, energy and truth."""
         stamp = to_stamp(readings.stamp_ns)
         out = self._outputs
         if readings.truth is not None:
-            out['ground_truth/odom'].publish(messages.truth(stamp, readings.truth))
+            out['ground_truth/odom'].publish(messages.build_odometry(stamp, readings.truth))
         if readings.block is not None:
             begun_ns, block = readings.block
-            out['photodiodes'].publish(messages.light_block(to_stamp(begun_ns), block))
+            out['photodiodes'].publish(messages.build_light_block(to_stamp(begun_ns), block))
         if readings.illuminance is None or readings.battery is None or readings.panel is None:
             return
-        out['wind'].publish(messages.wind(stamp, self._world.wind))
-        out['illuminance'].publish(messages.illuminance(stamp, readings.illuminance))
-        out['panel'].publish(messages.branch(stamp, *readings.panel, 'panel'))
-        out['battery'].publish(messages.branch(stamp, *readings.battery, 'battery'))
+        out['wind'].publish(messages.build_wind(stamp, self._world.wind))
+        out['illuminance'].publish(messages.build_illuminance(stamp, readings.illuminance))
+        out['panel'].publish(messages.build_battery_state(stamp, *readings.panel, 'panel'))
+        out['battery'].publish(messages.build_battery_state(stamp, *readings.battery, 'battery'))
 
-    def _standing(self) -> dict[str, str]:
+    def _summarize_flight(self) -> dict[str, str]:
         """Return how the flight stands, in figures."""
         world = self._world
         now = self._finished or time.monotonic()
@@ -279,28 +283,28 @@ class Simulator(GraphNode):
             'outcome': world.outcome.name.lower(),
             'sentence': str(world.outcome),
             'time_s': f'{world.elapsed:.2f}',
-            'distance_m': f'{world.distance:.3f}',
+            'distance_m': f'{world.goal_distance:.3f}',
             'pace': f'{pace:.2f}',
             'lost_s': f'{self._lost:.2f}',
         }
 
-    def _watch(self) -> None:
+    def _monitor_inputs(self) -> None:
         """Tell how the flight stands at every look, for progress bars."""
-        standing = self._standing()
+        standing = self._summarize_flight()
         text = f'{standing["sentence"]}, {standing["distance_m"]} m from the lamp'
         over = {OVER: self._finished is not None}
-        self.health.report('flight', Level.OK, text, **standing, **over)
+        self.health.report('flight', HealthLevel.OK, text, **standing, **over)
         self.health.changed = True
-        super()._watch()
+        super()._monitor_inputs()
 
     def close(self) -> None:
         """Say how the flight ended, also to whoever started it, and let the last messages out."""
-        self._watch()
-        sys.stdout.write(json.dumps(self._standing()) + '\n')
+        self._monitor_inputs()
+        sys.stdout.write(json.dumps(self._summarize_flight()) + '\n')
         sys.stdout.flush()
         super().close()
 
 
 def main(args: list[str] | None = None) -> None:
     """Run the node until the flight ends or it is told to stop."""
-    run(Simulator, args)
+    run_node(Simulator, args)

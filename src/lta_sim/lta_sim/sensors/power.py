@@ -45,7 +45,7 @@ class PowerMeterErrors:
     current_offset: float
 
 
-def draw(settings: PowerMeterSettings, rng: Generator) -> PowerMeterErrors:
+def draw_errors(settings: PowerMeterSettings, rng: Generator) -> PowerMeterErrors:
     """Return the errors of one flight."""
     voltage, current, offset = rng.uniform(-1.0, 1.0, 3).tolist()
     return PowerMeterErrors(
@@ -55,7 +55,7 @@ def draw(settings: PowerMeterSettings, rng: Generator) -> PowerMeterErrors:
     )
 
 
-def measure(
+def measure_power(
     settings: PowerMeterSettings,
     errors: PowerMeterErrors,
     voltage: float,

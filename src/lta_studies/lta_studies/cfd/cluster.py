@@ -13,20 +13,20 @@ from types import TracebackType
 from typing import Any, Final, final, Self
 
 from lta_config.errors import BadInput
-from lta_report.cluster import connected
-from lta_sim.cfd.crew import Found, found_of, mesh_of, meshed, meshes_of
-from lta_sim.cfd.model import Model
-from lta_sim.cfd.openfoam.case import Case
-from lta_sim.cfd.openfoam.engine import CaseFailed, openfoam, Programs, version
-from lta_sim.cfd.openfoam.stage import cache_folder, Progress, Stages
-from lta_sim.cfd.plan import Flow
+from lta_report.cluster import connect_cluster
+from lta_sim.cfd.flow_plan import TunnelFlow
+from lta_sim.cfd.flow_solvers import flow_mesh, Found, list_meshes, solve_flow, solve_mesh
+from lta_sim.cfd.openfoam.case import FoamCase
+from lta_sim.cfd.openfoam.case_runner import cache_folder, CaseRunner, Progress
+from lta_sim.cfd.openfoam.engine import CaseFailed, find_version, FoamPrograms, has_openfoam
 from lta_sim.cfd.solve import check_memory
+from lta_sim.cfd.tunnel_model import TunnelModel
 
 REMEDY: Final = 'give its workers fewer threads or more memory, or take a coarser fidelity'
 
 
 @final
-class ClusterCrew:
+class FlowCluster:
     """
     Workers of a Dask cluster, a flow a thread.
 
@@ -47,9 +47,9 @@ class ClusterCrew:
     """
 
     def __init__(self, address: str, folder: Path | None, tell: Progress) -> None:
-        _, self._client = connected(address)
+        _, self._client = connect_cluster(address)
         self._folder, self._tell = folder, tell
-        self._engines: dict[str, str] = self._client.run(engine_there)
+        self._engines: dict[str, str] = self._client.run(find_worker_engine)
         if lacking := [worker for worker, engine in self._engines.items() if not engine]:
             self._client.close()
             raise BadInput(
@@ -71,25 +71,27 @@ class ClusterCrew:
         with suppress(OSError):
             self._client.close()
 
-    def engine(self) -> str:
+    def engine_name(self) -> str:
         """Return what they are solved with."""
         return ', '.join(sorted(set(self._engines.values())))
 
-    def check(self, flows: Sequence[Flow]) -> None:
+    def check_memory(self, flows: Sequence[TunnelFlow]) -> None:
         """Refuse, before any work, meshes that would not fit into a worker's memory."""
         for worker in self._client.scheduler_info(n_workers=-1)['workers'].values():
             if worker['memory_limit']:
                 check_memory(flows, worker['nthreads'], worker['memory_limit'], REMEDY)
 
-    def solved(
-        self, model: Model, flows: Sequence[Flow], density: float
-    ) -> Generator[tuple[Flow, Found | CaseFailed]]:
-        """Yield each flow with what came of it; parameters as `found_of`."""
-        meshes = {mesh.key: self._begin(mesh, mesh_there, mesh) for mesh in meshes_of(flows)}
+    def solve_flows(
+        self, model: TunnelModel, flows: Sequence[TunnelFlow], density: float
+    ) -> Generator[tuple[TunnelFlow, Found | CaseFailed]]:
+        """Yield each flow with what came of it; parameters as `solve_flow`."""
+        meshes = {
+            mesh.key: self._submit(mesh, build_mesh_on_worker, mesh) for mesh in list_meshes(flows)
+        }
         there = self._client.scatter(model, hash=False)
         coming = [
-            (flow, self._begin(flow.case, flow_there, there, flow, density,
-                               meshes[mesh_of(flow).key]))
+            (flow, self._submit(flow.case, solve_flow_on_worker, there, flow, density,
+                               meshes[flow_mesh(flow).key]))
             for flow in flows
         ]  # fmt: skip
         for flow, future in coming:
@@ -107,26 +109,28 @@ class ClusterCrew:
                     ),
                 )
 
-    def _begin(self, case: Case, work: Any, *given: Any) -> Any:  # noqa: ANN401 - Dask has no types
+    def _submit(self, case: FoamCase, work: Any, *given: Any) -> Any:  # noqa: ANN401 - Dask has no types
         future = self._client.submit(work, self._folder, *given, pure=False)
         future.add_done_callback(lambda _: self._tell(case, case.steps[-1], 1.0, float('nan')))
         return future
 
 
-def engine_there() -> str:
+def find_worker_engine() -> str:
     """Return which OpenFOAM this machine has, or nothing."""
-    return version() if openfoam() else ''
+    return find_version() if has_openfoam() else ''
 
 
-def mesh_there(folder: Path | None, mesh: Case) -> None:
+def build_mesh_on_worker(folder: Path | None, mesh: FoamCase) -> None:
     """Make a mesh on this machine."""
-    meshed(_stages(folder), mesh)
+    solve_mesh(_build_worker_stages(folder), mesh)
 
 
-def flow_there(folder: Path | None, model: Model, flow: Flow, density: float, _: None) -> Found:
+def solve_flow_on_worker(
+    folder: Path | None, model: TunnelModel, flow: TunnelFlow, density: float, _: None
+) -> Found:
     """Solve and read a flow on this machine, when its mesh has been made."""
-    return found_of(_stages(folder), model, flow, density)
+    return solve_flow(_build_worker_stages(folder), model, flow, density)
 
 
-def _stages(folder: Path | None) -> Stages:
-    return Stages(folder or cache_folder(), Programs(), lambda *_: None)
+def _build_worker_stages(folder: Path | None) -> CaseRunner:
+    return CaseRunner(folder or cache_folder(), FoamPrograms(), lambda *_: None)

@@ -5,18 +5,25 @@ from html import escape
 from pathlib import Path
 from typing import Final
 
-from lta_bridge.provenance import commit
+from lta_bridge.provenance import read_commit
 from lta_report.formatting import Tile
-from lta_report.frame import framed, written
-from lta_report.pieces import section, tile_html
-from lta_sim.cfd.plan import MIDDLE, SLOW
-from lta_sim.cfd.refit import ABOUT, ALONG, fits_of, processor_time, solved, warnings_of
-from lta_sim.cfd.slices import Slice
-from lta_sim.cfd.sweep_table import Axis, Sweep
+from lta_report.page_frame import assemble_page, write_file
+from lta_report.page_parts import render_section, render_tile
+from lta_sim.cfd.aero_fit import (
+    ABOUT,
+    ALONG,
+    collect_warnings,
+    fit_axes,
+    select_solved_points,
+    sum_processor_time,
+)
+from lta_sim.cfd.flow_plan import MIDDLE, SLOW
+from lta_sim.cfd.slices import FlowSlice
+from lta_sim.cfd.sweep_table import Axis, TunnelSweep
 from lta_sim.cfd.tunnel import MODELLED
-from lta_studies.cfd.pictures import drag_picture, slice_picture
-from lta_studies.cfd.tables import coefficients, patterns
-from lta_studies.energy.tables import table_html
+from lta_studies.cfd.pictures import draw_drag, draw_slice
+from lta_studies.cfd.tables import build_drag_table, build_rotor_table
+from lta_studies.energy.tables import render_text_table
 
 INTRODUCTION: Final = (
     'Drag along and about six axes, and what each rotor pushes with the hull in its jet, from the '
@@ -40,38 +47,42 @@ METHOD: Final = (
 
 
 def write_page(
-    sweep: Sweep, slices: Sequence[Slice], commands: Mapping[str, str], out: Path
+    sweep: TunnelSweep, slices: Sequence[FlowSlice], commands: Mapping[str, str], out: Path
 ) -> Path:
     """Write the page and return where it is; `BadInput` where it cannot be written."""
-    return written(page(sweep, slices, commands), out)
+    return write_file(render_page(sweep, slices, commands), out)
 
 
-def page(sweep: Sweep, slices: Sequence[Slice], commands: Mapping[str, str]) -> str:
+def render_page(
+    sweep: TunnelSweep, slices: Sequence[FlowSlice], commands: Mapping[str, str]
+) -> str:
     """Return the whole page."""
-    pictures = [section('about', 'Turning', DRAWN, drag_picture(sweep, turning=True))]
+    pictures = [render_section('about', 'Turning', DRAWN, draw_drag(sweep, turning=True))]
     pictures += [
-        section(f'slice-{each.about}', heading(each), CAPTION, slice_picture(each))
+        render_section(
+            f'slice-{each.about}', format_slice_heading(each), CAPTION, draw_slice(each)
+        )
         for each in slices
     ]
-    tables = table_html(coefficients(sweep))
+    tables = render_text_table(build_drag_table(sweep))
     if sweep.blows:
-        tables += table_html(patterns(sweep))
-    warned = [f'Take care: {each}.' for each in warnings_of(sweep)]
+        tables += render_text_table(build_rotor_table(sweep))
+    warned = [f'Take care: {each}.' for each in collect_warnings(sweep)]
     notes = ''.join(f'<p class="note">{escape(each)}</p>' for each in [*warned, *METHOD])
-    return framed(
+    return assemble_page(
         'energy.html',
-        title=escape(title(sweep)),
+        title=escape(format_title(sweep)),
         kicker=escape(f'cfd run · {sweep.name}'),
         about=INTRODUCTION,
-        tiles='\n'.join(tile_html(*each) for each in tiles(sweep)),
-        first=section('along', 'Moving', DRAWN, drag_picture(sweep, turning=False)),
+        tiles='\n'.join(render_tile(*each) for each in build_tiles(sweep)),
+        first=render_section('along', 'Moving', DRAWN, draw_drag(sweep, turning=False)),
         pictures='\n'.join(pictures),
         tables=tables,
         method=notes,
         facts={
             'engine': sweep.engine, 'fidelity': sweep.fidelity, 'geometry': sweep.geometry,
-            'processor time': f'{processor_time(sweep) / 60.0:.1f} min, without meshes',
-            'commit': commit(),
+            'processor time': f'{sum_processor_time(sweep) / 60.0:.1f} min, without meshes',
+            'commit': read_commit(),
         },
         commands=commands,
     )  # fmt: skip
@@ -80,29 +91,31 @@ def page(sweep: Sweep, slices: Sequence[Slice], commands: Mapping[str, str]) -> 
 CAPTION: Final = 'Speed of the air in the plane through the middle; grey is solid.'
 
 
-def heading(found: Slice) -> str:
+def format_slice_heading(plane: FlowSlice) -> str:
     """Return what a slice shows."""
-    return f'{found.about.replace("_", " ").capitalize()}: the air in the middle plane'
+    return f'{plane.about.replace("_", " ").capitalize()}: the air in the middle plane'
 
 
-def title(sweep: Sweep) -> str:
+def format_title(sweep: TunnelSweep) -> str:
     """Return what came out, in a sentence."""
-    fits = fits_of(sweep)
+    fits = fit_axes(sweep)
     return (
-        f'{sweep.name} brakes with {fits["surge"].at(1.0):.3f} N edge-on and '
-        f'{fits["heave"].at(1.0):.3f} N broadside at 1 m/s ({sweep.fidelity}).'
+        f'{sweep.name} brakes with {fits["surge"].drag_at(1.0):.3f} N edge-on and '
+        f'{fits["heave"].drag_at(1.0):.3f} N broadside at 1 m/s ({sweep.fidelity}).'
     )
 
 
-def tiles(sweep: Sweep) -> list[Tile]:
+def build_tiles(sweep: TunnelSweep) -> list[Tile]:
     """Return the drag of each axis at 1 m/s or 1 rad/s, and the lift of all rotors."""
-    fits = fits_of(sweep)
+    fits = fit_axes(sweep)
     made = [
-        Tile(axis, f'{1e3 * fits[axis].at(1.0):.0f}', 'mN', f'at 1 m/s, {_found(sweep, axis)}')
+        Tile(axis, f'{1e3 * fits[axis].drag_at(1.0):.0f}', 'mN', f'at 1 m/s, '
+        f'{_describe_source(sweep, axis)}')
         for axis in ALONG
     ]  # fmt: skip
     made += [
-        Tile(axis, f'{1e3 * fits[axis].at(1.0):.2f}', 'mN m', f'at 1 rad/s, {_found(sweep, axis)}')
+        Tile(axis, f'{1e3 * fits[axis].drag_at(1.0):.2f}', 'mN m', f'at 1 rad/s, '
+        f'{_describe_source(sweep, axis)}')
         for axis in ABOUT
     ]  # fmt: skip
     if (blown := sweep.blows.get('all')) is not None:
@@ -110,5 +123,5 @@ def tiles(sweep: Sweep) -> list[Tile]:
     return made
 
 
-def _found(sweep: Sweep, axis: Axis) -> str:
-    return 'solved' if solved(sweep, axis) else 'by hand'
+def _describe_source(sweep: TunnelSweep, axis: Axis) -> str:
+    return 'solved' if select_solved_points(sweep, axis) else 'by hand'

@@ -4,13 +4,13 @@ from collections.abc import Sequence
 from itertools import cycle
 from typing import Final
 
-from lta_report.drawing import blank
+from lta_report.drawing import create_figure
 from lta_report.palette import ESTIMATE, GOOD, HEAT, LAMP, RAW, SETPOINT, TRUTH, WALL
-from lta_sim.cfd.refit import ABOUT, drags, fits_of, solved
-from lta_sim.cfd.slices import Slice
-from lta_sim.cfd.sphere import morrison, SCATTER, SCATTER_RANGE
-from lta_sim.cfd.sweep_table import AXES, Sweep
-from lta_sim.cfd.validation import Judged
+from lta_sim.cfd.aero_fit import ABOUT, drag_values, fit_axes, select_solved_points
+from lta_sim.cfd.slices import FlowSlice
+from lta_sim.cfd.sphere import morrison_drag_coefficient, SCATTER, SCATTER_RANGE
+from lta_sim.cfd.sweep_table import AXES, TunnelSweep
+from lta_sim.cfd.validation import SphereComparison
 import numpy as np
 from plotly.graph_objects import Figure, Heatmap, Scatter
 
@@ -18,27 +18,27 @@ COLOURS: Final = (TRUTH, ESTIMATE, GOOD)
 SETTINGS: Final = (ESTIMATE, LAMP, GOOD, TRUTH, SETPOINT)
 
 
-def drag_picture(sweep: Sweep, turning: bool) -> Figure:
+def draw_drag(sweep: TunnelSweep, turning: bool) -> Figure:
     """Return drag along, or moment about, three axes: points, fit, and what is known by hand."""
-    figure = blank()
+    figure = create_figure()
     axes = [axis for axis in AXES if (axis in ABOUT) == turning]
-    fits = fits_of(sweep)
+    fits = fit_axes(sweep)
     for colour, axis in zip(COLOURS, axes, strict=True):
         hand = sweep.by_hand[axis]
         speeds = np.geomspace(hand[0].speed, hand[-1].speed, 60)
         figure.add_trace(
             Scatter(
-                x=[p.speed for p in hand], y=drags(axis, hand), name=f'{axis}, by hand',
+                x=[p.speed for p in hand], y=drag_values(axis, hand), name=f'{axis}, by hand',
                 mode='lines', line={'color': colour, 'width': 1, 'dash': 'dot'}, showlegend=False,
             )
         )  # fmt: skip
-        points = solved(sweep, axis)
+        points = select_solved_points(sweep, axis)
         if not points:
             continue
-        values = drags(axis, points)
+        values = drag_values(axis, points)
         figure.add_trace(
             Scatter(
-                x=speeds, y=[fits[axis].at(float(u)) for u in speeds], name=f'{axis}, fit',
+                x=speeds, y=[fits[axis].drag_at(float(u)) for u in speeds], name=f'{axis}, fit',
                 mode='lines', line={'color': colour, 'width': 1.8}, hoverinfo='skip',
                 showlegend=False,
             )
@@ -52,39 +52,39 @@ def drag_picture(sweep: Sweep, turning: bool) -> Figure:
             )
         )  # fmt: skip
     unit = ('rate [rad/s]', 'moment [N m]') if turning else ('speed [m/s]', 'drag [N]')
-    figure.update_xaxes(type='log', title_text=unit[0], tickvals=_ticks(turning))
+    figure.update_xaxes(type='log', title_text=unit[0], tickvals=_choose_ticks(turning))
     figure.update_yaxes(type='log', title_text=unit[1], dtick=1, exponentformat='power')
     figure.update_layout(showlegend=True, legend={'orientation': 'h', 'y': 1.1})
     return figure
 
 
-def _ticks(turning: bool) -> list[float]:
+def _choose_ticks(turning: bool) -> list[float]:
     return [0.3, 1.0, 3.0] if turning else [0.2, 0.5, 1.0, 1.5, 2.0]
 
 
-def slice_picture(found: Slice) -> Figure:
+def draw_slice(plane: FlowSlice) -> Figure:
     """Return a plane through the flow."""
-    figure = blank()
-    top = float(np.nanpercentile(found.speed, 99.7))
+    figure = create_figure()
+    top = float(np.nanpercentile(plane.speed, 99.7))
     figure.add_trace(
         Heatmap(
-            x=np.round(found.across, 4).tolist(), y=np.round(found.up, 4).tolist(),
-            z=[[None if np.isnan(v) else round(float(v), 3) for v in row] for row in found.speed],
+            x=np.round(plane.across, 4).tolist(), y=np.round(plane.up, 4).tolist(),
+            z=[[None if np.isnan(v) else round(float(v), 3) for v in row] for row in plane.speed],
             colorscale=[[k / (len(HEAT) - 1), each] for k, each in enumerate(HEAT)],
             zmin=0.0, zmax=top, colorbar={'title': {'text': 'm/s'}, 'thickness': 12},
             hovertemplate='%{x:.2f}, %{y:.2f} m: %{z:.2f} m/s<extra></extra>',
         )
     )  # fmt: skip
     bare = {'constrain': 'domain', 'showgrid': False}
-    figure.update_xaxes(title_text=found.names[0], **bare)
-    figure.update_yaxes(title_text=found.names[1], scaleanchor='x', **bare)
+    figure.update_xaxes(title_text=plane.names[0], **bare)
+    figure.update_yaxes(title_text=plane.names[1], scaleanchor='x', **bare)
     figure.update_layout(plot_bgcolor=WALL)
     return figure
 
 
-def sphere_picture(found: Sequence[Judged]) -> Figure:
+def draw_sphere_drag(results: Sequence[SphereComparison]) -> Figure:
     """Return the sphere's drag coefficient beside what was measured."""
-    figure = blank()
+    figure = create_figure()
     reynolds = np.geomspace(5e3, 3e5, 200)
     figure.add_trace(
         Scatter(
@@ -96,12 +96,12 @@ def sphere_picture(found: Sequence[Judged]) -> Figure:
     )  # fmt: skip
     figure.add_trace(
         Scatter(
-            x=reynolds, y=[morrison(float(r)) for r in reynolds], name='Morrison 2013',
-            mode='lines', line={'color': RAW, 'width': 2}, showlegend=True,
+            x=reynolds, y=[morrison_drag_coefficient(float(r)) for r in reynolds],
+            name='Morrison 2013', mode='lines', line={'color': RAW, 'width': 2}, showlegend=True,
         )
     )  # fmt: skip
-    for colour, setting in zip(cycle(SETTINGS), _settings(found), strict=False):
-        those = [each for each in found if each.setting == setting]
+    for colour, setting in zip(cycle(SETTINGS), _list_settings(results), strict=False):
+        those = [each for each in results if each.setting == setting]
         figure.add_trace(
             Scatter(
                 x=[each.reynolds for each in those], y=[each.coefficient for each in those],
@@ -117,5 +117,5 @@ def sphere_picture(found: Sequence[Judged]) -> Figure:
     return figure
 
 
-def _settings(found: Sequence[Judged]) -> list[str]:
-    return list(dict.fromkeys(each.setting for each in found))
+def _list_settings(results: Sequence[SphereComparison]) -> list[str]:
+    return list(dict.fromkeys(each.setting for each in results))

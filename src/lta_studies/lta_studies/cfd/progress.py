@@ -4,15 +4,15 @@ from collections.abc import Sequence
 import math
 from typing import final
 
-from lta_report.bar import Bar
-from lta_sim.cfd.openfoam.case import Case, Step
-from lta_sim.cfd.openfoam.stage import Stages
-from lta_sim.cfd.plan import Flow
+from lta_report.progress_bar import ProgressBar
+from lta_sim.cfd.flow_plan import TunnelFlow
+from lta_sim.cfd.openfoam.case import FoamCase, ProgramStep
+from lta_sim.cfd.openfoam.case_runner import CaseRunner
 from rich.console import Console
 from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
 
 
-def cases_of(flows: Sequence[Flow]) -> list[Case]:
+def list_cases(flows: Sequence[TunnelFlow]) -> list[FoamCase]:
     """Return all cases of some flows, each once, meshes first."""
     meshes = [flow.case.mesh for flow in flows if flow.case.mesh is not None]
     unique = {case.key: case for case in [*meshes, *(flow.case for flow in flows)]}
@@ -20,7 +20,7 @@ def cases_of(flows: Sequence[Flow]) -> list[Case]:
 
 
 @final
-class TunnelProgress(Bar):
+class TunnelProgress(ProgressBar):
     """
     Show a sweep while it lasts.
 
@@ -36,24 +36,24 @@ class TunnelProgress(Bar):
 
     """
 
-    def __init__(self, console: Console, flows: Sequence[Flow]) -> None:
+    def __init__(self, console: Console, flows: Sequence[TunnelFlow]) -> None:
         columns = (
             TextColumn('{task.description}'),
             BarColumn(),
             TimeRemainingColumn(),
         )
-        self._cases = cases_of(flows)
+        self._cases = list_cases(flows)
         work = sum(case.work for case in self._cases) or 1.0
         super().__init__(console, *columns, begin='meshes', total=work, period=600.0)
         self._done: dict[str, float] = {}
         self._telling: dict[str, str] = {}
 
-    def count(self, stages: Stages) -> None:
+    def skip_solved(self, stages: CaseRunner) -> None:
         """Leave out what is solved already."""
         self._cases = [case for case in self._cases if not stages.is_done(case)]
-        self.move(total=sum(case.work for case in self._cases) or 1.0)
+        self.update_bar(total=sum(case.work for case in self._cases) or 1.0)
 
-    def tell(self, case: Case, step: Step, share: float, residual: float) -> None:
+    def update(self, case: FoamCase, step: ProgramStep, share: float, residual: float) -> None:
         """Take in how far a case is."""
         rounds = [max(each.rounds, 20) for each in case.steps]
         before = sum(rounds[: list(case.steps).index(step)])
@@ -64,4 +64,4 @@ class TunnelProgress(Bar):
         if done >= 1.0:
             del self._telling[case.key]
         words = ', '.join(list(self._telling.values())[:3])
-        self.move(completed=sum(self._done.values()), description=words)
+        self.update_bar(completed=sum(self._done.values()), description=words)

@@ -5,16 +5,16 @@ from html import escape
 from pathlib import Path
 from typing import Final
 
-from lta_bridge.provenance import commit
+from lta_bridge.provenance import read_commit
 from lta_report.formatting import Tile
-from lta_report.frame import framed, written
-from lta_report.pieces import section, tile_html
-from lta_sim.cfd.openfoam.engine import version
+from lta_report.page_frame import assemble_page, write_file
+from lta_report.page_parts import render_section, render_tile
+from lta_sim.cfd.openfoam.engine import find_version
 from lta_sim.cfd.tunnel import MODELLED
-from lta_sim.cfd.validation import Judged
-from lta_studies.cfd.pictures import sphere_picture
-from lta_studies.cfd.tables import spheres
-from lta_studies.energy.tables import table_html
+from lta_sim.cfd.validation import SphereComparison
+from lta_studies.cfd.pictures import draw_sphere_drag
+from lta_studies.cfd.tables import build_sphere_table
+from lta_studies.energy.tables import render_text_table
 
 CAPTION: Final = (
     'Line: Morrison 2013. Band: 0.45 to 0.50, measured by Achenbach 1972 between 5e4 and 1.2e5. '
@@ -29,44 +29,48 @@ METHOD: Final = (
 )
 
 
-def write_page(found: Sequence[Judged], commands: Mapping[str, str], out: Path) -> Path:
+def write_page(
+    results: Sequence[SphereComparison], commands: Mapping[str, str], out: Path
+) -> Path:
     """Write the page and return where it is; `BadInput` where it cannot be written."""
-    return written(page(found, commands), out)
+    return write_file(render_page(results, commands), out)
 
 
-def page(found: Sequence[Judged], commands: Mapping[str, str]) -> str:
+def render_page(results: Sequence[SphereComparison], commands: Mapping[str, str]) -> str:
     """Return the whole page."""
-    return framed(
+    return assemble_page(
         'energy.html',
-        title=escape(title(found)),
+        title=escape(format_title(results)),
         kicker='cfd validate · sphere',
         about='A sphere of 1 m in the wind tunnel, beside what was measured of real ones.',
-        tiles='\n'.join(tile_html(*each) for each in tiles(found)),
-        first=section('sphere', 'Drag coefficient', CAPTION, sphere_picture(found)),
+        tiles='\n'.join(render_tile(*each) for each in build_tiles(results)),
+        first=render_section('sphere', 'Drag coefficient', CAPTION, draw_sphere_drag(results)),
         pictures='',
-        tables=table_html(spheres(list(found))),
+        tables=render_text_table(build_sphere_table(list(results))),
         method=''.join(f'<p class="note">{escape(each)}</p>' for each in METHOD),
-        facts={'engine': version(), 'commit': commit()},
+        facts={'engine': find_version(), 'commit': read_commit()},
         commands=commands,
     )
 
 
-def title(found: Sequence[Judged]) -> str:
+def format_title(results: Sequence[SphereComparison]) -> str:
     """Return what came out, in a sentence."""
     parts = []
-    for setting in dict.fromkeys(each.setting for each in found):
-        worst = max((each for each in found if each.setting == setting), key=lambda e: abs(e.off))
+    for setting in dict.fromkeys(each.setting for each in results):
+        worst = max(
+            (each for each in results if each.setting == setting), key=lambda e: abs(e.off)
+        )
         parts.append(f'{setting}: at worst {100 * worst.off:+.0f} % at Re {worst.reynolds:.2g}')
     return f'Sphere beside the measured scatter: {"; ".join(parts)}.'
 
 
-def tiles(found: Sequence[Judged]) -> list[Tile]:
+def build_tiles(results: Sequence[SphereComparison]) -> list[Tile]:
     """Return each point."""
     return [
         Tile(
             f'{each.setting}, {each.speed:g} m/s', f'{each.coefficient:.3f}', '',
             f'measured {each.measured:.2f}',
         )
-        for each in found
+        for each in results
         if each.speed in (0.2, 1.0, 2.0)
     ]  # fmt: skip

@@ -12,7 +12,7 @@ from rich.text import Text
 
 @final
 @dataclass(frozen=True, slots=True)
-class Table:
+class TextTable:
     """A heading, the heads of its columns, and its rows; the first cell of a row names it."""
 
     heading: str
@@ -21,17 +21,17 @@ class Table:
     note: str = ''
 
 
-def turned(table: Table) -> Table:
+def transpose_table(table: TextTable) -> TextTable:
     """Return a table with rows and columns exchanged, for a narrow terminal."""
     rows = [
         [head, *(row[place] for row in table.rows)]
         for place, head in enumerate(table.heads[1:], start=1)
     ]
     heads = [table.heads[0], *(row[0] for row in table.rows)]
-    return Table(table.heading, heads, rows, table.note)
+    return TextTable(table.heading, heads, rows, table.note)
 
 
-def table_html(table: Table) -> str:
+def render_text_table(table: TextTable) -> str:
     """Return a table in a panel of its own."""
     head = ''.join(f'<th scope="col">{escape(each)}</th>' for each in table.heads)
     lines = []
@@ -48,7 +48,7 @@ def table_html(table: Table) -> str:
     )
 
 
-def show(table: Table, console: Console) -> None:
+def print_table(table: TextTable, console: Console) -> None:
     """Print a table; it moves together where the terminal is narrow."""
     # Heads a word a line: a column is as wide as its numbers.
     heads = [head.replace(' ', '\n') for head in table.heads]

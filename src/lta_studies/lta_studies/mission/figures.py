@@ -5,9 +5,9 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any, Final, final
 
-from lta_energy.circuit import Spent
-from lta_energy.diary import ASLEEP, Diary, Flight
-from lta_energy.light_of_days import LightOfDays
+from lta_energy.circuit import EnergyTotals
+from lta_energy.irradiance import IrradianceSeries
+from lta_energy.mission_log import ASLEEP, MissionFlight, MissionLog
 
 FAILED: Final = {
     'empty': 'empty in flight',
@@ -20,7 +20,7 @@ FAILED: Final = {
 
 @final
 @dataclass(frozen=True, slots=True)
-class Figures:
+class MissionFigures:
     """
     The figures of one mission; energies in J, times in s.
 
@@ -66,12 +66,12 @@ class Figures:
     asleep: float
 
     @property
-    def failed(self) -> int:
+    def failure_count(self) -> int:
         """How many things went wrong."""
         return sum(self.failures.values())
 
 
-def figures_of(diary: Diary, beacons: int) -> Figures:
+def compute_figures(diary: MissionLog, beacons: int) -> MissionFigures:
     """Return the figures of a diary; `beacons` is the length of the round."""
     flights, flow = diary.flights, diary.spent
     flown = sum(each.duration for each in flights)
@@ -79,7 +79,7 @@ def figures_of(diary: Diary, beacons: int) -> Figures:
     failures = Counter(FAILED[each.ending] for each in flights if each.ending != 'home')
     failures.update({'came home in the dark': diary.dark, 'empty on the perch': diary.outages})
     apart = [abs(a - b) for a, b in zip(diary.charge, diary.told, strict=True)]
-    return Figures(
+    return MissionFigures(
         flights=len(flights),
         rounds=sum(each.visits == beacons for each in flights),
         visits=sum(each.visits for each in flights),
@@ -96,18 +96,18 @@ def figures_of(diary: Diary, beacons: int) -> Figures:
         lowest_charge=min((each.after for each in flights), default=None),
         lowest_voltage=min((each.lowest for each in flights), default=None),
         gauge_error=max(apart, default=0.0),
-        asleep=share_of(diary, ASLEEP),
+        asleep=time_share(diary, ASLEEP),
     )
 
 
-def share_of(diary: Diary, state: int) -> float:
+def time_share(diary: MissionLog, state: int) -> float:
     """Return the share of the time that the drone spent in a state. [1]"""
     spans = zip(diary.time[:-1], diary.time[1:], diary.state[:-1], strict=True)
     whole = max(diary.time[-1] - diary.time[0], 1.0) if diary.time else 1.0
     return sum(end - begin for begin, end, own in spans if own == state) / whole
 
 
-def by_hour(diary: Diary, light: LightOfDays) -> list[float]:
+def flight_minutes_by_hour(diary: MissionLog, light: IrradianceSeries) -> list[float]:
     """Return the time flown in each hour of the mission. [min]"""
     hours = [0.0] * round(light.end / 3600.0)
     for flight in diary.flights:
@@ -115,14 +115,17 @@ def by_hour(diary: Diary, light: LightOfDays) -> list[float]:
     return hours
 
 
-def to_json(diary: Diary) -> dict[str, Any]:
+def to_json(diary: MissionLog) -> dict[str, Any]:
     """Return a diary as JSON has it."""
     return asdict(diary)
 
 
-def from_json(content: Mapping[str, Any]) -> Diary:
+def from_json(content: Mapping[str, Any]) -> MissionLog:
     """Return the diary that `to_json` wrote."""
     flights = [
-        Flight._make(each)._replace(spent=Spent._make(each[4])) for each in content['flights']
+        MissionFlight._make(each)._replace(spent=EnergyTotals._make(each[4]))
+        for each in content['flights']
     ]
-    return Diary(**{**content, 'flights': flights, 'spent': Spent._make(content['spent'])})
+    return MissionLog(
+        **{**content, 'flights': flights, 'spent': EnergyTotals._make(content['spent'])}
+    )

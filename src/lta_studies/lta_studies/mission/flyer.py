@@ -11,29 +11,29 @@ import math
 from typing import final
 
 from lta_config.schema.mission_file import MissionFile
-from lta_control.strategies.homing import onward
-from lta_energy.circuit import Spent
-from lta_energy.diary import Flight
-from lta_energy.light_of_days import Light, LightOfDays
+from lta_control.strategies.homing import reset_for_next_lamp
+from lta_energy.circuit import EnergyTotals
+from lta_energy.irradiance import IrradianceSeries, PanelIrradiance
 from lta_energy.mission import Departure, Landing
-from lta_studies.mission.aloft import (
-    Aloft,
-    at_rest,
+from lta_energy.mission_log import MissionFlight
+from lta_studies.mission.leg_state import (
     DONE,
     DWELL,
     EMPTY,
     ESCAPED,
     FLYING,
     GO,
+    ground_leg_state,
+    initial_leg_state,
     LAND,
     LATE,
-    Leg,
+    LegPlan,
+    LegState,
     RESERVE,
-    standing,
     STOPPED,
 )
-from lta_studies.mission.legs import Array, Pilot
-from lta_studies.mission.scene import Scenes
+from lta_studies.mission.legs import Array, LegPilot
+from lta_studies.mission.scene import MissionScene
 import numpy as np
 
 SEARCH = 60.0  # s allowed for a leg beyond three times its straight way at cruise speed
@@ -44,23 +44,23 @@ BESIDE = 0.3  # m beside its lantern, so that the drone sees it as it stands
 
 @final
 @dataclass(slots=True)
-class Going:
+class OngoingFlight:
     """A flight under way."""
 
-    memory: Aloft
+    memory: LegState
     state: Array
-    light: Light
+    light: PanelIrradiance
     lux: float
     seed: int
     visits: int = 0
 
-    def away(self, x: float, y: float) -> float:
+    def distance_to(self, x: float, y: float) -> float:
         """Return the horizontal distance to a place. [m]"""
         return math.hypot(float(self.state[0]) - x, float(self.state[1]) - y)
 
 
 @final
-class Flyer:
+class MissionFlyer:
     """
     Flies the flights of one mission.
 
@@ -82,74 +82,77 @@ class Flyer:
     def __init__(
         self,
         mission: MissionFile,
-        scenes: Scenes,
-        light: LightOfDays,
+        scenes: MissionScene,
+        light: IrradianceSeries,
         seed: int,
         gain: float = 1.0,
         offset: float = 0.0,
     ) -> None:
         self._mission, self._scenes, self._light, self._seed = mission, scenes, light, seed
         length, width, height = scenes.scenario.room.size.vector
-        self._leg = Leg(
+        self._leg = LegPlan(
             GO, 1.0, mission.reserve.si, 0.0, gain, offset, length / 2, width / 2, height
         )
-        made = scenes.made(mission.perch, light.at(0.0), 1.0)
-        self._pilot = Pilot(made, self._leg)
+        made = scenes.build_flight(mission.perch, light.at(0.0), 1.0)
+        self._pilot = LegPilot(made, self._leg)
         self._speed = scenes.policy.mission.speed
 
-    def compile(self) -> None:
+    def compile_kernel(self) -> None:
         """Have compiled what flies, which takes up to a minute where it is not kept on disk."""
-        made = self._scenes.made(self._mission.perch, self._light.at(0.0), 1.0)
-        over = at_rest(1.0, 1.0)._replace(outcome=DONE)
-        state = self._pilot.standing(0.0, 0.0, 0.0, 0.0, 0)
-        self._pilot.fly(self._pilot.constants(made), self._leg, over, state, 0)
+        made = self._scenes.build_flight(self._mission.perch, self._light.at(0.0), 1.0)
+        over = initial_leg_state(1.0, 1.0)._replace(outcome=DONE)
+        state = self._pilot.ground_state(0.0, 0.0, 0.0, 0.0, 0)
+        self._pilot.fly_leg(self._pilot.pack_constants(made), self._leg, over, state, 0)
 
-    def fly(self, departure: Departure) -> Landing:
+    def fly_mission(self, departure: Departure) -> Landing:
         """Fly the round and home."""
-        going = self._begin(departure)
-        outcome = self._round(going)
+        going = self._start_flight(departure)
+        outcome = self._fly_round(going)
         if outcome in (DONE, RESERVE, LATE):
-            outcome = self._home(going)
+            outcome = self._fly_home(going)
         if outcome in (RESERVE, LATE):
-            self._fly(going, self._mission.perch, self._leg._replace(kind=LAND, limit=60.0))
+            self._fly_leg(going, self._mission.perch, self._leg._replace(kind=LAND, limit=60.0))
         memory, supply = going.memory, going.memory.supply
-        flight = Flight(
+        flight = MissionFlight(
             departure.time, memory.step * 0.01, going.visits, memory.path,
-            Spent(supply.harvested, 0.0, supply.consumed, supply.lost), departure.store.charge,
-            supply.flow.charge, memory.charge, memory.lowest, ENDINGS.get(outcome, 'home'),
+            EnergyTotals(supply.harvested, 0.0, supply.consumed, supply.lost),
+            departure.store.charge, supply.flow.charge, memory.charge, memory.lowest,
+            ENDINGS.get(outcome, 'home'),
         )  # fmt: skip
         return Landing(supply.flow, flight)
 
-    def _begin(self, departure: Departure) -> Going:
+    def _start_flight(self, departure: Departure) -> OngoingFlight:
         """Return a drone beside its lantern, its nose wherever the seed points it."""
         seed = int(np.random.SeedSequence([self._seed, departure.number]).generate_state(1)[0])
         heading = 2.0 * math.pi * (seed / 2**32)
         x, y, _ = self._scenes.lamp(self._mission.perch).position
-        z = self._scenes.vehicle.standing_height
-        state = self._pilot.standing(x + BESIDE, y, z, heading, seed)
-        memory = standing(departure.store, departure.told)
+        z = self._scenes.vehicle.height_on_floor
+        state = self._pilot.ground_state(x + BESIDE, y, z, heading, seed)
+        memory = ground_leg_state(departure.store, departure.told)
         light = departure.light
         sun, lamps, _ = self._light.efficacies
-        return Going(memory, state, light, light.sun * sun + light.lamps * lamps, seed)
+        return OngoingFlight(memory, state, light, light.sun * sun + light.lamps * lamps, seed)
 
-    def _round(self, going: Going) -> int:
+    def _fly_round(self, going: OngoingFlight) -> int:
         """Fly to each beacon and dwell there; return how that ended."""
         mission = self._mission
         payload = mission.payload
         drawn = payload.sensing.si + payload.radio.si if payload else 0.0
         for name in mission.round:
-            outcome = self._fly(going, name, self._leg._replace(limit=self._limit(going, name)))
+            outcome = self._fly_leg(
+                going, name, self._leg._replace(limit=self._leg_time_limit(going, name))
+            )
             if outcome != DONE:
                 return outcome
             going.visits += 1
             if mission.dwell.si > 0.0:
                 dwell = self._leg._replace(kind=DWELL, limit=mission.dwell.si, payload=drawn)
-                outcome = self._fly(going, name, dwell)
+                outcome = self._fly_leg(going, name, dwell)
                 if outcome != DONE:
                     return outcome
         return DONE
 
-    def _home(self, going: Going) -> int:
+    def _fly_home(self, going: OngoingFlight) -> int:
         """Fly to the perch until the dock catches the drone; return how that ended."""
         perch, leg = self._mission.perch, self._leg
         x, y, _ = self._scenes.lamp(perch).position
@@ -157,24 +160,24 @@ class Flyer:
         while left > 0.0:
             begun = going.memory.step
             going_home = leg._replace(limit=left, reserve=0.5 * leg.reserve)
-            outcome = self._fly(going, perch, going_home)
-            if outcome != DONE or going.away(x, y) <= self._mission.dock.si:
+            outcome = self._fly_leg(going, perch, going_home)
+            if outcome != DONE or going.distance_to(x, y) <= self._mission.dock.si:
                 return outcome
             left -= (going.memory.step - begun) * 0.01
         return LATE
 
-    def _limit(self, going: Going, name: str) -> float:
+    def _leg_time_limit(self, going: OngoingFlight, name: str) -> float:
         """Return how long a leg may last. [s]"""
         x, y, _ = self._scenes.lamp(name).position
-        return SEARCH + 3.0 * going.away(x, y) / self._speed
+        return SEARCH + 3.0 * going.distance_to(x, y) / self._speed
 
-    def _fly(self, going: Going, name: str, leg: Leg) -> int:
+    def _fly_leg(self, going: OngoingFlight, name: str, leg: LegPlan) -> int:
         """Fly one leg; return its outcome."""
         memory = going.memory
-        made = self._scenes.made(name, going.light, going.lux)
-        homing = onward(memory.homing) if leg.kind == GO else memory.homing
+        made = self._scenes.build_flight(name, going.light, going.lux)
+        homing = reset_for_next_lamp(memory.homing) if leg.kind == GO else memory.homing
         begin = memory._replace(outcome=FLYING, begun=memory.step, homing=homing)
-        going.memory, going.state = self._pilot.fly(
-            self._pilot.constants(made), leg, begin, going.state, going.seed
+        going.memory, going.state = self._pilot.fly_leg(
+            self._pilot.pack_constants(made), leg, begin, going.state, going.seed
         )
         return going.memory.outcome

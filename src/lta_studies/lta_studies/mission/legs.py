@@ -4,32 +4,34 @@ from functools import cache
 from types import ModuleType
 from typing import Any, final
 
-from lta_config.compilation.flat import Layout
-from lta_config.compilation.kernel_cache import load
-from lta_config.topics import topic_table
-from lta_flight.fleet.craft import Made, rhythm_of
-from lta_model.state import pack, RIGID
-from lta_sim.counted_sensors import eddies
+from lta_config.compilation.flat import TupleLayout
+from lta_config.compilation.kernel_cache import load_kernel
+from lta_config.topics import load_topic_table
+from lta_flight.batch.batch_flight import BatchFlight, build_rhythm
+from lta_model.state import pack_state, RIGID
+from lta_sim.compiled_sensors import draw_turbulence_memory
 from lta_sim.kernels.kernel import LAYOUT
-from lta_studies.mission.aloft import Aloft, at_rest, Leg
-from lta_studies.mission.leg_text import remembered, source
+from lta_studies.mission.leg_codegen import generate_source, initial_effect_memory
+from lta_studies.mission.leg_state import initial_leg_state, LegPlan, LegState
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-MEMORY = Layout(at_rest(1.0, 1.0))
+MEMORY = TupleLayout(initial_leg_state(1.0, 1.0))
 
 
 @cache
-def _kernel(
-    names: tuple[str, ...], craft: Layout[Any], leg: Layout[Any], diodes: int
+def _load_kernel(
+    names: tuple[str, ...], constants: TupleLayout[Any], leg: TupleLayout[Any], diodes: int
 ) -> ModuleType:
     """Return the compiled leg of some effects."""
-    return load(source(names, craft, leg, MEMORY, diodes, rhythm_of(topic_table())))
+    return load_kernel(
+        generate_source(names, constants, leg, MEMORY, diodes, build_rhythm(load_topic_table()))
+    )
 
 
 @final
-class Pilot:
+class LegPilot:
     """
     Flies the legs of one vehicle in one scene.
 
@@ -42,31 +44,31 @@ class Pilot:
 
     """
 
-    def __init__(self, made: Made, leg: Leg) -> None:
-        model = made.model
-        self.names = tuple(n for n in LAYOUT.effects if model.on[LAYOUT.flag(n)])
-        parameters, _ = LAYOUT.places(self.names)
+    def __init__(self, flight: BatchFlight, leg: LegPlan) -> None:
+        model = flight.model
+        self.names = tuple(n for n in LAYOUT.effects if model.on[LAYOUT.flag_index(n)])
+        parameters, _ = LAYOUT.find_places(self.names)
         self._fixed = np.array([*model.parameters[parameters], *model.body, *model.inverse])
-        self._craft, self._leg = Layout(made.craft), Layout(leg)
-        self._fly = _kernel(
-            self.names, self._craft, self._leg, len(made.craft.listening.planes)
+        self._craft, self._leg = TupleLayout(flight.craft), TupleLayout(leg)
+        self._fly = _load_kernel(
+            self.names, self._craft, self._leg, len(flight.craft.listening.planes)
         ).fly_leg
 
-    def constants(self, made: Made) -> Array:
+    def pack_constants(self, flight: BatchFlight) -> Array:
         """Return the numbers of the vehicle in a scene of the same form, shape (n,)."""
-        return np.array(made.numbers)
+        return np.array(flight.numbers)
 
-    def standing(self, x: float, y: float, z: float, heading: float, seed: int) -> Array:
+    def ground_state(self, x: float, y: float, z: float, heading: float, seed: int) -> Array:
         """Return the state of the model on the ground. [m, rad]"""
-        memory = remembered(self.names)
-        state = np.array([*pack((x, y, z), heading)[:RIGID], *memory])
+        memory = initial_effect_memory(self.names)
+        state = np.array([*pack_state((x, y, z), heading)[:RIGID], *memory])
         if 'turbulence' in self.names:
-            state[-len(eddies(seed)) :] = eddies(seed)
+            state[-len(draw_turbulence_memory(seed)) :] = draw_turbulence_memory(seed)
         return state
 
-    def fly(
-        self, constants: Array, leg: Leg, memory: Aloft, state: Array, seed: int
-    ) -> tuple[Aloft, Array]:
+    def fly_leg(
+        self, constants: Array, leg: LegPlan, memory: LegState, state: Array, seed: int
+    ) -> tuple[LegState, Array]:
         """
         Return what is remembered after a leg, and the state of the model.
 

@@ -5,16 +5,28 @@ from html import escape
 from pathlib import Path
 from typing import Final
 
-from lta_bridge.provenance import commit
-from lta_energy.harvest import Harvest
+from lta_bridge.provenance import read_commit
+from lta_energy.harvest import HarvestCurve
 from lta_report.formatting import Tile
-from lta_report.frame import framed, written
-from lta_report.pieces import section, tile_html
-from lta_studies.energy.tables import Table, table_html
-from lta_studies.light.evaluation.intervals import Mean
+from lta_report.page_frame import assemble_page, write_file
+from lta_report.page_parts import render_section, render_tile
+from lta_studies.energy.tables import render_text_table, TextTable
+from lta_studies.light.evaluation.intervals import BootstrapMean
 from lta_studies.mission import paper
-from lta_studies.mission.pictures import books_picture, day_picture, hours_picture, main, timeline
-from lta_studies.mission.run import gain, minutes, of, Order, Told
+from lta_studies.mission.pictures import (
+    draw_charge,
+    draw_energy_use,
+    draw_flight_hours,
+    draw_timeline,
+    select_main_result,
+)
+from lta_studies.mission.run import (
+    filter_by_schedule,
+    mean_daily_minutes,
+    MissionRequest,
+    MissionResult,
+    schedule_gain,
+)
 
 DAY: Final = (
     'Above: light on the level panel, a beacon that flickers by its mean. Below: what the cell '
@@ -39,65 +51,71 @@ METHOD: Final = (
 )
 
 
-def write_page(order: Order, lives: Sequence[Told], again: Mapping[str, str], out: Path) -> Path:
+def write_page(
+    request: MissionRequest, results: Sequence[MissionResult], again: Mapping[str, str], out: Path
+) -> Path:
     """Write the page and return where it is; `BadInput` where it cannot be written."""
-    return written(page(order, lives, again), out)
+    return write_file(render_page(request, results, again), out)
 
 
-def page(order: Order, lives: Sequence[Told], again: Mapping[str, str]) -> str:
+def render_page(
+    request: MissionRequest, results: Sequence[MissionResult], again: Mapping[str, str]
+) -> str:
     """Return the whole page; `again` is what can be typed next."""
-    seed = order.seeds[0]
-    shown = [each for each in lives if each.seed == seed]
-    light = order.light(seed)
+    seed = request.seeds[0]
+    shown = [each for each in results if each.seed == seed]
+    light = request.simulate_light(seed)
     pictures = (
-        section('when', 'Timeline', WHEN, timeline(shown, light)),
-        section('hours', 'Minutes flown', HOURS, hours_picture(shown, light)),
-        section('books', 'Energy', BOOKS, books_picture(shown)),
+        render_section('when', 'Timeline', WHEN, draw_timeline(shown, light)),
+        render_section('hours', 'Minutes flown', HOURS, draw_flight_hours(shown, light)),
+        render_section('books', 'Energy', BOOKS, draw_energy_use(shown)),
     )
-    return framed(
+    return assemble_page(
         'energy.html',
-        title=escape(title(order, lives)),
-        kicker=escape(f'mission · {order.mission.name}'),
-        about=escape(order.mission.about),
-        tiles='\n'.join(tile_html(*each) for each in tiles(order, lives)),
-        first=section(
+        title=escape(format_title(request, results)),
+        kicker=escape(f'mission · {request.mission.name}'),
+        about=escape(request.mission.about),
+        tiles='\n'.join(render_tile(*each) for each in build_tiles(request, results)),
+        first=render_section(
             'day',
             f'Charge with the light, seed {seed}',
             DAY,
-            day_picture(shown, light, order.mission.reserve.si),
+            draw_charge(shown, light, request.mission.reserve.si),
         ),
         pictures=''.join(pictures),
-        tables=''.join(table_html(each) for each in tables(order, lives)),
+        tables=''.join(render_text_table(each) for each in build_tables(request, results)),
         method=''.join(f'<p class="note">{escape(each)}</p>' for each in METHOD),
         facts={
-            'mission': order.mission.name,
-            'vehicle': order.mission.vehicle,
-            'light': order.day.about,
-            'seeds': ', '.join(map(str, order.seeds)),
-            'commit': commit(),
+            'mission': request.mission.name,
+            'vehicle': request.mission.vehicle,
+            'light': request.day.about,
+            'seeds': ', '.join(map(str, request.seeds)),
+            'commit': read_commit(),
         },
         commands=again,
     )
 
 
-def title(order: Order, lives: Sequence[Told]) -> str:
+def format_title(request: MissionRequest, results: Sequence[MissionResult]) -> str:
     """Return what came out, in a sentence."""
-    first = main(lives)
-    own = minutes(of(lives, first.schedule), order.days)
-    more = gain(lives)
-    told = f'{order.mission.name} flies {own.value:.0f} minutes a day'
+    first = select_main_result(results)
+    own = mean_daily_minutes(filter_by_schedule(results, first.schedule), request.days)
+    more = schedule_gain(results)
+    told = f'{request.mission.name} flies {own.value:.0f} minutes a day'
     if more is None:
         return f'{told}.'
     return f'{told}, {more.value:.2f} times as many as by a fixed duty cycle.'
 
 
-def tiles(order: Order, lives: Sequence[Told]) -> list[Tile]:
+def build_tiles(request: MissionRequest, results: Sequence[MissionResult]) -> list[Tile]:
     """Return the figures of the page."""
-    first = main(lives)
-    alike, days = of(lives, first.schedule), order.days
+    first = select_main_result(results)
+    alike, days = filter_by_schedule(results, first.schedule), request.days
     count = len(alike)
     made = [
-        Tile('flown', spread(minutes(alike, days), 0), 'min a day', first.schedule),
+        Tile(
+            'flown', format_mean(mean_daily_minutes(alike, days), 0), 'min a day', first.schedule
+        ),
         Tile(
             'flights',
             f'{sum(each.figures.flights for each in alike) / count / days:.0f}',
@@ -106,7 +124,7 @@ def tiles(order: Order, lives: Sequence[Told]) -> list[Tile]:
         ),
         Tile(
             'failures',
-            f'{sum(each.figures.failed for each in alike)}',
+            f'{sum(each.figures.failure_count for each in alike)}',
             '',
             f'in {sum(each.figures.flights for each in alike)} flights',
         ),
@@ -114,37 +132,39 @@ def tiles(order: Order, lives: Sequence[Told]) -> list[Tile]:
             'lowest charge',
             f'{100.0 * min(each.figures.lowest_charge or 0.0 for each in alike):.0f}',
             '%',
-            f'after a flight; reserve {100.0 * order.mission.reserve.si:.0f} %',
+            f'after a flight; reserve {100.0 * request.mission.reserve.si:.0f} %',
         ),
         Tile('in flight', f'{1e3 * first.figures.in_flight:.0f}', 'mW', 'paper: 1523 to 1544'),
     ]
-    more = gain(lives)
+    more = schedule_gain(results)
     if more is not None:
-        made.insert(1, Tile('by duty cycle', spread(more, 2), 'times', 'ours by the naive'))
+        made.insert(1, Tile('by duty cycle', format_mean(more, 2), 'times', 'ours by the naive'))
     return made
 
 
-def spread(value: Mean, digits: int) -> str:
+def format_mean(value: BootstrapMean, digits: int) -> str:
     """Return a mean with its interval where there is one."""
     if value.flights < 2:
         return f'{value.value:.{digits}f}'
     return f'{value.value:.{digits}f} ({value.low:.{digits}f} to {value.high:.{digits}f})'
 
 
-def tables(order: Order, lives: Sequence[Told]) -> list[Table]:
+def build_tables(request: MissionRequest, results: Sequence[MissionResult]) -> list[TextTable]:
     """Return all tables of the page."""
-    vehicle, first = order.scenes.vehicle, main(lives)
+    vehicle, first = request.scenes.vehicle, select_main_result(results)
     power = first.figures.in_flight or paper.NAVIGATE
-    ratios = paper.ratios(Harvest(vehicle.panel), vehicle.charger, vehicle.loads.idle, power)
-    return [schedules(order, lives), paper.table(ratios)]
+    ratios = paper.compute_ratios(
+        HarvestCurve(vehicle.panel), vehicle.charger, vehicle.loads.idle, power
+    )
+    return [build_schedule_table(request, results), paper.build_table(ratios)]
 
 
-def schedules(order: Order, lives: Sequence[Told]) -> Table:
+def build_schedule_table(request: MissionRequest, results: Sequence[MissionResult]) -> TextTable:
     """Return how each schedule fared, a day."""
     rows = []
-    for name in order.schedules:
-        alike = of(lives, name)
-        per = len(alike) * order.days
+    for name in request.schedules:
+        alike = filter_by_schedule(results, name)
+        per = len(alike) * request.days
         kinds: dict[str, int] = {}
         for each in alike:
             for kind, count in each.figures.failures.items():
@@ -154,7 +174,7 @@ def schedules(order: Order, lives: Sequence[Told]) -> Table:
         rows.append(
             [
                 name,
-                spread(minutes(alike, order.days), 0),
+                format_mean(mean_daily_minutes(alike, request.days), 0),
                 f'{sum(f.flights for f in figures) / per:.0f}',
                 f'{sum(f.rounds for f in figures) / per:.0f}',
                 f'{sum(f.harvested for f in figures) / per / 1e3:.1f}',
@@ -168,5 +188,5 @@ def schedules(order: Order, lives: Sequence[Told]) -> Table:
         'a day', 'flown [min]', 'flights', 'whole rounds', 'harvested [kJ]', 'wasted [kJ]',
         'asleep [%]', 'books off by', 'failures in all',
     ]  # fmt: skip
-    note = f'Over {len(order.seeds)} seeds of {order.days} d, in brackets 95 % intervals.'
-    return Table('How the schedules fared', heads, rows, note)
+    note = f'Over {len(request.seeds)} seeds of {request.days} d, in brackets 95 % intervals.'
+    return TextTable('How the schedules fared', heads, rows, note)

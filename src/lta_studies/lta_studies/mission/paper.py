@@ -8,10 +8,10 @@ against a power P implies a net charging power of P / r.
 
 from typing import Final, NamedTuple
 
-from lta_energy.harvest import Harvest
-from lta_energy.light_of_days import DARK
-from lta_model.electrical.power_path import Charger, output
-from lta_studies.energy.tables import Table
+from lta_energy.harvest import HarvestCurve
+from lta_energy.irradiance import DARK
+from lta_model.electrical.charger import charger_output, ChargerModel
+from lta_studies.energy.tables import TextTable
 
 LUX: Final = 80e3
 LED, SUN = 300.0, 110.0  # lm/W
@@ -27,7 +27,7 @@ WORDS: Final = (
 )
 
 
-class Ratio(NamedTuple):
+class ChargingRatio(NamedTuple):
     """Net charging power [W], charge to flight [1], minutes of flight an hour of charging."""
 
     name: str
@@ -36,7 +36,9 @@ class Ratio(NamedTuple):
     minutes: float
 
 
-def ratios(harvest: Harvest, charger: Charger, idle: float, flight: float) -> list[Ratio]:
+def compute_ratios(
+    harvest: HarvestCurve, charger: ChargerModel, idle: float, flight: float
+) -> list[ChargingRatio]:
     """
     Return the paper's ratios and those of a panel under 80 klx of three kinds.
 
@@ -56,17 +58,17 @@ def ratios(harvest: Harvest, charger: Charger, idle: float, flight: float) -> li
         'here: sun': DARK._replace(sun=LUX / SUN),
     }
     found = [
-        Ratio('paper: charge to fly', NAVIGATE / 4.0, 4.0, HOUR / 4.0),
-        Ratio('paper: charge to hover', HOVER / 3.0, 3.0, HOUR / 3.0),
-        Ratio('paper: 18 minutes an hour', NAVIGATE * 0.3, HOUR / 18.0, 18.0),
+        ChargingRatio('paper: charge to fly', NAVIGATE / 4.0, 4.0, HOUR / 4.0),
+        ChargingRatio('paper: charge to hover', HOVER / 3.0, 3.0, HOUR / 3.0),
+        ChargingRatio('paper: 18 minutes an hour', NAVIGATE * 0.3, HOUR / 18.0, 18.0),
     ]
     for name, light in lights.items():
-        net = output(charger, harvest(light)) - idle
-        found.append(Ratio(name, net, flight / net, HOUR * net / flight))
+        net = charger_output(charger, harvest(light)) - idle
+        found.append(ChargingRatio(name, net, flight / net, HOUR * net / flight))
     return found
 
 
-def table(found: list[Ratio]) -> Table:
+def build_table(ratios: list[ChargingRatio]) -> TextTable:
     """Return the ratios as a table."""
     rows = [
         [
@@ -75,7 +77,7 @@ def table(found: list[Ratio]) -> Table:
             f'{each.ratio:.1f} : 1' if each.net > 0.0 else 'never',
             f'{max(each.minutes, 0.0):.0f}',
         ]
-        for each in found
+        for each in ratios
     ]
     heads = ['at 80 klx', 'net [mW]', 'charge to flight', 'flight an hour of charging [min]']
-    return Table('Charging and flying at 80 klx', heads, rows, WORDS)
+    return TextTable('Charging and flying at 80 klx', heads, rows, WORDS)

@@ -2,13 +2,13 @@
 
 from collections.abc import Sequence
 
-from lta_energy.diary import ALOFT, ASLEEP, AWAY, OUT, PERCHED
-from lta_energy.light_of_days import LightOfDays, MINUTE
-from lta_report.drawing import blank
+from lta_energy.irradiance import IrradianceSeries, MINUTE
+from lta_energy.mission_log import ALOFT, ASLEEP, AWAY, OUT, PERCHED
+from lta_report.drawing import create_figure
 from lta_report.palette import ESTIMATE, GOOD, LAMP, SETPOINT, SOFT, TRUTH, WALL
-from lta_studies.mission.figures import by_hour
-from lta_studies.mission.lived import AWARE
-from lta_studies.mission.run import Told
+from lta_studies.mission.figures import flight_minutes_by_hour
+from lta_studies.mission.run import MissionResult
+from lta_studies.mission.simulate_mission import AWARE
 import numpy as np
 from plotly.graph_objects import Bar, Figure, Scatter
 
@@ -20,10 +20,12 @@ STATES = {
 EVERY = 5  # minutes of a point of the light
 
 
-def day_picture(lives: Sequence[Told], light: LightOfDays, reserve: float) -> Figure:
+def draw_charge(
+    results: Sequence[MissionResult], light: IrradianceSeries, reserve: float
+) -> Figure:
     """Return the state of charge of each schedule over the light of one seed."""
-    figure = blank(2, (0.36, 0.64))
-    lux = light.lux()
+    figure = create_figure(2, (0.36, 0.64))
+    lux = light.illuminance()
     hours = (np.arange(len(lux)) + 0.5) * MINUTE / 3600.0
     figure.add_trace(
         Scatter(
@@ -34,7 +36,7 @@ def day_picture(lives: Sequence[Told], light: LightOfDays, reserve: float) -> Fi
         row=1,
         col=1,
     )  # fmt: skip
-    for k, life in enumerate(lives):
+    for k, life in enumerate(results):
         figure.add_trace(
             Scatter(
                 x=np.array(life.diary.time) / 3600.0, y=100.0 * np.array(life.diary.charge),
@@ -54,17 +56,17 @@ def day_picture(lives: Sequence[Told], light: LightOfDays, reserve: float) -> Fi
     )  # fmt: skip
     figure.update_yaxes(title_text='light [klx]', rangemode='tozero', row=1)
     figure.update_yaxes(title_text='charge [%]', range=[0.0, 102.0], row=2)
-    return timed(figure, light, 2)
+    return set_time_axis(figure, light, 2)
 
 
-def timeline(lives: Sequence[Told], light: LightOfDays) -> Figure:
+def draw_timeline(results: Sequence[MissionResult], light: IrradianceSeries) -> Figure:
     """Return what the drone did when, a row a schedule."""
-    figure = blank()
+    figure = create_figure()
     for state, (name, colour) in STATES.items():
         x: list[float | None] = []
         y: list[str | None] = []
-        for life in lives:
-            for begin, end in stretches(life, state):
+        for life in results:
+            for begin, end in find_state_intervals(life, state):
                 x += [begin, end, None]
                 y += [life.schedule, life.schedule, None]
         if x:
@@ -76,12 +78,12 @@ def timeline(lives: Sequence[Told], light: LightOfDays) -> Figure:
             )  # fmt: skip
     figure.update_yaxes(type='category')
     figure.update_layout(hovermode='closest')
-    return timed(figure, light)
+    return set_time_axis(figure, light)
 
 
-def stretches(life: Told, state: int) -> list[tuple[float, float]]:
+def find_state_intervals(result: MissionResult, state: int) -> list[tuple[float, float]]:
     """Return when a drone was in a state. [h]"""
-    diary = life.diary
+    diary = result.diary
     found: list[tuple[float, float]] = []
     for begin, end, own in zip(diary.time[:-1], diary.time[1:], diary.state[:-1], strict=True):
         if own != state:
@@ -93,11 +95,11 @@ def stretches(life: Told, state: int) -> list[tuple[float, float]]:
     return found
 
 
-def hours_picture(lives: Sequence[Told], light: LightOfDays) -> Figure:
+def draw_flight_hours(results: Sequence[MissionResult], light: IrradianceSeries) -> Figure:
     """Return the minutes flown in each hour."""
-    figure = blank()
-    for k, life in enumerate(lives):
-        flown = by_hour(life.diary, light)
+    figure = create_figure()
+    for k, life in enumerate(results):
+        flown = flight_minutes_by_hour(life.diary, light)
         figure.add_trace(
             Bar(
                 x=[hour + 0.5 for hour in range(len(flown))], y=flown, name=life.schedule,
@@ -112,19 +114,19 @@ def hours_picture(lives: Sequence[Told], light: LightOfDays) -> Figure:
         x=0.0, y=18.0, text='paper: 18 min an hour at 80 klx', xanchor='left', yanchor='bottom'
     )
     figure.update_yaxes(title_text='flown [min/h]', rangemode='tozero')
-    return timed(figure, light)
+    return set_time_axis(figure, light)
 
 
-def books_picture(lives: Sequence[Told]) -> Figure:
+def draw_energy_use(results: Sequence[MissionResult]) -> Figure:
     """Return where the light's energy went."""
-    figure = blank()
-    names = [f'{each.schedule}' for each in lives]
+    figure = create_figure()
+    names = [f'{each.schedule}' for each in results]
     parts = {
-        'flight': (TRUTH, [flights_of(each) for each in lives]),
-        'perch': (LAMP, [each.figures.consumed - flights_of(each) for each in lives]),
-        'heat in the cell': (ESTIMATE, [each.figures.lost for each in lives]),
-        'stored': (GOOD, [max(each.figures.stored, 0.0) for each in lives]),
-        'not harvested, cell full': (SETPOINT, [each.figures.curtailed for each in lives]),
+        'flight': (TRUTH, [flight_energy(each) for each in results]),
+        'perch': (LAMP, [each.figures.consumed - flight_energy(each) for each in results]),
+        'heat in the cell': (ESTIMATE, [each.figures.lost for each in results]),
+        'stored': (GOOD, [max(each.figures.stored, 0.0) for each in results]),
+        'not harvested, cell full': (SETPOINT, [each.figures.curtailed for each in results]),
     }
     for name, (colour, values) in parts.items():
         figure.add_trace(
@@ -139,12 +141,12 @@ def books_picture(lives: Sequence[Told]) -> Figure:
     return figure
 
 
-def flights_of(life: Told) -> float:
+def flight_energy(result: MissionResult) -> float:
     """Return what the flights of a mission consumed. [J]"""
-    return sum(each.spent.consumed for each in life.diary.flights)
+    return sum(each.spent.consumed for each in result.diary.flights)
 
 
-def timed(figure: Figure, light: LightOfDays, rows: int = 1) -> Figure:
+def set_time_axis(figure: Figure, light: IrradianceSeries, rows: int = 1) -> Figure:
     """Return a picture over the hours of the mission."""
     hours = light.end / 3600.0
     figure.update_xaxes(range=[0.0, hours], dtick=3 if hours <= 48 else 12)
@@ -153,6 +155,6 @@ def timed(figure: Figure, light: LightOfDays, rows: int = 1) -> Figure:
     return figure
 
 
-def main(lives: Sequence[Told]) -> Told:
+def select_main_result(results: Sequence[MissionResult]) -> MissionResult:
     """Return the life that a page tells of: ours, or the only one."""
-    return next((each for each in lives if each.schedule == AWARE), lives[0])
+    return next((each for each in results if each.schedule == AWARE), results[0])

@@ -13,31 +13,31 @@ from typing import Final, final, NamedTuple
 from lta_config.errors import BadInput
 from lta_config.schema.light_day_file import DAY, LightDay, load_light_day
 from lta_config.schema.mission_file import load_mission, MissionFile
-from lta_energy.diary import Diary
-from lta_energy.light_of_days import light_of, LightOfDays
-from lta_report.results_folder import keep_json
-from lta_studies.light.evaluation.intervals import Mean, mean, ratio
-from lta_studies.mission.figures import Figures, figures_of, from_json, to_json
-from lta_studies.mission.flyer import Flyer
-from lta_studies.mission.lived import AWARE, DOZING, life_of, NAIVE
-from lta_studies.mission.scene import Scenes
+from lta_energy.irradiance import IrradianceSeries, simulate_irradiance
+from lta_energy.mission_log import MissionLog
+from lta_report.results_folder import write_json
+from lta_studies.light.evaluation.intervals import bootstrap_mean, bootstrap_ratio, BootstrapMean
+from lta_studies.mission.figures import compute_figures, from_json, MissionFigures, to_json
+from lta_studies.mission.flyer import MissionFlyer
+from lta_studies.mission.scene import MissionScene
+from lta_studies.mission.simulate_mission import AWARE, build_simulation, DOZING, NAIVE
 
 SCHEDULES: Final = (AWARE, NAIVE, DOZING)
 KEPT: Final = 'lives_of.json'  # in the folder of the results: what its lives are of
 
 
-class Told(NamedTuple):
+class MissionResult(NamedTuple):
     """One life: its schedule and seed, its diary, its figures."""
 
     schedule: str
     seed: int
-    diary: Diary
-    figures: Figures
+    diary: MissionLog
+    figures: MissionFigures
 
 
 @final
 @dataclass(frozen=True, slots=True)
-class Order:
+class MissionRequest:
     """
     What is to be lived.
 
@@ -60,14 +60,14 @@ class Order:
 
     mission: MissionFile
     day: LightDay
-    scenes: Scenes
+    scenes: MissionScene
     days: int
     seeds: Sequence[int]
     schedules: Sequence[str]
 
-    def light(self, seed: int) -> LightOfDays:
+    def simulate_light(self, seed: int) -> IrradianceSeries:
         """Return the light of a seed."""
-        return light_of(self.day, self.days, seed)
+        return simulate_irradiance(self.day, self.days, seed)
 
     @property
     def digest(self) -> str:
@@ -79,13 +79,19 @@ class Order:
         return hashlib.sha256('\n'.join([*parts, str(self.days)]).encode()).hexdigest()[:16]
 
 
-def order_of(name: str, days: int, seeds: Sequence[int], schedules: Sequence[str]) -> Order:
+def load_request(
+    name: str, days: int, seeds: Sequence[int], schedules: Sequence[str]
+) -> MissionRequest:
     """Return what is to be lived; `BadInput` where the mission cannot be."""
     mission = load_mission(name)
-    return Order(mission, load_light_day(mission.light), Scenes(mission), days, seeds, schedules)
+    return MissionRequest(
+        mission, load_light_day(mission.light), MissionScene(mission), days, seeds, schedules
+    )
 
 
-def run(order: Order, folder: Path, told: Callable[[float], None]) -> list[Told]:
+def run_missions(
+    request: MissionRequest, folder: Path, on_progress: Callable[[float], None]
+) -> list[MissionResult]:
     """
     Return all lives, those from an earlier run in the folder as they were.
 
@@ -101,22 +107,25 @@ def run(order: Order, folder: Path, told: Callable[[float], None]) -> list[Told]
         Hears how many seconds of missions have gone by since it last heard.
 
     """
-    begin(order, folder)
-    jobs = [(schedule, seed) for seed in order.seeds for schedule in order.schedules]
+    claim_folder(request, folder)
+    jobs = [(schedule, seed) for seed in request.seeds for schedule in request.schedules]
     cores = len(os.sched_getaffinity(0))
-    found: dict[tuple[str, int], Diary] = {}
+    found: dict[tuple[str, int], MissionLog] = {}
     stopping = Event()
 
-    def heard(gone: float) -> None:
+    def report_progress(gone: float) -> None:
         if stopping.is_set():
             raise CancelledError
-        told(gone)
+        on_progress(gone)
 
-    if not all(place(folder, *job).exists() for job in jobs):
+    if not all(result_path(folder, *job).exists() for job in jobs):
         # In this thread, which Ctrl-C ends: nothing stops another one in the compiler.
-        compiled(order)
+        compile_flight(request)
     with ThreadPoolExecutor(cores) as pool:
-        running = {pool.submit(one, order, folder, *job, heard): job for job in jobs}
+        running = {
+            pool.submit(load_or_simulate, request, folder, *job, report_progress): job
+            for job in jobs
+        }
         try:
             for done in as_completed(running):
                 found[running[done]] = done.result()
@@ -124,16 +133,16 @@ def run(order: Order, folder: Path, told: Callable[[float], None]) -> list[Told]
             stopping.set()  # the pool waits for its threads whatever it is told
             pool.shutdown(wait=False, cancel_futures=True)
             raise
-    beacons = len(order.mission.round)
-    return [Told(*job, found[job], figures_of(found[job], beacons)) for job in jobs]
+    beacons = len(request.mission.round)
+    return [MissionResult(*job, found[job], compute_figures(found[job], beacons)) for job in jobs]
 
 
-def begin(order: Order, folder: Path) -> None:
+def claim_folder(request: MissionRequest, folder: Path) -> None:
     """Note in the folder what its lives are of, or see that it is the same."""
     note = folder / KEPT
     if note.exists():
         kept = json.loads(note.read_text(encoding='utf-8')).get('digest')
-        if kept != order.digest:
+        if kept != request.digest:
             raise BadInput(
                 f"'{folder}' holds another mission's results; choose another folder with --out."
             )
@@ -141,54 +150,62 @@ def begin(order: Order, folder: Path) -> None:
     if folder.exists() and any(folder.iterdir()):
         raise BadInput(f"'{folder}' holds something else; choose another folder with --out.")
     folder.mkdir(parents=True, exist_ok=True)
-    keep_json({'name': order.mission.name, 'digest': order.digest}, note)
+    write_json({'name': request.mission.name, 'digest': request.digest}, note)
 
 
-def place(folder: Path, schedule: str, seed: int) -> Path:
+def result_path(folder: Path, schedule: str, seed: int) -> Path:
     """Return where a life is kept."""
     return folder / f'{schedule.replace(",", "").replace(" ", "_")}_{seed}.json'
 
 
-def compiled(order: Order) -> None:
+def compile_flight(request: MissionRequest) -> None:
     """Have compiled what flies."""
-    light = order.light(order.seeds[0])
-    Flyer(order.mission, order.scenes, light, order.seeds[0]).compile()
+    light = request.simulate_light(request.seeds[0])
+    MissionFlyer(request.mission, request.scenes, light, request.seeds[0]).compile_kernel()
 
 
-def one(
-    order: Order, folder: Path, schedule: str, seed: int, told: Callable[[float], None]
-) -> Diary:
+def load_or_simulate(
+    request: MissionRequest,
+    folder: Path,
+    schedule: str,
+    seed: int,
+    on_progress: Callable[[float], None],
+) -> MissionLog:
     """Return one life, from its file where it has been lived already."""
-    path = place(folder, schedule, seed)
+    path = result_path(folder, schedule, seed)
     if path.exists():
-        told(DAY * order.days)
+        on_progress(DAY * request.days)
         return from_json(json.loads(path.read_text(encoding='utf-8')))
-    life, _ = life_of(order.mission, order.day, order.scenes, schedule, order.days, seed)
+    life, _ = build_simulation(
+        request.mission, request.day, request.scenes, schedule, request.days, seed
+    )
     last = 0.0
 
-    def heard(now: float) -> None:
+    def report_progress(now: float) -> None:
         nonlocal last
-        told(now - last)
+        on_progress(now - last)
         last = now
 
-    diary = life.live(heard)
-    keep_json(to_json(diary), path)
+    diary = life.run(report_progress)
+    write_json(to_json(diary), path)
     return diary
 
 
-def of(lives: Sequence[Told], schedule: str) -> list[Told]:
+def filter_by_schedule(results: Sequence[MissionResult], schedule: str) -> list[MissionResult]:
     """Return the lives under one schedule, by seed."""
-    return [each for each in lives if each.schedule == schedule]
+    return [each for each in results if each.schedule == schedule]
 
 
-def minutes(lives: Sequence[Told], days: int) -> Mean:
+def mean_daily_minutes(results: Sequence[MissionResult], days: int) -> BootstrapMean:
     """Return the minutes flown a day, with the interval over seeds."""
-    return mean([each.figures.flown / 60.0 / days for each in lives])
+    return bootstrap_mean([each.figures.flown / 60.0 / days for each in results])
 
 
-def gain(lives: Sequence[Told]) -> Mean | None:
+def schedule_gain(results: Sequence[MissionResult]) -> BootstrapMean | None:
     """Return what the energy-aware schedule flies by what the naive does, over the same seeds."""
-    ours, naive = of(lives, AWARE), of(lives, NAIVE)
+    ours, naive = filter_by_schedule(results, AWARE), filter_by_schedule(results, NAIVE)
     if not (ours and naive and all(each.figures.flown for each in naive)):
         return None
-    return ratio([each.figures.flown for each in ours], [each.figures.flown for each in naive])
+    return bootstrap_ratio(
+        [each.figures.flown for each in ours], [each.figures.flown for each in naive]
+    )

@@ -9,27 +9,32 @@ from dataclasses import replace
 import math
 from typing import final
 
-from lta_config.errors import BadInput, unknown
-from lta_config.schema.mission_file import MissionFile, Payload
-from lta_config.topics import topic_table
+from lta_config.errors import BadInput, unknown_name
+from lta_config.schema.mission_file import InspectionPayload, MissionFile
+from lta_config.topics import load_topic_table
 from lta_control.cascade import CascadeGains
 from lta_control.strategies.bearing_angle import STRATEGY as BAG
-from lta_energy.light_of_days import Light
-from lta_flight.fleet.craft import check, craft_of, Made, made_from
-from lta_flight.fleet.numbers import Craft
-from lta_flight.ingredients import gather, Ingredients, parts_of
+from lta_energy.irradiance import PanelIrradiance
+from lta_flight.batch.batch_flight import (
+    BatchFlight,
+    build_constants,
+    build_model,
+    flight_from_constants,
+)
+from lta_flight.batch.flight_data import FlightConstants
+from lta_flight.flight_spec import build_parts, FlightSpec, load_spec
 from lta_model.hull import half_axes
 from lta_model.light.field import LightField
-from lta_model.light.lamp import Lamp
-from lta_model.light.setting import set_for
-from lta_sim.counted_light import Listening, listening_of
+from lta_model.light.gain_selection import select_diode_gain
+from lta_model.light.lamp import BeaconLamp
+from lta_sim.light_link import build_light_link, LightLink
 
 OFF_AXIS = math.radians(75.0)  # at which the light of a lantern on the floor leaves for the diodes
 STEPS = 2  # lights between one and twice as bright that are told apart
 CLEARANCE = 0.02  # m between hull parts and payload
 
 
-def ingredients(mission: MissionFile) -> Ingredients:
+def build_flight_spec(mission: MissionFile) -> FlightSpec:
     """
     Return what the flights of a mission are made of.
 
@@ -39,14 +44,14 @@ def ingredients(mission: MissionFile) -> Ingredients:
         If its files cannot be read, or its beacons are none of the scene's.
 
     """
-    made_of = gather(mission.vehicle, mission.scene, 'homing', '')
+    made_of = load_spec(mission.vehicle, mission.scene, 'homing', '')
     made_of = made_of.with_values({'mission.altitude': mission.altitude.si})
-    return made_of if mission.payload is None else laden(made_of, mission.payload)
+    return made_of if mission.payload is None else add_payload(made_of, mission.payload)
 
 
-def laden(made_of: Ingredients, payload: Payload) -> Ingredients:
+def add_payload(spec: FlightSpec, payload: InspectionPayload) -> FlightSpec:
     """Return these with a payload at the foot of the sensors; ballast gives way to it."""
-    vehicle = dict(made_of.contents['vehicle'])
+    vehicle = dict(spec.contents['vehicle'])
     given = vehicle.get('layers')
     if not isinstance(given, dict):
         raise BadInput('A payload needs a vehicle whose file has layers; leave it out.')
@@ -58,13 +63,11 @@ def laden(made_of: Ingredients, payload: Payload) -> Ingredients:
         'size': {'value': [2, 2, 1], 'unit': 'cm', 'source': source},
     }
     layers = {**given, 'inspection': {'payload': part}}
-    return replace(
-        made_of, contents={**made_of.contents, 'vehicle': {**vehicle, 'layers': layers}}
-    )
+    return replace(spec, contents={**spec.contents, 'vehicle': {**vehicle, 'layers': layers}})
 
 
 @final
-class Scenes:
+class MissionScene:
     """
     What a mission flies in.
 
@@ -81,60 +84,64 @@ class Scenes:
     """
 
     def __init__(self, mission: MissionFile) -> None:
-        self.vehicle, self.scenario, self.policy = parts_of(ingredients(mission))
+        self.vehicle, self.scenario, self.policy = build_parts(build_flight_spec(mission))
         for name in (mission.perch, *mission.round):
             if name not in self.scenario.lamps:
-                raise unknown(f'lamp of {self.scenario.name}', name, list(self.scenario.lamps))
+                raise unknown_name(
+                    f'lamp of {self.scenario.name}', name, list(self.scenario.lamps)
+                )
         if not isinstance(self.policy.gains, CascadeGains):
             raise BadInput(f'A mission is flown by the law cascade only, not {mission.vehicle}.')
-        self._table = topic_table()
+        self._table = load_topic_table()
         alone = {mission.perch: self.scenario.lamps[mission.perch]}
         scene = self.scenario.model_copy(update={'several': alone, 'alone': None, 'route': ()})
-        self._model = check(self.vehicle, scene, replace(self.policy, strategy=BAG))
-        self._base = craft_of(self.vehicle, self.scenario, self.policy, self._table)
-        self._known: dict[tuple[str, int], Made] = {}
+        self._model = build_model(self.vehicle, scene, replace(self.policy, strategy=BAG))
+        self._base = build_constants(self.vehicle, self.scenario, self.policy, self._table)
+        self._known: dict[tuple[str, int], BatchFlight] = {}
 
-    def lamp(self, name: str) -> Lamp:
+    def lamp(self, name: str) -> BeaconLamp:
         """Return a beacon."""
         return self.scenario.lamps[name].lamp
 
-    def made(self, beacon: str, light: Light, lux: float) -> Made:
+    def build_flight(self, beacon: str, light: PanelIrradiance, lux: float) -> BatchFlight:
         """Return the numbers of a flight to a beacon in some light, which fills the scene. [lx]"""
         level = round(STEPS * math.log2(max(lux, 1.0)))
         known = self._known.get((beacon, level))
         if known is None:
-            listening = self._listening(beacon, 2.0 ** (level / STEPS))
-            known = made_from(self._model, self._craft(listening, self.lamp(beacon)), self.vehicle)
+            listening = self._build_link(beacon, 2.0 ** (level / STEPS))
+            known = flight_from_constants(
+                self._model, self._build_constants(listening, self.lamp(beacon)), self.vehicle
+            )
             self._known[beacon, level] = known
         irradiance = light.sun + light.lamps
         craft = known.craft._replace(power=known.craft.power._replace(ambient=irradiance))
-        return made_from(self._model, craft, self.vehicle)
+        return flight_from_constants(self._model, craft, self.vehicle)
 
-    def _listening(self, beacon: str, lux: float) -> Listening:
+    def _build_link(self, beacon: str, lux: float) -> LightLink:
         """Return what the ring hears of one beacon among steady light."""
         whole = self.scenario.light_field
         ambient = replace(whole.ambient, steady=whole.ambient.steady + lux)
         field = LightField((self.lamp(beacon),), ambient, whole.room, whole.daylight)
         frequency = self.scenario.lamps[beacon].frequency.si
-        return listening_of(
+        return build_light_link(
             field,
-            set_for(field, self.vehicle),
+            select_diode_gain(field, self.vehicle),
             half_axes(self.vehicle.file.hull),
             self.policy.demodulation.model_copy(update={'frequency': frequency}),
             self._table.light.sample_rate.si,
             self._table.light.samples,
         )
 
-    def _craft(self, listening: Listening, lamp: Lamp) -> Craft:
+    def _build_constants(self, listening: LightLink, lamp: BeaconLamp) -> FlightConstants:
         """Return the constants of a flight with the lamp's brightness in the drone's mind."""
         homing = self.policy.mission.homing.model_copy(
-            update={'brightness': brightness(listening, lamp)}
+            update={'brightness': lamp_brightness(listening, lamp)}
         )
         mission = self.policy.mission.model_copy(update={'homing': homing})
         return self._base._replace(listening=listening, mission=mission)
 
 
-def brightness(listening: Listening, lamp: Lamp) -> float:
+def lamp_brightness(listening: LightLink, lamp: BeaconLamp) -> float:
     """Return the strength of a lantern from one metre off, as homing takes it. [counts]"""
     order = lamp.order
     lux = lamp.flux * (order + 1.0) / (2.0 * math.pi) * math.cos(OFF_AXIS) ** order

@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 END = 0.75  # of the stretch, where its last quarter begins
 
 
-class Metrics(NamedTuple):
+class TrackingMetrics(NamedTuple):
     """Figures of one signal, in its unit and seconds; the overshoot is a share, NaN for ramps."""
 
     overshoot: float
@@ -32,7 +32,9 @@ class Metrics(NamedTuple):
     held: bool
 
 
-def judge(time: Array, asked: Array, flown: Array, band: float, before: float) -> Metrics:
+def compute_metrics(
+    time: Array, setpoint: Array, response: Array, band: float, before: float
+) -> TrackingMetrics:
     """
     Return the figures of a stretch.
 
@@ -46,7 +48,7 @@ def judge(time: Array, asked: Array, flown: Array, band: float, before: float) -
         What was asked for before it began: the step is from there; equal, there is none.
 
     """
-    error = asked - flown
+    error = setpoint - response
     begin, end = float(time[0]), float(time[-1])
     last = time >= begin + END * (end - begin)
     outside = np.flatnonzero(~(np.abs(error) <= band))
@@ -56,11 +58,11 @@ def judge(time: Array, asked: Array, flown: Array, band: float, before: float) -
         settling = math.nan
     else:
         settling = float(time[outside[-1] + 1]) - begin
-    step = float(asked[-1]) - before
-    constant = bool(np.all(asked == asked[0]))
-    excess = math.copysign(1.0, step) * (flown - asked)
+    step = float(setpoint[-1]) - before
+    constant = bool(np.all(setpoint == setpoint[0]))
+    excess = math.copysign(1.0, step) * (response - setpoint)
     overshoot = max(0.0, float(excess.max())) / abs(step) if constant and step else math.nan
-    return Metrics(
+    return TrackingMetrics(
         overshoot,
         settling,
         float(error[last].mean()),

@@ -8,18 +8,30 @@ from pathlib import Path
 from typing import final
 
 from lta_config.constants import STANDARD_GRAVITY
-from lta_config.schema.comparison_file import Comparison
-from lta_config.schema.manoeuvre_file import load_manoeuvre, Manoeuvre
+from lta_config.schema.comparison_file import ComparisonFile
+from lta_config.schema.maneuver_file import load_maneuver, ManeuverFile
 from lta_model.scenario import load_scenario
-from lta_report.formatting import number, Tile
-from lta_report.frame import framed, written
-from lta_report.pieces import section, table_html, tile_html
-from lta_studies.platforms.entries import entrant
-from lta_studies.platforms.flying import Entrant
-from lta_studies.platforms.pictures import called, changed, following, limits, UNIT
-from lta_studies.platforms.run import ABLATION, CONTESTANT, Row
-from lta_studies.platforms.summary import Cell, cell, fastest, margin, Mean
-from lta_studies.platforms.verdict import decided, title
+from lta_report.formatting import format_number, Tile
+from lta_report.page_frame import assemble_page, write_file
+from lta_report.page_parts import render_html_table, render_section, render_tile
+from lta_studies.platforms.entrants import build_entrant
+from lta_studies.platforms.flight import Entrant
+from lta_studies.platforms.pictures import (
+    draw_ablations,
+    draw_limits,
+    draw_tracking,
+    format_entry_name,
+    UNIT,
+)
+from lta_studies.platforms.run import ABLATION, CONTESTANT, PlatformResult
+from lta_studies.platforms.summary import (
+    ComparisonCell,
+    compute_lift_margin,
+    find_top_speed,
+    SeedMean,
+    select_cell,
+)
+from lta_studies.platforms.verdict import format_title, render_ablation_table
 import yaml
 
 NAME = 'report.html'
@@ -40,38 +52,40 @@ METHOD = (
 
 @final
 @dataclass(frozen=True, slots=True)
-class Told:
+class ComparisonReport:
     """What the page is made of."""
 
-    comparison: Comparison
-    rows: Sequence[Row]
+    comparison: ComparisonFile
+    rows: Sequence[PlatformResult]
     folder: Path
     origin: Mapping[str, str]
 
 
-def write_page(told: Told) -> Path:
+def write_page(report: ComparisonReport) -> Path:
     """Write the page and return where it is; `BadInput` where it cannot be written."""
-    return written(page(told), told.folder / NAME)
+    return write_file(render_page(report), report.folder / NAME)
 
 
-def page(told: Told) -> str:
+def render_page(report: ComparisonReport) -> str:
     """Return the whole page."""
-    comparison, rows = told.comparison, told.rows
-    shown, common = pictures(comparison, rows), len(comparison.manoeuvres)
-    return framed(
+    comparison, rows = report.comparison, report.rows
+    shown, common = draw_pictures(comparison, rows), len(comparison.manoeuvres)
+    return assemble_page(
         'platforms.html',
-        title=escape(title(comparison, rows)),
+        title=escape(format_title(comparison, rows)),
         kicker=escape(f'comparison {comparison.name} · {comparison.scenario}'),
         about=escape(comparison.about),
-        tiles='\n'.join(tile_html(*each) for each in tiles(comparison, rows)),
+        tiles='\n'.join(render_tile(*each) for each in build_tiles(comparison, rows)),
         first='\n'.join(shown[:common]),
         pictures='\n'.join(shown[common:]),
-        results=table_html(HEADS, result_lines(comparison, rows))
+        results=render_html_table(HEADS, format_results(comparison, rows))
         + f'<p class="note">{METHOD}</p>',
-        why=decided(comparison, rows)
-        + ''.join(['<ul>', *(f'<li>{escape(each)}</li>' for each in reasons(told)), '</ul>']),
-        margins=margins(comparison),
-        facts=told.origin,
+        why=render_ablation_table(comparison, rows)
+        + ''.join(
+            ['<ul>', *(f'<li>{escape(each)}</li>' for each in format_reasons(report)), '</ul>']
+        ),
+        margins=render_margins(comparison),
+        facts=report.origin,
         files={
             'Comparison file': yaml.safe_dump(
                 comparison.model_dump(exclude_none=True), sort_keys=False
@@ -80,17 +94,17 @@ def page(told: Told) -> str:
     )
 
 
-def flown_by(comparison: Comparison, name: str) -> list[str]:
+def list_manoeuvres(comparison: ComparisonFile, name: str) -> list[str]:
     """Return the manoeuvres of a contestant."""
     return comparison.contestants[name].manoeuvres or comparison.manoeuvres
 
 
-def tiles(comparison: Comparison, rows: Sequence[Row]) -> list[Tile]:
+def build_tiles(comparison: ComparisonFile, rows: Sequence[PlatformResult]) -> list[Tile]:
     """Return how many manoeuvres each platform held."""
     found = []
     for name, contestant in comparison.contestants.items():
-        own = flown_by(comparison, name)
-        cells = [cell(rows, CONTESTANT, name, each) for each in own]
+        own = list_manoeuvres(comparison, name)
+        cells = [select_cell(rows, CONTESTANT, name, each) for each in own]
         held = sum(all(row.held for row in part.rows) for part in cells)
         lost = [each for each, part in zip(own, cells, strict=True)
                 if not all(row.held for row in part.rows)]  # fmt: skip
@@ -99,86 +113,92 @@ def tiles(comparison: Comparison, rows: Sequence[Row]) -> list[Tile]:
     return found
 
 
-def pictures(comparison: Comparison, rows: Sequence[Row]) -> list[str]:
+def draw_pictures(comparison: ComparisonFile, rows: Sequence[PlatformResult]) -> list[str]:
     """Return a picture for each manoeuvre, of the ablations, and of the speed limits."""
-    own = [each for name in comparison.contestants for each in flown_by(comparison, name)]
+    own = [each for name in comparison.contestants for each in list_manoeuvres(comparison, name)]
     names = dict.fromkeys([*comparison.manoeuvres, *own])  # what all fly comes first
     titles = {name: each.title for name, each in comparison.contestants.items()}
     found = []
     for name in names:
-        manoeuvre = load_manoeuvre(name)
-        picture = following(rows, titles, manoeuvre)
+        manoeuvre = load_maneuver(name)
+        picture = draw_tracking(rows, titles, manoeuvre)
         found.append(
-            section(f'flown-{name}', name.capitalize(), f'{manoeuvre.about} {DASHED}', picture)
+            render_section(
+                f'flown-{name}', name.capitalize(), f'{manoeuvre.about} {DASHED}', picture
+            )
         )
     flown = dict.fromkeys(
         each for ablation in comparison.ablations.values() for each in ablation.manoeuvres
     )
     for name in flown:
-        manoeuvre = load_manoeuvre(name)
+        manoeuvre = load_maneuver(name)
         found.append(
-            section(f'changed-{name}', f'{name.capitalize()}, one thing changed',
+            render_section(f'changed-{name}', f'{name.capitalize()}, one thing changed',
                     f'What each changes stands below, under "What decides". {DASHED}',
-                    changed(rows, comparison, manoeuvre))
+                    draw_ablations(rows, comparison, manoeuvre))
         )  # fmt: skip
     if comparison.limits:
-        found.append(section('limits', 'How fast', LIMITED, limits(rows, comparison)))
+        found.append(render_section('limits', 'How fast', LIMITED, draw_limits(rows, comparison)))
     return found
 
 
-def result_lines(comparison: Comparison, rows: Sequence[Row]) -> list[list[str]]:
+def format_results(comparison: ComparisonFile, rows: Sequence[PlatformResult]) -> list[list[str]]:
     """Return a line for each platform and manoeuvre, the ablations below."""
     lines = [
-        [contestant.title, *figures(cell(rows, CONTESTANT, name, each), each)]
+        [contestant.title, *format_figures(select_cell(rows, CONTESTANT, name, each), each)]
         for name, contestant in comparison.contestants.items()
-        for each in flown_by(comparison, name)
+        for each in list_manoeuvres(comparison, name)
     ]
     return lines + [
-        [called(comparison, name), *figures(cell(rows, ABLATION, name, each), each)]
+        [
+            format_entry_name(comparison, name),
+            *format_figures(select_cell(rows, ABLATION, name, each), each),
+        ]
         for name, ablation in comparison.ablations.items()
         for each in ablation.manoeuvres
     ]
 
 
-def figures(part: Cell, name: str) -> list[str]:
+def format_figures(part: ComparisonCell, name: str) -> list[str]:
     """Return the cells of one line."""
-    manoeuvre = load_manoeuvre(name)
+    manoeuvre = load_maneuver(name)
     held = sum(row.held for row in part.rows)
-    unit, factor = UNIT[manoeuvre.judge], factor_of(manoeuvre)
+    unit, factor = UNIT[manoeuvre.judge], find_unit_factor(manoeuvre)
     degrees = 180.0 / math.pi
     return [
         name,
         f'{held} of {len(part.rows)}',
-        told_mean(part.mean('overshoot'), '%', 100.0, 1),
-        told_mean(part.mean('settling_time'), 's', 1.0, 1),
-        *(told_mean(part.mean(each), unit, factor, 3 if factor == 1.0 else 1)
+        format_mean(part.mean_figure('overshoot'), '%', 100.0, 1),
+        format_mean(part.mean_figure('settling_time'), 's', 1.0, 1),
+        *(format_mean(part.mean_figure(each), unit, factor, 3 if factor == 1.0 else 1)
           for each in ('steady_error', 'rms', 'ripple')),
-        told_mean(part.mean('steady_error', 'height'), 'm', 1.0, 3),
-        number(max((row.tilt for row in part.rows), default=0.0), 1, degrees) + UNIT['heading'],
+        format_mean(part.mean_figure('steady_error', 'height'), 'm', 1.0, 3),
+        format_number(max((row.tilt for row in part.rows), default=0.0), 1, degrees)
+        + UNIT['heading'],
     ]  # fmt: skip
 
 
-def factor_of(manoeuvre: Manoeuvre) -> float:
+def find_unit_factor(manoeuvre: ManeuverFile) -> float:
     """Return what turns SI into the unit that is shown."""
     return 180.0 / math.pi if manoeuvre.judge == 'heading' else 1.0
 
 
-def told_mean(value: Mean, unit: str, factor: float, digits: int) -> str:
+def format_mean(value: SeedMean, unit: str, factor: float, digits: int) -> str:
     """Return a mean with half its interval."""
     if math.isnan(value.value):
         return '\N{EN DASH}'
-    text = number(value.value, digits, factor)
+    text = format_number(value.value, digits, factor)
     half = 0.0 if math.isnan(value.high) else (value.high - value.value) * factor
     spread = f' \N{PLUS-MINUS SIGN} {half:.{digits}f}' if round(half, digits) else ''
     return f'{text}{spread}{"" if unit == UNIT["heading"] else " "}{unit}'
 
 
-def reasons(told: Told) -> list[str]:
+def format_reasons(report: ComparisonReport) -> list[str]:
     """Return what open loops are told, and the limits of speed."""
-    comparison, rows = told.comparison, told.rows
-    found = inputs(comparison, rows)
+    comparison, rows = report.comparison, report.rows
+    found = format_open_loop_inputs(comparison, rows)
     for name, limit in comparison.limits.items():
-        held, reached = fastest(comparison, rows, name)
+        held, reached = find_top_speed(comparison, rows, name)
         title = comparison.contestants[limit.of].title
         why = f' ({limit.why})' if limit.why else ''
         found.append(
@@ -188,17 +208,19 @@ def reasons(told: Told) -> list[str]:
     return found
 
 
-def inputs(comparison: Comparison, rows: Sequence[Row]) -> list[str]:
+def format_open_loop_inputs(
+    comparison: ComparisonFile, rows: Sequence[PlatformResult]
+) -> list[str]:
     """Return what open loops are told to do in the manoeuvre of altitude: their duties."""
     told = []
     for name, contestant in comparison.contestants.items():
-        flying = entrant_of(comparison, name)
+        flying = rebuild_entrant(comparison, name)
         for row in rows:
             same = (row.job.kind, row.job.name) == (CONTESTANT, name) and row.duties is not None
             if flying.law.name == 'open_loop' and same and row.job.manoeuvre == 'climb':
                 steps = [
                     f'from {time:.1f} s {", ".join(f"{each:.3f}" for each in duties)}'
-                    for time, duties in stretches(row)
+                    for time, duties in find_duty_intervals(row)
                 ]
                 order = ', '.join(flying.vehicle.rotor_names)
                 told.append(
@@ -208,7 +230,7 @@ def inputs(comparison: Comparison, rows: Sequence[Row]) -> list[str]:
     return told
 
 
-def stretches(row: Row) -> list[tuple[float, list[float]]]:
+def find_duty_intervals(row: PlatformResult) -> list[tuple[float, list[float]]]:
     """Return from when on which duties were held."""
     found: list[tuple[float, list[float]]] = []
     for time, duties in zip(row.flown[:, 0].tolist(), row.duties.tolist(), strict=True):
@@ -217,24 +239,24 @@ def stretches(row: Row) -> list[tuple[float, list[float]]]:
     return found[:8]
 
 
-def entrant_of(comparison: Comparison, name: str) -> Entrant:
+def rebuild_entrant(comparison: ComparisonFile, name: str) -> Entrant:
     """Return a contestant as it flew."""
     density = load_scenario(comparison.scenario).air.density
-    return entrant(comparison.contestants[name], density)
+    return build_entrant(comparison.contestants[name], density)
 
 
-def margins(comparison: Comparison) -> str:
+def render_margins(comparison: ComparisonFile) -> str:
     """Return the table of laws, what they see, and static margins."""
     lines = []
     for name, contestant in comparison.contestants.items():
-        flying = entrant_of(comparison, name)
-        lift, weight = margin(flying.vehicle)
-        newtons = [f'{number(force, 1, 1e3)} mN' for force in (lift, weight, lift - weight)]
-        grams = f'{number((lift - weight) / STANDARD_GRAVITY, 1, 1e3)} g'
+        flying = rebuild_entrant(comparison, name)
+        lift, weight = compute_lift_margin(flying.vehicle)
+        newtons = [f'{format_number(force, 1, 1e3)} mN' for force in (lift, weight, lift - weight)]
+        grams = f'{format_number((lift - weight) / STANDARD_GRAVITY, 1, 1e3)} g'
         seen = str(flying.law.feedback)
         lines.append([contestant.title, flying.law.name.replace('_', ' '), seen, *newtons, grams])
     heads = ('platform', 'law', 'sees by', 'lift at full thrust', 'to carry', 'margin', 'margin')
-    return table_html(heads, lines) + (
+    return render_html_table(heads, lines) + (
         '<p class="note">Lift of all lifting rotors at full thrust, straight up. A law that sees '
         'by the tracker is told pose and velocity from outside, as its authors did it.</p>'
     )

@@ -4,13 +4,13 @@ from collections.abc import Mapping, Sequence
 import math
 from typing import Final
 
-from lta_config.schema.comparison_file import Comparison
-from lta_config.schema.manoeuvre_file import Manoeuvre
-from lta_report.drawing import blank, extent, Label, label_ends, line
+from lta_config.schema.comparison_file import ComparisonFile
+from lta_config.schema.maneuver_file import ManeuverFile
+from lta_report.drawing import build_line, create_figure, EndLabel, label_ends, padded_range
 from lta_report.palette import ESTIMATE, GOOD, LAMP, RAW, SETPOINT, SOFT, STRENGTH, TIME, TRUTH
-from lta_studies.platforms.flying import COLUMN
-from lta_studies.platforms.run import ABLATION, CONTESTANT, LIMIT, Row
-from lta_studies.platforms.summary import cell
+from lta_studies.platforms.flight import COLUMN
+from lta_studies.platforms.run import ABLATION, CONTESTANT, LIMIT, PlatformResult
+from lta_studies.platforms.summary import select_cell
 import numpy as np
 from plotly.graph_objects import Figure, Scatter
 
@@ -21,8 +21,11 @@ UNIT: Final = {'altitude': 'm', 'heading': '\N{DEGREE SIGN}', 'speed': 'm/s'}
 WORDS: Final = {'altitude': 'rise', 'heading': 'heading', 'speed': 'speed along the course'}
 
 
-def following(
-    rows: Sequence[Row], titles: Mapping[str, str], manoeuvre: Manoeuvre, kind: str = CONTESTANT
+def draw_tracking(
+    rows: Sequence[PlatformResult],
+    titles: Mapping[str, str],
+    manoeuvre: ManeuverFile,
+    kind: str = CONTESTANT,
 ) -> Figure:
     """
     Return what was asked for and what each platform made of it, seed 1.
@@ -39,7 +42,7 @@ def following(
         Which entries.
 
     """
-    figure, labels, lines = blank(), [], []
+    figure, labels, lines = create_figure(), [], []
     column = COLUMN[manoeuvre.judge]
     shown = [
         row for row in rows
@@ -47,29 +50,33 @@ def following(
         and row.job.manoeuvre == manoeuvre.name
     ]  # fmt: skip
     for index, row in enumerate(shown):
-        values = scaled(manoeuvre, row.flown, row.flown[0, column], column)
+        values = scale_column(manoeuvre, row.flown, row.flown[0, column], column)
         lines.append(values)
         if index == 0:
-            asked = scaled(manoeuvre, row.asked, row.asked[0, column], column)
+            asked = scale_column(manoeuvre, row.asked, row.asked[0, column], column)
             lines.append(asked)
             figure.add_trace(
-                line('asked', row.asked[:, 0], asked, SETPOINT, unit=UNIT[manoeuvre.judge],
+                build_line('asked', row.asked[:, 0], asked, SETPOINT, unit=UNIT[manoeuvre.judge],
                      dash='4px,3px', steps=manoeuvre.between == 'step')
             )  # fmt: skip
         # An entry has its colour in every picture, whoever else flies that manoeuvre.
         colour = COLOURS[list(titles).index(row.job.name) % len(COLOURS)]
         title = titles[row.job.name]
-        figure.add_trace(line(title, row.flown[:, 0], values, colour, unit=UNIT[manoeuvre.judge]))
-        labels.append(Label(title, float(values[-1]), colour))
+        figure.add_trace(
+            build_line(title, row.flown[:, 0], values, colour, unit=UNIT[manoeuvre.judge])
+        )
+        labels.append(EndLabel(title, float(values[-1]), colour))
     if not shown:
         return figure
-    label_ends(figure, labels, extent(*lines))
+    label_ends(figure, labels, padded_range(*lines))
     figure.update_layout(margin={'r': 150})
     figure.update_xaxes(title_text='time [s]')
     return figure.update_yaxes(title_text=f'{WORDS[manoeuvre.judge]} [{UNIT[manoeuvre.judge]}]')
 
 
-def scaled(manoeuvre: Manoeuvre, table: np.ndarray, first: float, column: int) -> np.ndarray:
+def scale_column(
+    manoeuvre: ManeuverFile, table: np.ndarray, first: float, column: int
+) -> np.ndarray:
     """Return a column as it is drawn: rise over the start, degrees, or metres a second."""
     values = table[:, column].astype(np.float64)
     if manoeuvre.judge == 'altitude':
@@ -77,7 +84,7 @@ def scaled(manoeuvre: Manoeuvre, table: np.ndarray, first: float, column: int) -
     return values * (180.0 / math.pi) if manoeuvre.judge == 'heading' else values
 
 
-def called(comparison: Comparison, name: str) -> str:
+def format_entry_name(comparison: ComparisonFile, name: str) -> str:
     """Return what to call an entry that changes a contestant: 'beavis_neutral', BEAVIS neutral."""
     first, _, rest = name.partition('_')
     contestant = comparison.contestants.get(first)
@@ -85,27 +92,29 @@ def called(comparison: Comparison, name: str) -> str:
     return f'{platform} {rest.replace("_", " ")}'.strip()
 
 
-def changed(rows: Sequence[Row], comparison: Comparison, manoeuvre: Manoeuvre) -> Figure:
+def draw_ablations(
+    rows: Sequence[PlatformResult], comparison: ComparisonFile, manoeuvre: ManeuverFile
+) -> Figure:
     """Return what each ablation made of a manoeuvre, seed 1."""
-    titles = {name: called(comparison, name) for name in comparison.ablations}
-    return following(rows, titles, manoeuvre, ABLATION)
+    titles = {name: format_entry_name(comparison, name) for name in comparison.ablations}
+    return draw_tracking(rows, titles, manoeuvre, ABLATION)
 
 
-def limits(rows: Sequence[Row], comparison: Comparison) -> Figure:
+def draw_limits(rows: Sequence[PlatformResult], comparison: ComparisonFile) -> Figure:
     """Return the speed reached and the height lost against the speed asked for."""
-    figure = blank(2, [0.6, 0.4])
+    figure = create_figure(2, [0.6, 0.4])
     top = most = 0.0
     labels = []
     for index, (name, limit) in enumerate(comparison.limits.items()):
         colour = COLOURS[index % len(COLOURS)]
         asked = list(limit.speeds.vector)
         most = max(most, asked[-1])
-        cells = [cell(rows, LIMIT, name, limit.manoeuvre, speed) for speed in asked]
-        reached = [part.speed.value for part in cells]
-        lost = [part.mean('steady_error', 'height').value for part in cells]
+        cells = [select_cell(rows, LIMIT, name, limit.manoeuvre, speed) for speed in asked]
+        reached = [part.final_speed.value for part in cells]
+        lost = [part.mean_figure('steady_error', 'height').value for part in cells]
         top = max(top, asked[-1], *(value for value in reached if math.isfinite(value)))
-        spread = [part.speed.high - part.speed.value for part in cells]
-        title = called(comparison, name)
+        spread = [part.final_speed.high - part.final_speed.value for part in cells]
+        title = format_entry_name(comparison, name)
         mode = {'mode': 'lines+markers', 'line': {'color': colour, 'width': 1.4}, 'name': title}
         figure.add_trace(
             Scatter(x=asked, y=reached, error_y={'type': 'data', 'array': spread, 'width': 3},
@@ -116,7 +125,7 @@ def limits(rows: Sequence[Row], comparison: Comparison) -> Figure:
             Scatter(x=asked, y=[-value for value in lost], hovertemplate='%{y:.3f} m', **mode),
             row=2, col=1,
         )  # fmt: skip
-        labels.append(Label(title, reached[-1], colour))
+        labels.append(EndLabel(title, reached[-1], colour))
     figure.add_trace(
         Scatter(x=[0.4, most], y=[0.4, most], mode='lines', name='asked', hoverinfo='skip',
                 line={'color': SETPOINT, 'width': 1.2, 'dash': '4px,3px'}),

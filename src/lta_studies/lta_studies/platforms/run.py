@@ -11,14 +11,14 @@ from functools import cache
 import os
 from typing import Any, final
 
-from lta_config.schema.comparison_file import Comparison, load_comparison
-from lta_config.schema.manoeuvre_file import load_manoeuvre, Manoeuvre
-from lta_flight.loop import Loop
+from lta_config.schema.comparison_file import ComparisonFile, load_comparison
+from lta_config.schema.maneuver_file import load_maneuver, ManeuverFile
+from lta_flight.closed_loop import ClosedLoop
 from lta_model.scenario import load_scenario
-from lta_report.children import done_by
-from lta_studies.platforms.entries import entrant
-from lta_studies.platforms.flying import begun, Flight, fly
-from lta_studies.platforms.metrics import Metrics
+from lta_report.worker_pool import run_in_workers
+from lta_studies.platforms.entrants import build_entrant
+from lta_studies.platforms.flight import fly_manoeuvre, ManoeuvreFlight, prepare_flight
+from lta_studies.platforms.metrics import TrackingMetrics
 import numpy as np
 
 CONTESTANT, ABLATION, LIMIT = 'contestant', 'ablation', 'limit'
@@ -27,7 +27,7 @@ SHOWN = 10  # steps between two that a picture shows
 
 @final
 @dataclass(frozen=True, slots=True)
-class Job:
+class PlatformJob:
     """One flight: file of the comparison, kind and name of the entry, manoeuvre, seed, speed."""
 
     file: str
@@ -40,13 +40,13 @@ class Job:
 
 @final
 @dataclass(frozen=True, slots=True)
-class Row:
+class PlatformResult:
     """What a flight came to; the traces are kept of the first seed alone."""
 
-    job: Job
+    job: PlatformJob
     held: bool
-    metrics: Metrics
-    height: Metrics
+    metrics: TrackingMetrics
+    height: TrackingMetrics
     tilt: float
     lost: str
     speed: float  # along the course, mean of the last quarter [m/s]
@@ -55,47 +55,49 @@ class Row:
     duties: Any = None
 
 
-def jobs(file: str, comparison: Comparison, seeds: int) -> list[Job]:
+def list_jobs(file: str, comparison: ComparisonFile, seeds: int) -> list[PlatformJob]:
     """Return every flight of a comparison."""
-    found: list[Job] = []
+    found: list[PlatformJob] = []
     for seed in range(1, seeds + 1):
         for name, contestant in comparison.contestants.items():
             own = contestant.manoeuvres or comparison.manoeuvres
-            found += [Job(file, CONTESTANT, name, manoeuvre, seed) for manoeuvre in own]
+            found += [PlatformJob(file, CONTESTANT, name, manoeuvre, seed) for manoeuvre in own]
         for name, ablation in comparison.ablations.items():
-            found += [Job(file, ABLATION, name, each, seed) for each in ablation.manoeuvres]
+            found += [
+                PlatformJob(file, ABLATION, name, each, seed) for each in ablation.manoeuvres
+            ]
         for name, limit in comparison.limits.items():
             found += [
-                Job(file, LIMIT, name, limit.manoeuvre, seed, speed)
+                PlatformJob(file, LIMIT, name, limit.manoeuvre, seed, speed)
                 for speed in limit.speeds.vector
             ]
     return found
 
 
 @cache
-def _read(file: str) -> tuple[Comparison, Any]:
+def _load_files(file: str) -> tuple[ComparisonFile, Any]:
     comparison = load_comparison(file)
     return comparison, load_scenario(comparison.scenario)
 
 
 @cache
-def _entrant(file: str, kind: str, name: str) -> Any:  # noqa: ANN401 - an Entrant
-    comparison, scenario = _read(file)
+def _build_entrant(file: str, kind: str, name: str) -> Any:  # noqa: ANN401 - an Entrant
+    comparison, scenario = _load_files(file)
     density = scenario.air.density
     if kind == CONTESTANT:
-        return entrant(comparison.contestants[name], density)
+        return build_entrant(comparison.contestants[name], density)
     change = comparison.ablations[name] if kind == ABLATION else comparison.limits[name]
-    return entrant(comparison.contestants[change.of], density, change)
+    return build_entrant(comparison.contestants[change.of], density, change)
 
 
-def check(file: str, comparison: Comparison) -> None:
+def check_comparison(file: str, comparison: ComparisonFile) -> None:
     """Build every entry and read every manoeuvre, before any of them flies; or `BadInput`."""
-    for job in jobs(file, comparison, 1):
-        _entrant(job.file, job.kind, job.name)
-        load_manoeuvre(job.manoeuvre)
+    for job in list_jobs(file, comparison, 1):
+        _build_entrant(job.file, job.kind, job.name)
+        load_maneuver(job.manoeuvre)
 
 
-def at_speed(manoeuvre: Manoeuvre, speed: float | None) -> Manoeuvre:
+def change_speed(manoeuvre: ManeuverFile, speed: float | None) -> ManeuverFile:
     """Return a manoeuvre that asks for another speed wherever it asks for one. [m/s]"""
     if speed is None:
         return manoeuvre
@@ -107,22 +109,26 @@ def at_speed(manoeuvre: Manoeuvre, speed: float | None) -> Manoeuvre:
     return manoeuvre.model_copy(update={'course': rows})
 
 
-def fly_job(job: Job) -> Row:
+def fly_job(job: PlatformJob) -> PlatformResult:
     """Fly one flight."""
-    _, scenario = _read(job.file)
-    manoeuvre = at_speed(load_manoeuvre(job.manoeuvre), job.speed)
-    flight = fly(_entrant(job.file, job.kind, job.name), scenario, manoeuvre, job.seed)
-    return row_of(job, flight)
+    _, scenario = _load_files(job.file)
+    manoeuvre = change_speed(load_maneuver(job.manoeuvre), job.speed)
+    flight = fly_manoeuvre(
+        _build_entrant(job.file, job.kind, job.name), scenario, manoeuvre, job.seed
+    )
+    return summarize_flight(job, flight)
 
 
-def loop_of(job: Job) -> Loop:
+def build_loop(job: PlatformJob) -> ClosedLoop:
     """Return a flight that is about to begin, for who flies it otherwise."""
-    _, scenario = _read(job.file)
-    manoeuvre = at_speed(load_manoeuvre(job.manoeuvre), job.speed)
-    return begun(_entrant(job.file, job.kind, job.name), scenario, manoeuvre, job.seed)
+    _, scenario = _load_files(job.file)
+    manoeuvre = change_speed(load_maneuver(job.manoeuvre), job.speed)
+    return prepare_flight(
+        _build_entrant(job.file, job.kind, job.name), scenario, manoeuvre, job.seed
+    )
 
 
-def row_of(job: Job, flight: Flight) -> Row:
+def summarize_flight(job: PlatformJob, flight: ManoeuvreFlight) -> PlatformResult:
     """Return what is kept of a flight."""
     count = len(flight.flown)
     last = flight.flown[3 * count // 4 :, 3]
@@ -130,23 +136,23 @@ def row_of(job: Job, flight: Flight) -> Row:
     if job.seed == 1:
         for name in ('flown', 'asked', 'duties'):
             traces[name] = getattr(flight, name)[::SHOWN].astype(np.float32)
-    return Row(
-        job, flight.held, flight.metrics, flight.height, flight.tilt, flight.lost,
+    return PlatformResult(
+        job, flight.is_held, flight.metrics, flight.height, flight.tilt, flight.lost,
         float(last.mean()), **traces,
     )  # fmt: skip
 
 
-def fly_all(todo: list[Job], workers: int) -> Iterator[Row]:
+def fly_all(todo: list[PlatformJob], workers: int) -> Iterator[PlatformResult]:
     """Return the rows of all flights as they come; in this process where one worker is asked."""
-    return done_by(fly_job, [(job,) for job in todo], workers, '--workers')
+    return run_in_workers(fly_job, [(job,) for job in todo], workers, '--workers')
 
 
-def processors() -> int:
+def count_processors() -> int:
     """Return how many processes this machine has room for."""
     return len(os.sched_getaffinity(0))
 
 
-def printed(row: Row) -> dict[str, Any]:
+def result_to_json(row: PlatformResult) -> dict[str, Any]:
     """Return a flight as JSON has it; SI units, headings in rad, what is no number as null."""
     content = {
         **asdict(row.job),

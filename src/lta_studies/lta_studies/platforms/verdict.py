@@ -3,13 +3,13 @@
 from collections.abc import Sequence
 from html import escape
 
-from lta_config.schema.comparison_file import Comparison
-from lta_studies.platforms.pictures import called
-from lta_studies.platforms.run import ABLATION, CONTESTANT, Row
-from lta_studies.platforms.summary import Cell, cell
+from lta_config.schema.comparison_file import ComparisonFile
+from lta_studies.platforms.pictures import format_entry_name
+from lta_studies.platforms.run import ABLATION, CONTESTANT, PlatformResult
+from lta_studies.platforms.summary import ComparisonCell, select_cell
 
 
-def title(comparison: Comparison, rows: Sequence[Row]) -> str:
+def format_title(comparison: ComparisonFile, rows: Sequence[PlatformResult]) -> str:
     """Return what came out, in a sentence."""
     lost = []
     for name, contestant in comparison.contestants.items():
@@ -22,16 +22,18 @@ def title(comparison: Comparison, rows: Sequence[Row]) -> str:
         return f'{who} every manoeuvre.'
     if len(lost) == count:
         return 'No contestant holds every manoeuvre.'
-    return f'{count - len(lost)} of {count} contestants hold every manoeuvre; {listed(lost)} not.'
+    return (
+        f'{count - len(lost)} of {count} contestants hold every manoeuvre; {join_names(lost)} not.'
+    )
 
 
-def listed(names: Sequence[str]) -> str:
+def join_names(names: Sequence[str]) -> str:
     """Return names as they are listed in a sentence."""
     *others, last = names
     return f'{", ".join(others)} and {last} do' if others else f'{last} does'
 
 
-def decided(comparison: Comparison, rows: Sequence[Row]) -> str:
+def render_ablation_table(comparison: ComparisonFile, rows: Sequence[PlatformResult]) -> str:
     """Return the table of ablations: flights that held before the change, and with it."""
     flown = list(
         dict.fromkeys(each for part in comparison.ablations.values() for each in part.manoeuvres)
@@ -40,10 +42,13 @@ def decided(comparison: Comparison, rows: Sequence[Row]) -> str:
     for name, ablation in comparison.ablations.items():
         cells = []
         for each in flown:
-            pair = cell(rows, CONTESTANT, ablation.of, each), cell(rows, ABLATION, name, each)
-            cells.append(f'<td>{before_and_after(*pair)}</td>')
+            pair = (
+                select_cell(rows, CONTESTANT, ablation.of, each),
+                select_cell(rows, ABLATION, name, each),
+            )
+            cells.append(f'<td>{format_before_after(*pair)}</td>')
         title = comparison.contestants[ablation.of].title
-        what = (called(comparison, name), title, ablation.why)
+        what = (format_entry_name(comparison, name), title, ablation.why)
         first = ''.join(f'<td>{escape(text)}</td>' for text in what)
         lines.append(f'<tr>{first}{"".join(cells)}</tr>')
     if not lines:
@@ -59,7 +64,7 @@ def decided(comparison: Comparison, rows: Sequence[Row]) -> str:
     )
 
 
-def before_and_after(base: Cell, changed: Cell) -> str:
+def format_before_after(base: ComparisonCell, changed: ComparisonCell) -> str:
     """Return how many held without and with a change, bold where it turns most of them."""
     if not base.rows or not changed.rows:
         return '\N{EN DASH}'

@@ -5,28 +5,32 @@ from typing import Any
 
 from lta_config.schema.paper_file import PaperRow
 from lta_studies.reproduce import lines
-from lta_studies.reproduce.kept import Kept, plain
-from lta_studies.reproduce.verdict import verdicts
+from lta_studies.reproduce.row_store import encode_values, StoredRow
+from lta_studies.reproduce.verdict import judge_claims
 
 
-def content(rows: Sequence[PaperRow], kepts: Mapping[str, Kept]) -> dict[str, Any]:
+def build_figures(
+    rows: Sequence[PaperRow], stored_rows: Mapping[str, StoredRow]
+) -> dict[str, Any]:
     """Return the figures of some rows: value, ends of its interval, seeds; and the pictures."""
     return {
-        'counts': {str(name): count for name, count in lines.totals(rows, kepts).items()},
-        'rows': {row.name: of_row(row, kepts[row.name]) for row in rows},
+        'counts': {
+            str(name): count for name, count in lines.count_all_verdicts(rows, stored_rows).items()
+        },
+        'rows': {row.name: build_row_figures(row, stored_rows[row.name]) for row in rows},
     }
 
 
-def of_row(row: PaperRow, kept: Kept) -> dict[str, Any]:
+def build_row_figures(row: PaperRow, stored: StoredRow) -> dict[str, Any]:
     """Return the figures of a row."""
     return {
-        'seeds': kept.seeds,
-        'seconds': round(kept.seconds, 1),
-        'verdicts': {name: str(each) for name, each in verdicts(row, kept.values).items()},
-        'values': plain(kept.values),
+        'seeds': stored.seeds,
+        'seconds': round(stored.seconds, 1),
+        'verdicts': {name: str(each) for name, each in judge_claims(row, stored.values).items()},
+        'values': encode_values(stored.values),
         'pictures': [
             {'name': each.name, 'heading': each.heading, 'caption': each.caption,
              'command': each.command, 'bag': each.bag}
-            for each in kept.pictures
+            for each in stored.pictures
         ],
     }  # fmt: skip

@@ -3,17 +3,17 @@
 from collections.abc import Mapping, Sequence
 from typing import Final
 
-from lta_config.schema.paper_file import Claim, names, PaperRow
+from lta_config.schema.paper_file import find_measure_names, PaperClaim, PaperRow
 from lta_report.formatting import MISSING
-from lta_studies.reproduce.kept import Kept
+from lta_studies.reproduce.row_store import StoredRow
 from lta_studies.reproduce.verdict import (
-    counted,
-    filled,
-    quantity,
-    rule_words,
-    told,
-    Verdict,
-    verdicts,
+    ClaimVerdict,
+    count_verdicts,
+    fill_measures,
+    format_quantity,
+    format_rule,
+    format_value,
+    judge_claims,
 )
 
 CLAIM_HEADS: Final = (
@@ -25,7 +25,7 @@ CLAIM_HEADS: Final = (
     'seeds',
     'verdict',
 )
-SUMMARY_HEADS: Final = ('row', *Verdict)
+SUMMARY_HEADS: Final = ('row', *ClaimVerdict)
 DEFECT_HEADS: Final = ('row', 'the paper says', 'what follows', 'here')
 SERIES_HEADS: Final = ('row', 'figure', 'what of it is printed', 'what follows')
 MEASURE_HEADS: Final = ('measure', 'here', 'seeds')
@@ -49,82 +49,90 @@ DISCOVERY: Final = (
     'discovery confirms, too. A cause that explains one number alone is a guess, and called so.'
 )
 
-Kepts = Mapping[str, Kept]
+Kepts = Mapping[str, StoredRow]
 Lines = list[list[str]]
 
 
-def totals(rows: Sequence[PaperRow], kepts: Kepts) -> dict[Verdict, int]:
+def count_all_verdicts(rows: Sequence[PaperRow], stored_rows: Kepts) -> dict[ClaimVerdict, int]:
     """Return how many claims of all rows came to what."""
-    return counted(each for row in rows for each in verdicts(row, kepts[row.name].values).values())
-
-
-def title(rows: Sequence[PaperRow], kepts: Kepts) -> str:
-    """Return what came out, in a sentence."""
-    found = totals(rows, kepts)
-    count = sum(found.values()) - found[Verdict.BEYOND]
-    text = (
-        f"Of the paper's {count} claims, {found[Verdict.AGREES]} agree, "
-        f'{found[Verdict.DIFFERS]} differ and {found[Verdict.UNTESTED]} cannot be tested here'
+    return count_verdicts(
+        each for row in rows for each in judge_claims(row, stored_rows[row.name].values).values()
     )
-    left = found[Verdict.LEFT_OUT]
+
+
+def format_title(rows: Sequence[PaperRow], stored_rows: Kepts) -> str:
+    """Return what came out, in a sentence."""
+    found = count_all_verdicts(rows, stored_rows)
+    count = sum(found.values()) - found[ClaimVerdict.BEYOND]
+    text = (
+        f"Of the paper's {count} claims, {found[ClaimVerdict.AGREES]} agree, "
+        f'{found[ClaimVerdict.DIFFERS]} differ and {found[ClaimVerdict.UNTESTED]} cannot be '
+        f'tested here'
+    )
+    left = found[ClaimVerdict.LEFT_OUT]
     return f'{text}; {left} were left out of --quick.' if left else f'{text}.'
 
 
-def summary(rows: Sequence[PaperRow], kepts: Kepts) -> Lines:
+def build_summary_lines(rows: Sequence[PaperRow], stored_rows: Kepts) -> Lines:
     """Return a line a row: how many of its claims came to what."""
     lines = []
     for row in rows:
-        found = counted(verdicts(row, kepts[row.name].values).values())
+        found = count_verdicts(judge_claims(row, stored_rows[row.name].values).values())
         lines.append([f'{row.number}. {row.title}', *(str(each) for each in found.values())])
-    return [*lines, ['all', *(str(each) for each in totals(rows, kepts).values())]]
+    return [
+        *lines,
+        ['all', *(str(each) for each in count_all_verdicts(rows, stored_rows).values())],
+    ]
 
 
-def claims(row: PaperRow, kept: Kept) -> Lines:
+def build_claim_lines(row: PaperRow, stored: StoredRow) -> Lines:
     """Return a line a claim."""
-    found = verdicts(row, kept.values)
+    found = judge_claims(row, stored.values)
     return [
         [
             claim.says,
             claim.where + SOURCES[claim.source],
-            MISSING if claim.value is None else quantity(claim.value),
-            MISSING if claim.rule is None else rule_words(claim.rule),
-            here(row, claim, kept),
-            seeds(claim, kept),
+            MISSING if claim.value is None else format_quantity(claim.value),
+            MISSING if claim.rule is None else format_rule(claim.rule),
+            format_measurement(row, claim, stored),
+            format_seeds(claim, stored),
             str(found[name]),
         ]
         for name, claim in row.claims.items()
     ]
 
 
-def here(row: PaperRow, claim: Claim, kept: Kept) -> str:
+def format_measurement(row: PaperRow, claim: PaperClaim, stored: StoredRow) -> str:
     """Return what was measured for a claim."""
     if claim.measure is None:
         return MISSING
-    return told(row.measures[claim.measure], kept.values.get(claim.measure))
+    return format_value(row.measures[claim.measure], stored.values.get(claim.measure))
 
 
-def seeds(claim: Claim, kept: Kept) -> str:
+def format_seeds(claim: PaperClaim, stored: StoredRow) -> str:
     """Return of how many seeds that is."""
-    value = kept.values.get(claim.measure or '')
+    value = stored.values.get(claim.measure or '')
     return MISSING if value is None else str(value.seeds)
 
 
-def notes(row: PaperRow, kept: Kept) -> list[tuple[str, str, str]]:
+def build_notes(row: PaperRow, stored: StoredRow) -> list[tuple[str, str, str]]:
     """Return what came out of each claim: the claim, the finding, and what would close its gap."""
-    found = verdicts(row, kept.values)
+    found = judge_claims(row, stored.values)
     lines = []
     for name, claim in row.claims.items():
         words = claim.untested or claim.finding
-        gap = claim.gap if found[name] is Verdict.DIFFERS else ''
+        gap = claim.gap if found[name] is ClaimVerdict.DIFFERS else ''
         told = [
-            filled(text, row, kept.values) if names(text) <= kept.values.keys() else ''
+            fill_measures(text, row, stored.values)
+            if find_measure_names(text) <= stored.values.keys()
+            else ''
             for text in (words, gap)  # --quick leaves measures out
         ]
         lines.append((claim.says, told[0], told[1]))
     return lines
 
 
-def defects(rows: Sequence[PaperRow]) -> Lines:
+def build_defect_lines(rows: Sequence[PaperRow]) -> Lines:
     """Return a line a defect of the paper, its arithmetic worked out."""
     return [
         [str(row.number), each.says, each.arithmetic, each.here]
@@ -133,29 +141,38 @@ def defects(rows: Sequence[PaperRow]) -> Lines:
     ]
 
 
-def series(rows: Sequence[PaperRow], kepts: Kepts) -> Lines:
+def build_series_lines(rows: Sequence[PaperRow], stored_rows: Kepts) -> Lines:
     """Return a line a figure of the paper: what its printed numbers say of what is missing."""
     return [
-        [str(row.number), each.figure, each.printed, told_of(each.said, row, kepts[row.name])]
+        [
+            str(row.number),
+            each.figure,
+            each.printed,
+            fill_text(each.said, row, stored_rows[row.name]),
+        ]
         for row in rows
         for each in row.series.values()
     ]
 
 
-def told_of(text: str, row: PaperRow, kept: Kept) -> str:
+def fill_text(text: str, row: PaperRow, stored: StoredRow) -> str:
     """Return a text with its measures in their places; where --quick left one out, nothing."""
-    return filled(text, row, kept.values) if names(text) <= kept.values.keys() else MISSING
+    return (
+        fill_measures(text, row, stored.values)
+        if find_measure_names(text) <= stored.values.keys()
+        else MISSING
+    )
 
 
-def deviations(rows: Sequence[PaperRow]) -> Lines:
+def build_deviation_lines(rows: Sequence[PaperRow]) -> Lines:
     """Return what rows change of vehicle, gains, lamp and room."""
     return [[f'{row.number}. {row.title}', each] for row in rows for each in row.deviations]
 
 
-def measures(row: PaperRow, kept: Kept) -> Lines:
+def build_measure_lines(row: PaperRow, stored: StoredRow) -> Lines:
     """Return a line a measure."""
     return [
-        [measure.what, told(measure, kept.values[name]), str(kept.values[name].seeds)]
+        [measure.what, format_value(measure, stored.values[name]), str(stored.values[name].seeds)]
         for name, measure in row.measures.items()
-        if name in kept.values
+        if name in stored.values
     ]

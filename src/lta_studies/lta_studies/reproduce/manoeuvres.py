@@ -6,13 +6,21 @@ from functools import cache
 from pathlib import Path
 from typing import final
 
-from lta_config.schema.comparison_file import Comparison, load_comparison
-from lta_config.schema.manoeuvre_file import load_manoeuvre
-from lta_studies.platforms.pictures import called, following
-from lta_studies.platforms.run import ABLATION, CONTESTANT, fly_job, Job, LIMIT, loop_of, Row
-from lta_studies.platforms.summary import Cell, fastest, Mean
-from lta_studies.reproduce.found import Value
-from lta_studies.reproduce.recorded import record, way
+from lta_config.schema.comparison_file import ComparisonFile, load_comparison
+from lta_config.schema.maneuver_file import load_maneuver
+from lta_studies.platforms.pictures import draw_tracking, format_entry_name
+from lta_studies.platforms.run import (
+    ABLATION,
+    build_loop,
+    CONTESTANT,
+    fly_job,
+    LIMIT,
+    PlatformJob,
+    PlatformResult,
+)
+from lta_studies.platforms.summary import ComparisonCell, find_top_speed, SeedMean
+from lta_studies.reproduce.recording import record_flight, relative_bag_path
+from lta_studies.reproduce.study_result import MeasuredValue
 from plotly.graph_objects import Figure
 
 FILE = 'platforms'
@@ -20,82 +28,88 @@ FILE = 'platforms'
 
 @final
 @dataclass(frozen=True, slots=True)
-class Flights:
+class ComparisonFlights:
     """Some flights of the comparison."""
 
-    comparison: Comparison
-    rows: Sequence[Row]
+    comparison: ComparisonFile
+    rows: Sequence[PlatformResult]
 
-    def of(self, name: str, manoeuvre: str) -> Cell:
+    def find_cell(self, name: str, manoeuvre: str) -> ComparisonCell:
         """Return all seeds of an entry in a manoeuvre."""
-        return Cell([r for r in self.rows if r.job.name == name and r.job.manoeuvre == manoeuvre])
+        return ComparisonCell(
+            [r for r in self.rows if r.job.name == name and r.job.manoeuvre == manoeuvre]
+        )
 
-    def value(self, name: str, manoeuvre: str, figure: str, of: str = 'metrics') -> Value:
+    def measure_figure(
+        self, name: str, manoeuvre: str, figure: str, of: str = 'metrics'
+    ) -> MeasuredValue:
         """Return a figure of an entry with its interval; NaN where no seed has it."""
-        cell = self.of(name, manoeuvre)
-        found: Mean = cell.mean(figure, of)
-        return Value(found.value, found.low, found.high, len(cell.rows))
+        cell = self.find_cell(name, manoeuvre)
+        found: SeedMean = cell.mean_figure(figure, of)
+        return MeasuredValue(found.value, found.low, found.high, len(cell.rows))
 
-    def held(self, name: str, manoeuvre: str) -> Value:
+    def hold_share(self, name: str, manoeuvre: str) -> MeasuredValue:
         """Return the share of flights that held a manoeuvre."""
-        cell = self.of(name, manoeuvre)
+        cell = self.find_cell(name, manoeuvre)
         if len(cell.rows) == 1:
-            return Value(cell.held.value, seeds=1)
-        return Value(*cell.held, seeds=len(cell.rows))
+            return MeasuredValue(cell.success_share.value, seeds=1)
+        return MeasuredValue(*cell.success_share, seeds=len(cell.rows))
 
-    def picture(self, manoeuvre: str, names: Iterable[str]) -> Figure:
+    def plot_tracking(self, manoeuvre: str, names: Iterable[str]) -> Figure:
         """Return what was asked for and what each entry made of it, seed 1."""
-        titles = {name: self.title(name) for name in names}
+        titles = {name: self.entry_title(name) for name in names}
         shown = [
             replace(row, job=replace(row.job, kind=CONTESTANT))  # ablations beside contestants
             for row in self.rows
             if row.job.name in titles
         ]
-        return following(shown, titles, load_manoeuvre(manoeuvre))
+        return draw_tracking(shown, titles, load_maneuver(manoeuvre))
 
-    def record(self, manoeuvre: str, names: Iterable[str], folder: Path) -> str:
+    def record_flights(self, manoeuvre: str, names: Iterable[str], folder: Path) -> str:
         """Record the flight of seed 1 of each entry; return the page's way there."""
-        until = load_manoeuvre(manoeuvre).until.si
+        until = load_maneuver(manoeuvre).until.si
         for name in names:
-            loop = loop_of(Job(FILE, kind(self.comparison, name), name, manoeuvre, 1))
-            record(loop, lambda loop: loop.world.elapsed > until, folder / name)
-        return way(folder)
+            loop = build_loop(
+                PlatformJob(FILE, entry_kind(self.comparison, name), name, manoeuvre, 1)
+            )
+            record_flight(loop, lambda loop: loop.world.elapsed > until, folder / name)
+        return relative_bag_path(folder)
 
-    def title(self, name: str) -> str:
+    def entry_title(self, name: str) -> str:
         """Return what an entry is called."""
         contestant = self.comparison.contestants.get(name)
-        return contestant.title if contestant else called(self.comparison, name)
+        return contestant.title if contestant else format_entry_name(self.comparison, name)
 
 
-def fly(pairs: Iterable[tuple[str, str]], seeds: int) -> Flights:
+def fly_entries(pairs: Iterable[tuple[str, str]], seeds: int) -> ComparisonFlights:
     """Return flights of entries in manoeuvres, each with the same seeds."""
     comparison = load_comparison(FILE)
     rows = [
-        flown(Job(FILE, kind(comparison, name), name, manoeuvre, seed))
+        fly_cached(PlatformJob(FILE, entry_kind(comparison, name), name, manoeuvre, seed))
         for name, manoeuvre in pairs
         for seed in range(1, seeds + 1)
     ]
-    return Flights(comparison, rows)
+    return ComparisonFlights(comparison, rows)
 
 
-def limit(name: str, seeds: int) -> Value:
+def find_speed_limit(name: str, seeds: int) -> MeasuredValue:
     """Return the highest speed up to which an entry held all that it was asked for. [m/s]"""
     comparison = load_comparison(FILE)
     asked = comparison.limits[name]
     rows = [
-        flown(Job(FILE, LIMIT, name, asked.manoeuvre, seed, speed))
+        fly_cached(PlatformJob(FILE, LIMIT, name, asked.manoeuvre, seed, speed))
         for speed in asked.speeds.vector
         for seed in range(1, seeds + 1)
     ]
-    return Value(fastest(comparison, rows, name)[0], seeds=seeds)
+    return MeasuredValue(find_top_speed(comparison, rows, name)[0], seeds=seeds)
 
 
 @cache
-def flown(job: Job) -> Row:
+def fly_cached(job: PlatformJob) -> PlatformResult:
     """Return a flight; rows that share one fly it once."""
     return fly_job(job)
 
 
-def kind(comparison: Comparison, name: str) -> str:
+def entry_kind(comparison: ComparisonFile, name: str) -> str:
     """Return which kind of entry has a name."""
     return CONTESTANT if name in comparison.contestants else ABLATION

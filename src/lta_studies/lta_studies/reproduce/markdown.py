@@ -5,8 +5,8 @@ from typing import Final
 
 from lta_config.schema.paper_file import PaperRow
 from lta_studies.reproduce import lines
-from lta_studies.reproduce.kept import Kept
 from lta_studies.reproduce.lines import Kepts, Lines
+from lta_studies.reproduce.row_store import StoredRow
 
 HEAD: Final = """# The paper, reproduced
 
@@ -31,59 +31,59 @@ and where, what is measured, and the rule by which it agrees.
 IMAGES: Final = 'images/paper'
 
 
-def page(rows: Sequence[PaperRow], kepts: Kepts) -> str:
+def format_page(rows: Sequence[PaperRow], stored_rows: Kepts) -> str:
     """Return the file."""
     parts = [
         HEAD,
-        f'**{lines.title(rows, kepts)}** {lines.METHOD}\n',
-        table(lines.SUMMARY_HEADS, lines.summary(rows, kepts)),
-        *(row_part(row, kepts[row.name]) for row in rows),
+        f'**{lines.format_title(rows, stored_rows)}** {lines.METHOD}\n',
+        format_table(lines.SUMMARY_HEADS, lines.build_summary_lines(rows, stored_rows)),
+        *(format_row(row, stored_rows[row.name]) for row in rows),
         "## What the paper's figures let discovery say\n",
         f'{lines.DISCOVERY}\n',
-        table(lines.SERIES_HEADS, lines.series(rows, kepts)),
+        format_table(lines.SERIES_HEADS, lines.build_series_lines(rows, stored_rows)),
         '## Where the paper does not add up\n',
-        table(lines.DEFECT_HEADS, lines.defects(rows)),
+        format_table(lines.DEFECT_HEADS, lines.build_defect_lines(rows)),
         '## What rows change of the shared vehicle, gains, lamp and room\n',
-        table(('row', 'what it changes'), lines.deviations(rows)),
+        format_table(('row', 'what it changes'), lines.build_deviation_lines(rows)),
     ]
     return '\n'.join(parts)
 
 
-def row_part(row: PaperRow, kept: Kept) -> str:
+def format_row(row: PaperRow, stored: StoredRow) -> str:
     """Return the section of a row."""
     told = [
         f'- *{says}* {" ".join(filter(None, [finding, f"**{gap}**" if gap else ""]))}'
-        for says, finding, gap in lines.notes(row, kept)
+        for says, finding, gap in lines.build_notes(row, stored)
         if finding or gap
     ]
-    commands = list(dict.fromkeys(each.command for each in kept.pictures if each.command))
+    commands = list(dict.fromkeys(each.command for each in stored.pictures if each.command))
     typed = '; '.join(f'`{each}`' for each in commands)
-    bags = list(dict.fromkeys(each.bag for each in kept.pictures if each.bag))
+    bags = list(dict.fromkeys(each.bag for each in stored.pictures if each.bag))
     recorded = ', '.join(f'`{each}`' for each in bags)
     return '\n'.join([
         f'## {row.number}. {row.title}\n',
         f'{row.scenario}\n',
-        table(lines.CLAIM_HEADS, lines.claims(row, kept)),
+        format_table(lines.CLAIM_HEADS, lines.build_claim_lines(row, stored)),
         *told,
         '',
-        *image(row, kept),
+        *format_image(row, stored),
         *([f'To see its pictures: {typed}.', ''] if typed else []),
         *([f'Its bags: {recorded}.', ''] if recorded else []),
     ])  # fmt: skip
 
 
-def image(row: PaperRow, kept: Kept) -> list[str]:
+def format_image(row: PaperRow, stored: StoredRow) -> list[str]:
     """Return the first picture of a row; `--pictures docs/images/paper` draws all of them."""
-    if not kept.pictures:
+    if not stored.pictures:
         return []
-    first = kept.pictures[0]
+    first = stored.pictures[0]
     return [
         f'![{first.heading}]({IMAGES}/{row.name}-{first.name}.png)\n',
         f'*{first.heading}. {first.caption}*\n',
     ]
 
 
-def table(heads: Sequence[str], body: Lines) -> str:
+def format_table(heads: Sequence[str], body: Lines) -> str:
     """Return a table of Markdown."""
     rows = [list(heads), ['---'] * len(heads), *body]
     return '\n'.join(f'| {" | ".join(cells)} |' for cells in rows) + '\n'

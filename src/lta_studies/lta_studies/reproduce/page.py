@@ -6,16 +6,16 @@ import math
 from pathlib import Path
 from typing import Final
 
-from lta_bridge.provenance import commit
+from lta_bridge.provenance import read_commit
 from lta_config.schema.paper_file import PaperRow
 from lta_report.formatting import Tile
-from lta_report.frame import framed, written
-from lta_report.pieces import drawn, section, tile_html
-from lta_studies.energy.tables import table_html
+from lta_report.page_frame import assemble_page, write_file
+from lta_report.page_parts import embed_picture, render_section, render_tile
+from lta_studies.energy.tables import render_text_table
 from lta_studies.reproduce import lines
-from lta_studies.reproduce.kept import Drawn, Kept
 from lta_studies.reproduce.lines import Kepts, Lines
-from lta_studies.reproduce.verdict import Verdict
+from lta_studies.reproduce.row_store import StoredPicture, StoredRow
+from lta_studies.reproduce.verdict import ClaimVerdict
 from plotly.io import from_json
 
 ABOUT: Final = (
@@ -23,48 +23,55 @@ ABOUT: Final = (
     'where it differs.'
 )
 MARKS: Final = {
-    Verdict.AGREES: 'agrees', Verdict.DIFFERS: 'differs', Verdict.UNTESTED: 'untested',
-    Verdict.LEFT_OUT: 'left', Verdict.BEYOND: 'agrees',
+    ClaimVerdict.AGREES: 'agrees', ClaimVerdict.DIFFERS: 'differs',
+    ClaimVerdict.UNTESTED: 'untested', ClaimVerdict.LEFT_OUT: 'left',
+    ClaimVerdict.BEYOND: 'agrees',
 }  # fmt: skip
 
 
 def write_page(
-    rows: Sequence[PaperRow], kepts: Kepts, commands: Mapping[str, str], out: Path
+    rows: Sequence[PaperRow], stored_rows: Kepts, commands: Mapping[str, str], out: Path
 ) -> Path:
     """Write the page and return where it is; `BadInput` where it cannot be written."""
-    return written(page(rows, kepts, commands), out)
+    return write_file(render_page(rows, stored_rows, commands), out)
 
 
-def page(rows: Sequence[PaperRow], kepts: Kepts, commands: Mapping[str, str]) -> str:
+def render_page(rows: Sequence[PaperRow], stored_rows: Kepts, commands: Mapping[str, str]) -> str:
     """Return the whole page."""
-    return framed(
+    return assemble_page(
         'reproduce.html',
-        title=escape(lines.title(rows, kepts)),
+        title=escape(lines.format_title(rows, stored_rows)),
         kicker='the paper, reproduced',
         about=escape(ABOUT),
-        tiles='\n'.join(tile_html(*each) for each in tiles(rows, kepts)),
-        summary=table('counts', lines.SUMMARY_HEADS, lines.summary(rows, kepts)),
+        tiles='\n'.join(render_tile(*each) for each in build_tiles(rows, stored_rows)),
+        summary=render_table(
+            'counts', lines.SUMMARY_HEADS, lines.build_summary_lines(rows, stored_rows)
+        ),
         method=escape(lines.METHOD),
-        rows='\n'.join(row_html(row, kepts[row.name]) for row in rows),
+        rows='\n'.join(render_row(row, stored_rows[row.name]) for row in rows),
         discovery=escape(lines.DISCOVERY.replace('`', '')),
-        series=table('defects', lines.SERIES_HEADS, lines.series(rows, kepts)),
-        defects=table('defects', lines.DEFECT_HEADS, lines.defects(rows)),
-        deviations=table('deviations', ('row', 'what it changes'), lines.deviations(rows)),
-        facts={'rows': str(len(rows)), 'commit': commit()},
+        series=render_table(
+            'defects', lines.SERIES_HEADS, lines.build_series_lines(rows, stored_rows)
+        ),
+        defects=render_table('defects', lines.DEFECT_HEADS, lines.build_defect_lines(rows)),
+        deviations=render_table(
+            'deviations', ('row', 'what it changes'), lines.build_deviation_lines(rows)
+        ),
+        facts={'rows': str(len(rows)), 'commit': read_commit()},
         commands=commands,
     )
 
 
-def tiles(rows: Sequence[PaperRow], kepts: Kepts) -> list[Tile]:
+def build_tiles(rows: Sequence[PaperRow], stored_rows: Kepts) -> list[Tile]:
     """Return the counts."""
-    found = lines.totals(rows, kepts)
-    total = sum(found.values()) - found[Verdict.BEYOND]
+    found = lines.count_all_verdicts(rows, stored_rows)
+    total = sum(found.values()) - found[ClaimVerdict.BEYOND]
     made = [
         Tile(
             str(verdict),
             str(count),
             '',
-            'its future work' if verdict is Verdict.BEYOND else f'of {total} claims',
+            'its future work' if verdict is ClaimVerdict.BEYOND else f'of {total} claims',
         )
         for verdict, count in found.items()
         if count
@@ -73,50 +80,52 @@ def tiles(rows: Sequence[PaperRow], kepts: Kepts) -> list[Tile]:
     return [*made, Tile('defects of the paper', str(count), '', 'with their arithmetic, below')]
 
 
-def row_html(row: PaperRow, kept: Kept) -> str:
+def render_row(row: PaperRow, stored: StoredRow) -> str:
     """Return the section of a row."""
     heading = f'{row.number}. {row.title}'
-    pictures = ''.join(picture(row.name, each) for each in kept.pictures)
+    pictures = ''.join(render_picture(row.name, each) for each in stored.pictures)
     return (
         f'<section class="panel row" id="{row.name}" aria-labelledby="title-{row.name}">'
         f'<h2 id="title-{row.name}">{escape(heading)}</h2>'
         f'<p class="note">{escape(row.scenario)}</p>'
-        f'{table("claims", lines.CLAIM_HEADS, lines.claims(row, kept))}'
-        f'{said(row, kept)}'
-        f'<details><summary>All that was measured ({len(kept.values)} figures, '
-        f'{math.ceil(kept.seconds)} s)</summary>'
-        f'{table("measures", lines.MEASURE_HEADS, lines.measures(row, kept))}'
-        f'{"".join(table_html(each) for each in kept.tables)}</details>'
+        f'{render_table("claims", lines.CLAIM_HEADS, lines.build_claim_lines(row, stored))}'
+        f'{render_findings(row, stored)}'
+        f'<details><summary>All that was measured ({len(stored.values)} figures, '
+        f'{math.ceil(stored.seconds)} s)</summary>'
+        f'{render_table("measures", lines.MEASURE_HEADS, lines.build_measure_lines(row, stored))}'
+        f'{"".join(render_text_table(each) for each in stored.tables)}</details>'
         f'</section><div class="grid">{pictures}</div>'
     )
 
 
-def said(row: PaperRow, kept: Kept) -> str:
+def render_findings(row: PaperRow, stored: StoredRow) -> str:
     """Return findings, and what would close the gaps."""
     items = []
-    for says, finding, gap in lines.notes(row, kept):
+    for says, finding, gap in lines.build_notes(row, stored):
         words = ' '.join(filter(None, [escape(finding), f'<b>{escape(gap)}</b>' if gap else '']))
         if words:
             items.append(f'<li><i>{escape(says)}</i> {words}</li>')
     return f'<ul class="said">{"".join(items)}</ul>' if items else ''
 
 
-def picture(row: str, kept: Drawn) -> str:
+def render_picture(row: str, stored: StoredPicture) -> str:
     """Return a picture with what to type for it, and the bag of its flight."""
-    name, words = f'{row}-{kept.name}', escape(kept.heading)
-    body = drawn(name, words, escape(kept.caption), from_json(kept.figure), False)
-    again = f'<p class="note again"><code>{escape(kept.command)}</code>'
-    if kept.bag:
-        again += f' · its bag: <a href="{escape(kept.bag)}"><code>{escape(kept.bag)}</code></a>'
-    return section(name, kept.heading, '', f'{body}{again}</p>')
+    name, words = f'{row}-{stored.name}', escape(stored.heading)
+    body = embed_picture(name, words, escape(stored.caption), from_json(stored.figure), False)
+    again = f'<p class="note again"><code>{escape(stored.command)}</code>'
+    if stored.bag:
+        again += (
+            f' · its bag: <a href="{escape(stored.bag)}"><code>{escape(stored.bag)}</code></a>'
+        )
+    return render_section(name, stored.heading, '', f'{body}{again}</p>')
 
 
-def table(kind: str, heads: Sequence[str], body: Lines) -> str:
+def render_table(kind: str, heads: Sequence[str], body: Lines) -> str:
     """Return a table of lines; the last cell of a claim is marked by its verdict."""
     head = ''.join(f'<th scope="col">{escape(each)}</th>' for each in heads)
     rows = []
     for first, *rest in body:
-        cells = ''.join(f'<td{mark(cell)}>{escape(cell)}</td>' for cell in rest)
+        cells = ''.join(f'<td{verdict_class(cell)}>{escape(cell)}</td>' for cell in rest)
         rows.append(f'<tr><th scope="row">{escape(first)}</th>{cells}</tr>')
     return (
         f'<div class="wide"><table class="{kind}"><thead><tr>{head}</tr></thead>'
@@ -124,7 +133,7 @@ def table(kind: str, heads: Sequence[str], body: Lines) -> str:
     )
 
 
-def mark(cell: str) -> str:
+def verdict_class(cell: str) -> str:
     """Return the class of a cell that is a verdict."""
     found = next((name for verdict, name in MARKS.items() if cell == verdict), None)
     return f' class="{found}"' if found else ''

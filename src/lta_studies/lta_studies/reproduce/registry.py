@@ -2,7 +2,6 @@
 
 from typing import Final
 
-from lta_studies.reproduce.found import Study
 from lta_studies.reproduce.studies import (
     beavis,
     beyond,
@@ -17,18 +16,19 @@ from lta_studies.reproduce.studies import (
     photodiodes,
     platforms,
 )
+from lta_studies.reproduce.study_result import Study
 
 STUDIES: Final[dict[str, Study]] = {
-    'platforms': platforms.study,
-    'forces': forces.study,
-    'closed_loop': closed_loop.study,
-    'beavis': beavis.study,
-    'cells': cells.study,
-    'mounting': mounting.study,
-    'photodiodes': photodiodes.study,
-    'link': link.study,
-    'indoors': indoors.study,
-    'outdoors': outdoors.study,
-    'energy': energy.study,
-    'beyond': beyond.study,
+    'platforms': platforms.run_study,
+    'forces': forces.run_study,
+    'closed_loop': closed_loop.run_study,
+    'beavis': beavis.run_study,
+    'cells': cells.run_study,
+    'mounting': mounting.run_study,
+    'photodiodes': photodiodes.run_study,
+    'link': link.run_study,
+    'indoors': indoors.run_study,
+    'outdoors': outdoors.run_study,
+    'energy': energy.run_study,
+    'beyond': beyond.run_study,
 }

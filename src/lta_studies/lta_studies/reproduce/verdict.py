@@ -6,10 +6,10 @@ from enum import StrEnum
 import math
 from typing import Final
 
-from lta_config.quantity import Quantity, with_unit
-from lta_config.schema.paper_file import Claim, Measure, PaperRow, Rule
-from lta_report.formatting import MISSING, number
-from lta_studies.reproduce.found import Value
+from lta_config.quantity import add_unit, Quantity
+from lta_config.schema.paper_file import AgreementRule, PaperClaim, PaperMeasure, PaperRow
+from lta_report.formatting import format_number, MISSING
+from lta_studies.reproduce.study_result import MeasuredValue
 
 SIGNS: Final = {
     'deg': '°',
@@ -21,7 +21,7 @@ SIGNS: Final = {
 PLAIN: Final = 1e-9  # relative; what two machines may differ by
 
 
-class Verdict(StrEnum):
+class ClaimVerdict(StrEnum):
     """What came of a claim."""
 
     AGREES = 'agrees'
@@ -31,28 +31,32 @@ class Verdict(StrEnum):
     LEFT_OUT = 'left out of --quick'
 
 
-def judge(claim: Claim, values: Mapping[str, Value]) -> Verdict:
+def judge_claim(claim: PaperClaim, values: Mapping[str, MeasuredValue]) -> ClaimVerdict:
     """Return what came of a claim."""
     if claim.measure is None:
-        return Verdict.UNTESTED
+        return ClaimVerdict.UNTESTED
     if claim.rule is None:
-        return Verdict.BEYOND
+        return ClaimVerdict.BEYOND
     if claim.measure not in values:
-        return Verdict.LEFT_OUT
+        return ClaimVerdict.LEFT_OUT
     value = values[claim.measure].value
-    return Verdict.AGREES if holds(claim.rule, claim.value, value) else Verdict.DIFFERS
+    return (
+        ClaimVerdict.AGREES
+        if is_satisfied(claim.rule, claim.value, value)
+        else ClaimVerdict.DIFFERS
+    )
 
 
-def holds(rule: Rule, printed: Quantity | None, value: float | str) -> bool:
+def is_satisfied(rule: AgreementRule, printed: Quantity | None, value: float | str) -> bool:
     """Tell whether a value, in SI or a word, keeps a rule; NaN keeps none."""
     if isinstance(value, str):
         return value == rule.word
-    low, high = bounds(rule, printed)
+    low, high = agreement_bounds(rule, printed)
     slack = PLAIN * max(abs(bound) for bound in (low, high, 0.0) if math.isfinite(bound))
     return low - slack <= value <= high + slack
 
 
-def bounds(rule: Rule, printed: Quantity | None) -> tuple[float, float]:
+def agreement_bounds(rule: AgreementRule, printed: Quantity | None) -> tuple[float, float]:
     """Return the least and the greatest value that agree. [SI]"""
     if rule.within is not None and printed is not None:
         half = rule.within.si * abs(printed.si)
@@ -61,33 +65,35 @@ def bounds(rule: Rule, printed: Quantity | None) -> tuple[float, float]:
     return low, math.inf if rule.most is None else rule.most.si
 
 
-def verdicts(row: PaperRow, values: Mapping[str, Value]) -> dict[str, Verdict]:
+def judge_claims(row: PaperRow, values: Mapping[str, MeasuredValue]) -> dict[str, ClaimVerdict]:
     """Return what came of each claim of a row."""
-    return {name: judge(claim, values) for name, claim in row.claims.items()}
+    return {name: judge_claim(claim, values) for name, claim in row.claims.items()}
 
 
-def counted(found: Iterable[Verdict]) -> dict[Verdict, int]:
-    """Return how many claims came to what, in the order of `Verdict`."""
-    counts = Counter(found)
-    return {each: counts[each] for each in Verdict}
+def count_verdicts(verdicts: Iterable[ClaimVerdict]) -> dict[ClaimVerdict, int]:
+    """Return how many claims came to what, in the order of `ClaimVerdict`."""
+    counts = Counter(verdicts)
+    return {each: counts[each] for each in ClaimVerdict}
 
 
-def rule_words(rule: Rule) -> str:
+def format_rule(rule: AgreementRule) -> str:
     """Return a rule in words."""
     if rule.word is not None:
         return f'is {rule.word}'
     if rule.within is not None:
-        return f'within {quantity(rule.within)}'
+        return f'within {format_quantity(rule.within)}'
     ends = [('at least', rule.least), ('at most', rule.most)]
-    return ' and '.join(f'{word} {quantity(end)}' for word, end in ends if end is not None)
+    return ' and '.join(f'{word} {format_quantity(end)}' for word, end in ends if end is not None)
 
 
-def quantity(given: Quantity) -> str:
+def format_quantity(quantity: Quantity) -> str:
     """Return a quantity of a file as people write it."""
-    return signed(f'{given.value:.12g}'.replace('-', '\N{MINUS SIGN}'), given.unit)
+    return append_unit(f'{quantity.value:.12g}'.replace('-', '\N{MINUS SIGN}'), quantity.unit)
 
 
-def told(measure: Measure, value: Value | None, *, interval: bool = True) -> str:
+def format_value(
+    measure: PaperMeasure, value: MeasuredValue | None, *, interval: bool = True
+) -> str:
     """Return a value as people read it, with its interval where it has one."""
     if value is None:
         return MISSING
@@ -95,30 +101,30 @@ def told(measure: Measure, value: Value | None, *, interval: bool = True) -> str
         return str(value.value)
     if math.isnan(value.value):
         return 'never'
-    texts = [rounded(measure, each) for each in (value.value, value.low, value.high)]
+    texts = [format_rounded(measure, each) for each in (value.value, value.low, value.high)]
     text = texts[0]
     if interval and not math.isnan(value.low) and len(set(texts)) > 1:
         text += f' ({texts[1]} to {texts[2]})'
-    return signed(text, measure.unit)
+    return append_unit(text, measure.unit)
 
 
-def signed(text: str, unit: str) -> str:
+def append_unit(text: str, unit: str) -> str:
     """Return a number with its unit as people write it."""
-    return f'{text}°' if unit == 'deg' else with_unit(text, SIGNS.get(unit, unit))
+    return f'{text}°' if unit == 'deg' else add_unit(text, SIGNS.get(unit, unit))
 
 
-def rounded(measure: Measure, value: float) -> str:
+def format_rounded(measure: PaperMeasure, value: float) -> str:
     """Return a number of the measure's unit, rounded as it declares."""
     scaled = value / measure.factor
     if not math.isfinite(scaled):
         return MISSING
-    return number(round(scaled, measure.digits), max(0, measure.digits))
+    return format_number(round(scaled, measure.digits), max(0, measure.digits))
 
 
-def filled(text: str, row: PaperRow, values: Mapping[str, Value]) -> str:
+def fill_measures(text: str, row: PaperRow, values: Mapping[str, MeasuredValue]) -> str:
     """Return a text with its measures in their places."""
     words = {
-        name: told(measure, values.get(name), interval=False)
+        name: format_value(measure, values.get(name), interval=False)
         for name, measure in row.measures.items()
     }
     return text.format_map(words)

@@ -6,11 +6,11 @@ import math
 from typing import final
 
 from lta_control.cascade import CascadeGains
-from lta_flight.sweep.statistics import Share, wilson
-from lta_report.children import Children
-from lta_studies.tune.crew import fly_all, Task
-from lta_studies.tune.exam import Case, Scene, Step, STEPS
-from lta_studies.tune.marks import Report
+from lta_flight.sweep.statistics import ShareInterval, wilson_interval
+from lta_report.worker_pool import WorkerPool
+from lta_studies.tune.metrics import ResponseMetrics
+from lta_studies.tune.step_response import SetpointStep, STEPS, TuningCase, TuningScene
+from lta_studies.tune.workers import evaluate_all, EvaluationJob
 import numpy as np
 from scipy.special import stdtrit
 
@@ -19,7 +19,7 @@ FRESH = 1000  # seeds from here on: none that the search has seen
 
 @final
 @dataclass(frozen=True, slots=True)
-class Spread:
+class QuartileSpread:
     """A median with the middle half. [of whatever it is]"""
 
     median: float
@@ -29,7 +29,7 @@ class Spread:
 
 @final
 @dataclass(frozen=True, slots=True)
-class Difference:
+class CostDifference:
     """Mean of new less old over the same draws, with its 95 % interval. [1]"""
 
     mean: float
@@ -39,7 +39,7 @@ class Difference:
 
 @final
 @dataclass(frozen=True, slots=True)
-class Flights:
+class GainEvaluation:
     """
     Examinations of one set of gains.
 
@@ -53,46 +53,46 @@ class Flights:
     """
 
     losses: tuple[float, ...]
-    reports: tuple[Report, ...]
+    reports: tuple[ResponseMetrics, ...]
 
     @property
-    def lost(self) -> Share:
+    def lost_share(self) -> ShareInterval:
         """Share whose altitude was lost, with its 95 % interval."""
-        return wilson(sum(report.lost for report in self.reports), len(self.reports))
+        return wilson_interval(sum(report.lost for report in self.reports), len(self.reports))
 
     @property
-    def reached(self) -> Share:
+    def reached_share(self) -> ShareInterval:
         """Share whose mission ended at its goal, with its 95 % interval."""
-        return wilson(sum(report.reached for report in self.reports), len(self.reports))
+        return wilson_interval(sum(report.reached for report in self.reports), len(self.reports))
 
-    def settled(self, step: int) -> Share:
+    def settling_share(self, step: int) -> ShareInterval:
         """Share in which a step settled, with its 95 % interval."""
         times = [report.marks[step].settle for report in self.reports if report.marks]
-        return wilson(sum(map(math.isfinite, times)), len(self.reports))
+        return wilson_interval(sum(map(math.isfinite, times)), len(self.reports))
 
-    def of(self, step: int, figure: str) -> Spread:
+    def summarize_step(self, step: int, figure: str) -> QuartileSpread:
         """Return how a figure of a mark spreads."""
-        return spread(
+        return compute_quartiles(
             [getattr(report.marks[step], figure) for report in self.reports if report.marks]
         )
 
-    def whole(self, figure: str) -> Spread:
+    def summarize_flights(self, figure: str) -> QuartileSpread:
         """Return how a figure of the reports spreads."""
-        return spread([getattr(report, figure) for report in self.reports])
+        return compute_quartiles([getattr(report, figure) for report in self.reports])
 
 
-def spread(values: Sequence[float]) -> Spread:
+def compute_quartiles(values: Sequence[float]) -> QuartileSpread:
     """Return median and quartiles; what never ended stays infinite."""
     ordered = np.sort(np.array(values, dtype=np.float64))
     if not len(ordered):
-        return Spread(math.nan, math.nan, math.nan)
+        return QuartileSpread(math.nan, math.nan, math.nan)
     places = (0.5, 0.25, 0.75)
     # The nearest rank: no mean between a number and infinity.
     middle, low, high = (float(ordered[round(p * (len(ordered) - 1))]) for p in places)
-    return Spread(middle, low, high)
+    return QuartileSpread(middle, low, high)
 
 
-def difference(old: Flights, new: Flights) -> Difference:
+def compare_costs(old: GainEvaluation, new: GainEvaluation) -> CostDifference:
     """Return by how much the cost fell over the same draws (Student's interval of the mean)."""
     pairs = zip(old.reports, new.reports, strict=True)
     gaps = np.array([b.cost - a.cost for a, b in pairs])
@@ -102,28 +102,33 @@ def difference(old: Flights, new: Flights) -> Difference:
         quantile = float(stdtrit(count - 1, 0.975))
         half = quantile * float(gaps.std(ddof=1)) / math.sqrt(count)
     mean = float(gaps.mean())
-    return Difference(mean, mean - half, mean + half)
+    return CostDifference(mean, mean - half, mean + half)
 
 
-def drawn(least: float, most: float, count: int, seed: int) -> list[Case]:
+def draw_cases(least: float, most: float, count: int, seed: int) -> list[TuningCase]:
     """Return cases with losses drawn evenly [kg] and seeds that no search has seen."""
     chance = np.random.default_rng(seed)
     losses = chance.uniform(least, most, count).tolist()
-    return [Case(loss, FRESH + k) for k, loss in enumerate(losses)]
+    return [TuningCase(loss, FRESH + k) for k, loss in enumerate(losses)]
 
 
-def compared(
-    scene: Scene, both: tuple[CascadeGains, CascadeGains], cases: Sequence[Case], crew: Children
-) -> tuple[Flights, Flights]:
+def fly_comparison(
+    scene: TuningScene,
+    both: tuple[CascadeGains, CascadeGains],
+    cases: Sequence[TuningCase],
+    workers: WorkerPool,
+) -> tuple[GainEvaluation, GainEvaluation]:
     """Fly old and new gains through the same cases."""
-    tasks = [Task(scene, gains, case) for gains in both for case in cases]
-    reports = fly_all(tasks, crew)
+    tasks = [EvaluationJob(scene, gains, case) for gains in both for case in cases]
+    reports = evaluate_all(tasks, workers)
     losses = tuple(case.loss for case in cases)
     count = len(cases)
-    return Flights(losses, tuple(reports[:count])), Flights(losses, tuple(reports[count:]))
+    return GainEvaluation(losses, tuple(reports[:count])), GainEvaluation(
+        losses, tuple(reports[count:])
+    )
 
 
-def step_name(step: Step) -> str:
+def format_step(step: SetpointStep) -> str:
     """Return what a step is called."""
     change = step.after - step.before
     if step.channel in ('heading', 'course'):
@@ -131,4 +136,4 @@ def step_name(step: Step) -> str:
     return f'{step.channel} {change:+.1f} {"m" if step.channel == "altitude" else "m/s"}'
 
 
-NAMES = tuple(step_name(step) for step in STEPS)
+NAMES = tuple(format_step(step) for step in STEPS)

@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 
 @final
 @dataclass(frozen=True, slots=True)
-class Margins:
+class StabilityMargins:
     """
     How far a loop is from oscillating; None where nothing does.
 
@@ -54,7 +54,7 @@ class Margins:
     peak: float
 
 
-def margins(frequency: Array, response: Complex) -> Margins:
+def compute_margins(frequency: Array, response: Complex) -> StabilityMargins:
     """
     Return the margins of a loop that is stable when closed.
 
@@ -66,9 +66,9 @@ def margins(frequency: Array, response: Complex) -> Margins:
         L(jw).
 
     """
-    up, down = _gains(frequency, response)
-    least, last = _phases(frequency, response)
-    return Margins(
+    up, down = _gain_margins(frequency, response)
+    least, last = _phase_margin(frequency, response)
+    return StabilityMargins(
         gain=up and up[0],
         gain_down=down,
         phase=least and least[0],
@@ -79,41 +79,43 @@ def margins(frequency: Array, response: Complex) -> Margins:
     )
 
 
-def _gains(frequency: Array, response: Complex) -> tuple[tuple[float, float] | None, float | None]:
+def _gain_margins(
+    frequency: Array, response: Complex
+) -> tuple[tuple[float, float] | None, float | None]:
     """Return the least factor above 1 with its frequency, and the largest below 1."""
-    size, phase, log_w = np.log(np.abs(response)), _phase(response), np.log(frequency)
+    size, phase, log_w = np.log(np.abs(response)), _unwrap_phase(response), np.log(frequency)
     up: tuple[float, float] | None = None
     down: float | None = None
-    for place, share in _turns(phase):
-        factor = math.exp(-_between(size, place, share))
+    for place, share in _find_phase_crossings(phase):
+        factor = math.exp(-_interpolate(size, place, share))
         if factor > 1.0 and (up is None or factor < up[0]):
-            up = (factor, math.exp(_between(log_w, place, share)))
+            up = (factor, math.exp(_interpolate(log_w, place, share)))
         elif factor < 1.0 and (down is None or factor > down):
             down = factor
     return up, down
 
 
-def _phases(
+def _phase_margin(
     frequency: Array, response: Complex
 ) -> tuple[tuple[float, float] | None, float | None]:
     """Return the least phase margin with its frequency, and the highest crossover."""
-    size, phase, log_w = np.log(np.abs(response)), _phase(response), np.log(frequency)
+    size, phase, log_w = np.log(np.abs(response)), _unwrap_phase(response), np.log(frequency)
     least: tuple[float, float] | None = None
     last: float | None = None
-    for place, share in _crossings(size):
-        last = math.exp(_between(log_w, place, share))
-        above = (_between(phase, place, share) + math.pi) % (2.0 * math.pi)
+    for place, share in _find_gain_crossings(size):
+        last = math.exp(_interpolate(log_w, place, share))
+        above = (_interpolate(phase, place, share) + math.pi) % (2.0 * math.pi)
         left = min(above, 2.0 * math.pi - above)
         if least is None or left < least[0]:
             least = (left, last)
     return least, last
 
 
-def _phase(response: Complex) -> Array:
+def _unwrap_phase(response: Complex) -> Array:
     return np.unwrap(np.angle(response))
 
 
-def _turns(phase: Array) -> list[tuple[int, float]]:
+def _find_phase_crossings(phase: Array) -> list[tuple[int, float]]:
     """Return where a phase passes -180 degrees modulo 360."""
     turns = (phase + math.pi) / (2.0 * math.pi)
     found = []
@@ -125,16 +127,16 @@ def _turns(phase: Array) -> list[tuple[int, float]]:
     return found
 
 
-def _crossings(size: Array) -> list[tuple[int, float]]:
+def _find_gain_crossings(size: Array) -> list[tuple[int, float]]:
     """Return where the logarithm of a size passes 0."""
     changes = np.flatnonzero((size[:-1] > 0.0) != (size[1:] > 0.0))
     return [(int(k), float(size[k] / (size[k] - size[k + 1]))) for k in changes]
 
 
-def _between(values: Array, place: int, share: float) -> float:
+def _interpolate(values: Array, place: int, share: float) -> float:
     return float(values[place] + share * (values[place + 1] - values[place]))
 
 
-def decibel(factor: float) -> float:
+def to_decibels(factor: float) -> float:
     """Return a factor of amplitude in decibels."""
     return 20.0 * math.log10(factor)

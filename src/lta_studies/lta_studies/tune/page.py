@@ -6,14 +6,14 @@ import math
 from pathlib import Path
 from typing import Final
 
-from lta_bridge.provenance import commit
-from lta_config.typed import near, typed
-from lta_report.formatting import number, Tile
-from lta_report.frame import framed, written
-from lta_report.pieces import section, tile_html
-from lta_studies.tune import pictures, told
-from lta_studies.tune.exam import Channel, Trace
-from lta_studies.tune.run import scene_name, Tuned
+from lta_bridge.provenance import read_commit
+from lta_config.command_line import format_lta_command, relative_path
+from lta_report.formatting import format_number, Tile
+from lta_report.page_frame import assemble_page, write_file
+from lta_report.page_parts import render_section, render_tile
+from lta_studies.tune import pictures, report_tables
+from lta_studies.tune.run import TuningResult, vehicle_name
+from lta_studies.tune.step_response import Channel, StepResponse
 
 NAME = 'report.html'
 CHANNELS: Final[tuple[tuple[Channel, str, str], ...]] = (
@@ -23,38 +23,44 @@ CHANNELS: Final[tuple[tuple[Channel, str, str], ...]] = (
     ('course', 'Turn at speed', 'Motion through the air; the nose leans against the drift.'),
 )
 SEARCH: Final = 'Half the mean and half the worst of all cases. Dotted: the gains before.'
-Traces = Sequence[tuple[float, Trace]]
+Traces = Sequence[tuple[float, StepResponse]]
 
 
-def write_page(tuned: Tuned, old: Traces, new: Traces) -> Path:
+def write_page(tuned: TuningResult, old: Traces, new: Traces) -> Path:
     """Write the page of a tuning and return where it is; `BadInput` where it cannot be written."""
-    return written(page(tuned, old, new), tuned.folder / NAME)
+    return write_file(render_page(tuned, old, new), tuned.folder / NAME)
 
 
-def page(tuned: Tuned, old: Traces, new: Traces) -> str:
+def render_page(tuned: TuningResult, old: Traces, new: Traces) -> str:
     """Return the whole page."""
     order = tuned.order
-    robust = told.table(ROBUST_HEADS, told.robust_rows(tuned))
-    margins = told.table(told.MARGIN_HEADS, told.margin_rows(tuned), text=True)
-    limits = told.table(('', 'old', 'new'), told.limit_rows(tuned.old.limit, tuned.new.limit))
-    return framed(
+    robust = report_tables.render_table(ROBUST_HEADS, report_tables.build_benefit_rows(tuned))
+    margins = report_tables.render_table(
+        report_tables.MARGIN_HEADS, report_tables.build_margin_rows(tuned), text=True
+    )
+    limits = report_tables.render_table(
+        ('', 'old', 'new'), report_tables.build_limit_rows(tuned.old.limit, tuned.new.limit)
+    )
+    return assemble_page(
         'tune.html',
-        title=escape(told.typeset(told.title(tuned))),
-        kicker=escape(f'tune {scene_name(order)} · from {tuned.gains_name} · seed {order.seed}'),
-        about=escape(about(tuned)),
-        tiles='\n'.join(tile_html(*each) for each in tiles(tuned)),
-        panels='\n'.join(panels(tuned, old, new)),
+        title=escape(report_tables.typeset_signs(report_tables.format_title(tuned))),
+        kicker=escape(f'tune {vehicle_name(order)} · from {tuned.gains_name} · seed {order.seed}'),
+        about=escape(describe_tuning(tuned)),
+        tiles='\n'.join(render_tile(*each) for each in build_tiles(tuned)),
+        panels='\n'.join(render_panels(tuned, old, new)),
         robust=robust,
         margins=margins + MARGINS_NOTE,
-        gains=told.table(('number', 'old', 'new', 'searched'), told.gain_rows(tuned)),
+        gains=report_tables.render_table(
+            ('number', 'old', 'new', 'searched'), report_tables.build_gain_rows(tuned)
+        ),
         limits=limits + LIMITS_NOTE,
-        facts=facts(tuned),
-        commands=commands(tuned),
+        facts=describe_provenance(tuned),
+        commands=suggest_commands(tuned),
         files={'Gains file': tuned.file.read_text(encoding='utf-8')},
     )
 
 
-def about(tuned: Tuned) -> str:
+def describe_tuning(tuned: TuningResult) -> str:
     """Return what was done, and what cost is."""
     order = tuned.order
     return (
@@ -80,16 +86,16 @@ LIMITS_NOTE = (
 )
 
 
-def tiles(tuned: Tuned) -> list[Tile]:
+def build_tiles(tuned: TuningResult) -> list[Tile]:
     """Return the figures that matter most."""
     old, new = tuned.old, tuned.new
 
     def both(name: str, words: str, unit: str, factor: float, digits: int) -> Tile:
-        a, b = (side.flights.whole(name).median * factor for side in (old, new))
+        a, b = (side.flights.summarize_flights(name).median * factor for side in (old, new))
         return Tile(words, f'{b:.{digits}f}', unit, f'median; before {a:.{digits}f}')
 
     def over(step: int) -> tuple[float, float]:
-        a, b = (100 * side.flights.of(step, 'overshoot').median for side in (old, new))
+        a, b = (100 * side.flights.summarize_step(step, 'overshoot').median for side in (old, new))
         return a, b
 
     climb = over(0)
@@ -100,13 +106,13 @@ def tiles(tuned: Tuned) -> list[Tile]:
         both('swing', 'Swing at the end', '\N{DEGREE SIGN}', 180.0 / math.pi, 2),
         Tile(
             'Missions at the goal',
-            f'{100 * new.flights.reached.value:.0f}',
+            f'{100 * new.flights.reached_share.value:.0f}',
             '%',
-            f'before {told.share(old.flights.reached)}',
+            f'before {report_tables.format_share(old.flights.reached_share)}',
         ),
         Tile(
             'Holds up to',
-            number(held, 1),
+            format_number(held, 1),
             'g lost',
             f'{new.limit.days[0]:.0f} to {new.limit.days[1]:.0f} days of leaking',
         ),
@@ -119,20 +125,22 @@ def tiles(tuned: Tuned) -> list[Tile]:
     ]
 
 
-def panels(tuned: Tuned, old: Traces, new: Traces) -> list[str]:
+def render_panels(tuned: TuningResult, old: Traces, new: Traces) -> list[str]:
     """Return all pictures."""
     lines = 'Dashed: what is asked. Truth, one line a loss; the more lost, the paler.'
     out = [
-        section(channel, heading, f'{caption} {lines}', pictures.responses(channel, old, new))
+        render_section(
+            channel, heading, f'{caption} {lines}', pictures.plot_responses(channel, old, new)
+        )
         for channel, heading, caption in CHANNELS
     ]
     flights = tuned.old.flights, tuned.new.flights
-    history = pictures.search(tuned.found.history, len(tuned.losses))
+    history = pictures.plot_search(tuned.found.history, len(tuned.losses))
     every = 'Each draw is flown with both.'
     return [
         *out,
-        section('costs', 'Cost of each fresh draw', every, pictures.costs(*flights)),
-        section(
+        render_section('costs', 'Cost of each fresh draw', every, pictures.plot_costs(*flights)),
+        render_section(
             'search',
             'The search',
             'Half the mean and half the worst of all cases. Dotted: the gains before.',
@@ -141,7 +149,7 @@ def panels(tuned: Tuned, old: Traces, new: Traces) -> list[str]:
     ]
 
 
-def facts(tuned: Tuned) -> dict[str, str]:
+def describe_provenance(tuned: TuningResult) -> dict[str, str]:
     """Return where the numbers come from."""
     order = tuned.order
     return {
@@ -149,14 +157,16 @@ def facts(tuned: Tuned) -> dict[str, str]:
         'gains before': tuned.gains_name,
         'losses of the search': ', '.join(f'{1e3 * loss:.2g} g' for loss in tuned.losses),
         'seeds': f'{order.seed} to {order.seed + len(tuned.losses) - 1}; fresh draws from 1000',
-        'commit': commit(),
+        'commit': read_commit(),
     }
 
 
-def commands(tuned: Tuned) -> dict[str, str]:
+def suggest_commands(tuned: TuningResult) -> dict[str, str]:
     """Return how to go on."""
-    file = str(near(tuned.file))
+    file = str(relative_path(tuned.file))
     return {
-        'Fly with them': typed('simulate', '--vehicle', tuned.order.vehicle, '--gains', file),
-        'Go on from them': typed('tune', tuned.order.vehicle, '--gains', file),
+        'Fly with them': format_lta_command(
+            'simulate', '--vehicle', tuned.order.vehicle, '--gains', file
+        ),
+        'Go on from them': format_lta_command('tune', tuned.order.vehicle, '--gains', file),
     }

@@ -3,10 +3,10 @@
 from collections.abc import Sequence
 import math
 
-from lta_report.drawing import blank, extent, line
+from lta_report.drawing import build_line, create_figure, padded_range
 from lta_report.palette import ESTIMATE, SETPOINT, SOFT, TRUTH
-from lta_studies.tune.compare import Flights
-from lta_studies.tune.exam import Array, Channel, Step, STEPS, Trace
+from lta_studies.tune.compare import GainEvaluation
+from lta_studies.tune.step_response import Array, Channel, SetpointStep, StepResponse, STEPS
 import numpy as np
 from plotly.graph_objects import Figure, Scatter
 
@@ -20,13 +20,13 @@ TITLES: dict[Channel, str] = {
 MARGIN = 1.0  # s before a step that is shown
 
 
-def responses(
+def plot_responses(
     channel: Channel,
-    old: Sequence[tuple[float, Trace]],
-    new: Sequence[tuple[float, Trace]],
+    old: Sequence[tuple[float, StepResponse]],
+    new: Sequence[tuple[float, StepResponse]],
 ) -> Figure:
     """Return the steps of one channel, flown with old and new gains at each loss [kg]."""
-    figure = blank()
+    figure = create_figure()
     steps = [step for step in STEPS if step.channel == channel]
     factor = 180.0 / math.pi if channel in ('heading', 'course') else 1.0
     begin, end = steps[0].start - MARGIN, steps[-1].end
@@ -34,24 +34,24 @@ def responses(
     for name, colour, traces in (('old', OLD, old), ('new', NEW, new)):
         for k, (loss, trace) in enumerate(traces):
             part = (trace.time >= begin) & (trace.time < end)
-            values = factor * trace.of(channel)[part]
+            values = factor * trace.select_channel(channel)[part]
             shown.append(values)
             words = f'{name}, {1e3 * loss:.1f} g lost'
-            drawn = line(words, trace.time[part] - begin, values, colour, unit='', width=1.2)
+            drawn = build_line(words, trace.time[part] - begin, values, colour, unit='', width=1.2)
             opacity = 1.0 - 0.6 * k / max(1, len(traces) - 1)
             figure.add_trace(drawn.update(opacity=opacity))
-    time, values = asked(steps, begin, end)
+    time, values = setpoint_line(steps, begin, end)
     figure.add_trace(
-        line('asked', time, factor * values, SETPOINT, unit='', dash='dot', width=1.0)
+        build_line('asked', time, factor * values, SETPOINT, unit='', dash='dot', width=1.0)
     )
-    low, high = extent(*shown, factor * values)
+    low, high = padded_range(*shown, factor * values)
     figure.update_layout(hovermode='closest', margin={'r': 24})
     figure.update_xaxes(title_text='time [s]')
     figure.update_yaxes(title_text=TITLES[channel], range=[low, high])
-    return legend(figure)
+    return add_legend(figure)
 
 
-def asked(steps: Sequence[Step], begin: float, end: float) -> tuple[Array, Array]:
+def setpoint_line(steps: Sequence[SetpointStep], begin: float, end: float) -> tuple[Array, Array]:
     """Return the setpoint as a line."""
     time, values = [0.0], [steps[0].before]
     for step in steps:
@@ -60,7 +60,7 @@ def asked(steps: Sequence[Step], begin: float, end: float) -> tuple[Array, Array
     return np.array([*time, end - begin]), np.array([*values, values[-1]])
 
 
-def legend(figure: Figure) -> Figure:
+def add_legend(figure: Figure) -> Figure:
     """Write what the two colours are."""
     for words, colour, place in (('old gains', OLD, 0.0), ('new gains', NEW, 0.14)):
         figure.add_annotation(
@@ -70,9 +70,9 @@ def legend(figure: Figure) -> Figure:
     return figure
 
 
-def costs(old: Flights, new: Flights) -> Figure:
+def plot_costs(old: GainEvaluation, new: GainEvaluation) -> Figure:
     """Return the cost of each fresh draw by its loss."""
-    figure = blank()
+    figure = create_figure()
     for name, colour, flights in (('old', OLD, old), ('new', NEW, new)):
         figure.add_trace(
             Scatter(
@@ -85,14 +85,14 @@ def costs(old: Flights, new: Flights) -> Figure:
     figure.update_layout(hovermode='closest', margin={'r': 24})
     figure.update_xaxes(title_text='lift lost [g]')
     figure.update_yaxes(title_text='cost', rangemode='tozero')
-    return legend(figure)
+    return add_legend(figure)
 
 
-def search(history: Sequence[float], cases: int) -> Figure:
+def plot_search(history: Sequence[float], cases: int) -> Figure:
     """Return how the least cost fell with the flights."""
-    figure = blank()
+    figure = create_figure()
     flights = cases * np.arange(1.0, len(history) + 1.0)
-    figure.add_trace(line('best', flights, np.array(history), NEW, unit='', steps=True))
+    figure.add_trace(build_line('best', flights, np.array(history), NEW, unit='', steps=True))
     figure.add_hline(y=history[0], line={'color': SOFT, 'width': 1, 'dash': 'dot'})
     figure.update_layout(margin={'r': 24})
     figure.update_xaxes(title_text='flights')

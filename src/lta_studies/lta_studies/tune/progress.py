@@ -2,7 +2,7 @@
 
 from typing import final
 
-from lta_report.bar import Bar
+from lta_report.progress_bar import ProgressBar
 from rich.console import Console
 from rich.progress import (
     BarColumn,
@@ -13,7 +13,7 @@ from rich.progress import (
 
 
 @final
-class TuneProgress(Bar):
+class TuneProgress(ProgressBar):
     """
     Show a tuning while it lasts.
 
@@ -43,11 +43,11 @@ class TuneProgress(Bar):
             highlight=False,
         )
 
-    def candidate(self, count: int, best: float) -> None:
+    def show_candidate(self, count: int, best: float) -> None:
         """Count one more candidate."""
         words = f'{count * self._cases} flights, best cost {best:.3f}'
-        self.move(completed=count, detail=words)
+        self.update_bar(completed=count, detail=words)
 
-    def stage(self, words: str) -> None:
+    def show_stage(self, words: str) -> None:
         """Say what is done after the search."""
-        self.move(detail=words)
+        self.update_bar(detail=words)

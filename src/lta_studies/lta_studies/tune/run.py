@@ -7,22 +7,22 @@ from pathlib import Path
 from typing import final
 
 from lta_config.errors import BadInput
-from lta_config.files import find as find_file
+from lta_config.files import find_file as find_file
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_control.cascade import CascadeGains
 from lta_control.gains_file import load_gains
-from lta_report.children import Children
-from lta_studies.tune import exam
-from lta_studies.tune.book import Book, identity
-from lta_studies.tune.compare import compared, drawn, Flights
-from lta_studies.tune.crew import crew, fly_all, Task
-from lta_studies.tune.exam import Case, Scene
-from lta_studies.tune.find import find, Found
-from lta_studies.tune.gains_text import check_writable, rounded, write_gains
-from lta_studies.tune.limit import helium_limit, HeliumLimit, rotors_carry
-from lta_studies.tune.numbers import changed, chosen, Number
+from lta_report.worker_pool import WorkerPool
+from lta_studies.tune import step_response
+from lta_studies.tune.compare import draw_cases, fly_comparison, GainEvaluation
+from lta_studies.tune.evaluation_log import EvaluationLog, hash_search
+from lta_studies.tune.gain_search import GainSearchResult, search_gains
+from lta_studies.tune.gains_file import check_writable, round_gain, write_gains
+from lta_studies.tune.helium_limit import find_helium_limit, HeliumLimit, rotor_loss_limit
+from lta_studies.tune.parameters import replace_parameters, select_parameters, TunableParameter
 from lta_studies.tune.progress import TuneProgress
-from lta_studies.tune.steadiness import CRUISE, Steadiness, steadiness
+from lta_studies.tune.stability_margins import compute_loop_margins, CRUISE, LoopMargins
+from lta_studies.tune.step_response import TuningCase, TuningScene
+from lta_studies.tune.workers import create_workers, evaluate_all, EvaluationJob
 from rich.console import Console
 
 LAW = 'cascade'  # the law whose gains this examines
@@ -31,7 +31,7 @@ GAINS_NAME = 'gains.yaml'
 
 @final
 @dataclass(frozen=True, slots=True)
-class Order:
+class TuningRequest:
     """What to tune and how; losses in kg."""
 
     vehicle: str
@@ -51,18 +51,18 @@ class Order:
 
 @final
 @dataclass(frozen=True, slots=True)
-class Side:
+class GainSetResult:
     """One set of gains and what is known of it."""
 
     gains: CascadeGains
-    flights: Flights
-    steadiness: tuple[Steadiness, ...]
+    flights: GainEvaluation
+    steadiness: tuple[LoopMargins, ...]
     limit: HeliumLimit
 
 
 @final
 @dataclass(frozen=True, slots=True)
-class Tuned:
+class TuningResult:
     """
     How a tuning went.
 
@@ -81,18 +81,18 @@ class Tuned:
 
     """
 
-    order: Order
+    order: TuningRequest
     gains_name: str
-    found: Found
-    numbers: tuple[Number, ...]
-    old: Side
-    new: Side
+    found: GainSearchResult
+    numbers: tuple[TunableParameter, ...]
+    old: GainSetResult
+    new: GainSetResult
     losses: tuple[float, ...]
     file: Path
     folder: Path
 
 
-def gains_of(vehicle: str, named: str | None) -> str:
+def select_start_gains(vehicle: str, named: str | None) -> str:
     """Return the gains to start from; `BadInput` where the vehicle flies by another law."""
     control = load_vehicle_file(vehicle).control
     law = control.law if control else 'none'
@@ -106,20 +106,20 @@ def gains_of(vehicle: str, named: str | None) -> str:
     return named or (control.gains if control and control.gains else '')
 
 
-def cases_of(order: Order) -> list[Case]:
+def build_cases(order: TuningRequest) -> list[TuningCase]:
     """Return the examinations of the search: losses evenly over the spread, a seed each."""
     gap = (order.most - order.least) / max(1, order.cases - 1)
-    return [Case(order.least + k * gap, order.seed + k) for k in range(order.cases)]
+    return [TuningCase(order.least + k * gap, order.seed + k) for k in range(order.cases)]
 
 
-def check(order: Order) -> None:
+def check_request(order: TuningRequest) -> None:
     """Refuse a spread that no gains could hold."""
     if order.least > order.most:
         raise BadInput(
             f'The spread goes from {1e3 * order.least:g} g to {1e3 * order.most:g} g; give the '
             'smaller loss first.'
         )
-    most = rotors_carry(Scene(order.vehicle).known)
+    most = rotor_loss_limit(TuningScene(order.vehicle).nominal_vehicle)
     if order.most >= most:
         raise BadInput(
             f'At a loss of {1e3 * order.most:g} g the rotors of {order.vehicle} cannot carry it '
@@ -127,7 +127,7 @@ def check(order: Order) -> None:
         )
 
 
-def tune_once(order: Order, console: Console) -> Tuned:
+def tune_once(order: TuningRequest, console: Console) -> TuningResult:
     """
     Search gains, compare them with where they began, and write the gains file.
 
@@ -137,94 +137,103 @@ def tune_once(order: Order, console: Console) -> Tuned:
         If it cannot be done as ordered; nothing was flown then.
 
     """
-    name = gains_of(order.vehicle, order.gains)
-    check(order)
+    name = select_start_gains(order.vehicle, order.gains)
+    check_request(order)
     old = load_gains(name)
     if order.out:
         check_writable(order.out)
-    numbers = chosen(old, order.numbers)
-    scene, cases = Scene(order.vehicle), cases_of(order)
-    about = subject(order, old, numbers)
+    numbers = select_parameters(old, order.numbers)
+    scene, cases = TuningScene(order.vehicle), build_cases(order)
+    about = describe_search(order, old, numbers)
     folder = (
-        order.folder or Path('runs') / f'tune-{scene_name(order)}-{identity(about)[:8]}'
+        order.folder or Path('runs') / f'tune-{vehicle_name(order)}-{hash_search(about)[:8]}'
     ).absolute()
     with (
-        Book(folder, identity(about)) as book,
+        EvaluationLog(folder, hash_search(about)) as book,
         TuneProgress(console, order.budget, len(cases)) as progress,
-        crew(order.workers) as workers,
+        create_workers(order.workers) as workers,
     ):
-        flown = partial(examined, scene, old, cases, workers)
-        found = find(numbers, flown, book, order.budget, order.seed, progress.candidate)
-        best = {path: rounded(value) for path, value in found.numbers.items()}
-        new = changed(old, best)
+        flown = partial(evaluate_candidate, scene, old, cases, workers)
+        found = search_gains(
+            numbers, flown, book, order.budget, order.seed, progress.show_candidate
+        )
+        best = {path: round_gain(value) for path, value in found.numbers.items()}
+        new = replace_parameters(old, best)
         file = order.out or folder / GAINS_NAME
-        write_gains(new, words(order, name, found, len(cases)), file)
-        progress.stage(f'flying {order.draws} fresh draws with old and new gains')
-        fresh = drawn(order.least, order.most, order.draws, order.seed)
-        flights = compared(scene, (old, new), fresh, workers)
-        progress.stage('margins and limits')
+        write_gains(new, format_gains_comment(order, name, found, len(cases)), file)
+        progress.show_stage(f'flying {order.draws} fresh draws with old and new gains')
+        fresh = draw_cases(order.least, order.most, order.draws, order.seed)
+        flights = fly_comparison(scene, (old, new), fresh, workers)
+        progress.show_stage('margins and limits')
         before, after = (
-            side(scene, gains, own, order) for gains, own in zip((old, new), flights, strict=True)
+            evaluate_gain_set(scene, gains, own, order)
+            for gains, own in zip((old, new), flights, strict=True)
         )
     losses = tuple(case.loss for case in cases)
-    return Tuned(order, name, found, tuple(numbers), before, after, losses, file, folder)
+    return TuningResult(order, name, found, tuple(numbers), before, after, losses, file, folder)
 
 
-def examined(
-    scene: Scene,
+def evaluate_candidate(
+    scene: TuningScene,
     start: CascadeGains,
-    cases: Sequence[Case],
-    workers: Children,
+    cases: Sequence[TuningCase],
+    workers: WorkerPool,
     candidate: Mapping[str, float],
 ) -> list[float]:
     """Return the cost of each examination of a candidate."""
-    gains = changed(start, candidate)
-    tasks = [Task(scene, gains, case) for case in cases]
-    return [report.cost for report in fly_all(tasks, workers)]
+    gains = replace_parameters(start, candidate)
+    tasks = [EvaluationJob(scene, gains, case) for case in cases]
+    return [report.cost for report in evaluate_all(tasks, workers)]
 
 
-def side(scene: Scene, gains: CascadeGains, flights: Flights, order: Order) -> Side:
+def evaluate_gain_set(
+    scene: TuningScene, gains: CascadeGains, flights: GainEvaluation, order: TuningRequest
+) -> GainSetResult:
     """Return what is known of a set of gains."""
     middle = 0.5 * (order.least + order.most)
     losses = sorted({order.least, middle, order.most})
-    margins = steadiness(scene, gains, losses, (0.0, CRUISE))
-    return Side(gains, flights, tuple(margins), helium_limit(scene.vehicle, gains))
+    margins = compute_loop_margins(scene, gains, losses, (0.0, CRUISE))
+    return GainSetResult(gains, flights, tuple(margins), find_helium_limit(scene.vehicle, gains))
 
 
-def scene_name(order: Order) -> str:
+def vehicle_name(order: TuningRequest) -> str:
     """Return the vehicle's own name."""
     return load_vehicle_file(order.vehicle).name
 
 
-def subject(order: Order, gains: CascadeGains, numbers: Sequence[Number]) -> dict[str, object]:
+def describe_search(
+    order: TuningRequest, gains: CascadeGains, numbers: Sequence[TunableParameter]
+) -> dict[str, object]:
     """Return all that the costs of a search depend on."""
     return {
         'vehicle': find_file('vehicle', order.vehicle).read_text(encoding='utf-8'),
         'gains': gains.model_dump(),
         'numbers': [asdict(number) for number in numbers],
-        'cases': [asdict(case) for case in cases_of(order)],
-        'steps': [list(step) for step in exam.STEPS],
+        'cases': [asdict(case) for case in build_cases(order)],
+        'steps': [list(step) for step in step_response.STEPS],
         'seed': order.seed,
     }
 
 
-def words(order: Order, start: str, found: Found, cases: int) -> list[str]:
+def format_gains_comment(
+    order: TuningRequest, start: str, result: GainSearchResult, cases: int
+) -> list[str]:
     """Return the comment above the gains."""
-    count = len(found.history)
-    ended = ', stopped early' if found.stopped else ''
+    count = len(result.history)
+    ended = ', stopped early' if result.stopped else ''
     return [
-        f'Gains for {scene_name(order)}, found by: {order.command}',
+        f'Gains for {vehicle_name(order)}, found by: {order.command}',
         f'{count} candidates with {cases} examinations each{ended}, from the gains {start}; '
         f'search seed {order.seed}.',
         f'Lift lost: {1e3 * order.least:g} to {1e3 * order.most:g} g against the trim of its '
         f'file; seeds {order.seed} to {order.seed + cases - 1}.',
-        f'Cost {found.first:.3f} before, {found.cost:.3f} after (half the mean and half the '
+        f'Cost {result.first:.3f} before, {result.cost:.3f} after (half the mean and half the '
         'worst; see lta tune --help).',
     ]
 
 
-def traced(
-    scene: Scene, gains: CascadeGains, cases: Sequence[Case]
-) -> list[tuple[float, exam.Trace]]:
+def fly_responses(
+    scene: TuningScene, gains: CascadeGains, cases: Sequence[TuningCase]
+) -> list[tuple[float, step_response.StepResponse]]:
     """Return what examinations looked like, each with its loss [kg]."""
-    return [(case.loss, exam.fly(scene, gains, case)) for case in cases]
+    return [(case.loss, step_response.fly_steps(scene, gains, case)) for case in cases]

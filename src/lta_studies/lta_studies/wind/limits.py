@@ -6,14 +6,14 @@ import math
 from typing import Any, final
 
 from lta_config.errors import BadInput
-from lta_config.files import known
-from lta_flight.ingredients import gather, Ingredients
+from lta_config.files import list_shipped
+from lta_flight.flight_spec import FlightSpec, load_spec
 from lta_model import limits
 from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle, Vehicle
-from lta_report.json_value import finite
+from lta_report.json_value import replace_nonfinite
 from lta_sim import wind_limits
-from lta_studies.wind.trial import Flyable, flyable, Ground, SHARES
+from lta_studies.wind.flyable_wind import find_flyable_wind, FlyableWind, GroundWind, SHARES
 
 STRATEGY = 'bag'
 FASTEST = 3.0  # m/s; the most that a mission may ask for
@@ -22,7 +22,7 @@ CLEARANCE = 0.05  # m, that a large vehicle flies above where it stands
 
 @final
 @dataclass(frozen=True, slots=True)
-class Asked:
+class WindStudyRequest:
     """What to find out."""
 
     vehicles: tuple[str, ...]
@@ -37,18 +37,18 @@ class Asked:
 
 @final
 @dataclass(frozen=True, slots=True)
-class Over:
+class GroundLimit:
     """Limits over one ground, as reference wind. [m/s]"""
 
     roughness: float
     share: float  # of the reference wind at the hull
     static: float
-    flown: Flyable | None
+    flown: FlyableWind | None
 
 
 @final
 @dataclass(frozen=True, slots=True)
-class Limits:
+class PlatformWindLimits:
     """
     Limits of one platform, in m/s; infinite where its known drag sets none.
 
@@ -75,27 +75,29 @@ class Limits:
     tumble: float
     rise: float
     static: float
-    flown: Flyable | None
-    over: tuple[Over, ...]
+    flown: FlyableWind | None
+    over: tuple[GroundLimit, ...]
     note: str = ''
 
 
-def ticks(asked: Asked) -> int:
-    """Return how often `measured` calls its tick at most."""
-    each = (len(SHARES) + 1) * (_steps(asked) + 1) * (1 + len(asked.roughness))
-    return sum(each for name in asked.vehicles if asked.fly and _gains(name))
+def count_ticks(request: WindStudyRequest) -> int:
+    """Return how often `measure_limits` calls its tick at most."""
+    each = (len(SHARES) + 1) * (_count_steps(request) + 1) * (1 + len(request.roughness))
+    return sum(each for name in request.vehicles if request.fly and _find_gains(name))
 
 
-def _steps(asked: Asked) -> int:
-    return 4 if asked.quick else 6
+def _count_steps(request: WindStudyRequest) -> int:
+    return 4 if request.quick else 6
 
 
-def _gains(vehicle: str) -> str | None:
+def _find_gains(vehicle: str) -> str | None:
     """Return the gains of a platform's control law; None where none is shipped."""
-    return vehicle if vehicle in known('control') else None
+    return vehicle if vehicle in list_shipped('control') else None
 
 
-def measured(asked: Asked, name: str, tick: Callable[[], None]) -> Limits:
+def measure_limits(
+    request: WindStudyRequest, name: str, tick: Callable[[], None]
+) -> PlatformWindLimits:
     """
     Return the limits of one platform.
 
@@ -105,48 +107,56 @@ def measured(asked: Asked, name: str, tick: Callable[[], None]) -> Limits:
         If a file is wrong.
 
     """
-    density = load_scenario(asked.scenario).air.density
+    density = load_scenario(request.scenario).air.density
     vehicle = load_vehicle(name, density)
-    height = max(asked.height, vehicle.standing_height + CLEARANCE)
+    height = max(request.height, vehicle.height_on_floor + CLEARANCE)
     try:
         thrust = wind_limits.thrust_speed(vehicle)
     except BadInput as error:
         nothing = tuple(
-            Over(z, _share(vehicle, height, asked, z), 0.0, None) for z in asked.roughness
+            GroundLimit(z, _hull_wind_share(vehicle, height, request, z), 0.0, None)
+            for z in request.roughness
         )
-        return Limits(name, height, 0.0, 0.0, 0.0, 0.0, None, nothing, str(error))
+        return PlatformWindLimits(name, height, 0.0, 0.0, 0.0, 0.0, None, nothing, str(error))
     tumble = math.inf if vehicle.file.hull.shape == 'none' else limits.tumble_speed(vehicle)
     rise = wind_limits.rise_speed(vehicle)
     static = min(thrust, tumble, rise)
     note = '' if math.isfinite(thrust) else 'its known drag sets no limit below 60 m/s.'
-    flight = _flight(asked, name, height) if asked.fly else None
-    if asked.fly and flight is None:
+    flight = _build_flight_spec(request, name, height) if request.fly else None
+    if request.fly and flight is None:
         note = (note + ' No control law is shipped for it, so it was not flown.').strip()
 
-    def flown(ground: Ground, share: float) -> Flyable | None:
+    def fly_limit(ground: GroundWind, share: float) -> FlyableWind | None:
         if flight is None:
             return None
-        return flyable(
-            flight, ground, 1.1 * min(thrust, FASTEST) / share, _airspeeds(asked, flight, thrust),
-            range(1, asked.seeds + 1), _steps(asked), tick,
+        return find_flyable_wind(
+            flight, ground, 1.1 * min(thrust, FASTEST) / share,
+            _list_airspeeds(request, flight, thrust), range(1, request.seeds + 1),
+            _count_steps(request), tick,
         )  # fmt: skip
 
     over = []
-    for z in asked.roughness:
-        share = _share(vehicle, height, asked, z)
-        over.append(Over(z, share, static / share, flown(Ground(z, asked.reference), share)))
-    even = flown(Ground(None), 1.0)
-    return Limits(name, height, thrust, tumble, rise, static, even, tuple(over), note)
+    for z in request.roughness:
+        share = _hull_wind_share(vehicle, height, request, z)
+        over.append(
+            GroundLimit(
+                z, share, static / share, fly_limit(GroundWind(z, request.reference), share)
+            )
+        )
+    even = fly_limit(GroundWind(None), 1.0)
+    return PlatformWindLimits(name, height, thrust, tumble, rise, static, even, tuple(over), note)
 
 
-def _share(vehicle: Vehicle, height: float, asked: Asked, roughness: float) -> float:
+def _hull_wind_share(
+    vehicle: Vehicle, height: float, request: WindStudyRequest, roughness: float
+) -> float:
     """Return the share of the reference wind at the hull; one sentence where there is none."""
-    if not roughness < asked.reference:
+    if not roughness < request.reference:
         raise BadInput(
             f'The roughness is {roughness:g} m, not below the reference height of '
-            f'{asked.reference:g} m; make it less.'
+            f'{request.reference:g} m; make it less.'
         )
-    share = wind_limits.share_at_hull(vehicle, height, asked.reference, roughness)
+    share = wind_limits.wind_share_at_hull(vehicle, height, request.reference, roughness)
     if share <= 0.0:
         raise BadInput(
             f'Over a roughness of {roughness:g} m the log law has no wind at {height:g} m, where '
@@ -155,28 +165,30 @@ def _share(vehicle: Vehicle, height: float, asked: Asked, roughness: float) -> f
     return share
 
 
-def _flight(asked: Asked, name: str, height: float) -> Ingredients | None:
-    gains = _gains(name)
+def _build_flight_spec(request: WindStudyRequest, name: str, height: float) -> FlightSpec | None:
+    gains = _find_gains(name)
     if gains is None:
         return None
-    made_of = gather(name, asked.scenario, STRATEGY, gains)
+    made_of = load_spec(name, request.scenario, STRATEGY, gains)
     return made_of.with_values({'mission.altitude': height})
 
 
-def _airspeeds(asked: Asked, flight: Ingredients, thrust: float) -> Sequence[float]:
+def _list_airspeeds(
+    request: WindStudyRequest, flight: FlightSpec, thrust: float
+) -> Sequence[float]:
     """Return what to tell the drone: its mission's airspeed, then shares of the fastest."""
     fast = [round(min(share * thrust, FASTEST), 2) for share in SHARES]
-    return [flight.held('mission.speed'), *(fast[1:3] if asked.quick else fast)]
+    return [flight.read_value('mission.speed'), *(fast[1:3] if request.quick else fast)]
 
 
-def to_json(found: Sequence[Limits], asked: Asked) -> dict[str, Any]:
+def to_json(results: Sequence[PlatformWindLimits], request: WindStudyRequest) -> dict[str, Any]:
     """Return what --json prints; a limit that does not exist is null."""
     return {
-        'scenario': asked.scenario,
-        'height': asked.height,
-        'reference_height': asked.reference,
-        'seeds': asked.seeds,
-        'vehicles': [finite(asdict(each)) for each in found],
+        'scenario': request.scenario,
+        'height': request.height,
+        'reference_height': request.reference,
+        'seeds': request.seeds,
+        'vehicles': [replace_nonfinite(asdict(each)) for each in results],
         'units': {
             'height': 'm', 'reference_height': 'm', 'roughness': 'm', 'share': '1',
             'thrust': 'm/s', 'tumble': 'm/s', 'rise': 'm/s', 'static': 'm/s', 'wind': 'm/s',

@@ -6,17 +6,17 @@ import math
 from pathlib import Path
 from typing import Final
 
-from lta_bridge.provenance import commit
-from lta_config.typed import typed
+from lta_bridge.provenance import read_commit
+from lta_config.command_line import format_lta_command
 from lta_model.vehicle import load_vehicle
-from lta_report.drawing import blank, Label, label_ends
+from lta_report.drawing import create_figure, EndLabel, label_ends
 from lta_report.formatting import Tile
-from lta_report.frame import framed, written
+from lta_report.page_frame import assemble_page, write_file
+from lta_report.page_parts import render_section, render_tile
 from lta_report.palette import ESTIMATE, GOOD, LAMP, SETPOINT, SOFT, TIME, TRUTH, WALL
-from lta_report.pieces import section, tile_html
 from lta_sim import wind_limits
-from lta_studies.wind.limits import Asked, Limits
-from lta_studies.wind.trial import Flyable
+from lta_studies.wind.flyable_wind import FlyableWind
+from lta_studies.wind.limits import PlatformWindLimits, WindStudyRequest
 import numpy as np
 from numpy.typing import NDArray
 from plotly.graph_objects import Figure, Scatter
@@ -41,35 +41,39 @@ METHOD: Final = (
 )
 
 
-def write_page(found: Sequence[Limits], asked: Asked, out: Path) -> Path:
+def write_page(
+    results: Sequence[PlatformWindLimits], request: WindStudyRequest, out: Path
+) -> Path:
     """Write the page and return where it is; `BadInput` where it cannot be written."""
-    return written(page(found, asked), out)
+    return write_file(render_page(results, request), out)
 
 
-def page(found: Sequence[Limits], asked: Asked) -> str:
+def render_page(results: Sequence[PlatformWindLimits], request: WindStudyRequest) -> str:
     """Return the whole page."""
-    return framed(
+    return assemble_page(
         'wind.html',
-        title=escape(title(found)),
-        kicker=escape(f'wind · {asked.scenario}'),
-        about=escape(about(asked)),
-        tiles='\n'.join(tile_html(*each) for each in tiles(found)),
-        table=table_html(found, asked),
-        notes=''.join(f'<p class="note">{escape(each)}</p>' for each in (METHOD, *notes(found))),
-        picture=section(
-            'wind', 'Flyable wind against the roughness of the ground', CAPTION,
-            picture(found, asked),
+        title=escape(format_title(results)),
+        kicker=escape(f'wind · {request.scenario}'),
+        about=escape(format_introduction(request)),
+        tiles='\n'.join(render_tile(*each) for each in build_tiles(results)),
+        table=render_table(results, request),
+        notes=''.join(
+            f'<p class="note">{escape(each)}</p>' for each in (METHOD, *format_notes(results))
         ),
-        facts=facts(asked),
-        commands=commands(asked),
+        picture=render_section(
+            'wind', 'Flyable wind against the roughness of the ground', CAPTION,
+            draw_limits(results, request),
+        ),
+        facts=collect_facts(request),
+        commands=list_commands(request),
     )  # fmt: skip
 
 
-def title(found: Sequence[Limits]) -> str:
+def format_title(results: Sequence[PlatformWindLimits]) -> str:
     """Return what came out, in a sentence."""
-    flown = {each.name: each.flown.wind for each in found if each.flown is not None}
+    flown = {each.name: each.flown.wind for each in results if each.flown is not None}
     how = 'makes way' if flown else 'can stand, by its numbers,'
-    most = flown or {each.name: each.static for each in found if math.isfinite(each.static)}
+    most = flown or {each.name: each.static for each in results if math.isfinite(each.static)}
     if not most:
         return 'No limit of the wind was found.'
     best = max(most, key=lambda name: most[name])
@@ -77,22 +81,22 @@ def title(found: Sequence[Limits]) -> str:
     return f'In uniform wind {best} {how} up to {most[best]:.2f} m/s{among}.'
 
 
-def about(asked: Asked) -> str:
+def format_introduction(request: WindStudyRequest) -> str:
     """Return what the wind is, in two sentences."""
-    seeds = f'{asked.seeds} seed{"s" if asked.seeds > 1 else ""}'
-    flown = f'Flown with {seeds}{", in coarse steps" if asked.quick else ""}.'
+    seeds = f'{request.seeds} seed{"s" if request.seeds > 1 else ""}'
+    flown = f'Flown with {seeds}{", in coarse steps" if request.quick else ""}.'
     return (
-        f'Uniform wind, and wind that a weather service would measure at {asked.reference:g} m '
+        f'Uniform wind, and wind that a weather service would measure at {request.reference:g} m '
         'over rough ground, of which the hull meets the part that the log law leaves at its own '
-        f'height. {flown if asked.fly else "By numbers alone; nothing was flown."}'
+        f'height. {flown if request.fly else "By numbers alone; nothing was flown."}'
     )
 
 
-def tiles(found: Sequence[Limits]) -> list[Tile]:
+def build_tiles(results: Sequence[PlatformWindLimits]) -> list[Tile]:
     """Return the uniform wind of each platform."""
     made = []
-    for each in found:
-        numbers = speed(each.static)
+    for each in results:
+        numbers = format_speed(each.static)
         causes = {each.thrust: 'thrust', each.tumble: 'tumbling', each.rise: 'rising'}
         cause = causes[min(causes)]
         why = f'{cause} allows {numbers}' if math.isfinite(each.static) else 'no known limit'
@@ -101,38 +105,40 @@ def tiles(found: Sequence[Limits]) -> list[Tile]:
             note = f'by numbers; {cause} sets it' if known else why
             made.append(Tile(each.name, numbers, 'm/s' if known else '', note))
         else:
-            made.append(Tile(each.name, flight(each.flown, False), 'm/s', f'flown; {why}'))
+            made.append(
+                Tile(each.name, format_flyable_wind(each.flown, False), 'm/s', f'flown; {why}')
+            )
     return made
 
 
-def notes(found: Sequence[Limits]) -> list[str]:
+def format_notes(results: Sequence[PlatformWindLimits]) -> list[str]:
     """Return what belongs to single platforms."""
     told = [
         f'{each.name}: in uniform wind it flew best when told {each.flown.airspeed:g} m/s of '
         'airspeed.'
-        for each in found
+        for each in results
         if each.flown is not None
     ]
-    return told + [f'{each.name}: {each.note}' for each in found if each.note]
+    return told + [f'{each.name}: {each.note}' for each in results if each.note]
 
 
-def speed(value: float) -> str:
+def format_speed(value: float) -> str:
     """Return a speed, without its unit; a dash where there is no limit."""
     return f'{value:.2f}' if math.isfinite(value) else MISSING
 
 
-def flight(flown: Flyable | None, bracket: bool = True) -> str:
+def format_flyable_wind(limit: FlyableWind | None, bracket: bool = True) -> str:
     """Return a flown limit with what was too much; a dash where nothing was flown."""
-    if flown is None:
+    if limit is None:
         return MISSING
-    if flown.wind <= 0.0:
+    if limit.wind <= 0.0:
         return 'none'
-    return f'{flown.wind:.2f}' + (f' (+{flown.fine:.2f})' if bracket else '')
+    return f'{limit.wind:.2f}' + (f' (+{limit.fine:.2f})' if bracket else '')
 
 
-def table_html(found: Sequence[Limits], asked: Asked) -> str:
+def render_table(results: Sequence[PlatformWindLimits], request: WindStudyRequest) -> str:
     """Return all limits, each ground with its two columns."""
-    grounds = ['uniform wind', *(f'over {z:g} m of roughness' for z in asked.roughness)]
+    grounds = ['uniform wind', *(f'over {z:g} m of roughness' for z in request.roughness)]
     top = ''.join(f'<th scope="colgroup" colspan="2">{name}</th>' for name in grounds)
     heads = [
         'platform',
@@ -143,11 +149,11 @@ def table_html(found: Sequence[Limits], asked: Asked) -> str:
     ]
     heads += ['by numbers [m/s]', 'flown [m/s]'] * len(grounds)
     lines = []
-    for each in found:
-        cells = [f'{each.height:.2f}', *map(speed, (each.thrust, each.tumble, each.rise))]
-        cells += [speed(each.static), flight(each.flown)]
+    for each in results:
+        cells = [f'{each.height:.2f}', *map(format_speed, (each.thrust, each.tumble, each.rise))]
+        cells += [format_speed(each.static), format_flyable_wind(each.flown)]
         for over in each.over:
-            cells += [speed(over.static), flight(over.flown)]
+            cells += [format_speed(over.static), format_flyable_wind(over.flown)]
         own = ''.join(f'<td>{escape(cell)}</td>' for cell in cells)
         lines.append(f'<tr><th scope="row">{escape(each.name)}</th>{own}</tr>')
     second = ''.join(f'<th scope="col">{head}</th>' for head in heads)
@@ -158,47 +164,47 @@ def table_html(found: Sequence[Limits], asked: Asked) -> str:
     )
 
 
-def facts(asked: Asked) -> dict[str, str]:
+def collect_facts(request: WindStudyRequest) -> dict[str, str]:
     """Return where the limits come from."""
     return {
-        'scenario': f'{asked.scenario}, its wind replaced',
-        'hull centre': f'{asked.height:g} m up, or as high as the vehicle stands and a little',
-        'reference height': f'{asked.reference:g} m',
-        'seeds': ('1' if asked.seeds == 1 else f'1 to {asked.seeds}')
-        if asked.fly
+        'scenario': f'{request.scenario}, its wind replaced',
+        'hull centre': f'{request.height:g} m up, or as high as the vehicle stands and a little',
+        'reference height': f'{request.reference:g} m',
+        'seeds': ('1' if request.seeds == 1 else f'1 to {request.seeds}')
+        if request.fly
         else 'none: nothing was flown',
-        'commit': commit(),
+        'commit': read_commit(),
     }
 
 
-def commands(asked: Asked) -> dict[str, str]:
+def list_commands(request: WindStudyRequest) -> dict[str, str]:
     """Return how to find it again, and how to go on."""
-    rough = [word for z in asked.roughness for word in ('--roughness', f'{z:g}')]
-    how = ['--quick'] if asked.quick else ['--seeds', str(asked.seeds)]
-    how = how if asked.fly else ['--no-fly']
-    first = asked.vehicles[0]
+    rough = [word for z in request.roughness for word in ('--roughness', f'{z:g}')]
+    how = ['--quick'] if request.quick else ['--seeds', str(request.seeds)]
+    how = how if request.fly else ['--no-fly']
+    first = request.vehicles[0]
     return {
-        'Find it again': typed(
-            'wind', *asked.vehicles, *rough, '--height', f'{asked.height:g}', '--reference',
-            f'{asked.reference:g}', '--scenario', asked.scenario, *how,
+        'Find it again': format_lta_command(
+            'wind', *request.vehicles, *rough, '--height', f'{request.height:g}', '--reference',
+            f'{request.reference:g}', '--scenario', request.scenario, *how,
         ),
-        'Fly in such a wind': typed(
-            'simulate', '--vehicle', first, '--scenario', asked.scenario, '--set',
+        'Fly in such a wind': format_lta_command(
+            'simulate', '--vehicle', first, '--scenario', request.scenario, '--set',
             'scenario.air.profile.wind=3 m/s',
         ),
     }  # fmt: skip
 
 
-def picture(found: Sequence[Limits], asked: Asked) -> Figure:
+def draw_limits(results: Sequence[PlatformWindLimits], request: WindStudyRequest) -> Figure:
     """Return the limit as reference wind against the roughness of the ground."""
-    figure = blank()
+    figure = create_figure()
     labels = []
-    for k, limit in enumerate(found):
+    for k, limit in enumerate(results):
         colour = COLOURS[k % len(COLOURS)]
         if not 0.0 < limit.static < math.inf:
             continue
-        wind = curve(limit, asked)
-        labels.append(Label(limit.name, float(np.nan_to_num(wind[-1], nan=20.0)), colour))
+        wind = limit_curve(limit, request)
+        labels.append(EndLabel(limit.name, float(np.nan_to_num(wind[-1], nan=20.0)), colour))
         figure.add_trace(
             Scatter(
                 x=ROUGHNESS, y=wind, mode='lines', name=limit.name,
@@ -227,16 +233,16 @@ def picture(found: Sequence[Limits], asked: Asked) -> Figure:
         type='log', title_text='roughness of the ground [m]', tickvals=TICKS,
         ticktext=[f'{each:g}' for each in TICKS],
     )  # fmt: skip
-    figure.update_yaxes(title_text=f'wind at {asked.reference:g} m above the ground [m/s]')
+    figure.update_yaxes(title_text=f'wind at {request.reference:g} m above the ground [m/s]')
     label_ends(figure, labels, (0.0, 20.0))
     return figure
 
 
-def curve(limit: Limits, asked: Asked) -> NDArray[np.float64]:
+def limit_curve(limit: PlatformWindLimits, request: WindStudyRequest) -> NDArray[np.float64]:
     """Return the reference wind that a platform can stand against over each roughness. [m/s]"""
     vehicle = load_vehicle(limit.name)
     shares = [
-        wind_limits.share_at_hull(vehicle, limit.height, asked.reference, float(z))
+        wind_limits.wind_share_at_hull(vehicle, limit.height, request.reference, float(z))
         for z in ROUGHNESS
     ]
     # Where the roughness reaches over the hull, the log law leaves no wind to speak of.

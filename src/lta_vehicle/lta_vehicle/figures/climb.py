@@ -40,15 +40,15 @@ def time_to_climb(
     if force <= 0.0:
         return None
 
-    def rate(speed: float) -> float:
+    def acceleration(speed: float) -> float:
         return (force - (linear + quadratic * abs(speed)) * speed) / mass
 
     z, v, t = 0.0, 0.0, 0.0
     while t < LONGEST:
-        a = rate(v)
-        b = rate(v + 0.5 * STEP * a)
-        c = rate(v + 0.5 * STEP * b)
-        d = rate(v + STEP * c)
+        a = acceleration(v)
+        b = acceleration(v + 0.5 * STEP * a)
+        c = acceleration(v + 0.5 * STEP * b)
+        d = acceleration(v + STEP * c)
         rise = STEP * (v + STEP * (a + b + c) / 6.0)
         if z + rise >= height:
             return t + STEP * (height - z) / rise
@@ -56,7 +56,7 @@ def time_to_climb(
     return None
 
 
-def steady(force: float, linear: float, quadratic: float) -> float | None:
+def terminal_speed(force: float, linear: float, quadratic: float) -> float | None:
     """Return the speed or rate at which a drag is a force; None where there is no drag."""
     if linear + quadratic <= 0.0:
         return None

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import final
 
-from lta_config.quantity import Quantity, with_unit
+from lta_config.quantity import add_unit, Quantity
 from lta_config.schema.vehicle_file import VehicleFile
 from pydantic import BaseModel
 
@@ -14,7 +14,7 @@ GUESSED = ('assumed', 'unverified', 'from memory')
 
 @final
 @dataclass(frozen=True, slots=True)
-class Entry:
+class VehicleFileEntry:
     """
     One number, or one choice, of a file.
 
@@ -40,55 +40,55 @@ class Entry:
     unit: str = ''
 
     @property
-    def assumed(self) -> bool:
+    def is_assumed(self) -> bool:
         """Whether the source says that nobody measured it."""
         return any(word in self.source.lower() for word in GUESSED)
 
 
-def entries(file: VehicleFile) -> list[Entry]:
+def list_entries(file: VehicleFile) -> list[VehicleFileEntry]:
     """Return every number and choice of a vehicle file, in the order of the file."""
-    found = list(_walk(file, ''))
+    found = list(_walk_entries(file, ''))
     return [entry for entry in found if entry.place not in ('schema_version',)]
 
 
-def numbers(file: VehicleFile) -> list[Entry]:
+def list_numbers(file: VehicleFile) -> list[VehicleFileEntry]:
     """Return the numbers alone: what must have a source."""
-    return [entry for entry in entries(file) if entry.numbers]
+    return [entry for entry in list_entries(file) if entry.numbers]
 
 
-def _walk(value: object, place: str) -> Iterator[Entry]:
+def _walk_entries(value: object, place: str) -> Iterator[VehicleFileEntry]:
     if value is None:
         return
     if isinstance(value, Quantity):
-        yield Entry(
+        yield VehicleFileEntry(
             place,
-            written(value),
+            format_quantity(value),
             value.source or '',
             value.vector,
             '' if value.dimension == '1' else value.dimension,
         )
     elif isinstance(value, BaseModel):
         for name in type(value).model_fields:
-            yield from _walk(getattr(value, name), _below(place, name))
+            yield from _walk_entries(getattr(value, name), _join_path(place, name))
     elif isinstance(value, Mapping):
         for name, part in value.items():
-            yield from _walk(part, _below(place, str(name)))
+            yield from _walk_entries(part, _join_path(place, str(name)))
     elif isinstance(value, Sequence) and not isinstance(value, str):
-        yield Entry(place, ', '.join(str(item) for item in value))
+        yield VehicleFileEntry(place, ', '.join(str(item) for item in value))
     else:
-        yield Entry(
+        yield VehicleFileEntry(
             place, {True: 'yes', False: 'no'}[value] if isinstance(value, bool) else str(value)
         )
 
 
-def _below(place: str, name: str) -> str:
+def _join_path(place: str, name: str) -> str:
     return f'{place}.{name}' if place else name
 
 
-def written(quantity: Quantity) -> str:
+def format_quantity(quantity: Quantity) -> str:
     """Return a quantity as the file has it: '[0, 0, -39.5] cm'."""
     if isinstance(quantity.value, tuple):
-        return with_unit(
+        return add_unit(
             f'[{", ".join(f"{number:.6g}" for number in quantity.value)}]', quantity.unit
         )
-    return with_unit(f'{quantity.value:.6g}', quantity.unit)
+    return add_unit(f'{quantity.value:.6g}', quantity.unit)

@@ -12,7 +12,7 @@ LARGER = {'g': 'kg', 'mN': 'N', 'mN m': 'N m', 'g m²': 'kg m²'}
 
 @final
 @dataclass(frozen=True, slots=True)
-class Figure:
+class DerivedFigure:
     """
     A derived number.
 
@@ -50,7 +50,7 @@ class Figure:
     note: str = ''
 
     @property
-    def shown(self) -> str:
+    def text(self) -> str:
         """The number with its unit, as people read it."""
         if self.value is None:
             return MISSING

@@ -5,17 +5,22 @@ from dataclasses import dataclass
 from typing import final
 
 from lta_model.vehicle import Vehicle
-from lta_vehicle.figures.entries import Entry, numbers
-from lta_vehicle.figures.figure import Figure
-from lta_vehicle.figures.pushing import rotor_figures, speed_figures
-from lta_vehicle.figures.staying import helium_figures
-from lta_vehicle.figures.steadiness import steadiness_figures
-from lta_vehicle.figures.weighing import balance_figures, budget, Share, weight_figures
+from lta_vehicle.figures.entries import list_numbers, VehicleFileEntry
+from lta_vehicle.figures.figure import DerivedFigure
+from lta_vehicle.figures.leak_endurance import derive_helium_figures
+from lta_vehicle.figures.mass_budget import (
+    build_mass_budget,
+    derive_balance_figures,
+    derive_weight_figures,
+    MassBudgetItem,
+)
+from lta_vehicle.figures.stability import derive_stability_figures
+from lta_vehicle.figures.thrust_envelope import derive_rotor_figures, derive_speed_figures
 
 
 @final
 @dataclass(frozen=True, slots=True)
-class Sheet:
+class VehicleSheet:
     """
     What a vehicle is and can do.
 
@@ -33,29 +38,29 @@ class Sheet:
     """
 
     vehicle: Vehicle
-    figures: Sequence[Figure]
-    budget: Sequence[Share]
-    numbers: Sequence[Entry]
+    figures: Sequence[DerivedFigure]
+    budget: Sequence[MassBudgetItem]
+    numbers: Sequence[VehicleFileEntry]
 
     @property
-    def by_key(self) -> Mapping[str, Figure]:
+    def by_key(self) -> Mapping[str, DerivedFigure]:
         """The figures by name."""
         return {figure.key: figure for figure in self.figures}
 
     @property
-    def groups(self) -> Mapping[str, list[Figure]]:
+    def groups(self) -> Mapping[str, list[DerivedFigure]]:
         """The figures by heading, in order."""
-        found: dict[str, list[Figure]] = {}
+        found: dict[str, list[DerivedFigure]] = {}
         for figure in self.figures:
             found.setdefault(figure.group, []).append(figure)
         return found
 
     @property
-    def assumed(self) -> int:
+    def assumed_count(self) -> int:
         """How many numbers of the file nobody measured or published."""
-        return sum(entry.assumed for entry in self.numbers)
+        return sum(entry.is_assumed for entry in self.numbers)
 
-    def rests_on(self, figure: Figure) -> tuple[int, int]:
+    def count_inputs(self, figure: DerivedFigure) -> tuple[int, int]:
         """Return how many numbers a figure rests on, and how many of them are assumed."""
         used = [
             entry
@@ -65,10 +70,10 @@ class Sheet:
                 for place in figure.rests
             )
         ]
-        return len(used), sum(entry.assumed for entry in used)
+        return len(used), sum(entry.is_assumed for entry in used)
 
 
-def sheet_of(vehicle: Vehicle, held: float | None = None) -> Sheet:
+def build_sheet(vehicle: Vehicle, held: float | None = None) -> VehicleSheet:
     """
     Return what a vehicle is and can do.
 
@@ -81,11 +86,11 @@ def sheet_of(vehicle: Vehicle, held: float | None = None) -> Sheet:
 
     """
     figures = [
-        *weight_figures(vehicle),
-        *balance_figures(vehicle),
-        *rotor_figures(vehicle),
-        *speed_figures(vehicle),
-        *steadiness_figures(vehicle),
-        *helium_figures(vehicle, held),
+        *derive_weight_figures(vehicle),
+        *derive_balance_figures(vehicle),
+        *derive_rotor_figures(vehicle),
+        *derive_speed_figures(vehicle),
+        *derive_stability_figures(vehicle),
+        *derive_helium_figures(vehicle, held),
     ]
-    return Sheet(vehicle, figures, budget(vehicle), numbers(vehicle.file))
+    return VehicleSheet(vehicle, figures, build_mass_budget(vehicle), list_numbers(vehicle.file))

@@ -5,18 +5,18 @@ from html import escape
 from pathlib import Path
 from typing import Final
 
-from lta_config.typed import typed
+from lta_config.command_line import format_lta_command
 from lta_report.formatting import Tile
-from lta_report.frame import framed, written
+from lta_report.page_frame import assemble_page, write_file
+from lta_report.page_parts import render_tile
 from lta_report.palette import DARK, ESTIMATE, FILL, GOOD, TIME, TRUTH
-from lta_report.pieces import tile_html
-from lta_vehicle.figures.entries import Entry, GUESSED
-from lta_vehicle.figures.figure import Figure
-from lta_vehicle.figures.sheet import Sheet
-from lta_vehicle.figures.weighing import CENTIMETRES, Share
-from lta_vehicle.views.detail import detail
-from lta_vehicle.views.drawing import drawing
-from lta_vehicle.views.words import headline, sentences
+from lta_vehicle.figures.entries import GUESSED, VehicleFileEntry
+from lta_vehicle.figures.figure import DerivedFigure
+from lta_vehicle.figures.mass_budget import CENTIMETRES, MassBudgetItem
+from lta_vehicle.figures.sheet import VehicleSheet
+from lta_vehicle.views.gondola import draw_gondola
+from lta_vehicle.views.summary import describe_vehicle, format_headline
+from lta_vehicle.views.three_views import draw_three_views
 
 COLOURS: Final = {'cg': ESTIMATE, 'lift': TRUTH, 'push': GOOD, 'film': FILL}
 TILES: Final = (
@@ -33,12 +33,12 @@ NOTES: Final = {
 }  # fmt: skip
 
 
-def write_page(sheet: Sheet, warnings: Sequence[str], name: str, out: Path) -> None:
+def write_page(sheet: VehicleSheet, warnings: Sequence[str], name: str, out: Path) -> None:
     """Write the page of a vehicle; `BadInput` where it cannot be written."""
-    written(page(sheet, warnings, name), out)
+    write_file(render_page(sheet, warnings, name), out)
 
 
-def page(sheet: Sheet, warnings: Sequence[str], name: str) -> str:
+def render_page(sheet: VehicleSheet, warnings: Sequence[str], name: str) -> str:
     """
     Return the whole page.
 
@@ -55,47 +55,48 @@ def page(sheet: Sheet, warnings: Sequence[str], name: str) -> str:
     file = sheet.vehicle.file
     colours = COLOURS | {f'layer{k}': colour for k, colour in enumerate(TIME)}
     colours |= {f'{key}_dark': DARK[colour] for key, colour in colours.items()}
-    return framed(
+    return assemble_page(
         'vehicle.html',
-        title=f'{escape(headline(sheet))}.',
-        kicker=escape(f'vehicle · {file.name}{law_of(sheet)}'),
+        title=f'{escape(format_headline(sheet))}.',
+        kicker=escape(f'vehicle · {file.name}{format_control_law(sheet)}'),
         about=escape(file.about),
-        tiles='\n'.join(tile_html(*tile) for tile in tiles(sheet.by_key)),
-        drawing=drawing(sheet.vehicle, pressure_of(sheet)) + detail(sheet.vehicle),
-        words=listed(sentences(sheet)),
-        warnings=warned(warnings),
-        budget='\n'.join(budget_rows(sheet.budget)),
-        groups='\n'.join(group_html(name, sheet) for name in sheet.groups),
-        parts='\n'.join(map(part_row, sheet.budget)),
-        numbers='\n'.join(map(number_row, sheet.numbers)),
+        tiles='\n'.join(render_tile(*tile) for tile in build_tiles(sheet.by_key)),
+        drawing=draw_three_views(sheet.vehicle, center_of_pressure(sheet))
+        + draw_gondola(sheet.vehicle),
+        words=render_list(describe_vehicle(sheet)),
+        warnings=render_warnings(warnings),
+        budget='\n'.join(render_budget_rows(sheet.budget)),
+        groups='\n'.join(render_figure_group(name, sheet) for name in sheet.groups),
+        parts='\n'.join(map(render_part_row, sheet.budget)),
+        numbers='\n'.join(map(render_number_row, sheet.numbers)),
         facts={},
-        commands=commands(name),
+        commands=suggest_commands(name),
         files={},
-        drawn=False,
+        has_plots=False,
         **colours,
     )
 
 
-def law_of(sheet: Sheet) -> str:
+def format_control_law(sheet: VehicleSheet) -> str:
     """Return how it is flown, to be put behind its name."""
     control = sheet.vehicle.file.control
     return f' · flown by {control.law.replace("_", " ")}' if control else ''
 
 
-def pressure_of(sheet: Sheet) -> float:
+def center_of_pressure(sheet: VehicleSheet) -> float:
     """Return where the centre of pressure is, ahead of the hull centre. [m]."""
     found = sheet.by_key.get('cp_x')
     return 0.0 if found is None or found.value is None else found.value / CENTIMETRES
 
 
-def tiles(figures: Mapping[str, Figure]) -> list[Tile]:
+def build_tiles(figures: Mapping[str, DerivedFigure]) -> list[Tile]:
     """Return the figures that matter most."""
     found = []
     for key, words in TILES:
         figure = figures.get(key)
         if figure is None:
             continue
-        value, _, unit = figure.shown.partition(' ')
+        value, _, unit = figure.text.partition(' ')
         note = NOTES.get(key) or figure.note
         if not figure.value:
             note = figure.note or note
@@ -103,22 +104,22 @@ def tiles(figures: Mapping[str, Figure]) -> list[Tile]:
     return found
 
 
-def listed(lines: Sequence[str]) -> str:
+def render_list(lines: Sequence[str]) -> str:
     """Return sentences as a list."""
     return '\n'.join(f'        <li>{escape(line)}</li>' for line in lines)
 
 
-def warned(warnings: Sequence[str]) -> str:
+def render_warnings(warnings: Sequence[str]) -> str:
     """Return warnings as a list with a heading; nothing where there are none."""
     if not warnings:
         return ''
     return (
         f'      <h2 class="guess">Look at this</h2>\n      <ul class="words">\n'
-        f'{listed(warnings)}\n      </ul>'
+        f'{render_list(warnings)}\n      </ul>'
     )
 
 
-def budget_rows(shares: Sequence[Share]) -> list[str]:
+def render_budget_rows(shares: Sequence[MassBudgetItem]) -> list[str]:
     """Return the mass budget by layer, each with a bar."""
     layers: dict[str, float] = {}
     for share in shares:
@@ -133,9 +134,9 @@ def budget_rows(shares: Sequence[Share]) -> list[str]:
     ]
 
 
-def group_html(name: str, sheet: Sheet) -> str:
+def render_figure_group(name: str, sheet: VehicleSheet) -> str:
     """Return one group of derived figures as a table."""
-    rows = '\n'.join(figure_row(figure, sheet) for figure in sheet.groups[name])
+    rows = '\n'.join(render_figure_row(figure, sheet) for figure in sheet.groups[name])
     slug = name.lower().replace(' ', '-')
     return (
         f'<section class="panel" aria-labelledby="title-{slug}"><h2 id="title-{slug}">'
@@ -146,9 +147,9 @@ def group_html(name: str, sheet: Sheet) -> str:
     )
 
 
-def figure_row(figure: Figure, sheet: Sheet) -> str:
+def render_figure_row(figure: DerivedFigure, sheet: VehicleSheet) -> str:
     """Return one derived figure with what it follows from."""
-    used, guessed = sheet.rests_on(figure)
+    used, guessed = sheet.count_inputs(figure)
     basis = ''
     if used:
         kind = ' class="guess"' if guessed else ''
@@ -156,37 +157,37 @@ def figure_row(figure: Figure, sheet: Sheet) -> str:
     note = f'<small>{escape(figure.note)}</small>' if figure.note else ''
     return (
         f'<tr><th scope="row">{escape(figure.words)}{note}</th>'
-        f'<td class="value">{escape(figure.shown)}</td>'
-        f'<td class="why">{source_html(figure.source)}{basis}</td></tr>'
+        f'<td class="value">{escape(figure.text)}</td>'
+        f'<td class="why">{render_source(figure.source)}{basis}</td></tr>'
     )
 
 
-def part_row(share: Share) -> str:
+def render_part_row(share: MassBudgetItem) -> str:
     """Return one part of the mass budget."""
     return (
         f'<tr><th scope="row">{escape(share.part.replace("_", " "))}</th>'
         f'<td>{escape(share.layer.replace("_", " "))}</td>'
         f'<td class="value">{1e3 * share.mass:.1f} g</td>'
-        f'<td class="why">{source_html(share.source)}</td></tr>'
+        f'<td class="why">{render_source(share.source)}</td></tr>'
     )
 
 
-def number_row(entry: Entry) -> str:
+def render_number_row(entry: VehicleFileEntry) -> str:
     """Return one number of the file."""
-    kind = 'assumption' if entry.assumed else 'known'
+    kind = 'assumption' if entry.is_assumed else 'known'
     return (
-        f'<tr class="{kind}"><th scope="row">{breakable(entry.place)}</th>'
+        f'<tr class="{kind}"><th scope="row">{insert_line_breaks(entry.place)}</th>'
         f'<td class="value">{escape(entry.value)}</td>'
-        f'<td class="why">{source_html(entry.source)}</td></tr>'
+        f'<td class="why">{render_source(entry.source)}</td></tr>'
     )
 
 
-def breakable(place: str) -> str:
+def insert_line_breaks(place: str) -> str:
     """Return a place in the file that may break behind its points and underscores."""
     return escape(place).replace('.', '.<wbr>').replace('_', '_<wbr>')
 
 
-def source_html(source: str) -> str:
+def render_source(source: str) -> str:
     """Return a source, marked where it is a guess."""
     words = escape(source)
     if any(word in source.lower() for word in GUESSED):
@@ -194,12 +195,14 @@ def source_html(source: str) -> str:
     return words
 
 
-def commands(name: str) -> dict[str, str]:
+def suggest_commands(name: str) -> dict[str, str]:
     """Return what to do next."""
     return {
-        'Find what is wrong with it': typed('vehicle', 'check', name),
-        'Start one of your own': typed('vehicle', 'new', 'my_blimp', '--from', name),
-        'See what a change does': typed('vehicle', 'diff', name, '--set', 'trim.heaviness=4 g'),
-        'Fly it': typed('simulate', '--vehicle', name),
-        'Weigh it by a hover': typed('vehicle', 'trim', 'BAG', '--vehicle', name),
+        'Find what is wrong with it': format_lta_command('vehicle', 'check', name),
+        'Start one of your own': format_lta_command('vehicle', 'new', 'my_blimp', '--from', name),
+        'See what a change does': format_lta_command(
+            'vehicle', 'diff', name, '--set', 'trim.heaviness=4 g'
+        ),
+        'Fly it': format_lta_command('simulate', '--vehicle', name),
+        'Weigh it by a hover': format_lta_command('vehicle', 'trim', 'BAG', '--vehicle', name),
     }

@@ -3,10 +3,10 @@
 import math
 from typing import Final
 
-from lta_report.braille import Canvas
-from lta_vehicle.figures.sheet import Sheet
-from lta_vehicle.figures.weighing import CENTIMETRES
-from lta_vehicle.views.views import drawn, Outline, VIEWS
+from lta_report.braille_canvas import BrailleCanvas
+from lta_vehicle.figures.mass_budget import CENTIMETRES
+from lta_vehicle.figures.sheet import VehicleSheet
+from lta_vehicle.views.projection import PartOutline, project_vehicle, VIEWS
 from rich.text import Text
 
 ARROWS: Final = '→↗↑↖←↙↓↘'
@@ -14,36 +14,36 @@ STYLES: Final = {'G': 'bold red', 'B': 'bold blue'}
 TALLEST: Final = 24  # characters
 
 
-def side_view(sheet: Sheet, width: int) -> Text:
+def draw_side_view(sheet: VehicleSheet, width: int) -> Text:
     """Return the side view, nose to the right, with CG (G), CB (B) and the rotors' thrust."""
     cp = sheet.by_key.get('cp_x')
     ahead = 0.0 if cp is None or cp.value is None else cp.value / CENTIMETRES
-    shown = drawn(sheet.vehicle, VIEWS[0], ahead)
+    shown = project_vehicle(sheet.vehicle, VIEWS[0], ahead)
     (left, low), (right, high) = shown.bounds
     scale = (2 * width - 6) / max(right - left, 1e-3)
     scale = min(scale, (4 * TALLEST - 6) / max(high - low, 1e-3))
-    canvas = Canvas(width, math.ceil(((high - low) * scale + 6) / 4))
+    canvas = BrailleCanvas(width, math.ceil(((high - low) * scale + 6) / 4))
 
-    def at(place: tuple[float, float]) -> tuple[float, float]:
+    def to_dots(place: tuple[float, float]) -> tuple[float, float]:
         return 3 + (place[0] - left) * scale, 3 + (high - place[1]) * scale
 
     for shape in (*shown.parts, *([shown.hull] if shown.hull else [])):
-        outline(canvas, shape, at(shape.middle), scale)
+        draw_outline(canvas, shape, to_dots(shape.middle), scale)
     for arm in shown.arms:
-        (x1, y1), (x2, y2) = map(at, arm)
+        (x1, y1), (x2, y2) = map(to_dots, arm)
         count = max(2, round(math.hypot(x2 - x1, y2 - y1)))
         for k in range(0, count + 1, 2):
-            canvas.dot(x1 + (x2 - x1) * k / count, y1 + (y2 - y1) * k / count)
+            canvas.draw_dot(x1 + (x2 - x1) * k / count, y1 + (y2 - y1) * k / count)
     for mark in shown.marks:
         if (letter := mark.letters[1:2].upper()) in STYLES:
-            canvas.letter(*at(mark.at), letter, STYLES[letter])
+            canvas.draw_letter(*to_dots(mark.at), letter, STYLES[letter])
     for rotor in shown.rotors:
         if math.hypot(*rotor.along) > 0.3:
             turn = math.atan2(rotor.along[1], rotor.along[0])
             arrow = ARROWS[round(turn / (math.pi / 4.0)) % 8]
-            x, y = at(rotor.at)
-            canvas.letter(x + 4 * math.cos(turn), y - 5 * math.sin(turn), arrow, 'bold green')
-    picture = canvas.text()
+            x, y = to_dots(rotor.at)
+            canvas.draw_letter(x + 4 * math.cos(turn), y - 5 * math.sin(turn), arrow, 'bold green')
+    picture = canvas.render_text()
     picture.append('side view, nose right: ', 'dim')
     picture.append('G', STYLES['G'])
     picture.append(' gravity, ', 'dim')
@@ -53,7 +53,9 @@ def side_view(sheet: Sheet, width: int) -> Text:
     return picture
 
 
-def outline(canvas: Canvas, shape: Outline, middle: tuple[float, float], scale: float) -> None:
+def draw_outline(
+    canvas: BrailleCanvas, shape: PartOutline, middle: tuple[float, float], scale: float
+) -> None:
     """Put the outline of an ellipse or a box on the canvas."""
     (x, y), a, b = middle, shape.half[0] * scale, shape.half[1] * scale
     count = max(8, round(4 * (a + b)))
@@ -63,4 +65,4 @@ def outline(canvas: Canvas, shape: Outline, middle: tuple[float, float], scale: 
         if shape.kind == 'box':
             most = max(abs(p), abs(q))
             p, q = p / most, q / most
-        canvas.dot(x + a * p, y + b * q)
+        canvas.draw_dot(x + a * p, y + b * q)

@@ -2,12 +2,12 @@
 
 from collections.abc import Sequence
 
-from lta_vehicle.difference import Consequence, Difference
-from lta_vehicle.figures.entries import Entry, GUESSED
-from lta_vehicle.figures.figure import Figure, MISSING
-from lta_vehicle.figures.sheet import Sheet
-from lta_vehicle.views.side_view import side_view
-from lta_vehicle.views.words import headline, sentences
+from lta_vehicle.difference import FigureChange, VehicleDifference
+from lta_vehicle.figures.entries import GUESSED, VehicleFileEntry
+from lta_vehicle.figures.figure import DerivedFigure, MISSING
+from lta_vehicle.figures.sheet import VehicleSheet
+from lta_vehicle.views.side_view import draw_side_view
+from lta_vehicle.views.summary import describe_vehicle, format_headline
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
@@ -19,13 +19,15 @@ PICTURE = 46  # characters
 WIDE = 100
 
 
-def show_sheet(sheet: Sheet, warnings: Sequence[str], console: Console, everything: bool) -> None:
+def show_sheet(
+    sheet: VehicleSheet, warnings: Sequence[str], console: Console, everything: bool
+) -> None:
     """Print what a vehicle is and can do; every number of its file if everything is wanted."""
-    console.print(Text(f'{headline(sheet)}.', HEAD))
+    console.print(Text(f'{format_headline(sheet)}.', HEAD))
     console.print(Text(sheet.vehicle.file.about, QUIET))
     console.print()
-    picture = side_view(sheet, PICTURE)
-    words = Text('\n'.join(f'• {line}' for line in sentences(sheet)))
+    picture = draw_side_view(sheet, PICTURE)
+    words = Text('\n'.join(f'• {line}' for line in describe_vehicle(sheet)))
     if console.width >= PICTURE + 44:
         table = Table.grid(padding=(0, 3))
         table.add_column(no_wrap=True, width=PICTURE)
@@ -36,13 +38,13 @@ def show_sheet(sheet: Sheet, warnings: Sequence[str], console: Console, everythi
         console.print(picture)
         console.print(words)
     console.print()
-    console.print(budget_table(sheet))
+    console.print(build_budget_table(sheet))
     for name, figures in sheet.groups.items():
         console.print()
-        console.print(figures_table(name, figures, sheet, console.width))
+        console.print(build_figures_table(name, figures, sheet, console.width))
     if everything:
         console.print()
-        console.print(numbers_table(sheet.numbers, console.width >= WIDE))
+        console.print(build_numbers_table(sheet.numbers, console.width >= WIDE))
     console.print()
     show_warnings(warnings, console)
 
@@ -53,9 +55,9 @@ def show_warnings(warnings: Sequence[str], console: Console) -> None:
         console.print(Text.assemble(('! ', GUESS), line))
 
 
-def budget_table(sheet: Sheet) -> Table:
+def build_budget_table(sheet: VehicleSheet) -> Table:
     """Return what the mass is made of, by layer."""
-    table = _table('What its mass is made of')
+    table = _create_table('What its mass is made of')
     table.add_column('layer', style=HEAD)
     table.add_column('mass', justify='right', no_wrap=True)
     table.add_column('parts')
@@ -69,16 +71,18 @@ def budget_table(sheet: Sheet) -> Table:
     return table
 
 
-def figures_table(name: str, figures: Sequence[Figure], sheet: Sheet, console_width: int) -> Table:
+def build_figures_table(
+    name: str, figures: Sequence[DerivedFigure], sheet: VehicleSheet, console_width: int
+) -> Table:
     """Return one group of derived figures, all groups alike in width where there is room."""
-    table = _table(name)
+    table = _create_table(name)
     wide = console_width >= WIDE
     table.add_column('figure', width=40 if wide else None)
     table.add_column('value', justify='right', no_wrap=True, style=HEAD, width=11)
     table.add_column('follows from', width=console_width - 72 if wide else None)
     table.add_column('assumed', justify='right', no_wrap=True)
     for figure in figures:
-        used, guessed = sheet.rests_on(figure)
+        used, guessed = sheet.count_inputs(figure)
         words = Text(figure.words)
         if figure.note:
             words.append(f'\n{figure.note}', QUIET)
@@ -87,35 +91,39 @@ def figures_table(name: str, figures: Sequence[Figure], sheet: Sheet, console_wi
         if guess:
             share = Text('the rule', GUESS)
         source = Text(figure.source, GUESS if guess else QUIET)
-        table.add_row(words, figure.shown, source, share)
+        table.add_row(words, figure.text, source, share)
     return table
 
 
-def numbers_table(numbers: Sequence[Entry], wide: bool) -> Table:
+def build_numbers_table(numbers: Sequence[VehicleFileEntry], wide: bool) -> Table:
     """Return every number of the file with its source."""
-    table = _table('Every number of its file')
+    table = _create_table('Every number of its file')
     table.add_column('place', overflow='fold', no_wrap=wide)
     table.add_column('value', justify='right', style=HEAD)
     table.add_column('source')
     for entry in numbers:
-        table.add_row(entry.place, entry.value, Text(entry.source, GUESS if entry.assumed else ''))
+        table.add_row(
+            entry.place, entry.value, Text(entry.source, GUESS if entry.is_assumed else '')
+        )
     return table
 
 
-def show_difference(found: Difference, names: tuple[str, str], console: Console) -> None:
+def show_difference(
+    difference: VehicleDifference, names: tuple[str, str], console: Console
+) -> None:
     """Print where two vehicles differ, and what follows."""
-    if not found.changes:
+    if not difference.changes:
         console.print(f'{names[0]} and {names[1]} say the same.', highlight=False)
         return
-    changed = _table(f'What differs: {names[0]} → {names[1]}')
+    changed = _create_table(f'What differs: {names[0]} → {names[1]}')
     changed.add_column('place', overflow='fold')
     changed.add_column('before', justify='right')
     changed.add_column('after', justify='right', style=HEAD)
     changed.add_column('source of the newer')
-    for change in found.changes:
+    for change in difference.changes:
         newer = change.after or change.before
         source = newer.source if newer else ''
-        style = GUESS if newer is not None and newer.assumed else QUIET
+        style = GUESS if newer is not None and newer.is_assumed else QUIET
         changed.add_row(
             change.place,
             change.before.value if change.before else MISSING,
@@ -123,33 +131,34 @@ def show_difference(found: Difference, names: tuple[str, str], console: Console)
             Text(source if change.after else 'taken away', style),
         )
     console.print(changed)
-    if found.effects:
+    if difference.changed_effects:
         console.print(
-            f'The figures of a vehicle know little of effects: what {", ".join(found.effects)} '
+            f'The figures of a vehicle know little of effects: what '
+            f'{", ".join(difference.changed_effects)} '
             'does is seen where it flies with and without it (lta simulate, lta compare).',
             highlight=False,
         )
-    show_warnings(found.kept, console)
-    if not found.consequences:
-        if not found.effects and not found.kept:
+    show_warnings(difference.stale_aero_notes, console)
+    if not difference.consequences:
+        if not difference.changed_effects and not difference.stale_aero_notes:
             console.print('Nothing follows from that.')
         return
-    follows = _table('What follows')
+    follows = _create_table('What follows')
     follows.add_column('figure')
     for name, style in (('before', ''), ('after', HEAD), ('change', '')):
         follows.add_column(name, justify='right', no_wrap=True, style=style)
-    for item in found.consequences:
-        follows.add_row(*consequence_row(item))
+    for item in difference.consequences:
+        follows.add_row(*format_figure_change(item))
     console.print(follows)
 
 
-def consequence_row(item: Consequence) -> tuple[str, str, str, str]:
+def format_figure_change(item: FigureChange) -> tuple[str, str, str, str]:
     """Return one figure before and after, and by how much it changed."""
-    shown = [figure.shown if figure else MISSING for figure in (item.before, item.after)]
-    return item.figure.words, shown[0], shown[1], changed_by(item)
+    shown = [figure.text if figure else MISSING for figure in (item.before, item.after)]
+    return item.figure.words, shown[0], shown[1], format_shift(item)
 
 
-def changed_by(item: Consequence) -> str:
+def format_shift(item: FigureChange) -> str:
     """Return a change as people write it: '+1.2 g (+8 %)'."""
     shift = item.shift
     if shift is None or item.before is None:
@@ -165,7 +174,7 @@ def changed_by(item: Consequence) -> str:
     return f'{text} ({share} %)'
 
 
-def _table(title: str) -> Table:
+def _create_table(title: str) -> Table:
     return Table(
         title=title,
         title_justify='left',

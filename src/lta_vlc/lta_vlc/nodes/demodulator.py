@@ -2,25 +2,25 @@
 
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.settings import setting
-from lta_graph.health import Level
-from lta_graph.inbox import Step
+from lta_graph.health import HealthLevel
+from lta_graph.inbox import InboxStep
 from lta_graph.ros.node import GraphNode
-from lta_graph.ros.parameters import Parameters
-from lta_graph.ros.process import run
-from lta_vlc.condition import conditions, WANTED
-from lta_vlc.demodulation import Hearing, Peaks
-from lta_vlc.diodes import diodes_of
+from lta_graph.ros.parameters import NodeParameters
+from lta_graph.ros.process import run_node
+from lta_vlc.demodulation import DemodulatedBlock, Peaks
+from lta_vlc.diagnostics import describe_beacons, WANTED
+from lta_vlc.diodes import build_diode_array
 from lta_vlc.lamp import LampPrior
-from lta_vlc.lamp_finder import Found, LampFinder
-from lta_vlc.listener import Listener
+from lta_vlc.lamp_finder import LampDetection, LampFinder
 from lta_vlc.messages import from_bearing, from_lamp, from_peaks, to_block
-from lta_vlc.sequence import Sequence
-from lta_vlc.settings import Demodulation
+from lta_vlc.receiver import BeaconReceiver
+from lta_vlc.sequence import BlockSequence
+from lta_vlc.settings import DemodulationSettings
 from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 
 
-class DemodulatorParameters(Demodulation):
+class DemodulatorParameters(DemodulationSettings):
     """The beacon to listen for, and what is known of its lamp."""
 
     vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
@@ -32,53 +32,53 @@ class Demodulator(GraphNode):
 
     def __init__(self) -> None:
         super().__init__('demodulator')
-        self._peaks = self.output('light/peaks')
-        self._bearing = self.output('light/bearing')
-        self._estimate = self.output('light/estimate')
-        self._settings = Parameters(
-            self, DemodulatorParameters, changed=self._begin, check=self._listener_of
+        self._peaks = self.create_output('light/peaks')
+        self._bearing = self.create_output('light/bearing')
+        self._estimate = self.create_output('light/estimate')
+        self._settings = NodeParameters(
+            self, DemodulatorParameters, changed=self._apply_settings, check=self._build_receiver
         )
-        self._begin(self._settings.value)
-        self._sequence = Sequence(self.table['photodiodes'].period_ns)
+        self._apply_settings(self._settings.value)
+        self._sequence = BlockSequence(self.table['photodiodes'].period_ns)
         self._refused = 0
         # After the outputs: what is published before somebody listens is lost in real time.
         entry = load_vehicle_file(self._settings.value.vehicle).sensors.diodes
-        self._finder = LampFinder(diodes_of(entry))
+        self._finder = LampFinder(build_diode_array(entry))
         self._listener.prepare()  # who listens must answer at once
         self._finder.prepare()
         inputs = self.table.read_by('demodulator')
-        self.listen(inputs, trigger='photodiodes', on_step=self._on_step)
+        self.subscribe_inputs(inputs, trigger='photodiodes', on_step=self._on_step)
 
-    def _listener_of(self, settings: DemodulatorParameters) -> Listener:
+    def _build_receiver(self, settings: DemodulatorParameters) -> BeaconReceiver:
         light, entry = self.table.light, load_vehicle_file(settings.vehicle).sensors.diodes
-        return Listener(settings, light.sample_rate.si, light.samples, entry.top)
+        return BeaconReceiver(settings, light.sample_rate.si, light.samples, entry.largest_reading)
 
-    def _begin(self, settings: DemodulatorParameters) -> None:
-        self._listener = self._listener_of(settings)
+    def _apply_settings(self, settings: DemodulatorParameters) -> None:
+        self._listener = self._build_receiver(settings)
 
-    def _on_step(self, step: Step) -> None:
-        message: Image = step.last('photodiodes')
+    def _on_step(self, step: InboxStep) -> None:
+        message: Image = step.last_message('photodiodes')
         try:
-            self._listener.miss(self._sequence.take(step.stamp_ns))
+            self._listener.skip_blocks(self._sequence.accept_block(step.stamp_ns))
             for wish in step.messages['light/beacon']:
-                self._listener.want(wish.data)
+                self._listener.prioritize_beacon(wish.data)
             block = to_block(message)
-            self._finder.diodes.check(block.shape[1])
-            hearing = self._listener.hear(block)
+            self._finder.diodes.check_count(block.shape[1])
+            hearing = self._listener.demodulate(block)
         except ValueError as error:
             self._refused += 1
-            self.health.report(WANTED, Level.ERROR, str(error), blocks_refused=self._refused)
+            self.health.report(WANTED, HealthLevel.ERROR, str(error), blocks_refused=self._refused)
             if self.lockstep:  # whoever waits for the answer would wait for ever
-                self._publish(message.header, (), Found())
+                self._publish_results(message.header, (), LampDetection())
             return
         settings = self._settings.value
-        found = self._finder.found(hearing.peaks[0], settings.threshold, settings.prior)
-        self._publish(message.header, hearing.peaks, found)
-        self._tell(hearing)
+        found = self._finder.find(hearing.peaks[0], settings.threshold, settings.prior)
+        self._publish_results(message.header, hearing.peaks, found)
+        self._report_health(hearing)
 
-    def _tell(self, hearing: Hearing) -> None:
+    def _report_health(self, hearing: DemodulatedBlock) -> None:
         """Say how the light stands."""
-        for fact in conditions(
+        for fact in describe_beacons(
             hearing,
             self._listener.beacons,
             tuple(self._listener.presences[one] for one in self._listener.beacons),
@@ -87,12 +87,14 @@ class Demodulator(GraphNode):
         ):
             self.health.report(fact.task, fact.level, fact.message, **fact.values)
 
-    def _publish(self, header: Header, peaks: tuple[Peaks, ...], found: Found) -> None:
-        self._bearing.publish(from_bearing(header, found.towards))
+    def _publish_results(
+        self, header: Header, peaks: tuple[Peaks, ...], detection: LampDetection
+    ) -> None:
+        self._bearing.publish(from_bearing(header, detection.towards))
         self._peaks.publish(from_peaks(header, peaks, self._finder.diodes.axes))
-        self._estimate.publish(from_lamp(header, found.lamp))
+        self._estimate.publish(from_lamp(header, detection.lamp))
 
 
 def main(args: list[str] | None = None) -> None:
     """Run the node until it is told to stop."""
-    run(Demodulator, args)
+    run_node(Demodulator, args)

@@ -5,14 +5,14 @@ from dataclasses import dataclass
 from typing import final, TYPE_CHECKING
 
 from lta_config.errors import BadInput
-from lta_vlc.spectral.separation import mains_flicker
-from lta_vlc.spectral.snr import quiet_bins
+from lta_vlc.spectral.separation import mains_flicker_frequencies
+from lta_vlc.spectral.snr import select_quiet_bins
 from lta_vlc.spectral.spectrum import target_bin
 import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from lta_vlc.settings import Demodulation
+    from lta_vlc.settings import DemodulationSettings
 
 QUIET_BINS = 16  # the mean of so many Rayleigh distributed magnitudes is known to 13 %
 BESIDE = 1.5  # bins on either side of the flicker of the mains, whose frequency wanders
@@ -20,7 +20,7 @@ BESIDE = 1.5  # bins on either side of the flicker of the mains, whose frequency
 
 @final
 @dataclass(frozen=True, slots=True)
-class Bins:
+class BeaconBins:
     """
     Where one beacon is looked for in blocks of one length.
 
@@ -47,14 +47,14 @@ class Bins:
     samples: int
 
     @property
-    def limits(self) -> tuple[float, float]:
+    def frequency_limits(self) -> tuple[float, float]:
         """Lowest and highest frequency whose nearest bin is searched. [Hz]"""
         return (self.first - 0.5) * self.width, (self.last + 0.5) * self.width
 
 
-def plan_beacons(
-    beacons: Sequence[float], settings: 'Demodulation', sample_rate: float, samples: int
-) -> tuple[Bins, ...]:
+def plan_beacon_bins(
+    beacons: Sequence[float], settings: 'DemodulationSettings', sample_rate: float, samples: int
+) -> tuple[BeaconBins, ...]:
     """
     Return where each beacon stands in blocks of a given rate and length.
 
@@ -78,31 +78,35 @@ def plan_beacons(
     """
     block = f'a block of {samples} samples at {sample_rate:g} samples/s'
     width = sample_rate / samples
-    ranges = [_range(beacon, settings.window, sample_rate, samples, block) for beacon in beacons]
-    quiet = quiet_bins(beacons, sample_rate, samples, settings.window, settings.harmonics)
+    ranges = [
+        _select_search_range(beacon, settings.window, sample_rate, samples, block)
+        for beacon in beacons
+    ]
+    quiet = select_quiet_bins(beacons, sample_rate, samples, settings.window, settings.harmonics)
     if quiet.size < QUIET_BINS:
         raise BadInput(
-            f'{_named(beacons)} and {"its" if len(beacons) == 1 else "their"} harmonics leave '
+            f'{_format_beacons(beacons)} and {"its" if len(beacons) == 1 else "their"} harmonics '
+            f'leave '
             f'{quiet.size} bins of {block} to measure the noise in, but {QUIET_BINS} are needed; '
             'take longer blocks, a narrower window or fewer harmonics.'
         )
-    hum = np.array(mains_flicker(settings.mains, sample_rate)) / width
+    hum = np.array(mains_flicker_frequencies(settings.mains, sample_rate)) / width
     unlit = quiet[np.abs(quiet[:, None] - hum).min(axis=1, initial=samples) > BESIDE]
-    return tuple(Bins(first, last, quiet, unlit, width, samples) for first, last in ranges)
+    return tuple(BeaconBins(first, last, quiet, unlit, width, samples) for first, last in ranges)
 
 
-def _named(beacons: Sequence[float]) -> str:
+def _format_beacons(beacons: Sequence[float]) -> str:
     """Return what a sentence calls the beacons."""
     if len(beacons) == 1:
         return f'The beacon at {beacons[0]:g} Hz'
     return f'The beacons at {", ".join(f"{beacon:g}" for beacon in beacons)} Hz'
 
 
-def _range(
+def _select_search_range(
     frequency: float, window: int, sample_rate: float, samples: int, block: str
 ) -> tuple[int, int]:
     """Return the bins in which a beacon is sought, or refuse it."""
-    beacon = _named([frequency])
+    beacon = _format_beacons([frequency])
     if not frequency < sample_rate / 2:
         raise BadInput(
             f'{beacon} cannot be seen at {sample_rate:g} samples/s; sample at more than twice '

@@ -2,12 +2,12 @@
 
 from typing import NamedTuple
 
-from lta_vlc.compiled import compiled
+from lta_vlc.jit import compile_kernel
 import numpy as np
 from numpy.typing import NDArray
 
 
-class Looked(NamedTuple):
+class SampleStatistics(NamedTuple):
     """
     What the samples of each diode are like.
 
@@ -27,8 +27,8 @@ class Looked(NamedTuple):
     full: NDArray[np.float64]
 
 
-@compiled
-def look(waves: NDArray[np.float64], full_scale: float) -> Looked:
+@compile_kernel
+def center_samples(waves: NDArray[np.float64], full_scale: float) -> SampleStatistics:
     """
     Return what the samples are like, and take the means out of them.
 
@@ -61,4 +61,4 @@ def look(waves: NDArray[np.float64], full_scale: float) -> Looked:
         level[diode] = mean if sane else np.nan
         span[diode] = highest - lowest
         full[diode] = clipped / count
-    return Looked(level, span, full)
+    return SampleStatistics(level, span, full)

@@ -8,13 +8,13 @@ from lta_config.errors import BadInput
 from lta_vlc.spectral.spectrum import target_bin
 
 if TYPE_CHECKING:
-    from lta_vlc.settings import Demodulation
+    from lta_vlc.settings import DemodulationSettings
 
 HARMONICS = 3, 5  # of a lamp that is on for half of the time; weaker ones `lta light plan` avoids
 MAINS_HARMONICS = 10  # of the flicker at twice the mains' frequency: those of lamps and dimmers
 
 
-def mains_flicker(mains: float, sample_rate: float) -> list[float]:
+def mains_flicker_frequencies(mains: float, sample_rate: float) -> list[float]:
     """
     Return the frequencies at which lamps on the mains appear to flicker. [Hz]
 
@@ -27,16 +27,16 @@ def mains_flicker(mains: float, sample_rate: float) -> list[float]:
 
     """
     orders = range(1, MAINS_HARMONICS + 1) if mains > 0.0 else ()
-    return [folded(2.0 * mains * order, sample_rate) for order in orders]
+    return [alias_frequency(2.0 * mains * order, sample_rate) for order in orders]
 
 
-def folded(frequency: float, sample_rate: float) -> float:
+def alias_frequency(frequency: float, sample_rate: float) -> float:
     """Return where a frequency appears once it is sampled. [Hz]"""
     return abs((frequency + sample_rate / 2.0) % sample_rate - sample_rate / 2.0)
 
 
 def check_beacons(
-    beacons: Sequence[float], settings: 'Demodulation', sample_rate: float, samples: int
+    beacons: Sequence[float], settings: 'DemodulationSettings', sample_rate: float, samples: int
 ) -> None:
     """
     Refuse beacons that cannot be told apart.
@@ -70,13 +70,15 @@ def check_beacons(
             )
     for one, other in permutations(beacons, 2):
         for order in HARMONICS:
-            harmonic = target_bin(folded(order * one, sample_rate), sample_rate, samples)
+            harmonic = target_bin(alias_frequency(order * one, sample_rate), sample_rate, samples)
             if abs(harmonic - places[other]) <= window:
                 raise BadInput(
                     f'Harmonic {order} of the beacon at {one:g} Hz falls on the beacon at '
                     f'{other:g} Hz; choose another frequency.'
                 )
-    for order, flicker in enumerate(mains_flicker(settings.mains, sample_rate), start=1):
+    for order, flicker in enumerate(
+        mains_flicker_frequencies(settings.mains, sample_rate), start=1
+    ):
         for beacon in beacons:
             if abs(target_bin(flicker, sample_rate, samples) - places[beacon]) <= window:
                 raise BadInput(

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 
-def quiet_bins(
+def select_quiet_bins(
     frequencies: Sequence[float], sample_rate: float, samples: int, window: int, harmonics: int
 ) -> NDArray[np.intp]:
     """
@@ -43,7 +43,9 @@ def quiet_bins(
     return np.flatnonzero(quiet)
 
 
-def signal_to_noise(peak: NDArray[np.float64], noise: NDArray[np.float64]) -> NDArray[np.float64]:
+def signal_to_noise_ratio(
+    peak: NDArray[np.float64], noise: NDArray[np.float64]
+) -> NDArray[np.float64]:
     """
     Return peak over noise, with 0 for no signal at all and infinity for no noise.
 

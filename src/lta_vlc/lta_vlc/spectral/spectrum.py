@@ -23,7 +23,7 @@ def target_bin(frequency: float, sample_rate: float, samples: int) -> int:
     return math.floor(frequency * samples / sample_rate + 0.5)
 
 
-def transform(waves: NDArray[np.float64]) -> NDArray[np.complex128]:
+def fourier_transform(waves: NDArray[np.float64]) -> NDArray[np.complex128]:
     """
     Return the Fourier transform of each diode's wave, without a window, as in the paper.
 
@@ -43,14 +43,14 @@ def transform(waves: NDArray[np.float64]) -> NDArray[np.complex128]:
     return spectrum
 
 
-def magnitudes(spectrum: NDArray[np.complex128], samples: int) -> NDArray[np.float64]:
+def compute_magnitudes(spectrum: NDArray[np.complex128], samples: int) -> NDArray[np.float64]:
     """
     Return the amplitude of each frequency, shape (d, n // 2 + 1).
 
     Parameters
     ----------
     spectrum : ndarray of complex128, shape (d, n // 2 + 1)
-        From `transform`.
+        From `fourier_transform`.
     samples : int
         Samples in the block.
 
@@ -87,4 +87,4 @@ def amplitude_spectrum(block: ArrayLike) -> NDArray[np.float64]:
     """
     waves = np.array(np.asarray(block).T, dtype=np.float64, order='C')
     waves -= np.add.reduce(waves, axis=1, keepdims=True) / waves.shape[1]  # the mean, in less time
-    return magnitudes(transform(waves), waves.shape[1]).T
+    return compute_magnitudes(fourier_transform(waves), waves.shape[1]).T

@@ -37,7 +37,7 @@ light leaves falls from 4 % of the weaker one's amplitude to 0.3 %.
 import math
 from typing import NamedTuple
 
-from lta_vlc.compiled import compiled
+from lta_vlc.jit import compile_kernel
 import numpy as np
 from numpy.typing import NDArray
 
@@ -65,8 +65,8 @@ class Tones(NamedTuple):
     amplitude: NDArray[np.float64]
 
 
-@compiled
-def kernel(offset: float, samples: int) -> complex:
+@compile_kernel
+def dirichlet_kernel(offset: float, samples: int) -> complex:
     """
     Return what a bin reads of a complex tone of amplitude 1.
 
@@ -85,8 +85,8 @@ def kernel(offset: float, samples: int) -> complex:
     return complex(size * math.cos(angle), size * math.sin(angle))
 
 
-@compiled
-def _frequencies(
+@compile_kernel
+def _estimate_frequencies(
     around: NDArray[np.complex128],
     centre: int,
     weight: NDArray[np.float64],
@@ -118,14 +118,14 @@ def _frequencies(
             free = (x - ends - start * cosine[j]) * x + (y - start * sine[j]) * y
             top += free * off[j]
             bottom += free
-        own[diode] = _frequency(top, bottom, centre, samples)
+        own[diode] = _solve_frequency(top, bottom, centre, samples)
         above += weight[diode] * top
         below += weight[diode] * bottom
-    return _frequency(above, below, centre, samples)
+    return _solve_frequency(above, below, centre, samples)
 
 
-@compiled
-def _frequency(above: float, below: float, centre: int, samples: int) -> float:
+@compile_kernel
+def _solve_frequency(above: float, below: float, centre: int, samples: int) -> float:
     """Return the frequency whose cosine is off that of a bin by a quotient. [bins]"""
     if not below > 0.0 or above == 0.0:
         return float(centre)  # silence, or the tone in the middle of the bin
@@ -135,8 +135,8 @@ def _frequency(above: float, below: float, centre: int, samples: int) -> float:
     return min(max(frequency, centre - FARTHEST), centre + FARTHEST)
 
 
-@compiled
-def _amplitudes(
+@compile_kernel
+def _estimate_amplitudes(
     around: NDArray[np.complex128],
     centre: int,
     frequency: float,
@@ -146,8 +146,8 @@ def _amplitudes(
     """Write what each diode reads of a tone of known frequency."""
     cosine, sine = np.zeros(3, np.complex128), np.zeros(3, np.complex128)
     for j in range(3):
-        there = kernel(frequency - (centre - 1 + j), samples)
-        mirrored = kernel(-frequency - (centre - 1 + j), samples)
+        there = dirichlet_kernel(frequency - (centre - 1 + j), samples)
+        mirrored = dirichlet_kernel(-frequency - (centre - 1 + j), samples)
         cosine[j] = there + mirrored
         sine[j] = -1j * (there - mirrored)
     a, b, c = 0.0, 0.0, 0.0
@@ -164,8 +164,8 @@ def _amplitudes(
         amplitude[diode] = math.hypot(x, y) / (a * c - b * b)
 
 
-@compiled
-def _subtract(
+@compile_kernel
+def _subtract_tone(
     numbers: NDArray[np.complex128],
     place: float,
     read: NDArray[np.complex128],
@@ -173,21 +173,21 @@ def _subtract(
     samples: int,
 ) -> None:
     """Take from the numbers of a bin what it reads of a tone elsewhere."""
-    there, mirrored = kernel(place - k, samples), kernel(-place - k, samples)
+    there, mirrored = dirichlet_kernel(place - k, samples), dirichlet_kernel(-place - k, samples)
     for diode in range(len(read)):
         numbers[diode] -= there * read[diode] + mirrored * read[diode].conjugate()
 
 
-@compiled
-def _divide(numbers: NDArray[np.complex128], place: float, k: int, samples: int) -> None:
+@compile_kernel
+def _divide_by_kernel(numbers: NDArray[np.complex128], place: float, k: int, samples: int) -> None:
     """Make of the numbers of a bin what the tone that stands there must be."""
-    whole = kernel(place - k, samples)
+    whole = dirichlet_kernel(place - k, samples)
     for diode in range(len(numbers)):
         numbers[diode] /= whole
 
 
-@compiled
-def _take_off_leaks(
+@compile_kernel
+def _remove_leakage(
     around: NDArray[np.complex128],
     spectrum: NDArray[np.complex128],
     frequency: NDArray[np.float64],
@@ -202,13 +202,13 @@ def _take_off_leaks(
         nearest = round(frequency[source])
         for diode in range(len(read)):
             first[source, diode] = spectrum[diode, nearest]
-        _divide(first[source], frequency[source], nearest, samples)
+        _divide_by_kernel(first[source], frequency[source], nearest, samples)
     for source in range(tones):
         for target in range(tones):
             if target != source:  # the tone itself does not leak, it is read
                 for j in range(3):
                     k = centres[target] - 1 + j
-                    _subtract(around[target, j], frequency[source], first[source], k, samples)
+                    _subtract_tone(around[target, j], frequency[source], first[source], k, samples)
         for order in range(2, LEAKY + 1):
             place = order * frequency[source]
             nearest = round(place)
@@ -217,15 +217,17 @@ def _take_off_leaks(
             for diode in range(len(read)):
                 read[diode] = spectrum[diode, nearest]
             for other in range(tones):  # what the first harmonics leak there is none of it
-                _subtract(read, frequency[other], first[other], nearest, samples)
-            _divide(read, place, nearest, samples)
+                _subtract_tone(read, frequency[other], first[other], nearest, samples)
+            _divide_by_kernel(read, place, nearest, samples)
             for target in range(tones):
                 for j in range(3):
-                    _subtract(around[target, j], place, read, centres[target] - 1 + j, samples)
+                    _subtract_tone(
+                        around[target, j], place, read, centres[target] - 1 + j, samples
+                    )
 
 
-@compiled
-def read_tones(
+@compile_kernel
+def estimate_tones(
     spectrum: NDArray[np.complex128],
     highest: NDArray[np.int64],
     weight: NDArray[np.float64],
@@ -237,7 +239,7 @@ def read_tones(
     Parameters
     ----------
     spectrum : ndarray of complex128, shape (d, n // 2 + 1)
-        As `lta_vlc.spectral.spectrum.transform` gives it.
+        As `lta_vlc.spectral.spectrum.fourier_transform` gives it.
     highest : ndarray of int, shape (b,)
         Bin of each tone.
     weight : ndarray, shape (d,)
@@ -258,9 +260,15 @@ def read_tones(
     frequency, own = np.zeros(tones), np.zeros((tones, diodes))
     amplitude = np.zeros((tones, diodes))
     for tone in range(tones):
-        frequency[tone] = _frequencies(around[tone], centres[tone], weight, samples, own[tone])
-    _take_off_leaks(around, spectrum, frequency, centres, samples)
+        frequency[tone] = _estimate_frequencies(
+            around[tone], centres[tone], weight, samples, own[tone]
+        )
+    _remove_leakage(around, spectrum, frequency, centres, samples)
     for tone in range(tones):
-        frequency[tone] = _frequencies(around[tone], centres[tone], weight, samples, own[tone])
-        _amplitudes(around[tone], centres[tone], frequency[tone], samples, amplitude[tone])
+        frequency[tone] = _estimate_frequencies(
+            around[tone], centres[tone], weight, samples, own[tone]
+        )
+        _estimate_amplitudes(
+            around[tone], centres[tone], frequency[tone], samples, amplitude[tone]
+        )
     return Tones(frequency, own, amplitude)

@@ -1,10 +1,10 @@
 """A bridge in flight at a clock of its own, and a link that keeps what was sent."""
 
-from lta_bridge.crazyflie.bridge import Asked, Bridge
+from lta_bridge.crazyflie.bridge_core import BridgeCore, CrazyflieCommand
 from lta_bridge.crazyflie.link import LogPacket
-from lta_bridge.crazyflie.safety import Asked as AskedBy
-from lta_bridge.crazyflie.safety import Stage
-from lta_bridge.crazyflie.supervisor import Bit
+from lta_bridge.crazyflie.safety import SafetyRequest as AskedBy
+from lta_bridge.crazyflie.safety import SafetyStage
+from lta_bridge.crazyflie.supervisor_word import SupervisorBit
 from lta_config.schema.crazyflie_file import load_crazyflie
 
 FILE = load_crazyflie('gtmab')
@@ -30,11 +30,11 @@ class Bridged:
     """A bridge, and what its drone and its graph tell it at every tick."""
 
     def __init__(self, command='override', watchdog=False):
-        self.kept, self.now, self.word = Kept(), 0, Bit.ARMED
-        self.bridge = Bridge(self.kept, FILE, list(FILE.motors.values()), command, watchdog)
+        self.kept, self.now, self.word = Kept(), 0, SupervisorBit.ARMED
+        self.bridge = BridgeCore(self.kept, FILE, list(FILE.motors.values()), command, watchdog)
         self.linked = self.active = self.commands = self.logs = True
         self.power = {'pm.vbat': 4.0, 'pm.state': 0}
-        self.asked = Asked(0, duties=DUTIES)
+        self.asked = CrazyflieCommand(0, duties=DUTIES)
 
     @property
     def stage(self):
@@ -44,7 +44,7 @@ class Bridged:
         self.tick(AskedBy(arm=True))
         for _ in range(3):
             self.tick()
-        assert self.stage is Stage.FLYING
+        assert self.stage is SafetyStage.FLYING
         return self
 
     def tick(self, asked=NOTHING):
@@ -52,7 +52,7 @@ class Bridged:
         if self.logs:
             values = {f'motor.m{n}': 0.0 for n in range(1, 5)} | {'supervisor.info': self.word}
             for name, told in (('motors', values), ('power', self.power)):
-                self.bridge.heard(LogPacket(name, self.now // 1_000_000, told, self.now))
+                self.bridge.receive_packet(LogPacket(name, self.now // 1_000_000, told, self.now))
         if self.commands:
-            self.bridge.commanded(self.asked._replace(stamp_ns=self.now))
+            self.bridge.accept_command(self.asked._replace(stamp_ns=self.now))
         self.bridge.tick(1e-9 * self.now, self.now, self.linked, self.active, asked)

@@ -2,9 +2,9 @@
 
 from itertools import pairwise
 
-from lta_bridge.crazyflie.bridge import Asked
-from lta_bridge.crazyflie.safety import Asked as AskedBy
-from lta_bridge.crazyflie.safety import LOW, Stage
+from lta_bridge.crazyflie.bridge_core import CrazyflieCommand
+from lta_bridge.crazyflie.safety import LOW, SafetyStage
+from lta_bridge.crazyflie.safety import SafetyRequest as AskedBy
 import pytest
 
 from .bridged import Bridged, TICK
@@ -17,11 +17,11 @@ def test_a_cell_that_the_firmware_itself_calls_low_lands_and_arms_nothing(state,
     flight.power = {'pm.vbat': 4.0, 'pm.state': state}
     for _ in range(round(1e9 * LOW / TICK) + 2):
         flight.tick()
-    assert flight.stage is (Stage.LANDING if low else Stage.FLYING)
+    assert flight.stage is (SafetyStage.LANDING if low else SafetyStage.FLYING)
     ground = Bridged()
     ground.power = flight.power
     ground.tick()
-    assert ('charge it' in ground.bridge.refusal(ground.now, True, True)) == bool(low)
+    assert ('charge it' in ground.bridge.find_arming_refusal(ground.now, True, True)) == bool(low)
 
 
 @pytest.mark.parametrize(
@@ -31,7 +31,7 @@ def test_a_heading_is_turned_to_in_proportion_and_never_faster_than_one_radian_a
     left, rate
 ):
     flight = Bridged('setpoint')
-    flight.asked = Asked(0, speed=0.3, turn=left, height=1.2)
+    flight.asked = CrazyflieCommand(0, speed=0.3, turn=left, height=1.2)
     flight.fly()
     assert flight.kept.of('hover')[-1] == pytest.approx((0.3, rate, 1.2))
 
@@ -56,7 +56,7 @@ def test_the_watchdog_is_fed_from_the_first_arming_on_until_a_stop():
     assert gaps == {7}  # 0.14 s
     flight.tick(AskedBy(arm=False))
     assert len(ticks_fed(flight, 100)) >= 14  # it landed, and nothing but a restart ends it
-    assert flight.stage is Stage.DISARMED
+    assert flight.stage is SafetyStage.DISARMED
     flight.tick(AskedBy(stop=True))
     assert ticks_fed(flight, 100) == []
 

@@ -6,8 +6,8 @@ from pathlib import Path
 import subprocess
 import sys
 
-from lta_bridge.crazyflie.claim import Claim, drone_of
-from lta_bridge.crazyflie.remedies import remedied
+from lta_bridge.crazyflie.drone_lock import DroneLock, normalize_uri
+from lta_bridge.crazyflie.remedies import suggest_remedy
 from lta_config.errors import BadInput
 import pytest
 
@@ -20,13 +20,13 @@ def own_folder(tmp_path: Path, monkeypatch):
 
 
 def test_a_second_bridge_to_a_drone_is_refused_by_name_and_another_drone_is_not():
-    first = Claim(URI)
+    first = DroneLock(URI)
     with pytest.raises(BadInput, match=rf'by another program \(process {os.getpid()}\); end that'):
-        Claim(URI)
-    Claim('udp://127.0.0.1:2').close()
+        DroneLock(URI)
+    DroneLock('udp://127.0.0.1:2').close()
     first.close()
     first.close()
-    Claim(URI).close()
+    DroneLock(URI).close()
 
 
 @pytest.mark.parametrize(
@@ -44,31 +44,31 @@ def test_a_second_bridge_to_a_drone_is_refused_by_name_and_another_drone_is_not(
     ],
 )
 def test_a_drone_has_one_claim_however_it_is_reached(one, other, same):
-    assert (drone_of(one) == drone_of(other)) == same
+    assert (normalize_uri(one) == normalize_uri(other)) == same
 
 
 def test_a_file_that_may_not_be_opened_is_one_sentence_and_a_link_is_not_followed(tmp_path):
-    Claim(URI).close()
+    DroneLock(URI).close()
     (path,) = tmp_path.glob('*.lock')
     path.unlink()
     precious = tmp_path / 'precious'
     precious.write_text('all of it')
     path.symlink_to(precious)
     with pytest.raises(BadInput, match=r'cannot be opened .*; have whoever made it end'):
-        Claim(URI)
+        DroneLock(URI)
     assert precious.read_text() == 'all of it'
 
 
 def test_a_claim_ends_with_its_process(tmp_path):
     code = (
         f'import tempfile; tempfile.tempdir = {str(tmp_path)!r}\n'
-        'from lta_bridge.crazyflie.claim import Claim\n'
+        'from lta_bridge.crazyflie.drone_lock import Claim\n'
         f'import os; claim = Claim({URI!r}); os._exit(9)'
     )
     paths = os.pathsep.join(sys.path)
     died = subprocess.run([sys.executable, '-c', code], env={**os.environ, 'PYTHONPATH': paths})
     assert died.returncode == 9
-    Claim(URI).close()
+    DroneLock(URI).close()
 
 
 @pytest.mark.parametrize(
@@ -88,8 +88,8 @@ def test_a_claim_ends_with_its_process(tmp_path):
     ],
 )
 def test_what_a_library_says_becomes_one_sentence_with_the_remedy(said, told):
-    assert told in remedied(said)
-    assert '\n' not in remedied(said)
+    assert told in suggest_remedy(said)
+    assert '\n' not in suggest_remedy(said)
 
 
 def test_every_bridge_looks_for_the_same_file_and_writes_its_number_into_it(tmp_path):
@@ -97,6 +97,6 @@ def test_every_bridge_looks_for_the_same_file_and_writes_its_number_into_it(tmp_
     name = hashlib.sha256(URI.encode()).hexdigest()[:16]
     path = tmp_path / f'lta-crazyflie-{name}.lock'
     path.write_text('123456789012')  # left by a process that died
-    claim = Claim(URI)
+    claim = DroneLock(URI)
     assert path.read_text() == str(os.getpid())
     claim.close()

@@ -4,12 +4,12 @@ import math
 import struct
 
 from lta_bridge.crazyflie import duties_packet, messages, readings
-from lta_bridge.crazyflie.bridge import Asked, Bridge
-from lta_bridge.crazyflie.clock import DeviceClock
+from lta_bridge.crazyflie.bridge_core import BridgeCore, CrazyflieCommand
+from lta_bridge.crazyflie.device_clock import DeviceClock
 from lta_bridge.crazyflie.link import LogPacket
-from lta_bridge.crazyflie.log_table import Block, BLOCKS, check
-from lta_bridge.crazyflie.round_trips import RoundTrips, sent_at
-from lta_bridge.crazyflie.safety import Limits
+from lta_bridge.crazyflie.log_table import BLOCKS, check_log_table, LogBlock
+from lta_bridge.crazyflie.round_trips import parse_ping_time, RoundTrips
+from lta_bridge.crazyflie.safety import SafetyLimits
 from lta_config.errors import BadInput
 from lta_config.schema.crazyflie_file import load_crazyflie
 from lta_emulation.crazyflie.variables import LOG
@@ -30,7 +30,7 @@ def fly(clock, seconds, drift=0.0, boot_ms=0, latency=None, seed=1):
         device_ms = boot_ms + 10 * turn
         true_ns = 10**18 + round(10 * turn * MS / (1.0 + drift))
         late = round(MS * (2.0 + chance.exponential(3.0) if latency is None else latency))
-        told = clock.stamp(device_ms & 0xFFFFFF, true_ns + late)
+        told = clock.stamp_packet(device_ms & 0xFFFFFF, true_ns + late)
         assert told <= true_ns + late
         errors.append((told - true_ns) / MS)
     return np.array(errors)
@@ -60,14 +60,14 @@ def test_the_stamp_wraps_after_four_and_a_half_hours():
 
 def test_late_and_swapped_packets_keep_their_own_stamps():
     clock = DeviceClock()
-    stamps = [clock.stamp(ms, 10**18 + 1_000 * MS) for ms in (1000, 990, 995)]
+    stamps = [clock.stamp_packet(ms, 10**18 + 1_000 * MS) for ms in (1000, 990, 995)]
     assert [stamps[0] - one for one in stamps] == [0, 10 * MS, 5 * MS]
 
 
 def test_a_reboot_begins_anew():
     clock = DeviceClock()
     fly(clock, 3.0, boot_ms=600_000, latency=1.0)
-    told = clock.stamp(100, 10**18 + 4_000 * MS)
+    told = clock.stamp_packet(100, 10**18 + 4_000 * MS)
     assert told == 10**18 + 4_000 * MS
     assert clock.line.restarts == 1
 
@@ -77,24 +77,24 @@ def test_a_clock_that_is_set_back_a_little_is_learnt_anew(back_s):
     """One that started anew within its first seconds: at once, not after the line's minute."""
     clock, back = DeviceClock(), round(1000 * back_s)
     for ms in range(0, 9500, 10):
-        clock.stamp(ms, 10**18 + (ms + 2) * MS)
+        clock.stamp_packet(ms, 10**18 + (ms + 2) * MS)
     for ms in range(9500, 10500, 10):
-        told = clock.stamp(ms - back, 10**18 + (ms + 2) * MS)
+        told = clock.stamp_packet(ms - back, 10**18 + (ms + 2) * MS)
         assert told == pytest.approx(10**18 + (ms + 2) * MS, abs=1000)
     assert clock.line.restarts == 1
 
 
 def test_stamps_are_set_back_by_half_of_the_quickest_round_trip():
     trips = RoundTrips()
-    assert (trips.one_way_ns, math.isnan(trips.most)) == (0, True)
+    assert (trips.one_way_ns, math.isnan(trips.latency)) == (0, True)
     for took in (0.010, 0.004, 0.030, -1.0, 3600.0, math.nan):
         trips.add(took)
     assert trips.one_way_ns == 2 * MS
-    assert trips.most == pytest.approx(0.028)  # 0.9 of the way from 10 to 30 ms
-    bridge = Bridge(None, load_crazyflie('gtmab'), load_vehicle('gtmab').rotor_names)
-    bridge.pinged(0.004)
+    assert trips.latency == pytest.approx(0.028)  # 0.9 of the way from 10 to 30 ms
+    bridge = BridgeCore(None, load_crazyflie('gtmab'), load_vehicle('gtmab').rotor_names)
+    bridge.add_round_trip(0.004)
     errors = [
-        bridge.heard(LogPacket('none', 10 * k, {}, 10**18 + (10 * k + 2) * MS)).stamp_ns
+        bridge.receive_packet(LogPacket('none', 10 * k, {}, 10**18 + (10 * k + 2) * MS)).stamp_ns
         - (10**18 + 10 * k * MS)
         for k in range(50)
     ]
@@ -103,44 +103,44 @@ def test_stamps_are_set_back_by_half_of_the_quickest_round_trip():
 
 def test_units_and_signs():
     values = {'acc.x': 0.5, 'acc.y': 0.0, 'acc.z': 1.0, 'gyro.x': 180.0, 'gyro.y': -90.0}
-    moved = readings.motion({**values, 'gyro.z': 0.0})
+    moved = readings.convert_imu({**values, 'gyro.z': 0.0})
     assert moved.force == pytest.approx((4.903325, 0.0, 9.80665))
     assert moved.rates == pytest.approx((math.pi, -math.pi / 2, 0.0))
-    felt = readings.air({'baro.pressure': 1013.25, 'range.zrange': 450})
+    felt = readings.convert_air({'baro.pressure': 1013.25, 'range.zrange': 450})
     assert felt == pytest.approx((101325.0, 0.45))
-    assert readings.air({'baro.pressure': 1.0, 'range.zrange': 8190}).distance == math.inf
-    nose_up = readings.attitude(
+    assert readings.convert_air({'baro.pressure': 1.0, 'range.zrange': 8190}).distance == math.inf
+    nose_up = readings.convert_attitude(
         {'stateEstimate.roll': 0.0, 'stateEstimate.pitch': 90.0, 'stateEstimate.yaw': 0.0}
     )
     # FLU: pitch about +y puts the nose down, so nose up is a negative turn.
     assert nose_up == pytest.approx((0.0, -math.sqrt(0.5), 0.0, math.sqrt(0.5)))
-    told = readings.motors(
+    told = readings.convert_motors(
         {**{f'motor.m{n}': 13107.0 * n for n in range(1, 5)}, 'supervisor.info': 2}
     )
     assert told.duties == pytest.approx((0.2, 0.4, 0.6, 0.8))
 
 
 def test_the_table_fits_a_crazyflie_that_knows_its_variables():
-    check(BLOCKS)
+    check_log_table(BLOCKS)
     known = {variable.name for variable in LOG}
     assert {name for block in BLOCKS for name in block.variables} <= known
     size = 7 * 4
     with pytest.raises(BadInput, match=f'has {size} bytes and a packet carries 26'):
-        check((Block('big', 10, {f'a.{n}': 'float' for n in range(7)}),))
+        check_log_table((LogBlock('big', 10, {f'a.{n}': 'float' for n in range(7)}),))
     for period in (0, 15, 2550):
         with pytest.raises(BadInput, match='choose a multiple of 10'):
-            check((Block('odd', period, {'a.b': 'float'}),))
+            check_log_table((LogBlock('odd', period, {'a.b': 'float'}),))
     with pytest.raises(BadInput, match='17 log blocks'):
-        check(tuple(Block(f'b{n}', 10, {'a.b': 'float'}) for n in range(17)))
+        check_log_table(tuple(LogBlock(f'b{n}', 10, {'a.b': 'float'}) for n in range(17)))
 
 
 def test_duties_on_the_wire():
-    data = duties_packet.packed(259, (1.0, -1.0, 0.5, math.nan), 250)
+    data = duties_packet.pack_duties(259, (1.0, -1.0, 0.5, math.nan), 250)
     assert data == bytes.fromhex('4c 03 ff7f 0180 0040 0000 fa00')
-    told = duties_packet.unpacked(data)
+    told = duties_packet.unpack_duties(data)
     assert (told.sequence, told.timeout_ms) == (3, 250)
-    assert duties_packet.unpacked(data[:-1]) is None
-    assert duties_packet.unpacked(b'\0' + data[1:]) is None
+    assert duties_packet.unpack_duties(data[:-1]) is None
+    assert duties_packet.unpack_duties(b'\0' + data[1:]) is None
     assert duties_packet.is_newer(0, 255)
     assert not duties_packet.is_newer(255, 0)
     assert not duties_packet.is_newer(7, 7)
@@ -151,15 +151,15 @@ def test_duties_on_the_wire():
         False,
         False,
     ]
-    assert duties_packet.unpacked(data).duties == (1.0, -1.0, 16384 / 32767, 0.0)
+    assert duties_packet.unpack_duties(data).duties == (1.0, -1.0, 16384 / 32767, 0.0)
 
 
 def test_what_ends_a_flight_stands_in_the_file_alone():
     file = load_crazyflie('gtmab')
-    bridge = Bridge(None, file, load_vehicle('gtmab').rotor_names)
+    bridge = BridgeCore(None, file, load_vehicle('gtmab').rotor_names)
     told = file.limits
     assert bridge.limits == (told.voltage.si, told.time.si, told.height.si, told.distance.si)
-    assert not Limits._field_defaults
+    assert not SafetyLimits._field_defaults
 
 
 @pytest.mark.parametrize(
@@ -167,36 +167,38 @@ def test_what_ends_a_flight_stands_in_the_file_alone():
 )
 def test_a_command_of_the_future_is_none(ahead_s, known):
     """Of a computer whose clock is wrong: as the newest one it would be flown for an hour."""
-    bridge = Bridge(None, load_crazyflie('gtmab'), load_vehicle('gtmab').rotor_names)
-    bridge.commanded(Asked(10**18 + round(1e9 * ahead_s), duties=(0.1,) * 4))
-    assert math.isfinite(bridge.seen(10**18, True, True).command_age) == known
+    bridge = BridgeCore(None, load_crazyflie('gtmab'), load_vehicle('gtmab').rotor_names)
+    bridge.accept_command(CrazyflieCommand(10**18 + round(1e9 * ahead_s), duties=(0.1,) * 4))
+    assert math.isfinite(bridge.collect_inputs(10**18, True, True).command_age) == known
 
 
 def test_limits_of_height_and_way_age_with_the_estimate_that_they_are_of():
     """They would stand at its last word, whoever goes on commanding."""
-    bridge = Bridge(None, load_crazyflie('gtmab'), load_vehicle('gtmab').rotor_names)
-    assert bridge.seen(10**18, True, True).place_age == 0.0  # an estimator that nobody has
+    bridge = BridgeCore(None, load_crazyflie('gtmab'), load_vehicle('gtmab').rotor_names)
+    assert (
+        bridge.collect_inputs(10**18, True, True).place_age == 0.0
+    )  # an estimator that nobody has
     odom = Odometry()
     odom.header.stamp = to_stamp(10**18)
     odom.pose.pose.position.z = 0.4
-    bridge.placed(messages.to_where(odom))
-    seen = bridge.seen(10**18 + 2_500 * MS, True, True)
+    bridge.update_position(messages.to_position(odom))
+    seen = bridge.collect_inputs(10**18 + 2_500 * MS, True, True)
     assert (seen.height, seen.place_age) == pytest.approx((0.4, 2.5))
 
 
 def test_a_clock_that_is_set_back_makes_no_silence_fresh():
-    bridge = Bridge(None, load_crazyflie('gtmab'), load_vehicle('gtmab').rotor_names)
+    bridge = BridgeCore(None, load_crazyflie('gtmab'), load_vehicle('gtmab').rotor_names)
     values = {f'motor.m{n}': 0.0 for n in range(1, 5)} | {'supervisor.info': 2.0}
-    bridge.heard(LogPacket('motors', 1000, values, 10**18))
-    assert bridge.seen(10**18 + 100 * MS, True, True).silence == pytest.approx(0.1)
-    assert math.isinf(bridge.seen(10**18 - 3600 * 1000 * MS, True, True).silence)
+    bridge.receive_packet(LogPacket('motors', 1000, values, 10**18))
+    assert bridge.collect_inputs(10**18 + 100 * MS, True, True).silence == pytest.approx(0.1)
+    assert math.isinf(bridge.collect_inputs(10**18 - 3600 * 1000 * MS, True, True).silence)
 
 
 @pytest.mark.parametrize(('back_ms', 'restarts'), [(100, 0), (101, 1)])
 def test_a_packet_is_a_tenth_of_a_second_late_or_of_another_clock(back_ms, restarts):
     clock = DeviceClock()
-    clock.stamp(5000, 10**18)
-    clock.stamp(5000 - back_ms, 10**18)
+    clock.stamp_packet(5000, 10**18)
+    clock.stamp_packet(5000 - back_ms, 10**18)
     assert clock.line.restarts == restarts
 
 
@@ -206,10 +208,10 @@ def test_the_round_trips_of_a_minute_are_kept_and_the_newest_ten_seconds_told():
     for took in (0.0, 10.0, 9.9, *[0.030] * 498, 0.002, *[0.008] * 100):
         trips.add(took)
     assert trips.one_way_ns == 1 * MS
-    assert trips.most == pytest.approx(0.008)
+    assert trips.latency == pytest.approx(0.008)
     trips.add(9.0)
     trips.add(9.0)
-    assert trips.most == pytest.approx(0.008)  # 95 of the newest 100
+    assert trips.latency == pytest.approx(0.008)  # 95 of the newest 100
     for _ in range(497):
         trips.add(0.020)
     assert trips.one_way_ns == 1 * MS
@@ -220,14 +222,14 @@ def test_the_round_trips_of_a_minute_are_kept_and_the_newest_ten_seconds_told():
 
 def test_a_ping_is_told_by_its_mark_and_its_size():
     ping = b'\0' + struct.pack('<d', 12.5)
-    assert sent_at(ping) == 12.5
-    assert sent_at(b'\1' + ping[1:]) is None
-    assert sent_at(ping + b'\0') is None
+    assert parse_ping_time(ping) == 12.5
+    assert parse_ping_time(b'\1' + ping[1:]) is None
+    assert parse_ping_time(ping + b'\0') is None
 
 
 def test_a_log_block_has_26_bytes_at_most_and_a_drone_128_variables():
     def block(kinds, period=10):
-        check((Block('b', period, {f'a.{n}': kind for n, kind in enumerate(kinds)}),))
+        check_log_table((LogBlock('b', period, {f'a.{n}': kind for n, kind in enumerate(kinds)}),))
 
     for kind, size in (
         ('float', 4),
@@ -243,11 +245,13 @@ def test_a_log_block_has_26_bytes_at_most_and_a_drone_128_variables():
     block(['float'] * 6 + ['uint16_t'], 2540)
     with pytest.raises(BadInput, match='has 27 bytes and a packet carries 26'):
         block(['float'] * 6 + ['uint16_t', 'int8_t'])
-    sixteen = [Block(f'b{n}', 10, {f'a{n}.{m}': 'uint8_t' for m in range(8)}) for n in range(16)]
-    check(tuple(sixteen))
+    sixteen = [
+        LogBlock(f'b{n}', 10, {f'a{n}.{m}': 'uint8_t' for m in range(8)}) for n in range(16)
+    ]
+    check_log_table(tuple(sixteen))
     sixteen[0].variables['a.b'] = 'uint8_t'
     with pytest.raises(BadInput, match='16 log blocks with 129 variables'):
-        check(tuple(sixteen))
+        check_log_table(tuple(sixteen))
 
 
 def test_how_often_what_is_read():
@@ -259,6 +263,7 @@ def test_how_often_what_is_read():
 
 def test_a_range_of_five_metres_is_none():
     told = [
-        readings.air({'baro.pressure': 1.0, 'range.zrange': mm}).distance for mm in (4999, 5000)
+        readings.convert_air({'baro.pressure': 1.0, 'range.zrange': mm}).distance
+        for mm in (4999, 5000)
     ]
     assert told == [pytest.approx(4.999), math.inf]

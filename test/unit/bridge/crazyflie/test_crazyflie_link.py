@@ -10,20 +10,25 @@ from types import SimpleNamespace
 
 from lta_bridge.crazyflie import duties_packet
 from lta_bridge.crazyflie.cflib_link import CflibLink
-from lta_bridge.crazyflie.keeper import agree, Keeper
-from lta_bridge.crazyflie.link import LinkFailed, LogPacket, Lost, Malformed
-from lta_bridge.crazyflie.links import link_to
+from lta_bridge.crazyflie.connection_manager import apply_parameters, ConnectionManager
+from lta_bridge.crazyflie.link import LinkFailed, LinkLost, LogPacket, MalformedPacket
+from lta_bridge.crazyflie.links import create_link
 from lta_bridge.crazyflie.log_table import BLOCKS
-from lta_bridge.crazyflie.override import compensated
-from lta_bridge.crazyflie.packet_check import fault
-from lta_bridge.crazyflie.wiring import rotor_places
+from lta_bridge.crazyflie.override import required_compensation
+from lta_bridge.crazyflie.packet_check import find_packet_fault
+from lta_bridge.crazyflie.wiring import find_rotor_indices
 from lta_config.errors import BadInput
-from lta_config.files import find
-from lta_config.schema.crazyflie_file import crazyflie_of, Expected, load_crazyflie, REQUIRED
-from lta_emulation.crazyflie.body import Bench
-from lta_emulation.crazyflie.build import APP, ARMING, AS_SOLD, build_for
+from lta_config.files import find_file
+from lta_config.schema.crazyflie_file import (
+    ExpectedParameter,
+    find_crazyflie,
+    load_crazyflie,
+    REQUIRED,
+)
+from lta_emulation.crazyflie.body import BenchBody
 from lta_emulation.crazyflie.firmware import Firmware
-from lta_emulation.crazyflie.server import Server
+from lta_emulation.crazyflie.firmware_build import APP, ARMING, AS_SOLD, select_build
+from lta_emulation.crazyflie.server import CrazyflieServer
 from lta_model.vehicle import load_vehicle
 import pytest
 from waiting import PATIENCE, wait_until
@@ -48,50 +53,50 @@ def blocks_heard(link):
 
 @pytest.mark.parametrize('protocol', [12, 11])
 def test_cflib_connects_reads_arms_drives_and_stops(protocol, linked):
-    with Server(Firmware(Bench(), protocol)) as server:
+    with CrazyflieServer(Firmware(BenchBody(), protocol)) as server:
         link = linked(server)
         assert link.protocol == protocol
         assert blocks_heard(link)['imu']['acc.z'] == 1.0
-        assert link.parameter('supervisor.landedTimeout') == 3000.0
-        assert link.parameter('no.such') is None
-        link.write('supervisor.landedTimeout', 60000, 2.0)
+        assert link.read_parameter('supervisor.landedTimeout') == 3000.0
+        assert link.read_parameter('no.such') is None
+        link.write_parameter('supervisor.landedTimeout', 60000, 2.0)
         assert server.firmware.parameters.values['supervisor.landedTimeout'] == 60000
-        link.arm(True)
+        link.request_arming(True)
         wait_until(lambda: server.firmware.supervisor.armed, 'the arming')
-        link.duties(duties_packet.packed(1, (0.5, 0.25, 0.0, 0.0), 5000))
+        link.send_duties(duties_packet.pack_duties(1, (0.5, 0.25, 0.0, 0.0), 5000))
         body = server.firmware.body
         wait_until(lambda: body.duties[0] > 0.49, 'the duties', lambda: body.duties)
-        link.stop()
-        wait_until(lambda: server.firmware.supervisor.locked, 'the stop')
+        link.send_emergency_stop()
+        wait_until(lambda: server.firmware.supervisor.is_locked, 'the stop')
         assert body.duties == (0.0,) * 4
         link.close()
 
 
 def test_setpoints_and_the_hand_over_reach_the_drone(linked):
-    with Server(Firmware(Bench())) as server:
+    with CrazyflieServer(Firmware(BenchBody())) as server:
         link = linked(server)
-        link.arm(True)
-        wait_until(lambda: server.firmware.supervisor.flies, 'the arming')
-        link.hover(0.3, 0.5, 1.2)
+        link.request_arming(True)
+        wait_until(lambda: server.firmware.supervisor.accepts_setpoints, 'the arming')
+        link.send_hover_setpoint(0.3, 0.5, 1.2)
         commander = server.firmware.commander
-        wish = wait_until(lambda: commander.wish(level=False).hover, 'the setpoint')
+        wish = wait_until(lambda: commander.select_command(level=False).hover, 'the setpoint')
         assert wish == pytest.approx((0.3, 0.0, 0.5, 1.2), abs=1e-6)
         link.hand_over(land=True)
-        wait_until(lambda: commander.wish(level=False).land, 'the order to land')
+        wait_until(lambda: commander.select_command(level=False).land, 'the order to land')
         link.close()
 
 
 def test_what_lands_by_itself_goes_on_when_the_link_is_closed(linked):
     """cflib parts with a thrust of zero: motors would stand at whatever height."""
-    with Server(Firmware(Bench())) as server:
+    with CrazyflieServer(Firmware(BenchBody())) as server:
         link = linked(server)
-        link.arm(True)
+        link.request_arming(True)
         commander = server.firmware.commander
-        wait_until(lambda: server.firmware.supervisor.flies, 'the arming')
-        link.hover(0.0, 0.0, 1.0)
-        wait_until(lambda: commander.wish(level=False).hover, 'the setpoint')
+        wait_until(lambda: server.firmware.supervisor.accepts_setpoints, 'the arming')
+        link.send_hover_setpoint(0.0, 0.0, 1.0)
+        wait_until(lambda: commander.select_command(level=False).hover, 'the setpoint')
         link.hand_over(land=True)
-        wait_until(lambda: commander.wish(level=False).land, 'the order to land')
+        wait_until(lambda: commander.select_command(level=False).land, 'the order to land')
         heard, receive = [], server.firmware.receive
         server.firmware.receive = lambda packet, now: heard.append(packet) or receive(packet, now)
         link.close()
@@ -99,12 +104,12 @@ def test_what_lands_by_itself_goes_on_when_the_link_is_closed(linked):
             last.sendto(b'\xfe\x07', ('127.0.0.1', int(server.uri.rpartition(':')[2])))
             wait_until(lambda: (15, 2, b'\x07') in heard, 'the last packet', lambda: heard)
         assert not [packet for packet in heard if packet.port in (3, 7)]
-        assert commander.wish(level=False).land
+        assert commander.select_command(level=False).land
 
 
 def test_no_thread_of_cflib_sends_while_its_link_is_being_closed(linked):
     """It would meet a socket that is gone, and end in a traceback."""
-    with Server(Firmware(Bench())) as server:
+    with CrazyflieServer(Firmware(BenchBody())) as server:
         link = linked(server)
         drone, sent = link._drone, []
         shut = drone.link.close
@@ -121,20 +126,20 @@ def test_no_thread_of_cflib_sends_while_its_link_is_being_closed(linked):
 
 def test_a_driver_that_fails_in_the_middle_of_sending_ends_the_link_and_no_thread():
     """cflib then keeps its lock for ever: nothing more may be sent by this object."""
-    with Server(Firmware(Bench())) as server:
+    with CrazyflieServer(Firmware(BenchBody())) as server:
         link = CflibLink(server.uri, BLOCKS, time.time_ns)
-        keeper = Keeper(link, load_crazyflie('gtmab').expected)
+        keeper = ConnectionManager(link, load_crazyflie('gtmab').expected)
         wait_until(lambda: keeper.up, 'the link', lambda: keeper.why)
 
         def broken(packet):
             raise AttributeError('no driver')
 
         link._drone.link.send_packet = broken
-        link.stop()
-        link.stop()
-        lost = next(event for event in iter(link.events.get, None) if isinstance(event, Lost))
+        link.send_emergency_stop()
+        link.send_emergency_stop()
+        lost = next(event for event in iter(link.events.get, None) if isinstance(event, LinkLost))
         assert 'no driver' in lost.why
-        keeper.lost(lost.why)
+        keeper.reconnect(lost.why)
         wait_until(lambda: keeper.up, 'the link again', lambda: keeper.why)
         assert keeper.close(PATIENCE)
 
@@ -155,7 +160,7 @@ class Failing:
 
 def test_a_keeper_outlives_whatever_a_driver_raises():
     link = Failing()
-    keeper = Keeper(link, {})
+    keeper = ConnectionManager(link, {})
     wait_until(lambda: link.closed > 1, 'a second try')
     assert not keeper.up
     assert 'No such device' in keeper.why
@@ -181,7 +186,7 @@ class Slow:
 
 def test_a_keeper_that_leaves_while_it_connects_writes_nothing_and_says_when_it_is_done():
     link, done = Slow(), threading.Event()
-    keeper = Keeper(link, load_crazyflie('gtmab').expected, done.set)
+    keeper = ConnectionManager(link, load_crazyflie('gtmab').expected, done.set)
     assert link.opening.wait(PATIENCE)
     assert not keeper.close(0.0)
     assert not done.is_set()
@@ -191,14 +196,14 @@ def test_a_keeper_that_leaves_while_it_connects_writes_nothing_and_says_when_it_
 
 
 def test_an_old_firmware_is_refused_by_name():
-    with Server(Firmware(Bench(), protocol=7)) as server:
+    with CrazyflieServer(Firmware(BenchBody(), protocol=7)) as server:
         link = CflibLink(server.uri, BLOCKS, time.time_ns)
         with pytest.raises(LinkFailed, match='protocol 7, older than 9: update it'):
             link.open(PATIENCE)
 
 
 def test_nobody_there_is_said_within_the_deadline():
-    with Server(Firmware(Bench())) as server:
+    with CrazyflieServer(Firmware(BenchBody())) as server:
         server.down.silent = True
         link = CflibLink(server.uri, BLOCKS, time.time_ns)
         with pytest.raises(LinkFailed, match='no Crazyflie answered at udp'):
@@ -207,7 +212,7 @@ def test_nobody_there_is_said_within_the_deadline():
 
 @pytest.mark.parametrize('code', [7, 12])
 def test_a_block_that_is_refused_is_named(code):
-    with Server(Firmware(Bench())) as server:
+    with CrazyflieServer(Firmware(BenchBody())) as server:
         server.firmware.log.refuse = code
         link = CflibLink(server.uri, BLOCKS, time.time_ns)
         with pytest.raises(LinkFailed, match='log block imu was refused'):
@@ -215,22 +220,22 @@ def test_a_block_that_is_refused_is_named(code):
 
 
 def test_a_closed_port_is_told_and_the_keeper_finds_the_drone_again():
-    server = Server(Firmware(Bench()))
+    server = CrazyflieServer(Firmware(BenchBody()))
     port = int(server.uri.rpartition(':')[2])
     link = CflibLink(server.uri, BLOCKS, time.time_ns)
-    keeper = Keeper(link, load_crazyflie('gtmab').expected)
+    keeper = ConnectionManager(link, load_crazyflie('gtmab').expected)
     with server:
         wait_until(lambda: keeper.up, 'the link', lambda: keeper.why)
-    wait_until(lambda: isinstance(link.events.get(timeout=PATIENCE), Lost), 'the loss')
-    keeper.lost('gone')
-    with Server(Firmware(Bench()), port):
+    wait_until(lambda: isinstance(link.events.get(timeout=PATIENCE), LinkLost), 'the loss')
+    keeper.reconnect('gone')
+    with CrazyflieServer(Firmware(BenchBody()), port):
         wait_until(lambda: keeper.up, 'the link again', lambda: keeper.why)
         assert keeper.close(PATIENCE)
 
 
 def test_datagrams_that_are_lost_swapped_and_doubled_do_not_keep_it_away():
     """One in two hundred lost: of some 80 replies cflib needs all, and waits for ever for one."""
-    with Server(Firmware(Bench())) as server:
+    with CrazyflieServer(Firmware(BenchBody())) as server:
         server.down.drop, server.down.double, server.down.jitter = 0.005, 0.02, 0.002
         link = CflibLink(server.uri, BLOCKS, time.time_ns)
 
@@ -245,29 +250,34 @@ def test_datagrams_that_are_lost_swapped_and_doubled_do_not_keep_it_away():
 
 
 def test_parameters_are_brought_to_what_the_vehicle_needs_or_refused(linked):
-    with Server(Firmware(Bench())) as server:
+    with CrazyflieServer(Firmware(BenchBody())) as server:
         link = linked(server)
         with pytest.raises(LinkFailed, match=r'has no parameter lta.new \(why\)'):
-            agree(link, {'lta.new': Expected(value=1, write=True, why='why')})
+            apply_parameters(link, {'lta.new': ExpectedParameter(value=1, write=True, why='why')})
         with pytest.raises(LinkFailed, match=r'lta.app is 2, not 3 \(why\)'):
-            agree(link, {'lta.app': Expected(value=3, write=False, why='why')})
+            apply_parameters(link, {'lta.app': ExpectedParameter(value=3, write=False, why='why')})
         with pytest.raises(LinkFailed, match=r'firmware\.revision0 cannot be written'):
-            agree(link, {'firmware.revision0': Expected(value=2, write=True, why='why')})
+            apply_parameters(
+                link, {'firmware.revision0': ExpectedParameter(value=2, write=True, why='why')}
+            )
         link.close()
 
 
 def test_on_the_arming_build_the_connection_brings_idle_thrust_to_nothing(linked):
     """The build's motors would turn at 10.7 % as soon as it is armed."""
-    with Server(Firmware(Bench(), build=ARMING)) as server:
+    with CrazyflieServer(Firmware(BenchBody(), build=ARMING)) as server:
         link, firmware = linked(server), server.firmware
-        link.arm(True)
+        link.request_arming(True)
         turning = pytest.approx((7000 / 65535,) * 4)
         wait_until(lambda: firmware.body.duties == turning, 'the idle thrust')
-        link.arm(False)
+        link.request_arming(False)
         wait_until(lambda: firmware.body.duties == (0.0,) * 4, 'its end')
-        agree(link, load_crazyflie('multirotor').expected, compensated=True)
+        apply_parameters(link, load_crazyflie('multirotor').expected, compensated=True)
         assert firmware.parameters.values['powerDist.idleThrust'] == 0
-        wait_until(lambda: link.arm(True) or firmware.supervisor.flies, 'the arming')
+        wait_until(
+            lambda: link.request_arming(True) or firmware.supervisor.accepts_setpoints,
+            'the arming',
+        )
         assert firmware.body.duties == (0.0,) * 4
         link.close()
 
@@ -276,10 +286,10 @@ def test_what_every_drone_must_meet_is_written_to_it(linked):
     other = {'motorPowerSet.enable': 4, 'powerDist.idleThrust': 7000,
              'supervisor.landedTimeout': 60000, 'supervisor.tmblChckEn': 0}  # fmt: skip
     assert other.keys() == REQUIRED.keys()
-    with Server(Firmware(Bench())) as server:
+    with CrazyflieServer(Firmware(BenchBody())) as server:
         server.firmware.parameters.values.update(other, **{'stabilizer.controller': 1})
         link = linked(server)
-        agree(link, load_crazyflie('gtmab').expected, compensated=False)
+        apply_parameters(link, load_crazyflie('gtmab').expected, compensated=False)
         values = server.firmware.parameters.values
         assert {name: values[name] for name in other} == {
             name: want.value for name, want in REQUIRED.items()
@@ -303,7 +313,7 @@ def test_without_the_present_app_a_blimp_is_refused_with_what_turns_motors_switc
     build, version, sentence, linked
 ):
     """A bench that died may have left the override on; nothing else is written."""
-    with Server(Firmware(Bench(), build=build)) as server:
+    with CrazyflieServer(Firmware(BenchBody(), build=build)) as server:
         values = server.firmware.parameters.values
         values['supervisor.landedTimeout'] = 60000
         values['motorPowerSet.enable'], values['powerDist.idleThrust'] = 1, 7000
@@ -311,7 +321,7 @@ def test_without_the_present_app_a_blimp_is_refused_with_what_turns_motors_switc
             values['lta.app'] = version
         link = linked(server)
         with pytest.raises(LinkFailed, match=sentence):
-            agree(link, load_crazyflie('gtmab').expected, compensated=False)
+            apply_parameters(link, load_crazyflie('gtmab').expected, compensated=False)
         assert values['supervisor.landedTimeout'] == 60000
         assert (values['motorPowerSet.enable'], values['powerDist.idleThrust']) == (0, 0)
         link.close()
@@ -332,22 +342,22 @@ def test_without_the_present_app_a_blimp_is_refused_with_what_turns_motors_switc
 def test_firmware_and_vehicle_agree_on_the_correction_for_the_battery(
     build, counted_on, sentence, linked
 ):
-    with Server(Firmware(Bench(), build=build)) as server:
+    with CrazyflieServer(Firmware(BenchBody(), build=build)) as server:
         link = linked(server)
         with pytest.raises(LinkFailed, match=sentence) if sentence else nullcontext():
-            agree(link, {}, counted_on)
+            apply_parameters(link, {}, counted_on)
         link.close()
 
 
 @pytest.mark.parametrize('name', ['gtmab', 'multirotor'])
 def test_the_shipped_vehicles_and_the_builds_they_fly_with_agree(name):
-    build = build_for(load_crazyflie(name).command)
-    assert compensated(load_vehicle(name), '') == build.compensated
-    assert compensated(load_vehicle(name), 'override') is None
+    build = select_build(load_crazyflie(name).command)
+    assert required_compensation(load_vehicle(name), '') == build.compensated
+    assert required_compensation(load_vehicle(name), 'override') is None
 
 
 def file_with(tmp_path, parameter):
-    text, path = find('crazyflie', 'gtmab').read_text(), tmp_path / 'gtmab.yaml'
+    text, path = find_file('crazyflie', 'gtmab').read_text(), tmp_path / 'gtmab.yaml'
     path.write_text(text.replace('parameters:', f'parameters:\n  {parameter}'))
     return str(path)
 
@@ -373,7 +383,7 @@ def test_a_file_may_name_a_required_parameter_with_its_value(tmp_path):
 )
 def test_a_uri_that_names_nothing_is_one_sentence(uri):
     with pytest.raises(BadInput, match='names no Crazyflie; give one such as radio'):
-        link_to(uri, (), time.time_ns)
+        create_link(uri, (), time.time_ns)
 
 
 @pytest.mark.parametrize(
@@ -389,34 +399,37 @@ def test_a_uri_that_names_nothing_is_one_sentence(uri):
     ],
 )
 def test_a_uri_that_cflib_knows_is_taken(uri):
-    link_to(uri, (), time.time_ns)
+    create_link(uri, (), time.time_ns)
 
 
 def test_every_shipped_file_is_wired_to_rotors_that_exist():
     for name in ('gtmab', 'multirotor'):
-        assert len(rotor_places(load_crazyflie(name).motors, load_vehicle(name).rotor_names)) == 4
+        assert (
+            len(find_rotor_indices(load_crazyflie(name).motors, load_vehicle(name).rotor_names))
+            == 4
+        )
     with pytest.raises(
         BadInput, match='is for multirotor, and gtmab flies; give the Crazyflie file'
     ):
         load_crazyflie('multirotor', 'gtmab')
     with pytest.raises(BadInput, match='m1 is wired to up, which the vehicle lacks'):
-        rotor_places({'m1': 'up'}, ['left'])
+        find_rotor_indices({'m1': 'up'}, ['left'])
 
 
 def test_a_vehicle_of_ones_own_has_its_crazyflie_file_beside_it(tmp_path):
     mine = tmp_path / 'my_blimp.yaml'
     mine.write_text('name: my_blimp')
     with pytest.raises(BadInput, match=r'my_blimp has no Crazyflie file.*write my_blimp\.crazyf'):
-        crazyflie_of(str(mine), 'my_blimp')
-    shipped = find('crazyflie', 'gtmab').read_text()
+        find_crazyflie(str(mine), 'my_blimp')
+    shipped = find_file('crazyflie', 'gtmab').read_text()
     (tmp_path / 'my_blimp.crazyflie.yaml').write_text(shipped)
     with pytest.raises(BadInput, match='is for gtmab, and my_blimp flies'):
-        crazyflie_of(str(mine), 'my_blimp')
+        find_crazyflie(str(mine), 'my_blimp')
     own = shipped.replace('vehicle: gtmab', 'vehicle: my_blimp')
     (tmp_path / 'my_blimp.crazyflie.yaml').write_text(own)
-    assert crazyflie_of(str(mine), 'my_blimp').motors == load_crazyflie('gtmab').motors
+    assert find_crazyflie(str(mine), 'my_blimp').motors == load_crazyflie('gtmab').motors
     # A copy of a shipped vehicle elsewhere, by its name.
-    assert crazyflie_of(str(mine), 'gtmab', 'gtmab') == load_crazyflie('gtmab')
+    assert find_crazyflie(str(mine), 'gtmab', 'gtmab') == load_crazyflie('gtmab')
 
 
 TORN = (
@@ -440,8 +453,8 @@ def hear_out(link, count):
 
     def hear():
         event = link.events.get(timeout=PATIENCE)
-        assert not isinstance(event, Lost)
-        if isinstance(event, Malformed):
+        assert not isinstance(event, LinkLost)
+        if isinstance(event, MalformedPacket):
             malformed.append(event)
         if isinstance(event, LogPacket):
             assert event.values.keys() == WHOLE[event.block]
@@ -456,14 +469,16 @@ def test_nonsense_from_the_drone_is_counted_and_heard_out(linked, seed):
     """Empty, torn, long and unknown packets; what cflib makes of a long one is not believed."""
     random = Random(seed)
     packets = [*TORN, *LONG, *(wild(random) for _ in range(120))]
-    with Server(Firmware(Bench())) as server:
+    with CrazyflieServer(Firmware(BenchBody())) as server:
         link = linked(server)
         blocks_heard(link)
         for at in range(0, len(packets), BATCH):
             batch = packets[at : at + BATCH]
-            left = sum(bool(fault(one[0] >> 4, one[0] & 3, one[1:], {1: 24})) for one in batch)
+            left = sum(
+                bool(find_packet_fault(one[0] >> 4, one[0] & 3, one[1:], {1: 24})) for one in batch
+            )
             for one in batch:
-                server.down.put(one, server.now)
+                server.down.send(one, server.now)
             hear_out(link, left)
         assert blocks_heard(link)
         link.close()
@@ -474,7 +489,7 @@ def test_the_thread_of_a_keeper_keeps_no_process_alive():
     link = SimpleNamespace(
         open=lambda deadline: None, close=lambda: None, parameter=lambda _: None
     )
-    keeper = Keeper(link, {})
+    keeper = ConnectionManager(link, {})
     try:
         threads = [one for one in threading.enumerate() if one.name == 'crazyflie_link']
         assert threads

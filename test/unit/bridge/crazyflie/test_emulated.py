@@ -4,22 +4,22 @@ import errno
 import struct
 
 from lta_bridge.crazyflie import duties_packet
-from lta_bridge.crazyflie.supervisor import Bit
-from lta_emulation.crazyflie.body import Bench
-from lta_emulation.crazyflie.build import APP, ARMING, AS_SOLD, KCONFIG_IDLE
+from lta_bridge.crazyflie.supervisor_word import SupervisorBit
+from lta_emulation.crazyflie.body import BenchBody
 from lta_emulation.crazyflie.firmware import Firmware, FULL_RATIO
-from lta_emulation.crazyflie.link import Link
-from lta_emulation.crazyflie.packet import Packet, unpacked
-from lta_emulation.crazyflie.supervisor import PERIOD, State
+from lta_emulation.crazyflie.firmware_build import APP, ARMING, AS_SOLD, KCONFIG_IDLE
+from lta_emulation.crazyflie.lossy_link import LossyLink
+from lta_emulation.crazyflie.packet import CrtpPacket, unpack_datagram
+from lta_emulation.crazyflie.supervisor import PERIOD, SupervisorState
 import pytest
 
-HOVER = Packet(7, 0, b'\x0a' + struct.pack('<ffff', 0.0, 0.0, 0.0, 0.45))
-STOP_SETPOINT = Packet(7, 0, b'\0')
-NOTIFY = Packet(7, 1, b'\0' + bytes(4))
-LAND = Packet(8, 0, b'\x08' + bytes(14))
-ARM, DISARM = Packet(9, 1, b'\x01\x01'), Packet(9, 1, b'\x01\x00')
-EMERGENCY, WATCHDOG = Packet(9, 1, b'\x03'), Packet(9, 1, b'\x04')
-OLD_EMERGENCY = Packet(6, 1, b'\x03')
+HOVER = CrtpPacket(7, 0, b'\x0a' + struct.pack('<ffff', 0.0, 0.0, 0.0, 0.45))
+STOP_SETPOINT = CrtpPacket(7, 0, b'\0')
+NOTIFY = CrtpPacket(7, 1, b'\0' + bytes(4))
+LAND = CrtpPacket(8, 0, b'\x08' + bytes(14))
+ARM, DISARM = CrtpPacket(9, 1, b'\x01\x01'), CrtpPacket(9, 1, b'\x01\x00')
+EMERGENCY, WATCHDOG = CrtpPacket(9, 1, b'\x03'), CrtpPacket(9, 1, b'\x04')
+OLD_EMERGENCY = CrtpPacket(6, 1, b'\x03')
 
 
 STILL = (0.0,) * 4
@@ -30,13 +30,13 @@ AT_ONCE = 2 * PERIOD  # s: the supervisor looks every 40 ms
 @pytest.fixture
 def drone():
     """A drone that needs arming and flies setpoints."""
-    return Firmware(Bench(), build=ARMING._replace(idle_thrust=0))
+    return Firmware(BenchBody(), build=ARMING._replace(idle_thrust=0))
 
 
 @pytest.fixture
 def app():
     """A drone with the app."""
-    return Firmware(Bench())
+    return Firmware(BenchBody())
 
 
 def run(drone, begin, end, packet=None, period=0.02):
@@ -53,7 +53,7 @@ def run(drone, begin, end, packet=None, period=0.02):
 
 
 def duties(*wanted, timeout_ms=200, sequence=1):
-    return Packet(13, 2, duties_packet.packed(sequence, wanted, timeout_ms))
+    return CrtpPacket(13, 2, duties_packet.pack_duties(sequence, wanted, timeout_ms))
 
 
 def stream(*wanted):
@@ -67,7 +67,7 @@ def number(drone, name):
 
 
 def write(drone, name, layout, value, now=0.0):
-    drone.receive(Packet(2, 2, number(drone, name) + struct.pack(layout, value)), now)
+    drone.receive(CrtpPacket(2, 2, number(drone, name) + struct.pack(layout, value)), now)
 
 
 def hovering(drone):
@@ -79,7 +79,7 @@ def hovering(drone):
 
 
 def word(drone, now):
-    (answer,) = drone.receive(Packet(9, 0, b'\x0c'), now)
+    (answer,) = drone.receive(CrtpPacket(9, 0, b'\x0c'), now)
     assert answer.data[0] == 0x8C
     return int.from_bytes(answer.data[1:], 'little')
 
@@ -87,12 +87,12 @@ def word(drone, now):
 def test_silence_in_flight_levels_out_and_locks_after_two_seconds(drone):
     hovering(drone)
     run(drone, 1.0, 1.4)
-    assert drone.supervisor.state is State.FLYING
+    assert drone.supervisor.state is SupervisorState.FLYING
     run(drone, 1.4, 1.7)
-    assert drone.supervisor.state is State.LEVEL_OUT
-    assert word(drone, 1.7) & Bit.FLYING
+    assert drone.supervisor.state is SupervisorState.LEVEL_OUT
+    assert word(drone, 1.7) & SupervisorBit.FLYING
     assert run(drone, 1.7, 4.0) == pytest.approx(3.0, abs=0.08)
-    assert word(drone, 4.0) == Bit.LOCKED
+    assert word(drone, 4.0) == SupervisorBit.LOCKED
     (answer,) = drone.receive(ARM, 4.0)
     assert answer.data == b'\x81\x00\x00'
 
@@ -102,7 +102,7 @@ def test_a_setpoint_in_time_is_flown_again_after_levelling_out(drone):
     run(drone, 1.0, 2.0)
     drone.receive(DISARM, 2.0)  # heeded by no other state so late: a fact of the firmware
     run(drone, 2.0, 2.2)
-    assert drone.supervisor.state is State.LEVEL_OUT
+    assert drone.supervisor.state is SupervisorState.LEVEL_OUT
     assert drone.body.duties == (0.5,) * 4
     assert run(drone, 2.2, 2.5, HOVER) == pytest.approx(2.2, abs=AT_ONCE)
 
@@ -112,28 +112,28 @@ def test_an_emergency_stop_locks_at_once(drone, packet):
     hovering(drone)
     drone.receive(packet, 1.0)
     assert run(drone, 1.0, 1.2, HOVER) == pytest.approx(1.0, abs=AT_ONCE)
-    assert word(drone, 1.2) == Bit.LOCKED
+    assert word(drone, 1.2) == SupervisorBit.LOCKED
 
 
 def test_stabilizer_stop_is_an_emergency_stop(drone):
     hovering(drone)
     write(drone, 'stabilizer.stop', '<B', 1, 1.0)
     assert run(drone, 1.0, 1.2, HOVER) == pytest.approx(1.0, abs=AT_ONCE)
-    assert word(drone, 1.2) == Bit.LOCKED
+    assert word(drone, 1.2) == SupervisorBit.LOCKED
 
 
 def test_one_word_to_the_watchdog_wants_another_every_second(drone):
     hovering(drone)
     drone.receive(WATCHDOG, 1.0)
     assert run(drone, 1.0, 3.0, HOVER) == pytest.approx(2.0, abs=0.08)
-    assert word(drone, 3.0) == Bit.LOCKED
+    assert word(drone, 3.0) == SupervisorBit.LOCKED
 
 
 def test_disarming_stops_at_once_and_arming_works_again(drone):
     hovering(drone)
     assert drone.receive(DISARM, 1.0)[0].data == b'\x81\x01\x00'
     assert run(drone, 1.0, 1.2, HOVER) == pytest.approx(1.0, abs=AT_ONCE)
-    assert word(drone, 1.2) == Bit.CAN_BE_ARMED
+    assert word(drone, 1.2) == SupervisorBit.CAN_BE_ARMED
     assert drone.receive(ARM, 1.2)[0].data == b'\x81\x01\x01'
 
 
@@ -141,9 +141,9 @@ def test_a_stop_setpoint_stops_at_once_and_locks_two_seconds_later(drone):
     hovering(drone)
     drone.receive(STOP_SETPOINT, 1.0)
     assert run(drone, 1.0, 2.9) == pytest.approx(1.0, abs=AT_ONCE)
-    assert not word(drone, 2.9) & Bit.LOCKED
+    assert not word(drone, 2.9) & SupervisorBit.LOCKED
     run(drone, 2.9, 3.2)
-    assert word(drone, 3.2) & Bit.LOCKED
+    assert word(drone, 3.2) & SupervisorBit.LOCKED
 
 
 def test_after_the_hand_over_it_lands_and_disarms_itself_unlocked(drone):
@@ -152,20 +152,20 @@ def test_after_the_hand_over_it_lands_and_disarms_itself_unlocked(drone):
     (answer,) = drone.receive(LAND, 1.0)
     assert answer.data == b'\x08\x00\x00\x00'
     run(drone, 1.0, 9.0)
-    assert not word(drone, 9.0) & Bit.LOCKED
+    assert not word(drone, 9.0) & SupervisorBit.LOCKED
 
 
 def test_without_the_app_a_coasting_drone_counts_as_landed_and_is_disarmed(drone):
     hovering(drone)
     drone.receive(NOTIFY, 1.0)
     run(drone, 1.0, 2.9)
-    assert word(drone, 2.9) & Bit.FLYING
+    assert word(drone, 2.9) & SupervisorBit.FLYING
     run(drone, 2.9, 3.2)
-    assert drone.supervisor.state is State.LANDED
+    assert drone.supervisor.state is SupervisorState.LANDED
     run(drone, 3.2, 5.9)
-    assert word(drone, 5.9) & Bit.ARMED
+    assert word(drone, 5.9) & SupervisorBit.ARMED
     run(drone, 5.9, 6.3)
-    assert word(drone, 6.3) == Bit.CAN_BE_ARMED
+    assert word(drone, 6.3) == SupervisorBit.CAN_BE_ARMED
 
 
 def test_an_emergency_stop_of_a_landed_drone_waits_until_it_is_disarmed(drone):
@@ -174,23 +174,23 @@ def test_an_emergency_stop_of_a_landed_drone_waits_until_it_is_disarmed(drone):
     run(drone, 1.0, 3.2)
     drone.receive(EMERGENCY, 3.2)
     run(drone, 3.2, 5.9)
-    assert drone.supervisor.state is State.LANDED
+    assert drone.supervisor.state is SupervisorState.LANDED
     run(drone, 5.9, 6.4)
-    assert word(drone, 6.4) == Bit.LOCKED
+    assert word(drone, 6.4) == SupervisorBit.LOCKED
 
 
 def test_upside_down_in_flight_it_crashes_and_recovers_upright(drone):
     hovering(drone)
     drone.acceleration = (0.0, 0.0, -1.0)
     assert run(drone, 1.0, 1.4, HOVER) == pytest.approx(1.1, abs=AT_ONCE)
-    assert word(drone, 1.4) == Bit.CRASHED | Bit.TUMBLED
-    recover = Packet(9, 1, b'\x02')
+    assert word(drone, 1.4) == SupervisorBit.CRASHED | SupervisorBit.TUMBLED
+    recover = CrtpPacket(9, 1, b'\x02')
     assert drone.receive(recover, 1.4)[0].data == b'\x82\x00\x00'
     drone.acceleration = None
     run(drone, 1.4, 1.5)
     assert drone.receive(recover, 1.5)[0].data == b'\x82\x01\x01'
     run(drone, 1.5, 1.7)
-    assert word(drone, 1.7) == Bit.CAN_BE_ARMED
+    assert word(drone, 1.7) == SupervisorBit.CAN_BE_ARMED
 
 
 @pytest.mark.parametrize(
@@ -201,7 +201,7 @@ def test_tilted_for_a_second_is_tumbled_and_free_fall_is_not(drone, acceleration
     hovering(drone)
     drone.acceleration = acceleration
     run(drone, 1.0, 1.9, HOVER)
-    assert drone.supervisor.state is State.FLYING
+    assert drone.supervisor.state is SupervisorState.FLYING
     run(drone, 1.9, 2.3, HOVER)
     assert drone.supervisor.crashed == turned_over
 
@@ -211,16 +211,16 @@ def test_without_its_check_it_minds_no_tumble(drone):
     hovering(drone)
     drone.acceleration = (0.0, 0.0, -1.0)
     run(drone, 1.0, 3.0, HOVER)
-    assert drone.supervisor.state is State.FLYING
+    assert drone.supervisor.state is SupervisorState.FLYING
 
 
 def test_armed_and_idle_it_disarms_itself_after_the_preflight_time(drone):
     write(drone, 'supervisor.prefltTimeout', '<H', 4000)
     drone.receive(ARM, 0.0)
     run(drone, 0.0, 3.9)
-    assert word(drone, 3.9) & Bit.ARMED
+    assert word(drone, 3.9) & SupervisorBit.ARMED
     run(drone, 3.9, 4.3)
-    assert not word(drone, 4.3) & Bit.ARMED
+    assert not word(drone, 4.3) & SupervisorBit.ARMED
 
 
 def test_unarmed_it_ignores_every_command(drone, app):
@@ -234,16 +234,19 @@ def test_unarmed_it_ignores_every_command(drone, app):
 
 
 def test_as_sold_it_arms_itself_and_does_so_again_when_it_is_disarmed():
-    drone = Firmware(Bench(), build=AS_SOLD)
+    drone = Firmware(BenchBody(), build=AS_SOLD)
     run(drone, 0.0, 0.2)
-    assert word(drone, 0.2) == Bit.ARMED | Bit.AUTO_ARM | Bit.CAN_FLY
+    assert word(drone, 0.2) == SupervisorBit.ARMED | SupervisorBit.AUTO_ARM | SupervisorBit.CAN_FLY
     run(drone, 0.2, 1.0, HOVER)
-    assert word(drone, 1.0) & Bit.FLYING
+    assert word(drone, 1.0) & SupervisorBit.FLYING
     drone.receive(DISARM, 1.0)
     assert run(drone, 1.0, 1.06) is not None
     drone.receive(NOTIFY, 1.06)
     run(drone, 1.06, 1.4)
-    assert word(drone, 1.4) & (Bit.ARMED | Bit.AUTO_ARM) == Bit.ARMED | Bit.AUTO_ARM
+    assert (
+        word(drone, 1.4) & (SupervisorBit.ARMED | SupervisorBit.AUTO_ARM)
+        == SupervisorBit.ARMED | SupervisorBit.AUTO_ARM
+    )
     write(drone, 'powerDist.idleThrust', '<I', KCONFIG_IDLE)  # without effect on this build
     run(drone, 4.0, 4.2)
     assert drone.body.duties == STILL
@@ -251,13 +254,13 @@ def test_as_sold_it_arms_itself_and_does_so_again_when_it_is_disarmed():
 
 def test_motors_of_the_arming_build_idle_as_soon_as_it_is_armed_until_somebody_writes_zero():
     """CONFIG_MOTORS_DEFAULT_IDLE_THRUST is 7000 of 65535 where nobody sets it."""
-    drone = Firmware(Bench(), build=ARMING)
+    drone = Firmware(BenchBody(), build=ARMING)
     assert run(drone, 0.0, 0.5) == 0.0
     drone.receive(ARM, 0.5)
     run(drone, 0.5, 0.7)
     assert drone.body.duties == pytest.approx((0.107,) * 4, abs=1e-3)
     run(drone, 0.7, 3.0)
-    assert not word(drone, 3.0) & Bit.FLYING  # at idle, not over it
+    assert not word(drone, 3.0) & SupervisorBit.FLYING  # at idle, not over it
     write(drone, 'powerDist.idleThrust', '<I', 0, 3.0)
     run(drone, 3.0, 3.1)
     assert drone.body.duties == STILL
@@ -268,9 +271,9 @@ def test_motors_of_the_arming_build_idle_as_soon_as_it_is_armed_until_somebody_w
 
 
 def test_while_it_starts_it_hears_nothing_and_turns_nothing():
-    drone = Firmware(Bench(), build=AS_SOLD, up_at=2.0)
+    drone = Firmware(BenchBody(), build=AS_SOLD, up_at=2.0)
     assert run(drone, 0.0, 1.9, HOVER) == 0.0
-    assert drone.receive(Packet(15, 0, b'a'), 1.9) == []
+    assert drone.receive(CrtpPacket(15, 0, b'a'), 1.9) == []
     assert run(drone, 1.9, 2.0, HOVER) == 1.9
     assert drone.body.duties == STILL
     run(drone, 2.0, 2.2, HOVER)
@@ -278,12 +281,12 @@ def test_while_it_starts_it_hears_nothing_and_turns_nothing():
 
 
 def test_the_builds_have_their_own_parameters():
-    app, sold = Firmware(Bench(), build=APP), Firmware(Bench(), build=AS_SOLD)
+    app, sold = Firmware(BenchBody(), build=APP), Firmware(BenchBody(), build=AS_SOLD)
     wanted = {'lta.app': 2, 'lta.compensated': 0, 'stabilizer.controller': 6}
     assert {name: app.parameters.values[name] for name in wanted} == wanted
     assert not [name for name in sold.parameters.values if name.startswith('lta.')]
     assert sold.parameters.values['stabilizer.controller'] == 1
-    assert Firmware(Bench(), build=ARMING).parameters.values['powerDist.idleThrust'] == 7000
+    assert Firmware(BenchBody(), build=ARMING).parameters.values['powerDist.idleThrust'] == 7000
 
 
 @pytest.mark.parametrize(
@@ -291,7 +294,7 @@ def test_the_builds_have_their_own_parameters():
     [(APP, 0, 6), (APP, 1, 1), (APP, 7, 6), (AS_SOLD, 0, 1), (AS_SOLD, 6, 1), (AS_SOLD, 2, 2)],
 )
 def test_a_controller_that_there_is_not_is_not_taken(build, written, read):
-    drone = Firmware(Bench(), build=build)
+    drone = Firmware(BenchBody(), build=build)
     write(drone, 'stabilizer.controller', '<B', written)
     assert drone.parameters.values['stabilizer.controller'] == read
 
@@ -311,7 +314,7 @@ def test_without_the_app_duties_say_nothing(drone):
     drone.receive(ARM, 0.0)
     run(drone, 0.0, 1.0, stream(0.5, 0.5, 0.5, 0.5))
     assert drone.body.duties == STILL
-    assert not word(drone, 1.0) & Bit.FLYING
+    assert not word(drone, 1.0) & SupervisorBit.FLYING
 
 
 # The app.
@@ -328,7 +331,7 @@ def test_duties_hold_for_their_time_out_and_old_ones_are_not_flown(app):
     app.tick(0.11)
     assert app.body.duties == STILL
     run(app, 0.11, 6.0)
-    assert word(app, 6.0) == Bit.CAN_BE_ARMED  # not locked: the app has let go
+    assert word(app, 6.0) == SupervisorBit.CAN_BE_ARMED  # not locked: the app has let go
 
 
 def test_a_blimp_that_coasts_stays_armed_while_packets_hold_and_not_a_second_longer(app):
@@ -336,24 +339,27 @@ def test_a_blimp_that_coasts_stays_armed_while_packets_hold_and_not_a_second_lon
     run(app, 0.0, 1.0, stream(0.3, 0.3, 0.3, 0.3))
     run(app, 1.0, 21.0, stream(0.0, 0.0, 0.0, 0.0))
     assert app.body.duties == STEP
-    assert word(app, 21.0) & (Bit.ARMED | Bit.FLYING) == Bit.ARMED | Bit.FLYING
+    assert (
+        word(app, 21.0) & (SupervisorBit.ARMED | SupervisorBit.FLYING)
+        == SupervisorBit.ARMED | SupervisorBit.FLYING
+    )
     # The last came at 20.98 s and holds for 200 ms.
     assert run(app, 21.0, 22.1) == pytest.approx(21.18, abs=0.03)
-    assert word(app, 22.1) & Bit.ARMED
+    assert word(app, 22.1) & SupervisorBit.ARMED
     run(app, 22.1, 22.3)
-    assert not word(app, 22.3) & Bit.ARMED
+    assert not word(app, 22.3) & SupervisorBit.ARMED
     run(app, 22.3, 30.0)
-    assert word(app, 30.0) == Bit.CAN_BE_ARMED
+    assert word(app, 30.0) == SupervisorBit.CAN_BE_ARMED
 
 
 def test_packets_that_turned_nothing_yet_leave_the_preflight_time_in_force(app):
     write(app, 'supervisor.prefltTimeout', '<H', 4000)
     app.receive(ARM, 0.0)
     run(app, 0.0, 3.9, stream(0.0, 0.0, 0.0, 0.0))
-    assert word(app, 3.9) & (Bit.ARMED | Bit.FLYING) == Bit.ARMED
+    assert word(app, 3.9) & (SupervisorBit.ARMED | SupervisorBit.FLYING) == SupervisorBit.ARMED
     assert app.body.duties == STILL
     run(app, 3.9, 4.3, stream(0.0, 0.0, 0.0, 0.0))
-    assert not word(app, 4.3) & Bit.ARMED
+    assert not word(app, 4.3) & SupervisorBit.ARMED
 
 
 def test_after_a_flight_it_arms_and_flies_again(app):
@@ -362,7 +368,7 @@ def test_after_a_flight_it_arms_and_flies_again(app):
         run(app, begin, begin + 1.0, stream(0.3, 0.3, 0.3, 0.3))
         assert app.body.duties == pytest.approx((0.3,) * 4, abs=1e-4)
         run(app, begin + 1.0, begin + 9.9)
-        assert word(app, begin + 9.9) == Bit.CAN_BE_ARMED
+        assert word(app, begin + 9.9) == SupervisorBit.CAN_BE_ARMED
 
 
 # Packets of a wrong length.
@@ -370,17 +376,17 @@ def test_after_a_flight_it_arms_and_flies_again(app):
 
 def test_what_is_too_much_of_a_parameter_is_left_and_the_packet_comes_back(app):
     """param_logic.c looks at no length."""
-    packet = Packet(2, 2, number(app, 'supervisor.landedTimeout') + b'\x10\x27\x63\x63')
+    packet = CrtpPacket(2, 2, number(app, 'supervisor.landedTimeout') + b'\x10\x27\x63\x63')
     assert app.receive(packet, 0.0) == [packet]
     assert app.parameters.values['supervisor.landedTimeout'] == 10000
 
 
 def test_what_is_too_little_is_read_of_an_earlier_packet(app):
-    app.receive(Packet(15, 0, bytes(range(100, 130))), 0.0)
+    app.receive(CrtpPacket(15, 0, bytes(range(100, 130))), 0.0)
     name = number(app, 'supervisor.landedTimeout')
-    assert app.receive(Packet(2, 2, name + b'\x01'), 0.0)[0].data == name + b'\x01'
+    assert app.receive(CrtpPacket(2, 2, name + b'\x01'), 0.0)[0].data == name + b'\x01'
     assert app.parameters.values['supervisor.landedTimeout'] == 1 + (103 << 8)
-    assert app.receive(Packet(2, 1, name[:1]), 0.0)[0].data[:3] == name + b'\0'
+    assert app.receive(CrtpPacket(2, 1, name[:1]), 0.0)[0].data[:3] == name + b'\0'
 
 
 @pytest.mark.parametrize(
@@ -395,7 +401,7 @@ def test_what_is_too_little_is_read_of_an_earlier_packet(app):
 def test_a_parameter_is_set_by_its_name_and_type(app, name, kind, status):
     before = app.parameters.values['supervisor.landedTimeout']
     packet = b'\0' + name + b'\0' + bytes([kind]) + b'\x0a\0'
-    (answer,) = app.receive(Packet(2, 3, packet), 0.0)
+    (answer,) = app.receive(CrtpPacket(2, 3, packet), 0.0)
     assert answer.data == b'\0' + name + b'\0' + bytes([status])
     assert app.parameters.values['supervisor.landedTimeout'] == (before if status else 10)
 
@@ -403,9 +409,9 @@ def test_a_parameter_is_set_by_its_name_and_type(app, name, kind, status):
 @pytest.mark.parametrize(
     'packet',
     [
-        Packet(7, 0), Packet(7, 0, HOVER.data[:-1]), Packet(7, 0, HOVER.data + b'\0'),
-        Packet(7, 0, b'\x0b' + bytes(14)), Packet(7, 0, b'\x06' + bytes(27)),
-        Packet(7, 0, b'\x03\x02' + bytes(11)), Packet(7, 1, NOTIFY.data[:-1]),
+        CrtpPacket(7, 0), CrtpPacket(7, 0, HOVER.data[:-1]), CrtpPacket(7, 0, HOVER.data + b'\0'),
+        CrtpPacket(7, 0, b'\x0b' + bytes(14)), CrtpPacket(7, 0, b'\x06' + bytes(27)),
+        CrtpPacket(7, 0, b'\x03\x02' + bytes(11)), CrtpPacket(7, 1, NOTIFY.data[:-1]),
     ],
 )  # fmt: skip
 def test_a_setpoint_of_a_wrong_length_stops_the_motors_and_the_drone(drone, packet):
@@ -414,15 +420,16 @@ def test_a_setpoint_of_a_wrong_length_stops_the_motors_and_the_drone(drone, pack
     drone.receive(packet, 1.0)
     assert drone.halted
     assert run(drone, 1.0, 1.2, HOVER) == 1.0
-    assert drone.receive(Packet(15, 0, b'a'), 1.2) == []
+    assert drone.receive(CrtpPacket(15, 0, b'a'), 1.2) == []
 
 
 @pytest.mark.parametrize(
     'packet',
     [
-        Packet(7, 0, b'\0\1\2'), Packet(7, 0, b'\x07'), Packet(7, 0, b'\x0c'), Packet(7, 1, b'\1'),
-        Packet(7, 0, b'\x0b' + bytes(15)), Packet(7, 0, b'\x06' + bytes(28)),
-        Packet(7, 0, b'\x03\x02' + bytes(12)), Packet(7, 2, b'\x0a'), NOTIFY,
+        CrtpPacket(7, 0, b'\0\1\2'), CrtpPacket(7, 0, b'\x07'), CrtpPacket(7, 0, b'\x0c'),
+        CrtpPacket(7, 1, b'\1'),
+        CrtpPacket(7, 0, b'\x0b' + bytes(15)), CrtpPacket(7, 0, b'\x06' + bytes(28)),
+        CrtpPacket(7, 0, b'\x03\x02' + bytes(12)), CrtpPacket(7, 2, b'\x0a'), NOTIFY,
     ],
 )  # fmt: skip
 def test_other_setpoints_are_taken_whatever_their_length(drone, packet):
@@ -433,9 +440,9 @@ def test_other_setpoints_are_taken_whatever_their_length(drone, packet):
 
 def test_the_supervisor_answers_each_of_its_questions(drone):
     hovering(drone)
-    told = [drone.receive(Packet(9, 0, bytes([which])), 1.0)[0].data for which in range(1, 12)]
+    told = [drone.receive(CrtpPacket(9, 0, bytes([which])), 1.0)[0].data for which in range(1, 12)]
     assert told[:8] == [bytes([0x81 + bit, word(drone, 1.0) >> bit & 1]) for bit in range(8)]
-    assert drone.receive(Packet(9, 0), 1.0) == drone.receive(Packet(9, 1), 1.0) == []
+    assert drone.receive(CrtpPacket(9, 0), 1.0) == drone.receive(CrtpPacket(9, 1), 1.0) == []
 
 
 def test_older_questions_are_answered_on_the_port_of_the_platform(drone):
@@ -447,14 +454,14 @@ def test_older_questions_are_answered_on_the_port_of_the_platform(drone):
         (b'\x03\x01', b''),
         (b'\x63\x01', b'\x63\x01'),
     ):
-        assert drone.receive(Packet(13, 0, packet), 0.1)[0].data == answer
-    assert drone.receive(Packet(13, 1, b'\1'), 0.1)[0].data == b'\x012026.08'
-    assert drone.receive(Packet(13, 1, b'\x63'), 0.1) == []
+        assert drone.receive(CrtpPacket(13, 0, packet), 0.1)[0].data == answer
+    assert drone.receive(CrtpPacket(13, 1, b'\1'), 0.1)[0].data == b'\x012026.08'
+    assert drone.receive(CrtpPacket(13, 1, b'\x63'), 0.1) == []
 
 
 def test_landing_is_refused_while_nothing_may_fly(drone):
     assert drone.receive(LAND, 0.0)[0].data[3] == errno.EBUSY
-    assert drone.receive(Packet(8, 0, b'\x63\0\0'), 0.0)[0].data[3] == errno.ENOEXEC
+    assert drone.receive(CrtpPacket(8, 0, b'\x63\0\0'), 0.0)[0].data[3] == errno.ENOEXEC
 
 
 def test_motor_power_set_has_three_ways_and_no_fourth(app):
@@ -471,60 +478,64 @@ def test_log_blocks_are_refused_by_the_firmwares_own_numbers(drone):
     floats = b''.join(struct.pack('<BH', 0x77, number) for number in range(6))
 
     def create(number, fields):
-        return drone.receive(Packet(5, 1, bytes([6, number]) + fields), 0.0)[0].data
+        return drone.receive(CrtpPacket(5, 1, bytes([6, number]) + fields), 0.0)[0].data
 
     assert create(1, floats) == bytes([6, 1, 0])
     assert create(1, floats) == bytes([6, 1, errno.EEXIST])
     assert create(2, floats + struct.pack('<BH', 0x77, 6)) == bytes([6, 2, errno.E2BIG])
     assert create(3, struct.pack('<BH', 0x77, 999)) == bytes([6, 3, errno.ENOENT])
     assert create(4, floats[:3] + b'\x77') == bytes([6, 4, 0])  # the dangling byte of cflib
-    assert drone.receive(Packet(5, 1, b'\x63\x01'), 0.0)[0].data[2] == errno.ENOEXEC
-    assert drone.receive(Packet(5, 1, b'\x04\x63'), 0.0)[0].data[2] == errno.ENOENT
+    assert drone.receive(CrtpPacket(5, 1, b'\x63\x01'), 0.0)[0].data[2] == errno.ENOEXEC
+    assert drone.receive(CrtpPacket(5, 1, b'\x04\x63'), 0.0)[0].data[2] == errno.ENOENT
     for number in range(5, 17):
         assert create(number, b'')[2] == 0
     assert create(20, b'')[2] == errno.ENOMEM
 
 
 def test_log_stamps_wrap_at_24_bits_and_follow_the_drones_clock():
-    drone = Firmware(Bench(), boot_ms=(1 << 24) - 25, drift=100e-6)
-    drone.receive(Packet(5, 1, b'\x06\x01' + struct.pack('<BH', 0x77, 2)), 0.0)
-    drone.receive(Packet(5, 1, b'\x03\x01\x01'), 0.0)  # every 10 ms
+    drone = Firmware(BenchBody(), boot_ms=(1 << 24) - 25, drift=100e-6)
+    drone.receive(CrtpPacket(5, 1, b'\x06\x01' + struct.pack('<BH', 0x77, 2)), 0.0)
+    drone.receive(CrtpPacket(5, 1, b'\x03\x01\x01'), 0.0)  # every 10 ms
     stamps = []
     for turn in range(1, 8):
         stamps += [int.from_bytes(one.data[1:4], 'little') for one in drone.tick(turn * 0.01)]
     assert stamps[:4] == [(1 << 24) - 15, (1 << 24) - 5, 5, 15]
-    assert drone.milliseconds(1000.0) - drone.milliseconds(0.0) == 1_000_100
+    assert drone.clock_ms(1000.0) - drone.clock_ms(0.0) == 1_000_100
 
 
 def test_parameters_are_read_written_and_guarded(drone):
-    assert drone.receive(Packet(2, 1, b'\0\0'), 0.0)[0].data == b'\0\0\0' + struct.pack('<H', 3000)
-    assert drone.receive(Packet(2, 2, b'\0\0\x10\x27'), 0.0)[0].data == b'\0\0\x10\x27'
-    assert drone.receive(Packet(2, 1, b'\0\0'), 0.0)[0].data[3:] == struct.pack('<H', 10000)
+    assert drone.receive(CrtpPacket(2, 1, b'\0\0'), 0.0)[0].data == b'\0\0\0' + struct.pack(
+        '<H', 3000
+    )
+    assert drone.receive(CrtpPacket(2, 2, b'\0\0\x10\x27'), 0.0)[0].data == b'\0\0\x10\x27'
+    assert drone.receive(CrtpPacket(2, 1, b'\0\0'), 0.0)[0].data[3:] == struct.pack('<H', 10000)
     read_only = drone.parameters.values['firmware.revision0']
     number = struct.pack('<H', len(drone.parameters.values) - 1)
-    assert drone.receive(Packet(2, 2, number + bytes(4)), 0.0) == []
+    assert drone.receive(CrtpPacket(2, 2, number + bytes(4)), 0.0) == []
     assert drone.parameters.values['firmware.revision0'] == read_only
-    assert drone.receive(Packet(2, 1, b'\x63\0'), 0.0)[0].data == b'\x63\0\x02'
+    assert drone.receive(CrtpPacket(2, 1, b'\x63\0'), 0.0)[0].data == b'\x63\0\x02'
 
 
 def test_a_link_loses_doubles_and_swaps():
-    link = Link(drop=0.5)
+    link = LossyLink(drop=0.5)
     for _ in range(1000):
-        link.put(b'a', 0.0)
-    assert 440 < len(link.out(0.0)) < 560
-    link = Link(double=1.0, delay=0.1)
-    link.put(b'a', 0.0)
-    assert link.out(0.09) == []
-    assert link.out(0.1) == [b'a', b'a']
-    link = Link(jitter=0.1)
+        link.send(b'a', 0.0)
+    assert 440 < len(link.receive(0.0)) < 560
+    link = LossyLink(double=1.0, delay=0.1)
+    link.send(b'a', 0.0)
+    assert link.receive(0.09) == []
+    assert link.receive(0.1) == [b'a', b'a']
+    link = LossyLink(jitter=0.1)
     for number in range(100):
-        link.put(bytes([number]), 1e-3 * number)
-    arrived = link.out(1.0)
+        link.send(bytes([number]), 1e-3 * number)
+    arrived = link.receive(1.0)
     assert sorted(arrived) == [bytes([number]) for number in range(100)] != arrived
 
 
 def test_a_datagram_is_a_header_and_at_most_30_bytes():
-    assert unpacked(b'') is None
-    assert unpacked(bytes(32)) is None
-    assert unpacked(b'\x5e\x01') == Packet(5, 2, b'\x01')  # the reserved bits say nothing
-    assert Packet(5, 2, b'\x01').packed() == b'\x52\x01'
+    assert unpack_datagram(b'') is None
+    assert unpack_datagram(bytes(32)) is None
+    assert unpack_datagram(b'\x5e\x01') == CrtpPacket(
+        5, 2, b'\x01'
+    )  # the reserved bits say nothing
+    assert CrtpPacket(5, 2, b'\x01').pack() == b'\x52\x01'

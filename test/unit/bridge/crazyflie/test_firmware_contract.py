@@ -23,16 +23,16 @@ from firmware_scenarios import (
     SCENARIOS,
     SOLD,
 )
-from lta_bridge.crazyflie.supervisor import Bit
+from lta_bridge.crazyflie.supervisor_word import SupervisorBit
 from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_emulation.crazyflie.body import Bench
-from lta_emulation.crazyflie.build import APP as APP_BUILD
-from lta_emulation.crazyflie.build import ARMING as ARMING_BUILD
-from lta_emulation.crazyflie.build import AS_SOLD
-from lta_emulation.crazyflie.contents import BASIC, EXTENDED, PARAMETER_TYPES, READ_ONLY
+from lta_emulation.crazyflie.body import BenchBody
 from lta_emulation.crazyflie.firmware import Firmware
-from lta_emulation.crazyflie.packet import Packet
-from lta_emulation.crazyflie.variables import parameters
+from lta_emulation.crazyflie.firmware_build import APP as APP_BUILD
+from lta_emulation.crazyflie.firmware_build import ARMING as ARMING_BUILD
+from lta_emulation.crazyflie.firmware_build import AS_SOLD
+from lta_emulation.crazyflie.packet import CrtpPacket
+from lta_emulation.crazyflie.table_of_contents import BASIC, EXTENDED, PARAMETER_TYPES, READ_ONLY
+from lta_emulation.crazyflie.variables import list_parameters
 from lta_model.effects.rotors import battery_compensation
 from lta_model.state import SURROUNDINGS, VOLTAGE
 import pytest
@@ -48,7 +48,7 @@ FULL = 65535
 
 def played(name, build):
     """Return the changes of a script that is played to the emulator."""
-    scenario, drone = SCENARIOS[name], Firmware(Bench(), build=build)
+    scenario, drone = SCENARIOS[name], Firmware(BenchBody(), build=build)
     samples, last = [], 0.0
     for turn in range(round(SETTLED / PERIOD)):
         drone.tick(turn * PERIOD)
@@ -57,7 +57,7 @@ def played(name, build):
         if any(last <= at < now for at, _, _ in scenario.bench):
             drone.acceleration = (0.0, 0.0, -1.0)
         for packet in due(scenario, last, now):
-            drone.receive(Packet(*packet), SETTLED + now)
+            drone.receive(CrtpPacket(*packet), SETTLED + now)
         drone.tick(SETTLED + now)
         ratios = tuple(round(FULL * duty) for duty in drone.body.duties)
         samples.append(Sample(now, drone.supervisor.word, ratios))
@@ -76,7 +76,7 @@ def test_the_emulator_does_what_the_firmware_did(build, name):
     seen = played(name, BUILDS[build])
     if name == 'upside down':
         # A body that falls is weightless, and not tumbled until it lies; the clamped one is.
-        seen, kept = without(seen, Bit.TUMBLED), without(kept, Bit.TUMBLED)
+        seen, kept = without(seen, SupervisorBit.TUMBLED), without(kept, SupervisorBit.TUMBLED)
     assert disagreement(seen, kept, LATE) == ''
 
 
@@ -108,8 +108,8 @@ def test_our_build_has_no_idle_thrust_and_no_compensation():
 @pytest.mark.parametrize('build', BUILDS)
 def test_its_parameters_have_the_firmwares_types_and_values(build):
     """But for the mark of core parameters, which nothing here reads."""
-    drone = Firmware(Bench(), build=BUILDS[build])
-    entries = {entry.name: entry for entry in parameters(BUILDS[build])}
+    drone = Firmware(BenchBody(), build=BUILDS[build])
+    entries = {entry.name: entry for entry in list_parameters(BUILDS[build])}
     matters = BASIC | EXTENDED | READ_ONLY
     kept = KEPT['builds'][build]['parameters']
     assert {name: drone.parameters.values[name] for name in kept} == {
@@ -126,10 +126,10 @@ def test_it_takes_writes_of_every_length_as_the_firmware_does(length):
     data = {'exact': b'\xd0\x07', 'one byte too many': b'\xd0\x07\x01',
             'one byte too few': b'\xd0', 'none': b''}[length]  # fmt: skip
     kept = KEPT['builds'][APP]['parameter_writes'][length]
-    drone = Firmware(Bench())
-    names = [entry.name for entry in parameters(APP_BUILD)]
+    drone = Firmware(BenchBody())
+    names = [entry.name for entry in list_parameters(APP_BUILD)]
     number = names.index('supervisor.landedTimeout')
-    told = drone.receive(Packet(2, 2, struct.pack('<H', number) + data), 0.0)
+    told = drone.receive(CrtpPacket(2, 2, struct.pack('<H', number) + data), 0.0)
     assert len(told[0].data) == kept['answered']
     if len(data) >= struct.calcsize(PARAMETER_TYPES[9]):
         assert drone.parameters.values['supervisor.landedTimeout'] == kept['value']
@@ -146,5 +146,5 @@ def test_our_build_passes_duties_on_and_the_vehicle_file_has_the_curve_of_others
     surroundings = [0.0] * SURROUNDINGS
     surroundings[VOLTAGE] = float(voltage)
     for duty, ratio, _ in KEPT['builds'][SOLD]['ratios'][voltage]:
-        told = battery_compensation.output(values, (), duty, tuple(surroundings))
+        told = battery_compensation.compute_output(values, (), duty, tuple(surroundings))
         assert told == pytest.approx(ratio, abs=2e-3)

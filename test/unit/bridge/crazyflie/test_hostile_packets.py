@@ -5,17 +5,17 @@ import math
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from lta_bridge.crazyflie import messages
-from lta_bridge.crazyflie.bridge import Asked, Bridge, UNTOLD, Where
-from lta_bridge.crazyflie.condition import condition
-from lta_bridge.crazyflie.consumption import Consumption
+from lta_bridge.crazyflie.bridge_core import BridgeCore, CrazyflieCommand, PositionEstimate, UNTOLD
+from lta_bridge.crazyflie.health_facts import describe_health
 from lta_bridge.crazyflie.link import LogPacket
 from lta_bridge.crazyflie.log_table import BLOCKS
-from lta_bridge.crazyflie.packet_check import fault, MOST, size_of, STAMPED
-from lta_bridge.crazyflie.readings import Air, Motion, Power
-from lta_bridge.crazyflie.round_trips import sent_at
-from lta_bridge.crazyflie.safety import Asked as AskedBy
-from lta_bridge.crazyflie.safety import LOST, LOW, Stage
-from lta_bridge.crazyflie.supervisor import Bit
+from lta_bridge.crazyflie.packet_check import block_size, find_packet_fault, MOST, STAMPED
+from lta_bridge.crazyflie.power_model import CrazyfliePowerModel
+from lta_bridge.crazyflie.readings import AirReading, ImuReading, PowerReading
+from lta_bridge.crazyflie.round_trips import parse_ping_time
+from lta_bridge.crazyflie.safety import LOST, LOW, SafetyStage
+from lta_bridge.crazyflie.safety import SafetyRequest as AskedBy
+from lta_bridge.crazyflie.supervisor_word import SupervisorBit
 from lta_graph.ros.stamps import to_stamp
 from lta_model.vehicle import load_vehicle
 import pytest
@@ -24,13 +24,14 @@ from rclpy.serialization import serialize_message
 from .bridged import FILE, Kept, NOTHING, TICK
 
 VEHICLE = load_vehicle('gtmab')
-CONSUMPTION = Consumption.of(VEHICLE.file.energy)
+CONSUMPTION = CrazyfliePowerModel.from_energy(VEHICLE.file.energy)
 BEGIN = 10**18  # ns
 GOOD = {
     'imu': {f'{s}.{a}': 0.0 for s in ('acc', 'gyro') for a in 'xyz'},
     'air': {'baro.pressure': 1013.25, 'range.zrange': 450},
     'attitude': {f'stateEstimate.{a}': 0.0 for a in ('roll', 'pitch', 'yaw')},
-    'motors': {f'motor.m{n}': 0 for n in range(1, 5)} | {'supervisor.info': int(Bit.ARMED)},
+    'motors': {f'motor.m{n}': 0 for n in range(1, 5)}
+    | {'supervisor.info': int(SupervisorBit.ARMED)},
     'power': {'pm.vbat': 4.0, 'pm.state': 0},
 }
 EXTREME = {  # of the types that the wire has
@@ -47,11 +48,11 @@ class Flight:
 
     def __init__(self):
         self.kept, self.now = Kept(), BEGIN
-        self.bridge = Bridge(self.kept, FILE, list(FILE.motors.values()), 'override')
+        self.bridge = BridgeCore(self.kept, FILE, list(FILE.motors.values()), 'override')
 
     def told(self, block, values, stamp_ms=None):
         ms = (self.now - BEGIN) // 1_000_000 if stamp_ms is None else stamp_ms
-        return self.bridge.heard(LogPacket(block, ms % 2**24, values, self.now))
+        return self.bridge.receive_packet(LogPacket(block, ms % 2**24, values, self.now))
 
     def tick(self, asked=NOTHING, spoilt=(), good=GOOD):
         self.now += TICK
@@ -59,13 +60,13 @@ class Flight:
             self.told(block, values)
         for packet in spoilt:
             published(self.told(*packet))
-        self.bridge.commanded(Asked(self.now, duties=(0.1, 0.2, 0.3, 0.4)))
+        self.bridge.accept_command(CrazyflieCommand(self.now, duties=(0.1, 0.2, 0.3, 0.4)))
         self.bridge.tick(1e-9 * self.now, self.now, True, True, asked)
 
     @property
     def facts(self):
-        seen = self.bridge.seen(self.now, True, True)
-        return {fact.task: fact for fact in condition(self.bridge, '', 0, 12, seen)}
+        seen = self.bridge.collect_inputs(self.now, True, True)
+        return {fact.task: fact for fact in describe_health(self.bridge, '', 0, 12, seen)}
 
     @property
     def duties(self):
@@ -76,13 +77,13 @@ def published(told):
     """Make the messages of a reading, as the node does, down to their bytes."""
     stamp, made = to_stamp(told.stamp_ns), ()
     match told.reading:
-        case Motion() as motion:
-            made = (messages.imu(stamp, motion, None),)
-        case Air() as air:
-            made = messages.air(stamp, air)
-        case Power() as power if power.voltage > 0.0:
-            current = CONSUMPTION.current((1.0,) * 4, power.voltage)
-            made = (messages.battery(stamp, power.voltage, current),)
+        case ImuReading() as motion:
+            made = (messages.to_imu(stamp, motion, None),)
+        case AirReading() as air:
+            made = messages.to_range_pressure(stamp, air)
+        case PowerReading() as power if power.voltage > 0.0:
+            current = CONSUMPTION.cell_current((1.0,) * 4, power.voltage)
+            made = (messages.to_battery(stamp, power.voltage, current),)
     for message in made:
         assert serialize_message(message)
 
@@ -93,22 +94,22 @@ def flying():
     flight.tick(AskedBy(arm=True))
     for _ in range(3):
         flight.tick()
-    assert flight.bridge.state.stage is Stage.FLYING
+    assert flight.bridge.state.stage is SafetyStage.FLYING
     return flight
 
 
 def test_an_estimator_that_falls_silent_lands_though_commands_go_on():
     flight = flying()
-    flight.bridge.placed(Where(0.4, 0.0, flight.now))
+    flight.bridge.update_position(PositionEstimate(0.4, 0.0, flight.now))
     for _ in range(round(LOST * 1e9 / TICK)):
         flight.tick()
-    assert flight.bridge.state.stage is Stage.FLYING
+    assert flight.bridge.state.stage is SafetyStage.FLYING
     flight.tick()
-    assert flight.bridge.state.stage is Stage.LANDING
+    assert flight.bridge.state.stage is SafetyStage.LANDING
     assert flight.bridge.state.why.startswith('the newest place by the estimator is')
     for _ in range(50):
         flight.tick()
-    assert flight.bridge.state.stage is Stage.DISARMED
+    assert flight.bridge.state.stage is SafetyStage.DISARMED
 
 
 def of_block(block):
@@ -134,7 +135,7 @@ def test_any_log_packets_are_survived_and_no_duty_leaves_its_range(packets):
     # The drone is well again, or it has come down; it does not fly on by what nobody measured.
     for _ in range(600):
         flight.tick()
-    assert flight.bridge.state.stage in (Stage.FLYING, Stage.DISARMED)
+    assert flight.bridge.state.stage in (SafetyStage.FLYING, SafetyStage.DISARMED)
 
 
 @given(hostile)
@@ -155,7 +156,7 @@ def test_a_voltage_that_is_no_number_is_not_flown_with_for_long():
     flight = flying()
     began = flight.now
     bad = GOOD | {'power': {'pm.vbat': math.nan, 'pm.state': 0}}
-    while flight.bridge.state.stage is Stage.FLYING:
+    while flight.bridge.state.stage is SafetyStage.FLYING:
         flight.tick(good=bad)
     assert 1e-9 * (flight.now - began) < UNTOLD + LOW + 0.1
     assert 'nobody tells its voltage' in flight.bridge.state.why
@@ -169,19 +170,19 @@ def test_a_voltage_that_is_no_number_is_not_flown_with_for_long():
 def test_any_command_is_clipped_or_counted(duties, stamp):
     flight = flying()
     before = flight.bridge.unasked.count
-    flight.bridge.commanded(Asked(stamp, duties=tuple(duties)))
+    flight.bridge.accept_command(CrazyflieCommand(stamp, duties=tuple(duties)))
     fits = len(duties) == 4 and all(map(math.isfinite, duties))
     assert flight.bridge.unasked.count - before == (not fits)
     flight.bridge.tick(1e-9 * flight.now, flight.now, True, True, AskedBy())
     assert all(-1.0 <= duty <= 1.0 for duty in flight.duties)
 
 
-SIZES = {number: size_of(block) for number, block in enumerate(BLOCKS, start=1)}
+SIZES = {number: block_size(block) for number, block in enumerate(BLOCKS, start=1)}
 
 
 @given(st.integers(0, 15), st.integers(0, 3), st.binary(max_size=64))
 def test_any_packet_is_judged_in_words(port, channel, data):
-    why = fault(port, channel, data, SIZES)
+    why = find_packet_fault(port, channel, data, SIZES)
     assert isinstance(why, str)
     if len(data) > MOST or port in (1, 3, 7, 10, 11, 12, 14):
         assert why
@@ -190,9 +191,12 @@ def test_any_packet_is_judged_in_words(port, channel, data):
 @given(st.sampled_from(sorted(SIZES)), st.integers(0, 26))
 def test_a_log_packet_has_the_size_of_its_block_and_no_other(number, size):
     data = bytes([number]) + bytes(STAMPED - 1 + size)
-    assert (fault(5, 2, data, SIZES) == '') == (size == SIZES[number])
-    assert fault(5, 2, bytes([99]) + data[1:], SIZES) == 'log block 99 was never asked for'
-    assert fault(5, 2, data, {}) == ''  # of an earlier connection
+    assert (find_packet_fault(5, 2, data, SIZES) == '') == (size == SIZES[number])
+    assert (
+        find_packet_fault(5, 2, bytes([99]) + data[1:], SIZES)
+        == 'log block 99 was never asked for'
+    )
+    assert find_packet_fault(5, 2, data, {}) == ''  # of an earlier connection
 
 
 @pytest.mark.parametrize(
@@ -216,10 +220,10 @@ def test_a_drone_speaks_on_its_own_ports_and_says_enough(port, fewest):
         for size in range(MOST + 2):
             fits = least is not None and least <= size <= 30
             if (port, channel) != (5, 2):
-                assert (fault(port, channel, bytes(size), SIZES) == '') == fits
+                assert (find_packet_fault(port, channel, bytes(size), SIZES) == '') == fits
 
 
 @given(st.binary(max_size=31))
 def test_any_echo_is_a_ping_or_none(data):
-    sent = sent_at(data)
+    sent = parse_ping_time(data)
     assert sent is None or len(data) == 9

@@ -2,10 +2,10 @@
 
 from types import SimpleNamespace
 
-from lta_bridge.crazyflie import keeper
-from lta_bridge.crazyflie.keeper import agree, Keeper
+from lta_bridge.crazyflie import connection_manager
+from lta_bridge.crazyflie.connection_manager import apply_parameters, ConnectionManager
 from lta_bridge.crazyflie.link import LinkFailed
-from lta_config.schema.crazyflie_file import Expected
+from lta_config.schema.crazyflie_file import ExpectedParameter
 import pytest
 
 
@@ -39,11 +39,11 @@ def keep(monkeypatch, event_after):
         leave = event_after(waits)
         again = SimpleNamespace(clear=lambda: None, is_set=lambda: False, wait=lambda: None)
         events = iter((leave, again))
-        monkeypatch.setattr(keeper, 'threading', SimpleNamespace(
+        monkeypatch.setattr(connection_manager, 'threading', SimpleNamespace(
             Event=lambda: next(events),
             Thread=lambda target, **_: SimpleNamespace(start=target),
         ))  # fmt: skip
-        return Keeper(drone, {}, given_back), leave.waited
+        return ConnectionManager(drone, {}, given_back), leave.waited
 
     return keep
 
@@ -70,12 +70,14 @@ def test_before_its_thread_has_begun_it_is_down_and_leaving_it_takes_five_second
     flags = []
     event = SimpleNamespace(set=lambda: flags.append('set'))
     monkeypatch.setattr(
-        keeper, 'threading', SimpleNamespace(Event=lambda: event, Thread=lambda **_: thread)
+        connection_manager,
+        'threading',
+        SimpleNamespace(Event=lambda: event, Thread=lambda **_: thread),
     )
-    kept = Keeper(Drone(), {})
+    kept = ConnectionManager(Drone(), {})
     assert (kept.up, kept.why, kept.attempts) == (False, 'connecting', 0)
     kept.up = True
-    kept.lost('no packet')
+    kept.reconnect('no packet')
     assert (kept.up, kept.why, flags) == (False, 'no packet', ['set'])
     kept.up = True
     assert [kept.close(), kept.close(1.5)] == [False, True]
@@ -83,17 +85,17 @@ def test_before_its_thread_has_begun_it_is_down_and_leaving_it_takes_five_second
 
 
 def want(value, write=True):
-    return Expected(value=value, write=write, why='why')
+    return ExpectedParameter(value=value, write=write, why='why')
 
 
 def test_what_turns_motors_is_switched_off_first_and_what_is_right_is_left():
     drone = Drone({'motorPowerSet.enable': 1.0, 'powerDist.idleThrust': 0.0, 'a': 1.0, 'b': 2.0})
-    agree(drone, {'a': want(1.0, write=False), 'b': want(3.0)})
+    apply_parameters(drone, {'a': want(1.0, write=False), 'b': want(3.0)})
     assert drone.written == [('motorPowerSet.enable', 0.0, 2.0), ('b', 3.0, 2.0)]
 
 
 def test_a_refused_drone_gets_nothing_but_what_stops_its_motors():
     drone = Drone({'powerDist.idleThrust': 7000.0, 'a': 1.0, 'b': 2.0})
     with pytest.raises(LinkFailed, match=r'b is 2, not 3 \(why\)'):
-        agree(drone, {'a': want(5.0), 'b': want(3.0, write=False)})
+        apply_parameters(drone, {'a': want(5.0), 'b': want(3.0, write=False)})
     assert drone.written == [('powerDist.idleThrust', 0.0, 2.0)]

@@ -4,8 +4,8 @@ from pathlib import Path
 from random import Random
 import sys
 
-from lta_emulation.crazyflie.build import APP, ARMING
-from lta_emulation.crazyflie.packet import Packet
+from lta_emulation.crazyflie.firmware_build import APP, ARMING
+from lta_emulation.crazyflie.packet import CrtpPacket
 import pytest
 
 FOLDER = Path(__file__).resolve().parents[3] / 'score'
@@ -35,18 +35,18 @@ def test_no_malformed_packet_turns_a_motor(noise, build, seed):
 @pytest.mark.parametrize(
     ('packet', 'obeyed'),
     [
-        (Packet(9, 1, b'\x01\x01'), True),
-        (Packet(9, 1, b'\x01'), True),  # what follows is left by an earlier packet
-        (Packet(9, 1, b'\x03\x01'), False),
-        (Packet(13, 0, b'\x01\x01\x63'), True),
-        (Packet(2, 2, NUMBER + b'\x01'), True),
-        (Packet(2, 2, NUMBER), True),
-        (Packet(2, 2, NUMBER + b'\x01\x63\x63'), True),  # nothing looks at its length
-        (Packet(2, 2, b'\x06\0\x01'), False),
-        (Packet(2, 1, NUMBER + b'\x01'), False),
-        (Packet(2, 3, b'\0motorPowerSet\0enable\0\x08\x01'), True),
-        (Packet(2, 3, b'\0motorPowerSet\0m1\0\x09\x01\x01'), False),
-        (Packet(7, 0, b'\x0a' + bytes(16)), False),
+        (CrtpPacket(9, 1, b'\x01\x01'), True),
+        (CrtpPacket(9, 1, b'\x01'), True),  # what follows is left by an earlier packet
+        (CrtpPacket(9, 1, b'\x03\x01'), False),
+        (CrtpPacket(13, 0, b'\x01\x01\x63'), True),
+        (CrtpPacket(2, 2, NUMBER + b'\x01'), True),
+        (CrtpPacket(2, 2, NUMBER), True),
+        (CrtpPacket(2, 2, NUMBER + b'\x01\x63\x63'), True),  # nothing looks at its length
+        (CrtpPacket(2, 2, b'\x06\0\x01'), False),
+        (CrtpPacket(2, 1, NUMBER + b'\x01'), False),
+        (CrtpPacket(2, 3, b'\0motorPowerSet\0enable\0\x08\x01'), True),
+        (CrtpPacket(2, 3, b'\0motorPowerSet\0m1\0\x09\x01\x01'), False),
+        (CrtpPacket(7, 0, b'\x0a' + bytes(16)), False),
     ],
 )
 def test_only_what_the_firmware_obeys_as_a_command_is_no_noise(noise, packet, obeyed):

@@ -1,14 +1,14 @@
 """Motors past the firmware's supervisor: only tethered, and let go of on every way out."""
 
-from lta_bridge.crazyflie.bridge import LETTING_GO
-from lta_bridge.crazyflie.override import check_tether, expected
-from lta_bridge.crazyflie.safety import Asked as AskedBy
-from lta_bridge.crazyflie.supervisor import Bit
+from lta_bridge.crazyflie.bridge_core import LETTING_GO
+from lta_bridge.crazyflie.override import check_tether, select_parameters
+from lta_bridge.crazyflie.safety import SafetyRequest as AskedBy
+from lta_bridge.crazyflie.supervisor_word import SupervisorBit
 from lta_config.errors import BadInput
 from lta_config.schema.crazyflie_file import REQUIRED
-from lta_emulation.crazyflie.body import Bench
+from lta_emulation.crazyflie.body import BenchBody
 from lta_emulation.crazyflie.firmware import Firmware
-from lta_emulation.crazyflie.server import Server
+from lta_emulation.crazyflie.server import CrazyflieServer
 import pytest
 from waiting import wait_until
 
@@ -33,8 +33,8 @@ EXITS = {
     'the drone is silent': lambda b: setattr(b, 'logs', False),
     'the link is gone': lambda b: setattr(b, 'linked', False),
     'deactivated': lambda b: setattr(b, 'active', False),
-    'locked': lambda b: setattr(b, 'word', Bit.LOCKED),
-    'disarmed by itself': lambda b: setattr(b, 'word', Bit.CAN_BE_ARMED),
+    'locked': lambda b: setattr(b, 'word', SupervisorBit.LOCKED),
+    'disarmed by itself': lambda b: setattr(b, 'word', SupervisorBit.CAN_BE_ARMED),
 }
 
 
@@ -58,9 +58,9 @@ def test_before_it_is_armed_nothing_is_overridden():
 
 def test_the_drone_turns_them_though_disarmed_until_the_link_is_closed(linked):
     """What makes it dangerous, on the emulated firmware; and that closing ends it."""
-    with Server(Firmware(Bench())) as server:
+    with CrazyflieServer(Firmware(BenchBody())) as server:
         link = linked(server)
-        link.override(DUTIES)
+        link.override_motors(DUTIES)
         body = server.firmware.body
         wanted = pytest.approx(DUTIES, abs=1e-4)
         wait_until(lambda: body.duties == wanted, 'the duties', lambda: body.duties)
@@ -72,22 +72,22 @@ def test_the_drone_turns_them_though_disarmed_until_the_link_is_closed(linked):
 
 def test_duties_that_no_motor_has_are_clipped_and_break_nothing(linked):
     """Out of range on the topic would break the packet, while what was sent before turns on."""
-    with Server(Firmware(Bench())) as server:
+    with CrazyflieServer(Firmware(BenchBody())) as server:
         link = linked(server)
-        link.override((2.0, -1.0, 0.5, 1.0))
+        link.override_motors((2.0, -1.0, 0.5, 1.0))
         body, wanted = server.firmware.body, pytest.approx((1.0, 0.0, 0.5, 1.0), abs=1e-4)
         wait_until(lambda: body.duties == wanted, 'the duties', lambda: body.duties)
         link.close()
 
 
 def test_an_emergency_stop_takes_the_override_off_whoever_put_it_on(linked):
-    with Server(Firmware(Bench())) as server:
+    with CrazyflieServer(Firmware(BenchBody())) as server:
         link = linked(server)
-        link.write('motorPowerSet.m1', 30000, 2.0)
-        link.write('motorPowerSet.enable', 1, 2.0)
+        link.write_parameter('motorPowerSet.m1', 30000, 2.0)
+        link.write_parameter('motorPowerSet.enable', 1, 2.0)
         body = server.firmware.body
         wait_until(lambda: body.duties[0] > 0.4, 'the duties', lambda: body.duties)
-        link.stop()
+        link.send_emergency_stop()
         wait_until(lambda: body.duties == STILL, 'their end', lambda: body.duties)
         link.close()
 
@@ -97,7 +97,9 @@ def test_untethered_it_is_refused_and_no_app_is_asked_for():
         check_tether('override', tethered=False)
     check_tether('override', tethered=True)
     check_tether('motors', tethered=False)
-    assert 'lta.app' in expected(FILE, 'motors')
-    assert not any(name.startswith('lta.') for name in expected(FILE, 'override'))
-    assert 'stabilizer.controller' not in expected(FILE, 'override')  # stock firmware has no 6
-    assert REQUIRED.keys() <= expected(FILE, 'override').keys()
+    assert 'lta.app' in select_parameters(FILE, 'motors')
+    assert not any(name.startswith('lta.') for name in select_parameters(FILE, 'override'))
+    assert 'stabilizer.controller' not in select_parameters(
+        FILE, 'override'
+    )  # stock firmware has no 6
+    assert REQUIRED.keys() <= select_parameters(FILE, 'override').keys()

@@ -8,46 +8,51 @@ import math
 
 from lta_bridge.crazyflie import readings
 from lta_bridge.crazyflie.safety import (
-    Asked,
-    Limits,
-    Order,
     QUIET,
-    Seen,
-    Stage,
-    State,
-    tick,
+    SafetyInputs,
+    SafetyLimits,
+    SafetyOutputs,
+    SafetyRequest,
+    SafetyStage,
+    SafetyState,
+    step_state,
 )
-from lta_bridge.crazyflie.supervisor import Bit, trouble
+from lta_bridge.crazyflie.supervisor_word import explain_fault, SupervisorBit
 import pytest
 
-LIMITS = Limits(voltage=3.2, time=600.0, height=4.0, distance=50.0)
-NOTHING, ARM, DISARM, STOP = Asked(), Asked(arm=True), Asked(arm=False), Asked(stop=True)
-ARMED = Seen(True, True, 2, 0.0, 0.0, 4.0, 1.0, 1.0)
+LIMITS = SafetyLimits(voltage=3.2, time=600.0, height=4.0, distance=50.0)
+NOTHING, ARM, DISARM, STOP = (
+    SafetyRequest(),
+    SafetyRequest(arm=True),
+    SafetyRequest(arm=False),
+    SafetyRequest(stop=True),
+)
+ARMED = SafetyInputs(True, True, 2, 0.0, 0.0, 4.0, 1.0, 1.0)
 ALOFT = ARMED._replace(word=2 | 16)
 ON_THE_GROUND = ARMED._replace(word=1)
-FLYING = State(Stage.FLYING, since=100.0, began=100.0, why='')
-NO_ORDER = Order(arm=None, drive=0.0, stream=False, hand_over=False, stop=False)
-RUN = Order(None, 1.0, True, False, False)
+FLYING = SafetyState(SafetyStage.FLYING, since=100.0, began=100.0, why='')
+NO_ORDER = SafetyOutputs(arm=None, drive=0.0, stream=False, hand_over=False, stop=False)
+RUN = SafetyOutputs(None, 1.0, True, False, False)
 
 
 def run(state, *steps):
     """Return the stage and the order after each step, of (now, seen, asked)."""
     told = []
     for now, seen, asked in steps:
-        state, order = tick(state, now, seen, asked, LIMITS)
+        state, order = step_state(state, now, seen, asked, LIMITS)
         told.append((state.stage, order))
     return told
 
 
 def flown(now=200.0, asked=NOTHING, state=FLYING, **changed):
     """Return the stage after one tick in flight, with one thing otherwise."""
-    return tick(state, now, ALOFT._replace(**changed), asked, LIMITS)[0].stage
+    return step_state(state, now, ALOFT._replace(**changed), asked, LIMITS)[0].stage
 
 
 def test_at_rest_nothing_is_sent():
-    assert QUIET == Order() == NO_ORDER
-    assert run(State(), (0.0, ON_THE_GROUND, NOTHING)) == [(Stage.DISARMED, NO_ORDER)]
-    assert run(State(), (0.0, Seen(), ARM)) == [(Stage.DISARMED, NO_ORDER)]
+    assert QUIET == SafetyOutputs() == NO_ORDER
+    assert run(SafetyState(), (0.0, ON_THE_GROUND, NOTHING)) == [(SafetyStage.DISARMED, NO_ORDER)]
+    assert run(SafetyState(), (0.0, SafetyInputs(), ARM)) == [(SafetyStage.DISARMED, NO_ORDER)]
 
 
 def test_a_request_to_arm_is_told_ten_times_a_second_until_it_is_confirmed():
@@ -55,7 +60,7 @@ def test_a_request_to_arm_is_told_ten_times_a_second_until_it_is_confirmed():
     confirmed = ARMED._replace(silence=0.01, command_age=math.inf)
     waiting = ON_THE_GROUND._replace(command_age=math.inf)
     assert run(
-        State(),
+        SafetyState(),
         (10.0, waiting, ARM),
         (10.0625, waiting, NOTHING),
         (10.125, waiting, NOTHING),
@@ -64,42 +69,44 @@ def test_a_request_to_arm_is_told_ten_times_a_second_until_it_is_confirmed():
         (10.3125, confirmed, NOTHING),
         (10.375, confirmed._replace(command_age=0.0), NOTHING),
     ) == [
-        (Stage.ARMING, arm),
-        (Stage.ARMING, NO_ORDER),
-        (Stage.ARMING, arm),
-        (Stage.ARMING, NO_ORDER),
-        (Stage.READY, NO_ORDER),
-        (Stage.READY, NO_ORDER._replace(stream=True)),  # motors still, for want of a command
-        (Stage.FLYING, RUN),
+        (SafetyStage.ARMING, arm),
+        (SafetyStage.ARMING, NO_ORDER),
+        (SafetyStage.ARMING, arm),
+        (SafetyStage.ARMING, NO_ORDER),
+        (SafetyStage.READY, NO_ORDER),
+        (SafetyStage.READY, NO_ORDER._replace(stream=True)),  # motors still, for want of a command
+        (SafetyStage.FLYING, RUN),
     ]
 
 
 def test_a_word_from_before_the_request_confirms_nothing():
     old_word = ARMED._replace(silence=0.2)
-    assert run(State(), (10.0, ON_THE_GROUND, ARM), (10.1, old_word, NOTHING))[1][0] is (
-        Stage.ARMING
+    assert run(SafetyState(), (10.0, ON_THE_GROUND, ARM), (10.1, old_word, NOTHING))[1][0] is (
+        SafetyStage.ARMING
     )
 
 
-@pytest.mark.parametrize(('after', 'stage'), [(1.0, Stage.ARMING), (1.01, Stage.DISARMED)])
+@pytest.mark.parametrize(
+    ('after', 'stage'), [(1.0, SafetyStage.ARMING), (1.01, SafetyStage.DISARMED)]
+)
 def test_arming_is_given_up_after_a_second(after, stage):
-    told = run(State(), (10.0, ON_THE_GROUND, ARM), (10.0 + after, ON_THE_GROUND, NOTHING))
+    told = run(SafetyState(), (10.0, ON_THE_GROUND, ARM), (10.0 + after, ON_THE_GROUND, NOTHING))
     assert told[1][0] is stage
-    assert told[1][1].arm is (stage is Stage.ARMING)
+    assert told[1][1].arm is (stage is SafetyStage.ARMING)
 
 
 @pytest.mark.parametrize('word', [2, 2 | 1])
 def test_one_that_is_found_armed_is_disarmed_ten_times_a_second(word):
     found = ARMED._replace(word=word)
     disarm = NO_ORDER._replace(arm=False)
-    told = run(State(), *((10.0 + 0.0625 * k, found, NOTHING) for k in range(4)))
+    told = run(SafetyState(), *((10.0 + 0.0625 * k, found, NOTHING) for k in range(4)))
     assert [order for _, order in told] == [disarm, NO_ORDER, disarm, NO_ORDER]
 
 
 @pytest.mark.parametrize('word', [1, 2 | 16, 2 | 4])
 def test_one_that_flies_or_arms_itself_is_not(word):
     """Disarmed in the air it would fall; and one that arms itself would at once again."""
-    assert run(State(), (10.0, ARMED._replace(word=word), NOTHING))[0][1] == NO_ORDER
+    assert run(SafetyState(), (10.0, ARMED._replace(word=word), NOTHING))[0][1] == NO_ORDER
 
 
 @pytest.mark.parametrize(
@@ -115,14 +122,14 @@ def test_one_that_flies_or_arms_itself_is_not(word):
     ],
 )
 def test_what_ends_a_flight_and_from_when(what, well, ill):
-    assert flown(**{what: well}) is Stage.FLYING
-    assert flown(**{what: ill}) is Stage.LANDING
+    assert flown(**{what: well}) is SafetyStage.FLYING
+    assert flown(**{what: ill}) is SafetyStage.LANDING
 
 
 def test_a_flight_lasts_as_long_as_its_limit():
-    assert flown(now=700.0) is Stage.FLYING
-    assert flown(now=700.01) is Stage.LANDING
-    assert flown(asked=DISARM) is Stage.LANDING
+    assert flown(now=700.0) is SafetyStage.FLYING
+    assert flown(now=700.01) is SafetyStage.LANDING
+    assert flown(asked=DISARM) is SafetyStage.LANDING
 
 
 @pytest.mark.parametrize('voltage', [3.19, math.nan])
@@ -130,8 +137,8 @@ def test_a_low_cell_lands_after_three_tenths_of_a_second_on_end(voltage):
     low = ALOFT._replace(voltage=voltage)
     steps = [(200.0, low), (200.25, low), (200.26, ALOFT), (200.27, low), (200.55, low)]
     told = run(FLYING, *((now, seen, NOTHING) for now, seen in steps), (200.58, low, NOTHING))
-    assert [stage for stage, _ in told] == [Stage.FLYING] * 5 + [Stage.LANDING]
-    assert flown(voltage=3.2) is Stage.FLYING
+    assert [stage for stage, _ in told] == [SafetyStage.FLYING] * 5 + [SafetyStage.LANDING]
+    assert flown(voltage=3.2) is SafetyStage.FLYING
 
 
 def test_a_landing_ramps_for_half_a_second_then_hands_over_and_disarms():
@@ -152,57 +159,60 @@ def test_a_landing_ramps_for_half_a_second_then_hands_over_and_disarms():
         NO_ORDER,
         NO_ORDER,
     ]
-    assert {stage for stage, _ in told} == {Stage.LANDING}
-    last = tick(State(Stage.LANDING, since=200.0), 210.51, end, NOTHING, LIMITS)
-    assert (last[0].stage, last[1]) == (Stage.DISARMED, NO_ORDER._replace(arm=False))
+    assert {stage for stage, _ in told} == {SafetyStage.LANDING}
+    last = step_state(SafetyState(SafetyStage.LANDING, since=200.0), 210.51, end, NOTHING, LIMITS)
+    assert (last[0].stage, last[1]) == (SafetyStage.DISARMED, NO_ORDER._replace(arm=False))
 
 
-@pytest.mark.parametrize(('gone', 'stage'), [(0.59, Stage.LANDING), (0.61, Stage.DISARMED)])
+@pytest.mark.parametrize(
+    ('gone', 'stage'), [(0.59, SafetyStage.LANDING), (0.61, SafetyStage.DISARMED)]
+)
 def test_one_that_has_landed_is_disarmed_a_tenth_of_a_second_after_the_ramp(gone, stage):
-    landing = State(Stage.LANDING, since=200.0)
-    assert tick(landing, 200.0 + gone, ARMED, NOTHING, LIMITS)[0].stage is stage
+    landing = SafetyState(SafetyStage.LANDING, since=200.0)
+    assert step_state(landing, 200.0 + gone, ARMED, NOTHING, LIMITS)[0].stage is stage
 
 
 @pytest.mark.parametrize(
     ('changed', 'asked', 'stage'),
     [
-        ({}, NOTHING, Stage.FLYING),
-        ({'word': 16}, NOTHING, Stage.LANDING),
-        ({'command_age': 0.31}, NOTHING, Stage.LANDING),
-        ({'height': 5.0}, NOTHING, Stage.LANDING),
-        ({}, DISARM, Stage.LANDING),
+        ({}, NOTHING, SafetyStage.FLYING),
+        ({'word': 16}, NOTHING, SafetyStage.LANDING),
+        ({'command_age': 0.31}, NOTHING, SafetyStage.LANDING),
+        ({'height': 5.0}, NOTHING, SafetyStage.LANDING),
+        ({}, DISARM, SafetyStage.LANDING),
     ],
 )
 def test_a_hiccup_of_commands_is_flown_through_within_the_ramp(changed, asked, stage):
-    state = tick(FLYING, 200.0, ALOFT._replace(command_age=0.31), NOTHING, LIMITS)[0]
+    state = step_state(FLYING, 200.0, ALOFT._replace(command_age=0.31), NOTHING, LIMITS)[0]
     assert flown(200.25, asked, state, **changed) is stage
 
 
 def test_what_ended_for_another_reason_needs_a_new_request():
-    state = tick(FLYING, 200.0, ALOFT._replace(active=False), NOTHING, LIMITS)[0]
-    assert flown(200.25, NOTHING, state) is Stage.LANDING
+    state = step_state(FLYING, 200.0, ALOFT._replace(active=False), NOTHING, LIMITS)[0]
+    assert flown(200.25, NOTHING, state) is SafetyStage.LANDING
 
 
 def test_a_cure_that_was_refused_once_is_refused_for_good():
-    state = tick(FLYING, 200.0, ALOFT._replace(command_age=0.31), NOTHING, LIMITS)[0]
-    state = tick(state, 200.125, ALOFT, DISARM, LIMITS)[0]
-    assert flown(200.25, NOTHING, state) is Stage.LANDING
+    state = step_state(FLYING, 200.0, ALOFT._replace(command_age=0.31), NOTHING, LIMITS)[0]
+    state = step_state(state, 200.125, ALOFT, DISARM, LIMITS)[0]
+    assert flown(200.25, NOTHING, state) is SafetyStage.LANDING
 
 
 def test_a_stop_is_sent_ten_times_and_on_while_the_drone_says_that_it_is_armed():
     stop = NO_ORDER._replace(stop=True)
     steps = [(200.0 + k, ARMED._replace(word=0), STOP if k == 0 else ARM) for k in range(12)]
-    told = run(FLYING, *steps, (212.0, ARMED, ARM), (213.0, Seen(word=2), NOTHING))
+    told = run(FLYING, *steps, (212.0, ARMED, ARM), (213.0, SafetyInputs(word=2), NOTHING))
     assert [order for _, order in told] == [stop] * 10 + [NO_ORDER] * 2 + [stop, NO_ORDER]
-    assert {stage for stage, _ in told} == {Stage.STOPPED}
+    assert {stage for stage, _ in told} == {SafetyStage.STOPPED}
 
 
-@pytest.mark.parametrize('stage', [Stage.READY, Stage.FLYING])
+@pytest.mark.parametrize('stage', [SafetyStage.READY, SafetyStage.FLYING])
 @pytest.mark.parametrize('changed', [{'linked': False}, {'word': 2 | 64}, {'word': 1}])
 def test_one_that_is_gone_locked_or_disarmed_gets_no_order(stage, changed):
-    state, order = tick(FLYING._replace(stage=stage), 200.0, ALOFT._replace(**changed), NOTHING,
-                        LIMITS)  # fmt: skip
-    assert (state.stage, order) == (Stage.DISARMED, NO_ORDER)
+    state, order = step_state(
+        FLYING._replace(stage=stage), 200.0, ALOFT._replace(**changed), NOTHING, LIMITS
+    )
+    assert (state.stage, order) == (SafetyStage.DISARMED, NO_ORDER)
 
 
 @pytest.mark.parametrize(
@@ -221,31 +231,31 @@ def test_one_that_is_gone_locked_or_disarmed_gets_no_order(stage, changed):
     ],
 )
 def test_who_may_arm(changed, why):
-    state, order = tick(State(), 10.0, ON_THE_GROUND._replace(**changed), ARM, LIMITS)
+    state, order = step_state(SafetyState(), 10.0, ON_THE_GROUND._replace(**changed), ARM, LIMITS)
     assert state.why.startswith(why)
-    assert (state.stage is Stage.ARMING) == (order.arm is True) == (not why)
+    assert (state.stage is SafetyStage.ARMING) == (order.arm is True) == (not why)
 
 
 def test_ready_is_left_when_asked_to_and_by_what_would_end_a_flight():
-    ready = State(Stage.READY, since=100.0)
+    ready = SafetyState(SafetyStage.READY, since=100.0)
     disarm = NO_ORDER._replace(arm=False)
     for seen, asked in ((ARMED, DISARM), (ARMED._replace(silence=0.6), NOTHING)):
-        told = tick(ready, 200.0, seen, asked, LIMITS)
-        assert (told[0].stage, told[1]) == (Stage.DISARMED, disarm)
-    state = tick(ready, 5000.0, ARMED, NOTHING, LIMITS)[0]  # it may have stood for long
-    assert (state.stage, state.began) == (Stage.FLYING, 5000.0)
+        told = step_state(ready, 200.0, seen, asked, LIMITS)
+        assert (told[0].stage, told[1]) == (SafetyStage.DISARMED, disarm)
+    state = step_state(ready, 5000.0, ARMED, NOTHING, LIMITS)[0]  # it may have stood for long
+    assert (state.stage, state.began) == (SafetyStage.FLYING, 5000.0)
 
 
 def test_the_bits_of_the_word_are_those_of_the_firmware():
     """supervisor.c, 2026.08: the order of the fields of its bit word."""
-    assert [(bit.name, int(bit)) for bit in Bit] == [
+    assert [(bit.name, int(bit)) for bit in SupervisorBit] == [
         ('CAN_BE_ARMED', 1), ('ARMED', 2), ('AUTO_ARM', 4), ('CAN_FLY', 8), ('FLYING', 16),
         ('TUMBLED', 32), ('LOCKED', 64), ('CRASHED', 128), ('HIGH_LEVEL', 256),
         ('TRAJECTORY_FINISHED', 512), ('HIGH_LEVEL_DISABLED', 1024), ('DECK_FAULT', 2048),
     ]  # fmt: skip
-    assert [bool(trouble(1 << k)) for k in range(12)] == [False] * 5 + [True] * 3 + [False] * 3 + [
-        True
-    ]
+    assert [bool(explain_fault(1 << k)) for k in range(12)] == [False] * 5 + [True] * 3 + [
+        False
+    ] * 3 + [True]
 
 
 @pytest.mark.parametrize(
@@ -263,51 +273,53 @@ def test_what_lies_beyond_the_reach_of_a_sensor_was_not_measured(block, name, le
     if block == 'air':
         values['baro.pressure'] = 1013.25
     for value in (least, most):
-        assert readings.unusable(block, {**values, name: value}) == ''
+        assert readings.find_value_fault(block, {**values, name: value}) == ''
     for value in (least - 0.01, most + 0.01, math.inf, -math.inf, math.nan):
-        assert f'{name} is' in readings.unusable(block, {**values, name: value})
+        assert f'{name} is' in readings.find_value_fault(block, {**values, name: value})
 
 
 def test_at_first_nothing_is_known_asked_or_sent():
     unknown = (pytest.approx(math.nan, nan_ok=True),) * 3  # voltage, height and distance
-    assert Seen() == (False, False, 0, math.inf, math.inf, *unknown, 0.0)
-    assert Asked() == (None, False)
-    assert State() == ('disarmed', 0.0, 0.0, 'not armed yet', 0, -math.inf, False, math.inf)
+    assert SafetyInputs() == (False, False, 0, math.inf, math.inf, *unknown, 0.0)
+    assert SafetyRequest() == (None, False)
+    assert SafetyState() == ('disarmed', 0.0, 0.0, 'not armed yet', 0, -math.inf, False, math.inf)
 
 
 def test_a_cell_at_its_limit_is_not_low_and_lands_at_the_very_time():
     limit, low = ALOFT._replace(voltage=3.2), ALOFT._replace(voltage=3.19)
     flying = FLYING._replace(since=0.0, began=0.0)
     assert [stage for stage, _ in run(flying, (0.0, limit, NOTHING), (5.0, limit, NOTHING))] == [
-        Stage.FLYING, Stage.FLYING,
+        SafetyStage.FLYING, SafetyStage.FLYING,
     ]  # fmt: skip
-    assert run(flying, (0.0, low, NOTHING), (0.3, low, NOTHING))[1][0] is Stage.LANDING
+    assert run(flying, (0.0, low, NOTHING), (0.3, low, NOTHING))[1][0] is SafetyStage.LANDING
 
 
 def test_what_is_told_again_is_told_after_exactly_a_tenth_of_a_second():
     """Times start at zero, so that differences are exact in floating point."""
     arm, hand_over = NO_ORDER._replace(arm=True), NO_ORDER._replace(hand_over=True)
     for stage, seen, again in (
-        (Stage.DISARMED, ARMED, NO_ORDER._replace(arm=False)),
-        (Stage.ARMING, ON_THE_GROUND, arm),
-        (Stage.LANDING, ALOFT, hand_over),
+        (SafetyStage.DISARMED, ARMED, NO_ORDER._replace(arm=False)),
+        (SafetyStage.ARMING, ON_THE_GROUND, arm),
+        (SafetyStage.LANDING, ALOFT, hand_over),
     ):
-        since = -0.5 if stage is Stage.LANDING else 0.0
-        state = State(stage, since=since, asked_at=0.0)
-        assert tick(state, 0.1, seen, NOTHING, LIMITS)[1] == again
-        assert tick(state, 0.099, seen, NOTHING, LIMITS)[1] == NO_ORDER
+        since = -0.5 if stage is SafetyStage.LANDING else 0.0
+        state = SafetyState(stage, since=since, asked_at=0.0)
+        assert step_state(state, 0.1, seen, NOTHING, LIMITS)[1] == again
+        assert step_state(state, 0.099, seen, NOTHING, LIMITS)[1] == NO_ORDER
 
 
 def test_a_word_as_old_as_the_request_confirms_nothing():
-    state = State(Stage.ARMING, since=10.0, asked_at=10.0)
-    for silence, stage in ((0.125, Stage.ARMING), (0.124, Stage.READY)):
+    state = SafetyState(SafetyStage.ARMING, since=10.0, asked_at=10.0)
+    for silence, stage in ((0.125, SafetyStage.ARMING), (0.124, SafetyStage.READY)):
         seen = ARMED._replace(silence=silence)
-        assert tick(state, 10.125, seen, NOTHING, LIMITS)[0].stage is stage
+        assert step_state(state, 10.125, seen, NOTHING, LIMITS)[0].stage is stage
 
 
 def test_a_hand_over_is_told_until_eight_tenths_and_a_landing_may_end_after_six():
-    landing = State(Stage.LANDING, since=0.0)
-    told = [tick(landing, now, ALOFT, NOTHING, LIMITS)[1].hand_over for now in (0.5, 0.79, 0.8)]
+    landing = SafetyState(SafetyStage.LANDING, since=0.0)
+    told = [
+        step_state(landing, now, ALOFT, NOTHING, LIMITS)[1].hand_over for now in (0.5, 0.79, 0.8)
+    ]
     assert told == [True, True, False]
-    stages = [tick(landing, now, ARMED, NOTHING, LIMITS)[0].stage for now in (0.6, 0.601)]
-    assert stages == [Stage.LANDING, Stage.DISARMED]
+    stages = [step_state(landing, now, ARMED, NOTHING, LIMITS)[0].stage for now in (0.6, 0.601)]
+    assert stages == [SafetyStage.LANDING, SafetyStage.DISARMED]

@@ -9,18 +9,18 @@ from types import SimpleNamespace
 
 from lta_bridge import devices as found
 from lta_bridge.crazyflie.link import LogPacket
-from lta_bridge.crazyflie.log_table import Block
-from lta_bridge.devices import devices, RADIO, rules
+from lta_bridge.crazyflie.log_table import LogBlock
+from lta_bridge.devices import find_devices, format_udev_rules, RADIO
 from lta_bridge.hardware import board as listening_to_boards
 from lta_bridge.hardware import drone as listening_to_drones
-from lta_bridge.hardware.check import refuse_nothing
-from lta_bridge.hardware.stream import streamed
+from lta_bridge.hardware.check import check_any_hardware
+from lta_bridge.hardware.stream import measure_stream
 from lta_config.errors import BadInput
-from lta_emulation.crazyflie.body import Bench
-from lta_emulation.crazyflie.build import ARMING
+from lta_emulation.crazyflie.body import BenchBody
 from lta_emulation.crazyflie.firmware import Firmware
-from lta_emulation.crazyflie.server import Server
-from lta_emulation.teensy.emulator import Cable, EmulatedBoard, Faults
+from lta_emulation.crazyflie.firmware_build import ARMING
+from lta_emulation.crazyflie.server import CrazyflieServer
+from lta_emulation.teensy.emulated_board import Cable, EmulatedBoard, FrameFaults
 import numpy as np
 import pytest
 from waiting import PATIENCE
@@ -80,25 +80,28 @@ def usb(tmp_path):
 
 
 def test_radios_are_found_with_their_rights(usb):
-    first, second = devices(usb / 'usb', usb / 'dev')
+    first, second = find_devices(usb / 'usb', usb / 'dev')
     assert (first.kind, first.usable) == (RADIO, True)
     assert first.path == usb / 'dev/bus/usb/001/004'
     assert (second.kind, second.usable) == (RADIO, False)
 
 
 def test_a_machine_without_usb_has_no_devices(tmp_path):
-    assert not list(devices(tmp_path / 'none', tmp_path))
+    assert not list(find_devices(tmp_path / 'none', tmp_path))
 
 
 def test_the_rules_name_every_kind_once():
-    lines = [line for line in rules().splitlines() if line.startswith('SUBSYSTEMS')]
+    lines = [line for line in format_udev_rules().splitlines() if line.startswith('SUBSYSTEMS')]
     assert len(lines) == len(found.KINDS)
-    assert all(f'"{kind.product}"' in rules() and 'uaccess' in rules() for kind in found.KINDS)
+    assert all(
+        f'"{kind.product}"' in format_udev_rules() and 'uaccess' in format_udev_rules()
+        for kind in found.KINDS
+    )
 
 
 def test_nothing_there_is_one_sentence_with_the_remedy():
     with pytest.raises(BadInput, match='hangs on this machine; plug one in, or say where it is'):
-        refuse_nothing([], [], '', '')
+        check_any_hardware([], [], '', '')
 
 
 def test_a_stream_by_hand_over_the_wrap_of_its_clock():
@@ -107,12 +110,12 @@ def test_a_stream_by_hand_over_the_wrap_of_its_clock():
     packets = [
         LogPacket('imu', stamp, {}, 1_000_000 * ((stamp + 1000) % 2**24)) for stamp in stamps
     ]
-    figures = streamed(Block('imu', 10, {}), packets)
+    figures = measure_stream(LogBlock('imu', 10, {}), packets)
     assert (figures.wanted, figures.packets) == (100.0, 9)
     assert figures.rate == pytest.approx(8 / 0.09)
     assert figures.loss == pytest.approx(0.1)
     assert figures.jitter == pytest.approx(0.0, abs=1e-9)
-    assert streamed(Block('imu', 10, {}), []).loss == 1.0
+    assert measure_stream(LogBlock('imu', 10, {}), []).loss == 1.0
 
 
 class Talking:
@@ -132,15 +135,15 @@ class Talking:
 
     def _say_all(self):
         while not self._ended.wait(TALK):
-            if answer := self._board.answer(self._cable.read(), time.time_ns()):
+            if answer := self._board.answer_timesync(self._cable.read(), time.time_ns()):
                 self._cable.write(answer)
             rows = np.arange(self.sent, self.sent + ROWS)
             wave = 1000 + 500 * (np.sin(2 * np.pi * BEACON * rows / 1e4) > 0)
             light = np.repeat(wave[:, None], 8, axis=1)
             light[:, 6] = 37
-            self._cable.write(self._board.light(light.astype(np.uint16)))
+            self._cable.write(self._board.encode_light(light.astype(np.uint16)))
             if self.sent % (10 * ROWS) == 0:
-                self._cable.write(self._board.status())
+                self._cable.write(self._board.encode_status())
             self.sent += ROWS
 
     def __enter__(self):
@@ -154,7 +157,7 @@ class Talking:
 
 
 def test_a_drone_and_a_board_are_heard_and_their_figures_told(call, talking):
-    with talking() as board, Server(Firmware(Bench())) as server:
+    with talking() as board, CrazyflieServer(Firmware(BenchBody())) as server:
         words = ('--uri', server.uri, '--port', board.path, '--seconds', '2', '--json')
         status, said = call('hardware', 'check', *words)
         firmware = server.firmware
@@ -184,11 +187,11 @@ def test_a_drone_and_a_board_are_heard_and_their_figures_told(call, talking):
 
 
 def test_a_locked_drone_with_an_empty_cell_and_without_the_app_is_not_in_order(call):
-    firmware = Firmware(Bench())
+    firmware = Firmware(BenchBody())
     firmware.supervisor.lock()
     firmware.voltage = 3.1
     firmware.parameters.values['lta.app'] = 0
-    with Server(firmware) as server:
+    with CrazyflieServer(firmware) as server:
         status, said = call('hardware', 'check', '--uri', server.uri, '--seconds', '0.5', '--json')
     failed = {
         check['name']: check['found']
@@ -202,7 +205,7 @@ def test_a_locked_drone_with_an_empty_cell_and_without_the_app_is_not_in_order(c
 
 
 def test_stock_firmware_under_a_blimp_is_told_what_it_lacks(call):
-    with Server(Firmware(Bench(), build=ARMING)) as server:
+    with CrazyflieServer(Firmware(BenchBody(), build=ARMING)) as server:
         status, said = call('hardware', 'check', '--uri', server.uri, '--seconds', '0.5', '--json')
     checks = {check['name']: check for check in json.loads(said.out)['checks']}
     assert status == 1
@@ -217,7 +220,7 @@ def test_stock_firmware_under_a_blimp_is_told_what_it_lacks(call):
 
 
 def test_torn_frames_and_another_dialect_are_told(call, talking):
-    with talking(faults=Faults(corrupt=20), dialect=2) as board:
+    with talking(faults=FrameFaults(corrupt=20), dialect=2) as board:
         status, said = call('hardware', 'check', '--port', board.path, '--seconds', '2', '--json')
     told = json.loads(said.out)
     assert status == 1
@@ -228,7 +231,7 @@ def test_torn_frames_and_another_dialect_are_told(call, talking):
 
 
 def test_nobody_at_an_address_is_told_with_a_remedy(call):
-    server = Server(Firmware(Bench()))
+    server = CrazyflieServer(Firmware(BenchBody()))
     server.close()
     status, said = call('hardware', 'check', '--uri', server.uri, '--seconds', '0.5')
     assert status == 1

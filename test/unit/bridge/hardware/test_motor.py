@@ -8,14 +8,14 @@ import signal
 import time
 
 from lta_bridge.crazyflie.cflib_link import CflibLink
-from lta_bridge.crazyflie.claim import Claim
+from lta_bridge.crazyflie.drone_lock import DroneLock
 from lta_bridge.crazyflie.link import LinkFailed
 from lta_bridge.crazyflie.log_table import BLOCKS
-from lta_bridge.hardware.motor import ended_by_signals, MotorBench
+from lta_bridge.hardware.motor import interrupt_on_signals, MotorBench
 from lta_config.schema.crazyflie_file import load_crazyflie
-from lta_emulation.crazyflie.body import Bench
+from lta_emulation.crazyflie.body import BenchBody
 from lta_emulation.crazyflie.firmware import Firmware
-from lta_emulation.crazyflie.server import Server
+from lta_emulation.crazyflie.server import CrazyflieServer
 from lta_model.vehicle import load_vehicle
 import pytest
 from waiting import PATIENCE, wait_until
@@ -44,7 +44,7 @@ def typed(monkeypatch):
 
 @pytest.fixture
 def drone():
-    with Server(Firmware(Bench())) as server:
+    with CrazyflieServer(Firmware(BenchBody())) as server:
         yield server
 
 
@@ -69,7 +69,7 @@ def test_one_motor_turns_alone_and_stands_afterwards(drone, call, typed):
     assert told['others'] == pytest.approx(1.0 / 65535)  # the app's least, of m1
     assert told['alone']
     assert at_rest(drone)
-    assert not drone.firmware.supervisor.locked
+    assert not drone.firmware.supervisor.is_locked
 
 
 @pytest.mark.parametrize('text', ['', 'spin m1\n', 'y\n', 'spin\n'])
@@ -84,7 +84,7 @@ def test_without_its_name_typed_nothing_is_even_connected(drone, call, typed, te
 
 def test_a_drone_that_a_bridge_flies_is_left_alone(drone, call, typed):
     typed('spin m2\n')
-    with closing(Claim(drone.uri)):
+    with closing(DroneLock(drone.uri)):
         status, said = call('hardware', 'bench', 'm2', '--uri', drone.uri)
     assert status == 2
     assert 'is commanded by another program' in said.err
@@ -100,7 +100,7 @@ def test_ctrl_c_and_errors_stop_it(drone, error):
         raise error
 
     with pytest.raises(error):
-        bench.turn(0.2, PATIENCE, fail)
+        bench.turn_motor(0.2, PATIENCE, fail)
     assert at_rest(drone)
     link.close()
 
@@ -112,8 +112,8 @@ def test_sigterm_stops_it(drone):
         await_turning(drone)
         os.kill(os.getpid(), signal.SIGTERM)
 
-    with pytest.raises(KeyboardInterrupt), ended_by_signals():
-        bench.turn(0.2, PATIENCE, end)
+    with pytest.raises(KeyboardInterrupt), interrupt_on_signals():
+        bench.turn_motor(0.2, PATIENCE, end)
     assert at_rest(drone)
     link.close()
 
@@ -121,7 +121,7 @@ def test_sigterm_stops_it(drone):
 def test_a_second_ctrl_c_waits_until_it_stands(drone):
     """One that interrupts it while it disarms; cflib's threads take signals as well as ours."""
     link, bench = bench_of(drone)
-    sent = link.arm
+    sent = link.request_arming
 
     def arm(wanted):
         sent(wanted)
@@ -130,11 +130,11 @@ def test_a_second_ctrl_c_waits_until_it_stands(drone):
 
     def end(_):
         await_turning(drone)
-        link.arm = arm
+        link.request_arming = arm
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        bench.turn(0.2, PATIENCE, end)
+        bench.turn_motor(0.2, PATIENCE, end)
     assert at_rest(drone)
     link.close()
 
@@ -146,7 +146,7 @@ def test_a_drone_that_falls_silent_is_disarmed_although_nobody_hears_it_say_so(d
         drone.down.silent = been > 0.2
 
     with pytest.raises(LinkFailed, match='said nothing for'):
-        bench.turn(0.2, PATIENCE, silence)
+        bench.turn_motor(0.2, PATIENCE, silence)
     wait_until(lambda: at_rest(drone), 'the end of the motor')
     link.close()
 
@@ -158,7 +158,7 @@ def test_a_link_that_is_cut_both_ways_leaves_it_to_the_app_aboard(drone):
         drone.down.silent = drone.up.silent = been > 0.2
 
     with pytest.raises(LinkFailed):
-        bench.turn(0.2, PATIENCE, cut)
+        bench.turn_motor(0.2, PATIENCE, cut)
     body = drone.firmware.body
     wait_until(lambda: body.duties == (0.0,) * 4, 'the end of the motor', lambda: body.duties)
     link.close()
@@ -168,7 +168,7 @@ def test_a_drone_that_may_not_arm_says_why(drone):
     drone.firmware.voltage = 3.0
     link, bench = bench_of(drone)
     with pytest.raises(LinkFailed, match='charge it'):
-        bench.turn(0.2, 1.0, lambda _: None)
+        bench.turn_motor(0.2, 1.0, lambda _: None)
     assert at_rest(drone)
     link.close()
 

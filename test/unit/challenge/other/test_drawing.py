@@ -5,20 +5,20 @@ from dataclasses import replace
 from pathlib import Path
 
 from lta_challenge import other
-from lta_challenge.case import Case
-from lta_challenge.judged import judged
-from lta_challenge.make import draw_case, Order
-from lta_challenge.other.air import Draught, UnsteadyWind
-from lta_challenge.other.drawing import OtherDrawing
-from lta_challenge.other.flight import Flying
-from lta_challenge.other.hidden import hide, HIDINGS, true_values
+from lta_challenge.case import ChallengeCase
+from lta_challenge.case_score import score_case
+from lta_challenge.make import ChallengeRequest, draw_case
+from lta_challenge.other.air import RoomDraught, UnsteadyWind
+from lta_challenge.other.case_generator import OtherCaseGenerator
+from lta_challenge.other.effect_injection import HIDINGS, inject_effects, true_values
+from lta_challenge.other.flight import FlightSimulator
 from lta_challenge.other.pilot import SwingingPilot
 from lta_challenge.other.sensors import SensorSet
-from lta_challenge.other.sizing import strength
-from lta_challenge.other.spread import built
-from lta_challenge.other.truth import Truth, truth_of
+from lta_challenge.other.sizing import wrench_strength
+from lta_challenge.other.tolerance import perturb_vehicle
+from lta_challenge.other.truth import build_truth, VehicleTruth
 from lta_challenge.other.unlisted import UNLISTED
-from lta_challenge.rows import Kind, row
+from lta_challenge.rows import find_row, Kind
 from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest
@@ -30,25 +30,27 @@ MIDDLE = {knob: 0.5 * (hiding.least + hiding.most) for knob, hiding in HIDINGS.i
 
 
 @pytest.fixture(scope='module')
-def truth() -> Truth:
+def truth() -> VehicleTruth:
     """Return the vehicle as its file has it."""
-    return truth_of(VEHICLE)
+    return build_truth(VEHICLE)
 
 
-def drawn(number: int, kind: Kind | None = None, seconds: tuple[float, float] = SHORT) -> Case:
+def drawn(
+    number: int, kind: Kind | None = None, seconds: tuple[float, float] = SHORT
+) -> ChallengeCase:
     """Draw a case."""
-    return OtherDrawing(VEHICLE, 3, number, kind, seconds).drawn()
+    return OtherCaseGenerator(VEHICLE, 3, number, kind, seconds).generate_case()
 
 
-def seen(truth: Truth, seconds: float = 3.0) -> dict[str, np.ndarray]:
+def seen(truth: VehicleTruth, seconds: float = 3.0) -> dict[str, np.ndarray]:
     """Return what is recorded of a flight, by topic, of the same chance always."""
     draw = np.random.default_rng(2)
     air = [UnsteadyWind(truth, seconds, np.random.default_rng(7))]
-    pilot = SwingingPilot(seconds, truth_of(VEHICLE), draw)
+    pilot = SwingingPilot(seconds, build_truth(VEHICLE), draw)
     # In all directions at once, so that all drag acts.
     begin = [0.0, 0.0, 1.5, 0.3, 0.2, -0.2, 1.0, 0.0, 0.0, 0.0, 0.2, 0.2, 0.2]
-    flown = Flying(truth, pilot, air).flown(begin, seconds)
-    streams = SensorSet(flown, truth, 'exact', np.random.default_rng(4)).streams()
+    flown = FlightSimulator(truth, pilot, air).simulate(begin, seconds)
+    streams = SensorSet(flown, truth, 'exact', np.random.default_rng(4)).record_streams()
     return {topic: values for topic, (_, values) in streams.items()}
 
 
@@ -81,7 +83,7 @@ def test_kinds_hide_what_they_say_and_can_be_judged() -> None:
     for kind, (count, outside) in {
         'clean': (0, False), 'single': (1, False), 'pair': (2, False), 'mixed': (1, True),
     }.items():  # fmt: skip
-        order = Order(3, 1, 'other', kind, SHORT)  # type: ignore[arg-type]
+        order = ChallengeRequest(3, 1, 'other', kind, SHORT)  # type: ignore[arg-type]
         case = draw_case(order, 1)
         answer = case.answer
         assert (answer['kind'], answer['row'], len(answer['hidden'])) == (kind, 'other', count)
@@ -90,10 +92,10 @@ def test_kinds_hide_what_they_say_and_can_be_judged() -> None:
         assert set(answer['nominal']['given']) == effects
         assert len(effects) == count
         found = {'effects': [], 'verdict': 'none', 'refused': '', 'cpu_s': 1.0}
-        one = judged(0, answer, found)
+        one = score_case(0, answer, found)
         assert (one.missed, one.late) == (one.hidden, outside)
         for flight in case.flights:
-            assert set(flight.streams) == {*row('other').topics, 'motors'}
+            assert set(flight.streams) == {*find_row('other').topics, 'motors'}
 
 
 def test_flights_are_vigorous_and_stay_above_the_floor() -> None:
@@ -107,10 +109,10 @@ def test_flights_are_vigorous_and_stay_above_the_floor() -> None:
         assert 0.0 <= np.min(duties) < np.max(duties) <= 1.0
 
 
-def test_each_hidden_effect_changes_what_is_recorded(truth: Truth) -> None:
+def test_each_hidden_effect_changes_what_is_recorded(truth: VehicleTruth) -> None:
     plain = seen(truth)
     for knob, value in MIDDLE.items():
-        other_one = seen(hide(truth, {knob: value}))
+        other_one = seen(inject_effects(truth, {knob: value}))
         far = [
             np.max(np.abs(values - other_one[topic])) / np.std(values)
             if values.shape == other_one[topic].shape else np.inf
@@ -119,14 +121,14 @@ def test_each_hidden_effect_changes_what_is_recorded(truth: Truth) -> None:
         assert max(far) > 0.003, knob  # of the same chance: without it they are equal
 
 
-def test_what_is_told_is_true_of_the_vehicle_as_built(truth: Truth) -> None:
-    as_built = built(truth, np.random.default_rng(5))
+def test_what_is_told_is_true_of_the_vehicle_as_built(truth: VehicleTruth) -> None:
+    as_built = perturb_vehicle(truth, np.random.default_rng(5))
     hidden = {
         'quadratic_drag.surge': 0.1, 'added_mass.heave': 0.05, 'motor_lag': 0.1,
         'thrust_scale.factor': -0.2, 'rotor_fault.lost_2': 0.3, 'cg_offset.x': 0.01,
         'munk_moment.lost': 0.6, 'rotational_drag.yaw': 1e-3,
     }  # fmt: skip
-    given = true_values(hide(as_built, hidden), truth, hidden)
+    given = true_values(inject_effects(as_built, hidden), truth, hidden)
     assert given['quadratic_drag'] == {'surge': pytest.approx(as_built.drag[0] + 0.1)}
     assert given['added_mass'] == {'heave': pytest.approx(as_built.added_mass[2] + 0.05)}
     assert given['motor_lag'] == dict.fromkeys(('up', 'down'), pytest.approx(as_built.lag + 0.1))
@@ -143,27 +145,29 @@ def test_what_is_told_is_true_of_the_vehicle_as_built(truth: Truth) -> None:
 
 
 @pytest.mark.parametrize('name', UNLISTED)
-def test_each_thing_outside_the_library_pushes(truth: Truth, name: str) -> None:
+def test_each_thing_outside_the_library_pushes(truth: VehicleTruth, name: str) -> None:
     kind, draw = UNLISTED[name], np.random.default_rng(1)
-    numbers = {key: span.drawn(draw) for key, span in kind.numbers.items()}
+    numbers = {key: span.draw_value(draw) for key, span in kind.numbers.items()}
     numbers |= {'size': (kind.numbers['size'].least * kind.numbers['size'].most) ** 0.5}
     numbers |= {key: 0.0 for key in ('x', 'y', 'way') if key in numbers}
     numbers |= {'rotor': 2.0} if 'rotor' in numbers else {}
     pilot = SwingingPilot(7.0, truth, draw)
     begin = [0.5, 0.3, 1.5, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
-    flown = Flying(truth, pilot, [], kind.make(numbers)).flown(begin, 7.0)
-    assert 0.5 < strength(flown.unlisted) < 200.0
+    flown = FlightSimulator(truth, pilot, [], kind.make(numbers)).simulate(begin, 7.0)
+    assert 0.5 < wrench_strength(flown.unlisted) < 200.0
     assert np.all(np.isfinite(flown.states))
 
 
-def test_draughts_are_as_strong_as_they_are_told(truth: Truth) -> None:
-    air = Draught(2e-3, 2000.0, np.random.default_rng(6))
-    series = np.array([air.at(time, 0.0, 0.0, 1.0) for time in np.arange(0.0, 2000.0, 0.5)])
+def test_draughts_are_as_strong_as_they_are_told(truth: VehicleTruth) -> None:
+    air = RoomDraught(2e-3, 2000.0, np.random.default_rng(6))
+    series = np.array(
+        [air.sample_flow(time, 0.0, 0.0, 1.0) for time in np.arange(0.0, 2000.0, 0.5)]
+    )
     assert np.std(series[:, :2], axis=0) == pytest.approx([2e-3, 2e-3], rel=0.15)
     # Two filters of 2.5 s: (1 + t / T) exp(-t / T) of it is left after a time t.
     u = series[:, 0] - np.mean(series[:, 0])
     assert np.mean(u[5:] * u[:-5]) / np.mean(u * u) == pytest.approx(2.0 / np.e, abs=0.1)
     wind = UnsteadyWind(replace(truth, wind=(0.2, 0.0, 0.0)), 100.0, np.random.default_rng(6))
-    speeds = [wind.at(time, 0.0, 0.0, 1.0)[0] for time in np.arange(0.0, 100.0, 0.5)]
+    speeds = [wind.sample_flow(time, 0.0, 0.0, 1.0)[0] for time in np.arange(0.0, 100.0, 0.5)]
     assert np.mean(speeds) == pytest.approx(0.2, rel=0.02)
     assert 0.01 * 0.2 < np.std(speeds) < 0.03 * 0.2

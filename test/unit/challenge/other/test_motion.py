@@ -4,9 +4,9 @@ from dataclasses import replace
 import math
 
 from lta_challenge.other.body import KirchhoffBody, STILL
-from lta_challenge.other.flight import FlownPath, Flying, TICK
+from lta_challenge.other.flight import FlightSimulator, SimulatedPath, TICK
 from lta_challenge.other.rotors import RotorSet
-from lta_challenge.other.truth import NONE, spheroid_added_mass, Truth, truth_of
+from lta_challenge.other.truth import build_truth, NONE, spheroid_added_mass, VehicleTruth
 from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest
@@ -19,13 +19,13 @@ G = 9.80665
 
 
 @pytest.fixture(scope='module')
-def truth() -> Truth:
+def truth() -> VehicleTruth:
     """Return the vehicle as its file has it, with as much air displaced as it weighs."""
-    made = truth_of(load_vehicle('gtmab'))
+    made = build_truth(load_vehicle('gtmab'))
     return replace(made, displaced=made.mass)
 
 
-def smooth(truth: Truth) -> Truth:
+def smooth(truth: VehicleTruth) -> VehicleTruth:
     """Return it without any drag."""
     return replace(truth, drag=NONE, turn_linear=NONE, turn_square=NONE, plates=())
 
@@ -46,9 +46,9 @@ class Hands:
         return self._duties[min(self._taken, len(self._duties)) - 1]
 
 
-def flown(truth: Truth, state: list[float], seconds: float) -> FlownPath:
+def flown(truth: VehicleTruth, state: list[float], seconds: float) -> SimulatedPath:
     """Fly with rotors at rest."""
-    return Flying(truth, Hands([[0.0] * 4])).flown(state, seconds)
+    return FlightSimulator(truth, Hands([[0.0] * 4])).simulate(state, seconds)
 
 
 def at(*, velocity: tuple[float, ...] = NONE, rates: tuple[float, ...] = NONE) -> list[float]:
@@ -69,19 +69,21 @@ def test_added_mass_of_a_spheroid_is_lambs() -> None:
     assert spheroid_added_mass(1.0, 0.599, 1.2041)[0][::2] == pytest.approx((EDGE, BROAD), 1e-4)
 
 
-def test_a_push_at_rest_moves_the_hull_by_its_mass_and_that_of_the_air(truth: Truth) -> None:
+def test_a_push_at_rest_moves_the_hull_by_its_mass_and_that_of_the_air(
+    truth: VehicleTruth,
+) -> None:
     body = KirchhoffBody(truth)
-    up = body.accelerations(at(), STILL, (0.0, 0.0, 0.01, 0.0, 0.0, 0.0), 0.0)
+    up = body.compute_accelerations(at(), STILL, (0.0, 0.0, 0.01, 0.0, 0.0, 0.0), 0.0)
     assert up == pytest.approx((0.0, 0.0, 0.01 / (MASS + BROAD), 0.0, 0.0, 0.0), rel=1e-4)
     # Ahead, the weight below stays behind: (m + A) a - m d w' = F and I' w' = m d a.
-    ahead = body.accelerations(at(), STILL, (0.01, 0.0, 0.0, 0.0, 0.0, 0.0), 0.0)
+    ahead = body.compute_accelerations(at(), STILL, (0.01, 0.0, 0.0, 0.0, 0.0, 0.0), 0.0)
     about = PITCH + TUMBLING + MASS * DEPTH**2
     hull = 0.01 / (MASS + EDGE - (MASS * DEPTH) ** 2 / about)
     assert ahead[0] == pytest.approx(hull, rel=1e-4)
     assert ahead[4] == pytest.approx(MASS * DEPTH * hull / about, rel=1e-4)
 
 
-def test_it_swings_with_the_period_of_a_free_pendulum(truth: Truth) -> None:
+def test_it_swings_with_the_period_of_a_free_pendulum(truth: VehicleTruth) -> None:
     # The hull is free to give way: I + J + m d^2 - (m d)^2 / (m + A) against m g d.
     inertia = PITCH + TUMBLING + MASS * DEPTH**2 - (MASS * DEPTH) ** 2 / (MASS + EDGE)
     period = 2.0 * math.pi * math.sqrt(inertia / (MASS * G * DEPTH))
@@ -94,24 +96,24 @@ def test_it_swings_with_the_period_of_a_free_pendulum(truth: Truth) -> None:
     assert np.diff(crossings) == pytest.approx(np.full(4, period), rel=1e-4)
 
 
-def test_it_sinks_as_fast_as_its_drag_allows(truth: Truth) -> None:
+def test_it_sinks_as_fast_as_its_drag_allows(truth: VehicleTruth) -> None:
     heavy = replace(truth, displaced=truth.mass - 0.002)
     path = flown(heavy, at(velocity=(0.0, 0.0, -0.22)), 40.0)
     assert path.states[-1, 5] == pytest.approx(-math.sqrt(0.002 * G / 0.359), rel=1e-4)
     # What is hidden of the drag has exponent 1.9, and is that of a square at 0.4 m/s.
     more = KirchhoffBody(replace(truth, extra_drag=(0.0, 0.0, 0.1)))
     for speed in (0.4, 0.1):
-        drag = more.drag((0.0, 0.0, speed), NONE)[2]
+        drag = more.drag_wrench((0.0, 0.0, speed), NONE)[2]
         assert drag == pytest.approx(-0.359 * speed**2 - 0.1 * 0.4**0.1 * speed**1.9, rel=1e-12)
 
 
-def test_a_round_hull_brakes_alike_whatever_its_heading(truth: Truth) -> None:
+def test_a_round_hull_brakes_alike_whatever_its_heading(truth: VehicleTruth) -> None:
     body = KirchhoffBody(truth)
-    ahead, askew = body.drag((0.5, 0.0, 0.0), NONE), body.drag((0.3, 0.4, 0.0), NONE)
+    ahead, askew = body.drag_wrench((0.5, 0.0, 0.0), NONE), body.drag_wrench((0.3, 0.4, 0.0), NONE)
     assert askew[:2] == pytest.approx((0.6 * ahead[0], 0.8 * ahead[0]), rel=1e-12)
 
 
-def energy(truth: Truth, path: FlownPath) -> np.ndarray:
+def energy(truth: VehicleTruth, path: SimulatedPath) -> np.ndarray:
     """Return the energy of body, air and weight. [J]."""
     masses = KirchhoffBody(truth).masses
     turn = Rotation.from_quat(np.roll(path.states[:, 6:10], -1, axis=1))
@@ -123,7 +125,7 @@ def energy(truth: Truth, path: FlownPath) -> np.ndarray:
 
 
 @pytest.mark.parametrize('lost', [0.0, 0.7])
-def test_energy_stays_without_drag_and_thrust(truth: Truth, lost: float) -> None:
+def test_energy_stays_without_drag_and_thrust(truth: VehicleTruth, lost: float) -> None:
     bare = replace(smooth(truth), munk=1.0 - lost, cg=(0.01, -0.02, truth.cg[2]))
     path = flown(bare, at(velocity=(0.4, 0.2, -0.1), rates=(0.3, -0.5, 0.4)), 12.0)
     drift = np.ptp(energy(bare, path))
@@ -131,57 +133,57 @@ def test_energy_stays_without_drag_and_thrust(truth: Truth, lost: float) -> None
     assert drift > 1e-3 if lost else drift < 1e-8
 
 
-def test_oblique_flow_turns_the_hull_broadside(truth: Truth) -> None:
+def test_oblique_flow_turns_the_hull_broadside(truth: VehicleTruth) -> None:
     state = at(velocity=(0.5, 0.0, -0.2))
     whole, without = (KirchhoffBody(replace(smooth(truth), munk=m)) for m in (1.0, 0.0))
     more = np.subtract(
-        whole.accelerations(state, STILL, STILL, 0.0),
-        without.accelerations(state, STILL, STILL, 0.0),
+        whole.compute_accelerations(state, STILL, STILL, 0.0),
+        without.compute_accelerations(state, STILL, STILL, 0.0),
     )
     munk = whole.masses @ more
     # Munk 1924: the difference of the added masses times both speeds, nose up here.
     assert munk == pytest.approx([0, 0, 0, 0, -(BROAD - EDGE) * 0.5 * 0.2, 0], abs=1e-6)
 
 
-def test_wind_is_felt_as_motion_through_still_air(truth: Truth) -> None:
+def test_wind_is_felt_as_motion_through_still_air(truth: VehicleTruth) -> None:
     body, wind = KirchhoffBody(truth), (0.2, -0.1, 0.0)
-    blown = body.accelerations(at(rates=(0.1, 0.2, 0.3)), (*wind, *NONE), STILL, 0.0)
+    blown = body.compute_accelerations(at(rates=(0.1, 0.2, 0.3)), (*wind, *NONE), STILL, 0.0)
     away = at(velocity=(-0.2, 0.1, 0.0), rates=(0.1, 0.2, 0.3))
-    assert blown == pytest.approx(body.accelerations(away, STILL, STILL, 0.0), abs=1e-12)
-    rising = body.accelerations(at(), (*NONE, 0.0, 0.0, 0.1), STILL, 0.0)
+    assert blown == pytest.approx(body.compute_accelerations(away, STILL, STILL, 0.0), abs=1e-12)
+    rising = body.compute_accelerations(at(), (*NONE, 0.0, 0.0, 0.1), STILL, 0.0)
     assert rising[2] == pytest.approx(0.1, rel=1e-9)  # neutral: it goes with the air
 
 
-def test_steps_are_short_enough(truth: Truth, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_steps_are_short_enough(truth: VehicleTruth, monkeypatch: pytest.MonkeyPatch) -> None:
     # At rest until the first command, so that both begin alike.
     wanted = np.vstack([np.zeros(4), np.random.default_rng(1).uniform(0.0, 0.6, (11, 4))])
     duties = wanted.repeat(25, axis=0).tolist()
-    coarse = Flying(truth, Hands(duties)).flown(at(), 3.0).states[-1]
+    coarse = FlightSimulator(truth, Hands(duties)).simulate(at(), 3.0).states[-1]
     monkeypatch.setattr('lta_challenge.other.flight.TICK', TICK / 4.0)
     hands = Hands([duty for duty in duties for _ in range(4)])
-    fine = Flying(truth, hands).flown(at(), 3.0 - 0.75 * TICK).states[-1]
+    fine = FlightSimulator(truth, hands).simulate(at(), 3.0 - 0.75 * TICK).states[-1]
     assert coarse == pytest.approx(fine, abs=1e-6)
 
 
-def test_rotors_lag_and_stand_still_in_the_deadband(truth: Truth) -> None:
+def test_rotors_lag_and_stand_still_in_the_deadband(truth: VehicleTruth) -> None:
     rotors = RotorSet(truth, [0.0] * 4)
-    rotors.command([0.5, 0.0, 0.0, 0.0])
+    rotors.set_duties([0.5, 0.0, 0.0, 0.0])
     u = 0.5 * (1.0 - math.exp(-1.0))
-    assert rotors.thrusts(0.072)[0] == pytest.approx(0.0915 * u * u + 0.0677 * u, rel=1e-9)
+    assert rotors.thrusts_after(0.072)[0] == pytest.approx(0.0915 * u * u + 0.0677 * u, rel=1e-9)
     dead = RotorSet(replace(truth, deadband=0.1), [0.0] * 4)
     for duty, works in ((0.101, False), (0.103, True), (0.099, True), (0.097, False)):
-        dead.command([duty] * 4)
-        assert (dead.thrusts(2.0)[0] > 0.0) == works
+        dead.set_duties([duty] * 4)
+        assert (dead.thrusts_after(2.0)[0] > 0.0) == works
     # Both stages of a hidden lag delay by their sum: the area above the rise.
     slow, time = RotorSet(replace(truth, slow_lag=0.1, curve=(0.0, 1.0)), [0.0] * 4), 0.002
-    slow.command([1.0] * 4)
-    rise = [slow.thrusts(time * (k + 0.5))[0] for k in range(1500)]
+    slow.set_duties([1.0] * 4)
+    rise = [slow.thrusts_after(time * (k + 0.5))[0] for k in range(1500)]
     assert time * sum(1.0 - u for u in rise) == pytest.approx(0.172, rel=1e-3)
 
 
-def test_a_delay_shifts_the_thrust_and_nothing_else(truth: Truth) -> None:
+def test_a_delay_shifts_the_thrust_and_nothing_else(truth: VehicleTruth) -> None:
     duties = np.random.default_rng(3).uniform(0.0, 0.5, (100, 4)).tolist()
-    now = Flying(truth, Hands(duties)).flown(at(), 1.0)
-    late = Flying(replace(truth, delay=0.034), Hands(duties)).flown(at(), 1.0)
+    now = FlightSimulator(truth, Hands(duties)).simulate(at(), 1.0)
+    late = FlightSimulator(replace(truth, delay=0.034), Hands(duties)).simulate(at(), 1.0)
     assert late.time - now.time == pytest.approx(np.full(len(now.time), 0.004))
     assert late.thrusts[4:] == pytest.approx(now.thrusts[1:-3], rel=1e-12)

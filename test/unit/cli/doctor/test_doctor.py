@@ -4,7 +4,7 @@ import io
 import socket
 from types import SimpleNamespace
 
-from lta_bridge.hardware.check_result import Check, graded
+from lta_bridge.hardware.check_result import grade_figure, HardwareCheck
 from lta_cli import doctor
 from lta_cli.doctor import dds, machine, software
 import pytest
@@ -12,17 +12,19 @@ from rich.console import Console
 
 
 def test_a_figure_is_graded_against_both_limits():
-    states = [graded('x', figure, 2.0, 1.0, 'found', 'do').state for figure in (3, 2, 1.5, 1, 0)]
+    states = [
+        grade_figure('x', figure, 2.0, 1.0, 'found', 'do').state for figure in (3, 2, 1.5, 1, 0)
+    ]
     assert states == ['ok', 'ok', 'warn', 'warn', 'fail']
-    assert graded('x', 3, 2.0, 1.0, 'found', 'do').remedy == ''
-    assert graded('x', 1, 2.0, 1.0, 'found', 'do').remedy == 'do'
+    assert grade_figure('x', 3, 2.0, 1.0, 'found', 'do').remedy == ''
+    assert grade_figure('x', 1, 2.0, 1.0, 'found', 'do').remedy == 'do'
 
 
 def test_only_failures_make_the_status():
-    fine, slow, broken = (Check('x', state, '') for state in ('ok', 'warn', 'fail'))
-    assert doctor.status([fine, slow]) == 0
-    assert doctor.status([fine, slow, broken]) == 1
-    assert doctor.status([]) == 0
+    fine, slow, broken = (HardwareCheck('x', state, '') for state in ('ok', 'warn', 'fail'))
+    assert doctor.exit_status([fine, slow]) == 0
+    assert doctor.exit_status([fine, slow, broken]) == 1
+    assert doctor.exit_status([]) == 0
 
 
 def test_a_check_that_crashes_is_a_result(monkeypatch):
@@ -37,8 +39,8 @@ def test_a_check_that_crashes_is_a_result(monkeypatch):
 
 def test_brackets_in_what_was_found_are_shown_as_they_are():
     page = io.StringIO()
-    result = Check('disk', 'fail', '[Errno 28] No space left on [/]', 'Make room.')
-    doctor.show([result], Console(file=page, width=100))
+    result = HardwareCheck('disk', 'fail', '[Errno 28] No space left on [/]', 'Make room.')
+    doctor.print_checks([result], Console(file=page, width=100))
     assert '[Errno 28] No space left on [/]' in page.getvalue()
     assert 'Make room.' in page.getvalue()
 
@@ -47,12 +49,12 @@ def test_brackets_in_what_was_found_are_shown_as_they_are():
     ('version', 'state'), [((3, 10), 'fail'), ((3, 11), 'ok'), ((3, 14), 'ok'), ((3, 15), 'fail')]
 )
 def test_python(version, state):
-    assert machine.python(version).state == state
+    assert machine.check_python(version).state == state
 
 
 def test_platform(monkeypatch):
     monkeypatch.setattr(machine.host, 'machine', lambda: 'aarch64')
-    check = machine.platform()
+    check = machine.check_platform()
     assert check.state == 'fail'
     assert 'aarch64' in check.found
 
@@ -60,13 +62,13 @@ def test_platform(monkeypatch):
 @pytest.mark.parametrize(('free', 'state'), [(64e6, 'fail'), (900e6, 'warn'), (9e9, 'ok')])
 def test_disk(monkeypatch, tmp_path, free, state):
     monkeypatch.setattr(machine.shutil, 'disk_usage', lambda _: SimpleNamespace(free=free))
-    assert machine.disk(tmp_path / 'not' / 'yet' / 'there').state == state
+    assert machine.check_disk(tmp_path / 'not' / 'yet' / 'there').state == state
 
 
 def test_memory_is_read_in_kibibytes(tmp_path):
     table = tmp_path / 'meminfo'
     table.write_text('MemTotal: 4000000 kB\nMemAvailable:    1000000 kB\n')
-    check = machine.memory(table)
+    check = machine.check_memory(table)
     assert check.state == 'warn'
     assert check.found == '1024 MB available'
 
@@ -74,7 +76,7 @@ def test_memory_is_read_in_kibibytes(tmp_path):
 def test_a_version_other_than_the_pinned_one_is_named(tmp_path):
     constraints = tmp_path / 'constraints.txt'
     constraints.write_text('# pins\nPyYAML==0.1\nnot-installed==1.0\n')
-    check = software.versions(constraints)
+    check = software.check_versions(constraints)
     assert check.state == 'warn'
     assert check.found.startswith('pyyaml ')
     assert check.found.endswith(' instead of 0.1')
@@ -83,12 +85,12 @@ def test_a_version_other_than_the_pinned_one_is_named(tmp_path):
 def test_names_of_pins_are_normalised(tmp_path):
     constraints = tmp_path / 'constraints.txt'
     constraints.write_text('Typing_Extensions==4.1  # why\n\nruamel.yaml==0.19.1\n')
-    assert software.pins(constraints) == {'typing-extensions': '4.1', 'ruamel-yaml': '0.19.1'}
+    assert software.read_pins(constraints) == {'typing-extensions': '4.1', 'ruamel-yaml': '0.19.1'}
 
 
 def test_a_wheel_that_does_not_import_is_named(monkeypatch):
     monkeypatch.setattr(software, 'MODULES', ('json', 'no_such_wheel'))
-    check = software.wheels()
+    check = software.check_wheels()
     assert check.state == 'fail'
     assert 'no_such_wheel' in check.found
     assert 'json' not in check.found
@@ -98,7 +100,7 @@ def test_a_library_that_ends_the_process_does_not_end_the_doctor(monkeypatch, tm
     (tmp_path / 'bad_library.py').write_text('import os; os._exit(102)')
     monkeypatch.setenv('PYTHONPATH', str(tmp_path))
     monkeypatch.setattr(software, 'MODULES', ('json', 'bad_library'))
-    assert software.wheels().found == 'cannot import bad_library: exit status 102'
+    assert software.check_wheels().found == 'cannot import bad_library: exit status 102'
 
 
 def test_packages_are_looked_up_in_the_ament_index(monkeypatch, tmp_path):
@@ -107,18 +109,18 @@ def test_packages_are_looked_up_in_the_ament_index(monkeypatch, tmp_path):
     for name in software.PACKAGES:
         (index / f'lta_{name}').touch()
     monkeypatch.setenv('AMENT_PREFIX_PATH', f'/nowhere:{tmp_path}')
-    assert software.packages().state == 'ok'
+    assert software.check_packages().state == 'ok'
     (index / 'lta_vlc').unlink()
-    check = software.packages()
+    check = software.check_packages()
     assert check.state == 'fail'
     assert check.found.endswith(': lta_vlc')
 
 
 def test_browser(monkeypatch):
     monkeypatch.setattr(software.shutil, 'which', {'google-chrome': '/opt/chrome'}.get)
-    assert software.browser().found == '/opt/chrome'
+    assert software.check_browser().found == '/opt/chrome'
     monkeypatch.setattr(software.shutil, 'which', lambda _: None)
-    assert software.browser().state == 'warn'
+    assert software.check_browser().state == 'warn'
 
 
 def test_ports_are_those_of_ddsi_rtps():
@@ -128,14 +130,14 @@ def test_ports_are_those_of_ddsi_rtps():
 
 
 def test_a_listener_in_the_domain_is_noticed(monkeypatch):
-    domain = dds.free_domain()
+    domain = dds.find_free_domain()
     monkeypatch.setenv('ROS_DOMAIN_ID', str(domain))
-    assert dds.ports().state == 'ok'
+    assert dds.check_ports().state == 'ok'
     port = dds.domain_ports(domain)[2]
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as listener:
         listener.bind(('127.0.0.1', port))
-        check = dds.ports()
-        assert dds.free_domain() != domain
+        check = dds.check_ports()
+        assert dds.find_free_domain() != domain
     assert check.state == 'warn'
     assert str(port) in check.found
 
@@ -143,6 +145,6 @@ def test_a_listener_in_the_domain_is_noticed(monkeypatch):
 @pytest.mark.parametrize('text', ['-1', '233', 'blimp', '1.0'])
 def test_a_domain_that_is_none_is_refused(monkeypatch, text):
     monkeypatch.setenv('ROS_DOMAIN_ID', text)
-    check = dds.ports()
+    check = dds.check_ports()
     assert check.state == 'fail'
     assert text in check.found

@@ -1,10 +1,10 @@
 """Channels: each quantity by name and unit, derived ones by hand calculation."""
 
-from lta_bridge.bag.schemas import jazzy
-from lta_config.topics import topic_table
+from lta_bridge.bag.schemas import load_jazzy_types
+from lta_config.topics import load_topic_table
 from lta_data.bag import open_flight
-from lta_data.bag.channels import all_channels
-from lta_data.bag.units import unit_of
+from lta_data.bag.channels import read_all_channels
+from lta_data.bag.units import find_unit
 import numpy as np
 import pytest
 
@@ -42,7 +42,7 @@ def flight(record):
 
 
 def test_each_quantity_has_its_name_unit_and_values(flight):
-    found, remarks = all_channels(flight)
+    found, remarks = read_all_channels(flight)
     assert remarks == []
     yaw = found['odom/pose.pose.orientation.yaw']
     assert (yaw.unit, yaw.angular, yaw.topic) == ('rad', True, 'odom')
@@ -58,7 +58,7 @@ def test_each_quantity_has_its_name_unit_and_values(flight):
 
 
 def test_what_a_message_declares_unknown_is_not_a_number(flight):
-    surge = all_channels(flight).channels['odom/twist.twist.linear.x']
+    surge = read_all_channels(flight).channels['odom/twist.twist.linear.x']
     np.testing.assert_array_equal(surge.values, [0.5, np.nan, 0.5])
 
 
@@ -67,7 +67,7 @@ def test_a_topic_that_cannot_be_decoded_is_named_and_the_rest_is_there(record):
     data = np.zeros(12, np.uint8)
     camera = message('camera', 'sensor_msgs/msg/Image', 0.0, data=data, **image)
     lux = message('illuminance', 'sensor_msgs/msg/Illuminance', 0.0, illuminance=120.0)
-    found, remarks = all_channels(open_flight(record([camera, lux])))
+    found, remarks = read_all_channels(open_flight(record([camera, lux])))
     assert found['illuminance/illuminance'].values.tolist() == [120.0]
     assert len(remarks) == 1
     assert remarks[0].startswith("Topic 'camera' is left out: ")
@@ -90,27 +90,27 @@ def test_a_topic_that_cannot_be_decoded_is_named_and_the_rest_is_there(record):
     ],
 )
 def test_units_follow_the_message_type(type_name, path, unit):
-    assert unit_of(type_name, path) == unit
+    assert find_unit(type_name, path) == unit
 
 
 def test_a_topic_of_ours_says_what_a_general_type_means():
-    assert unit_of('sensor_msgs/msg/JointState', 'effort[2]', 'motors') == '1'
-    assert unit_of('sensor_msgs/msg/JointState', 'effort[2]', 'arm/joints') == 'N m'
+    assert find_unit('sensor_msgs/msg/JointState', 'effort[2]', 'motors') == '1'
+    assert find_unit('sensor_msgs/msg/JointState', 'effort[2]', 'arm/joints') == 'N m'
 
 
 def test_every_message_type_of_the_table_has_units_for_its_physical_fields():
     """What stays without one: flags, enumerations, counts and texts."""
     plain = {'radiation_type', 'present', 'data', 'level', 'power_supply_status'}
     plain |= {'power_supply_health', 'power_supply_technology'}
-    for name, topic in topic_table().topics.items():
+    for name, topic in load_topic_table().topics.items():
         for path, kind in leaves(topic.type):
             if kind.startswith('float') and path.split('[')[0] not in plain:
-                assert unit_of(topic.type, path, name), (name, path)
+                assert find_unit(topic.type, path, name), (name, path)
 
 
 def leaves(type_name, before=''):
     """Yield path and kind of every plain field of a message type."""
-    for field, (node, detail) in jazzy().fielddefs[type_name][1]:
+    for field, (node, detail) in load_jazzy_types().fielddefs[type_name][1]:
         many = int(node) in (3, 4)
         node, detail = detail[0] if many else (node, detail)
         path = f'{before}{field}[0]' if many else f'{before}{field}'

@@ -2,7 +2,7 @@
 
 from lta_config.errors import BadInput
 from lta_data.bag import open_flight
-from lta_model.attitude import angles
+from lta_model.attitude import to_euler_angles
 import numpy as np
 import pytest
 
@@ -16,7 +16,7 @@ def header(types, time):
 
 def test_series_holds_every_number_under_its_path(flight_bag):
     flight = open_flight(flight_bag)
-    odom = flight.series('odom')
+    odom = flight.read_series('odom')
     i = np.arange(40)
     assert flight.robot == 'lta1'
     assert flight.start == START
@@ -35,8 +35,8 @@ def test_series_holds_every_number_under_its_path(flight_bag):
 
 
 def test_yaw_of_a_turning_robot(flight_bag):
-    turn = open_flight(flight_bag).series('odom').vector('pose.pose.orientation')
-    found = angles(turn)
+    turn = open_flight(flight_bag).read_series('odom').vector('pose.pose.orientation')
+    found = to_euler_angles(turn)
     expected = np.angle(np.exp(0.1j * np.arange(40)))
     np.testing.assert_allclose(found.yaw, expected, rtol=0, atol=1e-12)
     np.testing.assert_allclose(found.pitch, 0.0, atol=1e-12)
@@ -51,19 +51,19 @@ def test_angles_compose_as_yaw_pitch_roll():
     x = sr * cp * cy - cr * sp * sy
     y = cr * sp * cy + sr * cp * sy
     z = cr * cp * sy - sr * sp * cy
-    found = angles([[x, y, z, w], [0.0, 0.0, 0.0, 0.0]])
+    found = to_euler_angles([[x, y, z, w], [0.0, 0.0, 0.0, 0.0]])
     np.testing.assert_allclose([a[0] for a in found], [yaw, pitch, roll], rtol=0, atol=1e-12)
     assert all(np.isnan(a[1]) for a in found)
 
 
 def test_unstamped_messages_are_placed_by_their_log_time(flight_bag):
-    reserve = open_flight(flight_bag).series('energy/reserve')
+    reserve = open_flight(flight_bag).read_series('energy/reserve')
     np.testing.assert_allclose(reserve.time, [0.0, 0.1, 0.2, 0.3], rtol=0, atol=1e-12)
     assert reserve['data'].tolist() == [False, False, True, True]
 
 
 def test_clock_is_its_own_stamp(flight_bag):
-    np.testing.assert_allclose(open_flight(flight_bag).series('/clock').time[-1], 0.39)
+    np.testing.assert_allclose(open_flight(flight_bag).read_series('/clock').time[-1], 0.39)
 
 
 def test_arrays_of_any_length(record, types):
@@ -74,7 +74,7 @@ def test_arrays_of_any_length(record, types):
         joint(header(types, START + 10**7), ['up'], none, none, np.array([0.3])),
     ]
     rows = [('/lta1/motors', 'sensor_msgs/msg/JointState', m, 0) for m in messages]
-    motors = open_flight(record(rows)).series('motors')
+    motors = open_flight(record(rows)).read_series('motors')
     np.testing.assert_array_equal(motors['effort[0]'], [0.1, 0.3])
     np.testing.assert_array_equal(motors['effort[1]'], [0.2, np.nan])
     assert motors.texts['name[0]'].tolist() == ['up', 'up']
@@ -89,7 +89,7 @@ def test_constants_and_bytes_are_no_columns(record, types):
         np.array([3.9], np.float32), np.empty(0, np.float32), 'nose', 'cell 4',
     )  # fmt: skip
     rows = [('/lta1/battery', 'sensor_msgs/msg/BatteryState', cell, 0)]
-    battery = open_flight(record(rows)).series('battery')
+    battery = open_flight(record(rows)).read_series('battery')
     assert set(battery.numbers) == {
         'header.stamp.sec', 'header.stamp.nanosec', 'voltage', 'temperature', 'current', 'charge',
         'capacity', 'design_capacity', 'percentage', 'power_supply_status', 'power_supply_health',
@@ -110,11 +110,11 @@ def test_adc_blocks(record, types, big):
         )
         rows.append(('/lta1/photodiodes', 'sensor_msgs/msg/Image', image, 0))
     flight = open_flight(record(rows))
-    blocks = flight.blocks('photodiodes')
+    blocks = flight.read_blocks('photodiodes')
     np.testing.assert_array_equal(blocks.samples, sent)
     assert blocks.samples.dtype == np.uint16
     np.testing.assert_allclose(blocks.time, 0.1 * np.arange(5), rtol=0, atol=1e-12)
-    assert 'data[0]' not in flight.series('photodiodes').numbers
+    assert 'data[0]' not in flight.read_series('photodiodes').numbers
 
 
 def test_padded_rows_and_wrong_blocks(record, types):
@@ -132,15 +132,15 @@ def test_padded_rows_and_wrong_blocks(record, types):
     ]
     flight = open_flight(record(rows))
     rows_of = [[0x0100, 0x0302], [0x0908, 0x0B0A], [0x1110, 0x1312]]
-    np.testing.assert_array_equal(flight.blocks('good').samples, [rows_of])
+    np.testing.assert_array_equal(flight.read_blocks('good').samples, [rows_of])
     with pytest.raises(BadInput, match='holds 20 bytes with 8 a row'):
-        flight.blocks('short')
+        flight.read_blocks('short')
     with pytest.raises(BadInput, match="Unknown image encoding 'rgb8'"):
-        flight.blocks('colour')
+        flight.read_blocks('colour')
     with pytest.raises(BadInput, match='different shape'):
-        flight.blocks('mixed')
+        flight.read_blocks('mixed')
     with pytest.raises(BadInput, match="is of type 'sensor_msgs/msg/Image', not"):
-        flight.points('good')
+        flight.read_points('good')
 
 
 def test_point_lists(record, types):
@@ -157,7 +157,7 @@ def test_point_lists(record, types):
             header(types, START + i * 10**8), 1, count, fields, False, 16, 16 * count, data, True
         )
         rows.append(('/lta1/light/peaks', 'sensor_msgs/msg/PointCloud2', cloud, 0))
-    peaks = open_flight(record(rows)).points('light/peaks')
+    peaks = open_flight(record(rows)).read_points('light/peaks')
     assert list(peaks.fields) == ['x', 'snr', 'id']
     np.testing.assert_array_equal(peaks.fields['id'][0], np.arange(8))
     np.testing.assert_array_equal(peaks.fields['x'][1], [1.5] * 3 + [np.nan] * 5)
@@ -167,7 +167,7 @@ def test_point_lists(record, types):
 
 def test_unknown_topic_names_the_known(flight_bag):
     with pytest.raises(BadInput, match=r"Unknown topic 'imu'; known: energy/reserve, odom\."):
-        open_flight(flight_bag).series('imu')
+        open_flight(flight_bag).read_series('imu')
 
 
 def test_two_robots_are_told_apart(record, types):
@@ -179,7 +179,7 @@ def test_two_robots_are_told_apart(record, types):
         open_flight(bag)
     with pytest.raises(BadInput, match="Unknown robot 'lta3'"):
         open_flight(bag, 'lta3')
-    assert open_flight(bag, 'lta2').series('flag')['data'].tolist() == [True]
+    assert open_flight(bag, 'lta2').read_series('flag')['data'].tolist() == [True]
 
 
 def test_each_of_two_robots_has_its_own_origin(record, types):
@@ -199,7 +199,7 @@ def test_bag_without_namespace_or_messages(record, types):
     flag = types['std_msgs/msg/Bool'](True)
     flight = open_flight(record([('/flag', 'std_msgs/msg/Bool', flag, 7)], 'one'))
     assert (flight.robot, flight.start, flight.topics) == ('', 7, ['flag'])
-    assert flight.series('flag').time.tolist() == [0.0]
+    assert flight.read_series('flag').time.tolist() == [0.0]
     assert open_flight(record([], 'two')).topics == []
 
 
@@ -210,13 +210,13 @@ def test_topic_without_messages_is_empty(record, tmp_path):
         bag.add_topic('/lta1/odom', 'nav_msgs/msg/Odometry', [])
         bag.add_topic('/lta1/photodiodes', 'sensor_msgs/msg/Image', [])
     flight = open_flight(tmp_path / 'b')
-    assert len(flight.series('odom')) == 0
-    assert flight.blocks('photodiodes').samples.shape == (0, 0, 0)
+    assert len(flight.read_series('odom')) == 0
+    assert flight.read_blocks('photodiodes').samples.shape == (0, 0, 0)
 
 
 def test_a_topic_that_cannot_be_read_leaves_the_others_as_they_are(tmp_path, types):
     from lta_bridge.bag import BagWriter
-    from lta_bridge.bag.schemas import jazzy
+    from lta_bridge.bag.schemas import load_jazzy_types
 
     with BagWriter(tmp_path / 'b', {}) as bag:
         bag.add_topic('/lta1/broken', 'sensor_msgs/msg/Imu', [])
@@ -225,32 +225,32 @@ def test_a_topic_that_cannot_be_read_leaves_the_others_as_they_are(tmp_path, typ
         wind = types['geometry_msgs/msg/Vector3Stamped'](
             header(types, START), types['geometry_msgs/msg/Vector3'](1.0, 2.0, 3.0)
         )
-        data = bytes(jazzy().serialize_cdr(wind, 'geometry_msgs/msg/Vector3Stamped'))
+        data = bytes(load_jazzy_types().serialize_cdr(wind, 'geometry_msgs/msg/Vector3Stamped'))
         bag.write('/lta1/wind', data, 2)
     flight = open_flight(tmp_path / 'b')
     assert flight.start == START
-    assert flight.series('wind')['vector.y'].tolist() == [2.0]
+    assert flight.read_series('wind')['vector.y'].tolist() == [2.0]
     with pytest.raises(BadInput, match="does not fit the bag's own definition"):
-        flight.series('broken')
+        flight.read_series('broken')
 
 
 def test_several_topics_come_from_one_pass_and_are_the_same(flight_bag, monkeypatch):
     flight = open_flight(flight_bag)
     passes = []
-    messages = flight.bag.messages
+    messages = flight.bag.iterate_messages
 
     def counted(names):
         passes.append(names)
         return messages(names)
 
     monkeypatch.setattr(flight.bag, 'messages', counted)
-    found = flight.read(['odom', 'energy/reserve', '/lta1/odom'])
+    found = flight.read_topics(['odom', 'energy/reserve', '/lta1/odom'])
     assert len(passes) == 1
     assert found['odom'] is found['/lta1/odom']
     monkeypatch.undo()
-    alone = flight.series('odom')
+    alone = flight.read_series('odom')
     np.testing.assert_array_equal(found['odom'].stamps, alone.stamps)
     np.testing.assert_array_equal(found['odom']['pose.covariance[7]'], alone['pose.covariance[7]'])
-    parts = list(flight.parts('odom', 15))
+    parts = list(flight.iterate_series('odom', 15))
     assert [len(part) for part in parts] == [15, 15, 10]
     np.testing.assert_array_equal(np.concatenate([part.time for part in parts]), alone.time)

@@ -6,7 +6,7 @@ import tracemalloc
 from lta_config.errors import BadInput
 from lta_config.limits import CHUNK_BYTES
 from lta_data.bag import read_bag
-from lta_data.bag.recover import recover
+from lta_data.bag.recover import recover_bag
 from mcap.reader import make_reader
 import numpy as np
 import pytest
@@ -33,7 +33,7 @@ def check(place, whole, kind, seed):
     (place / 'bag_0.mcap').write_bytes(broken)
     tracemalloc.start()
     bag = read_bag(place)
-    found = [(log_time, data) for _, log_time, data in bag.messages()]
+    found = [(log_time, data) for _, log_time, data in bag.iterate_messages()]
     _, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     assert peak < MEMORY, (kind, seed, how, peak)
@@ -45,7 +45,7 @@ def check(place, whole, kind, seed):
         assert bag.losses, (kind, seed, how)
     if whole[kind].metadata is not None:
         (place / 'metadata.yaml').write_bytes(whole[kind].metadata)
-        topics = {topic for topic, _, _ in read_bag(place).messages()}
+        topics = {topic for topic, _, _ in read_bag(place).iterate_messages()}
         assert topics <= {'/lta1/a', '/lta1/b', '/c'}, (kind, seed, how)
     return how
 
@@ -69,15 +69,15 @@ def test_what_is_mended_is_whole_to_everybody(tmp_path, whole, kind, cases):
         source, made = tmp_path / f'{seed}.mcap', tmp_path / str(seed)
         source.write_bytes(broken)
         bag = read_bag(source)
-        found = list(bag.messages())
+        found = list(bag.iterate_messages())
         try:
-            told = recover(source, made)
+            told = recover_bag(source, made)
         except BadInput:
-            assert not found or (bag.complete and bag.indexed), (kind, seed, how)
+            assert not found or (bag.is_complete and bag.is_indexed), (kind, seed, how)
             continue
         assert told.messages == len(found) >= len(expected)
         mended = read_bag(made)
-        assert (mended.losses, list(mended.messages())) == ([], found), (kind, seed, how)
+        assert (mended.losses, list(mended.iterate_messages())) == ([], found), (kind, seed, how)
         with Reader(made) as reader:
             theirs = [(link.topic, time, data) for link, time, data in reader.messages()]
         assert Counter(theirs) == Counter(found)

@@ -4,21 +4,21 @@ from functools import cache
 
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
-from lta_bridge.bag.schemas import definition, jazzy
+from lta_bridge.bag.schemas import generate_definition, load_jazzy_types
 from lta_config.errors import BadInput
-from lta_config.topics import topic_table
-from lta_data.bag import gather
-from lta_data.bag.columns import columns
-from lta_data.bag.gather import Gathering, Typed
-from lta_data.bag.layout import layout_of, Misfit
-from lta_data.bag.mcap_file.decoder import Decoder
-from lta_data.bag.stamps import stamp_of
+from lta_config.topics import load_topic_table
+from lta_data.bag import column_builder
+from lta_data.bag.cdr_layout import derive_layout, LayoutMismatch
+from lta_data.bag.column_builder import ColumnBuilder, MessageType
+from lta_data.bag.columns import build_columns
+from lta_data.bag.mcap_file.decoder import MessageDecoder
+from lta_data.bag.stamps import extract_stamp
 from mcap.records import Schema
 import numpy as np
 import pytest
 from rosbags.interfaces import Nodetype
 
-OURS = sorted({topic.type for topic in topic_table().topics.values()})
+OURS = sorted({topic.type for topic in load_topic_table().topics.values()})
 OTHERS = [
     'geometry_msgs/msg/PolygonStamped',
     'geometry_msgs/msg/TransformStamped',
@@ -45,8 +45,11 @@ FLOATS = [0.0, -0.0, 1.5, -2e300, np.nan, np.inf, 1e-320]
 
 def drawn(type_name, shape, values):
     """Return a message: its lengths are drawn from one generator, its values from the other."""
-    return jazzy().types[type_name](
-        *(part(described, shape, values) for _, described in jazzy().fielddefs[type_name][1])
+    return load_jazzy_types().types[type_name](
+        *(
+            part(described, shape, values)
+            for _, described in load_jazzy_types().fielddefs[type_name][1]
+        )
     )
 
 
@@ -86,16 +89,18 @@ def single(name, shape, values):
 @cache
 def typed(type_name):
     """Return a type and how to read it, by the definition that a bag would bring."""
-    found = definition(type_name)
-    decoder = Decoder({type_name: Schema(1, found.text.encode(), 'ros2msg', type_name)})
-    return Typed(type_name, decoder.fields, lambda data: decoder.decode(type_name, data))
+    found = generate_definition(type_name)
+    decoder = MessageDecoder({type_name: Schema(1, found.text.encode(), 'ros2msg', type_name)})
+    return MessageType(
+        type_name, decoder.list_fields, lambda data: decoder.decode(type_name, data)
+    )
 
 
 def gathered(kind, messages):
-    maker = Gathering(kind)
+    maker = ColumnBuilder(kind)
     for index, data in enumerate(messages):
-        maker.take(index, data)
-    return maker.result()
+        maker.add_message(index, data)
+    return maker.flush_columns()
 
 
 def same(found, expected):
@@ -108,11 +113,11 @@ def same(found, expected):
 def check(type_name, messages):
     kind = typed(type_name)
     objects = [kind.decode(data) for data in messages]
-    numbers, texts = columns(objects)
+    numbers, texts = build_columns(objects)
     found = gathered(kind, messages)
     same(found.numbers, numbers)
     same(found.texts, texts)
-    assert found.stamps.tolist() == [stamp_of(message) or 0 for message in objects]
+    assert found.stamps.tolist() == [extract_stamp(message) or 0 for message in objects]
     assert found.logged == list(range(len(messages)))
 
 
@@ -132,12 +137,12 @@ def test_whole_topics_give_what_single_messages_give(type_name, turns, shapes, s
     messages = []
     for which, little in turns:
         message = drawn(type_name, np.random.default_rng(shapes[which % len(shapes)]), values)
-        data = bytes(jazzy().serialize_cdr(message, type_name, little_endian=little))
+        data = bytes(load_jazzy_types().serialize_cdr(message, type_name, little_endian=little))
         # Writers fill the end of a message to a multiple of four, or do not.
         messages.append(data + bytes(-len(data) % 4 if values.integers(2) else 0))
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(gather, 'BATCH_MESSAGES', batch)
-        patch.setattr(gather, 'NEW_LAYOUTS', new)
+        patch.setattr(column_builder, 'BATCH_MESSAGES', batch)
+        patch.setattr(column_builder, 'NEW_LAYOUTS', new)
         check(type_name, messages)
 
 
@@ -145,11 +150,15 @@ def test_whole_topics_give_what_single_messages_give(type_name, turns, shapes, s
 def test_of_messages_of_one_layout_only_the_first_is_made_an_object(type_name):
     values = np.random.default_rng(1)
     messages = [
-        bytes(jazzy().serialize_cdr(drawn(type_name, np.random.default_rng(2), values), type_name))
+        bytes(
+            load_jazzy_types().serialize_cdr(
+                drawn(type_name, np.random.default_rng(2), values), type_name
+            )
+        )
         for _ in range(5)
     ]
     kind = typed(type_name)
-    expected, _ = columns([kind.decode(data) for data in messages])
+    expected, _ = build_columns([kind.decode(data) for data in messages])
     made = []
     found = gathered(kind._replace(decode=made.append), messages)
     same(found.numbers, expected)
@@ -158,12 +167,14 @@ def test_of_messages_of_one_layout_only_the_first_is_made_an_object(type_name):
 
 def test_a_layout_is_worked_out_once(monkeypatch):
     made = []
-    monkeypatch.setattr(gather, 'BATCH_MESSAGES', 10)
-    monkeypatch.setattr(gather, 'layout_of', lambda *given: made.append(1) or layout_of(*given))
+    monkeypatch.setattr(column_builder, 'BATCH_MESSAGES', 10)
+    monkeypatch.setattr(
+        column_builder, 'derive_layout', lambda *given: made.append(1) or derive_layout(*given)
+    )
     values = np.random.default_rng(1)
     messages = [
         bytes(
-            jazzy().serialize_cdr(
+            load_jazzy_types().serialize_cdr(
                 drawn('sensor_msgs/msg/Imu', np.random.default_rng(7), values),
                 'sensor_msgs/msg/Imu',
             )
@@ -181,7 +192,7 @@ def test_what_does_not_fit_is_refused_as_an_object_is(change, at):
     kind = 'sensor_msgs/msg/Range'
     message = drawn(kind, np.random.default_rng(3), np.random.default_rng(3))
     message.header.frame_id = 'ray'
-    good = bytes(jazzy().serialize_cdr(message, kind))
+    good = bytes(load_jazzy_types().serialize_cdr(message, kind))
     bad = good[:at] + change + good[at + 1 :] if change else good[:at]
     with pytest.raises(BadInput, match='does not fit'):
         typed(kind).decode(bad)
@@ -196,7 +207,7 @@ def test_any_bytes_have_a_layout_only_where_they_are_a_message(data, type_name):
     kind = typed(type_name)
     data = b'\x00\x01\x00\x00' + data
     try:
-        layout_of(type_name, data, kind.fields)
-    except Misfit:
+        derive_layout(type_name, data, kind.fields)
+    except LayoutMismatch:
         return
     kind.decode(data)

@@ -3,14 +3,14 @@
 from io import StringIO
 import json
 
-from lta_data.bag import bag_info
-from lta_data.bag.folder import bag_in
-from lta_data.bag.info import BagInfo, show
+from lta_data.bag import summarize_bag
+from lta_data.bag.bag_folder import find_bag
+from lta_data.bag.info import BagInfo, print_bag_info
 from rich.console import Console
 
 
 def test_figures_of_a_flight(flight_bag):
-    info = bag_info(flight_bag)
+    info = summarize_bag(flight_bag)
     assert [(t.name, t.type, t.count) for t in info.topics] == [
         ('/clock', 'rosgraph_msgs/msg/Clock', 40),
         ('/lta1/energy/reserve', 'std_msgs/msg/Bool', 4),
@@ -25,7 +25,7 @@ def test_figures_of_a_flight(flight_bag):
 
 
 def test_json_is_the_same_facts(flight_bag):
-    found = json.loads(bag_info(flight_bag).to_json())
+    found = json.loads(summarize_bag(flight_bag).to_json())
     assert found['provenance'] == {'scenario': 'lamp', 'seed': '11'}
     assert found['topics'][1] == {
         'name': '/lta1/energy/reserve',
@@ -40,7 +40,7 @@ def test_table_shows_topics_provenance_and_losses(flight_bag):
     file = flight_bag / 'bag_0.mcap'
     file.write_bytes(file.read_bytes()[:-1])
     text = StringIO()
-    show(bag_info(flight_bag), Console(file=text, width=200))
+    print_bag_info(summarize_bag(flight_bag), Console(file=text, width=200))
     lines = text.getvalue().splitlines()
     row = next(line for line in lines if line.startswith('/lta1/odom'))
     assert row.split() == ['/lta1/odom', 'nav_msgs/msg/Odometry', '40', '100.0']
@@ -53,7 +53,7 @@ def test_a_whole_file_is_only_counted():
         'b', 1, None, 0.0, 0, ['lta1'], [], {'seed': '3', 'vehicle_file': 'a: 1\nb: 2\n'}, True, []
     )
     text = StringIO()
-    show(info, Console(file=text, width=200))
+    print_bag_info(info, Console(file=text, width=200))
     assert text.getvalue().splitlines()[-2:] == [
         'seed: 3',
         'vehicle_file: 2 lines, in full with --json',
@@ -63,13 +63,13 @@ def test_a_whole_file_is_only_counted():
 def test_a_results_folder_holds_its_bag(tmp_path, flight_bag):
     results = tmp_path / 'results'
     results.mkdir()
-    assert bag_in(results) == results
+    assert find_bag(results) == results
     (results / 'bag').mkdir()
-    assert bag_in(results) == results / 'bag'
-    assert bag_in(flight_bag) == flight_bag
+    assert find_bag(results) == results / 'bag'
+    assert find_bag(flight_bag) == flight_bag
 
 
 def test_bag_without_messages(record):
-    info = bag_info(record([]))
+    info = summarize_bag(record([]))
     assert (info.messages, info.duration, info.start, info.topics) == (0, 0.0, None, [])
     assert json.loads(info.to_json())['start'] is None

@@ -5,7 +5,7 @@ import sys
 import lta_analysis
 from lta_cli import app
 from lta_data.bag import open_flight
-from lta_data.compare.comparison import Asked, compare_flights
+from lta_data.compare.comparison import compare_flights, ComparisonRequest
 import pytest
 
 from ..compare.compare_flight import write_motion  # noqa: TID252 - `test` is Python's own
@@ -26,7 +26,7 @@ def harmed(tmp_path):
 def call(monkeypatch, capsys):
     def call(*words):
         monkeypatch.setattr(sys, 'argv', ['lta', *map(str, words)])
-        return app.status(), ' '.join(''.join(capsys.readouterr()).split())
+        return app.run_command_line(), ' '.join(''.join(capsys.readouterr()).split())
 
     return call
 
@@ -34,7 +34,7 @@ def call(monkeypatch, capsys):
 def losses(bag):
     """Return what reading all of it finds."""
     flight = open_flight(bag)
-    list(flight.bag.messages())
+    list(flight.bag.iterate_messages())
     (told,) = flight.bag.losses
     return told
 
@@ -61,6 +61,6 @@ def test_a_quick_look_says_it(harmed, call, words):
 
 def test_a_comparison_says_it(harmed, tmp_path):
     whole = write_motion(tmp_path / 'whole', until=60.0)
-    found = compare_flights(open_flight(whole), open_flight(harmed), Asked())
+    found = compare_flights(open_flight(whole), open_flight(harmed), ComparisonRequest())
     assert f'B: {losses(harmed)}' in found.remarks
     assert found.verdict != 'identical'

@@ -3,12 +3,12 @@
 import struct
 
 from lta_bridge.bag import BagWriter
-from lta_bridge.bag.records import encoded, MAGIC
-from lta_bridge.bag.schemas import definition
+from lta_bridge.bag.records import encode_records, MAGIC
+from lta_bridge.bag.schemas import generate_definition
 from lta_config.errors import BadInput
-from lta_data.bag import bag_info, read_bag
-from lta_data.bag.mcap_file import packing
-from lta_data.bag.mcap_file.decoder import undecodable
+from lta_data.bag import read_bag, summarize_bag
+from lta_data.bag.mcap_file import compression
+from lta_data.bag.mcap_file.decoder import explain_undecodable
 from mcap.reader import make_reader
 from mcap.records import Channel, Chunk, Header, Message, Schema
 from mcap.writer import CompressionType, Writer
@@ -48,13 +48,13 @@ ODD = {
 def test_topics_that_cannot_be_decoded_are_kept_and_shown(tmp_path):
     topics = {'/good': BOOL} | {topic: odd for topic, (odd, _) in ODD.items()}
     file = write(tmp_path / 'odd.mcap', topics, [(topic, i) for i, topic in enumerate(topics)])
-    info = bag_info(file)
+    info = summarize_bag(file)
     assert {topic.name: topic.count for topic in info.topics} == dict.fromkeys(topics, 1)
     assert info.complete
     bag = read_bag(file)
     assert bag.decode('/good', TRUE).data is True
     for topic, (_, sentence) in ODD.items():
-        assert [data for _, _, data in bag.messages([topic])] == [TRUE]
+        assert [data for _, _, data in bag.iterate_messages([topic])] == [TRUE]
         with pytest.raises(BadInput, match=rf"^The messages of '{topic}' .*{sentence}.*\.$"):
             bag.decode(topic, TRUE)
         [remark] = [remark for remark in info.remarks if f"'{topic}'" in remark]
@@ -62,8 +62,10 @@ def test_topics_that_cannot_be_decoded_are_kept_and_shown(tmp_path):
 
 
 def test_a_message_without_fields_needs_no_text():
-    assert undecodable(Schema(1, b'', 'ros2msg', 'std_msgs/msg/Empty'), 'cdr') is None
-    assert undecodable(Schema(1, b'bool data', 'ros2msg', 'std_msgs/msg/Bool'), 'cdr') is None
+    assert explain_undecodable(Schema(1, b'', 'ros2msg', 'std_msgs/msg/Empty'), 'cdr') is None
+    assert (
+        explain_undecodable(Schema(1, b'bool data', 'ros2msg', 'std_msgs/msg/Bool'), 'cdr') is None
+    )
 
 
 def chunked(path, *chunks):
@@ -74,37 +76,37 @@ def chunked(path, *chunks):
         Channel(1, '/x', 'cdr', {}, 1),
         *(Chunk(name, data, 0, 0, crc, size) for name, data, size, crc in chunks),
     ]
-    path.write_bytes(MAGIC + encoded(records))
+    path.write_bytes(MAGIC + encode_records(records))
     return path
 
 
 def message(time):
-    return encoded([Message(1, time, TRUE, time, 0)])
+    return encode_records([Message(1, time, TRUE, time, 0)])
 
 
 def test_unknown_compression_is_named(tmp_path):
     good = message(7)
     file = chunked(tmp_path / 'a.mcap', ('br', b'what is this', 50, 1), ('', good, len(good), 0))
     bag = read_bag(file)
-    assert [time for _, time, _ in bag.messages()] == [7]
+    assert [time for _, time, _ in bag.iterate_messages()] == [7]
     assert "are compressed as 'br', which is unknown here" in bag.losses[0]
 
 
 def test_chunks_that_claim_too_much_cost_no_memory(tmp_path, monkeypatch):
-    monkeypatch.setattr(packing, 'CHUNK_BYTES', 1 << 20)
+    monkeypatch.setattr(compression, 'CHUNK_BYTES', 1 << 20)
     zeros = bytes(4 << 20)
     told = zstandard.ZstdCompressor().compress(zeros)
     silent = zstandard.ZstdCompressor(write_content_size=False).compress(zeros)
-    packed_lz4 = packing.lz4.frame.compress(zeros, store_size=False)
+    packed_lz4 = compression.lz4.frame.compress(zeros, store_size=False)
     liar = bytearray(zstandard.ZstdCompressor().compress(bytes(300_000)))
     liar[5:9] = b'\xff\xff\xff\x7f'  # the content size, in 4 bytes behind magic and descriptor
     for kind, packed in (('zstd', told), ('zstd', silent), ('lz4', packed_lz4), ('zstd', liar)):
-        with pytest.raises(packing.Damaged, match=r'hold|^$'):
-            packing.inflated(kind, bytes(packed))
+        with pytest.raises(compression.DamagedRecord, match=r'hold|^$'):
+            compression.decompress(kind, bytes(packed))
     good = message(7)
     bombs = [('zstd', told, len(zeros), 1), ('lz4', packed_lz4, len(zeros), 1)]
     bag = read_bag(chunked(tmp_path / 'a.mcap', *bombs, ('', good, len(good), 0)))
-    assert [time for _, time, _ in bag.messages()] == [7]
+    assert [time for _, time, _ in bag.iterate_messages()] == [7]
     assert 'claim to hold 4194304 bytes' in bag.losses[0]
     assert 'hold more than 1048576 bytes' in bag.losses[1]
 
@@ -114,13 +116,15 @@ def test_time_that_runs_backwards_is_named(tmp_path):
     messages = [('/b' if t == 5 else '/a', t * 10**9) for t in times]
     for options in ({}, {'chunk_size': 60}, {'use_chunking': False}):
         file = write(tmp_path / 'a.mcap', {'/a': BOOL, '/b': BOOL}, messages, **options)
-        info = bag_info(file)
+        info = summarize_bag(file)
         [remark] = [remark for remark in info.remarks if 'backwards' in remark]
         assert remark.startswith('Time runs backwards at 2 of 8 messages, by up to 15 s')
         assert remark.endswith('; they are kept in the order of recording.')
         if 'chunk_size' not in options:
             assert "(on '/b')" in remark
-        assert [time for _, time, _ in read_bag(file).messages()] == [t * 10**9 for t in times]
+        assert [time for _, time, _ in read_bag(file).iterate_messages()] == [
+            t * 10**9 for t in times
+        ]
 
 
 @pytest.mark.parametrize('chunking', [True, False])
@@ -130,15 +134,15 @@ def test_long_silences_are_named(tmp_path, chunking):
     file = write(
         tmp_path / 'a.mcap', {'/a': BOOL}, [('/a', t) for t in times], use_chunking=chunking
     )
-    assert bag_info(file).remarks == ['Nothing was recorded for 55.01 s from 4.99 s on.']
+    assert summarize_bag(file).remarks == ['Nothing was recorded for 55.01 s from 4.99 s on.']
     slow = [('/a', i * 6 * 10**9) for i in range(50)]  # a message every 6 s is no silence
-    assert bag_info(write(tmp_path / 'b.mcap', {'/a': BOOL}, slow)).remarks == []
+    assert summarize_bag(write(tmp_path / 'b.mcap', {'/a': BOOL}, slow)).remarks == []
 
 
 def test_bags_without_messages(tmp_path):
     with BagWriter(tmp_path / 'bag', {}) as writer:
         writer.add_topic('/x', 'std_msgs/msg/Bool', [])
-    info = bag_info(tmp_path / 'bag')
+    info = summarize_bag(tmp_path / 'bag')
     assert (info.messages, info.complete, info.remarks) == (0, True, ['It holds no message.'])
 
 
@@ -172,7 +176,7 @@ def test_compression_by_message_or_file(tmp_path, mode):
         with pytest.raises(BadInput, match='compressed as a whole; unpack it'):
             read_bag(tmp_path / 'bag')
     else:
-        assert list(read_bag(tmp_path / 'bag').messages()) == [('/x', 5, TRUE)]
+        assert list(read_bag(tmp_path / 'bag').iterate_messages()) == [('/x', 5, TRUE)]
 
 
 def test_files_that_metadata_lists_outside_are_not_read(tmp_path):
@@ -191,13 +195,15 @@ def test_files_that_metadata_lists_outside_are_not_read(tmp_path):
 def test_thousands_of_channels(tmp_path):
     topics = {f'/t{i}': BOOL for i in range(3000)}
     file = write(tmp_path / 'a.mcap', topics, [('/t5', 1), ('/t2999', 2)])
-    assert len(bag_info(file).topics) == 3000
+    assert len(summarize_bag(file).topics) == 3000
     file.write_bytes(file.read_bytes()[:-1])
-    assert [topic for topic, _, _ in read_bag(file).messages()] == ['/t5', '/t2999']
+    assert [topic for topic, _, _ in read_bag(file).iterate_messages()] == ['/t5', '/t2999']
 
 
 def test_hostile_bytes_cost_bounded_effort(tmp_path):
-    claims = encoded([Chunk('', b'', 0, 0, 1, 90_000)])[:49] + (90_000).to_bytes(8, 'little')
+    claims = encode_records([Chunk('', b'', 0, 0, 1, 90_000)])[:49] + (90_000).to_bytes(
+        8, 'little'
+    )
     fillings = (
         b'\x05\x16' + bytes(29),  # bare messages without a channel
         b'\x06' + (90_000).to_bytes(8, 'little') + claims[9:],
@@ -209,7 +215,7 @@ def test_hostile_bytes_cost_bounded_effort(tmp_path):
     for filling in fillings:
         (tmp_path / 'a.mcap').write_bytes(MAGIC + filling * (60_000 // len(filling)))
         bag = read_bag(tmp_path / 'a.mcap')
-        assert sum(1 for _ in bag.messages()) <= 60_000 // 31
+        assert sum(1 for _ in bag.iterate_messages()) <= 60_000 // 31
         assert len(bag.losses) < 120
 
 
@@ -224,9 +230,9 @@ def test_summary_that_lies_about_its_indexes(tmp_path):
     for offset, length in ((1 << 63, 1 << 62), (8, 1 << 50), (1 << 40, 5)):
         data[at : at + len(told)] = struct.pack('<HQQ', 1, offset, length)
         file.write_bytes(data)
-        info = bag_info(file)
+        info = summarize_bag(file)
         assert (info.messages, info.remarks) == (20, [])
-        assert [time for _, time, _ in read_bag(file).messages()] == list(range(20))
+        assert [time for _, time, _ in read_bag(file).iterate_messages()] == list(range(20))
 
 
 def test_lost_names_come_from_metadata(tmp_path):
@@ -239,22 +245,22 @@ def test_lost_names_come_from_metadata(tmp_path):
     data = file.read_bytes()
     first = data.index(b'std_msgs/msg/Bool')
     # From the schema on until before the chunk, then nothing behind the chunk's indexes.
-    cut = data.index(encoded([Schema(1, b'', '', '')])[:1], data.index(b'zstd'))
+    cut = data.index(encode_records([Schema(1, b'', '', '')])[:1], data.index(b'zstd'))
     broken = data[:first] + bytes(data.index(b'\x06', data.index(b'/b')) - first)
     file.write_bytes(broken + data[len(broken) : max(cut, len(broken) + 150)])
     bag = read_bag(tmp_path / 'bag')
-    assert list(bag.messages()) == [('/a', 1, TRUE), ('/b', 2, TRUE)]
+    assert list(bag.iterate_messages()) == [('/a', 1, TRUE), ('/b', 2, TRUE)]
     assert bag.decode('/b', TRUE).data is True
     assert any("Channel 2 has lost its name; metadata.yaml says '/b'." in r for r in bag.remarks)
     (tmp_path / 'bag' / 'metadata.yaml').unlink()
     bag = read_bag(tmp_path / 'bag')
-    assert [topic for topic, _, _ in bag.messages()] == ['/channel_1', '/channel_2']
+    assert [topic for topic, _, _ in bag.iterate_messages()] == ['/channel_1', '/channel_2']
     with pytest.raises(BadInput, match='of a type that the bag does not define'):
         bag.decode('/channel_1', TRUE)
 
 
 def test_writer_keeps_a_definition_that_is_given(tmp_path):
-    own = definition('std_msgs/msg/Bool')
+    own = generate_definition('std_msgs/msg/Bool')
     with BagWriter(tmp_path / 'bag', {}) as writer:
         writer.add_topic('/x', own, [])
         writer.write('/x', TRUE, 1)
@@ -272,10 +278,10 @@ def test_chunks_without_the_topic_are_not_unpacked(tmp_path, monkeypatch):
     )
     seen = []
     monkeypatch.setattr(
-        'lta_data.bag.mcap_file.chunks.inflated',
-        lambda kind, data: seen.append(kind) or packing.inflated(kind, data),
+        'lta_data.bag.mcap_file.chunks.decompress',
+        lambda kind, data: seen.append(kind) or compression.decompress(kind, data),
     )
-    assert len(list(read_bag(file).messages(['/rare']))) == 1
+    assert len(list(read_bag(file).iterate_messages(['/rare']))) == 1
     assert len(seen) == 1
 
 
@@ -283,4 +289,4 @@ def test_topics_that_interleave_by_less_than_a_second_are_nothing_odd(tmp_path):
     """Log time is that of publication: a recorder hears one topic a little after another."""
     times = (1_000_000_000, 1_900_000_000, 1_010_000_000, 1_910_000_000)
     file = write(tmp_path / 'a.mcap', {'/a': BOOL}, [('/a', time) for time in times])
-    assert bag_info(file).remarks == []
+    assert summarize_bag(file).remarks == []

@@ -8,7 +8,7 @@ project.
 from pathlib import Path
 
 from lta_data.bag import read_bag
-from lta_data.bag.recover import recover
+from lta_data.bag.recover import recover_bag
 from mcap.reader import make_reader
 import pytest
 
@@ -33,14 +33,14 @@ def test_whole_and_cut(tmp_path, measured):
             for _, channel, message in reader.iter_messages(log_time_order=False)
         ]
     bag = read_bag(measured)
-    assert list(bag.messages()) == theirs
-    assert bag.complete
+    assert list(bag.iterate_messages()) == theirs
+    assert bag.is_complete
     middle = chunks[len(chunks) // 2]
     (tmp_path / 'cut.mcap').write_bytes(
         measured.read_bytes()[: middle.chunk_start_offset + middle.chunk_length - 1]
     )
-    found = recover(tmp_path / 'cut.mcap', tmp_path / 'new')
-    kept = list(read_bag(tmp_path / 'new').messages())
+    found = recover_bag(tmp_path / 'cut.mcap', tmp_path / 'new')
+    kept = list(read_bag(tmp_path / 'new').iterate_messages())
     assert kept == theirs[: len(kept)]
     assert found.messages == len(kept) > 0
     assert kept[-1][1] <= middle.message_start_time <= theirs[len(kept)][1]

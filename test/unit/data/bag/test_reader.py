@@ -10,9 +10,9 @@ import sys
 from lta_bridge.bag import BagWriter
 from lta_config.errors import BadInput
 from lta_data.bag import read_bag
+from lta_data.bag.mcap_file.compression import DamagedRecord
 from lta_data.bag.mcap_file.contents import read_at
-from lta_data.bag.mcap_file.packing import Damaged
-from lta_data.bag.mcap_file.scan import scan
+from lta_data.bag.mcap_file.scan import scan_file
 from lta_data.bag.mcap_file.summary import read_summary
 from mcap.reader import make_reader
 from mcap.writer import CompressionType, IndexType, Writer
@@ -51,10 +51,10 @@ def expected(data, chunks, cut):
 def check_cut(place, data, chunks, cut):
     place.write_bytes(data[:cut])
     bag = read_bag(place)
-    got = list(bag.messages())
+    got = list(bag.iterate_messages())
     assert [time for _, time, _ in got] == [1000 + i for i in range(expected(data, chunks, cut))]
     assert sum(topic.count for topic in bag.topics.values()) == len(got)
-    assert bag.complete == (cut == len(data))
+    assert bag.is_complete == (cut == len(data))
     assert len(bag.losses) == (cut != len(data))
     return got
 
@@ -65,7 +65,7 @@ def test_cut_anywhere_gives_every_whole_chunk(torn, tmp_path):
     cuts |= {offset + d for offset, _ in chunks for d in (-1, 0, 1)}
     cuts |= set(range(8, 60)) | set(range(len(data) - 40, len(data) + 1))
     cuts |= set(np.random.default_rng(1).integers(8, len(data), 200).tolist())
-    whole = list(read_bag(folder).messages())
+    whole = list(read_bag(folder).iterate_messages())
     assert len(whole) == CHUNKS * PER_CHUNK
     for cut in sorted(cuts):
         got = check_cut(tmp_path / 'cut.mcap', data, chunks, cut)
@@ -84,7 +84,7 @@ def test_zeros_at_the_end_are_no_records(torn, tmp_path):
     offset, length = chunks[4]
     (tmp_path / 'cut.mcap').write_bytes(data[: offset + length] + bytes(5000))
     bag = read_bag(tmp_path / 'cut.mcap')
-    assert len(list(bag.messages())) == 5 * PER_CHUNK
+    assert len(list(bag.iterate_messages())) == 5 * PER_CHUNK
     assert bag.losses == [
         f'The recording was not finished: the last 5000 of {offset + length + 5000} bytes are '
         'not a whole record.'
@@ -100,18 +100,18 @@ def test_damaged_chunk_is_left_out_and_told(torn, tmp_path, finished):
     (tmp_path / 'bad.mcap').write_bytes(broken if finished else broken[:-1])
     bag = read_bag(tmp_path / 'bad.mcap')
     for _ in range(2):
-        times = [time for _, time, _ in bag.messages()]
+        times = [time for _, time, _ in bag.iterate_messages()]
         gone = range(1000 + 3 * PER_CHUNK, 1000 + 4 * PER_CHUNK)
         assert times == [t for t in range(1000, 1000 + CHUNKS * PER_CHUNK) if t not in gone]
     told = f'The {length} bytes from byte {offset} on are damaged; what they held is left out.'
     assert told in bag.losses
     assert len(bag.losses) == (1 if finished else 2)
-    assert not bag.complete
+    assert not bag.is_complete
 
 
 def test_flipped_bytes_never_break_reading(torn, tmp_path):
     data = torn[1]
-    whole = {d for _, _, d in read_bag(torn[0]).messages()}
+    whole = {d for _, _, d in read_bag(torn[0]).iterate_messages()}
     rng = np.random.default_rng(3)
     for _ in range(300):
         broken = bytearray(data)
@@ -119,7 +119,7 @@ def test_flipped_bytes_never_break_reading(torn, tmp_path):
             broken[place] ^= int(rng.integers(1, 256))
         (tmp_path / 'bad.mcap').write_bytes(broken)
         bag = read_bag(tmp_path / 'bad.mcap')
-        assert {d for _, _, d in bag.messages()} <= whole
+        assert {d for _, _, d in bag.iterate_messages()} <= whole
 
 
 def test_damaged_summary_is_not_believed(torn, tmp_path):
@@ -128,7 +128,7 @@ def test_damaged_summary_is_not_believed(torn, tmp_path):
         broken = bytearray(data)
         broken[place] ^= 1
         (tmp_path / 'bad.mcap').write_bytes(broken)
-        got = list(read_bag(tmp_path / 'bad.mcap').messages())
+        got = list(read_bag(tmp_path / 'bad.mcap').iterate_messages())
         assert len(got) == CHUNKS * PER_CHUNK
 
 
@@ -136,13 +136,13 @@ def test_summary_of_our_bags_is_enough(torn):
     file = torn[0] / 'bag_0.mcap'
     with file.open('rb') as stream:
         quick = read_summary(stream, file.stat().st_size)
-        slow = scan(stream, file.stat().st_size)
+        slow = scan_file(stream, file.stat().st_size)
     assert quick == slow
 
 
 @pytest.mark.parametrize(('offset', 'length'), [(0, 1 << 60), (1 << 63, 1), (7, 4)])
 def test_absurd_lengths_cost_no_memory(offset, length):
-    with pytest.raises(Damaged):
+    with pytest.raises(DamagedRecord):
         read_at(BytesIO(bytes(10)), offset, length)
 
 
@@ -152,9 +152,9 @@ def test_topics_and_provenance_of_a_finished_folder(torn):
     assert counts == {'/a': ('std_msgs/msg/Bool', 200), '/b': ('sensor_msgs/msg/Image', 100)}
     assert (bag.start, bag.end) == (1000, 1000 + CHUNKS * PER_CHUNK - 1)
     assert bag.provenance == {'seed': '8'}
-    assert [t for t, _, _ in bag.messages(['/b'])] == ['/b'] * 100
+    assert [t for t, _, _ in bag.iterate_messages(['/b'])] == ['/b'] * 100
     with pytest.raises(BadInput, match=r"Unknown topic '/c'; known: /a, /b\."):
-        list(bag.messages(['/c']))
+        list(bag.iterate_messages(['/c']))
 
 
 def test_provenance_outlives_either_of_its_places(torn, tmp_path):
@@ -198,11 +198,11 @@ def test_killed_recorder_loses_only_the_tail(tmp_path):
         process.send_signal(signal.SIGKILL)
         told += [int(line) for line in process.stdout]
     bag = read_bag(tmp_path / 'bag')
-    assert not bag.complete
+    assert not bag.is_complete
     assert bag.provenance == {'seed': '9'}
     count = bag.topics['/b'].count
     assert count >= told[-1] > 0
-    assert [data[4] for _, _, data in bag.messages()] == [i % 2 for i in range(count)]
+    assert [data[4] for _, _, data in bag.iterate_messages()] == [i % 2 for i in range(count)]
 
 
 @pytest.mark.parametrize('mode', [CompressionMode.NONE, CompressionMode.STORAGE])
@@ -220,7 +220,7 @@ def test_bags_of_rosbags_are_read(tmp_path, mode):
     bag = read_bag(tmp_path / 'theirs')
     with Reader(tmp_path / 'theirs') as reader:
         theirs = [(c.topic, t, d) for c, t, d in reader.messages()]
-    assert list(bag.messages()) == theirs
+    assert list(bag.iterate_messages()) == theirs
     assert bag.decode('/x', theirs[0][2]).data is True
 
 
@@ -244,10 +244,10 @@ def test_every_kind_of_mcap_is_read(tmp_path, compression, chunked, indexed):
             writer.add_message(channels[i % 3 == 0], 7 + i, bytes([0, 1, 0, 0, 1]), 7 + i)
         writer.finish()
     bag = read_bag(tmp_path / 'any.mcap')
-    assert [time for _, time, _ in bag.messages()] == list(range(7, 97))
+    assert [time for _, time, _ in bag.iterate_messages()] == list(range(7, 97))
     assert {name: topic.count for name, topic in bag.topics.items()} == {'/x': 60, '/y': 30}
-    assert [time for _, time, _ in bag.messages(['/y'])] == list(range(7, 97, 3))
-    assert bag.complete
+    assert [time for _, time, _ in bag.iterate_messages(['/y'])] == list(range(7, 97, 3))
+    assert bag.is_complete
     assert bag.decode('/x', b'\0\1\0\0\1').data is True
 
 
@@ -259,7 +259,7 @@ def test_split_bag_is_one(torn, tmp_path):
     (folder / 'split_10.mcap').write_bytes(torn[1][:-1])
     bag = read_bag(folder)
     assert bag.topics['/a'].count == 800
-    assert len(list(bag.messages())) == 4 * CHUNKS * PER_CHUNK
+    assert len(list(bag.iterate_messages())) == 4 * CHUNKS * PER_CHUNK
     assert len(bag.losses) == 1
 
 
@@ -294,6 +294,6 @@ def test_message_that_does_not_fit_its_definition_is_told(tmp_path):
         writer.add_topic('/odom', 'nav_msgs/msg/Odometry', [])
         writer.write('/odom', b'\0\1\0\0\1\2', 1)
     bag = read_bag(tmp_path / 'bag')
-    [(topic, _, data)] = bag.messages()
+    [(topic, _, data)] = bag.iterate_messages()
     with pytest.raises(BadInput, match="definition of 'nav_msgs/msg/Odometry'"):
         bag.decode(topic, data)

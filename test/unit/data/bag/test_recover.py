@@ -4,11 +4,11 @@ import hashlib
 import json
 import shutil
 
-from lta_bridge.bag import BagWriter, offered_qos
-from lta_cli.app import put_together
+from lta_bridge.bag import BagWriter, build_offered_qos
+from lta_cli.app import build_app
 from lta_config.errors import BadInput
 from lta_data.bag import read_bag
-from lta_data.bag.recover import recover
+from lta_data.bag.recover import recover_bag
 from mcap.reader import make_reader
 from mcap.writer import Writer
 import pytest
@@ -50,8 +50,8 @@ def prints(folder):
 def check_whole(folder, expected):
     """Assert that independent readers find the messages (log time, data), and we no loss."""
     bag = read_bag(folder)
-    assert (bag.losses, bag.remarks, bag.indexed) == ([], [], True)
-    assert [(time, data) for _, time, data in bag.messages()] == expected
+    assert (bag.losses, bag.remarks, bag.is_indexed) == ([], [], True)
+    assert [(time, data) for _, time, data in bag.iterate_messages()] == expected
     with Reader(folder) as reader:
         assert [(time, data) for _, time, data in reader.messages()] == expected
         assert reader.message_count == len(expected)
@@ -65,7 +65,7 @@ def check_whole(folder, expected):
 def test_damaged_chunk(tmp_path, whole):
     source = damage(tmp_path, hit(whole, 3))
     before = prints(source)
-    found = recover(source, tmp_path / 'new')
+    found = recover_bag(source, tmp_path / 'new')
     left = [m for i, chunk in enumerate(whole.chunks) if i != 3 for m in chunk.messages]
     check_whole(tmp_path / 'new', left)
     assert prints(source) == before
@@ -76,30 +76,30 @@ def test_damaged_chunk(tmp_path, whole):
     assert {topic: (m.count, m.source) for topic, m in found.missing.items()} == dict.fromkeys(
         ['/lta1/a', '/lta1/b', '/c'], (SEAL, 'index')
     )
-    assert 'What is lost was recorded between 0.360 s and 0.470 s.' in found.sentences()
-    assert '/lta1/a lacks 4 messages (index).' in found.sentences()
+    assert 'What is lost was recorded between 0.360 s and 0.470 s.' in found.describe_losses()
+    assert '/lta1/a lacks 4 messages (index).' in found.describe_losses()
 
 
 def test_cut_bag_with_the_metadata_of_the_whole(tmp_path, whole):
     source = damage(tmp_path, whole.data[: whole.chunks[5].start + 50])
-    found = recover(source, tmp_path / 'new')
+    found = recover_bag(source, tmp_path / 'new')
     check_whole(tmp_path / 'new', [m for chunk in whole.chunks[:5] for m in chunk.messages])
     assert found.lost_bytes == 50
     assert found.lost_spans == [(0.59, None)]
     assert {m.count for m in found.missing.values()} == {3 * SEAL}
     assert {m.source for m in found.missing.values()} == {'metadata'}
-    assert 'What is lost was recorded after 0.590 s.' in found.sentences()
+    assert 'What is lost was recorded after 0.590 s.' in found.describe_losses()
 
 
 def test_indexes_of_lost_chunks_tell_without_a_summary(tmp_path, whole):
     data = hit(whole, 2)[: whole.chunks[6].start]
-    found = recover(damage(tmp_path, data, metadata=False), tmp_path / 'new')
+    found = recover_bag(damage(tmp_path, data, metadata=False), tmp_path / 'new')
     assert {(m.count, m.source) for m in found.missing.values()} == {(SEAL, 'index')}
     assert found.lost_spans == [(0.24, 0.35)]
 
 
 def test_bag_that_only_lacks_its_end_loses_nothing(tmp_path, whole):
-    found = recover(damage(tmp_path, whole.data[:-1]), tmp_path / 'new')
+    found = recover_bag(damage(tmp_path, whole.data[:-1]), tmp_path / 'new')
     assert found.messages == CHUNKS * PER_CHUNK
     assert found.missing == {}
     check_whole(tmp_path / 'new', [m for chunk in whole.chunks for m in chunk.messages])
@@ -112,14 +112,14 @@ def test_what_can_be_made_anew(tmp_path, whole, what):
         data = bytearray(whole.data)
         data[-300] ^= 1
         source = damage(tmp_path, data)
-    found = recover(source, tmp_path / 'new')
+    found = recover_bag(source, tmp_path / 'new')
     assert found.messages == CHUNKS * PER_CHUNK
-    assert found.sentences()[-1] == 'No message is known to be lost.'
+    assert found.describe_losses()[-1] == 'No message is known to be lost.'
     check_whole(tmp_path / 'new', [m for chunk in whole.chunks for m in chunk.messages])
 
 
 def test_provenance_qos_and_types_stay(tmp_path, whole):
-    recover(damage(tmp_path, hit(whole, 0)), tmp_path / 'new')
+    recover_bag(damage(tmp_path, hit(whole, 0)), tmp_path / 'new')
     bag = read_bag(tmp_path / 'new')
     assert bag.provenance['seed'] == '8'
     assert bag.provenance['recovered_from'].startswith(str(tmp_path / 'bag'))
@@ -130,11 +130,13 @@ def test_provenance_qos_and_types_stay(tmp_path, whole):
         'std_msgs/msg/String',
     }
     with BagWriter(tmp_path / 'q', {}) as writer:
-        writer.add_topic('/x', 'std_msgs/msg/Bool', [offered_qos('best_effort', 'volatile', 7)])
+        writer.add_topic(
+            '/x', 'std_msgs/msg/Bool', [build_offered_qos('best_effort', 'volatile', 7)]
+        )
         writer.write('/x', b'\0\1\0\0\1', 5, 3)
     file = tmp_path / 'q' / 'q_0.mcap'
     file.write_bytes(file.read_bytes()[:-1])
-    recover(tmp_path / 'q', tmp_path / 'q2')
+    recover_bag(tmp_path / 'q', tmp_path / 'q2')
     with (tmp_path / 'q2' / 'q2_0.mcap').open('rb') as stream:
         [(_, _, message)] = make_reader(stream).iter_messages()
         assert (message.log_time, message.publish_time) == (5, 3)
@@ -161,7 +163,7 @@ def test_types_that_nobody_knows_are_copied_as_they_are(tmp_path):
         writer.finish()
     data = (tmp_path / 'odd.mcap').read_bytes()
     (tmp_path / 'odd.mcap').write_bytes(data[:-1])
-    recover(tmp_path / 'odd.mcap', tmp_path / 'new')
+    recover_bag(tmp_path / 'odd.mcap', tmp_path / 'new')
     with (tmp_path / 'new' / 'new_0.mcap').open('rb') as stream:
         found = {
             channel.topic: (schema.name, schema.encoding, channel.message_encoding, schema.data)
@@ -177,10 +179,10 @@ def test_several_files_become_one(tmp_path, whole):
         shutil.copy(source / 'bag_0.mcap', source / f'bag_{i}.mcap')
     (source / 'bag_1.mcap').write_bytes(b'')
     (source / 'bag_2.mcap').write_bytes(whole.data[: whole.chunks[1].start + 9])
-    found = recover(source, tmp_path / 'new')
+    found = recover_bag(source, tmp_path / 'new')
     assert found.messages == CHUNKS * PER_CHUNK + PER_CHUNK
     assert any('bag_1.mcap' in loss and 'is empty' in loss for loss in found.losses)
-    assert read_bag(tmp_path / 'new').complete
+    assert read_bag(tmp_path / 'new').is_complete
 
 
 def test_rhythm_tells_what_no_index_does(tmp_path):
@@ -202,11 +204,11 @@ def test_rhythm_tells_what_no_index_does(tmp_path):
     )
     file.write_bytes(data)
     (tmp_path / 'bag' / 'metadata.yaml').unlink()
-    found = recover(tmp_path / 'bag', tmp_path / 'new')
+    found = recover_bag(tmp_path / 'bag', tmp_path / 'new')
     assert {t: (m.count, m.source) for t, m in found.missing.items()} == {
         '/lta1/imu': (20, 'rhythm')  # the contract gives the other none
     }
-    assert '/lta1/imu lacks about 20 messages (rhythm).' in found.sentences()
+    assert '/lta1/imu lacks about 20 messages (rhythm).' in found.describe_losses()
 
 
 def test_what_is_whole_or_empty_is_refused(tmp_path, whole):
@@ -214,32 +216,32 @@ def test_what_is_whole_or_empty_is_refused(tmp_path, whole):
     with pytest.raises(
         BadInput, match=r'is whole: all its 96 messages are there; nothing is to mend'
     ):
-        recover(source, tmp_path / 'new')
+        recover_bag(source, tmp_path / 'new')
     assert not (tmp_path / 'new').exists()
     damage(tmp_path, whole.data[: whole.chunks[0].start + 10])
     with pytest.raises(BadInput, match='holds no whole message; there is nothing to recover'):
-        recover(source, tmp_path / 'new')
+        recover_bag(source, tmp_path / 'new')
     damage(tmp_path, hit(whole, 1))
     with pytest.raises(BadInput, match='lies in the original, which stays as it is'):
-        recover(source, source / 'new')
+        recover_bag(source, source / 'new')
     (tmp_path / 'new').mkdir()
     (tmp_path / 'new' / 'file').touch()
     with pytest.raises(BadInput, match='is not empty; choose another folder'):
-        recover(source, tmp_path / 'new')
+        recover_bag(source, tmp_path / 'new')
 
 
 def test_verb(tmp_path, whole):
     source = damage(tmp_path, hit(whole, 1))
-    result = CliRunner().invoke(put_together(), ['bag', 'recover', str(source), '--json'])
+    result = CliRunner().invoke(build_app(), ['bag', 'recover', str(source), '--json'])
     assert result.exit_code == 0
     told = json.loads(result.stdout)
     assert told['messages'] == (CHUNKS - 1) * PER_CHUNK
     assert told['missing']['/c'] == {'count': SEAL, 'source': 'index'}
-    assert read_bag(tmp_path / 'bag-recovered').complete
+    assert read_bag(tmp_path / 'bag-recovered').is_complete
     result = CliRunner().invoke(
-        put_together(), ['bag', 'recover', str(source), '--out', str(tmp_path / 'n')]
+        build_app(), ['bag', 'recover', str(source), '--out', str(tmp_path / 'n')]
     )
     assert result.exit_code == 0
     assert '/c lacks 4 messages (index).' in result.stdout
-    again = CliRunner().invoke(put_together(), ['bag', 'recover', str(tmp_path / 'n')])
+    again = CliRunner().invoke(build_app(), ['bag', 'recover', str(tmp_path / 'n')])
     assert isinstance(again.exception, BadInput)  # which `lta` turns into status 2

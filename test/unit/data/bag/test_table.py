@@ -41,7 +41,7 @@ def test_a_topic_is_a_table_that_is_read_once(flight_bag):
     )
     odom = flight['odom']
     assert flight['odom'] is odom
-    flight.forget()
+    flight.clear_cache()
     assert flight['odom'] is not odom
     i = np.arange(40)
     np.testing.assert_array_equal(odom.stamp_ns, START + i * 10**7)
@@ -91,7 +91,7 @@ def test_rows_and_columns_are_chosen(flight_bag):
     assert np.shares_memory(part['pose.pose.position.x'], odom['pose.pose.position.x'])
     assert len(odom.between(3.0, 4.0)) == 0
     few = odom.select('pose.pose.orientation.*', 'twist.twist.linear.x')
-    assert few.stored == [
+    assert few.stored_columns == [
         *(f'pose.pose.orientation.{axis}' for axis in 'xyzw'),
         'twist.twist.linear.x',
     ]
@@ -166,7 +166,7 @@ def test_joints_are_called_by_their_names(record, types):
     np.testing.assert_array_equal(motors['effort.left'], [0.2, 1.2])
     np.testing.assert_array_equal(motors['effort[1]'], motors['effort.left'])
     np.testing.assert_array_equal(motors.array('effort'), [[0.1, 0.2], [1.1, 1.2]])
-    np.testing.assert_array_equal(motors.rows(np.array([1]))['effort[0]'], [1.1])
+    np.testing.assert_array_equal(motors.select_rows(np.array([1]))['effort[0]'], [1.1])
     assert 'effort[0]' in flight['mixed'].columns
 
 
@@ -208,7 +208,9 @@ def test_rows_are_chosen_as_of_an_array(flight_bag):
     assert len(odom[z > z.min()]) == (z > z.min()).sum()
     assert odom[np.array([2, 0])].time.tolist() == [odom.time[2], odom.time[0]]
     mixed = np.array([0, 2, 1, 2])  # as long as from the first to the last of 0, 1, 2, 3
-    assert odom.rows(np.array([0, 3, 1, 3])).time.tolist() == odom.time[[0, 3, 1, 3]].tolist()
+    assert (
+        odom.select_rows(np.array([0, 3, 1, 3])).time.tolist() == odom.time[[0, 3, 1, 3]].tolist()
+    )
     assert odom[mixed].time.tolist() == odom.time[mixed].tolist()
     assert len(odom[5:2]) == 0
     for wrong in (np.array([10**6]), np.array([True]), np.array([0.5])):

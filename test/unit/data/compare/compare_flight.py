@@ -8,7 +8,7 @@ size lies on everything. What the second recorder does differently is told to `w
 import math
 
 from lta_bridge.bag import BagWriter
-from lta_bridge.bag.schemas import jazzy
+from lta_bridge.bag.schemas import load_jazzy_types
 import numpy as np
 
 from ...report_flight import make, pose, ROTORS  # noqa: TID252 - `test` is Python's own
@@ -75,10 +75,16 @@ def write_motion(
                 continue
             when = start + round(1e9 * (offset + (1.0 + drift) * time))
             message = odometry(when, *row, frame)
-            bag.write(f'{robot}/{topic}', bytes(jazzy().serialize_cdr(message, TOPIC)), when)
+            bag.write(
+                f'{robot}/{topic}', bytes(load_jazzy_types().serialize_cdr(message, TOPIC)), when
+            )
             for name in extra:
                 joints = make(
                     JOINTS, header=stamped(when), name=list(ROTORS), effort=np.full(4, 0.1)
                 )
-                bag.write(f'{robot}/{name}', bytes(jazzy().serialize_cdr(joints, JOINTS)), when)
+                bag.write(
+                    f'{robot}/{name}',
+                    bytes(load_jazzy_types().serialize_cdr(joints, JOINTS)),
+                    when,
+                )
     return folder

@@ -3,7 +3,7 @@
 import itertools
 
 from lta_data.bag import open_flight
-from lta_data.compare.comparison import Asked, compare_flights
+from lta_data.compare.comparison import compare_flights, ComparisonRequest
 import pytest
 
 from .compare_flight import write_motion
@@ -21,7 +21,7 @@ def two(tmp_path):
         bags = [tmp_path / f'{label}{next(count)}' for label in 'ab']
         for bag, how in zip(bags, (first or {}, second or {}), strict=True):
             write_motion(bag, **how)
-        return compare_flights(*map(open_flight, bags), Asked(**asked))
+        return compare_flights(*map(open_flight, bags), ComparisonRequest(**asked))
 
     return make
 

@@ -2,11 +2,11 @@
 
 from lta_config.errors import BadInput
 from lta_data.bag import open_flight
-from lta_data.bag.channels import Channel
-from lta_data.compare.comparison import Asked, compare, compare_flights
-from lta_data.compare.pairs import wanted_pairs
-from lta_data.compare.side import side_from
-from lta_data.compare.words import fault_words, verdict
+from lta_data.bag.channels import SignalChannel
+from lta_data.compare.channel_pairs import select_topic_pairs
+from lta_data.compare.compared_flight import build_compared_flight
+from lta_data.compare.comparison import compare_flights, compare_sides, ComparisonRequest
+from lta_data.compare.sentences import describe_faults, format_verdict
 import numpy as np
 import pytest
 
@@ -35,7 +35,7 @@ def test_a_tracker_and_a_recorder_aboard_are_laid_on_each_other(two):
             # The slower is B; A's noise between two instants is a little smoothed.
             assert 0.010 < each.measures.rms < 0.0145
     assert found.verdict == 'same'
-    assert verdict(found).startswith('The same within their noise')
+    assert format_verdict(found).startswith('The same within their noise')
 
 
 def test_clocks_that_share_nothing_count_from_each_start(two):
@@ -61,8 +61,8 @@ def test_a_step_is_found_as_the_parting_and_comes_first(two):
     assert (worst.name, worst.verdict) == (Z, 'parted')
     assert worst.parting.at == pytest.approx(20.0, abs=0.05)
     assert found.verdict == 'different'
-    assert 'at 20.0' in verdict(found)
-    assert 'altitude of odom' in verdict(found)
+    assert 'at 20.0' in format_verdict(found)
+    assert 'altitude of odom' in format_verdict(found)
 
 
 def test_a_tolerance_takes_the_place_of_the_noise(two):
@@ -89,10 +89,10 @@ def test_the_same_stamps_are_one_clock(two):
 
 def test_a_bag_beside_itself_is_identical(two):
     found = two(NOISY, NOISY)
-    assert found.identical
+    assert found.is_identical
     assert found.verdict == 'identical'
     assert found.identical_topics == ('odom',)
-    assert verdict(found) == 'Identical: the one topic is the same byte for byte.'
+    assert format_verdict(found) == 'Identical: the one topic is the same byte for byte.'
     assert all(each.measures is None or each.measures.rms == 0.0 for each in found.channels)
 
 
@@ -100,7 +100,7 @@ def test_gaps_are_named_and_never_bridged(two):
     found = two(NOISY, OTHER | {'offset': 0.1234, 'drop': (10.0, 15.0)})
     (gap,) = found.faults_b['odom'].gaps
     assert gap.end - gap.begin == pytest.approx(5.0, abs=0.07)
-    assert found.faults_a['odom'].clean
+    assert found.faults_a['odom'].is_clean
     both = channel(found, Z).both
     inside = (both.time > 10.1) & (both.time < 14.9)
     assert not np.isfinite(both.difference[inside]).any()
@@ -117,15 +117,15 @@ def test_doubled_and_backward_messages_are_counted(record):
     order = [*range(50), 49, *range(50, 80), 75, *range(80, 100)]
     a = open_flight(record([at(k) for k in range(100)], 'a'))
     b = open_flight(record([at(k) for k in order], 'b'))
-    found = compare_flights(a, b, Asked())
+    found = compare_flights(a, b, ComparisonRequest())
     wrong = found.faults_b['odom']
     assert (wrong.count, wrong.same_stamp, wrong.repeated) == (102, 2, 1)
     assert wrong.backwards_count == 1
     assert tuple(wrong.backwards[0]) == pytest.approx((0.79, 0.75))
-    assert found.faults_a['odom'].clean
-    assert not found.identical
-    assert found.same
-    told = fault_words(wrong)
+    assert found.faults_a['odom'].is_clean
+    assert not found.is_identical
+    assert found.is_same
+    told = describe_faults(wrong)
     assert '2 messages at the time of another, 1 of them byte for byte' in told
     assert 'time runs backwards 1 time, first from 0.790 to 0.750 s' in told
 
@@ -141,31 +141,37 @@ def test_the_sentence_names_what_the_ranking_has_first(tmp_path):
             'odom/twist.twist.linear.x': np.cos(t) + noise[1] + faster * (t > 5.0),
             'odom/twist.twist.linear.y': 0.1 * np.cos(t) + noise[2] + slip * (t > 8.0),
         }
-        return side_from([Channel(name, 'm', t, line) for name, line in lines.items()], label)
+        return build_compared_flight(
+            [SignalChannel(name, 'm', t, line) for name, line in lines.items()], label
+        )
 
     a, b = side('A', 0.0, 0.0), side('B', 0.01, 0.2)
-    found = compare(a, b, wanted_pairs((), (), ['odom'], ['odom']), Asked(align='none'))
+    found = compare_sides(
+        a, b, select_topic_pairs((), (), ['odom'], ['odom']), ComparisonRequest(align='none')
+    )
     assert found.channels[0].name == 'odom/twist.twist.linear.y'
-    assert verdict(found).startswith('The flights part at 5.02 s, first in forward speed of odom')
-    assert 'and most in sideways speed of odom' in verdict(found)
+    assert format_verdict(found).startswith(
+        'The flights part at 5.02 s, first in forward speed of odom'
+    )
+    assert 'and most in sideways speed of odom' in format_verdict(found)
 
 
 def test_a_bag_is_gone_through_a_few_times_whatever_it_holds(tmp_path, monkeypatch):
     write_flight(tmp_path / 'bag')
     flight = open_flight(tmp_path / 'bag')
     passes = []
-    read = type(flight.bag).records
+    read = type(flight.bag).iterate_records
 
     def counted(bag, topics=None, at=None):
         passes.append(topics)
         return read(bag, topics, at)
 
     monkeypatch.setattr(type(flight.bag), 'records', counted)
-    found = compare_flights(flight, flight, Asked())
+    found = compare_flights(flight, flight, ComparisonRequest())
     assert found.verdict == 'identical'
     single = [
         name for name in flight.topics
-        if 'Image' in flight.type_of(name) or 'PointCloud' in flight.type_of(name)
+        if 'Image' in flight.message_type(name) or 'PointCloud' in flight.message_type(name)
     ]  # fmt: skip
     assert len(flight.topics) > 5
     # All bytes once, all numbers once, and what has blocks or points by itself.

@@ -1,9 +1,9 @@
 """Clocks: offsets, drifts and starts that are known, found within their own uncertainty."""
 
-from lta_data.compare.clock import clock_offset
-from lta_data.compare.lag import Shared
-from lta_data.compare.line import Line, ordered
-from lta_data.compare.starts import common_start, start_of
+from lta_data.compare.clock_offset import estimate_clock_offset
+from lta_data.compare.coarse_lag import SharedQuantity
+from lta_data.compare.motion_start import find_common_start, find_motion_start
+from lta_data.compare.sampling import SampledSignal, sort_samples
 import numpy as np
 import pytest
 
@@ -18,13 +18,15 @@ def shared(a_time, b_time, offset, drift=0.0, noise=0.02, seed=0, columns=(2, 3)
     for column in columns:
         a = motion(a_time)[:, column] + noise * chance.normal(size=len(a_time))
         b = motion(at_b)[:, column] + noise * chance.normal(size=len(b_time))
-        found.append(Shared(f'odom/{column}', Line(a_time, a), Line(b_time, b)))
+        found.append(
+            SharedQuantity(f'odom/{column}', SampledSignal(a_time, a), SampledSignal(b_time, b))
+        )
     return found
 
 
 @pytest.mark.parametrize('offset', [0.1234, -3.21, 0.0, 7.5])
 def test_an_offset_is_found_within_its_uncertainty(offset):
-    found = clock_offset(shared(np.arange(0, 40, 0.01), np.arange(0, 40, 1 / 60), offset))
+    found = estimate_clock_offset(shared(np.arange(0, 40, 0.01), np.arange(0, 40, 1 / 60), offset))
     assert abs(found.value - offset) < 4 * found.sigma
     assert found.sigma < 0.005
     assert found.correlation > 0.9
@@ -34,7 +36,7 @@ def test_an_offset_is_found_within_its_uncertainty(offset):
 
 def test_the_uncertainty_is_that_of_the_errors_that_are_made():
     times = np.arange(0, 40, 0.02), np.arange(0.007, 40, 0.05)
-    found = [clock_offset(shared(*times, 0.1234, seed=seed)) for seed in range(25)]
+    found = [estimate_clock_offset(shared(*times, 0.1234, seed=seed)) for seed in range(25)]
     errors = np.array([each.value - 0.1234 for each in found])
     claimed = np.array([each.sigma for each in found])
     # 25 draws tell a standard deviation to 14 %; three of those either way.
@@ -45,19 +47,19 @@ def test_the_uncertainty_is_that_of_the_errors_that_are_made():
 
 def test_a_drift_is_found_and_one_that_is_not_there_is_not():
     times = np.arange(0, 300, 0.02), np.arange(0, 301, 0.02)
-    found = clock_offset(shared(*times, 0.5, drift=200e-6))
+    found = estimate_clock_offset(shared(*times, 0.5, drift=200e-6))
     assert found.drifts
     assert abs(found.drift - 200e-6) < 4 * found.drift_sigma
     assert found.drift_sigma < 20e-6
     assert found.value == pytest.approx(0.5 + 200e-6 * found.middle, abs=4 * found.sigma)
-    steady = clock_offset(shared(*times, 0.5))
+    steady = estimate_clock_offset(shared(*times, 0.5))
     assert not steady.drifts
     assert abs(steady.drift) < 4 * steady.drift_sigma
 
 
 def test_a_short_span_says_nothing_of_drift():
     times = np.arange(0, 20, 0.02), np.arange(0, 20, 0.02)
-    found = clock_offset(shared(*times, 0.1))
+    found = estimate_clock_offset(shared(*times, 0.1))
     assert (found.drift, found.drift_sigma) == (0.0, np.inf)
 
 
@@ -68,25 +70,30 @@ def test_outliers_and_a_slow_bias_do_not_move_the_offset():
     for name, a, b, angular in pairs:
         values = b.values + 0.3 * np.sin(2 * np.pi * b.time / 400.0)
         values[chance.integers(0, len(values), 30)] += 2.0
-        spoilt.append(Shared(name, a, Line(b.time, values), angular))
-    found = clock_offset(spoilt)
+        spoilt.append(SharedQuantity(name, a, SampledSignal(b.time, values), angular))
+    found = estimate_clock_offset(spoilt)
     assert abs(found.value - 0.1234) < 4 * found.sigma < 0.05
 
 
 def test_motion_that_repeats_itself_is_called_ambiguous():
     t = np.arange(0, 40, 0.02)
-    lines = [Line(t, np.sin(2 * np.pi * (t - lag) / 4.0)) for lag in (0.0, 0.3)]
-    assert clock_offset([Shared('odom/z', *lines)]).ambiguous
-    assert not clock_offset(shared(t, t, 0.3)).ambiguous
+    lines = [SampledSignal(t, np.sin(2 * np.pi * (t - lag) / 4.0)) for lag in (0.0, 0.3)]
+    assert estimate_clock_offset([SharedQuantity('odom/z', *lines)]).is_ambiguous
+    assert not estimate_clock_offset(shared(t, t, 0.3)).is_ambiguous
 
 
 def test_nothing_that_moves_ties_no_clocks():
     t = np.arange(0, 20, 0.02)
     chance = np.random.default_rng(0)
-    noisy = [Line(t, chance.normal(size=len(t))) for _ in range(2)]
-    assert clock_offset([Shared('imu/x', *noisy)]) is None
-    assert clock_offset([Shared('imu/x', Line(t, 0 * t), Line(t, 0 * t))]) is None
-    assert clock_offset([]) is None
+    noisy = [SampledSignal(t, chance.normal(size=len(t))) for _ in range(2)]
+    assert estimate_clock_offset([SharedQuantity('imu/x', *noisy)]) is None
+    assert (
+        estimate_clock_offset(
+            [SharedQuantity('imu/x', SampledSignal(t, 0 * t), SampledSignal(t, 0 * t))]
+        )
+        is None
+    )
+    assert estimate_clock_offset([]) is None
 
 
 def test_a_start_is_the_first_lasting_departure_from_the_first_level():
@@ -95,30 +102,32 @@ def test_a_start_is_the_first_lasting_departure_from_the_first_level():
     rest = 0.01 * chance.normal(size=len(t))
     rest[300] += 5.0  # an outlier is no start
     ramp = np.maximum(t - 6.0, 0.0)
-    assert start_of(Line(t, rest + ramp)) == pytest.approx(6.0, abs=0.3)
+    assert find_motion_start(SampledSignal(t, rest + ramp)) == pytest.approx(6.0, abs=0.3)
     duty = np.where(t >= 4.0, 0.4, 0.0)
-    assert start_of(Line(t, duty)) == pytest.approx(4.0, abs=1e-9)
-    assert start_of(Line(t, t)) is None
-    assert start_of(Line(t, 0 * t)) is None
+    assert find_motion_start(SampledSignal(t, duty)) == pytest.approx(4.0, abs=1e-9)
+    assert find_motion_start(SampledSignal(t, t)) is None
+    assert find_motion_start(SampledSignal(t, 0 * t)) is None
 
 
 def test_commands_go_before_motion_and_tell_the_offset_of_two_runs():
     t = np.arange(0, 20, 0.01)
-    duty = [Line(t, np.where(t >= start, 0.4, 0.0)) for start in (4.0, 5.5)]
-    climb = [Line(t, np.maximum(t - start, 0.0)) for start in (4.2, 6.9)]
-    found = common_start([Shared('odom/z', *climb), Shared('motors/effort.left', *duty)])
+    duty = [SampledSignal(t, np.where(t >= start, 0.4, 0.0)) for start in (4.0, 5.5)]
+    climb = [SampledSignal(t, np.maximum(t - start, 0.0)) for start in (4.2, 6.9)]
+    found = find_common_start(
+        [SharedQuantity('odom/z', *climb), SharedQuantity('motors/effort.left', *duty)]
+    )
     assert found.offset == pytest.approx(1.5, abs=1e-9)
     assert found.used == ('motors/effort.left',)
     assert found.by_command
     assert found.sigma == pytest.approx(0.01 * np.sqrt(2) / np.sqrt(12), rel=0.01)
     # The scatter of several channels tells how well the motion tells its start; one has none.
-    assert common_start([Shared('odom/z', *climb)]) is None
-    without = common_start([Shared(f'odom/{name}', *climb) for name in 'xyz'])
+    assert find_common_start([SharedQuantity('odom/z', *climb)]) is None
+    without = find_common_start([SharedQuantity(f'odom/{name}', *climb) for name in 'xyz'])
     assert without.offset == pytest.approx(2.7, abs=0.05)
     assert not without.by_command
 
 
 def test_time_that_runs_backwards_is_put_in_order():
-    line = ordered([0.0, 2.0, 1.0, 2.0, np.nan], [0.0, 20.0, 10.0, 99.0, 5.0])
+    line = sort_samples([0.0, 2.0, 1.0, 2.0, np.nan], [0.0, 20.0, 10.0, 99.0, 5.0])
     np.testing.assert_array_equal(line.time, [0.0, 1.0, 2.0])
     np.testing.assert_array_equal(line.values, [0.0, 10.0, 20.0])

@@ -10,10 +10,10 @@ import gzip
 from pathlib import Path
 
 from lta_data.bag import open_flight
-from lta_data.bag.channels import Channel, channels
-from lta_data.compare.comparison import Asked, compare
-from lta_data.compare.pairs import wanted_pairs
-from lta_data.compare.side import side_from
+from lta_data.bag.channels import iterate_channels, SignalChannel
+from lta_data.compare.channel_pairs import select_topic_pairs
+from lta_data.compare.compared_flight import build_compared_flight
+from lta_data.compare.comparison import compare_sides, ComparisonRequest
 import numpy as np
 import pytest
 
@@ -43,9 +43,9 @@ def table(number):
 def blimp(number, label):
     held = table(number)
     time = np.arange(len(held['p_1'])) / RATE
-    return side_from(
+    return build_compared_flight(
         [
-            Channel(name, unit, time, sign * held[column], unit == 'rad')
+            SignalChannel(name, unit, time, sign * held[column], unit == 'rad')
             for name, (column, unit, sign) in COLUMNS.items()
         ],
         label,
@@ -54,8 +54,8 @@ def blimp(number, label):
 
 
 def compared(a, b, **asked):
-    wanted = wanted_pairs((), (), list(a.topics), list(b.topics))
-    return compare(a, b, wanted, Asked(**asked))
+    wanted = select_topic_pairs((), (), list(a.topics), list(b.topics))
+    return compare_sides(a, b, wanted, ComparisonRequest(**asked))
 
 
 def test_repeats_of_one_input_have_one_command_and_part_in_motion():
@@ -86,7 +86,9 @@ def test_a_second_clock_on_a_real_flight_is_found():
     if not OUTDOOR.exists():
         pytest.skip(f'the outdoor flight is not at {OUTDOOR.parent}')
     flight = open_flight(OUTDOOR)
-    own = [each for each in channels(flight, 'pose') if each.field != 'pose.orientation.roll']
+    own = [
+        each for each in iterate_channels(flight, 'pose') if each.field != 'pose.orientation.roll'
+    ]
     time = own[0].time
     chance = np.random.default_rng(0)
     begin, end = 30.0, 130.0
@@ -95,9 +97,11 @@ def test_a_second_clock_on_a_real_flight_is_found():
     for each in own:
         known = np.interp(at, time, np.unwrap(each.values) if each.angular else each.values)
         noisy = known + 0.01 * chance.normal(size=len(at))
-        b.append(Channel(each.name, each.unit, at + 0.1234, noisy, each.angular))
+        b.append(SignalChannel(each.name, each.unit, at + 0.1234, noisy, each.angular))
     part = (time > begin - 5.0) & (time < end + 5.0)
-    a = [Channel(e.name, e.unit, e.time[part], e.values[part], e.angular) for e in own]
-    found = compared(side_from(a, 'A', frame='map'), side_from(b, 'B', frame='map'))
+    a = [SignalChannel(e.name, e.unit, e.time[part], e.values[part], e.angular) for e in own]
+    found = compared(
+        build_compared_flight(a, 'A', frame='map'), build_compared_flight(b, 'B', frame='map')
+    )
     assert found.timing.how == 'clock'
     assert abs(found.timing.offset - 0.1234) < 4 * found.timing.sigma < 0.02

@@ -2,16 +2,22 @@
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from lta_data.bag.channels import Channel
-from lta_data.compare.apart import apart
-from lta_data.compare.faults import faults, Interval
-from lta_data.compare.frames import placement
-from lta_data.compare.line import aligned, broken, Line, sampled, wrapped
-from lta_data.compare.measures import measures, memory, rms_interval
-from lta_data.compare.pairs import Pair
-from lta_data.compare.parting import band_of, noise, parting
-from lta_data.compare.spectra import resemblance, spectra, thinned_spectra
-from lta_data.compare.traces import thin
+from lta_data.bag.channels import SignalChannel
+from lta_data.compare.channel_comparison import compare_channels
+from lta_data.compare.channel_pairs import ChannelPair
+from lta_data.compare.divergence import find_divergence, noise_band, noise_deviation
+from lta_data.compare.faults import FaultInterval, find_topic_faults
+from lta_data.compare.frame_fit import fit_placement
+from lta_data.compare.measures import autocorrelation_time, measure_difference, rms_interval
+from lta_data.compare.sampling import (
+    align_signals,
+    break_at_gaps,
+    interpolate_signal,
+    SampledSignal,
+    wrap_angle,
+)
+from lta_data.compare.spectra import compute_spectra, find_correlation_peak, thin_spectra
+from lta_data.compare.traces import thin_signal
 import numpy as np
 import pytest
 from scipy import signal
@@ -21,55 +27,55 @@ CHANCE = np.random.default_rng(0)
 
 
 def pair_of(a, b, time=T, angular=False):
-    return aligned(Line(time, a), Line(time, b), angular=angular)
+    return align_signals(SampledSignal(time, a), SampledSignal(time, b), angular=angular)
 
 
 def test_the_faster_is_interpolated_at_the_instants_of_the_slower():
-    fast = Line(np.array([0.0, 1.0, 2.0, 3.0]), np.array([0.0, 10.0, 20.0, 30.0]))
-    slow = Line(np.array([0.5, 2.25]), np.array([1.0, 1.0]))
-    found = aligned(fast, slow)
+    fast = SampledSignal(np.array([0.0, 1.0, 2.0, 3.0]), np.array([0.0, 10.0, 20.0, 30.0]))
+    slow = SampledSignal(np.array([0.5, 2.25]), np.array([1.0, 1.0]))
+    found = align_signals(fast, slow)
     np.testing.assert_allclose(found.time, [0.5, 2.25])
     np.testing.assert_allclose(found.difference, [1.0 - 5.0, 1.0 - 22.5])
-    swapped = aligned(slow, fast)
+    swapped = align_signals(slow, fast)
     np.testing.assert_allclose(swapped.time, [0.5, 2.25])
     np.testing.assert_allclose(swapped.difference, [4.0, 21.5])
 
 
 def test_nothing_is_known_in_a_gap_or_beside_a_value_that_is_no_number():
     time = np.array([0.0, 1.0, 2.0, 6.0, 7.0, 8.0, 9.0])
-    line = Line(time, np.array([0.0, 1.0, 2.0, 6.0, np.nan, 8.0, 9.0]))
+    line = SampledSignal(time, np.array([0.0, 1.0, 2.0, 6.0, np.nan, 8.0, 9.0]))
     at = np.array([1.5, 2.0, 4.0, 6.0, 6.5, 7.5, 8.5, 9.5])
     expected = [1.5, 2.0, np.nan, 6.0, np.nan, np.nan, 8.5, np.nan]
-    np.testing.assert_array_equal(sampled(line, at), expected)
-    cut = broken(line)
+    np.testing.assert_array_equal(interpolate_signal(line, at), expected)
+    cut = break_at_gaps(line)
     np.testing.assert_allclose(cut.time[3], 4.0)
     assert np.isnan(cut.values[3])
 
 
 def test_angles_go_the_shorter_way_around():
-    a = Line(np.array([0.0, 1.0, 2.0]), np.array([3.1, -3.1, -3.0]))
-    b = Line(np.array([0.5, 1.75]), np.array([-3.1, 3.1]))
-    found = aligned(a, b, angular=True)
+    a = SampledSignal(np.array([0.0, 1.0, 2.0]), np.array([3.1, -3.1, -3.0]))
+    b = SampledSignal(np.array([0.5, 1.75]), np.array([-3.1, 3.1]))
+    found = align_signals(a, b, angular=True)
     expected = [np.pi - 3.1, 3.1 + 3.025 - 2 * np.pi]
     np.testing.assert_allclose(found.difference, expected, atol=1e-12)
 
 
 def test_bias_rms_and_nrmse_by_hand():
     a = np.array([1.0, -1.0, 1.0, -1.0])  # standard deviation 1
-    found = measures(pair_of(a, np.array([2.0, 0.0, 4.0, -2.0]), np.arange(4.0)))
+    found = measure_difference(pair_of(a, np.array([2.0, 0.0, 4.0, -2.0]), np.arange(4.0)))
     assert found.bias == 1.0
     assert found.rms == pytest.approx(np.sqrt(3.0))
     assert (found.greatest, found.greatest_at) == (3.0, 2.0)
     assert found.spread == 1.0
     assert found.nrmse == pytest.approx(np.sqrt(3.0))
-    assert measures(pair_of(0 * a, a, np.arange(4.0))).nrmse is None
+    assert measure_difference(pair_of(0 * a, a, np.arange(4.0))).nrmse is None
 
 
 def test_memory_is_that_of_a_first_order_process():
     noise_ = CHANCE.normal(size=200_000)
     for pole in (0.0, 0.5, 0.9):
         series = signal.lfilter([1.0], [1.0, -pole], noise_)
-        assert memory(series) == pytest.approx((1 + pole) / (1 - pole), rel=0.12)
+        assert autocorrelation_time(series) == pytest.approx((1 + pole) / (1 - pole), rel=0.12)
 
 
 @pytest.mark.parametrize('pole', [0.0, 0.9])
@@ -87,38 +93,38 @@ def test_the_interval_of_the_rms_covers_the_truth_as_often_as_it_says(pole):
 def test_noise_is_that_on_a_smooth_signal_and_outliers_do_not_count():
     values = np.sin(T) + 0.05 * CHANCE.normal(size=len(T))
     values[::100] += 10.0
-    assert noise(values) == pytest.approx(0.05, rel=0.1)
-    assert noise(np.sin(T)) < 1e-4
-    assert noise(3.0 * np.rint(2.0 * T) / 2.0) == pytest.approx(1.5 / np.sqrt(12.0))
-    assert noise(np.zeros(10)) == 0.0
-    assert noise(np.where(T > 5.0, 0.4, 0.0)) == 0.0  # a command
+    assert noise_deviation(values) == pytest.approx(0.05, rel=0.1)
+    assert noise_deviation(np.sin(T)) < 1e-4
+    assert noise_deviation(3.0 * np.rint(2.0 * T) / 2.0) == pytest.approx(1.5 / np.sqrt(12.0))
+    assert noise_deviation(np.zeros(10)) == 0.0
+    assert noise_deviation(np.where(T > 5.0, 0.4, 0.0)) == 0.0  # a command
 
 
 def test_a_step_is_found_where_it_begins():
     a = np.sin(T) + 0.01 * CHANCE.normal(size=len(T))
     b = np.sin(T) + 0.01 * CHANCE.normal(size=len(T)) + np.where(T >= 7.0, 0.2, 0.0)
     both = pair_of(a, b)
-    band = band_of(both)
+    band = noise_band(both)
     assert band == pytest.approx(4 * np.hypot(0.01, 0.01), rel=0.1)
-    found = parting(both, band)
+    found = find_divergence(both, band)
     assert found.at == pytest.approx(7.0, abs=0.011)
     assert found.outside == pytest.approx(0.65, abs=0.01)
 
 
 def test_what_meets_again_has_not_parted_and_what_swings_has():
     once = pair_of(0 * T, np.where((T > 3.0) & (T < 6.0), 1.0, 0.0))
-    found = parting(once, 0.1)
+    found = find_divergence(once, 0.1)
     assert found.at is None
     assert found.first == pytest.approx(3.01, abs=0.011)
-    swing = parting(pair_of(0 * T, np.where(T > 5.0, np.sin(10.0 * T), 0.0)), 0.1)
+    swing = find_divergence(pair_of(0 * T, np.where(T > 5.0, np.sin(10.0 * T), 0.0)), 0.1)
     assert swing.at == pytest.approx(5.0, abs=0.1)
-    assert parting(pair_of(T, T), 0.0).first is None
+    assert find_divergence(pair_of(T, T), 0.0).first is None
 
 
 def test_spectra_are_those_of_scipy():
     a = CHANCE.normal(size=2000)
     b = 0.5 * a + CHANCE.normal(size=2000)
-    found = spectra(pair_of(a, b))
+    found = compute_spectra(pair_of(a, b))
     length = min(1024, 2 * 2000 // 5)
     frequency, power = signal.welch(a, 100.0, nperseg=length)
     np.testing.assert_allclose(found.frequency, frequency[1:], rtol=1e-9)
@@ -131,26 +137,26 @@ def test_spectra_are_those_of_scipy():
 
 
 def test_a_sine_is_at_its_frequency_with_its_power():
-    found = spectra(pair_of(3.0 * np.sin(2 * np.pi * 5.0 * T), 0 * T))
+    found = compute_spectra(pair_of(3.0 * np.sin(2 * np.pi * 5.0 * T), 0 * T))
     assert found.frequency[found.a.argmax()] == pytest.approx(5.0, abs=0.13)
     assert np.trapezoid(found.a, found.frequency) == pytest.approx(4.5, rel=0.02)
-    assert thinned_spectra(found, 20).frequency.size <= 20
+    assert thin_spectra(found, 20).frequency.size <= 20
 
 
 def test_spectra_are_of_the_longest_stretch_without_a_gap():
     a = np.sin(T)
     a[800] = np.nan
-    found = spectra(pair_of(a, a))
+    found = compute_spectra(pair_of(a, a))
     assert found.span == pytest.approx((8.01, 19.99))
-    assert spectra(pair_of(a[:20], a[:20], T[:20])) is None
+    assert compute_spectra(pair_of(a[:20], a[:20], T[:20])) is None
 
 
 def test_the_peak_of_resemblance_is_at_the_lag():
     smooth = signal.lfilter([1.0], [1.0, -0.95], CHANCE.normal(size=2100))
-    found = resemblance(pair_of(smooth[100:], smooth[88:-12]))
+    found = find_correlation_peak(pair_of(smooth[100:], smooth[88:-12]))
     assert found.lag == pytest.approx(0.12, abs=0.002)
     assert found.value > 0.95
-    assert resemblance(pair_of(0 * T, T)) is None
+    assert find_correlation_peak(pair_of(0 * T, T)) is None
 
 
 def test_a_turn_and_a_shift_are_found_in_spite_of_a_stretch_that_parts():
@@ -160,18 +166,18 @@ def test_a_turn_and_a_shift_are_found_in_spite_of_a_stretch_that_parts():
     a = b @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]) + [3.0, -2.0, 0.5]
     a += 0.005 * chance.normal(size=a.shape)
     a[400:, 0] += 4.0
-    found = placement(a, b)
+    found = fit_placement(a, b)
     assert found.yaw == pytest.approx(0.7, abs=0.002)
     assert (found.x, found.y, found.z) == pytest.approx((3.0, -2.0, 0.5), abs=0.01)
     assert not found.by_heading
-    np.testing.assert_allclose(found.positions(b)[:400], a[:400], atol=0.05)
+    np.testing.assert_allclose(found.transform_positions(b)[:400], a[:400], atol=0.05)
 
 
 def test_of_a_hover_the_headings_tell_the_turn():
     chance = np.random.default_rng(1)
     a, b = 0.01 * chance.normal(size=(2, 300, 3))
     heading = chance.uniform(-3.0, 3.0, 300)
-    found = placement(a + np.array([1.0, 2.0, 0.0]), b, wrapped(heading + 0.4), heading)
+    found = fit_placement(a + np.array([1.0, 2.0, 0.0]), b, wrap_angle(heading + 0.4), heading)
     assert found.by_heading
     assert found.yaw == pytest.approx(0.4)
     assert (found.x, found.y) == pytest.approx((1.0, 2.0), abs=0.01)
@@ -179,16 +185,16 @@ def test_of_a_hover_the_headings_tell_the_turn():
 
 def test_faults_are_named_with_their_intervals():
     time = np.array([0.0, 0.1, 0.2, 0.2, 0.3, 0.8, 0.9, 0.85, 1.0])
-    found = faults(time, {'odom/x': 0.25, 'odom/y': 0.0}, repeated=1)
+    found = find_topic_faults(time, {'odom/x': 0.25, 'odom/y': 0.0}, repeated=1)
     assert found.period == pytest.approx(0.1)
     assert [tuple(gap) for gap in found.gaps] == [pytest.approx((0.3, 0.8))]
     assert found.missing == pytest.approx(0.5)
     assert (found.same_stamp, found.repeated) == (1, 1)
-    assert found.backwards == (Interval(0.9, 0.85),)
+    assert found.backwards == (FaultInterval(0.9, 0.85),)
     assert found.unknown == {'odom/x': 0.25}
-    assert not found.clean
-    assert faults(np.arange(10.0)).clean
-    uneven = faults(np.cumsum(np.random.default_rng(0).exponential(size=100)))
+    assert not found.is_clean
+    assert find_topic_faults(np.arange(10.0)).is_clean
+    uneven = find_topic_faults(np.cumsum(np.random.default_rng(0).exponential(size=100)))
     assert not uneven.rhythm
     assert uneven.gap_count == 0
 
@@ -196,7 +202,7 @@ def test_faults_are_named_with_their_intervals():
 def test_thinning_keeps_the_extremes_and_the_gaps():
     values = np.sin(T)
     values[1234], values[777] = 9.0, np.nan
-    found = thin(Line(T, values), 100)
+    found = thin_signal(SampledSignal(T, values), 100)
     assert len(found.time) < 200
     assert np.nanmax(found.values) == 9.0
     assert np.nanmin(found.values) == np.nanmin(values)
@@ -210,12 +216,12 @@ numbers = st.lists(st.floats(-1e3, 1e3), min_size=40, max_size=60)
 
 def channel(values, angular=False):
     values = np.array(values)
-    return Channel('odom/z', 'm', np.arange(len(values)) * 0.1, values, angular)
+    return SignalChannel('odom/z', 'm', np.arange(len(values)) * 0.1, values, angular)
 
 
 def compared(a, b, shift=0.0, angular=False):
-    lines = [Line(each.time + shift, each.values) for each in (a, b)]
-    return apart(Pair('odom/z', a, b), *lines)
+    lines = [SampledSignal(each.time + shift, each.values) for each in (a, b)]
+    return compare_channels(ChannelPair('odom/z', a, b), *lines)
 
 
 @settings(max_examples=40)
@@ -260,4 +266,4 @@ def test_a_placement_undoes_what_was_done(yaw, shift, seed):
     b = np.random.default_rng(seed).normal(size=(50, 3))
     c, s = np.cos(yaw), np.sin(yaw)
     a = b @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]) + shift
-    np.testing.assert_allclose(placement(a, b).positions(b), a, atol=1e-9)
+    np.testing.assert_allclose(fit_placement(a, b).transform_positions(b), a, atol=1e-9)

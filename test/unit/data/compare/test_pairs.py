@@ -2,11 +2,11 @@
 
 from lta_config.errors import BadInput
 from lta_data.bag import open_flight
-from lta_data.bag.channels import Channel
-from lta_data.compare.comparison import Asked, compare, compare_flights
-from lta_data.compare.pairs import wanted_pairs
-from lta_data.compare.side import side_from
-from lta_data.compare.words import verdict
+from lta_data.bag.channels import SignalChannel
+from lta_data.compare.channel_pairs import select_topic_pairs
+from lta_data.compare.compared_flight import build_compared_flight
+from lta_data.compare.comparison import compare_flights, compare_sides, ComparisonRequest
+from lta_data.compare.sentences import format_verdict
 import numpy as np
 import pytest
 
@@ -19,13 +19,15 @@ from .compare_two import two as two
 def test_an_estimate_is_compared_with_the_truth_of_its_own_bag(tmp_path):
     bag = write_flight(tmp_path / 'bag')
     flights = open_flight(bag), open_flight(bag)
-    found = compare_flights(*flights, Asked(pairs=('odom=ground_truth/odom',)))
+    found = compare_flights(*flights, ComparisonRequest(pairs=('odom=ground_truth/odom',)))
     assert found.timing.how == 'none'
     # By hand: the estimate is 2 cm too high and its own frame lies at the start of the flight.
     altitude = channel(found, Z)
     assert altitude.other == 'ground_truth/odom/pose.pose.position.z'
     assert altitude.measures.bias == pytest.approx(-0.02, abs=1e-9)
-    laid = compare_flights(*flights, Asked(pairs=('odom=ground_truth/odom',), frames='fit'))
+    laid = compare_flights(
+        *flights, ComparisonRequest(pairs=('odom=ground_truth/odom',), frames='fit')
+    )
     fit = laid.frames[0].fit
     assert fit.yaw == pytest.approx(0.3, abs=1e-6)
     assert (fit.x, fit.y) == pytest.approx((3.5 * np.cos(0.3), 3.5 * np.sin(0.3)), abs=1e-6)
@@ -36,19 +38,27 @@ def test_an_estimate_is_compared_with_the_truth_of_its_own_bag(tmp_path):
 
 
 def test_channels_of_other_names_are_paired_by_how_they_end(tmp_path):
-    a = side_from([Channel('pose/pose.position.x', 'm', np.arange(50.0), np.arange(50.0))], 'A')
-    b = side_from([Channel('odom/pose.pose.position.x', 'm', np.arange(50.0), np.ones(50))], 'B')
-    wanted = wanted_pairs(['pose=odom'], (), list(a.topics), list(b.topics))
-    found = compare(a, b, wanted, Asked())
+    a = build_compared_flight(
+        [SignalChannel('pose/pose.position.x', 'm', np.arange(50.0), np.arange(50.0))], 'A'
+    )
+    b = build_compared_flight(
+        [SignalChannel('odom/pose.pose.position.x', 'm', np.arange(50.0), np.ones(50))], 'B'
+    )
+    wanted = select_topic_pairs(['pose=odom'], (), list(a.topics), list(b.topics))
+    found = compare_sides(a, b, wanted, ComparisonRequest())
     assert found.channels[0].other == 'odom/pose.pose.position.x'
 
 
 def test_other_units_are_not_compared():
     t = np.arange(50.0)
-    a = side_from([Channel('range/range', 'm', t, t), Channel('range/x', 'm', t, t)], 'A')
-    b = side_from([Channel('range/range', 'mm', t, t), Channel('range/x', 'm', t, t)], 'B')
-    wanted = wanted_pairs((), (), list(a.topics), list(b.topics))
-    found = compare(a, b, wanted, Asked())
+    a = build_compared_flight(
+        [SignalChannel('range/range', 'm', t, t), SignalChannel('range/x', 'm', t, t)], 'A'
+    )
+    b = build_compared_flight(
+        [SignalChannel('range/range', 'mm', t, t), SignalChannel('range/x', 'm', t, t)], 'B'
+    )
+    wanted = select_topic_pairs((), (), list(a.topics), list(b.topics))
+    found = compare_sides(a, b, wanted, ComparisonRequest())
     assert [each.name for each in found.channels] == ['range/x']
     assert "'range/range' is in m in A and in mm in B; not compared." in found.remarks
 
@@ -57,8 +67,10 @@ def test_flights_with_nothing_in_common_say_what_each_has(tmp_path):
     a = write_motion(tmp_path / 'a', until=5.0)
     b = write_motion(tmp_path / 'b', until=5.0, topic='tracker')
     with pytest.raises(BadInput, match=r'no topic in common \(A: odom; B: tracker\); say which'):
-        compare_flights(open_flight(a), open_flight(b), Asked())
-    found = compare_flights(open_flight(a), open_flight(b), Asked(pairs=('odom=tracker',)))
+        compare_flights(open_flight(a), open_flight(b), ComparisonRequest())
+    found = compare_flights(
+        open_flight(a), open_flight(b), ComparisonRequest(pairs=('odom=tracker',))
+    )
     assert found.channels[0].verdict == 'identical'
     assert found.a.start == UNIX
 
@@ -66,7 +78,7 @@ def test_flights_with_nothing_in_common_say_what_each_has(tmp_path):
 def test_topics_that_one_flight_lacks_are_listed(two):
     found = two(NOISY | {'extra': ('motors',)}, OTHER)
     assert (found.only_a, found.only_b) == (('motors',), ())
-    assert not found.identical
+    assert not found.is_identical
     assert {each.name.split('/')[0] for each in found.channels} == {'odom'}
 
 
@@ -75,5 +87,5 @@ def test_two_topics_of_one_bag_are_no_two_flights(tmp_path):
     write_motion(bag, topic='odom', extra=())
     flight = open_flight(bag)
     pairs = ('odom/pose.pose.position.x=odom/pose.pose.position.y',)
-    found = compare_flights(flight, flight, Asked(pairs=pairs))
-    assert verdict(found).startswith('odom and odom are apart from the start, in x of odom')
+    found = compare_flights(flight, flight, ComparisonRequest(pairs=pairs))
+    assert format_verdict(found).startswith('odom and odom are apart from the start, in x of odom')

@@ -3,12 +3,12 @@
 from pathlib import Path
 
 from lta_data.bag import open_flight
-from lta_data.bag.channels import Channel
-from lta_data.compare.comparison import Asked, compare, compare_flights
-from lta_data.compare.pairs import wanted_pairs
-from lta_data.compare.side import side_from
-from lta_data.foreign.progress import ImportProgress
-from lta_data.foreign.run import import_all, Order
+from lta_data.bag.channels import SignalChannel
+from lta_data.compare.channel_pairs import select_topic_pairs
+from lta_data.compare.compared_flight import build_compared_flight
+from lta_data.compare.comparison import compare_flights, compare_sides, ComparisonRequest
+from lta_data.importers.progress import ImportProgress
+from lta_data.importers.run import import_logs, ImportRequest
 import numpy as np
 import pytest
 from rich.console import Console
@@ -25,11 +25,13 @@ def run_of(start, seed, label, clock):
     climb = 0.3 * np.minimum(since, 1.0) + 0.4 * np.sin(since * 2.0 + seed) * (since > 0.0)
     noise = 0.003 * chance.normal(size=(2, len(t)))
     speed = since**0.5 * np.cos(seed * t) + noise[1]
-    return side_from(
+    return build_compared_flight(
         [
-            Channel('motors/effort.left', '1', t, np.where(t >= start, 0.4 + 0.05 * seed, 0.0)),
-            Channel('odom/pose.pose.position.z', 'm', t, climb + noise[0]),
-            Channel('odom/twist.twist.linear.x', 'm/s', t, speed),
+            SignalChannel(
+                'motors/effort.left', '1', t, np.where(t >= start, 0.4 + 0.05 * seed, 0.0)
+            ),
+            SignalChannel('odom/pose.pose.position.z', 'm', t, climb + noise[0]),
+            SignalChannel('odom/twist.twist.linear.x', 'm/s', t, speed),
         ],
         label,
         clock,
@@ -38,8 +40,8 @@ def run_of(start, seed, label, clock):
 
 def test_separate_runs_are_laid_on_each_other_by_their_commands():
     a, b = run_of(4.0, 1, 'A', 0), run_of(5.5, 2, 'B', UNIX)
-    wanted = wanted_pairs((), (), list(a.topics), list(b.topics))
-    found = compare(a, b, wanted, Asked())
+    wanted = select_topic_pairs((), (), list(a.topics), list(b.topics))
+    found = compare_sides(a, b, wanted, ComparisonRequest())
     assert (found.timing.how, found.timing.on_stamps) == ('motion', False)
     assert found.timing.offset == pytest.approx(1.5, abs=0.011)
     assert 'separate runs' in found.timing.reason
@@ -47,7 +49,7 @@ def test_separate_runs_are_laid_on_each_other_by_their_commands():
     duty = channel(found, 'motors/effort.left')
     assert duty.parting.at == pytest.approx(4.0, abs=0.02)
     assert duty.measures.greatest == pytest.approx(0.05)
-    alone = compare(a, b, wanted, Asked(align='none'))
+    alone = compare_sides(a, b, wanted, ComparisonRequest(align='none'))
     assert (alone.timing.how, alone.timing.offset) == ('none', 0.0)
 
 
@@ -63,7 +65,7 @@ def imported_csv(tmp_path, name, until, phase, time='time: {rate: 50 Hz}'):
         'topics:\n  - {topic: odom, position: {columns: [x, y, z], unit: m}}\n'
     )
     with ImportProgress(Console(quiet=True), 1) as progress:
-        (done,) = import_all(Order([source], str(mapping)), tmp_path / name, progress)
+        (done,) = import_logs(ImportRequest([source], str(mapping)), tmp_path / name, progress)
     return open_flight(Path(done.bag))
 
 
@@ -72,10 +74,12 @@ def test_rows_that_are_counted_alike_are_no_common_clock(tmp_path, time):
     # One motion; the second text begins 0.4 s later in it, and both count from zero.
     a = imported_csv(tmp_path, 'one', 40.0, 0.0, time)
     b = imported_csv(tmp_path, 'other', 38.0, 0.4, time)
-    found = compare_flights(a, b, Asked())
+    found = compare_flights(a, b, ComparisonRequest())
     assert found.timing.how == 'clock'
     assert found.timing.offset == pytest.approx(-0.4, abs=max(0.005, 4 * found.timing.sigma))
     assert found.verdict == 'same'
     # One text imported twice is one clock.
-    assert compare_flights(a, a, Asked()).timing.reason.startswith('Both carry the same stamps')
-    assert compare_flights(a, b, Asked(align='none')).timing.offset == 0.0
+    assert compare_flights(a, a, ComparisonRequest()).timing.reason.startswith(
+        'Both carry the same stamps'
+    )
+    assert compare_flights(a, b, ComparisonRequest(align='none')).timing.offset == 0.0

@@ -4,7 +4,7 @@ import json
 import sys
 
 from lta_bridge.bag import BagWriter
-from lta_bridge.bag.schemas import jazzy
+from lta_bridge.bag.schemas import load_jazzy_types
 from lta_cli import app
 import pytest
 
@@ -17,7 +17,7 @@ ODOMETRY = 'nav_msgs/msg/Odometry'
 
 def run(monkeypatch, *words):
     monkeypatch.setattr(sys, 'argv', ['lta', 'compare', *map(str, words)])
-    return app.status()
+    return app.run_command_line()
 
 
 def test_the_command_writes_page_and_figures_and_tells_by_its_status(
@@ -101,7 +101,9 @@ def test_robots_of_one_bag_are_named_and_compared(tmp_path, monkeypatch, capsys)
                 time = 1_000_000_000 + 10_000_000 * k
                 message = make(ODOMETRY, header=stamped(time, 'map'), pose=place)
                 writer.write(
-                    f'/{robot}/odom', bytes(jazzy().serialize_cdr(message, ODOMETRY)), time
+                    f'/{robot}/odom',
+                    bytes(load_jazzy_types().serialize_cdr(message, ODOMETRY)),
+                    time,
                 )
     out = ['--out', tmp_path / 'out', '--no-page', '--json']
     assert run(monkeypatch, bag, bag, *out) == 2

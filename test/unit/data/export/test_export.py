@@ -3,12 +3,12 @@
 import json
 
 import lta_analysis
-from lta_cli.app import put_together
+from lta_cli.app import build_app
 from lta_config.errors import BadInput
 from lta_data.bag import recording as recording_module
 from lta_data.export import run, source
-from lta_data.export.mat_file import legal
-from lta_data.export.run import export, Order
+from lta_data.export.mat_file import format_matlab_name
+from lta_data.export.run import export_recording, ExportRequest
 import numpy as np
 import pandas
 from pyarrow import parquet
@@ -74,7 +74,7 @@ def decoded(bag, topic):
 
 
 def files(bag, form, folder, **order):
-    done = export(lta_analysis.open(bag), Order(form, **order), folder, Blind())
+    done = export_recording(lta_analysis.open(bag), ExportRequest(form, **order), folder, Blind())
     return {each.topic: each for each in done.files}, done
 
 
@@ -152,8 +152,8 @@ def test_matlab_holds_structs_matrices_and_units(flight_bag, mixed_bag, tmp_path
     [('status[0]', 'status_0'), ('light/peaks', 'light_peaks'), ('_x', 'x'), ('2d', 'x2d')],
 )
 def test_names_that_matlab_takes(name, expected):
-    assert legal(name) == expected
-    assert len(legal('a' * 100)) == 63
+    assert format_matlab_name(name) == expected
+    assert len(format_matlab_name('a' * 100)) == 63
 
 
 @pytest.mark.parametrize('stretch', [2, 1000])
@@ -222,14 +222,14 @@ def test_what_cannot_be_exported_is_one_sentence(flight_bag, mixed_bag, tmp_path
     (tmp_path / 'busy').mkdir()
     (tmp_path / 'busy/file').touch()
     for order, folder, said in [
-        (Order('xls'), 'a', "Unknown format 'xls'; known: csv, mat, parquet"),
-        (Order('csv', ('imu',)), 'a', "Unknown topic 'imu'; known: energy/reserve, odom"),
-        (Order('csv'), 'busy', 'is not empty; choose another folder'),
-        (Order('csv', rate=-1.0), 'a', 'A rate of -1.0 Hz makes no clock'),
-        (Order('csv', rate=1.0, method='x'), 'a', "Unknown method 'x'"),
+        (ExportRequest('xls'), 'a', "Unknown format 'xls'; known: csv, mat, parquet"),
+        (ExportRequest('csv', ('imu',)), 'a', "Unknown topic 'imu'; known: energy/reserve, odom"),
+        (ExportRequest('csv'), 'busy', 'is not empty; choose another folder'),
+        (ExportRequest('csv', rate=-1.0), 'a', 'A rate of -1.0 Hz makes no clock'),
+        (ExportRequest('csv', rate=1.0, method='x'), 'a', "Unknown method 'x'"),
     ]:
         with pytest.raises(BadInput, match=said):
-            export(lta_analysis.open(flight_bag), order, tmp_path / folder, Blind())
+            export_recording(lta_analysis.open(flight_bag), order, tmp_path / folder, Blind())
     assert not (tmp_path / 'a').exists()
     with pytest.raises(BadInput, match="'photodiodes' cannot be aligned: samples have a clock"):
         files(mixed_bag, 'csv', tmp_path / 'a', rate=1.0, topics=('photodiodes',))
@@ -250,8 +250,8 @@ def test_a_topic_that_cannot_be_decoded_is_left_out_and_named(flight_bag, tmp_pa
             raise BadInput('it is broken.')
         return whole(flight, topic, *rest)
 
-    whole = recording_module.table_from
-    monkeypatch.setattr(source, 'table_from', broken)
+    whole = recording_module.build_table
+    monkeypatch.setattr(source, 'build_table', broken)
     written, done = files(flight_bag, 'parquet', tmp_path / 'out')
     assert set(written) == {'odom', '/clock'}
     assert done.remarks == ["Topic 'energy/reserve' is left out: it is broken."]
@@ -267,7 +267,7 @@ def test_a_topic_larger_than_a_matlab_file_is_refused(flight_bag, tmp_path, monk
 
 def test_the_command_says_what_it_wrote(flight_bag, tmp_path):
     line = ['bag', 'export', str(flight_bag), '--topics', 'odom', '--json']
-    result = CliRunner().invoke(put_together(), [*line, '--out', str(tmp_path / 'out')])
+    result = CliRunner().invoke(build_app(), [*line, '--out', str(tmp_path / 'out')])
     assert result.exit_code == 0, result.output
     found = json.loads(result.stdout)
     assert found['files'] == [

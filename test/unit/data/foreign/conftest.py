@@ -3,8 +3,8 @@
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from lta_data.foreign.progress import ImportProgress
-from lta_data.foreign.run import import_all, Order
+from lta_data.importers.progress import ImportProgress
+from lta_data.importers.run import import_logs, ImportRequest
 import pytest
 from rich.console import Console
 from rosbags.highlevel import AnyReader
@@ -56,8 +56,8 @@ def bring(tmp_path):
             path.write_text(mapping)
             mapping = str(path)
         with ImportProgress(Console(quiet=True), 1) as progress:
-            order = Order([Path(source)], mapping, **told)
-            (done,) = import_all(order, tmp_path / 'out', progress)
+            order = ImportRequest([Path(source)], mapping, **told)
+            (done,) = import_logs(order, tmp_path / 'out', progress)
         return read(done)
 
     return run

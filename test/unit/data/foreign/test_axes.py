@@ -3,10 +3,15 @@
 from hypothesis import given
 from hypothesis import strategies as st
 from lta_config.errors import BadInput
-from lta_config.schema.import_file import AXES, Orientation
-from lta_data.foreign.attitude import into_body, linear, ours, quaternions
-from lta_data.foreign.axes import attitude_matrix, matrix, turned
-from lta_data.foreign.table import Table
+from lta_config.schema.import_file import AXES, OrientationField
+from lta_data.importers.attitude import (
+    apply_matrix,
+    compute_quaternions,
+    convert_attitude,
+    rotate_into_body,
+)
+from lta_data.importers.axes import attitude_matrix, convert_vectors, signed_permutation
+from lta_data.importers.log_table import LogTable
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -22,7 +27,7 @@ def table(**columns):
     count = len(next(iter(columns.values())))
     times = np.arange(count, dtype=np.int64)
     arrays = {name: np.asarray(values, dtype=float) for name, values in columns.items()}
-    return Table(times, times, times, arrays)
+    return LogTable(times, times, times, arrays)
 
 
 @pytest.mark.parametrize(
@@ -42,20 +47,20 @@ def table(**columns):
     ],
 )
 def test_named_axes_turn_known_directions(axes, theirs, expected):
-    assert turned(np.array([theirs], dtype=float), AXES[axes]).tolist() == [expected]
-    assert np.linalg.det(matrix(AXES[axes])) == pytest.approx(1.0)
+    assert convert_vectors(np.array([theirs], dtype=float), AXES[axes]).tolist() == [expected]
+    assert np.linalg.det(signed_permutation(AXES[axes])) == pytest.approx(1.0)
 
 
 @given(VECTORS, st.sampled_from(ROTATIONS))
 def test_numbers_are_only_picked_and_negated(vector, axes):
-    found = turned(np.array([vector]), axes)[0]
+    found = convert_vectors(np.array([vector]), axes)[0]
     assert sorted(np.abs(found)) == sorted(np.abs(vector))
-    assert found == pytest.approx(matrix(axes) @ vector)
+    assert found == pytest.approx(signed_permutation(axes) @ vector)
 
 
 def test_a_mirror_keeps_the_sense_of_a_turn():
     # Seen in a mirror through the x-z plane, a turn about y keeps its sense; x and z swap theirs.
-    found = turned(np.array([[1.0, 2.0, 3.0]]), ('x', '-y', 'z'), axial=True)
+    found = convert_vectors(np.array([[1.0, 2.0, 3.0]]), ('x', '-y', 'z'), axial=True)
     assert found.tolist() == [[-1.0, 2.0, -3.0]]
 
 
@@ -64,19 +69,23 @@ def test_attitudes_follow_the_axes_of_both_sides(q, world, body, vector):
     """What a vector of the body is in the world is the same thing before and after."""
     q = np.array([q]) / np.linalg.norm(q)
     theirs = Rotation.from_quat(q).apply(vector)
-    found = Rotation.from_quat(ours(q, world, body)).apply(turned(np.array([vector]), body))
-    assert found == pytest.approx(turned(theirs, world), abs=1e-8 * (1 + np.abs(vector).max()))
+    found = Rotation.from_quat(convert_attitude(q, world, body)).apply(
+        convert_vectors(np.array([vector]), body)
+    )
+    assert found == pytest.approx(
+        convert_vectors(theirs, world), abs=1e-8 * (1 + np.abs(vector).max())
+    )
 
 
 @given(UNITS, st.sampled_from(ROTATIONS))
 def test_the_same_turn_on_both_sides_changes_no_digit(q, axes):
-    found = ours(np.array([q]), axes, axes)[0]
+    found = convert_attitude(np.array([q]), axes, axes)[0]
     assert sorted(np.abs(found[:3])) == sorted(np.abs(q[:3]))
     assert found[3] == q[3]
 
 
 def test_level_and_north_in_ned_is_a_quarter_turn_to_the_left_in_enu():
-    found = ours(np.array([[0.0, 0.0, 0.0, 1.0]]), AXES['NED'], AXES['FRD'])
+    found = convert_attitude(np.array([[0.0, 0.0, 0.0, 1.0]]), AXES['NED'], AXES['FRD'])
     assert Rotation.from_quat(found).as_euler('ZYX', degrees=True)[0] == pytest.approx([90, 0, 0])
 
 
@@ -90,8 +99,12 @@ def test_a_mirror_on_both_sides_is_consistent(q, vector):
     mirror = ('x', '-y', 'z')
     q = np.array([q]) / np.linalg.norm(q)
     theirs = Rotation.from_quat(q).apply(vector)
-    found = Rotation.from_quat(ours(q, mirror, mirror)).apply(turned(np.array([vector]), mirror))
-    assert found == pytest.approx(turned(theirs, mirror), abs=1e-8 * (1 + np.abs(vector).max()))
+    found = Rotation.from_quat(convert_attitude(q, mirror, mirror)).apply(
+        convert_vectors(np.array([vector]), mirror)
+    )
+    assert found == pytest.approx(
+        convert_vectors(theirs, mirror), abs=1e-8 * (1 + np.abs(vector).max())
+    )
 
 
 def turn(axis, angle):
@@ -113,8 +126,10 @@ def test_angles_by_every_convention(sequence):
         product = product @ one if sequence.isupper() else one @ product
     names = ['a', 'b', 'c'][: len(sequence)]
     rows = table(**{name: [np.degrees(angle)] for name, angle in zip(names, angles, strict=True)})
-    given_ = Orientation(euler=names, sequence=sequence, unit='deg')
-    assert Rotation.from_quat(quaternions(given_, rows)).as_matrix()[0] == pytest.approx(product)
+    given_ = OrientationField(euler=names, sequence=sequence, unit='deg')
+    assert Rotation.from_quat(compute_quaternions(given_, rows)).as_matrix()[0] == pytest.approx(
+        product
+    )
 
 
 def test_signs_order_direction_matrix_and_rotation_vector():
@@ -122,26 +137,32 @@ def test_signs_order_direction_matrix_and_rotation_vector():
     rows = table(
         yaw=[0.4], nose_up=[-0.2], **{f'm{i}': [value] for i, value in enumerate(product.ravel())}
     )
-    angles = Orientation(euler=['yaw', 'nose_up'], sequence='ZY', signs=[1, -1])
-    cells = Orientation(matrix=[f'm{i}' for i in range(9)])
+    angles = OrientationField(euler=['yaw', 'nose_up'], sequence='ZY', signs=[1, -1])
+    cells = OrientationField(matrix=[f'm{i}' for i in range(9)])
     for form in (angles, cells):
-        assert Rotation.from_quat(quaternions(form, rows)).as_matrix()[0] == pytest.approx(product)
-    back = Orientation(matrix=[f'm{i}' for i in range(9)], direction='world to body')
-    assert Rotation.from_quat(quaternions(back, rows)).as_matrix()[0] == pytest.approx(product.T)
+        assert Rotation.from_quat(compute_quaternions(form, rows)).as_matrix()[0] == pytest.approx(
+            product
+        )
+    back = OrientationField(matrix=[f'm{i}' for i in range(9)], direction='world to body')
+    assert Rotation.from_quat(compute_quaternions(back, rows)).as_matrix()[0] == pytest.approx(
+        product.T
+    )
     rows = table(w=[0.9], x=[0.1], y=[0.2], z=[0.3])
-    form = Orientation(quaternion=['w', 'x', 'y', 'z'], order='wxyz')
-    assert quaternions(form, rows).tolist() == [[0.1, 0.2, 0.3, 0.9]]  # and not normalised
-    form = Orientation(rotation_vector=['x', 'y', 'z'], unit='deg')
+    form = OrientationField(quaternion=['w', 'x', 'y', 'z'], order='wxyz')
+    assert compute_quaternions(form, rows).tolist() == [[0.1, 0.2, 0.3, 0.9]]  # and not normalised
+    form = OrientationField(rotation_vector=['x', 'y', 'z'], unit='deg')
     vector = np.radians([0.1, 0.2, 0.3])
-    assert Rotation.from_quat(quaternions(form, rows)).as_rotvec()[0] == pytest.approx(vector)
+    assert Rotation.from_quat(compute_quaternions(form, rows)).as_rotvec()[0] == pytest.approx(
+        vector
+    )
 
 
 def test_what_is_not_whole_is_nan_and_nothing_else():
     rows = table(a=[0.1, np.nan, 0.1], b=[0.0, 0.0, 0.0], c=[0.0, 0.0, 0.0])
-    found = quaternions(Orientation(euler=['a', 'b', 'c']), rows)
+    found = compute_quaternions(OrientationField(euler=['a', 'b', 'c']), rows)
     assert np.isnan(found).all(axis=1).tolist() == [False, True, False]
-    still = into_body(np.ones((2, 3)), np.array([[0.0, 0, 0, 0], [0, 0, 0, 1]]))
+    still = rotate_into_body(np.ones((2, 3)), np.array([[0.0, 0, 0, 0], [0, 0, 0, 1]]))
     assert np.isnan(still).all(axis=1).tolist() == [True, False]
-    assert linear(np.zeros((1, 4)), attitude_matrix(AXES['NED'], AXES['FRD'])).tolist() == [
+    assert apply_matrix(np.zeros((1, 4)), attitude_matrix(AXES['NED'], AXES['FRD'])).tolist() == [
         [0] * 4
     ]

@@ -4,8 +4,8 @@ from pathlib import Path
 
 from lta_config.errors import BadInput
 from lta_data.bag.reader import read_bag
-from lta_data.foreign.progress import ImportProgress
-from lta_data.foreign.run import import_all, Order
+from lta_data.importers.progress import ImportProgress
+from lta_data.importers.run import import_logs, ImportRequest
 from mcap.reader import make_reader
 from mcap.writer import Writer as McapWriter
 import numpy as np
@@ -89,7 +89,7 @@ def write1(path, messages, types):
 
 
 def raw(path):
-    return [(topic, time, bytes(data)) for topic, time, data in read_bag(path).messages()]
+    return [(topic, time, bytes(data)) for topic, time, data in read_bag(path).iterate_messages()]
 
 
 @pytest.mark.parametrize('plugin', [StoragePlugin.MCAP, StoragePlugin.SQLITE3])
@@ -183,7 +183,7 @@ def test_one_child_of_the_transforms_is_taken(bring, tmp_path):
 
 @pytest.mark.parametrize('piece', [2, 10_000])
 def test_fields_of_any_type_are_columns(bring, tmp_path, monkeypatch, piece):
-    monkeypatch.setattr('lta_data.foreign.readers.bag_rows.PIECE', piece)
+    monkeypatch.setattr('lta_data.importers.readers.bag_tables.PIECE', piece)
     types = store()
     source = write2(tmp_path / 'bag', StoragePlugin.MCAP, flight(types), types)
     mapping = BAG + (
@@ -249,7 +249,7 @@ def test_what_is_not_of_ros_is_kept_with_its_encoding_and_definition(tmp_path):
         writer.add_message(channel, SECOND, b'{"x": 1}', SECOND)
         writer.finish()
     with ImportProgress(Console(quiet=True), 1) as progress:
-        (done,) = import_all(Order([source]), tmp_path / 'out', progress)
+        (done,) = import_logs(ImportRequest([source]), tmp_path / 'out', progress)
     found = next(Path(done.bag).glob('*.mcap'))
     with found.open('rb') as stream:
         ((schema, channel, message),) = make_reader(stream).iter_messages()

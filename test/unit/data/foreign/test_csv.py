@@ -8,7 +8,7 @@ import struct
 
 from hypothesis import given, HealthCheck, settings
 from hypothesis import strategies as st
-from lta_data.foreign.readers.csv_text import is_number
+from lta_data.importers.readers.csv_text import is_number
 import numpy as np
 import pytest
 
@@ -162,7 +162,7 @@ def test_the_bag_says_where_it_comes_from(bring, tmp_path):
 
 
 def test_parts_of_a_long_text_join_without_a_seam(bring, tmp_path, monkeypatch):
-    monkeypatch.setattr('lta_data.foreign.readers.csv_text.PART', 1 << 12)
+    monkeypatch.setattr('lta_data.importers.readers.csv_text.PART', 1 << 12)
     lines = ['t,x,y,z', *(f'{5 + k}.125,{k},{k / 3!r},{-k}' for k in range(2000))]
     found = bring(text(tmp_path / 'a.csv', *lines), POSE)
     positions = [message.pose.pose.position for message in found.messages[ODOM]]

@@ -3,7 +3,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 from lta_config.errors import BadInput
-from lta_data.foreign.readers.row_times import exact
+from lta_data.importers.readers.row_times import parse_exact_times
 import pytest
 
 from .csv_texts import ODOM, POSE, text
@@ -16,7 +16,7 @@ def test_rows_keep_the_order_of_the_file(bring, tmp_path):
     found = bring(source, mapping)
     from lta_data.bag.reader import read_bag
 
-    met = [(topic, time) for topic, time, _ in read_bag(found.imported.bag).messages()]
+    met = [(topic, time) for topic, time, _ in read_bag(found.imported.bag).iterate_messages()]
     second = 1_000_000_000
     assert met == [
         (ODOM, 9 * second),
@@ -51,8 +51,8 @@ def test_times_that_are_missing_or_begin_at_zero(bring, tmp_path, time, expected
 def test_a_time_keeps_every_nanosecond(seconds, nanoseconds):
     texts = [f'{seconds}.{nanoseconds:09d}', str(seconds * 10**9 + nanoseconds)]
     whole = seconds * 10**9 + nanoseconds
-    assert exact(texts[:1], 's', 't', 0).times.tolist() == [whole]
-    assert exact(texts[1:], 'ns', 't', 0).times.tolist() == [whole]
+    assert parse_exact_times(texts[:1], 's', 't', 0).times.tolist() == [whole]
+    assert parse_exact_times(texts[1:], 'ns', 't', 0).times.tolist() == [whole]
 
 
 DATES = {

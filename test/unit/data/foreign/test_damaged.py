@@ -4,8 +4,8 @@ from pathlib import Path
 import random
 
 from lta_config.errors import BadInput
-from lta_data.foreign.progress import ImportProgress
-from lta_data.foreign.run import import_all, Order
+from lta_data.importers.progress import ImportProgress
+from lta_data.importers.run import import_logs, ImportRequest
 import pytest
 from rich.console import Console
 from rosbags.rosbag1 import Writer as Writer1
@@ -68,7 +68,7 @@ def damaged(data, chance):
 
 @pytest.mark.parametrize('log', LOGS.values(), ids=LOGS)
 def test_a_damaged_log_is_a_bag_or_a_sentence(tmp_path, log, monkeypatch):
-    monkeypatch.setattr('lta_data.foreign.origin.commit', lambda: 'none')
+    monkeypatch.setattr('lta_data.importers.log_provenance.read_commit', lambda: 'none')
     whole = log(tmp_path)
     data, chance = whole.read_bytes(), random.Random(1)
     outcomes = set()
@@ -79,7 +79,7 @@ def test_a_damaged_log_is_a_bag_or_a_sentence(tmp_path, log, monkeypatch):
         out = tmp_path / f'out-{count}'
         try:
             with ImportProgress(Console(quiet=True), 1) as progress:
-                import_all(Order([Path(source)], mapping), out, progress)
+                import_logs(ImportRequest([Path(source)], mapping), out, progress)
         except BadInput as told:
             outcomes.add('refused' if '\n' not in str(told) and not out.exists() else str(told))
         else:

@@ -6,12 +6,12 @@ import re
 from typing import get_args
 
 from lta_cli import app
-from lta_config.files import checked, known, parse_yaml
-from lta_config.schema.import_file import AXES, Format, load_mapping, Mapping
+from lta_config.files import list_shipped, parse_yaml, validate_content
+from lta_config.schema.import_file import AXES, Format, ImportMapping, load_mapping
 from lta_data.bag.reader import read_bag
-from lta_data.foreign.formats import FORMATS
-from lta_data.foreign.plan import plan
-from lta_data.foreign.shapes import EXTRA, SHAPES
+from lta_data.importers.entry_plan import plan_entry
+from lta_data.importers.formats import FORMATS
+from lta_data.importers.message_parts import EXTRA, SHAPES
 import pytest
 
 TRACE = '1.5 1 2 3 0 0 0 1\n2.5 1 2 4 0 0 0 1\n'
@@ -23,7 +23,7 @@ def lta(monkeypatch, capsys):
 
     def run(*words):
         monkeypatch.setattr('sys.argv', ['lta', *map(str, words)])
-        status = app.status()
+        status = app.run_command_line()
         told = capsys.readouterr()
         return status, told.out, told.err
 
@@ -46,7 +46,7 @@ def test_several_logs_become_a_bag_each(lta, tmp_path):
         out / 'other/bag',
     ]
     assert [one['topics'] for one in found] == [{'/lta1/ground_truth/odom': 2}] * 3
-    assert all(read_bag(one['bag']).complete for one in found)
+    assert all(read_bag(one['bag']).is_complete for one in found)
     assert sorted(path.name for path in out.parent.iterdir()) == ['out']
 
 
@@ -121,17 +121,17 @@ def test_an_empty_folder_that_cannot_be_replaced_is_filled(lta, tmp_path):
     assert [path.name for path in (tmp_path / 'disk').iterdir()] == ['bag']
 
 
-@pytest.mark.parametrize('name', known('imports'))
+@pytest.mark.parametrize('name', list_shipped('imports'))
 def test_shipped_mappings_are_named_as_their_files(name):
     mapping, text = load_mapping(name)
-    assert isinstance(mapping, Mapping)
+    assert isinstance(mapping, ImportMapping)
     assert mapping.name == name
     assert text.startswith('# ')
 
 
 def test_the_formats_of_mappings_are_those_that_are_read():
     assert list(FORMATS) == list(get_args(Format))
-    assert {load_mapping(name)[0].format for name in known('imports')} <= set(FORMATS)
+    assert {load_mapping(name)[0].format for name in list_shipped('imports')} <= set(FORMATS)
 
 
 def test_a_flights_results_folder_is_its_bag(lta, tmp_path):
@@ -140,7 +140,7 @@ def test_a_flights_results_folder_is_its_bag(lta, tmp_path):
     assert lta('import', tmp_path / 'trace.txt', '--mapping', 'tum', '--out', once)[0] == 0
     assert lta('import', once, '--out', again)[0] == 0
     bags = [read_bag(folder / 'bag') for folder in (once, again)]
-    assert len(set(map(str, (list(bag.messages()) for bag in bags)))) == 1
+    assert len(set(map(str, (list(bag.iterate_messages()) for bag in bags)))) == 1
     assert bags[1].provenance['original_source'] == 'trace.txt'
 
 
@@ -148,7 +148,7 @@ def test_ctrl_c_leaves_nothing(lta, tmp_path, monkeypatch):
     def interrupted(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr('lta_data.foreign.convert.Converter.convert', interrupted)
+    monkeypatch.setattr('lta_data.importers.converter.TopicConverter.convert', interrupted)
     (tmp_path / 'trace.txt').write_text(TRACE)
     words = ['import', tmp_path / 'trace.txt', '--mapping', 'tum', '--out', tmp_path / 'out']
     assert lta(*words)[0] == app.STOPPED
@@ -160,12 +160,12 @@ PAGE = (Path(__file__).resolve().parents[4] / 'docs' / 'import.md').read_text(en
 
 @pytest.mark.parametrize('block', re.findall(r'```yaml\n(.*?)```', PAGE, re.DOTALL))
 def test_mappings_on_the_page_for_people_are_mappings(block):
-    mapping = checked(Mapping, parse_yaml(block, 'the page'), 'the page')
+    mapping = validate_content(ImportMapping, parse_yaml(block, 'the page'), 'the page')
     for entry in mapping.topics:
-        plan(entry, mapping, 'lta1')
+        plan_entry(entry, mapping, 'lta1')
 
 
 def test_the_page_for_people_names_all_that_there_is():
     parts = {name for shape in SHAPES.values() for name in shape}
-    for name in (*known('imports'), *FORMATS, *AXES, *parts, *EXTRA):
+    for name in (*list_shipped('imports'), *FORMATS, *AXES, *parts, *EXTRA):
         assert re.search(rf'\b{name}\b', PAGE), name

@@ -1,14 +1,14 @@
 """Messages laid out at once, against those that rosbags makes one by one."""
 
-from lta_bridge.bag.schemas import jazzy
+from lta_bridge.bag.schemas import load_jazzy_types
 from lta_config.errors import BadInput
-from lta_config.topics import topic_table
-from lta_data.foreign.layout import Layout
-from lta_data.foreign.shapes import EXTRA, SHAPES, target, targets
+from lta_config.topics import load_topic_table
+from lta_data.importers.cdr_template import CdrTemplate
+from lta_data.importers.message_parts import EXTRA, find_target, list_targets, SHAPES
 import numpy as np
 import pytest
 
-TYPES = jazzy()
+TYPES = load_jazzy_types()
 
 
 @pytest.mark.parametrize('type_name', sorted(SHAPES))
@@ -17,9 +17,9 @@ def test_every_number_stands_where_rosbags_reads_it(type_name):
     lengths = {'position': 2, 'effort': 2}
     given = {'header.frame_id': 'a frame', 'location': 'left', 'name': ['one', 'two']}
     given = given if type_name == 'sensor_msgs/msg/JointState' else {**given, 'name': []}
-    layout = Layout(type_name, given, lengths)
+    layout = CdrTemplate(type_name, given, lengths)
     values = {path: np.array([index + 1, index + 2]) for index, path in enumerate(layout.places)}
-    data = layout.fill(2, {path: column % 120 for path, column in values.items()})
+    data = layout.fill_messages(2, {path: column % 120 for path, column in values.items()})
     assert len(data) == 2 * layout.size
     for row in range(2):
         part = data[row * layout.size : (row + 1) * layout.size]
@@ -46,7 +46,7 @@ def leaf(message, path):
 
 @pytest.mark.parametrize('type_name', sorted(SHAPES))
 def test_every_part_has_a_place_in_its_message(type_name):
-    places = Layout(type_name, {}).places
+    places = CdrTemplate(type_name, {}).places
     for part in SHAPES[type_name].values():
         axes = {'attitude': 'xyzw', 'number': ''}.get(part.kind, 'xyz')
         wanted = [f'{part.place}.{axis}' for axis in axes] or [part.place]
@@ -54,9 +54,9 @@ def test_every_part_has_a_place_in_its_message(type_name):
 
 
 def test_targets_are_those_of_the_topic_table_and_the_wrench():
-    found = targets()
+    found = list_targets()
     assert found['ground_truth/odom'] == ('nav_msgs/msg/Odometry', 'map')
     assert found['wrench_command'] == EXTRA['wrench_command']
-    assert not set(EXTRA) & set(topic_table().topics)
+    assert not set(EXTRA) & set(load_topic_table().topics)
     with pytest.raises(BadInput, match="Unknown topic to import into 'odometry'; known: battery"):
-        target('odometry')
+        find_target('odometry')

@@ -5,10 +5,15 @@ from itertools import pairwise
 
 from lta_config.errors import BadInput
 from lta_data.bag import open_flight
-from lta_data.bag.channels import Channel
-from lta_data.plot.choice import between, by_unit, chosen, readable
-from lta_data.plot.page import drawing
-from lta_data.plot.terminal import curves, listing, sparkline
+from lta_data.bag.channels import SignalChannel
+from lta_data.plot.channel_selection import (
+    crop_channel,
+    group_by_unit,
+    make_readable,
+    select_channels,
+)
+from lta_data.plot.page import plot_channels
+from lta_data.plot.terminal import build_channel_listing, draw_curves, draw_sparkline
 import numpy as np
 import pytest
 from rich.console import Console
@@ -23,7 +28,7 @@ def bag(tmp_path_factory):
 
 def ramp(name='odom/z', unit='m', count=64, **more):
     values = np.arange(float(count))
-    return Channel(name, unit, values / 10, values, **more)
+    return SignalChannel(name, unit, values / 10, values, **more)
 
 
 @pytest.mark.parametrize(
@@ -36,13 +41,13 @@ def ramp(name='odom/z', unit='m', count=64, **more):
     ],
 )  # fmt: skip
 def test_a_word_means_channels(bag, pattern, names):
-    found = [channel.name for channel in chosen(open_flight(bag), [pattern])]
+    found = [channel.name for channel in select_channels(open_flight(bag), [pattern])]
     assert set(names) <= set(found)
     assert {name.rpartition('.')[2] for name in found} == {names[0].rpartition('.')[2]}
 
 
 def test_a_topic_means_all_of_its_channels(bag):
-    names = [channel.name for channel in chosen(open_flight(bag), ['motors', 'motors/*'])]
+    names = [channel.name for channel in select_channels(open_flight(bag), ['motors', 'motors/*'])]
     rotors = ('up_left', 'up_right', 'forward_left', 'forward_right')
     assert names == [f'motors/effort.{rotor}' for rotor in rotors]
 
@@ -50,43 +55,43 @@ def test_a_topic_means_all_of_its_channels(bag):
 def test_a_word_that_means_nothing_or_too_much_is_one_sentence(bag):
     flight = open_flight(bag)
     with pytest.raises(BadInput, match=r"'odom/position\.z'; near it: .*odom/pose\.pose\.pos"):
-        chosen(flight, ['odom/position.z'])
+        select_channels(flight, ['odom/position.z'])
     with pytest.raises(BadInput, match=r'^\d+ channels are too many for one picture'):
-        chosen(flight, ['*'])
+        select_channels(flight, ['*'])
 
 
 def test_an_angle_is_shown_in_degrees_without_jumps():
-    turned = Channel(
+    turned = SignalChannel(
         'odom/yaw', 'rad', np.arange(4.0), np.array([3.0, np.nan, -3.0, 3.0]), angular=True
     )
-    shown = readable(turned)
+    shown = make_readable(turned)
     assert shown.unit == 'deg'
     expected = np.degrees([3.0, np.nan, 2 * np.pi - 3.0, 3.0])
     np.testing.assert_allclose(shown.values, expected, atol=1e-9)
     plain = ramp()
-    assert readable(plain) is plain
+    assert make_readable(plain) is plain
 
 
 def test_a_stretch_of_time_is_closed():
-    part = between(ramp(), 1.0, 2.0)
+    part = crop_channel(ramp(), 1.0, 2.0)
     assert part.values.tolist() == list(range(10, 21))
 
 
 def test_what_has_one_unit_shares_an_axis():
     shown = [ramp('a/z'), ramp('b/speed', 'm/s'), ramp('c/x')]
-    found = {unit: [channel.name for channel in inside] for unit, inside in by_unit(shown)}
+    found = {unit: [channel.name for channel in inside] for unit, inside in group_by_unit(shown)}
     assert found == {'m': ['a/z', 'c/x'], 'm/s': ['b/speed']}
 
 
 def test_a_line_of_blocks_follows_the_means():
-    assert sparkline(np.arange(8.0), 8) == '▁▂▃▄▅▆▇█'
-    assert sparkline(np.array([0.0, 0.0, np.nan, np.nan, 1.0, 1.0]), 3) == '▁ █'
-    assert sparkline(np.full(5, 2.0)) == 'constant'
-    assert sparkline(np.full(5, np.nan)) == 'no value'
+    assert draw_sparkline(np.arange(8.0), 8) == '▁▂▃▄▅▆▇█'
+    assert draw_sparkline(np.array([0.0, 0.0, np.nan, np.nan, 1.0, 1.0]), 3) == '▁ █'
+    assert draw_sparkline(np.full(5, 2.0)) == 'constant'
+    assert draw_sparkline(np.full(5, np.nan)) == 'no value'
 
 
 def test_a_curve_rises_from_the_lower_left_to_the_upper_right():
-    rows = curves('m', [ramp()], (0.0, 6.3), 40).plain.splitlines()
+    rows = draw_curves('m', [ramp()], (0.0, 6.3), 40).plain.splitlines()
     assert rows[0].split()[0] == '63'
     canvas = [row.split('│')[1] for row in rows if '│' in row]
     filled = [[k for k, letter in enumerate(row) if letter != ' '] for row in canvas]
@@ -100,7 +105,7 @@ def test_a_curve_rises_from_the_lower_left_to_the_upper_right():
 
 
 def test_a_picture_holds_the_values():
-    figure = drawing('m', [ramp('a/z'), ramp('b/z')], (0.0, 6.3))
+    figure = plot_channels('m', [ramp('a/z'), ramp('b/z')], (0.0, 6.3))
     assert [trace.name for trace in figure.data] == ['a/z', 'b/z']
     np.testing.assert_allclose(figure.data[0].y, np.arange(64.0))
     assert figure.layout.yaxis.title.text == '[m]'
@@ -139,5 +144,7 @@ def test_names_stay_whole_where_the_terminal_is_narrow():
     t = np.arange(100) / 10.0
     name = 'ground_truth/odom/pose.pose.position.x'
     console = Console(width=80, file=io.StringIO())
-    console.print(listing([Channel(name, 'm/s2', t, -np.sqrt(t))], console.width))
+    console.print(
+        build_channel_listing([SignalChannel(name, 'm/s2', t, -np.sqrt(t))], console.width)
+    )
     assert name in console.file.getvalue()

@@ -4,10 +4,10 @@ from dataclasses import replace
 from pathlib import Path
 import sys
 
-from lta_data.trust.finding import Severity
-from lta_data.trust.registry import checked, CHECKS
-from lta_data.trust.roles import family
-from lta_data.trust.twins import twins
+from lta_data.data_quality.duplicate_runs import find_duplicate_runs
+from lta_data.data_quality.finding import Severity
+from lta_data.data_quality.registry import CHECKS, run_checks
+from lta_data.data_quality.roles import vector_name
 import numpy as np
 import pytest
 
@@ -37,7 +37,7 @@ def clean(bench):
 def test_clean_simulated_flights_have_no_findings_and_each_check_is_pure(clean):
     for flight in clean:
         before = {name: channel.values.copy() for name, channel in flight.channels.items()}
-        assert [f for f in checked(flight).findings if f.grave] == []
+        assert [f for f in run_checks(flight).findings if f.is_grave] == []
         for name, values in before.items():
             np.testing.assert_array_equal(flight.channels[name].values, values)
 
@@ -57,9 +57,9 @@ def test_corruptions_of_simulated_flights_are_found(bench, clean, kind):
         wrong = corruptions.CORRUPTIONS[kind](clean[attempt % len(clean)], rng)
         if wrong is None:
             continue
-        names = {*wrong.names, *map(family, wrong.names)}
-        found = [f for f in checked(wrong.recording).findings if f.kind == kind]
-        right = [f for f in found if {f.channel, family(f.channel)} & names]
+        names = {*wrong.names, *map(vector_name, wrong.names)}
+        found = [f for f in run_checks(wrong.recording).findings if f.kind == kind]
+        right = [f for f in found if {f.channel, vector_name(f.channel)} & names]
         missed += not any(f.from_s <= wrong.to_s and f.to_s >= wrong.from_s for f in right)
         done += 1
         if done == CASES[kind]:
@@ -77,7 +77,7 @@ def test_one_run_again_is_found_and_two_runs_are_not(bench, clean):
     _, corruptions = bench
     first, second = clean[:2]
     copy = corruptions.twin(first, np.random.default_rng(4))
-    found = twins([('a', first), ('b', second), ('copy of a', copy.recording)])
+    found = find_duplicate_runs([('a', first), ('b', second), ('copy of a', copy.recording)])
     assert list(found) == ['copy of a']
     (twin,) = found['copy of a']
     assert twin.values['agreement'] > 0.99
@@ -89,7 +89,7 @@ def test_two_flights_of_one_plan_in_still_air_are_two(bench, clean):
         replace(clean[0], provenance={'data': 'simulated', 'seed': seed})
         for seed in ('1', '2', '2')
     ]
-    found = twins(list(zip('abc', seeds, strict=True)))
+    found = find_duplicate_runs(list(zip('abc', seeds, strict=True)))
     assert {name: len(twin) for name, twin in found.items()} == {'c': 1}
     assert "'b'" in found['c'][0].evidence
 
@@ -99,10 +99,10 @@ def test_real_flights_are_clean_and_rgblimp_is_told_to_be_filtered(bench):
     if not flights.rgblimp_files():
         pytest.skip('needs ../shared/data (published flights of others)')
     for path in flights.rgblimp_files()[::20]:
-        found = checked(flights.rgblimp(path)).findings
+        found = run_checks(flights.rgblimp(path)).findings
         assert {(f.kind, f.severity) for f in found} == {('filtered', Severity.WARNING)}
     for path in flights.crazyflie_files()[:2]:
-        assert checked(flights.crazyflie(path)).findings == ()
+        assert run_checks(flights.crazyflie(path)).findings == ()
 
 
 def test_the_page_tells_of_every_kind():

@@ -2,18 +2,18 @@
 
 from dataclasses import replace
 
-from lta_config.files import find, load_yaml
-from lta_data.bag.channels import Channel
-from lta_data.trust.checks.duplicated import hashes
-from lta_data.trust.checks.filtered import noise
-from lta_data.trust.evidence import Evidence
-from lta_data.trust.finding import Severity
-from lta_data.trust.limits import Limits
-from lta_data.trust.recording import Recording
-from lta_data.trust.registry import checked
-from lta_data.trust.roles import family, measured_topic
-from lta_data.trust.runs import merged, runs
-from lta_data.trust.smooth import kernel, smoothed
+from lta_config.files import find_file, load_yaml
+from lta_data.bag.channels import SignalChannel
+from lta_data.data_quality.check_context import CheckContext
+from lta_data.data_quality.checks.duplication import hash_windows
+from lta_data.data_quality.checks.noise_floor import high_frequency_noise
+from lta_data.data_quality.finding import Severity
+from lta_data.data_quality.limits import QualityLimits
+from lta_data.data_quality.recording import ChannelRecording
+from lta_data.data_quality.registry import run_checks
+from lta_data.data_quality.roles import is_instrument_topic, vector_name
+from lta_data.data_quality.runs import find_runs, merge_runs
+from lta_data.data_quality.smoothing import hann_kernel, smooth_columns
 import numpy as np
 import pytest
 import yaml
@@ -24,9 +24,10 @@ GYRO, FORCE = 'imu/angular_velocity', 'imu/linear_acceleration'
 def recording(**channels):
     """Return a recording of channels by 'topic/field', each a pair of times and values."""
     made = {
-        n: Channel(n, '', np.asarray(t), np.asarray(v, float)) for n, (t, v) in channels.items()
+        n: SignalChannel(n, '', np.asarray(t), np.asarray(v, float))
+        for n, (t, v) in channels.items()
     }
-    return Recording(made)
+    return ChannelRecording(made)
 
 
 def resting(seed=0, count=1000):
@@ -41,17 +42,17 @@ def resting(seed=0, count=1000):
 
 def kinds(flight):
     """Return kinds and channels of what was found."""
-    return {(finding.kind, finding.channel) for finding in checked(flight).findings}
+    return {(finding.kind, finding.channel) for finding in run_checks(flight).findings}
 
 
 def test_a_resting_sensor_is_clean_and_what_cannot_be_judged_is_said():
-    report = checked(recording(**resting()))
+    report = run_checks(recording(**resting()))
     assert report.findings == ()
     assert any('cannot be judged' in sentence for sentence in report.unjudged)
 
 
 def test_an_empty_recording_has_no_findings():
-    assert checked(Recording({})).findings == ()
+    assert run_checks(ChannelRecording({})).findings == ()
 
 
 def test_a_constant_axis_is_named_and_an_unfilled_vector_is_a_note():
@@ -61,15 +62,15 @@ def test_a_constant_axis_is_named_and_an_unfilled_vector_is_a_note():
     assert ('constant', f'{GYRO}.y') in kinds(recording(**data))
     for axis in 'xyz':
         data[f'{GYRO}.{axis}'] = (time, np.zeros(len(time)))
-    (found,) = checked(recording(**data)).findings
-    assert (found.channel, found.severity, found.grave) == (GYRO, Severity.NOTE, False)
+    (found,) = run_checks(recording(**data)).findings
+    assert (found.channel, found.severity, found.is_grave) == (GYRO, Severity.NOTE, False)
 
 
 def test_a_stop_is_found_where_it_is():
     data = resting()
     time, values = data[f'{GYRO}.x']
     values[400:450] = values[400]
-    (found,) = checked(recording(**data)).findings
+    (found,) = run_checks(recording(**data)).findings
     assert (found.kind, found.channel) == ('frozen', f'{GYRO}.x')
     assert (found.from_s, found.to_s) == pytest.approx((time[400], time[449]))
     assert found.values['readings'] == 50
@@ -87,7 +88,7 @@ def test_a_limit_is_found_at_the_values_that_reach_it():
     time, values = data[f'{GYRO}.x']
     tone = 0.1 * np.sin(2.0 * np.pi * 0.5 * time) + values
     data[f'{GYRO}.x'] = (time, np.minimum(tone, 0.09))
-    found = [f for f in checked(recording(**data)).findings if f.kind == 'clipped']
+    found = [f for f in run_checks(recording(**data)).findings if f.kind == 'clipped']
     assert [f.channel for f in found] == [f'{GYRO}.x']
     assert found[0].values == {'limit': 0.09, 'readings': float((tone >= 0.09).sum())}
 
@@ -104,7 +105,7 @@ def lit(counts, bits):
 
 def with_bits(bits):
     """Return what a vehicle file holds whose converter has so many bits."""
-    content = load_yaml(find('vehicle', 'gtmab'))
+    content = load_yaml(find_file('vehicle', 'gtmab'))
     content['sensors']['diodes']['bits'] = bits
     return content
 
@@ -112,11 +113,13 @@ def with_bits(bits):
 @pytest.mark.parametrize('bits', [8, 12, 16])
 def test_what_light_can_read_is_the_top_of_the_vehicles_converter(bits):
     top = 2.0**bits - 1.0
-    assert not checked(lit(top - 1.0, bits)).findings
-    (found,) = checked(lit(top, bits)).findings
+    assert not run_checks(lit(top - 1.0, bits)).findings
+    (found,) = run_checks(lit(top, bits)).findings
     assert (found.kind, found.channel) == ('clipped', 'photodiodes/max[0]')
     assert found.values == {'limit': top, 'blocks': 10.0}
-    beyond = {f.channel for f in checked(lit(top + 8.0, bits)).findings if f.kind == 'impossible'}
+    beyond = {
+        f.channel for f in run_checks(lit(top + 8.0, bits)).findings if f.kind == 'impossible'
+    }
     assert beyond == {f'photodiodes/{what}[0]' for what in ('max', 'mean', 'std')}
 
 
@@ -124,24 +127,24 @@ def test_what_light_can_read_is_the_top_of_the_vehicles_converter(bits):
 def test_without_a_vehicle_nobody_knows_where_a_converter_ends(file):
     flight = lit(60000.0, None)
     flight = flight if file is None else replace(flight, provenance={'vehicle_file': file})
-    report = checked(flight)
+    report = run_checks(flight)
     assert report.findings == ()
     assert [text for text in report.unjudged if 'converter' in text]
-    assert {f.kind for f in checked(lit(-3.0, None)).findings} == {'impossible'}
+    assert {f.kind for f in run_checks(lit(-3.0, None)).findings} == {'impossible'}
 
 
 def test_a_stretch_again_names_both():
     data = resting()
     time, values = data[f'{FORCE}.y']
     values[700:760] = values[100:160]
-    (found,) = checked(recording(**data)).findings
+    (found,) = run_checks(recording(**data)).findings
     assert (found.kind, found.from_s) == ('duplicate', pytest.approx(time[700]))
     assert found.values == {'from_s': pytest.approx(time[100]), 'readings': 60.0}
 
 
 def test_hashes_are_those_of_equal_windows_only():
     values = np.array([1.0, 2.0, 3.0, 9.0, 1.0, 2.0, 3.0, 2.0, 1.0])
-    told = hashes(values, 3)
+    told = hash_windows(values, 3)
     assert told[0] == told[4]
     assert len(set(told.tolist())) == len(told) - 1
 
@@ -163,7 +166,7 @@ def test_values_that_cannot_be_are_errors(name, value, reason):
     usual = {'battery/voltage': 3.9, 'pressure/fluid_pressure': 101325.0}.get(name, 0.5)
     values = usual + 0.01 * rng.normal(size=200)
     values[50:53] = value
-    (found,) = checked(recording(**{name: (time, values)})).findings
+    (found,) = run_checks(recording(**{name: (time, values)})).findings
     assert (found.kind, found.severity) == ('impossible', Severity.ERROR)
     assert (found.from_s, found.to_s) == pytest.approx((5.0, 5.2))
     assert reason in found.evidence
@@ -173,7 +176,7 @@ def test_values_that_cannot_be_are_errors(name, value, reason):
 def test_packs_of_cells_are_possible(voltage):
     time = np.arange(100) * 0.1
     values = voltage - 0.001 * np.arange(100)
-    assert checked(recording(**{'battery/voltage': (time, values)})).findings == ()
+    assert run_checks(recording(**{'battery/voltage': (time, values)})).findings == ()
 
 
 def test_gravity_tells_the_unit_and_the_sign_of_an_accelerometer():
@@ -195,18 +198,18 @@ def test_a_rest_that_does_not_feel_gravity_is_impossible():
 def test_the_noise_is_that_of_white_noise():
     values = np.random.default_rng(3).normal(0.0, 0.02, 20_000)
     # The median over windows is below the mean of an exponential: ln 2.
-    assert noise(values) == pytest.approx(0.02 * np.sqrt(np.log(2.0)), rel=0.05)
+    assert high_frequency_noise(values) == pytest.approx(0.02 * np.sqrt(np.log(2.0)), rel=0.05)
     slow = np.sin(np.arange(20_000) * 0.01)
-    assert noise(slow) < 1e-7
+    assert high_frequency_noise(slow) < 1e-7
 
 
 def test_smooth_data_is_a_warning_unless_it_says_that_it_is_simulated():
     time = np.arange(1000) * 0.01
     data = {f'{GYRO}.{a}': (time, 0.1 * np.sin(time + i)) for i, a in enumerate('xyz')}
-    found = checked(recording(**data)).findings
-    assert [(f.kind, f.severity, f.grave) for f in found] == [('filtered', 'warning', False)]
+    found = run_checks(recording(**data)).findings
+    assert [(f.kind, f.severity, f.is_grave) for f in found] == [('filtered', 'warning', False)]
     declared = replace(recording(**data), provenance={'data': 'simulated'})
-    assert checked(declared).findings == ()
+    assert run_checks(declared).findings == ()
 
 
 def swinging(late=0.0, factor=1.0, sign=1.0):
@@ -229,23 +232,23 @@ def swinging(late=0.0, factor=1.0, sign=1.0):
 
 
 def test_a_gyroscope_beside_its_attitude_is_clean():
-    assert [f for f in checked(swinging()).findings if f.grave] == []
+    assert [f for f in run_checks(swinging()).findings if f.is_grave] == []
 
 
 @pytest.mark.parametrize('late', [0.1, -0.25, 0.8])
 def test_the_lag_of_a_gyroscope_is_told_with_its_error(late):
-    found = [f for f in checked(swinging(late=late)).findings if f.kind == 'clock']
+    found = [f for f in run_checks(swinging(late=late)).findings if f.kind == 'clock']
     assert [f.channel for f in found] == [GYRO]
     assert found[0].values['lag'] == pytest.approx(late, abs=0.01)
     assert found[0].values['error'] < 0.02
 
 
 def test_degrees_and_a_turned_sign_of_a_gyroscope_are_told():
-    (unit,) = [f for f in checked(swinging(factor=180.0 / np.pi)).findings if f.kind == 'unit']
+    (unit,) = [f for f in run_checks(swinging(factor=180.0 / np.pi)).findings if f.kind == 'unit']
     assert unit.channel == GYRO
     assert unit.values['factor'] == pytest.approx(57.3, rel=0.03)
     assert 'deg/s' in unit.evidence
-    (turned,) = [f for f in checked(swinging(sign=-1.0)).findings if f.kind == 'axes']
+    (turned,) = [f for f in run_checks(swinging(sign=-1.0)).findings if f.kind == 'axes']
     assert turned.channel == f'{GYRO}.z'
     assert '-z is z' in turned.evidence
 
@@ -257,7 +260,7 @@ def test_a_clock_that_was_set_by_decades_is_named_and_fills_no_memory():
     for axis in 'xyz':
         data[f'ground_truth/odom/pose.pose.position.{axis}'] = (time, 0.1 * np.sin(time))
     data = {n: (np.where(t > 10.0, t + 1.77e9, t), v) for n, (t, v) in data.items()}
-    found = [f for f in checked(recording(**data)).findings if f.kind == 'stamps']
+    found = [f for f in run_checks(recording(**data)).findings if f.kind == 'stamps']
     assert found
     assert max(f.to_s - f.from_s for f in found) == pytest.approx(1.77e9, rel=1e-6)
 
@@ -265,49 +268,49 @@ def test_a_clock_that_was_set_by_decades_is_named_and_fills_no_memory():
 def test_stamps_that_go_back_or_leave_out_are_found():
     data = resting()
     late = {n: (np.where(t > 5.0, t - 0.3, t), v) for n, (t, v) in data.items()}
-    found = {f.evidence for f in checked(recording(**late)).findings if f.kind == 'stamps'}
+    found = {f.evidence for f in run_checks(recording(**late)).findings if f.kind == 'stamps'}
     assert len(found) == 1
     assert 'go back by 0.290 s' in found.pop()
     hole = {n: (np.delete(t, range(300, 360)), np.delete(v, range(300, 360)))
             for n, (t, v) in data.items()}  # fmt: skip
-    (gap,) = checked(recording(**hole)).findings
+    (gap,) = run_checks(recording(**hole)).findings
     assert (gap.from_s, gap.to_s) == pytest.approx((2.99, 3.6))
 
 
 def test_log_times_that_part_from_stamps_are_found():
     flight = recording(**resting())
     arrived = np.arange(1000) * 0.01
-    assert checked(replace(flight, arrivals={'imu': arrived + 3.0})).findings == ()
+    assert run_checks(replace(flight, arrivals={'imu': arrived + 3.0})).findings == ()
     arrived[500:] += 2.0
-    (found,) = checked(replace(flight, arrivals={'imu': arrived})).findings
+    (found,) = run_checks(replace(flight, arrivals={'imu': arrived})).findings
     assert found.values['jump'] == pytest.approx(-2.0)
 
 
 def test_runs_and_what_is_put_together():
     true = np.array([1, 1, 0, 1, 0, 0, 0, 1], dtype=bool)
-    assert runs(true).tolist() == [[0, 2], [3, 4], [7, 8]]
-    assert list(merged(runs(true), 1)) == [(0, 4), (7, 8)]
-    assert runs(np.zeros(3, dtype=bool)).shape == (0, 2)
+    assert find_runs(true).tolist() == [[0, 2], [3, 4], [7, 8]]
+    assert list(merge_runs(find_runs(true), 1)) == [(0, 4), (7, 8)]
+    assert find_runs(np.zeros(3, dtype=bool)).shape == (0, 2)
 
 
 def test_a_kernel_keeps_the_mean_and_a_straight_line():
-    weights = kernel(0.25, 0.01)
+    weights = hann_kernel(0.25, 0.01)
     assert weights.sum() == pytest.approx(1.0)
     line = np.arange(100.0)[:, None] * [1.0, -2.0]
-    np.testing.assert_allclose(smoothed(line, weights)[20:-20], line[20:-20])
+    np.testing.assert_allclose(smooth_columns(line, weights)[20:-20], line[20:-20])
 
 
 def test_families_and_roles():
-    assert family('odom/pose.pose.position.x') == 'odom/pose.pose.position'
-    assert family('battery/voltage') == 'battery/voltage'
-    assert not measured_topic('light/estimate')
-    assert measured_topic('ground_truth/odom')
+    assert vector_name('odom/pose.pose.position.x') == 'odom/pose.pose.position'
+    assert vector_name('battery/voltage') == 'battery/voltage'
+    assert not is_instrument_topic('light/estimate')
+    assert is_instrument_topic('ground_truth/odom')
 
 
 def test_every_limit_has_a_reason():
-    assert all(field.description for field in Limits.model_fields.values())
+    assert all(field.description for field in QualityLimits.model_fields.values())
 
 
 def test_pairs_are_worked_out_once():
-    evidence = Evidence(recording(**resting()), Limits())
-    assert evidence.likenesses is evidence.likenesses
+    evidence = CheckContext(recording(**resting()), QualityLimits())
+    assert evidence.similarities is evidence.similarities

@@ -3,9 +3,9 @@
 import json
 import re
 
-from lta_bridge.bag.schemas import jazzy
+from lta_bridge.bag.schemas import load_jazzy_types
 from lta_data.bag import open_flight
-from lta_data.trust.recording import recording_of
+from lta_data.data_quality.recording import read_recording
 import numpy as np
 import pytest
 
@@ -14,12 +14,12 @@ START = 1_000_000_000
 
 
 def stamp(time):
-    return jazzy().types['builtin_interfaces/msg/Time'](time // 10**9, time % 10**9)
+    return load_jazzy_types().types['builtin_interfaces/msg/Time'](time // 10**9, time % 10**9)
 
 
 def imu(time, rates, force):
     """Return a message of an IMU without orientation, as ROS declares it."""
-    types = jazzy().types
+    types = load_jazzy_types().types
     unknown = np.array([-1.0, *[0.0] * 8])
     vector = types['geometry_msgs/msg/Vector3']
     return types[IMU](
@@ -126,16 +126,16 @@ def test_what_is_no_bag_is_one_sentence(tmp_path, check):
 
 
 def test_an_unknown_orientation_is_no_attitude_and_log_times_come_along(imu_bag):
-    recording, remarks = recording_of(open_flight(imu_bag()))
+    recording, remarks = read_recording(open_flight(imu_bag()))
     assert remarks == []
     assert 'imu/orientation.w' not in recording.channels
     np.testing.assert_allclose(recording.arrivals['imu'], np.arange(800) * 0.01)
 
 
 def test_quaternions_come_as_they_are(flight_bag):
-    recording, _ = recording_of(open_flight(flight_bag))
+    recording, _ = read_recording(open_flight(flight_bag))
     path = 'odom/pose.pose.orientation'
     z, w = (recording.channels[f'{path}.{part}'].values for part in 'zw')
     np.testing.assert_allclose(z, np.sin(0.05 * np.arange(40)))
     np.testing.assert_allclose(w, np.cos(0.05 * np.arange(40)))
-    assert recording.simulated  # its provenance has seed and scenario
+    assert recording.is_simulated  # its provenance has seed and scenario

@@ -1,17 +1,25 @@
 """What the demonstration hides is drawn by the seed, flown, and stands in no bag."""
 
-from lta_data.bag.flight import open_flight
+from lta_data.bag.recorded_flight import open_flight
 from lta_discovery.demo.demo import APART
-from lta_discovery.demo.hidden import course, drawn, Hidden, HIDEABLE, POSE, tracked, TURN
-from lta_flight.ingredients import gather, parts_of
+from lta_discovery.demo.hidden_effect import (
+    add_tracker_noise,
+    build_course,
+    DemoEffect,
+    draw_demo_effect,
+    HIDEABLE,
+    POSE,
+    TURN,
+)
+from lta_flight.flight_spec import build_parts, load_spec
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
 
 def test_a_seed_hides_one_thing_of_a_size_within_its_bounds():
-    found = [drawn(seed) for seed in range(60)]
-    assert drawn(7) == drawn(7)
+    found = [draw_demo_effect(seed) for seed in range(60)]
+    assert draw_demo_effect(7) == draw_demo_effect(7)
     assert {one.name for one in found} == set(HIDEABLE)
     for one in found:
         known = HIDEABLE[one.name]
@@ -22,15 +30,15 @@ def test_a_seed_hides_one_thing_of_a_size_within_its_bounds():
 @pytest.mark.parametrize('name', HIDEABLE)
 def test_what_is_hidden_is_in_the_vehicle_that_flies(name):
     known = HIDEABLE[name]
-    hidden = Hidden(name, known.high, known.unit)
-    made_of = gather('gtmab', 'lamp_room', 'bag', '')
+    hidden = DemoEffect(name, known.high, known.unit)
+    made_of = load_spec('gtmab', 'lamp_room', 'bag', '')
     effect, parameter = name.split('.')
     values = {}
     for key, given in (
         ('plain', made_of),
-        ('hidden', made_of.with_values(hidden.changes(made_of))),
+        ('hidden', made_of.with_values(hidden.list_changes(made_of))),
     ):
-        values[key] = parts_of(given)[0].effects()
+        values[key] = build_parts(given)[0].collect_effects()
     assert values['hidden'][effect][parameter] == pytest.approx(known.high)
     assert values['plain'].get(effect, {}).get(parameter, 0.0) == 0.0
     del values['hidden'][effect][parameter]
@@ -46,7 +54,7 @@ def test_bags_say_nothing_of_what_is_hidden(hidden_bags):
     told = flight.bag.provenance
     assert told['data'] == 'simulated'
     assert not any('0.04' in text and 'linear_drag' in text for text in told.values())
-    duties = np.column_stack([flight.series('motors')[f'effort[{k}]'] for k in range(4)])
+    duties = np.column_stack([flight.read_series('motors')[f'effort[{k}]'] for k in range(4)])
     assert (duties[500:].std(axis=0) > 0.05).all()  # dither
     assert (duties >= 0.0).all()
     assert (duties <= 1.0).all()
@@ -55,7 +63,7 @@ def test_bags_say_nothing_of_what_is_hidden(hidden_bags):
 def test_a_tracker_has_the_noise_that_is_said_and_no_velocities():
     rng = np.random.default_rng(1)
     truth = (1.0, 2.0, 3.0, *Rotation.from_rotvec([0.3, 0.2, 0.1]).as_quat(), *[0.5] * 6)
-    seen = np.array([tracked(truth, rng) for _ in range(4000)])
+    seen = np.array([add_tracker_noise(truth, rng) for _ in range(4000)])
     assert seen[:, :3].std(axis=0) == pytest.approx(POSE, rel=0.1)
     off = (Rotation.from_quat(truth[3:7]).inv() * Rotation.from_quat(seen[:, 3:7])).as_rotvec()
     assert off.std(axis=0) == pytest.approx(TURN, rel=0.1)
@@ -63,6 +71,6 @@ def test_a_tracker_has_the_noise_that_is_said_and_no_velocities():
 
 
 def test_courses_change_every_leg_and_not_within():
-    plan = course(3)
+    plan = build_course(3)
     assert plan(0.1) == plan(7.9)
     assert len({plan(8.0 * k + 1.0) for k in range(20)}) == 20

@@ -1,49 +1,53 @@
 """How much force flights leave unexplained is found along the slope of the evidence."""
 
 from lta_discovery.fit import deviations
-from lta_discovery.fit.deviations import best, strides, weighed
+from lta_discovery.fit.deviations import fit_deviations, maximize_evidence, newton_strides
 from lta_discovery.fit.evidence import (
-    fitted,
+    build_shared_prior,
+    compute_posterior,
     FLOOR,
     log_prior,
-    own_variance,
-    Pieces,
+    per_flight_variance,
+    PieceReducer,
     Prior,
-    shared,
 )
-from lta_discovery.fit.group import Group
-from lta_discovery.fit.steepness import Steepness, steepness
-from lta_discovery.model.knobs import Knob
-from lta_discovery.model.nominal import Nominal
-from lta_discovery.replay.linear import origin
-from lta_discovery.replay.linearise import Linearised
+from lta_discovery.fit.evidence_gradient import compute_evidence_gradient, EvidenceGradient
+from lta_discovery.fit.flight_group import LinearizedGroup
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.replay.linearized_flight import build_origin
+from lta_discovery.replay.linearizer import FlightLinearizer
 import numpy as np
 from numpy.typing import NDArray
 import pytest
 
-Known = tuple[Nominal, list[Knob]]
+Known = tuple[NominalVehicle, list[FreeParameter]]
 Array = NDArray[np.float64]
 
 
 @pytest.fixture(scope='module')
-def begun(gtmab: Known, clean: Linearised) -> tuple[Group, Prior]:
+def begun(gtmab: Known, clean: FlightLinearizer) -> tuple[LinearizedGroup, Prior]:
     """A flight about the vehicle file, and what is known of that."""
     nominal, knobs = gtmab
-    at = origin(nominal, knobs, clean.replay.cut)
-    return Group((Pieces(clean.at(at)),), at.values, own_variance(knobs)), shared(knobs)
+    at = build_origin(nominal, knobs, clean.replay.cut)
+    return LinearizedGroup(
+        (PieceReducer(clean.linearize(at)),), at.values, per_flight_variance(knobs)
+    ), build_shared_prior(knobs)
 
 
-def logged(group: Group, prior: Prior, deviations: Array) -> float:
+def logged(group: LinearizedGroup, prior: Prior, deviations: Array) -> float:
     """Return the log evidence as it is defined."""
-    found = fitted(group.reduced(deviations), group.at, prior)
+    found = compute_posterior(group.reduce(deviations), group.at, prior)
     return found.log_evidence + log_prior(deviations)
 
 
 @pytest.mark.parametrize('size', [0.3, 1.0, 6.0])
-def test_the_slope_is_that_of_the_evidence(begun: tuple[Group, Prior], size: float) -> None:
+def test_the_slope_is_that_of_the_evidence(
+    begun: tuple[LinearizedGroup, Prior], size: float
+) -> None:
     group, prior = begun
     at = size * FLOOR
-    seen = steepness(group, prior, at, FLOOR)
+    seen = compute_evidence_gradient(group, prior, at, FLOOR)
     assert seen.value == pytest.approx(logged(group, prior, at), abs=1e-6)
     aside = 1e-3 * np.eye(len(FLOOR))
     ups, downs = (
@@ -54,9 +58,11 @@ def test_the_slope_is_that_of_the_evidence(begun: tuple[Group, Prior], size: flo
     assert np.linalg.eigvalsh(seen.bend).min() > 0.0
 
 
-def test_the_same_deviations_are_found_from_above_and_below(begun: tuple[Group, Prior]) -> None:
+def test_the_same_deviations_are_found_from_above_and_below(
+    begun: tuple[LinearizedGroup, Prior],
+) -> None:
     group, prior = begun
-    low, high = (weighed(group, prior, size * FLOOR, FLOOR, ()) for size in (0.2, 20.0))
+    low, high = (fit_deviations(group, prior, size * FLOOR, FLOOR, ()) for size in (0.2, 20.0))
     assert low[1] == pytest.approx(high[1], abs=0.1)
     assert low[0] == pytest.approx(high[0], rel=0.1)
     for axis in range(len(FLOOR)):  # nothing near is better
@@ -69,28 +75,29 @@ def test_the_same_deviations_are_found_from_above_and_below(begun: tuple[Group, 
 def test_a_stride_ends_where_a_variance_does() -> None:
     """With one knot that is known exactly, the best variance is its square."""
     for spent in (0.5, 4.0):
-        seen = Steepness(0.0, np.full(6, spent - 1.0), 2.0 * np.eye(6))
-        assert strides(seen) == pytest.approx(0.5 * np.log(spent))
+        seen = EvidenceGradient(0.0, np.full(6, spent - 1.0), 2.0 * np.eye(6))
+        assert newton_strides(seen) == pytest.approx(0.5 * np.log(spent))
 
 
 def test_no_stride_is_made_where_there_is_no_evidence() -> None:
-    def steep(_: Array) -> Steepness:
-        return Steepness(-np.inf, np.ones(6), np.eye(6))
+    def steep(_: Array) -> EvidenceGradient:
+        return EvidenceGradient(-np.inf, np.ones(6), np.eye(6))
 
-    at, value = best(steep, FLOOR, FLOOR)
+    at, value = maximize_evidence(steep, FLOOR, FLOOR)
     assert value == -np.inf
     assert at == pytest.approx(FLOOR)
 
 
 def test_a_stride_changes_the_logarithm_of_a_deviation_by_at_most_two() -> None:
     for way in (1.0, -1.0):
-        seen = Steepness(0.0, np.full(6, way * 1e9), np.eye(6))
-        assert strides(seen) == pytest.approx(way * 2.0)
+        seen = EvidenceGradient(0.0, np.full(6, way * 1e9), np.eye(6))
+        assert newton_strides(seen) == pytest.approx(way * 2.0)
 
 
 def _hill(top: Array, bend: float = 4.0, steps: list[Array] | None = None) -> tuple[Array, float]:
     """
-    Return where `best` ends on a parabola in the log deviations, in floors, and the value there.
+    Return where `maximize_evidence` ends on a parabola in the log deviations, in floors, and the
+    value there.
 
     The parabola has a curvature of `bend` and its peak, of value 0, at `top` floors.
     """
@@ -100,11 +107,11 @@ def _hill(top: Array, bend: float = 4.0, steps: list[Array] | None = None) -> tu
             steps.append(deviations / FLOOR)
         return float(-0.5 * bend * np.sum(np.log(deviations / FLOOR / top) ** 2))
 
-    def steep(deviations: Array) -> Steepness:
+    def steep(deviations: Array) -> EvidenceGradient:
         slope = -bend * np.log(deviations / FLOOR / top)
-        return Steepness(value(deviations), slope, bend * np.eye(6))
+        return EvidenceGradient(value(deviations), slope, bend * np.eye(6))
 
-    at, found = best(steep, FLOOR, FLOOR)
+    at, found = maximize_evidence(steep, FLOOR, FLOOR)
     assert found == pytest.approx(value(at))
     return at / FLOOR, found
 
@@ -145,7 +152,9 @@ def test_a_stride_that_never_helps_is_given_up_after_four_lengths() -> None:
         return 0.0 if len(seen) == 1 else -1.0
 
     slope = np.r_[1.5, np.zeros(5)]
-    at, found = best(lambda at: Steepness(value(at), slope, np.eye(6)), FLOOR, FLOOR)
+    at, found = maximize_evidence(
+        lambda at: EvidenceGradient(value(at), slope, np.eye(6)), FLOOR, FLOOR
+    )
     whole = 0.5 * np.log(4.0)
     np.testing.assert_allclose(seen, [0.0, whole, whole / 2, whole / 4, whole / 8], atol=1e-12)
     assert found == 0.0
@@ -171,13 +180,15 @@ def test_strides_double_while_the_gain_is_what_the_slope_promises(
         return kept * 0.5 * seen[-1]
 
     slope = np.r_[0.5, np.zeros(5)]
-    at, found = best(lambda at: Steepness(value(at), slope, np.eye(6)), FLOOR, FLOOR)
+    at, found = maximize_evidence(
+        lambda at: EvidenceGradient(value(at), slope, np.eye(6)), FLOOR, FLOOR
+    )
     np.testing.assert_allclose(seen, 0.5 * np.log(2.0) * np.array(places), atol=1e-9)
     assert found == pytest.approx(kept * 0.5 * np.log(at[0] / FLOOR[0]))
 
 
 def test_a_start_from_small_deviations_is_tried_as_well(
-    begun: tuple[Group, Prior], monkeypatch: pytest.MonkeyPatch
+    begun: tuple[LinearizedGroup, Prior], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """It has no deviation above 2.5 floors, and is left out if it equals the first start."""
     group, prior = begun
@@ -187,13 +198,13 @@ def test_a_start_from_small_deviations_is_tried_as_well(
         starts.append(start / floor)
         return start, float(-start[0])
 
-    monkeypatch.setattr(deviations, 'best', climbed)
+    monkeypatch.setattr(deviations, 'maximize_evidence', climbed)
     wide = FLOOR * np.array([9.0, 1.0, 2.0, 3.0, 2.5, 2.6])
-    found, _ = weighed(group, prior, wide, FLOOR)
+    found, _ = fit_deviations(group, prior, wide, FLOOR)
     np.testing.assert_allclose(
         starts, [[9.0, 1.0, 2.0, 3.0, 2.5, 2.6], [2.5, 1.0, 2.0, 2.5, 2.5, 2.5]]
     )
     np.testing.assert_allclose(found, FLOOR * starts[1])  # the better of the two
     starts.clear()
-    weighed(group, prior, 2.4 * FLOOR, FLOOR)
+    fit_deviations(group, prior, 2.4 * FLOOR, FLOOR)
     assert len(starts) == 1

@@ -3,25 +3,27 @@
 from types import SimpleNamespace
 
 from lta_config.errors import BadInput
-from lta_discovery.fit.early import begun, shortened
-from lta_discovery.fit.evidence import floor_of, own_variance, Prior, shared
-from lta_discovery.fit.fit import Fitter
-from lta_discovery.model.knobs import Knob
-from lta_discovery.model.nominal import Nominal
-from lta_discovery.replay.linear import origin, Point
-from lta_discovery.replay.linearise import Linearised
+from lta_discovery.fit.evidence import build_shared_prior, per_flight_variance, Prior, wrench_floor
+from lta_discovery.fit.initial_guess import guess_start, shorten_pieces
+from lta_discovery.fit.joint_fit import JointFitter
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.replay.linearized_flight import build_origin, LinearizationPoint
+from lta_discovery.replay.linearizer import FlightLinearizer
 import numpy as np
 import pytest
 
 from ..hidden_flight import flown, prepared  # noqa: TID252 - `test` is Python's own
 
-Start = tuple[Fitter, Prior, list[Point]]
+Start = tuple[JointFitter, Prior, list[LinearizationPoint]]
 
 LOW = {'vehicle.effects.cg_height.z': {'value': 0.06, 'unit': 'm'}}  # 20 of its tolerances
 
 
-def test_only_the_beginning_of_each_piece_of_a_shortened_flight_counts(clean: Linearised) -> None:
-    short = shortened(clean, 0.8)
+def test_only_the_beginning_of_each_piece_of_a_shortened_flight_counts(
+    clean: FlightLinearizer,
+) -> None:
+    short = shorten_pieces(clean, 0.8)
     assert short.replay.cut.inside[0, :20].all()
     assert not short.replay.cut.inside[:, 20:].any()
     assert clean.replay.cut.inside[0].all()
@@ -29,11 +31,11 @@ def test_only_the_beginning_of_each_piece_of_a_shortened_flight_counts(clean: Li
 
 
 @pytest.fixture
-def start(gtmab: tuple[Nominal, list[Knob]], clean: Linearised) -> Start:
-    """What `begun` takes: a flight to be fitted, a prior, and the point of the vehicle file."""
+def start(gtmab: tuple[NominalVehicle, list[FreeParameter]], clean: FlightLinearizer) -> Start:
+    """What `guess_start` takes: a flight to fit, a prior, and the point of the vehicle file."""
     nominal, knobs = gtmab
-    fitter = Fitter(nominal, [clean], own_variance(knobs), floor_of(nominal))
-    return fitter, shared(knobs), [origin(nominal, knobs, clean.replay.cut)]
+    fitter = JointFitter(nominal, [clean], per_flight_variance(knobs), wrench_floor(nominal))
+    return fitter, build_shared_prior(knobs), [build_origin(nominal, knobs, clean.replay.cut)]
 
 
 def test_a_stage_that_ends_lost_is_no_place_to_go_on_from(
@@ -41,9 +43,9 @@ def test_a_stage_that_ends_lost_is_no_place_to_go_on_from(
 ) -> None:
     fitter, prior, points = start
     lost = SimpleNamespace(deviations=np.where(np.arange(6) == 4, 1000.0, 1.0) * fitter.floor)
-    stages: list[Fitter] = []
-    monkeypatch.setattr(Fitter, 'fit', lambda self, *_, **__: stages.append(self) or lost)
-    at, then, deviations = begun(fitter, prior, points)
+    stages: list[JointFitter] = []
+    monkeypatch.setattr(JointFitter, 'fit', lambda self, *_, **__: stages.append(self) or lost)
+    at, then, deviations = guess_start(fitter, prior, points)
     assert len(stages) == 1
     assert (then, at is points[0].values) == (points, True)
     np.testing.assert_array_equal(deviations, fitter.floor)
@@ -69,10 +71,12 @@ def test_each_stage_starts_from_the_result_of_the_stage_before(
         begun_with.append((group, deviations / self.floor, rounds, rest, narrow))
         return SimpleNamespace(deviations=left[len(begun_with) - 1] * self.floor)
 
-    monkeypatch.setattr(Fitter, 'about', about)
-    monkeypatch.setattr(Fitter, 'fit', fitted)
-    monkeypatch.setattr(Fitter, 'onward', lambda *_: (f'at {len(seen)}', [f'point {len(seen)}']))
-    at, then, deviations = begun(fitter, prior, points)
+    monkeypatch.setattr(JointFitter, 'linearize_flights', about)
+    monkeypatch.setattr(JointFitter, 'fit', fitted)
+    monkeypatch.setattr(
+        JointFitter, 'propose_step', lambda *_: (f'at {len(seen)}', [f'point {len(seen)}'])
+    )
+    at, then, deviations = guess_start(fitter, prior, points)
     assert [each[2] for each in seen] == [20, 60]
     assert seen[1][:2] == ('at 1', ['point 1'])
     assert [each[0] for each in begun_with][1:] == ['about at 1']
@@ -87,14 +91,14 @@ def test_a_stage_whose_vehicle_is_impossible_is_the_last(
     start: Start, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     fitter, prior, points = start
-    tried: list[Fitter] = []
+    tried: list[JointFitter] = []
 
     def about(self, *_):
         tried.append(self)
         raise BadInput('no such vehicle can be')
 
-    monkeypatch.setattr(Fitter, 'about', about)
-    at, then, deviations = begun(fitter, prior, points)
+    monkeypatch.setattr(JointFitter, 'linearize_flights', about)
+    at, then, deviations = guess_start(fitter, prior, points)
     assert len(tried) == 1
     assert (then, at is points[0].values) == (points, True)
     np.testing.assert_array_equal(deviations, fitter.floor)
@@ -102,17 +106,21 @@ def test_a_stage_whose_vehicle_is_impossible_is_the_last(
 
 @pytest.mark.long
 def test_a_centre_of_gravity_far_too_low_does_not_run_away(
-    gtmab: tuple[Nominal, list[Knob]],
+    gtmab: tuple[NominalVehicle, list[FreeParameter]],
 ) -> None:
     nominal, knobs = gtmab
-    flight, floor, prior = prepared(flown(LOW, 40, 26.0), knobs), floor_of(nominal), shared(knobs)
-    fitter = Fitter(nominal, [flight], own_variance(knobs), floor)
-    points = [origin(nominal, knobs, flight.replay.cut)]
-    at, then, deviations = begun(fitter, prior, points)
-    found = fitter.fit(prior, fitter.about(at, then), deviations)
+    flight, floor, prior = (
+        prepared(flown(LOW, 40, 26.0), knobs),
+        wrench_floor(nominal),
+        build_shared_prior(knobs),
+    )
+    fitter = JointFitter(nominal, [flight], per_flight_variance(knobs), floor)
+    points = [build_origin(nominal, knobs, flight.replay.cut)]
+    at, then, deviations = guess_start(fitter, prior, points)
+    found = fitter.fit(prior, fitter.linearize_flights(at, then), deviations)
     # Its tolerance, stretched, explains it: nothing is left to a latent wrench.
     assert np.all(found.deviations < floor)
     assert found.rounds <= 2
-    lost = fitter.fit(prior, fitter.about(points[0].values, points), floor)
+    lost = fitter.fit(prior, fitter.linearize_flights(points[0].values, points), floor)
     assert lost.evidence < found.evidence + 1.0
     assert lost.rounds > found.rounds

@@ -5,23 +5,23 @@ import math
 from types import SimpleNamespace
 
 from lta_config.errors import BadInput
-from lta_discovery.fit import fit as module
-from lta_discovery.fit.bounds import reach, wanting_out
-from lta_discovery.fit.evidence import FLOOR, own_variance, Prior, shared
-from lta_discovery.fit.fit import Fitter, Joint
+from lta_discovery.fit import joint_fit as module
+from lta_discovery.fit.bounds import find_strained_tolerances, parameter_bounds
+from lta_discovery.fit.evidence import build_shared_prior, FLOOR, per_flight_variance, Prior
+from lta_discovery.fit.joint_fit import JointFit, JointFitter
 from lta_discovery.fit.misfit import forecast_error
-from lta_discovery.model.knobs import Knob
-from lta_discovery.model.nominal import Nominal
-from lta_discovery.model.rotations import product
-from lta_discovery.replay.linear import origin
-from lta_discovery.replay.linearise import Linearised
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.model.quaternions import quaternion_product
+from lta_discovery.replay.linearized_flight import build_origin
+from lta_discovery.replay.linearizer import FlightLinearizer
 from lta_discovery.replay.sensing import tracker_frame
-from lta_discovery.study import ready
+from lta_discovery.study import prepare_flight
 from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest
 
-Known = tuple[Nominal, list[Knob]]
+Known = tuple[NominalVehicle, list[FreeParameter]]
 
 # A tolerance, a tolerance that can be an effect as well, an effect alone, and what is held.
 KNOBS = [
@@ -40,30 +40,32 @@ def _prior(*named: str) -> Prior:
 
 def test_a_tolerance_may_go_six_standard_deviations_and_an_effect_to_its_bounds() -> None:
     """A tolerance of 0.3 that can be an effect of 0.4 as well may go 6 hypot(0.3, 0.4) = 3."""
-    low, high = reach(KNOBS, _prior('wind'))
+    low, high = parameter_bounds(KNOBS, _prior('wind'))
     np.testing.assert_allclose(low, [-0.5, -3.0, -9.0, -9.0, -math.inf])
     np.testing.assert_allclose(high, [0.6, 3.0, 9.0, 9.0, math.inf])
-    np.testing.assert_allclose(reach(KNOBS, _prior('lag'))[1], [0.6, 9.0, 9.0, 9.0, math.inf])
+    np.testing.assert_allclose(
+        parameter_bounds(KNOBS, _prior('lag'))[1], [0.6, 9.0, 9.0, 9.0, math.inf]
+    )
 
 
 def test_a_tolerance_that_wants_out_is_told_and_an_effect_is_not() -> None:
     mean = np.array([0.61, 3.1, 99.0, 99.0, 99.0])
-    assert wanting_out(KNOBS, _prior('wind'), mean) == ['mass', 'lag']
-    assert wanting_out(KNOBS, _prior('lag', 'wind'), mean) == ['mass']
-    assert wanting_out(KNOBS, _prior(), np.array([0.59, -2.9, 0.0, 0.0, 0.0])) == []
+    assert find_strained_tolerances(KNOBS, _prior('wind'), mean) == ['mass', 'lag']
+    assert find_strained_tolerances(KNOBS, _prior('lag', 'wind'), mean) == ['mass']
+    assert find_strained_tolerances(KNOBS, _prior(), np.array([0.59, -2.9, 0.0, 0.0, 0.0])) == []
 
 
 @pytest.fixture(scope='module')
-def begun(gtmab: Known, clean: Linearised) -> tuple[Fitter, Joint]:
+def begun(gtmab: Known, clean: FlightLinearizer) -> tuple[JointFitter, JointFit]:
     """A flight about the vehicle file, and its fitter."""
     nominal, knobs = gtmab
-    fitter = Fitter(nominal, [clean], own_variance(knobs), FLOOR)
-    point = origin(nominal, knobs, clean.replay.cut)
-    group = fitter.about(point.values, [point])
-    return fitter, fitter.settled(group, shared(knobs), FLOOR)
+    fitter = JointFitter(nominal, [clean], per_flight_variance(knobs), FLOOR)
+    point = build_origin(nominal, knobs, clean.replay.cut)
+    group = fitter.linearize_flights(point.values, [point])
+    return fitter, fitter.fit_deviations(group, build_shared_prior(knobs), FLOOR)
 
 
-def _mass(fitter: Fitter, joint: Joint, value: float) -> Joint:
+def _mass(fitter: JointFitter, joint: JointFit, value: float) -> JointFit:
     """Return a fit of which the flights are said to stand at another mass."""
     at = joint.group.at.copy()
     at[[knob.name for knob in fitter.flights[0].knobs].index('vehicle.mass')] = value
@@ -71,16 +73,18 @@ def _mass(fitter: Fitter, joint: Joint, value: float) -> Joint:
 
 
 def test_the_first_step_of_flights_that_stand_apart_is_checked_too(
-    begun: tuple[Fitter, Joint], monkeypatch: pytest.MonkeyPatch
+    begun: tuple[JointFitter, JointFit], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """It used to be taken whatever it led to; where all steps are worse, they are gathered."""
     fitter, joint = begun
     apart = _mass(fitter, joint, 0.01)
-    assert not apart.group.aligned
+    assert not apart.group.is_aligned
     monkeypatch.setattr(
-        Fitter, '_misfit', lambda self, last, at, points: 1.0 if at is last.group.at else 9e9
+        JointFitter,
+        '_point_misfit',
+        lambda self, last, at, points: 1.0 if at is last.group.at else 9e9,
     )
-    step = fitter._step(apart)
+    step = fitter._choose_step(apart)
     assert step is not None
     assert step.at is apart.group.at
     same = np.flatnonzero(fitter.variance == 0.0)
@@ -88,38 +92,40 @@ def test_the_first_step_of_flights_that_stand_apart_is_checked_too(
 
 
 def test_a_step_after_which_forecasts_are_three_times_as_bad_is_refused(
-    begun: tuple[Fitter, Joint], monkeypatch: pytest.MonkeyPatch
+    begun: tuple[JointFitter, JointFit], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     fitter, joint = begun
     for worse, taken in ((2.9, True), (3.1, False)):
         errors = iter([1.0, *[worse] * 20])
         monkeypatch.setattr(module, 'forecast_error', lambda *_, told=errors: next(told))
-        assert (fitter._step(joint) is not None) is taken
+        assert (fitter._choose_step(joint) is not None) is taken
 
 
 def test_a_part_of_the_step_is_taken_where_the_whole_leads_too_far(
-    begun: tuple[Fitter, Joint], monkeypatch: pytest.MonkeyPatch
+    begun: tuple[JointFitter, JointFit], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A misfit that is least a fifth of the way, and so large beyond that nothing else is."""
     fitter, joint = begun
-    to, _ = fitter.onward(joint)
+    to, _ = fitter.propose_step(joint)
     way = to - joint.group.at
 
     def misfit(self, last, at, points):
         part = float((at - joint.group.at) @ way / (way @ way))
         return (part - 0.2) ** 2 if -1e-9 < part < 0.99 else 9e9
 
-    monkeypatch.setattr(Fitter, '_misfit', misfit)
-    monkeypatch.setattr(Fitter, '_doubted', lambda *_: (to, fitter.onward(joint)[1]))
+    monkeypatch.setattr(JointFitter, '_point_misfit', misfit)
+    monkeypatch.setattr(
+        JointFitter, '_propose_damped_step', lambda *_: (to, fitter.propose_step(joint)[1])
+    )
     monkeypatch.setattr(module, 'forecast_error', lambda *_: 1.0)
-    step = fitter._step(joint)
+    step = fitter._choose_step(joint)
     assert step is not None
     assert not step.whole
     np.testing.assert_allclose(step.at - joint.group.at, 0.2 * way)
 
 
 def test_a_forecast_by_the_wrong_mass_is_off(
-    gtmab: Known, clean: Linearised, begun: tuple[Fitter, Joint]
+    gtmab: Known, clean: FlightLinearizer, begun: tuple[JointFitter, JointFit]
 ) -> None:
     """
     49 mN on 0.415 kg and 0.343 kg of air: a = 65 mm/s2, off by a t^2 / 2.
@@ -127,7 +133,7 @@ def test_a_forecast_by_the_wrong_mass_is_off(
     Its root mean square over T = 3 s is a T^2 / (2 x 5^0.5) = 0.130 m, less a little for drag.
     """
     nominal, knobs = gtmab
-    point = origin(nominal, knobs, clean.replay.cut)
+    point = build_origin(nominal, knobs, clean.replay.cut)
     heavy = replace(point, nominal=nominal.with_value('net_lift', 'force', -0.049))
     noise = clean.replay.flight.noise[2]
     assert forecast_error([clean], [point]) < 40.0
@@ -136,28 +142,28 @@ def test_a_forecast_by_the_wrong_mass_is_off(
 
 
 def test_forecasts_are_compared_in_the_frame_of_the_tracker(
-    gtmab: Known, clean: Linearised
+    gtmab: Known, clean: FlightLinearizer
 ) -> None:
     """A tracker is tilted by 3 degrees, and the model has that: forecasts are as good as ever."""
     nominal, knobs = gtmab
     tilted, seen = nominal.with_value('tracker_misalignment', 'pitch', 0.05), clean.replay.flight
-    frame, turn = tracker_frame(tilted.rows().acting)
-    turned = product(np.broadcast_to(turn, seen.quaternion.shape), seen.quaternion)
+    frame, turn = tracker_frame(tilted.build_rows().acting)
+    turned = quaternion_product(np.broadcast_to(turn, seen.quaternion.shape), seen.quaternion)
     told = replace(seen, position=seen.position @ frame.T, quaternion=turned)
-    flight = ready(load_vehicle('gtmab'), told, knobs)
-    straight = forecast_error([clean], [origin(nominal, knobs, clean.replay.cut)])
-    point = origin(tilted, knobs, flight.replay.cut)
+    flight = prepare_flight(load_vehicle('gtmab'), told, knobs)
+    straight = forecast_error([clean], [build_origin(nominal, knobs, clean.replay.cut)])
+    point = build_origin(tilted, knobs, flight.replay.cut)
     assert forecast_error([flight], [point]) == pytest.approx(straight, rel=0.05)
     assert forecast_error([flight], [replace(point, nominal=nominal)]) > 3.0 * straight
 
 
 def test_flights_that_no_number_describes_are_refused_in_a_sentence(
-    begun: tuple[Fitter, Joint], monkeypatch: pytest.MonkeyPatch
+    begun: tuple[JointFitter, JointFit], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     fitter, joint = begun
     wild = replace(
         joint.group.linears[0], grams=np.full_like(joint.group.linears[0].grams, np.inf)
     )
-    monkeypatch.setattr(Linearised, 'at', lambda *_: wild)
+    monkeypatch.setattr(FlightLinearizer, 'linearize', lambda *_: wild)
     with pytest.raises(BadInput, match='runs away'):
-        fitter.about(joint.group.at, [joint.group.linears[0].point])
+        fitter.linearize_flights(joint.group.at, [joint.group.linears[0].point])

@@ -20,8 +20,8 @@ def test_bags_keep_their_names_roles_and_order(hidden_bags, tmp_path):
     ]  # fmt: skip
     assert told == ['A', 'A_2', 'flown']
     assert {one.vehicle for one in found} == {'gtmab'}
-    assert found[0].rotors == ('forward_left', 'forward_right', 'up_left', 'up_right')
-    assert found[0].recording.simulated
+    assert found[0].rotor_names == ('forward_left', 'forward_right', 'up_left', 'up_right')
+    assert found[0].recording.is_simulated
 
 
 @pytest.mark.parametrize('role', ['train', 'confirm'])

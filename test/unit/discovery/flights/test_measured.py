@@ -3,14 +3,20 @@
 from dataclasses import replace
 
 from lta_config.errors import BadInput
-from lta_data.bag.channels import all_channels
-from lta_data.bag.flight import open_flight
-from lta_discovery.flights.held_means import held_means
-from lta_discovery.flights.measured import measured, PERIOD, Stream, Streams, WARM_UP
-from lta_discovery.flights.noise import noise_of, pose_noise
-from lta_discovery.flights.streams import streams_of
-from lta_discovery.flights.windows import windows
-from lta_discovery.model.rotations import exponential
+from lta_data.bag.channels import read_all_channels
+from lta_data.bag.recorded_flight import open_flight
+from lta_discovery.flights.measured_flight import (
+    FlightStreams,
+    PERIOD,
+    resample_flight,
+    Stream,
+    WARM_UP,
+)
+from lta_discovery.flights.noise import estimate_noise, estimate_pose_noise
+from lta_discovery.flights.streams import build_streams
+from lta_discovery.flights.windows import cut_windows
+from lta_discovery.flights.zero_order_hold import average_held_values
+from lta_discovery.model.quaternions import quaternion_exponential
 import numpy as np
 import pytest
 
@@ -22,33 +28,33 @@ TIME = np.arange(0.0, 30.0, 0.01)
 SPEED, CLIMB, RATE = 0.5, 0.1, 0.4
 
 
-def helix(noise: float = 0.0) -> Streams:
+def helix(noise: float = 0.0) -> FlightStreams:
     """Return a flight with a closed form, at 100 Hz."""
     turn = RATE * TIME
     position = np.column_stack(
         [SPEED / RATE * np.sin(turn), SPEED / RATE * (1.0 - np.cos(turn)), 1.0 + CLIMB * TIME]
     )
-    quaternion = exponential(np.column_stack([0.0 * turn, 0.0 * turn, turn]))
+    quaternion = quaternion_exponential(np.column_stack([0.0 * turn, 0.0 * turn, turn]))
     position += noise * RNG.standard_normal(position.shape)
     pose = Stream(TIME, np.column_stack([position, quaternion]))
-    return Streams(pose, Stream(TIME, np.zeros((len(TIME), 4))))
+    return FlightStreams(pose, Stream(TIME, np.zeros((len(TIME), 4))))
 
 
 def test_noise_is_that_which_was_added_whatever_the_motion() -> None:
     smooth = np.sin(0.7 * TIME)
     noisy = smooth + 0.003 * RNG.standard_normal(len(TIME))
-    assert noise_of(noisy) == pytest.approx(0.003, rel=0.06)
+    assert estimate_noise(noisy) == pytest.approx(0.003, rel=0.06)
     noisy[::50] += 1.0  # outliers
     noisy[100:110] = np.inf
-    assert noise_of(noisy) == pytest.approx(0.003, rel=0.2)
-    assert noise_of(np.full(100, np.nan)) == np.inf
+    assert estimate_noise(noisy) == pytest.approx(0.003, rel=0.2)
+    assert estimate_noise(np.full(100, np.nan)) == np.inf
 
 
 def test_a_gap_is_not_filled_and_the_floor_and_the_warm_up_do_not_count() -> None:
     told = helix()
     keep = (TIME < 10.0) | (TIME > 10.6)
     pose = Stream(TIME[keep], told.pose.values[keep])
-    found = measured(Streams(pose, told.commands, floor=1.5))
+    found = resample_flight(FlightStreams(pose, told.commands, floor=1.5))
     hole = (found.time > 10.05) & (found.time < 10.55)
     assert hole.any()
     assert np.isnan(found.position[hole]).all()
@@ -60,7 +66,7 @@ def test_a_gap_is_not_filled_and_the_floor_and_the_warm_up_do_not_count() -> Non
 
 
 def test_pieces_begin_in_the_state_of_the_closed_form() -> None:
-    cut = windows(measured(helix(noise=0.001)), 6.0)
+    cut = cut_windows(resample_flight(helix(noise=0.001)), 6.0)
     assert len(cut.first) == 5
     assert (np.diff(cut.first) == 150).all()
     expected = np.array([SPEED, 0.0, CLIMB, 0.0, 0.0, RATE])
@@ -77,9 +83,9 @@ def test_pieces_begin_in_the_state_of_the_closed_form() -> None:
 )
 def test_a_short_flight_is_cut_in_two(seconds: float, pieces: int, longest: float) -> None:
     """One piece alone tells nothing of the next; two shorter ones do not overlap."""
-    flight = measured(helix(noise=0.001))
+    flight = resample_flight(helix(noise=0.001))
     usable = flight.usable & (flight.time < flight.time[flight.usable][0] + seconds)
-    cut = windows(replace(flight, usable=usable))
+    cut = cut_windows(replace(flight, usable=usable))
     used = cut.inside.sum(axis=1) * PERIOD
     assert len(cut.first) == pieces
     assert used.max() <= longest + 1e-9
@@ -90,7 +96,7 @@ def test_a_short_flight_is_cut_in_two(seconds: float, pieces: int, longest: floa
 
 def test_a_bag_gives_poses_and_commands(tmp_path) -> None:
     flight = open_flight(write_flight(tmp_path / 'bag'))
-    told = streams_of(all_channels(flight).channels, list(ROTORS))
+    told = build_streams(read_all_channels(flight).channels, list(ROTORS))
     x, z, _ = place(20.0)
     k = int(np.argmin(np.abs(told.pose.time - 20.0)))
     np.testing.assert_allclose(told.pose.values[k], [x, 0.0, z, 0.0, 0.0, 0.0, 1.0], atol=0.01)
@@ -101,17 +107,17 @@ def test_a_bag_gives_poses_and_commands(tmp_path) -> None:
 
 def test_without_a_tracker_or_a_rotor_it_says_what_is_missing(tmp_path) -> None:
     flight = open_flight(write_flight(tmp_path / 'bag'))
-    channels = all_channels(flight).channels
+    channels = read_all_channels(flight).channels
     with pytest.raises(BadInput, match='no command of tail'):
-        streams_of(channels, ['tail'])
+        build_streams(channels, ['tail'])
     blind = {name: c for name, c in channels.items() if not name.startswith('ground_truth')}
     with pytest.raises(BadInput, match='no pose from a tracker'):
-        streams_of(blind, list(ROTORS))
+        build_streams(blind, list(ROTORS))
 
 
 def test_a_held_value_counts_from_when_it_came() -> None:
     told = Stream(np.array([0.5, 1.25, 1.5]), np.array([[1.0], [3.0], [-2.0]]))
-    means = held_means(told, np.array([0.0, 1.0, 2.0, 3.0]))
+    means = average_held_values(told, np.array([0.0, 1.0, 2.0, 3.0]))
     # 0.5 s of 1; 0.25 s of 1, 0.25 s of 3, 0.5 s of -2; all -2.
     np.testing.assert_allclose(means[:, 0], [0.5, 0.0, -2.0], atol=1e-12)
 
@@ -128,13 +134,13 @@ UNIT = 8.0 / 0.6745 / 20.0**0.5
 
 @pytest.mark.parametrize(('count', 'known'), [(10, False), (11, True), (40, True)])
 def test_noise_needs_at_least_eight_third_differences(count: int, known: bool) -> None:
-    found = noise_of(_shaking([0.5], count)[:, 0])
+    found = estimate_noise(_shaking([0.5], count)[:, 0])
     assert found == (pytest.approx(0.5 * UNIT) if known else np.inf)
 
 
 def test_rotation_noise_is_twice_that_of_a_free_quaternion_component() -> None:
     """The four components share the noise of three free ones, each of which is half an angle."""
-    levels, alike = pose_noise(_shaking([0.01, 0.02, 0.03, 1e-3, 2e-3, 3e-3, 4e-3]))
+    levels, alike = estimate_pose_noise(_shaking([0.01, 0.02, 0.03, 1e-3, 2e-3, 3e-3, 4e-3]))
     turn = 2.0 * np.sqrt((1.0 + 4.0 + 9.0 + 16.0) / 3.0) * 1e-3
     np.testing.assert_allclose(levels, UNIT * np.array([0.01, 0.02, 0.03, turn, turn, turn]))
     assert alike == 1.0
@@ -150,7 +156,7 @@ def test_a_tracker_below_a_fifth_of_the_least_noise_counts_as_filtered(
     Filtered poses get at least 8 mm and 16 mrad, times sqrt(12.5) since 12.5 of them say the same.
     """
     size = [0.0, middle * 5e-4 / UNIT, 0.1, 0.0, 0.0, 0.0, 0.0]
-    levels, alike = pose_noise(_shaking(size))
+    levels, alike = estimate_pose_noise(_shaking(size))
     largest = 0.1 * UNIT
     if filtered:
         expected = np.array([8e-3, 8e-3, largest, 16e-3, 16e-3, 16e-3]) * 12.5**0.5
@@ -166,5 +172,5 @@ def test_readings_that_never_change_get_the_least_noise_of_their_sensor() -> Non
     others = {'rates': np.zeros((len(TIME), 3)), 'force': np.zeros((len(TIME), 3)),
               'range': np.zeros((len(TIME), 1)), 'pressure': np.zeros((len(TIME), 1))}  # fmt: skip
     streams = {name: Stream(TIME, values) for name, values in others.items()}
-    found = measured(replace(told, others=streams))
+    found = resample_flight(replace(told, others=streams))
     assert found.noise[6:].tolist() == [3e-4] * 3 + [3e-3] * 3 + [1e-3, 0.3]

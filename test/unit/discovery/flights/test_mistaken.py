@@ -1,6 +1,6 @@
 """Poses that a tracker mistook are told from those of a fast vehicle."""
 
-from lta_discovery.flights.mistaken import mistaken
+from lta_discovery.flights.tracker_outliers import find_tracker_outliers
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,7 +17,9 @@ def swerving(rate: float) -> Array:
 
 
 def test_a_vehicle_that_swerves_is_no_mistake_at_any_rate() -> None:
-    assert [mistaken(swerving(rate)).sum() for rate in (20.0, 60.0, 100.0, 240.0)] == [0] * 4
+    assert [
+        find_tracker_outliers(swerving(rate)).sum() for rate in (20.0, 60.0, 100.0, 240.0)
+    ] == [0] * 4
 
 
 def test_what_jumps_there_and_back_is_told_and_nothing_else() -> None:
@@ -26,9 +28,9 @@ def test_what_jumps_there_and_back_is_told_and_nothing_else() -> None:
     poses[700:703, 2] -= 0.1
     poses[900, 3:] = [0.3, 0.0, 0.0, 0.95]
     poses[1200] = np.nan
-    assert np.flatnonzero(mistaken(poses)).tolist() == [300, 700, 701, 702, 900]
+    assert np.flatnonzero(find_tracker_outliers(poses)).tolist() == [300, 700, 701, 702, 900]
 
 
 def test_a_gap_is_no_mistake() -> None:
     poses = np.delete(swerving(100.0), np.s_[500:620], axis=0)
-    assert not mistaken(poses).any()
+    assert not find_tracker_outliers(poses).any()

@@ -2,9 +2,9 @@
 
 from dataclasses import replace
 
-from lta_discovery.flights.measured import Measured, Stream
-from lta_discovery.flights.outliers import wild, without_outliers
-from lta_discovery.replay.linearise import Linearised
+from lta_discovery.flights.measured_flight import MeasuredFlight, Stream
+from lta_discovery.flights.outliers import find_outliers, remove_outliers
+from lta_discovery.replay.linearizer import FlightLinearizer
 import numpy as np
 import pytest
 
@@ -18,25 +18,25 @@ SMOOTH = 0.5 * np.sin(2.0 * np.pi * 0.6 * TIME) + NOISE * RNG.standard_normal(le
 def test_wild_readings_are_found_and_no_others(where: list[int]) -> None:
     values = SMOOTH.copy()
     values[where] += 0.2
-    assert list(np.flatnonzero(wild(values, NOISE))) == where
+    assert list(np.flatnonzero(find_outliers(values, NOISE))) == where
 
 
 def test_noise_gaps_and_missing_channels_have_none() -> None:
-    assert not wild(SMOOTH, NOISE).any()
+    assert not find_outliers(SMOOTH, NOISE).any()
     holed = SMOOTH.copy()
     holed[50:60] = np.nan
-    assert not wild(holed, NOISE).any()
-    assert not wild(np.full(100, np.nan), np.inf).any()
+    assert not find_outliers(holed, NOISE).any()
+    assert not find_outliers(np.full(100, np.nan), np.inf).any()
 
 
-def test_a_wild_pose_goes_as_a_whole_and_a_clean_flight_stays(clean: Linearised) -> None:
+def test_a_wild_pose_goes_as_a_whole_and_a_clean_flight_stays(clean: FlightLinearizer) -> None:
     flight = clean.replay.flight
-    same, none = without_outliers(flight)
+    same, none = remove_outliers(flight)
     assert none == 0
     assert same is flight
     position = flight.position.copy()
     position[333, 1] += 0.3
-    mended, count = without_outliers(replace(flight, position=position))
+    mended, count = remove_outliers(replace(flight, position=position))
     assert count == 1
     assert np.isnan(mended.position[333]).all()
     assert np.isnan(mended.quaternion[333]).all()
@@ -45,7 +45,7 @@ def test_a_wild_pose_goes_as_a_whole_and_a_clean_flight_stays(clean: Linearised)
     np.testing.assert_array_equal(mended.readings, flight.readings)
 
 
-def _still(quaternion: float) -> Measured:
+def _still(quaternion: float) -> MeasuredFlight:
     """Return a flight at rest with one displaced quaternion and two readings 13 deviations off."""
     n = 100
     turn = np.tile([0.0, 0.0, 0.0, 1.0], (n, 1))
@@ -54,7 +54,9 @@ def _still(quaternion: float) -> Measured:
     readings[20, 0], readings[30, 7] = 13.0 * 0.01, 13.0 * 0.5
     noise = np.array([1e-3, 1e-3, 1e-3, 2e-3, 4e-3, 3e-3] + [0.01] * 7 + [0.5])
     time, nothing = 0.04 * np.arange(n), Stream(np.zeros(1), np.zeros((1, 4)))
-    return Measured(time, np.zeros((n, 3)), turn, readings, noise, np.ones(n, bool), nothing, time)
+    return MeasuredFlight(
+        time, np.zeros((n, 3)), turn, readings, noise, np.ones(n, bool), nothing, time
+    )
 
 
 @pytest.mark.parametrize(('quaternion', 'wild_poses'), [(0.0235, 0), (0.0245, 1)])
@@ -62,7 +64,7 @@ def test_a_quaternion_is_wild_beyond_twelve_times_half_the_rotation_noise(
     quaternion: float, wild_poses: int
 ) -> None:
     """The largest rotation noise is 4 mrad, so the limit is 12 * 2e-3 = 0.024."""
-    found, count = without_outliers(_still(quaternion))
+    found, count = remove_outliers(_still(quaternion))
     assert count == 2 + wild_poses
     assert np.flatnonzero(np.isnan(found.quaternion).all(axis=1)).tolist() == [50] * wild_poses
     assert np.argwhere(np.isnan(found.readings)).tolist() == [[20, 0], [30, 7]]
@@ -78,23 +80,23 @@ def test_more_than_nine_readings_in_a_row_are_no_outliers(length: int, found: in
     """
     values = np.zeros(60)
     values[30 : 30 + length] = (-1.0) ** np.arange(length)
-    assert wild(values, 0.075).sum() == found
+    assert find_outliers(values, 0.075).sum() == found
 
 
 def test_a_reading_off_by_less_than_0_3_of_the_worst_beside_it_is_not_wild() -> None:
     values = np.zeros(60)
     values[30:33] = 1.0, 0.32, -0.28
-    assert np.flatnonzero(wild(values, 1e-3)).tolist() == [30, 31]
+    assert np.flatnonzero(find_outliers(values, 1e-3)).tolist() == [30, 31]
 
 
 def test_a_cubic_however_steep_has_no_wild_readings() -> None:
     """A reading 0.02 off the cubic is wild if twelve deviations are 0.012, not if 0.0204."""
     time = np.arange(40.0)
-    assert not wild(time**3, 1e-6).any()
+    assert not find_outliers(time**3, 1e-6).any()
     values = time**3
     values[20] += 0.02
-    assert np.flatnonzero(wild(values, 1e-3)).tolist() == [20]
-    assert np.flatnonzero(wild(values, 1.7e-3)).tolist() == []
+    assert np.flatnonzero(find_outliers(values, 1e-3)).tolist() == [20]
+    assert np.flatnonzero(find_outliers(values, 1.7e-3)).tolist() == []
 
 
 @pytest.mark.parametrize(('length', 'missing', 'found'), [(6, 0, []), (7, 0, [2]), (7, 1, [])])
@@ -105,4 +107,4 @@ def test_a_reading_is_wild_only_with_six_known_neighbours(
     values = np.zeros(length)
     values[2] = 1.0
     values[length - missing :] = np.nan
-    assert np.flatnonzero(wild(values, 0.06)).tolist() == found
+    assert np.flatnonzero(find_outliers(values, 0.06)).tolist() == found

@@ -1,12 +1,12 @@
 """Warnings that are true of many flights."""
 
-from lta_discovery.flights.said_once import said_once
+from lta_discovery.flights.sentence_merger import merge_sentences
 
 
 def test_the_same_of_several_is_said_once_and_the_rest_as_it_was() -> None:
     late = [f'{name} is late, which is odd.' for name in 'ABCDE']
     other = ['B: a gap of 2 s is cut out.', 'F is late.', 'No flight was held out.']
-    assert said_once([*late[:2], *other, *late[2:]]) == [
+    assert merge_sentences([*late[:2], *other, *late[2:]]) == [
         'A, B, C and 2 more are late, which is odd.',
         *other,
     ]
@@ -19,38 +19,41 @@ def test_what_differs_in_numbers_alone_is_a_range() -> None:
         'data_3: the clock drifts.',
         'data_4: 9 % is lost in 2 gaps.',
     ]
-    assert said_once(said, 28) == [
+    assert merge_sentences(said, 28) == [
         'In 3 of 28 flights (data_1, data_2, data_4): 4 to 12.5 % is lost in 2 gaps.',
         'data_3: the clock drifts.',
     ]
 
 
 def test_one_flight_twice_is_one_flight() -> None:
-    assert said_once(['A: 2 s are odd.', 'A: 3 s are odd.'], 9) == ['A: 2 to 3 s are odd.']
-    assert said_once(['A is late.', 'A is late.'], 9) == ['A is late.']
+    assert merge_sentences(['A: 2 s are odd.', 'A: 3 s are odd.'], 9) == ['A: 2 to 3 s are odd.']
+    assert merge_sentences(['A is late.', 'A is late.'], 9) == ['A is late.']
 
 
 def test_up_to_three_flights_are_named_and_further_ones_counted() -> None:
     for count, names in ((2, 'A, B'), (3, 'A, B, C'), (4, 'A, B, C and 1 more')):
         late = [f'{name} is late.' for name in 'ABCD'[:count]]
-        assert said_once(late) == [f'{names} are late.']
+        assert merge_sentences(late) == [f'{names} are late.']
 
 
 def test_the_number_of_flights_is_given_if_there_is_more_than_one() -> None:
     odd = ['A: 3 are odd.', 'B: 3 are odd.']
-    assert said_once(odd, 2) == ['In 2 of 2 flights (A, B): 3 are odd.']
-    assert said_once(odd, 1) == said_once(odd) == ['A, B: 3 are odd.']
+    assert merge_sentences(odd, 2) == ['In 2 of 2 flights (A, B): 3 are odd.']
+    assert merge_sentences(odd, 1) == merge_sentences(odd) == ['A, B: 3 are odd.']
 
 
 def test_only_separate_numbers_after_a_colon_become_ranges() -> None:
     """Sentences that differ in digits within a word, or have 'is' for the colon, stay apart."""
     said = ['A: lost_3 misses 1.5 s.', 'B: lost_3 misses 0.5 s.', 'C: lost_4 misses 1 s.']
-    assert said_once(said, 3) == [
+    assert merge_sentences(said, 3) == [
         'In 2 of 3 flights (A, B): lost_3 misses 0.5 to 1.5 s.', 'C: lost_4 misses 1 s.',
     ]  # fmt: skip
-    assert said_once(['A is 1 s late.', 'B is 2 s late.']) == ['A is 1 s late.', 'B is 2 s late.']
+    assert merge_sentences(['A is 1 s late.', 'B is 2 s late.']) == [
+        'A is 1 s late.',
+        'B is 2 s late.',
+    ]
 
 
 def test_a_sentence_that_begins_with_no_name_is_only_deduplicated() -> None:
     said = ['The flight, A: is odd.', 'The other flight is odd.', 'A 1: 2 are odd.']
-    assert said_once(said * 2, 2) == said
+    assert merge_sentences(said * 2, 2) == said

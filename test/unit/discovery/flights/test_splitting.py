@@ -3,8 +3,13 @@
 from dataclasses import replace
 
 from lta_config.errors import BadInput
-from lta_discovery.flights.measured import Measured, measured, Stream, Streams
-from lta_discovery.flights.splitting import assigned, ONE, part, ROLES, TWO
+from lta_discovery.flights.measured_flight import (
+    FlightStreams,
+    MeasuredFlight,
+    resample_flight,
+    Stream,
+)
+from lta_discovery.flights.role_assignment import assign_roles, ONE, ROLES, select_part, TWO
 import numpy as np
 import pytest
 
@@ -12,15 +17,15 @@ RNG = np.random.default_rng(3)
 
 
 @pytest.fixture(scope='module')
-def flight() -> Measured:
+def flight() -> MeasuredFlight:
     """A minute at one place."""
     time = np.arange(0.0, 62.0, 0.02)
     pose = np.column_stack([1e-3 * RNG.standard_normal((len(time), 6)), np.ones(len(time))])
-    return measured(Streams(Stream(time, pose), Stream(time[:1], np.zeros((1, 4)))))
+    return resample_flight(FlightStreams(Stream(time, pose), Stream(time[:1], np.zeros((1, 4)))))
 
 
-def test_a_part_is_of_the_usable_points_and_nothing_else_changes(flight: Measured) -> None:
-    first, second = part(flight, 0.0, 0.4), part(flight, 0.4, 1.0)
+def test_a_part_is_of_the_usable_points_and_nothing_else_changes(flight: MeasuredFlight) -> None:
+    first, second = select_part(flight, 0.0, 0.4), select_part(flight, 0.4, 1.0)
     whole = flight.usable.sum()
     assert first.usable.sum() == pytest.approx(0.4 * whole, abs=1)
     assert not (first.usable & second.usable).any()
@@ -30,25 +35,25 @@ def test_a_part_is_of_the_usable_points_and_nothing_else_changes(flight: Measure
     np.testing.assert_array_equal(first.position, flight.position)
 
 
-def test_one_flight_is_split_in_time_and_a_warning_says_so(flight: Measured) -> None:
-    found, warnings = assigned([('A', 'train', flight)])
+def test_one_flight_is_split_in_time_and_a_warning_says_so(flight: MeasuredFlight) -> None:
+    found, warnings = assign_roles([('A', 'train', flight)])
     assert [role for _, role, _ in found] == list(ROLES)
     shares = [each.usable.sum() / flight.usable.sum() for _, _, each in found]
     np.testing.assert_allclose(shares, [ONE[0], ONE[1] - ONE[0], 1.0 - ONE[1]], atol=2e-3)
     assert 'weaker' in warnings[0]
 
 
-def test_training_flights_are_divided_where_nothing_confirms(flight: Measured) -> None:
+def test_training_flights_are_divided_where_nothing_confirms(flight: MeasuredFlight) -> None:
     flights = [(name, 'train', flight) for name in 'ABC'] + [('H', 'holdout', flight)]
-    found, warnings = assigned(flights)
+    found, warnings = assign_roles(flights)
     assert {name: role for name, role, _ in found} == {
         'A': 'train', 'B': 'train', 'C': 'confirm', 'H': 'holdout',
     }  # fmt: skip
     assert len(warnings) == 1
 
 
-def test_one_training_flight_beside_one_held_out_is_split_in_two(flight: Measured) -> None:
-    found, warnings = assigned([('A', 'train', flight), ('H', 'holdout', flight)])
+def test_one_training_flight_beside_one_held_out_is_split_in_two(flight: MeasuredFlight) -> None:
+    found, warnings = assign_roles([('A', 'train', flight), ('H', 'holdout', flight)])
     assert [(name, role) for name, role, _ in found] == [
         ('A', 'train'), ('A', 'confirm'), ('H', 'holdout'),
     ]  # fmt: skip
@@ -56,45 +61,47 @@ def test_one_training_flight_beside_one_held_out_is_split_in_two(flight: Measure
     assert 'weaker' in warnings[0]
 
 
-def test_what_is_given_stays_and_nothing_to_learn_from_is_refused(flight: Measured) -> None:
+def test_what_is_given_stays_and_nothing_to_learn_from_is_refused(flight: MeasuredFlight) -> None:
     flights = [('A', 'train', flight), ('B', 'confirm', flight)]
-    assert assigned(flights) == (flights, [])
+    assert assign_roles(flights) == (flights, [])
     with pytest.raises(BadInput, match='learn from'):
-        assigned([('B', 'confirm', flight)])
+        assign_roles([('B', 'confirm', flight)])
 
 
-def _usable(flight: Measured, count: int) -> Measured:
+def _usable(flight: MeasuredFlight, count: int) -> MeasuredFlight:
     """Return the flight with `count` usable points: 100, 103, 106, ..."""
     usable = np.zeros(len(flight.usable), dtype=bool)
     usable[100 : 100 + 3 * count : 3] = True
     return replace(flight, usable=usable)
 
 
-def test_ten_usable_points_make_three_parts_of_four_three_and_three(flight: Measured) -> None:
+def test_ten_usable_points_make_three_parts_of_four_three_and_three(
+    flight: MeasuredFlight,
+) -> None:
     """The parts end at 40, 70 and 100 % of the points; a point at an end belongs to that part."""
-    found, _ = assigned([('A', 'train', _usable(flight, 10))])
+    found, _ = assign_roles([('A', 'train', _usable(flight, 10))])
     where = [np.flatnonzero(each.usable).tolist() for _, _, each in found]
     assert where == [[100, 103, 106, 109], [112, 115, 118], [121, 124, 127]]
 
 
-def test_ten_usable_points_make_two_parts_of_six_and_four(flight: Measured) -> None:
-    found, _ = assigned([('A', 'train', _usable(flight, 10)), ('H', 'holdout', flight)])
+def test_ten_usable_points_make_two_parts_of_six_and_four(flight: MeasuredFlight) -> None:
+    found, _ = assign_roles([('A', 'train', _usable(flight, 10)), ('H', 'holdout', flight)])
     assert [int(each.usable.sum()) for _, _, each in found[:2]] == [6, 4]
     assert found[1][2].usable[[118, 121, 124, 127]].all()
 
 
 @pytest.mark.parametrize(('count', 'kept'), [(0, 0), (1, 1), (2, 1)])
 def test_the_second_half_of_at_most_two_points_is_the_last_one(
-    flight: Measured, count: int, kept: int
+    flight: MeasuredFlight, count: int, kept: int
 ) -> None:
     """The first of two points ends the first half, to which it therefore belongs."""
-    assert part(_usable(flight, count), 0.5, 1.0).usable.sum() == kept
+    assert select_part(_usable(flight, count), 0.5, 1.0).usable.sum() == kept
 
 
 @pytest.mark.parametrize(('count', 'teach'), [(2, 1), (3, 2), (4, 2), (5, 3)])
 def test_of_an_odd_number_of_flights_one_more_trains_than_confirms(
-    flight: Measured, count: int, teach: int
+    flight: MeasuredFlight, count: int, teach: int
 ) -> None:
-    found, _ = assigned([(f'F{k}', 'train', flight) for k in range(count)])
+    found, _ = assign_roles([(f'F{k}', 'train', flight) for k in range(count)])
     assert [role for _, role, _ in found] == ['train'] * teach + ['confirm'] * (count - teach)
     assert [name for name, _, _ in found] == [f'F{k}' for k in range(count)]

@@ -3,10 +3,15 @@
 from typing import Final
 
 from lta_config.errors import BadInput
-from lta_data.bag.channels import Channel
-from lta_discovery.flights.measured import Stream, Streams
-from lta_discovery.flights.streams import in_duties, streams_of, told_in_newtons, tracker
-from lta_discovery.model.nominal import Nominal
+from lta_data.bag.channels import SignalChannel
+from lta_discovery.flights.measured_flight import FlightStreams, Stream
+from lta_discovery.flights.streams import (
+    build_streams,
+    convert_to_duties,
+    find_tracker_prefix,
+    has_newton_commands,
+)
+from lta_discovery.model.nominal import NominalVehicle
 from lta_model.vehicle import load_vehicle
 import numpy as np
 from numpy.typing import NDArray
@@ -17,12 +22,12 @@ Array = NDArray[np.float64]
 RATE: Final = 30.0  # Hz
 
 
-def channel(name: str, time: Array, values: Array) -> Channel:
+def channel(name: str, time: Array, values: Array) -> SignalChannel:
     """Return a channel."""
-    return Channel(name, '', time, values)
+    return SignalChannel(name, '', time, values)
 
 
-def recorded(wrench: dict[str, float], motors: dict[str, float]) -> dict[str, Channel]:
+def recorded(wrench: dict[str, float], motors: dict[str, float]) -> dict[str, SignalChannel]:
     """Return the channels of a resting pose and constant commands."""
     time = np.arange(0.0, 2.0, 1.0 / RATE)
     zero = np.zeros_like(time)
@@ -37,7 +42,7 @@ def recorded(wrench: dict[str, float], motors: dict[str, float]) -> dict[str, Ch
 def test_motor_commands_take_precedence_over_a_wrench() -> None:
     """Otherwise the model of a drone that records both would be pushed twice."""
     wrench = {'wrench_command/wrench.force.x': 0.1}
-    both = streams_of(recorded(wrench, {'motors/effort.one': 0.5}), ('one',))
+    both = build_streams(recorded(wrench, {'motors/effort.one': 0.5}), ('one',))
     assert both.wrench is None
     assert both.commands.values[0].tolist() == [0.5]
 
@@ -45,7 +50,7 @@ def test_motor_commands_take_precedence_over_a_wrench() -> None:
 def test_axes_missing_from_a_commanded_wrench_are_zero() -> None:
     """An axis that nobody commands has no channel, or one of NaN."""
     wrench = {'wrench_command/wrench.force.x': 0.1, 'wrench_command/wrench.torque.z': np.nan}
-    told = streams_of(recorded(wrench, {}), ('one',)).wrench
+    told = build_streams(recorded(wrench, {}), ('one',)).wrench
     assert told is not None
     assert told.values[0].tolist() == [0.1, 0.0, 0.0, 0.0, 0.0, 0.0]
 
@@ -72,21 +77,23 @@ def test_newtons_become_duties(
 
     Without it they are if full thrust is below 0.1 N and no command exceeds it by more than 10 %.
     """
-    nominal = Nominal.of(load_vehicle(vehicle))
+    nominal = NominalVehicle.from_vehicle(load_vehicle(vehicle))
     time = np.zeros(1)
-    streams = Streams(Stream(time, np.zeros((1, 7))), Stream(time, np.full((1, 2), told)))
-    found = in_duties(streams, nominal, provenance).commands.values
+    streams = FlightStreams(Stream(time, np.zeros((1, 7))), Stream(time, np.full((1, 2), told)))
+    found = convert_to_duties(streams, nominal, provenance).commands.values
     assert found == pytest.approx(np.full((1, 2), duty), rel=1e-3)
 
 
 def duties(vehicle: str, values: list[list[float]], wrench: Stream | None = None) -> Array:
     """Return the duties that are made of commands whose unit the recording does not say."""
-    told = Streams(
+    told = FlightStreams(
         Stream(np.zeros(1), np.zeros((1, 7))),
         Stream(np.arange(float(len(values))), np.array(values)),
         wrench=wrench,
     )
-    return in_duties(told, Nominal.of(load_vehicle(vehicle)), {}).commands.values
+    return convert_to_duties(
+        told, NominalVehicle.from_vehicle(load_vehicle(vehicle)), {}
+    ).commands.values
 
 
 def test_commands_of_faint_rotors_are_newtons_unless_one_exceeds_full_thrust() -> None:
@@ -132,11 +139,11 @@ def motors(actuators: str, topic: str = 'motors') -> str:
 def test_the_unit_of_efforts_is_read_from_the_import_mapping(
     mapping: str, newtons: bool | None
 ) -> None:
-    assert told_in_newtons({'mapping_file': mapping}) is newtons
-    assert told_in_newtons({}) is None
+    assert has_newton_commands({'mapping_file': mapping}) is newtons
+    assert has_newton_commands({}) is None
 
 
-def pose(topic: str) -> dict[str, Channel]:
+def pose(topic: str) -> dict[str, SignalChannel]:
     """Return the two channels by which a topic is recognised as a pose."""
     names = [f'{topic}/pose.position.x', f'{topic}/pose.orientation.yaw']
     return {name: channel(name, np.zeros(1), np.zeros(1)) for name in names}
@@ -144,13 +151,13 @@ def pose(topic: str) -> dict[str, Channel]:
 
 def test_the_preferred_tracker_is_taken_and_never_an_unmeasured_pose() -> None:
     others = {**pose('odom'), **pose('my_tracker'), **pose('estimate'), **pose('setpoint')}
-    assert tracker(others) == 'my_tracker/pose.'
+    assert find_tracker_prefix(others) == 'my_tracker/pose.'
     both = {**others, **pose('vrpn/pose'), **pose('ground_truth/pose')}
-    assert tracker(both) == 'ground_truth/pose/pose.'
+    assert find_tracker_prefix(both) == 'ground_truth/pose/pose.'
     no_yaw = {'pose/pose.position.x': others['odom/pose.position.x']}
-    assert tracker({**no_yaw, **pose('mocap/pose')}) == 'mocap/pose/pose.'
+    assert find_tracker_prefix({**no_yaw, **pose('mocap/pose')}) == 'mocap/pose/pose.'
     with pytest.raises(BadInput, match='no pose from a tracker'):
-        tracker({**pose('odom'), **no_yaw})
+        find_tracker_prefix({**pose('odom'), **no_yaw})
 
 
 def test_attitude_is_yaw_then_pitch_then_roll_and_nan_in_incomplete_poses() -> None:
@@ -159,7 +166,7 @@ def test_attitude_is_yaw_then_pitch_then_roll_and_nan_in_incomplete_poses() -> N
     for name, value in angles.items():
         told[f'pose/pose.orientation.{name}'].values[:] = value
     told['pose/pose.position.y'].values[3] = np.nan
-    found = streams_of(told, ('one',))
+    found = build_streams(told, ('one',))
     turn = Rotation.from_euler('z', 1.2) * Rotation.from_euler('y', -0.4)
     turn *= Rotation.from_euler('x', 0.3)
     np.testing.assert_allclose(found.pose.values[0, 3:], turn.as_quat(), atol=1e-12)
@@ -176,7 +183,7 @@ def test_readings_are_sorted_by_time_and_the_first_of_an_instant_is_taken() -> N
     for axis in 'xyz':
         name = f'imu/angular_velocity.{axis}'
         told[name] = channel(name, time, values)
-    rates = streams_of(told, ('one',)).others['rates']
+    rates = build_streams(told, ('one',)).others['rates']
     assert rates.time.tolist() == [0.0, 1.0, 2.0]
     assert rates.values.tolist() == [[1.0] * 3, [3.0] * 3, [2.0] * 3]
 
@@ -185,14 +192,14 @@ def test_channels_of_unequal_length_in_one_topic_are_refused() -> None:
     told = recorded({}, {'motors/effort.one': 0.5})
     told['pose/pose.position.z'] = channel('pose/pose.position.z', np.zeros(3), np.zeros(3))
     with pytest.raises(BadInput, match="channels of 'pose' are not equally long"):
-        streams_of(told, ('one',))
+        build_streams(told, ('one',))
 
 
 def test_a_sensor_that_lacks_an_axis_is_left_out() -> None:
     told = recorded({}, {'motors/effort.one': 0.5})
     for name in ('imu/angular_velocity.x', 'imu/angular_velocity.y', 'range/range'):
         told[name] = channel(name, np.zeros(1), np.ones(1))
-    assert set(streams_of(told, ('one',)).others) == {'range'}
+    assert set(build_streams(told, ('one',)).others) == {'range'}
 
 
 def test_the_place_of_a_moving_mass_needs_all_its_axes() -> None:
@@ -201,19 +208,19 @@ def test_the_place_of_a_moving_mass_needs_all_its_axes() -> None:
     for k, name in enumerate(names):
         told[name] = channel(name, np.arange(3.0), np.array([0.1, 0.2, 0.3]) + k)
     told[names[1]].values[1] = np.nan
-    found = streams_of(told, ('one',)).mass
+    found = build_streams(told, ('one',)).mass
     assert found is not None
     assert found.time.tolist() == [0.0, 2.0]
     np.testing.assert_allclose(found.values, [[0.1, 1.1, 2.1], [0.3, 1.3, 2.3]])
     told[names[1]].values[:] = np.nan
-    assert streams_of(told, ('one',)).mass is None
+    assert build_streams(told, ('one',)).mass is None
     del told[names[2]]
-    assert streams_of(told, ('one',)).mass is None
+    assert build_streams(told, ('one',)).mass is None
 
 
 def test_rotor_commands_are_zero_if_a_wrench_is_commanded() -> None:
-    told = streams_of(recorded({'wrench_command/wrench.force.x': 0.1}, {}), ('one', 'two'))
+    told = build_streams(recorded({'wrench_command/wrench.force.x': 0.1}, {}), ('one', 'two'))
     assert told.commands.values.tolist() == [[0.0, 0.0]]
     assert told.commands.time.tolist() == [0.0]
     with pytest.raises(BadInput, match='no command of two'):
-        streams_of(recorded({}, {'motors/effort.one': 0.5}), ('one', 'two'))
+        build_streams(recorded({}, {'motors/effort.one': 0.5}), ('one', 'two'))

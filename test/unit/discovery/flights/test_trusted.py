@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from lta_config.errors import BadInput
 from lta_discovery.flights.bags import read_bags
-from lta_discovery.flights.trusted import believed
+from lta_discovery.flights.usable_flights import select_usable_flights
 from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest
@@ -39,11 +39,11 @@ def _only(channel, keep):
 
 
 def _believed(flights, gtmab, *changed):
-    return believed([*changed, *flights[len(changed) :]], gtmab)
+    return select_usable_flights([*changed, *flights[len(changed) :]], gtmab)
 
 
 def test_whole_flights_are_used_whole_and_told_to_be_simulated(flights, gtmab):
-    found = believed(flights, gtmab)
+    found = select_usable_flights(flights, gtmab)
     assert [(name, role) for name, role, _ in found.flights] == [
         ('A', 'train'), ('B', 'confirm'), ('C', 'holdout'),
     ]  # fmt: skip
@@ -162,7 +162,7 @@ def test_a_moving_mass_that_moves_is_a_command(flights, gtmab):
         }
         channels = {**one.recording.channels, **places}
         standing[k] = replace(one, recording=replace(one.recording, channels=channels))
-    found = believed([*standing, flights[2]], gtmab)
+    found = select_usable_flights([*standing, flights[2]], gtmab)
     assert len(found.flights) == 3
 
 
@@ -173,7 +173,7 @@ def test_commands_in_newtons_are_read_as_duties(flights, gtmab):
     one = _changed(flights[1], _still(full), 'motors/effort')
     told = {**one.recording.provenance, 'mapping_file': newtons}
     one = replace(one, recording=replace(one.recording, provenance=told))
-    found = believed([flights[0], one, flights[2]], gtmab)
+    found = select_usable_flights([flights[0], one, flights[2]], gtmab)
     np.testing.assert_allclose(found.flights[1][2].commands.values, 0.5, rtol=2e-3)
 
 
@@ -206,7 +206,9 @@ def test_commands_that_never_move_are_refused(flights, gtmab):
 def test_commands_may_be_constant_in_each_flight_if_they_differ_between_them(flights, gtmab):
     one = _changed(flights[0], _still(0.3), 'motors/effort')
     two = _changed(flights[1], _still(0.5), 'motors/effort')
-    found = believed([one, replace(two, role='train'), replace(flights[2], role='confirm')], gtmab)
+    found = select_usable_flights(
+        [one, replace(two, role='train'), replace(flights[2], role='confirm')], gtmab
+    )
     assert len(found.flights) == 3
 
 
@@ -225,7 +227,7 @@ def test_one_run_in_two_roles_is_refused_however_it_was_trimmed(flights, gtmab):
 
     copy = replace(_changed(flights[0], trimmed, ''), name='copy', role='confirm')
     with pytest.raises(BadInput, match=r"copy: The same run as 'A'.*confirms nothing"):
-        believed([flights[0], copy], gtmab)
+        select_usable_flights([flights[0], copy], gtmab)
 
 
 def test_flights_of_different_vehicles_are_refused(flights, gtmab):
@@ -233,7 +235,7 @@ def test_flights_of_different_vehicles_are_refused(flights, gtmab):
     other = {**told, 'vehicle_file': told['vehicle_file'].replace('name: gtmab', 'name: other')}
     strange = replace(flights[1], recording=replace(flights[1].recording, provenance=other))
     with pytest.raises(BadInput, match=r"different vehicles \('A' gtmab; 'B' other\)"):
-        believed([flights[0], strange], gtmab)
+        select_usable_flights([flights[0], strange], gtmab)
 
 
 def test_flights_with_different_rotors_are_refused(flights, gtmab):
@@ -244,7 +246,7 @@ def test_flights_with_different_rotors_are_refused(flights, gtmab):
     channels = {c.name: c for c in one.recording.channels.values()}
     two = replace(one, recording=replace(one.recording, channels=channels))
     with pytest.raises(BadInput, match='command different vehicles'):
-        believed([flights[0], two], gtmab)
+        select_usable_flights([flights[0], two], gtmab)
 
 
 def test_too_little_that_can_be_used_is_refused(flights, gtmab):
@@ -255,7 +257,7 @@ def test_too_little_that_can_be_used_is_refused(flights, gtmab):
 
 def test_a_short_flight_among_others_is_left_out(flights, gtmab):
     one = _changed(flights[1], lambda c: _only(c, c.time < 6.0), TRUTH)
-    found = believed([flights[0], one, replace(flights[2], role='confirm')], gtmab)
+    found = select_usable_flights([flights[0], one, replace(flights[2], role='confirm')], gtmab)
     assert [name for name, _, _ in found.flights] == ['A', 'C']
     assert any(word.startswith('B: only ') for word in found.warnings)
 
@@ -278,7 +280,7 @@ def test_stamps_that_are_wrong_in_a_pattern_cost_nothing_and_are_said(flights, g
     def shake(channel):
         return replace(channel, time=channel.time + np.resize(wrong, len(channel.time)))
 
-    plain = believed(flights, gtmab)
+    plain = select_usable_flights(flights, gtmab)
     found = _believed(flights, gtmab, _changed(flights[0], shake, TRUTH))
     assert any("A: the tracker's stamps jitter" in word for word in found.warnings)
     was, now = plain.flights[0][2], found.flights[0][2]

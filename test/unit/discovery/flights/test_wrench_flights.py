@@ -3,16 +3,16 @@
 from dataclasses import replace
 from typing import Final
 
-from lta_discovery.fit.evidence import floor_of, own_variance, shared
-from lta_discovery.fit.fit import Fitter
-from lta_discovery.flights.measured import measured, PERIOD, Stream, Streams
-from lta_discovery.flights.windows import windows
-from lta_discovery.model.knobs import knobs
-from lta_discovery.model.nominal import Nominal
-from lta_discovery.replay.linear import origin
-from lta_discovery.replay.linearise import Linearised
-from lta_discovery.replay.replay import Replay
-from lta_discovery.replay.sensing import Places
+from lta_discovery.fit.evidence import build_shared_prior, per_flight_variance, wrench_floor
+from lta_discovery.fit.joint_fit import JointFitter
+from lta_discovery.flights.measured_flight import FlightStreams, PERIOD, resample_flight, Stream
+from lta_discovery.flights.windows import cut_windows
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import list_free_parameters
+from lta_discovery.replay.linearized_flight import build_origin
+from lta_discovery.replay.linearizer import FlightLinearizer
+from lta_discovery.replay.replay import ModelReplay
+from lta_discovery.replay.sensing import SensorPlaces
 from lta_model.effects.protocol import AXES
 from lta_model.vehicle import load_vehicle, Vehicle
 import numpy as np
@@ -27,7 +27,7 @@ ARRIVES: Final = 0.8  # of the force that is commanded ahead
 GAPS: Final = ((7.0, 7.3), (15.0, 16.5))  # s
 
 
-def seen(told: Streams, rng: np.random.Generator) -> Stream:
+def seen(told: FlightStreams, rng: np.random.Generator) -> Stream:
     """Return the poses of a slow tracker whose clock jitters, with gaps."""
     time = np.arange(told.pose.time[0] + 0.1, told.pose.time[-1] - 0.1, 1.0 / RATE)
     time = np.sort(time + rng.uniform(-2e-3, 2e-3, len(time)))
@@ -37,39 +37,43 @@ def seen(told: Streams, rng: np.random.Generator) -> Stream:
     return Stream(time, table)
 
 
-def commanded(vehicle: Vehicle, told: Streams) -> Stream:
+def commanded(vehicle: Vehicle, told: FlightStreams) -> Stream:
     """Return the wrench that the rotors gave, lag and all, too much of it ahead."""
-    nominal, flight = Nominal.of(vehicle), measured(told)
-    replay = Replay(flight, windows(flight), vehicle.command(()))
-    thrusts = replay.thrusts(nominal.rows())
+    nominal, flight = NominalVehicle.from_vehicle(vehicle), resample_flight(told)
+    replay = ModelReplay(flight, cut_windows(flight), vehicle.pack_command(()))
+    thrusts = replay.mean_thrusts(nominal.build_rows())
     out = np.zeros((len(thrusts), 6))
     for i, thrust in enumerate(thrusts.T[: len(nominal.rotors)], 1):
-        given = [nominal.value('rotor_thrust', f'{axis}_{i}') for axis in AXES]
+        given = [nominal.parameter_value('rotor_thrust', f'{axis}_{i}') for axis in AXES]
         out += thrust[:, None] * np.array(given)
     out[:, 0] /= ARRIVES
     return Stream(flight.time[0] + replay.dt * np.arange(len(out)), out)
 
 
 @pytest.fixture(scope='module')
-def driven() -> Linearised:
+def driven() -> FlightLinearizer:
     """A GT-MAB that was told wrenches."""
     told, vehicle = flown({}, 5, 32.0), load_vehicle('gtmab')
     wrench = commanded(vehicle, told)
     still = Stream(told.pose.time[:1], np.zeros((1, len(vehicle.rotor_names))))
-    only = Streams(seen(told, np.random.default_rng(3)), still, floor=told.floor, wrench=wrench)
-    flight = measured(only)
-    replay = Replay(flight, windows(flight), vehicle.command(()))
-    known = knobs(Nominal.of(vehicle), wrench=True)
-    return Linearised(replay, known, Places.of(vehicle, 101325.0))
+    only = FlightStreams(
+        seen(told, np.random.default_rng(3)), still, floor=told.floor, wrench=wrench
+    )
+    flight = resample_flight(only)
+    replay = ModelReplay(flight, cut_windows(flight), vehicle.pack_command(()))
+    known = list_free_parameters(NominalVehicle.from_vehicle(vehicle), wrench=True)
+    return FlightLinearizer(replay, known, SensorPlaces.from_vehicle(vehicle, 101325.0))
 
 
-def test_what_arrives_of_a_commanded_wrench_is_found(driven: Linearised) -> None:
+def test_what_arrives_of_a_commanded_wrench_is_found(driven: FlightLinearizer) -> None:
     """Four fifths ahead, all of it upwards, from poses at 30 Hz."""
-    nominal = Nominal.of(load_vehicle('gtmab'))
-    floor, own = floor_of(nominal), own_variance(driven.knobs)
-    start = origin(nominal, driven.knobs, driven.replay.cut)
-    fitter = Fitter(nominal, [driven], own, floor)
-    found = fitter.fit(shared(driven.knobs), fitter.about(start.values, [start]), floor, 3)
+    nominal = NominalVehicle.from_vehicle(load_vehicle('gtmab'))
+    floor, own = wrench_floor(nominal), per_flight_variance(driven.knobs)
+    start = build_origin(nominal, driven.knobs, driven.replay.cut)
+    fitter = JointFitter(nominal, [driven], own, floor)
+    found = fitter.fit(
+        build_shared_prior(driven.knobs), fitter.linearize_flights(start.values, [start]), floor, 3
+    )
     names = [knob.name for knob in driven.knobs]
     for axis, gain in (('surge', ARRIVES), ('heave', 1.0)):
         k = names.index(f'wrench_gain.{axis}')
@@ -78,7 +82,7 @@ def test_what_arrives_of_a_commanded_wrench_is_found(driven: Linearised) -> None
         assert abs(1.0 + found.fitted.mean[k] - gain) < 3.0 * spread + 0.03
 
 
-def test_a_short_gap_ends_no_piece(driven: Linearised) -> None:
+def test_a_short_gap_ends_no_piece(driven: FlightLinearizer) -> None:
     """0.3 s without poses is flown through, 1.5 s is not, and nothing is made up in either."""
     flight = driven.replay.flight
     for begin, end in GAPS:
@@ -94,12 +98,12 @@ def test_poses_smoother_than_any_tracker_count_for_less() -> None:
     pose = np.column_stack([np.sin(0.3 * time), np.cos(0.3 * time), 1.0 + 0.01 * time])
     turn = np.column_stack([np.zeros((len(time), 3)), np.ones(len(time))])
     still = Stream(time[:1], np.zeros((1, 2)))
-    smooth = measured(Streams(Stream(time, np.hstack([pose, turn])), still))
-    assert smooth.error[:3] == pytest.approx(0.008)
+    smooth = resample_flight(FlightStreams(Stream(time, np.hstack([pose, turn])), still))
+    assert smooth.reading_deviation[:3] == pytest.approx(0.008)
     assert smooth.noise[:3] == pytest.approx(0.008 * 12.5**0.5)
     rng = np.random.default_rng(1)
     noisy = pose + 1e-3 * rng.standard_normal(pose.shape)
-    raw = measured(Streams(Stream(time, np.hstack([noisy, turn])), still))
+    raw = resample_flight(FlightStreams(Stream(time, np.hstack([noisy, turn])), still))
     assert raw.noise[:3] == pytest.approx(1e-3, rel=0.2)
     assert smooth.usable[0] == raw.usable[0] == False  # noqa: E712 (motors settle)
     assert smooth.usable[round(0.6 / PERIOD)]
@@ -107,10 +111,10 @@ def test_poses_smoother_than_any_tracker_count_for_less() -> None:
 
 def test_a_vehicle_is_weighed_with_its_moving_mass_where_it_is() -> None:
     """Moved 1 cm ahead, and back again; CG and inertia by hand."""
-    nominal = Nominal.of(load_vehicle('rgblimp'))
+    nominal = NominalVehicle.from_vehicle(load_vehicle('rgblimp'))
     own = nominal.given['moving_mass']
     rest = np.array([own[axis] for axis in 'xyz'])
-    ahead = nominal.placed(rest + np.array([0.01, 0.0, 0.0]))
+    ahead = nominal.with_mass_at(rest + np.array([0.01, 0.0, 0.0]))
     assert ahead.cg[0] - nominal.cg[0] == pytest.approx(0.05407 * 0.01 / nominal.mass)
     hull = [
         each.inertia[2, 2] + each.mass * (each.cg[0] ** 2 + each.cg[1] ** 2)
@@ -118,6 +122,6 @@ def test_a_vehicle_is_weighed_with_its_moving_mass_where_it_is() -> None:
     ]
     gained = 0.05407 * ((rest[0] + 0.01) ** 2 - rest[0] ** 2)
     assert hull[1] - hull[0] == pytest.approx(gained)
-    back = ahead.placed(rest)
+    back = ahead.with_mass_at(rest)
     assert back.inertia == pytest.approx(nominal.inertia, abs=1e-12)
     assert replace(back, given=nominal.given).cg == pytest.approx(nominal.cg)

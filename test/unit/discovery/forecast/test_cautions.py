@@ -2,15 +2,15 @@
 
 from dataclasses import replace
 
-from lta_discovery.finding import Gap
-from lta_discovery.forecast.cautions import cautions, keeps
+from lta_discovery.finding import PredictionGap
+from lta_discovery.forecast.forecast_warnings import list_forecast_warnings, should_keep_file
 import pytest
 
 
 def gap(channel: str, horizon: float, before: float, after: float, coast: float, most: float):
     """Return a gap whose shrinkage is at most `most`."""
     shrink = 1.0 - after / before
-    return Gap(
+    return PredictionGap(
         channel, 'm', horizon, before, after, after, coast, 0.01, shrink, (shrink - 0.1, most), 9
     )
 
@@ -25,20 +25,20 @@ def test_a_fit_that_predicts_worse_is_said_and_so_is_a_model_of_no_use() -> None
         gap('turn_z', 5.0, 0.21, 0.27, 0.12, -0.15),
     ]
     where = '(position after 5 s, attitude after 3, 5 s)'
-    worse, idle = cautions(told)
+    worse, idle = list_forecast_warnings(told)
     assert worse.startswith(f'What was fitted predicts worse than the vehicle file {where}:')
     assert idle == f'Keeping velocity and rates predicts better than any model {where}.'
 
 
 def test_a_fit_that_helps_is_not_warned_of() -> None:
-    assert cautions([gap('position', 5.0, 0.3, 0.1, 0.5, 0.7)]) == []
+    assert list_forecast_warnings([gap('position', 5.0, 0.3, 0.1, 0.5, 0.7)]) == []
 
 
 @pytest.mark.parametrize(('most', 'worse'), [(0.0, 0), (-1e-6, 1)])
 def test_a_fit_is_worse_if_even_the_upper_end_of_its_interval_is_negative(
     most: float, worse: int
 ) -> None:
-    assert len(cautions([gap('position', 5.0, 0.3, 0.31, 0.5, most)])) == worse
+    assert len(list_forecast_warnings([gap('position', 5.0, 0.3, 0.31, 0.5, most)])) == worse
 
 
 def test_a_second_ahead_alone_decides_nothing() -> None:
@@ -47,17 +47,21 @@ def test_a_second_ahead_alone_decides_nothing() -> None:
     far = gap('position', 5.0, 0.0264, 0.0193, 0.45, 0.46)
     better = replace(far, shrink_ci95=(0.09, 0.46))
     told = [near, better]
-    assert not keeps(told)
-    assert cautions(told) == ['Not all forecasts get better: worse are position after 1 s.']
-    assert keeps([near, replace(far, shrink_ci95=(-0.1, 0.46))])  # nothing is surely better
-    assert keeps([replace(near, horizon_s=7.0), better])  # the furthest is worse
+    assert not should_keep_file(told)
+    assert list_forecast_warnings(told) == [
+        'Not all forecasts get better: worse are position after 1 s.'
+    ]
+    assert should_keep_file(
+        [near, replace(far, shrink_ci95=(-0.1, 0.46))]
+    )  # nothing is surely better
+    assert should_keep_file([replace(near, horizon_s=7.0), better])  # the furthest is worse
 
 
 @pytest.mark.parametrize('better', ['before', 'tuned', 'after'])
 def test_a_model_that_predicts_as_well_as_keeping_velocity_is_of_use(better: str) -> None:
     told = replace(gap('attitude', 3.0, 0.5, 0.5, 0.3, 0.7), **{better: 0.3})
-    assert not any('Keeping' in one for one in cautions([told]))
-    *_, idle = cautions([replace(told, coast=0.29)])
+    assert not any('Keeping' in one for one in list_forecast_warnings([told]))
+    *_, idle = list_forecast_warnings([replace(told, coast=0.29)])
     assert (
         idle == 'Keeping velocity and rates predicts better than any model (attitude after 3 s).'
     )
@@ -68,7 +72,7 @@ def test_a_name_with_which_forecasts_are_worse_than_with_tolerances_alone_is_war
     tuned: float, warned: bool
 ) -> None:
     """From 4.3 to 6.2 cm was shown without a word; a tenth more is let pass."""
-    told = cautions([replace(gap('position', 3.0, 0.3, 0.1, 0.5, 0.7), tuned=tuned)])
+    told = list_forecast_warnings([replace(gap('position', 3.0, 0.3, 0.1, 0.5, 0.7), tuned=tuned)])
     assert bool(told) is warned
     if warned:
         assert 'worse than with tolerances alone (position after 3 s)' in told[0]

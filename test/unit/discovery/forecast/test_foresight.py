@@ -3,56 +3,58 @@
 from dataclasses import replace
 from itertools import pairwise
 
-from lta_discovery.carrying.transfer import left_out, Regime, warning
-from lta_discovery.forecast.ahead import ahead
-from lta_discovery.forecast.foresight import Foresight
-from lta_discovery.model.knobs import Knob
-from lta_discovery.model.nominal import Nominal
-from lta_discovery.replay.linear import origin
-from lta_discovery.replay.linearise import Linearised
+from lta_discovery.forecast.forecast_fit import ForecastFitter
+from lta_discovery.forecast.horizon_errors import compute_horizon_errors
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.replay.linearized_flight import build_origin
+from lta_discovery.replay.linearizer import FlightLinearizer
+from lta_discovery.transfer.cross_validation import cross_validate, format_warning, RegimeError
 import numpy as np
 import pytest
 
-Known = tuple[Nominal, list[Knob]]
+Known = tuple[NominalVehicle, list[FreeParameter]]
 OFF = 0.4  # of the drag ahead that a model lacks
 DRAG = 'quadratic_drag.surge'
 
 
 @pytest.fixture(scope='module')
-def lacking(gtmab: Known, clean: Linearised) -> tuple[Foresight, int, float]:
+def lacking(gtmab: Known, clean: FlightLinearizer) -> tuple[ForecastFitter, int, float]:
     """A model with too little drag, the knob, and by how much it has to be turned."""
     nominal, known = gtmab
     k = [knob.name for knob in known].index(DRAG)
-    off = OFF * nominal.value('quadratic_drag', 'surge')
-    wrong = known[k].turned(nominal, -off)
-    return Foresight(wrong, [clean, clean], 0.0006), k, off
+    off = OFF * nominal.parameter_value('quadratic_drag', 'surge')
+    wrong = known[k].apply_to(nominal, -off)
+    return ForecastFitter(wrong, [clean, clean], 0.0006), k, off
 
 
-def test_columns_are_what_small_turns_do(gtmab: Known, clean: Linearised) -> None:
+def test_columns_are_what_small_turns_do(gtmab: Known, clean: FlightLinearizer) -> None:
     """Against differences of whole flights, for knobs of each reach."""
     nominal, known = gtmab
-    point = origin(nominal, known, clean.replay.cut)
+    point = build_origin(nominal, known, clean.replay.cut)
     names = ('vehicle.mass', 'thrust_scale.factor', 'tracker_misalignment.pitch', DRAG)
     which = [[knob.name for knob in known].index(name) for name in names]
-    found = ahead(clean, point, which)
+    found = compute_horizon_errors(clean, point, which)
     for column, k in enumerate(which):
         step = 1e-3 * (known[k].typical or known[k].tolerance)
-        there = replace(point, nominal=known[k].turned(nominal, step))
-        slope = -(ahead(clean, there).left - found.left) / step
+        there = replace(point, nominal=known[k].apply_to(nominal, step))
+        slope = -(compute_horizon_errors(clean, there).left - found.left) / step
         close = 0.03 * np.nanmax(np.abs(slope))  # attitudes turn with what is left over
         told = np.isfinite(found.left)
         np.testing.assert_allclose(found.columns[told, column], slope[told], atol=close)
 
 
-def test_what_a_model_lacks_is_fitted(lacking: tuple[Foresight, int, float]) -> None:
+def test_what_a_model_lacks_is_fitted(lacking: tuple[ForecastFitter, int, float]) -> None:
     """Within a tenth, and the forecasts are better for it."""
     sight, k, off = lacking
     found = sight.fit([k], np.array([3.0 * off]), [0, 1], rounds=3)
     assert found.values[k] == pytest.approx(off, rel=0.1)
-    assert sight.size(found.values, [0]) < 0.9 * sight.size(np.zeros(len(sight.knobs)), [0])
+    assert sight.rms_error(found.values, [0]) < 0.9 * sight.rms_error(
+        np.zeros(len(sight.knobs)), [0]
+    )
 
 
-def test_a_fit_from_far_off_never_gets_worse(lacking: tuple[Foresight, int, float]) -> None:
+def test_a_fit_from_far_off_never_gets_worse(lacking: tuple[ForecastFitter, int, float]) -> None:
     """Begun at five times what is lacking; each round ends where the last did, or lower."""
     sight, k, off = lacking
     begin = np.zeros(len(sight.knobs))
@@ -66,7 +68,7 @@ def test_a_fit_from_far_off_never_gets_worse(lacking: tuple[Foresight, int, floa
     assert costs[-1] < 0.3 * costs[0]
 
 
-def test_large_errors_count_by_their_size(lacking: tuple[Foresight, int, float]) -> None:
+def test_large_errors_count_by_their_size(lacking: tuple[ForecastFitter, int, float]) -> None:
     """Twice as far off costs four times as much while it is usual, and twice beyond."""
     sight, k, _ = lacking
     usual = sight.weights
@@ -82,20 +84,20 @@ def test_large_errors_count_by_their_size(lacking: tuple[Foresight, int, float])
     assert costs[3] / costs[2] == pytest.approx(2.0, rel=1e-2)
 
 
-def test_a_true_effect_carries_over(lacking: tuple[Foresight, int, float]) -> None:
+def test_a_true_effect_carries_over(lacking: tuple[ForecastFitter, int, float]) -> None:
     """Taught by one flight, better on the other: no warning."""
     sight, k, off = lacking
     spread = np.array([3.0 * off])
     found = sight.fit([k], spread, [0, 1], rounds=3)
-    regimes = left_out(sight, found, [k], spread, {'slow': [0], 'fast': [1]})
+    regimes = cross_validate(sight, found, [k], spread, {'slow': [0], 'fast': [1]})
     assert all(regime.ratio < 0.9 for regime in regimes)
-    assert warning([DRAG], regimes) == ''
+    assert format_warning([DRAG], regimes) == ''
 
 
 def test_what_only_interpolates_is_said_so() -> None:
     """Worse than the vehicle file in a regime left out."""
-    regimes = [Regime('fast', 4, 1.0, 1.5), Regime('slow', 4, 1.0, 0.6)]
-    told = warning(['hull_lift'], regimes)
+    regimes = [RegimeError('fast', 4, 1.0, 1.5), RegimeError('slow', 4, 1.0, 0.6)]
+    told = format_warning(['hull_lift'], regimes)
     assert told.startswith('hull_lift: interpolation only')
     assert 'fast (1.50 times the error)' in told
     assert 'slow' not in told

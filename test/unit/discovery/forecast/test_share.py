@@ -2,29 +2,36 @@
 
 from dataclasses import replace
 
-from lta_discovery.fit.evidence import Fitted, FLOOR, own_variance, shared
-from lta_discovery.fit.fit import Fitter, Joint
-from lta_discovery.forecast import share as module
-from lta_discovery.forecast.share import forecasting
-from lta_discovery.model.knobs import Knob
-from lta_discovery.model.nominal import Nominal
-from lta_discovery.replay.linear import origin
-from lta_discovery.replay.linearise import Linearised
+from lta_discovery.fit.evidence import (
+    build_shared_prior,
+    FLOOR,
+    ParameterPosterior,
+    per_flight_variance,
+)
+from lta_discovery.fit.joint_fit import JointFit, JointFitter
+from lta_discovery.forecast import tolerance_share as module
+from lta_discovery.forecast.tolerance_share import shrink_tolerances
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.replay.linearized_flight import build_origin
+from lta_discovery.replay.linearizer import FlightLinearizer
 import numpy as np
 import pytest
 
-Known = tuple[Nominal, list[Knob]]
+Known = tuple[NominalVehicle, list[FreeParameter]]
 
 
 @pytest.fixture(scope='module')
-def fitted(gtmab: Known, clean: Linearised) -> tuple[Fitter, Joint]:
+def fitted(gtmab: Known, clean: FlightLinearizer) -> tuple[JointFitter, JointFit]:
     """A flight about the vehicle file, and all that flights share said to be 0.02 off."""
     nominal, knobs = gtmab
-    fitter = Fitter(nominal, [clean], own_variance(knobs), FLOOR)
-    point = origin(nominal, knobs, clean.replay.cut)
-    joint = fitter.settled(fitter.about(point.values, [point]), shared(knobs), FLOOR)
-    mean = np.where(own_variance(knobs) > 0.0, 0.0, 0.02)
-    return fitter, replace(joint, fitted=Fitted(0.0, mean, joint.fitted.covariance))
+    fitter = JointFitter(nominal, [clean], per_flight_variance(knobs), FLOOR)
+    point = build_origin(nominal, knobs, clean.replay.cut)
+    joint = fitter.fit_deviations(
+        fitter.linearize_flights(point.values, [point]), build_shared_prior(knobs), FLOOR
+    )
+    mean = np.where(per_flight_variance(knobs) > 0.0, 0.0, 0.02)
+    return fitter, replace(joint, fitted=ParameterPosterior(0.0, mean, joint.fitted.covariance))
 
 
 @pytest.mark.parametrize(
@@ -38,7 +45,7 @@ def fitted(gtmab: Known, clean: Linearised) -> tuple[Fitter, Joint]:
     ],
 )
 def test_the_share_that_forecasts_best_is_kept_and_a_name_with_all_of_its_value(
-    fitted: tuple[Fitter, Joint],
+    fitted: tuple[JointFitter, JointFit],
     monkeypatch: pytest.MonkeyPatch,
     errors: tuple[float, ...],
     share: float,
@@ -47,15 +54,15 @@ def test_the_share_that_forecasts_best_is_kept_and_a_name_with_all_of_its_value(
     fitter, joint = fitted
     told = iter(errors)
     monkeypatch.setattr(module, 'forecast_error', lambda flights, points: next(told))
-    mean = forecasting(fitter, joint, named=[3]).fitted.mean
+    mean = shrink_tolerances(fitter, joint, named=[3]).fitted.mean
     expected = share * joint.fitted.mean
     expected[3] = joint.fitted.mean[3]
     np.testing.assert_allclose(mean, expected)
 
 
 def test_forecasts_of_a_sound_flight_drop_tolerances_that_are_wrong(
-    fitted: tuple[Fitter, Joint],
+    fitted: tuple[JointFitter, JointFit],
 ) -> None:
     """Nothing is off in this flight, so that 2 % or 2 cm of everything is too much."""
     fitter, joint = fitted
-    assert not forecasting(fitter, joint).fitted.mean.any()
+    assert not shrink_tolerances(fitter, joint).fitted.mean.any()

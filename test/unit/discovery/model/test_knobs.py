@@ -3,31 +3,31 @@
 from dataclasses import replace
 import math
 
-from lta_config.files import known
+from lta_config.files import list_shipped
 from lta_discovery.model.candidates import DESIGN, NO_CANDIDATE
-from lta_discovery.model.knobs import Knob, knobs
-from lta_discovery.model.nominal import Nominal
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import FreeParameter, list_free_parameters
 from lta_model.effects import EFFECTS
 from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest
 
 
-@pytest.mark.parametrize('name', known('vehicles'))
+@pytest.mark.parametrize('name', list_shipped('vehicles'))
 def test_every_knob_of_every_vehicle_builds_a_model_either_side_of_its_step(name: str) -> None:
-    nominal = Nominal.of(load_vehicle(name))
-    found = knobs(nominal)
+    nominal = NominalVehicle.from_vehicle(load_vehicle(name))
+    found = list_free_parameters(nominal)
     names = [knob.name for knob in found]
     assert len(set(names)) == len(names)
     for knob in found:
         assert knob.low <= 0.0 <= knob.high
         assert knob.tolerance >= 0.0
-        knob.turned(nominal, knob.step_at(0.0)).model()
+        knob.apply_to(nominal, knob.step_at(0.0)).build_model()
     assert {'vehicle.mass', 'net_lift.force', 'command_delay.delay'} <= set(names)
 
 
 def test_a_candidate_is_as_large_as_its_effect_declares(
-    gtmab: tuple[Nominal, list[Knob]],
+    gtmab: tuple[NominalVehicle, list[FreeParameter]],
 ) -> None:
     declared = {
         f'{effect}.{parameter.name}': parameter.spread
@@ -49,47 +49,55 @@ def test_what_is_excluded_is_registered() -> None:
     assert declared >= NO_CANDIDATE
 
 
-def test_the_mass_moves_with_the_trim_kept(gtmab: tuple[Nominal, list[Knob]]) -> None:
+def test_the_mass_moves_with_the_trim_kept(
+    gtmab: tuple[NominalVehicle, list[FreeParameter]],
+) -> None:
     nominal, turned = gtmab
     mass = next(knob for knob in turned if knob.name == 'vehicle.mass')
-    heavier = mass.turned(nominal, 0.01)
+    heavier = mass.apply_to(nominal, 0.01)
     assert heavier.mass == pytest.approx(math.exp(0.01) * nominal.mass)
     assert heavier.mass - heavier.displaced == pytest.approx(nominal.mass - nominal.displaced)
 
 
-def test_a_second_turn_adds_to_the_first(gtmab: tuple[Nominal, list[Knob]]) -> None:
+def test_a_second_turn_adds_to_the_first(
+    gtmab: tuple[NominalVehicle, list[FreeParameter]],
+) -> None:
     # The columns of a fit take that for granted: thrust, mass and drag cancel only to rounding.
     nominal, turned = gtmab
     for knob in turned:
         size = 0.5 * min(knob.tolerance or knob.typical, knob.high) or -0.5 * knob.typical
         twice, once = (
-            knob.turned(knob.turned(nominal, size), size).rows(),
-            knob.turned(nominal, 2.0 * size).rows(),
+            knob.apply_to(knob.apply_to(nominal, size), size).build_rows(),
+            knob.apply_to(nominal, 2.0 * size).build_rows(),
         )
         np.testing.assert_allclose(twice.body, once.body, rtol=1e-9, atol=1e-15)
         np.testing.assert_allclose(twice.actuators, once.actuators, rtol=1e-9, atol=1e-15)
 
 
-def test_a_leak_that_fills_the_envelope_cannot_be(gtmab: tuple[Nominal, list[Knob]]) -> None:
+def test_a_leak_that_fills_the_envelope_cannot_be(
+    gtmab: tuple[NominalVehicle, list[FreeParameter]],
+) -> None:
     leak = next(knob for knob in gtmab[1] if knob.name == 'helium_leak.rate')
-    assert leak.possible(4e-5, 1e-6)
-    assert leak.possible(-1e-5, 5e-6)  # for all that is known it may be none
-    assert not leak.possible(-1e-5, 2e-6)
+    assert leak.is_possible(4e-5, 1e-6)
+    assert leak.is_possible(-1e-5, 5e-6)  # for all that is known it may be none
+    assert not leak.is_possible(-1e-5, 2e-6)
     pure = next(knob for knob in gtmab[1] if knob.name == 'gas_purity.purity')
-    assert not pure.possible(pure.high + 0.01, 0.001)
+    assert not pure.is_possible(pure.high + 0.01, 0.001)
 
 
-def test_a_glance_may_overshoot_and_not_turn_round(gtmab: tuple[Nominal, list[Knob]]) -> None:
+def test_a_glance_may_overshoot_and_not_turn_round(
+    gtmab: tuple[NominalVehicle, list[FreeParameter]],
+) -> None:
     munk = next(knob for knob in gtmab[1] if knob.name == 'munk_moment.lost')
-    assert munk.promising(1.19, 0.015)  # 0.58, bent straight
-    assert not munk.possible(1.19, 0.015)
-    assert not munk.promising(2.2, 0.015)
+    assert munk.is_promising(1.19, 0.015)  # 0.58, bent straight
+    assert not munk.is_possible(1.19, 0.015)
+    assert not munk.is_promising(2.2, 0.015)
     drag = next(knob for knob in gtmab[1] if knob.name == 'linear_drag.heave')
-    assert not drag.promising(-0.011, 0.0025)
+    assert not drag.is_promising(-0.011, 0.0025)
 
 
 def test_a_step_stays_within_the_bounds_on_either_side() -> None:
-    down = Knob('k', 's', {('e', 'k'): 1.0}, -0.1, -0.1, low=-1.0, high=1.0)
+    down = FreeParameter('k', 's', {('e', 'k'): 1.0}, -0.1, -0.1, low=-1.0, high=1.0)
     assert down.step_at(0.0) == -0.1
     assert down.step_at(-1.0) == 0.1
     up = replace(down, step=0.1, fine=0.1)

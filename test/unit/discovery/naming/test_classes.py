@@ -7,46 +7,58 @@ import subprocess
 import sys
 
 from lta_config.errors import BadInput
-from lta_discovery.fit.evidence import OWN, Reduced
-from lta_discovery.model.knobs import Knob
-from lta_discovery.model.nominal import Nominal
-from lta_discovery.naming.classes import classes, frozen, kind_of, of_kind, others, same_class
-from lta_discovery.planning.deriving import compared, digest, shipped, together
-from lta_discovery.planning.pairs import Pair, Pairs
-from lta_discovery.replay.linear import SENSORS
-from lta_discovery.replay.linearise import Linearised
+from lta_discovery.fit.evidence import OWN, ReducedFlight
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.planning.class_derivation import (
+    compare_candidates,
+    group_alike,
+    registry_digest,
+    select_shipped,
+)
+from lta_discovery.planning.separability import PairSeparability, ParameterPair
+from lta_discovery.replay.linearized_flight import SENSORS
+from lta_discovery.replay.linearizer import FlightLinearizer
+from lta_discovery.selection.equivalence_classes import (
+    classify_data_kind,
+    find_kind_classes,
+    is_same_class,
+    list_equivalents,
+    load_class_map,
+    load_frozen_classes,
+)
 from lta_model.effects import EFFECTS
 import numpy as np
 import pytest
 
-Known = tuple[Nominal, list[Knob]]
+Known = tuple[NominalVehicle, list[FreeParameter]]
 
 
-def _knob(name: str, tolerance: float = 0.0, typical: float = 1.0) -> Knob:
-    return Knob(name, '1', {('effect', name): 1.0}, 1e-5, 1e-4, tolerance, typical)
+def _knob(name: str, tolerance: float = 0.0, typical: float = 1.0) -> FreeParameter:
+    return FreeParameter(name, '1', {('effect', name): 1.0}, 1e-5, 1e-4, tolerance, typical)
 
 
-def _reduced(columns: list[list[float]]) -> Reduced:
+def _reduced(columns: list[list[float]]) -> ReducedFlight:
     """Return what readings of noise 1 say of knobs, the sensors' errors unseen."""
     table = np.array(columns, dtype=np.float64)
     whole = np.hstack([table, np.zeros((len(table), len(SENSORS) + 1))])
-    return Reduced(whole.T @ whole, 0.0)
+    return ReducedFlight(whole.T @ whole, 0.0)
 
 
 def test_two_equal_columns_are_one_name_and_a_third_is_not() -> None:
     knobs = [_knob('a'), _knob('b'), _knob('c')]
-    pairs = Pairs([_reduced([[3.0, 6.0, 0.0], [4.0, 8.0, 5.0]])], knobs)
-    assert pairs.pair(0, 1).cosine == pytest.approx(1.0)
-    assert pairs.pair(0, 2).cosine == pytest.approx(0.8)  # (3, 4) and (0, 5)
-    found = compared(pairs, pairs)
-    assert found.classes() == [['a', 'b']]
+    pairs = PairSeparability([_reduced([[3.0, 6.0, 0.0], [4.0, 8.0, 5.0]])], knobs)
+    assert pairs.compare_pair(0, 1).cosine == pytest.approx(1.0)
+    assert pairs.compare_pair(0, 2).cosine == pytest.approx(0.8)  # (3, 4) and (0, 5)
+    found = compare_candidates(pairs, pairs)
+    assert found.list_classes() == [['a', 'b']]
     assert found.reach == pytest.approx([5.0, 10.0, 5.0])
 
 
 def test_a_rival_has_to_be_able_to_have_the_value_that_does_the_same() -> None:
     # Columns (3, 4) and (-6, -8): 1 of the first is -0.5 of the second, known to 1 / 10.
     delay = replace(_knob('b'), low=0.0)
-    pairs = Pairs([_reduced([[3.0, -6.0], [4.0, -8.0]])], [_knob('a'), delay])
+    pairs = PairSeparability([_reduced([[3.0, -6.0], [4.0, -8.0]])], [_knob('a'), delay])
     assert pairs.can_replace('a', -1.0, 'b')
     assert not pairs.can_replace('a', 1.0, 'b')  # -0.5, by five deviations of 0.1
     assert pairs.can_replace('a', 0.5, 'b')  # -0.25, by two and a half: it may be 0
@@ -56,47 +68,51 @@ def test_a_rival_has_to_be_able_to_have_the_value_that_does_the_same() -> None:
 def test_a_nuisance_takes_its_share_and_a_tolerance_caps() -> None:
     # What (1, 0) leaves of (3, 4) once it may be anything is 4; within 0.5 it takes 9 / 5.
     knobs = [_knob('a'), _knob('n', 1e6, 0.0)]
-    assert Pairs([_reduced([[3.0, 1.0], [4.0, 0.0]])], knobs).one(0) == pytest.approx(16.0)
+    assert PairSeparability([_reduced([[3.0, 1.0], [4.0, 0.0]])], knobs).parameter_information(
+        0
+    ) == pytest.approx(16.0)
     knobs = [_knob('a'), _knob('n', 0.5, 0.0)]
     left = 25.0 - 9.0 / (1.0 + 4.0)
-    assert Pairs([_reduced([[3.0, 1.0], [4.0, 0.0]])], knobs).one(0) == pytest.approx(left)
+    assert PairSeparability([_reduced([[3.0, 1.0], [4.0, 0.0]])], knobs).parameter_information(
+        0
+    ) == pytest.approx(left)
     own = [_knob('a', 0.1), _knob('n', 0.5, 0.0)]
-    sigma = Pairs([_reduced([[3.0, 1.0], [4.0, 0.0]])], own).sigma(0)
+    sigma = PairSeparability([_reduced([[3.0, 1.0], [4.0, 0.0]])], own).detection_sigma(0)
     assert sigma == pytest.approx((1.0 / left + 0.01) ** -0.5)
-    many = Pairs([_reduced([[3.0, 1.0], [4.0, 0.0]])], own, 1e6).sigma(0)
+    many = PairSeparability([_reduced([[3.0, 1.0], [4.0, 0.0]])], own, 1e6).detection_sigma(0)
     assert many == pytest.approx(10.0, rel=1e-3)  # a typical 1 by a tolerance of 0.1
 
 
 def test_flights_add_up_each_with_its_own_errors() -> None:
     both = [[1.0, 1.0], [1.0, -1.0]]
-    own = Knob('bias', '1', {('e', 'bias'): 1.0}, 1e-5, 1e-4, 0.5, 2.0, per_flight=True)
-    one = Pairs([_reduced(both[:1])], [_knob('a'), own])
-    two = Pairs([_reduced(both[:1]), _reduced(both[1:])], [_knob('a'), own])
-    assert one.one(0) == pytest.approx(1.0 / (1.0 + 0.25))
-    assert two.one(0) == pytest.approx(2.0 / (1.0 + 0.25))
+    own = FreeParameter('bias', '1', {('e', 'bias'): 1.0}, 1e-5, 1e-4, 0.5, 2.0, per_flight=True)
+    one = PairSeparability([_reduced(both[:1])], [_knob('a'), own])
+    two = PairSeparability([_reduced(both[:1]), _reduced(both[1:])], [_knob('a'), own])
+    assert one.parameter_information(0) == pytest.approx(1.0 / (1.0 + 0.25))
+    assert two.parameter_information(0) == pytest.approx(2.0 / (1.0 + 0.25))
     # A bias that all flights share stands out of what each has of its own.
-    assert two.one(1) == pytest.approx(2.0 / (1.0 + 0.25))
-    assert two.sigma(1) == pytest.approx(2.0 * (2.0 / 1.25) ** 0.5)
+    assert two.parameter_information(1) == pytest.approx(2.0 / (1.0 + 0.25))
+    assert two.detection_sigma(1) == pytest.approx(2.0 * (2.0 / 1.25) ** 0.5)
 
 
 def test_what_is_to_be_expected_of_one_name_over_the_other() -> None:
-    assert Pair(4.0, 9.0, 0.0).apart(2.0) == 8.0
-    assert Pair(4.0, 9.0, 3.0).apart(2.0) == pytest.approx(0.5 * 4.0 * 3.0)
-    assert Pair(4.0, 9.0, 6.0).apart(2.0) == 0.0
-    assert Pair(4.0, 9.0, -3.0).cosine == -0.5
+    assert ParameterPair(4.0, 9.0, 0.0).expected_log_bayes(2.0) == 8.0
+    assert ParameterPair(4.0, 9.0, 3.0).expected_log_bayes(2.0) == pytest.approx(0.5 * 4.0 * 3.0)
+    assert ParameterPair(4.0, 9.0, 6.0).expected_log_bayes(2.0) == 0.0
+    assert ParameterPair(4.0, 9.0, -3.0).cosine == -0.5
 
 
 def test_every_two_of_a_group_are_alike() -> None:
     # a is like b and b like c, but a is not like c: no chain.
     cosine = np.array([[1.0, 0.99, 0.9], [0.99, 1.0, 0.985], [0.9, 0.985, 1.0]])
-    assert together(cosine, 0.98) == [[0, 1], [2]]
+    assert group_alike(cosine, 0.98) == [[0, 1], [2]]
 
 
 def test_the_frozen_file_is_that_of_the_candidates_as_they_are(gtmab: Known) -> None:
-    known = shipped(gtmab[1])
-    assert frozen().digest == digest(known), 'run make classes'
+    known = select_shipped(gtmab[1])
+    assert load_frozen_classes().digest == registry_digest(known), 'run make classes'
     names = {knob.name for knob in known if knob.typical > 0.0}
-    assert all(set(kind.reach) == names for kind in frozen().kinds.values())
+    assert all(set(kind.reach) == names for kind in load_frozen_classes().kinds.values())
 
 
 @pytest.mark.long
@@ -113,34 +129,34 @@ def test_the_frozen_classes_are_those_that_follow_now() -> None:
 
 def test_effects_that_others_install_are_not_frozen(monkeypatch: pytest.MonkeyPatch) -> None:
     places = [('vehicle', 'mass'), ('net_lift', 'force'), ('guide_rope', 'line')]
-    mass, lift, rope = (Knob('.'.join(at), '1', {at: 1.0}, 1e-5, 1e-4) for at in places)
+    mass, lift, rope = (FreeParameter('.'.join(at), '1', {at: 1.0}, 1e-5, 1e-4) for at in places)
     monkeypatch.setitem(EFFECTS, 'guide_rope', EFFECTS['net_lift'])
-    assert shipped([mass, lift, rope]) == [mass, lift]
+    assert select_shipped([mass, lift, rope]) == [mass, lift]
 
 
 def test_one_constant_force_has_many_names_and_so_has_one_delay() -> None:
-    for kind in frozen().kinds:
+    for kind in load_frozen_classes().kinds:
         for name in ('payload.mass', 'ballast.mass', 'gas_purity.purity'):
-            assert same_class('net_lift.force', name, kind)  # type: ignore[arg-type]
-        assert same_class('tracker_delay.delay', 'clock_offset.offset', kind)  # type: ignore[arg-type]
+            assert is_same_class('net_lift.force', name, kind)  # type: ignore[arg-type]
+        assert is_same_class('tracker_delay.delay', 'clock_offset.offset', kind)  # type: ignore[arg-type]
         # Only sensors on the clock of the commands tell a late command from a late pose.
-        one = same_class('command_delay.delay', 'tracker_delay.delay', kind)  # type: ignore[arg-type]
+        one = is_same_class('command_delay.delay', 'tracker_delay.delay', kind)  # type: ignore[arg-type]
         assert one == (kind in ('pose', 'wrench'))
-        assert not same_class('linear_drag.surge', 'cg_offset.x', kind)  # type: ignore[arg-type]
-    assert 'net_lift.force' in others('payload.mass', 'all')
-    assert classes('all')['payload.mass'] == classes('all')['net_lift.force']
-    assert 'gyro_bias.x' in of_kind('pose').unseen
-    assert not same_class('unheard.of', 'net_lift.force', 'pose')
-    assert others('unheard.of', 'pose') == ()
+        assert not is_same_class('linear_drag.surge', 'cg_offset.x', kind)  # type: ignore[arg-type]
+    assert 'net_lift.force' in list_equivalents('payload.mass', 'all')
+    assert load_class_map('all')['payload.mass'] == load_class_map('all')['net_lift.force']
+    assert 'gyro_bias.x' in find_kind_classes('pose').unseen
+    assert not is_same_class('unheard.of', 'net_lift.force', 'pose')
+    assert list_equivalents('unheard.of', 'pose') == ()
 
 
 def test_an_unknown_kind_is_refused() -> None:
     with pytest.raises(BadInput, match=r"'smell'.*wrench"):
-        of_kind('smell')  # type: ignore[arg-type]
+        find_kind_classes('smell')  # type: ignore[arg-type]
 
 
-def test_the_kind_of_a_recording_is_seen(clean: Linearised) -> None:
-    assert kind_of([clean.replay.flight]) == 'all'
+def test_the_kind_of_a_recording_is_seen(clean: FlightLinearizer) -> None:
+    assert classify_data_kind([clean.replay.flight]) == 'all'
 
 
 def test_own_errors_of_sensors_have_their_tolerance() -> None:
@@ -148,4 +164,6 @@ def test_own_errors_of_sensors_have_their_tolerance() -> None:
     table = np.zeros((2, 2 + len(SENSORS)))
     table[:, 0], table[:, 1] = (1.0, 0.0), (1.0, 0.0)
     left = 1.0 - 1.0 / (1.0 + OWN[0] ** -2.0)
-    assert Pairs([Reduced(table.T @ table, 0.0)], [_knob('a')]).one(0) == pytest.approx(left)
+    assert PairSeparability(
+        [ReducedFlight(table.T @ table, 0.0)], [_knob('a')]
+    ).parameter_information(0) == pytest.approx(left)

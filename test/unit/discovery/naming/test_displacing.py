@@ -2,17 +2,25 @@
 
 from dataclasses import replace
 
-from lta_discovery.fit.evidence import FLOOR, own_variance, shared
-from lta_discovery.fit.fit import Fitter
-from lta_discovery.model.knobs import Knob
-from lta_discovery.model.nominal import Nominal
-from lta_discovery.naming.beside import acts_on, calm, lesser, minor, partial, sound, untouched
-from lta_discovery.naming.displacing import bar, displaced, Displacing
-from lta_discovery.naming.naming import Naming
-from lta_discovery.naming.proof import Proof
-from lta_discovery.outside.outside import outside
-from lta_discovery.replay.linear import origin
-from lta_discovery.replay.linearise import Linearised
+from lta_discovery.fit.evidence import build_shared_prior, FLOOR, per_flight_variance
+from lta_discovery.fit.joint_fit import JointFitter
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.replay.linearized_flight import build_origin
+from lta_discovery.replay.linearizer import FlightLinearizer
+from lta_discovery.selection.effect_search import EffectSearch
+from lta_discovery.selection.residual_guards import (
+    find_acting_axes,
+    is_calm,
+    is_lesser,
+    is_minor,
+    is_partial,
+    is_sound,
+    is_unaffected,
+)
+from lta_discovery.selection.rival_test import displacement_threshold, find_better_rival, RivalTest
+from lta_discovery.selection.verification import EffectVerification
+from lta_discovery.unmodeled.assessment import assess_unmodeled
 from lta_model.effects.protocol import AXES as NAMES
 import numpy as np
 import pytest
@@ -20,7 +28,7 @@ import pytest
 from ..hidden_flight import flown, prepared  # noqa: TID252 - `test` is Python's own
 from ..unknown_physics import KINDS  # noqa: TID252 - `test` is Python's own
 
-Known = tuple[Nominal, list[Knob]]
+Known = tuple[NominalVehicle, list[FreeParameter]]
 
 
 @pytest.mark.long
@@ -31,94 +39,109 @@ def test_a_tether_is_given_no_name(gtmab: Known) -> None:
         [prepared(flown({}, seed, 32.0, make(strong, np.random.default_rng(4)), 1.9), knobs)]
         for seed in (31, 32)
     )
-    found = Naming(nominal, (pair[0], pair[1])).run()
-    proven = Proof(nominal, [*pair[0], *pair[1]]).run(found)
-    rest = outside(pair, proven.full, Naming(nominal, (pair[0], pair[1])).floor)
+    found = EffectSearch(nominal, (pair[0], pair[1])).run()
+    proven = EffectVerification(nominal, [*pair[0], *pair[1]]).run(found)
+    rest = assess_unmodeled(pair, proven.full, EffectSearch(nominal, (pair[0], pair[1])).floor)
     assert proven.names == ()
-    assert rest.verdict(proven.names) == 'unexplained'
+    assert rest.decide_verdict(proven.names) == 'unexplained'
     assert {'surge', 'sway', 'heave'} <= {one.axis for one in rest.remains}
     assert all(' force ' in one or ' moment ' in one for one in rest.sentences)
 
 
 def test_a_candidate_falls_to_a_better_rival_unless_it_has_more_to_say() -> None:
-    least = bar('net_lift.force', 100.0)
+    least = displacement_threshold('net_lift.force', 100.0)
     assert least == pytest.approx(120.0)
-    assert displaced(100.0, least, {'field': 119.0}, {'field': 5.0}) == ''  # not clearly better
-    assert displaced(100.0, least, {'field': 300.0}, {'field': 203.0}) == 'field'
-    assert displaced(100.0, least, {'field': 300.0}, {'field': 290.0}) == ''  # two at once
-    assert displaced(100.0, least, {'a': 300.0, 'b': 200.0}, {'a': 290.0, 'b': 90.0}) == 'b'
+    assert (
+        find_better_rival(100.0, least, {'field': 119.0}, {'field': 5.0}) == ''
+    )  # not clearly better
+    assert find_better_rival(100.0, least, {'field': 300.0}, {'field': 203.0}) == 'field'
+    assert find_better_rival(100.0, least, {'field': 300.0}, {'field': 290.0}) == ''  # two at once
+    assert (
+        find_better_rival(100.0, least, {'a': 300.0, 'b': 200.0}, {'a': 290.0, 'b': 90.0}) == 'b'
+    )
 
 
 def test_a_coefficient_of_motion_falls_to_any_better_rival() -> None:
-    least = bar('rotational_drag.yaw', 43.0)
-    assert displaced(43.0, least, {'one-sided': 55.0}, {'one-sided': 17.0}) == 'one-sided'
-    assert displaced(43.0, least, {'one-sided': 42.0}, {'one-sided': -12.0}) == ''
-    assert displaced(43.0, bar('ballast.mass', 43.0), {'a': 55.0}, {'a': 17.0}) == ''
+    least = displacement_threshold('rotational_drag.yaw', 43.0)
+    assert find_better_rival(43.0, least, {'one-sided': 55.0}, {'one-sided': 17.0}) == 'one-sided'
+    assert find_better_rival(43.0, least, {'one-sided': 42.0}, {'one-sided': -12.0}) == ''
+    assert (
+        find_better_rival(
+            43.0, displacement_threshold('ballast.mass', 43.0), {'a': 55.0}, {'a': 17.0}
+        )
+        == ''
+    )
 
 
 def test_a_part_of_something_larger_is_withdrawn() -> None:
     large = np.array([9.5, 1.0, 20.0, 1.0, 1.0, 1.0])
     heave, yaw = np.arange(6) == 2, np.arange(6) == 5
-    assert partial(heave, large, 0.6 * large)
-    assert not partial(heave, large, np.array([9.4, 1.0, 3.0, 1.0, 1.0, 1.0]))
-    assert not partial(heave, large, 0.3 * large)  # it was most of it
-    assert not partial(heave | yaw, large, large)  # it explains one axis
-    assert not partial(np.zeros(6, dtype=np.bool_), large, large)  # it is about a sensor
+    assert is_partial(heave, large, 0.6 * large)
+    assert not is_partial(heave, large, np.array([9.4, 1.0, 3.0, 1.0, 1.0, 1.0]))
+    assert not is_partial(heave, large, 0.3 * large)  # it was most of it
+    assert not is_partial(heave | yaw, large, large)  # it explains one axis
+    assert not is_partial(np.zeros(6, dtype=np.bool_), large, large)  # it is about a sensor
 
 
 def test_a_name_that_both_sides_find_may_stand_beside_something_larger() -> None:
-    assert sound('net_lift.force', (222.0, 157.0), 0.13)
-    assert not sound('net_lift.force', (222.0, 157.0), 0.27)  # which of the two?
-    assert not sound('net_lift.force', (148.0, 5.0), 0.13)  # one side hardly knows of it
-    assert not sound('net_lift.force', (14.0, 11.0), 0.13)
+    assert is_sound('net_lift.force', (222.0, 157.0), 0.13)
+    assert not is_sound('net_lift.force', (222.0, 157.0), 0.27)  # which of the two?
+    assert not is_sound('net_lift.force', (148.0, 5.0), 0.13)  # one side hardly knows of it
+    assert not is_sound('net_lift.force', (14.0, 11.0), 0.13)
     # The word for whatever follows motion has to come out the same.
-    assert not sound('linear_drag.surge', (222.0, 157.0), 0.13)
-    assert sound('added_mass.heave', (84.0, 83.8), 0.002)
+    assert not is_sound('linear_drag.surge', (222.0, 157.0), 0.13)
+    assert is_sound('added_mass.heave', (84.0, 83.8), 0.002)
 
 
 def test_what_leaves_all_that_remains_as_it_was_has_nothing_to_do_with_it() -> None:
     before = np.array([10.4, 2.0, 3.9, 6.5, 66.3, 51.9])
     after = np.array([10.0, 2.0, 3.9, 6.4, 62.2, 49.7])
     pitch, sway = np.arange(6) == 4, np.arange(6) == 1
-    assert untouched(before, after)
-    assert untouched(before, after - 1.5 * sway)  # what is calm does not count
-    assert not untouched(before, after - 10.0 * pitch)
-    assert not untouched(before, after + 20.0 * pitch)
-    assert calm(sway, after)
-    assert not calm(sway | pitch, after)
-    assert calm(np.zeros(6, dtype=np.bool_), after)  # it is about a sensor
+    assert is_unaffected(before, after)
+    assert is_unaffected(before, after - 1.5 * sway)  # what is calm does not count
+    assert not is_unaffected(before, after - 10.0 * pitch)
+    assert not is_unaffected(before, after + 20.0 * pitch)
+    assert is_calm(sway, after)
+    assert not is_calm(sway | pitch, after)
+    assert is_calm(np.zeros(6, dtype=np.bool_), after)  # it is about a sensor
 
 
 def test_less_is_asked_of_what_has_nothing_to_do_with_a_rival() -> None:
-    least, before, after = bar('tracker_delay.delay', 124.0), {'roll': 340.0}, {'roll': 264.0}
-    assert displaced(124.0, least, before, after) == 'roll'
-    assert displaced(124.0, least, before, after, part=0.25) == ''
-    assert displaced(124.0, least, before, {'roll': 220.0}, part=0.25) == 'roll'
+    least, before, after = (
+        displacement_threshold('tracker_delay.delay', 124.0),
+        {'roll': 340.0},
+        {'roll': 264.0},
+    )
+    assert find_better_rival(124.0, least, before, after) == 'roll'
+    assert find_better_rival(124.0, least, before, after, part=0.25) == ''
+    assert find_better_rival(124.0, least, before, {'roll': 220.0}, part=0.25) == 'roll'
 
 
 def test_a_coefficient_of_motion_that_leaves_more_than_it_explains_is_minor() -> None:
     before = np.array([0.4, 0.4, 0.4, 1.3, 3.3, 5.4])
     final = np.array([0.3, 0.4, 0.4, 1.3, 2.9, 4.7])
     pitch, yaw = (np.arange(6) == 4) | (np.arange(6) == 0), np.arange(6) == 5
-    assert minor('rotational_drag.pitch', pitch, before, final)
-    assert minor('rotational_drag.yaw', yaw, before, final)
-    assert not minor('ballast.mass', yaw, before, final)
-    assert not minor('rotational_drag.yaw', yaw, before, final - 2.5 * yaw)  # little is left
-    assert not minor('rotational_drag.yaw', yaw, before + 4.0, final)  # it explained more
+    assert is_minor('rotational_drag.pitch', pitch, before, final)
+    assert is_minor('rotational_drag.yaw', yaw, before, final)
+    assert not is_minor('ballast.mass', yaw, before, final)
+    assert not is_minor('rotational_drag.yaw', yaw, before, final - 2.5 * yaw)  # little is left
+    assert not is_minor('rotational_drag.yaw', yaw, before + 4.0, final)  # it explained more
 
 
 def test_a_name_that_won_little_is_withdrawn_beside_anything(
-    gtmab: Known, clean: Linearised
+    gtmab: Known, clean: FlightLinearizer
 ) -> None:
     nominal, knobs = gtmab
-    fitter = Fitter(nominal, [clean], own_variance(knobs), FLOOR)
-    begin = origin(nominal, knobs, clean.replay.cut)
-    joint = fitter.fit(shared(knobs), fitter.about(begin.values, [begin]), FLOOR, rounds=1)
-    displacing = Displacing(([clean], [clean]), FLOOR)
+    fitter = JointFitter(nominal, [clean], per_flight_variance(knobs), FLOOR)
+    begin = build_origin(nominal, knobs, clean.replay.cut)
+    joint = fitter.fit(
+        build_shared_prior(knobs), fitter.linearize_flights(begin.values, [begin]), FLOOR, rounds=1
+    )
+    displacing = RivalTest(([clean], [clean]), FLOOR)
 
     def gone(won: float, floors: float) -> tuple[str, ...]:
         then = replace(joint, evidence=joint.evidence + 0.5 * won, deviations=floors * FLOOR)
-        return displacing.withdrawn([('helium_leak.rate', (joint, joint))], (then, then))
+        return displacing.list_withdrawn([('helium_leak.rate', (joint, joint))], (then, then))
 
     assert gone(20.0, 3.0) == ('helium_leak.rate',)
     assert gone(20.0, 2.0) == ()  # nothing remains
@@ -126,7 +149,7 @@ def test_a_name_that_won_little_is_withdrawn_beside_anything(
 
     def of_a_sensor(won: float, floors: float) -> tuple[str, ...]:
         then = replace(joint, evidence=joint.evidence + 0.5 * won, deviations=floors * FLOOR)
-        return displacing.withdrawn([('range_offset.offset', (joint, joint))], (then, then))
+        return displacing.list_withdrawn([('range_offset.offset', (joint, joint))], (then, then))
 
     assert of_a_sensor(12.0, 3.0) == ()  # no force could say the same
 
@@ -135,20 +158,22 @@ def test_drag_for_a_little_beside_something_large_is_withdrawn() -> None:
     before = np.array([2.4, 2.5, 3.3, 6.2, 5.4, 0.6])
     final = np.array([1.1, 2.4, 3.2, 6.2, 5.4, 0.6])
     surge, none = np.arange(6) == 0, np.zeros(6, dtype=np.bool_)
-    assert lesser('linear_drag.surge', surge, before, final)
-    assert not lesser('linear_drag.surge', surge, before + 2.0 * surge, final)
-    assert lesser('linear_drag.surge', surge, before + 2.0, final + 2.0)  # it hardly changed
-    assert not lesser('net_lift.force', surge, before, final)  # it follows no motion
-    assert not lesser('added_mass.surge', none, before, final)
-    assert lesser('munk_moment.lost', surge, before, final)
+    assert is_lesser('linear_drag.surge', surge, before, final)
+    assert not is_lesser('linear_drag.surge', surge, before + 2.0 * surge, final)
+    assert is_lesser('linear_drag.surge', surge, before + 2.0, final + 2.0)  # it hardly changed
+    assert not is_lesser('net_lift.force', surge, before, final)  # it follows no motion
+    assert not is_lesser('added_mass.surge', none, before, final)
+    assert is_lesser('munk_moment.lost', surge, before, final)
 
 
-def test_a_knob_acts_where_a_force_could_do_the_same(gtmab: Known, clean: Linearised) -> None:
+def test_a_knob_acts_where_a_force_could_do_the_same(
+    gtmab: Known, clean: FlightLinearizer
+) -> None:
     nominal, knobs = gtmab
-    linear = clean.at(origin(nominal, knobs, clean.replay.cut))
+    linear = clean.linearize(build_origin(nominal, knobs, clean.replay.cut))
     for name, axes in (
         ('linear_drag.heave', ['heave']),
         ('rotational_drag.yaw', ['yaw']),
         ('range_offset.offset', []),
     ):
-        assert [NAMES[k] for k in np.flatnonzero(acts_on(linear, name, FLOOR))] == axes
+        assert [NAMES[k] for k in np.flatnonzero(find_acting_axes(linear, name, FLOOR))] == axes

@@ -2,8 +2,8 @@
 
 from types import SimpleNamespace
 
-from lta_discovery.fit.evidence import Fitted
-from lta_discovery.naming.interval import NORMAL, spread
+from lta_discovery.fit.evidence import ParameterPosterior
+from lta_discovery.selection.interval import NORMAL, parameter_deviations
 import numpy as np
 import pytest
 from scipy.stats import norm
@@ -18,9 +18,9 @@ def test_a_spread_includes_half_a_percent_of_the_value(beside: bool, wider: floa
     """
     knobs = [SimpleNamespace(name=name) for name in ('vehicle.mass', 'clock_skew.skew')]
     covariance = np.diag([4.0, 9e-12, 77.0])
-    found = Fitted(0.0, np.array([-200.0, 0.0, 5.0]), covariance)
+    found = ParameterPosterior(0.0, np.array([-200.0, 0.0, 5.0]), covariance)
     expected = np.sqrt([4.0 * wider + 1.0, 9e-12 * wider + 25e-12])
-    np.testing.assert_allclose(spread(found, knobs, beside), expected)
+    np.testing.assert_allclose(parameter_deviations(found, knobs, beside), expected)
 
 
 def test_an_interval_holds_95_percent() -> None:

@@ -3,15 +3,15 @@
 from types import SimpleNamespace
 from unittest import mock
 
-from lta_discovery.naming.accept import Trial
-from lta_discovery.naming.naming import Naming, Step
+from lta_discovery.selection.acceptance import CandidateTrial
+from lta_discovery.selection.effect_search import EffectSearch, SelectionRound
 import pytest
 
 DEADBAND = 'motor_deadband.threshold'
 
 
-def _trial(name: str) -> Trial:
-    return Trial(name, 9.0, 9.0, 9.0, 0.0, 0.0)
+def _trial(name: str) -> CandidateTrial:
+    return CandidateTrial(name, 9.0, 9.0, 9.0, 0.0, 0.0)
 
 
 @pytest.mark.parametrize(
@@ -26,7 +26,7 @@ def _trial(name: str) -> Trial:
 def test_a_threshold_is_tried_last(
     first: str, loud: bool, knobs: tuple[str, ...], asked: list[tuple[str, ...]], named: str
 ) -> None:
-    naming = object.__new__(Naming)
+    naming = object.__new__(EffectSearch)
     naming._names = list(knobs)
     naming._displacing = SimpleNamespace(loud=lambda fits: loud)
     seen: list[tuple[str, ...]] = []
@@ -35,25 +35,26 @@ def test_a_threshold_is_tried_last(
         seen.append(tuple(glance))
         (name,) = glance
         found = name if name in (first, DEADBAND) else ''
-        return Step((_trial(name),), (), found), 'then' if found else fits
+        return SelectionRound((_trial(name),), (), found), 'then' if found else fits
 
-    naming._tried = tried
+    naming._try_candidates = tried
     glances = mock.Mock(side_effect=[{'a': (9.0, ())}, {'b': (9.0, ())}])
-    naming._glance = glances
-    step, then = naming._round((), 'fits')
+    naming._shortlist_candidates = glances
+    step, then = naming._run_round((), 'fits')
     assert seen == asked
     assert (step.named, then) == (named, 'then' if named else 'fits')
     assert {trial.name for trial in step.trials} == {name for (name,) in asked}
 
 
 def test_a_threshold_that_the_first_glance_judged_is_not_judged_again() -> None:
-    naming = object.__new__(Naming)
+    naming = object.__new__(EffectSearch)
     naming._names = [DEADBAND]
     naming._displacing = SimpleNamespace(loud=lambda fits: True)
-    naming._glance = mock.Mock(side_effect=[{DEADBAND: (9.0, ())}, {'b': (9.0, ())}])
-    naming._tried = mock.Mock(side_effect=[
-        (Step((_trial(DEADBAND),), (), ''), 'fits'), (Step((_trial('b'),), (), ''), 'fits'),
+    naming._shortlist_candidates = mock.Mock(side_effect=[{DEADBAND: (9.0, ())}, {'b': (9.0, ())}])
+    naming._try_candidates = mock.Mock(side_effect=[
+        (SelectionRound((_trial(DEADBAND),), (), ''), 'fits'),
+        (SelectionRound((_trial('b'),), (), ''), 'fits'),
     ])  # fmt: skip
-    step, _ = naming._round((), 'fits')
-    assert naming._tried.call_count == 2
+    step, _ = naming._run_round((), 'fits')
+    assert naming._try_candidates.call_count == 2
     assert step.named == ''

@@ -2,31 +2,31 @@
 
 from dataclasses import replace
 
-from lta_discovery.fit.evidence import shared, tolerances
-from lta_discovery.fit.fit import fit
-from lta_discovery.forecast.gap import where
-from lta_discovery.model.knobs import Knob
-from lta_discovery.model.nominal import Nominal
-from lta_discovery.naming.accept import Trial
-from lta_discovery.naming.naming import Named, Naming
-from lta_discovery.replay.linear import origin
+from lta_discovery.fit.evidence import build_prior, build_shared_prior
+from lta_discovery.fit.joint_fit import fit_flight
+from lta_discovery.forecast.prediction_errors import compute_prediction_errors
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.replay.linearized_flight import build_origin
+from lta_discovery.selection.acceptance import CandidateTrial
+from lta_discovery.selection.effect_search import EffectSearch, EffectSearchResult
 import pytest
 
 from ..hidden_cases import CASES, Changes, off_by_tolerance  # noqa: TID252 - `test` is Python's own
 from ..hidden_flight import flown, prepared  # noqa: TID252 - `test` is Python's own
 
-Known = tuple[Nominal, list[Knob]]
+Known = tuple[NominalVehicle, list[FreeParameter]]
 LENGTH = 40.0  # s
 HIDDEN = {'linear_drag.surge': 0.03, 'cg_offset.x': 0.006, 'command_delay.delay': 0.045}
 
 
-def _named(known: Known, changes: Changes, seed: int) -> Named:
+def _named(known: Known, changes: Changes, seed: int) -> EffectSearchResult:
     nominal, knobs = known
     pair = (
         [prepared(flown(changes, seed, LENGTH), knobs)],
         [prepared(flown(changes, seed + 1, LENGTH), knobs)],
     )
-    return Naming(nominal, pair).run()
+    return EffectSearch(nominal, pair).run()
 
 
 LONG = ('linear_drag.surge', 'command_delay.delay')  # test_study.py names the first as well
@@ -56,17 +56,19 @@ def test_an_effect_that_cannot_be_so_large_is_not_named(gtmab: Known) -> None:
 def test_a_vehicle_within_its_tolerances_names_nothing(gtmab: Known) -> None:
     found = _named(gtmab, off_by_tolerance(3), 60)
     assert found.names == ()
-    assert all(not trial.accepted for step in found.steps for trial in step.trials)
+    assert all(not trial.is_accepted for step in found.steps for trial in step.trials)
 
 
 @pytest.mark.long
 def test_the_gap_goes_from_nominal_over_tuned_to_named(gtmab: Known) -> None:
     nominal, knobs = gtmab
     flight = prepared(flown(CASES['linear_drag.surge'], 70, LENGTH), knobs)
-    start = origin(nominal, knobs, flight.replay.cut)
-    before = where(flight, start)
+    start = build_origin(nominal, knobs, flight.replay.cut)
+    before = compute_prediction_errors(flight, start)
     tuned, named = (
-        where(flight, fit(flight, nominal, tolerances(knobs, names), start).linear.point)
+        compute_prediction_errors(
+            flight, fit_flight(flight, nominal, build_prior(knobs, names), start).linear.point
+        )
         for names in ((), ('linear_drag.surge',))
     )
     far = 'position', 5.0
@@ -77,40 +79,42 @@ def test_the_gap_goes_from_nominal_over_tuned_to_named(gtmab: Known) -> None:
 
 
 def test_one_flight_alone_names_nothing() -> None:
-    assert Trial('a', 60.0, 30.0, 20.0, 1.0, 0.2).accepted
-    assert not Trial('a', 60.0, -4.0, -6.0, 1.0, 0.2).accepted
-    assert not Trial('a', 60.0, 30.0, 20.0, 7.0, 0.3).accepted  # two different values
-    assert not Trial('a', 4.0, 4.0, 3.0, 0.0, 0.0).accepted
+    assert CandidateTrial('a', 60.0, 30.0, 20.0, 1.0, 0.2).is_accepted
+    assert not CandidateTrial('a', 60.0, -4.0, -6.0, 1.0, 0.2).is_accepted
+    assert not CandidateTrial('a', 60.0, 30.0, 20.0, 7.0, 0.3).is_accepted  # two different values
+    assert not CandidateTrial('a', 4.0, 4.0, 3.0, 0.0, 0.0).is_accepted
 
 
 def test_a_candidate_that_loses_on_one_flight_what_it_wins_on_the_other_is_torn() -> None:
-    assert Trial('a', 631.0, -6.0, -9.0, 8.0, 0.9).torn
-    assert Trial('a', -6.0, 631.0, 2.0, 8.0, 0.9).torn
-    assert not Trial('a', 631.0, -2.0, -9.0, 8.0, 0.9).torn  # nothing lost
-    assert not Trial('a', 2.0, -6.0, -9.0, 8.0, 0.9).torn  # nothing won
-    assert Trial('a', 240.0, 227.0, 200.0, 1.0, 0.1).both
-    assert not Trial('a', 240.0, 4.0, 200.0, 1.0, 0.1).both
+    assert CandidateTrial('a', 631.0, -6.0, -9.0, 8.0, 0.9).is_contradictory
+    assert CandidateTrial('a', -6.0, 631.0, 2.0, 8.0, 0.9).is_contradictory
+    assert not CandidateTrial('a', 631.0, -2.0, -9.0, 8.0, 0.9).is_contradictory  # nothing lost
+    assert not CandidateTrial('a', 2.0, -6.0, -9.0, 8.0, 0.9).is_contradictory  # nothing won
+    assert CandidateTrial('a', 240.0, 227.0, 200.0, 1.0, 0.1).wins_on_both
+    assert not CandidateTrial('a', 240.0, 4.0, 200.0, 1.0, 0.1).wins_on_both
 
 
 @pytest.mark.long
 def test_only_what_is_unlike_a_torn_candidate_gets_past_it(gtmab: Known) -> None:
     nominal, knobs = gtmab
     pair = tuple([prepared(flown({}, seed, 20.0), knobs)] for seed in (60, 61))
-    naming = Naming(nominal, (pair[0], pair[1]))
+    naming = EffectSearch(nominal, (pair[0], pair[1]))
     bare = naming.run().bare
     torn, sound = (631.0, -6.0, -9.0, 8.0, 0.9), (240.0, 227.0, 200.0, 1.0, 0.1)
     for name, other, past in (
         ('linear_drag.surge', 'rotational_drag.yaw', True),
         ('linear_drag.surge', 'quadratic_drag.surge', False),
     ):
-        trial, better = Trial(name, *sound), Trial(other, *torn)
-        assert naming._lesser(trial, [better, trial], (), bare, ()) == past
-        assert not naming._lesser(trial, [better._replace(replicated=9.0), trial], (), bare, ())
+        trial, better = CandidateTrial(name, *sound), CandidateTrial(other, *torn)
+        assert naming._is_admissible(trial, [better, trial], (), bare, ()) == past
+        assert not naming._is_admissible(
+            trial, [better._replace(replicated=9.0), trial], (), bare, ()
+        )
         agreed = better._replace(replicated=9.0, apart=1.0)  # beside what has failed already
-        assert naming._lesser(trial, [agreed, trial], (), bare, ('cg_offset.x',)) == past
-        assert naming._lesser(trial, [better, trial], (), bare, ('cg_offset.x',))
-    prior = shared(naming.knobs)
-    left = naming._like(['linear_drag.surge'], prior, bare)
+        assert naming._is_admissible(trial, [agreed, trial], (), bare, ('cg_offset.x',)) == past
+        assert naming._is_admissible(trial, [better, trial], (), bare, ('cg_offset.x',))
+    prior = build_shared_prior(naming.knobs)
+    left = naming._list_excluded(['linear_drag.surge'], prior, bare)
     assert {'linear_drag.surge', 'quadratic_drag.surge', 'rotational_drag.yaw'} <= left
     assert {'steady_wind.x', 'helium_leak.rate'} <= left
     assert not {'gyro_bias.z', 'net_lift.force'} & left

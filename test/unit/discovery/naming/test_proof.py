@@ -4,8 +4,8 @@ from types import SimpleNamespace
 from unittest import mock
 
 from lta_discovery.fit.evidence import Prior
-from lta_discovery.fit.group import Group
-from lta_discovery.naming.proof import Proof
+from lta_discovery.fit.flight_group import LinearizedGroup
+from lta_discovery.selection.verification import EffectVerification
 import numpy as np
 import pytest
 
@@ -24,19 +24,21 @@ import pytest
 def test_the_better_of_two_names_stands(
     linear: float, alike: bool, refitted: float, named: str, others: dict[str, bool]
 ) -> None:
-    proof = object.__new__(Proof)
+    proof = object.__new__(EffectVerification)
     full, then = SimpleNamespace(evidence=100.0), SimpleNamespace(evidence=refitted)
-    near = mock.patch.object(Proof, '_near', return_value={'other': (linear, alike)})
-    with near, mock.patch.object(Proof, '_changed', return_value=then):
-        found, fitted, name = proof._swapped('name', ('name',), full)
+    near = mock.patch.object(
+        EffectVerification, '_find_near_rivals', return_value={'other': (linear, alike)}
+    )
+    with near, mock.patch.object(EffectVerification, '_refit_without', return_value=then):
+        found, fitted, name = proof._swap_effect('name', ('name',), full)
     assert name == named
     assert fitted is (then if named == 'other' else full)
     assert found == others
 
 
-def _proof(*knobs: tuple[str, float]) -> Proof:
+def _proof(*knobs: tuple[str, float]) -> EffectVerification:
     """Return a proof without flights whose candidates have these names and typical sizes."""
-    proof = object.__new__(Proof)
+    proof = object.__new__(EffectVerification)
     proof.knobs = [SimpleNamespace(name=name, typical=typical) for name, typical in knobs]
     proof._order = [name for name, _ in knobs]
     proof.fitter, proof._sizes = mock.Mock(), {}
@@ -57,13 +59,17 @@ def test_the_cost_of_an_effect_is_refitted_if_it_is_less_than_60_nats() -> None:
         return _worth(linear[name])
 
     with (
-        mock.patch.object(Proof, '_without', without),
-        mock.patch.object(Proof, '_changed', lambda self, last, name, _: _worth(refitted[name])),
+        mock.patch.object(EffectVerification, '_remove_effect', without),
+        mock.patch.object(
+            EffectVerification,
+            '_refit_without',
+            lambda self, last, name, _: _worth(refitted[name]),
+        ),
     ):
-        costs = _proof()._costs(('a', 'b', 'c'), _worth(200.0), _worth(1.0))
+        costs = _proof()._removal_costs(('a', 'b', 'c'), _worth(200.0), _worth(1.0))
     assert costs == pytest.approx({'a': 60.1, 'b': 50.0, 'c': 60.0})
     assert asked == [('a', ('b', 'c')), ('b', ('a', 'c')), ('c', ('a', 'b'))]
-    assert _proof()._costs(('a',), _worth(200.0), _worth(180.0)) == {'a': 20.0}
+    assert _proof()._removal_costs(('a',), _worth(200.0), _worth(180.0)) == {'a': 20.0}
 
 
 def test_rivals_resemble_the_effect_and_lose_few_nats() -> None:
@@ -84,10 +90,12 @@ def test_rivals_resemble_the_effect_and_lose_few_nats() -> None:
         asked.append(names)
         return _worth(100.0 - lost[names[0]])
 
-    likeness = mock.patch('lta_discovery.naming.proof.likeness', return_value=np.array(cosines))
+    likeness = mock.patch(
+        'lta_discovery.selection.verification.column_cosines', return_value=np.array(cosines)
+    )
     full = SimpleNamespace(evidence=100.0, reduced='r', prior='p')
-    with likeness as alike, mock.patch.object(Proof, '_without', without):
-        near = proof._near('a', ('a', 'named'), full)
+    with likeness as alike, mock.patch.object(EffectVerification, '_remove_effect', without):
+        near = proof._find_near_rivals('a', ('a', 'named'), full)
     assert alike.call_args.args[2] == ['a', 'faint', 'some', 'twin', 'nan', 'far', 'just']
     assert asked == [(name, 'named') for name in ('some', 'twin', 'far', 'just')]
     assert [*near] == ['just', 'twin', 'some']
@@ -109,10 +117,10 @@ def test_the_two_best_rivals_are_refitted_and_all_within_a_tie_are_listed() -> N
         return _worth(refitted[names[1]])
 
     with (
-        mock.patch.object(Proof, '_near', return_value=near),
-        mock.patch.object(Proof, '_changed', changed),
+        mock.patch.object(EffectVerification, '_find_near_rivals', return_value=near),
+        mock.patch.object(EffectVerification, '_refit_without', changed),
     ):
-        found, _, name = _proof()._swapped('a', ('x', 'a'), _worth(100.0))
+        found, _, name = _proof()._swap_effect('a', ('x', 'a'), _worth(100.0))
     assert asked == [('a', ('x', 'b')), ('a', ('x', 'c'))]
     assert name == 'a'  # a rival has to be better by more than 3 nats
     assert [*found] == ['c', 'b', 'd']
@@ -124,7 +132,7 @@ def test_measured_effects_have_a_prior_of_thirty_typical_sizes() -> None:
     full = SimpleNamespace(
         prior=Prior(np.array([1.0, 2.0]), np.diag([0.1, 0.2])), group='group', deviations='these'
     )
-    proof._measured(full, ('a',))
+    proof._fit_values(full, ('a',))
     prior, *others = proof.fitter.fit.call_args.args
     np.testing.assert_allclose(prior.covariance, np.diag([0.1 + 225.0, 0.2]))
     assert prior.mean.tolist() == [1.0, 2.0]
@@ -134,16 +142,18 @@ def test_measured_effects_have_a_prior_of_thirty_typical_sizes() -> None:
 
 def test_an_effect_is_removed_by_holding_it_at_zero() -> None:
     proof = _proof(('a', 1.0), ('b', 1.0))
-    group = Group((), np.array([3.0, 4.0]), np.zeros(2))
+    group = LinearizedGroup((), np.array([3.0, 4.0]), np.zeros(2))
     last = SimpleNamespace(group=group, deviations='these')
-    with mock.patch('lta_discovery.naming.proof.shared', return_value='prior'):
-        proof._without(last, 'b', ('a',))
-    settled = proof.fitter.settled.call_args.args
+    with mock.patch(
+        'lta_discovery.selection.verification.build_shared_prior', return_value='prior'
+    ):
+        proof._remove_effect(last, 'b', ('a',))
+    settled = proof.fitter.fit_deviations.call_args.args
     assert settled[0].at.tolist() == [3.0, 0.0]
     assert settled[1:] == ('prior', 'these')
     begun = SimpleNamespace(prior='prior', group='group', deviations='those')
-    with mock.patch.object(Proof, '_without', return_value=begun):
-        proof._changed(last, 'b', ('a',))
+    with mock.patch.object(EffectVerification, '_remove_effect', return_value=begun):
+        proof._refit_without(last, 'b', ('a',))
     assert proof.fitter.fit.call_args.args == ('prior', 'group', 'those', 4)
     assert group.at.tolist() == [3.0, 4.0]
 
@@ -153,15 +163,18 @@ def test_a_joint_fit_starts_at_the_point_of_the_side_that_fits_all_flights_bette
     proof = _proof(('a', 1.0))
     sides = tuple(
         SimpleNamespace(
-            group=Group((name,), np.array([at]), np.zeros(1)), deviations=np.array(size)
+            group=LinearizedGroup((name,), np.array([at]), np.zeros(1)), deviations=np.array(size)
         )
         for name, at, size in (('teach', 0.0, [1.0, 4.0]), ('confirm', 7.0, [9.0, 1.0]))
     )
-    proof.fitter.misfit.side_effect = lambda prior, group, deviations: {0.0: 30.0, 7.0: 20.0}[
-        float(group.at[0])
-    ]
-    with mock.patch('lta_discovery.naming.proof.shared', return_value='prior'):
-        proof._joined(('a',), sides)
+    proof.fitter.compute_misfit.side_effect = lambda prior, group, deviations: {
+        0.0: 30.0,
+        7.0: 20.0,
+    }[float(group.at[0])]
+    with mock.patch(
+        'lta_discovery.selection.verification.build_shared_prior', return_value='prior'
+    ):
+        proof._fit_jointly(('a',), sides)
     prior, group, deviations, rounds = proof.fitter.fit.call_args.args
     assert (prior, group.pieces, rounds) == ('prior', ('teach', 'confirm'), 4)
     assert group.at.tolist() == [7.0]
@@ -186,22 +199,26 @@ def test_effects_that_cost_less_than_5_nats_are_dropped_and_the_others_ranked() 
     named = SimpleNamespace(
         names=('a', 'b', 'c'),
         fits='fits',
-        bare=(SimpleNamespace(group=Group((1, 2), 0, 0)),) * 2,
+        bare=(SimpleNamespace(group=LinearizedGroup((1, 2), 0, 0)),) * 2,
         sizes={},
     )
     with (
-        mock.patch.object(Proof, '_joined', lambda self, names, pair: ('joined', names)),
-        mock.patch.object(Proof, '_costs', side_effect=costs),
-        mock.patch.object(Proof, '_changed', changed),
         mock.patch.object(
-            Proof,
-            '_swapped',
+            EffectVerification, '_fit_jointly', lambda self, names, pair: ('joined', names)
+        ),
+        mock.patch.object(EffectVerification, '_removal_costs', side_effect=costs),
+        mock.patch.object(EffectVerification, '_refit_without', changed),
+        mock.patch.object(
+            EffectVerification,
+            '_swap_effect',
             lambda self, name, names, full: (
                 ({'a': True, 'r': False}, 'swapped', 'e') if name == 'a' else ({}, full, name)
             ),
         ),
-        mock.patch.object(Proof, '_fainter', return_value=((step, last), 'full')) as fainter,
-        mock.patch.object(Proof, '_measured', return_value='measured') as measured,
+        mock.patch.object(
+            EffectVerification, '_add_weak_effects', return_value=((step, last), 'full')
+        ) as fainter,
+        mock.patch.object(EffectVerification, '_fit_values', return_value='measured') as measured,
     ):
         found = _proof().run(named)
     assert asked == [('b', ('a', 'c'))]
@@ -216,11 +233,16 @@ def test_effects_that_cost_less_than_5_nats_are_dropped_and_the_others_ranked() 
 
 def test_without_named_effects_the_bare_fit_is_returned() -> None:
     named = SimpleNamespace(
-        names=(), fits='fits', bare=(SimpleNamespace(group=Group((1,), 0, 0)),) * 2, sizes={}
+        names=(),
+        fits='fits',
+        bare=(SimpleNamespace(group=LinearizedGroup((1,), 0, 0)),) * 2,
+        sizes={},
     )
     with (
-        mock.patch.object(Proof, '_joined', return_value='bare'),
-        mock.patch.object(Proof, '_fainter', lambda self, names, full, teach: ((), full)),
+        mock.patch.object(EffectVerification, '_fit_jointly', return_value='bare'),
+        mock.patch.object(
+            EffectVerification, '_add_weak_effects', lambda self, names, full, teach: ((), full)
+        ),
     ):
         found = _proof().run(named)
     assert (found.names, found.full, found.measured) == ((), 'bare', 'bare')
@@ -232,7 +254,7 @@ def test_fainter_effects_are_added_until_a_round_names_none(
 ) -> None:
     """If any was named, the flights are settled once more in the end."""
     proof = _proof()
-    proof.fitter.settled.return_value = 'settled'
+    proof.fitter.fit_deviations.return_value = 'settled'
     quiet = SimpleNamespace(group='group', prior='prior', deviations='these')
     steps = iter(SimpleNamespace(named=name) for name in rounds)
     asked = []
@@ -242,8 +264,8 @@ def test_fainter_effects_are_added_until_a_round_names_none(
         return next(steps), quiet
 
     faint = mock.Mock(quiet=lambda full: quiet, next=following)
-    with mock.patch('lta_discovery.naming.proof.Faint', return_value=faint):
-        found, full = proof._fainter(('a',), 'full', 1)
+    with mock.patch('lta_discovery.selection.verification.WeakEffectSearch', return_value=faint):
+        found, full = proof._add_weak_effects(('a',), 'full', 1)
     assert [step.named for step in found] == rounds
     assert asked == [('a', *rounds[:k]) for k in range(len(rounds))]
     assert full == ('settled' if named else 'full')

@@ -2,23 +2,29 @@
 
 from types import SimpleNamespace
 
-from lta_discovery.fit.evidence import Fitted, Prior, Reduced, shared, tolerances
-from lta_discovery.model.candidates import components, VECTORS, whole
-from lta_discovery.model.knobs import Knob
-from lta_discovery.model.nominal import Nominal
-from lta_discovery.naming.proof import Proven
-from lta_discovery.naming.scan import scan, SIZES
+from lta_discovery.fit.evidence import (
+    build_prior,
+    build_shared_prior,
+    ParameterPosterior,
+    Prior,
+    ReducedFlight,
+)
+from lta_discovery.model.candidates import expand_vectors, vector_components, VECTORS
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.selection.candidate_scan import scan_candidates, SIZES
+from lta_discovery.selection.verification import VerifiedEffects
 import numpy as np
 import pytest
 
-Known = tuple[Nominal, list[Knob]]
+Known = tuple[NominalVehicle, list[FreeParameter]]
 
 
 def test_wind_balance_tilt_and_toe_are_vectors_and_no_name_is_in_two(gtmab: Known) -> None:
-    assert components('steady_wind.y') == ('steady_wind.x', 'steady_wind.y')
-    assert components('cg_offset.x') == ('cg_offset.x', 'cg_offset.y')
-    assert components('net_lift.force') == ('net_lift.force',)
-    assert whole(['rotor_misalignment.second_2', 'ballast.mass']) == {
+    assert vector_components('steady_wind.y') == ('steady_wind.x', 'steady_wind.y')
+    assert vector_components('cg_offset.x') == ('cg_offset.x', 'cg_offset.y')
+    assert vector_components('net_lift.force') == ('net_lift.force',)
+    assert expand_vectors(['rotor_misalignment.second_2', 'ballast.mass']) == {
         'rotor_misalignment.first_2', 'rotor_misalignment.second_2', 'ballast.mass',
     }  # fmt: skip
     every = [name for vector in VECTORS for name in vector]
@@ -29,7 +35,7 @@ def test_wind_balance_tilt_and_toe_are_vectors_and_no_name_is_in_two(gtmab: Know
 
 def test_all_components_of_a_named_vector_are_free(gtmab: Known) -> None:
     names = [knob.name for knob in gtmab[1]]
-    free = shared(gtmab[1], ('steady_wind.x',)).free[: len(names)]
+    free = build_shared_prior(gtmab[1], ('steady_wind.x',)).free[: len(names)]
     wind = [free[names.index(f'steady_wind.{axis}')] for axis in 'xyz']
     assert wind == [True, True, False]
 
@@ -40,7 +46,7 @@ def test_a_named_effect_may_have_several_typical_sizes() -> None:
         SimpleNamespace(name='a', tolerance=0.1, typical=0.3, per_flight=False),
         SimpleNamespace(name='b', tolerance=0.0, typical=0.2, per_flight=False),
     ]
-    found = tolerances(knobs, ('a', 'b'), {'a': 5.0}).covariance
+    found = build_prior(knobs, ('a', 'b'), {'a': 5.0}).covariance
     np.testing.assert_allclose(np.diag(found)[:2], [0.01 + 2.25, 0.04])
 
 
@@ -58,7 +64,7 @@ def test_a_glance_finds_the_size_that_makes_a_value_most_probable(
     products = information * np.array([[1.0, value], [value, value**2]])
     knob = SimpleNamespace(name='a', typical=1.0)
     prior = Prior(np.zeros(1), np.zeros((1, 1)))
-    (seen,) = scan(Reduced(products, 0.0), np.zeros(1), prior, [knob])
+    (seen,) = scan_candidates(ReducedFlight(products, 0.0), np.zeros(1), prior, [knob])
     gains = {
         one: 0.5 * value**2 * (1.0 / 16.0 - 1.0 / (16.0 + one**2))
         - 0.5 * np.log(1.0 + one**2 / 16.0)
@@ -91,9 +97,9 @@ def test_the_components_that_stand_out_are_told(
     knobs = [
         SimpleNamespace(name=f'steady_wind.{axis}', typical=1.0, tolerance=0.0) for axis in 'xy'
     ]
-    measured = SimpleNamespace(fitted=Fitted(0.0, np.array(mean), np.eye(2)))
-    proven = Proven(('steady_wind.x',), {}, {}, {}, None, None, measured)
-    assert proven.told(knobs, np.array([0.01, 0.005])) == {'steady_wind.x': told}
+    measured = SimpleNamespace(fitted=ParameterPosterior(0.0, np.array(mean), np.eye(2)))
+    proven = VerifiedEffects(('steady_wind.x',), {}, {}, {}, None, None, measured)
+    assert proven.select_components(knobs, np.array([0.01, 0.005])) == {'steady_wind.x': told}
 
 
 @pytest.mark.parametrize(('side', 'told'), [(0.0005, (1,)), (0.0016, (0, 1))])
@@ -102,6 +108,6 @@ def test_a_component_within_its_tolerance_is_not_told(side: float, told: tuple[i
     knobs = [
         SimpleNamespace(name=f'cg_offset.{axis}', typical=0.005, tolerance=0.0005) for axis in 'xy'
     ]
-    measured = SimpleNamespace(fitted=Fitted(0.0, np.array([side, 0.0138]), np.eye(2)))
-    proven = Proven(('cg_offset.x',), {}, {}, {}, None, None, measured)
-    assert proven.told(knobs, np.array([5e-6, 1e-4])) == {'cg_offset.x': told}
+    measured = SimpleNamespace(fitted=ParameterPosterior(0.0, np.array([side, 0.0138]), np.eye(2)))
+    proven = VerifiedEffects(('cg_offset.x',), {}, {}, {}, None, None, measured)
+    assert proven.select_components(knobs, np.array([5e-6, 1e-4])) == {'cg_offset.x': told}

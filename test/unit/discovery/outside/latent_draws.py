@@ -1,7 +1,7 @@
 """Latent forces that were drawn: a turning vehicle, and air that forgets itself."""
 
 from lta_discovery.fit.evidence import MEMORY
-from lta_discovery.outside.latent_series import LatentSeries
+from lta_discovery.unmodeled.latent_series import LatentSeries
 import numpy as np
 from numpy.typing import NDArray
 

@@ -1,22 +1,28 @@
 """A draught is a small horizontal force that is alike in all directions and follows nothing."""
 
-from lta_discovery.fit.evidence import FLOOR, floor_of
-from lta_discovery.model.knobs import Knob
-from lta_discovery.model.nominal import Nominal
-from lta_discovery.outside.draught import chance_of_alike, Draught, draught, horizontal, speed_of
-from lta_discovery.outside.latent_series import LatentSeries
-from lta_discovery.outside.rivals import Rival
-from lta_discovery.outside.unexplained import Remainder
+from lta_discovery.fit.evidence import FLOOR, wrench_floor
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.unmodeled.draught import (
+    detect_draught,
+    DraughtFinding,
+    estimate_air_speed,
+    is_horizontal,
+    isotropy_probability,
+)
+from lta_discovery.unmodeled.latent_series import LatentSeries
+from lta_discovery.unmodeled.remainders import Remainder
+from lta_discovery.unmodeled.rivals import GenericRival
 import numpy as np
 import pytest
 
 from .latent_draws import process, times, turning
 
-Known = tuple[Nominal, list[Knob]]
+Known = tuple[NominalVehicle, list[FreeParameter]]
 # Floors of a draught of 1.1 mN for a GT-MAB; what is missing nowhere leaves as much of the others.
 FLOORS = np.array([2.75, 2.75, 0.3, 1.2, 1.3, 0.5])
 SURGE, SWAY = Remainder('surge', 1.1e-3, 2.75, (), 0.05), Remainder('sway', 1.1e-3, 2.75, (), 0.0)
-ONE = Rival(
+ONE = GenericRival(
     'surge by one-sided speed', 13.3, 18.7, 25.1, 'surge', ('surge',), 8e-4, 'speed', 0.64
 )  # fmt: skip
 
@@ -35,26 +41,28 @@ def _pair(scale: tuple[float, float, float], rate: float = 0.5) -> list[LatentSe
 AIR = _pair((2.75, 2.75, 0.3))
 
 
-def _found(known: Known, **given: object) -> Draught | None:
+def _found(known: Known, **given: object) -> DraughtFinding | None:
     """Return the draught of a GT-MAB in air of 2.75 floors, with something else."""
-    nominal, floor = known[0], floor_of(known[0])
+    nominal, floor = known[0], wrench_floor(known[0])
     asked = {'floors': FLOORS, 'left': [SURGE, SWAY], 'rivals': [], 'series': AIR} | given
     deviations = np.asarray(asked['floors']) * floor
-    return draught(deviations, floor, asked['left'], asked['rivals'], asked['series'], nominal)
+    return detect_draught(
+        deviations, floor, asked['left'], asked['rivals'], asked['series'], nominal
+    )
 
 
 def test_the_chance_of_being_alike_is_that_of_mauchlys_test() -> None:
     # Squares of 4 and 1, four products each: 4 x 4 x 4 x 1 / (20 / 2)^2 is 0.64.
     pair = np.array([[2.0, 1.0], [2.0, -1.0], [-2.0, 1.0], [-2.0, -1.0]])
-    assert chance_of_alike(pair, 5.0) == pytest.approx(0.64**2)
-    assert chance_of_alike(pair, 21.0) == pytest.approx(0.64**10)
-    assert chance_of_alike(pair / [2.0, 1.0], 21.0) == pytest.approx(1.0)
-    assert chance_of_alike(np.zeros((4, 2)), 21.0) == 1.0
+    assert isotropy_probability(pair, 5.0) == pytest.approx(0.64**2)
+    assert isotropy_probability(pair, 21.0) == pytest.approx(0.64**10)
+    assert isotropy_probability(pair / [2.0, 1.0], 21.0) == pytest.approx(1.0)
+    assert isotropy_probability(np.zeros((4, 2)), 21.0) == 1.0
 
 
 def test_the_chance_holds_in_draws() -> None:
     rng = np.random.default_rng(3)
-    chances = [chance_of_alike(rng.standard_normal((20, 2)), 20.0) for _ in range(2000)]
+    chances = [isotropy_probability(rng.standard_normal((20, 2)), 20.0) for _ in range(2000)]
     # One in ten below 0.1, give or take three of its deviations of 0.7 %. The mean is known to be
     # 0, so that there is one value more than the test takes.
     assert np.mean(np.array(chances) < 0.1) == pytest.approx(0.1, abs=0.03)
@@ -72,7 +80,7 @@ def test_the_chance_holds_in_draws() -> None:
 def test_a_draught_is_horizontal_and_alike_in_the_map(
     scale: tuple[float, float, float], rate: float, expected: bool
 ) -> None:
-    assert horizontal(_pair(scale, rate)) == expected
+    assert is_horizontal(_pair(scale, rate)) == expected
 
 
 def test_a_force_of_the_body_is_no_draught_though_it_turns_with_the_heading() -> None:
@@ -87,13 +95,13 @@ def test_a_force_of_the_body_is_no_draught_though_it_turns_with_the_heading() ->
                                                             ahead[:, 2]]), ahead))  # fmt: skip
     ground = np.sqrt(np.mean(np.concatenate([each.ground for each in out]) ** 2, axis=0))
     assert ground[0] / ground[1] == pytest.approx(1.0, abs=0.25)
-    assert not horizontal(out)
+    assert not is_horizontal(out)
 
 
 def test_a_draught_has_its_force_and_the_speed_of_the_air(gtmab: Known) -> None:
     found = _found(gtmab)
     assert found is not None
-    assert found.force == pytest.approx(2.75 * float(floor_of(gtmab[0])[0]))
+    assert found.force == pytest.approx(2.75 * float(wrench_floor(gtmab[0])[0]))
     assert found.sentence.startswith('a draught: a horizontal force that follows nothing, 1.1 mN')
 
 
@@ -102,7 +110,7 @@ def test_the_speed_is_force_by_the_mass_of_the_air_times_its_memory(gtmab: Known
     # Displaced, 0.314 m3 of 1.2 kg/m3 and less by its gas's purity, and 0.134 kg of added mass.
     moved = nominal.displaced + 0.134
     # The centre of gravity below the hull's couples surge and pitch, but not in the mass itself.
-    assert speed_of(1.1e-3, nominal) == pytest.approx(1.1e-3 * 1.5 / moved, rel=0.03)
+    assert estimate_air_speed(1.1e-3, nominal) == pytest.approx(1.1e-3 * 1.5 / moved, rel=0.03)
 
 
 @pytest.mark.parametrize(

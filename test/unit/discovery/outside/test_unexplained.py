@@ -2,13 +2,19 @@
 
 from types import SimpleNamespace
 
-from lta_discovery.fit.evidence import FLOOR, tolerances
-from lta_discovery.fit.fit import fit
-from lta_discovery.model.knobs import Knob
-from lta_discovery.model.nominal import Nominal
-from lta_discovery.outside import unexplained
-from lta_discovery.outside.unexplained import followed, knots_of, remaining, states_at_knots, terms
-from lta_discovery.replay.linear import origin, unknowns
+from lta_discovery.fit.evidence import build_prior, FLOOR
+from lta_discovery.fit.joint_fit import fit_flight
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.replay.linearized_flight import build_origin, count_unknowns
+from lta_discovery.unmodeled import remainders
+from lta_discovery.unmodeled.remainders import (
+    find_remainders,
+    latent_at_knots,
+    select_terms,
+    state_terms,
+    states_at_knots,
+)
 from lta_model.effects.protocol import AXES
 import numpy as np
 import pytest
@@ -16,8 +22,8 @@ from scipy.linalg import hadamard
 
 from ..hidden_flight import flown, prepared  # noqa: TID252 - `test` is Python's own
 
-Known = tuple[Nominal, list[Knob]]
-RANDOM = unknowns(9)
+Known = tuple[NominalVehicle, list[FreeParameter]]
+RANDOM = count_unknowns(9)
 RNG = np.random.default_rng(5)
 
 
@@ -30,14 +36,14 @@ def _states(count: int) -> np.ndarray:
 def test_a_force_that_follows_a_product_is_described_by_it() -> None:
     pair = [_states(120), _states(90)]
     forces = [s[:, 7] * s[:, 12] + 0.5 * RNG.standard_normal(len(s)) for s in pair]
-    names, share = followed(pair, forces)
+    names, share = select_terms(pair, forces)
     assert names == ('surge speed x yaw rate',)
     assert share == pytest.approx(0.8, abs=0.12)  # 1 / (1 + 0.25) of the variance
 
 
 def test_noise_follows_nothing() -> None:
     pair = [_states(120), _states(90)]
-    names, share = followed(pair, [RNG.standard_normal(len(s)) for s in pair])
+    names, share = select_terms(pair, [RNG.standard_normal(len(s)) for s in pair])
     assert names == ()
     assert share < 0.15
 
@@ -53,12 +59,12 @@ def test_turbulence_remains_on_the_axes_that_it_pushes(gtmab: Known) -> None:
     }  # fmt: skip
     nominal, knobs = gtmab
     flights = tuple(prepared(flown(air, seed, 26.0), knobs) for seed in (81, 82))
-    prior = tolerances(knobs)
+    prior = build_prior(knobs)
     fits = [
-        fit(flight, nominal, prior, origin(nominal, knobs, flight.replay.cut))
+        fit_flight(flight, nominal, prior, build_origin(nominal, knobs, flight.replay.cut))
         for flight in flights
     ]
-    left = remaining([[one] for one in flights], [[one] for one in fits])
+    left = find_remainders([[one] for one in flights], [[one] for one in fits])
     assert {'surge', 'sway'} <= {one.axis for one in left}
     for one in left:
         assert one.size == pytest.approx(one.floors * FLOOR[AXES.index(one.axis)])
@@ -77,7 +83,7 @@ def test_knots_have_a_row_for_each_knot_of_each_piece_and_a_column_for_each_axis
         deviations='these',
         linear=SimpleNamespace(names=tuple('abc'), knots=9),
     )
-    knots = knots_of(fitted)
+    knots = latent_at_knots(fitted)
     assert knots.shape == (27, 6)
     for piece, knot, axis in ((0, 0, 0), (0, 8, 1), (2, 3, 5)):
         assert knots[9 * piece + knot, axis] == RANDOM * piece + 12 + 9 * axis + knot
@@ -97,7 +103,7 @@ def test_terms_are_functions_of_the_state() -> None:
     """The state is yawed by 30 degrees."""
     half = np.radians(15.0)
     state = [1.0, 2.0, 3.0, 0.0, 0.0, np.sin(half), np.cos(half), 0.1, -0.2, 0.3, 0.4, 0.5, -0.6]
-    found = {name: float(value[0]) for name, value in terms(np.array([state])).items()}
+    found = {name: float(value[0]) for name, value in state_terms(np.array([state])).items()}
     expected = {
         'constant': 1.0, 'x': 1.0, 'y': 2.0, 'height': 3.0, 'heading (cosine)': 0.75**0.5,
         'heading (sine)': 0.5, 'surge speed': 0.1, 'sway speed squared': -0.04,
@@ -128,12 +134,12 @@ def test_a_force_follows_the_terms_that_explain_most_of_its_variance(
     monkeypatch: pytest.MonkeyPatch, shares: tuple[float, ...], names: str, told: float
 ) -> None:
     known = dict(zip('abcdef', 0.01 * APART.T, strict=False))
-    monkeypatch.setattr(unexplained, 'terms', lambda states: known)
+    monkeypatch.setattr(remainders, 'state_terms', lambda states: known)
     parts = np.zeros(7)
     parts[: len(shares)] = shares
     parts[6] = 1.0 - sum(shares)  # no term explains this share
     force = 3.0 * APART @ np.sqrt(parts)
-    found, share = followed([APART, APART], [force, force])
+    found, share = select_terms([APART, APART], [force, force])
     assert ''.join(found) == names
     assert share == pytest.approx(told, abs=1e-4)
 
@@ -143,14 +149,14 @@ def test_a_term_that_explains_one_flight_alone_is_not_followed(
 ) -> None:
     """A fit to either flight has to explain the other one."""
     known = dict(zip('abcd', APART[:, [0, 3, 4, 5]].T, strict=True))
-    monkeypatch.setattr(unexplained, 'terms', lambda states: known)
+    monkeypatch.setattr(remainders, 'state_terms', lambda states: known)
     for pair in ((APART[:, 0], APART[:, 1]), (APART[:, 1], APART[:, 0])):
-        assert followed([APART, APART], pair) == ((), 0.0)
+        assert select_terms([APART, APART], pair) == ((), 0.0)
     # If the force is twice as strong on one flight, a fit to that explains 1 - (1 - 2)^2 = 0 of
     # the other, and a fit to the other 1 - (1 - 1 / 2)^2 = 3 / 4 of it. The smaller share counts.
-    assert followed([APART, APART], [APART[:, 0], 2.0 * APART[:, 0]]) == ((), 0.0)
+    assert select_terms([APART, APART], [APART[:, 0], 2.0 * APART[:, 0]]) == ((), 0.0)
     # If it is 1.5 times as strong, the smaller share is 1 - (1 - 1.5)^2 = 3 / 4.
-    names, share = followed([APART, APART], [APART[:, 0], 1.5 * APART[:, 0]])
+    names, share = select_terms([APART, APART], [APART[:, 0], 1.5 * APART[:, 0]])
     assert (names, share) == (('a',), pytest.approx(0.75, abs=1e-2))
 
 
@@ -161,17 +167,17 @@ def test_an_axis_counts_if_the_mean_of_all_flights_is_above_2_5_floors(
     sizes = ([1.0, 1.3, 9.0, 4.0, 1.0, 2.49], [6.0, 5.0, 1.0, 25.0, 1.0, 2.49])
     fits = [[SimpleNamespace(deviations=np.array(size) * FLOOR)] for size in sizes]
     knots = [np.arange(12.0).reshape(2, 6), np.arange(12.0, 24.0).reshape(2, 6)]
-    monkeypatch.setattr(unexplained, '_known', lambda flights, fits: (['states'], knots))
+    monkeypatch.setattr(remainders, '_collect_knots', lambda flights, fits: (['states'], knots))
     asked = []
     monkeypatch.setattr(
-        unexplained, 'followed', lambda states, forces: asked.append(forces) or (('x',), 0.5)
+        remainders, 'select_terms', lambda states, forces: asked.append(forces) or (('x',), 0.5)
     )
-    found = remaining([[], []], fits)
+    found = find_remainders([[], []], fits)
     assert [one.axis for one in found] == ['roll', 'heave', 'sway']
     np.testing.assert_allclose([one.floors for one in found], [10.0, 3.0, 6.5**0.5])
     np.testing.assert_allclose([one.size for one in found], [8e-4, 12e-4, 4e-4 * 6.5**0.5])
     assert [[each.tolist() for each in forces] for forces in asked] == [
         [[k, k + 6.0], [k + 12.0, k + 18.0]] for k in (1.0, 2.0, 3.0)
     ]
-    lower = remaining([[], []], fits, 0.5 * FLOOR, 4.95)
+    lower = find_remainders([[], []], fits, 0.5 * FLOOR, 4.95)
     assert [one.axis for one in lower] == ['roll', 'heave', 'sway', 'yaw']

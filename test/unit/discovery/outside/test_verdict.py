@@ -1,27 +1,27 @@
 """What is said at the end follows from what was named and what is left."""
 
-from lta_discovery.fit.evidence import Fitted
-from lta_discovery.model.knobs import Knob
-from lta_discovery.model.nominal import Nominal
-from lta_discovery.naming.interval import spread
-from lta_discovery.naming.naming import Naming
-from lta_discovery.naming.proof import Proven
-from lta_discovery.outside.draught import Draught
-from lta_discovery.outside.oscillation import Oscillation, taken
-from lta_discovery.outside.outside import Outside
-from lta_discovery.outside.rivals import Rival
-from lta_discovery.outside.spectral_line import Line
-from lta_discovery.outside.unexplained import Remainder
-from lta_discovery.outside.verdict import (
-    gusty,
-    remains_with,
-    sentences,
-    standing,
-    swinging,
-    telling,
-    verdict_of,
+from lta_discovery.fit.evidence import ParameterPosterior
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.selection.effect_search import EffectSearch
+from lta_discovery.selection.interval import parameter_deviations
+from lta_discovery.selection.verification import VerifiedEffects
+from lta_discovery.study import decide_study_verdict
+from lta_discovery.unmodeled.assessment import UnmodeledForces
+from lta_discovery.unmodeled.draught import DraughtFinding
+from lta_discovery.unmodeled.oscillation import dominant_oscillations, LatentOscillation
+from lta_discovery.unmodeled.remainders import Remainder
+from lta_discovery.unmodeled.rivals import GenericRival
+from lta_discovery.unmodeled.spectral_line import SpectralLine
+from lta_discovery.unmodeled.verdict import (
+    add_oscillations,
+    add_rival_terms,
+    decide_verdict,
+    is_gusty,
+    list_sentences,
+    select_confirmed_rivals,
+    select_evident_rivals,
 )
-from lta_discovery.study import verdict
 import numpy as np
 import pytest
 
@@ -30,9 +30,11 @@ from ..hidden_flight import flown, prepared  # noqa: TID252 - `test` is Python's
 PITCH = Remainder('pitch', 1.23e-3, 15.4, ('surge speed x yaw rate',), 0.6)
 SURGE = Remainder('surge', 6.2e-3, 15.5, (), 0.03)
 SWAY = Remainder('sway', 5.1e-3, 12.8, (), 0.05)
-LAYERS = Rival('heave by height', 40.0, 30.0, 34.0, 'heave', ('heave',), 3e-3, 'height', 0.7)
-LINE = Line('fz', 2.4, 0.031, 12.0)
-SWING = Oscillation('force along y of the map', 0.21, 3.1e-3, 0.8)
+LAYERS = GenericRival(
+    'heave by height', 40.0, 30.0, 34.0, 'heave', ('heave',), 3e-3, 'height', 0.7
+)
+LINE = SpectralLine('fz', 2.4, 0.031, 12.0)
+SWING = LatentOscillation('force along y of the map', 0.21, 3.1e-3, 0.8)
 
 
 @pytest.mark.parametrize(
@@ -50,31 +52,33 @@ SWING = Oscillation('force along y of the map', 0.21, 3.1e-3, 0.8)
 def test_the_verdict(
     named: tuple[str, ...],
     remains: tuple[Remainder, ...],
-    rivals: tuple[Rival, ...],
-    lines: tuple[Line | Oscillation, ...],
+    rivals: tuple[GenericRival, ...],
+    lines: tuple[SpectralLine | LatentOscillation, ...],
     expected: str,
 ) -> None:
-    assert verdict_of(named, remains, rivals, lines) == expected
+    assert decide_verdict(named, remains, rivals, lines) == expected
 
 
 def test_a_rival_counts_only_on_both_flights() -> None:
-    assert standing([LAYERS]) == [LAYERS]
-    assert standing([LAYERS._replace(carried=-2.0)]) == []
-    assert standing([LAYERS._replace(gain=6.0, confirmed=5.0, carried=4.0)]) == []
+    assert select_confirmed_rivals([LAYERS]) == [LAYERS]
+    assert select_confirmed_rivals([LAYERS._replace(carried=-2.0)]) == []
+    assert select_confirmed_rivals([LAYERS._replace(gain=6.0, confirmed=5.0, carried=4.0)]) == []
 
 
 def test_what_is_met_on_one_flight_only_tells_that_something_is_there() -> None:
     seldom = LAYERS._replace(gain=32.0, confirmed=-1.2, carried=-0.4)
-    assert standing([seldom]) == []
-    assert telling([LAYERS, seldom]) == [LAYERS, seldom]
-    assert telling([LAYERS._replace(gain=-2.3, confirmed=23.9, carried=26.6)])
-    assert telling([seldom._replace(carried=-6.0)]) == []  # the other flight contradicts it
-    assert telling([seldom._replace(gain=15.0)]) == []
-    assert verdict_of((), (), (seldom,)) == 'unexplained'
+    assert select_confirmed_rivals([seldom]) == []
+    assert select_evident_rivals([LAYERS, seldom]) == [LAYERS, seldom]
+    assert select_evident_rivals([LAYERS._replace(gain=-2.3, confirmed=23.9, carried=26.6)])
+    assert (
+        select_evident_rivals([seldom._replace(carried=-6.0)]) == []
+    )  # the other flight contradicts it
+    assert select_evident_rivals([seldom._replace(gain=15.0)]) == []
+    assert decide_verdict((), (), (seldom,)) == 'unexplained'
 
 
 def test_sentences_are_for_people() -> None:
-    assert sentences([PITCH], [LINE]) == (
+    assert list_sentences([PITCH], [LINE]) == (
         'a pitch moment that follows surge speed x yaw rate, 1.2 mN m',
         'an oscillation of the specific force upwards at 2.4 Hz, 0.031 m/s2',
     )
@@ -82,41 +86,47 @@ def test_sentences_are_for_people() -> None:
 
 def test_a_force_that_stays_the_same_follows_nothing() -> None:
     steady = Remainder('heave', 3.1e-3, 8.0, ('constant',), 0.8)
-    assert sentences([steady]) == ('a constant heave force, 3.1 mN',)
+    assert list_sentences([steady]) == ('a constant heave force, 3.1 mN',)
     more = steady._replace(follows=('constant', 'height', 'x', 'surge speed'))
-    assert sentences([more]) == ('a heave force that follows height, x and surge speed, 3.1 mN',)
+    assert list_sentences([more]) == (
+        'a heave force that follows height, x and surge speed, 3.1 mN',
+    )
 
 
 def test_gusts_are_called_gusts() -> None:
-    assert gusty([SURGE, SWAY])
-    assert sentences([SURGE, SWAY]) == (
+    assert is_gusty([SURGE, SWAY])
+    assert list_sentences([SURGE, SWAY]) == (
         'gusts: a surge and a sway force that follow nothing, 6.2 mN and 5.1 mN',
     )
-    assert not gusty([SURGE])
-    assert not gusty([SURGE, SWAY, PITCH])  # of the size of the others
-    assert not gusty([SURGE._replace(carried=0.5, follows=('x',)), SWAY])
+    assert not is_gusty([SURGE])
+    assert not is_gusty([SURGE, SWAY, PITCH])  # of the size of the others
+    assert not is_gusty([SURGE._replace(carried=0.5, follows=('x',)), SWAY])
 
 
 def test_a_wind_to_and_fro_is_no_gusts() -> None:
-    assert sentences([SURGE, SWAY, PITCH], [], [SWING]) == (
+    assert list_sentences([SURGE, SWAY, PITCH], [], [SWING]) == (
         'a pitch moment that follows surge speed x yaw rate, 1.2 mN m',
         'an oscillation of the force along y of the map at 0.21 Hz, 3.1 mN',
     )
-    told = swinging([SURGE, PITCH], taken([SWING]))
+    told = add_oscillations([SURGE, PITCH], dominant_oscillations([SWING]))
     assert told == [
         SURGE._replace(follows=('an oscillation at 0.21 Hz',), carried=0.8), PITCH,
     ]  # fmt: skip
     less = SWING._replace(share=0.3)
-    assert sentences([SURGE, SWAY], [], [less]) == (
+    assert list_sentences([SURGE, SWAY], [], [less]) == (
         'gusts: a surge and a sway force that follow nothing, 6.2 mN and 5.1 mN',
         'an oscillation of the force along y of the map at 0.21 Hz, 3.1 mN',
     )
 
 
 def test_a_draught_alone_is_nothing_unexplained() -> None:
-    air = Draught(1.1e-3, 2.6e-3)
-    calm = Outside((), (), (), (), air)
-    assert (calm.verdict(()), calm.verdict(('motor_lag',)), calm.more) == ('none', 'named', False)
+    air = DraughtFinding(1.1e-3, 2.6e-3)
+    calm = UnmodeledForces((), (), (), (), air)
+    assert (calm.decide_verdict(()), calm.decide_verdict(('motor_lag',)), calm.has_any) == (
+        'none',
+        'named',
+        False,
+    )
     assert calm.sentences == ()
     assert air.sentence == (
         'a draught: a horizontal force that follows nothing, 1.1 mN, as air moving at about '
@@ -126,34 +136,40 @@ def test_a_draught_alone_is_nothing_unexplained() -> None:
 
 def test_a_rival_says_what_an_axis_follows() -> None:
     quiet = Remainder('heave', 2e-3, 5.0, (), 0.1)
-    assert remains_with([quiet], [LAYERS])[0].follows == ('height',)
+    assert add_rival_terms([quiet], [LAYERS])[0].follows == ('height',)
     told = quiet._replace(follows=('x',), carried=0.3)
-    assert remains_with([told], [LAYERS])[0].follows == ('height',)
-    assert remains_with([told], [])[0].follows == ('x',)
-    added = remains_with([PITCH], [LAYERS])
+    assert add_rival_terms([told], [LAYERS])[0].follows == ('height',)
+    assert add_rival_terms([told], [])[0].follows == ('x',)
+    added = add_rival_terms([PITCH], [LAYERS])
     assert [one.axis for one in added] == ['pitch', 'heave']
     assert added[1].size == 3e-3
     assert added[1].floors == pytest.approx(7.5)
 
 
 def test_another_word_for_the_same_puts_no_name_in_question(
-    gtmab: tuple[Nominal, list[Knob]],
+    gtmab: tuple[NominalVehicle, list[FreeParameter]],
 ) -> None:
     nominal, known = gtmab
     flight = prepared(flown({}, 5, 14.0), known)
-    joint = Naming(nominal, ([flight], [flight])).run().bare[0]
-    name, rest = 'net_lift.force', Outside((), (), ())
+    joint = EffectSearch(nominal, ([flight], [flight])).run().bare[0]
+    name, rest = 'net_lift.force', UnmodeledForces((), (), ())
     for other, expected in (('ballast.mass', 'named'), ('motor_lag', 'not_identifiable')):
         rivals = {name: (other,)}
-        proven = Proven((name,), {name: 30.0}, rivals, rivals, joint, joint, joint)
-        assert verdict(proven, rest, [], 'all') == expected
+        proven = VerifiedEffects((name,), {name: 30.0}, rivals, rivals, joint, joint, joint)
+        assert decide_study_verdict(proven, rest, [], 'all') == expected
 
 
 def test_a_value_is_known_less_well_beside_what_has_no_name() -> None:
     base = {'unit': '1', 'moves': {}, 'step': 1e-4, 'fine': 1e-4}
-    known = [Knob('thrust_scale.factor', **base), Knob('clock_skew.skew', **base)]
-    found = Fitted(0.0, np.array([0.2, 3e-5]), np.diag([1e-4, 1e-12]))
-    alone, beside = spread(found, known, False), spread(found, known, True)
+    known = [
+        FreeParameter('thrust_scale.factor', **base),
+        FreeParameter('clock_skew.skew', **base),
+    ]
+    found = ParameterPosterior(0.0, np.array([0.2, 3e-5]), np.diag([1e-4, 1e-12]))
+    alone, beside = (
+        parameter_deviations(found, known, False),
+        parameter_deviations(found, known, True),
+    )
     np.testing.assert_allclose(alone[0], np.hypot(0.01, 0.001), rtol=1e-12)
     np.testing.assert_allclose(beside[0], np.hypot(1.2 * 0.01, 0.001), rtol=1e-12)
     assert alone[1] > 5e-6  # half a millisecond in a hundred seconds

@@ -8,36 +8,43 @@ import math
 from pathlib import Path
 import re
 
-from lta_discovery.finding import Carried, Finding, Learned, LeftOut, Rung, Worth
-from lta_discovery.fit.evidence import FLOOR, Pieces, Reduced, tolerances
-from lta_discovery.forecast.replayed import best_begun, ratio
-from lta_discovery.model.knobs import Knob
-from lta_discovery.model.nominal import Nominal
-from lta_discovery.naming.accept import Trial
-from lta_discovery.naming.detectable import Detectable, detectable
-from lta_discovery.naming.scan import scan, Seen
-from lta_discovery.outside.draught import Draught
-from lta_discovery.outside.unexplained import Remainder
-from lta_discovery.page import told, write_page
-from lta_discovery.page.pictures import joined
-from lta_discovery.page.told import overlay, seen
-from lta_discovery.page.verdict_words import headline, tiles
-from lta_discovery.page.whiteness import autocorrelation, spectrum
-from lta_discovery.page.words import (
-    amount,
-    because,
-    figure,
-    held_words,
-    odds,
-    percent,
-    spoken,
-    within,
+from lta_discovery.finding import (
+    DiscoveryFinding,
+    GroupShare,
+    LadderRung,
+    LeftOutRegime,
+    ParameterEstimate,
+    TransferEvidence,
 )
-from lta_discovery.replay.linear import origin, Point
-from lta_discovery.replay.linearise import Linearised
-from lta_discovery.study import Shown, Study
+from lta_discovery.fit.evidence import build_prior, FLOOR, PieceReducer, ReducedFlight
+from lta_discovery.forecast.flight_prediction import best_start_residual, error_to_noise
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.page import flight_views, write_page
+from lta_discovery.page.figures import average_pieces
+from lta_discovery.page.flight_views import build_flight_views, build_overlay
+from lta_discovery.page.formatting import (
+    explain_decision,
+    format_file_value,
+    format_number,
+    format_odds,
+    format_parameter,
+    format_percent,
+    format_quantity,
+    format_with_interval,
+)
+from lta_discovery.page.verdict_text import build_tiles, format_headline
+from lta_discovery.page.whiteness import autocorrelation, residual_spectrum
+from lta_discovery.replay.linearized_flight import build_origin, LinearizationPoint
+from lta_discovery.replay.linearizer import FlightLinearizer
+from lta_discovery.selection.acceptance import CandidateTrial
+from lta_discovery.selection.candidate_scan import CandidateScore, scan_candidates
+from lta_discovery.selection.detection_limit import compute_detection_limits, DetectionLimit
+from lta_discovery.study import DiscoveryStudy, StudyComparison
+from lta_discovery.unmodeled.draught import DraughtFinding
+from lta_discovery.unmodeled.remainders import Remainder
 from lta_model.effects import EFFECTS
-from lta_model.effects.summary import summary
+from lta_model.effects.summary import describe_effect
 import numpy as np
 from plotly.offline import get_plotlyjs
 import pytest
@@ -47,19 +54,19 @@ from ...security.page_reading import ALL, inert  # noqa: TID252 - `test` is Pyth
 from ..hidden_cases import CASES  # noqa: TID252 - `test` is Python's own
 from ..hidden_study import DRAG, study  # noqa: TID252 - `test` is Python's own
 
-Known = tuple[Nominal, list[Knob]]
+Known = tuple[NominalVehicle, list[FreeParameter]]
 REMAINS = (
     Remainder('surge', 0.0072, 18.25, ('surge speed', 'yaw rate'), 0.81),
     Remainder('pitch', 0.00031, 4.2, (), 0.06),
 )
 SAID = ('an oscillation of q at 2.0 Hz, 0.02 rad/s',)
-SEEN = (Detectable('linear_drag.sway', 'N s/m', 0.0034, 0.01),)
+SEEN = (DetectionLimit('linear_drag.sway', 'N s/m', 0.0034, 0.01),)
 FIGURE = re.compile(r'<script type="application/json" id="([^"]+)">(.*?)</script>', re.DOTALL)
 TAG = re.compile(r'<(script|style)\b.*?</\1>|<[^>]+>', re.DOTALL)
 
 
 @pytest.fixture(scope='session')
-def found(gtmab: Known) -> Study:
+def found(gtmab: Known) -> DiscoveryStudy:
     """A study in which drag was missing."""
     return study(gtmab, CASES[DRAG])
 
@@ -69,54 +76,56 @@ def _residuals_cached() -> Iterator[None]:
     """Compute the residuals of a study's flights once for all its pages, since they take long."""
     kept: dict[object, tuple[np.ndarray, object, object]] = {}
 
-    def best(flight: Linearised, point: Point) -> np.ndarray:
+    def best(flight: FlightLinearizer, point: LinearizationPoint) -> np.ndarray:
         key = id(flight), id(point.nominal), point.values.tobytes()
         if key not in kept:
-            left = best_begun(flight, point)
+            left = best_start_residual(flight, point)
             left.flags.writeable = False
             kept[key] = left, flight, point.nominal  # kept alive, so that ids stay unique
         return kept[key][0]
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(told, 'best_begun', best)
+        patch.setattr(flight_views, 'best_start_residual', best)
         yield
 
 
-def _read(given: Study, folder: Path) -> tuple[str, dict[str, object]]:
+def _read(given: DiscoveryStudy, folder: Path) -> tuple[str, dict[str, object]]:
     """Return the words of a page and its data."""
     text = write_page(given, folder).read_text(encoding='utf-8').replace(get_plotlyjs(), '')
     data = {name: json.loads(content) for name, content in FIGURE.findall(text)}
     return ' '.join(unescape(TAG.sub(' ', text)).split()), data
 
 
-def _with(given: Study, **changes: object) -> Study:
+def _with(given: DiscoveryStudy, **changes: object) -> DiscoveryStudy:
     return replace(given, finding=replace(given.finding, **changes))  # type: ignore[arg-type]
 
 
-def _numbers(finding: Finding) -> list[str]:
+def _numbers(finding: DiscoveryFinding) -> list[str]:
     """Return every number of a finding as a person reads it."""
     out = [str(finding.seed)]
     for one in finding.effects:
-        out.append(figure(one.log_evidence))
+        out.append(format_number(one.log_evidence))
         for each in one.parameters:
-            out += [*within(each.value, each.ci95), figure(each.before)]
+            out += [*format_with_interval(each.value, each.ci95), format_number(each.before)]
     for step in finding.ladder:
         for rung in step:
-            out += [figure(x) for x in (rung.train, rung.confirm, rung.carried, rung.apart)]
+            out += [format_number(x) for x in (rung.train, rung.confirm, rung.carried, rung.apart)]
     for place in finding.where:
-        out += [figure(x) for x in (place.from_s, place.to_s, place.ratio_to_noise)]
+        out += [format_number(x) for x in (place.from_s, place.to_s, place.ratio_to_noise)]
     for gap in finding.gaps:
         five = (gap.before, gap.tuned, gap.after, gap.coast, gap.noise_floor)
-        out += [amount(x, gap.unit) for x in five]
-        out += [percent(x) for x in (gap.shrink, *gap.shrink_ci95)]
+        out += [format_quantity(x, gap.unit) for x in five]
+        out += [format_percent(x) for x in (gap.shrink, *gap.shrink_ci95)]
         out += [f'{gap.horizon_s:g} s', str(gap.pieces)]
     for left in finding.remains:
-        out += [figure(left.size), figure(left.floors), percent(left.carried)]
+        out += [format_number(left.size), format_number(left.floors), format_percent(left.carried)]
     return out
 
 
 @pytest.mark.parametrize('evil', [ALL], ids=['all'])
-def test_names_of_strangers_bags_are_words(found: Study, tmp_path: Path, evil: str) -> None:
+def test_names_of_strangers_bags_are_words(
+    found: DiscoveryStudy, tmp_path: Path, evil: str
+) -> None:
     """Names of bags and regimes, and the vehicle as it was named; the rest is the library's."""
     named = [replace(one, name=f'{evil}{k}') for k, one in enumerate(found.flights)]
     shown = [replace(one, flown=replace(one.flown, name=evil)) for one in found.shown * 2]
@@ -130,13 +139,17 @@ def test_names_of_strangers_bags_are_words(found: Study, tmp_path: Path, evil: s
         versions={evil: evil},
         unexplained=(evil,),
         next_flight=evil,
-        carried=Carried((Worth(evil, 0.5),), (LeftOut(evil, 2, 0.7),), (evil,), 3),
+        carried=TransferEvidence(
+            (GroupShare(evil, 0.5),), (LeftOutRegime(evil, 2, 0.7),), (evil,), 3
+        ),
     )
     page = inert(write_page(given, tmp_path).read_text(encoding='utf-8'))
     assert evil in page.words
 
 
-def test_every_number_and_name_of_the_finding_is_on_the_page(found: Study, tmp_path: Path) -> None:
+def test_every_number_and_name_of_the_finding_is_on_the_page(
+    found: DiscoveryStudy, tmp_path: Path
+) -> None:
     given = _with(
         found, remains=REMAINS, verdict='named+unexplained', unexplained=SAID, next_flight='Weigh.'
     )
@@ -144,9 +157,9 @@ def test_every_number_and_name_of_the_finding_is_on_the_page(found: Study, tmp_p
     finding = given.finding
     assert [number for number in _numbers(finding) if number not in text] == []
     for step in finding.ladder:
-        assert all(spoken(rung.knob) in text for rung in step)
+        assert all(format_parameter(rung.knob) in text for rung in step)
     for words in (
-        summary(EFFECTS['linear_drag']),
+        describe_effect(EFFECTS['linear_drag']),
         'quadratic drag (surge)',
         'airspeed above 0.21 m/s',
         'follows surge speed and yaw rate',
@@ -160,7 +173,9 @@ def test_every_number_and_name_of_the_finding_is_on_the_page(found: Study, tmp_p
     assert re.search(r'\b(nan|inf|None)\b', text) is None
 
 
-def test_the_page_is_one_small_file_and_its_data_are_valid(found: Study, tmp_path: Path) -> None:
+def test_the_page_is_one_small_file_and_its_data_are_valid(
+    found: DiscoveryStudy, tmp_path: Path
+) -> None:
     page = write_page(found, tmp_path)
     assert page == tmp_path / 'report.html'
     assert page.stat().st_size < 5_000_000
@@ -180,7 +195,7 @@ def test_the_page_is_one_small_file_and_its_data_are_valid(found: Study, tmp_pat
     ],
 )
 def test_a_study_without_names_has_a_calm_page(
-    found: Study, tmp_path: Path, verdict: str, says: str
+    found: DiscoveryStudy, tmp_path: Path, verdict: str, says: str
 ) -> None:
     remains = REMAINS if verdict == 'unexplained' else ()
     given = _with(
@@ -204,17 +219,22 @@ def test_a_study_without_names_has_a_calm_page(
     ],
 )
 def test_what_no_axis_shows_has_a_title_as_well(
-    found: Study, said: tuple[str, ...], title: str
+    found: DiscoveryStudy, said: tuple[str, ...], title: str
 ) -> None:
     given = _with(found, verdict='unexplained', effects=(), remains=(), unexplained=said)
-    assert headline(given.finding).startswith(title)
+    assert format_headline(given.finding).startswith(title)
 
 
 def test_a_draught_is_on_the_page_and_nothing_is_missing_for_it(
-    found: Study, tmp_path: Path
+    found: DiscoveryStudy, tmp_path: Path
 ) -> None:
     given = _with(
-        found, verdict='none', effects=(), remains=(), where=(), draught=Draught(1.1e-3, 2.6e-3)
+        found,
+        verdict='none',
+        effects=(),
+        remains=(),
+        where=(),
+        draught=DraughtFinding(1.1e-3, 2.6e-3),
     )
     text, _ = _read(given, tmp_path)
     for words in (
@@ -226,7 +246,7 @@ def test_a_draught_is_on_the_page_and_nothing_is_missing_for_it(
         assert words in text
 
 
-def test_a_study_without_held_out_flights_says_so(found: Study, tmp_path: Path) -> None:
+def test_a_study_without_held_out_flights_says_so(found: DiscoveryStudy, tmp_path: Path) -> None:
     text, _ = _read(_with(found, held_out=False), tmp_path)
     assert 'No flight was held out' in text
     bare = replace(_with(found, gaps=(), ladder=(), warnings=(), versions={}), shown=())
@@ -236,11 +256,11 @@ def test_a_study_without_held_out_flights_says_so(found: Study, tmp_path: Path) 
     assert 'figure-above' not in data
 
 
-def test_several_flights_can_be_chosen(found: Study, tmp_path: Path) -> None:
+def test_several_flights_can_be_chosen(found: DiscoveryStudy, tmp_path: Path) -> None:
     shown = [
-        Shown(
+        StudyComparison(
             one,
-            *(origin(n, one.flight.knobs, one.flight.replay.cut) for n in
+            *(build_origin(n, one.flight.knobs, one.flight.replay.cut) for n in
               (found.nominal, found.nominal, found.learned)),
         )
         for one in found.flights
@@ -253,7 +273,7 @@ def test_several_flights_can_be_chosen(found: Study, tmp_path: Path) -> None:
     assert [len(line) for line in lines] == [4, 4, 4]
 
 
-def test_flights_of_one_name_keep_their_columns(found: Study, tmp_path: Path) -> None:
+def test_flights_of_one_name_keep_their_columns(found: DiscoveryStudy, tmp_path: Path) -> None:
     flights = [replace(one, name='bag') for one in found.flights]
     _, data = _read(replace(found, flights=flights), tmp_path)
     heat = data['figure-heat']
@@ -262,7 +282,7 @@ def test_flights_of_one_name_keep_their_columns(found: Study, tmp_path: Path) ->
     assert len(set(columns)) == len(columns) == sum(len(f.flight.replay.first) for f in flights)
 
 
-def test_numbers_that_nobody_knows_are_dashes(found: Study, tmp_path: Path) -> None:
+def test_numbers_that_nobody_knows_are_dashes(found: DiscoveryStudy, tmp_path: Path) -> None:
     nan = math.nan
     gaps = tuple(
         replace(one, coast=nan, noise_floor=nan, shrink_ci95=(nan, nan))
@@ -273,22 +293,24 @@ def test_numbers_that_nobody_knows_are_dashes(found: Study, tmp_path: Path) -> N
     assert 'NaN' not in json.dumps(data)
 
 
-def test_the_model_that_learned_leaves_noise(found: Study) -> None:
-    one = seen(found)[2]
-    before, after = (ratio(left)[:, :2].mean() for left in one.left)
+def test_the_model_that_learned_leaves_noise(found: DiscoveryStudy) -> None:
+    one = build_flight_views(found)[2]
+    before, after = (error_to_noise(left)[:, :2].mean() for left in one.left)
     assert before > 4.0 * after
     assert after < 1.6
 
 
-def test_a_true_model_leaves_what_was_measured_as_noise(gtmab: Known, clean: Linearised) -> None:
+def test_a_true_model_leaves_what_was_measured_as_noise(
+    gtmab: Known, clean: FlightLinearizer
+) -> None:
     nominal, knobs = gtmab
-    left = best_begun(clean, origin(nominal, knobs, clean.replay.cut))
+    left = best_start_residual(clean, build_origin(nominal, knobs, clean.replay.cut))
     assert np.nanstd(left[..., :6]) == pytest.approx(1.0, abs=0.12)
 
 
-def test_overlays_begin_where_the_pieces_do(found: Study) -> None:
-    one = seen(found)[2]
-    drawn = overlay(one)
+def test_overlays_begin_where_the_pieces_do(found: DiscoveryStudy) -> None:
+    one = build_flight_views(found)[2]
+    drawn = build_overlay(one)
     truth, before, after = drawn.lines
     away = [np.linalg.norm(line[:, :3] - truth[:, :3], axis=1) for line in (before, after)]
     assert np.nanmax(away[0]) > 3.0 * np.nanmax(away[1])
@@ -307,7 +329,7 @@ def test_white_noise_is_white_and_a_walk_is_not() -> None:
     assert lags[1] == pytest.approx(0.04)
     assert alike[0] == 1.0
     assert np.mean(np.abs(alike[1:]) < band) > 0.9
-    frequency, power = spectrum([noise])
+    frequency, power = residual_spectrum([noise])
     assert power.mean() == pytest.approx(1.0, abs=0.05)
     theirs = signal.periodogram(noise, 25.0, 'hann', axis=1, detrend=False)
     assert frequency == pytest.approx(theirs[0][1:])
@@ -323,38 +345,44 @@ def test_gaps_are_left_out_of_the_autocorrelation() -> None:
     known = autocorrelation([noise[:, :100]], 1.0)
     assert autocorrelation([noise], 1.0)[1] == pytest.approx(known[1])
     assert autocorrelation([np.full((2, 150, 3), np.nan)])[1] == pytest.approx(np.zeros(51))
-    assert len(spectrum([noise])[0]) == 0
+    assert len(residual_spectrum([noise])[0]) == 0
 
 
 def test_pieces_share_a_column_by_their_mean_square() -> None:
     errors = np.full((3, 14), 3.0)
     errors[1] = 4.0
     errors[:, 5] = np.nan
-    shared = joined(errors, 2)
+    shared = average_pieces(errors, 2)
     assert shared.shape == (2, 14)
     assert shared[:, 0] == pytest.approx([math.sqrt(12.5), 3.0])
     assert np.isnan(shared[:, 5]).all()
 
 
-def _with_effect(side: Reduced, k: int, size: float) -> Reduced:
+def _with_effect(side: ReducedFlight, k: int, size: float) -> ReducedFlight:
     """Return what flights would say if one knob stood at a size, and nothing else were off."""
     products = side.products.copy()
     products[:-1, -1] = products[-1, :-1] = size * products[:-1, k]
     products[-1, -1] = size**2 * products[k, k]
-    return Reduced(products, side.constant)
+    return ReducedFlight(products, side.constant)
 
 
-def test_what_could_have_been_seen_is_what_naming_accepts(gtmab: Known, clean: Linearised) -> None:
+def test_what_could_have_been_seen_is_what_naming_accepts(
+    gtmab: Known, clean: FlightLinearizer
+) -> None:
     """With a margin for chance: 1.645 of the deviation with which the flights tell the knob."""
     nominal, knobs = gtmab
-    side = Pieces(clean.at(origin(nominal, knobs, clean.replay.cut))).reduced(1.3 * FLOOR)
-    prior, names = tolerances(knobs), [knob.name for knob in knobs]
-    both = Reduced(2.0 * side.products, 0.0)
-    for one in detectable([side, side], prior, knobs):
+    side = PieceReducer(clean.linearize(build_origin(nominal, knobs, clean.replay.cut))).reduce(
+        1.3 * FLOOR
+    )
+    prior, names = build_prior(knobs), [knob.name for knob in knobs]
+    both = ReducedFlight(2.0 * side.products, 0.0)
+    for one in compute_detection_limits([side, side], prior, knobs):
         k = names.index(one.knob)
 
-        def glance(flights: Reduced, size: float, k: int = k) -> Seen:
-            told = scan(_with_effect(flights, k, size), np.zeros(len(prior.mean)), prior, knobs)
+        def glance(flights: ReducedFlight, size: float, k: int = k) -> CandidateScore:
+            told = scan_candidates(
+                _with_effect(flights, k, size), np.zeros(len(prior.mean)), prior, knobs
+            )
             return next(each for each in told if each.name == names[k])
 
         deviation = one.size / glance(both, one.size).sigma
@@ -364,26 +392,28 @@ def test_what_could_have_been_seen_is_what_naming_accepts(gtmab: Known, clean: L
         accepted = []
         for size in (0.98 * least, 1.02 * least):
             alone, together = glance(side, size).gain, glance(both, size).gain
-            accepted.append(Trial('', alone, alone, together - alone, 0.0, 0.0).accepted)
+            accepted.append(
+                CandidateTrial('', alone, alone, together - alone, 0.0, 0.0).is_accepted
+            )
         assert accepted == [False, True], one
 
 
 def test_numbers_are_written_as_people_read_them() -> None:
-    assert figure(1e-4) == '0.0001'
-    assert figure(-3.25) == '\N{MINUS SIGN}3.25'
-    assert figure(100.0, 2) == '100'
-    assert amount(0.0048, 'm') == '4.8 mm'
-    assert amount(0.193, 'm') == '19.3 cm'
-    assert amount(math.pi / 180.0, 'rad') == '1\N{DEGREE SIGN}'
-    assert within(0.02973, (0.0292, 0.0302)) == ('0.0297', '0.0292', '0.0302')
-    assert odds(math.log(1000.0)) == 'odds of 10\N{SUPERSCRIPT THREE} to 1'
-    assert spoken(DRAG) == 'linear drag (surge)'
-    assert spoken('net_lift.force') == 'net lift'
+    assert format_number(1e-4) == '0.0001'
+    assert format_number(-3.25) == '\N{MINUS SIGN}3.25'
+    assert format_number(100.0, 2) == '100'
+    assert format_quantity(0.0048, 'm') == '4.8 mm'
+    assert format_quantity(0.193, 'm') == '19.3 cm'
+    assert format_quantity(math.pi / 180.0, 'rad') == '1\N{DEGREE SIGN}'
+    assert format_with_interval(0.02973, (0.0292, 0.0302)) == ('0.0297', '0.0292', '0.0302')
+    assert format_odds(math.log(1000.0)) == 'odds of 10\N{SUPERSCRIPT THREE} to 1'
+    assert format_parameter(DRAG) == 'linear drag (surge)'
+    assert format_parameter('net_lift.force') == 'net lift'
 
 
 def why(*numbers: float, beaten: bool = False) -> str:
     """Return what is said of a candidate without a name."""
-    return because(Rung('a', *numbers, False), beaten, stands=False)
+    return explain_decision(LadderRung('a', *numbers, False), beaten, stands=False)
 
 
 def test_a_candidate_says_why_it_has_no_name() -> None:
@@ -401,63 +431,67 @@ def test_a_candidate_that_both_flights_confirm_is_not_said_to_fail_there() -> No
 
 
 def test_a_name_that_all_flights_together_do_not_keep_is_given_up(
-    found: Study, tmp_path: Path
+    found: DiscoveryStudy, tmp_path: Path
 ) -> None:
     """The round said that it is named, beside a headline that nothing is missing."""
-    rung = Rung('net_lift.force', 12.0, 7.0, 7.0, 0.3, True)
+    rung = LadderRung('net_lift.force', 12.0, 7.0, 7.0, 0.3, True)
     text, _ = _read(_with(found, verdict='none', effects=(), ladder=((rung,),)), tmp_path)
     assert 'Round 1: net lift is named, and given up at the end' in text
     assert 'all flights together do not keep it' in text
 
 
-def test_an_effect_with_an_equal_rival_is_told_as_either(found: Study) -> None:
+def test_an_effect_with_an_equal_rival_is_told_as_either(found: DiscoveryStudy) -> None:
     """And the gain is that of the name whose value it is."""
-    said = headline(found.finding)
+    said = format_headline(found.finding)
     assert said.startswith('Linear drag (surge) or quadratic drag (surge) is missing: ')
     assert 'with linear drag (surge), the position error' in said
-    assert 'instead' in tiles(found.finding)[1].note
+    assert 'instead' in build_tiles(found.finding)[1].note
 
 
-def test_no_gain_is_told_where_the_file_should_be_kept(found: Study) -> None:
+def test_no_gain_is_told_where_the_file_should_be_kept(found: DiscoveryStudy) -> None:
     worse = replace(found.finding.gaps[3], shrink=-0.1, shrink_ci95=(-0.3, -0.05))
     kept = replace(found.finding, gaps=(*found.finding.gaps[:3], worse, *found.finding.gaps[4:]))
-    assert 'falls from' not in headline(kept)
+    assert 'falls from' not in format_headline(kept)
     better = replace(found.finding.gaps[3], tuned=0.01, after=0.0111)
-    assert 'falls from' not in headline(replace(found.finding, gaps=(better,)))
+    assert 'falls from' not in format_headline(replace(found.finding, gaps=(better,)))
 
 
 def test_what_the_file_lacks_has_no_value_before() -> None:
     """A factor that the file does not have was told as 1 before."""
-    lacking = Learned('factor', '1', 1.0, 1.2, (1.1, 1.3), in_file=False)
-    assert held_words(lacking) == 'the file does not have it'
-    assert held_words(lacking._replace(in_file=True)) == 'the file has 1'
+    lacking = ParameterEstimate('factor', '1', 1.0, 1.2, (1.1, 1.3), in_file=False)
+    assert format_file_value(lacking) == 'the file does not have it'
+    assert format_file_value(lacking._replace(in_file=True)) == 'the file has 1'
 
 
-def test_a_file_that_tolerances_make_much_better_is_said_to_be(found: Study) -> None:
+def test_a_file_that_tolerances_make_much_better_is_said_to_be(found: DiscoveryStudy) -> None:
     gap = replace(found.finding.gaps[3], before=0.28, tuned=0.016, after=0.016)
-    said = headline(replace(found.finding, verdict='none', effects=(), gaps=(gap,)))
+    said = format_headline(replace(found.finding, verdict='none', effects=(), gaps=(gap,)))
     assert said.endswith('takes the position error after 5 s from 28 cm to 1.6 cm.')
     gap = replace(gap, coast=0.01)
-    said = headline(replace(found.finding, verdict='not_identifiable', effects=(), gaps=(gap,)))
+    said = format_headline(
+        replace(found.finding, verdict='not_identifiable', effects=(), gaps=(gap,))
+    )
     assert 'ignoring the commands predicts better' in said
 
 
-def test_an_effect_that_predicts_no_better_than_tolerances_is_said_to(found: Study) -> None:
+def test_an_effect_that_predicts_no_better_than_tolerances_is_said_to(
+    found: DiscoveryStudy,
+) -> None:
     gap = replace(found.finding.gaps[3], tuned=0.015, after=0.015)
-    said = headline(replace(found.finding, gaps=(gap,)))
+    said = format_headline(replace(found.finding, gaps=(gap,)))
     assert said.endswith('to 1.5 cm, as it does with tolerances alone.')
 
 
-def test_the_headline_says_what_is_missing_and_how_much_better(found: Study) -> None:
+def test_the_headline_says_what_is_missing_and_how_much_better(found: DiscoveryStudy) -> None:
     alone = replace(found.finding.effects[0], confusable_with=())
-    said = headline(replace(found.finding, effects=(alone,)))
+    said = format_headline(replace(found.finding, effects=(alone,)))
     gap = found.finding.gaps[3]
     assert said.startswith('Linear drag (surge) is missing: with it, the position error after 5 s')
-    assert said.endswith(f'to {amount(gap.after, "m", 2)}.')
+    assert said.endswith(f'to {format_quantity(gap.after, "m", 2)}.')
     two = replace(
         found.finding.effects[0], name='net_lift', knobs=('net_lift.force',),
-        parameters=(Learned('force', 'N', 0.0, -0.008, (-0.009, -0.007)),),
+        parameters=(ParameterEstimate('force', 'N', 0.0, -0.008, (-0.009, -0.007)),),
     )  # fmt: skip
     two = replace(two, confusable_with=())
     both = replace(found.finding, effects=(alone, two), gaps=())
-    assert headline(both) == 'Linear drag (surge) and net lift are missing.'
+    assert format_headline(both) == 'Linear drag (surge) and net lift are missing.'

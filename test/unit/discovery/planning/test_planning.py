@@ -5,44 +5,44 @@ import math
 
 from lta_config.course import Course
 from lta_config.errors import BadInput
-from lta_config.files import find, load_yaml
-from lta_discovery.finding import Finding, NamedEffect
-from lta_discovery.flights.measured import Stream, Streams
-from lta_discovery.model.knobs import Knob
-from lta_discovery.model.nominal import Nominal
-from lta_discovery.planning.advice import advice
-from lta_discovery.planning.choice import Planner, Rival, WANTED
-from lta_discovery.planning.flyable import extent, objections
-from lta_discovery.planning.manoeuvres import family, manoeuvre, Space
+from lta_config.files import find_file, load_yaml
+from lta_discovery.finding import DiscoveryFinding, NamedEffect
+from lta_discovery.flights.measured_flight import FlightStreams, Stream
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.planning.flight_choice import NextFlightPlanner, ParameterHypothesis, WANTED
+from lta_discovery.planning.flight_safety import flight_extent, list_objections
+from lta_discovery.planning.hypothesis import format_hypothesis
+from lta_discovery.planning.maneuvers import AltitudeRange, build_maneuver, list_maneuvers
+from lta_discovery.planning.measurement_advice import suggest_measurement
 from lta_discovery.planning.next_flight import (
-    between,
+    add_confusable,
     CERTAIN,
-    doubted,
     FILE,
-    hint,
-    Next,
-    of_study,
+    format_hint,
+    NextFlight,
+    plan_between,
+    plan_for_study,
 )
-from lta_discovery.planning.rehearsal import Rehearsed
-from lta_discovery.planning.supposed import supposed
-from lta_discovery.replay.linearise import Linearised
-from lta_discovery.study import Flown, Study
-from lta_flight.ingredients import gather
+from lta_discovery.planning.rehearsal import RehearsedFlight
+from lta_discovery.replay.linearizer import FlightLinearizer
+from lta_discovery.study import DiscoveryStudy, StudyFlight
+from lta_flight.flight_spec import load_spec
 from lta_model.scenario import load_scenario, Scenario
 from lta_model.vehicle import load_vehicle
-from lta_sim.readings import Outcome
+from lta_sim.readings import FlightOutcome
 import numpy as np
 import pytest
 
-Known = tuple[Nominal, list[Knob]]
-TEXT = find('vehicle', 'gtmab').read_text(encoding='utf-8')
-SPACE = Space(0.5, 2.0)
+Known = tuple[NominalVehicle, list[FreeParameter]]
+TEXT = find_file('vehicle', 'gtmab').read_text(encoding='utf-8')
+SPACE = AltitudeRange(0.5, 2.0)
 
 
 @pytest.fixture(scope='module')
-def planner() -> Planner:
+def planner() -> NextFlightPlanner:
     """Plans for a GT-MAB in a hall, seen by a tracker and all sensors."""
-    return Planner(gather('gtmab', 'hall', 'bag', ''), TEXT)
+    return NextFlightPlanner(load_spec('gtmab', 'hall', 'bag', ''), TEXT)
 
 
 @pytest.mark.parametrize(
@@ -54,43 +54,45 @@ def test_a_vehicle_is_what_it_is_supposed_to_be(
     gtmab: Known, tmp_path, name: str, value: float
 ) -> None:
     knob = next(one for one in gtmab[1] if one.name == name)
-    turned = knob.turned(gtmab[0], value)
+    turned = knob.apply_to(gtmab[0], value)
     path = tmp_path / 'supposed.yaml'
-    path.write_text(supposed(TEXT, load_vehicle('gtmab'), turned))
+    path.write_text(format_hypothesis(TEXT, load_vehicle('gtmab'), turned))
     for (effect, parameter), rate in knob.moves.items():
-        before = gtmab[0].value(effect, parameter)
-        found = Nominal.of(load_vehicle(str(path))).value(effect, parameter)
+        before = gtmab[0].parameter_value(effect, parameter)
+        found = NominalVehicle.from_vehicle(load_vehicle(str(path))).parameter_value(
+            effect, parameter
+        )
         assert found == pytest.approx(before + rate * value)
 
 
 def test_every_manoeuvre_takes_off_stays_between_its_heights_and_lands() -> None:
-    for one in family(SPACE):
+    for one in list_maneuvers(SPACE):
         course = Course.model_validate(one.course)
         heights = [row.altitude.si for row in course.rows]
         assert heights[-1] == 0.0
         assert SPACE.low <= min(heights[:-1]) <= max(heights) <= SPACE.high
         assert course.rows[-1].at.si < one.length
-    costs = [one.cost for one in family(SPACE)]
+    costs = [one.cost for one in list_maneuvers(SPACE)]
     assert costs == sorted(costs)
-    turns = Course.model_validate(manoeuvre('yaws', SPACE, 20.0, 0.0).course)
+    turns = Course.model_validate(build_maneuver('yaws', SPACE, 20.0, 0.0).course)
     assert {round(row.heading.si, 2) for row in turns.rows} == {1.2, -1.2}
 
 
-def _rehearsed(**changes: object) -> Rehearsed:
+def _rehearsed(**changes: object) -> RehearsedFlight:
     """Return a quiet flight of 2 m that lands."""
     path = np.zeros((100, 3))
     path[:, 0], path[:, 2] = np.linspace(0.0, 2.0, 100), 0.42 + np.hanning(100)
-    still = Streams(
+    still = FlightStreams(
         Stream(np.arange(2.0), np.zeros((2, 7))), Stream(np.zeros(1), np.zeros((1, 4)))
     )
-    sound = Rehearsed(still, Outcome.REACHED, path, np.full((100, 4), 0.3), 0.1, 0.42)
+    sound = RehearsedFlight(still, FlightOutcome.REACHED, path, np.full((100, 4), 0.3), 0.1, 0.42)
     return replace(sound, **changes)  # type: ignore[arg-type]
 
 
 def test_what_is_not_safe_is_said() -> None:
     vehicle, hall = load_vehicle('gtmab'), load_scenario('lamp_room')
-    assert objections(_rehearsed(), vehicle, hall) == []
-    x, y, z = extent(_rehearsed(), vehicle)
+    assert list_objections(_rehearsed(), vehicle, hall) == []
+    x, y, z = flight_extent(_rehearsed(), vehicle)
     assert x - y == pytest.approx(2.0)  # the way, and the hull in every direction
     assert 0.5 * y > z - 1.42 > 0.25  # a hull that is wider than high
     far, high, up = (_rehearsed().path.copy() for _ in range(3))
@@ -98,24 +100,33 @@ def test_what_is_not_safe_is_said() -> None:
     duties = np.full((100, 4), 0.3)
     duties[:20, 1] = 1.0
     for wrong, words in (
-        (_rehearsed(outcome=Outcome.ESCAPED), 'left the room'),
+        (_rehearsed(outcome=FlightOutcome.ESCAPED), 'left the room'),
         (_rehearsed(path=far), 'near a wall'),
         (_rehearsed(path=high), 'near the ceiling'),
         (_rehearsed(tilt=math.radians(31.0)), 'tilts by 31 degrees'),
         (_rehearsed(duties=duties), 'at its limit'),
         (_rehearsed(path=up), 'does not come down'),
     ):
-        (said,) = objections(wrong, vehicle, hall)
+        (said,) = list_objections(wrong, vehicle, hall)
         assert words in said
 
 
 @pytest.mark.long
-def test_steps_of_height_tell_a_wind_from_one_that_grows_with_height(planner: Planner) -> None:
+def test_steps_of_height_tell_a_wind_from_one_that_grows_with_height(
+    planner: NextFlightPlanner,
+) -> None:
     """Both have one size at one height: only another height tells them apart."""
-    wind, grows = planner.knob('steady_wind.x'), planner.knob('wind_gradient.x_z')
-    first = Rival(wind, 0.004)
+    wind, grows = (
+        planner.find_parameter('steady_wind.x'),
+        planner.find_parameter('wind_gradient.x_z'),
+    )
+    first = ParameterHypothesis(wind, 0.004)
     hover, steps = (
-        planner.promised(manoeuvre(name, planner.space, 45.0, 0.0), first, [Rival(grows, 0.004)])
+        planner.predict_evidence(
+            build_maneuver(name, planner.space, 45.0, 0.0),
+            first,
+            [ParameterHypothesis(grows, 0.004)],
+        )
         for name in ('hover', 'heights')
     )
     assert hover is not None
@@ -124,10 +135,14 @@ def test_steps_of_height_tell_a_wind_from_one_that_grows_with_height(planner: Pl
 
 
 @pytest.mark.long
-def test_the_flight_that_tells_two_drags_apart_changes_its_speed(planner: Planner) -> None:
-    drags = [planner.knob(f'{name}.surge') for name in ('linear_drag', 'quadratic_drag')]
-    first, other = (Rival(knob, value) for knob, value in zip(drags, (0.02, 0.15), strict=True))
-    chosen = planner.choose(first, [other])
+def test_the_flight_that_tells_two_drags_apart_changes_its_speed(
+    planner: NextFlightPlanner,
+) -> None:
+    drags = [planner.find_parameter(f'{name}.surge') for name in ('linear_drag', 'quadratic_drag')]
+    first, other = (
+        ParameterHypothesis(knob, value) for knob, value in zip(drags, (0.02, 0.15), strict=True)
+    )
+    chosen = planner.choose_flight(first, [other])
     assert chosen is not None
     assert chosen.nats >= WANTED
     speeds = {row['speed']['value'] for row in chosen.manoeuvre.course['rows']}
@@ -138,46 +153,48 @@ def test_the_flight_that_tells_two_drags_apart_changes_its_speed(planner: Planne
 
 
 def test_where_nothing_in_flight_decides_it_says_what_to_measure(tmp_path) -> None:
-    found = between('gtmab', 'net_lift.force', 'payload.mass')
+    found = plan_between('gtmab', 'net_lift.force', 'payload.mass')
     assert found.scenario is None
     assert 'weigh the vehicle' in found.text
     assert found.write(tmp_path) is None
-    assert 'clocks' in between('gtmab', 'tracker_delay.delay', 'clock_offset.offset').text
-    assert advice('linear_drag.surge', ('quadratic_drag.surge',), 'wrench') == (
+    assert 'clocks' in plan_between('gtmab', 'tracker_delay.delay', 'clock_offset.offset').text
+    assert suggest_measurement('linear_drag.surge', ('quadratic_drag.surge',), 'wrench') == (
         'record the duties of the motors as well'
     )
-    assert advice('net_lift.force', ('payload.mass',), 'pose').startswith('they are one constant')
+    assert suggest_measurement('net_lift.force', ('payload.mass',), 'pose').startswith(
+        'they are one constant'
+    )
 
 
 def test_what_cannot_be_planned_is_refused() -> None:
     with pytest.raises(BadInput, match=r"effect 'net_lift\.foce'"):
-        between('gtmab', 'net_lift.foce', 'payload.mass')
+        plan_between('gtmab', 'net_lift.foce', 'payload.mass')
     with pytest.raises(BadInput, match='from itself'):
-        between('gtmab', 'cg_offset.x', 'cg_offset.x')
+        plan_between('gtmab', 'cg_offset.x', 'cg_offset.x')
 
 
 def test_a_scenario_is_written_with_what_it_is_for(tmp_path) -> None:
-    content = load_yaml(find('scenario', 'hall'))
-    content['course'] = dict(manoeuvre('heights', SPACE, 20.0, 0.2).course)
-    path = Next('To tell a from b, climb.', content, 20.0).write(tmp_path)
+    content = load_yaml(find_file('scenario', 'hall'))
+    content['course'] = dict(build_maneuver('heights', SPACE, 20.0, 0.2).course)
+    path = NextFlight('To tell a from b, climb.', content, 20.0).write(tmp_path)
     assert path == tmp_path / FILE
     assert path.read_text().startswith('# To tell a from b, climb.\n')
     assert load_scenario(str(path)).course == Course.model_validate(content['course'])
 
 
 def test_a_study_with_a_doubtful_name_says_what_comes_next(
-    gtmab: Known, clean: Linearised
+    gtmab: Known, clean: FlightLinearizer
 ) -> None:
     lift = NamedEffect('net_lift', ('net_lift.force',), (), 30.0)
-    finding = Finding('named', (lift,), (), (), (), False, (), (), 1, {}, 'gtmab')
-    study = Study(finding, gtmab[0], gtmab[0], [Flown('a', 'train', clean)], ())
-    wide = doubted(study)
+    finding = DiscoveryFinding('named', (lift,), (), (), (), False, (), (), 1, {}, 'gtmab')
+    study = DiscoveryStudy(finding, gtmab[0], gtmab[0], [StudyFlight('a', 'train', clean)], ())
+    wide = add_confusable(study)
     same = set(wide.finding.effects[0].confusable_with)
     assert same >= {'gas_purity.purity', 'ballast.mass'}
     assert 'payload.mass' not in same  # it lifts, and a payload weighs
     assert 'linear_drag.surge' not in same
-    assert 'weigh the vehicle' in hint(wide)
+    assert 'weigh the vehicle' in format_hint(wide)
     tied = replace(finding, effects=(replace(lift, confusable_with=('linear_drag.heave',)),))
-    assert '--plan' in hint(replace(study, finding=tied))
-    assert hint(study) == ''
-    assert of_study(study, 'gtmab') == Next(CERTAIN)
+    assert '--plan' in format_hint(replace(study, finding=tied))
+    assert format_hint(study) == ''
+    assert plan_for_study(study, 'gtmab') == NextFlight(CERTAIN)

@@ -5,21 +5,21 @@ from types import SimpleNamespace
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_discovery.flights.windows import KNOTS
-from lta_discovery.model.knobs import Knob
-from lta_discovery.model.nominal import Nominal
-from lta_discovery.replay import linearise
-from lta_discovery.replay.linear import origin, SENSORS, unknowns
-from lta_discovery.replay.linearise import Linearised
-from lta_discovery.replay.replay import Replay, STEPS
-from lta_discovery.replay.sensing import act
-from lta_discovery.replay.tangent import WIDTH
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.replay import linearizer
+from lta_discovery.replay.linearized_flight import build_origin, count_unknowns, SENSORS
+from lta_discovery.replay.linearizer import FlightLinearizer
+from lta_discovery.replay.replay import ModelReplay, STEPS
+from lta_discovery.replay.sensing import transform_readings
+from lta_discovery.replay.variational_equation import WIDTH
 from lta_model.vehicle import load_vehicle
 import numpy as np
 from numpy.typing import NDArray
 import pytest
 
-Known = tuple[Nominal, list[Knob]]
-RANDOM = unknowns(KNOTS)
+Known = tuple[NominalVehicle, list[FreeParameter]]
+RANDOM = count_unknowns(KNOTS)
 CHECKED = (
     'thrust_scale.factor', 'rotor_fault.lost_3', 'linear_drag.surge', 'quadratic_drag.heave',
     'vehicle.mass', 'cg_offset.y', 'munk_moment.lost', 'motor_lag', 'command_delay.delay',
@@ -29,18 +29,21 @@ CHECKED = (
 
 
 @pytest.fixture(scope='module')
-def columns(gtmab: Known, clean: Linearised) -> NDArray[np.float64]:
+def columns(gtmab: Known, clean: FlightLinearizer) -> NDArray[np.float64]:
     """The whitened columns of the clean flight."""
-    return clean.columns(origin(gtmab[0], gtmab[1], clean.replay.cut))[0]
+    return clean.compute_columns(build_origin(gtmab[0], gtmab[1], clean.replay.cut))[0]
 
 
 def _left(
-    flight: Linearised, nominal: Nominal, random: NDArray[np.float64]
+    flight: FlightLinearizer, nominal: NominalVehicle, random: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """Return measured less predicted by the noise, flown with other parameters."""
-    point = replace(origin(nominal, flight.knobs, flight.replay.cut), random=random)
-    grid = flight.trajectory(point)[:, ::STEPS]
-    return flight.left(grid, point, flight.replay.rows(nominal)) / flight.replay.flight.noise
+    point = replace(build_origin(nominal, flight.knobs, flight.replay.cut), random=random)
+    grid = flight.simulate_trajectory(point)[:, ::STEPS]
+    return (
+        flight.compute_residual(grid, point, flight.replay.build_rows(nominal))
+        / flight.replay.flight.noise
+    )
 
 
 def _differ(expected: NDArray[np.float64], column: NDArray[np.float64]) -> float:
@@ -51,21 +54,21 @@ def _differ(expected: NDArray[np.float64], column: NDArray[np.float64]) -> float
 
 @pytest.mark.parametrize('name', CHECKED)
 def test_a_column_is_what_flying_with_the_knob_turned_changes(
-    gtmab: Known, clean: Linearised, columns: NDArray[np.float64], name: str
+    gtmab: Known, clean: FlightLinearizer, columns: NDArray[np.float64], name: str
 ) -> None:
     nominal, knobs = gtmab
     k = [knob.name for knob in knobs].index(name)
     still, step = np.zeros((len(clean.replay.first), RANDOM)), 1e-3 * knobs[k].typical or 1e-4
     if name == 'command_delay.delay':
         step = 1e-3
-    before = _left(clean, knobs[k].ready(nominal), still)
-    after = _left(clean, knobs[k].turned(nominal, step), still)
+    before = _left(clean, knobs[k].enable_effect(nominal), still)
+    after = _left(clean, knobs[k].apply_to(nominal, step), still)
     assert _differ((before - after) / step, columns[..., RANDOM + k]) < 0.01
 
 
 @pytest.mark.parametrize('k', [0, 4, 7, 11, 12, 24, 40, 55, 60, RANDOM - 1])
 def test_states_knots_and_pressure_have_theirs(
-    gtmab: Known, clean: Linearised, columns: NDArray[np.float64], k: int
+    gtmab: Known, clean: FlightLinearizer, columns: NDArray[np.float64], k: int
 ) -> None:
     still = np.zeros((len(clean.replay.first), RANDOM))
     moved = still.copy()
@@ -76,29 +79,29 @@ def test_states_knots_and_pressure_have_theirs(
 
 @pytest.mark.parametrize('k', range(len(SENSORS)))
 def test_columns_of_sensor_errors_are_derivatives_of_the_residual(
-    gtmab: Known, clean: Linearised, columns: NDArray[np.float64], k: int
+    gtmab: Known, clean: FlightLinearizer, columns: NDArray[np.float64], k: int
 ) -> None:
-    point = origin(gtmab[0], gtmab[1], clean.replay.cut)
-    grid, rows = clean.trajectory(point)[:, ::STEPS], gtmab[0].rows()
+    point = build_origin(gtmab[0], gtmab[1], clean.replay.cut)
+    grid, rows = clean.simulate_trajectory(point)[:, ::STEPS], gtmab[0].build_rows()
     values = point.values.copy()
     values[len(gtmab[1]) + k] = 0.01
     there = replace(point, values=values)
-    change = clean.left(grid, point, rows) - clean.left(grid, there, rows)
+    change = clean.compute_residual(grid, point, rows) - clean.compute_residual(grid, there, rows)
     noise = clean.replay.flight.noise
     assert _differ(change / noise / 0.01, columns[..., RANDOM + len(gtmab[1]) + k]) < 1e-9
 
 
 def test_columns_of_some_pieces_and_products_of_all_agree_with_the_whole_table(
     gtmab: Known,
-    clean: Linearised,
+    clean: FlightLinearizer,
     columns: NDArray[np.float64],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(linearise, 'CHUNK', 2)  # the chunks are smaller than the flight
-    point = origin(gtmab[0], gtmab[1], clean.replay.cut)
-    table, left = clean.columns(point, slice(1, 3))
+    monkeypatch.setattr(linearizer, 'CHUNK', 2)  # the chunks are smaller than the flight
+    point = build_origin(gtmab[0], gtmab[1], clean.replay.cut)
+    table, left = clean.compute_columns(point, slice(1, 3))
     np.testing.assert_allclose(table, columns[1:3], rtol=1e-9, atol=1e-9)
-    none = clean.at(point, np.zeros(len(gtmab[1]), dtype=bool))
+    none = clean.linearize(point, np.zeros(len(gtmab[1]), dtype=bool))
     np.testing.assert_array_equal(none.residual[1:3], left)
     known = np.isfinite(none.residual)
     assert none.rows.tolist() == known.sum(axis=(1, 2)).tolist()
@@ -114,13 +117,13 @@ def test_columns_of_some_pieces_and_products_of_all_agree_with_the_whole_table(
 
 @pytest.mark.parametrize('pushed', [0.0, 0.002])
 def test_all_forces_and_inertias_scaled_together_move_nothing(
-    gtmab: Known, clean: Linearised, pushed: float
+    gtmab: Known, clean: FlightLinearizer, pushed: float
 ) -> None:
     nominal, knobs = gtmab
-    begin = origin(nominal, knobs, clean.replay.cut)
+    begin = build_origin(nominal, knobs, clean.replay.cut)
     # Nor where something unexplained pushes: it would have to grow with them, and costs.
     begin.random[:, WIDTH : WIDTH + KNOTS] = pushed * np.cos(np.arange(KNOTS))  # N, surge
-    columns = clean.columns(begin)[0]
+    columns = clean.compute_columns(begin)[0]
     heaviness = (nominal.mass - nominal.displaced) * STANDARD_GRAVITY
     scaled = dict.fromkeys(
         (
@@ -141,12 +144,12 @@ def test_all_forces_and_inertias_scaled_together_move_nothing(
 
 
 def test_what_is_not_wanted_costs_nothing_and_changes_nothing(
-    gtmab: Known, clean: Linearised
+    gtmab: Known, clean: FlightLinearizer
 ) -> None:
     nominal, knobs = gtmab
-    point = origin(nominal, knobs, clean.replay.cut)
+    point = build_origin(nominal, knobs, clean.replay.cut)
     wanted = np.array([knob.tolerance > 0.0 for knob in knobs])
-    whole, some = clean.at(point), clean.at(point, wanted)
+    whole, some = clean.linearize(point), clean.linearize(point, wanted)
     kept = np.r_[
         0:RANDOM, RANDOM + np.flatnonzero(wanted), RANDOM + len(knobs) : whole.grams.shape[1]
     ]
@@ -161,36 +164,36 @@ def test_a_piece_that_ends_after_the_flight_repeats_its_last_point() -> None:
     """The last of 100 points has the index 99; the times of the piece go on beyond it."""
     flight = SimpleNamespace(time=0.3 + 0.04 * np.arange(100), only_tracked=False)
     cut = SimpleNamespace(first=np.array([3, 97]), length=5, knots=2)
-    found = Linearised(SimpleNamespace(flight=flight, cut=cut, span=5 * STEPS), [], None)
+    found = FlightLinearizer(SimpleNamespace(flight=flight, cut=cut, span=5 * STEPS), [], None)
     assert found.index.tolist() == [[3, 4, 5, 6, 7], [97, 98, 99, 99, 99]]
     np.testing.assert_allclose(found.time, 0.3 + 0.04 * np.add.outer([3, 97], np.arange(5)))
 
 
 @pytest.fixture(scope='module')
-def alone(clean: Linearised) -> Linearised:
+def alone(clean: FlightLinearizer) -> FlightLinearizer:
     """The clean flight as a tracker alone has it."""
     noise = np.where(np.arange(14) < 6, clean.replay.flight.noise, np.inf)
     blind = replace(clean.replay.flight, noise=noise)
-    replay = Replay(blind, clean.replay.cut, load_vehicle('gtmab').command(()))
-    return Linearised(replay, clean.knobs, clean.places)
+    replay = ModelReplay(blind, clean.replay.cut, load_vehicle('gtmab').pack_command(()))
+    return FlightLinearizer(replay, clean.knobs, clean.places)
 
 
 @pytest.mark.parametrize(
     ('name', 'value'), [('tracker_delay.delay', 0.12), ('clock_offset.offset', -0.12)]
 )
 def test_to_a_pose_alone_a_late_pose_is_a_late_command(
-    gtmab: Known, alone: Linearised, name: str, value: float
+    gtmab: Known, alone: FlightLinearizer, name: str, value: float
 ) -> None:
     """x(t - d), driven by u(t), is y(t), driven by u(t - d): exactly, however large d is."""
     nominal, knobs = gtmab
     order = [knob.name for knob in knobs]
-    by_command = knobs[order.index('command_delay.delay')].turned(nominal, 0.12)
-    by_clock = knobs[order.index(name)].turned(nominal, value)
+    by_command = knobs[order.index('command_delay.delay')].apply_to(nominal, 0.12)
+    by_clock = knobs[order.index(name)].apply_to(nominal, value)
     random = np.zeros((len(alone.replay.first), RANDOM))
     expected = _left(alone, by_command, random)
     np.testing.assert_allclose(_left(alone, by_clock, random), expected, rtol=1e-9, atol=1e-9)
     assert not np.allclose(_left(alone, nominal, random), expected, atol=0.1, equal_nan=True)
-    told = alone.columns(origin(nominal, knobs, alone.replay.cut))[0]
+    told = alone.compute_columns(build_origin(nominal, knobs, alone.replay.cut))[0]
     one, other = (told[..., RANDOM + order.index(each)] for each in ('command_delay.delay', name))
     assert _differ(one, np.sign(value) * other) < 0.01
 
@@ -207,7 +210,7 @@ def test_where_an_inertial_unit_has_the_other_clock_a_late_pose_is_no_late_comma
 
 
 def test_the_clocks_of_a_pose_alone_add_up_to_a_delay_of_the_commands(
-    gtmab: Known, alone: Linearised, clean: Linearised
+    gtmab: Known, alone: FlightLinearizer, clean: FlightLinearizer
 ) -> None:
     """10 ms late, seen 50 ms late by a clock 20 ms behind, which gains 10 ms in 100 s."""
     nominal = gtmab[0]
@@ -216,21 +219,23 @@ def test_the_clocks_of_a_pose_alone_add_up_to_a_delay_of_the_commands(
         ('clock_offset', 'offset', 0.02), ('clock_skew', 'skew', 1e-4),
     ):  # fmt: skip
         nominal = nominal.with_value(effect, parameter, value)
-    acting = alone.replay.rows(nominal).acting
-    late = -act(acting['command_time'], np.zeros((2, 1)), np.array([0.0, 100.0]))[:, 0]
+    acting = alone.replay.build_rows(nominal).acting
+    late = -transform_readings(acting['command_time'], np.zeros((2, 1)), np.array([0.0, 100.0]))[
+        :, 0
+    ]
     np.testing.assert_allclose(late, [0.04, 0.03], atol=1e-12)
     assert acting['clock'] == acting['pose_time'] == ()
-    apart = clean.replay.rows(nominal).acting
-    assert -act(apart['command_time'], np.zeros((1, 1)), np.zeros(1))[0, 0] == 0.01
+    apart = clean.replay.build_rows(nominal).acting
+    assert -transform_readings(apart['command_time'], np.zeros((1, 1)), np.zeros(1))[0, 0] == 0.01
     assert len(apart['clock']) == 2
     assert len(apart['pose_time']) == 1
 
 
 def test_a_pose_alone_has_the_columns_of_the_pose(
-    gtmab: Known, alone: Linearised, columns: NDArray[np.float64]
+    gtmab: Known, alone: FlightLinearizer, columns: NDArray[np.float64]
 ) -> None:
-    point = origin(gtmab[0], gtmab[1], alone.replay.cut)
-    told, left = alone.columns(point)
+    point = build_origin(gtmab[0], gtmab[1], alone.replay.cut)
+    told, left = alone.compute_columns(point)
     names = [knob.name for knob in gtmab[1]]
     others = [RANDOM + k for k, name in enumerate(names) if name.startswith(('tracker', 'clock'))]
     same = np.delete(np.arange(told.shape[-1]), others)
@@ -239,7 +244,10 @@ def test_a_pose_alone_has_the_columns_of_the_pose(
     known = np.isfinite(left)
     flat = np.where(known[..., None], told, 0.0).reshape(len(told), -1, told.shape[-1])
     np.testing.assert_allclose(
-        alone.at(point).grams[:, :-1, :-1], np.swapaxes(flat, 1, 2) @ flat, rtol=1e-9, atol=1e-12
+        alone.linearize(point).grams[:, :-1, :-1],
+        np.swapaxes(flat, 1, 2) @ flat,
+        rtol=1e-9,
+        atol=1e-12,
     )
 
 
@@ -248,46 +256,50 @@ def test_a_pose_alone_has_the_columns_of_the_pose(
     'name', ['tracker_misalignment.roll', 'tracker_misalignment.pitch', 'vehicle.mass']
 )
 def test_where_the_tracker_is_tilted_so_is_what_begins_a_piece(
-    gtmab: Known, alone: Linearised, name: str, tilt: float
+    gtmab: Known, alone: FlightLinearizer, name: str, tilt: float
 ) -> None:
     """The state that a tilted tracker told is turned back before it is flown from."""
     knobs = gtmab[1]
     nominal = gtmab[0].with_value('tracker_misalignment', 'pitch', tilt)
     k = [knob.name for knob in knobs].index(name)
     still = np.zeros((len(alone.replay.first), RANDOM))
-    column = alone.columns(origin(nominal, knobs, alone.replay.cut))[0][..., RANDOM + k]
-    before, after = (_left(alone, knobs[k].turned(nominal, by), still) for by in (-1e-4, 1e-4))
+    column = alone.compute_columns(build_origin(nominal, knobs, alone.replay.cut))[0][
+        ..., RANDOM + k
+    ]
+    before, after = (_left(alone, knobs[k].apply_to(nominal, by), still) for by in (-1e-4, 1e-4))
     assert _differ((before - after) / 2e-4, column) < 0.03  # most of it cancels
 
 
 def test_a_turn_about_the_vertical_moves_nothing(
-    gtmab: Known, alone: Linearised, columns: NDArray[np.float64]
+    gtmab: Known, alone: FlightLinearizer, columns: NDArray[np.float64]
 ) -> None:
     """Without wind nothing says where north is."""
     k = RANDOM + [knob.name for knob in gtmab[1]].index('tracker_misalignment.yaw')
-    told = alone.columns(origin(gtmab[0], gtmab[1], alone.replay.cut))[0][..., k]
+    told = alone.compute_columns(build_origin(gtmab[0], gtmab[1], alone.replay.cut))[0][..., k]
     assert np.abs(told).max() < 1e-4 * np.nanmax(np.abs(columns[:, :, :6, k]))
 
 
 def test_a_tilt_of_the_tracker_leaves_the_first_pose_as_it_was_told(
-    gtmab: Known, alone: Linearised
+    gtmab: Known, alone: FlightLinearizer
 ) -> None:
     """A forecast begins where the tracker says, in whatever frame it says so."""
     first = []
     for tilt in (0.0, 0.05):
         nominal = gtmab[0].with_value('tracker_misalignment', 'roll', tilt)
-        point = origin(nominal, gtmab[1], alone.replay.cut)
-        left = alone.left(alone.forecast(point)[:, ::STEPS], point, nominal.rows())
+        point = build_origin(nominal, gtmab[1], alone.replay.cut)
+        left = alone.compute_residual(
+            alone.simulate_forecast(point)[:, ::STEPS], point, nominal.build_rows()
+        )
         first.append(left[:, 0, :6])
     np.testing.assert_allclose(first[1], first[0], atol=1e-9)
 
 
 def test_a_turned_row_is_that_of_the_vehicle_built_anew(gtmab: Known) -> None:
     nominal, knobs = gtmab
-    base = nominal.rows()
+    base = nominal.build_rows()
     for knob in knobs:
-        turned = knob.turned(nominal, knob.step_at(0.0))
-        quick, slow = turned.rows_beside(nominal, base), turned.rows()
+        turned = knob.apply_to(nominal, knob.step_at(0.0))
+        quick, slow = turned.update_rows(nominal, base), turned.build_rows()
         for name in ('actuators', 'actuators_on', 'body', 'body_on'):
             np.testing.assert_array_equal(getattr(quick, name), getattr(slow, name))
         assert quick.acting == slow.acting

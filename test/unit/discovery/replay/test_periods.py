@@ -2,58 +2,60 @@
 
 from dataclasses import replace
 
-from lta_discovery.flights.measured import Measured
+from lta_discovery.flights.measured_flight import MeasuredFlight
 from lta_discovery.flights.windows import KNOTS
-from lta_discovery.model.knobs import Knob
-from lta_discovery.model.nominal import Nominal
-from lta_discovery.model.rotations import exponential
-from lta_discovery.replay import periods
-from lta_discovery.replay.linearise import Linearised
-from lta_discovery.replay.periods import knots_for, swings, vehicle_period
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.model.quaternions import quaternion_exponential
+from lta_discovery.replay import knot_count
+from lta_discovery.replay.knot_count import count_needed_knots, find_swing_periods, vehicle_period
+from lta_discovery.replay.linearizer import FlightLinearizer
 import numpy as np
 import pytest
 
-Known = tuple[Nominal, list[Knob]]
+Known = tuple[NominalVehicle, list[FreeParameter]]
 
 
-def _swung(flight: Measured, seconds: float, tilt: float = 0.1, axis: int = 1) -> Measured:
+def _swung(
+    flight: MeasuredFlight, seconds: float, tilt: float = 0.1, axis: int = 1
+) -> MeasuredFlight:
     """Return a flight of which the attitude swings about one axis, and no other motion."""
     turn = np.zeros((len(flight.time), 3))
     turn[:, axis] = tilt * np.sin(2.0 * np.pi * flight.time / seconds)
     turn += 1e-4 * np.random.default_rng(3).standard_normal(turn.shape)
-    return replace(flight, quaternion=exponential(turn))
+    return replace(flight, quaternion=quaternion_exponential(turn))
 
 
 def test_the_period_of_a_vehicle_is_that_of_the_pendulum_that_it_is(
-    gtmab: Known, clean: Linearised
+    gtmab: Known, clean: FlightLinearizer
 ) -> None:
     """Buoyancy at the hull centre, weight below it: w^2 = m g d over the inertia that is felt."""
     vehicle = gtmab[0]
-    inverse = np.reshape(vehicle.model().inverse, (6, 6))
+    inverse = np.reshape(vehicle.build_model().inverse, (6, 6))
     stiffness = vehicle.mass * 9.80665 * -vehicle.cg[2]
     fastest = np.sqrt(stiffness * max(inverse[3, 3], inverse[4, 4]))
     assert vehicle_period(clean, vehicle) == pytest.approx(2.0 * np.pi / fastest, rel=0.05)
 
 
 def test_a_lower_centre_of_gravity_swings_faster_and_needs_more_knots(
-    gtmab: Known, clean: Linearised
+    gtmab: Known, clean: FlightLinearizer
 ) -> None:
     deep = gtmab[0].with_value('cg_height', 'z', -0.10)
     assert vehicle_period(clean, deep) < 0.8 * vehicle_period(clean, gtmab[0])
-    assert knots_for([clean], deep) > 1.25 * knots_for([clean], gtmab[0])
+    assert count_needed_knots([clean], deep) > 1.25 * count_needed_knots([clean], gtmab[0])
 
 
 @pytest.mark.parametrize(('seconds', 'axis'), [(1.6, 1), (2.5, 0), (1.2, 2)])
 def test_a_swing_of_the_attitude_has_its_period(
-    clean: Linearised, seconds: float, axis: int
+    clean: FlightLinearizer, seconds: float, axis: int
 ) -> None:
     """Of spectra of 256 points at 25 Hz, 0.1 Hz apart."""
-    found = list(swings(_swung(clean.replay.flight, seconds, axis=axis)))
+    found = list(find_swing_periods(_swung(clean.replay.flight, seconds, axis=axis)))
     assert [1.0 / one for one in found] == pytest.approx([1.0 / seconds], abs=0.06)
 
 
-def test_what_a_tracker_makes_up_is_no_swing(clean: Linearised) -> None:
-    assert not list(swings(_swung(clean.replay.flight, 1.0, tilt=0.0)))
+def test_what_a_tracker_makes_up_is_no_swing(clean: FlightLinearizer) -> None:
+    assert not list(find_swing_periods(_swung(clean.replay.flight, 1.0, tilt=0.0)))
 
 
 @pytest.mark.parametrize(
@@ -62,19 +64,19 @@ def test_what_a_tracker_makes_up_is_no_swing(clean: Linearised) -> None:
 )
 def test_six_knots_are_in_the_shortest_period(
     gtmab: Known,
-    clean: Linearised,
+    clean: FlightLinearizer,
     monkeypatch: pytest.MonkeyPatch,
     vehicle: float,
     seen: list[float],
     knots: int,
 ) -> None:
     """A piece of 6 s has 6 x 6 / T intervals, within 8 and 36."""
-    monkeypatch.setattr(periods, 'vehicle_period', lambda flight, nominal: vehicle)
-    monkeypatch.setattr(periods, 'swings', lambda flight: iter(seen))
-    assert knots_for([clean, clean], gtmab[0]) == knots
+    monkeypatch.setattr(knot_count, 'vehicle_period', lambda flight, nominal: vehicle)
+    monkeypatch.setattr(knot_count, 'find_swing_periods', lambda flight: iter(seen))
+    assert count_needed_knots([clean, clean], gtmab[0]) == knots
 
 
-def test_a_flight_with_other_knots_has_the_same_pieces(clean: Linearised) -> None:
+def test_a_flight_with_other_knots_has_the_same_pieces(clean: FlightLinearizer) -> None:
     more = clean.with_knots(19)
     assert more.replay.cut.knots == 19
     assert more.random == 12 + 6 * 19 + 1

@@ -2,11 +2,11 @@
 
 from dataclasses import replace
 
-from lta_discovery.flights.measured import measured, Stream
-from lta_discovery.flights.windows import windows
-from lta_discovery.model.nominal import Nominal
-from lta_discovery.replay.linearise import Linearised
-from lta_discovery.replay.replay import Replay, STEPS
+from lta_discovery.flights.measured_flight import resample_flight, Stream
+from lta_discovery.flights.windows import cut_windows
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.replay.linearizer import FlightLinearizer
+from lta_discovery.replay.replay import ModelReplay, STEPS
 from lta_model.effects import initial_memory
 from lta_model.vehicle import load_vehicle
 from lta_sim.kernels import kernel
@@ -19,15 +19,15 @@ RIGID = 13
 
 
 def test_a_lagged_rotor_has_the_mean_thrust_of_its_closed_form(
-    gtmab: tuple[Nominal, object], clean: Linearised
+    gtmab: tuple[NominalVehicle, object], clean: FlightLinearizer
 ) -> None:
     # Duty 0.5 from 3 ms after a bin began: m = 0.5 (1 - exp(-t / 72 ms)), T = a m^2 + b m.
     flight, vehicle = clean.replay.flight, load_vehicle('gtmab')
     begin = float(flight.time[0])
     order = Stream(np.array([begin, begin + 0.043]), np.array([[0.0] * 4, [0.5] * 4]))
     told = replace(flight, commands=order, voltage=np.full(len(flight.time), np.nan))
-    rows = gtmab[0].rows()
-    thrusts = Replay(told, clean.replay.cut, vehicle.command(())).thrusts(rows)
+    rows = gtmab[0].build_rows()
+    thrusts = ModelReplay(told, clean.replay.cut, vehicle.pack_command(())).mean_thrusts(rows)
     a, b = vehicle.thrust_curve
     for k in (2, 3, 10):
         time = np.linspace(0.02 * k, 0.02 * (k + 1), 20001) - 0.043
@@ -38,25 +38,27 @@ def test_a_lagged_rotor_has_the_mean_thrust_of_its_closed_form(
     assert (thrusts[:, 4:] == 0.0).all()
 
 
-def test_pieces_fly_as_the_kernel_flies(gtmab: tuple[Nominal, object]) -> None:
+def test_pieces_fly_as_the_kernel_flies(gtmab: tuple[NominalVehicle, object]) -> None:
     # The same commands through lta_sim.kernels.kernel at 2.5 ms, from one instant on.
     streams = flown({}, 4, 12.0)
-    flight = measured(streams)
-    model, orders = gtmab[0].model(), streams.commands.values
+    flight = resample_flight(streams)
+    model, orders = gtmab[0].build_model(), streams.commands.values
     state = np.concatenate([np.zeros(RIGID), initial_memory()])
     state[6], state[2] = 1.0, 1.5
     states = [state[:RIGID]]
     for order in orders[:800]:
         state = kernel.advance(state, model, order, (0.0,), 0.0025, 4)
         states.append(state[:RIGID])
-    cut = windows(flight, 4.0)
+    cut = cut_windows(flight, 4.0)
     unknown = replace(flight, voltage=np.full(len(flight.time), np.nan))
-    replay = Replay(unknown, cut, load_vehicle('gtmab').command(()))
-    rows = gtmab[0].rows()
+    replay = ModelReplay(unknown, cut, load_vehicle('gtmab').pack_command(()))
+    rows = gtmab[0].build_rows()
     at = np.rint(flight.time[cut.first] / 0.01).astype(int)
     assert at[0] + 400 <= 800
     start = np.array([states[k] if k < len(states) else states[0] for k in at])
-    flown_on = replay.fly(rows, replay.ready(rows), start, np.zeros((len(at), replay.span, 6)))
+    flown_on = replay.integrate_pieces(
+        rows, replay.compute_inputs(rows), start, np.zeros((len(at), replay.span, 6))
+    )
     truth = np.array(states[at[0] : at[0] + 401 : 4])
     error = flown_on[0, ::STEPS] - truth
     assert np.abs(error[:, :3]).max() < 1e-4  # m
@@ -65,17 +67,19 @@ def test_pieces_fly_as_the_kernel_flies(gtmab: tuple[Nominal, object]) -> None:
 
 
 def test_a_commanded_wrench_moves_the_body_as_the_same_latent_one(
-    gtmab: tuple[Nominal, object], clean: Linearised
+    gtmab: tuple[NominalVehicle, object], clean: FlightLinearizer
 ) -> None:
-    replay, rows = clean.replay, gtmab[0].rows()
+    replay, rows = clean.replay, gtmab[0].build_rows()
     push = np.array([0.01, -0.004, 0.02, 1e-3, -2e-3, 5e-4])
     order = Stream(replay.flight.time[:1], push[None])
-    told = Replay(
-        replace(replay.flight, wrench=order), replay.cut, load_vehicle('gtmab').command(())
+    told = ModelReplay(
+        replace(replay.flight, wrench=order), replay.cut, load_vehicle('gtmab').pack_command(())
     )
     still = np.zeros((len(replay.first), replay.span, 6))
-    commanded = told.fly(rows, told.ready(rows), replay.cut.start, still)
-    latent = replay.fly(rows, replay.ready(rows), replay.cut.start, still + push)
+    commanded = told.integrate_pieces(rows, told.compute_inputs(rows), replay.cut.start, still)
+    latent = replay.integrate_pieces(
+        rows, replay.compute_inputs(rows), replay.cut.start, still + push
+    )
     np.testing.assert_allclose(commanded, latent, atol=1e-9)
-    alone = replay.fly(rows, replay.ready(rows), replay.cut.start, still)
+    alone = replay.integrate_pieces(rows, replay.compute_inputs(rows), replay.cut.start, still)
     assert np.abs(latent - alone).max() > 0.1

@@ -3,19 +3,24 @@
 from types import SimpleNamespace
 
 from lta_config.constants import STANDARD_GRAVITY
-from lta_discovery.flights.measured import PERIOD
-from lta_discovery.model.knobs import Knob
-from lta_discovery.model.nominal import Nominal
-from lta_discovery.model.rotations import exponential, logarithm, reverse, rotated
+from lta_discovery.flights.measured_flight import PERIOD
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.model.quaternions import (
+    quaternion_conjugate,
+    quaternion_exponential,
+    quaternion_logarithm,
+    rotate_vectors,
+)
 from lta_discovery.replay.sensing import (
-    floor_pressure,
-    in_map,
-    Places,
-    plain,
-    readings,
-    shift_of,
-    told,
+    apply_sensor_effects,
+    estimate_floor_pressure,
+    ideal_readings,
+    pose_time_shift,
+    predict_readings,
+    SensorPlaces,
     tracker_frame,
+    transform_to_map,
 )
 from lta_model.sensors.pressure import air_pressure
 import numpy as np
@@ -26,8 +31,8 @@ from scipy.spatial.transform import Rotation
 Array = NDArray[np.float64]
 SWING = 2.0 * np.pi * 0.6  # rad/s: a hull that swings below its envelope
 ROLL, WAY = 0.2, 0.5  # rad, m
-STILL = Places((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 101325.0)
-PLACES = Places((0.1, 0.0, -0.2), (0.05, 0.02, -0.1), 101000.0)
+STILL = SensorPlaces((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 101325.0)
+PLACES = SensorPlaces((0.1, 0.0, -0.2), (0.05, 0.02, -0.1), 101000.0)
 
 
 def _swinging(time: Array) -> Array:
@@ -35,18 +40,20 @@ def _swinging(time: Array) -> Array:
     states = np.zeros((len(time), 13))
     states[:, 1] = WAY * np.sin(SWING * time)
     roll = np.outer(ROLL * np.sin(SWING * time), [1.0, 0.0, 0.0])
-    states[:, 3:7] = exponential(roll)
+    states[:, 3:7] = quaternion_exponential(roll)
     velocity = np.outer(WAY * SWING * np.cos(SWING * time), [0.0, 1.0, 0.0])
-    states[:, 7:10] = rotated(reverse(states[:, 3:7]), velocity)
+    states[:, 7:10] = rotate_vectors(quaternion_conjugate(states[:, 3:7]), velocity)
     states[:, 10] = ROLL * SWING * np.cos(SWING * time)
     return states
 
 
-def test_a_pose_a_tenth_of_a_second_old_swings_no_wider(gtmab: tuple[Nominal, list[Knob]]) -> None:
+def test_a_pose_a_tenth_of_a_second_old_swings_no_wider(
+    gtmab: tuple[NominalVehicle, list[FreeParameter]],
+) -> None:
     late = gtmab[0].with_value('tracker_delay', 'delay', 0.1)
     time = PERIOD * np.arange(101)
-    said = told(_swinging(time), time[:-1], late.rows().acting, STILL)
-    roll = logarithm(said.quaternion)[:, 0]
+    said = predict_readings(_swinging(time), time[:-1], late.build_rows().acting, STILL)
+    roll = quaternion_logarithm(said.quaternion)[:, 0]
     before = SWING * (time[:-1] - 0.1)
     inside = slice(2, -2)  # the slopes at the ends are of one side
     # What is left out is of third order in the angle of a delay, 0.38 rad: 1 %. First order
@@ -61,27 +68,29 @@ def test_a_pose_a_tenth_of_a_second_old_swings_no_wider(gtmab: tuple[Nominal, li
     [('tracker_delay', 'delay', 0.1), ('clock_offset', 'offset', -0.1)],
 )
 def test_a_tracker_delay_and_a_negative_clock_offset_shift_poses_alike(
-    gtmab: tuple[Nominal, list[Knob]], effect: str, name: str, value: float
+    gtmab: tuple[NominalVehicle, list[FreeParameter]], effect: str, name: str, value: float
 ) -> None:
     time = PERIOD * np.arange(101)
-    acting = gtmab[0].with_value(effect, name, value).rows().acting
-    np.testing.assert_allclose(shift_of(acting, time[:-1]), -0.1, atol=1e-12)
-    place = told(_swinging(time), time[:-1], acting, STILL).position[2:-2, 1]
+    acting = gtmab[0].with_value(effect, name, value).build_rows().acting
+    np.testing.assert_allclose(pose_time_shift(acting, time[:-1]), -0.1, atol=1e-12)
+    place = predict_readings(_swinging(time), time[:-1], acting, STILL).position[2:-2, 1]
     before = WAY * np.sin(SWING * (time[2:-3] - 0.1))
     assert np.abs(place - before).max() < 0.012 * WAY
 
 
-def test_the_shift_of_a_pose_adds_up_clock_and_delay(gtmab: tuple[Nominal, list[Knob]]) -> None:
+def test_the_shift_of_a_pose_adds_up_clock_and_delay(
+    gtmab: tuple[NominalVehicle, list[FreeParameter]],
+) -> None:
     """The shift is 0.02 s + 5e-4 t - 0.1 s."""
     nominal = gtmab[0].with_value('clock_offset', 'offset', 0.02)
     nominal = nominal.with_value('clock_skew', 'skew', 5e-4)
-    acting = nominal.with_value('tracker_delay', 'delay', 0.1).rows().acting
+    acting = nominal.with_value('tracker_delay', 'delay', 0.1).build_rows().acting
     time = np.array([[0.0, 10.0], [100.0, 200.0]])
-    np.testing.assert_allclose(shift_of(acting, time), [[-0.08, -0.075], [-0.03, 0.02]])
+    np.testing.assert_allclose(pose_time_shift(acting, time), [[-0.08, -0.075], [-0.03, 0.02]])
 
 
 def test_each_effect_changes_the_readings_of_its_sensor_alone(
-    gtmab: tuple[Nominal, list[Knob]],
+    gtmab: tuple[NominalVehicle, list[FreeParameter]],
 ) -> None:
     nominal = gtmab[0]
     for effect, name, value in (
@@ -90,19 +99,19 @@ def test_each_effect_changes_the_readings_of_its_sensor_alone(
     ):  # fmt: skip
         nominal = nominal.with_value(effect, name, value)
     exact = np.tile(np.arange(1.0, 9.0), (2, 1))
-    said = readings(exact, np.array([0.0, 4.0]), nominal.rows().acting)
+    said = apply_sensor_effects(exact, np.array([0.0, 4.0]), nominal.build_rows().acting)
     first = [1.0, 2.0, 3.3, 4.0, 5.2, 6.0, 7.1, 8.0]
     np.testing.assert_allclose(said, [first, [*first[:7], 10.0]])
 
 
 def test_a_misaligned_tracker_is_turned_back_into_the_map(
-    gtmab: tuple[Nominal, list[Knob]],
+    gtmab: tuple[NominalVehicle, list[FreeParameter]],
 ) -> None:
     angles = (0.4, -0.2, 0.1)
     nominal = gtmab[0]
     for name, angle in zip(('yaw', 'pitch', 'roll'), angles, strict=True):
         nominal = nominal.with_value('tracker_misalignment', name, angle)
-    acting, frame = nominal.rows().acting, Rotation.from_euler('ZYX', angles).inv()
+    acting, frame = nominal.build_rows().acting, Rotation.from_euler('ZYX', angles).inv()
     matrix, turn = tracker_frame(acting)
     np.testing.assert_allclose(matrix, frame.as_matrix(), atol=1e-12)
     np.testing.assert_allclose(turn, frame.as_quat(), atol=1e-12)
@@ -111,7 +120,7 @@ def test_a_misaligned_tracker_is_turned_back_into_the_map(
     seen = truth.copy()
     seen[:, :3] = frame.apply(truth[:, :3])
     seen[:, 3:7] = (frame * Rotation.from_quat(truth[:, 3:7])).as_quat()
-    back = in_map(seen, acting)
+    back = transform_to_map(seen, acting)
     same = np.sign(np.sum(back[:, 3:7] * truth[:, 3:7], axis=1))
     back[:, 3:7] *= same[:, None]
     np.testing.assert_allclose(back, truth, atol=1e-12)
@@ -136,9 +145,9 @@ def test_the_frame_of_a_tracker_is_evaluated_level_at_the_origin_at_time_0() -> 
 
 
 def test_without_an_effect_the_frame_of_the_tracker_is_the_map(
-    gtmab: tuple[Nominal, list[Knob]],
+    gtmab: tuple[NominalVehicle, list[FreeParameter]],
 ) -> None:
-    matrix, turn = tracker_frame(gtmab[0].rows().acting)
+    matrix, turn = tracker_frame(gtmab[0].build_rows().acting)
     np.testing.assert_array_equal(matrix, np.eye(3))
     np.testing.assert_array_equal(turn, [0.0, 0.0, 0.0, 1.0])
 
@@ -159,7 +168,7 @@ def test_sensors_at_rest_measure_the_vertical_the_distance_and_the_pressure() ->
     1.5 - 0.05 sin 0.3 - 0.1 cos 0.3 m. The pressure is that at the IMU, 0.2 m below the centre.
     """
     rest, sine, cosine = _pitched(0.3), np.sin(0.3), np.cos(0.3)
-    said = plain(rest, rest, PLACES)
+    said = ideal_readings(rest, rest, PLACES)
     np.testing.assert_allclose(said[:3], 0.0)
     np.testing.assert_allclose(said[3:6], STANDARD_GRAVITY * np.array([-sine, 0.0, cosine]))
     assert said[6] == pytest.approx((1.5 - 0.05 * sine - 0.1 * cosine) / cosine)
@@ -176,7 +185,7 @@ def test_rates_and_force_are_means_of_the_period() -> None:
     """
     begin, end = _pitched(0.3), _pitched(-0.3)
     begin[10], end[10], end[7] = 0.1, 0.3, 0.02
-    said = plain(begin, end, PLACES)
+    said = ideal_readings(begin, end, PLACES)
     np.testing.assert_allclose(said[:3], [0.2, 0.0, 0.0])
     up = STANDARD_GRAVITY * np.cos(0.3)
     np.testing.assert_allclose(said[3:6], [0.5, 1.0, up + 0.008], atol=1e-12)
@@ -190,6 +199,6 @@ def test_the_pressure_at_the_floor_is_the_median_of_known_readings() -> None:
     told_by[4, 7] *= 2.0
     flight = SimpleNamespace(readings=told_by, position=np.outer(height, [0.0, 0.0, 1.0]))
     # Known are two readings that fit 99 kPa, and one that fits twice as much.
-    assert floor_pressure(flight, PLACES) == pytest.approx(99000.0)
+    assert estimate_floor_pressure(flight, PLACES) == pytest.approx(99000.0)
     flight.readings[:, 7] = np.nan
-    assert floor_pressure(flight, PLACES) == 101325.0
+    assert estimate_floor_pressure(flight, PLACES) == 101325.0

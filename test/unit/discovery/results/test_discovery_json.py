@@ -3,12 +3,19 @@
 from dataclasses import replace
 import json
 
-from lta_discovery.finding import Finding, Gap, Learned, NamedEffect, Place, Rung
-from lta_discovery.flights.loud import Cut
-from lta_discovery.outside.draught import Draught
-from lta_discovery.outside.unexplained import Remainder
-from lta_discovery.results.discovery_json import horizon, to_dict
-from lta_discovery.results.terminal import gap_lines, show
+from lta_discovery.finding import (
+    DiscoveryFinding,
+    Discrepancy,
+    LadderRung,
+    NamedEffect,
+    ParameterEstimate,
+    PredictionGap,
+)
+from lta_discovery.flights.noisy_intervals import ExcludedInterval
+from lta_discovery.results.discovery_json import common_horizon, to_dict
+from lta_discovery.results.terminal import format_gaps, print_finding
+from lta_discovery.unmodeled.draught import DraughtFinding
+from lta_discovery.unmodeled.remainders import Remainder
 import pytest
 from rich.console import Console
 
@@ -16,24 +23,24 @@ NAN = float('nan')
 
 
 def _gap(channel, at, before, after, unit='m'):
-    return Gap(channel, unit, at, before, 0.5 * before, after, 9.0, 0.001, 1.0 - after / before,
-               (0.2, 0.4), 17)  # fmt: skip
+    return PredictionGap(channel, unit, at, before, 0.5 * before, after, 9.0, 0.001,
+                         1.0 - after / before, (0.2, 0.4), 17)  # fmt: skip
 
 
-FINDING = Finding(
+FINDING = DiscoveryFinding(
     'named+unexplained',
     (
         NamedEffect(
             'motor_lag', ('motor_lag',),
-            (Learned('up', 's', 0.072, 0.12, (0.11, 0.13)),
-             Learned('down', 's', 0.072, 0.12, (0.11, 0.13))),
+            (ParameterEstimate('up', 's', 0.072, 0.12, (0.11, 0.13)),
+             ParameterEstimate('down', 's', 0.072, 0.12, (0.11, 0.13))),
             41.0, ('command_delay.delay',),
         ),
     ),
-    ((Rung('motor_lag', 22.0, 19.0, 17.0, 0.3, True),),),
+    ((LadderRung('motor_lag', 22.0, 19.0, 17.0, 0.3, True),),),
     (
-        Place('A', 'x', 2.0, 40.0, 'always', 9.0),
-        Place('A', 'surge', 2.0, 40.0, 'speed above 0.3 m/s', 7.0),
+        Discrepancy('A', 'x', 2.0, 40.0, 'always', 9.0),
+        Discrepancy('A', 'surge', 2.0, 40.0, 'speed above 0.3 m/s', 7.0),
     ),
     (
         _gap('position', 3.0, 0.2, 0.1), _gap('position', 5.0, 0.4, 0.1),
@@ -51,7 +58,7 @@ FINDING = Finding(
 
 
 def test_the_keys_are_those_that_programs_rely_on():
-    told = to_dict(FINDING, [Cut('A', 'imu', 3.0, 4.0, 'Stuck.')])
+    told = to_dict(FINDING, [ExcludedInterval('A', 'imu', 3.0, 4.0, 'Stuck.')])
     assert {'verdict', 'effects', 'where', 'gap', 'warnings', 'seed', 'versions'} <= set(told)
     assert told['verdict'] == 'named+unexplained'
     assert told['unexplained'] == []
@@ -72,11 +79,11 @@ def test_the_keys_are_those_that_programs_rely_on():
 
 def test_a_draught_is_told_to_programs_and_people():
     assert to_dict(FINDING)['draught'] is None
-    aired = replace(FINDING, draught=Draught(1.1e-3, 2.6e-3))
+    aired = replace(FINDING, draught=DraughtFinding(1.1e-3, 2.6e-3))
     assert to_dict(aired)['draught'] == {'force': 1.1e-3, 'speed': 2.6e-3}
     console = Console(width=110, record=True, file=None, quiet=False)
     with console.capture() as heard:
-        show(aired, console)
+        print_finding(aired, console)
     assert 'A draught: a horizontal force that follows nothing, 1.1 mN, as' in heard.get()
 
 
@@ -88,7 +95,7 @@ def test_the_gap_is_of_the_position_at_the_longest_horizon_that_most_have():
     assert gap['shrink_ci95'] == [0.2, 0.4]
     assert (gap['coast'], gap['noise_floor'], gap['held_out']) == (9.0, 0.001, True)
     assert set(gap['per_channel']) == {'position', 'attitude', 'pressure'}
-    assert horizon([one for one in FINDING.gaps if one.channel != 'pressure']) == 5.0
+    assert common_horizon([one for one in FINDING.gaps if one.channel != 'pressure']) == 5.0
 
 
 def test_what_is_no_number_is_null():
@@ -109,7 +116,7 @@ def test_a_study_without_gaps_has_the_same_keys():
 def test_the_terminal_tells_effects_gap_and_where():
     console = Console(width=110, record=True, file=None, quiet=False)
     with console.capture() as heard:
-        show(replace(FINDING, unexplained=('a hum',)), console)
+        print_finding(replace(FINDING, unexplained=('a hum',)), console)
     said = heard.get()
     for words in ('motor_lag', '0.110 to 0.130', 'command_delay.delay', '50 % less (20 to 40 %)',
                   'speed above 0.3 m/s', 'Unexplained: a hum.', 'A word.'):  # fmt: skip
@@ -119,6 +126,6 @@ def test_the_terminal_tells_effects_gap_and_where():
 
 def test_an_error_that_grew_is_told_as_more():
     grown = replace(FINDING.gaps[1], shrink=-0.3, shrink_ci95=(-0.6, 0.2))
-    (first, *_) = gap_lines(replace(FINDING, gaps=(grown,)))
+    (first, *_) = format_gaps(replace(FINDING, gaps=(grown,)))
     assert '30 % more (' in str(first)
     assert ' to 60 %)' in str(first)

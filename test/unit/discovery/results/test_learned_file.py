@@ -1,39 +1,39 @@
 """What was learned stands in the vehicle file, and flies as it was learned."""
 
-from lta_config.files import find
-from lta_discovery.finding import Finding, Learned, NamedEffect
-from lta_discovery.model.knobs import knobs
-from lta_discovery.model.nominal import Nominal
-from lta_discovery.results.learned_file import learned_text
+from lta_config.files import find_file
+from lta_discovery.finding import DiscoveryFinding, NamedEffect, ParameterEstimate
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import list_free_parameters
+from lta_discovery.results.learned_file import format_learned_vehicle
 from lta_model.vehicle import load_vehicle
-from lta_vehicle.difference import difference
+from lta_vehicle.difference import compare_vehicles
 import pytest
 
 
 def _finding(effects=(), vehicle='gtmab'):
     bags = {'train': ('A',), 'confirm': ('B',), 'holdout': ('C',)}
-    return Finding(
+    return DiscoveryFinding(
         'named', effects, (), (), (), True, (), (), 1, bags, vehicle, {'commit': 'abc123'}
     )
 
 
 def _turned(nominal, names):
     """Return the vehicle with some knobs turned, each by a part of what is typical of it."""
-    by_name = {knob.name: knob for knob in knobs(nominal)}
+    by_name = {knob.name: knob for knob in list_free_parameters(nominal)}
     for name in names:
         knob = by_name[name]
         value = min(max(0.3 * knob.typical, knob.low), knob.high)
-        nominal = knob.turned(nominal, value or max(-0.3 * knob.typical, knob.low))
+        nominal = knob.apply_to(nominal, value or max(-0.3 * knob.typical, knob.low))
     return nominal
 
 
 def _written(vehicle, path, names, finding=None):
     """Return a vehicle, what was learned of it, and both of the file that says so."""
-    text = find('vehicle', vehicle).read_text(encoding='utf-8')
+    text = find_file('vehicle', vehicle).read_text(encoding='utf-8')
     known = load_vehicle(vehicle)
-    nominal = Nominal.of(known)
+    nominal = NominalVehicle.from_vehicle(known)
     learned = _turned(nominal, names)
-    path.write_text(learned_text(text, known, nominal, learned, finding or _finding()))
+    path.write_text(format_learned_vehicle(text, known, nominal, learned, finding or _finding()))
     return known, learned, load_vehicle(str(path))
 
 
@@ -41,26 +41,32 @@ def _written(vehicle, path, names, finding=None):
     'vehicle', ['gtmab', pytest.param('skye', marks=pytest.mark.long)]
 )
 def test_every_candidate_has_its_place_in_the_file(vehicle, tmp_path):
-    turnable = [k.name for k in knobs(Nominal.of(load_vehicle(vehicle))) if k.typical]
+    turnable = [
+        k.name
+        for k in list_free_parameters(NominalVehicle.from_vehicle(load_vehicle(vehicle)))
+        if k.typical
+    ]
     # Those that would make it too heavy to be a vehicle, all at once, are tried one by one.
     heavy = {'ballast.mass', 'payload.mass', 'gas_purity.purity', 'cg_height.z'}
     for names in ([n for n in turnable if n not in heavy], *([n] for n in turnable if n in heavy)):
         _, learned, back = _written(vehicle, tmp_path / 'vehicle.yaml', names)
-        again = Nominal.of(back)
+        again = NominalVehicle.from_vehicle(back)
         for effect, given in learned.given.items():
             for name, value in given.items():
-                assert again.value(effect, name) == pytest.approx(value, rel=1e-9, abs=1e-12)
+                assert again.parameter_value(effect, name) == pytest.approx(
+                    value, rel=1e-9, abs=1e-12
+                )
 
 
 def test_nothing_learned_leaves_the_file_as_it_is():
-    text = find('vehicle', 'gtmab').read_text(encoding='utf-8')
+    text = find_file('vehicle', 'gtmab').read_text(encoding='utf-8')
     known = load_vehicle('gtmab')
-    same = Nominal.of(known)
-    assert learned_text(text, known, same, same, _finding()) == text
+    same = NominalVehicle.from_vehicle(known)
+    assert format_learned_vehicle(text, known, same, same, _finding()) == text
 
 
 def test_the_source_has_interval_flights_commit_and_what_was_before(tmp_path):
-    told = Learned('surge', 'N s/m', 0.0, 0.003, (0.002, 0.004))
+    told = ParameterEstimate('surge', 'N s/m', 0.0, 0.003, (0.002, 0.004))
     effect = NamedEffect('linear_drag', ('linear_drag.surge',), (told,), 40.0)
     path = tmp_path / 'vehicle.yaml'
     _, _, back = _written('gtmab', path, ['linear_drag.surge'], _finding((effect,)))
@@ -74,7 +80,7 @@ def test_the_source_has_interval_flights_commit_and_what_was_before(tmp_path):
 def test_the_difference_of_both_files_is_what_was_learned(tmp_path):
     names = ['tracker_delay.delay', 'linear_drag.heave']
     before, _, after = _written('gtmab', tmp_path / 'vehicle.yaml', names)
-    assert [change.place for change in difference(before, after).changes] == [
+    assert [change.place for change in compare_vehicles(before, after).changes] == [
         'aero.linear_drag.force', 'effects.tracker_delay.delay',
     ]  # fmt: skip
 
@@ -83,8 +89,14 @@ def test_discoveries_chain(tmp_path):
     first = tmp_path / 'first.yaml'
     _, learned, back = _written('gtmab', first, ['linear_drag.surge', 'added_mass.heave'])
     _, twice, again = _written(str(first), tmp_path / 'second.yaml', ['linear_drag.surge'])
-    assert Nominal.of(back).value('linear_drag', 'surge') == pytest.approx(0.003)
-    assert twice.value('linear_drag', 'surge') == pytest.approx(0.006)
-    assert Nominal.of(again).value('linear_drag', 'surge') == pytest.approx(0.006)
-    heave = learned.value('added_mass', 'heave')
-    assert Nominal.of(again).value('added_mass', 'heave') == pytest.approx(heave)
+    assert NominalVehicle.from_vehicle(back).parameter_value(
+        'linear_drag', 'surge'
+    ) == pytest.approx(0.003)
+    assert twice.parameter_value('linear_drag', 'surge') == pytest.approx(0.006)
+    assert NominalVehicle.from_vehicle(again).parameter_value(
+        'linear_drag', 'surge'
+    ) == pytest.approx(0.006)
+    heave = learned.parameter_value('added_mass', 'heave')
+    assert NominalVehicle.from_vehicle(again).parameter_value(
+        'added_mass', 'heave'
+    ) == pytest.approx(heave)

@@ -3,30 +3,30 @@
 from dataclasses import replace
 from types import SimpleNamespace
 
-from lta_discovery.fit.evidence import fitted, Prior, tolerances
-from lta_discovery.fit.fit import Fit, fit
-from lta_discovery.fit.piecewise import each_piece
-from lta_discovery.model.knobs import Knob
-from lta_discovery.model.nominal import Nominal
-from lta_discovery.replay.linear import origin
-from lta_discovery.replay.linearise import Linearised
-from lta_discovery.where import change_point
-from lta_discovery.where.change_point import change
+from lta_discovery.discrepancies import change_point
+from lta_discovery.discrepancies.change_point import find_change_point
+from lta_discovery.fit.evidence import build_prior, compute_posterior, Prior
+from lta_discovery.fit.joint_fit import fit_flight, FlightFit
+from lta_discovery.fit.robust_variance import reduce_each_piece
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.replay.linearized_flight import build_origin
+from lta_discovery.replay.linearizer import FlightLinearizer
 import numpy as np
 import pytest
 
-Known = tuple[Nominal, list[Knob]]
+Known = tuple[NominalVehicle, list[FreeParameter]]
 
 
 @pytest.fixture(scope='module')
-def quiet(gtmab: Known, clean: Linearised) -> Fit:
+def quiet(gtmab: Known, clean: FlightLinearizer) -> FlightFit:
     """A flight in which nothing changes."""
     nominal, knobs = gtmab
-    begin = origin(nominal, knobs, clean.replay.cut)
-    return fit(clean, nominal, tolerances(knobs), begin, rounds=1)
+    begin = build_origin(nominal, knobs, clean.replay.cut)
+    return fit_flight(clean, nominal, build_prior(knobs), begin, rounds=1)
 
 
-def _longer(this: Fit, times: int) -> Fit:
+def _longer(this: FlightFit, times: int) -> FlightFit:
     """Return a flight as if it had been flown several times over."""
     linear = this.linear
     point = replace(linear.point, random=np.tile(linear.point.random, (times, 1)))
@@ -39,7 +39,9 @@ def _longer(this: Fit, times: int) -> Fit:
     return replace(this, linear=long)
 
 
-def _changed(this: Fit, knobs: list[Knob], name: str, size: float, piece: int) -> Fit:
+def _changed(
+    this: FlightFit, knobs: list[FreeParameter], name: str, size: float, piece: int
+) -> FlightFit:
     """Return a flight with a knob turned from a piece on, as linear as it is."""
     grams = this.linear.grams.copy()
     width = grams.shape[1] - len(this.linear.names) - 1
@@ -50,29 +52,32 @@ def _changed(this: Fit, knobs: list[Knob], name: str, size: float, piece: int) -
     return replace(this, linear=replace(this.linear, grams=grams))
 
 
-def test_the_pieces_together_are_the_flight(quiet: Fit) -> None:
-    whole = quiet.pieces.reduced(quiet.deviations).products
-    assert each_piece(quiet.linear, quiet.deviations).sum(axis=0) == pytest.approx(
+def test_the_pieces_together_are_the_flight(quiet: FlightFit) -> None:
+    whole = quiet.pieces.reduce(quiet.deviations).products
+    assert reduce_each_piece(quiet.linear, quiet.deviations).sum(axis=0) == pytest.approx(
         whole, rel=1e-9, abs=1e-6
     )
 
 
 @pytest.mark.parametrize('off', [0.0, 0.5])
 def test_what_is_won_is_the_log_evidence_of_one_unknown_more(
-    gtmab: Known, quiet: Fit, off: float
+    gtmab: Known, quiet: FlightFit, off: float
 ) -> None:
     """The flight is linearised about the vehicle file, and half of each tolerance from it."""
     knobs, name, piece = gtmab[1], 'net_lift.force', 5
     this = _changed(_longer(quiet, 2), knobs, name, 0.02, piece)
-    values = this.linear.point.values + off * np.sqrt(np.diag(tolerances(knobs).covariance))
+    values = this.linear.point.values + off * np.sqrt(np.diag(build_prior(knobs).covariance))
     this = replace(
         this, linear=replace(this.linear, point=replace(this.linear.point, values=values))
     )
-    found = change(this, knobs, 1)
+    found = find_change_point(this, knobs, 1)
     assert found is not None
     assert (found.piece, found.knob) == (piece, name)
-    each, k = each_piece(this.linear, this.deviations), [knob.name for knob in knobs].index(name)
-    prior, at = tolerances(knobs), this.linear.point.values
+    each, k = (
+        reduce_each_piece(this.linear, this.deviations),
+        [knob.name for knob in knobs].index(name),
+    )
+    prior, at = build_prior(knobs), this.linear.point.values
     after = each[piece:].sum(axis=0)
     size = len(at)
     wider = np.zeros((size + 2, size + 2))
@@ -83,20 +88,20 @@ def test_what_is_won_is_the_log_evidence_of_one_unknown_more(
     covariance = np.zeros((size + 1, size + 1))
     covariance[:size, :size] = prior.covariance
     covariance[size, size] = (3.0 * knobs[k].typical) ** 2
-    with_it = fitted(
+    with_it = compute_posterior(
         replace(quiet.reduced, products=wider),
         np.append(at, 0.0),
         Prior(np.append(prior.mean, 0.0), covariance),
     )
-    without = fitted(replace(quiet.reduced, products=each.sum(axis=0)), at, prior)
+    without = compute_posterior(replace(quiet.reduced, products=each.sum(axis=0)), at, prior)
     won = with_it.log_evidence - without.log_evidence
     assert found.won == pytest.approx(won, rel=1e-6)
     assert with_it.mean[-1] == pytest.approx(0.02, rel=0.1)
 
 
-def test_where_nothing_changes_nothing_is_found(gtmab: Known, quiet: Fit) -> None:
-    assert change(quiet, gtmab[1], 1) is None
-    assert change(_longer(quiet, 3), gtmab[1], 1) is None
+def test_where_nothing_changes_nothing_is_found(gtmab: Known, quiet: FlightFit) -> None:
+    assert find_change_point(quiet, gtmab[1], 1) is None
+    assert find_change_point(_longer(quiet, 3), gtmab[1], 1) is None
 
 
 INFORMATION = 10.0  # of each piece on each knob
@@ -104,7 +109,7 @@ INFORMATION = 10.0  # of each piece on each knob
 
 def _found(
     monkeypatch: pytest.MonkeyPatch, pieces: int, changed: slice, pull: float
-) -> change_point.Change | None:
+) -> change_point.ChangePoint | None:
     """Return the change found if some pieces pull at one knob, and harder at two fixed ones."""
     each = np.zeros((pieces, 4, 4))
     each[:, range(3), range(3)] = INFORMATION
@@ -116,10 +121,12 @@ def _found(
         SimpleNamespace(name='net_lift.force', typical=0.0),  # no candidate: its typical size is 0
     ]
     held = Prior(np.zeros(3), np.zeros((3, 3)))
-    monkeypatch.setattr(change_point, 'each_piece', lambda *_: each)
-    monkeypatch.setattr(change_point, 'tolerances', lambda _: held)
+    monkeypatch.setattr(change_point, 'reduce_each_piece', lambda *_: each)
+    monkeypatch.setattr(change_point, 'build_prior', lambda _: held)
     point = SimpleNamespace(values=np.zeros(3))
-    return change(SimpleNamespace(linear=SimpleNamespace(point=point), deviations=None), knobs, 1)
+    return find_change_point(
+        SimpleNamespace(linear=SimpleNamespace(point=point), deviations=None), knobs, 1
+    )
 
 
 def _won(count: int, pull: float) -> float:

@@ -2,8 +2,14 @@
 
 from dataclasses import replace
 
-from lta_discovery.flights.measured import Measured, Stream
-from lta_discovery.where.conditions import conditions_of, largest, sector, speed, splits
+from lta_discovery.discrepancies.conditions import (
+    build_splits,
+    find_largest_condition,
+    ground_speed,
+    heading_sector,
+    list_conditions,
+)
+from lta_discovery.flights.measured_flight import MeasuredFlight, Stream
 import numpy as np
 import pytest
 
@@ -18,28 +24,28 @@ def _flight(n=1000):
     none = np.full((n, 8), np.nan)
     commands = Stream(np.array([0.0, 20.0]), np.array([[0.2, 0.4], [0.6, 1.0]]))
     unknown = np.full(n, np.nan)
-    return Measured(
+    return MeasuredFlight(
         time, position, turn, none, np.ones(14), np.ones(n, bool), commands, unknown
     ), pace
 
 
 def test_speed_height_duty_and_heading_are_those_of_the_flight():
     flight, _ = _flight()
-    known = conditions_of(flight)
+    known = list_conditions(flight)
     assert set(known) == {'speed', 'height', 'duty', 'heading'}
     assert known['speed'][0][50] == pytest.approx(0.1, rel=0.01)
     assert known['speed'][0][150] == pytest.approx(0.6, rel=0.01)
     assert known['height'][0][500] == pytest.approx(1.2)
     assert known['duty'][0][[100, 600]] == pytest.approx([0.3, 0.8])
     assert known['heading'][0][800] == pytest.approx(0.05 * 32.0)
-    assert np.isnan(speed(flight)[[0, -1]]).all()
+    assert np.isnan(ground_speed(flight)[[0, -1]]).all()
 
 
 def test_voltage_light_and_commanded_force_are_there_where_they_are_known():
     flight, _ = _flight()
     wrench = Stream(np.array([0.0, 20.0]), np.array([[3.0, 4.0, 0, 0, 0, 0], [0.0] * 6]))
     volts = np.linspace(4.0, 3.8, 1000)
-    known = conditions_of(replace(flight, voltage=volts, wrench=wrench), np.ones(1000))
+    known = list_conditions(replace(flight, voltage=volts, wrench=wrench), np.ones(1000))
     assert known['commanded force'][0][100] == pytest.approx(5.0)
     assert known['voltage'][1] == 'V'
     assert known['light'][1] == 'lx'
@@ -50,8 +56,8 @@ def test_a_disagreement_at_speed_is_told_as_one():
     rng = np.random.default_rng(1)
     index = np.arange(25, 975, 10)
     squares = (np.where(pace > 0.3, 4.0, 1.0)[index] * rng.standard_normal(len(index))) ** 2
-    known = {k: (v[index], unit) for k, (v, unit) in conditions_of(flight).items()}
-    found = largest(squares, known, 5, 1)
+    known = {k: (v[index], unit) for k, (v, unit) in list_conditions(flight).items()}
+    found = find_largest_condition(squares, known, 5, 1)
     assert found.name.startswith('speed above 0.')
     assert found.holds[pace[index] > 0.5].mean() > 0.95
     assert found.holds[pace[index] < 0.3].mean() < 0.1
@@ -60,24 +66,24 @@ def test_a_disagreement_at_speed_is_told_as_one():
 def test_a_disagreement_that_follows_nothing_is_there_always():
     flight, _ = _flight()
     index = np.arange(25, 975, 10)
-    known = {k: (v[index], unit) for k, (v, unit) in conditions_of(flight).items()}
+    known = {k: (v[index], unit) for k, (v, unit) in list_conditions(flight).items()}
     names = []
     for seed in range(20):
         noise = np.random.default_rng(seed).standard_normal(len(index))
-        names.append(largest(noise**2, known, 5, seed).name)
+        names.append(find_largest_condition(noise**2, known, 5, seed).name)
     assert names.count('always') >= 18
 
 
 def test_headings_fall_into_quarters_about_the_axes_of_the_map():
-    told = sector(np.radians([0.0, 44.0, 46.0, 90.0, 179.0, -179.0, -90.0, np.nan]))
+    told = heading_sector(np.radians([0.0, 44.0, 46.0, 90.0, 179.0, -179.0, -90.0, np.nan]))
     assert told.tolist() == [0, 0, 1, 1, 2, 2, 3, -1]
-    assert [one.name for one in splits('heading', np.zeros(3), 'rad')] == [
+    assert [one.name for one in build_splits('heading', np.zeros(3), 'rad')] == [
         'heading east', 'heading north', 'heading west', 'heading south',
     ]  # fmt: skip
 
 
 def test_what_never_changes_makes_no_condition():
-    assert splits('height', np.full(50, 1.5), 'm') == []
+    assert build_splits('height', np.full(50, 1.5), 'm') == []
 
 
 @pytest.mark.parametrize(('points', 'known'), [(13, []), (14, [6, 7]), (15, [6, 7, 8])])
@@ -85,7 +91,7 @@ def test_speed_is_a_central_difference_over_six_points_on_either_side(points, kn
     """The central difference of t^2 is exactly its derivative."""
     flight, _ = _flight(points)
     position = np.outer(flight.time**2, [0.3, 0.0, 0.4])
-    found = speed(replace(flight, position=position))
+    found = ground_speed(replace(flight, position=position))
     assert np.flatnonzero(np.isfinite(found)).tolist() == known
     np.testing.assert_allclose(found[known], 2.0 * 0.5 * flight.time[known])
 
@@ -94,32 +100,32 @@ def test_commanded_force_is_without_moments_and_duty_a_mean_of_absolute_values()
     flight, _ = _flight()
     wrench = Stream(np.array([0.0]), np.array([[3.0, 0.0, 4.0, 7.0, 7.0, 7.0]]))
     commands = Stream(np.array([0.0, 20.0]), np.array([[-0.2, 0.4], [-0.6, -1.0]]))
-    known = conditions_of(replace(flight, wrench=wrench, commands=commands))
+    known = list_conditions(replace(flight, wrench=wrench, commands=commands))
     np.testing.assert_allclose(known['commanded force'][0], 5.0)
     assert known['duty'][0][[0, 499, 500, -1]] == pytest.approx([0.3, 0.3, 0.8, 0.8])
     still = Stream(np.zeros(1), np.zeros((1, 2)))
-    assert 'duty' not in conditions_of(replace(flight, commands=still))
+    assert 'duty' not in list_conditions(replace(flight, commands=still))
 
 
 def test_each_split_has_a_side_above_its_value_and_one_up_to_it():
     """The quantiles 0.2, 0.25, ... 0.8 of the numbers 0, 1, ... 60 are 12, 15, ... 48."""
     values = np.append(np.arange(61.0), np.nan)
-    found = splits('height', values, 'm')
+    found = build_splits('height', values, 'm')
     assert [one.name for one in found[:2]] == ['height above 12 m', 'height below 12 m']
     assert [one.name for one in found[-2:]] == ['height above 48 m', 'height below 48 m']
     assert [int(one.holds.sum()) for one in found] == [
         count for at in range(12, 49, 3) for count in (60 - at, at + 1)
     ]
     assert not any(one.holds[-1] for one in found)
-    assert splits('duty', values, '1')[0].name == 'duty above 12'
+    assert build_splits('duty', values, '1')[0].name == 'duty above 12'
 
 
 def test_equal_quantiles_make_one_split():
     values = np.repeat([1.0, 2.0], [90, 10])
-    assert [one.name for one in splits('height', values, 'm')] == [
+    assert [one.name for one in build_splits('height', values, 'm')] == [
         'height above 1 m', 'height below 1 m',
     ]  # fmt: skip
-    assert splits('height', np.full(5, np.nan), 'm') == []
+    assert build_splits('height', np.full(5, np.nan), 'm') == []
 
 
 def _condition(north, n, block, ratio=100.0, east=False):
@@ -128,7 +134,7 @@ def _condition(north, n, block, ratio=100.0, east=False):
     heading[10 : 10 + north] = 0.5 * np.pi
     squares = np.ones(n)
     squares[heading == 0.0 if east else heading > 0.0] = ratio
-    return largest(squares, {'heading': (heading, 'rad')}, block, 3).name
+    return find_largest_condition(squares, {'heading': (heading, 'rad')}, block, 3).name
 
 
 @pytest.mark.parametrize(
@@ -168,7 +174,7 @@ def test_the_condition_that_gains_most_likelihood_is_named(unit):
     wide[50:100], narrow[50:90], low[100:160] = 1.0, 1.0, 1.0
     known = {name: (values, '1') for name, values in
              (('narrow', narrow), ('wide', wide), ('low', low))}  # fmt: skip
-    found = largest(unit * squares, known, 4, 1)
+    found = find_largest_condition(unit * squares, known, 4, 1)
     # Twice the gain is n ln s less the same of each side, s being the mean square:
     # 200 ln 4.25 - 50 ln 14 = 157.4 for wide,
     # 200 ln 4.25 - 40 ln 16 - 160 ln 1.3125 = 135.0 for narrow.
@@ -179,7 +185,10 @@ def test_the_condition_that_gains_most_likelihood_is_named(unit):
 def test_a_condition_outside_which_the_disagreement_is_zero_is_named():
     heading = np.repeat([0.0, 0.5 * np.pi, 0.0], [30, 30, 40])
     squares = np.where(heading > 0.0, 1.0, 0.0)
-    assert largest(squares, {'heading': (heading, 'rad')}, 2, 1).name == 'heading north'
+    assert (
+        find_largest_condition(squares, {'heading': (heading, 'rad')}, 2, 1).name
+        == 'heading north'
+    )
 
 
 def test_a_condition_is_named_if_chance_does_as_well_at_most_once_in_a_hundred():
@@ -193,6 +202,9 @@ def test_a_condition_is_named_if_chance_does_as_well_at_most_once_in_a_hundred()
     heading = np.zeros(104)
     heading[10:20] = heading[62:72] = 0.5 * np.pi
     squares = np.where(heading > 0.0, 100.0, 1.0)
-    told = [largest(squares, {'heading': (heading, 'rad')}, 2, seed).name for seed in range(60)]
+    told = [
+        find_largest_condition(squares, {'heading': (heading, 'rad')}, 2, seed).name
+        for seed in range(60)
+    ]
     assert 17 <= told.count('heading north') <= 32
     assert told.count('heading north') + told.count('always') == 60

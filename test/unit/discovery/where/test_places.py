@@ -3,31 +3,35 @@
 from dataclasses import dataclass, replace
 from types import SimpleNamespace
 
-from lta_discovery.finding import Place
-from lta_discovery.fit.evidence import floor_of, tolerances
-from lta_discovery.fit.fit import fit
-from lta_discovery.flights.measured import Stream
-from lta_discovery.model.knobs import Knob
-from lta_discovery.model.nominal import Nominal
-from lta_discovery.replay.linear import origin
-from lta_discovery.replay.linearise import Linearised
-from lta_discovery.replay.replay import Replay
-from lta_discovery.where import places as module
-from lta_discovery.where.change_point import Change
-from lta_discovery.where.conditions import Condition
-from lta_discovery.where.places import places, Quantity, Seen
+from lta_discovery.discrepancies import locate as module
+from lta_discovery.discrepancies.change_point import ChangePoint
+from lta_discovery.discrepancies.conditions import FlightCondition
+from lta_discovery.discrepancies.locate import (
+    BaselineFlight,
+    DisagreementSeries,
+    find_discrepancies,
+)
+from lta_discovery.finding import Discrepancy
+from lta_discovery.fit.evidence import build_prior, wrench_floor
+from lta_discovery.fit.joint_fit import fit_flight
+from lta_discovery.flights.measured_flight import Stream
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.replay.linearized_flight import build_origin
+from lta_discovery.replay.linearizer import FlightLinearizer
+from lta_discovery.replay.replay import ModelReplay
 from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest
 
 from ..hidden_flight import flown, prepared  # noqa: TID252 - `test` is Python's own
 
-Known = tuple[Nominal, list[Knob]]
+Known = tuple[NominalVehicle, list[FreeParameter]]
 FAILED = 24.0  # s
 
 
 @pytest.fixture(scope='module')
-def failing(gtmab: Known) -> Linearised:
+def failing(gtmab: Known) -> FlightLinearizer:
     """A flight in which a forward rotor begins to do less than it is told."""
     whole = prepared(flown({}, 1, 48.0), gtmab[1])
     flight = whole.replay.flight
@@ -35,19 +39,21 @@ def failing(gtmab: Known) -> Linearised:
     told[flight.commands.time > FAILED, 2] *= 2.0  # as if it had been told more all along
     told = np.minimum(told, 1.0)
     flight = replace(flight, commands=Stream(flight.commands.time, told))
-    replay = Replay(flight, whole.replay.cut, load_vehicle('gtmab').command(()))
-    return Linearised(replay, gtmab[1], whole.places)
+    replay = ModelReplay(flight, whole.replay.cut, load_vehicle('gtmab').pack_command(()))
+    return FlightLinearizer(replay, gtmab[1], whole.places)
 
 
-def _seen(known: Known, flight: Linearised) -> Seen:
+def _seen(known: Known, flight: FlightLinearizer) -> BaselineFlight:
     nominal, knobs = known
-    begin = origin(nominal, knobs, flight.replay.cut)
-    return Seen('one', flight, begin, fit(flight, nominal, tolerances(knobs), begin, rounds=3))
+    begin = build_origin(nominal, knobs, flight.replay.cut)
+    return BaselineFlight(
+        'one', flight, begin, fit_flight(flight, nominal, build_prior(knobs), begin, rounds=3)
+    )
 
 
 @pytest.mark.long
-def test_a_rotor_that_fails_is_told_with_its_time(gtmab: Known, failing: Linearised) -> None:
-    found = places([_seen(gtmab, failing)], 1)
+def test_a_rotor_that_fails_is_told_with_its_time(gtmab: Known, failing: FlightLinearizer) -> None:
+    found = find_discrepancies([_seen(gtmab, failing)], 1)
     assert [one.ratio_to_noise for one in found] == sorted(
         (one.ratio_to_noise for one in found), reverse=True
     )
@@ -58,22 +64,26 @@ def test_a_rotor_that_fails_is_told_with_its_time(gtmab: Known, failing: Lineari
     assert 'x' in {one.channel for one in found}
 
 
-def test_a_clean_flight_disagrees_hardly_anywhere(gtmab: Known, clean: Linearised) -> None:
+def test_a_clean_flight_disagrees_hardly_anywhere(gtmab: Known, clean: FlightLinearizer) -> None:
     """What is told begins at twice the noise; of 30 s and 14 channels one may just reach it."""
-    found = places([_seen(gtmab, clean)], 1)
+    found = find_discrepancies([_seen(gtmab, clean)], 1)
     assert len(found) <= 1
     assert all(one.ratio_to_noise < 2.5 for one in found)
 
 
-def test_without_a_fit_the_channels_alone_are_told(gtmab: Known, failing: Linearised) -> None:
-    begin = origin(*gtmab, failing.replay.cut)
-    found = {place.channel for place in places([Seen('one', failing, begin)], 1)}
+def test_without_a_fit_the_channels_alone_are_told(
+    gtmab: Known, failing: FlightLinearizer
+) -> None:
+    begin = build_origin(*gtmab, failing.replay.cut)
+    found = {
+        place.channel for place in find_discrepancies([BaselineFlight('one', failing, begin)], 1)
+    }
     assert 'x' in found
     assert not {'surge', 'yaw'} & found
 
 
-def _quantity(name: str, *values: float) -> Quantity:
-    return Quantity(name, np.array(values), np.arange(len(values)), 1)
+def _quantity(name: str, *values: float) -> DisagreementSeries:
+    return DisagreementSeries(name, np.array(values), np.arange(len(values)), 1)
 
 
 def test_each_channel_is_reported_for_the_flight_where_it_is_worst(
@@ -92,28 +102,28 @@ def test_each_channel_is_reported_for_the_flight_where_it_is_worst(
         name: [_quantity(channel, size, -size) for channel, size in each]
         for name, each in channels.items()
     }
-    monkeypatch.setattr(module, '_channels', lambda one: told[one.name])
-    monkeypatch.setattr(module, '_forces', lambda one: [_quantity('surge', 3.0, -4.0, 0.0)])
-    monkeypatch.setattr(module, '_changes', lambda one, forces, seed: [])
+    monkeypatch.setattr(module, '_channel_series', lambda one: told[one.name])
+    monkeypatch.setattr(module, '_force_series', lambda one: [_quantity('surge', 3.0, -4.0, 0.0)])
+    monkeypatch.setattr(module, '_find_changes', lambda one, forces, seed: [])
     monkeypatch.setattr(
         module,
-        '_place',
-        lambda one, quantity, seed: Place(
+        '_locate_discrepancy',
+        lambda one, quantity, seed: Discrepancy(
             one.name, quantity.name, 0.0, 1.0, 'always', float(np.abs(quantity.values).max())
         ),
     )
-    seen = [Seen(name, None, None) for name in channels]  # type: ignore[arg-type]
-    found = [(one.channel, one.flight) for one in places(seen, 1)]
+    seen = [BaselineFlight(name, None, None) for name in channels]  # type: ignore[arg-type]
+    found = [(one.channel, one.flight) for one in find_discrepancies(seen, 1)]
     assert found == [('fz', 'two'), ('z', 'one'), ('surge', 'one'), ('y', 'two')]
-    many = [Place('one', 'surge', 0.0, 1.0, 'after 1 s', 20.0 + k) for k in range(30)]
-    monkeypatch.setattr(module, '_changes', lambda one, forces, seed: many)
-    sizes = [one.ratio_to_noise for one in places(seen[:1], 1)]
+    many = [Discrepancy('one', 'surge', 0.0, 1.0, 'after 1 s', 20.0 + k) for k in range(30)]
+    monkeypatch.setattr(module, '_find_changes', lambda one, forces, seed: many)
+    sizes = [one.ratio_to_noise for one in find_discrepancies(seen[:1], 1)]
     assert sizes == [49.0 - k for k in range(24)]
 
 
 def test_a_size_is_a_root_mean_square_and_0_if_there_are_no_values() -> None:
-    assert module._size(np.array([3.0, -4.0, 0.0, 0.0])) == pytest.approx(2.5)
-    assert module._size(np.empty(0)) == 0.0
+    assert module._rms(np.array([3.0, -4.0, 0.0, 0.0])) == pytest.approx(2.5)
+    assert module._rms(np.empty(0)) == 0.0
 
 
 def test_channels_have_a_root_mean_square_for_each_second(
@@ -133,9 +143,9 @@ def test_channels_have_a_root_mean_square_for_each_second(
             part[20:, :2] = np.nan
     left[:, 50:, :2] = 77.0
     left[1:, :25, 1] = np.nan
-    monkeypatch.setattr(module, 'best_begun', lambda flight, point: left)
+    monkeypatch.setattr(module, 'best_start_residual', lambda flight, point: left)
     flight = SimpleNamespace(index=np.arange(165).reshape(3, 55))
-    found = module._channels(Seen('one', flight, None))
+    found = module._channel_series(BaselineFlight('one', flight, None))
     assert [(one.name, one.block) for one in found] == [('x', 2)]
     np.testing.assert_allclose(found[0].values, [1.0, 4.0, 2.0, 5.0, 3.0, 6.0])
     assert found[0].index.tolist() == [12, 37, 67, 92, 122, 147]
@@ -152,15 +162,15 @@ def test_forces_are_taken_at_the_knots_inside_the_cut(
         replay=SimpleNamespace(cut=cut), index=np.array([[100], [200]]) + np.arange(17)
     )
     knots = np.arange(108.0).reshape(18, 6)
-    monkeypatch.setattr(module, 'knots_of', lambda fitted: knots)
+    monkeypatch.setattr(module, 'latent_at_knots', lambda fitted: knots)
     before = SimpleNamespace(nominal=gtmab[0])
-    found = module._forces(Seen('one', flight, before, SimpleNamespace()))
+    found = module._force_series(BaselineFlight('one', flight, before, SimpleNamespace()))
     assert [one.name for one in found] == ['surge', 'sway', 'heave', 'roll', 'pitch', 'yaw']
     for k, one in enumerate(found):
         assert one.index.tolist() == [*range(100, 117, 2), *range(200, 209, 2)]
-        np.testing.assert_allclose(one.values, knots[:14, k] / floor_of(gtmab[0])[k])
+        np.testing.assert_allclose(one.values, knots[:14, k] / wrench_floor(gtmab[0])[k])
         assert one.block == 9
-    assert module._forces(Seen('one', flight, before)) == []
+    assert module._force_series(BaselineFlight('one', flight, before)) == []
 
 
 def test_a_place_is_where_its_condition_holds_longest(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -177,13 +187,15 @@ def test_a_place_is_where_its_condition_holds_longest(monkeypatch: pytest.Monkey
 
     def largest(squares, known, block, seed):
         asked.update(squares=squares, known=known, block=block, seed=seed)
-        return Condition('speed above 1 m/s', holds)
+        return FlightCondition('speed above 1 m/s', holds)
 
     conditions = {'speed': (np.arange(16.0), 'm/s')}
-    monkeypatch.setattr(module, 'conditions_of', lambda flight, light: conditions)
-    monkeypatch.setattr(module, 'largest', largest)
-    one = Seen('one', SimpleNamespace(replay=SimpleNamespace(flight=flight)), None)
-    found = module._place(one, Quantity('x', values, np.arange(0, 16, 2), 3), 7)
+    monkeypatch.setattr(module, 'list_conditions', lambda flight, light: conditions)
+    monkeypatch.setattr(module, 'find_largest_condition', largest)
+    one = BaselineFlight('one', SimpleNamespace(replay=SimpleNamespace(flight=flight)), None)
+    found = module._locate_discrepancy(
+        one, DisagreementSeries('x', values, np.arange(0, 16, 2), 3), 7
+    )
     assert found[:5] == ('one', 'x', 11.0, 30.0, 'speed above 1 m/s')
     assert found.ratio_to_noise == pytest.approx(np.sqrt((9.0 + 16.0 + 25.0) / 6.0))
     assert (asked['block'], asked['seed']) == (3, 7)
@@ -200,20 +212,20 @@ def test_a_change_is_reported_for_the_axis_that_is_worst_after_it(
     )
     index = np.arange(0, 30, 5)
     forces = [
-        Quantity('surge', np.array([9.0, 9.0, 1.0, 1.0, 1.0, 1.0]), index, 2),
-        Quantity('sway', np.array([0.0, 0.0, 3.0, -1.0, 1.0, 1.0]), index, 2),
+        DisagreementSeries('surge', np.array([9.0, 9.0, 1.0, 1.0, 1.0, 1.0]), index, 2),
+        DisagreementSeries('sway', np.array([0.0, 0.0, 3.0, -1.0, 1.0, 1.0]), index, 2),
     ]
-    found = Change(1, 'net_lift.force', 9.0)
-    monkeypatch.setattr(module, 'change', lambda fitted, knobs, seed: found)
-    monkeypatch.setattr(module, '_complete', lambda fitted, flight: fitted)
-    one = Seen('one', SimpleNamespace(replay=replay, knobs=[]), None, SimpleNamespace())
-    (told,) = module._changes(one, forces, 1)
+    found = ChangePoint(1, 'net_lift.force', 9.0)
+    monkeypatch.setattr(module, 'find_change_point', lambda fitted, knobs, seed: found)
+    monkeypatch.setattr(module, '_complete_columns', lambda fitted, flight: fitted)
+    one = BaselineFlight('one', SimpleNamespace(replay=replay, knobs=[]), None, SimpleNamespace())
+    (told,) = module._find_changes(one, forces, 1)
     said = 'after about 5 s, as if net_lift.force changed'
     assert told[:5] == ('one', 'sway', 5.0, 12.5, said)
     assert told.ratio_to_noise == pytest.approx(np.sqrt(3.0))
-    monkeypatch.setattr(module, 'change', lambda fitted, knobs, seed: None)
-    assert module._changes(one, forces, 1) == []
-    assert module._changes(replace(one, fit=None), forces, 1) == []
+    monkeypatch.setattr(module, 'find_change_point', lambda fitted, knobs, seed: None)
+    assert module._find_changes(one, forces, 1) == []
+    assert module._find_changes(replace(one, fit=None), forces, 1) == []
 
 
 @dataclass
@@ -236,5 +248,5 @@ def test_a_flight_is_linearised_again_if_a_candidate_has_no_column(k: int, again
     fitted = LinearOnly(SimpleNamespace(grams=grams, names=tuple('abcd'), point='here'))
     knobs = [SimpleNamespace(typical=size) for size in (1.0, 0.0, 2.0)]
     flight = SimpleNamespace(knobs=knobs, at=lambda point: f'linearised {point}')
-    found = module._complete(fitted, flight)
+    found = module._complete_columns(fitted, flight)
     assert found.linear == 'linearised here' if again else found is fitted

@@ -9,29 +9,29 @@ import sys
 import textwrap
 
 from lta_config.errors import BadInput
-from lta_config.override import assignment
-from lta_config.topics import topic_table
+from lta_config.parameter_override import parse_assignment
+from lta_config.topics import load_topic_table
 from lta_control.cascade import Setpoint
 from lta_control.mission import mission_step, MissionSettings
 from lta_control.phases import Mission, Phase
-from lta_control.reserve import Order
+from lta_control.reserve import FlightPermission
 from lta_control.strategies.bearing_angle import STRATEGY
-from lta_control.strategies.protocol import Sight
-from lta_flight.fleet import flight
-from lta_flight.fleet.craft import made_of
-from lta_flight.fleet.fly import fly_many
-from lta_flight.fleet.text import FIGURES
-from lta_flight.ingredients import gather, loop_of, parts_of
+from lta_control.strategies.protocol import LightSight
+from lta_flight.batch import flight
+from lta_flight.batch.batch_flight import build_flight
+from lta_flight.batch.codegen import FIGURES
+from lta_flight.batch.fly import fly_many
+from lta_flight.flight_spec import build_loop, build_parts, load_spec
 from lta_flight.loop_view import LoopView
-from lta_flight.report.results import results_of
+from lta_flight.report.results import compute_results
 from lta_model.scenario import load_scenario
-from lta_sim.in_scene import reach
-from lta_sim.readings import Outcome
-from lta_sim.referee import Referee
+from lta_sim.readings import FlightOutcome
+from lta_sim.scene_model import vehicle_reach
+from lta_sim.termination import FlightTermination
 import numpy as np
 import pytest
 
-TABLE = topic_table()
+TABLE = load_topic_table()
 PHASES = tuple(Phase)
 DUTIES = (0.16, 0.14, 0.3, 0.25)
 needs_cuda = pytest.mark.skipif(
@@ -40,18 +40,20 @@ needs_cuda = pytest.mark.skipif(
 
 
 def ingredients(*changes, scene='lamp_room'):
-    return gather('gtmab', scene, 'bag', 'gtmab').with_values(dict(map(assignment, changes)))
+    return load_spec('gtmab', scene, 'bag', 'gtmab').with_values(
+        dict(map(parse_assignment, changes))
+    )
 
 
 def made(*changes, duties=(), scene='lamp_room'):
-    return made_of(*parts_of(ingredients(*changes, scene=scene)), TABLE, duties)
+    return build_flight(*build_parts(ingredients(*changes, scene=scene)), TABLE, duties)
 
 
 def opened(*changes, seed=1, scene='lamp_room'):
     """Return the world after an open loop, and its path."""
-    world = loop_of(ingredients(*changes, scene=scene), seed).world
+    world = build_loop(ingredients(*changes, scene=scene), seed).world
     path = [world.state[:2].copy()]
-    while world.outcome is Outcome.FLYING:
+    while world.outcome is FlightOutcome.FLYING:
         world.advance(DUTIES)
         path.append(world.state[:2].copy())
     return world, np.array(path)
@@ -68,7 +70,7 @@ def test_the_mission_is_the_mission():
         if k % 150 == 0:
             mission, phase, memory = Mission(), 0, (0.0,)
         heading, bearing, altitude = chance.uniform(-3.0, 3.0, 3).tolist()
-        sight = Sight(bool(chance.random() < 0.5), bearing, heading, (0.0,), 0.1)
+        sight = LightSight(bool(chance.random() < 0.5), bearing, heading, (0.0,), 0.1)
         ready, reserve = bool(chance.random() < 0.7), bool(chance.random() < 0.02)
         expected, mission = mission_step(
             settings,
@@ -76,9 +78,9 @@ def test_the_mission_is_the_mission():
             mission,
             sight,
             altitude / 3 if ready else None,
-            Order.RESERVE if reserve else Order.FLY,
+            FlightPermission.RESERVE if reserve else FlightPermission.FLY,
         )
-        told, phase, memory = flight.guide(
+        told, phase, memory = flight.guidance_step(
             settings, phase, memory, sight, ready, altitude / 3, reserve
         )
         assert told == expected
@@ -87,15 +89,17 @@ def test_the_mission_is_the_mission():
 
 
 def test_the_referee_is_the_referee():
-    referee, goal = Referee(load_scenario('lamp_room')), made().craft.goal
+    referee, goal = FlightTermination(load_scenario('lamp_room')), made().craft.goal
     places = np.random.default_rng(2).uniform((-6, -5, 0, 0), (6, 5, 4, 70), (2000, 4)).tolist()
     for place in places:
-        assert tuple(Outcome)[flight.judge(goal, *place)] is referee.judge(*place)
+        assert tuple(FlightOutcome)[
+            flight.evaluate_outcome(goal, *place)
+        ] is referee.evaluate_outcome(*place)
 
 
 def test_numbers_that_run_away_end_a_flight():
     craft = made().craft
-    cell, tally = flight.full(0.9), flight.begun(craft)
+    cell, tally = flight.initial_supply(0.9), flight.initial_tally(craft)
     for k, value, outcome in (
         (7, 999.0, flight.FLYING),
         (9, -1001.0, flight.RAN_AWAY),
@@ -103,7 +107,10 @@ def test_numbers_that_run_away_end_a_flight():
     ):
         state = [*craft.place, 0.0, 0.0, 0.0, 1.0, *[0.0] * 6]
         state[k] = value
-        assert flight.flown(craft, tally, (0.0, 0.0), state, cell, 0.01, 0.01).outcome == outcome
+        assert (
+            flight.update_tally(craft, tally, (0.0, 0.0), state, cell, 0.01, 0.01).outcome
+            == outcome
+        )
 
 
 BRIEF = (
@@ -126,7 +133,7 @@ def test_an_open_loop_is_the_worlds_to_rounding(batches):
     world, path = opened(*changes)
     (row,) = fly_many([made(*changes, duties=DUTIES)], [1], closed=False)
     told = figures(row)
-    assert tuple(Outcome)[int(told['outcome'])] is world.outcome
+    assert tuple(FlightOutcome)[int(told['outcome'])] is world.outcome
     found = [told[name] for name in NAMES]
     np.testing.assert_allclose(found, ending(world, path), rtol=1e-9, atol=1e-9)
 
@@ -146,7 +153,7 @@ def test_the_air_and_the_walls_of_a_scene_are_the_worlds():
     which = np.array([0] + [1] * 400)
     rows = fly_many(flights, range(len(which)), closed=False, which=which)
     world, path = opened(*calm, scene='gusty_hall')
-    limit = 1.5 - reach(world.vehicle)[0]
+    limit = 1.5 - vehicle_reach(world.vehicle)[0]
     assert path[:, 1].max() > limit
     found = [figures(rows[0])[name] for name in NAMES]
     np.testing.assert_allclose(found, ending(world, path), rtol=1e-8, atol=1e-8)
@@ -178,11 +185,11 @@ def test_each_flight_of_a_batch_is_what_it_is_alone(batches):
 def test_its_flights_are_those_of_the_loop_in_distribution():
     flown = []
     for seed in range(1001, 1013):
-        loop = loop_of(ingredients(), seed)
+        loop = build_loop(ingredients(), seed)
         view = LoopView(loop)
-        for _ in loop.flight():
-            view.take()
-        flown.append(results_of(view))
+        for _ in loop.iterate_steps():
+            view.record_step()
+        flown.append(compute_results(view))
     batch = [figures(row) for row in fly_many([made()], range(60), which=np.zeros(60, int))]
     assert all(told['outcome'] == flight.REACHED for told in batch)
     for name in ('path_length', 'end', 'energy', 'lift_off', 'search_start'):
@@ -195,25 +202,25 @@ def test_its_flights_are_those_of_the_loop_in_distribution():
 def test_what_a_batch_does_not_know_it_refuses():
     with pytest.raises(BadInput, match=r'A batch has no effect gyro_scale'):
         made('vehicle.effects.gyro_scale.z={value: 1.1, unit: "1", source: assumed}')
-    sblimp = parts_of(gather('sblimp', 'lamp_room', 'bag', ''))
+    sblimp = build_parts(load_spec('sblimp', 'lamp_room', 'bag', ''))
     with pytest.raises(BadInput, match=r'knows the control law cascade only, not velocity'):
-        made_of(*sblimp, TABLE)
-    vehicle, scenario, policy = parts_of(ingredients())
+        build_flight(*sblimp, TABLE)
+    vehicle, scenario, policy = build_parts(ingredients())
     with pytest.raises(BadInput, match=r'not along a course; leave --device out'):
-        made_of(vehicle, scenario, replace(policy, course=lambda _: Setpoint(1, 0, 0)), TABLE)
+        build_flight(vehicle, scenario, replace(policy, course=lambda _: Setpoint(1, 0, 0)), TABLE)
     air = scenario.air.model_copy(update={'recorded': 'wind.csv'})
     windy = scenario.model_copy(update={'air': air})
     with pytest.raises(BadInput, match=r'recorded wind, which the scenario lamp_room has; leave'):
-        made_of(vehicle, windy, policy, TABLE)
+        build_flight(vehicle, windy, policy, TABLE)
 
 
 LIT = ('scenario.goal.time_limit=0.5 s', *BRIEF[1:])
 SIMULATED = """
     import sys
-    from lta_flight.fleet import fly
-    from lta_flight.fleet.craft import made_of
-    from lta_flight.ingredients import gather, parts_of
-    from lta_config.override import assignment
+    from lta_flight.batch import fly
+    from lta_flight.batch.batch_flight import made_of
+    from lta_flight.flight_spec import gather, parts_of
+    from lta_config.parameter_override import assignment
     from lta_config.topics import topic_table
     import numpy as np
 

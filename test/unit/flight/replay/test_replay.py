@@ -7,17 +7,29 @@ import os
 from pathlib import Path
 from types import SimpleNamespace
 
-from lta_bridge.playback.cast import roles
+from lta_bridge.playback.node_selection import list_answering_roles
 from lta_config.errors import BadInput
-from lta_config.files import find, parse_yaml
-from lta_config.topics import topic_table
-from lta_flight.replay.against import allowed, compared, elsewhere, unequal
-from lta_flight.replay.decisions import between, Decision, decisions
-from lta_flight.replay.given import NODES, settings_of
-from lta_flight.replay.heard import Heard
-from lta_flight.replay.order import check, kept, nodes_of, Order, plan_of, recorded_settings
-from lta_flight.replay.page import largest
-from lta_flight.replay.verdict import Verdict
+from lta_config.files import find_file, parse_yaml
+from lta_config.topics import load_topic_table
+from lta_flight.replay.comparison import (
+    channel_tolerance,
+    compare_topic,
+    find_differences,
+    find_origin_differences,
+)
+from lta_flight.replay.decisions import compare_decisions, compute_gaps, DecisionComparison
+from lta_flight.replay.node_settings import NODES, parse_settings
+from lta_flight.replay.page import format_largest_change
+from lta_flight.replay.request import (
+    build_plan,
+    check_request,
+    extract_file,
+    parse_nodes,
+    read_recorded_settings,
+    ReplayRequest,
+)
+from lta_flight.replay.topic_messages import TopicMessages
+from lta_flight.replay.verdict import ReplayVerdict
 from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest
@@ -27,7 +39,7 @@ NAN = math.nan
 
 
 def heard(keys, texts=None, **numbers):
-    return Heard(
+    return TopicMessages(
         np.array(keys, np.int64),
         {name.replace('__', '.'): np.array(column) for name, column in numbers.items()},
         {name: np.array(column) for name, column in (texts or {}).items()},
@@ -35,32 +47,32 @@ def heard(keys, texts=None, **numbers):
 
 
 def verdict(*found, place=()):
-    return Verdict(tuple(found), tuple(decisions(found)), tuple(place), 0)
+    return ReplayVerdict(tuple(found), tuple(compare_decisions(found)), tuple(place), 0)
 
 
 def test_bits_decide_and_nothing_is_as_good_as_nothing():
     x = np.array([1.0, NAN, 0.0, np.inf, 1.0, NAN])
     y = np.array([1.0, NAN, -0.0, np.inf, np.nextafter(1.0, 2.0), 0.0])
-    assert unequal(x, y).tolist() == [False, False, True, False, True, True]
-    assert unequal(np.array([2**53, 2**53 + 1]), np.array([2**53, 2**53])).tolist() == [
+    assert find_differences(x, y).tolist() == [False, False, True, False, True, True]
+    assert find_differences(np.array([2**53, 2**53 + 1]), np.array([2**53, 2**53])).tolist() == [
         False,
         True,
     ]
-    assert unequal(np.array(['a', 'b']), np.array(['a', ''])).tolist() == [False, True]
+    assert find_differences(np.array(['a', 'b']), np.array(['a', ''])).tolist() == [False, True]
 
 
 def test_what_may_differ_between_machines_is_a_share_of_the_largest_value():
     values = np.array([0.1, -40.0, NAN])
-    assert allowed(values, values) == pytest.approx(4e-8)
+    assert channel_tolerance(values, values) == pytest.approx(4e-8)
     single = np.array([0.5, 40.0], np.float32).astype(np.float64)
-    assert allowed(single, single) == pytest.approx(40.0 * 2.0**-23)
-    assert allowed(np.array([NAN]), np.array([NAN])) == 0.0
+    assert channel_tolerance(single, single) == pytest.approx(40.0 * 2.0**-23)
+    assert channel_tolerance(np.array([NAN]), np.array([NAN])) == 0.0
 
 
 def test_a_field_that_differs_is_told_with_its_first_and_largest_difference():
     a = heard([10, 20, 30], {'name': ['x', 'y', 'z']}, speed=[1.0, 2.0, 3.0], turns=[1, 2, 3])
     b = heard([10, 20, 40], {'name': ['x', 'w', 'z']}, speed=[1.0, 2.5, 9.0], turns=[1, 2, 9])
-    found = compared('odom', a, b, stamped=True)
+    found = compare_topic('odom', a, b, stamped=True)
     assert (found.count, found.differing, found.unmatched) == (2, 1, (1, 1))
     by_path = {each.path: each for each in found.channels}
     assert set(by_path) == {'speed', 'name'}
@@ -71,29 +83,29 @@ def test_a_field_that_differs_is_told_with_its_first_and_largest_difference():
 
 
 def test_what_only_one_run_has_differs():
-    found = compared('odom', heard([1], x=[1.0]), heard([1], x=[1.0], y=[2.0]), stamped=True)
+    found = compare_topic('odom', heard([1], x=[1.0]), heard([1], x=[1.0], y=[2.0]), stamped=True)
     assert [(each.path, each.largest) for each in found.channels] == [('y', math.inf)]
 
 
 def test_without_stamps_the_turn_counts_where_none_is_missing_else_the_log_time():
     a, b = heard([100, 200, 300], data=[0, 0, 1]), heard([101, 201, 301], data=[0, 1, 1])
-    assert compared('energy/reserve', a, b, stamped=False).differing == 1
+    assert compare_topic('energy/reserve', a, b, stamped=False).differing == 1
     late = heard([200, 300], data=[0, 1])
-    found = compared('energy/reserve', a, late, stamped=False)
+    found = compare_topic('energy/reserve', a, late, stamped=False)
     assert (found.count, found.differing, found.unmatched) == (2, 0, (1, 0))
 
 
 def test_a_last_bit_is_the_same_elsewhere_and_different_here():
     a = heard([1, 2], twist__linear__x=[0.5, 0.25])
     b = heard([1, 2], twist__linear__x=[np.nextafter(0.5, 1.0), 0.25])
-    found = compared('setpoint/velocity', a, b, stamped=True)
+    found = compare_topic('setpoint/velocity', a, b, stamped=True)
     assert verdict(found).word == 'different'
     assert verdict(found, place=['commit']).word == 'same'
-    far = compared(
+    far = compare_topic(
         'setpoint/velocity', a, heard([1, 2], twist__linear__x=[0.5 + 1e-8, 0.25]), stamped=True
     )
     assert verdict(far, place=['commit']).word == 'different'
-    same = compared('setpoint/velocity', a, a, stamped=True)
+    same = compare_topic('setpoint/velocity', a, a, stamped=True)
     assert verdict(same).word == 'identical'
     assert verdict(same).sentence == (
         'Identical to the last bit: 2 messages (2 of setpoint/velocity)'
@@ -101,8 +113,8 @@ def test_a_last_bit_is_the_same_elsewhere_and_different_here():
 
 
 def test_a_whole_number_is_never_nearly_the_same():
-    found = compared('odom', heard([1], n=[10**12]), heard([1], n=[10**12 + 1]), stamped=True)
-    assert not found.close
+    found = compare_topic('odom', heard([1], n=[10**12]), heard([1], n=[10**12 + 1]), stamped=True)
+    assert not found.is_close
     assert verdict(found, place=['platform']).word == 'different'
 
 
@@ -110,17 +122,17 @@ def test_a_lamp_that_is_lost_is_a_changed_decision_even_within_the_tolerance():
     """The covariance may be as near as it likes: seen or not is a decision."""
     a = heard([1, 2], **{'pose__covariance[0]': [1e-12, 1e9]})
     b = heard([1, 2], **{'pose__covariance[0]': [-1e-12, 1e9]})
-    found = compared('light/estimate', a, b, stamped=True)
-    assert found.close
+    found = compare_topic('light/estimate', a, b, stamped=True)
+    assert found.is_close
     made = verdict(found, place=['platform'])
-    assert made.decisions[0].changed == 1
+    assert made.decisions[0].change_count == 1
     assert made.word == 'different'
 
 
 def test_headings_are_compared_on_the_shorter_side():
-    turned = between(np.radians([179.0, 10.0]), np.radians([-179.0, 10.0]), turning=True)
+    turned = compute_gaps(np.radians([179.0, 10.0]), np.radians([-179.0, 10.0]), turning=True)
     assert np.degrees(turned) == pytest.approx([2.0, 0.0])
-    assert between(np.array([NAN, 1.0]), np.array([NAN, NAN]), turning=False).tolist() == [
+    assert compute_gaps(np.array([NAN, 1.0]), np.array([NAN, NAN]), turning=False).tolist() == [
         0.0,
         math.inf,
     ]
@@ -133,23 +145,25 @@ def test_a_heading_is_read_from_its_quaternion():
         'pose__orientation__z': np.sin(half + 0.05),
         'pose__orientation__w': np.cos(half + 0.05),
     }
-    found = compared('setpoint/pose', heard([1, 2, 3], **pose), heard([1, 2, 3], **other), True)
-    (heading,) = decisions([found])
+    found = compare_topic(
+        'setpoint/pose', heard([1, 2, 3], **pose), heard([1, 2, 3], **other), True
+    )
+    (heading,) = compare_decisions([found])
     assert np.degrees(heading.recorded) == pytest.approx([0.0, 90.0, 170.0])
-    assert heading.largest == pytest.approx(0.1)
+    assert heading.largest_change == pytest.approx(0.1)
 
 
 def test_only_what_moves_the_last_bit_makes_a_bag_one_from_elsewhere():
     told = {'platform': 'a', 'libraries': 'b', 'commit': 'c', 'created': 'then'}
-    assert elsewhere(told, {**told, 'created': 'now'}) == []
-    assert elsewhere({**told, 'commit': 'd'}, told) == ['commit']
-    assert elsewhere({}, told) == ['platform', 'libraries', 'commit']
+    assert find_origin_differences(told, {**told, 'created': 'now'}) == []
+    assert find_origin_differences({**told, 'commit': 'd'}, told) == ['commit']
+    assert find_origin_differences({}, told) == ['platform', 'libraries', 'commit']
 
 
 def test_settings_are_of_the_type_that_the_node_declares():
     nodes = ('demodulator', 'navigator')
     given = ['demodulator.window=4', 'demodulator.prior.distance=4', 'navigator.altitude=1']
-    found = settings_of(given, nodes)
+    found = parse_settings(given, nodes)
     assert found == {
         'demodulator': {'window': 4, 'prior.distance': 4.0},
         'navigator': {'altitude': 1.0},
@@ -170,25 +184,25 @@ def test_settings_are_of_the_type_that_the_node_declares():
 )
 def test_a_setting_that_cannot_be_is_refused_before_anything_starts(given, words):
     with pytest.raises(BadInput, match=words):
-        settings_of([given], ['demodulator'])
+        parse_settings([given], ['demodulator'])
 
 
 def test_nodes_are_those_of_the_graph():
-    assert set(NODES) == set(roles(topic_table()))
-    assert nodes_of('navigator, demodulator,navigator') == ('navigator', 'demodulator')
+    assert set(NODES) == set(list_answering_roles(load_topic_table()))
+    assert parse_nodes('navigator, demodulator,navigator') == ('navigator', 'demodulator')
     with pytest.raises(BadInput, match="Unknown node 'recorder'; known: controller"):
-        nodes_of('recorder')
+        parse_nodes('recorder')
     with pytest.raises(BadInput, match='No node is named'):
-        nodes_of(',')
+        parse_nodes(',')
 
 
 def test_what_a_flight_in_one_process_was_set_to_is_given_to_the_nodes_again():
     told = {'set': 'scenario.goal.time_limit=4 s; mission.altitude=60 cm; prior.distance=2'}
-    assert recorded_settings(told) == {
+    assert read_recorded_settings(told) == {
         'navigator': {'altitude': 0.6},
         'demodulator': {'prior.distance': 2},
     }
-    assert recorded_settings({}) == {}
+    assert read_recorded_settings({}) == {}
 
 
 def given_to(process):
@@ -206,12 +220,12 @@ def flight(**told):
 
 @pytest.mark.usefixtures('installed')
 def test_a_replay_starts_the_player_and_the_nodes_with_what_the_bag_carries(tmp_path):
-    text = find('vehicle', 'gtmab').read_text(encoding='utf-8')
-    gains = find('gains', 'gtmab').read_text(encoding='utf-8')
+    text = find_file('vehicle', 'gtmab').read_text(encoding='utf-8')
+    gains = find_file('gains', 'gtmab').read_text(encoding='utf-8')
     told = {'vehicle_file': text, 'gains_file': gains, 'set': 'mission.altitude=0.6 m'}
     settings = {'navigator': {'speed': 0.3}}
-    order = Order(tmp_path / 'bag', ('navigator', 'controller'), settings)
-    plan = plan_of(order, flight(**told), tmp_path)
+    order = ReplayRequest(tmp_path / 'bag', ('navigator', 'controller'), settings)
+    plan = build_plan(order, flight(**told), tmp_path)
     by_name = {process.name: given_to(process) for process in plan.processes}
     assert list(by_name) == ['player', 'controller', 'navigator']
     assert plan.namespaces == ['lta2']
@@ -232,8 +246,8 @@ def test_a_replay_starts_the_player_and_the_nodes_with_what_the_bag_carries(tmp_
 @pytest.mark.usefixtures('installed')
 def test_what_is_asked_for_replaces_what_the_bag_carries(tmp_path):
     told = {'vehicle_file': 'none of it is read', 'gains_file': 'neither is this'}
-    order = Order(tmp_path, ('controller',), vehicle='gtmab', gains='gtmab', rate=2)
-    plan = plan_of(order, flight(**told), tmp_path)
+    order = ReplayRequest(tmp_path, ('controller',), vehicle='gtmab', gains='gtmab', rate=2)
+    plan = build_plan(order, flight(**told), tmp_path)
     by_name = {process.name: given_to(process) for process in plan.processes}
     assert by_name['controller']['vehicle'] == 'gtmab'
     assert (by_name['player']['time'], by_name['player']['rate']) == ('realtime', 2.0)
@@ -242,15 +256,17 @@ def test_what_is_asked_for_replaces_what_the_bag_carries(tmp_path):
 
 
 def test_a_node_without_what_it_answers_cannot_be_replayed(tmp_path):
-    order = Order(tmp_path / 'bag', ('energy_monitor',))
+    order = ReplayRequest(tmp_path / 'bag', ('energy_monitor',))
     with pytest.raises(BadInput, match=r"has no 'battery', which energy_monitor answers; leave"):
-        check(order, flight())  # nobody can run a vehicle again
+        check_request(order, flight())  # nobody can run a vehicle again
     with pytest.raises(BadInput, match=r'run estimator again as well, or leave controller out'):
-        check(Order(tmp_path / 'bag', ('controller',)), SimpleNamespace(topics={}))
-    both = Order(tmp_path / 'bag', ('controller', 'estimator'))
-    check(both, flight())  # odom comes from the estimator
+        check_request(ReplayRequest(tmp_path / 'bag', ('controller',)), SimpleNamespace(topics={}))
+    both = ReplayRequest(tmp_path / 'bag', ('controller', 'estimator'))
+    check_request(both, flight())  # odom comes from the estimator
     with pytest.raises(BadInput, match='Unknown'):
-        check(Order(tmp_path, ('navigator', 'demodulator'), strategy='none'), flight())
+        check_request(
+            ReplayRequest(tmp_path, ('navigator', 'demodulator'), strategy='none'), flight()
+        )
 
 
 def test_a_full_disk_is_one_sentence_before_anything_starts(tmp_path, monkeypatch):
@@ -259,11 +275,11 @@ def test_a_full_disk_is_one_sentence_before_anything_starts(tmp_path, monkeypatc
 
     monkeypatch.setattr(Path, 'write_text', full)
     with pytest.raises(BadInput, match=r'vehicle.yaml. cannot be written \(No space left'):
-        kept({'vehicle_file': 'name: mine'}, 'vehicle', tmp_path)
+        extract_file({'vehicle_file': 'name: mine'}, 'vehicle', tmp_path)
 
 
 def test_a_change_without_a_unit_is_told_without_one():
     keys, values = np.arange(2), np.array([0.0, 0.5])
-    duty = Decision('duty 1', '1', keys, np.zeros(2), values, values)
-    assert largest(duty) == 'by up to 0.5'
-    assert largest(replace(duty, unit='m')) == 'by up to 0.5 m'
+    duty = DecisionComparison('duty 1', '1', keys, np.zeros(2), values, values)
+    assert format_largest_change(duty) == 'by up to 0.5'
+    assert format_largest_change(replace(duty, unit='m')) == 'by up to 0.5 m'

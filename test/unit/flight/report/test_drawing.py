@@ -3,16 +3,16 @@
 import re
 
 from lta_data.bag import open_flight
-from lta_flight.report.moments import moments
-from lta_flight.report.over_time import over_time
 from lta_flight.report.panels import light, path
 from lta_flight.report.panels.registry import PANELS
-from lta_flight.report.rays import first_of_each, graded
-from lta_flight.report.room import BRIGHTEST, CELL, draw_room, glow, MOST_CELLS
-from lta_flight.report.view import of_wanted, View
+from lta_flight.report.rays import grade_values, select_per_period
+from lta_flight.report.room import BRIGHTEST, build_light_contour, CELL, draw_room, MOST_CELLS
+from lta_flight.report.sample_blocks import select_sample_blocks
+from lta_flight.report.time_figure import create_time_figure
+from lta_flight.report.view import FlightView, select_primary_beacon
 from lta_model.scenario import load_scenario
 from lta_report import palette
-from lta_report.drawing import extent, Label, label_ends, MOST_POINTS, thinned
+from lta_report.drawing import decimate_line, EndLabel, label_ends, MOST_POINTS, padded_range
 from lta_vlc.spectral.spectrum import amplitude_spectrum
 import numpy as np
 from plotly.graph_objects import Figure
@@ -26,7 +26,7 @@ WORDS = ['INK', 'SOFT', 'TRUTH', 'ESTIMATE', 'SETPOINT', 'LAMP', 'GOOD']
 
 @pytest.fixture(scope='module')
 def view(tmp_path_factory):
-    return View(open_flight(write_flight(tmp_path_factory.mktemp('flight') / 'bag')))
+    return FlightView(open_flight(write_flight(tmp_path_factory.mktemp('flight') / 'bag')))
 
 
 def luminance(colour):
@@ -74,7 +74,7 @@ def test_thinning_keeps_the_ends_and_every_spike():
     time = np.linspace(0.0, 60.0, 6001)
     values = np.sin(time)
     values[[17, 4321]] = 9.0, -9.0
-    x, y = thinned(time, values)
+    x, y = decimate_line(time, values)
     assert len(x) <= MOST_POINTS + 1
     assert np.all(np.diff(x) > 0.0)
     assert (y.max(), y.min()) == (9.0, -9.0)
@@ -83,42 +83,42 @@ def test_thinning_keeps_the_ends_and_every_spike():
 
 
 def test_thinning_leaves_a_short_line_alone():
-    x, y = thinned(np.arange(5.0), np.arange(5.0) ** 2)
+    x, y = decimate_line(np.arange(5.0), np.arange(5.0) ** 2)
     np.testing.assert_array_equal(x, [0, 1, 2, 3, 4])
     np.testing.assert_array_equal(y, [0, 1, 4, 9, 16])
 
 
 def test_labels_at_the_same_height_are_moved_apart_and_stay_inside(view):
-    figure = over_time(view)
+    figure = create_time_figure(view)
     before = len(figure.layout.annotations)
-    label_ends(figure, [Label(name, 1.0, '#000000') for name in 'abcd'], (0.0, 1.0))
+    label_ends(figure, [EndLabel(name, 1.0, '#000000') for name in 'abcd'], (0.0, 1.0))
     heights = sorted(note.y for note in figure.layout.annotations[before:])
     assert np.all(np.diff(heights) >= 0.0849)
     assert heights[-1] <= 1.0
 
 
 def test_extent_shows_all_that_is_finite():
-    assert extent(np.array([1.0, np.nan, 3.0]), pad=0.5) == (0.0, 4.0)
-    assert extent(np.array([np.nan])) == (0.0, 1.0)
-    low, high = extent(np.array([2.0]))
+    assert padded_range(np.array([1.0, np.nan, 3.0]), pad=0.5) == (0.0, 4.0)
+    assert padded_range(np.array([np.nan])) == (0.0, 1.0)
+    low, high = padded_range(np.array([2.0]))
     assert low < 2.0 < high
 
 
 def test_grades_run_from_the_least_to_the_greatest():
-    assert graded(np.array([0.0, 0.3, 0.6, 1.0])).tolist() == [0, 1, 2, 3]
-    assert graded(np.array([5.0, 5.0])).tolist() == [0, 0]
+    assert grade_values(np.array([0.0, 0.3, 0.6, 1.0])).tolist() == [0, 1, 2, 3]
+    assert grade_values(np.array([5.0, 5.0])).tolist() == [0, 0]
 
 
 def test_word_goes_where_the_paths_are_farthest_apart():
     other = np.array([[x, 0.0] for x in np.linspace(0.0, 4.0, 401)])
     bulge = np.array([[0.0, 0.0], [1.0, 0.1], [2.0, -0.5], [3.0, 0.2]])
-    place, direction = path.farthest(bulge, other)
+    place, direction = path.find_farthest_point(bulge, other)
     assert place == (2.0, -0.5)
     assert direction == pytest.approx((0.0, -1.0), abs=1e-6)
 
 
 def test_moments_are_the_ends_of_the_search(view):
-    far, near = moments(view)
+    far, near = select_sample_blocks(view)
     assert far.where == '7.0 m away'
     assert near.where in {'1.0 m away', '1.1 m away'}  # 1.05 m
     for moment, distance in ((far, 7.0), (near, 1.05)):
@@ -129,8 +129,8 @@ def test_moments_are_the_ends_of_the_search(view):
 
 def test_a_map_of_a_long_flight_has_no_more_columns_than_a_screen():
     short, long = np.arange(12.0).reshape(2, 6), np.arange(2.0 * 2501).reshape(2, 2501)
-    np.testing.assert_array_equal(light.stretches(short), short)
-    found = light.stretches(long)
+    np.testing.assert_array_equal(light.average_stretches(short), short)
+    found = light.average_stretches(long)
     assert found.shape == (2, 834)
     np.testing.assert_array_equal(found[0, :2], [1.0, 4.0])
     np.testing.assert_array_equal(found[:, -1], [2499.5, 5000.5])
@@ -138,18 +138,18 @@ def test_a_map_of_a_long_flight_has_no_more_columns_than_a_screen():
 
 def test_a_hall_is_shaded_in_larger_cells():
     room = load_scenario('lamp_room')
-    drawn = glow(room, 0.5)
+    drawn = build_light_contour(room, 0.5)
     assert (len(drawn.x), len(drawn.y)) == (round(10 / CELL) + 1, round(8 / CELL) + 1)
     size = room.room.size.model_copy(update={'value': (400.0, 8.0, 3.0)})
     hall = room.model_copy(update={'room': room.room.model_copy(update={'size': size})})
-    drawn = glow(hall, 0.5)
+    drawn = build_light_contour(hall, 0.5)
     assert (len(drawn.x), len(drawn.y)) == (MOST_CELLS + 1, round(8 / CELL) + 1)
     assert (drawn.x[0], drawn.x[-1]) == (-200.0, 200.0)
 
 
 def test_the_floor_is_lit_by_every_lamp():
     patrol = load_scenario('warehouse_patrol')
-    drawn = glow(patrol, 0.5)
+    drawn = build_light_contour(patrol, 0.5)
     places = [lamp.position.vector[:2] for lamp in patrol.lamps.values()]
     at = [drawn.z[np.abs(drawn.y - y).argmin(), np.abs(drawn.x - x).argmin()] for x, y in places]
     assert min(at) > BRIGHTEST  # half a metre above 10,000 lm
@@ -168,10 +168,10 @@ def test_every_lamp_is_drawn_and_every_goal_has_its_circle():
 
 
 def test_single_blocks_are_those_of_the_whole_topic(view):
-    every = view.flight.blocks('photodiodes')
+    every = view.flight.read_blocks('photodiodes')
     last = len(every.time) - 1
-    np.testing.assert_array_equal(view.blocks((last, 0, 0)), every.samples[[last, 0, 0]])
-    assert view.flight.blocks('photodiodes', [last]).time.tolist() == [every.time[-1]]
+    np.testing.assert_array_equal(view.read_blocks((last, 0, 0)), every.samples[[last, 0, 0]])
+    assert view.flight.read_blocks('photodiodes', [last]).time.tolist() == [every.time[-1]]
 
 
 def test_of_two_beacons_the_wanted_one_is_drawn():
@@ -183,12 +183,12 @@ def test_of_two_beacons_the_wanted_one_is_drawn():
         'z': np.array([[0.0, 0.0, none, none], [0.0, 0.0, 0.0, 0.0]]),
         'snr': np.array([[5.0, 2.0, none, none], [7.0, 3.0, 90.0, 80.0]]),
     }
-    assert of_wanted(fields)['snr'].tolist() == [[5.0, 2.0], [7.0, 3.0]]
+    assert select_primary_beacon(fields)['snr'].tolist() == [[5.0, 2.0], [7.0, 3.0]]
     one = {name: values[:1, :2] for name, values in fields.items()}
-    assert of_wanted(one)['snr'].tolist() == [[5.0, 2.0]]
+    assert select_primary_beacon(one)['snr'].tolist() == [[5.0, 2.0]]
 
 
 def test_there_is_a_ray_a_second_where_something_was_seen_however_long_it_was_not():
     time = np.array([0.5, 1.0, 1.2, 2.1, 4.9, 5.0, 1.77e9, 1.77e9 + 0.5, 1.77e9 + 2.0])
-    assert first_of_each(time, 1.0, 1.77e9 + 1.0).tolist() == [1, 3, 4, 5, 6]
-    assert first_of_each(time, 6.0, 7.0).tolist() == []
+    assert select_per_period(time, 1.0, 1.77e9 + 1.0).tolist() == [1, 3, 4, 5, 6]
+    assert select_per_period(time, 6.0, 7.0).tolist() == []

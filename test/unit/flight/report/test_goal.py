@@ -4,12 +4,12 @@ import math
 from types import SimpleNamespace
 
 from lta_config.course import Course
-from lta_data.bag.flight import Points
-from lta_flight.report.goal import Goal
-from lta_flight.report.outcome import sentence
-from lta_flight.report.results import results_of
+from lta_data.bag.recorded_flight import PointSeries
+from lta_flight.report.goal import FlightGoal
+from lta_flight.report.outcome import describe_outcome
+from lta_flight.report.results import compute_results
 from lta_model.scenario import load_scenario
-from lta_report.curves import Arrow, Motion, Track
+from lta_report.curves import DirectionCurve, MotionCurve, TimeCurve
 import numpy as np
 import pytest
 
@@ -28,10 +28,10 @@ def flown(x, scenario=ROUND, **more):
     x = np.array(x, dtype=float)
     zero = np.zeros(len(x))
     here = {'time': np.arange(len(x), dtype=float), 'x': x, 'y': zero - 2.0, 'z': zero + 1.0}
-    truth = Motion(**{name: here.get(name, zero) for name in Motion._fields})
+    truth = MotionCurve(**{name: here.get(name, zero) for name in MotionCurve._fields})
     known = {'ground_truth/odom', *(TOPICS[name] for name in more)}
     return SimpleNamespace(
-        scene=SimpleNamespace(scenario=scenario, vehicle=None), goal=Goal(scenario, truth),
+        scene=SimpleNamespace(scenario=scenario, vehicle=None), goal=FlightGoal(scenario, truth),
         truth=truth, span=(0.0, float(len(x) - 1)), has=lambda *topics: set(topics) <= known,
         **more,
     )  # fmt: skip
@@ -41,49 +41,51 @@ def test_a_round_is_not_over_where_it_begins():
     view = flown([-3.2, 0.0, 3.0, 3.5, 0.0, -3.0, -3.5])
     goal, truth = view.goal, view.truth
     assert goal.arrivals == [2.0, 5.0]
-    assert goal.leg(truth.time).tolist() == [0, 0, 0, 1, 1, 1, 1]
-    assert goal.distance(truth) == pytest.approx([6.7, 3.5, 0.5, 7.0, 3.5, 0.5, 0.0])
-    assert np.abs(goal.direction(truth)[[0, 3]]) == pytest.approx([0.0, math.pi])  # ahead, behind
-    found = results_of(view)
+    assert goal.leg_index(truth.time).tolist() == [0, 0, 0, 1, 1, 1, 1]
+    assert goal.lamp_distance(truth) == pytest.approx([6.7, 3.5, 0.5, 7.0, 3.5, 0.5, 0.0])
+    assert np.abs(goal.lamp_direction(truth)[[0, 3]]) == pytest.approx(
+        [0.0, math.pi]
+    )  # ahead, behind
+    found = compute_results(view)
     assert found.success is True
     assert (found.lamps, found.lamps_reached) == (2, 2)
     assert found.end == 5.0
     assert found.path_length == pytest.approx(6.7 + 6.5)
     assert found.straight_length == pytest.approx(6.7 - 1.0 + 7.0 - 2.0)  # circle to circle
-    assert 'all 2 lamps of its route' in sentence(found)
+    assert 'all 2 lamps of its route' in describe_outcome(found)
 
 
 def test_who_never_left_reached_nothing():
     view = flown([-3.2, -3.5, -3.0])
     assert view.goal.arrivals == []
-    found = results_of(view)
+    found = compute_results(view)
     assert found.success is False
     assert found.search_time is None
     assert found.closest == pytest.approx(6.5)
-    assert '0 of the 2 lamps' in sentence(found)
-    assert 'no nearer to the next than 6.5 m' in sentence(found)
+    assert '0 of the 2 lamps' in describe_outcome(found)
+    assert 'no nearer to the next than 6.5 m' in describe_outcome(found)
 
 
 def test_the_last_lamp_counts_from_its_turn_on():
-    found = results_of(flown([-3.2, 0.0, 3.0, 0.0]))
+    found = compute_results(flown([-3.2, 0.0, 3.0, 0.0]))
     assert found.success is False
     assert found.closest == pytest.approx(3.5)
-    assert '1 of the 2 lamps' in sentence(found)
-    assert 'no nearer to the next than 3.5 m' in sentence(found)
+    assert '1 of the 2 lamps' in describe_outcome(found)
+    assert 'no nearer to the next than 3.5 m' in describe_outcome(found)
 
 
 def test_one_lamp_alone_is_the_last():
-    found = results_of(flown([-3.0, np.nan, 0.0], ROOM))
+    found = compute_results(flown([-3.0, np.nan, 0.0], ROOM))
     assert found.closest == pytest.approx(math.hypot(3.5, 2.0))
     assert found.straight_length == pytest.approx(math.hypot(6.5, 2.0) - 1.0)
-    assert sentence(found).endswith('it came no nearer than 4.0 m')
+    assert describe_outcome(found).endswith('it came no nearer than 4.0 m')
 
 
 def test_on_a_course_no_lamp_is_sought():
     view = flown([-3.0, 3.5], ROOM.model_copy(update={'course': Course.model_construct()}))
-    assert np.isnan(view.goal.distance(view.truth)).all()
-    assert not view.goal.reached
-    assert results_of(view).success is None
+    assert np.isnan(view.goal.lamp_distance(view.truth)).all()
+    assert not view.goal.is_reached
+    assert compute_results(view).success is None
 
 
 def test_light_is_judged_by_the_lamp_that_is_listened_for():
@@ -96,9 +98,11 @@ def test_light_is_judged_by_the_lamp_that_is_listened_for():
     }
     view = flown(
         [-3.2, 0.0, 3.0, 3.2, 3.2, 3.2, 3.2],
-        peaks=Points(time, fields),
-        sighting=Arrow(time, np.where(aisle, 0.0, math.pi)),  # ahead is the aisle, behind the dock
-        speed_setpoint=Track(time, np.full(7, 0.3)),
+        peaks=PointSeries(time, fields),
+        sighting=DirectionCurve(
+            time, np.where(aisle, 0.0, math.pi)
+        ),  # ahead is the aisle, behind the dock
+        speed_setpoint=TimeCurve(time, np.full(7, 0.3)),
     )
     assert view.goal.arrivals == [2.0]
-    assert results_of(view).lamp_error == pytest.approx(0.0, abs=1e-9)
+    assert compute_results(view).lamp_error == pytest.approx(0.0, abs=1e-9)

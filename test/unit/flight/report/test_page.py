@@ -4,15 +4,15 @@ from html.parser import HTMLParser
 import json
 import re
 
+from lta_config.command_line import relative_path
 from lta_config.errors import BadInput
-from lta_config.typed import near
 from lta_data.bag import open_flight
 from lta_flight.report import write_page
-from lta_flight.report.page import again, commands
+from lta_flight.report.page import format_repeat_command, suggest_commands
 from lta_flight.report.panels.registry import PANELS
-from lta_flight.report.track import track_of
-from lta_flight.report.view import View
-from lta_report import pieces
+from lta_flight.report.track import build_track
+from lta_flight.report.view import FlightView
+from lta_report import page_parts
 import numpy as np
 from plotly.graph_objects import Figure
 import pytest
@@ -99,10 +99,10 @@ def test_page_says_the_outcome_and_where_the_truth_comes_from(reading):
 
 
 def test_page_shows_commands_that_can_be_copied(tmp_path, monkeypatch):
-    view = View(open_flight(write_flight(tmp_path / 'my runs' / 'bag', until=6.0)))
+    view = FlightView(open_flight(write_flight(tmp_path / 'my runs' / 'bag', until=6.0)))
     monkeypatch.setenv('LTA_CALLED', './lta')
     monkeypatch.chdir(tmp_path)
-    lines = commands(view, near(tmp_path / 'my runs' / 'bag'))
+    lines = suggest_commands(view, relative_path(tmp_path / 'my runs' / 'bag'))
     assert lines['List what was recorded'] == "./lta bag info 'my runs/bag'"
     assert re.fullmatch(r"plotjuggler -d 'my runs/bag/\w+\.mcap'", lines['Plot any topic'])
     assert lines['Replay in ROS 2'].startswith("ros2 bag play 'my runs/bag'")
@@ -173,7 +173,7 @@ def test_provenance_cannot_inject_anything(tmp_path):
 
 
 def test_data_for_the_script_cannot_end_their_element():
-    text = pieces.embedded('x', {'a': '</script><!-- b'})
+    text = page_parts.embed_data('x', {'a': '</script><!-- b'})
     assert text.count('</script') == 1
     assert '<!--' not in text
     assert Reading(text).data == {'x': {'a': '</script><!-- b'}}
@@ -188,7 +188,7 @@ def test_page_that_cannot_be_written_is_one_sentence(bag, tmp_path):
 
 
 def test_replay_is_the_flight_at_even_instants(bag):
-    track = track_of(View(open_flight(bag)))
+    track = build_track(FlightView(open_flight(bag)))
     length = len(track['time'])
     assert all(len(track[name]) == length for name in track.keys() - {'start', 'radius'})
     time = np.array(track['time'])
@@ -202,6 +202,6 @@ def test_replay_is_the_flight_at_even_instants(bag):
 
 def test_a_moved_start_is_flown_again_by_the_launch_file():
     given = {'vehicle': 'gtmab', 'seed': '2', 'time': 'lockstep', 'commit': 'abc'}
-    assert again(given).endswith('fly --vehicle gtmab --seed 2 --time lockstep')
-    moved = again({**given, 'offset_y': '-2.0'})
+    assert format_repeat_command(given).endswith('fly --vehicle gtmab --seed 2 --time lockstep')
+    moved = format_repeat_command({**given, 'offset_y': '-2.0'})
     assert moved.endswith('launch fly vehicle:=gtmab seed:=2 time:=lockstep offset_y:=-2.0')

@@ -5,11 +5,11 @@ from types import SimpleNamespace
 
 from lta_config.errors import BadInput
 from lta_data.bag import open_flight
-from lta_flight.report.goal import wrapped
-from lta_flight.report.outcome import tiles
-from lta_flight.report.results import cruising, Phases, Results, results_of
-from lta_flight.report.view import View
-from lta_report.curves import held, Track
+from lta_flight.report.goal import wrap_angle
+from lta_flight.report.outcome import build_tiles
+from lta_flight.report.results import compute_results, FlightPhases, FlightResults, is_cruising
+from lta_flight.report.view import FlightView
+from lta_report.curves import hold_last, TimeCurve
 import numpy as np
 import pytest
 
@@ -17,7 +17,7 @@ from ...report_flight import header, make, Stream, vector, write_flight  # noqa:
 
 
 def results(folder):
-    return results_of(View(open_flight(folder)))
+    return compute_results(FlightView(open_flight(folder)))
 
 
 @pytest.fixture(scope='module')
@@ -56,7 +56,7 @@ def test_light(found):
 
 
 def test_the_tile_is_of_what_the_drone_steers_by(found):
-    (tile,) = [each for each in tiles(found) if each.name == 'Direction of the lamp']
+    (tile,) = [each for each in build_tiles(found) if each.name == 'Direction of the lamp']
     assert (tile.value, tile.unit) == ('1.1', '° RMS off')
     assert tile.note == "as the drone steers by it; the paper's bearing 2.9°"
 
@@ -79,7 +79,7 @@ def test_energy_is_4_volt_times_400_milliampere_over_the_flight(found):
 
 
 def test_estimate_is_laid_on_the_truth_where_both_begin(tmp_path):
-    view = View(open_flight(write_flight(tmp_path / 'bag', until=8.0)))
+    view = FlightView(open_flight(write_flight(tmp_path / 'bag', until=8.0)))
     truth_x = np.interp(view.estimate.time, view.truth.time, view.truth.x)
     np.testing.assert_allclose(view.estimate.x, truth_x, atol=1e-9)
     np.testing.assert_allclose(view.estimate.y, 0.0, atol=1e-9)
@@ -87,8 +87,8 @@ def test_estimate_is_laid_on_the_truth_where_both_begin(tmp_path):
 
 
 def test_range_is_raised_to_the_hull_centre(tmp_path):
-    view = View(open_flight(write_flight(tmp_path / 'bag', until=1.0)))
-    np.testing.assert_allclose(view.range.value, 0.42, atol=1e-6)
+    view = FlightView(open_flight(write_flight(tmp_path / 'bag', until=1.0)))
+    np.testing.assert_allclose(view.range_altitude.value, 0.42, atol=1e-6)
 
 
 def test_wind_is_taken_off_the_speed(tmp_path):
@@ -150,14 +150,14 @@ def test_a_whole_recording_tells_every_figure(found):
 
 
 def test_units_are_told_by_name():
-    units = Results.units()
+    units = FlightResults.list_units()
     assert (units['path_length'], units['heading_error'], units['snr_end']) == ('m', 'rad', '1')
     assert 'success' not in units
-    assert units.keys() < Results().to_dict().keys()
+    assert units.keys() < FlightResults().to_dict().keys()
 
 
 def test_every_figure_says_what_it_is():
-    for field in Results.__dataclass_fields__.values():
+    for field in FlightResults.__dataclass_fields__.values():
         assert set(field.metadata) == {'unit', 'about'}
         assert field.metadata['about']
 
@@ -165,18 +165,18 @@ def test_every_figure_says_what_it_is():
 def test_wrapped_angles():
     given = np.array([0.0, 3.2, -3.2, 2 * math.pi, math.pi])
     expected = [0.0, 3.2 - 2 * math.pi, 2 * math.pi - 3.2, 0.0, -math.pi]
-    np.testing.assert_allclose(wrapped(given), expected, atol=1e-12)
+    np.testing.assert_allclose(wrap_angle(given), expected, atol=1e-12)
 
 
 def test_set_point_holds_until_the_next_one():
-    track = Track(np.array([1.0, 2.0]), np.array([5.0, 7.0]))
-    given = held(np.array([0.5, 1.0, 1.9, 2.0, 9.0]), track)
+    track = TimeCurve(np.array([1.0, 2.0]), np.array([5.0, 7.0]))
+    given = hold_last(np.array([0.5, 1.0, 1.9, 2.0, 9.0]), track)
     np.testing.assert_array_equal(given, [np.nan, 5.0, 5.0, 7.0, 7.0])
 
 
 def test_a_rest_at_a_lamp_of_the_route_is_not_cruised():
-    asked = Track(np.array([1.0, 4.0, 6.0]), np.array([0.5, 0.0, 0.5]))
+    asked = TimeCurve(np.array([1.0, 4.0, 6.0]), np.array([0.5, 0.0, 0.5]))
     flight = SimpleNamespace(has=lambda _: True, speed_setpoint=asked)
     time = np.arange(10.0)
-    flown = cruising(flight, Phases(0.0, 1.0, 2.0, 8.0), time)
+    flown = is_cruising(flight, FlightPhases(0.0, 1.0, 2.0, 8.0), time)
     assert time[flown].tolist() == [2.0, 3.0, 6.0, 7.0, 8.0]

@@ -3,19 +3,19 @@
 from collections import Counter
 import io
 
-from lta_cli.verbs.sweep import duties_in, refuse_both
+from lta_cli.verbs.sweep import check_options, parse_duties
 from lta_config.errors import BadInput
 from lta_config.schema.sweep_file import load_sweep
-from lta_flight.fleet.craft import made_of
-from lta_flight.fleet.flight import RAN_AWAY
-from lta_flight.fleet.fly import fly_many
-from lta_flight.fleet.text import FIGURES
-from lta_flight.sweep import fleet_crew
-from lta_flight.sweep.flown import Row
-from lta_flight.sweep.heat import heat, two_lists
-from lta_flight.sweep.plan import Plan
-from lta_flight.sweep.run import Order, sweep_once
-from lta_flight.sweep.statistics import groups, reached_share
+from lta_flight.batch.batch_flight import build_flight
+from lta_flight.batch.codegen import FIGURES
+from lta_flight.batch.flight import RAN_AWAY
+from lta_flight.batch.fly import fly_many
+from lta_flight.sweep import batch_workers
+from lta_flight.sweep.heat_map import find_map_parameters, plot_heat_map
+from lta_flight.sweep.job_runner import SweepRow
+from lta_flight.sweep.plan import SweepPlan
+from lta_flight.sweep.run import sweep_once, SweepRequest
+from lta_flight.sweep.statistics import group_rows, reached_share
 from pyarrow import parquet
 import pytest
 from rich.console import Console
@@ -45,7 +45,7 @@ def sweep(tmp_path, batches):
 
 
 def run(file, folder, **options):
-    return sweep_once(Order(file, folder, **{'device': 'cpu-batch', **options}), QUIET)
+    return sweep_once(SweepRequest(file, folder, **{'device': 'cpu-batch', **options}), QUIET)
 
 
 def test_it_is_flown_once_and_has_table_and_page(sweep, tmp_path):
@@ -86,9 +86,9 @@ def test_what_cannot_be_built_is_kept_as_failed(sweep, tmp_path, monkeypatch):
     def picky(vehicle, *others):
         if vehicle.heaviness > 2.5e-3:
             raise BadInput('It is too heavy; take less.')
-        return made_of(vehicle, *others)
+        return build_flight(vehicle, *others)
 
-    monkeypatch.setattr(fleet_crew, 'made_of', picky)
+    monkeypatch.setattr(batch_workers, 'build_flight', picky)
     file = sweep(vary={HEAVY: ['1 g', '3 g']})
     done = run(file, tmp_path / 'out', page=False)
     assert Counter(row.outcome for row in done.rows) == {'timeout': 2, 'failed': 2}
@@ -103,7 +103,7 @@ def test_a_flight_whose_numbers_ran_away_has_failed(sweep, tmp_path, monkeypatch
         told[0, FIGURES.index('outcome')] = RAN_AWAY
         return told
 
-    monkeypatch.setattr(fleet_crew, 'fly_many', wild)
+    monkeypatch.setattr(batch_workers, 'fly_many', wild)
     first, *others = run(sweep(), tmp_path / 'out', page=False).rows
     assert first.outcome == 'failed'
     assert first.sentence.startswith('The numbers of gtmab ran away 0.05 s after the start')
@@ -116,9 +116,9 @@ def test_a_map_shows_shares_and_medians(sweep, tmp_path):
     reached = type(first)(
         first.index, first.seed, first.values, 'reached', '', 0.0, {'search_time': 7.0}
     )
-    both = two_lists(done.plan)
+    both = find_map_parameters(done.plan)
     assert both == (SIDE, HEAVY)
-    share, times = heat([reached, *others], both, done.plan.units).data
+    share, times = plot_heat_map([reached, *others], both, done.plan.units).data
     assert share.z[0][0] == 50.0
     assert share.z[2][2] == 0.0
     assert times.z[0][0] == 7.0
@@ -126,26 +126,29 @@ def test_a_map_shows_shares_and_medians(sweep, tmp_path):
 
 
 def test_a_sweep_over_few_values_is_no_map(sweep):
-    assert two_lists(Plan(load_sweep(sweep(vary={HEAVY: ['1 g', '2 g', '3 g']})))) is None
+    assert (
+        find_map_parameters(SweepPlan(load_sweep(sweep(vary={HEAVY: ['1 g', '2 g', '3 g']}))))
+        is None
+    )
 
 
 def test_options_that_exclude_each_other_are_refused():
     with pytest.raises(BadInput, match=r'An open loop \(--duties\) is flown as a batch'):
-        refuse_both(None, (0.1,), None, None)
+        check_options(None, (0.1,), None, None)
     with pytest.raises(BadInput, match=r'needs no --workers and no --scheduler'):
-        refuse_both('gpu', (), 2, None)
+        check_options('gpu', (), 2, None)
     with pytest.raises(BadInput, match=r"The duties are '1,x'; give numbers from -1 to 1"):
-        duties_in('1,x')
-    assert duties_in('0.1,-0.5') == (0.1, -0.5)
+        parse_duties('1,x')
+    assert parse_duties('0.1,-0.5') == (0.1, -0.5)
 
 
 def test_values_of_a_grid_are_not_cut_in_two():
     """Ten values against another parameter that decides: all must look alike."""
     rows = [
-        Row(k, 1, {'a': float(k // 100), 'b': float(k % 100)}, outcome, '')
+        SweepRow(k, 1, {'a': float(k // 100), 'b': float(k % 100)}, outcome, '')
         for k in range(1000)
         for outcome in (['timeout', 'reached'][k % 100 < 50],)
     ]
-    found = groups(rows, 'a')
+    found = group_rows(rows, 'a')
     assert [group.place for group in found] == list(range(10))
     assert {reached_share(group.rows).value for group in found} == {0.5}

@@ -4,13 +4,13 @@ import itertools
 import math
 
 from lta_config.errors import BadInput
-from lta_config.files import find
-from lta_config.override import assignment
+from lta_config.files import find_file
+from lta_config.parameter_override import parse_assignment
 from lta_config.schema.sweep_file import Distribution, load_sweep, SweepFile
-from lta_config.sentence import sentence
-from lta_flight.ingredients import gather, loop_of, spoken
-from lta_flight.sweep.draws import draw
-from lta_flight.sweep.plan import Plan, si_of
+from lta_config.validation_errors import format_error
+from lta_flight.flight_spec import build_loop, load_spec, to_cli_args
+from lta_flight.sweep.plan import convert_to_si, SweepPlan
+from lta_flight.sweep.sampling import draw_value
 import numpy as np
 from pydantic import ValidationError
 import pytest
@@ -30,17 +30,17 @@ def file(**content):
 
 def drawn(how, path=HEAVY, seed=1):
     spread = Distribution.model_validate(how)
-    return np.array([si_of(draw(spread, path, seed, k)) for k in range(DRAWS)])
+    return np.array([convert_to_si(draw_value(spread, path, seed, k)) for k in range(DRAWS)])
 
 
 def test_a_grid_is_every_value_with_every_value():
     vary = {HEAVY: ['1 g', '2 g', '3 g'], WIND: ['0 m/s', '0.1 m/s']}
-    plan = Plan(file(vary=vary, seeds={'first': 5, 'count': 4}))
+    plan = SweepPlan(file(vary=vary, seeds={'first': 5, 'count': 4}))
     assert plan.count == 3 * 2 * 4
     found = []
     for index in range(plan.count):
-        job = plan.job(index)
-        values = {path: si_of(value) for path, value in job.values.items()}
+        job = plan.build_job(index)
+        values = {path: convert_to_si(value) for path, value in job.values.items()}
         found.append((round(1e3 * values[HEAVY]), values[WIND], job.seed))
     assert found == list(itertools.product((1, 2, 3), (0.0, 0.1), (5, 6, 7, 8)))
     assert plan.units == {HEAVY: 'kg', WIND: 'm/s'}
@@ -50,12 +50,12 @@ def test_cases_are_values_that_belong_together():
     """Each case with each value; a file that a case names keeps what the sweep sets."""
     cases = {'room': {}, 'field': {'scenario': 'windy_field', 'mission.speed': 1.0}}
     limit = 'scenario.goal.time_limit'
-    plan = Plan(file(cases=cases, vary={HEAVY: ['1 g', '2 g']}, set={limit: '30 s'}))
+    plan = SweepPlan(file(cases=cases, vary={HEAVY: ['1 g', '2 g']}, set={limit: '30 s'}))
     plan.check()
     assert plan.units == {'case': '', HEAVY: 'kg'}
-    jobs = [plan.job(k) for k in range(plan.count)]
+    jobs = [plan.build_job(k) for k in range(plan.count)]
     assert [job.values['case'] for job in jobs] == ['room', 'room', 'field', 'field']
-    loops = [loop_of(plan.base.with_values(job.changes), 1) for job in jobs]
+    loops = [build_loop(plan.base.with_values(job.changes), 1) for job in jobs]
     scenes = [loop.world.scenario for loop in loops]
     assert [scene.name for scene in scenes] == ['lamp_room'] * 2 + ['windy_field'] * 2
     assert [scene.goal.time_limit.si for scene in scenes] == [30.0] * 4
@@ -66,9 +66,9 @@ def test_cases_are_values_that_belong_together():
 
 def test_whole_files_and_strategies_can_be_varied():
     vary = {'strategy': ['bag'], 'scenario': ['lamp_room', 'breeze'], 'vehicle': ['gtmab', 'skye']}
-    plan = Plan(file(vary=vary))
+    plan = SweepPlan(file(vary=vary))
     assert plan.units == {'strategy': '', 'scenario': '', 'vehicle': ''}
-    made = plan.base.with_values(plan.job(3).changes)
+    made = plan.base.with_values(plan.build_job(3).changes)
     assert (made.names['scenario'], made.names['vehicle']) == ('breeze', 'skye')
     assert made.names['gains'] == 'skye'  # its own, since the sweep's are another vehicle's
 
@@ -76,29 +76,29 @@ def test_whole_files_and_strategies_can_be_varied():
 def test_what_a_named_file_holds_decides_the_sweep(tmp_path):
     """An edited scenario of a case makes another sweep, so that no old flight passes for a new."""
     path = tmp_path / 'own.yaml'
-    text = find('scenario', 'lamp_room').read_text()
+    text = find_file('scenario', 'lamp_room').read_text()
     found = []
     for content in (text, text, text.replace('time_limit: 60 s', 'time_limit: 61 s')):
         path.write_text(content)
-        found.append(Plan(file(cases={'own': {'scenario': str(path)}})).identity)
+        found.append(SweepPlan(file(cases={'own': {'scenario': str(path)}})).identity)
     assert found[0] == found[1] != found[2]
 
 
 def test_an_effect_that_no_file_names_can_be_varied():
     leak = 'vehicle.effects.helium_leak.rate'
-    plan = Plan(file(vary={leak: ['0 N/s', '1e-4 N/s']}))
+    plan = SweepPlan(file(vary={leak: ['0 N/s', '1e-4 N/s']}))
     plan.check()
     assert plan.units == {leak: 'N/s'}
-    worlds = [loop_of(plan.base.with_values(plan.job(k).values), 1).world for k in (0, 1)]
-    rates = [world.vehicle.effects()['helium_leak']['rate'] for world in worlds]
+    worlds = [build_loop(plan.base.with_values(plan.build_job(k).values), 1).world for k in (0, 1)]
+    rates = [world.vehicle.collect_effects()['helium_leak']['rate'] for world in worlds]
     assert rates == [0.0, 1e-4]
 
 
 def test_every_point_of_a_grid_has_the_same_draws_and_seeds():
     how = {'uniform': {'low': '-0.1 m/s', 'high': '0.1 m/s'}}
-    plan = Plan(file(vary={HEAVY: ['1 g', '2 g'], WIND: how}, samples=3))
+    plan = SweepPlan(file(vary={HEAVY: ['1 g', '2 g'], WIND: how}, samples=3))
     assert plan.count == 6
-    first, second = ([plan.job(3 * point + k) for k in range(3)] for point in (0, 1))
+    first, second = ([plan.build_job(3 * point + k) for k in range(3)] for point in (0, 1))
     assert [job.seed for job in first] == [job.seed for job in second] == [1, 2, 3]
     winds = [[job.values[WIND] for job in jobs] for jobs in (first, second)]
     assert winds[0] == winds[1]
@@ -152,7 +152,7 @@ def test_streams_are_of_their_own():
 
 def test_gains_have_the_units_that_they_are_declared_with():
     vary = {'gains.heading_kp': [0.5, 0.6], 'mission.altitude': [0.5, 0.6], 'gains.climb.kp': [1]}
-    assert Plan(file(vary=vary)).units == {
+    assert SweepPlan(file(vary=vary)).units == {
         'gains.heading_kp': '1/s',
         'mission.altitude': 'm',
         'gains.climb.kp': '',
@@ -184,7 +184,7 @@ def test_gains_have_the_units_that_they_are_declared_with():
 def test_what_cannot_be_flown_is_said_before_the_first_flight(vary, words):
     drawn = any(isinstance(how, dict) for how in vary.values())
     with pytest.raises(BadInput) as caught:
-        Plan(file(vary=vary, **({'samples': 3} if drawn else {}))).check()
+        SweepPlan(file(vary=vary, **({'samples': 3} if drawn else {}))).check()
     assert words in str(caught.value)
 
 
@@ -205,21 +205,21 @@ def test_what_contradicts_itself_is_refused(content, words):
 
 def test_the_shipped_sweeps_can_be_flown():
     for name in ('heaviness', 'monte_carlo'):
-        Plan(load_sweep(name)).check()
+        SweepPlan(load_sweep(name)).check()
 
 
 def test_another_design_is_another_sweep():
-    plans = [Plan(file(vary={HEAVY: [text]})) for text in ('1 g', '1 g', '2 g')]
+    plans = [SweepPlan(file(vary={HEAVY: [text]})) for text in ('1 g', '1 g', '2 g')]
     assert plans[0].identity == plans[1].identity != plans[2].identity
 
 
 def test_a_flight_is_told_so_that_it_is_flown_again_to_the_last_bit():
-    made_of = gather('gtmab', 'lamp_room', 'bag', 'gtmab')
+    made_of = load_spec('gtmab', 'lamp_room', 'bag', 'gtmab')
     how = Distribution.model_validate({'uniform': {'low': '1 g', 'high': '3 g'}})
-    values = {HEAVY: draw(how, HEAVY, 1, 0), 'gains.heading_kp': 0.1 + 0.2}
+    values = {HEAVY: draw_value(how, HEAVY, 1, 0), 'gains.heading_kp': 0.1 + 0.2}
     values['scenario.air.wind'] = {'value': [0.1, 0.0, -1e-5], 'unit': 'm/s'}
-    again = dict(map(assignment, spoken(values)))
-    one, two = (loop_of(made_of.with_values(each), 1) for each in (values, again))
+    again = dict(map(parse_assignment, to_cli_args(values)))
+    one, two = (build_loop(made_of.with_values(each), 1) for each in (values, again))
     assert one.policy.gains == two.policy.gains
     assert one.world.scenario == two.world.scenario
     assert one.world.vehicle.file.trim == two.world.vehicle.file.trim
@@ -228,4 +228,4 @@ def test_a_flight_is_told_so_that_it_is_flown_again_to_the_last_bit():
 def test_a_distribution_that_is_not_known_is_named():
     with pytest.raises(ValidationError) as caught:
         file(samples=3, vary={HEAVY: {'cauchy': {'mean': '2 g'}}})
-    assert f"'vary.{HEAVY}.distribution.cauchy' is not known" in sentence(caught.value)
+    assert f"'vary.{HEAVY}.distribution.cauchy' is not known" in format_error(caught.value)

@@ -13,15 +13,15 @@ import sys
 
 from lta_config.errors import BadInput
 from lta_config.schema.sweep_file import load_sweep
-from lta_flight.sweep import crew as crew_module
 from lta_flight.sweep import run as run_module
-from lta_flight.sweep.cluster import ClusterCrew
-from lta_flight.sweep.crew import LocalCrew
-from lta_flight.sweep.flown import failed, fly_job, Row
-from lta_flight.sweep.log import KIND, Log
-from lta_flight.sweep.plan import Job, Plan
-from lta_flight.sweep.run import Order, sweep_once
-from lta_flight.sweep.statistics import groups, wilson
+from lta_flight.sweep import workers as crew_module
+from lta_flight.sweep.cluster import SweepCluster
+from lta_flight.sweep.job_runner import build_failed_row, fly_job, SweepRow
+from lta_flight.sweep.log import KIND, SweepLog
+from lta_flight.sweep.plan import SweepJob, SweepPlan
+from lta_flight.sweep.run import sweep_once, SweepRequest
+from lta_flight.sweep.statistics import group_rows, wilson_interval
+from lta_flight.sweep.workers import LocalWorkers
 from pyarrow import parquet
 import pytest
 from rich.console import Console
@@ -54,7 +54,7 @@ class Here:
 @pytest.fixture
 def here(monkeypatch):
     """Fly without workers, for tests that are not about them."""
-    monkeypatch.setattr(run_module, 'LocalCrew', Here)
+    monkeypatch.setattr(run_module, 'LocalWorkers', Here)
 
 
 @pytest.fixture
@@ -75,7 +75,7 @@ def sweep(tmp_path):
 
 
 def run(file, folder, **options):
-    return sweep_once(Order(file, folder, workers=1, **options), QUIET)
+    return sweep_once(SweepRequest(file, folder, workers=1, **options), QUIET)
 
 
 def test_a_sweep_is_flown_kept_and_not_flown_again(sweep, tmp_path):
@@ -94,8 +94,8 @@ def test_a_row_is_the_flight_itself(sweep, tmp_path):
     """Flown by a worker or by hand, a flight comes to the same figures."""
     file = sweep(1)
     row = run(file, tmp_path / 'out').rows[1]
-    plan = Plan(load_sweep(file))
-    assert fly_job(plan.base, plan.job(1)).figures == row.figures
+    plan = SweepPlan(load_sweep(file))
+    assert fly_job(plan.base, plan.build_job(1)).figures == row.figures
     assert row.values == {HEAVY: pytest.approx(2e-3, rel=1e-15)}
 
 
@@ -122,8 +122,8 @@ def test_another_sweep_is_not_mixed_in(sweep, tmp_path, here):
 
 
 def test_two_sweeps_do_not_write_to_one_log(tmp_path):
-    with Log(tmp_path, 'a'), pytest.raises(BadInput, match='Another sweep writes'):
-        Log(tmp_path, 'a')
+    with SweepLog(tmp_path, 'a'), pytest.raises(BadInput, match='Another sweep writes'):
+        SweepLog(tmp_path, 'a')
 
 
 def test_a_flight_that_cannot_be_flown_is_kept_with_its_reason(sweep, tmp_path, here):
@@ -150,7 +150,7 @@ def lethal(base, job):
         if job.index == 1:
             mark.touch()
         os.kill(os.getpid(), signal.SIGKILL)
-    return Row(job.index, job.seed, {}, 'reached', 'reached its goal')
+    return SweepRow(job.index, job.seed, {}, 'reached', 'reached its goal')
 
 
 def lethal_work(connection, base):
@@ -161,11 +161,11 @@ def lethal_work(connection, base):
 def test_a_worker_that_dies_costs_no_result(tmp_path, monkeypatch):
     """Its flight goes to another worker; a flight that kills two is given up, and said."""
     monkeypatch.setenv('LTA_TEST_FOLDER', str(tmp_path))
-    monkeypatch.setattr(crew_module, 'work', lethal_work)
+    monkeypatch.setattr(crew_module, 'run_worker', lethal_work)
     monkeypatch.setattr(crew_module, 'get_context', lambda _: get_context('fork'))
-    jobs = [Job(k, k, {}) for k in range(6)]
-    with LocalCrew(None, 2) as crew:
-        rows = {row.index: row for row in crew.fly(iter(jobs))}
+    jobs = [SweepJob(k, k, {}) for k in range(6)]
+    with LocalWorkers(None, 2) as crew:
+        rows = {row.index: row for row in crew.run_jobs(iter(jobs))}
     assert crew.deaths == 3
     assert sorted(rows) == list(range(6))
     assert [rows[k].outcome for k in (0, 1, 3, 4, 5)] == ['reached'] * 5
@@ -178,11 +178,11 @@ def stillborn(connection, base):
 
 
 def test_workers_that_never_fly_end_the_sweep(monkeypatch):
-    monkeypatch.setattr(crew_module, 'work', stillborn)
+    monkeypatch.setattr(crew_module, 'run_worker', stillborn)
     monkeypatch.setattr(crew_module, 'get_context', lambda _: get_context('fork'))
-    jobs = (Job(k, k, {}) for k in range(100))
-    with LocalCrew(None, 1) as crew, pytest.raises(BadInput, match='exit status 7'):
-        list(crew.fly(jobs))
+    jobs = (SweepJob(k, k, {}) for k in range(100))
+    with LocalWorkers(None, 1) as crew, pytest.raises(BadInput, match='exit status 7'):
+        list(crew.run_jobs(jobs))
 
 
 SCRIPT = """
@@ -322,50 +322,50 @@ def test_wilson_against_printed_figures():
         (0, 20, 0.0, 0.1611),
         (1, 29, 0.0061, 0.1718),
     ):
-        share = wilson(hits, count)
+        share = wilson_interval(hits, count)
         assert (share.low, share.high) == pytest.approx((low, high), abs=5e-5)
 
 
 def test_drawn_values_are_grouped_evenly():
-    rows = [Row(k, 1, {'x': (7 * k) % 100 / 10}, 'reached', '') for k in range(100)]
-    found = groups(rows, 'x')
+    rows = [SweepRow(k, 1, {'x': (7 * k) % 100 / 10}, 'reached', '') for k in range(100)]
+    found = group_rows(rows, 'x')
     assert [len(group.rows) for group in found] == [13] * 4 + [12] * 4
     places = [group.place for group in found]
     assert places == sorted(places)
-    words = groups([Row(k, 1, {'x': 'ab'[k % 2]}, 'reached', '') for k in range(4)], 'x')
+    words = group_rows([SweepRow(k, 1, {'x': 'ab'[k % 2]}, 'reached', '') for k in range(4)], 'x')
     assert [(group.name, len(group.rows)) for group in words] == [('a', 2), ('b', 2)]
 
 
 def test_a_failed_flight_tells_its_values_in_si():
-    job = Job(3, 9, {HEAVY: {'value': 2.5, 'unit': 'g'}})
-    assert failed(job, 'No.').values == {HEAVY: 0.0025}
+    job = SweepJob(3, 9, {HEAVY: {'value': 2.5, 'unit': 'g'}})
+    assert build_failed_row(job, 'No.').values == {HEAVY: 0.0025}
 
 
 def test_a_cluster_without_dask_is_one_sentence(monkeypatch):
     monkeypatch.setitem(sys.modules, 'distributed', None)
     with pytest.raises(BadInput, match='-r requirements-dask'):
-        ClusterCrew(None, 'tcp://127.0.0.1:1')
+        SweepCluster(None, 'tcp://127.0.0.1:1')
 
 
 def test_a_cluster_that_is_not_there_leaves_no_folder(monkeypatch, tmp_path, sweep):
     monkeypatch.setitem(sys.modules, 'distributed', None)
     out = tmp_path / 'out'
     with pytest.raises(BadInput):
-        sweep_once(Order(sweep(2), out, scheduler='tcp://127.0.0.1:1'), Console())
+        sweep_once(SweepRequest(sweep(2), out, scheduler='tcp://127.0.0.1:1'), Console())
     assert not out.exists()
 
 
 def test_a_cluster_flies_what_this_machine_flies(sweep):
     """A scheduler with two workers in this process; needs the optional dask.distributed."""
     distributed = pytest.importorskip('distributed')
-    plan = Plan(load_sweep(sweep(2)))
+    plan = SweepPlan(load_sweep(sweep(2)))
     options = {'processes': False, 'n_workers': 2, 'threads_per_worker': 1}
     with (
         distributed.LocalCluster(**options, dashboard_address=None) as cluster,
-        ClusterCrew(plan.base, cluster.scheduler_address) as crew,
+        SweepCluster(plan.base, cluster.scheduler_address) as crew,
     ):
-        rows = sorted(crew.fly(plan.jobs({1})), key=lambda row: row.index)
+        rows = sorted(crew.run_jobs(plan.iterate_jobs({1})), key=lambda row: row.index)
     assert [row.index for row in rows] == [0, 2, 3]
     assert [row.figures for row in rows] == [
-        fly_job(plan.base, plan.job(k)).figures for k in (0, 2, 3)
+        fly_job(plan.base, plan.build_job(k)).figures for k in (0, 2, 3)
     ]

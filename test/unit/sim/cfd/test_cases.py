@@ -8,19 +8,19 @@ import shutil
 
 from lta_config.errors import BadInput
 from lta_config.schema.mount_file import load_mount
-from lta_sim.cfd import gates
-from lta_sim.cfd.model import model_of
+from lta_sim.cfd import flow_checks
+from lta_sim.cfd.flow_plan import LENGTHS, plan_flows
 from lta_sim.cfd.openfoam import engine
-from lta_sim.cfd.openfoam.case import Case, Step
-from lta_sim.cfd.openfoam.dictionary import dictionary
-from lta_sim.cfd.openfoam.engine import CaseFailed, Programs, why
-from lta_sim.cfd.openfoam.forces import read_forces, read_mesh, read_patches, table
-from lta_sim.cfd.openfoam.mesh import BASE, standing
-from lta_sim.cfd.openfoam.stage import Stages
-from lta_sim.cfd.plan import flows, LENGTHS
+from lta_sim.cfd.openfoam.case import FoamCase, ProgramStep
+from lta_sim.cfd.openfoam.case_runner import CaseRunner
+from lta_sim.cfd.openfoam.dictionary import format_dictionary
+from lta_sim.cfd.openfoam.engine import CaseFailed, explain_failure, FoamPrograms
+from lta_sim.cfd.openfoam.mesh import BASE, list_solved_bodies
+from lta_sim.cfd.openfoam.output_reader import parse_table, read_forces, read_mesh, read_patches
 from lta_sim.cfd.reduce import STARTING
 from lta_sim.cfd.solve import check_memory
-from lta_sim.cfd.tunnel import PREVIEW, steady_wind
+from lta_sim.cfd.tunnel import build_steady_wind, PREVIEW
+from lta_sim.cfd.tunnel_model import load_tunnel_model
 import pytest
 
 AIR = (1.2, 1.5e-5)
@@ -29,14 +29,16 @@ SAYS = 'Time = 1\nGAMG:  Solving for p, Initial residual = 0.5, Final\nTime = 2\
 
 def case(*scripts, name='case'):
     steps = [
-        Step(f'{k}', ('sh', '-c', script), {'system/controlDict': f'{k}'}, 2)
+        ProgramStep(f'{k}', ('sh', '-c', script), {'system/controlDict': f'{k}'}, 2)
         for k, script in enumerate(scripts)
     ]
-    return Case(name, {'constant/word': 'a'}, steps, Case('mesh', {}, []))
+    return FoamCase(name, {'constant/word': 'a'}, steps, FoamCase('mesh', {}, []))
 
 
 def test_entries_become_the_text_that_openfoam_reads():
-    text = dictionary('x', {'a': 1.5e-5, 'b': [1, [2, 3]], 'c': {'d': True, 'e': ['f', {'g': 1}]}})
+    text = format_dictionary(
+        'x', {'a': 1.5e-5, 'b': [1, [2, 3]], 'c': {'d': True, 'e': ['f', {'g': 1}]}}
+    )
     body = text[text.index('}') + 1 :].split()
     assert body == [
         'a',
@@ -65,16 +67,16 @@ def test_a_case_is_named_by_what_it_is():
 
 
 def test_a_speed_changes_the_flow_and_not_its_mesh():
-    model = model_of('gtmab')
+    model = load_tunnel_model('gtmab')
     cold, warm = (
-        flows(model, 'preview', (1.2, nu), ('heave',))[0].case for nu in (1.4e-5, 1.5e-5)
+        plan_flows(model, 'preview', (1.2, nu), ('heave',))[0].case for nu in (1.4e-5, 1.5e-5)
     )
     assert cold.key != warm.key
     assert cold.mesh.key == warm.mesh.key
 
 
 def test_the_air_of_a_transient_brings_no_eddies_and_begins_with_some():
-    eddies, _ = flows(model_of('gtmab'), 'reference', AIR, ['heave'])
+    eddies, _ = plan_flows(load_tunnel_model('gtmab'), 'reference', AIR, ['heave'])
     words = eddies.case.files['0/nuTilda'].replace(';', '').split()
     begins = float(words[words.index('internalField') + 2])
     comes = float(words[words.index('inlet') + 6])
@@ -85,7 +87,7 @@ def test_the_air_of_a_transient_brings_no_eddies_and_begins_with_some():
 def test_eddies_are_modelled_beyond_a_reynolds_number():
     """GT-MAB's hull is below 1e5 at 1 m/s, Skye's of 2.7 m beyond."""
     for name, model in (('gtmab', 'laminar;'), ('skye', 'SpalartAllmarasDDES')):
-        eddies, slow = flows(model_of(name), 'reference', AIR, ['surge'])
+        eddies, slow = plan_flows(load_tunnel_model(name), 'reference', AIR, ['surge'])
         settle, *later = eddies.case.steps
         assert 'SpalartAllmaras;' in settle.files['constant/turbulenceProperties']
         assert all(model in step.files['constant/turbulenceProperties'] for step in later)
@@ -100,7 +102,7 @@ def test_a_transient_is_averaged_over_twenty_lengths():
 
 
 def test_every_flow_of_a_vehicle_is_planned_once():
-    found = flows(model_of('gtmab'), 'preview', AIR)
+    found = plan_flows(load_tunnel_model('gtmab'), 'preview', AIR)
     names = [flow.about for flow in found]
     assert names[:6] == ['heave', 'surge', 'sway', 'roll', 'pitch', 'yaw']
     assert {'up_left', 'up_left_reversed', 'forward_left', 'forward_left_reversed'} < set(names)
@@ -112,7 +114,7 @@ def test_every_flow_of_a_vehicle_is_planned_once():
 
 def test_what_is_done_is_not_done_again(tmp_path):
     told = []
-    stages = Stages(tmp_path, Programs(), lambda *each: told.append(each))
+    stages = CaseRunner(tmp_path, FoamPrograms(), lambda *each: told.append(each))
     one = case(f'printf "{SAYS}"', 'echo x >> count')
     place = stages.solve(one)
     stages.solve(one)
@@ -123,7 +125,7 @@ def test_what_is_done_is_not_done_again(tmp_path):
 
 def test_two_runs_on_one_cache_solve_a_case_once(tmp_path):
     one = case('sleep 0.2; echo x >> count')
-    alone = [Stages(tmp_path, Programs(), lambda *_: None) for _ in range(2)]
+    alone = [CaseRunner(tmp_path, FoamPrograms(), lambda *_: None) for _ in range(2)]
     with ThreadPoolExecutor(2) as pool:
         first, second = pool.map(lambda stages: stages.solve(one), alone)
     assert first == second
@@ -131,22 +133,22 @@ def test_two_runs_on_one_cache_solve_a_case_once(tmp_path):
 
 
 def test_a_run_goes_on_where_it_failed(tmp_path):
-    stages = Stages(tmp_path, Programs(), lambda *_: None)
+    stages = CaseRunner(tmp_path, FoamPrograms(), lambda *_: None)
     one = case('echo x >> count', 'test -e mended')
     with pytest.raises(CaseFailed, match='sh ended with status 1'):
         stages.solve(one)
-    (stages.place(one) / 'mended').touch()
+    (stages.case_folder(one) / 'mended').touch()
     stages.solve(one)
-    assert (stages.place(one) / 'count').read_text() == 'x\n'
+    assert (stages.case_folder(one) / 'count').read_text() == 'x\n'
 
 
 def test_half_a_mesh_is_begun_again(tmp_path):
-    stages = Stages(tmp_path, Programs(), lambda *_: None)
+    stages = CaseRunner(tmp_path, FoamPrograms(), lambda *_: None)
     steps = [
-        Step('block', ('sh', '-c', 'mkdir mesh')),
-        Step('snappy', ('sh', '-c', 'touch mesh/refined; test -e ../mended')),
+        ProgramStep('block', ('sh', '-c', 'mkdir mesh')),
+        ProgramStep('snappy', ('sh', '-c', 'touch mesh/refined; test -e ../mended')),
     ]
-    mesh = Case('mesh', {}, steps)
+    mesh = FoamCase('mesh', {}, steps)
     with pytest.raises(CaseFailed):
         stages.solve(mesh)
     (tmp_path / 'mended').touch()
@@ -158,14 +160,14 @@ def test_a_full_disk_is_named(tmp_path, monkeypatch):
     def full(*_):
         raise OSError(errno.ENOSPC, 'No space left on device')
 
-    monkeypatch.setattr(Programs, 'run', full)
+    monkeypatch.setattr(FoamPrograms, 'run', full)
     with pytest.raises(CaseFailed, match=r'No space left on device .*--cache'):
-        Stages(tmp_path, Programs(), lambda *_: None).solve(case('true'))
+        CaseRunner(tmp_path, FoamPrograms(), lambda *_: None).solve(case('true'))
 
 
 def test_a_killed_solver_is_named(tmp_path):
     with pytest.raises(CaseFailed, match='killed by signal 15'):
-        Stages(tmp_path, Programs(), lambda *_: None).solve(case('kill -TERM $$'))
+        CaseRunner(tmp_path, FoamPrograms(), lambda *_: None).solve(case('kill -TERM $$'))
 
 
 @pytest.mark.parametrize(
@@ -181,17 +183,17 @@ def test_a_killed_solver_is_named(tmp_path):
     ],
 )
 def test_what_went_wrong_is_said(code, tail, said):
-    assert said in why('simpleFoam', code, tail)
+    assert said in explain_failure('simpleFoam', code, tail)
 
 
 def test_without_openfoam_one_sentence_says_how_to_get_it(monkeypatch):
     monkeypatch.setattr(shutil, 'which', lambda _: None)
     with pytest.raises(BadInput, match=r'apt-get install .*openfoam.*--fidelity analytic'):
-        engine.require()
+        engine.require_openfoam()
 
 
 def test_a_mesh_beyond_the_memory_is_refused_before_any_work():
-    found = flows(model_of('gtmab'), 'preview', AIR, ('surge',))
+    found = plan_flows(load_tunnel_model('gtmab'), 'preview', AIR, ('surge',))
     with pytest.raises(BadInput, match=r'needs about 0\.7 GB and there are 0\.5'):
         check_memory(found, 2, 0.5e9)
 
@@ -215,7 +217,7 @@ def test_forces_are_read_as_they_are_written(tmp_path):
 
 
 def test_a_row_cut_short_is_left_out():
-    assert table(FORCE + '301 \t(5.4e-02 4.8').shape == (2, 10)
+    assert parse_table(FORCE + '301 \t(5.4e-02 4.8').shape == (2, 10)
 
 
 def test_a_mesh_tells_its_cells_and_zones(tmp_path):
@@ -226,7 +228,7 @@ def test_a_mesh_tells_its_cells_and_zones(tmp_path):
     (tmp_path / 'log.zones').write_text('    cellZoneSet up_left now size 59\n')
     facts = read_mesh(tmp_path)
     assert (facts['cells'], facts['zones']) == (44936, {'up_left': 59})
-    gates.check_mesh('mesh', facts)
+    flow_checks.check_mesh('mesh', facts)
 
 
 # As checkMesh 1912 writes it: of a mesh that is sound, and of one whose cells are pulled through
@@ -256,10 +258,10 @@ Number of negative volume cells: 2
 )
 def test_a_mesh_that_is_none_is_refused(tmp_path, check, said):
     (tmp_path / 'log.check').write_text(SOUND)
-    gates.check_mesh('mesh', read_mesh(tmp_path))
+    flow_checks.check_mesh('mesh', read_mesh(tmp_path))
     (tmp_path / 'log.check').write_text(check)
     with pytest.raises(CaseFailed, match=said):
-        gates.check_mesh('mesh', read_mesh(tmp_path))
+        flow_checks.check_mesh('mesh', read_mesh(tmp_path))
 
 
 PATCHES = """
@@ -279,14 +281,18 @@ def test_every_patch_of_a_mesh_has_its_faces_whatever_its_topology(tmp_path):
 
 
 def test_bodies_of_the_half_that_is_cut_off_are_not_missed():
-    mesh = steady_wind(model_of('gtmab', load_mount('bottom')), 'surge', 1.5e-5, PREVIEW).mesh
+    mesh = build_steady_wind(
+        load_tunnel_model('gtmab', load_mount('bottom')), 'surge', 1.5e-5, PREVIEW
+    ).mesh
     whole = {'envelope', 'gondola', 'frame', 'panel_left', 'panel_right', 'arm_left', 'arm_right'}
-    assert set(standing(mesh, ())) == whole
-    assert set(standing(mesh, ('symmetryY',))) == whole - {'panel_left', 'arm_left'}
+    assert set(list_solved_bodies(mesh, ())) == whole
+    assert set(list_solved_bodies(mesh, ('symmetryY',))) == whole - {'panel_left', 'arm_left'}
 
 
 def test_no_cell_is_so_coarse_that_a_bar_lies_between_the_middles_of_two_unseen():
-    mesh = steady_wind(model_of('gtmab', load_mount('bottom')), 'surge', 1.5e-5, PREVIEW).mesh
+    mesh = build_steady_wind(
+        load_tunnel_model('gtmab', load_mount('bottom')), 'surge', 1.5e-5, PREVIEW
+    ).mesh
     around = mesh.files['system/snappyHexMeshDict'].split('refinementRegions')[1]
     levels = re.search(r'arm_left\s*{\s*mode distance;\s*levels \(\((.*)\)\);', around)[1]
     rows = [tuple(map(float, row.split())) for row in levels.split(') (')]
@@ -299,22 +305,30 @@ def test_no_cell_is_so_coarse_that_a_bar_lies_between_the_middles_of_two_unseen(
 @pytest.mark.parametrize(
     ('gate', 'given', 'said'),
     [
-        (gates.check_bodies, ('mesh', {'bar': 19}, ['bar']), '19 faces on bar, fewer than 20'),
-        (gates.check_bodies, ('mesh', {'hull': 900}, ['hull', 'bar']), '0 faces on bar'),
-        (gates.check_zones, ({'up_left': 12}, {'up_left': 1.0}), 'of up_left has 12 cells, fewer'),
-        (gates.check_zones, ({}, {'up_left': 1.0}), 'of up_left has 0 cells, fewer than 30'),
-        (gates.check_spread, (0.2, 50), 'swings by 20 %'),
-        (gates.check_spread, (math.nan, 50), 'swings by nan'),
-        (gates.check_spread, (0.0, 12), '12 rounds'),
-        (gates.check_balance, (0.3,), '30 % of the force'),
-        (gates.check_balance, (math.nan,), 'nan % of the force'),
-        (gates.check_brakes, (-0.01,), 'pushes where it should brake'),
-        (gates.check_brakes, (0.0,), 'pushes where it should brake'),
-        (gates.check_brakes, (math.nan,), 'pushes where it should brake'),
-        (gates.check_mean, (0.06, 12.0), r'uncertain by 6 % \(over 5 %\)'),
-        (gates.check_mean, (math.nan, 12.0), 'uncertain by nan'),
-        (gates.check_mean, (math.inf, 12.0), 'uncertain by inf'),  # shorter than one batch
-        (gates.check_mean, (0.01, 9.9), r'Only 9\.9 lengths of flow are averaged, under 10'),
+        (
+            flow_checks.check_bodies,
+            ('mesh', {'bar': 19}, ['bar']),
+            '19 faces on bar, fewer than 20',
+        ),
+        (flow_checks.check_bodies, ('mesh', {'hull': 900}, ['hull', 'bar']), '0 faces on bar'),
+        (
+            flow_checks.check_zones,
+            ({'up_left': 12}, {'up_left': 1.0}),
+            'of up_left has 12 cells, fewer',
+        ),
+        (flow_checks.check_zones, ({}, {'up_left': 1.0}), 'of up_left has 0 cells, fewer than 30'),
+        (flow_checks.check_spread, (0.2, 50), 'swings by 20 %'),
+        (flow_checks.check_spread, (math.nan, 50), 'swings by nan'),
+        (flow_checks.check_spread, (0.0, 12), '12 rounds'),
+        (flow_checks.check_balance, (0.3,), '30 % of the force'),
+        (flow_checks.check_balance, (math.nan,), 'nan % of the force'),
+        (flow_checks.check_brakes, (-0.01,), 'pushes where it should brake'),
+        (flow_checks.check_brakes, (0.0,), 'pushes where it should brake'),
+        (flow_checks.check_brakes, (math.nan,), 'pushes where it should brake'),
+        (flow_checks.check_mean, (0.06, 12.0), r'uncertain by 6 % \(over 5 %\)'),
+        (flow_checks.check_mean, (math.nan, 12.0), 'uncertain by nan'),
+        (flow_checks.check_mean, (math.inf, 12.0), 'uncertain by inf'),  # shorter than one batch
+        (flow_checks.check_mean, (0.01, 9.9), r'Only 9\.9 lengths of flow are averaged, under 10'),
     ],
 )
 def test_gates_refuse_with_the_figure(gate, given, said):
@@ -323,9 +337,9 @@ def test_gates_refuse_with_the_figure(gate, given, said):
 
 
 def test_gates_let_pass_what_is_at_their_limits():
-    gates.check_bodies('mesh', {'bar': gates.FACES}, ['bar'])
-    gates.check_zones({'up_left': gates.ZONE}, {'up_left': 1.0})
-    gates.check_spread(gates.SPREAD, gates.WINDOW)
-    gates.check_balance(gates.BALANCE)
-    gates.check_brakes(1e-6)
-    gates.check_mean(gates.ERROR, gates.LENGTHS)
+    flow_checks.check_bodies('mesh', {'bar': flow_checks.FACES}, ['bar'])
+    flow_checks.check_zones({'up_left': flow_checks.ZONE}, {'up_left': 1.0})
+    flow_checks.check_spread(flow_checks.SPREAD, flow_checks.WINDOW)
+    flow_checks.check_balance(flow_checks.BALANCE)
+    flow_checks.check_brakes(1e-6)
+    flow_checks.check_mean(flow_checks.ERROR, flow_checks.LENGTHS)

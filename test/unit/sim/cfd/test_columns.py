@@ -1,18 +1,23 @@
 """Columns of B, by symmetry and by what superposes, from sweeps written by hand."""
 
-from lta_config.files import checked
+from lta_config.files import validate_content
 from lta_config.schema.aero_file import AeroFile
-from lta_sim.cfd.aero_text import aero_text, quantity
-from lta_sim.cfd.columns import column, coupling, linear, summed
-from lta_sim.cfd.model import model_of
-from lta_sim.cfd.solve import by_hand, sweep_of
-from lta_sim.cfd.sweep_table import Blow, Evidence
+from lta_sim.cfd.aero_text import format_aero_file, format_quantity
+from lta_sim.cfd.solve import build_sweep, estimate_drag
+from lta_sim.cfd.sweep_table import Blow, FlowEvidence
+from lta_sim.cfd.thrust_allocation import (
+    compute_coupling,
+    find_column,
+    linearity_ratio,
+    sum_columns,
+)
+from lta_sim.cfd.tunnel_model import load_tunnel_model
 import pytest
 import yaml
 
 AIR = (1.2, 1.5e-5)
 FULL = 0.1592
-SURE = Evidence(spread=0.0, window=50.0, cells=70000, seconds=50.0)
+SURE = FlowEvidence(spread=0.0, window=50.0, cells=70000, seconds=50.0)
 
 
 def blown(shares, force, moment):
@@ -26,46 +31,54 @@ def blown(shares, force, moment):
 
 
 def gtmab(**blows):
-    return sweep_of(model_of('gtmab'), 'gtmab', 'preview', AIR, {}, blows, {})
+    return build_sweep(load_tunnel_model('gtmab'), 'gtmab', 'preview', AIR, {}, blows, {})
 
 
 UP = blown({'up_left': 1.0}, (0, 0.013, 0.961), (0.188, 0, 0))
 
 
 def test_a_column_is_a_wrench_per_newton():
-    found = column(gtmab(up_left=UP), 'up_left')
+    found = find_column(gtmab(up_left=UP), 'up_left')
     assert found.wrench == pytest.approx([0, 0.013, 0.961, 0.188, 0, 0])
 
 
 def test_the_other_side_is_the_mirror_image():
-    found = column(gtmab(up_left=UP), 'up_right')
+    found = find_column(gtmab(up_left=UP), 'up_right')
     assert found.wrench == pytest.approx([0, -0.013, 0.961, -0.188, 0, 0])
     assert found.found == 'as up_left, by symmetry'
 
 
 def test_a_reversed_column_is_for_negative_thrust():
     back = blown({'up_left': -1.0}, (0, 0.23, -0.252), (-0.072, 0, 0))
-    found = column(gtmab(up_left_reversed=back), 'up_left', backward=True)
+    found = find_column(gtmab(up_left_reversed=back), 'up_left', backward=True)
     assert found.wrench == pytest.approx([0, -0.23, 0.252, 0.072, 0, 0])
 
 
 def test_a_quarter_turn_brings_a_lateral_rotor_to_the_next():
     front = blown({'front': 1.0}, (0.95, 0.25, -0.06), (0.09, -0.39, 0.05))
-    sweep = sweep_of(model_of('beavis'), 'beavis', 'preview', AIR, {}, {'front': front}, {})
+    sweep = build_sweep(
+        load_tunnel_model('beavis'), 'beavis', 'preview', AIR, {}, {'front': front}, {}
+    )
     # The rear one by half a turn; the left one across the diagonal, as it is turned the other way.
-    assert column(sweep, 'rear').wrench == pytest.approx([-0.95, -0.25, -0.06, -0.09, 0.39, 0.05])
-    assert column(sweep, 'left').wrench == pytest.approx([0.25, 0.95, -0.06, 0.39, -0.09, -0.05])
+    assert find_column(sweep, 'rear').wrench == pytest.approx(
+        [-0.95, -0.25, -0.06, -0.09, 0.39, 0.05]
+    )
+    assert find_column(sweep, 'left').wrench == pytest.approx(
+        [0.25, 0.95, -0.06, 0.39, -0.09, -0.05]
+    )
 
 
 def test_what_symmetry_cancels_is_nothing():
-    assert str(quantity([4e-17, -0.0, -0.86061], 'N/N', '')['value']) == '[0.0, 0.0, -0.8606]'
+    assert (
+        str(format_quantity([4e-17, -0.0, -0.86061], 'N/N', '')['value']) == '[0.0, 0.0, -0.8606]'
+    )
 
 
 def test_two_jets_apart_are_the_sum_of_both():
     both = blown({'up_left': 1.0, 'up_right': 1.0}, (0, 0, 1.911), (0, 0, 0))
     sweep = gtmab(up_left=UP, all=both)
-    assert summed(sweep, both.shares)[2] == pytest.approx(1.922 * FULL)
-    assert coupling(sweep) is None
+    assert sum_columns(sweep, both.shares)[2] == pytest.approx(1.922 * FULL)
+    assert compute_coupling(sweep) is None
 
 
 def test_jets_that_collide_are_a_coupling():
@@ -73,8 +86,8 @@ def test_jets_that_collide_are_a_coupling():
     names = ('front', 'left', 'rear', 'right')
     four = blown(dict.fromkeys(names, 1.0), (0, 0, 0.911), (0, 0, 0))
     blows = {'front': one, 'all': four}
-    sweep = sweep_of(model_of('beavis'), 'beavis', 'preview', AIR, {}, blows, {})
-    found = coupling(sweep)
+    sweep = build_sweep(load_tunnel_model('beavis'), 'beavis', 'preview', AIR, {}, blows, {})
+    found = compute_coupling(sweep)
     assert found.rotors == names
     assert found.wrench[2] == pytest.approx(0.911 + 4 * 0.039)
 
@@ -82,28 +95,30 @@ def test_jets_that_collide_are_a_coupling():
 def test_a_wrench_that_grows_as_thrust_is_linear():
     both = blown({'up_left': 1.0, 'up_right': 1.0}, (0, 0, 1.911), (0, 0, 0))
     part = blown({'up_left': 0.25, 'up_right': 0.25}, (0, 0, 0.25 * 1.9), (0, 0, 0))
-    assert linear(gtmab(both=both, both_quarter=part), 'both') == pytest.approx(1.9 / 1.911)
+    assert linearity_ratio(gtmab(both=both, both_quarter=part), 'both') == pytest.approx(
+        1.9 / 1.911
+    )
 
 
 def test_a_sweep_becomes_a_file_that_is_read_and_says_what_is_by_hand():
-    content = yaml.safe_load(aero_text(gtmab(up_left=UP)))
-    read = checked(AeroFile, content, 'the text')
+    content = yaml.safe_load(format_aero_file(gtmab(up_left=UP)))
+    read = validate_content(AeroFile, content, 'the text')
     assert read.aero.thrust_allocation['up_right'].force.vector[1] == pytest.approx(-0.013)
     assert 'by hand: surge, sway, heave' in read.aero.quadratic_drag.force.source
     assert 'yaw: by hand, no flow was solved' in read.evidence.warnings
 
 
 def test_what_is_by_hand_brakes():
-    for axis, points in by_hand(model_of('gtmab'), AIR).items():
+    for axis, points in estimate_drag(load_tunnel_model('gtmab'), AIR).items():
         wrench = [*points[0].force, *points[0].moment]
         assert min(wrench) < 0.0 == max(wrench), axis
 
 
 def test_what_symmetry_forbids_is_nought_and_no_noise_of_a_mesh():
     noisy = blown({'up_left': 1.0}, (1e-3, 0.013, 0.961), (0.188, 2e-3, -1e-3))
-    found = column(gtmab(up_left=noisy), 'up_left')
+    found = find_column(gtmab(up_left=noisy), 'up_left')
     assert found.wrench == pytest.approx([0, 0.013, 0.961, 0.188, 0, 0], abs=1e-15)
     # A forward rotor mirrors onto no place of its own: nothing of it must be nought.
     free = blown({'forward_left': 1.0}, (0.981, 0.011, -0.061), (-0.002, -0.403, -0.1))
-    found = column(gtmab(forward_left=free), 'forward_left')
+    found = find_column(gtmab(forward_left=free), 'forward_left')
     assert found.wrench == pytest.approx([0.981, 0.011, -0.061, -0.002, -0.403, -0.1])

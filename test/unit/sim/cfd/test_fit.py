@@ -5,11 +5,11 @@ import math
 from hypothesis import given
 from hypothesis import strategies as st
 from lta_config.errors import BadInput
-from lta_sim.cfd.analytic import damping, drag
-from lta_sim.cfd.fit import fit_drag
-from lta_sim.cfd.model import model_of
+from lta_sim.cfd.analytic import damping_moment, drag_force
+from lta_sim.cfd.drag_fit import fit_drag
 from lta_sim.cfd.reduce import standard_error
-from lta_sim.cfd.sphere import morrison, off
+from lta_sim.cfd.sphere import morrison_drag_coefficient, relative_deviation
+from lta_sim.cfd.tunnel_model import load_tunnel_model
 import numpy as np
 import pytest
 
@@ -68,20 +68,20 @@ def test_thrust_is_no_drag():
 
 def test_hoerner_edge_on_and_broadside():
     # By hand with C_f = 0.005 at 1 m/s: 0.31 on 0.500 m2, 0.77 on 0.785 m2; boxes 3 % and 2 %.
-    model = model_of('gtmab')
-    assert drag(model, 0, 1.0, AIR) / (0.6 * 0.5) == pytest.approx(0.31, rel=0.1)
-    assert drag(model, 2, 1.0, AIR) / (0.6 * 0.785) == pytest.approx(0.77, rel=0.06)
+    model = load_tunnel_model('gtmab')
+    assert drag_force(model, 0, 1.0, AIR) / (0.6 * 0.5) == pytest.approx(0.31, rel=0.1)
+    assert drag_force(model, 2, 1.0, AIR) / (0.6 * 0.785) == pytest.approx(0.77, rel=0.06)
 
 
 def test_the_estimate_by_hand_is_within_a_factor_of_two_of_solved_flows():
-    model = model_of('gtmab')
+    model = load_tunnel_model('gtmab')
     for axis, solved in ((0, 3.27e-3), (1, 3.17e-3), (2, 1.058e-3)):
-        assert 0.5 < damping(model, axis, 1.0, AIR) / solved < 2.0
+        assert 0.5 < damping_moment(model, axis, 1.0, AIR) / solved < 2.0
 
 
 def test_a_cigar_turns_most_easily_about_its_own_axis():
-    model = model_of('blimp2b')
-    roll, pitch, yaw = (damping(model, axis, 1.0, AIR) for axis in range(3))
+    model = load_tunnel_model('blimp2b')
+    roll, pitch, yaw = (damping_moment(model, axis, 1.0, AIR) for axis in range(3))
     assert pitch == pytest.approx(yaw, rel=1e-3)
     # 0.616 pi rho R^4 sqrt(nu) (1 + 0.67 h / d) = 9.9e-5 N m with R = 0.26 m, h / d = 2.1.
     assert roll == pytest.approx(9.9e-5, rel=0.02)
@@ -90,7 +90,7 @@ def test_a_cigar_turns_most_easily_about_its_own_axis():
 
 def test_a_turning_disc_is_karmans():
     # 0.616 pi rho R^4 sqrt(nu w^3) = 5.6e-4 N m at 0.5 m, 1 rad/s; a sphere has 9.4e-4.
-    yaw = damping(model_of('gtmab'), 2, 1.0, AIR)
+    yaw = damping_moment(load_tunnel_model('gtmab'), 2, 1.0, AIR)
     assert 5.6e-4 < yaw < 9.4e-4
 
 
@@ -99,14 +99,14 @@ def test_a_turning_disc_is_karmans():
     [(1.33e4, 0.392), (3.33e4, 0.399), (6.67e4, 0.413), (1e5, 0.426), (1.33e5, 0.435)],
 )
 def test_morrison_is_morrison(reynolds, coefficient):
-    assert morrison(reynolds) == pytest.approx(coefficient, abs=6e-4)
+    assert morrison_drag_coefficient(reynolds) == pytest.approx(coefficient, abs=6e-4)
 
 
 def test_within_the_scatter_nothing_is_off():
-    assert off(0.47, 1e5) == 0.0
-    assert off(0.42, 6.67e4) == 0.0
-    assert off(0.55, 1e5) == pytest.approx(0.1)
-    assert off(0.30, 6.67e4) == pytest.approx(0.30 / 0.413 - 1.0, abs=1e-3)
+    assert relative_deviation(0.47, 1e5) == 0.0
+    assert relative_deviation(0.42, 6.67e4) == 0.0
+    assert relative_deviation(0.55, 1e5) == pytest.approx(0.1)
+    assert relative_deviation(0.30, 6.67e4) == pytest.approx(0.30 / 0.413 - 1.0, abs=1e-3)
 
 
 def test_a_standard_error_is_that_of_noise():

@@ -1,29 +1,29 @@
 """What an aero file says beside its coefficients, from points written by hand."""
 
-from lta_config.files import checked
+from lta_config.files import validate_content
 from lta_config.schema.aero_file import AeroFile
-from lta_sim.cfd.aero_text import aero_text
-from lta_sim.cfd.model import model_of
-from lta_sim.cfd.refit import (
-    beside_of,
-    fits_of,
+from lta_sim.cfd.aero_fit import (
+    collect_warnings,
+    describe_side_loads,
+    fit_axes,
     hull_share,
     mesh_share,
-    processor_time,
-    warnings_of,
+    sum_processor_time,
 )
-from lta_sim.cfd.solve import sweep_of
-from lta_sim.cfd.sweep_table import Evidence, Point
+from lta_sim.cfd.aero_text import format_aero_file
+from lta_sim.cfd.solve import build_sweep
+from lta_sim.cfd.sweep_table import FlowEvidence, SweepPoint
+from lta_sim.cfd.tunnel_model import load_tunnel_model
 import pytest
 import yaml
 
 AIR = (1.2, 1.5e-5)
-SURE = Evidence(spread=0.01, window=50.0, cells=90000, seconds=50.0)
+SURE = FlowEvidence(spread=0.01, window=50.0, cells=90000, seconds=50.0)
 SPEEDS = (0.5, 1.0, 2.0)
 
 
 def point(speed, force, moment=(0.0, 0.0, 0.0), parts=None):
-    return Point(
+    return SweepPoint(
         speed=speed,
         force=[each * speed**2 for each in force],
         moment=[each * speed**2 for each in moment],
@@ -35,34 +35,34 @@ def point(speed, force, moment=(0.0, 0.0, 0.0), parts=None):
 
 def surge(*, lift=0.0, turning=0.0, parts=None, coarse=None):
     points = [point(speed, (-0.1, 0.0, lift), (0.0, turning, 0.0), parts) for speed in SPEEDS]
-    model = model_of('gtmab')
-    return sweep_of(
+    model = load_tunnel_model('gtmab')
+    return build_sweep(
         model, 'gtmab', 'preview', AIR, {'surge': points}, {}, {},
         {'surge': coarse} if coarse else None,
     )  # fmt: skip
 
 
 def test_lift_and_its_moment_are_told_where_they_are_not_negligible():
-    told = beside_of(surge(lift=0.04, turning=0.005))
+    told = describe_side_loads(surge(lift=0.04, turning=0.005))
     assert told == {'surge': 'at 1 m/s force (-0.1, 0, 0.04) N, moment (0, 0.005, 0) N m'}
-    assert beside_of(surge(lift=0.004)) == {}  # 4 % of the drag
+    assert describe_side_loads(surge(lift=0.004)) == {}  # 4 % of the drag
 
 
 def test_a_coarser_mesh_tells_what_the_mesh_decides():
     sweep = surge(coarse=point(1.0, (-0.11, 0.0, 0.0)))
     assert mesh_share(sweep, 'surge') == pytest.approx(0.1)
     assert mesh_share(surge(), 'surge') is None
-    read = checked(AeroFile, yaml.safe_load(aero_text(sweep)), 'the text')
+    read = validate_content(AeroFile, yaml.safe_load(format_aero_file(sweep)), 'the text')
     assert read.evidence.axes['surge'].mesh == pytest.approx(0.1)
     assert read.evidence.axes['yaw'].mesh is None
 
 
 def test_what_a_fidelity_cannot_do_is_a_warning():
     sweep = surge()
-    assert 'up to 30 % low at 2 m/s' in warnings_of(sweep)[-1]
-    assert 'above 1 m/s is extrapolated' in warnings_of(reference(0.3, 0.32))[-1]
+    assert 'up to 30 % low at 2 m/s' in collect_warnings(sweep)[-1]
+    assert 'above 1 m/s is extrapolated' in collect_warnings(reference(0.3, 0.32))[-1]
     still = sweep.model_copy(update={'fidelity': 'reference', 'axes': {}})
-    assert not any('extrapolated' in each for each in warnings_of(still))
+    assert not any('extrapolated' in each for each in collect_warnings(still))
 
 
 def reference(fast, slow):
@@ -72,19 +72,21 @@ def reference(fast, slow):
 
 
 def test_a_slow_steady_flow_that_does_not_join_the_transient_is_left_out():
-    joined = fits_of(reference(0.3, 0.35))['surge']  # a + b = 0.3, 5 a + b = 0.35
+    joined = fit_axes(reference(0.3, 0.35))['surge']  # a + b = 0.3, 5 a + b = 0.35
     assert (joined.linear, joined.quadratic) == pytest.approx((0.0125, 0.2875))
     low = reference(0.3, 0.24)
-    fit = fits_of(low)['surge']
+    fit = fit_axes(low)['surge']
     assert (fit.linear, fit.quadratic) == pytest.approx((0.0, 0.3))
     said = 'surge: the steady flow at 0.2 m/s has -20 % of drag beside the transient one'
-    assert said in warnings_of(low)[-1]
-    read = checked(AeroFile, yaml.safe_load(aero_text(low)), 'the text')
+    assert said in collect_warnings(low)[-1]
+    read = validate_content(AeroFile, yaml.safe_load(format_aero_file(low)), 'the text')
     assert read.evidence.axes['surge'].points == 1
 
 
 def test_what_all_flows_took_is_told():
-    assert processor_time(surge(coarse=point(1.0, (-0.11, 0.0, 0.0)))) == pytest.approx(4 * 50.0)
+    assert sum_processor_time(surge(coarse=point(1.0, (-0.11, 0.0, 0.0)))) == pytest.approx(
+        4 * 50.0
+    )
 
 
 def test_what_hangs_below_the_hull_has_its_share():
@@ -94,8 +96,8 @@ def test_what_hangs_below_the_hull_has_its_share():
 
 
 def test_a_drag_far_from_the_estimate_by_hand_is_a_warning():
-    model = model_of('gtmab')
+    model = load_tunnel_model('gtmab')
     low = [point(speed, (-0.03, 0.0, 0.0)) for speed in SPEEDS]
-    sweep = sweep_of(model, 'gtmab', 'preview', AIR, {'surge': low}, {}, {})
-    assert any('times what is known by hand' in each for each in warnings_of(sweep))
-    assert not any('times what is known by hand' in each for each in warnings_of(surge()))
+    sweep = build_sweep(model, 'gtmab', 'preview', AIR, {'surge': low}, {}, {})
+    assert any('times what is known by hand' in each for each in collect_warnings(sweep))
+    assert not any('times what is known by hand' in each for each in collect_warnings(surge()))

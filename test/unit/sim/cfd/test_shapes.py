@@ -1,69 +1,69 @@
 """Surfaces of hulls against closed forms; what users draw against what could be wrong with it."""
 
 from lta_config.errors import BadInput
-from lta_config.files import find
+from lta_config.files import find_file
 from lta_config.schema.mount_file import load_mount
 from lta_model.vehicle import load_vehicle
-from lta_sim.cfd.analytic import drag
-from lta_sim.cfd.crossing import crossing
-from lta_sim.cfd.model import box, model_of, winding
-from lta_sim.cfd.shape import ellipse, envelope, mylar, revolved
+from lta_sim.cfd.analytic import drag_force
+from lta_sim.cfd.self_intersection import find_crossing
+from lta_sim.cfd.shape import build_envelope, ellipse_profile, mylar_profile, revolve_profile
 from lta_sim.cfd.stl import read_stl
+from lta_sim.cfd.tunnel_model import build_box, load_tunnel_model, winding_number
 import numpy as np
 import pytest
 import trimesh
 
 AIR = (1.2, 1.5e-5)
-BALLOON = revolved(mylar(), 0.5, 2 * 0.59907 * 0.5)
+BALLOON = revolve_profile(mylar_profile(), 0.5, 2 * 0.59907 * 0.5)
 
 
 def test_a_mylar_balloon_is_paulsens():
     # Paulsen 1994: height 0.599 R, volume 2.7458 R^3, area pi^2 R^2 (2.467 m2 at 0.5 m).
-    assert mylar()[0, 1] == pytest.approx(0.59907, rel=1e-4)
+    assert mylar_profile()[0, 1] == pytest.approx(0.59907, rel=1e-4)
     assert BALLOON.volume == pytest.approx(2.7458 * 0.125, rel=2e-3)
     assert BALLOON.area == pytest.approx(np.pi**2 * 0.25, rel=2e-3)
     assert BALLOON.is_watertight
 
 
 def test_a_surface_of_revolution_does_not_cross_itself():
-    assert crossing(revolved(mylar(13), 0.5, 0.6).triangles) is None
+    assert find_crossing(revolve_profile(mylar_profile(13), 0.5, 0.6).triangles) is None
 
 
 def test_a_flatter_balloon_holds_as_much_less():
-    half = revolved(mylar(), 0.5, 0.59907 * 0.5)
+    half = revolve_profile(mylar_profile(), 0.5, 0.59907 * 0.5)
     assert half.volume == pytest.approx(0.5 * BALLOON.volume)
 
 
 def test_a_sphere_is_round():
-    ball = revolved(ellipse(), 0.5, 1.0)
+    ball = revolve_profile(ellipse_profile(), 0.5, 1.0)
     assert ball.volume == pytest.approx(np.pi / 6, rel=2e-3)
     assert ball.area == pytest.approx(np.pi, rel=2e-3)
 
 
 def test_a_spheroid_lies_along_its_axis():
     hull = load_vehicle('blimp2b').file.hull
-    assert envelope(hull).extents == pytest.approx([1.092, 0.52, 0.52], rel=1e-3)
+    assert build_envelope(hull).extents == pytest.approx([1.092, 0.52, 0.52], rel=1e-3)
 
 
 def test_no_hull_is_refused():
     with pytest.raises(BadInput, match='no hull'):
-        envelope(load_vehicle('multirotor').file.hull)
+        build_envelope(load_vehicle('multirotor').file.hull)
 
 
 def test_the_shipped_gtmab_is_what_was_meshed():
-    model = model_of('gtmab')
-    assert model.frontal(0) == pytest.approx(0.500, rel=1e-2)
-    assert model.frontal(2) == pytest.approx(0.785, rel=1e-2)
-    assert model.mirrored(0)
-    assert model.mirrored(1)
-    assert not model.mirrored(2)
-    assert len(model.symmetries()) == 4  # the frame lies across, so no quarter turns
-    assert len(model_of('beavis').symmetries()) == 8
+    model = load_tunnel_model('gtmab')
+    assert model.frontal_area(0) == pytest.approx(0.500, rel=1e-2)
+    assert model.frontal_area(2) == pytest.approx(0.785, rel=1e-2)
+    assert model.is_mirror_symmetric(0)
+    assert model.is_mirror_symmetric(1)
+    assert not model.is_mirror_symmetric(2)
+    assert len(model.find_symmetries()) == 4  # the frame lies across, so no quarter turns
+    assert len(load_tunnel_model('beavis').find_symmetries()) == 8
 
 
 def test_winding_tells_inside_from_outside():
     points = np.array([[0.0, 0.0, 0.0], [0.49, 0.0, 0.0], [0.51, 0.0, 0.0], [0.0, 0.0, 2.0]])
-    assert winding(BALLOON.triangles, points) == pytest.approx([1, 1, 0, 0], abs=1e-6)
+    assert winding_number(BALLOON.triangles, points) == pytest.approx([1, 1, 0, 0], abs=1e-6)
 
 
 def kept(mesh, folder):
@@ -73,7 +73,7 @@ def kept(mesh, folder):
 
 
 def test_a_drawn_part_comes_in_metres(tmp_path):
-    big = box((0, 0, 0), (100, 50, 20))
+    big = build_box((0, 0, 0), (100, 50, 20))
     read = read_stl(kept(big, tmp_path), 'mm')
     assert read.extents == pytest.approx([0.1, 0.05, 0.02])
     assert read.volume == pytest.approx(1e-4)
@@ -81,11 +81,11 @@ def test_a_drawn_part_comes_in_metres(tmp_path):
 
 def test_millimetres_for_metres_are_named(tmp_path):
     with pytest.raises(BadInput, match=r'100 m long read as m.*say "unit: mm"'):
-        read_stl(kept(box((0, 0, 0), (100, 50, 20)), tmp_path), 'm')
+        read_stl(kept(build_box((0, 0, 0), (100, 50, 20)), tmp_path), 'm')
 
 
 def test_an_open_surface_is_refused_with_its_edges(tmp_path):
-    mesh = box((0, 0, 0), (0.1, 0.1, 0.1))
+    mesh = build_box((0, 0, 0), (0.1, 0.1, 0.1))
     mesh.update_faces(np.arange(len(mesh.faces)) > 0)
     with pytest.raises(BadInput, match='3 edges do not join'):
         read_stl(kept(mesh, tmp_path), 'm')
@@ -93,7 +93,7 @@ def test_an_open_surface_is_refused_with_its_edges(tmp_path):
 
 def test_a_surface_through_itself_is_refused_with_its_place(tmp_path):
     both = trimesh.util.concatenate(
-        [box((0, 0, 0), (0.2, 0.2, 0.2)), box((0.13, 0.02, 0.03), (0.1, 0.1, 0.1))]
+        [build_box((0, 0, 0), (0.2, 0.2, 0.2)), build_box((0.13, 0.02, 0.03), (0.1, 0.1, 0.1))]
     )
     with pytest.raises(BadInput, match='crosses itself near'):
         read_stl(kept(both, tmp_path), 'm')
@@ -101,9 +101,9 @@ def test_a_surface_through_itself_is_refused_with_its_place(tmp_path):
 
 def test_parts_apart_do_not_cross():
     both = trimesh.util.concatenate(
-        [box((0, 0, 0), (0.2, 0.2, 0.2)), box((0.3, 0.02, 0.03), (0.1, 0.1, 0.1))]
+        [build_box((0, 0, 0), (0.2, 0.2, 0.2)), build_box((0.3, 0.02, 0.03), (0.1, 0.1, 0.1))]
     )
-    assert crossing(both.triangles) is None
+    assert find_crossing(both.triangles) is None
 
 
 def test_rubbish_is_no_stl(tmp_path):
@@ -137,34 +137,34 @@ def test_a_rotor_in_a_body_is_refused(tmp_path):
         'size: {value: [10, 10, 10], unit: cm, source: test}}}'
     )
     with pytest.raises(BadInput, match=r'rotor up_left .* is inside block'):
-        model_of(tunnel(tmp_path, more))
+        load_tunnel_model(tunnel(tmp_path, more))
 
 
 def test_a_vehicle_file_is_told_from_a_tunnel_file(tmp_path):
     path = tmp_path / 'mine.yaml'
-    path.write_text(find('vehicle', 'gtmab').read_text('utf-8'))
+    path.write_text(find_file('vehicle', 'gtmab').read_text('utf-8'))
     with pytest.raises(BadInput, match='is a vehicle file, not a tunnel file; copy one of'):
-        model_of(str(path))
+        load_tunnel_model(str(path))
 
 
 def test_a_pattern_of_strangers_is_refused(tmp_path):
     with pytest.raises(BadInput, match='names tail; rotors of gtmab: up_left'):
-        model_of(tunnel(tmp_path, 'patterns: {all: {tail: 1}}'))
+        load_tunnel_model(tunnel(tmp_path, 'patterns: {all: {tail: 1}}'))
 
 
 def test_a_body_is_a_box_or_a_file(tmp_path):
     with pytest.raises(BadInput, match='either position and size of a box, or stl'):
-        model_of(tunnel(tmp_path, 'bodies: {block: {stl: a.stl}}'))
+        load_tunnel_model(tunnel(tmp_path, 'bodies: {block: {stl: a.stl}}'))
 
 
 @pytest.mark.parametrize(('mount', 'parts'), [('side', 2), ('bottom', 4), ('top', 2)])
 def test_solar_panels_stand_in_the_tunnel_where_a_mount_file_has_them(mount, parts):
-    bare, model = model_of('gtmab'), model_of('gtmab', load_mount(mount))
+    bare, model = load_tunnel_model('gtmab'), load_tunnel_model('gtmab', load_mount(mount))
     added = model.bodies.keys() - bare.bodies.keys()
     assert len(added) == parts
-    assert model.mirrored(1)
+    assert model.is_mirror_symmetric(1)
     assert (model.name, model.fingerprint != bare.fingerprint) == (f'gtmab_{mount}', True)
     for axis in range(3):  # by hand panels and arms brake as plates
         shadow = sum(float(np.prod(np.delete(model.bodies[p].extents, axis))) for p in added)
-        more = drag(model, axis, 1.0, AIR) - drag(bare, axis, 1.0, AIR)
+        more = drag_force(model, axis, 1.0, AIR) - drag_force(bare, axis, 1.0, AIR)
         assert more == pytest.approx(0.6 * 1.17 * shadow)

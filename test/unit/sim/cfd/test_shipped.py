@@ -3,17 +3,17 @@
 from decimal import Decimal
 import re
 
-from lta_config.files import share
+from lta_config.files import share_folder
 from lta_config.schema.aero_file import load_aero_file
 from lta_model.vehicle import load_vehicle
-from lta_sim.cfd.aero_text import aero_text
-from lta_sim.cfd.gates import BALANCE, ERROR, LENGTHS, SPREAD, WINDOW, ZONE
-from lta_sim.cfd.model import model_of
-from lta_sim.cfd.plan import MIDDLE
+from lta_sim.cfd.aero_text import format_aero_file
+from lta_sim.cfd.flow_checks import BALANCE, ERROR, LENGTHS, SPREAD, WINDOW, ZONE
+from lta_sim.cfd.flow_plan import MIDDLE
 from lta_sim.cfd.sweep_table import read_sweep
+from lta_sim.cfd.tunnel_model import load_tunnel_model
 import pytest
 
-FOLDER = share() / 'aero'
+FOLDER = share_folder() / 'aero'
 NAMES = sorted(path.name.removesuffix('.sweep.json') for path in FOLDER.glob('*.sweep.json'))
 NUMBER = re.compile(r'-?\d+(?:\.\d+)?(?:e-?\d+)?')
 WINDS = {'surge', 'sway', 'heave'}
@@ -31,7 +31,7 @@ def test_five_vehicles_stood_in_the_tunnel():
 
 @each_sweep
 def test_the_aero_file_is_the_fit_of_its_sweep(name):
-    shipped, fitted = (FOLDER / f'{name}.aero.yaml').read_text(), aero_text(sweep_of(name))
+    shipped, fitted = (FOLDER / f'{name}.aero.yaml').read_text(), format_aero_file(sweep_of(name))
     assert NUMBER.split(shipped) == NUMBER.split(fitted)
     for ours, theirs in zip(
         map(Decimal, NUMBER.findall(shipped)), NUMBER.findall(fitted), strict=True
@@ -43,7 +43,7 @@ def test_the_aero_file_is_the_fit_of_its_sweep(name):
 @each_sweep
 def test_the_sweep_is_of_the_shape_that_is_shipped(name):
     sweep = sweep_of(name)
-    assert sweep.geometry == model_of(sweep.vehicle).fingerprint
+    assert sweep.geometry == load_tunnel_model(sweep.vehicle).fingerprint
 
 
 @each_sweep

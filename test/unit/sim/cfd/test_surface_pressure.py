@@ -4,8 +4,8 @@ import math
 
 from lta_model.hull import half_axes
 from lta_model.vehicle import load_vehicle
-from lta_sim.cfd.potential import added_share, extremes, pressure_coefficient
-from lta_sim.cfd.surface import pressed, read_surface
+from lta_sim.cfd.potential import added_mass_share, pressure_coefficient, pressure_extremes
+from lta_sim.cfd.surface import read_surface_pressure, reduce_pressure
 import numpy as np
 import pytest
 import trimesh
@@ -44,28 +44,28 @@ def test_a_spheroid_has_the_pressure_that_point_sources_find(along):
     ball = trimesh.creation.icosphere(subdivisions=3).vertices
     places, normals = half * ball, ball / half
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    exact = pressure_coefficient(normals, along, added_share(HULL, along))
+    exact = pressure_coefficient(normals, along, added_mass_share(HULL, along))
     assert by_sources(2.0 * places, normals, along) == pytest.approx(exact, abs=0.005)
 
 
 def test_pressure_alone_does_not_brake_a_spheroid():
     mesh = spheroid(0.6)
-    pressure = pressure_coefficient(mesh.face_normals, 0, added_share(HULL, 0))
+    pressure = pressure_coefficient(mesh.face_normals, 0, added_mass_share(HULL, 0))
     force = (pressure * mesh.area_faces) @ mesh.face_normals
     assert np.abs(force).max() < 1e-12 + 1e-3 * mesh.area
 
 
 def test_the_nose_of_a_hull_feels_the_dynamic_pressure_and_its_sides_suction():
-    low, high = extremes(HULL, 0, 2.0, 1.2)
+    low, high = pressure_extremes(HULL, 0, 2.0, 1.2)
     assert high == pytest.approx(2.4)
-    assert low == pytest.approx(2.4 * (1.0 - (1.0 + added_share(HULL, 0)) ** 2))
+    assert low == pytest.approx(2.4 * (1.0 - (1.0 + added_mass_share(HULL, 0)) ** 2))
     assert low < 0.0
 
 
 def test_what_is_kept_is_the_extremes_and_what_is_seen_from_below():
     mesh = spheroid(0.6)
     places = mesh.triangles_center
-    kept = pressed(places, places[:, 1] * 10.0)
+    kept = reduce_pressure(places, places[:, 1] * 10.0)
     top = float(places[:, 1].max())
     assert (kept.least, kept.most) == (
         pytest.approx(-10 * top, rel=1e-2),
@@ -85,7 +85,7 @@ def test_the_newest_pressure_is_read_in_pascals(tmp_path):
         rows = [(0, 0, -1, first), (1, 0, -1, 3), (0, 1, -1, 0), (-1, 0, -1, 0), (0, -1, 0, 0)]
         lines = '\n'.join(' '.join(map(str, row)) for row in rows)
         (place / 'p_hull.raw').write_text(f'# p  FACE_DATA 5\n# x  y  z  p\n{lines}\n')
-    found = read_surface(tmp_path, 'hull', 1.2)
+    found = read_surface_pressure(tmp_path, 'hull', 1.2)
     assert (found.least, found.most) == (-2.4, 3.6)
     assert found.most_at == [1.0, 0.0, -1.0]
     assert math.isclose(found.side, 2.0)

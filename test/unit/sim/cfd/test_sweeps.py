@@ -1,20 +1,20 @@
 """Whole sweeps with programs that stand in for OpenFOAM: what fails is named, the rest is kept."""
 
-from lta_sim.cfd.crew import Threads
-from lta_sim.cfd.model import model_of
-from lta_sim.cfd.plan import flows
-from lta_sim.cfd.solve import solve, sweep_of
+from lta_sim.cfd.flow_plan import plan_flows
+from lta_sim.cfd.flow_solvers import ThreadedFlowSolver
+from lta_sim.cfd.solve import build_sweep, solve_sweep
+from lta_sim.cfd.tunnel_model import load_tunnel_model
 import pytest
 
 AIR = (1.2, 1.5e-5)
-GTMAB = model_of('gtmab')
+GTMAB = load_tunnel_model('gtmab')
 
 
 def swept(folder, *only):
     said = []
-    crew = Threads(folder, 2, lambda *_: None)
-    found = solve(crew, GTMAB, flows(GTMAB, 'preview', AIR, only), AIR, said.append)
-    return sweep_of(GTMAB, 'gtmab', 'preview', AIR, *found), said
+    crew = ThreadedFlowSolver(folder, 2, lambda *_: None)
+    found = solve_sweep(crew, GTMAB, plan_flows(GTMAB, 'preview', AIR, only), AIR, said.append)
+    return build_sweep(GTMAB, 'gtmab', 'preview', AIR, *found), said
 
 
 def calls(folder, name):

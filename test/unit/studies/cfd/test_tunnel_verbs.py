@@ -5,15 +5,15 @@ import math
 import shutil
 import sys
 
-from lta_config.files import share
-from lta_sim.cfd.model import model_of
-from lta_sim.cfd.plan import flows
-from lta_sim.cfd.sweep_table import read_sweep, without_maps
-from lta_sim.cfd.validation import Judged
-from lta_studies.cfd.pictures import sphere_picture
+from lta_config.files import share_folder
+from lta_sim.cfd.flow_plan import plan_flows
+from lta_sim.cfd.sweep_table import drop_maps, read_sweep
+from lta_sim.cfd.tunnel_model import load_tunnel_model
+from lta_sim.cfd.validation import SphereComparison
+from lta_studies.cfd.pictures import draw_sphere_drag
 from lta_studies.cfd.progress import TunnelProgress
-from lta_studies.cfd.tables import coefficients, patterns
-from lta_studies.energy.tables import show
+from lta_studies.cfd.tables import build_drag_table, build_rotor_table
+from lta_studies.energy.tables import print_table
 import pytest
 from rich.console import Console
 
@@ -35,7 +35,7 @@ def test_a_run_leaves_a_page_a_sweep_and_an_aero_file(run, tmp_path):
     ]  # fmt: skip
     sweep = read_sweep(tmp_path / 'done/gtmab.sweep.json')
     mapped = read_sweep(tmp_path / 'done/gtmab.blown.json')
-    assert sweep == without_maps(mapped) != mapped
+    assert sweep == drop_maps(mapped) != mapped
     assert (list(sweep.axes), list(sweep.blows)) == (['heave'], ['up_left'])
 
 
@@ -49,12 +49,12 @@ def test_what_dies_is_said_and_the_rest_is_kept(run, monkeypatch, tmp_path):
 
 @pytest.mark.parametrize('name', ['beavis', 'blimp2b', 'gtmab', 'sblimp', 'skye'])
 def test_no_number_is_cut_on_a_terminal_of_80_columns(name):
-    sweep = read_sweep(share() / 'aero' / f'{name}.sweep.json')
+    sweep = read_sweep(share_folder() / 'aero' / f'{name}.sweep.json')
     console = Console(width=80, record=True)
-    for table in (coefficients(sweep), patterns(sweep)):
-        show(table, console)
+    for table in (build_drag_table(sweep), build_rotor_table(sweep)):
+        print_table(table, console)
     said = [line.split() for line in console.export_text().splitlines()]
-    for table in (coefficients(sweep), patterns(sweep)):
+    for table in (build_drag_table(sweep), build_rotor_table(sweep)):
         assert all(' '.join(row).split() in said for row in table.rows)
 
 
@@ -145,21 +145,21 @@ def test_a_worker_without_openfoam_is_one_sentence(cluster, run, monkeypatch, tm
 
 def test_every_setting_of_the_sphere_is_drawn():
     names = [f'transient, {cells} cells' for cells in range(5)]
-    drawn = sphere_picture([
-        Judged(name, 1, 1.0, 6.7e4, 0.48, 0.02, 0.41, 0.0, 1.0) for name in names
+    drawn = draw_sphere_drag([
+        SphereComparison(name, 1, 1.0, 6.7e4, 0.48, 0.02, 0.41, 0.0, 1.0) for name in names
     ])  # fmt: skip
     assert [trace.name for trace in drawn.data][2:] == names
 
 
 def test_the_bar_tells_who_runs_how_settled_and_how_far():
-    model = model_of('gtmab')
-    (flow,) = (each for each in flows(model, 'preview', (1.2, 1.5e-5), ('yaw',)))
+    model = load_tunnel_model('gtmab')
+    (flow,) = (each for each in plan_flows(model, 'preview', (1.2, 1.5e-5), ('yaw',)))
     bar = TunnelProgress(Console(), [flow])
     first, *_ = flow.case.steps
-    bar.tell(flow.case, first, 0.5, 3e-4)
+    bar.update(flow.case, first, 0.5, 3e-4)
     (task,) = bar._bar.tasks
     assert task.description == 'yaw 28 % 3e-04'
     # Half of the first 200 of 360 rounds; the mesh before is 120 more, of as many cells.
     assert task.percentage == pytest.approx(100 * 100 / (360 + 120))
-    bar.tell(flow.case, flow.case.steps[-1], 1.0, math.nan)
+    bar.update(flow.case, flow.case.steps[-1], 1.0, math.nan)
     assert task.description == ''

@@ -2,13 +2,13 @@
 
 import json
 
-from lta_cli.app import status
+from lta_cli.app import run_command_line
 import pytest
 
 
 def run(monkeypatch, *words):
     monkeypatch.setattr('sys.argv', ['lta', 'energy', 'breakeven', *words])
-    return status()
+    return run_command_line()
 
 
 def test_the_map_is_told(tmp_path, monkeypatch, capsys):

@@ -5,15 +5,15 @@ from io import StringIO
 import json
 import math
 
-from lta_cli.app import status
+from lta_cli.app import run_command_line
 from lta_config.constants import STANDARD_GRAVITY
-from lta_model.electrical.loads import demand
+from lta_model.electrical.loads import power_demand
 from lta_model.vehicle import load_vehicle
 from lta_studies.energy import paper
 from lta_studies.energy.budget import run, tasks
-from lta_studies.energy.budget.page import page, table
-from lta_studies.energy.budget.why import causes
-from lta_studies.energy.flown import Flown
+from lta_studies.energy.budget.page import build_task_table, render_page
+from lta_studies.energy.budget.power_causes import explain_hover_power
+from lta_studies.energy.course_flight import FlightTrack
 import numpy as np
 import pytest
 
@@ -30,9 +30,9 @@ def found(tmp_path_factory, plain_laws):
         for name, value in SHORT.items():
             patch.setattr(tasks, name, value)
         patch.setattr(run, 'STRATEGIES', ('bag',))
-        patch.setattr(tasks, 'over', lambda loop: loop.world.elapsed > 8.0)
+        patch.setattr(tasks, 'is_flight_over', lambda loop: loop.world.elapsed > 8.0)
         patch.setattr('sys.argv', words)
-        assert status() == 0
+        assert run_command_line() == 0
     numbers = json.loads((folder / 'budget.json').read_text())
     return {**numbers, 'page': (folder / 'report.html').read_text(), 'told': told.getvalue()}
 
@@ -41,13 +41,13 @@ def made(height, rotors):
     """Return a flight of one step a second."""
     count = len(height)
     rest = [np.zeros(count)] * 4
-    return Flown(
+    return FlightTrack(
         np.arange(float(count)), np.array(height), rest[0], rest[1], np.array(rotors), *rest[2:]
     )
 
 
 def test_standing_is_what_the_paper_prints():
-    idle, transmitting = tasks.standing(GTMAB.loads)
+    idle, transmitting = tasks.list_ground_tasks(GTMAB.loads)
     assert idle.power == paper.IDLE
     assert transmitting.power == pytest.approx(paper.TRANSMITTING)
 
@@ -56,7 +56,9 @@ def test_tasks_are_told_apart_by_when_they_are_flown():
     # At 5 s the rotors start; at 8 s it is within 5 cm of half a metre over the floor.
     height = [0.4] * 7 + [0.6, 0.86] + [0.9] * 91
     rotors = [0.0] * 5 + [3.0, 2.0, 1.0] + [0.5] * 52 + [0.9] * 40
-    found = {each.name: each for each in tasks.flying(GTMAB.loads, [made(height, rotors)])}
+    found = {
+        each.name: each for each in tasks.average_flight_tasks(GTMAB.loads, [made(height, rotors)])
+    }
     assert found['take-off'].rotors == pytest.approx(2.0)
     assert found['take-off'].seconds == 2.0
     assert found['hovering'].rotors == pytest.approx(0.5)
@@ -66,16 +68,16 @@ def test_tasks_are_told_apart_by_when_they_are_flown():
 
 def test_means_over_seeds_come_with_how_far_one_is_off():
     flights = [made([1.0] * 100, [power] * 100) for power in (0.4, 0.5, 0.9)]
-    hover = tasks.flying(GTMAB.loads, flights)[1]
+    hover = tasks.average_flight_tasks(GTMAB.loads, flights)[1]
     assert hover.rotors == pytest.approx(0.6)
     assert hover.off == pytest.approx(0.3)
 
 
 def test_each_cause_alone_makes_the_papers_hover():
     loads, hover = GTMAB.loads, 0.7264
-    found = causes(GTMAB, hover, paper.HOVER)
+    found = explain_hover_power(GTMAB, hover, paper.HOVER)
     weight = 2e-3 * STANDARD_GRAVITY
-    ideal = demand(loads, [weight / (2 * 0.961)] * 2, transmitting=True)
+    ideal = power_demand(loads, [weight / (2 * 0.961)] * 2, transmitting=True)
     assert found.least == pytest.approx(ideal, rel=1e-9)
     assert found.least == pytest.approx(0.120 + 2 * 0.027 + 23.96 * weight / 0.961, rel=1e-12)
     heavier = (found.heaviness - 2e-3) * STANDARD_GRAVITY
@@ -86,7 +88,7 @@ def test_each_cause_alone_makes_the_papers_hover():
 
 
 def test_what_has_no_rotor_ahead_cannot_be_explained_by_a_draught():
-    assert math.isnan(causes(load_vehicle('multirotor'), 7.4, 8.0).wind)
+    assert math.isnan(explain_hover_power(load_vehicle('multirotor'), 7.4, 8.0).wind)
 
 
 def test_flown_tasks_are_those_of_the_forces_that_they_take(found):
@@ -121,17 +123,18 @@ def test_the_table_stands_beside_the_paper():
     named = {
         each.name: each
         for each in (
-            *tasks.standing(GTMAB.loads), tasks.Task('hovering', 0.120, 0.6),
-            tasks.Task('flying at 0.5 m/s', 0.120, 1.2), tasks.Task('navigating, DGA', 0.331, 1.2),
+            *tasks.list_ground_tasks(GTMAB.loads), tasks.TaskPower('hovering', 0.120, 0.6),
+            tasks.TaskPower('flying at 0.5 m/s', 0.120, 1.2),
+            tasks.TaskPower('navigating, DGA', 0.331, 1.2),
         )
     }  # fmt: skip
-    made_up = run.Budget(
-        'gtmab', 'multirotor', named, tasks.Task('hovering', 0.983, 6.4),
-        causes(GTMAB, 0.72, paper.HOVER), GTMAB.loads,
+    made_up = run.PowerBudget(
+        'gtmab', 'multirotor', named, tasks.TaskPower('hovering', 0.983, 6.4),
+        explain_hover_power(GTMAB, 0.72, paper.HOVER), GTMAB.loads,
     )  # fmt: skip
-    rows = {row[0]: row[1:] for row in table(made_up).rows}
+    rows = {row[0]: row[1:] for row in build_task_table(made_up).rows}
     assert rows['idle'][-2:] == ['97', '1.00']
     assert rows['hovering'][-2:] == ['1333', '0.54']
     assert rows['navigating, DGA'][-2:] == ['1523\N{EN DASH}1544', '1.00']
     assert rows['multirotor, hovering'][-2] == '3999'
-    assert '10 % of a multirotor' in page(made_up, {})
+    assert '10 % of a multirotor' in render_page(made_up, {})

@@ -4,28 +4,28 @@ from contextlib import redirect_stdout
 from io import StringIO
 import json
 
-from lta_cli.app import status
-from lta_flight.ingredients import parts_of
-from lta_model.electrical.battery import Battery, stored_energy
+from lta_cli.app import run_command_line
+from lta_flight.flight_spec import build_parts
+from lta_model.electrical.battery import BatteryModel, stored_energy
 from lta_studies.energy import paper
-from lta_studies.energy.hover.run import ingredients, on_paper
-from lta_studies.energy.hover.steady import discharged
+from lta_studies.energy.hover.discharge import simulate_discharge
+from lta_studies.energy.hover.run import build_hover_spec, simulate_paper_hover
 import numpy as np
 import pytest
 
-CELL = parts_of(ingredients('gtmab'))[0].battery
-IDEAL = Battery(capacity=900.0, resistance=0.0)
+CELL = build_parts(build_hover_spec('gtmab'))[0].battery
+IDEAL = BatteryModel(capacity=900.0, resistance=0.0)
 
 
 def test_a_cell_without_resistance_gives_exactly_what_it_holds():
-    found = discharged(IDEAL, 1.0, 2.0, 600.0)
+    found = simulate_discharge(IDEAL, 1.0, 2.0, 600.0)
     gone = stored_energy(1.0, 900.0) - stored_energy(float(found.charge[-1]), 900.0)
     assert gone == pytest.approx(2.0 * 600.0, rel=1e-5)
     assert found.failed is None
 
 
 def test_a_real_cell_loses_the_heat_of_its_resistances_on_top():
-    found = discharged(CELL, 1.0, 4.0, 400.0)
+    found = simulate_discharge(CELL, 1.0, 4.0, 400.0)
     capacity = CELL.capacity
     gone = stored_energy(1.0, capacity) - stored_energy(float(found.charge[-1]), capacity)
     current = 4.0 / found.voltage
@@ -34,19 +34,19 @@ def test_a_real_cell_loses_the_heat_of_its_resistances_on_top():
 
 
 def test_it_fails_at_the_cells_own_cut_off():
-    found = discharged(CELL, 0.3, 7.4, 600.0)
+    found = simulate_discharge(CELL, 0.3, 7.4, 600.0)
     assert found.failed is not None
     assert found.time[-1] < found.failed
     assert found.voltage[-1] == pytest.approx(CELL.discharge_cutoff, abs=0.02)
 
 
 def test_the_papers_hover_takes_18_percent_of_the_cell():
-    traces = on_paper(CELL, paper.HOVER_TIME)
+    traces = simulate_paper_hover(CELL, paper.HOVER_TIME)
     (drone, standard) = traces.values()
     assert list(traces) == ['paper, 1333 mW', 'paper, 3999 mW']
     # 600 J of the 3330 J that the cell holds nominally.
     assert 1.0 - drone.charge[-1] == pytest.approx(0.18, abs=0.03)
-    assert standard.drop > 2.5 * drone.drop
+    assert standard.voltage_drop > 2.5 * drone.voltage_drop
 
 
 @pytest.fixture(scope='module')
@@ -56,7 +56,7 @@ def found(tmp_path_factory):
     words = ['lta', 'energy', 'hover', '--seconds', '40', '--out', str(folder)]
     with pytest.MonkeyPatch.context() as patch, redirect_stdout(StringIO()) as told:
         patch.setattr('sys.argv', words)
-        assert status() == 0
+        assert run_command_line() == 0
     numbers = json.loads((folder / 'hover.json').read_text())
     return {**numbers, 'page': (folder / 'report.html').read_text(), 'told': told.getvalue()}
 

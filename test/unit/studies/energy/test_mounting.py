@@ -3,58 +3,73 @@
 import json
 import math
 
-from lta_cli.app import status
+from lta_cli.app import run_command_line
 from lta_config.errors import BadInput
-from lta_config.files import find, load_yaml
+from lta_config.files import find_file, load_yaml
 from lta_model.vehicle import load_vehicle
-from lta_studies.energy.mounting import lit, straight
-from lta_studies.energy.mounting.fitted import carrying, fit, lacking
-from lta_studies.energy.mounting.lit import Light
-from lta_studies.energy.mounting.released import growth, released
-from lta_studies.energy.mounting.run import Tried
-from lta_vehicle.figures.swing import swing
+from lta_studies.energy.mounting import panel_light, straight_flight
+from lta_studies.energy.mounting.mounted_vehicle import (
+    build_mounted_vehicle,
+    lacking_lift,
+    required_fullness,
+)
+from lta_studies.energy.mounting.panel_light import LightDirection
+from lta_studies.energy.mounting.release import simulate_release, tilt_growth_rate
+from lta_studies.energy.mounting.run import MountTrial
+from lta_vehicle.figures.pendulum import compute_pendulum_mode
 import numpy as np
 import pytest
 
-GTMAB = load_yaml(find('vehicle', 'gtmab'))
+GTMAB = load_yaml(find_file('vehicle', 'gtmab'))
 MOUNTS = ('side', 'bottom', 'top')
 LIFT = 331.233061725  # g: 0.93 of the pure helium of 2.7458 r^3 at 20 degC
 REST = 271.0  # g: every part of the seed paper's table without panels
-FULLER = carrying(GTMAB, MOUNTS)
+FULLER = required_fullness(GTMAB, MOUNTS)
 DEGREE = math.radians(1.0)
 
 
 @pytest.mark.parametrize(('mount', 'frame'), [('side', 0.0), ('bottom', 45.5), ('top', 0.0)])
 def test_lift_that_is_lacking_by_hand(mount, frame):
     grams = REST + 48.8 + frame - LIFT - 2.0
-    assert 1e3 * lacking(GTMAB, mount) == pytest.approx(grams, abs=1e-6)
+    assert 1e3 * lacking_lift(GTMAB, mount) == pytest.approx(grams, abs=1e-6)
 
 
 def test_the_bottom_mount_is_refused_in_its_own_hull_and_carried_by_one_9_7_percent_fuller():
     with pytest.raises(BadInput, match=r'32\.1 g too heavy'):
-        fit(GTMAB, 'bottom')
+        build_mounted_vehicle(GTMAB, 'bottom')
     assert pytest.approx((REST + 48.8 + 45.5 - 2.0) / LIFT, abs=1e-3) == FULLER
-    assert 0.0 <= fit(GTMAB, 'bottom', fuller=FULLER).vehicle.ballast < 1e-3 * LIFT * 1e-3
+    assert (
+        0.0
+        <= build_mounted_vehicle(GTMAB, 'bottom', fuller=FULLER).vehicle.ballast_mass
+        < 1e-3 * LIFT * 1e-3
+    )
 
 
 def test_moving_the_panels_from_top_to_side_moves_the_centre_of_gravity_by_their_share():
-    top, side = fit(GTMAB, 'top').vehicle, fit(GTMAB, 'side').vehicle
+    top, side = (
+        build_mounted_vehicle(GTMAB, 'top').vehicle,
+        build_mounted_vehicle(GTMAB, 'side').vehicle,
+    )
     assert side.mass == pytest.approx(top.mass, rel=1e-12)
     by_hand = 0.302 * 0.0488 / top.mass
     assert top.cg[2] - side.cg[2] == pytest.approx(by_hand, rel=1e-9)
 
 
 def test_lean_of_misplaced_panels_by_hand():
-    made = fit(GTMAB, 'side', ahead=0.03)
+    made = build_mounted_vehicle(GTMAB, 'side', ahead=0.03)
     ahead = 0.03 * 0.0488 / made.vehicle.mass
-    assert made.lean == pytest.approx(math.atan(ahead / -made.vehicle.cg[2]), rel=1e-9)
-    assert fit(GTMAB, 'side').lean == 0.0
+    assert made.rest_lean == pytest.approx(math.atan(ahead / -made.vehicle.cg[2]), rel=1e-9)
+    assert build_mounted_vehicle(GTMAB, 'side').rest_lean == 0.0
 
 
 def test_arms_are_the_only_drag_that_a_mount_adds():
-    plain = fit(GTMAB, 'top', fuller=FULLER).vehicle.effects()['quadratic_drag']
-    armed = fit(GTMAB, 'bottom', fuller=FULLER).vehicle.effects()['quadratic_drag']
-    added = 0.5 * fit(GTMAB, 'top').vehicle.air_density * 1.98 * 2 * 0.40 * 0.013
+    plain = build_mounted_vehicle(GTMAB, 'top', fuller=FULLER).vehicle.collect_effects()[
+        'quadratic_drag'
+    ]
+    armed = build_mounted_vehicle(GTMAB, 'bottom', fuller=FULLER).vehicle.collect_effects()[
+        'quadratic_drag'
+    ]
+    added = 0.5 * build_mounted_vehicle(GTMAB, 'top').vehicle.air_density * 1.98 * 2 * 0.40 * 0.013
     assert armed['surge'] - plain['surge'] == pytest.approx(added, rel=1e-9)
     assert armed['sway'] - plain['sway'] == pytest.approx(added * 0.013 / 0.40, rel=1e-9)
 
@@ -65,10 +80,10 @@ def linearised(vehicle, amplitude):
     height = float(vehicle.cg[2])
     about = vehicle.inertia[1, 1] + mass * height**2 + aq
     inertia = np.array([[mass + ax, mass * height], [mass * height, about]])
-    found = swing(vehicle, 'pitch')
+    found = compute_pendulum_mode(vehicle, 'pitch')
     rate = amplitude * math.sqrt(found.stiffness / found.inertia)
     surge = abs(mass * height / (mass + ax)) * rate
-    effects = vehicle.effects()
+    effects = vehicle.collect_effects()
     turning = effects['rotational_drag']
     strips = effects['strip_damping']
     frame = strips['surge_1'] * abs(strips['z_1']) ** 3
@@ -88,59 +103,63 @@ def linearised(vehicle, amplitude):
 
 @pytest.mark.parametrize('mount', MOUNTS)
 def test_a_released_vehicle_swings_as_the_linearised_rigid_body(mount):
-    vehicle = fit(GTMAB, mount, fuller=FULLER).vehicle
+    vehicle = build_mounted_vehicle(GTMAB, mount, fuller=FULLER).vehicle
     period, damping = linearised(vehicle, 4.8 * DEGREE)  # mean amplitude of the first three
-    free = released(vehicle, 5.0 * DEGREE, 8.0)
+    free = simulate_release(vehicle, 5.0 * DEGREE, 8.0)
     assert free.period == pytest.approx(period, rel=2e-3)
-    assert free.damping == pytest.approx(damping, rel=0.03)
-    by_formula = swing(vehicle, 'pitch')
+    assert free.damping_ratio == pytest.approx(damping, rel=0.03)
+    by_formula = compute_pendulum_mode(vehicle, 'pitch')
     assert by_formula.period == pytest.approx(period, rel=1e-3)
 
 
 def test_weight_above_buoyancy_turns_over_as_fast_as_its_growth_says():
-    vehicle = fit(GTMAB, 'top').vehicle
+    vehicle = build_mounted_vehicle(GTMAB, 'top').vehicle
     depth = -float(vehicle.cg[2])
-    flipped = released(vehicle, 0.1 * DEGREE, 4.0, depth)
-    rate = growth(vehicle, depth, swing(vehicle, 'pitch').inertia)
+    flipped = simulate_release(vehicle, 0.1 * DEGREE, 4.0, depth)
+    rate = tilt_growth_rate(vehicle, depth, compute_pendulum_mode(vehicle, 'pitch').inertia)
     small = (flipped.tilt > 0.5 * DEGREE) & (flipped.tilt < 5.0 * DEGREE)
     slope = np.polyfit(flipped.time[small], np.log(flipped.tilt[small]), 1)[0]
     assert slope == pytest.approx(rate, rel=0.02)
-    assert flipped.turned is not None
+    assert flipped.overturn_time is not None
 
 
 def test_coinciding_centres_neither_right_nor_turn_over():
-    still = released(fit(GTMAB, 'top').vehicle, 5.0 * DEGREE, 4.0, 0.0)
+    still = simulate_release(build_mounted_vehicle(GTMAB, 'top').vehicle, 5.0 * DEGREE, 4.0, 0.0)
     np.testing.assert_allclose(still.tilt, 5.0 * DEGREE, atol=1e-9)
     assert still.period is None
-    assert still.turned is None
+    assert still.overturn_time is None
 
 
 @pytest.mark.parametrize('mount', ['top', 'bottom'])
 def test_level_panels_get_the_light_from_above(mount):
-    made = fit(GTMAB, mount, fuller=FULLER)
-    found = lit.lit(made.vehicle, made.mount, Light('overhead', 0.5 * math.pi))
+    made = build_mounted_vehicle(GTMAB, mount, fuller=FULLER)
+    found = panel_light.compute_light_shares(
+        made.vehicle, made.mount, LightDirection('overhead', 0.5 * math.pi)
+    )
     assert (found.series, found.apart) == pytest.approx((1.0, 1.0))
 
 
 @pytest.mark.parametrize('height', [15.0, 40.0, 75.0])
 def test_nothing_shades_the_top_so_that_it_gets_the_sine_of_the_height(height):
-    made = fit(GTMAB, 'top')
-    found = lit.lit(made.vehicle, made.mount, Light('somewhere', math.radians(height)))
+    made = build_mounted_vehicle(GTMAB, 'top')
+    found = panel_light.compute_light_shares(
+        made.vehicle, made.mount, LightDirection('somewhere', math.radians(height))
+    )
     assert found.series == found.apart == pytest.approx(math.sin(math.radians(height)))
 
 
 def test_upright_panels_get_half_of_an_overcast_sky_and_one_of_two_sees_a_low_lamp():
-    made = fit(GTMAB, 'side')
-    sky = lit.lit(made.vehicle, made.mount, Light('sky', None))
+    made = build_mounted_vehicle(GTMAB, 'side')
+    sky = panel_light.compute_light_shares(made.vehicle, made.mount, LightDirection('sky', None))
     assert sky.series == pytest.approx(0.5, abs=2e-3)  # form factor of a wall
-    low = lit.lit(made.vehicle, made.mount, Light('low', 0.0))
+    low = panel_light.compute_light_shares(made.vehicle, made.mount, LightDirection('low', 0.0))
     assert low.series == 0.0
     assert low.apart == pytest.approx(1.0 / math.pi, abs=2e-3)  # mean clipped cosine
 
 
 def test_the_balloon_shades_the_far_panel_of_the_bottom_mount_by_the_tangent():
     # Seen in its own plane across the flight, the hull is an ellipse of 50 by 29.95 cm.
-    made = fit(GTMAB, 'bottom', fuller=FULLER)
+    made = build_mounted_vehicle(GTMAB, 'bottom', fuller=FULLER)
     y, z = -0.56, -0.358  # the right panel's face
     a, c = 0.50, 0.2995
     # Rays towards a lamp on the left meet that ellipse where a quadratic has real roots.
@@ -151,32 +170,37 @@ def test_the_balloon_shades_the_far_panel_of_the_bottom_mount_by_the_tangent():
     low, high = float(hidden.min()), float(hidden.max())
     for height, seen in ((0.5 * (low + high), 0.0), (high - 0.12, 0.0), (high + 0.12, 1.0)):
         towards = (0.0, math.cos(height), math.sin(height))
-        got = lit.share(made.vehicle, made.mount, 'panel_right', towards)
+        got = panel_light.panel_light_share(made.vehicle, made.mount, 'panel_right', towards)
         assert got == pytest.approx(seen * math.sin(height), abs=1e-9)
 
 
 def test_a_flight_leans_as_its_balance_says(monkeypatch):
-    monkeypatch.setattr(straight, 'AWAY', 14.0)
-    monkeypatch.setattr(straight, 'END', 30.0)
-    made = fit(GTMAB, 'side', ahead=0.03)
-    flown = straight.straight(made, 'gtmab', 1)
-    assert flown.lean == pytest.approx(made.lean, abs=0.15 * DEGREE)
+    monkeypatch.setattr(straight_flight, 'AWAY', 14.0)
+    monkeypatch.setattr(straight_flight, 'END', 30.0)
+    made = build_mounted_vehicle(GTMAB, 'side', ahead=0.03)
+    flown = straight_flight.fly_straight(made, 'gtmab', 1)
+    assert flown.lean == pytest.approx(made.rest_lean, abs=0.15 * DEGREE)
     hover = 0.120 + 2 * (0.027 + 23.96 * 2e-3 * 9.80665 / (2 * 0.961))
     assert hover < flown.power < 2.0 * hover
-    tried = Tried(made, swing(made.vehicle, 'pitch'), released(made.vehicle, 0.1, 1.0), [flown])
+    tried = MountTrial(
+        made,
+        compute_pendulum_mode(made.vehicle, 'pitch'),
+        simulate_release(made.vehicle, 0.1, 1.0),
+        [flown],
+    )
     needed = -made.vehicle.mass * made.vehicle.cg[2] * math.tan(math.radians(2.5)) / 0.0488
     assert tried.misplacement == pytest.approx(needed, rel=1e-12)
 
 
 def test_the_verb_writes_a_page_numbers_and_a_vehicle_that_reads(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(straight, 'AWAY', 9.0)
-    monkeypatch.setattr(straight, 'END', 11.0)
+    monkeypatch.setattr(straight_flight, 'AWAY', 9.0)
+    monkeypatch.setattr(straight_flight, 'END', 11.0)
     folder = tmp_path / 'found'
     monkeypatch.setattr(
         'sys.argv',
         ['lta', 'energy', 'mounting', '--mount', 'top', '--seeds', '1', '--out', str(folder)],
     )
-    assert status() == 0
+    assert run_command_line() == 0
     told = capsys.readouterr().out
     assert 'Top gets most light of what the hull can carry.' in told
     numbers = json.loads((folder / 'mounting.json').read_text())

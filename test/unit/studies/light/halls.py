@@ -1,13 +1,13 @@
 """Small halls for the tests of `lta light plan`."""
 
-from lta_config.topics import topic_table
+from lta_config.topics import load_topic_table
 from lta_model.vehicle import load_vehicle
-from lta_studies.light.plan.ear import Ear
-from lta_studies.light.plan.floor import floor_of
+from lta_studies.light.plan.floor import build_floor
 from lta_studies.light.plan.floor_plan import FloorPlan
-from lta_studies.light.plan.laying import lay_out
-from lta_studies.light.plan.mounts import mounts_of
-from lta_vlc.settings import Demodulation
+from lta_studies.light.plan.mounts import list_mounts
+from lta_studies.light.plan.planner import plan_layout
+from lta_studies.light.plan.receiver import LightReceiver
+from lta_vlc.settings import DemodulationSettings
 import yaml
 
 HALL = """
@@ -46,13 +46,15 @@ def hall(**changes):
 
 def ear(margin=2.0, **settings):
     """Return GT-MAB listening."""
-    return Ear(load_vehicle('gtmab'), Demodulation(**settings), topic_table().light, margin)
+    return LightReceiver(
+        load_vehicle('gtmab'), DemodulationSettings(**settings), load_topic_table().light, margin
+    )
 
 
 def laid_out(plan, cell=0.5, overlap=1, most=None, listener=None):
     """Return the layout of a hall."""
     who = listener or ear()
-    floor = floor_of(plan, who.vehicle, cell)
-    return lay_out(
-        plan, who, floor, mounts_of(plan), overlap, most, lambda: None, lambda words: None
+    floor = build_floor(plan, who.vehicle, cell)
+    return plan_layout(
+        plan, who, floor, list_mounts(plan), overlap, most, lambda: None, lambda words: None
     )

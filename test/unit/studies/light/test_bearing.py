@@ -7,12 +7,12 @@ import sys
 from lta_cli import app
 from lta_config.errors import BadInput
 from lta_model.scenario import load_scenario
-from lta_studies.light.bearing.bench import Bench, Reading
-from lta_studies.light.bearing.places import made_of, PLACES
+from lta_studies.light.bearing.bench import BearingBench, BearingReading
+from lta_studies.light.bearing.places import build_flight_spec, PLACES
 from lta_studies.light.bearing.poses import BESIDE, CLEAR, draw_pose, NEAREST
-from lta_studies.light.bearing.run import Asked, judge
-from lta_studies.light.bearing.score import score
-from lta_studies.light.bearing.study import before, directions, DISTANCE
+from lta_studies.light.bearing.run import BearingTrialRequest, run_bearing_trials
+from lta_studies.light.bearing.score import score_readings
+from lta_studies.light.bearing.study import DISTANCE, list_directions, pose_before_lamp
 import numpy as np
 import pytest
 
@@ -22,7 +22,7 @@ LAMP = np.array(SCENE.goal_lamp.position.vector)
 
 @pytest.fixture(scope='module')
 def bench():
-    return Bench(made_of(PLACES['indoor'], 'gtmab', 8))
+    return BearingBench(build_flight_spec(PLACES['indoor'], 'gtmab', 8))
 
 
 @pytest.mark.parametrize('distance', [3.0, 6.0, None])
@@ -47,12 +47,12 @@ def test_a_distance_that_the_room_does_not_have_is_refused():
 def test_scores_by_hand():
     nan = math.nan
     readings = [
-        Reading(9.0, 0.1, 0.02, 0.01, 0.3, 0.2),
-        Reading(7.0, -0.3, -0.01, 0.01, -0.1, 0.2),
-        Reading(8.0, 0.2, 0.015, 0.01, 0.5, 0.2),
-        Reading(1.0, nan, nan, nan, nan, nan),
+        BearingReading(9.0, 0.1, 0.02, 0.01, 0.3, 0.2),
+        BearingReading(7.0, -0.3, -0.01, 0.01, -0.1, 0.2),
+        BearingReading(8.0, 0.2, 0.015, 0.01, 0.5, 0.2),
+        BearingReading(1.0, nan, nan, nan, nan, nan),
     ]
-    found = score(readings)
+    found = score_readings(readings)
     assert found.snr == 7.5
     assert found.paper == pytest.approx(0.2)
     assert found.ours == pytest.approx(0.015)
@@ -60,20 +60,20 @@ def test_scores_by_hand():
     # 0.02 is more than 1.96 x 0.01; 0.5 more than 1.96 x 0.2.
     assert found.holds == pytest.approx(2.0 / 3.0)
     assert found.elevation_holds == pytest.approx(2.0 / 3.0)
-    assert score(readings[3:]).to_json()['ours'] is None
+    assert score_readings(readings[3:]).to_json()['ours'] is None
 
 
-@pytest.mark.parametrize('direction', directions()[::3])
+@pytest.mark.parametrize('direction', list_directions()[::3])
 def test_the_study_turns_the_ring_and_not_the_lamp(bench, direction):
-    pose = before(bench, direction)
-    azimuth, _ = bench.truth(pose)
+    pose = pose_before_lamp(bench, direction)
+    azimuth, _ = bench.true_direction(pose)
     assert math.remainder(azimuth - direction, math.tau) == pytest.approx(0.0, abs=1e-9)
     assert math.hypot(LAMP[0] - pose[0], LAMP[1] - pose[1]) == pytest.approx(DISTANCE)
 
 
 def test_the_fit_is_better_than_the_papers_mean_where_walls_reflect_and_knows_how_good_it_is():
-    asked = Asked('gtmab', ('indoor',), (8,), (3.0,), 150, 5)
-    (found,) = judge(asked, lambda: None)
+    asked = BearingTrialRequest('gtmab', ('indoor',), (8,), (3.0,), 150, 5)
+    (found,) = run_bearing_trials(asked, lambda: None)
     assert found.score.ours < math.radians(1.0)
     assert found.score.ours < 0.7 * found.score.paper
     # 150 readings know a share of 90 % to 2.4 %.
@@ -82,14 +82,14 @@ def test_the_fit_is_better_than_the_papers_mean_where_walls_reflect_and_knows_ho
 
 
 def test_one_seed_is_one_result(bench):
-    asked = Asked('gtmab', ('indoor',), (4,), (None,), 3, 2)
-    assert judge(asked, lambda: None) == judge(asked, lambda: None)
+    asked = BearingTrialRequest('gtmab', ('indoor',), (4,), (None,), 3, 2)
+    assert run_bearing_trials(asked, lambda: None) == run_bearing_trials(asked, lambda: None)
 
 
 def lta(*words, monkeypatch):
     """Return the status of the command."""
     monkeypatch.setattr(sys, 'argv', ['lta', *map(str, words)])
-    return app.status()
+    return app.run_command_line()
 
 
 def test_both_verbs_write_a_table_and_a_page(tmp_path, monkeypatch, capsys):

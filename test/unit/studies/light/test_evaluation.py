@@ -11,19 +11,26 @@ import sys
 
 from lta_cli import app
 from lta_config.errors import BadInput
-from lta_config.files import known
+from lta_config.files import list_shipped
 from lta_config.schema.sweep_file import load_sweep
-from lta_flight.ingredients import gather
-from lta_flight.sweep.flown import Row
-from lta_flight.sweep.plan import Plan
-from lta_studies.light.evaluation import grounds, order, pilot, scores_page, sets, wind
-from lta_studies.light.evaluation.cells import Cell
-from lta_studies.light.evaluation.findings import Findings
-from lta_studies.light.evaluation.flying import plan_of, points, tasks
-from lta_studies.light.evaluation.intervals import mean, ratio
+from lta_flight.flight_spec import load_spec
+from lta_flight.sweep.job_runner import SweepRow
+from lta_flight.sweep.plan import SweepPlan
+from lta_studies.light.evaluation import (
+    ground_roughness,
+    path_order,
+    pilot,
+    scores_page,
+    sets,
+    wind,
+)
+from lta_studies.light.evaluation.cells import EvaluationCell
+from lta_studies.light.evaluation.findings import EvaluationFindings
+from lta_studies.light.evaluation.flights import build_plan, count_points, iterate_tasks
+from lta_studies.light.evaluation.intervals import bootstrap_mean, bootstrap_ratio
 from lta_studies.light.evaluation.page import write_page
 from lta_studies.light.evaluation.paper import ORDER
-from lta_studies.light.evaluation.run import evaluate, Order
+from lta_studies.light.evaluation.run import EvaluationRequest, run_evaluation
 from lta_studies.light.evaluation.sets import FlightSet, SETS
 import numpy as np
 import pytest
@@ -45,39 +52,39 @@ NEAR = {
 def cell(paths, strategy='bag', lost=0, case='as_flown'):
     """Return a cell of flights over such paths, and of some that did not arrive."""
     rows = {
-        seed: Row(seed, seed, {}, 'reached', '', figures={'path_length': path})
+        seed: SweepRow(seed, seed, {}, 'reached', '', figures={'path_length': path})
         for seed, path in enumerate(paths)
     }
-    rows |= {100 + k: Row(100 + k, 100 + k, {}, 'timeout', '') for k in range(lost)}
-    return Cell(strategy, case, '', math.nan, 0.0, rows)
+    rows |= {100 + k: SweepRow(100 + k, 100 + k, {}, 'timeout', '') for k in range(lost)}
+    return EvaluationCell(strategy, case, '', math.nan, 0.0, rows)
 
 
 def test_a_mean_has_the_interval_of_all_ways_to_resample_it():
     """Of three flights there are 27 ways; the draws come to the same ends."""
     values = [1.0, 2.0, 6.0]
     ways = [np.mean(way) for way in product(values, repeat=3)]
-    found = mean(values)
+    found = bootstrap_mean(values)
     assert found.value == 3.0
     expected = np.percentile(ways, (2.5, 97.5), method='inverted_cdf')
     assert (found.low, found.high) == pytest.approx(tuple(expected))
-    assert mean([4.0])[:1] == (4.0,)
-    assert math.isnan(mean([4.0]).low)
-    assert math.isnan(mean([]).value)
+    assert bootstrap_mean([4.0])[:1] == (4.0,)
+    assert math.isnan(bootstrap_mean([4.0]).low)
+    assert math.isnan(bootstrap_mean([]).value)
 
 
 def test_a_ratio_is_of_means_over_the_same_seeds():
     """Flights that are all the same multiple of the best have no spread at all."""
     best = [6.0, 7.0, 9.0, 6.5]
-    found = ratio([1.1 * each for each in best], best)
+    found = bootstrap_ratio([1.1 * each for each in best], best)
     assert found[:3] == pytest.approx((1.1, 1.1, 1.1))
-    assert ratio([6.0, 12.0], [6.0, 6.0]).value == pytest.approx(1.5)
+    assert bootstrap_ratio([6.0, 12.0], [6.0, 6.0]).value == pytest.approx(1.5)
 
 
 def test_a_cell_is_compared_over_the_seeds_with_which_both_arrived():
     ours, best = cell([8.0, 9.0, 30.0]), cell([4.0, 4.0], 'pilot', lost=1)
-    assert ours.against(best)[::3] == (pytest.approx(17.0 / 8.0), 2)
-    assert math.isnan(ours.against(None).value)
-    assert cell([5.0], lost=3).reached.value == 0.25
+    assert ours.ratio_to(best)[::3] == (pytest.approx(17.0 / 8.0), 2)
+    assert math.isnan(ours.ratio_to(None).value)
+    assert cell([5.0], lost=3).reached_share.value == 0.25
 
 
 def test_an_order_is_sure_only_where_chance_would_not_make_it():
@@ -85,18 +92,20 @@ def test_an_order_is_sure_only_where_chance_would_not_make_it():
         names = zip(ORDER, starts, strict=True)
         return [cell([begin + 0.3 * k for k in range(5)], name) for name, begin in names]
 
-    (found,) = order.orders(case(6.0, 9.0, 12.0))
-    assert (found.holds, found.share, found.sure) == (True, 1.0, True)
-    (found,) = order.orders(case(6.0, 6.01, 6.02))
+    (found,) = path_order.find_path_orders(case(6.0, 9.0, 12.0))
+    assert (found.holds, found.share, found.is_significant) == (True, 1.0, True)
+    (found,) = path_order.find_path_orders(case(6.0, 6.01, 6.02))
     assert found.holds
-    assert not found.sure
+    assert not found.is_significant
     few = case(6.0, 9.0, 12.0)
-    (found,) = order.orders([*few[:2], replace(few[2], rows={1: few[2].rows[1]})])
+    (found,) = path_order.find_path_orders([*few[:2], replace(few[2], rows={1: few[2].rows[1]})])
     assert found.holds
-    assert not found.sure  # one arrival has no spread
+    assert not found.is_significant  # one arrival has no spread
     # Of flights that are 0 or 2 the mean of five draws is below 1 in as many cases as above it.
-    assert order.share([[0.0, 2.0] * 3, [1.0] * 6]) == pytest.approx(0.5 - 0.5 * 20 / 64, abs=0.03)
-    assert math.isnan(order.share([[1.0] * 5, []]))
+    assert path_order.ordered_share([[0.0, 2.0] * 3, [1.0] * 6]) == pytest.approx(
+        0.5 - 0.5 * 20 / 64, abs=0.03
+    )
+    assert math.isnan(path_order.ordered_share([[1.0] * 5, []]))
 
 
 def test_the_factor_that_makes_the_order_is_named():
@@ -107,11 +116,11 @@ def test_the_factor_that_makes_the_order_is_named():
     here = case('as_flown', bag=6, dga=14, des=8)
     changed = case('start_heading', bag=6, dga=8, des=12)
     titles = {'start_heading': 'the start heading'}
-    said = order.statement([], order.orders([*here, *changed]), titles)
+    said = path_order.describe_order([], path_order.find_path_orders([*here, *changed]), titles)
     assert 'does not hold beyond chance as flown here (in 0 % of resampled flights)' in said
     assert said.endswith('One factor alone brings it about: the start heading (in 100 % of '
                          'resampled flights).')  # fmt: skip
-    said = order.statement([], order.orders(here), titles)
+    said = path_order.describe_order([], path_order.find_path_orders(here), titles)
     assert said.endswith(', and none of the factors alone brings it about.')
 
 
@@ -120,50 +129,50 @@ def test_the_factor_that_makes_the_order_is_named():
 )
 def test_a_set_is_a_sweep_that_can_be_flown(name):
     """Each case builds; the pilot is there; places on the axis differ from case to case."""
-    plan = plan_of(name)
-    own = Plan(load_sweep(SETS[name].file))
-    assert own.file.draws == 50
+    plan = build_plan(name)
+    own = SweepPlan(load_sweep(SETS[name].file))
+    assert own.file.draws_per_point == 50
     assert set(ORDER) <= set(own.lists['strategy'])
     assert len(plan.lists['strategy']) == len(own.lists['strategy']) + SETS[name].piloted
-    assert points(plan) * 50 == own.count // len(own.lists['strategy']) * len(
+    assert count_points(plan) * 50 == own.count // len(own.lists['strategy']) * len(
         plan.lists['strategy']
     )
     axis = SETS[name].axis
     if axis is not None:
-        flights = [own.job(k) for k in range(0, own.count, own.file.draws)]
+        flights = [own.build_job(k) for k in range(0, own.count, own.file.draws_per_point)]
         made = [own.base.with_values(job.changes) for job in flights]
         assert len({round(axis.place(each), 6) for each in made}) > 3
 
 
 def test_every_shipped_sweep_of_the_light_is_a_set():
     assert {part.file for part in SETS.values()} == {
-        name for name in known('sweeps') if name.startswith('light_')
+        name for name in list_shipped('sweeps') if name.startswith('light_')
     }
 
 
 @pytest.mark.long
 def test_a_wind_is_told_as_share_of_what_the_vehicle_flies():
     """8 m/s at 10 m over 0.3 m are 1.09 m/s at the hull; 1.05 m/s is what it flies at most."""
-    field = gather('gtmab', 'windy_field', 'bag', 'gtmab')
-    assert wind.share_of_top(field) == pytest.approx(8.0 * 0.1357 / 1.05, abs=0.01)
-    gusty = gather('gtmab', 'gusty_hall', 'bag', 'gtmab')
-    assert wind.share_of_top(gusty) == pytest.approx(
+    field = load_spec('gtmab', 'windy_field', 'bag', 'gtmab')
+    assert wind.wind_to_airspeed_ratio(field) == pytest.approx(8.0 * 0.1357 / 1.05, abs=0.01)
+    gusty = load_spec('gtmab', 'gusty_hall', 'bag', 'gtmab')
+    assert wind.wind_to_airspeed_ratio(gusty) == pytest.approx(
         0.25 / 1.05
     )  # 0.15 m/s and 0.1 m/s of turbulence
-    worst = plan_of(sets.UNIFORM)
-    job = next(job for job in map(worst.job, range(0, worst.count, 1000))
+    worst = build_plan(sets.UNIFORM)
+    job = next(job for job in map(worst.build_job, range(0, worst.count, 1000))
                if job.values['case'] == 'head_90')  # fmt: skip
     made_of = worst.base.with_values(job.case)
-    assert wind.share_of_top(made_of) == pytest.approx(0.9, abs=0.002)
+    assert wind.wind_to_airspeed_ratio(made_of) == pytest.approx(0.9, abs=0.002)
 
 
 def test_the_pilot_keeps_its_track_straight():
     """The 3-4-5 triangle; and the bounds: no more than the top, and slowly only where it must."""
-    assert pilot.through_air(0.0, 0.3, 0.5, 1.0) == pytest.approx((0.4, -0.3))
-    assert pilot.through_air(-0.4, 0.0, 0.5, 1.0) == pytest.approx((1.0, 0.0))
-    assert pilot.through_air(0.0, -0.6, 0.5, 1.0) == pytest.approx((0.8, 0.6))
-    assert pilot.through_air(0.0, 2.0, 0.5, 1.0) == pytest.approx((0.0, -1.0))
-    assert pilot.through_air(0.9, 0.0, 0.5, 1.0) == pytest.approx((0.5, 0.0))
+    assert pilot.solve_wind_triangle(0.0, 0.3, 0.5, 1.0) == pytest.approx((0.4, -0.3))
+    assert pilot.solve_wind_triangle(-0.4, 0.0, 0.5, 1.0) == pytest.approx((1.0, 0.0))
+    assert pilot.solve_wind_triangle(0.0, -0.6, 0.5, 1.0) == pytest.approx((0.8, 0.6))
+    assert pilot.solve_wind_triangle(0.0, 2.0, 0.5, 1.0) == pytest.approx((0.0, -1.0))
+    assert pilot.solve_wind_triangle(0.9, 0.0, 0.5, 1.0) == pytest.approx((0.5, 0.0))
 
 
 @pytest.fixture(scope='module')
@@ -190,7 +199,9 @@ def shipped(tmp_path_factory):
 def done(shipped, tmp_path_factory):
     """An evaluation of two seeds, flown once by one process."""
     folder = tmp_path_factory.mktemp('evaluation') / 'out'
-    return evaluate(Order((sets.INDOORS, sets.ABLATIONS), 2, folder, workers=1), QUIET)
+    return run_evaluation(
+        EvaluationRequest((sets.INDOORS, sets.ABLATIONS), 2, folder, workers=1), QUIET
+    )
 
 
 def test_two_seeds_are_flown_from_end_to_end(done):
@@ -199,16 +210,16 @@ def test_two_seeds_are_flown_from_end_to_end(done):
     assert set(cells) == set(product(('as_flown', 'draught'), ('bag', 'pilot')))
     for each in cells.values():
         assert sorted(each.rows) == [1, 2]
-        assert (each.failed, each.reached.value) == (0, 1.0)
+        assert (each.failed, each.reached_share.value) == (0, 1.0)
     # 1.3 m away, the goal circle 0.3 m ahead.
-    paths = cells['as_flown', 'bag'].figure('path_length')
+    paths = cells['as_flown', 'bag'].select_figure('path_length')
     assert all(0.29 < path < 0.6 for path in paths.values())
     best = cells['draught', 'pilot']
-    assert cells['draught', 'bag'].against(best).value == pytest.approx(1.0, abs=0.1)
+    assert cells['draught', 'bag'].ratio_to(best).value == pytest.approx(1.0, abs=0.1)
 
 
 def test_what_was_flown_is_not_flown_again_and_more_seeds_only_add(done, monkeypatch):
-    again = evaluate(done.order, QUIET)
+    again = run_evaluation(done.order, QUIET)
     assert again.flown == 0
     assert again.cells == done.cells
     flown = []
@@ -230,13 +241,13 @@ def test_what_was_flown_is_not_flown_again_and_more_seeds_only_add(done, monkeyp
         def fly(self, jobs):
             for job in jobs:
                 flown.append(job)
-                yield Row(job.index, job.seed, dict(job.values), 'timeout', 'made up')
+                yield SweepRow(job.index, job.seed, dict(job.values), 'timeout', 'made up')
                 if len(flown) == 4:
                     raise KeyboardInterrupt
 
-    monkeypatch.setattr('lta_studies.light.evaluation.run.LocalCrew', Here)
-    more = Order(done.order.sets, 3, done.order.folder, workers=1)
-    stopped = evaluate(more, QUIET)
+    monkeypatch.setattr('lta_studies.light.evaluation.run.LocalWorkers', Here)
+    more = EvaluationRequest(done.order.sets, 3, done.order.folder, workers=1)
+    stopped = run_evaluation(more, QUIET)
     assert stopped.stopped
     assert {job.seed for job in flown} == {3}
     assert Counter(job.values['strategy'] for job in flown)['pilot'] == 2
@@ -246,19 +257,19 @@ def test_what_was_flown_is_not_flown_again_and_more_seeds_only_add(done, monkeyp
         for each in own:
             rows = kept[each.case, each.strategy].rows
             assert {seed: rows[seed] for seed in (1, 2)} == each.rows
-    assert evaluate(done.order, QUIET).cells == done.cells
+    assert run_evaluation(done.order, QUIET).cells == done.cells
 
 
 def test_all_sets_fly_a_seed_before_any_flies_the_next():
-    plans = {name: plan_of(name) for name in ('indoors', 'ablations')}
-    found = list(tasks(plans, 3))
+    plans = {name: build_plan(name) for name in ('indoors', 'ablations')}
+    found = list(iterate_tasks(plans, 3))
     assert [task.job.seed for task in found] == sorted(task.job.seed for task in found)
     assert len({(task.part, task.job.index) for task in found}) == len(found)
-    assert len(found) == 3 * sum(map(points, plans.values()))
+    assert len(found) == 3 * sum(map(count_points, plans.values()))
 
 
 def test_page_figures_and_docs_say_the_same(done, tmp_path):
-    found = Findings(done)
+    found = EvaluationFindings(done)
     text = write_page(found).read_text(encoding='utf-8')
     assert 'the lamp is reached by BAG 100 %' in text
     for name in ('indoors', 'tracks', 'ablations'):
@@ -268,7 +279,7 @@ def test_page_figures_and_docs_say_the_same(done, tmp_path):
     first = content['sets'][sets.INDOORS][0]
     assert (first['case'], first['strategy'], first['flights']) == ('as_flown', 'bag', 2)
     assert first['reached']['value'] == 1.0
-    page = scores_page.page(found)
+    page = scores_page.format_scores_page(found)
     path = f'{first["path_length"]["value"]:.1f} ({first["path_length"]["low"]:.1f}'
     assert path in page
     assert path in text
@@ -278,12 +289,12 @@ def test_page_figures_and_docs_say_the_same(done, tmp_path):
 def test_the_command_takes_sets_without_repeating_the_option(done, capsys, monkeypatch):
     words = ['light', 'evaluate', '--sets', 'indoors', 'ablations', '--seeds', '2', '--markdown']
     monkeypatch.setattr(sys, 'argv', ['lta', *words, '--out', str(done.order.folder)])
-    assert app.status() == 0
+    assert app.run_command_line() == 0
     said = capsys.readouterr()
     assert said.out.startswith('# Scores of navigation')
     assert 'All of it had been flown before.' in said.err
     monkeypatch.setattr(sys, 'argv', ['lta', 'light', 'evaluate', '--sets', 'indoor'])
-    assert app.status() == 2
+    assert app.run_command_line() == 2
     assert "Unknown set 'indoor'; known: ablations, indoors (" in capsys.readouterr().err
 
 
@@ -292,7 +303,7 @@ def test_a_set_without_strategies_is_refused(tmp_path, monkeypatch):
     path.write_text(yaml.safe_dump({**NEAR, 'vary': {}}))
     monkeypatch.setitem(SETS, 'none', FlightSet(str(path), 'None', 'None.'))
     with pytest.raises(BadInput, match='must list strategies'):
-        plan_of('none')
+        build_plan('none')
 
 
 def test_the_ground_over_which_the_papers_wind_is_flown_is_told():
@@ -305,6 +316,6 @@ def test_the_ground_over_which_the_papers_wind_is_flown_is_told():
         over(0.4, [6.0, 7.0], 1),
         over(0.45, [6.0], 0),
     ]
-    assert 'BAG over 0.4 m and more' in grounds.statement(cells)
-    assert 'BAG over none of these grounds' in grounds.statement(cells[:2])
-    assert grounds.statement([]) == ''
+    assert 'BAG over 0.4 m and more' in ground_roughness.describe_grounds(cells)
+    assert 'BAG over none of these grounds' in ground_roughness.describe_grounds(cells[:2])
+    assert ground_roughness.describe_grounds([]) == ''

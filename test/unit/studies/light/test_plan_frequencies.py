@@ -5,22 +5,22 @@ import math
 from hypothesis import given
 from hypothesis import strategies as st
 from lta_config.errors import BadInput
-from lta_studies.light.plan.crosstalk import crosstalk
-from lta_studies.light.plan.frequencies import Band, frequencies, LOWEST
+from lta_studies.light.plan.crosstalk import compute_crosstalk
+from lta_studies.light.plan.frequencies import choose_frequencies, FrequencyBand, LOWEST
 import numpy as np
 import pytest
 
 from .halls import ear
 
 BANDS = st.builds(
-    Band,
+    FrequencyBand,
     rate=st.sampled_from([5e3, 1e4, 2e4]),
     samples=st.sampled_from([500, 1000, 2000]),
     window=st.integers(1, 3),
     mains=st.sampled_from([100.0, 120.0]),
     duty=st.sampled_from([0.5, 0.3, 0.25]),
 )
-USUAL = Band(1e4, 1000, 2, 100.0, 0.5)
+USUAL = FrequencyBand(1e4, 1000, 2, 100.0, 0.5)
 
 
 def has(band, order):
@@ -32,7 +32,7 @@ def has(band, order):
 @given(band=BANDS, count=st.integers(1, 10))
 def test_no_lamp_stands_in_the_window_of_another_nor_of_the_mains(band, count):
     try:
-        found, order = frequencies(band, [], count)
+        found, order = choose_frequencies(band, [], count)
     except BadInput:
         return
     assert len(found) == count
@@ -57,7 +57,7 @@ def test_no_lamp_stands_in_the_window_of_another_nor_of_the_mains(band, count):
 def test_there_are_as_many_as_the_sentence_says():
     for fit in range(1, 200):
         try:
-            frequencies(USUAL, [], fit)
+            choose_frequencies(USUAL, [], fit)
         except BadInput as error:
             sentence = str(error)
             break
@@ -68,28 +68,28 @@ def test_there_are_as_many_as_the_sentence_says():
 
 
 def test_fewer_lamps_keep_clear_of_more_harmonics():
-    orders = [frequencies(USUAL, [], count)[1] for count in (1, 5, 10, 20, 30)]
+    orders = [choose_frequencies(USUAL, [], count)[1] for count in (1, 5, 10, 20, 30)]
     assert orders == sorted(orders, reverse=True)
     assert orders[0] > orders[-1]
 
 
 def test_lamps_that_are_there_keep_theirs_and_the_new_ones_keep_clear():
-    found, order = frequencies(USUAL, [450.0], 3)
+    found, order = choose_frequencies(USUAL, [450.0], 3)
     assert 150.0 not in found  # its third harmonic
-    assert USUAL.apart(450.0, np.array(found), order).all()
+    assert USUAL.is_separable(450.0, np.array(found), order).all()
     with pytest.raises(BadInput, match='flickers at 500 Hz'):
-        frequencies(USUAL, [500.0], 1)
+        choose_frequencies(USUAL, [500.0], 1)
     with pytest.raises(BadInput, match='flicker at 150 and 450 Hz'):
-        frequencies(USUAL, [150.0, 450.0], 1)
+        choose_frequencies(USUAL, [150.0, 450.0], 1)
 
 
 def test_what_a_wave_leaves_in_the_window_of_another_is_as_faint_as_the_law_says():
-    found, order = frequencies(USUAL, [], 8)
-    window, quiet = crosstalk(ear(), found, 0.5)
+    found, order = choose_frequencies(USUAL, [], 8)
+    window, quiet = compute_crosstalk(ear(), found, 0.5)
     own = 2.0 / math.pi
     # The next harmonic that may come into a window, and what folds onto it from above.
     assert window.max() < 1.5 * own / (order + 2)
     assert quiet.max() < 0.01 * own
-    near, _ = crosstalk(ear(), [150.0, 450.0], 0.5)
+    near, _ = compute_crosstalk(ear(), [150.0, 450.0], 0.5)
     assert near[1, 0] == pytest.approx(own / 3.0, rel=0.01)  # the third harmonic
     assert near[0, 1] < 0.02

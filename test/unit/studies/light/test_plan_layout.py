@@ -5,17 +5,29 @@ import json
 
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_cli.app import put_together
+from lta_cli.app import build_app
 from lta_config.errors import BadInput
-from lta_config.files import find, known, load
+from lta_config.files import find_file, list_shipped, load_file
 from lta_model.scenario import load_scenario
-from lta_studies.light.plan.cover import demand, distinct, fewest, greedy, improved
-from lta_studies.light.plan.floor import floor_of
+from lta_studies.light.plan.floor import build_floor
 from lta_studies.light.plan.floor_plan import FloorPlan
-from lta_studies.light.plan.gaps import BEYOND, DROWNED, FEW, gaps_of
-from lta_studies.light.plan.handover import handover_of, longest
-from lta_studies.light.plan.mounts import mounts_of
-from lta_studies.light.plan.polygon import distance, edges_of, flaw, inside, signed_area
+from lta_studies.light.plan.gaps import BEYOND, DROWNED, FEW, find_gaps
+from lta_studies.light.plan.handover import find_longest_route, plan_handover
+from lta_studies.light.plan.mounts import list_mounts
+from lta_studies.light.plan.polygon import (
+    distance_to_edges,
+    find_flaw,
+    is_inside,
+    polygon_edges,
+    signed_area,
+)
+from lta_studies.light.plan.set_cover import (
+    coverage_demand,
+    improve_cover,
+    merge_duplicate_cells,
+    select_greedily,
+    solve_lower_bound,
+)
 import numpy as np
 from pydantic import ValidationError
 import pytest
@@ -34,7 +46,7 @@ def test_an_empty_square_room_takes_one_lamp():
     layout = laid_out(hall())
     assert len(layout.lamps) == layout.bound == 1
     assert layout.coverage == 1.0
-    assert gaps_of(layout) == []
+    assert find_gaps(layout) == []
 
 
 def test_four_rooms_take_four_lamps_and_no_three_do():
@@ -45,11 +57,11 @@ def test_four_rooms_take_four_lamps_and_no_three_do():
     assert len(corners) == 4
     three = laid_out(hall(obstacles=CROSS), most=3)
     assert three.coverage == pytest.approx(0.75)
-    (gap,) = gaps_of(three)
-    assert gap.area == pytest.approx(len(three.floor.centres) / 4 * 0.25)
+    (gap,) = find_gaps(three)
+    assert gap.area == pytest.approx(len(three.floor.cell_centers) / 4 * 0.25)
     assert gap.why == FEW
     # Nobody flies through the racks.
-    assert handover_of(layout).edges == ()
+    assert plan_handover(layout).edges == ()
 
 
 def test_two_lamps_each_where_two_are_asked_for():
@@ -57,12 +69,15 @@ def test_two_lamps_each_where_two_are_asked_for():
     assert len(layout.lamps) == 2
     # But within 2 m of one that fills the converter, by the inverse square of 10 klm at 2 klx.
     near = np.min(
-        [np.hypot(*(layout.floor.centres - lamp.mount.position[:2]).T) for lamp in layout.lamps],
+        [
+            np.hypot(*(layout.floor.cell_centers - lamp.mount.position[:2]).T)
+            for lamp in layout.lamps
+        ],
         axis=0,
     )
-    assert layout.count[near > 2.0].min() == 2
-    assert {gap.why for gap in gaps_of(layout)} <= {DROWNED}
-    handover = handover_of(layout)
+    assert layout.audible_count[near > 2.0].min() == 2
+    assert {gap.why for gap in find_gaps(layout)} <= {DROWNED}
+    handover = plan_handover(layout)
     assert handover.edges
     assert set(handover.edges) <= {(0, 1), (1, 0)}
     assert len(handover.route) == 2
@@ -83,27 +98,27 @@ def test_where_no_lamp_may_hang_is_a_gap():
     wall = {'wall': rectangle(5.5, 0.1, 6.5, 11.9) | {'height': '5 m'}}
     layout = laid_out(hall(obstacles=wall, forbidden={'east': rectangle(6, 0, 12, 12)}))
     assert layout.coverage == pytest.approx(0.5)
-    (gap,) = gaps_of(layout)
+    (gap,) = find_gaps(layout)
     assert gap.why == BEYOND
     assert gap.west >= 6.5
 
 
 def test_the_hull_needs_room():
-    floor = floor_of(hall(obstacles=CROSS), ear().vehicle, 0.25)
-    x, y = floor.centres.T
+    floor = build_floor(hall(obstacles=CROSS), ear().vehicle, 0.25)
+    x, y = floor.cell_centers.T
     assert np.all(np.minimum.reduce([x, y, 12 - x, 12 - y]) >= 0.5)
     assert np.all((np.abs(x - 6) >= 1.0) & (np.abs(y - 6) >= 1.0))
     low = {'bench': rectangle(4, 4, 8, 8) | {'height': '1.5 m'}}
-    over = floor_of(hall(obstacles=low), ear().vehicle, 0.25)
-    assert over.wanted[over.at(np.array([6.0, 6.0]))]
+    over = build_floor(hall(obstacles=low), ear().vehicle, 0.25)
+    assert over.wanted[over.locate_cells(np.array([6.0, 6.0]))]
     assert len(over.walls) == 8
-    part = floor_of(hall(hear={'west': rectangle(0, 0, 3, 12)}), ear().vehicle, 0.25)
-    assert part.centres[:, 0].max() < 3.0
+    part = build_floor(hall(hear={'west': rectangle(0, 0, 3, 12)}), ear().vehicle, 0.25)
+    assert part.cell_centers[:, 0].max() < 3.0
     assert part.free.sum() > part.wanted.sum()
 
 
 def test_lamps_hang_on_walls_and_racks_and_face_away_from_them():
-    mounts = mounts_of(hall(obstacles={'rack': rectangle(4, 4, 8, 8) | {'height': '3 m'}}))
+    mounts = list_mounts(hall(obstacles={'rack': rectangle(4, 4, 8, 8) | {'height': '3 m'}}))
     assert len(mounts) == 16 + 4
     for mount in mounts:
         x, y = np.array(mount.position[:2]) + 0.1 * np.array(mount.axis[:2])
@@ -111,8 +126,8 @@ def test_lamps_hang_on_walls_and_racks_and_face_away_from_them():
         assert 0 < y < 12
         assert not (4 < x < 8 and 4 < y < 8)
     low = {'rack': rectangle(4, 4, 8, 8) | {'height': '1 m'}}
-    assert len(mounts_of(hall(obstacles=low))) == 16
-    down = mounts_of(hall(lamp={'facing': 'down', 'height': '4 m'}))
+    assert len(list_mounts(hall(obstacles=low))) == 16
+    down = list_mounts(hall(lamp={'facing': 'down', 'height': '4 m'}))
     assert len(down) == 16
     assert {mount.axis for mount in down} == {(0.0, 0.0, -1.0)}
 
@@ -123,11 +138,11 @@ def test_lamps_hang_on_walls_and_racks_and_face_away_from_them():
 )
 def test_a_cover_covers_and_the_bound_holds_against_brute_force(heard, overlap):
     table = np.array(heard)
-    needed = demand(table, overlap)
-    cells, asks = distinct(table, needed)
-    bound = fewest(cells, asks, [])
-    found = greedy(table, needed, [], len(table))
-    better = improved(table, needed, found, [], bound, np.random.default_rng(0))
+    needed = coverage_demand(table, overlap)
+    cells, asks = merge_duplicate_cells(table, needed)
+    bound = solve_lower_bound(cells, asks, [])
+    found = select_greedily(table, needed, [], len(table))
+    better = improve_cover(table, needed, found, [], bound, np.random.default_rng(0))
     assert np.all(table[better].sum(axis=0) >= needed)
     best = next(
         size
@@ -143,16 +158,16 @@ def test_a_greedy_choice_that_is_too_large_is_mended():
     rows = np.zeros((3, 14), dtype=bool)
     rows[0, :7] = rows[1, 7:] = True
     rows[2, [0, 1, 2, 3, 7, 8, 9, 10]] = True
-    needed = demand(rows, 1)
-    first = greedy(rows, needed, [], 3)
+    needed = coverage_demand(rows, 1)
+    first = select_greedily(rows, needed, [], 3)
     assert sorted(first) == [0, 1, 2]
-    assert sorted(improved(rows, needed, first, [], 2, np.random.default_rng(0))) == [0, 1]
-    assert 2 in improved(rows, needed, first, [2], 2, np.random.default_rng(0))
+    assert sorted(improve_cover(rows, needed, first, [], 2, np.random.default_rng(0))) == [0, 1]
+    assert 2 in improve_cover(rows, needed, first, [2], 2, np.random.default_rng(0))
 
 
 def test_the_longest_of_the_shortest_ways():
-    assert longest(4, [(0, 1), (1, 2), (2, 3), (0, 3)]) == (0, 1, 2)
-    assert longest(3, []) == (0,)
+    assert find_longest_route(4, [(0, 1), (1, 2), (2, 3), (0, 3)]) == (0, 1, 2)
+    assert find_longest_route(3, []) == (0,)
 
 
 def test_polygons_by_hand():
@@ -160,9 +175,9 @@ def test_polygons_by_hand():
     assert signed_area(shape) == 6.0
     assert signed_area(shape[::-1]) == -6.0
     points = np.array([[0.5, 2.0], [2.0, 2.0], [3.0, 0.5], [-1.0, 0.5]])
-    assert inside(points, shape).tolist() == [True, False, True, False]
-    assert distance(points, edges_of(shape)) == pytest.approx([0.5, 1.0, 0.5, 1.0])
-    assert flaw(shape) is None
+    assert is_inside(points, shape).tolist() == [True, False, True, False]
+    assert distance_to_edges(points, polygon_edges(shape)) == pytest.approx([0.5, 1.0, 0.5, 1.0])
+    assert find_flaw(shape) is None
 
 
 @pytest.mark.parametrize(
@@ -174,7 +189,7 @@ def test_polygons_by_hand():
     ],
 )
 def test_what_is_no_polygon_is_refused(corners, words):
-    assert words in flaw(np.array(corners, dtype=float))
+    assert words in find_flaw(np.array(corners, dtype=float))
 
 
 @pytest.mark.parametrize(
@@ -222,13 +237,13 @@ def test_a_plan_that_cannot_work_is_one_sentence(changes, asked, words):
         laid_out(hall(**changes), **asked)
 
 
-@pytest.mark.parametrize('name', known('floor_plans'))
+@pytest.mark.parametrize('name', list_shipped('floor_plans'))
 def test_shipped_floor_plans_are_what_their_files_are_called(name):
-    assert load(FloorPlan, find('floor plan', name)).name == name
+    assert load_file(FloorPlan, find_file('floor plan', name)).name == name
 
 
 def call(*words):
-    return CliRunner().invoke(put_together(), ['light', 'plan', *map(str, words)])
+    return CliRunner().invoke(build_app(), ['light', 'plan', *map(str, words)])
 
 
 def test_the_command_writes_page_numbers_and_scenario(tmp_path):

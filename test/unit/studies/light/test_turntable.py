@@ -5,12 +5,12 @@ import math
 
 from lta_config.errors import BadInput
 from lta_model.light.view import LightView
-from lta_studies.light.bearing.bench import Bench
-from lta_studies.light.bearing.places import made_of, PLACES
-from lta_studies.light.bearing.study import before
-from lta_studies.light.turntable.response import response
-from lta_studies.light.turntable.turntable import Readings, studied
-from lta_vlc.diodes import ring_of
+from lta_studies.light.bearing.bench import BearingBench
+from lta_studies.light.bearing.places import build_flight_spec, PLACES
+from lta_studies.light.bearing.study import pose_before_lamp
+from lta_studies.light.turntable.response import fit_response
+from lta_studies.light.turntable.turntable import summarize_directions, TurntableReadings
+from lta_vlc.diodes import build_even_ring
 import numpy as np
 import pytest
 
@@ -23,28 +23,30 @@ ZERO = math.radians(1.5)  # by which the nose was off the lamp
 
 def readings_of(exponent, noise=0.0, blocks=4):
     """A ring before a far lamp in an even pedestal of 8 %."""
-    ring = ring_of(8)
+    ring = build_even_ring(8)
     direction = np.repeat(np.arange(16) * STEP, blocks)
     axes = np.array([math.atan2(y, x) for x, y, _ in ring.axes])
     cosine = np.maximum(np.cos(direction[:, None] - axes), 0.0)
     amplitude = 900.0 * GAINS * (cosine**exponent + 0.08)
     amplitude += noise * np.random.default_rng(1).normal(size=amplitude.shape)
     nothing = np.zeros(len(direction))
-    return Readings(direction, direction + 0.01, direction - 0.02, nothing, amplitude), ring
+    return TurntableReadings(
+        direction, direction + 0.01, direction - 0.02, nothing, amplitude
+    ), ring
 
 
 @pytest.mark.parametrize('exponent', [1.0, 1.35])
 def test_exponent_gains_and_pedestal_are_found_again(exponent):
-    found = response(*readings_of(exponent))
+    found = fit_response(*readings_of(exponent))
     assert found.exponent == pytest.approx(exponent, abs=1e-4)
     assert found.gains == pytest.approx(tuple(GAINS), abs=1e-4)
     assert found.strength == pytest.approx(900.0, rel=1e-4)
     assert found.pedestal == pytest.approx(0.08, abs=1e-4)
-    assert found.spread == pytest.approx(np.std(GAINS, ddof=1), abs=1e-4)
+    assert found.gain_spread == pytest.approx(np.std(GAINS, ddof=1), abs=1e-4)
 
 
 def test_the_deviations_hold_what_noise_does():
-    found = response(*readings_of(1.2, noise=9.0))
+    found = fit_response(*readings_of(1.2, noise=9.0))
     assert abs(found.exponent - 1.2) < 4.0 * found.exponent_deviation < 0.2
     off = np.abs(np.array(found.gains) - GAINS) / np.array(found.gain_deviations)
     assert off.max() < 5.0
@@ -52,35 +54,37 @@ def test_the_deviations_hold_what_noise_does():
 
 def test_errors_by_direction_by_hand():
     readings, _ = readings_of(1.0)
-    found, blocks = studied(readings, 'bench')
+    found, blocks = summarize_directions(readings, 'bench')
     assert blocks == [4] * 16
     assert found.paper == pytest.approx((0.01,) * 16)
     assert found.ours == pytest.approx((0.02,) * 16)
-    aligned, _ = studied(readings, 'bench', -0.02)
+    aligned, _ = summarize_directions(readings, 'bench', -0.02)
     assert aligned.ours == pytest.approx((0.0,) * 16, abs=1e-12)
 
 
 def test_half_a_turn_is_refused_by_the_directions_it_lacks():
     readings, _ = readings_of(1.0)
     some = readings.direction < math.pi
-    half = Readings(*(getattr(readings, name)[some] for name in Readings.__slots__))
+    half = TurntableReadings(
+        *(getattr(readings, name)[some] for name in TurntableReadings.__slots__)
+    )
     with pytest.raises(BadInput, match=r'No light block has the lamp at 180, 202\.5'):
-        studied(half, 'bench')
+        summarize_directions(half, 'bench')
 
 
 @pytest.fixture
 def bag(record, types):
     """The simulated board 3 m before the lamp, turned by 22.5 degrees every 0.6 s."""
-    bench = Bench(made_of(PLACES['indoor'], 'gtmab', 8))
+    bench = BearingBench(build_flight_spec(PLACES['indoor'], 'gtmab', 8))
     chance = np.random.default_rng(5)
-    diodes = bench.drawn(chance)
+    diodes = bench.draw_diodes(chance)
     messages = []
     for k in range(16 * HOLD_BLOCKS):
         turned = (k // HOLD_BLOCKS) * STEP
         view = LightView(bench.scenario.light_field, bench._vehicle, diodes)
-        view.pass_by(before(bench, ZERO - turned))
+        view.record_pose(pose_before_lamp(bench, ZERO - turned))
         time = START + k * 100_000_000
-        block = view.block(time, 1e4, 1000, chance)
+        block = view.read_block(time, 1e4, 1000, chance)
         image = types['sensor_msgs/msg/Image'](
             header(time),
             1000,

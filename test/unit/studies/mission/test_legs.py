@@ -1,40 +1,50 @@
 """Legs of a mission: gone on with they are one flight, and they cost what the full loop costs."""
 
 from lta_config.schema.mission_file import load_mission
-from lta_energy.circuit import held
-from lta_energy.light_of_days import DARK
-from lta_model.light.pencils import LAMPS, scratch_for
-from lta_sim import counted_light as heard
-from lta_studies.mission.agreement import compare
-from lta_studies.mission.aloft import at_rest, DONE, DWELL, EMPTY, FLYING, GO, LAND, Leg, RESERVE
-from lta_studies.mission.legs import Pilot
-from lta_studies.mission.scene import brightness, Scenes
+from lta_energy.circuit import total_stored_energy
+from lta_energy.irradiance import DARK
+from lta_model.light.ray_bundles import LAMPS, scratch_size
+from lta_sim import light_link as heard
+from lta_studies.mission.leg_state import (
+    DONE,
+    DWELL,
+    EMPTY,
+    FLYING,
+    GO,
+    initial_leg_state,
+    LAND,
+    LegPlan,
+    RESERVE,
+)
+from lta_studies.mission.leg_validation import compare_flights
+from lta_studies.mission.legs import LegPilot
+from lta_studies.mission.scene import lamp_brightness, MissionScene
 import numpy as np
 import pytest
 
 pytestmark = pytest.mark.long  # a minute, most of it to compile a pilot
 
-LEG = Leg(GO, 120.0, 0.1, 0.0, 1.0, 0.0, 14.0, 10.0, 8.0)
+LEG = LegPlan(GO, 120.0, 0.1, 0.0, 1.0, 0.0, 14.0, 10.0, 8.0)
 
 
 @pytest.fixture(scope='module')
 def scenes():
-    return Scenes(load_mission('warehouse'))
+    return MissionScene(load_mission('warehouse'))
 
 
 @pytest.fixture(scope='module')
 def made(scenes):
-    return scenes.made('aisle', DARK, 1.0)
+    return scenes.build_flight('aisle', DARK, 1.0)
 
 
 @pytest.fixture(scope='module')
 def pilot(made):
-    return Pilot(made, LEG)
+    return LegPilot(made, LEG)
 
 
 def begun(pilot, scenes, charge=0.8):
     state = pilot.standing(-3.2, -2.0, scenes.vehicle.standing_height, 0.4, 3)
-    return at_rest(charge, charge), state
+    return initial_leg_state(charge, charge), state
 
 
 def go_on(pilot, made, leg, memory, state):
@@ -74,10 +84,12 @@ def test_it_lands_where_it_is_told_to(pilot, made, scenes):
 def test_the_books_of_a_flight_balance(pilot, made, scenes):
     cell = scenes.vehicle.battery
     memory, state = begun(pilot, scenes)
-    before = held(cell, memory.supply.flow)
+    before = total_stored_energy(cell, memory.supply.flow)
     memory, state = go_on(pilot, made, LEG._replace(payload=0.05), memory, state)
     books, now = memory.supply, memory.supply.flow
-    rest = books.harvested - books.consumed - books.lost - (held(cell, now) - before)
+    rest = (
+        books.harvested - books.consumed - books.lost - (total_stored_energy(cell, now) - before)
+    )
     assert abs(rest) < 1e-6 * books.consumed
 
 
@@ -93,8 +105,8 @@ def test_a_payload_draws_what_it_draws_while_it_dwells(pilot, made, scenes):
 
 def test_a_payload_is_carried_and_not_trimmed_away(scenes):
     mission = load_mission('greenhouse_inspection')
-    bare = Scenes(mission.model_copy(update={'payload': None}))
-    full = Scenes(mission)
+    bare = MissionScene(mission.model_copy(update={'payload': None}))
+    full = MissionScene(mission)
     assert 'inspection' in full.vehicle.file.layers
     assert full.vehicle.mass == pytest.approx(bare.vehicle.mass, rel=1e-3)  # ballast gave way
 
@@ -104,7 +116,7 @@ def test_the_brightness_that_homing_is_told_is_that_of_its_own_settings(scenes):
     dark = scenes.made('aisle', DARK, 1.0).craft
     bright = scenes.made('aisle', DARK, 5e4).craft
     lamp = scenes.lamp('aisle')
-    assert dark.mission.homing.brightness == pytest.approx(brightness(dark.listening, lamp))
+    assert dark.mission.homing.brightness == pytest.approx(lamp_brightness(dark.listening, lamp))
     assert bright.listening.counts < 0.2 * dark.listening.counts  # another resistor
     assert bright.mission.homing.brightness < 0.2 * dark.mission.homing.brightness
 
@@ -112,7 +124,7 @@ def test_the_brightness_that_homing_is_told_is_that_of_its_own_settings(scenes):
 def test_flights_cost_what_the_full_loop_says(scenes):
     rows = [
         (np.median(leg[:, 0]), np.median(loop[:, 0]))
-        for _, leg, loop in compare(scenes, 'aisle', 3, 5)
+        for _, leg, loop in compare_flights(scenes, 'aisle', 3, 5)
     ]
     ours, full = np.array(rows).T
     assert ours.sum() == pytest.approx(full.sum(), rel=0.02)
@@ -122,8 +134,8 @@ def test_flights_cost_what_the_full_loop_says(scenes):
 def test_what_a_room_throws_back_of_a_lantern_is_a_number(scenes, made):
     """Its light falls off slower than by the cosine: half power at 85 degrees."""
     listening = made.craft.listening
-    out, scratch = np.zeros((LAMPS + 1, 8)), np.zeros(scratch_for(1))
-    heard.on_ring(listening, (0.0, -2.0, 1.3), (0.0, 0.0, 0.0, 1.0), out, scratch)
+    out, scratch = np.zeros((LAMPS + 1, 8)), np.zeros(scratch_size(1))
+    heard.write_ring_light(listening, (0.0, -2.0, 1.3), (0.0, 0.0, 0.0, 1.0), out, scratch)
     assert scenes.lamp('aisle').order < 0.3
     assert np.isfinite(out).all()
     assert out[LAMPS].max() == pytest.approx(out[LAMPS, 0])  # the diode that faces it

@@ -52,16 +52,16 @@ def waits():
 
 
 def test_ctrl_c_ends_the_lives_that_are_being_lived(monkeypatch, tmp_path, interrupted):
-    monkeypatch.setattr(running, 'begin', lambda *_: None)
-    monkeypatch.setattr(running, 'compiled', lambda *_: None)
-    monkeypatch.setattr(running, 'life_of', lambda *_: (Long(), None))
+    monkeypatch.setattr(running, 'claim_folder', lambda *_: None)
+    monkeypatch.setattr(running, 'compile_flight', lambda *_: None)
+    monkeypatch.setattr(running, 'build_simulation', lambda *_: (Long(), None))
     mission = SimpleNamespace(round=('aisle',))
     order = SimpleNamespace(
         mission=mission, day=None, scenes=None, days=1, seeds=(1, 2), schedules=('by light',)
     )
     threads = active_count()
     with pytest.raises(KeyboardInterrupt):
-        running.run(order, tmp_path, interrupted)
+        running.run_missions(order, tmp_path, interrupted)
     assert not Long.ended
     assert active_count() == threads
     assert not list(tmp_path.iterdir())

@@ -7,21 +7,28 @@ import math
 
 from lta_cli.verbs.platforms import platforms
 from lta_config.errors import BadInput
-from lta_config.files import find, load_yaml
-from lta_config.schema.comparison_file import Change, load_comparison
-from lta_config.schema.manoeuvre_file import load_manoeuvre
+from lta_config.files import find_file, load_yaml
+from lta_config.schema.comparison_file import EntryChange, load_comparison
+from lta_config.schema.maneuver_file import load_maneuver
 from lta_control import autopilot
-from lta_flight.ingredients import gather, loop_of
+from lta_flight.flight_spec import build_loop, load_spec
 from lta_model.limits import level_speed
 from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
-from lta_sim.readings import Outcome
-from lta_studies.platforms.entries import entrant
-from lta_studies.platforms.flying import fly
-from lta_studies.platforms.metrics import judge
-from lta_studies.platforms.page import Told, write_page
-from lta_studies.platforms.run import at_speed, check, Job, jobs, printed, row_of
-from lta_studies.platforms.summary import margin, mean, reversals
+from lta_sim.readings import FlightOutcome
+from lta_studies.platforms.entrants import build_entrant
+from lta_studies.platforms.flight import fly_manoeuvre
+from lta_studies.platforms.metrics import compute_metrics
+from lta_studies.platforms.page import ComparisonReport, write_page
+from lta_studies.platforms.run import (
+    change_speed,
+    check_comparison,
+    list_jobs,
+    PlatformJob,
+    result_to_json,
+    summarize_flight,
+)
+from lta_studies.platforms.summary import compute_lift_margin, describe_reversals, estimate_mean
 import numpy as np
 import pytest
 import yaml
@@ -35,20 +42,20 @@ OTHERS = [pytest.param(name, marks=pytest.mark.long) for name in ('beavis', 'sky
 
 def changed(name, **change):
     """Return a contestant with something set."""
-    given = Change.model_validate(change) if change else None
-    return entrant(COMPARISON.contestants[name], DENSITY, given)
+    given = EntryChange.model_validate(change) if change else None
+    return build_entrant(COMPARISON.contestants[name], DENSITY, given)
 
 
 def named(name):
     """Return an ablation or a limit of the file."""
     change = COMPARISON.ablations.get(name) or COMPARISON.limits[name]
-    return entrant(COMPARISON.contestants[change.of], DENSITY, change)
+    return build_entrant(COMPARISON.contestants[change.of], DENSITY, change)
 
 
 @cache
 def flown(name, manoeuvre, speed=None, ablation=False):
     who = named(name) if ablation else changed(name)
-    return fly(who, SCENARIO, at_speed(load_manoeuvre(manoeuvre), speed), 1)
+    return fly_manoeuvre(who, SCENARIO, change_speed(load_maneuver(manoeuvre), speed), 1)
 
 
 def test_a_second_order_step_has_its_text_book_figures():
@@ -57,7 +64,7 @@ def test_a_second_order_step_has_its_text_book_figures():
     wd, phase = w * math.sqrt(1 - z * z), math.acos(z)
     t = np.arange(0.0, 20.0, 0.001)
     y = 3.0 * (1 - np.exp(-z * w * t) / math.sqrt(1 - z * z) * np.sin(wd * t + phase))
-    found = judge(t, np.full_like(t, 3.0), y, 0.06, 0.0)
+    found = compute_metrics(t, np.full_like(t, 3.0), y, 0.06, 0.0)
     assert found.overshoot == pytest.approx(math.exp(-math.pi * z / math.sqrt(1 - z * z)), 1e-5)
     # Peaks at k pi / wd have the height exp(-z w t): the last above 2 % is the sixth, at 4.9 s.
     last = math.floor(-math.log(0.02) / (z * w) / (math.pi / wd))
@@ -70,7 +77,7 @@ def test_a_first_order_lag_follows_a_ramp_late_by_rate_times_time():
     t = np.arange(0.0, 40.0, 0.01)
     rate, lag = 0.5, 2.0
     y = rate * (t - lag * (1 - np.exp(-t / lag)))
-    found = judge(t, rate * t, y, 1.1, 0.0)
+    found = compute_metrics(t, rate * t, y, 1.1, 0.0)
     assert found.steady_error == pytest.approx(rate * lag, 1e-6)
     assert found.rms < rate * lag
     assert math.isnan(found.overshoot)
@@ -79,7 +86,7 @@ def test_a_first_order_lag_follows_a_ramp_late_by_rate_times_time():
 
 def test_a_sine_that_never_dies_does_not_settle():
     t = np.arange(0.0, 40.0 * math.pi, 0.001)
-    found = judge(t, np.zeros_like(t), 0.2 * np.cos(t), 0.1, 1.0)
+    found = compute_metrics(t, np.zeros_like(t), 0.2 * np.cos(t), 0.1, 1.0)
     assert math.isnan(found.settling_time)
     assert not found.held
     assert found.rms == pytest.approx(0.2 / math.sqrt(2.0), 1e-4)
@@ -89,23 +96,23 @@ def test_a_sine_that_never_dies_does_not_settle():
 
 def test_what_settles_in_the_last_quarter_is_not_held():
     t = np.arange(0.0, 100.0)
-    late = judge(t, np.ones_like(t), np.where(t < 80.0, 0.0, 1.0), 0.1, 0.0)
+    late = compute_metrics(t, np.ones_like(t), np.where(t < 80.0, 0.0, 1.0), 0.1, 0.0)
     assert late.settling_time == 80.0
     assert not late.held
 
 
 def test_no_number_is_no_success():
     t = np.arange(0.0, 10.0)
-    found = judge(t, np.zeros_like(t), np.full_like(t, math.nan), 0.1, 0.0)
+    found = compute_metrics(t, np.zeros_like(t), np.full_like(t, math.nan), 0.1, 0.0)
     assert not found.held
 
 
 def test_means_have_student_s_interval():
     """Three numbers: t = 4.302653 at 2 degrees of freedom (tables)."""
-    found = mean([1.0, 2.0, 3.0, math.nan])
+    found = estimate_mean([1.0, 2.0, 3.0, math.nan])
     assert found.value == 2.0
     assert found.high - found.value == pytest.approx(4.302653 / math.sqrt(3.0), 1e-6)
-    assert math.isnan(mean([1.0]).high)
+    assert math.isnan(estimate_mean([1.0]).high)
 
 
 @pytest.mark.parametrize(
@@ -121,7 +128,7 @@ def test_means_have_student_s_interval():
 )
 def test_every_platform_that_hovers_climbs_and_holds(name, error, overshoot):
     flight = flown(name, 'climb')
-    assert flight.held
+    assert flight.is_held
     assert abs(flight.metrics.steady_error) < error
     assert flight.metrics.overshoot < overshoot
 
@@ -129,7 +136,7 @@ def test_every_platform_that_hovers_climbs_and_holds(name, error, overshoot):
 @pytest.mark.parametrize('name', ['gtmab', *OTHERS])
 def test_they_turn_and_hold_heading(name):
     flight = flown(name, 'turn')
-    assert flight.held
+    assert flight.is_held
     assert abs(flight.metrics.steady_error) < math.radians(2.0)
 
 
@@ -138,7 +145,7 @@ def test_they_turn_and_hold_heading(name):
 )
 def test_they_cruise_at_half_a_metre_a_second(name):
     flight = flown(name, 'cruise')
-    assert flight.held
+    assert flight.is_held
     assert abs(flight.metrics.steady_error) < 0.05
 
 
@@ -146,24 +153,24 @@ def test_they_cruise_at_half_a_metre_a_second(name):
 def test_a_heading_that_moves_is_followed_late_by_rate_over_gain():
     """GT-MAB: 6 deg/s by 0.6 per second is 10 degrees; it turns back thrice, so a little less."""
     flight = flown('gtmab', 'follow')
-    assert flight.held
+    assert flight.is_held
     assert math.degrees(flight.metrics.rms) == pytest.approx(10.0, abs=1.5)
 
 
 @pytest.mark.long
 def test_the_glider_soars_but_does_not_hover():
-    assert flown('rgblimp', 'soar').held
+    assert flown('rgblimp', 'soar').is_held
     sunk = flown('rgblimp', 'climb')
-    assert not sunk.held
+    assert not sunk.is_held
     assert sunk.metrics.steady_error > 1.5  # it has come down from its release
 
 
 def test_open_loop_overshoots_and_closing_the_loop_reverses_it():
     """The seed paper: fails to follow, overshoots in altitude."""
     opened = flown('blimp2b', 'climb')
-    assert not opened.held
+    assert not opened.is_held
     assert opened.metrics.overshoot > 0.3
-    assert flown('blimp2b_closed', 'climb', ablation=True).held
+    assert flown('blimp2b_closed', 'climb', ablation=True).is_held
 
 
 @pytest.mark.long
@@ -171,7 +178,7 @@ def test_open_loop_reaches_the_published_steady_surge():
     """0.76 m/s at full front thrust: sqrt(0.040 / 0.07); its failure counts only after that."""
     full = math.sqrt(0.040 / 0.07)
     neutral = changed('blimp2b', set={'vehicle.trim.heaviness': '0 g'})
-    flight = fly(neutral, SCENARIO, at_speed(load_manoeuvre('cruise'), full), 1)
+    flight = fly_manoeuvre(neutral, SCENARIO, change_speed(load_maneuver('cruise'), full), 1)
     late = flight.flown[:, 0] > 55.0
     assert flight.duties[late, 0] == pytest.approx(1.0, abs=1e-6)
     assert flight.flown[late, 3].mean() == pytest.approx(full, rel=0.02)
@@ -179,24 +186,24 @@ def test_open_loop_reaches_the_published_steady_surge():
 
 def test_beavis_has_the_published_margin_and_still_fails_by_a_linear_b(plain_laws, monkeypatch):
     """0.05 N up at full command against 2 g; what decides is that the law knows the collision."""
-    lift, weight = margin(changed('beavis_paper').vehicle)
+    lift, weight = compute_lift_margin(changed('beavis_paper').vehicle)
     assert lift == pytest.approx(0.050, abs=2e-4)
     assert (lift - weight) / 9.80665 == pytest.approx(3.1e-3, abs=5e-5)
-    monkeypatch.setattr(autopilot, 'compiled', plain_laws)
+    monkeypatch.setattr(autopilot, 'compile_core', plain_laws)
     stuck = flown('beavis_by_matrix', 'climb', ablation=True)
-    assert not stuck.held
+    assert not stuck.is_held
     assert stuck.duties.max() == 0.0  # every column of B sinks, so it asks for nothing
-    assert flown('beavis_paper', 'climb').held
+    assert flown('beavis_paper', 'climb').is_held
 
 
 @pytest.mark.long
 def test_beavis_neither_lifts_more_than_its_jets_nor_sinks_without_weight():
     heavy = flown('beavis_too_heavy', 'climb', ablation=True)
     neutral = flown('beavis_neutral', 'climb', ablation=True)
-    assert not heavy.held
+    assert not heavy.is_held
     assert heavy.metrics.steady_error > 1.4  # on the floor, at full thrust
     assert heavy.duties[-1].min() == pytest.approx(1.0)
-    assert not neutral.held
+    assert not neutral.is_held
     assert neutral.metrics.steady_error < -1.0  # rises on
 
 
@@ -205,36 +212,38 @@ def test_sblimp_pushes_sideways_only_by_what_it_carries():
     """By what it carries it saturates; heavier, it reaches the published 0.8 m/s."""
     light = flown('sblimp', 'cruise', 0.8)
     heavy = flown('sblimp_16g', 'cruise', 0.8, ablation=True)
-    assert not light.held
+    assert not light.is_held
     assert light.flown[-500:, 3].mean() < level_speed(load_vehicle('sblimp'))
-    assert heavy.held
+    assert heavy.is_held
 
 
 @pytest.mark.long
 def test_speed_before_height_lifts_sblimp_away_and_swings_it():
     flight = flown('sblimp_speed_first', 'cruise', 0.8, ablation=True)
-    assert not flight.held
+    assert not flight.is_held
     assert flight.height.steady_error < -1.0
     assert math.degrees(flight.tilt) > 25.0
 
 
 def test_a_top_heavy_vehicle_turns_over_and_is_told_so(tmp_path):
     """GT-MAB's frame on its back instead of its belly: it stands, and flips once it has risen."""
-    content = load_yaml(find('vehicle', 'gtmab'))
+    content = load_yaml(find_file('vehicle', 'gtmab'))
     content['trim']['unstable'] = 'allowed'
     frame = content['layers']['propulsion_and_control']['frame']
     frame['position']['value'] = [0.0, 0.0, 120.0]  # cm: 2 cm above balance
     path = tmp_path / 'top_heavy.yaml'
     path.write_text(yaml.safe_dump(content, sort_keys=False), encoding='utf-8')
     made = COMPARISON.contestants['gtmab'].model_copy(update={'vehicle': str(path)})
-    climb = load_manoeuvre('climb')
+    climb = load_maneuver('climb')
     brief = climb.model_copy(update={'until': climb.until.model_copy(update={'value': 15.0})})
-    flight = fly(entrant(made, DENSITY), SCENARIO, brief, 1)
+    flight = fly_manoeuvre(build_entrant(made, DENSITY), SCENARIO, brief, 1)
     assert flight.lost == 'turned over'
-    assert not flight.held
+    assert not flight.is_held
     assert math.degrees(flight.tilt) > 150.0
     assert flight.duties[-1].max() == 0.0  # the motors are off for good
-    content = printed(row_of(Job('platforms', 'contestant', 'gtmab', 'climb', 2), flight))
+    content = result_to_json(
+        summarize_flight(PlatformJob('platforms', 'contestant', 'gtmab', 'climb', 2), flight)
+    )
     assert (content['lost'], content['held']) == ('turned over', False)
     assert flown('gtmab', 'climb').lost == ''
 
@@ -245,8 +254,8 @@ def test_a_parameter_that_is_none_is_refused():
 
 
 def test_every_entry_can_be_built():
-    check('platforms', COMPARISON)
-    every = jobs('platforms', COMPARISON, 2)
+    check_comparison('platforms', COMPARISON)
+    every = list_jobs('platforms', COMPARISON, 2)
     assert len(every) == len(set(every))
     assert {job.seed for job in every} == {1, 2}
 
@@ -268,48 +277,48 @@ def test_the_page_says_what_each_change_turns(tmp_path):
         }
     )
     rows = [
-        row_of(job, flown(job.name, 'climb', ablation=job.kind == 'ablation'))
-        for job in jobs('platforms', few, 1)
+        summarize_flight(job, flown(job.name, 'climb', ablation=job.kind == 'ablation'))
+        for job in list_jobs('platforms', few, 1)
     ]
-    told = reversals(few, rows)
+    told = describe_reversals(few, rows)
     assert 'reverses climb (1 of 1 held, then 0)' in told[0]
-    page = write_page(Told(few, rows, tmp_path, {'seeds': '1'})).read_text()
+    page = write_page(ComparisonReport(few, rows, tmp_path, {'seeds': '1'})).read_text()
     assert 'controller: our cascade, which knows the linear B alone</td>' in page
     assert '<b>1/1 \N{RIGHTWARDS ARROW} 0/1</b>' in page
     assert 'the duties of front, yaw, vertical' in page  # the open loop's input is stated
     assert '3.1 g' in page  # static margin of BEAVIS
-    content = [printed(row) for row in rows]
+    content = [result_to_json(row) for row in rows]
     assert json.loads(json.dumps(content, allow_nan=False)) == content
 
 
 def test_rows_of_other_seeds_keep_no_traces():
     flight = flown('gtmab', 'climb')
-    row = row_of(Job('platforms', 'contestant', 'gtmab', 'climb', 2), flight)
+    row = summarize_flight(PlatformJob('platforms', 'contestant', 'gtmab', 'climb', 2), flight)
     assert row.flown is None
-    assert row_of(replace(row.job, seed=1), flight).flown is not None
+    assert summarize_flight(replace(row.job, seed=1), flight).flown is not None
 
 
 def test_a_vehicle_flies_to_the_lamp_by_the_law_that_its_file_names():
     """BEAVIS by its own sensors, multirotor by the tracker; gains are the files' own."""
     for vehicle in ('beavis', 'multirotor'):
-        made_of = gather(vehicle, 'lamp_room', 'bag', '')
+        made_of = load_spec(vehicle, 'lamp_room', 'bag', '')
         assert made_of.names['gains'] == vehicle
-        loop = loop_of(made_of, 2)
-        while loop.step() is Outcome.FLYING:
+        loop = build_loop(made_of, 2)
+        while loop.step() is FlightOutcome.FLYING:
             pass
-        assert loop.world.outcome is Outcome.REACHED
+        assert loop.world.outcome is FlightOutcome.REACHED
 
 
 def test_a_gain_of_another_law_has_its_unit_and_bounds():
-    made_of = gather('beavis', 'lamp_room', 'bag', '')
-    assert made_of.unit('gains.yaw_rate_limit') == 'rad/s'
+    made_of = load_spec('beavis', 'lamp_room', 'bag', '')
+    assert made_of.find_unit('gains.yaw_rate_limit') == 'rad/s'
     with pytest.raises(BadInput, match='compensation'):
-        loop_of(made_of.with_values({'gains.compensation': 2.0}), 1)
+        build_loop(made_of.with_values({'gains.compensation': 2.0}), 1)
 
 
 def test_gains_of_another_law_are_refused():
     with pytest.raises(BadInput, match='gtmab'):
-        loop_of(gather('beavis', 'lamp_room', 'bag', 'gtmab'), 1)
+        build_loop(load_spec('beavis', 'lamp_room', 'bag', 'gtmab'), 1)
 
 
 def test_the_verb_flies_a_file_and_keeps_every_flight(tmp_path, capsys):

@@ -4,16 +4,21 @@ from pathlib import Path
 
 from lta_config.errors import BadInput
 from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_control.gains_file import load_gains_of
+from lta_control.gains_file import load_law_gains
 from lta_model.scenario import load_scenario
-from lta_studies.platforms.run import ABLATION, CONTESTANT, Job, loop_of
-from lta_studies.reproduce.recorded import files, record, way, write
+from lta_studies.platforms.run import ABLATION, build_loop, CONTESTANT, PlatformJob
+from lta_studies.reproduce.recording import (
+    collect_files,
+    record_flight,
+    relative_bag_path,
+    write_yaml,
+)
 from mcap.reader import make_reader
 import pytest
 
 
 def job(name, kind=CONTESTANT):
-    return Job('platforms', kind, name, 'climb', 1)
+    return PlatformJob('platforms', kind, name, 'climb', 1)
 
 
 @pytest.mark.parametrize(
@@ -22,16 +27,19 @@ def job(name, kind=CONTESTANT):
     ids=lambda j: j.name,
 )
 def test_the_files_beside_a_bag_are_what_was_flown(told, tmp_path):
-    loop = loop_of(told)
-    names = {k: write(content, tmp_path / f'{k}.yaml') for k, content in files(loop).items()}
+    loop = build_loop(told)
+    names = {
+        k: write_yaml(content, tmp_path / f'{k}.yaml')
+        for k, content in collect_files(loop).items()
+    }
     assert load_vehicle_file(names['vehicle']) == loop.world.vehicle.file
     assert load_scenario(names['scenario']) == loop.world.scenario
-    assert load_gains_of(type(loop.policy.gains), names['gains']) == loop.policy.gains
+    assert load_law_gains(type(loop.policy.gains), names['gains']) == loop.policy.gains
 
 
 def test_a_flight_is_recorded_with_its_seed_and_its_duties(tmp_path):
     folder = tmp_path / 'bags' / 'closed_loop' / 'climb' / 'gtmab'
-    record(loop_of(job('gtmab')), lambda loop: loop.world.elapsed > 0.5, folder)
+    record_flight(build_loop(job('gtmab')), lambda loop: loop.world.elapsed > 0.5, folder)
     bag = next((folder / 'bag').glob('*.mcap'))
     with bag.open('rb') as stream:
         reader = make_reader(stream)
@@ -47,8 +55,8 @@ def test_a_flight_is_recorded_with_its_seed_and_its_duties(tmp_path):
     assert origin['seed'] == '1'
     assert origin['law'] == 'cascade'
     with pytest.raises(BadInput, match='not empty'):
-        record(loop_of(job('gtmab')), lambda loop: True, folder)
+        record_flight(build_loop(job('gtmab')), lambda loop: True, folder)
 
 
 def test_the_page_comes_to_bags_from_its_own_folder():
-    assert way(Path('/anywhere/paper/bags/beavis/turn')) == 'bags/beavis/turn'
+    assert relative_bag_path(Path('/anywhere/paper/bags/beavis/turn')) == 'bags/beavis/turn'

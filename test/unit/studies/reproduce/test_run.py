@@ -2,11 +2,11 @@
 
 from io import StringIO
 
-from lta_cli.verbs.reproduce import gathered
+from lta_cli.verbs.reproduce import gather_rows
 from lta_studies.reproduce import run
-from lta_studies.reproduce.found import Found, Value
-from lta_studies.reproduce.run import Order, rows_of
-from lta_studies.reproduce.sources import digest, imported, sources
+from lta_studies.reproduce.run import ReproductionRequest, select_rows
+from lta_studies.reproduce.sources import hash_sources, iterate_sources, trace_imports
+from lta_studies.reproduce.study_result import MeasuredValue, RowStudyResult
 import pytest
 from rich.console import Console
 
@@ -18,22 +18,27 @@ def named(paths):
 
 
 def test_a_row_rests_on_its_own_study_on_the_cores_and_on_what_is_configured():
-    found = named(sources('energy'))
-    own = {'studies/energy.py', 'paper/energy.yaml', 'energy/flown.py', 'reproduce/recorded.py'}
+    found = named(iterate_sources('energy'))
+    own = {
+        'studies/energy.py',
+        'paper/energy.yaml',
+        'energy/course_flight.py',
+        'reproduce/recording.py',
+    }
     shared = {'vehicles/gtmab.yaml', 'aero/gtmab.sweep.json', 'lta_control/cascade.py'}
     assert own | shared <= found
-    assert digest('energy') == digest('energy') != digest('beavis')
+    assert hash_sources('energy') == hash_sources('energy') != hash_sources('beavis')
 
 
 def test_a_row_rests_neither_on_other_rows_nor_on_what_it_does_not_import():
-    found = named(sources('cells'))
+    found = named(iterate_sources('cells'))
     assert not {'studies/beavis.py', 'paper/beavis.yaml'} & found
     assert not {'hardware/calibration.py', 'discovery/run.py', 'verbs/reproduce.py'} & found
 
 
 def test_what_is_imported_is_followed_through_packages_and_functions():
-    found = named(imported('lta_studies.reproduce.studies.closed_loop'))
-    assert {'reproduce/manoeuvres.py', 'platforms/flying.py', 'lta_flight/loop.py'} <= found
+    found = named(trace_imports('lta_studies.reproduce.studies.closed_loop'))
+    assert {'reproduce/manoeuvres.py', 'platforms/flight.py', 'lta_flight/closed_loop.py'} <= found
     assert 'bag/writer.py' in found  # of lta_bridge, by the recorder
 
 
@@ -45,7 +50,7 @@ def studied(monkeypatch):
     def instead(name):
         def study(asked):
             done.append(name)
-            return Found({}, [])
+            return RowStudyResult({}, [])
 
         return study
 
@@ -57,7 +62,7 @@ def studied(monkeypatch):
 def shown(folder, terminal):
     """Return what a console was told while the rows were gathered, and the rows."""
     console = Console(file=StringIO(), force_terminal=terminal, width=100)
-    kepts = gathered(Order(NAMES, True, folder, 1), rows_of(NAMES), console)
+    kepts = gather_rows(ReproductionRequest(NAMES, True, folder, 1), select_rows(NAMES), console)
     return console.file.getvalue(), kepts
 
 
@@ -105,7 +110,7 @@ def test_bags_of_flights_that_may_fly_otherwise_now_are_taken_away(tmp_path, mon
 
     def study(asked):
         assert not asked.folder.exists()
-        return Found({'sheet_factor': Value(2.0)}, [])
+        return RowStudyResult({'sheet_factor': MeasuredValue(2.0)}, [])
 
     monkeypatch.setitem(run.STUDIES, 'cells', study)
     run.study_row('cells', True, tmp_path)

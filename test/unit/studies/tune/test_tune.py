@@ -7,16 +7,21 @@ from lta_config.constants import STANDARD_GRAVITY
 from lta_config.errors import BadInput
 from lta_config.settings import setting, Settings
 from lta_control.gains_file import load_gains
-from lta_studies.tune import crew, limit
-from lta_studies.tune.book import Book
-from lta_studies.tune.compare import difference, Flights, spread
-from lta_studies.tune.exam import Case, fly, Scene, Step
-from lta_studies.tune.find import find, robust
-from lta_studies.tune.gains_text import check_writable, gains_text, write_gains
-from lta_studies.tune.marks import mark_of, Report
-from lta_studies.tune.mission import seek, Sought
-from lta_studies.tune.numbers import changed, chosen, Number, numbers_of
-from lta_studies.tune.search import Search
+from lta_studies.tune import helium_limit, workers
+from lta_studies.tune.cma_es import CmaEsSearch
+from lta_studies.tune.compare import compare_costs, compute_quartiles, GainEvaluation
+from lta_studies.tune.evaluation_log import EvaluationLog
+from lta_studies.tune.gain_search import robust_cost, search_gains
+from lta_studies.tune.gains_file import check_writable, format_gains, write_gains
+from lta_studies.tune.lamp_flight import fly_to_lamp, LampFlightResult
+from lta_studies.tune.metrics import compute_step_metrics, ResponseMetrics
+from lta_studies.tune.parameters import (
+    iterate_parameters,
+    replace_parameters,
+    select_parameters,
+    TunableParameter,
+)
+from lta_studies.tune.step_response import fly_steps, SetpointStep, TuningCase, TuningScene
 import numpy as np
 import pytest
 
@@ -33,32 +38,32 @@ class Toy(Settings):
 
 
 def test_numbers_are_found_with_their_bounds():
-    found = {number.path: number for number in numbers_of(Toy())}
+    found = {number.path: number for number in iterate_parameters(Toy())}
     assert list(found) == ['kp', 'limit', 'off', 'inner.kd']
     kd = found['inner.kd']
     assert (kd.value, kd.low, kd.high, kd.unit) == (0.2, 0.0, 3.0, 's')
-    assert found['kp'].ends(6.0) == (0.5, 2.0)
-    assert kd.ends(6.0) == pytest.approx((0.2 / 6.0, 1.2))
+    assert found['kp'].search_bounds(6.0) == (0.5, 2.0)
+    assert kd.search_bounds(6.0) == pytest.approx((0.2 / 6.0, 1.2))
 
 
 def test_gains_are_turned_and_limits_are_not():
-    assert [number.path for number in chosen(Toy())] == ['kp', 'inner.kd']
-    assert [number.path for number in chosen(Toy(), ['limit'])] == ['limit']
+    assert [number.path for number in select_parameters(Toy())] == ['kp', 'inner.kd']
+    assert [number.path for number in select_parameters(Toy(), ['limit'])] == ['limit']
     with pytest.raises(BadInput, match='limt'):
-        chosen(Toy(), ['limt'])
+        select_parameters(Toy(), ['limt'])
     with pytest.raises(BadInput, match='off starts at 0'):
-        chosen(Toy(), ['off'])
+        select_parameters(Toy(), ['off'])
 
 
 def test_changed_numbers_are_checked():
-    assert changed(Toy(), {'inner.kd': 1.5}).inner.kd == 1.5
+    assert replace_parameters(Toy(), {'inner.kd': 1.5}).inner.kd == 1.5
     with pytest.raises(ValueError, match='less than or equal to 3'):
-        changed(Toy(), {'inner.kd': 4.0})
+        replace_parameters(Toy(), {'inner.kd': 4.0})
 
 
 def test_the_search_finds_the_end_of_a_bent_valley():
     # Rosenbrock's function in four dimensions: the minimum is at (1, 1, 1, 1).
-    search = Search([-1.0, 1.0, -1.0, 1.0], 0.3, 3)
+    search = CmaEsSearch([-1.0, 1.0, -1.0, 1.0], 0.3, 3)
     for _ in range(400):
         points = search.ask()
         a = [float(((1 - p[:-1]) ** 2 + 100 * (p[1:] - p[:-1] ** 2) ** 2).sum()) for p in points]
@@ -73,9 +78,9 @@ def toy_costs(candidate):
 
 
 def tuned(folder, budget=61, fly=toy_costs):
-    two = [Number('kd', 0.3, 0.0, 100.0), Number('kp', 1.0, 0.9, 1.1)]
-    with Book(folder, 'toy') as book:
-        return find(two, fly, book, budget, 1)
+    two = [TunableParameter('kd', 0.3, 0.0, 100.0), TunableParameter('kp', 1.0, 0.9, 1.1)]
+    with EvaluationLog(folder, 'toy') as book:
+        return search_gains(two, fly, book, budget, 1)
 
 
 def test_a_toy_plant_is_tuned(tmp_path):
@@ -114,12 +119,12 @@ def test_a_stopped_search_goes_on_where_it_was(tmp_path):
 
 
 def test_two_searches_do_not_write_to_one_book(tmp_path):
-    with Book(tmp_path, 'a'), pytest.raises(BadInput, match='Another search writes'):
-        Book(tmp_path, 'a')
+    with EvaluationLog(tmp_path, 'a'), pytest.raises(BadInput, match='Another search writes'):
+        EvaluationLog(tmp_path, 'a')
 
 
 def test_the_worst_counts_as_much_as_the_mean():
-    assert robust([1.0, 2.0, 6.0]) == pytest.approx(4.5)
+    assert robust_cost([1.0, 2.0, 6.0]) == pytest.approx(4.5)
 
 
 def test_marks_of_a_second_order_step():
@@ -127,7 +132,9 @@ def test_marks_of_a_second_order_step():
     time = np.arange(0.0, 20.0, 0.05)
     w = math.sqrt(0.75)
     value = 1.0 - np.exp(-0.5 * time) * (np.cos(w * time) + 0.5 / w * np.sin(w * time))
-    mark = mark_of(time + 7.0, 3.0 - 2.0 * value, Step(7.0, 27.0, 'altitude', 3.0, 1.0))
+    mark = compute_step_metrics(
+        time + 7.0, 3.0 - 2.0 * value, SetpointStep(7.0, 27.0, 'altitude', 3.0, 1.0)
+    )
     assert mark.overshoot == pytest.approx(0.163, abs=1e-3)
     outside = np.abs(value - 1.0) > 0.1
     assert mark.settle == pytest.approx(time[np.flatnonzero(outside)[-1] + 1], abs=1e-9)
@@ -136,40 +143,44 @@ def test_marks_of_a_second_order_step():
 
 def test_a_step_that_never_settles_is_infinitely_long():
     time = np.arange(0.0, 10.0, 0.1)
-    mark = mark_of(time, np.zeros(100), Step(0.0, 10.0, 'speed', 0.0, 0.4))
+    mark = compute_step_metrics(time, np.zeros(100), SetpointStep(0.0, 10.0, 'speed', 0.0, 0.4))
     assert (mark.settle, mark.overshoot, mark.steady, mark.error) == (math.inf, 0.0, 1.0, 1.0)
-    assert spread([1.0, 2.0, math.inf]).median == 2.0
+    assert compute_quartiles([1.0, 2.0, math.inf]).median == 2.0
 
 
 def test_the_difference_has_students_interval():
     def flights(*holds):
-        return Flights((0.0,) * 3, tuple(Report((MARK,), h, 0.0, 0.0, False, 0.0) for h in holds))
+        return GainEvaluation(
+            (0.0,) * 3, tuple(ResponseMetrics((MARK,), h, 0.0, 0.0, False, 0.0) for h in holds)
+        )
 
-    gap = difference(flights(0.4, 0.4, 0.4), flights(0.0, 0.04, 0.08))
+    gap = compare_costs(flights(0.4, 0.4, 0.4), flights(0.0, 0.04, 0.08))
     # Differences -1, -0.9, -0.8: mean -0.9, s 0.1, t(0.975, 2) = 4.303.
     assert gap.mean == pytest.approx(-0.9)
     assert gap.high - gap.mean == pytest.approx(4.303 * 0.1 / math.sqrt(3.0), rel=1e-3)
 
 
-MARK = mark_of(np.arange(4.0), np.zeros(4), Step(0.0, 4.0, 'speed', 0.0, 1.0))
+MARK = compute_step_metrics(np.arange(4.0), np.zeros(4), SetpointStep(0.0, 4.0, 'speed', 0.0, 1.0))
 
 
 def test_written_gains_are_read_back(tmp_path):
-    gains = changed(load_gains('gtmab'), {'climb.kp': 0.8123, 'altitude_kp': 0.45})
+    gains = replace_parameters(load_gains('gtmab'), {'climb.kp': 0.8123, 'altitude_kp': 0.45})
     path = tmp_path / 'gains.yaml'
     write_gains(gains, ['Found by: lta tune'], path)
     assert load_gains(str(path)) == gains
-    assert gains_text(gains, ['Found by: lta tune']).startswith('# Found by: lta tune\n/**/')
+    assert format_gains(gains, ['Found by: lta tune']).startswith('# Found by: lta tune\n/**/')
 
 
 def test_lost_lift_is_carried_by_the_rotors_and_not_told():
-    scene = Scene('gtmab')
-    assert scene.true(3e-3).effects()['net_lift']['force'] == pytest.approx(
+    scene = TuningScene('gtmab')
+    assert scene.build_true_vehicle(3e-3).collect_effects()['net_lift']['force'] == pytest.approx(
         -3e-3 * STANDARD_GRAVITY
     )
-    assert 'net_lift' not in scene.known.effects()
-    short = (Step(12.0, 14.0, 'altitude', 1.0, 1.0 + 1e-9),)
-    one, same = (fly(scene, load_gains('gtmab'), Case(3e-3, 5), short) for _ in range(2))
+    assert 'net_lift' not in scene.nominal_vehicle.collect_effects()
+    short = (SetpointStep(12.0, 14.0, 'altitude', 1.0, 1.0 + 1e-9),)
+    one, same = (
+        fly_steps(scene, load_gains('gtmab'), TuningCase(3e-3, 5), short) for _ in range(2)
+    )
     assert np.array_equal(one.altitude, same.altitude)
     assert one.altitude[-1] == pytest.approx(1.0, abs=0.1)
 
@@ -177,34 +188,38 @@ def test_lost_lift_is_carried_by_the_rotors_and_not_told():
 @pytest.mark.long
 def test_a_mission_that_is_too_heavy_is_not_reached():
     # The climb may ask for 0.2 N: 20.4 g, 18.4 g beyond the trim.
-    scene, gains = Scene('gtmab'), load_gains('gtmab')
-    light, heavy = (seek(scene, gains, Case(loss, 1)) for loss in (0.0, 24e-3))
+    scene, gains = TuningScene('gtmab'), load_gains('gtmab')
+    light, heavy = (fly_to_lamp(scene, gains, TuningCase(loss, 1)) for loss in (0.0, 24e-3))
     assert light.reached
     assert 0.1 < light.time < 0.5
-    assert heavy == Sought(False, pytest.approx(1.0))
+    assert heavy == LampFlightResult(False, pytest.approx(1.0))
 
 
 def test_what_the_rotors_carry():
     # Two rotors of 0.0915 + 0.0677 N, 0.961 of it upwards, less the 2 g of the trim.
     most = 2 * 0.961 * (0.0915 + 0.0677) / STANDARD_GRAVITY - 2e-3
-    assert limit.rotors_carry(Scene('gtmab').known) == pytest.approx(most, rel=1e-9)
+    assert helium_limit.rotor_loss_limit(TuningScene('gtmab').nominal_vehicle) == pytest.approx(
+        most, rel=1e-9
+    )
 
 
 def test_a_limit_is_bracketed():
-    low, high = limit.bracket(lambda value: value < 17.0, 30.0)
+    low, high = helium_limit.bracket_limit(lambda value: value < 17.0, 30.0)
     assert low < 17.0 <= high
-    assert high - low == pytest.approx(5.0 / 2**limit.HALVINGS)
-    assert limit.bracket(lambda value: True, 30.0) == (30.0, math.inf)
-    assert limit.bracket(lambda value: False, 30.0) == (None, 0.0)
+    assert high - low == pytest.approx(5.0 / 2**helium_limit.HALVINGS)
+    assert helium_limit.bracket_limit(lambda value: True, 30.0) == (30.0, math.inf)
+    assert helium_limit.bracket_limit(lambda value: False, 30.0) == (None, 0.0)
 
 
 @pytest.mark.long
 def test_gains_that_may_ask_for_less_hold_less(monkeypatch):
-    monkeypatch.setattr(limit, 'TRIED', 2)
-    monkeypatch.setattr(limit, 'HALVINGS', 0)
+    monkeypatch.setattr(helium_limit, 'TRIED', 2)
+    monkeypatch.setattr(helium_limit, 'HALVINGS', 0)
     shipped = load_gains('gtmab')
-    weak = changed(shipped, {'climb.limit': 0.1})  # N; carries 10.2 g, 8.2 g beyond the trim
-    strong, feeble = (limit.helium_limit('gtmab', gains) for gains in (shipped, weak))
+    weak = replace_parameters(
+        shipped, {'climb.limit': 0.1}
+    )  # N; carries 10.2 g, 8.2 g beyond the trim
+    strong, feeble = (helium_limit.find_helium_limit('gtmab', gains) for gains in (shipped, weak))
     assert feeble.demand == pytest.approx(1e3 * 0.1 / STANDARD_GRAVITY - 2.0)
     assert (feeble.grams, feeble.fails) == (0.0, pytest.approx(14.6, abs=0.05))
     assert strong.grams == pytest.approx(14.6, abs=0.05)
@@ -214,9 +229,9 @@ def test_gains_that_may_ask_for_less_hold_less(monkeypatch):
 
 @pytest.mark.long
 def test_the_verb_tunes(call, tmp_path, monkeypatch):
-    monkeypatch.setattr(limit, 'TRIED', 1)
-    monkeypatch.setattr(limit, 'HALVINGS', 0)
-    monkeypatch.setattr(crew, 'seek', lambda *_: Sought(True, 0.3))
+    monkeypatch.setattr(helium_limit, 'TRIED', 1)
+    monkeypatch.setattr(helium_limit, 'HALVINGS', 0)
+    monkeypatch.setattr(workers, 'fly_to_lamp', lambda *_: LampFlightResult(True, 0.3))
     out = tmp_path / 'found.yaml'
     words = ('--budget=2', '--draws=2', '--cases=1', '--workers=1', '--number=climb.kp', '--json')
     status, said = call(

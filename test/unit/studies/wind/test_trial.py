@@ -3,22 +3,28 @@
 import json
 import math
 
-from lta_cli.app import put_together
+from lta_cli.app import build_app
 from lta_config.errors import BadInput
-from lta_config.files import find
-from lta_flight.ingredients import gather
+from lta_config.files import find_file
+from lta_flight.flight_spec import load_spec
 from lta_model.scenario import Scenario
-from lta_studies.wind import limits, trial
-from lta_studies.wind.limits import Asked, measured, ticks, to_json
-from lta_studies.wind.page import page
-from lta_studies.wind.trial import blowing, Flyable, flyable, Ground, makes_way
+from lta_studies.wind import flyable_wind, limits
+from lta_studies.wind.flyable_wind import (
+    find_flyable_wind,
+    FlyableWind,
+    GroundWind,
+    makes_headway,
+    set_wind,
+)
+from lta_studies.wind.limits import count_ticks, measure_limits, to_json, WindStudyRequest
+from lta_studies.wind.page import render_page
 import pytest
 from typer.testing import CliRunner
 
 
 @pytest.fixture(scope='module')
 def flight():
-    return gather('gtmab', 'windy_field', 'bag', 'gtmab')
+    return load_spec('gtmab', 'windy_field', 'bag', 'gtmab')
 
 
 def asked(**changes):
@@ -26,14 +32,16 @@ def asked(**changes):
         'vehicles': ('gtmab',), 'roughness': (0.1, 0.3), 'height': 0.5, 'reference': 10.0,
         'scenario': 'windy_field', 'seeds': 2, 'quick': True, 'fly': True,
     }  # fmt: skip
-    return Asked(**given | changes)
+    return WindStudyRequest(**given | changes)
 
 
 def test_the_wind_blows_from_the_lamp_to_the_start(flight):
-    even = Scenario.model_validate(blowing(flight, 2.0, Ground(None)).contents['scenario']).air
+    even = Scenario.model_validate(
+        set_wind(flight, 2.0, GroundWind(None)).contents['scenario']
+    ).air
     assert even.wind.vector == pytest.approx((-2.0, 0.0, 0.0), abs=1e-12)
     assert even.profile is None
-    rough = blowing(flight, 2.0, Ground(0.1, 5.0))
+    rough = set_wind(flight, 2.0, GroundWind(0.1, 5.0))
     over = Scenario.model_validate(rough.contents['scenario']).air
     assert over.wind.vector == pytest.approx((0.0, 0.0, 0.0), abs=1e-12)
     assert (over.profile.wind.si, over.profile.height.si, over.profile.roughness.si) == (2, 5, 0.1)
@@ -41,8 +49,10 @@ def test_the_wind_blows_from_the_lamp_to_the_start(flight):
 
 
 def test_on_a_route_it_blows_from_the_first_lamp():
-    made_of = gather('gtmab', 'warehouse', 'homing', 'gtmab')  # from (-9, -2) to (-3, -2)
-    air = Scenario.model_validate(blowing(made_of, 2.0, Ground(None)).contents['scenario']).air
+    made_of = load_spec('gtmab', 'warehouse', 'homing', 'gtmab')  # from (-9, -2) to (-3, -2)
+    air = Scenario.model_validate(
+        set_wind(made_of, 2.0, GroundWind(None)).contents['scenario']
+    ).air
     assert air.wind.vector == pytest.approx((-2.0, 0.0, 0.0), abs=1e-12)
 
 
@@ -53,9 +63,9 @@ def made_up(monkeypatch, limit_of):
     def flies(made_of, seed):
         wind = math.hypot(*made_of.contents['scenario']['air']['wind']['value'][:2])
         flown.append(wind)
-        return wind <= limit_of(made_of.held('mission.speed'), seed)
+        return wind <= limit_of(made_of.read_value('mission.speed'), seed)
 
-    monkeypatch.setattr(trial, 'makes_way', flies)
+    monkeypatch.setattr(flyable_wind, 'makes_headway', flies)
     return flown
 
 
@@ -63,8 +73,8 @@ def test_bisection_finds_the_limit_of_the_worst_seed_and_the_best_airspeed(fligh
     tops = {0.5: 0.31, 1.0: 0.74, 1.5: 0.58}
     made_up(monkeypatch, lambda speed, seed: tops[speed] + 0.01 * seed)
     count = []
-    best = flyable(
-        flight, Ground(None), 2.0, (0.5, 1.0, 1.5), (3, 1, 2), 6, lambda: count.append(1)
+    best = find_flyable_wind(
+        flight, GroundWind(None), 2.0, (0.5, 1.0, 1.5), (3, 1, 2), 6, lambda: count.append(1)
     )
     assert best.airspeed == 1.0
     assert best.wind <= 0.75 < best.wind + best.fine
@@ -74,39 +84,39 @@ def test_bisection_finds_the_limit_of_the_worst_seed_and_the_best_airspeed(fligh
 
 def test_a_drone_that_makes_no_way_in_calm_has_no_limit(flight, monkeypatch):
     flown = made_up(monkeypatch, lambda speed, seed: -1.0)
-    found = flyable(flight, Ground(None), 2.0, (0.5, 1.0), (1, 2), 6, lambda: None)
-    assert found == Flyable(0.0, 0.5, 2.0)
+    found = find_flyable_wind(flight, GroundWind(None), 2.0, (0.5, 1.0), (1, 2), 6, lambda: None)
+    assert found == FlyableWind(0.0, 0.5, 2.0)
     assert flown == [0.0, 0.0]  # one flight for each airspeed, no more
 
 
 def test_a_wind_beyond_what_is_asked_is_said_as_that(flight, monkeypatch):
     made_up(monkeypatch, lambda speed, seed: 99.0)
-    found = flyable(flight, Ground(None), 2.0, (0.5,), (1,), 6, lambda: None)
+    found = find_flyable_wind(flight, GroundWind(None), 2.0, (0.5,), (1,), 6, lambda: None)
     assert found.wind + found.fine == 2.0
 
 
 def test_flights_that_make_way_and_that_do_not(flight):
-    assert makes_way(blowing(flight, 0.1, Ground(None)), 1)
-    assert not makes_way(blowing(flight, 1.5, Ground(None)), 1)
+    assert makes_headway(set_wind(flight, 0.1, GroundWind(None)), 1)
+    assert not makes_headway(set_wind(flight, 1.5, GroundWind(None)), 1)
 
 
 @pytest.mark.long
 def test_limits_of_a_platform_flown_and_not(monkeypatch):
     made_up(monkeypatch, lambda speed, seed: 0.4)
     count = []
-    one = measured(asked(), 'gtmab', lambda: count.append(1))
-    assert len(count) == ticks(asked()) - (len(trial.SHARES) - 2) * 5 * 3
+    one = measure_limits(asked(), 'gtmab', lambda: count.append(1))
+    assert len(count) == count_ticks(asked()) - (len(flyable_wind.SHARES) - 2) * 5 * 3
     assert one.flown.wind == pytest.approx(0.4, abs=one.flown.fine)
     assert [over.roughness for over in one.over] == [0.1, 0.3]
     assert one.over[1].static == pytest.approx(one.static / one.over[1].share)
     # Every shipped platform has a law by now; one of people's own may have none.
-    monkeypatch.setattr('lta_studies.wind.limits._gains', lambda vehicle: None)
-    other = measured(asked(vehicles=('skye',)), 'skye', lambda: None)
+    monkeypatch.setattr('lta_studies.wind.limits._find_gains', lambda vehicle: None)
+    other = measure_limits(asked(vehicles=('skye',)), 'skye', lambda: None)
     assert other.flown is None
     assert other.height == pytest.approx(1.35 + 0.1, abs=0.1)  # a hull of 2.7 m flies higher
     printed = json.dumps(to_json([one, other], asked()), allow_nan=False)
     assert json.loads(printed)['vehicles'][1]['tumble'] is None
-    made = page([one, other], asked())
+    made = render_page([one, other], asked())
     assert f'In uniform wind gtmab makes way up to {one.flown.wind:.2f} m/s.' in made
     flown = f'{one.flown.wind:.2f} (+{one.flown.fine:.2f})'
     assert f'<td>{one.static:.2f}</td><td>{flown}</td>' in made
@@ -117,25 +127,25 @@ def test_limits_of_a_platform_flown_and_not(monkeypatch):
 @pytest.mark.long
 def test_ground_that_leaves_no_wind_is_refused():
     with pytest.raises(BadInput, match='not below the reference height of 10 m'):
-        measured(asked(roughness=(20.0,), fly=False), 'gtmab', lambda: None)
+        measure_limits(asked(roughness=(20.0,), fly=False), 'gtmab', lambda: None)
     with pytest.raises(BadInput, match=r'has no wind at 0\.5 m, where gtmab flies'):
-        measured(asked(roughness=(1.0,), fly=False), 'gtmab', lambda: None)
+        measure_limits(asked(roughness=(1.0,), fly=False), 'gtmab', lambda: None)
 
 
 def test_a_drone_without_a_known_limit_is_told_of(tmp_path):
     file = tmp_path / 'slippery.yaml'
-    text = find('vehicle', 'multirotor').read_text(encoding='utf-8')
+    text = find_file('vehicle', 'multirotor').read_text(encoding='utf-8')
     assert '[6.4e-3, 6.4e-3, 7.2e-3]' in text
     file.write_text(text.replace('[6.4e-3, 6.4e-3, 7.2e-3]', '[3.2e-3, 3.2e-3, 3.6e-3]'))
     call = ['wind', str(file), '--no-fly', '--out', str(tmp_path / 'out')]
-    told = CliRunner().invoke(put_together(), call)
+    told = CliRunner().invoke(build_app(), call)
     assert told.exit_code == 0, told.output
     assert 'its known drag sets no limit below 60 m/s.' in ' '.join(told.stdout.split())
 
 
 def test_the_command_prints_a_table_json_and_a_page(tmp_path):
     call = ['wind', 'gtmab', 'skye', 'multirotor', '--no-fly', '--out', str(tmp_path)]
-    told = CliRunner().invoke(put_together(), call)
+    told = CliRunner().invoke(build_app(), call)
     assert told.exit_code == 0, told.output
     for text in ('1.84', '1.67', '3.7', '51.09'):
         assert text in told.stdout
@@ -144,23 +154,23 @@ def test_the_command_prints_a_table_json_and_a_page(tmp_path):
     page = (tmp_path / 'report.html').read_text()
     assert 'Flyable wind against the roughness' in page
     assert '$' not in page.split('<main ')[1].split('</main>')[0].split('<script')[0]
-    kept = CliRunner().invoke(put_together(), call)
+    kept = CliRunner().invoke(build_app(), call)
     assert isinstance(kept.exception, BadInput)
     assert 'is not empty' in str(kept.exception)
     call[-1] = str(tmp_path / 'json')
     call[1:4] = ['multirotor']
-    printed = CliRunner().invoke(put_together(), [*call, '--json'])
+    printed = CliRunner().invoke(build_app(), [*call, '--json'])
     assert json.loads(printed.stdout)['units']['static'] == 'm/s'
 
 
 def test_an_unknown_vehicle_is_bad_input(tmp_path):
-    told = CliRunner().invoke(put_together(), ['wind', 'zeppelin', '--out', str(tmp_path)])
+    told = CliRunner().invoke(build_app(), ['wind', 'zeppelin', '--out', str(tmp_path)])
     assert isinstance(told.exception, BadInput)
     assert 'zeppelin' in str(told.exception)
     call = ['wind', 'gtmab', 'zeppelin', '--out', str(tmp_path / 'out')]
-    assert 'zeppelin' in str(CliRunner().invoke(put_together(), call).exception)
+    assert 'zeppelin' in str(CliRunner().invoke(build_app(), call).exception)
     assert not (tmp_path / 'out').exists()
 
 
 def test_the_airspeeds_stay_within_what_a_mission_may_ask(flight):
-    assert max(limits._airspeeds(asked(), flight, 99.0)) <= limits.FASTEST
+    assert max(limits._list_airspeeds(asked(), flight, 99.0)) <= limits.FASTEST

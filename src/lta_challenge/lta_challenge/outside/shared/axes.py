@@ -5,7 +5,7 @@ from lta_model.effects.protocol import Values
 Vector = tuple[float, float, float]
 
 
-def in_body(rotation: Values, x: float, y: float, z: float) -> Vector:
+def rotate_to_body(rotation: Values, x: float, y: float, z: float) -> Vector:
     """Return a vector of the map in body axes; `rotation` has its rows one after the other."""
     r = rotation
     return (
@@ -15,7 +15,7 @@ def in_body(rotation: Values, x: float, y: float, z: float) -> Vector:
     )
 
 
-def level(rotation: Values, a: float, b: float, c: float) -> tuple[float, float]:
+def horizontal_components(rotation: Values, a: float, b: float, c: float) -> tuple[float, float]:
     """Return how far a vector in body axes points east and north."""
     r = rotation
     return (r[0] * a + r[1] * b + r[2] * c, r[3] * a + r[4] * b + r[5] * c)

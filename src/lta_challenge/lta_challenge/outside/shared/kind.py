@@ -9,7 +9,7 @@ from lta_model.effects.protocol import WrenchEffect
 
 @final
 @dataclass(frozen=True, slots=True)
-class Outside:
+class OutsideKind:
     """
     One kind.
 

@@ -5,7 +5,12 @@ import sys
 from typing import Annotated
 
 from lta_cli.options.plain_console import plain_console
-from lta_data.trust.told import Checked, checked_bags, show, to_json
+from lta_data.data_quality.check_report import (
+    check_bags,
+    CheckedRecording,
+    findings_to_json,
+    print_findings,
+)
 import typer
 
 
@@ -36,11 +41,11 @@ def check(
     Example: lta bag check runs/*/bag
     """
     console = plain_console(stderr=json)
-    done: list[Checked] = checked_bags(paths, robot, console)
+    done: list[CheckedRecording] = check_bags(paths, robot, console)
     if json:
-        sys.stdout.write(to_json(done) + '\n')
+        sys.stdout.write(findings_to_json(done) + '\n')
     else:
         for one in done:
-            show(one, console)
-    if any(one.grave for one in done):
+            print_findings(one, console)
+    if any(one.is_grave for one in done):
         raise typer.Exit(1)

@@ -4,13 +4,13 @@ from pathlib import Path
 from typing import Annotated
 
 from lta_cli.options.json_option import print_json
-from lta_cli.options.out_option import folder
+from lta_cli.options.out_option import parse_folder
 from lta_cli.options.plain_console import plain_console
 from lta_data.bag.recording import open_recording
 from lta_data.export.progress import ExportProgress
-from lta_data.export.run import Done, FORMATS, Order
-from lta_data.export.run import export as export_files
-from lta_report.results_folder import results_folder
+from lta_data.export.run import export_recording as export_files
+from lta_data.export.run import ExportRequest, ExportResult, FORMATS
+from lta_report.results_folder import resolve_folder
 import typer
 
 
@@ -26,7 +26,7 @@ def export(
         Path | None,
         typer.Option(
             help='Folder of the files, new or empty; runs/<time>-export by default.',
-            parser=folder,
+            parser=parse_folder,
             metavar='FOLDER',
         ),
     ] = None,
@@ -61,11 +61,11 @@ def export(
     console = plain_console(stderr=json)
     recording = open_recording(bag, robot)
     names = tuple(name.strip() for name in topics.split(',') if name.strip())
-    target = results_folder(out, 'export')
+    target = resolve_folder(out, 'export')
     with ExportProgress(console) as progress:
-        done = export_files(recording, Order(form, names, rate, method), target, progress)
+        done = export_files(recording, ExportRequest(form, names, rate, method), target, progress)
     if json:
-        print_json(printed(done, target))
+        print_json(export_to_dict(done, target))
     for file in done.files:
         console.print(
             f'{file.topic}: {file.rows} rows, {file.columns} columns',
@@ -76,7 +76,7 @@ def export(
     console.print(f'Files {target}', highlight=False, markup=False, soft_wrap=True)
 
 
-def printed(done: Done, target: Path) -> dict[str, object]:
+def export_to_dict(done: ExportResult, target: Path) -> dict[str, object]:
     """Return what --json prints."""
     files = [
         {'topic': each.topic, 'file': str(each.file), 'rows': each.rows, 'columns': each.columns}

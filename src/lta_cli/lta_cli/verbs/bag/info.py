@@ -5,8 +5,8 @@ import sys
 from typing import Annotated
 
 from lta_cli.options.plain_console import plain_console
-from lta_data.bag.folder import bag_in
-from lta_data.bag.info import bag_info, show
+from lta_data.bag.bag_folder import find_bag
+from lta_data.bag.info import print_bag_info, summarize_bag
 import typer
 
 
@@ -21,8 +21,8 @@ def info(
     is missing is said; so is what is odd: steps back in time, long silences, topics that cannot be
     decoded. The whole vehicle and scenario file that it carries come with --json.
     """
-    found = bag_info(bag_in(path))
+    found = summarize_bag(find_bag(path))
     if json:
         sys.stdout.write(found.to_json() + '\n')
     else:
-        show(found, plain_console())
+        print_bag_info(found, plain_console())

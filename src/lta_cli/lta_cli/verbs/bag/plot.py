@@ -7,13 +7,18 @@ from typing import Annotated
 
 from lta_cli.options.plain_console import plain_console
 from lta_config.errors import BadInput
-from lta_data.bag.channels import all_channels
-from lta_data.bag.flight import Flight, open_flight
-from lta_data.bag.folder import bag_in
-from lta_data.plot.choice import between, by_unit, chosen, readable
-from lta_data.plot.page import page, write_png
-from lta_data.plot.terminal import listing, show
-from lta_report.frame import written
+from lta_data.bag.bag_folder import find_bag
+from lta_data.bag.channels import read_all_channels
+from lta_data.bag.recorded_flight import open_flight, RecordedFlight
+from lta_data.plot.channel_selection import (
+    crop_channel,
+    group_by_unit,
+    make_readable,
+    select_channels,
+)
+from lta_data.plot.page import render_page, write_png
+from lta_data.plot.terminal import build_channel_listing, print_channels
+from lta_report.page_frame import write_file
 from rich.console import Console
 import typer
 
@@ -48,42 +53,46 @@ def plot(
     console = plain_console()
     if not begin < end:
         raise BadInput(f'From {begin:g} s to {end:g} s there is nothing; give --from below --to.')
-    flight = open_flight(bag_in(bag), robot)
+    flight = open_flight(find_bag(bag), robot)
     if not patterns:
-        overview(flight, begin, end, console)
+        print_overview(flight, begin, end, console)
         return
-    found = [readable(between(item, begin, end)) for item in chosen(flight, patterns)]
+    found = [
+        make_readable(crop_channel(item, begin, end)) for item in select_channels(flight, patterns)
+    ]
     times = [time for item in found if len(item.time) for time in item.time[[0, -1]]]
     if not times:
         raise BadInput('The channels hold nothing in that stretch of time; widen it.')
-    span, panels = (min(times), max(times)), list(by_unit(found))
+    span, panels = (min(times), max(times)), list(group_by_unit(found))
     if png is None and html is None:
-        show(panels, span, console)
-        say(flight.bag.losses, console)
+        print_channels(panels, span, console)
+        print_remarks(flight.bag.losses, console)
         return
-    text = page(', '.join(patterns), panels, span, {'bag': str(bag), **origin(flight)})
+    text = render_page(
+        ', '.join(patterns), panels, span, {'bag': str(bag), **select_provenance(flight)}
+    )
     if html is not None:
-        console.print(f'Page {written(text, html)}', highlight=False, soft_wrap=True)
+        console.print(f'Page {write_file(text, html)}', highlight=False, soft_wrap=True)
     if png is not None:
         console.print(f'Picture {write_png(text, png)}', highlight=False, soft_wrap=True)
-    say(flight.bag.losses, console)
+    print_remarks(flight.bag.losses, console)
 
 
-def overview(flight: Flight, begin: float, end: float, console: Console) -> None:
+def print_overview(flight: RecordedFlight, begin: float, end: float, console: Console) -> None:
     """Print every channel, and what could not be decoded."""
-    found = all_channels(flight)
-    shown = [readable(between(item, begin, end)) for item in found.channels.values()]
-    console.print(listing(shown, console.width))
-    say([*found.remarks, *flight.bag.losses], console)
+    found = read_all_channels(flight)
+    shown = [make_readable(crop_channel(item, begin, end)) for item in found.channels.values()]
+    console.print(build_channel_listing(shown, console.width))
+    print_remarks([*found.remarks, *flight.bag.losses], console)
 
 
-def say(remarks: Sequence[str], console: Console) -> None:
+def print_remarks(remarks: Sequence[str], console: Console) -> None:
     """Print what a reader should know of the recording, each once."""
     for remark in dict.fromkeys(remarks):
         console.print(remark, style='yellow', highlight=False, markup=False, soft_wrap=True)
 
 
-def origin(flight: Flight) -> dict[str, str]:
+def select_provenance(flight: RecordedFlight) -> dict[str, str]:
     """Return where the flight comes from, in short."""
     wanted = ('vehicle', 'scenario', 'strategy', 'seed', 'commit', 'created')
     return {key: flight.provenance[key] for key in wanted if key in flight.provenance}

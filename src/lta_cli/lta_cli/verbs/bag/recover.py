@@ -7,22 +7,22 @@ import sys
 from typing import Annotated
 
 from lta_bridge.bag.storage import StorageFault
-from lta_cli.options.out_option import folder
+from lta_cli.options.out_option import parse_folder
 from lta_cli.options.plain_console import plain_console
-from lta_data.bag.folder import bag_in
-from lta_data.bag.recover import recover as mend
-from lta_report.bar import Bar
+from lta_data.bag.bag_folder import find_bag
+from lta_data.bag.recover import recover_bag as mend
+from lta_report.progress_bar import ProgressBar
 from rich.progress import BarColumn, DownloadColumn, TextColumn, TimeRemainingColumn
 import typer
 
 
 @contextmanager
-def progress() -> Iterator[Callable[[int, int], None]]:
+def show_progress() -> Iterator[Callable[[int, int], None]]:
     """Show a bar on a terminal; what is yielded is told the bytes behind, and all of them."""
     console = plain_console(stderr=True)
     columns = (TextColumn('recovering'), BarColumn(), DownloadColumn(), TimeRemainingColumn())
-    with Bar(console, *columns) as bar:
-        yield lambda done, total: bar.move(completed=done, total=total)
+    with ProgressBar(console, *columns) as bar:
+        yield lambda done, total: bar.update_bar(completed=done, total=total)
 
 
 def recover(
@@ -31,7 +31,7 @@ def recover(
         Path | None,
         typer.Option(
             help='Folder of the new bag; BAG-recovered beside the original by default.',
-            parser=folder,
+            parser=parse_folder,
             metavar='FOLDER',
         ),
     ] = None,
@@ -50,12 +50,12 @@ def recover(
 
     Example: lta bag recover runs/20261120-lamp_room-1/bag --out mended
     """
-    bag = bag_in(path)
+    bag = find_bag(path)
     place = bag.absolute()
     name = place.name if place.is_dir() else place.stem
     target = out or place.parent / f'{name}-recovered'
     try:
-        with progress() as at:
+        with show_progress() as at:
             found = mend(bag, target, at)
     except StorageFault as fault:
         sys.stderr.write(f'{fault}\n')
@@ -63,5 +63,5 @@ def recover(
     if json:
         sys.stdout.write(found.to_json() + '\n')
         return
-    for sentence in found.sentences():
+    for sentence in found.describe_losses():
         plain_console().print(sentence, highlight=False, markup=False, soft_wrap=True)

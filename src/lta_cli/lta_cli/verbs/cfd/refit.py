@@ -4,10 +4,10 @@ from pathlib import Path
 import sys
 from typing import Annotated
 
+from lta_config.atomic_file import replace_atomically
 from lta_config.errors import BadInput
-from lta_config.files import share
-from lta_config.whole_file import whole
-from lta_sim.cfd.aero_text import aero_text
+from lta_config.files import share_folder
+from lta_sim.cfd.aero_text import format_aero_file
 from lta_sim.cfd.sweep_table import read_sweep
 import typer
 
@@ -29,13 +29,13 @@ def refit(
     """
     path = Path(sweep)
     if '/' not in sweep and not sweep.endswith('.json'):
-        path = share() / 'aero' / f'{sweep}.sweep.json'
-    text = aero_text(read_sweep(path))
+        path = share_folder() / 'aero' / f'{sweep}.sweep.json'
+    text = format_aero_file(read_sweep(path))
     if out is None:
         sys.stdout.write(text)
         return
     try:
-        with whole(out) as part:
+        with replace_atomically(out) as part:
             part.write_text(text, encoding='utf-8')
     except OSError as error:
         raise BadInput(

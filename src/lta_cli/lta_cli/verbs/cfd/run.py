@@ -6,27 +6,39 @@ import sys
 from typing import Annotated
 
 from lta_cli.options.out_option import Out
-from lta_cli.options.pictures_option import can_be_taken, Pictures
+from lta_cli.options.pictures_option import check_pictures, Pictures
 from lta_cli.options.plain_console import plain_console
-from lta_config.errors import unknown
+from lta_config.command_line import format_lta_command, relative_path
+from lta_config.errors import unknown_name
 from lta_config.schema.mount_file import load_mount
 from lta_config.schema.tunnel_file import load_tunnel_file
-from lta_config.typed import near, typed
-from lta_report.results_folder import all_at_once, can_be_made, page_line, results_folder
+from lta_report.results_folder import (
+    check_creatable,
+    format_page_line,
+    resolve_folder,
+    stage_results,
+)
 from lta_report.screenshots import write_pictures
-from lta_sim.cfd.aero_text import aero_text
-from lta_sim.cfd.model import Model, model_of
-from lta_sim.cfd.openfoam.engine import Programs
-from lta_sim.cfd.openfoam.stage import Stages
-from lta_sim.cfd.plan import Air, Flow, flows
-from lta_sim.cfd.slices import Slice, slice_of
-from lta_sim.cfd.solve import solve, sweep_of
-from lta_sim.cfd.sweep_table import Sweep, sweep_text, without_maps
-from lta_studies.cfd.crews import Cache, can_solve, crew_for, folder_of, Jobs, Scheduler
-from lta_studies.cfd.page import title, write_page
+from lta_sim.cfd.aero_text import format_aero_file
+from lta_sim.cfd.flow_plan import Air, plan_flows, TunnelFlow
+from lta_sim.cfd.openfoam.case_runner import CaseRunner
+from lta_sim.cfd.openfoam.engine import FoamPrograms
+from lta_sim.cfd.slices import FlowSlice, read_flow_slice
+from lta_sim.cfd.solve import build_sweep, solve_sweep
+from lta_sim.cfd.sweep_table import drop_maps, format_sweep, TunnelSweep
+from lta_sim.cfd.tunnel_model import load_tunnel_model, TunnelModel
+from lta_studies.cfd.page import format_title, write_page
 from lta_studies.cfd.progress import TunnelProgress
-from lta_studies.cfd.tables import coefficients, patterns
-from lta_studies.energy.tables import show
+from lta_studies.cfd.solvers import (
+    Cache,
+    check_solver,
+    Jobs,
+    open_solver,
+    resolve_cache_folder,
+    Scheduler,
+)
+from lta_studies.cfd.tables import build_drag_table, build_rotor_table
+from lta_studies.energy.tables import print_table
 import typer
 
 AIR: Air = (1.2, 1.5e-5)  # kg/m3, m2/s: 20 degC
@@ -83,58 +95,64 @@ def run(
     Example: lta cfd run gtmab --only heave --only both_up
     """
     console = plain_console(stderr=json)
-    can_be_taken(pictures)
+    check_pictures(pictures)
     file, _ = load_tunnel_file(name)
-    model = model_of(name, load_mount(mount) if mount else None)
-    target = results_folder(out, f'{model.name}-cfd')
-    can_be_made(target)
-    wanted: list[Flow] = []
+    model = load_tunnel_model(name, load_mount(mount) if mount else None)
+    target = resolve_folder(out, f'{model.name}-cfd')
+    check_creatable(target)
+    wanted: list[TunnelFlow] = []
     if fidelity is not Fidelity.analytic:
-        can_solve(jobs, scheduler)
-        known = flows(model, fidelity, AIR)
+        check_solver(jobs, scheduler)
+        known = plan_flows(model, fidelity, AIR)
         if strangers := [each for each in only or () if each not in {f.about for f in known}]:
-            raise unknown('axis or pattern', strangers[0], [f.about for f in known])
-        wanted = flows(model, fidelity, AIR, only or ())
+            raise unknown_name('axis or pattern', strangers[0], [f.about for f in known])
+        wanted = plan_flows(model, fidelity, AIR, only or ())
     if wanted:
         with (
             TunnelProgress(console, wanted) as bar,
-            crew_for(wanted, bar, jobs, cache, scheduler, limit) as crew,
+            open_solver(wanted, bar, jobs, cache, scheduler, limit) as crew,
         ):
-            found = solve(crew, model, wanted, AIR, bar.say)
-            sweep = sweep_of(model, file.vehicle, fidelity, AIR, *found, engine=crew.engine())
+            found = solve_sweep(crew, model, wanted, AIR, bar.show_message)
+            sweep = build_sweep(
+                model, file.vehicle, fidelity, AIR, *found, engine=crew.engine_name()
+            )
     else:
-        sweep = sweep_of(model, file.vehicle, fidelity, AIR, {}, {}, {})
+        sweep = build_sweep(model, file.vehicle, fidelity, AIR, {}, {}, {})
     words = ['cfd', 'run', name, '--fidelity', fidelity.value]
     words += [word for each in only or () for word in ('--only', each)]
     words += ['--mount', mount] if mount else []
-    with all_at_once(target, 'report.html') as part:
-        small = sweep_text(without_maps(sweep))
+    with stage_results(target, 'report.html') as part:
+        small = format_sweep(drop_maps(sweep))
         (part / f'{model.name}.sweep.json').write_text(small, encoding='utf-8')
         if sweep.blows:
-            (part / f'{model.name}.blown.json').write_text(sweep_text(sweep), encoding='utf-8')
-        (part / f'{model.name}.aero.yaml').write_text(aero_text(sweep), encoding='utf-8')
-        drawn = pictured(model, sweep, wanted, folder_of(cache))
-        write_page(sweep, drawn, {'Solve it again': typed(*words)}, part / 'report.html')
+            (part / f'{model.name}.blown.json').write_text(format_sweep(sweep), encoding='utf-8')
+        (part / f'{model.name}.aero.yaml').write_text(format_aero_file(sweep), encoding='utf-8')
+        drawn = slice_flows(model, sweep, wanted, resolve_cache_folder(cache))
+        write_page(
+            sweep, drawn, {'Solve it again': format_lta_command(*words)}, part / 'report.html'
+        )
     if pictures is not None:
         write_pictures(target / 'report.html', pictures)
     if json:
         sys.stdout.write(small)
-    show(coefficients(sweep), console)
+    print_table(build_drag_table(sweep), console)
     if sweep.blows:
-        show(patterns(sweep), console)
-    lines = [title(sweep), page_line(near(target / 'report.html'))]
+        print_table(build_rotor_table(sweep), console)
+    lines = [format_title(sweep), format_page_line(relative_path(target / 'report.html'))]
     console.print('\n'.join(lines), highlight=False, markup=False, soft_wrap=True)
     if wanted and not sweep.axes and not sweep.blows:
         raise typer.Exit(1)
 
 
-def pictured(model: Model, sweep: Sweep, wanted: list[Flow], folder: Path) -> list[Slice]:
+def slice_flows(
+    model: TunnelModel, sweep: TunnelSweep, flows: list[TunnelFlow], folder: Path
+) -> list[FlowSlice]:
     """Return the planes through the flows that tell most."""
-    stages = Stages(folder, Programs(), lambda *_: None)
-    found: list[Slice] = []
-    for flow in sorted(wanted, key=lambda each: each.about not in SHOWN):
+    stages = CaseRunner(folder, FoamPrograms(), lambda *_: None)
+    found: list[FlowSlice] = []
+    for flow in sorted(flows, key=lambda each: each.about not in SHOWN):
         there = flow.about in sweep.blows or flow.about in sweep.axes
         if there and len(found) < len(SHOWN) and flow.kind in ('wind', 'blow'):
-            piece = slice_of(model, flow, stages.place(flow.case))
+            piece = read_flow_slice(model, flow, stages.case_folder(flow.case))
             found += [piece] if piece is not None else []
     return found

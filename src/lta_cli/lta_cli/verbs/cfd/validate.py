@@ -5,25 +5,25 @@ import sys
 from typing import Annotated
 
 from lta_cli.options.out_option import Out
-from lta_cli.options.pictures_option import can_be_taken, Pictures
+from lta_cli.options.pictures_option import check_pictures, Pictures
 from lta_cli.options.plain_console import plain_console
 from lta_cli.verbs.cfd.run import AIR, Fidelity
+from lta_config.command_line import format_lta_command, relative_path
 from lta_config.errors import BadInput
-from lta_config.typed import near, typed
 from lta_report.results_folder import (
-    all_at_once,
-    can_be_made,
-    keep_json,
-    page_line,
-    results_folder,
+    check_creatable,
+    format_page_line,
+    resolve_folder,
+    stage_results,
+    write_json,
 )
 from lta_report.screenshots import write_pictures
-from lta_sim.cfd.validation import flows, judge, sphere
-from lta_studies.cfd.crews import Cache, can_solve, crew_for, Jobs, Scheduler
+from lta_sim.cfd.validation import build_sphere, compare_flows, plan_validation
 from lta_studies.cfd.progress import TunnelProgress
-from lta_studies.cfd.sphere_page import title, write_page
-from lta_studies.cfd.tables import spheres
-from lta_studies.energy.tables import show
+from lta_studies.cfd.solvers import Cache, check_solver, Jobs, open_solver, Scheduler
+from lta_studies.cfd.sphere_page import format_title, write_page
+from lta_studies.cfd.tables import build_sphere_table
+from lta_studies.energy.tables import print_table
 import typer
 
 
@@ -50,30 +50,30 @@ def validate(
     Example: lta cfd validate --fidelity reference
     """
     console = plain_console(stderr=json)
-    can_be_taken(pictures)
+    check_pictures(pictures)
     if fidelity is Fidelity.analytic:
         raise BadInput('A sphere by hand is the measurement itself; take preview or reference.')
-    can_solve(jobs, scheduler)
-    target = results_folder(out, 'cfd-sphere')
-    can_be_made(target)
+    check_solver(jobs, scheduler)
+    target = resolve_folder(out, 'cfd-sphere')
+    check_creatable(target)
     levels = ('preview',) if fidelity is Fidelity.preview else ('preview', 'reference')
-    model = sphere()
-    wanted = [flow for level in levels for flow in flows(model, level, AIR)]
+    model = build_sphere()
+    wanted = [flow for level in levels for flow in plan_validation(model, level, AIR)]
     with (
         TunnelProgress(console, wanted) as bar,
-        crew_for(wanted, bar, jobs, cache, scheduler) as crew,
+        open_solver(wanted, bar, jobs, cache, scheduler) as crew,
     ):
-        found = judge(crew, model, wanted, AIR, bar.say)
+        found = compare_flows(crew, model, wanted, AIR, bar.show_message)
     if not found:
         raise typer.Exit(1)
-    with all_at_once(target, 'report.html') as part:
-        text = keep_json([asdict(each) for each in found], part / 'sphere.json')
-        again = typed('cfd', 'validate', '--fidelity', fidelity.value)
+    with stage_results(target, 'report.html') as part:
+        text = write_json([asdict(each) for each in found], part / 'sphere.json')
+        again = format_lta_command('cfd', 'validate', '--fidelity', fidelity.value)
         write_page(found, {'Solve it again': again}, part / 'report.html')
     if pictures is not None:
         write_pictures(target / 'report.html', pictures)
     if json:
         sys.stdout.write(text)
-    show(spheres(found), console)
-    lines = [title(found), page_line(near(target / 'report.html'))]
+    print_table(build_sphere_table(found), console)
+    lines = [format_title(found), format_page_line(relative_path(target / 'report.html'))]
     console.print('\n'.join(lines), highlight=False, markup=False, soft_wrap=True)

@@ -2,15 +2,15 @@
 
 from typing import Annotated, Final
 
-from lta_challenge.make import make as make_challenge
-from lta_challenge.make import Order
-from lta_challenge.rows import kind as kind_of
-from lta_challenge.waiting import challenge_bar, Jobs
+from lta_challenge.make import ChallengeRequest
+from lta_challenge.make import make_challenge as make_challenge
+from lta_challenge.progress import challenge_bar, Jobs
+from lta_challenge.rows import parse_kind as kind_of
 from lta_cli.options.out_option import Out
 from lta_cli.options.plain_console import plain_console
 from lta_config.errors import BadInput
-from lta_report.results_folder import results_folder
-from lta_studies.platforms.run import processors
+from lta_report.results_folder import resolve_folder
+from lta_studies.platforms.run import count_processors
 import typer
 
 SHORTEST: Final = 30.0  # s; the beginning and what is lost of it cannot be used
@@ -52,8 +52,10 @@ def make(
     console = plain_console()
     if not SHORTEST <= seconds[0] <= seconds[1] <= 600.0:
         raise BadInput(f'Flights are {SHORTEST:g} to 600 s long; give the shorter length first.')
-    order = Order(seed, n, row, None if kind is None else kind_of(kind), seconds)
-    place = results_folder(out, f'challenge-{seed}')
+    order = ChallengeRequest(seed, n, row, None if kind is None else kind_of(kind), seconds)
+    place = resolve_folder(out, f'challenge-{seed}')
     with challenge_bar(console, 'flying', n) as bar:
-        make_challenge(order, place, jobs or processors(), lambda done: bar.move(completed=done))
+        make_challenge(
+            order, place, jobs or count_processors(), lambda done: bar.update_bar(completed=done)
+        )
     console.print(f'{n} cases in {place}', highlight=False, soft_wrap=True)

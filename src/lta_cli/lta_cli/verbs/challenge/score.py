@@ -5,17 +5,17 @@ import sys
 from typing import Annotated
 
 from lta_challenge.page import write_page
-from lta_challenge.score import keep, Scored
-from lta_challenge.score import score as score_challenge
-from lta_challenge.told import cost_line, figure_lines, ladder_line, matrix_lines
-from lta_challenge.told import markdown as markdown_of
-from lta_challenge.waiting import challenge_bar, Jobs
-from lta_cli.options.out_option import folder
+from lta_challenge.progress import challenge_bar, Jobs
+from lta_challenge.score import ChallengeScore, write_score
+from lta_challenge.score import score_challenge as score_challenge
+from lta_challenge.score_report import format_cost, format_errors, format_figures, format_matrix
+from lta_challenge.score_report import render_markdown as markdown_of
+from lta_cli.options.out_option import parse_folder
 from lta_cli.options.plain_console import plain_console
 from lta_config.errors import BadInput
-from lta_report.frame import written
-from lta_report.results_folder import page_line
-from lta_studies.platforms.run import processors
+from lta_report.page_frame import write_file
+from lta_report.results_folder import format_page_line
+from lta_studies.platforms.run import count_processors
 from rich.console import Console
 from rich.table import Table
 import typer
@@ -29,7 +29,9 @@ def score(
     markdown: Annotated[
         Path | None,
         typer.Option(
-            help='Write all scores into this file, row by row.', parser=folder, metavar='FILE'
+            help='Write all scores into this file, row by row.',
+            parser=parse_folder,
+            metavar='FILE',
         ),
     ] = None,
     jobs: Jobs = None,
@@ -50,35 +52,35 @@ def score(
     if len({place.resolve() for place in folders}) < len(folders):
         raise BadInput('A challenge is given twice and would be counted twice; give each once.')
     console = plain_console(stderr=json)
-    done: list[Scored] = []
+    done: list[ChallengeScore] = []
     for place in folders:
         with challenge_bar(console, 'studying', 1) as bar:
             scored = score_challenge(
                 place,
-                jobs or processors(),
+                jobs or count_processors(),
                 most,
-                lambda now, whole: bar.move(completed=now, total=whole),
+                lambda now, whole: bar.update_bar(completed=now, total=whole),
             )
-        text = keep(scored, place)
+        text = write_score(scored, place)
         if json:
             sys.stdout.write(text)
-        _show(scored, console)
-        console.print(page_line(write_page(scored, place)), highlight=False, soft_wrap=True)
+        _print_score(scored, console)
+        console.print(format_page_line(write_page(scored, place)), highlight=False, soft_wrap=True)
         done.append(scored)
         if markdown is not None:
             # As far as it is: many challenges take hours.
-            written(markdown_of([(one.about, one.cases) for one in done]), markdown)
+            write_file(markdown_of([(one.about, one.cases) for one in done]), markdown)
 
 
-def _show(scored: Scored, console: Console) -> None:
+def _print_score(scored: ChallengeScore, console: Console) -> None:
     """Print figures and matrix."""
     for heads, lines in (
-        (['figure', 'share', 'wanted', 'met'], figure_lines(scored.cases)),
-        matrix_lines(scored.cases),
+        (['figure', 'share', 'wanted', 'met'], format_figures(scored.cases)),
+        format_matrix(scored.cases),
     ):
         table = Table(*heads, box=None, pad_edge=False)
         for line in lines:
             table.add_row(*line)
         console.print(table)
-    words = f'{ladder_line(scored.cases)} {cost_line(scored.cases)}'
+    words = f'{format_errors(scored.cases)} {format_cost(scored.cases)}'
     console.print(words, highlight=False, markup=False, soft_wrap=True)

@@ -2,18 +2,18 @@
 
 from typing import Annotated
 
-from lta_bridge.bag.writer import empty_folder
-from lta_cli.options.json_option import Json, print_kept_json
+from lta_bridge.bag.writer import prepare_empty_folder
+from lta_cli.options.json_option import Json, print_json_text
 from lta_cli.options.out_option import Out
-from lta_cli.options.pictures_option import can_be_taken, Pictures
+from lta_cli.options.pictures_option import check_pictures, Pictures
 from lta_cli.options.plain_console import plain_console
-from lta_config.typed import near, typed
+from lta_config.command_line import format_lta_command, relative_path
 from lta_model.vehicle import load_vehicle
-from lta_report.results_folder import keep_json, page_line, results_folder
+from lta_report.results_folder import format_page_line, resolve_folder, write_json
 from lta_report.screenshots import write_pictures
-from lta_studies.energy.breakeven.page import title, write_page
-from lta_studies.energy.breakeven.study import map_of, table
-from lta_studies.energy.tables import show
+from lta_studies.energy.break_even.page import format_title, write_page
+from lta_studies.energy.break_even.study import build_table, compute_map
+from lta_studies.energy.tables import print_table
 import typer
 
 BUDGET = 48.8  # g: seed paper, its array of two ANYSOLAR panels
@@ -44,12 +44,12 @@ def breakeven(
     Example: lta energy breakeven --cell kitronik --budget 60
     """
     console = plain_console(stderr=json)
-    can_be_taken(pictures)
+    check_pictures(pictures)
     names = list(dict.fromkeys(cell or CELLS))
-    found = map_of(load_vehicle(vehicle), names, 1e-3 * budget)
-    target = empty_folder(results_folder(out, 'breakeven'))
-    content = keep_json(found.to_json(), target / 'breakeven.json')
-    again = typed(
+    found = compute_map(load_vehicle(vehicle), names, 1e-3 * budget)
+    target = prepare_empty_folder(resolve_folder(out, 'breakeven'))
+    content = write_json(found.to_json(), target / 'breakeven.json')
+    again = format_lta_command(
         'energy', 'breakeven', '--vehicle', vehicle, '--budget', f'{budget:g}',
         *(word for name in names for word in ('--cell', name)),
     )  # fmt: skip
@@ -57,7 +57,7 @@ def breakeven(
     if pictures is not None:
         write_pictures(page, pictures)
     if json:
-        print_kept_json(content, page)
-    show(table(found), console)
-    lines = [title(found), page_line(near(page))]
+        print_json_text(content, page)
+    print_table(build_table(found), console)
+    lines = [format_title(found), format_page_line(relative_path(page))]
     console.print('\n'.join(lines), highlight=False, markup=False, soft_wrap=True)

@@ -2,19 +2,25 @@
 
 from typing import Annotated
 
-from lta_bridge.bag.writer import empty_folder
-from lta_cli.options.json_option import Json, print_kept_json
+from lta_bridge.bag.writer import prepare_empty_folder
+from lta_cli.options.json_option import Json, print_json_text
 from lta_cli.options.out_option import Out
-from lta_cli.options.pictures_option import can_be_taken, Pictures
+from lta_cli.options.pictures_option import check_pictures, Pictures
 from lta_cli.options.plain_console import plain_console
-from lta_config.typed import near, typed
-from lta_report.results_folder import keep_json, page_line, results_folder
+from lta_config.command_line import format_lta_command, relative_path
+from lta_report.results_folder import format_page_line, resolve_folder, write_json
 from lta_report.screenshots import write_pictures
-from lta_studies.energy.budget.page import notes, table, title, why, write_page
-from lta_studies.energy.budget.run import budget as find_budget
-from lta_studies.energy.budget.run import count, plain
-from lta_studies.energy.tables import show
-from lta_studies.energy.watched import watched
+from lta_studies.energy.budget.page import (
+    build_cause_table,
+    build_task_table,
+    format_notes,
+    format_title,
+    write_page,
+)
+from lta_studies.energy.budget.run import count_flights, to_json
+from lta_studies.energy.budget.run import measure_budget as find_budget
+from lta_studies.energy.progress import run_with_progress
+from lta_studies.energy.tables import print_table
 import typer
 
 
@@ -40,20 +46,25 @@ def budget(
     Example: lta energy budget --seeds 1
     """
     console = plain_console(stderr=json)
-    can_be_taken(pictures)
-    target = empty_folder(results_folder(out, 'budget'))
-    found = watched(lambda tick: find_budget(vehicle, beside, seeds, tick), count(seeds), console)
-    content = keep_json(plain(found), target / 'budget.json')
-    again = typed(
+    check_pictures(pictures)
+    target = prepare_empty_folder(resolve_folder(out, 'budget'))
+    found = run_with_progress(
+        lambda tick: find_budget(vehicle, beside, seeds, tick), count_flights(seeds), console
+    )
+    content = write_json(to_json(found), target / 'budget.json')
+    again = format_lta_command(
         'energy', 'budget', '--vehicle', vehicle, '--beside', beside, '--seeds', str(seeds)
     )
-    commands = {'Find it again': again, 'What it means on a cell': typed('energy', 'hover')}
+    commands = {
+        'Find it again': again,
+        'What it means on a cell': format_lta_command('energy', 'hover'),
+    }
     page = write_page(found, commands, target / 'report.html')
     if pictures is not None:
         write_pictures(page, pictures)
     if json:
-        print_kept_json(content, page)
-    for each in (table(found), why(found)):
-        show(each, console)
-    lines = [*notes(found), title(found), page_line(near(page))]
+        print_json_text(content, page)
+    for each in (build_task_table(found), build_cause_table(found)):
+        print_table(each, console)
+    lines = [*format_notes(found), format_title(found), format_page_line(relative_path(page))]
     console.print('\n'.join(lines), highlight=False, markup=False, soft_wrap=True)

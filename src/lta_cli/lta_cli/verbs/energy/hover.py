@@ -2,18 +2,24 @@
 
 from typing import Annotated
 
-from lta_bridge.bag.writer import empty_folder
-from lta_cli.options.json_option import Json, print_kept_json
+from lta_bridge.bag.writer import prepare_empty_folder
+from lta_cli.options.json_option import Json, print_json_text
 from lta_cli.options.out_option import Out
-from lta_cli.options.pictures_option import can_be_taken, Pictures
+from lta_cli.options.pictures_option import check_pictures, Pictures
 from lta_cli.options.plain_console import plain_console
-from lta_config.typed import near, typed
-from lta_report.results_folder import keep_json, page_line, results_folder
+from lta_config.command_line import format_lta_command, relative_path
+from lta_report.results_folder import format_page_line, resolve_folder, write_json
 from lta_report.screenshots import write_pictures
 from lta_studies.energy import paper
-from lta_studies.energy.hover.page import notes, plain, table, title, write_page
-from lta_studies.energy.hover.run import compare
-from lta_studies.energy.tables import show
+from lta_studies.energy.hover.page import (
+    build_table,
+    format_notes,
+    format_title,
+    to_json,
+    write_page,
+)
+from lta_studies.energy.hover.run import compare_hovering
+from lta_studies.energy.tables import print_table
 from rich.progress import Progress
 import typer
 
@@ -40,21 +46,24 @@ def hover(
     Example: lta energy hover --seconds 60
     """
     console = plain_console(stderr=json)
-    can_be_taken(pictures)
-    target = empty_folder(results_folder(out, 'hover'))
+    check_pictures(pictures)
+    target = prepare_empty_folder(resolve_folder(out, 'hover'))
     with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:
         task = progress.add_task('hovering', total=2.0 * seconds)
-        found = compare(vehicle, beside, seconds, lambda s: progress.advance(task, s))
-    content = keep_json(plain(found), target / 'hover.json')
-    again = typed(
+        found = compare_hovering(vehicle, beside, seconds, lambda s: progress.advance(task, s))
+    content = write_json(to_json(found), target / 'hover.json')
+    again = format_lta_command(
         'energy', 'hover', '--vehicle', vehicle, '--beside', beside, '--seconds', f'{seconds:g}'
     )
-    commands = {'Find it again': again, 'What the rest takes': typed('energy', 'budget')}
+    commands = {
+        'Find it again': again,
+        'What the rest takes': format_lta_command('energy', 'budget'),
+    }
     page = write_page(found, commands, target / 'report.html')
     if pictures is not None:
         write_pictures(page, pictures)
     if json:
-        print_kept_json(content, page)
-    show(table(found), console)
-    lines = [*notes(found), title(found), page_line(near(page))]
+        print_json_text(content, page)
+    print_table(build_table(found), console)
+    lines = [*format_notes(found), format_title(found), format_page_line(relative_path(page))]
     console.print('\n'.join(lines), highlight=False, markup=False, soft_wrap=True)

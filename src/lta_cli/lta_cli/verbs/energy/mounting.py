@@ -2,21 +2,21 @@
 
 from typing import Annotated
 
-from lta_bridge.bag.writer import empty_folder
-from lta_cli.options.json_option import Json, print_kept_json
+from lta_bridge.bag.writer import prepare_empty_folder
+from lta_cli.options.json_option import Json, print_json_text
 from lta_cli.options.out_option import Out
-from lta_cli.options.pictures_option import can_be_taken, Pictures
+from lta_cli.options.pictures_option import check_pictures, Pictures
 from lta_cli.options.plain_console import plain_console
-from lta_config.files import find, load_yaml
-from lta_config.typed import near, typed
-from lta_report.results_folder import keep_json, page_line, results_folder
+from lta_config.command_line import format_lta_command, relative_path
+from lta_config.files import find_file, load_yaml
+from lta_report.results_folder import format_page_line, resolve_folder, write_json
 from lta_report.screenshots import write_pictures
 from lta_studies.energy.mounting import verdict
 from lta_studies.energy.mounting.page import write_page
-from lta_studies.energy.mounting.rows import plain, tables
-from lta_studies.energy.mounting.run import Order, study
-from lta_studies.energy.tables import show, turned
-from lta_studies.energy.watched import watched
+from lta_studies.energy.mounting.run import compare_mounts, MountingRequest
+from lta_studies.energy.mounting.tables import build_tables, to_json
+from lta_studies.energy.progress import run_with_progress
+from lta_studies.energy.tables import print_table, transpose_table
 import typer
 import yaml
 
@@ -55,32 +55,38 @@ def mounting(
     Example: lta energy mounting --seeds 1
     """
     console = plain_console(stderr=json)
-    can_be_taken(pictures)
+    check_pictures(pictures)
     names = list(dict.fromkeys(mount or MOUNTS))
-    order = Order(load_yaml(find('vehicle', vehicle)), names, misplaced / 100.0, seeds)
-    todo = seeds * sum(map(len, order.fits().values()))
-    target = empty_folder(results_folder(out, 'mounting'))
-    found = watched(lambda tick: study(order, tick), todo, console)
-    content = keep_json(plain(found), target / 'mounting.json')
+    order = MountingRequest(
+        load_yaml(find_file('vehicle', vehicle)), names, misplaced / 100.0, seeds
+    )
+    todo = seeds * sum(map(len, order.build_vehicles().values()))
+    target = prepare_empty_folder(resolve_folder(out, 'mounting'))
+    found = run_with_progress(lambda tick: compare_mounts(order, tick), todo, console)
+    content = write_json(to_json(found), target / 'mounting.json')
     for each in (found.own or found.shared).values():
         text = yaml.safe_dump(dict(each.fitted.content), sort_keys=False)
         (target / f'{each.fitted.mount.name}.yaml').write_text(text, encoding='utf-8')
-    again = typed(
+    again = format_lta_command(
         'energy', 'mounting', *(word for name in names for word in ('--mount', name)), '--vehicle',
         vehicle, '--misplaced', f'{misplaced:g}', '--seeds', str(seeds),
     )  # fmt: skip
-    best = near(target / f'{verdict.best(found)}.yaml')
+    best = relative_path(target / f'{verdict.find_best_mount(found)}.yaml')
     commands = {
         'Find it again': again,
-        'What differs': typed('vehicle', 'diff', vehicle, best),
-        'Fly it': typed('simulate', '--vehicle', best),
+        'What differs': format_lta_command('vehicle', 'diff', vehicle, best),
+        'Fly it': format_lta_command('simulate', '--vehicle', best),
     }
     page = write_page(found, commands, target / 'report.html')
     if pictures is not None:
         write_pictures(page, pictures)
     if json:
-        print_kept_json(content, page)
-    for table in tables(found):
-        show(turned(table), console)
-    lines = [*verdict.sentences(found), verdict.title(found), page_line(near(page))]
+        print_json_text(content, page)
+    for table in build_tables(found):
+        print_table(transpose_table(table), console)
+    lines = [
+        *verdict.format_findings(found),
+        verdict.format_title(found),
+        format_page_line(relative_path(page)),
+    ]
     console.print('\n'.join(lines), highlight=False, markup=False, soft_wrap=True)

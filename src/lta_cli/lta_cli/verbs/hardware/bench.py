@@ -6,18 +6,18 @@ import sys
 import time
 from typing import Annotated
 
-from lta_bridge.crazyflie.claim import Claim
-from lta_bridge.crazyflie.link import Link, LinkFailed
-from lta_bridge.crazyflie.links import link_to
+from lta_bridge.crazyflie.drone_lock import DroneLock
+from lta_bridge.crazyflie.link import CrazyflieLink, LinkFailed
+from lta_bridge.crazyflie.links import create_link
 from lta_bridge.crazyflie.log_table import BLOCKS
 from lta_bridge.hardware.drone import DEADLINE
-from lta_bridge.hardware.motor import ended_by_signals, MotorBench, Turned
+from lta_bridge.hardware.motor import interrupt_on_signals, MotorBench, MotorTurnResult
 from lta_cli.options.json_option import print_json
 from lta_cli.options.plain_console import plain_console
-from lta_config.errors import BadInput, unknown
-from lta_config.schema.crazyflie_file import crazyflie_of, MOTORS
+from lta_config.errors import BadInput, unknown_name
+from lta_config.schema.crazyflie_file import find_crazyflie, MOTORS
 from lta_model.vehicle import load_vehicle
-from lta_report.bar import Bar
+from lta_report.progress_bar import ProgressBar
 from rich.console import Console
 from rich.progress import BarColumn, TextColumn
 import typer
@@ -52,39 +52,41 @@ def bench(
     """
     console = plain_console(stderr=json)
     craft = load_vehicle(vehicle)
-    file = crazyflie_of(vehicle, craft.file.name)
+    file = find_crazyflie(vehicle, craft.file.name)
     if motor not in MOTORS:
-        raise unknown('motor', motor, list(MOTORS))
+        raise unknown_name('motor', motor, list(MOTORS))
     if file.command != 'motors':
         raise BadInput(
             f'{vehicle} flies with the stock firmware, which turns no single motor safely; flash '
             'the app of firmware/crazyflie and give the --vehicle that flies with it.'
         )
-    link = link_to(uri, BLOCKS, time.time_ns)
-    with closing(Claim(uri)):
-        confirm(motor, file.motors[motor], duty, seconds, console)
-        turned = turn(MotorBench(link, file, craft, motor), link, (motor, duty, seconds), console)
+    link = create_link(uri, BLOCKS, time.time_ns)
+    with closing(DroneLock(uri)):
+        confirm_motor(motor, file.motors[motor], duty, seconds, console)
+        turned = turn_motor(
+            MotorBench(link, file, craft, motor), link, (motor, duty, seconds), console
+        )
     right = turned.duty > 0.5 * duty and turned.others < LEAST
     if json:
         volts = turned.voltage if math.isfinite(turned.voltage) else None
         told = {**turned._asdict(), 'voltage': volts, 'alone': right}
         print_json(told)
-    console.print(sentence(motor, turned, right), highlight=False, soft_wrap=True)
+    console.print(format_outcome(motor, turned, right), highlight=False, soft_wrap=True)
     if not right:
         raise typer.Exit(1)
 
 
-def turn(
-    bench: MotorBench, link: Link, asked: tuple[str, float, float], console: Console
-) -> Turned:
+def turn_motor(
+    bench: MotorBench, link: CrazyflieLink, request: tuple[str, float, float], console: Console
+) -> MotorTurnResult:
     """Open the link, turn a motor at a duty for some seconds, and close whatever happens."""
-    motor, duty, seconds = asked
+    motor, duty, seconds = request
     columns = (TextColumn('{task.description}'), BarColumn())
-    with ended_by_signals():
+    with interrupt_on_signals():
         try:
             link.open(DEADLINE)
-            with Bar(console, *columns, begin=f'{motor} turns', total=seconds) as bar:
-                return bench.turn(duty, seconds, lambda been: bar.move(completed=been))
+            with ProgressBar(console, *columns, begin=f'{motor} turns', total=seconds) as bar:
+                return bench.turn_motor(duty, seconds, lambda been: bar.update_bar(completed=been))
         except LinkFailed as error:
             sys.stderr.write(f'{motor} stands: {error}.\n')
             raise typer.Exit(1) from None
@@ -92,7 +94,7 @@ def turn(
             link.close()
 
 
-def confirm(motor: str, rotor: str, duty: float, seconds: float, console: Console) -> None:
+def confirm_motor(motor: str, rotor: str, duty: float, seconds: float, console: Console) -> None:
     """
     Have a person type what is to turn.
 
@@ -112,7 +114,7 @@ def confirm(motor: str, rotor: str, duty: float, seconds: float, console: Consol
         raise BadInput(f"Nothing turned: '{wanted}' was not typed.")
 
 
-def sentence(motor: str, turned: Turned, right: bool) -> str:
+def format_outcome(motor: str, turned: MotorTurnResult, right: bool) -> str:
     """Return what came of it."""
     cell = f'; the cell fell to {turned.voltage:.2f} V' if math.isfinite(turned.voltage) else ''
     told = f'{motor} turned at up to {turned.duty:.0%}, the others at {turned.others:.0%}{cell}.'

@@ -3,14 +3,14 @@
 import sys
 from typing import Annotated
 
-from lta_bridge.devices import rules, RULES_FILE
-from lta_bridge.hardware.check import Asked, checked
-from lta_bridge.hardware.figures import diode_rows, stream_rows, to_json
-from lta_cli.doctor import show, status
+from lta_bridge.devices import format_udev_rules, RULES_FILE
+from lta_bridge.hardware.check import HardwareCheckRequest, run_check
+from lta_bridge.hardware.figures import format_diode_rows, format_stream_rows, to_json
+from lta_cli.doctor import exit_status, print_checks
 from lta_cli.options.json_option import print_json
 from lta_cli.options.plain_console import plain_console
-from lta_report.bar import Bar
-from lta_vlc.settings import Demodulation
+from lta_report.progress_bar import ProgressBar
+from lta_vlc.settings import DemodulationSettings
 from rich.console import Console
 from rich.progress import BarColumn, TextColumn
 from rich.table import Table
@@ -28,7 +28,7 @@ def check(
     vehicle: Annotated[str, typer.Option(help='Vehicle that they belong to.')] = 'gtmab',
     frequency: Annotated[
         float, typer.Option(help='At which the lamp flickers, in hertz.', min=1.0, max=1e5)
-    ] = Demodulation().frequency,
+    ] = DemodulationSettings().frequency,
     seconds: Annotated[
         float, typer.Option(help='How long to listen to each.', min=0.5, max=3600.0)
     ] = 5.0,
@@ -52,25 +52,27 @@ def check(
     Example: lta hardware check --udev | sudo tee /etc/udev/rules.d/60-lta.rules
     """
     if udev:
-        sys.stdout.write(rules())
+        sys.stdout.write(format_udev_rules())
         sys.stderr.write(
             f'Save this as {RULES_FILE}, then: sudo udevadm control --reload && sudo udevadm '
             'trigger, and plug in anew.\n'
         )
         return
     console = plain_console(stderr=json)
-    asked = Asked(uri, port, vehicle, frequency, seconds)
+    asked = HardwareCheckRequest(uri, port, vehicle, frequency, seconds)
     columns = (TextColumn('{task.description}'), BarColumn())
-    with Bar(console, *columns, begin='looking around', total=1.0) as bar:
-        outcome = checked(asked, lambda doing, part: bar.move(description=doing, completed=part))
+    with ProgressBar(console, *columns, begin='looking around', total=1.0) as bar:
+        outcome = run_check(
+            asked, lambda doing, part: bar.update_bar(description=doing, completed=part)
+        )
     if json:
         print_json(to_json(outcome))
-    show(outcome.checks, console)
+    print_checks(outcome.checks, console)
     if outcome.drone is not None:
-        print_table('Log blocks', stream_rows(outcome.drone.streams), console)
+        print_table('Log blocks', format_stream_rows(outcome.drone.streams), console)
     if outcome.board is not None and outcome.board.diodes:
-        print_table('Diodes', diode_rows(outcome.board.diodes), console)
-    raise typer.Exit(status(outcome.checks))
+        print_table('Diodes', format_diode_rows(outcome.board.diodes), console)
+    raise typer.Exit(exit_status(outcome.checks))
 
 
 def print_table(title: str, rows: list[tuple[str, ...]], console: Console) -> None:

@@ -4,24 +4,29 @@ import math
 from pathlib import Path
 from typing import Annotated, Any
 
-from lta_bridge.bag.writer import empty_folder
-from lta_bridge.provenance import commit
+from lta_bridge.bag.writer import prepare_empty_folder
+from lta_bridge.provenance import read_commit
 from lta_cli.options.json_option import Json, print_json
 from lta_cli.options.out_option import Out
 from lta_cli.options.plain_console import plain_console
-from lta_cli.verbs.light.study import show
+from lta_cli.verbs.light.study import print_table
+from lta_config.command_line import format_lta_command, relative_path
 from lta_config.errors import BadInput
 from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_config.typed import near, typed
-from lta_data.bag.flight import open_flight
-from lta_report.bar import Bar
-from lta_report.results_folder import keep_json, page_line, results_folder
-from lta_studies.light.bearing.study_page import rows
-from lta_studies.light.turntable.page import claims, gain_rows, write_page
-from lta_studies.light.turntable.response import Response, response
-from lta_studies.light.turntable.turntable import offset, read, studied, Table
-from lta_vlc.diodes import diodes_of
-from lta_vlc.settings import Demodulation
+from lta_data.bag.recorded_flight import open_flight
+from lta_report.progress_bar import ProgressBar
+from lta_report.results_folder import format_page_line, resolve_folder, write_json
+from lta_studies.light.bearing.study_page import build_rows
+from lta_studies.light.turntable.page import build_claim_rows, build_gain_rows, write_page
+from lta_studies.light.turntable.response import fit_response, TurntableResponse
+from lta_studies.light.turntable.turntable import (
+    read_turn,
+    summarize_directions,
+    TurntableMotion,
+    zero_offset,
+)
+from lta_vlc.diodes import build_diode_array
+from lta_vlc.settings import DemodulationSettings
 from rich.progress import TextColumn
 import typer
 
@@ -44,7 +49,7 @@ def light(
     vehicle: Annotated[str, typer.Option(help='Whose diodes.')] = 'gtmab',
     frequency: Annotated[
         float, typer.Option(help='At which the lamp flickers, in hertz.', min=1.0, max=1e5)
-    ] = Demodulation().frequency,
+    ] = DemodulationSettings().frequency,
     robot: Annotated[
         str | None, typer.Option(help='Namespace, where the bag has several.')
     ] = None,
@@ -68,49 +73,60 @@ def light(
             'How the table turned is told twice or by half; give --rate alone, or --step with '
             '--hold.'
         )
-    table = Table(math.radians(rate), math.radians(step), hold, math.radians(start))
+    table = TurntableMotion(math.radians(rate), math.radians(step), hold, math.radians(start))
     flight = open_flight(bag, robot)
     entry = load_vehicle_file(vehicle).sensors.diodes
-    diodes = diodes_of(entry)
-    demodulation = Demodulation(frequency=frequency)
-    with Bar(console, TextColumn('reading light blocks {task.completed:.0f}')) as bar:
-        readings = read(
-            flight, diodes, demodulation, table, entry.top, lambda n: bar.move(advance=n)
+    diodes = build_diode_array(entry)
+    demodulation = DemodulationSettings(frequency=frequency)
+    with ProgressBar(console, TextColumn('reading light blocks {task.completed:.0f}')) as bar:
+        readings = read_turn(
+            flight,
+            diodes,
+            demodulation,
+            table,
+            entry.largest_reading,
+            lambda n: bar.update_bar(advance=n),
         )
-    zero = offset(readings)
-    found, blocks = studied(readings, 'bench', zero if align else 0.0)
-    fitted = response(readings, diodes, zero)
-    target = empty_folder(results_folder(out, 'turntable'))
+    zero = zero_offset(readings)
+    found, blocks = summarize_directions(readings, 'bench', zero if align else 0.0)
+    fitted = fit_response(readings, diodes, zero)
+    target = prepare_empty_folder(resolve_folder(out, 'turntable'))
     content = {
         **found.to_json(), 'blocks': blocks, 'zero': zero, 'aligned': align,
-        'response': fitted._asdict(), 'claims': [list(each) for each in claims(found)[1:]],
+        'response': fitted._asdict(),
+        'claims': [list(each) for each in build_claim_rows(found)[1:]],
     }  # fmt: skip
-    keep_json(content, target / 'turntable.json')
+    write_json(content, target / 'turntable.json')
     page = write_page(
         found, readings, fitted, diodes,
-        {'bag': str(bag), 'vehicle': vehicle, 'commit': commit()},
-        again(bag, table, align, vehicle, frequency), target / 'report.html',
+        {'bag': str(bag), 'vehicle': vehicle, 'commit': read_commit()},
+        format_rerun(bag, table, align, vehicle, frequency), target / 'report.html',
     )  # fmt: skip
     if json:
         print_json(content, page)
-    show('Median errors over 16 directions', rows([found]), console)
-    show('What the paper says, counted', claims(found), console)
-    show('Gains', gain_rows(fitted), console)
-    console.print(told(fitted, zero, align), highlight=False, soft_wrap=True)
-    console.print(page_line(near(page)), highlight=False, markup=False, soft_wrap=True)
+    print_table('Median errors over 16 directions', build_rows([found]), console)
+    print_table('What the paper says, counted', build_claim_rows(found), console)
+    print_table('Gains', build_gain_rows(fitted), console)
+    console.print(format_response(fitted, zero, align), highlight=False, soft_wrap=True)
+    console.print(
+        format_page_line(relative_path(page)), highlight=False, markup=False, soft_wrap=True
+    )
 
 
-def told(fitted: Response, zero: float, align: bool) -> str:
+def format_response(response: TurntableResponse, zero: float, align: bool) -> str:
     """Return what to write into the vehicle file, and where the zero of the table was."""
     done = 'taken off' if align else 'left in; --align takes it off'
     return (
-        f'response: {fitted.exponent:.2f} ± {fitted.exponent_deviation:.1g}, gain_spread: '
-        f"{1e2 * fitted.spread:.1f} %. The table's zero is off by {math.degrees(zero):.2f}°, "
+        f'response: {response.exponent:.2f} ± {response.exponent_deviation:.1g}, gain_spread: '
+        f"{1e2 * response.gain_spread:.1f} %. The table's zero is off by "
+        f'{math.degrees(zero):.2f}°, '
         f'{done}.'
     )
 
 
-def again(bag: Path, table: Table, align: bool, vehicle: str, frequency: float) -> str:
+def format_rerun(
+    bag: Path, table: TurntableMotion, align: bool, vehicle: str, frequency: float
+) -> str:
     """Return what to type for the same study."""
     words: list[Any] = ['hardware', 'light', bag, '--vehicle', vehicle]
     words += ['--frequency', f'{frequency:g}', '--start', f'{math.degrees(table.start):g}']
@@ -118,4 +134,4 @@ def again(bag: Path, table: Table, align: bool, vehicle: str, frequency: float) 
         words += ['--step', f'{math.degrees(table.step):g}', '--hold', f'{table.hold:g}']
     elif table.rate:
         words += ['--rate', f'{math.degrees(table.rate):g}']
-    return typed(*words, *(['--align'] if align else []))
+    return format_lta_command(*words, *(['--align'] if align else []))

@@ -4,17 +4,17 @@ import math
 from pathlib import Path
 from typing import Annotated
 
-from lta_bridge.bag.writer import empty_folder
+from lta_bridge.bag.writer import prepare_empty_folder
 from lta_cli.options.json_option import Json, print_json
-from lta_cli.options.out_option import folder
+from lta_cli.options.out_option import parse_folder
 from lta_cli.options.plain_console import plain_console
-from lta_config.errors import BadInput, unknown
-from lta_config.typed import near
-from lta_report.bar import Bar
-from lta_report.results_folder import keep_json, page_line, results_folder
-from lta_studies.light.bearing.page import far, rows, write_page
-from lta_studies.light.bearing.places import made_of, PLACES
-from lta_studies.light.bearing.run import Asked, judge, to_json
+from lta_config.command_line import relative_path
+from lta_config.errors import BadInput, unknown_name
+from lta_report.progress_bar import ProgressBar
+from lta_report.results_folder import format_page_line, resolve_folder, write_json
+from lta_studies.light.bearing.page import build_rows, format_range, write_page
+from lta_studies.light.bearing.places import build_flight_spec, PLACES
+from lta_studies.light.bearing.run import BearingTrialRequest, run_bearing_trials, to_json
 from rich.console import Console
 from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
 from rich.table import Table
@@ -50,7 +50,7 @@ def bearing(
         Path | None,
         typer.Option(
             help='Folder of the results; runs/<time>-bearing by default.',
-            parser=folder,
+            parser=parse_folder,
             metavar='FOLDER',
         ),
     ] = None,
@@ -69,32 +69,34 @@ def bearing(
     Example: lta light bearing --place indoor --diodes 8 --range any --poses 10000
     """
     console = plain_console(stderr=json)
-    asked = Asked(
+    asked = BearingTrialRequest(
         vehicle,
         tuple(dict.fromkeys(place or PLACES)),
         tuple(dict.fromkeys(diodes or (4, 8, 16))),
-        tuple(dict.fromkeys(map(metres, range_ or ('3', '7', ANY)))),
+        tuple(dict.fromkeys(map(parse_range, range_ or ('3', '7', ANY)))),
         poses,
         seed,
     )
     for name in asked.places:
         if name not in PLACES:
-            raise unknown('place', name, list(PLACES))
-        made_of(PLACES[name], vehicle, 1)
-    target = empty_folder(results_folder(out, 'bearing'))
+            raise unknown_name('place', name, list(PLACES))
+        build_flight_spec(PLACES[name], vehicle, 1)
+    target = prepare_empty_folder(resolve_folder(out, 'bearing'))
     columns = (TextColumn('{task.description}'), BarColumn(), TimeRemainingColumn())
-    with Bar(console, *columns, begin='bearing', total=asked.total) as bar:
-        found = judge(asked, lambda: bar.move(advance=1))
+    with ProgressBar(console, *columns, begin='bearing', total=asked.pose_count) as bar:
+        found = run_bearing_trials(asked, lambda: bar.update_bar(advance=1))
     content = to_json(found, asked)
-    keep_json(content, target / 'bearing.json')
+    write_json(content, target / 'bearing.json')
     page = write_page(found, asked, target / 'report.html')
     if json:
         print_json(content, page)
-    show(rows(found), console)
-    console.print(page_line(near(page)), highlight=False, markup=False, soft_wrap=True)
+    print_table(build_rows(found), console)
+    console.print(
+        format_page_line(relative_path(page)), highlight=False, markup=False, soft_wrap=True
+    )
 
 
-def metres(text: str) -> float | None:
+def parse_range(text: str) -> float | None:
     """Return a range as it was typed, None for any. [m]"""
     if text == ANY:
         return None
@@ -103,18 +105,18 @@ def metres(text: str) -> float | None:
     except ValueError:
         distance = math.nan
     if not 1.0 <= distance <= 100.0:
-        raise BadInput(f'The range is {text}; give 1 to 100 metres, or "{far(None)}".')
+        raise BadInput(f'The range is {text}; give 1 to 100 metres, or "{format_range(None)}".')
     return distance
 
 
-def show(told: list[tuple[str, ...]], console: Console) -> None:
+def print_table(rows: list[tuple[str, ...]], console: Console) -> None:
     """Print the table."""
     printed = Table(
         title='Error of the bearing at random poses: median, and what 95 % stay below',
         title_justify='left', box=None, pad_edge=False, padding=(0, 1, 0, 0),
     )  # fmt: skip
-    for k, name in enumerate(told[0]):
+    for k, name in enumerate(rows[0]):
         printed.add_column(name, justify='left' if k == 0 else 'right', min_width=4)
-    for row in told[1:]:
+    for row in rows[1:]:
         printed.add_row(*row)
     console.print(printed)

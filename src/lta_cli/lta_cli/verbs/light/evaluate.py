@@ -4,19 +4,19 @@ from pathlib import Path
 import sys
 from typing import Annotated
 
-from lta_bridge.bag.writer import empty_folder
-from lta_cli.options.json_option import print_kept_json
-from lta_cli.options.out_option import folder
+from lta_bridge.bag.writer import prepare_empty_folder
+from lta_cli.options.json_option import print_json_text
+from lta_cli.options.out_option import parse_folder
 from lta_cli.options.plain_console import plain_console
 from lta_report.browser import find_chromium
-from lta_report.results_folder import keep_json, page_line
+from lta_report.results_folder import format_page_line, write_json
 from lta_report.screenshots import write_pictures
 from lta_studies.light.evaluation import scores_page
-from lta_studies.light.evaluation.findings import Findings
-from lta_studies.light.evaluation.flying import MOST
+from lta_studies.light.evaluation.findings import EvaluationFindings
+from lta_studies.light.evaluation.flights import MOST
 from lta_studies.light.evaluation.page import write_page
-from lta_studies.light.evaluation.run import evaluate as fly_all
-from lta_studies.light.evaluation.run import Evaluated, Order
+from lta_studies.light.evaluation.run import EvaluationRequest, EvaluationStatus
+from lta_studies.light.evaluation.run import run_evaluation as fly_all
 from lta_studies.light.evaluation.sets import SETS
 from rich.console import Console
 import typer
@@ -36,7 +36,7 @@ def evaluate(
         Path | None,
         typer.Option(
             help='Folder of the results; runs/light-evaluate by default.',
-            parser=folder,
+            parser=parse_folder,
             metavar='FOLDER',
         ),
     ] = None,
@@ -76,32 +76,32 @@ def evaluate(
     console = plain_console(stderr=json or markdown)
     if pictures is not None:
         find_chromium()  # says what is missing before anything flies
-        empty_folder(pictures)
+        prepare_empty_folder(pictures)
     target = (out or Path('runs') / 'light-evaluate').absolute()
-    order = Order(tuple(sets or SETS), seeds, target, workers, retry)
+    order = EvaluationRequest(tuple(sets or SETS), seeds, target, workers, retry)
     done = fly_all(order, console)
-    found = Findings(done)
-    content = keep_json(found.to_dict(), order.folder / 'evaluation.json')
+    found = EvaluationFindings(done)
+    content = write_json(found.to_dict(), order.folder / 'evaluation.json')
     page = write_page(found)
     if pictures is not None:
         write_pictures(page, pictures)
     if markdown:
-        sys.stdout.write(scores_page.page(found))
+        sys.stdout.write(scores_page.format_scores_page(found))
     if json:
-        print_kept_json(content, page)
-    tell(found, done, console)
-    console.print(page_line(page), highlight=False, markup=False, soft_wrap=True)
+        print_json_text(content, page)
+    print_summary(found, done, console)
+    console.print(format_page_line(page), highlight=False, markup=False, soft_wrap=True)
     if done.stopped:
         raise typer.Exit(STOPPED)
-    if found.failed:
+    if found.failed_count:
         raise typer.Exit(1)
 
 
-def tell(found: Findings, done: Evaluated, console: Console) -> None:
+def print_summary(findings: EvaluationFindings, done: EvaluationStatus, console: Console) -> None:
     """Say what came out, and what it cost."""
-    lines = [found.title, found.statement]
+    lines = [findings.title, findings.statement]
     if done.flown:
-        each = done.work / max(found.flights, 1)
+        each = done.work / max(findings.flight_count, 1)
         lines.append(
             f'{done.flown} flights in {done.wall:.0f} s: {done.flown / done.wall:.1f} flights/s; '
             f'{each:.2f} s of one processor each.'
@@ -109,5 +109,7 @@ def tell(found: Findings, done: Evaluated, console: Console) -> None:
     else:
         lines.append('All of it had been flown before.')
     if done.stopped:
-        lines.append(f'Stopped: {found.count}; the same command goes on from there.')
+        lines.append(
+            f'Stopped: {findings.flight_count_text}; the same command goes on from there.'
+        )
     console.print('\n'.join(lines), highlight=False, markup=False, soft_wrap=True)

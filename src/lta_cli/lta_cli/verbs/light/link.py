@@ -5,16 +5,16 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
 
-from lta_bridge.bag.writer import empty_folder
+from lta_bridge.bag.writer import prepare_empty_folder
 from lta_cli.options.json_option import Json, print_json
-from lta_cli.options.out_option import folder
+from lta_cli.options.out_option import parse_folder
 from lta_cli.options.plain_console import plain_console
-from lta_config.typed import near, typed
+from lta_config.command_line import format_lta_command, relative_path
 from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
-from lta_report.results_folder import keep_json, page_line, results_folder
-from lta_studies.light.link.measured import Link, link_of
-from lta_studies.light.link.page import cells, HEADS, write_page
+from lta_report.results_folder import format_page_line, resolve_folder, write_json
+from lta_studies.light.link.link_budget import compute_link, LampLink
+from lta_studies.light.link.page import format_row, HEADS, write_page
 from rich.console import Console
 from rich.progress import track
 from rich.table import Table
@@ -44,7 +44,7 @@ def link(
         Path | None,
         typer.Option(
             help='Folder of the results; runs/<time>-link by default.',
-            parser=folder,
+            parser=parse_folder,
             metavar='FOLDER',
         ),
     ] = None,
@@ -65,28 +65,30 @@ def link(
     scenes = list(dict.fromkeys(scenario or SCENES))
     distances = sorted(set(distance or DISTANCES))
     read = [load_scenario(name) for name in scenes]
-    target = empty_folder(results_folder(out, 'link'))
+    target = prepare_empty_folder(resolve_folder(out, 'link'))
     found = [
-        link_of(load_vehicle(vehicle, each.air.density), each, distances, altitude, blocks)
+        compute_link(load_vehicle(vehicle, each.air.density), each, distances, altitude, blocks)
         for each in track(read, 'light link', console=console, transient=True)
     ]
-    again = typed(
+    again = format_lta_command(
         'light', 'link', *(word for name in scenes for word in ('--scenario', name)),
         *(word for each in distances for word in ('--distance', f'{each:g}')), '--vehicle',
         vehicle, '--altitude', f'{altitude:g}', '--blocks', str(blocks),
     )  # fmt: skip
     content = {'vehicle': vehicle, 'altitude': altitude, 'links': [asdict(each) for each in found]}
-    keep_json(content, target / 'link.json')
+    write_json(content, target / 'link.json')
     page = write_page(found, again, vehicle, target / 'report.html')
     if json:
         print_json(content, page)
-    show(found, console)
-    console.print(page_line(near(page)), highlight=False, markup=False, soft_wrap=True)
+    print_links(found, console)
+    console.print(
+        format_page_line(relative_path(page)), highlight=False, markup=False, soft_wrap=True
+    )
 
 
-def show(found: Sequence[Link], console: Console) -> None:
+def print_links(links: Sequence[LampLink], console: Console) -> None:
     """Print a table for each scene, and the paper's figure."""
-    for each in found:
+    for each in links:
         printed = Table(
             title=f'{each.scenario}, feedback resistor of {each.feedback / 1e3:g} kohm',
             title_justify='left', box=None, pad_edge=False, padding=(0, 2, 0, 0),
@@ -94,6 +96,6 @@ def show(found: Sequence[Link], console: Console) -> None:
         for head in HEADS:
             printed.add_column(head, justify='right')
         for at in each.at:
-            printed.add_row(*cells(at))
+            printed.add_row(*format_row(at))
         console.print(printed)
     console.print('Paper: several tens of lux at 7 m, and an SNR that stays high.')

@@ -4,31 +4,31 @@ from pathlib import Path
 import sys
 from typing import Annotated
 
-from lta_bridge.bag.writer import empty_folder
+from lta_bridge.bag.writer import prepare_empty_folder
 from lta_cli.options.json_option import Json
 from lta_cli.options.out_option import Out
 from lta_cli.options.plain_console import plain_console
-from lta_config.typed import near, typed
-from lta_report.bar import Bar
+from lta_config.command_line import format_lta_command, relative_path
 from lta_report.browser import find_chromium
+from lta_report.progress_bar import ProgressBar
 from lta_report.results_folder import (
-    all_at_once,
-    can_be_made,
-    keep_json,
-    page_line,
-    results_folder,
+    check_creatable,
+    format_page_line,
+    resolve_folder,
+    stage_results,
+    write_json,
 )
 from lta_report.screenshots import write_pictures
-from lta_studies.light.plan.floor import floor_of
-from lta_studies.light.plan.gaps import gaps_of
-from lta_studies.light.plan.given import given
-from lta_studies.light.plan.handover import handover_of
-from lta_studies.light.plan.laying import lay_out
-from lta_studies.light.plan.layout import Layout
-from lta_studies.light.plan.mounts import mounts_of
-from lta_studies.light.plan.page import percent, title, write_page
-from lta_studies.light.plan.scene import scene_text
-from lta_studies.light.plan.told import plain
+from lta_studies.light.plan.floor import build_floor
+from lta_studies.light.plan.gaps import find_gaps
+from lta_studies.light.plan.handover import plan_handover
+from lta_studies.light.plan.inputs import load_inputs
+from lta_studies.light.plan.json_output import encode_layout
+from lta_studies.light.plan.layout import LampLayout
+from lta_studies.light.plan.mounts import list_mounts
+from lta_studies.light.plan.page import format_percent, format_title, write_page
+from lta_studies.light.plan.planner import plan_layout
+from lta_studies.light.plan.scenario_file import format_scenario
 from rich.console import Console
 from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
 from rich.table import Table
@@ -85,50 +85,54 @@ def plan(
     console = plain_console(stderr=json)
     if pictures is not None:
         find_chromium()  # says what is missing before anything is done
-        empty_folder(pictures)
-    content, ear = given(name, vehicle, margin, changes or ())
-    floor = floor_of(content, ear.vehicle, cell)
-    mounts = mounts_of(content)
-    target = results_folder(out, f'{content.name}-lamps')
-    can_be_made(target)
+        prepare_empty_folder(pictures)
+    content, ear = load_inputs(name, vehicle, margin, changes or ())
+    floor = build_floor(content, ear.vehicle, cell)
+    mounts = list_mounts(content)
+    target = resolve_folder(out, f'{content.name}-lamps')
+    check_creatable(target)
     columns = (TextColumn('{task.description}'), BarColumn(), TimeRemainingColumn())
-    with Bar(console, *columns, begin='light of each place', total=len(mounts)) as bar:
-        found = lay_out(
+    with ProgressBar(console, *columns, begin='light of each place', total=len(mounts)) as bar:
+        found = plan_layout(
             content, ear, floor, mounts, overlap, lamps,
-            lambda: bar.move(advance=1), lambda words: bar.move(description=words),
+            lambda: bar.update_bar(advance=1), lambda words: bar.update_bar(description=words),
         )  # fmt: skip
-        bar.move(description='hand-overs')
-        handover = handover_of(found)
-    told, scene = plain(found, handover), scene_text(found, handover)
+        bar.update_bar(description='hand-overs')
+        handover = plan_handover(found)
+    told, scene = encode_layout(found, handover), format_scenario(found, handover)
     words = ['light', 'plan', name, '--vehicle', vehicle, '--overlap', str(overlap)]
     words += ['--margin', f'{margin:g}', '--cell', f'{cell:g}']
     words += [] if lamps is None else ['--lamps', str(lamps)]
     words += [word for change in changes or () for word in ('--set', change)]
-    fly = typed('fly', '--vehicle', vehicle, '--scenario', str(near(target / 'scenario.yaml')))
-    with all_at_once(target, 'report.html') as part:
-        text = keep_json(told, part / 'plan.json')
+    fly = format_lta_command(
+        'fly', '--vehicle', vehicle, '--scenario', str(relative_path(target / 'scenario.yaml'))
+    )
+    with stage_results(target, 'report.html') as part:
+        text = write_json(told, part / 'plan.json')
         (part / 'scenario.yaml').write_text(scene, encoding='utf-8')
-        write_page(found, handover, typed(*words), scene, fly, part / 'report.html')
+        write_page(found, handover, format_lta_command(*words), scene, fly, part / 'report.html')
     if pictures is not None:
         write_pictures(target / 'report.html', pictures)
     if json:
         sys.stdout.write(text)
-    show(found, console)
-    console.print(page_line(near(target / 'report.html')), highlight=False, soft_wrap=True)
+    print_plan(found, console)
+    console.print(
+        format_page_line(relative_path(target / 'report.html')), highlight=False, soft_wrap=True
+    )
 
 
-def show(found: Layout, console: Console) -> None:
+def print_plan(result: LampLayout, console: Console) -> None:
     """Print the lamps and the gaps."""
-    console.print(title(found), highlight=False)
+    console.print(format_title(result), highlight=False)
     printed = Table(box=None, pad_edge=False, padding=(0, 1, 0, 0))
     for column in ('lamp', 'x [m]', 'y [m]', 'z [m]', 'Hz', 'heard over [m²]'):
         printed.add_column(column, justify='left' if column == 'lamp' else 'right', no_wrap=True)
-    for k, lamp in enumerate(found.lamps):
-        area = float(found.heard[k].sum()) * found.floor.cell**2
+    for k, lamp in enumerate(result.lamps):
+        area = float(result.audible[k].sum()) * result.floor.cell**2
         place = (f'{part:.1f}' for part in lamp.mount.position)
         printed.add_row(lamp.name, *place, f'{lamp.frequency:g}', f'{area:.0f}')
     console.print(printed)
-    gaps = gaps_of(found)
+    gaps = find_gaps(result)
     if gaps:
         lost = sum(gap.area for gap in gaps)
         first = gaps[0]
@@ -138,10 +142,11 @@ def show(found: Layout, console: Console) -> None:
             f'{first.north:.1f} m: {first.why}.',
             highlight=False, soft_wrap=True,
         )  # fmt: skip
-    count = len(found.lamps)
+    count = len(result.lamps)
     console.print(
-        f'{count} lamps, no fewer than {found.bound} could do; one for '
-        f'{found.floor.area / count:.0f} m²; {percent(float((found.count >= 2).mean()))} % of the '
+        f'{count} lamps, no fewer than {result.bound} could do; one for '
+        f'{result.floor.area / count:.0f} m²; '
+        f'{format_percent(float((result.audible_count >= 2).mean()))} % of the '
         'floor hears two.',
         highlight=False, soft_wrap=True,
     )  # fmt: skip

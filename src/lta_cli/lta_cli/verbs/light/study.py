@@ -4,16 +4,16 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
-from lta_bridge.bag.writer import empty_folder
+from lta_bridge.bag.writer import prepare_empty_folder
 from lta_cli.options.json_option import Json, print_json
-from lta_cli.options.out_option import folder
+from lta_cli.options.out_option import parse_folder
 from lta_cli.options.plain_console import plain_console
-from lta_config.typed import near
-from lta_report.bar import Bar
-from lta_report.results_folder import keep_json, page_line, results_folder
-from lta_studies.light.bearing.places import made_of, PLACES
-from lta_studies.light.bearing.study import COUNTS, DIRECTIONS, READINGS, study, verdicts
-from lta_studies.light.bearing.study_page import claims, DEFECT, rows, write_page
+from lta_config.command_line import relative_path
+from lta_report.progress_bar import ProgressBar
+from lta_report.results_folder import format_page_line, resolve_folder, write_json
+from lta_studies.light.bearing.places import build_flight_spec, PLACES
+from lta_studies.light.bearing.study import COUNTS, DIRECTIONS, judge_claims, READINGS, study_rings
+from lta_studies.light.bearing.study_page import build_claim_rows, build_rows, DEFECT, write_page
 from rich.console import Console
 from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
 from rich.table import Table
@@ -30,7 +30,7 @@ def light_study(
         Path | None,
         typer.Option(
             help='Folder of the results; runs/<time>-study by default.',
-            parser=folder,
+            parser=parse_folder,
             metavar='FOLDER',
         ),
     ] = None,
@@ -48,40 +48,42 @@ def light_study(
     """
     console = plain_console(stderr=json)
     for place in PLACES.values():
-        made_of(place, vehicle, 1)
-    target = empty_folder(results_folder(out, 'study'))
+        build_flight_spec(place, vehicle, 1)
+    target = prepare_empty_folder(resolve_folder(out, 'study'))
     columns = (TextColumn('{task.description}'), BarColumn(), TimeRemainingColumn())
     total = len(PLACES) * len(COUNTS) * DIRECTIONS
-    with Bar(console, *columns, begin='study', total=total) as bar:
-        found = study(vehicle, readings, seed, lambda: bar.move(advance=1))
+    with ProgressBar(console, *columns, begin='study', total=total) as bar:
+        found = study_rings(vehicle, readings, seed, lambda: bar.update_bar(advance=1))
     content = {
         'vehicle': vehicle,
         'readings': readings,
         'seed': seed,
         'rings': [each.to_json() for each in found],
-        'claims': [list(each) for each in verdicts(found)],
+        'claims': [list(each) for each in judge_claims(found)],
     }
-    keep_json(content, target / 'study.json')
+    write_json(content, target / 'study.json')
     page = write_page(found, vehicle, readings, seed, target / 'report.html')
     if json:
         print_json(content, page)
-    show('Median errors over 16 directions, the lamp 3 m away', rows(found), console)
-    show(
+    print_table('Median errors over 16 directions, the lamp 3 m away', build_rows(found), console)
+    print_table(
         'What the paper says, counted',
-        claims(found),
+        build_claim_rows(found),
         console,
     )
     console.print(DEFECT, highlight=False)
-    console.print(page_line(near(page)), highlight=False, markup=False, soft_wrap=True)
+    console.print(
+        format_page_line(relative_path(page)), highlight=False, markup=False, soft_wrap=True
+    )
 
 
-def show(title: str, told: Sequence[tuple[str, ...]], console: Console) -> None:
+def print_table(title: str, rows: Sequence[tuple[str, ...]], console: Console) -> None:
     """Print a table whose first row is its head."""
     printed = Table(
         title=title, title_justify='left', box=None, pad_edge=False, padding=(0, 1, 0, 0)
     )
-    for k, name in enumerate(told[0]):
+    for k, name in enumerate(rows[0]):
         printed.add_column(name, justify='left' if k == 0 else 'right')
-    for row in told[1:]:
+    for row in rows[1:]:
         printed.add_row(*row)
     console.print(printed)

@@ -4,9 +4,9 @@ import sys
 
 from lta_cli.options.json_option import Json, print_json
 from lta_cli.options.plain_console import plain_console
-from lta_config.files import find
-from lta_vehicle.faults import verdict_on
-from lta_vehicle.named import Named
+from lta_config.files import find_file
+from lta_vehicle.argument import Named
+from lta_vehicle.validation import validate_vehicle_file
 from lta_vehicle.views import terminal
 import typer
 
@@ -21,8 +21,8 @@ def check(name: Named, json: Json = False) -> None:
 
     Example: lta vehicle check my_blimp.yaml
     """
-    path = find('vehicle', name)
-    found = verdict_on(path)
+    path = find_file('vehicle', name)
+    found = validate_vehicle_file(path)
     if json:
         print_json({'file': str(path), 'faults': found.faults, 'warnings': found.warnings})
     else:

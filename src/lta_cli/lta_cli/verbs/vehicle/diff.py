@@ -6,10 +6,10 @@ from lta_cli.options.json_option import Json, print_json
 from lta_cli.options.plain_console import plain_console
 from lta_config.errors import BadInput
 from lta_model.vehicle import load_vehicle
-from lta_vehicle.difference import difference, vehicle_with
-from lta_vehicle.named import Named
+from lta_vehicle.argument import Named
+from lta_vehicle.difference import compare_vehicles, load_vehicle_variant
 from lta_vehicle.views import terminal
-from lta_vehicle.views.scripts import plain_difference
+from lta_vehicle.views.json_output import encode_difference
 import typer
 
 
@@ -43,9 +43,11 @@ def diff(
             'There is nothing to compare with; name a second vehicle or --set a number.'
         )
     second = other or name
-    found = difference(load_vehicle(name), vehicle_with(second, changes or (), swaps or ()))
+    found = compare_vehicles(
+        load_vehicle(name), load_vehicle_variant(second, changes or (), swaps or ())
+    )
     if json:
-        print_json(plain_difference(found))
+        print_json(encode_difference(found))
         return
     label = f'{second} changed' if changes or swaps else second
     terminal.show_difference(found, (name, label), plain_console())

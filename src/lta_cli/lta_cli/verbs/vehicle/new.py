@@ -4,8 +4,8 @@ from pathlib import Path
 from typing import Annotated
 
 from lta_cli.options.plain_console import plain_console
-from lta_config.typed import near, typed
-from lta_vehicle.starting import write_start
+from lta_config.command_line import format_lta_command, relative_path
+from lta_vehicle.new_vehicle import write_new_vehicle
 import typer
 
 
@@ -25,14 +25,14 @@ def new(
     Example: lta vehicle new my_blimp --from gtmab
     """
     path = out or Path(f'{name}.yaml')
-    write_start(name, model, path)
+    write_new_vehicle(name, model, path)
     console = plain_console()
     console.print(f'File {path}', highlight=False, soft_wrap=True)
-    line = typed('vehicle', 'check', _as_file(path))
+    line = format_lta_command('vehicle', 'check', _format_path(path))
     console.print(f'Put in your own numbers, then: {line}', highlight=False, soft_wrap=True)
 
 
-def _as_file(path: Path) -> str:
+def _format_path(path: Path) -> str:
     """Return a path that nobody takes for a shipped name."""
-    text = str(near(path))
+    text = str(relative_path(path))
     return text if '/' in text or text.endswith(('.yaml', '.yml')) else f'./{text}'

@@ -7,14 +7,14 @@ from lta_cli.options.json_option import Json, print_json
 from lta_cli.options.plain_console import plain_console
 from lta_control.gains_file import load_gains
 from lta_model.vehicle import load_vehicle
-from lta_studies.tune.limit import helium_limit
-from lta_studies.tune.run import gains_of
-from lta_vehicle.faults import warnings
-from lta_vehicle.figures.sheet import sheet_of
-from lta_vehicle.named import Named
+from lta_studies.tune.helium_limit import find_helium_limit
+from lta_studies.tune.run import select_start_gains
+from lta_vehicle.argument import Named
+from lta_vehicle.figures.sheet import build_sheet
+from lta_vehicle.validation import find_warnings
 from lta_vehicle.views import terminal
+from lta_vehicle.views.json_output import encode_sheet
 from lta_vehicle.views.page import write_page
-from lta_vehicle.views.scripts import plain
 from rich.console import Console
 import typer
 
@@ -42,25 +42,25 @@ def show(
     """
     console = plain_console(stderr=json)
     found = load_vehicle(name)
-    held = _held(name, console) if gains else None
-    sheet = sheet_of(found, held)
-    noted = warnings(sheet)
+    held = _find_helium_limit(name, console) if gains else None
+    sheet = build_sheet(found, held)
+    noted = find_warnings(sheet)
     if out is not None:
         write_page(sheet, noted, name, out)
     if json:
-        print_json(plain(sheet, noted))
+        print_json(encode_sheet(sheet, noted))
     else:
         terminal.show_sheet(sheet, noted, console, sources)
     if out is not None:
         console.print(f'Page {out}', highlight=False, soft_wrap=True)
 
 
-def _held(name: str, console: Console) -> float:
+def _find_helium_limit(name: str, console: Console) -> float:
     """Return the loss of lift up to which the gains hold [kg], telling how the search goes."""
 
-    def tell(loss: float, kept: bool) -> None:
-        word = 'hold' if kept else 'fail'
+    def print_step(loss: float, holds: bool) -> None:
+        word = 'hold' if holds else 'fail'
         console.print(f'{1e3 * loss:6.1f} g of lift lost: the gains {word}', highlight=False)
 
-    limit = helium_limit(name, load_gains(gains_of(name, None)), tell=tell)
+    limit = find_helium_limit(name, load_gains(select_start_gains(name, None)), tell=print_step)
     return 0.0 if limit.grams is None else 1e-3 * limit.grams

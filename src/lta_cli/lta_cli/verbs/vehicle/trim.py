@@ -7,13 +7,13 @@ from lta_cli.options.json_option import Json, print_json
 from lta_cli.options.plain_console import plain_console
 from lta_config.errors import BadInput
 from lta_config.schema.vehicle_file import VehicleFile
-from lta_data.bag.flight import open_flight
-from lta_data.bag.folder import bag_in
-from lta_data.scene import parsed
+from lta_data.bag.bag_folder import find_bag
+from lta_data.bag.recorded_flight import open_flight
+from lta_data.scene import parse_provenance_file
 from lta_model.vehicle import load_vehicle, Vehicle
-from lta_vehicle.recorded import recorded
-from lta_vehicle.trim import weigh
-from lta_vehicle.trimmed import plain_weighing, told
+from lta_vehicle.flight_record import read_flight_record
+from lta_vehicle.trim import estimate_heaviness
+from lta_vehicle.trim_report import describe_heaviness, encode_heaviness
 import typer
 
 
@@ -35,20 +35,22 @@ def trim(
 
     Example: lta vehicle trim runs/20261120-lamp_room-1
     """
-    path = bag_in(bag)
+    path = find_bag(bag)
     flight = open_flight(path, robot)
-    own = parsed(VehicleFile, flight.bag.provenance, 'vehicle_file')
+    own = parse_provenance_file(VehicleFile, flight.bag.provenance, 'vehicle_file')
     if flown is not None:
         known = load_vehicle(flown)
     elif own is not None:
         known = Vehicle(own)
     else:
         raise BadInput(f"'{path}' does not say what flew; name it with --vehicle.")
-    where, commands, topic = recorded(flight, known)
-    found = weigh(known, where, commands)
+    where, commands, topic = read_flight_record(flight, known)
+    found = estimate_heaviness(known, where, commands)
     simulated = 'scenario_file' in flight.bag.provenance
     if json:
         facts = {'vehicle': known.file.name, 'poses': topic, 'simulated': simulated}
-        print_json({**facts, **plain_weighing(found)})
+        print_json({**facts, **encode_heaviness(found)})
         return
-    plain_console().print(told(found, known.file.name, simulated), highlight=False, soft_wrap=True)
+    plain_console().print(
+        describe_heaviness(found, known.file.name, simulated), highlight=False, soft_wrap=True
+    )

@@ -4,11 +4,11 @@ from pathlib import Path
 import sys
 from typing import Annotated
 
-from lta_bridge.description import urdf as description
+from lta_bridge.urdf import build_urdf as description
 from lta_cli.options.plain_console import plain_console
 from lta_model.vehicle import load_vehicle
-from lta_report.frame import written
-from lta_vehicle.named import Named
+from lta_report.page_frame import write_file
+from lta_vehicle.argument import Named
 import typer
 
 
@@ -28,5 +28,5 @@ def urdf(
     if out is None:
         sys.stdout.write(text)
         return
-    written(text, out)
+    write_file(text, out)
     plain_console().print(f'File {out}', highlight=False, markup=False, soft_wrap=True)

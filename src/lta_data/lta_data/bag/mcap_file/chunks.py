@@ -6,7 +6,14 @@ from typing import NamedTuple
 import zlib
 
 from lta_config.limits import CHUNK_BYTES
-from lta_data.bag.mcap_file.packing import Damaged, frame_length, inflated, kind_of, KINDS, MAGICS
+from lta_data.bag.mcap_file.compression import (
+    DamagedRecord,
+    decompress,
+    detect_compression,
+    frame_length,
+    KINDS,
+    MAGICS,
+)
 from mcap.opcode import Opcode
 
 RECORD = struct.Struct('<BQ')  # opcode, length
@@ -18,7 +25,7 @@ LENGTH = struct.Struct('<Q')
 Read = Callable[[int, int], bytes]  # offset and length to bytes; fewer at the file's end
 
 
-class Record(NamedTuple):
+class McapRecord(NamedTuple):
     """Where a record's body lies in a buffer. [bytes]"""
 
     opcode: int
@@ -26,7 +33,7 @@ class Record(NamedTuple):
     end: int
 
 
-class Message(NamedTuple):
+class McapMessage(NamedTuple):
     """One recorded message; times in ns."""
 
     channel: int
@@ -36,7 +43,7 @@ class Message(NamedTuple):
     data: bytes
 
 
-class Packed(NamedTuple):
+class PackedLocation(NamedTuple):
     """Where a chunk's packed records may lie, counted from its body, and how they are packed."""
 
     kind: str
@@ -44,7 +51,7 @@ class Packed(NamedTuple):
     length: int
 
 
-def records(data: bytes | memoryview) -> Iterator[Record]:
+def iterate_records(data: bytes | memoryview) -> Iterator[McapRecord]:
     """
     Yield the records of a buffer in order.
 
@@ -57,16 +64,16 @@ def records(data: bytes | memoryview) -> Iterator[Record]:
     at = 0
     while at < len(data):
         if at + RECORD.size > len(data):
-            raise Damaged
+            raise DamagedRecord
         opcode, length = RECORD.unpack_from(data, at)
         start = at + RECORD.size
         at = start + length
         if at > len(data):
-            raise Damaged
-        yield Record(opcode, start, at)
+            raise DamagedRecord
+        yield McapRecord(opcode, start, at)
 
 
-def unpacked(body: bytes | memoryview) -> bytes | memoryview:
+def unpack_chunk(body: bytes | memoryview) -> bytes | memoryview:
     """
     Return the records inside a chunk.
 
@@ -82,10 +89,10 @@ def unpacked(body: bytes | memoryview) -> bytes | memoryview:
 
     """
     view = memoryview(body)
-    return sealed(lambda offset, length: view[offset : offset + length], len(body))[0]
+    return unpack_by_crc(lambda offset, length: view[offset : offset + length], len(body))[0]
 
 
-def sealed(
+def unpack_by_crc(
     read: Callable[[int, int], bytes | memoryview], length: int
 ) -> tuple[bytes | memoryview, int]:
     """
@@ -104,50 +111,52 @@ def sealed(
     Raises
     ------
     Damaged
-        As `unpacked` does.
+        As `unpack_chunk` does.
 
     """
     head = read(0, HEAD.size + 16)
     if len(head) < HEAD.size + LENGTH.size:
-        raise Damaged
-    reason = Damaged()
+        raise DamagedRecord
+    reason = DamagedRecord()
     tried = set()
-    for packed, told in places(head, length):
+    for packed, told in iterate_candidates(head, length):
         if packed in tried:
             continue
         tried.add(packed)
         try:
-            return opened(read, packed, told, head, length)
-        except Damaged as error:
+            return unpack_candidate(read, packed, told, head, length)
+        except DamagedRecord as error:
             reason = error if error.args else reason
     raise reason
 
 
-def opened(
+def unpack_candidate(
     read: Callable[[int, int], bytes | memoryview],
-    packed: Packed,
-    told: bool,
+    packed: PackedLocation,
+    is_declared: bool,
     head: bytes | memoryview,
     length: int,
 ) -> tuple[bytes | memoryview, int]:
-    """Return what lies at one place that a chunk may have its records at; see `sealed`."""
+    """Return what lies at one place that a chunk may have its records at; see `unpack_by_crc`."""
     if packed.length > CHUNK_BYTES:
-        raise Damaged(f'claim to hold {packed.length} bytes')
+        raise DamagedRecord(f'claim to hold {packed.length} bytes')
     part = read(packed.start, packed.length)
-    if told and len(part) < packed.length:
-        raise Damaged
-    kind = kind_of(packed.kind, part)
-    data = inflated(kind, part)
+    if is_declared and len(part) < packed.length:
+        raise DamagedRecord
+    kind = detect_compression(packed.kind, part)
+    data = decompress(kind, part)
     _, _, size, crc, _ = HEAD.unpack_from(head)
     end = packed.start + packed.length
     if crc and zlib.crc32(data) == crc:
-        return data, end if told else packed.start + frame_length(kind, part)
-    if not crc and told and (end, len(data)) == (length, size):
+        return data, end if is_declared else packed.start + frame_length(kind, part)
+    if not crc and is_declared and (end, len(data)) == (length, size):
         return data, end
-    raise Damaged
+    raise DamagedRecord
 
 
-def places(head: bytes | memoryview, length: int) -> Iterator[tuple[Packed, bool]]:
+def iterate_candidates(
+    head: bytes | memoryview, length: int
+) -> Iterator[tuple[PackedLocation, bool]]:
     """Yield where the packed records of a chunk can lie, and whether its header says just so."""
     _, _, size, _, name_length = HEAD.unpack_from(head)
     name = bytes(head[HEAD.size : HEAD.size + min(name_length, 8)]).decode(errors='replace')
@@ -155,7 +164,7 @@ def places(head: bytes | memoryview, length: int) -> Iterator[tuple[Packed, bool
     if start <= len(head):
         given = LENGTH.unpack_from(head, start - LENGTH.size)[0]
         if given <= length - start:
-            yield Packed(name, start, given), True
+            yield PackedLocation(name, start, given), True
     for kind in KINDS:
         start = HEAD.size + len(kind) + LENGTH.size
         if kind and bytes(head[start : start + 4]) not in MAGICS:
@@ -163,10 +172,10 @@ def places(head: bytes | memoryview, length: int) -> Iterator[tuple[Packed, bool
         given = LENGTH.unpack_from(head, start - LENGTH.size)[0]
         for guess in (given, length - start, size if kind == '' else CHUNK_BYTES):
             if 0 < guess <= CHUNK_BYTES:
-                yield Packed(kind, start, guess), False
+                yield PackedLocation(kind, start, guess), False
 
 
-def messages(data: bytes | memoryview, channels: frozenset[int]) -> Iterator[Message]:
+def iterate_messages(data: bytes | memoryview, channels: frozenset[int]) -> Iterator[McapMessage]:
     """Yield the messages of some channels."""
     at, size, unpack = 0, len(data), BARE.unpack_from
     last = size - BARE.size
@@ -175,12 +184,12 @@ def messages(data: bytes | memoryview, channels: frozenset[int]) -> Iterator[Mes
         start = at + 9
         at = start + length
         if at > size:
-            raise Damaged
+            raise DamagedRecord
         if opcode == 5 and channel in channels:  # Opcode.MESSAGE; an enum costs time here
             if length < 22:
-                raise Damaged
+                raise DamagedRecord
             body = bytes(data[start + 22 : at])
-            yield Message(channel, sequence, log_time, publish_time, body)
-    for record in records(memoryview(data)[at:]):
+            yield McapMessage(channel, sequence, log_time, publish_time, body)
+    for record in iterate_records(memoryview(data)[at:]):
         if record.opcode == Opcode.MESSAGE:  # shorter than its own head
-            raise Damaged
+            raise DamagedRecord

@@ -9,10 +9,10 @@ import struct
 from typing import BinaryIO, final
 
 from lta_bridge.bag.records import PROVENANCE
-from lta_config.errors import one_line, without_controls
+from lta_config.errors import strip_control_codes, to_one_line
 from lta_config.limits import CHANNELS
-from lta_data.bag.mcap_file.packing import Damaged
-from lta_data.bag.mcap_file.rhythm import Rhythm
+from lta_data.bag.mcap_file.compression import DamagedRecord
+from lta_data.bag.mcap_file.rhythm import MessageRhythm
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
@@ -23,7 +23,7 @@ TOO_MANY = f'It has more than {CHANNELS} topics; the others are left out.'
 
 @final
 @dataclass(frozen=True, slots=True)
-class Place:
+class MessageRegion:
     """
     A stretch of the file that holds messages.
 
@@ -44,7 +44,7 @@ class Place:
 
 @final
 @dataclass(slots=True)
-class Loss:
+class DamagedRegion:
     """
     A stretch of the file that cannot be used.
 
@@ -60,7 +60,7 @@ class Loss:
     start: int | None = None
     end: int | None = None
 
-    def widen(self, start: int, end: int) -> None:
+    def widen_times(self, start: int, end: int) -> None:
         """Take note of log times. [ns]"""
         self.start = start if self.start is None else min(self.start, start)
         self.end = end if self.end is None else max(self.end, end)
@@ -68,7 +68,7 @@ class Loss:
 
 @final
 @dataclass(slots=True)
-class Contents:
+class McapContents:
     """
     Directory of one MCAP file.
 
@@ -81,18 +81,18 @@ class Contents:
     schemas: dict[int, Schema] = field(default_factory=dict)
     channels: dict[int, Channel] = field(default_factory=dict)
     provenance: dict[str, str] = field(default_factory=dict)
-    places: list[Place] = field(default_factory=list)
+    places: list[MessageRegion] = field(default_factory=list)
     counts: Counter[int] = field(default_factory=Counter)
     start: int | None = None
     end: int | None = None
     losses: list[str] = field(default_factory=list)
-    lost: list[Loss] = field(default_factory=list)
+    lost: list[DamagedRegion] = field(default_factory=list)
     remarks: list[str] = field(default_factory=list)
     rivals: list[Channel] = field(default_factory=list)
-    rhythm: Rhythm = field(default_factory=Rhythm, compare=False)
+    rhythm: MessageRhythm = field(default_factory=MessageRhythm, compare=False)
     indexed: bool = field(default=False, compare=False)
 
-    def add(self, opcode: int, body: bytes) -> None:
+    def add_record(self, opcode: int, body: bytes) -> None:
         """
         Take note of a schema, channel or metadata record; others pass, and so do second copies.
 
@@ -106,47 +106,47 @@ class Contents:
         try:
             if opcode == Opcode.SCHEMA:
                 schema = Schema.read(stream)
-                schema.name = one_line(schema.name)
+                schema.name = to_one_line(schema.name)
                 if schema.id:  # 0 stands for none
                     self.schemas.setdefault(schema.id, schema)
             elif opcode == Opcode.CHANNEL:
                 channel = Channel.read(stream)
-                channel.topic = one_line(channel.topic)
+                channel.topic = to_one_line(channel.topic)
                 if len(self.channels) >= CHANNELS and channel.id not in self.channels:
-                    self._leave_out()
+                    self._note_channel_limit()
                 elif self.channels.setdefault(channel.id, channel) != channel:
                     self.rivals.append(channel)
             elif opcode == Opcode.METADATA:
                 metadata = Metadata.read(stream)
                 if metadata.name == PROVENANCE:
-                    self.provenance = printable(metadata.metadata) | self.provenance
+                    self.provenance = strip_controls(metadata.metadata) | self.provenance
         except (struct.error, UnicodeDecodeError, McapError) as error:
-            raise Damaged from error
+            raise DamagedRecord from error
 
-    def _leave_out(self) -> None:
+    def _note_channel_limit(self) -> None:
         """Take note that there are more channels than anybody has."""
         if TOO_MANY not in self.losses:
             self.losses.append(TOO_MANY)
 
-    def count(self, channel: int, log_time: int) -> None:
+    def count_message(self, channel: int, log_time: int) -> None:
         """Take note of a message."""
         self.counts[channel] += 1
-        self.widen(log_time, log_time)
+        self.widen_times(log_time, log_time)
 
-    def widen(self, start: int, end: int) -> None:
+    def widen_times(self, start: int, end: int) -> None:
         """Take note of log times. [ns]"""
         self.start = start if self.start is None else min(self.start, start)
         self.end = end if self.end is None else max(self.end, end)
 
 
-def printable(notes: Mapping[str, str]) -> dict[str, str]:
+def strip_controls(notes: Mapping[str, str]) -> dict[str, str]:
     """Return notes without what commands a terminal."""
-    return {one_line(key): without_controls(text) for key, text in notes.items()}
+    return {to_one_line(key): strip_control_codes(text) for key, text in notes.items()}
 
 
 def read_at(stream: BinaryIO, offset: int, length: int) -> bytes:
     """Return bytes of a file; Damaged where it ends before."""
     if offset + length > stream.seek(0, os.SEEK_END):
-        raise Damaged
+        raise DamagedRecord
     stream.seek(offset)
     return stream.read(length)

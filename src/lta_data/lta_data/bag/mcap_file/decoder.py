@@ -6,7 +6,7 @@ import struct
 from typing import Any, Final, final
 
 from lta_config.errors import BadInput
-from lta_data.bag.mcap_file.definition import defined, MISDEFINED
+from lta_data.bag.mcap_file.type_definition import MISDEFINED, parse_definition
 from mcap.records import Schema
 from rosbags.serde import SerdeError
 from rosbags.typesys import get_typestore, Stores
@@ -27,7 +27,7 @@ MISFIT = (
 )
 
 
-def undecodable(schema: Schema | None, message_encoding: str) -> str | None:
+def explain_undecodable(schema: Schema | None, message_encoding: str) -> str | None:
     """Return why messages cannot be decoded, as a half-sentence; None if they can."""
     if message_encoding != 'cdr':
         return f"are encoded as '{message_encoding}', not as CDR"
@@ -41,7 +41,7 @@ def undecodable(schema: Schema | None, message_encoding: str) -> str | None:
 
 
 @final
-class Decoder:
+class MessageDecoder:
     """
     Turns CDR into message objects.
 
@@ -67,7 +67,7 @@ class Decoder:
 
         """
         if type_name not in self._types.fielddefs:
-            self._learn(type_name)
+            self._register_type(type_name)
         try:
             return self._types.deserialize_cdr(data, type_name)
         except MISFIT as error:
@@ -76,24 +76,24 @@ class Decoder:
                 'leave this topic out or record it again.'
             ) from error
 
-    def fields(self, type_name: str) -> list[tuple[str, Any]]:
+    def list_fields(self, type_name: str) -> list[tuple[str, Any]]:
         """Return the fields of a type: attribute, and rosbags' description; errors as `decode`."""
         if type_name not in self._types.fielddefs:
-            self._learn(type_name)
+            self._register_type(type_name)
         attributes = fields(self._types.types[type_name])  # type: ignore[arg-type]
         described = self._types.fielddefs[type_name][1]
         # Constants, which an object has as well, stand behind the fields.
         return [(at.name, item) for at, (_, item) in zip(attributes, described, strict=False)]
 
-    def _learn(self, type_name: str) -> None:
+    def _register_type(self, type_name: str) -> None:
         """Take a type and all its parts from the bag."""
         schema = self._schemas.get(type_name)
-        reason = undecodable(schema, 'cdr')
+        reason = explain_undecodable(schema, 'cdr')
         if schema is None or reason is not None:
             raise BadInput(f'These messages {reason}; leave this topic out.')
         text = schema.data.decode(errors='replace')
         try:
-            self._types.register(defined(text, type_name, schema.encoding))
+            self._types.register(parse_definition(text, type_name, schema.encoding))
         except MISDEFINED as error:
             raise BadInput(
                 f"The bag's definition of '{type_name}' ({schema.encoding or 'none'}) cannot be "

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 from typing import Any, Final
 
 from lta_data.bag.mcap_file.chunks import HEAD, LENGTH, Read, RECORD
-from lta_data.bag.mcap_file.packing import KINDS, MAGICS
-from lta_data.bag.mcap_file.shape import LEAST
+from lta_data.bag.mcap_file.compression import KINDS, MAGICS
+from lta_data.bag.mcap_file.record_shape import LEAST
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,7 +17,7 @@ CHUNK = 6
 MAGIC_OF: Final = {kind: int.from_bytes(magic, 'little') for magic, kind in MAGICS.items()}
 
 
-def candidates(read: Read, start: int, stop: int, size: int) -> Iterator[tuple[int, bool]]:
+def find_candidates(read: Read, start: int, stop: int, size: int) -> Iterator[tuple[int, bool]]:
     """
     Yield places before `stop` where a record can begin, and whether it can be a chunk.
 
@@ -42,8 +42,8 @@ def candidates(read: Read, start: int, stop: int, size: int) -> Iterator[tuple[i
             at, width = at + count, LARGEST_WINDOW
             continue
         window = np.frombuffer(data.ljust(count + MARGIN, b'\0'), np.uint8)
-        chunks = chunk_heads(window, count, size - at)
-        heads = record_heads(window, count, size - at)
+        chunks = find_chunk_heads(window, count, size - at)
+        heads = find_record_heads(window, count, size - at)
         heads[0] |= at == start
         for place in np.flatnonzero(chunks | heads).tolist():
             yield at + place, bool(chunks[place])
@@ -51,7 +51,7 @@ def candidates(read: Read, start: int, stop: int, size: int) -> Iterator[tuple[i
         width = min(2 * width, LARGEST_WINDOW)
 
 
-def chunk_like(head: bytes, length: int) -> bool:
+def is_chunk_like(head: bytes, length: int) -> bool:
     """Tell whether the first `HEADS` bytes of a record, whatever its opcode, may be a chunk's."""
     for kind in KINDS:
         inside = HEAD.size + len(kind) + LENGTH.size
@@ -65,37 +65,37 @@ def chunk_like(head: bytes, length: int) -> bool:
     return False
 
 
-def field(window: NDArray[np.uint8], count: int, offset: int, kind: str) -> NDArray[Any]:
+def read_field(window: NDArray[np.uint8], count: int, offset: int, kind: str) -> NDArray[Any]:
     """Return the number that records from each of `count` places on would have at an offset."""
     return np.ndarray((count,), kind, window, offset, (1,))
 
 
-def record_heads(window: NDArray[np.uint8], count: int, left: int) -> NDArray[np.bool_]:
+def find_record_heads(window: NDArray[np.uint8], count: int, left: int) -> NDArray[np.bool_]:
     """Return where a known opcode is followed by a length that fits it and the file."""
-    length = field(window, count, 1, '<u8')
+    length = read_field(window, count, 1, '<u8')
     room = left - RECORD.size - np.arange(count)
     return (length >= SHORTEST[window[:count]]) & (length <= np.maximum(room, 0).astype(np.uint64))
 
 
-def chunk_heads(window: NDArray[np.uint8], count: int, left: int) -> NDArray[np.bool_]:
-    """Return where a chunk can begin; see `candidates`."""
+def find_chunk_heads(window: NDArray[np.uint8], count: int, left: int) -> NDArray[np.bool_]:
+    """Return where a chunk can begin; see `find_candidates`."""
     opcode = window[:count] == CHUNK
-    length = field(window, count, 1, '<u8')
-    size = field(window, count, RECORD.size + 16, '<u8')
-    name_length = field(window, count, RECORD.size + HEAD.size - 4, '<u4')
+    length = read_field(window, count, 1, '<u8')
+    size = read_field(window, count, RECORD.size + 16, '<u8')
+    name_length = read_field(window, count, RECORD.size + HEAD.size - 4, '<u4')
     found = np.zeros(count, np.bool_)
     for kind in KINDS:
         name_at = RECORD.size + HEAD.size
         inside = HEAD.size + len(kind) + 8
-        packed = field(window, count, name_at + len(kind), '<u8')
+        packed = read_field(window, count, name_at + len(kind), '<u8')
         facts = opcode.astype(np.uint8)
         named = name_length == len(kind)
         for i, letter in enumerate(kind.encode()):
-            named &= field(window, count, name_at + i, 'u1') == letter
+            named &= read_field(window, count, name_at + i, 'u1') == letter
         facts += named
         facts += (length == packed + np.uint64(inside)) & (packed > 0)
         if kind:
-            magic = field(window, count, RECORD.size + inside, '<u4') == MAGIC_OF[kind]
+            magic = read_field(window, count, RECORD.size + inside, '<u4') == MAGIC_OF[kind]
             found |= magic | (facts >= 2) & (packed > 0) & (packed < left)
         else:
             facts += (size == packed) & (size > 0)

@@ -19,7 +19,7 @@ MOST_KEPT = 1000
 
 @final
 @dataclass(slots=True)
-class Rhythm:
+class MessageRhythm:
     """
     The steps from message to message, in the order of recording; times in ns.
 
@@ -37,7 +37,7 @@ class Rhythm:
     worst_topic: str | None = None
     silences: list[tuple[int, int]] = field(default_factory=list)
 
-    def feed(self, times: NDArray[np.uint64], channels: NDArray[np.uint16]) -> None:
+    def add_times(self, times: NDArray[np.uint64], channels: NDArray[np.uint16]) -> None:
         """Take note of the next messages; arrays of shape (n,)."""
         if not len(times):
             return
@@ -52,7 +52,7 @@ class Rhythm:
         if -int(steps[lowest]) > self.worst:
             self.worst, self.worst_of = -int(steps[lowest]), int(channels[lowest])
         for at in np.flatnonzero(steps >= SILENCE).tolist():
-            self._silence(int(held[at] - steps[at]), int(held[at]))
+            self._add_silence(int(held[at] - steps[at]), int(held[at]))
 
     def join(self, following: Self, worst_topic: str | None = None) -> None:
         """Take note of what follows; `worst_topic` is whose its worst step is, if known."""
@@ -64,7 +64,7 @@ class Rhythm:
             if -step > self.worst:
                 self.worst, self.worst_topic = -step, None
             if step >= SILENCE:
-                self._silence(self.last, following.first)
+                self._add_silence(self.last, following.first)
         if following.worst > self.worst:
             self.worst, self.worst_topic = following.worst, worst_topic
         self.first = following.first if self.first is None else self.first
@@ -72,14 +72,14 @@ class Rhythm:
         self.count += following.count
         self.backwards += following.backwards
         for silence in following.silences:
-            self._silence(*silence)
+            self._add_silence(*silence)
 
-    def _silence(self, start: int, end: int) -> None:
+    def _add_silence(self, start: int, end: int) -> None:
         """Keep a silence; of very many the first."""
         if len(self.silences) < MOST_KEPT:
             self.silences.append((start, end))
 
-    def long_silences(self) -> list[tuple[int, int]]:
+    def find_long_silences(self) -> list[tuple[int, int]]:
         """Return the silences that are long beside the mean other step, longest first. [ns]"""
         if self.first is None or self.last is None or self.count < 3:
             return []
@@ -92,7 +92,7 @@ class Rhythm:
         ]
 
 
-def entries(region: bytes) -> Iterator[tuple[int, NDArray[np.void]]]:
+def iterate_index_entries(region: bytes) -> Iterator[tuple[int, NDArray[np.void]]]:
     """
     Yield channel and entries of the message indexes in a stretch of a file.
 
@@ -112,9 +112,9 @@ def entries(region: bytes) -> Iterator[tuple[int, NDArray[np.void]]]:
         yield channel, np.frombuffer(region, ENTRY, size // ENTRY.itemsize, start)
 
 
-def in_order(region: bytes) -> tuple[NDArray[np.uint64], NDArray[np.uint16]]:
+def read_ordered_times(region: bytes) -> tuple[NDArray[np.uint64], NDArray[np.uint16]]:
     """Return times and channels of a chunk's messages as they lie in it; arrays of shape (n,)."""
-    found = list(entries(region))
+    found = list(iterate_index_entries(region))
     if not found:
         return np.empty(0, np.uint64), np.empty(0, np.uint16)
     listed = np.concatenate([listed for _, listed in found])

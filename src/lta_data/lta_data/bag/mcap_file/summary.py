@@ -7,10 +7,10 @@ import zlib
 
 from lta_bridge.bag.records import MAGIC
 from lta_config.limits import NOTE_BYTES, SUMMARY_BYTES
-from lta_data.bag.mcap_file.chunks import RECORD, records
-from lta_data.bag.mcap_file.contents import Contents, Place, read_at
-from lta_data.bag.mcap_file.packing import Damaged
-from lta_data.bag.mcap_file.shape import SHAPES, well_formed
+from lta_data.bag.mcap_file.chunks import iterate_records, RECORD
+from lta_data.bag.mcap_file.compression import DamagedRecord
+from lta_data.bag.mcap_file.contents import McapContents, MessageRegion, read_at
+from lta_data.bag.mcap_file.record_shape import is_well_formed, SHAPES
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
@@ -23,7 +23,7 @@ CHANNEL = struct.Struct('<HQ')  # channel, offset of its message index
 UNUSABLE = 'The summary at its end does not hold; the recording is read from the front instead.'
 
 
-def read_summary(stream: BinaryIO, size: int) -> Contents | None:
+def read_summary(stream: BinaryIO, size: int) -> McapContents | None:
     """
     Return the contents by a file's summary; None if there is none to rely on.
 
@@ -36,13 +36,13 @@ def read_summary(stream: BinaryIO, size: int) -> Contents | None:
 
     """
     try:
-        start, section = summary_section(stream, size)
-        return from_section(stream, start, section)
-    except (Damaged, struct.error, UnicodeDecodeError, McapError):
+        start, section = read_summary_section(stream, size)
+        return parse_summary(stream, start, section)
+    except (DamagedRecord, struct.error, UnicodeDecodeError, McapError):
         return None
 
 
-def summary_is_damaged(stream: BinaryIO, size: int) -> bool:
+def has_damaged_summary(stream: BinaryIO, size: int) -> bool:
     """Tell whether a file ends as a finished one with a summary does, but for the summary."""
     if size < TAIL:
         return False
@@ -51,85 +51,85 @@ def summary_is_damaged(stream: BinaryIO, size: int) -> bool:
     if opcode != Opcode.FOOTER or not tail.endswith(MAGIC) or start == 0:
         return False
     try:
-        _, section = summary_section(stream, size)
+        _, section = read_summary_section(stream, size)
         return any(
             record.opcode in SHAPES
-            and not well_formed(record.opcode, section[record.start : record.end])
-            for record in records(section)
+            and not is_well_formed(record.opcode, section[record.start : record.end])
+            for record in iterate_records(section)
         )
-    except Damaged:
+    except DamagedRecord:
         return True
 
 
-def summary_section(stream: BinaryIO, size: int) -> tuple[int, bytes]:
+def read_summary_section(stream: BinaryIO, size: int) -> tuple[int, bytes]:
     """Return place and bytes of what lies between data and footer; Damaged if it is not whole."""
     if size < TAIL:
-        raise Damaged
+        raise DamagedRecord
     tail = read_at(stream, size - TAIL, TAIL)
     opcode, _, start, _, crc = FOOTER.unpack_from(tail)
     if opcode != Opcode.FOOTER or not tail.endswith(MAGIC) or not 0 < start <= size - TAIL:
-        raise Damaged
+        raise DamagedRecord
     if size - TAIL - start > SUMMARY_BYTES:
-        raise Damaged
+        raise DamagedRecord
     section = read_at(stream, start, size - TAIL - start)
     if crc and crc != zlib.crc32(section + tail[: FOOTER.size - 4]):
-        raise Damaged
+        raise DamagedRecord
     return start, section
 
 
-def from_section(stream: BinaryIO, start: int, section: bytes) -> Contents:
+def parse_summary(stream: BinaryIO, start: int, section: bytes) -> McapContents:
     """Return the contents that a summary section tells; Damaged if it does not tell all."""
-    contents = Contents(indexed=True)
+    contents = McapContents(indexed=True)
     statistics = None
     notes = []
-    for record in records(section):
+    for record in iterate_records(section):
         body = section[record.start : record.end]
         if record.opcode == Opcode.CHUNK_INDEX:
-            contents.places.append(place(body))
+            contents.places.append(parse_chunk_index(body))
         elif record.opcode == Opcode.STATISTICS:
             statistics = Statistics.read(ReadDataStream(BytesIO(body)))
         elif record.opcode == Opcode.METADATA_INDEX:
             notes.append(MetadataIndex.read(ReadDataStream(BytesIO(body))))
         else:
-            contents.add(record.opcode, body)
-    if statistics is None or not covers(contents, statistics, start):
-        raise Damaged
+            contents.add_record(record.opcode, body)
+    if statistics is None or not covers_all_messages(contents, statistics, start):
+        raise DamagedRecord
     for note in notes:
-        add_note(stream, contents, note)
+        add_metadata(stream, contents, note)
     contents.counts.update(statistics.channel_message_counts)
     if statistics.message_count:
-        contents.widen(statistics.message_start_time, statistics.message_end_time)
+        contents.widen_times(statistics.message_start_time, statistics.message_end_time)
     return contents
 
 
-def add_note(stream: BinaryIO, contents: Contents, note: MetadataIndex) -> None:
+def add_metadata(stream: BinaryIO, contents: McapContents, note: MetadataIndex) -> None:
     """Take note of a metadata record, or of its damage: the recording stands without it."""
     try:
         if note.length > NOTE_BYTES:
-            raise Damaged
+            raise DamagedRecord
         data = read_at(stream, note.offset, note.length)
         opcode, length = RECORD.unpack_from(data)
         if opcode != Opcode.METADATA or length != len(data) - RECORD.size:
-            raise Damaged
-        contents.add(opcode, data[RECORD.size :])
-    except (Damaged, struct.error):
+            raise DamagedRecord
+        contents.add_record(opcode, data[RECORD.size :])
+    except (DamagedRecord, struct.error):
         contents.remarks.append(f"Its note '{note.name}' is damaged and left out.")
 
 
-def place(body: bytes) -> Place:
+def parse_chunk_index(body: bytes) -> MessageRegion:
     """Return where a chunk is and what it holds."""
     start, end, offset, length, size = CHUNK_INDEX.unpack_from(body)
     stop = CHUNK_INDEX.size + size
     if size % CHANNEL.size or stop + 8 > len(body):
-        raise Damaged
+        raise DamagedRecord
     indexes = dict(CHANNEL.iter_unpack(body[CHUNK_INDEX.size : stop]))
     index = (0, 0)
     if indexes:
         index = (min(indexes.values()), struct.unpack_from('<Q', body, stop)[0])
-    return Place(offset, length, True, frozenset(indexes) or None, start, end, index)
+    return MessageRegion(offset, length, True, frozenset(indexes) or None, start, end, index)
 
 
-def covers(contents: Contents, statistics: Statistics, data_end: int) -> bool:
+def covers_all_messages(contents: McapContents, statistics: Statistics, data_end: int) -> bool:
     """Tell whether every message that is counted can be found through the summary, and once."""
     after = len(MAGIC)
     for found in sorted(contents.places, key=lambda place: place.offset):

@@ -1,31 +1,35 @@
 """Forward speed through the air."""
 
-from lta_flight.report.over_time import over_time
-from lta_flight.report.view import View
-from lta_report.drawing import extent, Label, label_ends, line
+from lta_flight.report.time_figure import create_time_figure
+from lta_flight.report.view import FlightView
+from lta_report.drawing import build_line, EndLabel, label_ends, padded_range
 from lta_report.palette import ESTIMATE, SETPOINT, TRUTH
 from plotly.graph_objects import Figure
 
 
-def picture(view: View) -> Figure:
+def plot_airspeed(view: FlightView) -> Figure:
     """Return true, estimated and asked-for forward airspeed."""
-    figure = over_time(view)
+    figure = create_time_figure(view)
     truth = view.truth
-    labels = [Label('truth', truth.speed[-1], TRUTH)]
+    labels = [EndLabel('truth', truth.speed[-1], TRUTH)]
     shown = [truth.speed]
-    if view.has('setpoint/velocity'):
+    if view.has_topics('setpoint/velocity'):
         asked = view.speed_setpoint
         figure.add_trace(
-            line('set-point', *asked, SETPOINT, unit='m/s', width=1.2, dash='dot', steps=True)
+            build_line(
+                'set-point', *asked, SETPOINT, unit='m/s', width=1.2, dash='dot', steps=True
+            )
         )
-        labels.append(Label('set-point', asked.value[-1], SETPOINT))
+        labels.append(EndLabel('set-point', asked.value[-1], SETPOINT))
         shown.append(asked.value)
-    if view.has('odom'):
+    if view.has_topics('odom'):
         estimate = view.estimate
-        figure.add_trace(line('estimate', estimate.time, estimate.speed, ESTIMATE, unit='m/s'))
-        labels.append(Label('estimate', estimate.speed[-1], ESTIMATE))
+        figure.add_trace(
+            build_line('estimate', estimate.time, estimate.speed, ESTIMATE, unit='m/s')
+        )
+        labels.append(EndLabel('estimate', estimate.speed[-1], ESTIMATE))
         shown.append(estimate.speed)
-    figure.add_trace(line('truth', truth.time, truth.speed, TRUTH, unit='m/s'))
+    figure.add_trace(build_line('truth', truth.time, truth.speed, TRUTH, unit='m/s'))
     figure.update_yaxes(title_text='forward airspeed [m/s]')
-    label_ends(figure, labels, extent(*shown))
+    label_ends(figure, labels, padded_range(*shown))
     return figure

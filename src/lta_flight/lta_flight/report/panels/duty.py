@@ -1,20 +1,20 @@
 """What the controller asks of each rotor."""
 
-from lta_flight.report.over_time import over_time
-from lta_flight.report.view import View
-from lta_report.drawing import thinned
+from lta_flight.report.time_figure import create_time_figure
+from lta_flight.report.view import FlightView
+from lta_report.drawing import decimate_line
 from lta_report.palette import FILL, INK, TRUTH
 import numpy as np
 from plotly.graph_objects import Figure, Scatter
 
 
-def picture(view: View) -> Figure:
+def plot_duty(view: FlightView) -> Figure:
     """Return the commanded duty, a row for each rotor."""
     time, names, values = view.duties
-    figure = over_time(view, len(names))
+    figure = create_time_figure(view, len(names))
     low = -1.05 if values.min() < 0.0 else -0.03
     for row, name in enumerate(names, start=1):
-        x, y = thinned(time, values[:, row - 1])
+        x, y = decimate_line(time, values[:, row - 1])
         figure.add_trace(
             Scatter(
                 x=x, y=y, name=name, fill='tozeroy', fillcolor=FILL, mode='lines',

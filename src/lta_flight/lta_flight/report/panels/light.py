@@ -1,11 +1,11 @@
 """What the ring of photodiodes sees of the lamp."""
 
-from lta_flight.report.over_time import over_time
-from lta_flight.report.results import meant
-from lta_flight.report.view import View
+from lta_flight.report.results import beacon_direction
+from lta_flight.report.time_figure import create_time_figure
+from lta_flight.report.view import FlightView
 from lta_report.curves import Array
-from lta_report.drawing import extent, Label, label_ends, line
-from lta_report.palette import ESTIMATE, GOOD, HEAT, LAMP, scale, SOFT
+from lta_report.drawing import build_line, EndLabel, label_ends, padded_range
+from lta_report.palette import build_color_scale, ESTIMATE, GOOD, HEAT, LAMP, SOFT
 import numpy as np
 from plotly.graph_objects import Figure, Heatmap, Scatter
 
@@ -13,33 +13,35 @@ MOST_COLUMNS = 1000  # instants on the map; a screen shows no more
 FAINTEST = 0.1  # counts; below one step of the converter there is only noise
 
 
-def picture(view: View) -> Figure:
+def plot_light(view: FlightView) -> Figure:
     """Return amplitude by direction of the diode over time, and the SNR of the best diode."""
-    figure = over_time(view, 2, (0.66, 0.34))
+    figure = create_time_figure(view, 2, (0.66, 0.34))
     time, parts = view.peaks
     azimuth = np.degrees(np.arctan2(parts['y'][0], parts['x'][0])).round(1)
     order = np.argsort(azimuth)
     amplitude = parts['amplitude'][:, order].T
-    shown = stretches(time), azimuth[order], stretches(amplitude)
-    figure.add_trace(amplitudes(*shown), row=1, col=1)
-    if view.has('light/bearing'):
-        figure.add_trace(bearings(view), row=1, col=1)
-    if view.has('ground_truth/odom') and view.goal.places:
+    shown = average_stretches(time), azimuth[order], average_stretches(amplitude)
+    figure.add_trace(build_amplitude_map(*shown), row=1, col=1)
+    if view.has_topics('light/bearing'):
+        figure.add_trace(build_bearing_dots(view), row=1, col=1)
+    if view.has_topics('ground_truth/odom') and view.goal.places:
         truth = view.truth
-        angle = broken(np.degrees(meant(view, truth)))
-        figure.add_trace(line('true', truth.time, angle, LAMP, unit='°', width=1.4), row=1, col=1)
+        angle = insert_wrap_gaps(np.degrees(beacon_direction(view, truth)))
+        figure.add_trace(
+            build_line('true', truth.time, angle, LAMP, unit='°', width=1.4), row=1, col=1
+        )
     figure.update_yaxes(title_text='left of the nose [°]', tickvals=[-90, 0, 90, 180], row=1)
     best = parts['snr'].max(axis=1)
     snr = np.log10(np.maximum(best, 0.1))
-    figure.add_trace(snr_line(time, best), row=2, col=1)
+    figure.add_trace(build_snr_line(time, best), row=2, col=1)
     figure.update_yaxes(title_text='SNR [1]', type='log', row=2)
-    low, high = extent(snr)
+    low, high = padded_range(snr)
     figure.update_yaxes(range=[low, high], nticks=4, row=2)
-    label_ends(figure, [Label('best diode', float(snr[-1]), GOOD)], (low, high), row=2)
+    label_ends(figure, [EndLabel('best diode', float(snr[-1]), GOOD)], (low, high), row=2)
     return figure
 
 
-def amplitudes(time: Array, azimuth: Array, amplitude: Array) -> Heatmap:
+def build_amplitude_map(time: Array, azimuth: Array, amplitude: Array) -> Heatmap:
     """Return the amplitude of the lamp's light as a map of time and direction, log scale."""
     known = np.nan_to_num(amplitude, nan=FAINTEST, posinf=FAINTEST, neginf=FAINTEST)
     shown = np.log10(np.maximum(known, FAINTEST)).astype(np.float32)
@@ -50,7 +52,7 @@ def amplitudes(time: Array, azimuth: Array, amplitude: Array) -> Heatmap:
         y=azimuth,
         z=shown,
         customdata=amplitude.astype(np.float32),
-        colorscale=scale(HEAT),
+        colorscale=build_color_scale(HEAT),
         zmin=low,
         zmax=high,
         name='amplitude',
@@ -69,7 +71,7 @@ def amplitudes(time: Array, azimuth: Array, amplitude: Array) -> Heatmap:
     )
 
 
-def stretches(values: Array) -> Array:
+def average_stretches(values: Array) -> Array:
     """Return the mean of each stretch of the last axis, of few enough stretches to be seen."""
     count = values.shape[-1]
     starts = np.arange(0, count, -(-count // MOST_COLUMNS))
@@ -77,7 +79,7 @@ def stretches(values: Array) -> Array:
     return np.asarray(np.add.reduceat(values, starts, axis=-1) / lengths)
 
 
-def bearings(view: View) -> Scatter:
+def build_bearing_dots(view: FlightView) -> Scatter:
     """Return the measured bearings as dots."""
     time, angle = view.bearing
     return Scatter(
@@ -90,12 +92,12 @@ def bearings(view: View) -> Scatter:
     )
 
 
-def snr_line(time: Array, best: Array) -> Scatter:
+def build_snr_line(time: Array, best: Array) -> Scatter:
     """Return the SNR of the best diode."""
-    return line('best diode', time, np.maximum(best, 0.1), GOOD, unit='')
+    return build_line('best diode', time, np.maximum(best, 0.1), GOOD, unit='')
 
 
-def broken(angle: Array) -> Array:
+def insert_wrap_gaps(angle: Array) -> Array:
     """Return an angle in degrees with gaps where it wraps, so that no line crosses the plot."""
     result = angle.copy()
     result[1:][np.abs(np.diff(angle)) > 180.0] = np.nan

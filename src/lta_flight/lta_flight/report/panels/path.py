@@ -1,12 +1,12 @@
 """The flight from above."""
 
 from lta_flight.report.rays import draw_rays
-from lta_flight.report.results import phases_of
-from lta_flight.report.room import draw_room, word
-from lta_flight.report.view import View
+from lta_flight.report.results import find_phases
+from lta_flight.report.room import draw_label, draw_room
+from lta_flight.report.view import FlightView
 from lta_report.curves import Array
-from lta_report.drawing import blank
-from lta_report.palette import ESTIMATE, scale, SOFT, TIME
+from lta_report.drawing import create_figure
+from lta_report.palette import build_color_scale, ESTIMATE, SOFT, TIME
 import numpy as np
 from plotly.graph_objects import Figure, Scatter
 
@@ -16,23 +16,23 @@ STEPS = (1, 2, 5, 10, 20, 60)  # s between the times written beside the path
 MOST_STEPS = 7
 
 
-def picture(view: View) -> Figure:
+def plot_path(view: FlightView) -> Figure:
     """Return the true path in the room, with the lamp's light and the measured bearings."""
-    figure = blank()
+    figure = create_figure()
     figure.update_layout(hovermode='closest', margin={'l': 44, 'r': 12, 't': 8, 'b': 40})
     if view.scene.scenario is not None:
         draw_room(figure, view.scene.scenario, float(np.median(view.truth.z)))
-    if view.has('light/bearing', 'light/peaks'):
+    if view.has_topics('light/bearing', 'light/peaks'):
         draw_rays(figure, view)
-    if view.has('odom'):
+    if view.has_topics('odom'):
         draw_estimate(figure, view)
-    figure.add_trace(beads(view))
+    figure.add_trace(build_path_ribbon(view))
     draw_times(figure, view)
-    frame(figure, view)
+    set_axis_ranges(figure, view)
     return figure
 
 
-def frame(figure: Figure, view: View) -> None:
+def set_axis_ranges(figure: Figure, view: FlightView) -> None:
     """Show the whole room, or the whole path where there is none, to one scale."""
     if view.scene.scenario is not None:
         length, width, _ = view.scene.scenario.room.size.vector
@@ -51,7 +51,7 @@ def frame(figure: Figure, view: View) -> None:
     )
 
 
-def draw_estimate(figure: Figure, view: View) -> None:
+def draw_estimate(figure: Figure, view: FlightView) -> None:
     """Draw where the drone would believe to be, and name it at its end."""
     estimate, truth = view.estimate, view.truth
     keep = slice(None, None, max(1, len(estimate.time) // BEADS))
@@ -65,14 +65,16 @@ def draw_estimate(figure: Figure, view: View) -> None:
             hoverinfo='skip',
         )
     )
-    place, away = farthest(
+    place, away = find_farthest_point(
         np.stack([estimate.x[keep], estimate.y[keep]], axis=1),
         np.stack([truth.x, truth.y], axis=1)[:: max(1, len(truth.time) // BEADS)],
     )
-    word(figure, place, 'dead reckoning', ESTIMATE, 52.0 * away[0], 16.0 * away[1])
+    draw_label(figure, place, 'dead reckoning', ESTIMATE, 52.0 * away[0], 16.0 * away[1])
 
 
-def farthest(path: Array, other: Array) -> tuple[tuple[float, float], tuple[float, float]]:
+def find_farthest_point(
+    path: Array, other: Array
+) -> tuple[tuple[float, float], tuple[float, float]]:
     """
     Return where a path is farthest from another one, and the direction away from that.
 
@@ -95,7 +97,7 @@ def farthest(path: Array, other: Array) -> tuple[tuple[float, float], tuple[floa
     return (float(path[k, 0]), float(path[k, 1])), (float(x), float(y))
 
 
-def beads(view: View) -> Scatter:
+def build_path_ribbon(view: FlightView) -> Scatter:
     """Return the true path as a ribbon that is coloured by time."""
     truth = view.truth
     keep = slice(None, None, max(1, len(truth.time) // BEADS))
@@ -105,16 +107,16 @@ def beads(view: View) -> Scatter:
         y=truth.y[keep].astype(np.float32),
         customdata=np.stack([time, truth.z[keep].astype(np.float32)], axis=1),
         mode='markers',
-        marker={'color': time, 'colorscale': scale(TIME), 'size': 4.5},
+        marker={'color': time, 'colorscale': build_color_scale(TIME), 'size': 4.5},
         name='path',
         hovertemplate='%{customdata[0]:.1f} s<br>x %{x:.2f} m, y %{y:.2f} m, '
         'z %{customdata[1]:.2f} m<extra></extra>',
     )
 
 
-def draw_times(figure: Figure, view: View) -> None:
+def draw_times(figure: Figure, view: FlightView) -> None:
     """Write the time beside the path every few seconds, away from the lamp where it turns."""
-    phases = phases_of(view)
+    phases = find_phases(view)
     start = phases.search if np.isfinite(phases.search) else view.span[0]
     step = next((step for step in STEPS if (phases.end - start) / step <= MOST_STEPS), STEPS[-1])
     truth = view.truth
@@ -127,7 +129,7 @@ def draw_times(figure: Figure, view: View) -> None:
         course = np.arctan2(ahead_y - y, ahead_x - x)
         across, up = -np.sin(course), np.cos(course)
         if places := view.goal.places:
-            lamp = places[int(view.goal.leg(np.array([time]))[0])]
+            lamp = places[int(view.goal.leg_index(np.array([time]))[0])]
             away = -1.0 if across * (lamp.x - x) + up * (lamp.y - y) > 0.0 else 1.0
             across, up = away * across, away * up
-        word(figure, (x, y), f'{time:g} s', SOFT, 20.0 * across, 14.0 * up)
+        draw_label(figure, (x, y), f'{time:g} s', SOFT, 20.0 * across, 14.0 * up)

@@ -14,12 +14,12 @@ from lta_flight.report.panels import (
     samples,
     spectrum,
 )
-from lta_flight.report.view import View
+from lta_flight.report.view import FlightView
 from plotly.graph_objects import Figure
 
 
 @final
-class Panel(NamedTuple):
+class FlightPanel(NamedTuple):
     """
     One picture of the page.
 
@@ -44,12 +44,12 @@ class Panel(NamedTuple):
     title: str
     caption: str
     needs: tuple[str, ...]
-    picture: Callable[[View], Figure]
+    picture: Callable[[FlightView], Figure]
     timed: bool = True
 
 
 PANELS: Final = (
-    Panel(
+    FlightPanel(
         'path',
         'From above',
         'The true path, coloured and labelled by time. Short rays are the bearings to the lamp as '
@@ -57,73 +57,73 @@ PANELS: Final = (
         'where it would believe to be by dead reckoning. Shading is the direct light of all lamps '
         'at flight height, a step for each factor of two.',
         ('ground_truth/odom',),
-        path.picture,
+        path.plot_path,
         timed=False,
     ),
-    Panel(
+    FlightPanel(
         'altitude',
         'Altitude',
         'Height of the hull centre above the floor; grey dots are the raw range finder, raised to '
         'the hull centre.',
         ('ground_truth/odom',),
-        altitude.picture,
+        altitude.plot_altitude,
     ),
-    Panel(
+    FlightPanel(
         'airspeed',
         'Airspeed',
         'Speed through the air along the nose. The estimate fuses the accelerometer with a drag '
         'model; it never sees the truth.',
         ('ground_truth/odom',),
-        airspeed.picture,
+        airspeed.plot_airspeed,
     ),
-    Panel(
+    FlightPanel(
         'heading',
         'Heading',
         'Where the nose points, in the frame of the room. The estimate starts from the true '
         'heading here, for comparison; on board it starts from zero.',
         ('ground_truth/odom',),
-        heading.picture,
+        heading.plot_heading,
     ),
-    Panel(
+    FlightPanel(
         'light',
         'Light by direction',
         'Amplitude at the frequency of the lamp for each diode of the ring, nose in the middle. '
         'The line is the true direction to the lamp, the dots are the measured bearing.',
         ('light/peaks',),
-        light.picture,
+        light.plot_light,
     ),
-    Panel(
+    FlightPanel(
         'duty',
         'Rotors',
         'Duty that the controller asks of each rotor.',
         ('motors',),
-        duty.picture,
+        duty.plot_duty,
     ),
-    Panel(
+    FlightPanel(
         'power',
         'Power and energy',
         'Electrical power out of the cell and from the solar panel, and the energy taken from the '
         'cell since the recording started, standing on the ground included.',
         ('battery',),
-        power.picture,
+        power.plot_power,
     ),
-    Panel(
+    FlightPanel(
         'samples',
         'What a photodiode hears',
         'A tenth of a second of raw samples of the brightest diode, when the search starts and '
         'when it ends.',
         ('photodiodes',),
-        samples.picture,
+        samples.plot_samples,
         timed=False,
     ),
-    Panel(
+    FlightPanel(
         'spectrum',
         'The lamp in the spectrum',
         'The same samples by frequency. The lamp has its own place beside the flicker of the '
         'mains, its odd harmonics show that it is a square wave, and the small peaks between '
         'them are high harmonics that the sampling folds back.',
         ('photodiodes',),
-        spectrum.picture,
+        spectrum.plot_spectrum,
         timed=False,
     ),
 )

@@ -1,16 +1,16 @@
 """What the converter delivers: the light as numbers, before anyone has looked for a lamp."""
 
-from lta_flight.report.moments import moments
-from lta_flight.report.view import View
-from lta_report.drawing import blank, extent, Label, label_ends
+from lta_flight.report.sample_blocks import select_sample_blocks
+from lta_flight.report.view import FlightView
+from lta_report.drawing import create_figure, EndLabel, label_ends, padded_range
 import numpy as np
 from plotly.graph_objects import Figure, Scatter
 
 
-def picture(view: View) -> Figure:
+def plot_samples(view: FlightView) -> Figure:
     """Return the samples of the brightest diode in two blocks."""
-    figure = blank(2)
-    for row, moment in enumerate(moments(view), start=1):
+    figure = create_figure(2)
+    for row, moment in enumerate(select_sample_blocks(view), start=1):
         figure.add_trace(
             Scatter(
                 x=(1e3 * moment.time).astype(np.float32),
@@ -23,8 +23,8 @@ def picture(view: View) -> Figure:
             row=row,
             col=1,
         )
-        label = Label(moment.where, float(moment.samples.mean()), moment.colour)
-        label_ends(figure, [label], extent(moment.samples), row)
+        label = EndLabel(moment.where, float(moment.samples.mean()), moment.colour)
+        label_ends(figure, [label], padded_range(moment.samples), row)
         figure.update_yaxes(title_text='light [counts]', row=row)
     figure.update_xaxes(title_text='time in the block [ms]', row=2)
     figure.update_xaxes(hoverformat='.1f', unifiedhovertitle_text='%{x} ms')

@@ -1,8 +1,8 @@
 """Where the lamp stands out from the mains and the noise."""
 
-from lta_flight.report.moments import moments
-from lta_flight.report.view import View
-from lta_report.drawing import blank, Label, label_ends
+from lta_flight.report.sample_blocks import select_sample_blocks
+from lta_flight.report.view import FlightView
+from lta_report.drawing import create_figure, EndLabel, label_ends
 from lta_report.palette import LAMP, SOFT
 from lta_vlc.spectral.spectrum import amplitude_spectrum
 import numpy as np
@@ -12,12 +12,12 @@ HIGHEST = 1000.0  # Hz; beyond it there are only more harmonics
 FLOOR = 1e-3  # counts
 
 
-def picture(view: View) -> Figure:
+def plot_spectrum(view: FlightView) -> Figure:
     """Return the spectra of the two blocks, lamp and mains marked."""
-    figure = blank()
+    figure = create_figure()
     labels = []
     peaks = []
-    for moment in moments(view):
+    for moment in select_sample_blocks(view):
         rate = 1.0 / (moment.time[1] - moment.time[0])
         amplitude = amplitude_spectrum(moment.samples[:, None])[:, 0]
         frequency = np.fft.rfftfreq(len(moment.samples), 1.0 / rate)
@@ -34,18 +34,18 @@ def picture(view: View) -> Figure:
             )
         )
         peaks.append(np.log10(values))
-        labels.append(Label(moment.where, peaks[-1][-1], moment.colour))
+        labels.append(EndLabel(moment.where, peaks[-1][-1], moment.colour))
     low = float(np.floor(min(np.quantile(peak, 0.02) for peak in peaks)))
     high = float(max(peak.max() for peak in peaks)) + 0.45
     figure.update_yaxes(title_text='amplitude [counts]', type='log', dtick=1)
     label_ends(figure, labels, (low, high))
     figure.update_xaxes(title_text='frequency [Hz]', range=[0, HIGHEST], tickangle=0)
     figure.update_xaxes(unifiedhovertitle_text='%{x} Hz')
-    mark(figure, view)
+    label_frequencies(figure, view)
     return figure
 
 
-def mark(figure: Figure, view: View) -> None:
+def label_frequencies(figure: Figure, view: FlightView) -> None:
     """Name the fundamental of each lamp, the harmonics of one alone, and the mains' flicker."""
     scenario = view.scene.scenario
     if scenario is None:

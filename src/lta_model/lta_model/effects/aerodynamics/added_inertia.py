@@ -8,17 +8,19 @@ Lamb's closed forms for spheroids are in `mass.spheroid_added_mass`. Left out: c
 the layer that friction drags along.
 """
 
-from lta_model.effects.protocol import AXES, InertiaEffect, Parameter, Values, Wrench
+from lta_model.effects.protocol import AXES, EffectParameter, InertiaEffect, Values, Wrench
 
 _SOURCE = 'Lamb 1932 art. 115; prior: 10 % of a 1 m oblate hull'
 
-PARAMETERS = tuple(Parameter(axis, 'kg m2', 0.0, 0.0, 100.0, 5e-4, _SOURCE) for axis in AXES[3:])
+PARAMETERS = tuple(
+    EffectParameter(axis, 'kg m2', 0.0, 0.0, 100.0, 5e-4, _SOURCE) for axis in AXES[3:]
+)
 
 
-def diagonal(p: Values) -> Wrench:
+def compute_diagonal(p: Values) -> Wrench:
     """Return the diagonal of the added inertia matrix."""
     roll, pitch, yaw = p
     return (0.0, 0.0, 0.0, roll, pitch, yaw)
 
 
-EFFECT = InertiaEffect('added_inertia', PARAMETERS, diagonal)
+EFFECT = InertiaEffect('added_inertia', PARAMETERS, compute_diagonal)

@@ -8,17 +8,19 @@ the Munk moment with it. Lamb's closed forms for spheroids are in `mass.spheroid
 out: coupling terms of hulls without three planes of symmetry, walls and floor nearby.
 """
 
-from lta_model.effects.protocol import AXES, InertiaEffect, Parameter, Values, Wrench
+from lta_model.effects.protocol import AXES, EffectParameter, InertiaEffect, Values, Wrench
 
 _SOURCE = 'Lamb 1932 art. 114; prior: 10 % of a 0.4 kg hull, real flow separates'
 
-PARAMETERS = tuple(Parameter(axis, 'kg', 0.0, 0.0, 100.0, 0.03, _SOURCE) for axis in AXES[:3])
+PARAMETERS = tuple(
+    EffectParameter(axis, 'kg', 0.0, 0.0, 100.0, 0.03, _SOURCE) for axis in AXES[:3]
+)
 
 
-def diagonal(p: Values) -> Wrench:
+def compute_diagonal(p: Values) -> Wrench:
     """Return the diagonal of the added mass matrix."""
     surge, sway, heave = p
     return (surge, sway, heave, 0.0, 0.0, 0.0)
 
 
-EFFECT = InertiaEffect('added_mass', PARAMETERS, diagonal)
+EFFECT = InertiaEffect('added_mass', PARAMETERS, compute_diagonal)

@@ -16,22 +16,22 @@ negative, since s_i >= |v_i|.
 
 import math
 
-from lta_model.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
+from lta_model.effects.protocol import EffectParameter, Values, VehicleMotion, Wrench, WrenchEffect
 
 _SHARE = 'by the shape: 0 slender, 1 round; prior: 0.2, assumed'
 _DRAG = 'those of quadratic_drag; Fossen 2011 sec. 6.4; prior: 20 % of a 1 m oblate hull'
 
 PARAMETERS = (
-    Parameter('horizontal', '1', 0.0, 0.0, 1.0, 0.2, _SHARE),
-    Parameter('total', '1', 0.0, 0.0, 1.0, 0.2, _SHARE),
+    EffectParameter('horizontal', '1', 0.0, 0.0, 1.0, 0.2, _SHARE),
+    EffectParameter('total', '1', 0.0, 0.0, 1.0, 0.2, _SHARE),
     *(
-        Parameter(axis, 'N s2/m2', 0.0, 0.0, 100.0, 0.03, _DRAG)
+        EffectParameter(axis, 'N s2/m2', 0.0, 0.0, 100.0, 0.03, _DRAG)
         for axis in ('surge', 'sway', 'heave')
     ),
 )
 
 
-def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
     """Return what is missing of the drag."""
     horizontal, total, surge, sway, heave = p
     x, y, z = motion.airspeed
@@ -48,4 +48,4 @@ def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
     )
 
 
-EFFECT = WrenchEffect('cross_flow', PARAMETERS, wrench, linear_in=('horizontal', 'total'))
+EFFECT = WrenchEffect('cross_flow', PARAMETERS, compute_wrench, linear_in=('horizontal', 'total'))

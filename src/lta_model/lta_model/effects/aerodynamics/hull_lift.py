@@ -43,7 +43,14 @@ rigid body away again with `munk_moment`, `lost` 1.
 
 import math
 
-from lta_model.effects.protocol import Motion, Parameter, Values, Vector, Wrench, WrenchEffect
+from lta_model.effects.protocol import (
+    EffectParameter,
+    Values,
+    Vector,
+    VehicleMotion,
+    Wrench,
+    WrenchEffect,
+)
 
 _AIR = 'ABNODE: 1.2187 kg/m3; prior: 2 %, weather'
 _AREA = 'ABNODE: reference 0.25 m2, by definition; prior: 10 %'
@@ -53,54 +60,54 @@ _PLACE = 'prior: 5 cm on the middle of a hull with wings (assumed)'
 _RATE = 'ABNODE@138a1de: 0.014 to 0.050; prior: a third'
 
 
-def _slope(name: str) -> Parameter:
+def _slope_parameter(name: str) -> EffectParameter:
     """Return a coefficient per radian or a power of it."""
-    return Parameter(name, '1', 0.0, -100.0, 100.0, 0.5, _SLOPE)
+    return EffectParameter(name, '1', 0.0, -100.0, 100.0, 0.5, _SLOPE)
 
 
-def _base(name: str) -> Parameter:
+def _base_parameter(name: str) -> EffectParameter:
     """Return a coefficient in straight flow."""
-    return Parameter(name, '1', 0.0, -10.0, 10.0, 0.03, _BASE)
+    return EffectParameter(name, '1', 0.0, -10.0, 10.0, 0.03, _BASE)
 
 
 PARAMETERS = (
-    Parameter('density', 'kg/m3', 0.0, 0.0, 2.0, 0.02, _AIR),
-    Parameter('area', 'm2', 0.0, 0.0, 100.0, 0.02, _AREA),
-    Parameter('drag', '1', 0.0, 0.0, 10.0, 0.03, _BASE),
-    Parameter('drag_alpha2', '1', 0.0, 0.0, 100.0, 0.5, _SLOPE),
-    Parameter('drag_beta2', '1', 0.0, 0.0, 100.0, 0.5, _SLOPE),
-    _base('side'),
-    _slope('side_alpha2'),
-    _slope('side_beta'),
-    _base('lift'),
-    _slope('lift_alpha'),
-    _slope('lift_beta2'),
-    _base('roll'),
-    _slope('roll_alpha'),
-    _slope('roll_beta'),
-    _base('pitch'),
-    _slope('pitch_alpha'),
-    _slope('pitch_beta4'),
-    _base('yaw'),
-    _slope('yaw_alpha'),
-    _slope('yaw_beta'),
+    EffectParameter('density', 'kg/m3', 0.0, 0.0, 2.0, 0.02, _AIR),
+    EffectParameter('area', 'm2', 0.0, 0.0, 100.0, 0.02, _AREA),
+    EffectParameter('drag', '1', 0.0, 0.0, 10.0, 0.03, _BASE),
+    EffectParameter('drag_alpha2', '1', 0.0, 0.0, 100.0, 0.5, _SLOPE),
+    EffectParameter('drag_beta2', '1', 0.0, 0.0, 100.0, 0.5, _SLOPE),
+    _base_parameter('side'),
+    _slope_parameter('side_alpha2'),
+    _slope_parameter('side_beta'),
+    _base_parameter('lift'),
+    _slope_parameter('lift_alpha'),
+    _slope_parameter('lift_beta2'),
+    _base_parameter('roll'),
+    _slope_parameter('roll_alpha'),
+    _slope_parameter('roll_beta'),
+    _base_parameter('pitch'),
+    _slope_parameter('pitch_alpha'),
+    _slope_parameter('pitch_beta4'),
+    _base_parameter('yaw'),
+    _slope_parameter('yaw_alpha'),
+    _slope_parameter('yaw_beta'),
     *(
-        Parameter(name, 'N m s', 0.0, 0.0, 10.0, 0.01, _RATE)
+        EffectParameter(name, 'N m s', 0.0, 0.0, 10.0, 0.01, _RATE)
         for name in ('roll_rate', 'pitch_rate', 'yaw_rate')
     ),
-    *(Parameter(name, 'm', 0.0, -5.0, 5.0, 0.05, _PLACE) for name in ('x', 'z')),
+    *(EffectParameter(name, 'm', 0.0, -5.0, 5.0, 0.05, _PLACE) for name in ('x', 'z')),
 )
 
 SLOW = 1e-3  # [m/s]
 
 
-def from_wind(ca: float, sa: float, cb: float, sb: float, f: Vector) -> Vector:
+def rotate_wind_to_body(ca: float, sa: float, cb: float, sb: float, f: Vector) -> Vector:
     """Return R f: a vector in wind axes, in axes forward, right, down."""
     flat = cb * f[0] - sb * f[1]
     return (ca * flat - sa * f[2], sb * f[0] + cb * f[1], sa * flat + ca * f[2])
 
 
-def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
     """Return the published law."""
     (
         density, area, drag, drag_alpha2, drag_beta2, side, side_alpha2, side_beta,
@@ -140,8 +147,8 @@ def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
     share = level / (flat * flat)
     along, wind = share * e, share * abs(e)
     turning = (along * damping[0], wind * damping[1], along * damping[2])
-    d = from_wind(ca, sa, cb, sb, turning)
-    f, n = from_wind(ca, sa, cb, sb, force), from_wind(ca, sa, cb, sb, moment)
+    d = rotate_wind_to_body(ca, sa, cb, sb, turning)
+    f, n = rotate_wind_to_body(ca, sa, cb, sb, force), rotate_wind_to_body(ca, sa, cb, sb, moment)
     body = 1.0 - wind
     return (
         f[0],
@@ -156,6 +163,6 @@ def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
 EFFECT = WrenchEffect(
     'hull_lift',
     PARAMETERS,
-    wrench,
+    compute_wrench,
     linear_in=tuple(parameter.name for parameter in PARAMETERS[2:-2]),
 )

@@ -7,18 +7,27 @@ about the hull centre, v_r the air-relative velocity: skin friction at low Reyno
 the linear part of the diagonal drag of small blimps (Fossen 2011, section 6.4, eq. 6.57).
 """
 
-from lta_model.effects.protocol import AXES, Motion, Parameter, Values, Wrench, WrenchEffect
+from lta_model.effects.protocol import (
+    AXES,
+    EffectParameter,
+    Values,
+    VehicleMotion,
+    Wrench,
+    WrenchEffect,
+)
 
 _SOURCE = 'Fossen 2011 sec. 6.4; prior: the scatter of published indoor blimps'
 
-PARAMETERS = tuple(Parameter(axis, 'N s/m', 0.0, 0.0, 100.0, 0.01, _SOURCE) for axis in AXES[:3])
+PARAMETERS = tuple(
+    EffectParameter(axis, 'N s/m', 0.0, 0.0, 100.0, 0.01, _SOURCE) for axis in AXES[:3]
+)
 
 
-def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
     """Return the drag."""
     surge, sway, heave = p
     v = motion.airspeed
     return (-surge * v[0], -sway * v[1], -heave * v[2], 0.0, 0.0, 0.0)
 
 
-EFFECT = WrenchEffect('linear_drag', PARAMETERS, wrench, AXES[:3])
+EFFECT = WrenchEffect('linear_drag', PARAMETERS, compute_wrench, AXES[:3])

@@ -11,15 +11,15 @@ difference of two added masses times |v|^2, and turns the hull without braking i
 the share depends on the angle.
 """
 
-from lta_model.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
+from lta_model.effects.protocol import EffectParameter, Values, VehicleMotion, Wrench, WrenchEffect
 from lta_model.state import ADDED
 
 _SHARE = 'Hoerner 1965: wind tunnels show less than Munk (unverified, from memory); prior: 0.2'
 
-PARAMETERS = (Parameter('lost', '1', 0.0, -0.5, 1.0, 0.2, _SHARE),)
+PARAMETERS = (EffectParameter('lost', '1', 0.0, -0.5, 1.0, 0.2, _SHARE),)
 
 
-def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
     """Return what is too much of the Munk moment."""
     (lost,) = p
     x, y, z = motion.airspeed
@@ -34,4 +34,4 @@ def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
     )
 
 
-EFFECT = WrenchEffect('munk_moment', PARAMETERS, wrench, linear_in=('lost',))
+EFFECT = WrenchEffect('munk_moment', PARAMETERS, compute_wrench, linear_in=('lost',))

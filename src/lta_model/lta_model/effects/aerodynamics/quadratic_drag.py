@@ -8,14 +8,23 @@ about the hull centre, v_r the air-relative velocity, as in the diagonal model o
 degrees; `cross_flow` mends that.
 """
 
-from lta_model.effects.protocol import AXES, Motion, Parameter, Values, Wrench, WrenchEffect
+from lta_model.effects.protocol import (
+    AXES,
+    EffectParameter,
+    Values,
+    VehicleMotion,
+    Wrench,
+    WrenchEffect,
+)
 
 _SOURCE = 'Fossen 2011 sec. 6.4; prior: 20 % of a 1 m oblate hull'
 
-PARAMETERS = tuple(Parameter(axis, 'N s2/m2', 0.0, 0.0, 100.0, 0.03, _SOURCE) for axis in AXES[:3])
+PARAMETERS = tuple(
+    EffectParameter(axis, 'N s2/m2', 0.0, 0.0, 100.0, 0.03, _SOURCE) for axis in AXES[:3]
+)
 
 
-def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
     """Return the drag."""
     surge, sway, heave = p
     v = motion.airspeed
@@ -29,4 +38,4 @@ def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
     )
 
 
-EFFECT = WrenchEffect('quadratic_drag', PARAMETERS, wrench, AXES[:3])
+EFFECT = WrenchEffect('quadratic_drag', PARAMETERS, compute_wrench, AXES[:3])

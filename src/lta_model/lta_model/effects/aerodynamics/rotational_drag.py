@@ -10,17 +10,24 @@ rotation in a wind tunnel lets the air turn along, so small fast swings are damp
 figures say: `strip_damping` has that of frames and panels.
 """
 
-from lta_model.effects.protocol import AXES, Motion, Parameter, Values, Wrench, WrenchEffect
+from lta_model.effects.protocol import (
+    AXES,
+    EffectParameter,
+    Values,
+    VehicleMotion,
+    Wrench,
+    WrenchEffect,
+)
 
 _SOURCE = 'Fossen 2011 sec. 6.4; prior: 20 % of a 1 m oblate hull'
 
 PARAMETERS = (
-    *(Parameter(axis, 'N m s', 0.0, 0.0, 100.0, 5e-4, _SOURCE) for axis in AXES[3:]),
-    *(Parameter(f'{axis}_2', 'N m s2', 0.0, 0.0, 100.0, 5e-4, _SOURCE) for axis in AXES[3:]),
+    *(EffectParameter(axis, 'N m s', 0.0, 0.0, 100.0, 5e-4, _SOURCE) for axis in AXES[3:]),
+    *(EffectParameter(f'{axis}_2', 'N m s2', 0.0, 0.0, 100.0, 5e-4, _SOURCE) for axis in AXES[3:]),
 )
 
 
-def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
     """Return the damping moment."""
     roll, pitch, yaw, roll_2, pitch_2, yaw_2 = p
     w = motion.rates
@@ -35,5 +42,5 @@ def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
 
 
 EFFECT = WrenchEffect(
-    'rotational_drag', PARAMETERS, wrench, tuple(known.name for known in PARAMETERS)
+    'rotational_drag', PARAMETERS, compute_wrench, tuple(known.name for known in PARAMETERS)
 )

@@ -29,7 +29,14 @@ with the cross-flow principle (Fossen 2011, section 6.4, there for hulls; from m
 `strip_geometry`.
 """
 
-from lta_model.effects.protocol import Motion, Parameter, Values, Vector, Wrench, WrenchEffect
+from lta_model.effects.protocol import (
+    EffectParameter,
+    Values,
+    Vector,
+    VehicleMotion,
+    Wrench,
+    WrenchEffect,
+)
 
 STRIPS = 4
 
@@ -41,35 +48,35 @@ _STRIPS = range(1, STRIPS + 1)
 _DRAGS = tuple(f'{axis}_{i}' for i in _STRIPS for axis in ('surge', 'sway', 'heave'))
 
 
-def _strip(i: int) -> tuple[Parameter, ...]:
+def _strip_parameters(i: int) -> tuple[EffectParameter, ...]:
     """Return the parameters of one strip."""
     return (
-        *(Parameter(f'{a}_{i}', 'm', 0.0, -5.0, 5.0, 0.01, _CENTRE) for a in 'xyz'),
-        *(Parameter(f'half_{a}_{i}', 'm', 0.0, -5.0, 5.0, 0.01, _REACH) for a in 'xyz'),
+        *(EffectParameter(f'{a}_{i}', 'm', 0.0, -5.0, 5.0, 0.01, _CENTRE) for a in 'xyz'),
+        *(EffectParameter(f'half_{a}_{i}', 'm', 0.0, -5.0, 5.0, 0.01, _REACH) for a in 'xyz'),
         *(
-            Parameter(f'{a}_{i}', 'N s2/m2', 0.0, 0.0, 100.0, 0.006, _DRAG)
+            EffectParameter(f'{a}_{i}', 'N s2/m2', 0.0, 0.0, 100.0, 0.006, _DRAG)
             for a in ('surge', 'sway', 'heave')
         ),
     )
 
 
 PARAMETERS = (
-    Parameter(
+    EffectParameter(
         'translation', '1', 0.0, 0.0, 1.0, 0.3,
         'by definition between none and all of the airspeed; prior: assumed',
     ),
-    *(parameter for i in _STRIPS for parameter in _strip(i)),
+    *(parameter for i in _STRIPS for parameter in _strip_parameters(i)),
 )  # fmt: skip
 
 GAUSS = 0.7745966692414834  # sqrt(3 / 5), of the outer two points; weights 5/18, 8/18, 5/18
 
 
-def _cross(a: Vector, b: Vector) -> Vector:
+def _cross_product(a: Vector, b: Vector) -> Vector:
     """Return a x b."""
     return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 
 
-def _drag(drag: Vector, u: Vector, share: float) -> Vector:
+def _strip_drag(drag: Vector, u: Vector, share: float) -> Vector:
     """Return the drag of a share of a strip at the velocity u."""
     return (
         -share * drag[0] * abs(u[0]) * u[0],
@@ -78,7 +85,7 @@ def _drag(drag: Vector, u: Vector, share: float) -> Vector:
     )
 
 
-def strip(u: Vector, w: Vector, centre: Vector, half: Vector, drag: Vector) -> Wrench:
+def strip_wrench(u: Vector, w: Vector, centre: Vector, half: Vector, drag: Vector) -> Wrench:
     """
     Return the drag of one strip and its moment about the hull centre.
 
@@ -100,17 +107,20 @@ def strip(u: Vector, w: Vector, centre: Vector, half: Vector, drag: Vector) -> W
 
     """
     g = (GAUSS * half[0], GAUSS * half[1], GAUSS * half[2])
-    c, d = _cross(w, centre), _cross(w, g)
+    c, d = _cross_product(w, centre), _cross_product(w, g)
     m = (u[0] + c[0], u[1] + c[1], u[2] + c[2])
-    f = _drag(drag, m, 8.0 / 18.0)
-    a = _drag(drag, (m[0] + d[0], m[1] + d[1], m[2] + d[2]), 5.0 / 18.0)
-    b = _drag(drag, (m[0] - d[0], m[1] - d[1], m[2] - d[2]), 5.0 / 18.0)
+    f = _strip_drag(drag, m, 8.0 / 18.0)
+    a = _strip_drag(drag, (m[0] + d[0], m[1] + d[1], m[2] + d[2]), 5.0 / 18.0)
+    b = _strip_drag(drag, (m[0] - d[0], m[1] - d[1], m[2] - d[2]), 5.0 / 18.0)
     total = (f[0] + a[0] + b[0], f[1] + a[1] + b[1], f[2] + a[2] + b[2])
-    n, t = _cross(centre, total), _cross(g, (a[0] - b[0], a[1] - b[1], a[2] - b[2]))
+    n, t = (
+        _cross_product(centre, total),
+        _cross_product(g, (a[0] - b[0], a[1] - b[1], a[2] - b[2])),
+    )
     return (*total, n[0] + t[0], n[1] + t[1], n[2] + t[2])
 
 
-def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
     """Return the damping of all strips."""
     (
         translation,
@@ -123,10 +133,10 @@ def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
     u = (translation * v[0], translation * v[1], translation * v[2])
     h_1, h_2 = (half_x_1, half_y_1, half_z_1), (half_x_2, half_y_2, half_z_2)
     h_3, h_4 = (half_x_3, half_y_3, half_z_3), (half_x_4, half_y_4, half_z_4)
-    a = strip(u, w, (x_1, y_1, z_1), h_1, (surge_1, sway_1, heave_1))
-    b = strip(u, w, (x_2, y_2, z_2), h_2, (surge_2, sway_2, heave_2))
-    c = strip(u, w, (x_3, y_3, z_3), h_3, (surge_3, sway_3, heave_3))
-    d = strip(u, w, (x_4, y_4, z_4), h_4, (surge_4, sway_4, heave_4))
+    a = strip_wrench(u, w, (x_1, y_1, z_1), h_1, (surge_1, sway_1, heave_1))
+    b = strip_wrench(u, w, (x_2, y_2, z_2), h_2, (surge_2, sway_2, heave_2))
+    c = strip_wrench(u, w, (x_3, y_3, z_3), h_3, (surge_3, sway_3, heave_3))
+    d = strip_wrench(u, w, (x_4, y_4, z_4), h_4, (surge_4, sway_4, heave_4))
     return (
         translation * (a[0] + b[0] + c[0] + d[0]),
         translation * (a[1] + b[1] + c[1] + d[1]),
@@ -137,4 +147,4 @@ def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
     )
 
 
-EFFECT = WrenchEffect('strip_damping', PARAMETERS, wrench, _DRAGS)
+EFFECT = WrenchEffect('strip_damping', PARAMETERS, compute_wrench, _DRAGS)

@@ -16,20 +16,20 @@ the memory of every effect that is off. [s]
 from collections.abc import Mapping
 import math
 
-from lta_model.effects.protocol import AirEffect, Parameter, Place, Values, Wrench
+from lta_model.effects.protocol import AirEffect, AirEffectInput, EffectParameter, Values, Wrench
 
 _WIND = 'prior: a door opened in a room, assumed; bound: beyond any storm'
 _TIME = 'prior: 0.5 s, about a metre at the speed of a small blimp, assumed'
 
 PARAMETERS = (
-    *(Parameter(axis, 'm/s', 0.0, -60.0, 60.0, 0.3, _WIND) for axis in ('x', 'y', 'z')),
-    Parameter('begin', 's', 0.0, 0.0, 1e5, 0.5, _TIME),
-    Parameter('length', 's', 0.0, 0.01, 1e4, 0.5, _TIME),
-    Parameter('hold', 's', 0.0, 0.0, 1e6, 0.5, _TIME),
+    *(EffectParameter(axis, 'm/s', 0.0, -60.0, 60.0, 0.3, _WIND) for axis in ('x', 'y', 'z')),
+    EffectParameter('begin', 's', 0.0, 0.0, 1e5, 0.5, _TIME),
+    EffectParameter('length', 's', 0.0, 0.01, 1e4, 0.5, _TIME),
+    EffectParameter('hold', 's', 0.0, 0.0, 1e6, 0.5, _TIME),
 )
 
 
-def air(p: Values, memory: Values, place: Place) -> Wrench:
+def compute_air_motion(p: Values, memory: Values, place: AirEffectInput) -> Wrench:
     """Return the gust at this time."""
     x, y, z, begin, length, hold = p
     since = memory[0] - begin
@@ -46,17 +46,19 @@ def air(p: Values, memory: Values, place: Place) -> Wrench:
     return (x * share, y * share, z * share, x * slope, y * slope, z * slope)
 
 
-def rate(p: Values, memory: Values, place: Place) -> Values:
+def compute_memory_rate(p: Values, memory: Values, place: AirEffectInput) -> Values:
     """Return how fast time goes."""
     x, y, z, begin, length, hold = p  # noqa: RUF059
     return (1.0 if length > 0.0 else 0.0,)
 
 
-def check(values: Mapping[str, float]) -> str:
+def find_conflict(values: Mapping[str, float]) -> str:
     """Return why a gust without a length cannot be: its pressure gradient has no bound."""
     if values['length'] <= 0.0 and any(values[axis] != 0.0 for axis in ('x', 'y', 'z')):
         return 'a gust needs the time in which it builds up; give length in seconds'
     return ''
 
 
-EFFECT = AirEffect('gusts', PARAMETERS, air, (('time', 0.0),), rate, check)
+EFFECT = AirEffect(
+    'gusts', PARAMETERS, compute_air_motion, (('time', 0.0),), compute_memory_rate, find_conflict
+)

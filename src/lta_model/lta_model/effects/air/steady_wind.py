@@ -6,19 +6,19 @@ A wind that blows everywhere and always the same.
 in `map`: where the air goes to, not where it comes from. A neutral hull ends up going with it.
 """
 
-from lta_model.effects.protocol import AirEffect, Parameter, Place, Values, Wrench
+from lta_model.effects.protocol import AirEffect, AirEffectInput, EffectParameter, Values, Wrench
 
 _SOURCE = 'prior: a draught indoors, assumed; bound: beyond any storm'
 
 PARAMETERS = tuple(
-    Parameter(axis, 'm/s', 0.0, -60.0, 60.0, 0.1, _SOURCE) for axis in ('x', 'y', 'z')
+    EffectParameter(axis, 'm/s', 0.0, -60.0, 60.0, 0.1, _SOURCE) for axis in ('x', 'y', 'z')
 )
 
 
-def air(p: Values, memory: Values, place: Place) -> Wrench:
+def compute_air_motion(p: Values, memory: Values, place: AirEffectInput) -> Wrench:
     """Return the wind."""
     x, y, z = p
     return (x, y, z, 0.0, 0.0, 0.0)
 
 
-EFFECT = AirEffect('steady_wind', PARAMETERS, air)
+EFFECT = AirEffect('steady_wind', PARAMETERS, compute_air_motion)

@@ -14,8 +14,8 @@ along is the horizontal direction of the mean wind, or map x in still air.
 
 The noise is that of the surroundings, held during a control period d. This keeps the variance to
 tanh(d / 2T) 2T / d, 1 - (d / T)^2 / 12, of sigma^2. The memory is in units of sigma. At its
-initial values the air is at rest and stationary after a few T; `stationary` draws what it is then:
-of variance 1 along, 1/2 and 1/4 across and up, whose two states have the covariance 1/4.
+initial values the air is at rest and stationary after a few T; `stationary_memory` draws what it
+is then: of variance 1 along, 1/2 and 1/4 across and up, whose two states have the covariance 1/4.
 
     DU/Dt = 0
 
@@ -28,16 +28,19 @@ over the hull, which would rock it: use it for L well above the hull.
 from collections.abc import Mapping
 import math
 
-from lta_model.effects.protocol import AirEffect, Parameter, Place, Values, Wrench
+from lta_model.effects.protocol import AirEffect, AirEffectInput, EffectParameter, Values, Wrench
 from lta_model.state import NOISE
 
 _WIND = 'prior: 10 % of a wind of 1 m/s, as MIL-F-8785C has it for the vertical; bound: a storm'
 _LENGTH = 'MIL-F-8785C: up to 533 m, near the ground about the height; prior: 0.5 m, assumed'
 
 PARAMETERS = (
-    *(Parameter(name, 'm/s', 0.0, 0.0, 30.0, 0.1, _WIND) for name in ('along', 'across', 'up')),
     *(
-        Parameter(f'{name}_length', 'm', 0.0, 0.1, 1e3, 0.5, _LENGTH)
+        EffectParameter(name, 'm/s', 0.0, 0.0, 30.0, 0.1, _WIND)
+        for name in ('along', 'across', 'up')
+    ),
+    *(
+        EffectParameter(f'{name}_length', 'm', 0.0, 0.1, 1e3, 0.5, _LENGTH)
         for name in ('along', 'across', 'up')
     ),
 )
@@ -48,7 +51,7 @@ ROOT_3 = math.sqrt(3.0)
 STILL_AIR = 1e-6  # square of the mean wind that has no direction [m2/s2]
 
 
-def air(p: Values, memory: Values, place: Place) -> Wrench:
+def compute_air_motion(p: Values, memory: Values, place: AirEffectInput) -> Wrench:
     """Return the turbulence from the state of the filters."""
     along, across, up, along_length, across_length, up_length = p  # noqa: RUF059
     head = along * memory[0]
@@ -63,12 +66,12 @@ def air(p: Values, memory: Values, place: Place) -> Wrench:
     return (c * head - s * side, s * head + c * side, w, 0.0, 0.0, 0.0)
 
 
-def pace(sigma: float, length: float, speed: float) -> float:
+def filter_rate(sigma: float, length: float, speed: float) -> float:
     """Return 1 / T. [1/s]"""
     return max(speed, sigma) / length if length > 0.0 else 0.0
 
 
-def rate(p: Values, memory: Values, place: Place) -> Values:
+def compute_memory_rate(p: Values, memory: Values, place: AirEffectInput) -> Values:
     """Return d/dt of the filters."""
     along, across, up, along_length, across_length, up_length = p
     u = place.velocity[0] - place.wind[0]
@@ -76,9 +79,9 @@ def rate(p: Values, memory: Values, place: Place) -> Values:
     w = place.velocity[2] - place.wind[2]
     speed = math.sqrt(u * u + v * v + w * w)
     a, b, c = (
-        pace(along, along_length, speed),
-        pace(across, across_length, speed),
-        pace(up, up_length, speed),
+        filter_rate(along, along_length, speed),
+        filter_rate(across, across_length, speed),
+        filter_rate(up, up_length, speed),
     )
     noise = place.surroundings
     return (
@@ -90,7 +93,7 @@ def rate(p: Values, memory: Values, place: Place) -> Values:
     )
 
 
-def stationary(normals: Values) -> Values:
+def stationary_memory(normals: Values) -> Values:
     """Return a memory as turbulence has it that has blown for long, from five standard normals."""
     head, side, sideways, rise, rising = normals
     side, rise = side * math.sqrt(0.5), rise * math.sqrt(0.5)
@@ -98,7 +101,7 @@ def stationary(normals: Values) -> Values:
     return (head, side, 0.5 * side + rest * sideways, rise, 0.5 * rise + rest * rising)
 
 
-def check(values: Mapping[str, float]) -> str:
+def find_conflict(values: Mapping[str, float]) -> str:
     """Return why turbulence without a length cannot be."""
     for name in ('along', 'across', 'up'):
         if values[name] > 0.0 and values[f'{name}_length'] <= 0.0:
@@ -106,4 +109,6 @@ def check(values: Mapping[str, float]) -> str:
     return ''
 
 
-EFFECT = AirEffect('turbulence', PARAMETERS, air, MEMORY, rate, check)
+EFFECT = AirEffect(
+    'turbulence', PARAMETERS, compute_air_motion, MEMORY, compute_memory_rate, find_conflict
+)

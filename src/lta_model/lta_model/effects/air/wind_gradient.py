@@ -14,21 +14,21 @@ force on a hull small against the change of G is that of Auton, Hunt and Prud'ho
 exerts on a long hull, and the lift of vorticity.
 """
 
-from lta_model.effects.protocol import AirEffect, Parameter, Place, Values, Wrench
+from lta_model.effects.protocol import AirEffect, AirEffectInput, EffectParameter, Values, Wrench
 
 _SOURCE = 'prior: 0.05 m/s over a metre, a draught in a room, assumed; bound: a vortex ring'
 _PLACE = 'prior: 1 m, assumed; bound: a large hall'
 
 PARAMETERS = (
-    *(Parameter(axis, 'm', 0.0, -1e3, 1e3, 1.0, _PLACE) for axis in ('x', 'y', 'z')),
+    *(EffectParameter(axis, 'm', 0.0, -1e3, 1e3, 1.0, _PLACE) for axis in ('x', 'y', 'z')),
     *(
-        Parameter(name, '1/s', 0.0, -10.0, 10.0, 0.05, _SOURCE)
+        EffectParameter(name, '1/s', 0.0, -10.0, 10.0, 0.05, _SOURCE)
         for name in ('x_x', 'x_y', 'x_z', 'y_x', 'y_y', 'y_z', 'z_x', 'z_y')
     ),
 )
 
 
-def air(p: Values, memory: Values, place: Place) -> Wrench:
+def compute_air_motion(p: Values, memory: Values, place: AirEffectInput) -> Wrench:
     """Return the current at the hull and its change along the way of the air."""
     x, y, z, x_x, x_y, x_z, y_x, y_y, y_z, z_x, z_y = p
     z_z = -(x_x + y_y)
@@ -47,4 +47,4 @@ def air(p: Values, memory: Values, place: Place) -> Wrench:
     )
 
 
-EFFECT = AirEffect('wind_gradient', PARAMETERS, air)
+EFFECT = AirEffect('wind_gradient', PARAMETERS, compute_air_motion)

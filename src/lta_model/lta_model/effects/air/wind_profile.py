@@ -19,7 +19,7 @@ would do. Left out: the displacement height, stability, and the weight of slices
 from collections.abc import Mapping
 import math
 
-from lta_model.effects.protocol import AirEffect, Parameter, Place, Values, Wrench
+from lta_model.effects.protocol import AirEffect, AirEffectInput, EffectParameter, Values, Wrench
 
 _WIND = 'prior: 0.5 m/s, the error of a hand anemometer, assumed; bound: beyond any storm'
 _HEIGHT = 'WMO-No. 8: 10 m (unverified, from memory); prior: 1 m, assumed'
@@ -27,15 +27,15 @@ _ROUGHNESS = 'from 0.01 mm (ice) to 5 m (city), unverified, from memory; prior: 
 _HULL = 'half the height of the hull, from its shape; prior: 1 cm'
 
 PARAMETERS = (
-    Parameter('x', 'm/s', 0.0, -60.0, 60.0, 0.5, _WIND),
-    Parameter('y', 'm/s', 0.0, -60.0, 60.0, 0.5, _WIND),
-    Parameter('height', 'm', 10.0, 0.1, 300.0, 1.0, _HEIGHT),
-    Parameter('roughness', 'm', 0.0, 1e-5, 5.0, 0.1, _ROUGHNESS),
-    Parameter('half_height', 'm', 0.0, 0.01, 10.0, 0.01, _HULL),
+    EffectParameter('x', 'm/s', 0.0, -60.0, 60.0, 0.5, _WIND),
+    EffectParameter('y', 'm/s', 0.0, -60.0, 60.0, 0.5, _WIND),
+    EffectParameter('height', 'm', 10.0, 0.1, 300.0, 1.0, _HEIGHT),
+    EffectParameter('roughness', 'm', 0.0, 1e-5, 5.0, 0.1, _ROUGHNESS),
+    EffectParameter('half_height', 'm', 0.0, 0.01, 10.0, 0.01, _HULL),
 )
 
 
-def air(p: Values, memory: Values, place: Place) -> Wrench:
+def compute_air_motion(p: Values, memory: Values, place: AirEffectInput) -> Wrench:
     """Return the wind averaged over the hull."""
     x, y, height, roughness, half_height = p
     if roughness <= 0.0 or height <= roughness:
@@ -57,7 +57,7 @@ def air(p: Values, memory: Values, place: Place) -> Wrench:
     return (x * share, y * share, 0.0, x * slope, y * slope, 0.0)
 
 
-def check(values: Mapping[str, float]) -> str:
+def find_conflict(values: Mapping[str, float]) -> str:
     """Return why a reference wind without a rough ground below it is none."""
     if values['x'] == 0.0 and values['y'] == 0.0:
         return ''
@@ -68,4 +68,4 @@ def check(values: Mapping[str, float]) -> str:
     return ''
 
 
-EFFECT = AirEffect('wind_profile', PARAMETERS, air, check=check)
+EFFECT = AirEffect('wind_profile', PARAMETERS, compute_air_motion, check=find_conflict)

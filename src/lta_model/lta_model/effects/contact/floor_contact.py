@@ -14,24 +14,24 @@ normal never pulls. Left out: rolling and spinning friction, edges, anything but
 
 import math
 
-from lta_model.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
+from lta_model.effects.protocol import EffectParameter, Values, VehicleMotion, Wrench, WrenchEffect
 
 _SOURCE = 'prior: a foam foot that gives millimetres under grams; not measured'
 _PLACE = 'prior: 5 mm on the place of the foot, within a hull of 5 m'
 
 PARAMETERS = (
-    Parameter('stiffness', 'N/m', 0.0, 0.0, 1e4, 50.0, _SOURCE),
-    Parameter('relaxation', 's', 0.0, 0.0, 10.0, 0.05, _SOURCE),
-    Parameter('friction', '1', 0.0, 0.0, 3.0, 0.2, _SOURCE),
-    Parameter('x', 'm', 0.0, -5.0, 5.0, 0.005, _PLACE),
-    Parameter('y', 'm', 0.0, -5.0, 5.0, 0.005, _PLACE),
-    Parameter('z', 'm', 0.0, -5.0, 5.0, 0.005, _PLACE),
+    EffectParameter('stiffness', 'N/m', 0.0, 0.0, 1e4, 50.0, _SOURCE),
+    EffectParameter('relaxation', 's', 0.0, 0.0, 10.0, 0.05, _SOURCE),
+    EffectParameter('friction', '1', 0.0, 0.0, 3.0, 0.2, _SOURCE),
+    EffectParameter('x', 'm', 0.0, -5.0, 5.0, 0.005, _PLACE),
+    EffectParameter('y', 'm', 0.0, -5.0, 5.0, 0.005, _PLACE),
+    EffectParameter('z', 'm', 0.0, -5.0, 5.0, 0.005, _PLACE),
 )
 
 SLIP_SPEED = 0.05
 
 
-def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
     """Return what the floor does at the landing point."""
     stiffness, relaxation, friction, x, y, z = p
     r, v, w = motion.rotation, motion.velocity, motion.rates
@@ -50,4 +50,4 @@ def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
     return (f_x, f_y, f_z, y * f_z - z * f_y, z * f_x - x * f_z, x * f_y - y * f_x)
 
 
-EFFECT = WrenchEffect('floor_contact', PARAMETERS, wrench, ('stiffness',))
+EFFECT = WrenchEffect('floor_contact', PARAMETERS, compute_wrench, ('stiffness',))

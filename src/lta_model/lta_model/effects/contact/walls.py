@@ -20,31 +20,44 @@ and rolling friction. The normal of a soft wall lets an envelope in by weight / 
 from collections.abc import Mapping
 import math
 
-from lta_model.effects.protocol import Motion, Parameter, Values, Vector, Wrench, WrenchEffect
+from lta_model.effects.protocol import (
+    EffectParameter,
+    Values,
+    Vector,
+    VehicleMotion,
+    Wrench,
+    WrenchEffect,
+)
 
 _ROOM = 'of the room, which holds the origin of the map; prior: 5 cm; bound: a large hall'
 _HULL = 'of the hull, from its shape; prior: 1 cm; bound: twice the 2.7 m of Skye (Burri 2013)'
 _SOURCE = 'prior: a foil envelope that gives centimetres under newtons; not measured'
 
 PARAMETERS = (
-    Parameter('x_low', 'm', 0.0, -1e3, 0.0, 0.05, _ROOM),
-    Parameter('x_high', 'm', 0.0, 0.0, 1e3, 0.05, _ROOM),
-    Parameter('y_low', 'm', 0.0, -1e3, 0.0, 0.05, _ROOM),
-    Parameter('y_high', 'm', 0.0, 0.0, 1e3, 0.05, _ROOM),
-    Parameter('ceiling', 'm', 0.0, 0.1, 1e3, 0.05, _ROOM),
-    Parameter('radius', 'm', 0.0, 0.01, 2.7, 0.01, _HULL),
-    Parameter('half_height', 'm', 0.0, 0.01, 2.7, 0.01, _HULL),
-    Parameter('stiffness', 'N/m', 0.0, 0.0, 1e4, 50.0, _SOURCE),
-    Parameter('relaxation', 's', 0.0, 0.0, 10.0, 0.05, _SOURCE),
-    Parameter('friction', '1', 0.0, 0.0, 3.0, 0.2, _SOURCE),
+    EffectParameter('x_low', 'm', 0.0, -1e3, 0.0, 0.05, _ROOM),
+    EffectParameter('x_high', 'm', 0.0, 0.0, 1e3, 0.05, _ROOM),
+    EffectParameter('y_low', 'm', 0.0, -1e3, 0.0, 0.05, _ROOM),
+    EffectParameter('y_high', 'm', 0.0, 0.0, 1e3, 0.05, _ROOM),
+    EffectParameter('ceiling', 'm', 0.0, 0.1, 1e3, 0.05, _ROOM),
+    EffectParameter('radius', 'm', 0.0, 0.01, 2.7, 0.01, _HULL),
+    EffectParameter('half_height', 'm', 0.0, 0.01, 2.7, 0.01, _HULL),
+    EffectParameter('stiffness', 'N/m', 0.0, 0.0, 1e4, 50.0, _SOURCE),
+    EffectParameter('relaxation', 's', 0.0, 0.0, 10.0, 0.05, _SOURCE),
+    EffectParameter('friction', '1', 0.0, 0.0, 3.0, 0.2, _SOURCE),
 )
 
 SLIP_SPEED = 0.05
 BELOW = -1e6  # low face of the height: the floor is another effect's
 
 
-def pair(
-    low: float, high: float, place: float, n: Vector, hull: Vector, soft: Vector, motion: Motion
+def contact_wrench(
+    low: float,
+    high: float,
+    place: float,
+    n: Vector,
+    hull: Vector,
+    soft: Vector,
+    motion: VehicleMotion,
 ) -> Wrench:
     """
     Return what two faces across from each other do, of which the hull can touch one.
@@ -89,7 +102,7 @@ def pair(
     return (f_x, f_y, f_z, y * f_z - z * f_y, z * f_x - x * f_z, x * f_y - y * f_x)
 
 
-def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
     """Return what the room does to the hull."""
     (
         x_low, x_high, y_low, y_high, ceiling,
@@ -98,9 +111,9 @@ def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
     r, place = motion.rotation, motion.position
     hull = (radius * radius, radius * radius, half_height * half_height)
     soft = (stiffness, relaxation, friction)
-    a = pair(x_low, x_high, place[0], (r[0], r[1], r[2]), hull, soft, motion)
-    b = pair(y_low, y_high, place[1], (r[3], r[4], r[5]), hull, soft, motion)
-    c = pair(BELOW, ceiling, place[2], (r[6], r[7], r[8]), hull, soft, motion)
+    a = contact_wrench(x_low, x_high, place[0], (r[0], r[1], r[2]), hull, soft, motion)
+    b = contact_wrench(y_low, y_high, place[1], (r[3], r[4], r[5]), hull, soft, motion)
+    c = contact_wrench(BELOW, ceiling, place[2], (r[6], r[7], r[8]), hull, soft, motion)
     return (
         a[0] + b[0] + c[0],
         a[1] + b[1] + c[1],
@@ -111,7 +124,7 @@ def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
     )
 
 
-def check(values: Mapping[str, float]) -> str:
+def find_conflict(values: Mapping[str, float]) -> str:
     """Return why a hull does not fit into the room."""
     if values['stiffness'] <= 0.0:
         return ''
@@ -127,5 +140,5 @@ def check(values: Mapping[str, float]) -> str:
 
 
 EFFECT = WrenchEffect(
-    'walls', PARAMETERS, wrench, linear_in=('stiffness',), placed=True, check=check
+    'walls', PARAMETERS, compute_wrench, linear_in=('stiffness',), placed=True, check=find_conflict
 )

@@ -31,7 +31,7 @@ without a cube root, so that all forms of the model agree to the last bit.
 
 from collections.abc import Mapping
 
-from lta_model.effects.protocol import ActuatorEffect, Parameter, Values
+from lta_model.effects.protocol import ActuatorEffect, EffectParameter, Values
 from lta_model.state import VOLTAGE
 
 _NOMINAL = (
@@ -45,17 +45,17 @@ NEWTON = 24  # steps; from 60 V down to 1 V takes 17
 FLAT = 1e-9  # N/V: less slope than any motor has, against a division by zero
 
 SHARED = (
-    Parameter('voltage', 'V', 0.0, BROKEN, 60.0, 0.1, _NOMINAL),
-    Parameter('full', 'N', 0.0, 0.0, 50.0, 0.01, _THRUST),
-    Parameter('least', 'N', 0.0, 0.0, 50.0, 0.003, _LEAST),
-    Parameter('c_0', 'N', 0.0, -10.0, 10.0, 0.01, _CUBIC),
-    Parameter('c_1', 'N/V', 0.0, 0.0, 10.0, 0.02, _CUBIC),
-    Parameter('c_2', 'N/V2', 0.0, -10.0, 10.0, 0.01, _CUBIC),
-    Parameter('c_3', 'N/V3', 0.0, 0.0, 10.0, 0.003, _CUBIC),
+    EffectParameter('voltage', 'V', 0.0, BROKEN, 60.0, 0.1, _NOMINAL),
+    EffectParameter('full', 'N', 0.0, 0.0, 50.0, 0.01, _THRUST),
+    EffectParameter('least', 'N', 0.0, 0.0, 50.0, 0.003, _LEAST),
+    EffectParameter('c_0', 'N', 0.0, -10.0, 10.0, 0.01, _CUBIC),
+    EffectParameter('c_1', 'N/V', 0.0, 0.0, 10.0, 0.02, _CUBIC),
+    EffectParameter('c_2', 'N/V2', 0.0, -10.0, 10.0, 0.01, _CUBIC),
+    EffectParameter('c_3', 'N/V3', 0.0, 0.0, 10.0, 0.003, _CUBIC),
 )
 
 
-def output(p: Values, memory: Values, value: float, surroundings: Values) -> float:
+def compute_output(p: Values, memory: Values, value: float, surroundings: Values) -> float:
     """Return the duty that the firmware gives to a motor."""
     voltage, full, least, c_0, c_1, c_2, c_3 = p
     if voltage <= 0.0:
@@ -74,7 +74,7 @@ def output(p: Values, memory: Values, value: float, surroundings: Values) -> flo
     return mean / supply
 
 
-def check(values: Mapping[str, float]) -> str:
+def find_conflict(values: Mapping[str, float]) -> str:
     """Return why a cubic cannot be inverted, or ''."""
     others = [values[name] for name in ('full', 'least', 'c_0', 'c_1', 'c_2', 'c_3')]
     if values['voltage'] == 0.0:
@@ -87,4 +87,4 @@ def check(values: Mapping[str, float]) -> str:
     return ''
 
 
-EFFECT = ActuatorEffect('battery_compensation', SHARED, (), output, check=check)
+EFFECT = ActuatorEffect('battery_compensation', SHARED, (), compute_output, check=find_conflict)

@@ -16,7 +16,7 @@ and for sensitivities up to 1 the two differ by 0.7 % at most, and no rotor cost
 Goes before the lag: a rotor takes as long to follow the voltage as to follow the duty.
 """
 
-from lta_model.effects.protocol import ActuatorEffect, Parameter, Values
+from lta_model.effects.protocol import ActuatorEffect, EffectParameter, Values
 from lta_model.state import VOLTAGE
 
 _NOMINAL = (
@@ -25,12 +25,12 @@ _NOMINAL = (
 _SENSITIVITY = 'mean voltage: 1; force per duty in Crazyflie flights goes with V^0.6 to V^0.7'
 
 SHARED = (
-    Parameter('voltage', 'V', 0.0, 0.0, 60.0, 0.1, _NOMINAL, beside=3.7),
-    Parameter('sensitivity', '1', 1.0, 0.0, 2.0, 0.3, _SENSITIVITY),
+    EffectParameter('voltage', 'V', 0.0, 0.0, 60.0, 0.1, _NOMINAL, beside=3.7),
+    EffectParameter('sensitivity', '1', 1.0, 0.0, 2.0, 0.3, _SENSITIVITY),
 )
 
 
-def output(p: Values, memory: Values, value: float, surroundings: Values) -> float:
+def compute_output(p: Values, memory: Values, value: float, surroundings: Values) -> float:
     """Return the duty that would do the same at the nominal voltage."""
     voltage, sensitivity = p
     present = surroundings[VOLTAGE]
@@ -39,4 +39,4 @@ def output(p: Values, memory: Values, value: float, surroundings: Values) -> flo
     return value
 
 
-EFFECT = ActuatorEffect('battery_sag', SHARED, (), output)
+EFFECT = ActuatorEffect('battery_sag', SHARED, (), compute_output)

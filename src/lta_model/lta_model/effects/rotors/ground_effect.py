@@ -14,20 +14,22 @@ forward flight.
 
 from collections.abc import Mapping
 
-from lta_model.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
-from lta_model.rotor_sum import added, rotor_height, rotor_upright
+from lta_model.effects.protocol import EffectParameter, Values, VehicleMotion, Wrench, WrenchEffect
+from lta_model.rotor_forces import rotor_height, rotor_upright, sum_rotor_forces
 from lta_model.state import ROTOR_PLACE
 
 _GAIN = '1 is Cheeseman and Bennett 1955; small rotors scatter around it; prior: 0.5, assumed'
 _RADIUS = 'of the propeller, 23.5 mm for 47 mm ones; prior: 1 mm'
 
 PARAMETERS = (
-    Parameter('gain', '1', 0.0, 0.0, 5.0, 0.5, _GAIN),
-    Parameter('radius', 'm', 0.0, 0.005, 1.0, 0.001, _RADIUS, beside=0.0225),
+    EffectParameter('gain', '1', 0.0, 0.0, 5.0, 0.5, _GAIN),
+    EffectParameter('radius', 'm', 0.0, 0.005, 1.0, 0.001, _RADIUS, beside=0.0225),
 )
 
 
-def extra(gain: float, radius: float, motion: Motion, rotor: Values, thrust: float) -> float:
+def extra_thrust(
+    gain: float, radius: float, motion: VehicleMotion, rotor: Values, thrust: float
+) -> float:
     """Return what a rotor thrusts more. [N]"""
     if thrust == 0.0 or radius <= 0.0:
         return 0.0
@@ -39,24 +41,24 @@ def extra(gain: float, radius: float, motion: Motion, rotor: Values, thrust: flo
     return gain * square / (z * z - square) * abs(up) * thrust
 
 
-def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
     """Return what the floor adds to the thrust of all rotors."""
     gain, radius = p
     rotors = motion.body[ROTOR_PLACE:]
     forces = (
-        extra(gain, radius, motion, rotors[0:6], thrust[0]),
-        extra(gain, radius, motion, rotors[6:12], thrust[1]),
-        extra(gain, radius, motion, rotors[12:18], thrust[2]),
-        extra(gain, radius, motion, rotors[18:24], thrust[3]),
-        extra(gain, radius, motion, rotors[24:30], thrust[4]),
-        extra(gain, radius, motion, rotors[30:36], thrust[5]),
-        extra(gain, radius, motion, rotors[36:42], thrust[6]),
-        extra(gain, radius, motion, rotors[42:48], thrust[7]),
+        extra_thrust(gain, radius, motion, rotors[0:6], thrust[0]),
+        extra_thrust(gain, radius, motion, rotors[6:12], thrust[1]),
+        extra_thrust(gain, radius, motion, rotors[12:18], thrust[2]),
+        extra_thrust(gain, radius, motion, rotors[18:24], thrust[3]),
+        extra_thrust(gain, radius, motion, rotors[24:30], thrust[4]),
+        extra_thrust(gain, radius, motion, rotors[30:36], thrust[5]),
+        extra_thrust(gain, radius, motion, rotors[36:42], thrust[6]),
+        extra_thrust(gain, radius, motion, rotors[42:48], thrust[7]),
     )
-    return added(rotors, forces)
+    return sum_rotor_forces(rotors, forces)
 
 
-def check(values: Mapping[str, float]) -> str:
+def find_conflict(values: Mapping[str, float]) -> str:
     """Return why a ground effect without the size of the rotors is none."""
     if values['gain'] > 0.0 and values['radius'] <= 0.0:
         return 'the ground effect needs the size of the rotors; give radius in metres'
@@ -64,5 +66,10 @@ def check(values: Mapping[str, float]) -> str:
 
 
 EFFECT = WrenchEffect(
-    'ground_effect', PARAMETERS, wrench, linear_in=('gain',), placed=True, check=check
+    'ground_effect',
+    PARAMETERS,
+    compute_wrench,
+    linear_in=('gain',),
+    placed=True,
+    check=find_conflict,
 )

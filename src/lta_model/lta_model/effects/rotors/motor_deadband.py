@@ -14,17 +14,17 @@ at a smaller duty than it starts at, and the full pulse with which some drivers 
 Table: Bitcraze, crazyflie-firmware, docs/functional-areas/pwm-to-thrust.md (2015).
 """
 
-from lta_model.effects.protocol import ActuatorEffect, Parameter, Values
+from lta_model.effects.protocol import ActuatorEffect, EffectParameter, Values
 
 _SOURCE = 'Bitcraze 2015: 7 mm motors turn at 6.25 % duty; bound and prior assumed'
 
-SHARED = (Parameter('threshold', '1', 0.0, 0.0, 0.5, 0.03, _SOURCE),)
+SHARED = (EffectParameter('threshold', '1', 0.0, 0.0, 0.5, 0.03, _SOURCE),)
 
 
-def output(p: Values, memory: Values, value: float, surroundings: Values) -> float:
+def compute_output(p: Values, memory: Values, value: float, surroundings: Values) -> float:
     """Return the duty that turns the motor."""
     (threshold,) = p
     return value if abs(value) >= threshold else 0.0
 
 
-EFFECT = ActuatorEffect('motor_deadband', SHARED, (), output)
+EFFECT = ActuatorEffect('motor_deadband', SHARED, (), compute_output)

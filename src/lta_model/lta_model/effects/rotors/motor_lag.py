@@ -10,34 +10,36 @@ propeller (Eschmann, Albani and Loianno 2024, arXiv:2404.07837).
 
 from collections.abc import Mapping
 
-from lta_model.effects.protocol import ActuatorEffect, Parameter, Values
+from lta_model.effects.protocol import ActuatorEffect, EffectParameter, Values
 
 _SOURCE = 'Eschmann 2024: 72 ms for a 7 mm motor; prior: the scatter of published motors'
 
 SHARED = (
-    Parameter('up', 's', 0.0, 1e-3, 10.0, 0.03, _SOURCE),
-    Parameter('down', 's', 0.0, 1e-3, 10.0, 0.03, _SOURCE),
+    EffectParameter('up', 's', 0.0, 1e-3, 10.0, 0.03, _SOURCE),
+    EffectParameter('down', 's', 0.0, 1e-3, 10.0, 0.03, _SOURCE),
 )
 
 
-def output(p: Values, memory: Values, duty: float, surroundings: Values) -> float:
+def compute_output(p: Values, memory: Values, duty: float, surroundings: Values) -> float:
     """Return the duty at which the rotor turns."""
     up, down = p
     return duty if up + down == 0.0 else memory[0]
 
 
-def rate(p: Values, memory: Values, duty: float, surroundings: Values) -> Values:
+def compute_memory_rate(p: Values, memory: Values, duty: float, surroundings: Values) -> Values:
     """Return d/dt of the lagged duty."""
     up, down = p
     tau = up if abs(duty) > abs(memory[0]) and duty * memory[0] >= 0.0 else down
     return ((duty - memory[0]) / tau if tau > 0.0 else 0.0,)
 
 
-def check(values: Mapping[str, float]) -> str:
+def find_conflict(values: Mapping[str, float]) -> str:
     """Return why a lag in one direction only cannot be: its memory would have to jump."""
     if (values['up'] == 0.0) != (values['down'] == 0.0):
         return 'up and down must both be zero (no lag) or both be positive'
     return ''
 
 
-EFFECT = ActuatorEffect('motor_lag', SHARED, (), output, (('duty', 0.0),), rate, check)
+EFFECT = ActuatorEffect(
+    'motor_lag', SHARED, (), compute_output, (('duty', 0.0),), compute_memory_rate, find_conflict
+)

@@ -24,7 +24,14 @@ out: speed of flight, and how a reversed propeller pushes less by itself.
 
 from collections.abc import Mapping
 
-from lta_model.effects.protocol import AXES, Motion, Parameter, Values, Wrench, WrenchEffect
+from lta_model.effects.protocol import (
+    AXES,
+    EffectParameter,
+    Values,
+    VehicleMotion,
+    Wrench,
+    WrenchEffect,
+)
 from lta_model.state import ACTUATORS
 
 _FORCE = 'prior: 3 % of the thrust, the suction of a jet in CFD; bound: the sum of a few rotors'
@@ -37,25 +44,25 @@ _REVERSE = tuple(f'{axis}_{i}' for axis in AXES for i in _ROTORS)
 _TOGETHER = tuple(f'together_{axis}' for axis in AXES)
 
 
-def _gain(name: str) -> Parameter:
+def _gain_parameter(name: str) -> EffectParameter:
     """Return a wrench per newton of thrust as a parameter."""
     if name.removeprefix('together_').split('_')[0] in AXES[:3]:
-        return Parameter(name, '1', 0.0, -5.0, 5.0, 0.03, _FORCE)
-    return Parameter(name, 'm', 0.0, -10.0, 10.0, 0.01, _LEVER)
+        return EffectParameter(name, '1', 0.0, -5.0, 5.0, 0.03, _FORCE)
+    return EffectParameter(name, 'm', 0.0, -10.0, 10.0, 0.01, _LEVER)
 
 
 PARAMETERS = (
-    *(_gain(name) for name in (*_REVERSE, *_TOGETHER)),
-    *(Parameter(f'share_{i}', '1', 0.0, -1.0, 1.0, 0.5, _SHARE) for i in _ROTORS),
+    *(_gain_parameter(name) for name in (*_REVERSE, *_TOGETHER)),
+    *(EffectParameter(f'share_{i}', '1', 0.0, -1.0, 1.0, 0.5, _SHARE) for i in _ROTORS),
 )
 
 
-def counted(share: float, thrust: float) -> float:
+def participating_thrust(share: float, thrust: float) -> float:
     """Return the thrust of a rotor that takes part, else more than any. [N]"""
     return share * thrust if share != 0.0 else _NONE
 
 
-def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
     """Return what reversed and colliding jets add."""
     (
         surge_1, surge_2, surge_3, surge_4, surge_5, surge_6, surge_7, surge_8,
@@ -69,10 +76,10 @@ def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
         share_1, share_2, share_3, share_4, share_5, share_6, share_7, share_8,
     ) = p  # fmt: skip
     weakest = min(
-        min(counted(share_1, thrust[0]), counted(share_2, thrust[1])),
-        min(counted(share_3, thrust[2]), counted(share_4, thrust[3])),
-        min(counted(share_5, thrust[4]), counted(share_6, thrust[5])),
-        min(counted(share_7, thrust[6]), counted(share_8, thrust[7])),
+        min(participating_thrust(share_1, thrust[0]), participating_thrust(share_2, thrust[1])),
+        min(participating_thrust(share_3, thrust[2]), participating_thrust(share_4, thrust[3])),
+        min(participating_thrust(share_5, thrust[4]), participating_thrust(share_6, thrust[5])),
+        min(participating_thrust(share_7, thrust[6]), participating_thrust(share_8, thrust[7])),
     )
     m = max(0.0, weakest) if weakest < _NONE else 0.0
     a, b, c, d = min(thrust[0], 0.0), min(thrust[1], 0.0), min(thrust[2], 0.0), min(thrust[3], 0.0)
@@ -93,7 +100,7 @@ def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
     )  # fmt: skip
 
 
-def check(values: Mapping[str, float]) -> str:
+def find_conflict(values: Mapping[str, float]) -> str:
     """Return why the rotors taking part cannot be meant so, or ''."""
     taking = sum(values[f'share_{i}'] != 0.0 for i in _ROTORS)
     gains = any(values[name] != 0.0 for name in _TOGETHER)
@@ -105,5 +112,9 @@ def check(values: Mapping[str, float]) -> str:
 
 
 EFFECT = WrenchEffect(
-    'rotor_envelope_interaction', PARAMETERS, wrench, (*_REVERSE, *_TOGETHER), check=check
+    'rotor_envelope_interaction',
+    PARAMETERS,
+    compute_wrench,
+    (*_REVERSE, *_TOGETHER),
+    check=find_conflict,
 )

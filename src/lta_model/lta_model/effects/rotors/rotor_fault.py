@@ -7,17 +7,17 @@ A chipped propeller, a worn motor, a hair around the shaft: lost_i = 1 is a roto
 still. What a damaged propeller shakes is left out, and so is what it draws from the battery.
 """
 
-from lta_model.effects.protocol import ActuatorEffect, Parameter, Values
+from lta_model.effects.protocol import ActuatorEffect, EffectParameter, Values
 
 _SOURCE = 'from whole to standing still; prior: two motors of one batch differ by 2 % (assumed)'
 
-EACH = (Parameter('lost', '1', 0.0, 0.0, 1.0, 0.02, _SOURCE),)
+EACH = (EffectParameter('lost', '1', 0.0, 0.0, 1.0, 0.02, _SOURCE),)
 
 
-def output(p: Values, memory: Values, value: float, surroundings: Values) -> float:
+def compute_output(p: Values, memory: Values, value: float, surroundings: Values) -> float:
     """Return the thrust that is left. [N]"""
     (lost,) = p
     return (1.0 - lost) * value
 
 
-EFFECT = ActuatorEffect('rotor_fault', (), EACH, output)
+EFFECT = ActuatorEffect('rotor_fault', (), EACH, compute_output)

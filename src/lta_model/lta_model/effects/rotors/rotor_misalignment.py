@@ -19,16 +19,16 @@ which belongs in the vehicle file.
 
 import math
 
-from lta_model.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
+from lta_model.effects.protocol import EffectParameter, Values, VehicleMotion, Wrench, WrenchEffect
 from lta_model.state import ACTUATORS, ROTOR, ROTOR_PLACE
 
 _SOURCE = 'prior assumed: half a degree of toe on a printed or glued frame'
 _NAMES = tuple(f'{turn}_{i}' for turn in ('first', 'second') for i in range(1, ACTUATORS + 1))
 
-PARAMETERS = tuple(Parameter(name, 'rad', 0.0, -0.2, 0.2, 0.009, _SOURCE) for name in _NAMES)
+PARAMETERS = tuple(EffectParameter(name, 'rad', 0.0, -0.2, 0.2, 0.009, _SOURCE) for name in _NAMES)
 
 
-def turned(first: float, second: float, thrust: float, body: Values, o: int) -> Wrench:
+def tilt_wrench(first: float, second: float, thrust: float, body: Values, o: int) -> Wrench:
     """Return what the tilt of one rotor adds, the numbers of which begin at o of the body."""
     # Single numbers: a slice of the body would be copied, which takes as long as the rest.
     x, y, z = body[o], body[o + 1], body[o + 2]
@@ -47,39 +47,39 @@ def turned(first: float, second: float, thrust: float, body: Values, o: int) -> 
     return (f_x, f_y, f_z, y * f_z - z * f_y, z * f_x - x * f_z, x * f_y - y * f_x)
 
 
-def plus(a: Wrench, b: Wrench) -> Wrench:
+def add_wrenches(a: Wrench, b: Wrench) -> Wrench:
     """Return the sum of two wrenches."""
     return (a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3], a[4] + b[4], a[5] + b[5])
 
 
-def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
     """Return what the tilts of all rotors add."""
     (
         first_1, first_2, first_3, first_4, first_5, first_6, first_7, first_8,
         second_1, second_2, second_3, second_4, second_5, second_6, second_7, second_8,
     ) = p  # fmt: skip
     body = motion.body
-    front = plus(
-        plus(
-            turned(first_1, second_1, thrust[0], body, ROTOR_PLACE),
-            turned(first_2, second_2, thrust[1], body, ROTOR_PLACE + ROTOR),
+    front = add_wrenches(
+        add_wrenches(
+            tilt_wrench(first_1, second_1, thrust[0], body, ROTOR_PLACE),
+            tilt_wrench(first_2, second_2, thrust[1], body, ROTOR_PLACE + ROTOR),
         ),
-        plus(
-            turned(first_3, second_3, thrust[2], body, ROTOR_PLACE + 2 * ROTOR),
-            turned(first_4, second_4, thrust[3], body, ROTOR_PLACE + 3 * ROTOR),
-        ),
-    )
-    back = plus(
-        plus(
-            turned(first_5, second_5, thrust[4], body, ROTOR_PLACE + 4 * ROTOR),
-            turned(first_6, second_6, thrust[5], body, ROTOR_PLACE + 5 * ROTOR),
-        ),
-        plus(
-            turned(first_7, second_7, thrust[6], body, ROTOR_PLACE + 6 * ROTOR),
-            turned(first_8, second_8, thrust[7], body, ROTOR_PLACE + 7 * ROTOR),
+        add_wrenches(
+            tilt_wrench(first_3, second_3, thrust[2], body, ROTOR_PLACE + 2 * ROTOR),
+            tilt_wrench(first_4, second_4, thrust[3], body, ROTOR_PLACE + 3 * ROTOR),
         ),
     )
-    return plus(front, back)
+    back = add_wrenches(
+        add_wrenches(
+            tilt_wrench(first_5, second_5, thrust[4], body, ROTOR_PLACE + 4 * ROTOR),
+            tilt_wrench(first_6, second_6, thrust[5], body, ROTOR_PLACE + 5 * ROTOR),
+        ),
+        add_wrenches(
+            tilt_wrench(first_7, second_7, thrust[6], body, ROTOR_PLACE + 6 * ROTOR),
+            tilt_wrench(first_8, second_8, thrust[7], body, ROTOR_PLACE + 7 * ROTOR),
+        ),
+    )
+    return add_wrenches(front, back)
 
 
-EFFECT = WrenchEffect('rotor_misalignment', PARAMETERS, wrench, _NAMES)
+EFFECT = WrenchEffect('rotor_misalignment', PARAMETERS, compute_wrench, _NAMES)

@@ -8,22 +8,29 @@ the hull included (the paper's thrust allocation). Left out: that a reversed jet
 differently, and that jets meet each other: `rotor_envelope_interaction` has both.
 """
 
-from lta_model.effects.protocol import AXES, Motion, Parameter, Values, Wrench, WrenchEffect
+from lta_model.effects.protocol import (
+    AXES,
+    EffectParameter,
+    Values,
+    VehicleMotion,
+    Wrench,
+    WrenchEffect,
+)
 from lta_model.state import ACTUATORS
 
 _FORCE = 'prior: 3 % of the thrust, the suction of the jet on a hull in CFD'
 _LEVER = 'prior: 1 cm on the place of a rotor, within 5 m'
 
 PARAMETERS = tuple(
-    Parameter(f'{axis}_{i}', '1', 0.0, -1.5, 1.5, 0.03, _FORCE)
+    EffectParameter(f'{axis}_{i}', '1', 0.0, -1.5, 1.5, 0.03, _FORCE)
     if axis in AXES[:3]
-    else Parameter(f'{axis}_{i}', 'm', 0.0, -5.0, 5.0, 0.01, _LEVER)
+    else EffectParameter(f'{axis}_{i}', 'm', 0.0, -5.0, 5.0, 0.01, _LEVER)
     for axis in AXES
     for i in range(1, ACTUATORS + 1)
 )
 
 
-def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
     """Return B times the rotor thrusts."""
     (
         surge_1, surge_2, surge_3, surge_4,
@@ -57,5 +64,5 @@ def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
 
 
 EFFECT = WrenchEffect(
-    'rotor_thrust', PARAMETERS, wrench, tuple(known.name for known in PARAMETERS)
+    'rotor_thrust', PARAMETERS, compute_wrench, tuple(known.name for known in PARAMETERS)
 )

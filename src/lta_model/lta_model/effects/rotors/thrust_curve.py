@@ -9,20 +9,20 @@ for rotors that can reverse. At the null values, a = 0 and b = 1 N, a command is
 newtons. Left out: inflow from flight speed.
 """
 
-from lta_model.effects.protocol import ActuatorEffect, Parameter, Values
+from lta_model.effects.protocol import ActuatorEffect, EffectParameter, Values
 
 _SOURCE = 'bench tables of 7 mm motors deviate 3 mN rms from the firmware curve; bound 50 N'
 
 EACH = (
-    Parameter('a', 'N', 0.0, -50.0, 50.0, 0.003, _SOURCE),
-    Parameter('b', 'N', 1.0, -50.0, 50.0, 0.003, _SOURCE),
+    EffectParameter('a', 'N', 0.0, -50.0, 50.0, 0.003, _SOURCE),
+    EffectParameter('b', 'N', 1.0, -50.0, 50.0, 0.003, _SOURCE),
 )
 
 
-def output(p: Values, memory: Values, duty: float, surroundings: Values) -> float:
+def compute_output(p: Values, memory: Values, duty: float, surroundings: Values) -> float:
     """Return the thrust. [N]"""
     a, b = p
     return (a * abs(duty) + b) * duty
 
 
-EFFECT = ActuatorEffect('thrust_curve', (), EACH, output)
+EFFECT = ActuatorEffect('thrust_curve', (), EACH, compute_output)

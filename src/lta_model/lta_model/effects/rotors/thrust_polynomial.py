@@ -29,7 +29,7 @@ motors and propellers are flown.
 
 from collections.abc import Mapping
 
-from lta_model.effects.protocol import ActuatorEffect, Parameter, Values
+from lta_model.effects.protocol import ActuatorEffect, EffectParameter, Values
 
 _NOMINAL = (
     'a lithium cell has 3.0 to 4.2 V (Crazyflie firmware: critical at 3.0 V); bound: 14 cells'
@@ -38,16 +38,16 @@ _CUBIC = 'crazyflie-firmware 2a18fc29; prior: its three sets of propellers diffe
 _START = 'where the cubic reaches the least thrust of the firmware, 0.7 to 0.8 V; prior assumed'
 
 SHARED = (
-    Parameter('voltage', 'V', 0.0, 0.0, 60.0, 0.1, _NOMINAL),
-    Parameter('linear_to', 'V', 0.0, 0.0, 10.0, 0.1, _START),
-    Parameter('c_0', 'N', 0.0, -10.0, 10.0, 0.01, _CUBIC),
-    Parameter('c_1', 'N/V', 0.0, -10.0, 10.0, 0.02, _CUBIC),
-    Parameter('c_2', 'N/V2', 0.0, -10.0, 10.0, 0.01, _CUBIC),
-    Parameter('c_3', 'N/V3', 0.0, -10.0, 10.0, 0.003, _CUBIC),
+    EffectParameter('voltage', 'V', 0.0, 0.0, 60.0, 0.1, _NOMINAL),
+    EffectParameter('linear_to', 'V', 0.0, 0.0, 10.0, 0.1, _START),
+    EffectParameter('c_0', 'N', 0.0, -10.0, 10.0, 0.01, _CUBIC),
+    EffectParameter('c_1', 'N/V', 0.0, -10.0, 10.0, 0.02, _CUBIC),
+    EffectParameter('c_2', 'N/V2', 0.0, -10.0, 10.0, 0.01, _CUBIC),
+    EffectParameter('c_3', 'N/V3', 0.0, -10.0, 10.0, 0.003, _CUBIC),
 )
 
 
-def output(p: Values, memory: Values, value: float, surroundings: Values) -> float:
+def compute_output(p: Values, memory: Values, value: float, surroundings: Values) -> float:
     """Return the thrust at a duty. [N]"""
     voltage, linear_to, c_0, c_1, c_2, c_3 = p
     if voltage <= 0.0:
@@ -60,7 +60,7 @@ def output(p: Values, memory: Values, value: float, surroundings: Values) -> flo
     return thrust if value > 0.0 else -thrust
 
 
-def check(values: Mapping[str, float]) -> str:
+def find_conflict(values: Mapping[str, float]) -> str:
     """Return why a cubic cannot be that of a motor, or ''."""
     given = any(values[name] != 0.0 for name in ('linear_to', 'c_0', 'c_1', 'c_2', 'c_3'))
     if given and values['voltage'] == 0.0:
@@ -70,4 +70,4 @@ def check(values: Mapping[str, float]) -> str:
     return ''
 
 
-EFFECT = ActuatorEffect('thrust_polynomial', SHARED, (), output, check=check)
+EFFECT = ActuatorEffect('thrust_polynomial', SHARED, (), compute_output, check=find_conflict)

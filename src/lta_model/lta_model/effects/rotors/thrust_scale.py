@@ -8,17 +8,17 @@ goes with the density of the air, 6 % less at 600 m above the sea (standard atmo
 20 K warmer (293 K / 313 K).
 """
 
-from lta_model.effects.protocol import ActuatorEffect, Parameter, Values
+from lta_model.effects.protocol import ActuatorEffect, EffectParameter, Values
 
 _SOURCE = 'Bitcraze 2015: its own bench lies 3 mN rms of up to 142 mN from the firmware curve'
 
-SHARED = (Parameter('factor', '1', 1.0, 0.0, 5.0, 0.03, _SOURCE),)
+SHARED = (EffectParameter('factor', '1', 1.0, 0.0, 5.0, 0.03, _SOURCE),)
 
 
-def output(p: Values, memory: Values, value: float, surroundings: Values) -> float:
+def compute_output(p: Values, memory: Values, value: float, surroundings: Values) -> float:
     """Return the scaled thrust. [N]"""
     (factor,) = p
     return factor * value
 
 
-EFFECT = ActuatorEffect('thrust_scale', SHARED, (), output)
+EFFECT = ActuatorEffect('thrust_scale', SHARED, (), compute_output)

@@ -9,17 +9,17 @@ the vehicle's time t + offset (`lta_sim.tracker`). A positive offset shows the v
 late and the tracker early.
 """
 
-from lta_model.effects.protocol import MeasurementEffect, Parameter, Values
+from lta_model.effects.protocol import EffectParameter, MeasurementEffect, Values
 
 _SOURCE = 'assumed: two computers on one network without a common time service'
 
-PARAMETERS = (Parameter('offset', 's', 0.0, -0.5, 0.5, 0.05, _SOURCE),)
+PARAMETERS = (EffectParameter('offset', 's', 0.0, -0.5, 0.5, 0.05, _SOURCE),)
 
 
-def reading(p: Values, values: Values, time: float) -> Values:
+def compute_reading(p: Values, values: Values, time: float) -> Values:
     """Return what the vehicle's clock says. [s]"""
     (offset,) = p
     return (values[0] + offset,)
 
 
-EFFECT = MeasurementEffect('clock_offset', PARAMETERS, 'clock', reading)
+EFFECT = MeasurementEffect('clock_offset', PARAMETERS, 'clock', compute_reading)

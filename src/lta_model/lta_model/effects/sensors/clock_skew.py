@@ -7,17 +7,17 @@ The error is zero at the start; what there is then is `clock_offset`. The tracke
 moves, as explained there.
 """
 
-from lta_model.effects.protocol import MeasurementEffect, Parameter, Values
+from lta_model.effects.protocol import EffectParameter, MeasurementEffect, Values
 
 _SOURCE = 'crystals are within some 50 ppm (unverified, from memory); bounds assumed'
 
-PARAMETERS = (Parameter('skew', '1', 0.0, -1e-3, 1e-3, 3e-5, _SOURCE),)
+PARAMETERS = (EffectParameter('skew', '1', 0.0, -1e-3, 1e-3, 3e-5, _SOURCE),)
 
 
-def reading(p: Values, values: Values, time: float) -> Values:
+def compute_reading(p: Values, values: Values, time: float) -> Values:
     """Return what the vehicle's clock says. [s]"""
     (skew,) = p
     return (values[0] + skew * time,)
 
 
-EFFECT = MeasurementEffect('clock_skew', PARAMETERS, 'clock', reading)
+EFFECT = MeasurementEffect('clock_skew', PARAMETERS, 'clock', compute_reading)

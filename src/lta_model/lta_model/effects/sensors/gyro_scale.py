@@ -6,22 +6,22 @@ Factor on each axis of the gyroscope.
 A heading that is integrated from rates is wrong by (z - 1) times the angle turned.
 """
 
-from lta_model.effects.protocol import MeasurementEffect, Parameter, Values
+from lta_model.effects.protocol import EffectParameter, MeasurementEffect, Values
 
 # The spread is that of a uniform draw within the data sheet's bound, 1 % / 3^0.5.
 _SOURCE = 'Bosch BMI088 data sheet: sensitivity within +-1 %; bounds: 20 %, assumed'
 
 PARAMETERS = (
-    Parameter('x', '1', 1.0, 0.8, 1.2, 0.006, _SOURCE),
-    Parameter('y', '1', 1.0, 0.8, 1.2, 0.006, _SOURCE),
-    Parameter('z', '1', 1.0, 0.8, 1.2, 0.006, _SOURCE),
+    EffectParameter('x', '1', 1.0, 0.8, 1.2, 0.006, _SOURCE),
+    EffectParameter('y', '1', 1.0, 0.8, 1.2, 0.006, _SOURCE),
+    EffectParameter('z', '1', 1.0, 0.8, 1.2, 0.006, _SOURCE),
 )
 
 
-def reading(p: Values, values: Values, time: float) -> Values:
+def compute_reading(p: Values, values: Values, time: float) -> Values:
     """Return the rates as the gyroscope scales them, body frame. [rad/s]"""
     x, y, z = p
     return (x * values[0], y * values[1], z * values[2])
 
 
-EFFECT = MeasurementEffect('gyro_scale', PARAMETERS, 'rates', reading)
+EFFECT = MeasurementEffect('gyro_scale', PARAMETERS, 'rates', compute_reading)

@@ -7,22 +7,22 @@ It comes on top of the offset that the sensor draws for a flight, before noise, 
 clipping: a fault that is the same in every flight, as identification finds it.
 """
 
-from lta_model.effects.protocol import MeasurementEffect, Parameter, Values
+from lta_model.effects.protocol import EffectParameter, MeasurementEffect, Values
 
 # The spread is that of a uniform draw within the data sheet's bound, 20 mg / 3^0.5.
 _SOURCE = 'Bosch BMI088 data sheet: zero-g offset of +-20 mg; bounds: ten times that, assumed'
 
 PARAMETERS = (
-    Parameter('x', 'm/s2', 0.0, -2.0, 2.0, 0.11, _SOURCE),
-    Parameter('y', 'm/s2', 0.0, -2.0, 2.0, 0.11, _SOURCE),
-    Parameter('z', 'm/s2', 0.0, -2.0, 2.0, 0.11, _SOURCE),
+    EffectParameter('x', 'm/s2', 0.0, -2.0, 2.0, 0.11, _SOURCE),
+    EffectParameter('y', 'm/s2', 0.0, -2.0, 2.0, 0.11, _SOURCE),
+    EffectParameter('z', 'm/s2', 0.0, -2.0, 2.0, 0.11, _SOURCE),
 )
 
 
-def reading(p: Values, values: Values, time: float) -> Values:
+def compute_reading(p: Values, values: Values, time: float) -> Values:
     """Return the specific force with its bias, body frame. [m/s2]"""
     x, y, z = p
     return (values[0] + x, values[1] + y, values[2] + z)
 
 
-EFFECT = MeasurementEffect('imu_bias', PARAMETERS, 'force', reading)
+EFFECT = MeasurementEffect('imu_bias', PARAMETERS, 'force', compute_reading)

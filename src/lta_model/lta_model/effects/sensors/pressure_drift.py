@@ -7,20 +7,20 @@ Pressure that runs away with the time, by the weather or by the sensor as it war
 smaller.
 """
 
-from lta_model.effects.protocol import MeasurementEffect, Parameter, Values
+from lta_model.effects.protocol import EffectParameter, MeasurementEffect, Values
 
 _SOURCE = (
     'BMP388: 0.75 Pa/K at 5 K in ten minutes of warming; weather 1 hPa in an hour '
     '(both unverified, from memory); bounds assumed'
 )
 
-PARAMETERS = (Parameter('rate', 'Pa/s', 0.0, -1.0, 1.0, 0.01, _SOURCE),)
+PARAMETERS = (EffectParameter('rate', 'Pa/s', 0.0, -1.0, 1.0, 0.01, _SOURCE),)
 
 
-def reading(p: Values, values: Values, time: float) -> Values:
+def compute_reading(p: Values, values: Values, time: float) -> Values:
     """Return the pressure with its drift. [Pa]"""
     (rate,) = p
     return (values[0] + rate * time,)
 
 
-EFFECT = MeasurementEffect('pressure_drift', PARAMETERS, 'pressure', reading)
+EFFECT = MeasurementEffect('pressure_drift', PARAMETERS, 'pressure', compute_reading)

@@ -7,18 +7,18 @@ It comes on top of the offset that the sensor draws for a flight. A sensor mount
 than its vehicle file says reads the same.
 """
 
-from lta_model.effects.protocol import MeasurementEffect, Parameter, Values
+from lta_model.effects.protocol import EffectParameter, MeasurementEffect, Values
 
 # The spread is that of a uniform draw within the manual's bound, 20 mm / 3^0.5.
 _SOURCE = 'ST VL53L1X manual: error of +-20 mm in the dark; bounds assumed'
 
-PARAMETERS = (Parameter('offset', 'm', 0.0, -0.5, 0.5, 0.012, _SOURCE),)
+PARAMETERS = (EffectParameter('offset', 'm', 0.0, -0.5, 0.5, 0.012, _SOURCE),)
 
 
-def reading(p: Values, values: Values, time: float) -> Values:
+def compute_reading(p: Values, values: Values, time: float) -> Values:
     """Return the distance with its offset. [m]"""
     (offset,) = p
     return (values[0] + offset,)
 
 
-EFFECT = MeasurementEffect('range_offset', PARAMETERS, 'range', reading)
+EFFECT = MeasurementEffect('range_offset', PARAMETERS, 'range', compute_reading)

@@ -7,17 +7,17 @@ A pose that is stamped t is the truth of t'. Between control steps the truth is 
 (`lta_sim.tracker`). Before the start the vehicle stood where it starts.
 """
 
-from lta_model.effects.protocol import MeasurementEffect, Parameter, Values
+from lta_model.effects.protocol import EffectParameter, MeasurementEffect, Values
 
 _SOURCE = 'assumed: two frames of a 100 Hz tracker; cameras on a robot reach 0.1 s and more'
 
-PARAMETERS = (Parameter('delay', 's', 0.0, 0.0, 1.0, 0.02, _SOURCE),)
+PARAMETERS = (EffectParameter('delay', 's', 0.0, 0.0, 1.0, 0.02, _SOURCE),)
 
 
-def reading(p: Values, values: Values, time: float) -> Values:
+def compute_reading(p: Values, values: Values, time: float) -> Values:
     """Return the flight time at which the reported pose was true. [s]"""
     (delay,) = p
     return (values[0] - delay,)
 
 
-EFFECT = MeasurementEffect('tracker_delay', PARAMETERS, 'pose_time', reading)
+EFFECT = MeasurementEffect('tracker_delay', PARAMETERS, 'pose_time', compute_reading)

@@ -14,19 +14,19 @@ difference between the tracker's attitude and the accelerometer's.
 
 import math
 
-from lta_model.effects.protocol import MeasurementEffect, Parameter, Quaternion, Values
+from lta_model.effects.protocol import EffectParameter, MeasurementEffect, Quaternion, Values
 
 _YAW = 'assumed: the x axis of a tracker is laid by eye along a line on the floor'
 _TILT = 'assumed: a calibration square on a floor that is level to half a degree'
 
 PARAMETERS = (
-    Parameter('yaw', 'rad', 0.0, -math.pi, math.pi, 0.09, _YAW),
-    Parameter('pitch', 'rad', 0.0, -0.5, 0.5, 0.009, _TILT),
-    Parameter('roll', 'rad', 0.0, -0.5, 0.5, 0.009, _TILT),
+    EffectParameter('yaw', 'rad', 0.0, -math.pi, math.pi, 0.09, _YAW),
+    EffectParameter('pitch', 'rad', 0.0, -0.5, 0.5, 0.009, _TILT),
+    EffectParameter('roll', 'rad', 0.0, -0.5, 0.5, 0.009, _TILT),
 )
 
 
-def turn(yaw: float, pitch: float, roll: float) -> Quaternion:
+def euler_to_quaternion(yaw: float, pitch: float, roll: float) -> Quaternion:
     """Return the quaternion x y z w of Rz(yaw) Ry(pitch) Rx(roll)."""
     a, b, c = math.cos(0.5 * yaw), math.cos(0.5 * pitch), math.cos(0.5 * roll)
     d, e, f = math.sin(0.5 * yaw), math.sin(0.5 * pitch), math.sin(0.5 * roll)
@@ -38,10 +38,10 @@ def turn(yaw: float, pitch: float, roll: float) -> Quaternion:
     )
 
 
-def reading(p: Values, values: Values, time: float) -> Values:
+def compute_reading(p: Values, values: Values, time: float) -> Values:
     """Return position and quaternion x y z w in the tracker's frame. [m, 1]"""
     yaw, pitch, roll = p
-    a, b, c, d = turn(yaw, pitch, roll)
+    a, b, c, d = euler_to_quaternion(yaw, pitch, roll)
     x, y, z, i, j, k, w = values
     # p - 2 d (v x p) + 2 v x (v x p): the turn back, v = (a, b, c) the vector part.
     s, t, u = 2.0 * (b * z - c * y), 2.0 * (c * x - a * z), 2.0 * (a * y - b * x)
@@ -56,4 +56,4 @@ def reading(p: Values, values: Values, time: float) -> Values:
     )
 
 
-EFFECT = MeasurementEffect('tracker_misalignment', PARAMETERS, 'pose', reading)
+EFFECT = MeasurementEffect('tracker_misalignment', PARAMETERS, 'pose', compute_reading)

@@ -12,32 +12,32 @@ stays: nothing came in. For a 1 m balloon 1 K is 1.4 g of lift and 1 hPa is 0.4 
 Left out: added mass and drag, which go with the density too (1.7 % at 5 K), and humidity.
 """
 
-from lta_model.effects.protocol import BodyEffect, Parameter, Rigid, Values
+from lta_model.effects.protocol import BodyEffect, EffectParameter, RigidBody, Values
 from lta_model.gas import AIR_PRESSURE, AIR_TEMPERATURE
 
 PARAMETERS = (
-    Parameter(
+    EffectParameter(
         'pressure', 'Pa', 0.0, -8e4, 2e4, 1e3,
         'prior: 10 hPa of weather (unverified, from memory); bounds: 10 km up, a deep mine',
     ),
-    Parameter(
+    EffectParameter(
         'temperature', 'K', 0.0, -80.0, 60.0, 5.0,
         'prior: rooms between 15 and 25 C (assumed); bounds: what people fly in',
     ),
-    Parameter(
+    EffectParameter(
         'slack', '1', 0.0, 0.0, 1.0, 0.3,
         'by definition between taut and slack; prior: not known of a foil balloon (assumed)',
     ),
 )  # fmt: skip
 
 
-def change(p: Values, rigid: Rigid) -> Rigid:
+def change_body(p: Values, rigid: RigidBody) -> RigidBody:
     """Return the vehicle in that air."""
     pressure, temperature, slack = p
     colder = AIR_TEMPERATURE / (AIR_TEMPERATURE + temperature)
     denser = (AIR_PRESSURE + pressure) / AIR_PRESSURE * colder - 1.0
     displaced = rigid.displaced * (1.0 + (1.0 - slack) * denser)
-    return Rigid(rigid.mass, rigid.moment, rigid.inertia, displaced)
+    return RigidBody(rigid.mass, rigid.moment, rigid.inertia, displaced)
 
 
-EFFECT = BodyEffect('air_state', PARAMETERS, change)
+EFFECT = BodyEffect('air_state', PARAMETERS, change_body)

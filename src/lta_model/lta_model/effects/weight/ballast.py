@@ -7,24 +7,24 @@ On top of the ballast that trims the vehicle to the heaviness in its file; negat
 Left out: its size, and the air that it displaces (1 g of water 1.2 mg, of steel 0.15 mg).
 """
 
-from lta_model.effects.protocol import BodyEffect, Parameter, Rigid, Values
-from lta_model.effects.weight.point_mass import with_point_mass
+from lta_model.effects.protocol import BodyEffect, EffectParameter, RigidBody, Values
+from lta_model.effects.weight.point_mass import add_point_mass
 
 _MASS = 'prior: 2 g, to which a balloon is trimmed (assumed); bounds: what trims a small vehicle'
 _PLACE = 'prior: 5 cm on a place read off the vehicle (assumed), within a hull of 10 m'
 
 PARAMETERS = (
-    Parameter('mass', 'kg', 0.0, -1.0, 1.0, 0.002, _MASS),
-    Parameter('x', 'm', 0.0, -5.0, 5.0, 0.05, _PLACE),
-    Parameter('y', 'm', 0.0, -5.0, 5.0, 0.05, _PLACE),
-    Parameter('z', 'm', 0.0, -5.0, 5.0, 0.05, _PLACE),
+    EffectParameter('mass', 'kg', 0.0, -1.0, 1.0, 0.002, _MASS),
+    EffectParameter('x', 'm', 0.0, -5.0, 5.0, 0.05, _PLACE),
+    EffectParameter('y', 'm', 0.0, -5.0, 5.0, 0.05, _PLACE),
+    EffectParameter('z', 'm', 0.0, -5.0, 5.0, 0.05, _PLACE),
 )
 
 
-def change(p: Values, rigid: Rigid) -> Rigid:
+def change_body(p: Values, rigid: RigidBody) -> RigidBody:
     """Return the vehicle with that ballast."""
     mass, x, y, z = p
-    return with_point_mass(rigid, mass, (x, y, z))
+    return add_point_mass(rigid, mass, (x, y, z))
 
 
-EFFECT = BodyEffect('ballast', PARAMETERS, change)
+EFFECT = BodyEffect('ballast', PARAMETERS, change_body)

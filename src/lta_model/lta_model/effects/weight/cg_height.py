@@ -7,21 +7,21 @@ The mass and the inertia about the CG stay. It rights the vehicle less or more, 
 its swing shows; above the hull centre it flips.
 """
 
-from lta_model.effects.protocol import BodyEffect, Parameter, Rigid, Values
-from lta_model.effects.weight.cg_shift import with_cg_shifted
+from lta_model.effects.protocol import BodyEffect, EffectParameter, RigidBody, Values
+from lta_model.effects.weight.cg_shift import shift_cg
 
 _SOURCE = (
     'prior: published depths of one GT-MAB are 5 cm and 8.7 to 9.7 cm, parts known to 1 cm '
     '(assumed); within a hull of 6 m'
 )
 
-PARAMETERS = (Parameter('z', 'm', 0.0, -3.0, 3.0, 0.01, _SOURCE),)
+PARAMETERS = (EffectParameter('z', 'm', 0.0, -3.0, 3.0, 0.01, _SOURCE),)
 
 
-def change(p: Values, rigid: Rigid) -> Rigid:
+def change_body(p: Values, rigid: RigidBody) -> RigidBody:
     """Return the vehicle with its centre of gravity there."""
     (z,) = p
-    return with_cg_shifted(rigid, (0.0, 0.0, z))
+    return shift_cg(rigid, (0.0, 0.0, z))
 
 
-EFFECT = BodyEffect('cg_height', PARAMETERS, change)
+EFFECT = BodyEffect('cg_height', PARAMETERS, change_body)

@@ -7,21 +7,21 @@ The mass and the inertia about the CG stay. What a tilt at rest shows: tan(tilt)
 the depth of the CG below the hull centre.
 """
 
-from lta_model.effects.protocol import BodyEffect, Parameter, Rigid, Values
-from lta_model.effects.weight.cg_shift import with_cg_shifted
+from lta_model.effects.protocol import BodyEffect, EffectParameter, RigidBody, Values
+from lta_model.effects.weight.cg_shift import shift_cg
 
 _SOURCE = 'prior: 5 mm on a balanced CG, 3.6 deg at 8 cm depth (assumed); within a hull of 6 m'
 
 PARAMETERS = (
-    Parameter('x', 'm', 0.0, -3.0, 3.0, 0.005, _SOURCE),
-    Parameter('y', 'm', 0.0, -3.0, 3.0, 0.005, _SOURCE),
+    EffectParameter('x', 'm', 0.0, -3.0, 3.0, 0.005, _SOURCE),
+    EffectParameter('y', 'm', 0.0, -3.0, 3.0, 0.005, _SOURCE),
 )
 
 
-def change(p: Values, rigid: Rigid) -> Rigid:
+def change_body(p: Values, rigid: RigidBody) -> RigidBody:
     """Return the vehicle with its centre of gravity there."""
     x, y = p
-    return with_cg_shifted(rigid, (x, y, 0.0))
+    return shift_cg(rigid, (x, y, 0.0))
 
 
-EFFECT = BodyEffect('cg_offset', PARAMETERS, change)
+EFFECT = BodyEffect('cg_offset', PARAMETERS, change_body)

@@ -8,10 +8,10 @@ Steiner, I = I_cg + m (|r|^2 1 - r r^T), taken at r + d and at r. Written as a d
 no division by the mass and is exactly nothing for d = 0.
 """
 
-from lta_model.effects.protocol import Rigid, Vector
+from lta_model.effects.protocol import RigidBody, Vector
 
 
-def with_cg_shifted(rigid: Rigid, shift: Vector) -> Rigid:
+def shift_cg(rigid: RigidBody, shift: Vector) -> RigidBody:
     """
     Return the vehicle with its centre of gravity shifted.
 
@@ -42,4 +42,4 @@ def with_cg_shifted(rigid: Rigid, shift: Vector) -> Rigid:
         i[5] - (m[1] * z + m[2] * y + mass * y * z),
     )
     moment = (m[0] + mass * x, m[1] + mass * y, m[2] + mass * z)
-    return Rigid(mass, moment, inertia, rigid.displaced)
+    return RigidBody(mass, moment, inertia, rigid.displaced)

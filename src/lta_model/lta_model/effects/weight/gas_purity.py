@@ -10,11 +10,11 @@ out is the inertia of that air: as a solid it would be r^2 / 5 for each axis, bu
 its hull in part only.
 """
 
-from lta_model.effects.protocol import BodyEffect, Parameter, Rigid, Values
+from lta_model.effects.protocol import BodyEffect, EffectParameter, RigidBody, Values
 from lta_model.gas import HELIUM_TO_AIR
 
 PARAMETERS = (
-    Parameter(
+    EffectParameter(
         'purity', '1', 0.0, -1.0, 1.0, 0.03,
         'prior: 329 to 332 g of 356 g stated for the 1 m balloon, 112 of 163 g measured on a '
         'GT-MAB; assumed 3 % around a declared purity',
@@ -22,11 +22,11 @@ PARAMETERS = (
 )  # fmt: skip
 
 
-def change(p: Values, rigid: Rigid) -> Rigid:
+def change_body(p: Values, rigid: RigidBody) -> RigidBody:
     """Return the vehicle with that gas."""
     (purity,) = p
     mass = rigid.mass - purity * (1.0 - HELIUM_TO_AIR) * rigid.displaced
-    return Rigid(mass, rigid.moment, rigid.inertia, rigid.displaced)
+    return RigidBody(mass, rigid.moment, rigid.inertia, rigid.displaced)
 
 
-EFFECT = BodyEffect('gas_purity', PARAMETERS, change)
+EFFECT = BodyEffect('gas_purity', PARAMETERS, change_body)

@@ -14,31 +14,31 @@ gas that warms in flight, `superheat` is the effect. For 80 g of gas 5 K are 1.3
 for each axis, because a gas turns with its hull in part only.
 """
 
-from lta_model.effects.protocol import BodyEffect, Parameter, Rigid, Values
+from lta_model.effects.protocol import BodyEffect, EffectParameter, RigidBody, Values
 from lta_model.gas import AIR_PRESSURE, AIR_TEMPERATURE
 
 PARAMETERS = (
-    Parameter(
+    EffectParameter(
         'gas', 'kg', 0.0, 0.0, 100.0, 0.01,
         'follows from hull and purity; prior: 3 % of purity in 0.4 kg of displaced air',
     ),
-    Parameter(
+    EffectParameter(
         'temperature', 'K', 0.0, -80.0, 80.0, 3.0,
         'prior: gas fresh from its bottle, or warmed by lamps (assumed)',
     ),
-    Parameter(
+    EffectParameter(
         'overpressure', 'Pa', 0.0, -100.0, 1e4, 300.0,
         'prior: a foil balloon filled taut (assumed); a limp film holds no suction',
     ),
 )  # fmt: skip
 
 
-def change(p: Values, rigid: Rigid) -> Rigid:
+def change_body(p: Values, rigid: RigidBody) -> RigidBody:
     """Return the vehicle with that gas."""
     gas, temperature, overpressure = p
     colder = AIR_TEMPERATURE / (AIR_TEMPERATURE + temperature)
     more = (AIR_PRESSURE + overpressure) / AIR_PRESSURE * colder - 1.0
-    return Rigid(rigid.mass + gas * more, rigid.moment, rigid.inertia, rigid.displaced)
+    return RigidBody(rigid.mass + gas * more, rigid.moment, rigid.inertia, rigid.displaced)
 
 
-EFFECT = BodyEffect('gas_state', PARAMETERS, change)
+EFFECT = BodyEffect('gas_state', PARAMETERS, change_body)

@@ -17,10 +17,10 @@ not know the rate, so no parameter is declared linear. Left out: the mass of the
 overpressure and not its lift, and the air that comes in.
 """
 
-from lta_model.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
+from lta_model.effects.protocol import EffectParameter, Values, VehicleMotion, Wrench, WrenchEffect
 
 PARAMETERS = (
-    Parameter(
+    EffectParameter(
         'rate', 'N/s', 0.0, 0.0, 0.1, 1e-4,
         'laminates 0.2 to 0.9 L/(m2 day) (Frontiers Mater. 2022, 992984) lose 2.6e-7 N/s at most; '
         'prior: a hole of 1 mm2 under 30 Pa (Bernoulli); bound: 10 g/s',
@@ -28,7 +28,7 @@ PARAMETERS = (
 )  # fmt: skip
 
 
-def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
     """Return the lift that is gone."""
     (rate,) = p
     lost, r = memory[0], motion.rotation
@@ -37,12 +37,12 @@ def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
     return (-lost * r[6], -lost * r[7], -lost * r[8], 0.0, 0.0, 0.0)
 
 
-def rate_of_loss(p: Values, memory: Values, motion: Motion) -> Values:
+def compute_memory_rate(p: Values, memory: Values, motion: VehicleMotion) -> Values:
     """Return d/dt of the lost lift."""
     (rate,) = p
     return (rate,)
 
 
 EFFECT = WrenchEffect(
-    'helium_leak', PARAMETERS, wrench, memory=(('lost', 0.0),), rate=rate_of_loss
+    'helium_leak', PARAMETERS, compute_wrench, memory=(('lost', 0.0),), rate=compute_memory_rate
 )

@@ -20,31 +20,31 @@ from collections.abc import Mapping
 import math
 
 from lta_config.constants import STANDARD_GRAVITY
-from lta_model.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
+from lta_model.effects.protocol import EffectParameter, Values, VehicleMotion, Wrench, WrenchEffect
 from lta_model.state import MASS_PLACE
 
 _PLACE = 'prior: 5 mm on a measured place (assumed), within a hull of 10 m'
 
 PARAMETERS = (
-    Parameter(
+    EffectParameter(
         'mass', 'kg', 0.0, 0.0, 50.0, 5e-4,
         'prior: 1 % of the 54.07 g of RGBlimp (zhu-yj/ABNODE@138a1de), weighed',
     ),
-    Parameter('x', 'm', 0.0, -5.0, 5.0, 0.005, _PLACE),
-    Parameter('y', 'm', 0.0, -5.0, 5.0, 0.005, _PLACE),
-    Parameter('z', 'm', 0.0, -5.0, 5.0, 0.005, _PLACE),
-    Parameter(
+    EffectParameter('x', 'm', 0.0, -5.0, 5.0, 0.005, _PLACE),
+    EffectParameter('y', 'm', 0.0, -5.0, 5.0, 0.005, _PLACE),
+    EffectParameter('z', 'm', 0.0, -5.0, 5.0, 0.005, _PLACE),
+    EffectParameter(
         'lag', 's', 0.0, 0.01, 100.0, 0.1,
         'prior: small servos settle in tenths of a second (assumed)',
     ),
-    Parameter(
+    EffectParameter(
         'speed', 'm/s', 0.0, 1e-4, 10.0, 0.05,
         'prior: small servos move centimetres in tenths of a second (assumed)',
     ),
 )  # fmt: skip
 
 
-def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
     """Return the moment of the weight away from where it was weighed."""
     mass, x, y, z, lag, speed = p  # noqa: RUF059 (the kernel knows parameters by their order)
     c = motion.command
@@ -62,7 +62,7 @@ def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
     )
 
 
-def rate(p: Values, memory: Values, motion: Motion) -> Values:
+def compute_memory_rate(p: Values, memory: Values, motion: VehicleMotion) -> Values:
     """Return the velocity of the mass in the vehicle."""
     mass, x, y, z, lag, speed = p  # noqa: RUF059 (the kernel knows parameters by their order)
     c = motion.command
@@ -76,7 +76,7 @@ def rate(p: Values, memory: Values, motion: Motion) -> Values:
     return (share * v_x, share * v_y, share * v_z)
 
 
-def check(values: Mapping[str, float]) -> str:
+def find_conflict(values: Mapping[str, float]) -> str:
     """Return why a limit without a lag cannot be: the mass would chatter about its goal."""
     if values['speed'] > 0.0 and values['lag'] == 0.0:
         return 'a speed limit needs a lag: give lag, or leave speed at zero'
@@ -86,9 +86,9 @@ def check(values: Mapping[str, float]) -> str:
 EFFECT = WrenchEffect(
     'moving_mass',
     PARAMETERS,
-    wrench,
+    compute_wrench,
     ('mass',),
     memory=(('x', 0.0), ('y', 0.0), ('z', 0.0)),
-    rate=rate,
-    check=check,
+    rate=compute_memory_rate,
+    check=find_conflict,
 )

@@ -7,24 +7,24 @@ Not in the vehicle's parts, so that it is lifted and not trimmed away. Left out:
 drag, and the air that it displaces.
 """
 
-from lta_model.effects.protocol import BodyEffect, Parameter, Rigid, Values
-from lta_model.effects.weight.point_mass import with_point_mass
+from lta_model.effects.protocol import BodyEffect, EffectParameter, RigidBody, Values
+from lta_model.effects.weight.point_mass import add_point_mass
 
 _MASS = 'prior: 2 g, the comparison set-up of the seed paper; bound: an airship of 50 kg lift'
 _PLACE = 'prior: 5 cm on a place read off the vehicle (assumed), within a hull of 10 m'
 
 PARAMETERS = (
-    Parameter('mass', 'kg', 0.0, 0.0, 50.0, 0.002, _MASS),
-    Parameter('x', 'm', 0.0, -5.0, 5.0, 0.05, _PLACE),
-    Parameter('y', 'm', 0.0, -5.0, 5.0, 0.05, _PLACE),
-    Parameter('z', 'm', 0.0, -5.0, 5.0, 0.05, _PLACE),
+    EffectParameter('mass', 'kg', 0.0, 0.0, 50.0, 0.002, _MASS),
+    EffectParameter('x', 'm', 0.0, -5.0, 5.0, 0.05, _PLACE),
+    EffectParameter('y', 'm', 0.0, -5.0, 5.0, 0.05, _PLACE),
+    EffectParameter('z', 'm', 0.0, -5.0, 5.0, 0.05, _PLACE),
 )
 
 
-def change(p: Values, rigid: Rigid) -> Rigid:
+def change_body(p: Values, rigid: RigidBody) -> RigidBody:
     """Return the vehicle with that load."""
     mass, x, y, z = p
-    return with_point_mass(rigid, mass, (x, y, z))
+    return add_point_mass(rigid, mass, (x, y, z))
 
 
-EFFECT = BodyEffect('payload', PARAMETERS, change)
+EFFECT = BodyEffect('payload', PARAMETERS, change_body)

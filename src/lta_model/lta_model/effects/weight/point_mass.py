@@ -6,10 +6,10 @@ A point mass fixed to a vehicle.
 about the hull centre: the theorem of Steiner for a body without inertia of its own.
 """
 
-from lta_model.effects.protocol import Rigid, Vector
+from lta_model.effects.protocol import RigidBody, Vector
 
 
-def with_point_mass(rigid: Rigid, mass: float, place: Vector) -> Rigid:
+def add_point_mass(rigid: RigidBody, mass: float, place: Vector) -> RigidBody:
     """
     Return the vehicle with a point mass.
 
@@ -39,4 +39,4 @@ def with_point_mass(rigid: Rigid, mass: float, place: Vector) -> Rigid:
         i[5] - mass * y * z,
     )
     moment = (m[0] + mass * x, m[1] + mass * y, m[2] + mass * z)
-    return Rigid(rigid.mass + mass, moment, inertia, rigid.displaced)
+    return RigidBody(rigid.mass + mass, moment, inertia, rigid.displaced)

@@ -23,21 +23,21 @@ Left out: that wind cools, that a warmer gas stirs, sun on one side only, a chan
 """
 
 from lta_config.constants import STANDARD_GRAVITY
-from lta_model.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
+from lta_model.effects.protocol import EffectParameter, Values, VehicleMotion, Wrench, WrenchEffect
 from lta_model.gas import AIR_TEMPERATURE
 from lta_model.state import DISPLACED, IRRADIANCE
 
 PARAMETERS = (
-    Parameter(
+    EffectParameter(
         'warming', 'K m2/W', 0.0, 0.0, 1.0, 0.01,
         'prior: heat balance above; bound: black film with little convection, ten times over',
     ),
-    Parameter(
+    EffectParameter(
         'lag', 's', 0.0, 1.0, 1e4, 40.0,
         'prior: heat balance above; bounds: a thin film alone, a stratospheric balloon (assumed)',
         beside=40.0,
     ),
-    Parameter(
+    EffectParameter(
         'slack', '1', 0.0, 0.0, 1.0, 0.3,
         'by definition between taut and slack; prior: not known of a foil balloon (assumed)',
         beside=0.3,
@@ -45,7 +45,7 @@ PARAMETERS = (
 )  # fmt: skip
 
 
-def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
     """Return the lift of the expanded gas."""
     warming, lag, slack = p
     steady = warming * motion.surroundings[IRRADIANCE]
@@ -56,7 +56,7 @@ def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
     return (lift * r[6], lift * r[7], lift * r[8], 0.0, 0.0, 0.0)
 
 
-def rate(p: Values, memory: Values, motion: Motion) -> Values:
+def compute_memory_rate(p: Values, memory: Values, motion: VehicleMotion) -> Values:
     """Return d/dt of the temperature of the gas above that of the air."""
     warming, lag, slack = p  # noqa: RUF059 (the kernel knows parameters by their order)
     steady = warming * motion.surroundings[IRRADIANCE]
@@ -64,5 +64,10 @@ def rate(p: Values, memory: Values, motion: Motion) -> Values:
 
 
 EFFECT = WrenchEffect(
-    'superheat', PARAMETERS, wrench, ('slack',), memory=(('warmer', 0.0),), rate=rate
+    'superheat',
+    PARAMETERS,
+    compute_wrench,
+    ('slack',),
+    memory=(('warmer', 0.0),),
+    rate=compute_memory_rate,
 )

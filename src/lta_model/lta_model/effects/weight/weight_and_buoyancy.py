@@ -11,11 +11,11 @@ so a steady wind does not enter; what accelerating air adds is in `rigid_body`. 
 displaced air are the body's (`lta_model.state`), so that whatever changes them changes this.
 """
 
-from lta_model.effects.protocol import Motion, Parameter, Values, Wrench, WrenchEffect
+from lta_model.effects.protocol import EffectParameter, Values, VehicleMotion, Wrench, WrenchEffect
 from lta_model.state import DISPLACED, MASS, MASS_MOMENT
 
 PARAMETERS = (
-    Parameter(
+    EffectParameter(
         'gravity',
         'm/s2',
         0.0,
@@ -27,7 +27,7 @@ PARAMETERS = (
 )
 
 
-def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
+def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
     """Return net lift and righting moment."""
     (gravity,) = p
     up, body = motion.rotation, motion.body
@@ -47,4 +47,4 @@ def wrench(p: Values, memory: Values, motion: Motion, thrust: Values) -> Wrench:
     )
 
 
-EFFECT = WrenchEffect('weight_and_buoyancy', PARAMETERS, wrench, ('gravity',))
+EFFECT = WrenchEffect('weight_and_buoyancy', PARAMETERS, compute_wrench, ('gravity',))

@@ -11,7 +11,7 @@ NOTHING: Final[Mapping[str, str]] = {}
 
 @final
 @dataclass(frozen=True, slots=True)
-class Step:
+class ProgramStep:
     """
     One program run in the folder of a case.
 
@@ -39,7 +39,7 @@ class Step:
 
 @final
 @dataclass(frozen=True, slots=True)
-class Case:
+class FoamCase:
     """
     A mesh, or a flow on one.
 
@@ -60,8 +60,8 @@ class Case:
 
     name: str
     files: Mapping[str, str | bytes]
-    steps: Sequence[Step]
-    mesh: 'Case | None' = None
+    steps: Sequence[ProgramStep]
+    mesh: 'FoamCase | None' = None
     cells: int = 0
 
     @property

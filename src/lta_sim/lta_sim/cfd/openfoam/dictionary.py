@@ -15,7 +15,7 @@ HEADER: Final = """FoamFile
 """
 
 
-def word(entry: Entry) -> str:
+def format_entry(entry: Entry) -> str:
     """Return an entry that fits on one line."""
     if isinstance(entry, bool):
         return 'true' if entry else 'false'
@@ -24,11 +24,11 @@ def word(entry: Entry) -> str:
     if isinstance(entry, int | float):
         return f'{entry:.10g}'
     if isinstance(entry, Mapping):
-        return '{ ' + ' '.join(lines(entry, '')) + ' }'
-    return f'({" ".join(word(each) for each in entry)})'
+        return '{ ' + ' '.join(format_entries(entry, '')) + ' }'
+    return f'({" ".join(format_entry(each) for each in entry)})'
 
 
-def lines(entries: Mapping[str, Entry], indent: str) -> list[str]:
+def format_entries(entries: Mapping[str, Entry], indent: str) -> list[str]:
     """Return the lines of some entries; an empty key is a list or a word without a name."""
     text = []
     for key, entry in entries.items():
@@ -36,15 +36,15 @@ def lines(entries: Mapping[str, Entry], indent: str) -> list[str]:
             text += [
                 f'{indent}{key}',
                 f'{indent}{{',
-                *lines(entry, indent + '    '),
+                *format_entries(entry, indent + '    '),
                 f'{indent}}}',
             ]
         else:
-            text.append(f'{indent}{key} {word(entry)};')
+            text.append(f'{indent}{key} {format_entry(entry)};')
     return text
 
 
-def dictionary(name: str, entries: Mapping[str, Entry], kind: str = 'dictionary') -> str:
+def format_dictionary(name: str, entries: Mapping[str, Entry], kind: str = 'dictionary') -> str:
     """
     Return a whole file.
 
@@ -58,4 +58,4 @@ def dictionary(name: str, entries: Mapping[str, Entry], kind: str = 'dictionary'
         Class of the object: 'dictionary', 'volScalarField' ...
 
     """
-    return '\n'.join([HEADER.format(kind=kind, name=name), *lines(entries, ''), ''])
+    return '\n'.join([HEADER.format(kind=kind, name=name), *format_entries(entries, ''), ''])

@@ -37,35 +37,36 @@ class CaseFailed(Exception):
     """A case that came to nothing; the text says why and what to do. Others go on."""
 
 
-def openfoam() -> bool:
+def has_openfoam() -> bool:
     """Tell whether all programs are there."""
     return all(shutil.which(name) for name in PROGRAMS)
 
 
-def require() -> None:
+def require_openfoam() -> None:
     """Refuse to begin without OpenFOAM."""
-    if not openfoam():
+    if not has_openfoam():
         raise BadInput(MISSING)
 
 
-def environment() -> Mapping[str, str]:
+def program_environment() -> Mapping[str, str]:
     """Return the environment in which its programs run, each on one core."""
     place = os.environ.get(PROJECT) or next((p for p in PLACES if Path(p).is_dir()), '')
     return {**os.environ, PROJECT: place, 'OMP_NUM_THREADS': '1', 'FOAM_SIGFPE': 'true'}
 
 
 @cache
-def version() -> str:
+def find_version() -> str:
     """Return which OpenFOAM there is."""
     told = subprocess.run(
-        ['simpleFoam', '-help'], env=environment(), capture_output=True, text=True, check=False
+        ['simpleFoam', '-help'], env=program_environment(),
+        capture_output=True, text=True, check=False,
     )  # fmt: skip
     found = re.search(r'(?:OpenFOAM|Using:?)[^\n]*?(\d{4})', told.stdout + told.stderr)
     return f'OpenFOAM {found[1]}' if found else 'OpenFOAM'
 
 
 @final
-class Programs:
+class FoamPrograms:
     """Programs that run, so that all can be stopped."""
 
     def __init__(self) -> None:
@@ -102,7 +103,7 @@ class Programs:
         if self._stopped:
             raise CaseFailed('It was stopped before it began; start again to go on.')
         time, residual = 0.0, float('nan')
-        where = {**environment(), 'PWD': str(folder)}
+        where = {**program_environment(), 'PWD': str(folder)}
         with log.open('w', encoding='utf-8') as out:
             process = subprocess.Popen(
                 list(command), cwd=folder, env=where, stdout=subprocess.PIPE,
@@ -120,17 +121,17 @@ class Programs:
                         tell(time, residual)
             self._running.discard(process)
         if process.returncode != 0:
-            raise CaseFailed(self._why(command[0], process.returncode, log))
+            raise CaseFailed(self._explain_failure(command[0], process.returncode, log))
 
-    def _why(self, program: str, code: int, log: Path) -> str:
+    def _explain_failure(self, program: str, code: int, log: Path) -> str:
         if self._stopped:
             return 'It was stopped; start again to go on.'
         lines = log.read_text(encoding='utf-8').splitlines()
         fatal = next((k for k, line in enumerate(lines) if FATAL in line), len(lines))
-        return why(program, code, lines[fatal : fatal + TAIL] + lines[-TAIL:])
+        return explain_failure(program, code, lines[fatal : fatal + TAIL] + lines[-TAIL:])
 
 
-def why(program: str, code: int, tail: Sequence[str]) -> str:
+def explain_failure(program: str, code: int, tail: Sequence[str]) -> str:
     """
     Return why a program ended badly, in a sentence.
 

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 import math
 from typing import Final
 
-from lta_sim.cfd.openfoam.dictionary import dictionary, Entry
+from lta_sim.cfd.openfoam.dictionary import Entry, format_dictionary
 from lta_sim.cfd.openfoam.numerics import EDDY_VISCOSITY
 
 INTENSITY, EDDY = 0.005, 0.05  # turbulence of the oncoming air, and the size of its eddies [m]
@@ -45,29 +45,29 @@ TRANSITION: Final = (*STEADY, 'ReThetat', 'gammaInt')
 DETACHED: Final = ('U', 'p', 'nut', *EDDY_VISCOSITY)
 
 
-def _flows(name: str) -> Mapping[str, Entry]:
+def _open_boundary(name: str) -> Mapping[str, Entry]:
     """Return a boundary that the air leaves freely and enters as it is far away."""
-    return {'type': 'inletOutlet', 'inletValue': _oncoming(name), 'value': '$internalField'}
+    return {'type': 'inletOutlet', 'inletValue': _inflow_value(name), 'value': '$internalField'}
 
 
-def _oncoming(name: str) -> str:
+def _inflow_value(name: str) -> str:
     return CLEAN if name in EDDY_VISCOSITY else '$internalField'
 
 
-def _calculated(name: str) -> Mapping[str, Entry]:
+def _calculated_boundary(name: str) -> Mapping[str, Entry]:
     return {'type': 'calculated', 'value': '$internalField'}
 
 
-def _file(name: str, inside: str, boundary: Mapping[str, Mapping[str, Entry]]) -> str:
+def _format_field(name: str, inside: str, boundary: Mapping[str, Mapping[str, Entry]]) -> str:
     kind = 'volVectorField' if name == 'U' else 'volScalarField'
-    return dictionary(
+    return format_dictionary(
         name,
         {'dimensions': DIMENSIONS[name], 'internalField': inside, 'boundaryField': boundary},
         kind,
     )
 
 
-def tunnel_fields(
+def format_tunnel_fields(
     names: Sequence[str], walls: Sequence[str], planes: Sequence[str], viscosity: float = 0.0
 ) -> dict[str, str]:
     """
@@ -87,14 +87,14 @@ def tunnel_fields(
     """
     files = {}
     for name in names:
-        inlet: Mapping[str, Entry] = {'type': 'fixedValue', 'value': _oncoming(name)}
-        outlet = _flows(name)
+        inlet: Mapping[str, Entry] = {'type': 'fixedValue', 'value': _inflow_value(name)}
+        outlet = _open_boundary(name)
         if name == 'p':
             inlet, outlet = ZERO, {'type': 'fixedValue', 'value': 'uniform 0'}
         elif name == 'nut':
-            inlet = outlet = _calculated(name)
+            inlet = outlet = _calculated_boundary(name)
         inside = f'uniform {SEED * viscosity:.6g}' if name in EDDY_VISCOSITY else INSIDE[name]
-        files[f'0/{name}'] = _file(name, inside, {
+        files[f'0/{name}'] = _format_field(name, inside, {
             'inlet': inlet,
             'outlet': outlet,
             'sides': {'type': 'slip'},
@@ -104,18 +104,18 @@ def tunnel_fields(
     return files
 
 
-def still_fields(names: Sequence[str], walls: Sequence[str]) -> dict[str, str]:
-    """Return the fields of a box of still air with open faces; parameters as `tunnel_fields`."""
+def format_still_fields(names: Sequence[str], walls: Sequence[str]) -> dict[str, str]:
+    """Return fields of a box of still air, faces open; parameters as `format_tunnel_fields`."""
     files = {}
     for name in names:
-        far = _flows(name)
+        far = _open_boundary(name)
         if name == 'U':
             far = {'type': 'pressureInletOutletVelocity', 'value': 'uniform (0 0 0)'}
         elif name == 'p':
             far = {'type': 'totalPressure', 'p0': 'uniform 0', 'value': 'uniform 0'}
         elif name == 'nut':
-            far = _calculated(name)
+            far = _calculated_boundary(name)
         inside = 'uniform (0 0 0)' if name == 'U' else INSIDE[name]
         boundary = {'far': far, **dict.fromkeys(walls, WALL[name])}
-        files[f'0/{name}'] = _file(name, inside, boundary)
+        files[f'0/{name}'] = _format_field(name, inside, boundary)
     return files

@@ -9,9 +9,9 @@ from collections.abc import Container, Mapping, Sequence
 from io import BytesIO
 from typing import Final
 
-from lta_sim.cfd.model import HULL
-from lta_sim.cfd.openfoam.case import Case, Step
-from lta_sim.cfd.openfoam.dictionary import dictionary, Entry
+from lta_sim.cfd.openfoam.case import FoamCase, ProgramStep
+from lta_sim.cfd.openfoam.dictionary import Entry, format_dictionary
+from lta_sim.cfd.tunnel_model import HULL
 import numpy as np
 from numpy.typing import NDArray
 import trimesh
@@ -29,7 +29,9 @@ QUALITY: Final[Mapping[str, Entry]] = {
 }  # fmt: skip
 
 
-def block(low: Array, high: Array, size: float, patches: Mapping[str, Sequence[str]]) -> str:
+def format_block_mesh(
+    low: Array, high: Array, size: float, patches: Mapping[str, Sequence[str]]
+) -> str:
     """
     Return blockMeshDict of a box of cubes.
 
@@ -57,7 +59,7 @@ def block(low: Array, high: Array, size: float, patches: Mapping[str, Sequence[s
     for name, sides in patches.items():
         kind = 'symmetryPlane' if 'symmetry' in name else 'patch'
         boundary += [name, {'type': kind, 'faces': [faces[side] for side in sides]}]
-    return dictionary('blockMeshDict', {
+    return format_dictionary('blockMeshDict', {
         'scale': 1,
         'vertices': vertices,
         'blocks': ['hex', list(range(8)), counts.tolist(), 'simpleGrading', [1, 1, 1]],
@@ -65,7 +67,7 @@ def block(low: Array, high: Array, size: float, patches: Mapping[str, Sequence[s
     })  # fmt: skip
 
 
-def snappy(
+def format_snappy_mesh(
     bodies: Mapping[str, int],
     cube: float,
     regions: Mapping[str, tuple[Mapping[str, Entry], int]],
@@ -105,11 +107,11 @@ def snappy(
     }
     around[HULL] = {'mode': 'distance', 'levels': [list(shell)]}
     around |= {
-        name: {'mode': 'distance', 'levels': _shells(cube, level)}
+        name: {'mode': 'distance', 'levels': _refinement_shells(cube, level)}
         for name, level in bodies.items()
         if name != HULL
     }
-    return dictionary('snappyHexMeshDict', {
+    return format_dictionary('snappyHexMeshDict', {
         'castellatedMesh': True, 'snap': True, 'addLayers': layers > 0,
         'geometry': geometry,
         'castellatedMeshControls': {
@@ -141,14 +143,14 @@ def snappy(
     })  # fmt: skip
 
 
-def mesh_case(
+def build_mesh_case(
     name: str,
     surfaces: Mapping[str, trimesh.Trimesh],
     block_text: str,
     snappy_text: str,
     cells: int,
     zones: str = '',
-) -> Case:
+) -> FoamCase:
     """
     Return the case that makes a mesh.
 
@@ -166,30 +168,34 @@ def mesh_case(
         topoSetDict of the zones that are cut out of it, if any.
 
     """
-    from lta_sim.cfd.openfoam.numerics import control, solution, steady_schemes
+    from lta_sim.cfd.openfoam.numerics import (
+        format_control,
+        format_solution,
+        format_steady_schemes,
+    )
 
     files: dict[str, str | bytes] = {
-        f'{SURFACES}{each}.stl': _stl(mesh) for each, mesh in surfaces.items()
+        f'{SURFACES}{each}.stl': _encode_stl(mesh) for each, mesh in surfaces.items()
     }
     files |= {
         'system/blockMeshDict': block_text,
         'system/snappyHexMeshDict': snappy_text,
-        'system/controlDict': control('snappyHexMesh', 0, 1, {}),
-        'system/fvSchemes': steady_schemes(),
-        'system/fvSolution': solution(),
+        'system/controlDict': format_control('snappyHexMesh', 0, 1, {}),
+        'system/fvSchemes': format_steady_schemes(),
+        'system/fvSolution': format_solution(),
     }
     steps = [
-        Step('block', ('blockMesh',)),
-        Step('snappy', ('snappyHexMesh', '-overwrite'), rounds=60),
+        ProgramStep('block', ('blockMesh',)),
+        ProgramStep('snappy', ('snappyHexMesh', '-overwrite'), rounds=60),
     ]
     if zones:
         files['system/topoSetDict'] = zones
-        steps.append(Step('zones', ('topoSet',)))
-    steps.append(Step('check', ('checkMesh',)))
-    return Case(name, files, steps, cells=cells)
+        steps.append(ProgramStep('zones', ('topoSet',)))
+    steps.append(ProgramStep('check', ('checkMesh',)))
+    return FoamCase(name, files, steps, cells=cells)
 
 
-def _shells(cube: float, level: int) -> list[Entry]:
+def _refinement_shells(cube: float, level: int) -> list[Entry]:
     """
     Return how near to a body the air is refined, level by level.
 
@@ -199,7 +205,7 @@ def _shells(cube: float, level: int) -> list[Entry]:
     return [[2.0 * cube * 2.0**-each, each] for each in range(level, 2, -1)]
 
 
-def standing(mesh: Case, patches: Container[str]) -> list[str]:
+def list_solved_bodies(mesh: FoamCase, patches: Container[str]) -> list[str]:
     """Return the bodies of a mesh that reach into the part of the tunnel that is solved."""
     found = []
     for path, data in mesh.files.items():
@@ -215,7 +221,7 @@ def standing(mesh: Case, patches: Container[str]) -> list[str]:
     return found
 
 
-def _stl(mesh: trimesh.Trimesh) -> bytes:
+def _encode_stl(mesh: trimesh.Trimesh) -> bytes:
     """Return a surface as binary STL."""
     data = mesh.export(file_type='stl')
     assert isinstance(data, bytes)

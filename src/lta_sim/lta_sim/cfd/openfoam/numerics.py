@@ -10,7 +10,7 @@ leaves it.
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Final
 
-from lta_sim.cfd.openfoam.dictionary import dictionary, Entry
+from lta_sim.cfd.openfoam.dictionary import Entry, format_dictionary
 
 TURBULENT: Final = ('k', 'omega', 'ReThetat', 'gammaInt')
 EDDY_VISCOSITY: Final = ('nuTilda',)
@@ -24,10 +24,10 @@ _COMMON: Final[Mapping[str, Entry]] = {
 }
 
 
-def steady_schemes(carried: Sequence[str] = TURBULENT) -> str:
+def format_steady_schemes(carried: Sequence[str] = TURBULENT) -> str:
     """Return fvSchemes of simpleFoam, for a model that carries some fields along."""
     limited: Entry = 'cellLimited Gauss linear 1'
-    return dictionary('fvSchemes', {
+    return format_dictionary('fvSchemes', {
         'ddtSchemes': {'default': 'steadyState'},
         'gradSchemes': {
             'default': 'Gauss linear', 'grad(U)': limited,
@@ -43,9 +43,9 @@ def steady_schemes(carried: Sequence[str] = TURBULENT) -> str:
     })  # fmt: skip
 
 
-def transient_schemes() -> str:
+def format_transient_schemes() -> str:
     """Return fvSchemes of pimpleFoam."""
-    return dictionary('fvSchemes', {
+    return format_dictionary('fvSchemes', {
         'ddtSchemes': {'default': 'backward'},
         'gradSchemes': {'default': 'Gauss linear'},
         'divSchemes': {
@@ -58,7 +58,7 @@ def transient_schemes() -> str:
     })  # fmt: skip
 
 
-def solution(
+def format_solution(
     velocity: float = 0.8, turbulence: float = 0.7, carried: Sequence[str] = TURBULENT
 ) -> str:
     """
@@ -84,7 +84,7 @@ def solution(
         'smoother': 'symGaussSeidel',
         'tolerance': 1e-10,
     }
-    return dictionary('fvSolution', {
+    return format_dictionary('fvSolution', {
         'solvers': {
             'p': pressure,
             'pFinal': {**pressure, 'tolerance': 1e-7, 'relTol': 0.01},
@@ -102,7 +102,7 @@ def solution(
     })  # fmt: skip
 
 
-def transient_solution() -> str:
+def format_transient_solution() -> str:
     """
     Return fvSolution of pimpleFoam.
 
@@ -110,7 +110,7 @@ def transient_solution() -> str:
     the velocity takes a Krylov solver.
     """
     pressure: dict[str, Entry] = {'solver': 'GAMG', 'smoother': 'GaussSeidel'}
-    return dictionary('fvSolution', {
+    return format_dictionary('fvSolution', {
         'solvers': {
             'p': {**pressure, 'tolerance': 1e-8, 'relTol': 0.05},
             'pFinal': {**pressure, 'tolerance': 1e-7, 'relTol': 0.01},
@@ -124,7 +124,7 @@ def transient_solution() -> str:
     })  # fmt: skip
 
 
-def control(
+def format_control(
     program: str,
     begin: float,
     end: float,
@@ -160,10 +160,10 @@ def control(
     }  # fmt: skip
     if largest_step is not None:
         entries |= {'adjustTimeStep': True, 'maxCo': courant, 'maxDeltaT': largest_step}
-    return dictionary('controlDict', {**entries, 'functions': functions})
+    return format_dictionary('controlDict', {**entries, 'functions': functions})
 
 
-def clock(now: int, step: float) -> str:
+def format_time_file(now: int, step: float) -> str:
     """
     Return the file in which a solver keeps its time; another's step of 1 would be gone on with.
 
@@ -175,13 +175,13 @@ def clock(now: int, step: float) -> str:
         To go on with. [s]
 
     """
-    return dictionary(
+    return format_dictionary(
         'time',
         {'value': now, 'name': f'"{now}"', 'index': now, 'deltaT': step, 'deltaT0': step},
     )
 
 
-def forces_on(patches: Mapping[str, str]) -> dict[str, Entry]:
+def build_force_functions(patches: Mapping[str, str]) -> dict[str, Entry]:
     """
     Return function objects that tell the force on patches every round, about the origin.
 
@@ -201,7 +201,7 @@ def forces_on(patches: Mapping[str, str]) -> dict[str, Entry]:
     }  # fmt: skip
 
 
-def momentum_through(patches: tuple[str, ...]) -> dict[str, Entry]:
+def build_momentum_functions(patches: tuple[str, ...]) -> dict[str, Entry]:
     """Return function objects that tell the momentum that leaves through patches."""
     return {
         f'momentum_{patch}': {
@@ -213,7 +213,7 @@ def momentum_through(patches: tuple[str, ...]) -> dict[str, Entry]:
     }  # fmt: skip
 
 
-def slice_through(normal: tuple[int, int, int], size: float) -> dict[str, Entry]:
+def build_slice_function(normal: tuple[int, int, int], size: float) -> dict[str, Entry]:
     """
     Return a function object that writes the speed in a plane through the middle at the end.
 
@@ -235,7 +235,7 @@ def slice_through(normal: tuple[int, int, int], size: float) -> dict[str, Entry]
     }  # fmt: skip
 
 
-def pressure_on(patches: Iterable[str]) -> dict[str, Entry]:
+def build_pressure_function(patches: Iterable[str]) -> dict[str, Entry]:
     """Return a function object that writes the pressure on the faces of patches at the end."""
     return {
         'pressure': {

@@ -5,16 +5,16 @@ from html import escape
 from pathlib import Path
 from typing import Final
 
-from lta_bridge.provenance import commit
+from lta_bridge.provenance import read_commit
 from lta_energy import rotor
-from lta_report.drawing import blank, Label, label_ends
-from lta_report.formatting import MISSING, number, Tile
-from lta_report.frame import framed, written
+from lta_report.drawing import create_figure, EndLabel, label_ends
+from lta_report.formatting import format_number, MISSING, Tile
+from lta_report.page_frame import assemble_page, write_file
+from lta_report.page_parts import render_section, render_tile
 from lta_report.palette import ESTIMATE, GOOD, INK, LAMP, RAW, SOFT, TRUTH
-from lta_report.pieces import section, tile_html
 from lta_studies.energy import paper
-from lta_studies.energy.budget.run import Budget, printed
-from lta_studies.energy.tables import Table, table_html
+from lta_studies.energy.budget.run import format_paper_values, PowerBudget
+from lta_studies.energy.tables import render_text_table, TextTable
 import numpy as np
 from plotly.graph_objects import Bar, Figure, Scatter
 
@@ -32,112 +32,130 @@ MOTORS: Final = (
 )
 
 
-def write_page(found: Budget, commands: Mapping[str, str], out: Path) -> Path:
+def write_page(result: PowerBudget, commands: Mapping[str, str], out: Path) -> Path:
     """Write the page and return where it is; `BadInput` where it cannot be written."""
-    return written(page(found, commands), out)
+    return write_file(render_page(result, commands), out)
 
 
-def page(found: Budget, commands: Mapping[str, str]) -> str:
+def render_page(result: PowerBudget, commands: Mapping[str, str]) -> str:
     """Return the whole page."""
-    return framed(
+    return assemble_page(
         'energy.html',
-        title=escape(title(found)),
-        kicker=escape(f'energy budget · {found.vehicle}'),
+        title=escape(format_title(result)),
+        kicker=escape(f'energy budget · {result.vehicle}'),
         about='What each task takes, flown in simulation, beside the seed paper.',
-        tiles='\n'.join(tile_html(*each) for each in tiles(found)),
-        first=section('tasks', 'Power by task', TASKS, tasks_picture(found)),
-        pictures=section('motors', 'One rotor by duty and voltage', MOTORS, motors_picture(found)),
-        tables=''.join(table_html(each) for each in (table(found), why(found))),
-        method=''.join(f'<p class="note">{escape(each)}</p>' for each in notes(found)),
-        facts={'vehicle': found.vehicle, 'beside': found.standard, 'commit': commit()},
+        tiles='\n'.join(render_tile(*each) for each in build_tiles(result)),
+        first=render_section('tasks', 'Power by task', TASKS, draw_task_power(result)),
+        pictures=render_section(
+            'motors', 'One rotor by duty and voltage', MOTORS, draw_rotor_power(result)
+        ),
+        tables=''.join(
+            render_text_table(each)
+            for each in (build_task_table(result), build_cause_table(result))
+        ),
+        method=''.join(f'<p class="note">{escape(each)}</p>' for each in format_notes(result)),
+        facts={'vehicle': result.vehicle, 'beside': result.standard, 'commit': read_commit()},
         commands=commands,
     )
 
 
-def title(found: Budget) -> str:
+def format_title(result: PowerBudget) -> str:
     """Return what came out, in a sentence."""
-    hover = found.tasks['hovering'].power
+    hover = result.tasks['hovering'].power
     return (
-        f'Hovering takes {1e3 * hover:.0f} mW, {100.0 * found.share:.0f} % of a '
-        f'{found.standard}\'s; the paper has {1e3 * paper.HOVER:.0f} mW, "almost one third".'
+        f'Hovering takes {1e3 * hover:.0f} mW, {100.0 * result.hover_share:.0f} % of a '
+        f'{result.standard}\'s; the paper has {1e3 * paper.HOVER:.0f} mW, "almost one third".'
     )
 
 
-def tiles(found: Budget) -> list[Tile]:
+def build_tiles(result: PowerBudget) -> list[Tile]:
     """Return the tasks in the air, and the multirotor."""
     made = []
-    for name, task in found.tasks.items():
+    for name, task in result.tasks.items():
         if task.rotors > 0.0:
-            words = TO.join(printed(task))
+            words = TO.join(format_paper_values(task))
             note = f'paper: {words} mW' if words else 'paper prints none'
             made.append(Tile(name, f'{1e3 * task.power:.0f}', 'mW', note))
     note = f'paper: thrice {1e3 * paper.HOVER:.0f} mW'
-    return [*made, Tile(f'{found.standard}, hovering', f'{found.hover.power:.2f}', 'W', note)]
+    return [*made, Tile(f'{result.standard}, hovering', f'{result.hover.power:.2f}', 'W', note)]
 
 
-def table(found: Budget) -> Table:
+def build_task_table(result: PowerBudget) -> TextTable:
     """Return every task beside the paper."""
     heads = ('task', 'seconds', 'electronics [mW]', 'rotors [mW]', 'together [mW]', 'paper [mW]',
              'ours by paper')  # fmt: skip
     rows = []
-    for name, each in {**found.tasks, f'{found.standard}, hovering': found.hover}.items():
-        words = printed(each) if each is not found.hover else [f'{1e3 * paper.STANDARD:.0f}']
+    for name, each in {**result.tasks, f'{result.standard}, hovering': result.hover}.items():
+        words = (
+            format_paper_values(each)
+            if each is not result.hover
+            else [f'{1e3 * paper.STANDARD:.0f}']
+        )
         mean = sum(map(float, words)) / len(words) if words else None
         rows.append([
             name,
-            number(None if each.seconds != each.seconds else each.seconds, 1),
-            number(each.electronics, 0, 1e3),
-            f'{number(each.rotors, 0, 1e3)}\N{PLUS-MINUS SIGN}{number(each.off, 0, 1e3)}'
+            format_number(None if each.seconds != each.seconds else each.seconds, 1),
+            format_number(each.electronics, 0, 1e3),
+            f'{format_number(each.rotors, 0, 1e3)}\N{PLUS-MINUS SIGN}'
+            f'{format_number(each.off, 0, 1e3)}'
             if each.rotors else '0',
-            number(each.power, 0, 1e3),
+            format_number(each.power, 0, 1e3),
             TO.join(words) or MISSING,
-            number(1e3 * each.power / mean) if mean else MISSING,
+            format_number(1e3 * each.power / mean) if mean else MISSING,
         ])  # fmt: skip
-    return Table('By task, beside the paper', heads, rows)
+    return TextTable('By task, beside the paper', heads, rows)
 
 
-def why(found: Budget) -> Table:
+def build_cause_table(result: PowerBudget) -> TextTable:
     """Return what would make the paper's hover of ours."""
-    cause = found.causes
+    cause = result.causes
     rows = [
         [
             'ideal hover of its weight',
-            f'{number(cause.least, 0, 1e3)} mW',
+            f'{format_number(cause.least, 0, 1e3)} mW',
             'in still air',
         ],
-        ['or heavier', f'{number(cause.heaviness, 1, 1e3)} g', 'heavier than air, instead of 2 g'],
-        ['or against a draught', f'{number(cause.wind)} m/s', 'holding its place'],
-        ['or worse rotors', f'{number(cause.factor, 1)} times', 'their power at the same thrust'],
+        [
+            'or heavier',
+            f'{format_number(cause.heaviness, 1, 1e3)} g',
+            'heavier than air, instead of 2 g',
+        ],
+        ['or against a draught', f'{format_number(cause.wind)} m/s', 'holding its place'],
+        [
+            'or worse rotors',
+            f'{format_number(cause.factor, 1)} times',
+            'their power at the same thrust',
+        ],
     ]
     note = (
         'Each alone makes 1333 mW of our hover; the paper does not tell weight, draught or rotors '
         'of that measurement.'
     )
-    return Table('What would make it 1333 mW', ('cause', 'how much', ''), rows, note)
+    return TextTable('What would make it 1333 mW', ('cause', 'how much', ''), rows, note)
 
 
-def notes(found: Budget) -> list[str]:
+def format_notes(result: PowerBudget) -> list[str]:
     """Return what differs from the paper, and what it means."""
-    flown, share = found.tasks['flying at 0.5 m/s'], found.share
+    flown, share = result.tasks['flying at 0.5 m/s'], result.hover_share
     return [
         f'A third: thrice 1333 mW would be a standard drone of {paper.STANDARD:.1f} W. '
-        f"Bitcraze's own bench makes {found.hover.power:.1f} W of a Crazyflie of 27 g, so that "
-        f'1333 mW are {100.0 * paper.HOVER / found.hover.power:.0f} % of one, and our '
-        f'{1e3 * found.tasks["hovering"].power:.0f} mW are {100.0 * share:.0f} %: buoyancy saves '
+        f"Bitcraze's own bench makes {result.hover.power:.1f} W of a Crazyflie of 27 g, so that "
+        f'1333 mW are {100.0 * paper.HOVER / result.hover.power:.0f} % of one, and our '
+        f'{1e3 * result.tasks["hovering"].power:.0f} mW are {100.0 * share:.0f} %: buoyancy saves '
         'more than the paper says, if its standard drone is a Crazyflie.',
         "Navigation: the paper's strategies take 190 to 211 mW more than hovering, read here as "
         'the light board and its computing. Flying 0.5 m/s against drag costs '
-        f'{1e3 * (flown.power - found.tasks["hovering"].power):.0f} mW more than hovering with '
+        f'{1e3 * (flown.power - result.tasks["hovering"].power):.0f} mW more than hovering with '
         'these rotors, which that does not leave room for; ours take both, and turns besides.',
         "Idle and transmitting are the paper's own figures, taken over. Rotors: power affine in "
         "thrust by a fit to Bitcraze's bench; ours may be better or worse than the paper's.",
     ]
 
 
-def tasks_picture(found: Budget) -> Figure:
+def draw_task_power(result: PowerBudget) -> Figure:
     """Return a bar for each task, and what the paper prints."""
-    figure = blank()
-    every = {**found.tasks, f'{found.standard}, hovering': found.hover}
+    figure = create_figure()
+    every = {**result.tasks, f'{result.standard}, hovering': result.hover}
     names = list(every)
     for key, colour, opacity in (('electronics', RAW, 1.0), ('rotors', TRUTH, 1.0)):
         figure.add_trace(
@@ -146,7 +164,11 @@ def tasks_picture(found: Budget) -> Figure:
                 marker={'color': colour}, opacity=opacity, hovertemplate='%{y:.0f} mW',
             )
         )  # fmt: skip
-    marks = [(name, float(word)) for name, each in found.tasks.items() for word in printed(each)]
+    marks = [
+        (name, float(word))
+        for name, each in result.tasks.items()
+        for word in format_paper_values(each)
+    ]
     marks.append((names[-1], 1e3 * paper.STANDARD))
     figure.add_trace(
         Scatter(
@@ -167,21 +189,21 @@ def tasks_picture(found: Budget) -> Figure:
     return figure.update_yaxes(title_text='power [mW]')
 
 
-def motors_picture(found: Budget) -> Figure:
+def draw_rotor_power(result: PowerBudget) -> Figure:
     """Return a rotor's power by duty at some voltages, and the bench."""
-    figure = blank()
+    figure = create_figure()
     duty = np.linspace(0.0, 1.0, 101)
-    loads, labels = found.loads, []
+    loads, labels = result.loads, []
     for voltage, colour in VOLTAGES:
         power = [
-            rotor.power_at(each, voltage, loads.rotor_offset, loads.rotor_slope)
+            rotor.power_at_duty(each, voltage, loads.rotor_offset, loads.rotor_slope)
             for each in duty.tolist()
         ]
         figure.add_trace(
             Scatter(x=duty, y=power, mode='lines', name=f'{voltage} V',
                     line={'color': colour, 'width': 1.6}, hovertemplate='%{y:.2f} W')
         )  # fmt: skip
-        labels.append(Label(f'{voltage} V', power[-1], colour))
+        labels.append(EndLabel(f'{voltage} V', power[-1], colour))
     idle = rotor.BENCH[0].power
     figure.add_trace(
         Scatter(

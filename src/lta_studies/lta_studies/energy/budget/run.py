@@ -4,16 +4,23 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any, final
 
-from lta_model.electrical.loads import Loads
+from lta_model.electrical.loads import LoadModel
 from lta_model.vehicle import load_vehicle
 from lta_studies.energy import paper
-from lta_studies.energy.budget.tasks import flights, flying, navigating, standing, STRATEGIES, Task
-from lta_studies.energy.budget.why import Causes, causes
+from lta_studies.energy.budget.power_causes import explain_hover_power, PowerCauses
+from lta_studies.energy.budget.tasks import (
+    average_flight_tasks,
+    fly_course,
+    list_ground_tasks,
+    measure_navigation,
+    STRATEGIES,
+    TaskPower,
+)
 
 
 @final
 @dataclass(frozen=True, slots=True)
-class Budget:
+class PowerBudget:
     """
     What everything takes.
 
@@ -34,18 +41,20 @@ class Budget:
 
     vehicle: str
     standard: str
-    tasks: Mapping[str, Task]
-    hover: Task
-    causes: Causes
-    loads: Loads
+    tasks: Mapping[str, TaskPower]
+    hover: TaskPower
+    causes: PowerCauses
+    loads: LoadModel
 
     @property
-    def share(self) -> float:
+    def hover_share(self) -> float:
         """What the drone's hover takes of the multirotor's. [1]"""
         return self.tasks['hovering'].power / self.hover.power
 
 
-def budget(vehicle: str, standard: str, seeds: int, tick: Callable[[], None]) -> Budget:
+def measure_budget(
+    vehicle: str, standard: str, seeds: int, tick: Callable[[], None]
+) -> PowerBudget:
     """
     Return what everything takes, flown with some seeds; `tick` is called after each flight.
 
@@ -60,20 +69,23 @@ def budget(vehicle: str, standard: str, seeds: int, tick: Callable[[], None]) ->
 
     """
     body, other = load_vehicle(vehicle), load_vehicle(standard)
-    tasks = [*standing(body.loads), *flying(body.loads, flights(vehicle, seeds, tick))]
-    tasks += [navigating(vehicle, name, seeds, tick) for name in STRATEGIES]
+    tasks = [
+        *list_ground_tasks(body.loads),
+        *average_flight_tasks(body.loads, fly_course(vehicle, seeds, tick)),
+    ]
+    tasks += [measure_navigation(vehicle, name, seeds, tick) for name in STRATEGIES]
     named = {task.name: task for task in tasks}
-    hovering = flying(other.loads, flights(standard, seeds, tick))[1]
-    found = causes(body, named['hovering'].power, paper.HOVER)
-    return Budget(body.file.name, other.file.name, named, hovering, found, body.loads)
+    hovering = average_flight_tasks(other.loads, fly_course(standard, seeds, tick))[1]
+    found = explain_hover_power(body, named['hovering'].power, paper.HOVER)
+    return PowerBudget(body.file.name, other.file.name, named, hovering, found, body.loads)
 
 
-def count(seeds: int) -> int:
+def count_flights(seeds: int) -> int:
     """Return how many flights a budget takes."""
     return seeds * (2 + len(STRATEGIES))
 
 
-def printed(task: Task) -> list[str]:
+def format_paper_values(task: TaskPower) -> list[str]:
     """Return what the paper prints of a task. [mW]"""
     low, high = paper.NAVIGATION
     known: dict[str, Sequence[float]] = {
@@ -85,19 +97,19 @@ def printed(task: Task) -> list[str]:
     return [f'{1e3 * each:.0f}' for each in found]
 
 
-def plain(found: Budget) -> dict[str, Any]:
+def to_json(result: PowerBudget) -> dict[str, Any]:
     """Return a budget as JSON has it, in SI units."""
     return {
-        'vehicle': found.vehicle,
-        'standard': found.standard,
-        'tasks': {name: _plain(task) for name, task in found.tasks.items()},
-        'standard_hover': _plain(found.hover),
-        'share_of_standard': found.share,
-        'causes': asdict(found.causes),
+        'vehicle': result.vehicle,
+        'standard': result.standard,
+        'tasks': {name: _task_to_json(task) for name, task in result.tasks.items()},
+        'standard_hover': _task_to_json(result.hover),
+        'share_of_standard': result.hover_share,
+        'causes': asdict(result.causes),
     }
 
 
-def _plain(task: Task) -> dict[str, float | None]:
+def _task_to_json(task: TaskPower) -> dict[str, float | None]:
     numbers = {'power': task.power, **asdict(task)}
     del numbers['name']
     return {name: None if value != value else value for name, value in numbers.items()}

@@ -11,14 +11,14 @@ from dataclasses import dataclass
 import math
 from typing import final
 
-from lta_config.topics import topic_table
+from lta_config.topics import load_topic_table
 from lta_control.cascade import Setpoint
-from lta_flight.ingredients import gather, Ingredients, parts_of
-from lta_flight.loop import Loop
-from lta_model.electrical.loads import Loads
-from lta_model.electrical.loads import navigating as looking
-from lta_sim.readings import Outcome
-from lta_studies.energy.flown import Course, Flown, fly, for_seconds, loop_on
+from lta_flight.closed_loop import ClosedLoop
+from lta_flight.flight_spec import build_parts, FlightSpec, load_spec
+from lta_model.electrical.loads import LoadModel
+from lta_model.electrical.loads import navigation_power as looking
+from lta_sim.readings import FlightOutcome
+from lta_studies.energy.course_flight import build_loop, Course, FlightTrack, fly_until, stop_after
 
 SCENE, LAMP_SCENE = 'hall', 'lamp_room'
 STRATEGIES = ('bag', 'des', 'dga')
@@ -31,7 +31,7 @@ MOVED = 0.01  # m above where it stood: there it has taken off
 
 @final
 @dataclass(frozen=True, slots=True)
-class Task:
+class TaskPower:
     """
     What a task takes.
 
@@ -62,82 +62,84 @@ class Task:
         return self.electronics + self.rotors
 
 
-def standing(loads: Loads) -> list[Task]:
+def list_ground_tasks(loads: LoadModel) -> list[TaskPower]:
     """Return what it takes to stand: motors off, without and with the radio."""
     return [
-        Task('idle', loads.idle, 0.0),
-        Task('transmitting', loads.idle + loads.transmitting, 0.0),
+        TaskPower('idle', loads.idle, 0.0),
+        TaskPower('transmitting', loads.idle + loads.transmitting, 0.0),
     ]
 
 
-def course(base: float) -> Course:
+def build_course(base: float) -> Course:
     """Return take-off, hover and straight flight over a height where it stands. [m]"""
 
-    def asked(time: float) -> Setpoint:
+    def setpoint_at(time: float) -> Setpoint:
         rise = RISE if time >= GO else 0.0
         return Setpoint(base + rise, 0.0, SPEED if time >= AWAY else 0.0)
 
-    return asked
+    return setpoint_at
 
 
-def flights(vehicle: str, seeds: int, tick: Callable[[], None]) -> list[Flown]:
+def fly_course(vehicle: str, seeds: int, tick: Callable[[], None]) -> list[FlightTrack]:
     """Return flights of a vehicle along the course, one a seed."""
     flown = []
     for seed in range(1, seeds + 1):
-        flown.append(fly(begun(vehicle, seed), for_seconds(END)))
+        flown.append(fly_until(prepare_flight(vehicle, seed), stop_after(END)))
         tick()
     return flown
 
 
-def begun(vehicle: str, seed: int) -> Loop:
+def prepare_flight(vehicle: str, seed: int) -> ClosedLoop:
     """Return a flight of a vehicle along the course that is about to begin."""
-    made_of = gather(vehicle, SCENE, 'bag', '')
-    base = parts_of(made_of)[0].standing_height
-    return loop_on(made_of, course(base), seed)
+    made_of = load_spec(vehicle, SCENE, 'bag', '')
+    base = build_parts(made_of)[0].height_on_floor
+    return build_loop(made_of, build_course(base), seed)
 
 
-def flying(loads: Loads, flown: Sequence[Flown]) -> list[Task]:
+def average_flight_tasks(loads: LoadModel, tracks: Sequence[FlightTrack]) -> list[TaskPower]:
     """Return take-off, stabilising and flying, told apart."""
     steady = loads.idle + loads.transmitting
     parts = {
-        'take-off': [taking_off(each) for each in flown],
-        'hovering': [each.between(SETTLED, AWAY) for each in flown],
-        f'flying at {SPEED:g} m/s': [each.between(CRUISING, END) for each in flown],
+        'take-off': [select_take_off(each) for each in tracks],
+        'hovering': [each.crop(SETTLED, AWAY) for each in tracks],
+        f'flying at {SPEED:g} m/s': [each.crop(CRUISING, END) for each in tracks],
     }
-    return [task(name, steady, part) for name, part in parts.items()]
+    return [average_task(name, steady, part) for name, part in parts.items()]
 
 
-def taking_off(flown: Flown) -> Flown:
+def select_take_off(track: FlightTrack) -> FlightTrack:
     """Return the stretch from when the rotors are told to lift until it is nearly there."""
-    there = flown.height[0] + RISE - NEAR
-    arrived = flown.time[(flown.time > GO) & (flown.height >= there)]
-    return flown.between(GO, float(arrived[0]) if len(arrived) else SETTLED)
+    there = track.height[0] + RISE - NEAR
+    arrived = track.time[(track.time > GO) & (track.height >= there)]
+    return track.crop(GO, float(arrived[0]) if len(arrived) else SETTLED)
 
 
-def task(name: str, electronics: float, flown: Sequence[Flown]) -> Task:
+def average_task(name: str, electronics: float, tracks: Sequence[FlightTrack]) -> TaskPower:
     """Return what stretches of flights took, one a seed."""
-    means = [float(each.rotors.mean()) for each in flown]
+    means = [float(each.rotors.mean()) for each in tracks]
     mean = math.fsum(means) / len(means)
-    seconds = math.fsum(float(each.time[-1] - each.time[0]) for each in flown) / len(flown)
-    return Task(name, electronics, mean, max(abs(one - mean) for one in means), seconds)
+    seconds = math.fsum(float(each.time[-1] - each.time[0]) for each in tracks) / len(tracks)
+    return TaskPower(name, electronics, mean, max(abs(one - mean) for one in means), seconds)
 
 
-def navigating(vehicle: str, strategy: str, seeds: int, tick: Callable[[], None]) -> Task:
+def measure_navigation(
+    vehicle: str, strategy: str, seeds: int, tick: Callable[[], None]
+) -> TaskPower:
     """Return what it takes to find a lamp by a strategy, from lift-off to the end."""
-    made_of: Ingredients = gather(vehicle, LAMP_SCENE, strategy, '')
+    made_of: FlightSpec = load_spec(vehicle, LAMP_SCENE, strategy, '')
     flown, electronics = [], 0.0
     for seed in range(1, seeds + 1):
-        loop = loop_on(made_of, None, seed)
+        loop = build_loop(made_of, None, seed)
         loads, energy = loop.world.vehicle.loads, loop.world.vehicle.file.energy
         electronics = loads.idle + loads.transmitting + looking(energy, strategy)
-        whole = fly(loop, over)
+        whole = fly_until(loop, is_flight_over)
         up = whole.time[whole.height > whole.height[0] + MOVED]
-        flown.append(whole.between(float(up[0]) if len(up) else 0.0, math.inf))
+        flown.append(whole.crop(float(up[0]) if len(up) else 0.0, math.inf))
         tick()
-    return task(f'navigating, {strategy.upper()}', electronics, flown)
+    return average_task(f'navigating, {strategy.upper()}', electronics, flown)
 
 
-def over(loop: Loop) -> bool:
+def is_flight_over(loop: ClosedLoop) -> bool:
     """Tell whether a flight to a lamp is over."""
-    ended = loop.world.outcome is not Outcome.FLYING
-    return ended and topic_table().settled(loop.world.stamp_ns)
+    ended = loop.world.outcome is not FlightOutcome.FLYING
+    return ended and load_topic_table().is_settled(loop.world.stamp_ns)

@@ -11,13 +11,13 @@ import math
 from typing import Any, final
 
 from lta_control.cascade import Setpoint
-from lta_flight.ingredients import gather, Ingredients, parts_of
-from lta_flight.loop import Loop
-from lta_model.electrical.battery import Battery
-from lta_model.electrical.loads import Loads
+from lta_flight.closed_loop import ClosedLoop
+from lta_flight.flight_spec import build_parts, FlightSpec, load_spec
+from lta_model.electrical.battery import BatteryModel
+from lta_model.electrical.loads import LoadModel
 from lta_studies.energy import paper
-from lta_studies.energy.flown import Flown, fly, loop_on
-from lta_studies.energy.hover.steady import discharged, Trace
+from lta_studies.energy.course_flight import build_loop, FlightTrack, fly_until
+from lta_studies.energy.hover.discharge import DischargeTrace, simulate_discharge
 import numpy as np
 
 SCENE = 'hall'
@@ -29,7 +29,7 @@ FULL = {'value': 100, 'unit': '%'}
 
 @final
 @dataclass(frozen=True, slots=True)
-class Hover:
+class HoverResult:
     """
     One drone on its cell.
 
@@ -47,30 +47,30 @@ class Hover:
     """
 
     name: str
-    trace: Trace
+    trace: DischargeTrace
     power: float
     energy: float
 
 
 @final
 @dataclass(frozen=True, slots=True)
-class Comparison:
+class HoverComparison:
     """Two drones on one kind of cell, and the paper's powers on it, by name."""
 
     seconds: float
-    first: Hover
-    second: Hover
-    paper: Mapping[str, Trace]
+    first: HoverResult
+    second: HoverResult
+    paper: Mapping[str, DischargeTrace]
 
     @property
-    def share(self) -> float:
+    def power_share(self) -> float:
         """What the first takes of the second. [1]"""
         return self.first.power / self.second.power
 
 
-def ingredients(vehicle: str, battery: Any | None = None) -> Ingredients:  # noqa: ANN401 - YAML
+def build_hover_spec(vehicle: str, battery: Any | None = None) -> FlightSpec:  # noqa: ANN401 - YAML
     """Return what a hover is made of: a full cell, of another file where one is given."""
-    made_of = gather(vehicle, SCENE, 'bag', '')
+    made_of = load_spec(vehicle, SCENE, 'bag', '')
     scene, body = made_of.contents['scenario'], made_of.contents['vehicle']
     contents = {
         **made_of.contents,
@@ -81,7 +81,9 @@ def ingredients(vehicle: str, battery: Any | None = None) -> Ingredients:  # noq
     return replace(made_of, contents=contents)
 
 
-def compare(first: str, second: str, seconds: float, tick: Callable[[float], None]) -> Comparison:
+def compare_hovering(
+    first: str, second: str, seconds: float, tick: Callable[[float], None]
+) -> HoverComparison:
     """
     Return two drones that hover on the same cell.
 
@@ -95,40 +97,40 @@ def compare(first: str, second: str, seconds: float, tick: Callable[[float], Non
         Told how much of the flights has been flown since it was told last. [s]
 
     """
-    own = ingredients(first)
+    own = build_hover_spec(first)
     battery = own.contents['vehicle']['energy']['battery']
-    cell = parts_of(own)[0].battery
-    return Comparison(
+    cell = build_parts(own)[0].battery
+    return HoverComparison(
         seconds=seconds,
-        first=hovering(own, seconds, tick),
-        second=hovering(ingredients(second, battery), seconds, tick),
-        paper=on_paper(cell, seconds),
+        first=fly_hover(own, seconds, tick),
+        second=fly_hover(build_hover_spec(second, battery), seconds, tick),
+        paper=simulate_paper_hover(cell, seconds),
     )
 
 
-def on_paper(cell: Battery, seconds: float) -> dict[str, Trace]:
+def simulate_paper_hover(cell: BatteryModel, seconds: float) -> dict[str, DischargeTrace]:
     """Return the cell under the paper's hover, and under what its third makes a standard drone."""
     return {
-        f'paper, {1e3 * power:.0f} mW': discharged(cell, 1.0, power, seconds)
+        f'paper, {1e3 * power:.0f} mW': simulate_discharge(cell, 1.0, power, seconds)
         for power in (paper.HOVER, paper.STANDARD)
     }
 
 
-def begun(made_of: Ingredients) -> Loop:
+def prepare_hover(spec: FlightSpec) -> ClosedLoop:
     """Return a drone that is about to rise and hover."""
-    base = parts_of(made_of)[0].standing_height
+    base = build_parts(spec)[0].height_on_floor
 
-    def course(time: float) -> Setpoint:
+    def setpoint_at(time: float) -> Setpoint:
         return Setpoint(base + (RISE if time >= GO else 0.0), 0.0, 0.0)
 
-    return loop_on(made_of, course, 1)
+    return build_loop(spec, setpoint_at, 1)
 
 
-def hovering(made_of: Ingredients, seconds: float, tick: Callable[[float], None]) -> Hover:
+def fly_hover(spec: FlightSpec, seconds: float, tick: Callable[[float], None]) -> HoverResult:
     """Return one drone that hovers until the time [s] is over or its supply fails."""
     told = 0.0
 
-    def over(loop: Loop) -> bool:
+    def is_over(loop: ClosedLoop) -> bool:
         nonlocal told
         elapsed = loop.world.elapsed
         if elapsed - told >= 1.0:
@@ -136,20 +138,20 @@ def hovering(made_of: Ingredients, seconds: float, tick: Callable[[float], None]
             told = elapsed
         return elapsed >= seconds - 1e-9 or (elapsed > 0.0 and not loop.world.supply.flow.fed)
 
-    loop = begun(made_of)
-    flown = fly(loop, over)
+    loop = prepare_hover(spec)
+    flown = fly_until(loop, is_over)
     tick(seconds - told)
     failed = None if loop.world.supply.flow.fed else float(flown.time[-1])
     loads = loop.world.vehicle.loads
-    return Hover(
+    return HoverResult(
         name=loop.world.vehicle.file.name,
-        trace=Trace(flown.time[1:], flown.voltage[1:], flown.charge[1:], failed),
-        power=mean_power(loads, flown),
-        energy=loop.world.supply.books.consumed,
+        trace=DischargeTrace(flown.time[1:], flown.voltage[1:], flown.charge[1:], failed),
+        power=mean_hover_power(loads, flown),
+        energy=loop.world.supply.energy_books.consumed,
     )
 
 
-def mean_power(loads: Loads, flown: Flown) -> float:
+def mean_hover_power(loads: LoadModel, track: FlightTrack) -> float:
     """Return the mean of a flight in hover, electronics and radio included. [W]"""
-    steady = flown.between(min(STEADY, float(flown.time[-1]) / 2.0), math.inf)
+    steady = track.crop(min(STEADY, float(track.time[-1]) / 2.0), math.inf)
     return loads.idle + loads.transmitting + float(np.mean(steady.rotors))

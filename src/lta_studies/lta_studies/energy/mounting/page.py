@@ -6,20 +6,20 @@ import math
 from pathlib import Path
 from typing import Final
 
-from lta_bridge.provenance import commit
+from lta_bridge.provenance import read_commit
 from lta_report.curves import Array
-from lta_report.drawing import blank, extent, Label, label_ends, line
+from lta_report.drawing import build_line, create_figure, EndLabel, label_ends, padded_range
 from lta_report.formatting import Tile
-from lta_report.frame import framed, written
+from lta_report.page_frame import assemble_page, write_file
+from lta_report.page_parts import render_section, render_tile
 from lta_report.palette import ESTIMATE, GOOD, LAMP, SETPOINT, TRUTH, WALL
-from lta_report.pieces import section, tile_html
 from lta_studies.energy.mounting import verdict
-from lta_studies.energy.mounting.lit import LIGHTS
-from lta_studies.energy.mounting.rows import tables
-from lta_studies.energy.mounting.run import Study, Tried
-from lta_studies.energy.mounting.straight import AWAY, END, HELD, LIFT_OFF
-from lta_studies.energy.tables import table_html
-from lta_vehicle.figures.weighing import DEGREES
+from lta_studies.energy.mounting.panel_light import LIGHTS
+from lta_studies.energy.mounting.run import MountingStudy, MountTrial
+from lta_studies.energy.mounting.straight_flight import AWAY, END, HELD, LIFT_OFF
+from lta_studies.energy.mounting.tables import build_tables
+from lta_studies.energy.tables import render_text_table
+from lta_vehicle.figures.mass_budget import DEGREES
 import numpy as np
 from plotly.graph_objects import Bar, Figure
 
@@ -53,39 +53,43 @@ METHOD: Final = (
 )
 
 
-def write_page(study: Study, commands: Mapping[str, str], out: Path) -> Path:
+def write_page(study: MountingStudy, commands: Mapping[str, str], out: Path) -> Path:
     """Write the page and return where it is; `BadInput` where it cannot be written."""
-    return written(page(study, commands), out)
+    return write_file(render_page(study, commands), out)
 
 
-def page(study: Study, commands: Mapping[str, str]) -> str:
+def render_page(study: MountingStudy, commands: Mapping[str, str]) -> str:
     """Return the whole page."""
     first, *pictures = (
-        section('straight', 'Straight on at 0.1 m/s', STRAIGHT, straight_picture(study)),
-        section('light', 'Light on the panels', SHINE, light_picture(study)),
-        section('swing', 'Let go', SWUNG, swing_picture(study)),
-        section('over', 'Centre of gravity below, at and above', OVER, over_picture(study)),
+        render_section(
+            'straight', 'Straight on at 0.1 m/s', STRAIGHT, draw_straight_flights(study)
+        ),
+        render_section('light', 'Light on the panels', SHINE, draw_light_shares(study)),
+        render_section('swing', 'Let go', SWUNG, draw_swings(study)),
+        render_section(
+            'over', 'Centre of gravity below, at and above', OVER, draw_overturning(study)
+        ),
     )
-    notes = [*verdict.sentences(study), *METHOD]
-    return framed(
+    notes = [*verdict.format_findings(study), *METHOD]
+    return assemble_page(
         'energy.html',
-        title=escape(verdict.title(study)),
+        title=escape(verdict.format_title(study)),
         kicker=escape(f'energy mounting · {study.vehicle}'),
         about=ABOUT,
-        tiles='\n'.join(tile_html(*each) for each in tiles(study)),
+        tiles='\n'.join(render_tile(*each) for each in build_tiles(study)),
         first=first,
         pictures=''.join(pictures),
-        tables=''.join(table_html(each) for each in tables(study)),
+        tables=''.join(render_text_table(each) for each in build_tables(study)),
         method=''.join(f'<p class="note">{escape(each)}</p>' for each in notes),
-        facts={'vehicle': study.vehicle, 'commit': commit()},
+        facts={'vehicle': study.vehicle, 'commit': read_commit()},
         commands=commands,
     )
 
 
-def tiles(study: Study) -> list[Tile]:
+def build_tiles(study: MountingStudy) -> list[Tile]:
     """Return pitch and light of each mount."""
     made = []
-    swing, light = verdict.rms(study), verdict.gained(study)
+    swing, light = verdict.pitch_rms(study), verdict.mean_light_share(study)
     for name in study.shared:
         short = 1e3 * study.lacking[name]
         carried = f'{short:.1f} g too heavy' if short > 0.0 else f'{-short:.1f} g to spare'
@@ -94,18 +98,20 @@ def tiles(study: Study) -> list[Tile]:
     return made
 
 
-def straight_picture(study: Study) -> Figure:
+def draw_straight_flights(study: MountingStudy) -> Figure:
     """Return pitch over time, the mounts in place and out of place."""
-    figure = blank(2, (0.5, 0.5))
+    figure = create_figure(2, (0.5, 0.5))
     for row, group in enumerate((study.shared, study.misplaced), start=1):
         ends, labels = [], []
         for colour, (name, each) in zip(COLOURS, group.items(), strict=False):
-            flown = each.flights[0].flown.between(LIFT_OFF - 4.0, END)
+            flown = each.flights[0].flown.crop(LIFT_OFF - 4.0, END)
             degrees = DEGREES * flown.pitch
-            figure.add_trace(line(name, flown.time, degrees, colour, unit='°', width=1.2), row, 1)
-            labels.append(Label(name, float(degrees[-1000:].mean()), colour))
+            figure.add_trace(
+                build_line(name, flown.time, degrees, colour, unit='°', width=1.2), row, 1
+            )
+            labels.append(EndLabel(name, float(degrees[-1000:].mean()), colour))
             ends.append(degrees)
-        label_ends(figure, labels, extent(*ends), row)
+        label_ends(figure, labels, padded_range(*ends), row)
         figure.update_yaxes(title_text='pitch [°]', row=row)
         for time in (HELD, LIFT_OFF, AWAY):
             figure.add_vline(
@@ -114,48 +120,55 @@ def straight_picture(study: Study) -> Figure:
     return figure.update_xaxes(title_text='time [s]', row=2)
 
 
-def swing_picture(study: Study) -> Figure:
+def draw_swings(study: MountingStudy) -> Figure:
     """Return the free swing of each mount and its envelope by hand."""
-    figure = blank()
+    figure = create_figure()
     labels = []
     for colour, (name, each) in zip(COLOURS, study.shared.items(), strict=False):
         time, tilt = each.release.time, DEGREES * each.release.tilt
-        figure.add_trace(line(name, time, tilt, colour, unit='°', width=1.3))
+        figure.add_trace(build_line(name, time, tilt, colour, unit='°', width=1.3))
         figure.add_trace(
-            line(f'{name}, by hand', time, envelope(each, time), colour, unit='°', dash='4px,3px')
+            build_line(
+                f'{name}, by hand',
+                time,
+                swing_envelope(each, time),
+                colour,
+                unit='°',
+                dash='4px,3px',
+            )
         )
-        labels.append(Label(name, float(tilt[-1]), colour))
+        labels.append(EndLabel(name, float(tilt[-1]), colour))
     label_ends(figure, labels, (-6.0, 6.0))
     figure.update_xaxes(title_text='time [s]')
     return figure.update_yaxes(title_text='pitch [°]')
 
 
-def envelope(each: Tried, time: Array) -> Array:
+def swing_envelope(each: MountTrial, time: Array) -> Array:
     """Return how large the swing is by hand. [°]"""
-    ratio, period = each.swing.ratio or 0.0, each.swing.period or math.inf
+    ratio, period = each.swing.damping_ratio or 0.0, each.swing.period or math.inf
     first = DEGREES * float(each.release.tilt[0])
     return first * np.exp(-ratio * 2.0 * math.pi / period * time)
 
 
-def over_picture(study: Study) -> Figure:
+def draw_overturning(study: MountingStudy) -> Figure:
     """Return what becomes of a tilt with the centre of gravity below, at and above."""
-    figure = blank()
+    figure = create_figure()
     labels = []
     for colour, each in zip((TRUTH, GOOD, ESTIMATE), study.overturning, strict=True):
         where = 'coincident' if each.height == 0.0 else 'above' if each.height > 0.0 else 'below'
         name = f'{where} ({100 * each.height:+.1f} cm)' if each.height else where
         tilt = DEGREES * each.release.tilt
-        figure.add_trace(line(name, each.release.time, tilt, colour, unit='°', width=1.4))
-        labels.append(Label(where, float(tilt[-1]), colour))
+        figure.add_trace(build_line(name, each.release.time, tilt, colour, unit='°', width=1.4))
+        labels.append(EndLabel(where, float(tilt[-1]), colour))
     lines = [DEGREES * each.release.tilt for each in study.overturning]
-    label_ends(figure, labels, extent(*lines))
+    label_ends(figure, labels, padded_range(*lines))
     figure.update_xaxes(title_text='time [s]')
     return figure.update_yaxes(title_text='tilt [°]')
 
 
-def light_picture(study: Study) -> Figure:
+def draw_light_shares(study: MountingStudy) -> Figure:
     """Return the shares of light as bars: in series full, each by itself behind it."""
-    figure = blank()
+    figure = create_figure()
     names = [light.name for light in LIGHTS]
     for colour, (mount, found) in zip(COLOURS, study.light.items(), strict=False):
         for key, opacity in (('apart', 0.35), ('series', 1.0)):

@@ -5,11 +5,21 @@ from dataclasses import dataclass
 import math
 from typing import Any, final
 
-from lta_studies.energy.mounting.fitted import carrying, fit, Fitted, lacking
-from lta_studies.energy.mounting.lit import Light, LIGHTS, Lit, lit
-from lta_studies.energy.mounting.released import growth, Release, released
-from lta_studies.energy.mounting.straight import Straight, straight
-from lta_vehicle.figures.swing import Swing, swing
+from lta_studies.energy.mounting.mounted_vehicle import (
+    build_mounted_vehicle,
+    lacking_lift,
+    MountedVehicle,
+    required_fullness,
+)
+from lta_studies.energy.mounting.panel_light import (
+    compute_light_shares,
+    LightDirection,
+    LIGHTS,
+    PanelLightShares,
+)
+from lta_studies.energy.mounting.release import Release, simulate_release, tilt_growth_rate
+from lta_studies.energy.mounting.straight_flight import fly_straight, StraightFlight
+from lta_vehicle.figures.pendulum import compute_pendulum_mode, PendulumMode
 
 TILT = math.radians(5.0)  # at which it is let go
 LOOK = 20.0  # s, how long a released vehicle is watched
@@ -18,7 +28,7 @@ PAPER_SWING = math.radians(2.5)  # the seed paper's pitch oscillation of the sid
 
 @final
 @dataclass(frozen=True, slots=True)
-class Tried:
+class MountTrial:
     """
     A mount in a hull, with its flights.
 
@@ -35,10 +45,10 @@ class Tried:
 
     """
 
-    fitted: Fitted
-    swing: Swing
+    fitted: MountedVehicle
+    swing: PendulumMode
     release: Release
-    flights: Sequence[Straight]
+    flights: Sequence[StraightFlight]
 
     @property
     def misplacement(self) -> float:
@@ -60,7 +70,7 @@ class Overturning:
 
 @final
 @dataclass(frozen=True, slots=True)
-class Study:
+class MountingStudy:
     """
     All of it.
 
@@ -88,16 +98,16 @@ class Study:
     ahead: float
     fuller: float
     lacking: Mapping[str, float]
-    own: Mapping[str, Tried]
-    shared: Mapping[str, Tried]
-    misplaced: Mapping[str, Tried]
+    own: Mapping[str, MountTrial]
+    shared: Mapping[str, MountTrial]
+    misplaced: Mapping[str, MountTrial]
     overturning: Sequence[Overturning]
-    light: Mapping[str, Mapping[str, Lit]]
+    light: Mapping[str, Mapping[str, PanelLightShares]]
 
 
 @final
 @dataclass(frozen=True, slots=True)
-class Order:
+class MountingRequest:
     """What to compare: a vehicle file's content, mounts, a misplacement [m], and seeds."""
 
     content: Mapping[str, Any]
@@ -105,67 +115,78 @@ class Order:
     ahead: float
     seeds: int
 
-    def fits(self) -> dict[str, list[Fitted]]:
+    def build_vehicles(self) -> dict[str, list[MountedVehicle]]:
         """Return all that will fly, by group; `BadInput` where something cannot be."""
-        fuller = carrying(self.content, self.mounts)
-        able = [name for name in self.mounts if lacking(self.content, name) <= 1e-9]
+        fuller = required_fullness(self.content, self.mounts)
+        able = [name for name in self.mounts if lacking_lift(self.content, name) <= 1e-9]
         return {
-            'own': [fit(self.content, name) for name in able],
-            'shared': [fit(self.content, name, fuller=fuller) for name in self.mounts],
-            'misplaced': [fit(self.content, name, self.ahead, fuller) for name in self.mounts],
+            'own': [build_mounted_vehicle(self.content, name) for name in able],
+            'shared': [
+                build_mounted_vehicle(self.content, name, fuller=fuller) for name in self.mounts
+            ],
+            'misplaced': [
+                build_mounted_vehicle(self.content, name, self.ahead, fuller)
+                for name in self.mounts
+            ],
         }
 
 
-def tried(fitted: Fitted, seeds: int, tick: Callable[[], None]) -> Tried:
+def run_trial(mounted: MountedVehicle, seeds: int, tick: Callable[[], None]) -> MountTrial:
     """Return what a mount came to, by hand, let go, and flown."""
     flights = []
     for seed in range(1, seeds + 1):
-        flights.append(straight(fitted, gains_of(fitted), seed))
+        flights.append(fly_straight(mounted, find_gains_name(mounted), seed))
         tick()
-    body = fitted.vehicle
-    return Tried(fitted, swing(body, 'pitch'), released(body, TILT, LOOK), flights)
+    body = mounted.vehicle
+    return MountTrial(
+        mounted, compute_pendulum_mode(body, 'pitch'), simulate_release(body, TILT, LOOK), flights
+    )
 
 
-def gains_of(fitted: Fitted) -> str:
+def find_gains_name(mounted: MountedVehicle) -> str:
     """Return the name of the vehicle's own gains; '' where it names none."""
-    return str(fitted.content.get('control', {}).get('gains', ''))
+    return str(mounted.content.get('control', {}).get('gains', ''))
 
 
-def overturning(fitted: Fitted) -> list[Overturning]:
+def simulate_overturning(mounted: MountedVehicle) -> list[Overturning]:
     """Return releases with the centre of gravity below, at and above the hull's centre."""
-    depth = -float(fitted.vehicle.cg[2])
-    inertia = swing(fitted.vehicle, 'pitch').inertia
-    rate = growth(fitted.vehicle, depth, inertia)
+    depth = -float(mounted.vehicle.cg[2])
+    inertia = compute_pendulum_mode(mounted.vehicle, 'pitch').inertia
+    rate = tilt_growth_rate(mounted.vehicle, depth, inertia)
     return [
-        Overturning(height, released(fitted.vehicle, TILT, LOOK, height), fast)
+        Overturning(height, simulate_release(mounted.vehicle, TILT, LOOK, height), fast)
         for height, fast in ((-depth, None), (0.0, None), (depth, rate))
     ]
 
 
-def light_on(fitted: Fitted, lights: Sequence[Light] = LIGHTS) -> dict[str, Lit]:
+def compute_panel_light(
+    mounted: MountedVehicle, lights: Sequence[LightDirection] = LIGHTS
+) -> dict[str, PanelLightShares]:
     """Return what falls on the panels of a mount, by name of the light."""
-    return {light.name: lit(fitted.vehicle, fitted.mount, light) for light in lights}
+    return {
+        light.name: compute_light_shares(mounted.vehicle, mounted.mount, light) for light in lights
+    }
 
 
-def study(order: Order, tick: Callable[[], None]) -> Study:
+def compare_mounts(request: MountingRequest, tick: Callable[[], None]) -> MountingStudy:
     """Return the comparison; `tick` is called after each flight."""
-    fits = order.fits()
+    fits = request.build_vehicles()
     own, shared, misplaced = (
-        {each.mount.name: tried(each, order.seeds, tick) for each in fits[group]}
+        {each.mount.name: run_trial(each, request.seeds, tick) for each in fits[group]}
         for group in ('own', 'shared', 'misplaced')
     )
     first = (own or shared).values()
-    return Study(
-        vehicle=str(order.content['name']),
-        ahead=order.ahead,
-        fuller=carrying(order.content, order.mounts),
+    return MountingStudy(
+        vehicle=str(request.content['name']),
+        ahead=request.ahead,
+        fuller=required_fullness(request.content, request.mounts),
         lacking={
-            name: lacking(order.content, given)
-            for name, given in zip(shared, order.mounts, strict=True)
+            name: lacking_lift(request.content, given)
+            for name, given in zip(shared, request.mounts, strict=True)
         },
         own=own,
         shared=shared,
         misplaced=misplaced,
-        overturning=overturning(list(first)[-1].fitted),
-        light={name: light_on(each.fitted) for name, each in shared.items()},
+        overturning=simulate_overturning(list(first)[-1].fitted),
+        light={name: compute_panel_light(each.fitted) for name, each in shared.items()},
     )

@@ -4,19 +4,19 @@ from dataclasses import dataclass
 import math
 from typing import final
 
-from lta_config.compilation.compiled import compiled
-from lta_config.topics import topic_table
-from lta_control.cascade import wrap
-from lta_flight.ingredients import Ingredients, parts_of
-from lta_model.light.setting import set_for
+from lta_config.compilation.compiler import compile_functions
+from lta_config.topics import load_topic_table
+from lta_control.cascade import wrap_angle
+from lta_flight.flight_spec import build_parts, FlightSpec
+from lta_model.light.gain_selection import select_diode_gain
 from lta_model.light.view import LightView
 from lta_model.sensors.photodiode import PhotodiodeArray
 from lta_studies.light.bearing.poses import Pose
-from lta_vlc.array import bearing
-from lta_vlc.demodulation import demodulate, plan_bins
-from lta_vlc.diodes import diodes_of
+from lta_vlc.bearing import estimate_bearing
+from lta_vlc.demodulation import demodulate_beacon, plan_bins
+from lta_vlc.diodes import build_diode_array
 from lta_vlc.direction import DirectionFinder
-from lta_vlc.fit import fit
+from lta_vlc.direction_fit import fit_direction
 import numpy as np
 from numpy.random import Generator
 from scipy.spatial.transform import Rotation
@@ -24,7 +24,7 @@ from scipy.spatial.transform import Rotation
 
 @final
 @dataclass(frozen=True, slots=True)
-class Reading:
+class BearingReading:
     """
     One light block, by both estimators; NaN where one gives nothing.
 
@@ -52,7 +52,7 @@ class Reading:
 
 
 @final
-class Bench:
+class BearingBench:
     """
     A vehicle in a scene.
 
@@ -63,23 +63,23 @@ class Bench:
 
     """
 
-    def __init__(self, made_of: Ingredients) -> None:
-        self._vehicle, self.scenario, self._policy = parts_of(made_of)
-        table = topic_table()
+    def __init__(self, spec: FlightSpec) -> None:
+        self._vehicle, self.scenario, self._policy = build_parts(spec)
+        table = load_topic_table()
         self._rate, self._samples = table.light.sample_rate.si, table.light.samples
         self._bins = plan_bins(self._policy.demodulation, self._rate, self._samples)
-        believed = diodes_of(self._vehicle.file.sensors.diodes)
+        believed = build_diode_array(self._vehicle.file.sensors.diodes)
         self._ring = believed.ring
-        self._finder = DirectionFinder(believed, compiled(fit)[0], np.array)
-        self._diodes = set_for(self.scenario.light_field, self._vehicle)
+        self._finder = DirectionFinder(believed, compile_functions(fit_direction)[0], np.array)
+        self._diodes = select_diode_gain(self.scenario.light_field, self._vehicle)
         self._middle = self._vehicle.diodes.planes[:, :3].mean(axis=0)
         self._lamp = np.array(self.scenario.goal_lamp.position.vector)
 
-    def drawn(self, chance: Generator) -> PhotodiodeArray:
+    def draw_diodes(self, chance: Generator) -> PhotodiodeArray:
         """Return the diodes of one such vehicle, their gains by chance."""
-        return self._diodes.drawn(chance)
+        return self._diodes.draw_gains(chance)
 
-    def read(self, pose: Pose, diodes: PhotodiodeArray, chance: Generator) -> Reading:
+    def read_block(self, pose: Pose, diodes: PhotodiodeArray, chance: Generator) -> BearingReading:
         """
         Return what one light block says.
 
@@ -94,25 +94,25 @@ class Bench:
 
         """
         view = LightView(self.scenario.light_field, self._vehicle, diodes)
-        view.pass_by(pose)
+        view.record_pose(pose)
         start = int(chance.integers(1_000_000_000))
-        block = view.block(start, self._rate, self._samples, chance)
-        peaks = demodulate(block, self._bins)
+        block = view.read_block(start, self._rate, self._samples, chance)
+        peaks = demodulate_beacon(block, self._bins)
         threshold, prior = self._policy.demodulation.threshold, self._policy.prior
-        azimuth, elevation = self.truth(pose)
-        paper = bearing(peaks, self._ring, threshold)
+        azimuth, elevation = self.true_direction(pose)
+        paper = estimate_bearing(peaks, self._ring, threshold)
         ours = self._finder.find(peaks, threshold, prior)
         nan = math.nan
-        return Reading(
+        return BearingReading(
             float(peaks.snr.max()),
-            nan if paper is None else wrap(paper.angle - azimuth),
-            nan if ours is None else wrap(ours.azimuth - azimuth),
+            nan if paper is None else wrap_angle(paper.angle - azimuth),
+            nan if ours is None else wrap_angle(ours.azimuth - azimuth),
             nan if ours is None else math.sqrt(ours.azimuth_variance),
             nan if ours is None else ours.elevation - elevation,
             nan if ours is None else math.sqrt(ours.elevation_variance),
         )
 
-    def truth(self, pose: Pose) -> tuple[float, float]:
+    def true_direction(self, pose: Pose) -> tuple[float, float]:
         """Return azimuth and elevation of the lamp from the middle of the diodes. [rad, body]"""
         turn = Rotation.from_quat(pose[3:])
         x, y, z = turn.inv().apply(self._lamp - np.array(pose[:3])) - self._middle

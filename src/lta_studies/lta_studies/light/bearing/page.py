@@ -6,16 +6,16 @@ import math
 from pathlib import Path
 from typing import Final
 
-from lta_bridge.provenance import commit
-from lta_config.typed import typed
-from lta_report.drawing import blank
+from lta_bridge.provenance import read_commit
+from lta_config.command_line import format_lta_command
+from lta_report.drawing import create_figure
 from lta_report.formatting import Tile
-from lta_report.frame import framed, written
+from lta_report.page_frame import assemble_page, write_file
+from lta_report.page_parts import render_section, render_tile
 from lta_report.palette import ESTIMATE, SOFT, TIME, TRUTH, WALL
-from lta_report.pieces import section, tile_html
 from lta_studies.light.bearing.places import PLACES
-from lta_studies.light.bearing.run import Asked, Judged
-from lta_studies.light.bearing.score import column, within
+from lta_studies.light.bearing.run import BearingTrialRequest, BearingTrialResult
+from lta_studies.light.bearing.score import extract_column, interval_coverage
 import numpy as np
 from plotly.graph_objects import Figure, Scatter
 from scipy.special import ndtri
@@ -45,107 +45,116 @@ HEAD: Final = (
 )  # fmt: skip
 
 
-def write_page(found: Sequence[Judged], asked: Asked, out: Path) -> Path:
+def write_page(
+    results: Sequence[BearingTrialResult], request: BearingTrialRequest, out: Path
+) -> Path:
     """Write the page and return where it is; `BadInput` where it cannot be written."""
-    return written(page(found, asked), out)
+    return write_file(render_page(results, request), out)
 
 
-def page(found: Sequence[Judged], asked: Asked) -> str:
+def render_page(results: Sequence[BearingTrialResult], request: BearingTrialRequest) -> str:
     """Return the whole page."""
-    places = ' · '.join(f'{name}: {PLACES[name].about}' for name in asked.places)
-    return framed(
+    places = ' · '.join(f'{name}: {PLACES[name].about}' for name in request.places)
+    return assemble_page(
         'bearing.html',
-        title=escape(title(found)),
+        title=escape(format_title(results)),
         kicker='light · bearing',
-        about=escape(f'{places}. {asked.poses} random poses of each kind.'),
-        tiles='\n'.join(tile_html(*each) for each in tiles(found)),
-        table=table_html(rows(found)),
+        about=escape(f'{places}. {request.poses} random poses of each kind.'),
+        tiles='\n'.join(render_tile(*each) for each in build_tiles(results)),
+        table=render_table(build_rows(results)),
         notes=f'<p class="note">{escape(METHOD)}</p>',
-        picture=section('errors', 'Error of the bearing', CAPTION, errors(found)),
-        honest=section('honest', 'Is the interval honest?', HONEST, honesty(found)),
+        picture=render_section('errors', 'Error of the bearing', CAPTION, plot_errors(results)),
+        honest=render_section(
+            'honest', 'Is the interval honest?', HONEST, plot_calibration(results)
+        ),
         facts={
-            'vehicle': asked.vehicle,
-            'seed': str(asked.seed),
-            'readings': str(asked.total),
-            'commit': commit(),
+            'vehicle': request.vehicle,
+            'seed': str(request.seed),
+            'readings': str(request.pose_count),
+            'commit': read_commit(),
         },
-        commands={'Find it again': typed(*words(asked))},
+        commands={'Find it again': format_lta_command(*format_command(request))},
     )
 
 
-def words(asked: Asked) -> list[str]:
+def format_command(request: BearingTrialRequest) -> list[str]:
     """Return the command line that finds it again."""
-    told = ['light', 'bearing', '--vehicle', asked.vehicle]
-    for place in asked.places:
+    told = ['light', 'bearing', '--vehicle', request.vehicle]
+    for place in request.places:
         told += ['--place', place]
-    for count in asked.counts:
+    for count in request.counts:
         told += ['--diodes', str(count)]
-    for distance in asked.ranges:
-        told += ['--range', far(distance)]
-    return [*told, '--poses', str(asked.poses), '--seed', str(asked.seed)]
+    for distance in request.ranges:
+        told += ['--range', format_range(distance)]
+    return [*told, '--poses', str(request.poses), '--seed', str(request.seed)]
 
 
-def far(distance: float | None) -> str:
+def format_range(distance: float | None) -> str:
     """Return a range as it is typed. [m]"""
     return 'any' if distance is None else f'{distance:g}'
 
 
-def degrees(angle: float, digits: int = 2) -> str:
+def format_degrees(angle: float, digits: int = 2) -> str:
     """Return an angle in degrees; a dash where there is none."""
     return f'{math.degrees(angle):.{digits}f}' if math.isfinite(angle) else MISSING
 
 
-def percent(part: float) -> str:
+def format_percent(part: float) -> str:
     """Return a part in percent; a dash where there is none."""
     return f'{100.0 * part:.1f}' if math.isfinite(part) else MISSING
 
 
-def rows(found: Sequence[Judged]) -> list[tuple[str, ...]]:
+def build_rows(results: Sequence[BearingTrialResult]) -> list[tuple[str, ...]]:
     """Return the table as text, its first row the head."""
     told: list[tuple[str, ...]] = [HEAD]
-    for each in found:
+    for each in results:
         s = each.score
         told.append((
-            each.place, str(each.count), far(each.range), f'{s.snr:.0f}',
-            degrees(s.paper), degrees(s.paper_most, 1), degrees(s.ours), degrees(s.ours_most, 1),
-            degrees(s.deviation), percent(s.holds), degrees(s.elevation, 1),
-            percent(s.elevation_holds), f'{percent(s.paper_lost)}, {percent(s.ours_lost)}',
+            each.place, str(each.count), format_range(each.range), f'{s.snr:.0f}',
+            format_degrees(s.paper), format_degrees(s.paper_most, 1),
+            format_degrees(s.ours), format_degrees(s.ours_most, 1),
+            format_degrees(s.deviation), format_percent(s.holds), format_degrees(s.elevation, 1),
+            format_percent(s.elevation_holds), f'{format_percent(s.paper_lost)}, '
+            f'{format_percent(s.ours_lost)}',
         ))  # fmt: skip
     return told
 
 
-def title(found: Sequence[Judged]) -> str:
+def format_title(results: Sequence[BearingTrialResult]) -> str:
     """Return what came out, in a sentence."""
-    best = min(found, key=lambda each: (each.count != 8, each.range != 3.0))
+    best = min(results, key=lambda each: (each.count != 8, each.range != 3.0))
     where = 'anywhere' if best.range is None else f'at {best.range:g} m'
     return (
         f'{best.place.capitalize()}, {best.count} diodes, {where}: the fit errs by '
-        f"{degrees(best.score.ours)}°, the paper's weighted mean by "
-        f'{degrees(best.score.paper)}° (medians).'
+        f"{format_degrees(best.score.ours)}°, the paper's weighted mean by "
+        f'{format_degrees(best.score.paper)}° (medians).'
     )
 
 
-def tiles(found: Sequence[Judged]) -> list[Tile]:
+def build_tiles(results: Sequence[BearingTrialResult]) -> list[Tile]:
     """Return the fit's median of each kind, up to eight."""
     return [
         Tile(
-            f'{each.place}, {each.count}, {far(each.range)} m'.replace('any m', 'anywhere'),
-            degrees(each.score.ours),
+            f'{each.place}, {each.count}, {format_range(each.range)} m'.replace(
+                'any m', 'anywhere'
+            ),
+            format_degrees(each.score.ours),
             '°',
-            f'paper {degrees(each.score.paper)}°; interval holds {percent(each.score.holds)} %',
+            f'paper {format_degrees(each.score.paper)}°; interval holds '
+            f'{format_percent(each.score.holds)} %',
         )
-        for each in found[:8]
+        for each in results[:8]
     ]
 
 
-def table_html(told: Sequence[Sequence[str]]) -> str:
+def render_table(rows: Sequence[Sequence[str]]) -> str:
     """Return a table whose first row is its head."""
-    head = ''.join(f'<th scope="col">{escape(cell)}</th>' for cell in told[0])
+    head = ''.join(f'<th scope="col">{escape(cell)}</th>' for cell in rows[0])
     lines = ''.join(
         f'<tr><th scope="row">{escape(row[0])}</th>'
         + ''.join(f'<td>{escape(cell)}</td>' for cell in row[1:])
         + '</tr>'
-        for row in told[1:]
+        for row in rows[1:]
     )
     return (
         '<table class="limits"><caption class="hidden">Errors of the bearing</caption>'
@@ -153,19 +162,21 @@ def table_html(told: Sequence[Sequence[str]]) -> str:
     )
 
 
-def errors(found: Sequence[Judged]) -> Figure:
+def plot_errors(results: Sequence[BearingTrialResult]) -> Figure:
     """Return median and 95 % of both estimators, kind by kind."""
-    figure = blank()
-    names = [f'{each.place}<br>{each.count} diodes<br>{far(each.range)}' for each in found]
+    figure = create_figure()
+    names = [
+        f'{each.place}<br>{each.count} diodes<br>{format_range(each.range)}' for each in results
+    ]
     pairs = (
-        ('paper', ESTIMATE, -0.12, [(e.score.paper, e.score.paper_most) for e in found]),
-        ('fit', TRUTH, 0.12, [(e.score.ours, e.score.ours_most) for e in found]),
+        ('paper', ESTIMATE, -0.12, [(e.score.paper, e.score.paper_most) for e in results]),
+        ('fit', TRUTH, 0.12, [(e.score.ours, e.score.ours_most) for e in results]),
     )
     for name, colour, aside, told in pairs:
         middle, most = np.degrees(np.array(told)).T
         figure.add_trace(
             Scatter(
-                x=np.arange(len(found)) + aside, y=middle, mode='markers', name=name,
+                x=np.arange(len(results)) + aside, y=middle, mode='markers', name=name,
                 marker={'color': colour, 'size': 9},
                 error_y={
                     'type': 'data', 'array': most - middle, 'arrayminus': 0.0 * middle,
@@ -174,7 +185,7 @@ def errors(found: Sequence[Judged]) -> Figure:
                 hovertemplate='%{y:.2f}°',
             )
         )  # fmt: skip
-    figure.update_xaxes(tickvals=list(range(len(found))), ticktext=names, tickfont={'size': 10})
+    figure.update_xaxes(tickvals=list(range(len(results))), ticktext=names, tickfont={'size': 10})
     figure.update_yaxes(
         title_text='error of the bearing [°]', type='log', tickvals=TICKS,
         ticktext=[f'{each:g}' for each in TICKS],
@@ -182,9 +193,9 @@ def errors(found: Sequence[Judged]) -> Figure:
     return figure.update_layout(margin={'b': 70})
 
 
-def honesty(found: Sequence[Judged]) -> Figure:
+def plot_calibration(results: Sequence[BearingTrialResult]) -> Figure:
     """Return the part of the truths inside intervals of every width, against the part stated."""
-    figure = blank()
+    figure = create_figure()
     stated = np.linspace(0.02, 0.99, 60)
     widths = ndtri(0.5 + 0.5 * stated)
     figure.add_trace(
@@ -193,13 +204,16 @@ def honesty(found: Sequence[Judged]) -> Figure:
             line={'color': WALL, 'width': 1, 'dash': '4px,4px'},
         )
     )  # fmt: skip
-    for k, each in enumerate(found):
-        own, deviation = column(each.readings, 'ours'), column(each.readings, 'deviation')
+    for k, each in enumerate(results):
+        own, deviation = (
+            extract_column(each.readings, 'ours'),
+            extract_column(each.readings, 'deviation'),
+        )
         figure.add_trace(
             Scatter(
                 x=100.0 * stated,
-                y=[100.0 * within(own, deviation, float(width)) for width in widths],
-                mode='lines', name=f'{each.place}, {each.count}, {far(each.range)}',
+                y=[100.0 * interval_coverage(own, deviation, float(width)) for width in widths],
+                mode='lines', name=f'{each.place}, {each.count}, {format_range(each.range)}',
                 line={'color': TIME[k % len(TIME)], 'width': 1.4}, hovertemplate='%{y:.0f} %',
             )
         )  # fmt: skip

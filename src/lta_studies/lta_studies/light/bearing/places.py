@@ -3,14 +3,14 @@
 from dataclasses import dataclass
 from typing import Final, final
 
-from lta_flight.ingredients import gather, Ingredients
+from lta_flight.flight_spec import FlightSpec, load_spec
 
 DIODES: Final = 'vehicle.sensors.diodes'
 
 
 @final
 @dataclass(frozen=True, slots=True)
-class Place:
+class BearingPlace:
     """
     A scene by the name of what it stands for.
 
@@ -30,12 +30,14 @@ class Place:
     about: str
 
 
-PLACES: Final[dict[str, Place]] = {
-    'indoor': Place('indoor', 'lamp_room', 'the shared room, whose surfaces reflect'),
-    'outdoor': Place('outdoor', 'sunny_field', 'a field in full daylight, 80 klux on the ground'),
+PLACES: Final[dict[str, BearingPlace]] = {
+    'indoor': BearingPlace('indoor', 'lamp_room', 'the shared room, whose surfaces reflect'),
+    'outdoor': BearingPlace(
+        'outdoor', 'sunny_field', 'a field in full daylight, 80 klux on the ground'
+    ),
 }
 
 
-def made_of(place: Place, vehicle: str, count: int) -> Ingredients:
+def build_flight_spec(place: BearingPlace, vehicle: str, count: int) -> FlightSpec:
     """Return vehicle and scene of a place with a number of diodes in an even ring."""
-    return gather(vehicle, place.scenario, 'bag', '').with_values({f'{DIODES}.count': count})
+    return load_spec(vehicle, place.scenario, 'bag', '').with_values({f'{DIODES}.count': count})

@@ -42,7 +42,7 @@ def draw_pose(scenario: Scenario, distance: float | None, chance: Generator) -> 
     height = chance.uniform(*HEIGHTS)
     for _ in range(TRIES):
         x, y = draw_place(scenario, distance, chance)
-        if is_before_the_lamp(scenario, x, y):
+        if is_before_lamp(scenario, x, y):
             pitch, roll = TILT * chance.standard_normal(2)
             turn = Rotation.from_euler('ZYX', [chance.uniform(-math.pi, math.pi), pitch, roll])
             return (x, y, height, *turn.as_quat().tolist())
@@ -67,7 +67,7 @@ def draw_place(
     return lamp_x + distance * math.cos(angle), lamp_y + distance * math.sin(angle)
 
 
-def is_before_the_lamp(scenario: Scenario, x: float, y: float) -> bool:
+def is_before_lamp(scenario: Scenario, x: float, y: float) -> bool:
     """Tell whether a place [m] is in the room, not too near the lamp and within its beam."""
     lamp_x, lamp_y, _ = scenario.goal_lamp.position.vector
     ahead = np.array(scenario.goal_lamp.facing.vector[:2])

@@ -4,16 +4,16 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, final
 
-from lta_studies.light.bearing.bench import Bench, Reading
-from lta_studies.light.bearing.places import made_of, PLACES
+from lta_studies.light.bearing.bench import BearingBench, BearingReading
+from lta_studies.light.bearing.places import build_flight_spec, PLACES
 from lta_studies.light.bearing.poses import draw_pose
-from lta_studies.light.bearing.score import Score, score
+from lta_studies.light.bearing.score import BearingScore, score_readings
 import numpy as np
 
 
 @final
 @dataclass(frozen=True, slots=True)
-class Asked:
+class BearingTrialRequest:
     """
     What is judged.
 
@@ -42,21 +42,21 @@ class Asked:
     seed: int
 
     @property
-    def total(self) -> int:
+    def pose_count(self) -> int:
         """How many poses there are."""
         return len(self.places) * len(self.counts) * len(self.ranges) * self.poses
 
 
 @final
 @dataclass(frozen=True, slots=True)
-class Judged:
+class BearingTrialResult:
     """Readings of one kind: where, by how many diodes, how far away [m], and what they come to."""
 
     place: str
     count: int
     range: float | None
-    readings: tuple[Reading, ...]
-    score: Score
+    readings: tuple[BearingReading, ...]
+    score: BearingScore
 
     def to_json(self) -> dict[str, Any]:
         """Return it for JSON, without the single readings."""
@@ -68,7 +68,9 @@ class Judged:
         }
 
 
-def judge(asked: Asked, tick: Callable[[], None]) -> list[Judged]:
+def run_bearing_trials(
+    request: BearingTrialRequest, tick: Callable[[], None]
+) -> list[BearingTrialResult]:
     """
     Return how good the bearings are.
 
@@ -86,33 +88,38 @@ def judge(asked: Asked, tick: Callable[[], None]) -> list[Judged]:
 
     """
     found = []
-    for place in asked.places:
-        for count in asked.counts:
-            bench = Bench(made_of(PLACES[place], asked.vehicle, count))
-            for distance in asked.ranges:
-                readings = tuple(read(bench, distance, asked, tick))
-                found.append(Judged(place, count, distance, readings, score(readings)))
+    for place in request.places:
+        for count in request.counts:
+            bench = BearingBench(build_flight_spec(PLACES[place], request.vehicle, count))
+            for distance in request.ranges:
+                readings = tuple(read_random_poses(bench, distance, request, tick))
+                found.append(
+                    BearingTrialResult(place, count, distance, readings, score_readings(readings))
+                )
     return found
 
 
-def read(
-    bench: Bench, distance: float | None, asked: Asked, tick: Callable[[], None]
-) -> list[Reading]:
+def read_random_poses(
+    bench: BearingBench,
+    distance: float | None,
+    request: BearingTrialRequest,
+    tick: Callable[[], None],
+) -> list[BearingReading]:
     """Return the readings at random poses, each by diodes of its own."""
-    where, what = (np.random.default_rng([asked.seed, k]) for k in range(2))
+    where, what = (np.random.default_rng([request.seed, k]) for k in range(2))
     readings = []
-    for _ in range(asked.poses):
+    for _ in range(request.poses):
         pose = draw_pose(bench.scenario, distance, where)
-        readings.append(bench.read(pose, bench.drawn(what), what))
+        readings.append(bench.read_block(pose, bench.draw_diodes(what), what))
         tick()
     return readings
 
 
-def to_json(found: Sequence[Judged], asked: Asked) -> dict[str, Any]:
+def to_json(results: Sequence[BearingTrialResult], request: BearingTrialRequest) -> dict[str, Any]:
     """Return everything for JSON; angles in radians, ranges in metres."""
     return {
-        'vehicle': asked.vehicle,
-        'poses': asked.poses,
-        'seed': asked.seed,
-        'rows': [each.to_json() for each in found],
+        'vehicle': request.vehicle,
+        'poses': request.poses,
+        'seed': request.seed,
+        'rows': [each.to_json() for each in results],
     }

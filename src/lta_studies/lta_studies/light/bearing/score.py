@@ -5,8 +5,8 @@ from dataclasses import asdict, dataclass
 import math
 from typing import Final, final
 
-from lta_report.json_value import finite
-from lta_studies.light.bearing.bench import Reading
+from lta_report.json_value import replace_nonfinite
+from lta_studies.light.bearing.bench import BearingReading
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 
 @final
 @dataclass(frozen=True, slots=True)
-class Score:
+class BearingScore:
     """
     Readings of one kind; angles in radians, NaN where nothing was said.
 
@@ -56,44 +56,47 @@ class Score:
 
     def to_json(self) -> dict[str, float | None]:
         """Return it for JSON, which has no NaN."""
-        known: dict[str, float | None] = finite(asdict(self))
+        known: dict[str, float | None] = replace_nonfinite(asdict(self))
         return known
 
 
-def score(readings: Sequence[Reading]) -> Score:
+def score_readings(readings: Sequence[BearingReading]) -> BearingScore:
     """Return what readings come to."""
-    paper, ours = column(readings, 'paper'), column(readings, 'ours')
-    deviation = column(readings, 'deviation')
-    elevation, up = column(readings, 'elevation'), column(readings, 'elevation_deviation')
-    return Score(
+    paper, ours = extract_column(readings, 'paper'), extract_column(readings, 'ours')
+    deviation = extract_column(readings, 'deviation')
+    elevation, up = (
+        extract_column(readings, 'elevation'),
+        extract_column(readings, 'elevation_deviation'),
+    )
+    return BearingScore(
         readings=len(readings),
-        snr=float(np.median(column(readings, 'snr'))),
-        paper=quantile(paper, 50.0),
-        paper_most=quantile(paper, PERCENT),
+        snr=float(np.median(extract_column(readings, 'snr'))),
+        paper=error_quantile(paper, 50.0),
+        paper_most=error_quantile(paper, PERCENT),
         paper_lost=float(np.mean(np.isnan(paper))),
-        ours=quantile(ours, 50.0),
-        ours_most=quantile(ours, PERCENT),
+        ours=error_quantile(ours, 50.0),
+        ours_most=error_quantile(ours, PERCENT),
         ours_lost=float(np.mean(np.isnan(ours))),
-        deviation=quantile(deviation, 50.0),
-        holds=within(ours, deviation, INTERVAL),
-        elevation=quantile(elevation, 50.0),
-        elevation_deviation=quantile(up, 50.0),
-        elevation_holds=within(elevation, up, INTERVAL),
+        deviation=error_quantile(deviation, 50.0),
+        holds=interval_coverage(ours, deviation, INTERVAL),
+        elevation=error_quantile(elevation, 50.0),
+        elevation_deviation=error_quantile(up, 50.0),
+        elevation_holds=interval_coverage(elevation, up, INTERVAL),
     )
 
 
-def column(readings: Sequence[Reading], name: str) -> Array:
+def extract_column(readings: Sequence[BearingReading], name: str) -> Array:
     """Return one number of all readings, shape (n,)."""
     return np.array([getattr(reading, name) for reading in readings], dtype=np.float64)
 
 
-def quantile(errors: Array, percent: float) -> float:
+def error_quantile(errors: Array, percent: float) -> float:
     """Return a quantile of the sizes of errors, NaN where there are none."""
     known = np.abs(errors[np.isfinite(errors)])
     return float(np.percentile(known, percent)) if known.size else math.nan
 
 
-def within(errors: Array, deviations: Array, width: float) -> float:
+def interval_coverage(errors: Array, deviations: Array, width: float) -> float:
     """Return the part of the errors within so many of their deviations. [1]"""
     known = np.isfinite(errors)
     if not known.any():

@@ -5,7 +5,7 @@ The lamp stands 3 m away, 45 degrees off its axis; the ring turns through 16 dir
 is read 50 times; the paper gives medians. One vehicle each: its gains are drawn once, by the seed.
 
 What the paper says of it, and where that cannot hold: with ideal cosine diodes the weighted mean
-is exact for any even ring of four or more, whatever the pedestal (`lta_vlc.array`); equal diodes
+is exact for any even ring of four or more, whatever the pedestal (`lta_vlc.bearing`); equal diodes
 of any response make a ring of eight exact at all 16 directions, which are its own axes and the
 middles between them. So errors in some directions and not in others can only come from a response
 that is no cosine, from unequal gains, and from reflections. Steady sunlight adds nothing at the
@@ -18,10 +18,10 @@ from dataclasses import dataclass
 import math
 from typing import Any, Final, final
 
-from lta_studies.light.bearing.bench import Bench
-from lta_studies.light.bearing.places import made_of, PLACES
+from lta_studies.light.bearing.bench import BearingBench
+from lta_studies.light.bearing.places import build_flight_spec, PLACES
 from lta_studies.light.bearing.poses import Pose
-from lta_studies.light.bearing.score import column, quantile
+from lta_studies.light.bearing.score import error_quantile, extract_column
 import numpy as np
 
 DIRECTIONS: Final = 16
@@ -36,7 +36,7 @@ COUNTS: Final = (4, 8, 16)
 
 @final
 @dataclass(frozen=True, slots=True)
-class Claim:
+class RingClaim:
     """What the paper says of one ring, as far as it can be counted: directions within a limit."""
 
     place: str
@@ -47,15 +47,15 @@ class Claim:
 
 
 CLAIMS: Final = (
-    Claim('indoor', 16, '16 diodes below 2 degrees', math.radians(2.0), 16),
-    Claim('indoor', 8, '8 diodes below 4 degrees', math.radians(4.0), 12),
-    Claim('indoor', 8, '8 diodes below 8 degrees', math.radians(8.0), 16),
+    RingClaim('indoor', 16, '16 diodes below 2 degrees', math.radians(2.0), 16),
+    RingClaim('indoor', 8, '8 diodes below 4 degrees', math.radians(4.0), 12),
+    RingClaim('indoor', 8, '8 diodes below 8 degrees', math.radians(8.0), 16),
 )
 
 
 @final
 @dataclass(frozen=True, slots=True)
-class Studied:
+class RingStudy:
     """
     One ring in one place.
 
@@ -86,38 +86,47 @@ class Studied:
         }  # fmt: skip
 
 
-def directions() -> list[float]:
+def list_directions() -> list[float]:
     """Return the true directions of the lamp from the ring. [rad]"""
     return [math.tau * k / DIRECTIONS for k in range(DIRECTIONS)]
 
 
-def study(vehicle: str, readings: int, seed: int, tick: Callable[[], None]) -> list[Studied]:
+def study_rings(
+    vehicle: str, readings: int, seed: int, tick: Callable[[], None]
+) -> list[RingStudy]:
     """Return the study in all places, ring by ring; `tick` is called after each direction."""
     return [
-        one_ring(Bench(made_of(PLACES[place], vehicle, count)), place, count, readings, seed, tick)
+        study_ring(
+            BearingBench(build_flight_spec(PLACES[place], vehicle, count)),
+            place,
+            count,
+            readings,
+            seed,
+            tick,
+        )
         for place in PLACES
         for count in COUNTS
     ]
 
 
-def one_ring(
-    bench: Bench, place: str, count: int, readings: int, seed: int, tick: Callable[[], None]
-) -> Studied:
+def study_ring(
+    bench: BearingBench, place: str, count: int, readings: int, seed: int, tick: Callable[[], None]
+) -> RingStudy:
     """Return what one ring makes of all directions."""
     chance = np.random.default_rng([seed, count])
-    diodes = bench.drawn(chance)
+    diodes = bench.draw_diodes(chance)
     paper, ours, snrs = [], [], []
-    for direction in directions():
-        pose = before(bench, direction)
-        told = [bench.read(pose, diodes, chance) for _ in range(readings)]
-        paper.append(quantile(column(told, 'paper'), 50.0))
-        ours.append(quantile(column(told, 'ours'), 50.0))
-        snrs.append(float(np.median(column(told, 'snr'))))
+    for direction in list_directions():
+        pose = pose_before_lamp(bench, direction)
+        told = [bench.read_block(pose, diodes, chance) for _ in range(readings)]
+        paper.append(error_quantile(extract_column(told, 'paper'), 50.0))
+        ours.append(error_quantile(extract_column(told, 'ours'), 50.0))
+        snrs.append(float(np.median(extract_column(told, 'snr'))))
         tick()
-    return Studied(place, count, tuple(paper), tuple(ours), float(np.median(snrs)))
+    return RingStudy(place, count, tuple(paper), tuple(ours), float(np.median(snrs)))
 
 
-def before(bench: Bench, direction: float) -> Pose:
+def pose_before_lamp(bench: BearingBench, direction: float) -> Pose:
     """Return the level pose beside the lamp's axis with the lamp in a direction. [rad]"""
     x, y, _ = bench.scenario.goal_lamp.position.vector
     ahead_x, ahead_y, _ = bench.scenario.goal_lamp.facing.vector
@@ -130,20 +139,21 @@ def before(bench: Bench, direction: float) -> Pose:
     )  # fmt: skip
 
 
-def within(errors: Sequence[float], limit: float) -> int:
+def count_within(errors: Sequence[float], limit: float) -> int:
     """Return in how many directions the median stays below a limit."""
     return sum(error < limit for error in errors)
 
 
-def verdicts(found: Sequence[Studied]) -> list[tuple[str, str, str]]:
+def judge_claims(studies: Sequence[RingStudy]) -> list[tuple[str, str, str]]:
     """Return each claim of the paper, and what became of it by its own estimator and by ours."""
-    rings = {(each.place, each.count): each for each in found}
-    return [counted(claim, rings[claim.place, claim.count]) for claim in CLAIMS]
+    rings = {(each.place, each.count): each for each in studies}
+    return [judge_claim(claim, rings[claim.place, claim.count]) for claim in CLAIMS]
 
 
-def counted(claim: Claim, ring: Studied) -> tuple[str, str, str]:
+def judge_claim(claim: RingClaim, ring: RingStudy) -> tuple[str, str, str]:
     """Return a claim of the paper, and in how many directions both estimators keep it."""
     paper, ours = (
-        f'{within(errors, claim.limit)} of {DIRECTIONS}' for errors in (ring.paper, ring.ours)
+        f'{count_within(errors, claim.limit)} of {DIRECTIONS}'
+        for errors in (ring.paper, ring.ours)
     )
     return f'{claim.sentence}: {claim.at_least} of {DIRECTIONS}', paper, ours

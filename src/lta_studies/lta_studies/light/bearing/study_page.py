@@ -6,23 +6,23 @@ import math
 from pathlib import Path
 from typing import Final
 
-from lta_bridge.provenance import commit
-from lta_config.typed import typed
-from lta_report.drawing import blank
+from lta_bridge.provenance import read_commit
+from lta_config.command_line import format_lta_command
+from lta_report.drawing import create_figure
 from lta_report.formatting import Tile
-from lta_report.frame import framed, written
+from lta_report.page_frame import assemble_page, write_file
+from lta_report.page_parts import render_section, render_tile
 from lta_report.palette import GOOD, LAMP, TRUTH
-from lta_report.pieces import section, tile_html
-from lta_studies.light.bearing.page import degrees, table_html
+from lta_studies.light.bearing.page import format_degrees, render_table
 from lta_studies.light.bearing.places import PLACES
 from lta_studies.light.bearing.study import (
+    count_within,
     COUNTS,
     DIRECTIONS,
-    directions,
     DISTANCE,
-    Studied,
-    verdicts,
-    within,
+    judge_claims,
+    list_directions,
+    RingStudy,
 )
 import numpy as np
 from plotly.graph_objects import Figure, Scatter
@@ -49,33 +49,38 @@ METHOD: Final = (
 
 
 def write_page(
-    found: Sequence[Studied], vehicle: str, readings: int, seed: int, out: Path
+    studies: Sequence[RingStudy], vehicle: str, readings: int, seed: int, out: Path
 ) -> Path:
     """Write the page and return where it is; `BadInput` where it cannot be written."""
-    eight = next(each for each in found if (each.place, each.count) == ('indoor', 8))
+    eight = next(each for each in studies if (each.place, each.count) == ('indoor', 8))
     pictures = [
-        section(
-            place, f'{place.capitalize()}: {PLACES[place].about}', CAPTION, picture(found, place)
+        render_section(
+            place,
+            f'{place.capitalize()}: {PLACES[place].about}',
+            CAPTION,
+            plot_errors(studies, place),
         )
         for place in PLACES
     ]
-    return written(
-        framed(
+    return write_file(
+        assemble_page(
             'study.html',
             title=escape(
-                f'Indoors the fit finds the lamp to {degrees(median(eight.ours))}° with eight '
-                f"diodes, the paper's weighted mean to {degrees(median(eight.paper))}°."
+                f'Indoors the fit finds the lamp to {format_degrees(median_error(eight.ours))}° '
+                f'with eight '
+                f"diodes, the paper's weighted mean to "
+                f"{format_degrees(median_error(eight.paper))}°."
             ),
             kicker='light · study of the number of photodiodes',
             about=escape(f'{DIRECTIONS} directions, {readings} readings each.'),
-            tiles='\n'.join(tile_html(*each) for each in tiles(found)),
-            table=table_html(rows(found)),
-            claims=table_html(claims(found)),
+            tiles='\n'.join(render_tile(*each) for each in build_tiles(studies)),
+            table=render_table(build_rows(studies)),
+            claims=render_table(build_claim_rows(studies)),
             notes=''.join(f'<p class="note">{escape(each)}</p>' for each in (METHOD, DEFECT)),
             pictures='\n'.join(pictures),
-            facts={'vehicle': vehicle, 'seed': str(seed), 'commit': commit()},
+            facts={'vehicle': vehicle, 'seed': str(seed), 'commit': read_commit()},
             commands={
-                'Find it again': typed(
+                'Find it again': format_lta_command(
                     'light', 'study', '--vehicle', vehicle, '--readings', str(readings),
                     '--seed', str(seed),
                 )
@@ -85,44 +90,44 @@ def write_page(
     )  # fmt: skip
 
 
-def claims(found: Sequence[Studied]) -> list[tuple[str, str, str]]:
+def build_claim_rows(studies: Sequence[RingStudy]) -> list[tuple[str, str, str]]:
     """Return what the paper says, counted, its first row the head."""
-    return [('the paper, indoors', 'its estimator', 'the fit'), *verdicts(found)]
+    return [('the paper, indoors', 'its estimator', 'the fit'), *judge_claims(studies)]
 
 
-def median(errors: Sequence[float]) -> float:
+def median_error(errors: Sequence[float]) -> float:
     """Return the median over the directions; NaN where one has no bearing."""
     return float(np.median(errors))
 
 
-def rows(found: Sequence[Studied]) -> list[tuple[str, ...]]:
+def build_rows(studies: Sequence[RingStudy]) -> list[tuple[str, ...]]:
     """Return the table as text, its first row the head."""
     told: list[tuple[str, ...]] = [HEAD]
-    for each in found:
+    for each in studies:
         cells = [each.place, str(each.count), f'{each.snr:.0f}']
         for errors in (each.paper, each.ours):
-            below = f'{within(errors, math.radians(2.0))} of {DIRECTIONS}'
-            cells += [degrees(median(errors)), degrees(max(errors)), below]
+            below = f'{count_within(errors, math.radians(2.0))} of {DIRECTIONS}'
+            cells += [format_degrees(median_error(errors)), format_degrees(max(errors)), below]
         told.append(tuple(cells))
     return told
 
 
-def tiles(found: Sequence[Studied]) -> list[Tile]:
+def build_tiles(studies: Sequence[RingStudy]) -> list[Tile]:
     """Return the fit's worst direction of each ring."""
     return [
         Tile(
-            f'{each.place}, {each.count} diodes', degrees(max(each.ours)), '°',
-            f'worst direction; paper {degrees(max(each.paper))}°',
+            f'{each.place}, {each.count} diodes', format_degrees(max(each.ours)), '°',
+            f'worst direction; paper {format_degrees(max(each.paper))}°',
         )
-        for each in found
+        for each in studies
     ]  # fmt: skip
 
 
-def picture(found: Sequence[Studied], place: str) -> Figure:
+def plot_errors(studies: Sequence[RingStudy], place: str) -> Figure:
     """Return the error by direction, ring by ring."""
-    figure = blank()
-    angles = np.degrees(directions())
-    for each in found:
+    figure = create_figure()
+    angles = np.degrees(list_directions())
+    for each in studies:
         if each.place != place:
             continue
         for name, errors, dash in (('paper', each.paper, '2px,3px'), ('fit', each.ours, 'solid')):

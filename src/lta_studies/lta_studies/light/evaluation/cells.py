@@ -6,20 +6,20 @@ import math
 from typing import final
 
 from lta_config.schema.sweep_file import CASE
-from lta_flight.ingredients import Ingredients
-from lta_flight.sweep.flown import FAILED, Row
-from lta_flight.sweep.plan import Plan
-from lta_flight.sweep.statistics import REACHED, Share, told, wilson
+from lta_flight.flight_spec import FlightSpec
+from lta_flight.sweep.job_runner import FAILED, SweepRow
+from lta_flight.sweep.plan import SweepPlan
+from lta_flight.sweep.statistics import format_value, REACHED, ShareInterval, wilson_interval
 from lta_studies.light.evaluation import pilot
-from lta_studies.light.evaluation.flying import STRATEGY
-from lta_studies.light.evaluation.intervals import Mean, mean, ratio
-from lta_studies.light.evaluation.sets import flight_set
-from lta_studies.light.evaluation.wind import share_of_top
+from lta_studies.light.evaluation.flights import STRATEGY
+from lta_studies.light.evaluation.intervals import bootstrap_mean, bootstrap_ratio, BootstrapMean
+from lta_studies.light.evaluation.sets import find_flight_set
+from lta_studies.light.evaluation.wind import wind_to_airspeed_ratio
 
 
 @final
 @dataclass(frozen=True, slots=True)
-class Cell:
+class EvaluationCell:
     """
     All seeds of one strategy in one case.
 
@@ -45,62 +45,64 @@ class Cell:
     family: str
     place: float
     wind: float
-    rows: Mapping[int, Row]
+    rows: Mapping[int, SweepRow]
     failed: int = 0
 
     @property
-    def reached(self) -> Share:
+    def reached_share(self) -> ShareInterval:
         """Share of the flights that reached the lamp, with Wilson's interval."""
-        return wilson(len(self.arrivals), len(self.rows))
+        return wilson_interval(len(self.arrivals), len(self.rows))
 
     @property
-    def arrivals(self) -> dict[int, Row]:
+    def arrivals(self) -> dict[int, SweepRow]:
         """The flights that reached the lamp, by seed."""
         return {seed: row for seed, row in self.rows.items() if row.outcome == REACHED}
 
-    def figure(self, name: str) -> dict[int, float]:
+    def select_figure(self, name: str) -> dict[int, float]:
         """Return a figure of `Results` of the flights that reached the lamp, by seed."""
         found = {seed: row.figures.get(name) for seed, row in self.arrivals.items()}
         return {seed: float(value) for seed, value in found.items() if value is not None}
 
-    def mean(self, name: str) -> Mean:
+    def mean(self, name: str) -> BootstrapMean:
         """Return the mean of a figure over the flights that reached the lamp."""
-        return mean(list(self.figure(name).values()))
+        return bootstrap_mean(list(self.select_figure(name).values()))
 
-    def against(self, best: 'Cell | None', name: str = 'path_length') -> Mean:
+    def ratio_to(self, best: 'EvaluationCell | None', name: str = 'path_length') -> BootstrapMean:
         """Return a figure over that of another flyer, over the seeds in which both arrived."""
-        own, other = self.figure(name), {} if best is None else best.figure(name)
+        own, other = self.select_figure(name), {} if best is None else best.select_figure(name)
         both = sorted(own.keys() & other.keys())
-        return ratio([own[seed] for seed in both], [other[seed] for seed in both])
+        return bootstrap_ratio([own[seed] for seed in both], [other[seed] for seed in both])
 
 
-def cells_of(name: str, plan: Plan, rows: Iterable[Row]) -> list[Cell]:
+def build_cells(name: str, plan: SweepPlan, rows: Iterable[SweepRow]) -> list[EvaluationCell]:
     """Return a set's flights by case and strategy, in the order of its sweep."""
-    axis = flight_set(name).axis
-    grouped: dict[tuple[str, str], list[Row]] = {}
+    axis = find_flight_set(name).axis
+    grouped: dict[tuple[str, str], list[SweepRow]] = {}
     for row in rows:
-        grouped.setdefault((case_of(row), row.values[STRATEGY]), []).append(row)
+        grouped.setdefault((format_case(row), row.values[STRATEGY]), []).append(row)
     found = []
     known: dict[str, tuple[float, float]] = {}
     for (case, strategy), own in sorted(grouped.items(), key=lambda item: item[1][0].index):
         if case not in known:
-            made_of = ingredients(plan, own[0])
+            made_of = build_flight_spec(plan, own[0])
             known[case] = (
                 math.nan if axis is None else axis.place(made_of),
-                share_of_top(made_of),
+                wind_to_airspeed_ratio(made_of),
             )
         flown = {row.seed: row for row in own if row.outcome != FAILED}
         failures = len(own) - len(flown)
-        found.append(Cell(strategy, case, family_of(own[0]), *known[case], flown, failures))
+        found.append(
+            EvaluationCell(strategy, case, parse_family(own[0]), *known[case], flown, failures)
+        )
     return found
 
 
-def case_of(row: Row) -> str:
+def format_case(row: SweepRow) -> str:
     """Return what the case of a flight is called."""
-    return ', '.join(told(value) for path, value in row.values.items() if path != STRATEGY)
+    return ', '.join(format_value(value) for path, value in row.values.items() if path != STRATEGY)
 
 
-def family_of(row: Row) -> str:
+def parse_family(row: SweepRow) -> str:
     """Return the name of a case that has values besides, or a number at the end of its name."""
     name = str(row.values.get(CASE, ''))
     if row.values.keys() - {CASE, STRATEGY}:
@@ -109,14 +111,16 @@ def family_of(row: Row) -> str:
     return word if number.isdecimal() else ''
 
 
-def ingredients(plan: Plan, row: Row) -> Ingredients:
+def build_flight_spec(plan: SweepPlan, row: SweepRow) -> FlightSpec:
     """Return what a flight was made of, but for its strategy, which may be the pilot."""
     changes = {
-        path: value for path, value in plan.job(row.index).changes.items() if path != STRATEGY
+        path: value
+        for path, value in plan.build_job(row.index).changes.items()
+        if path != STRATEGY
     }
     return plan.base.with_values(changes)
 
 
-def pilots(cells: Iterable[Cell]) -> dict[str, Cell]:
+def select_pilot_cells(cells: Iterable[EvaluationCell]) -> dict[str, EvaluationCell]:
     """Return the pilot's flights by case."""
     return {cell.case: cell for cell in cells if cell.strategy == pilot.NAME}

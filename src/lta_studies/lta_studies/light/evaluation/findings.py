@@ -7,13 +7,13 @@ import math
 from pathlib import Path
 from typing import Any, Final, final
 
-from lta_flight.sweep.plan import Plan
-from lta_flight.sweep.statistics import Share
-from lta_studies.light.evaluation import grounds, paper, pilot, words
-from lta_studies.light.evaluation.cells import Cell, pilots
-from lta_studies.light.evaluation.intervals import Mean
-from lta_studies.light.evaluation.order import Found, orders, statement
-from lta_studies.light.evaluation.run import Evaluated
+from lta_flight.sweep.plan import SweepPlan
+from lta_flight.sweep.statistics import ShareInterval
+from lta_studies.light.evaluation import ground_roughness, labels, paper, pilot
+from lta_studies.light.evaluation.cells import EvaluationCell, select_pilot_cells
+from lta_studies.light.evaluation.intervals import BootstrapMean
+from lta_studies.light.evaluation.path_order import describe_order, find_path_orders, PathOrder
+from lta_studies.light.evaluation.run import EvaluationStatus
 from lta_studies.light.evaluation.sets import ABLATIONS, INDOORS, ROUGHNESS, SETS
 
 OURS: Final = 'homing'
@@ -22,18 +22,18 @@ FIGURES: Final = {'path_length': 'm', 'search_time': 's', 'flight_time': 's', 'e
 
 @final
 @dataclass(frozen=True)
-class Findings:
+class EvaluationFindings:
     """All that page, JSON and tables are made of."""
 
-    done: Evaluated
+    done: EvaluationStatus
 
     @property
-    def cells(self) -> Mapping[str, Sequence[Cell]]:
+    def cells(self) -> Mapping[str, Sequence[EvaluationCell]]:
         """What was found, by set."""
         return self.done.cells
 
     @property
-    def plans(self) -> Mapping[str, Plan]:
+    def plans(self) -> Mapping[str, SweepPlan]:
         """The sets, by name."""
         return self.done.plans
 
@@ -48,12 +48,12 @@ class Findings:
         return self.done.order.seeds
 
     @property
-    def work(self) -> float:
+    def flying_time(self) -> float:
         """Time of all flights together. [s]"""
         return self.done.work
 
     @property
-    def ours(self) -> str:
+    def own_strategy(self) -> str:
         """The strategy that is to be better than the paper's."""
         return OURS
 
@@ -63,36 +63,38 @@ class Findings:
         return list(SETS)
 
     @property
-    def flights(self) -> int:
+    def flight_count(self) -> int:
         """Flights there are."""
         return sum(len(cell.rows) + cell.failed for own in self.cells.values() for cell in own)
 
     @property
-    def failed(self) -> int:
+    def failed_count(self) -> int:
         """Flights that could not be flown."""
         return sum(cell.failed for own in self.cells.values() for cell in own)
 
     @property
-    def count(self) -> str:
+    def flight_count_text(self) -> str:
         """How many flights there are, in words."""
-        of = '' if self.flights == self.done.total else f' of {self.done.total}'
-        lost = f', {self.failed} of them failed' if self.failed else ''
-        return f'{self.flights}{of} flights{lost}'
+        of = '' if self.flight_count == self.done.total else f' of {self.done.total}'
+        lost = f', {self.failed_count} of them failed' if self.failed_count else ''
+        return f'{self.flight_count}{of} flights{lost}'
 
     @cached_property
-    def ablations(self) -> list[Found]:
+    def ablations(self) -> list[PathOrder]:
         """How the paths are ordered with one factor changed at a time."""
-        return orders(self.cells.get(ABLATIONS, []))
+        return find_path_orders(self.cells.get(ABLATIONS, []))
 
     @property
     def statement(self) -> str:
         """What brings about the paper's order of paths."""
-        return statement(orders(self.cells.get(INDOORS, [])), self.ablations, words.FACTORS)
+        return describe_order(
+            find_path_orders(self.cells.get(INDOORS, [])), self.ablations, labels.FACTORS
+        )
 
     @property
     def cautions(self) -> list[str]:
         """What to keep in mind beside the paper's figures."""
-        ground = grounds.statement(self.cells.get(ROUGHNESS, []))
+        ground = ground_roughness.describe_grounds(self.cells.get(ROUGHNESS, []))
         return [*([ground] if ground else []), *paper.CAUTIONS]
 
     @property
@@ -104,7 +106,7 @@ class Findings:
         name = INDOORS if INDOORS in flown else flown[0]
         cells = [cell for cell in self.cells[name] if cell.rows and cell.strategy != pilot.NAME]
         told = ', '.join(
-            f'{words.strategy(cell.strategy)} {100 * cell.reached.value:.0f} %'
+            f'{labels.label_strategy(cell.strategy)} {100 * cell.reached_share.value:.0f} %'
             for cell in cells
             if cell.case == cells[0].case
         )
@@ -124,12 +126,12 @@ class Findings:
         """Return the figures, ready for JSON; what is no number is null."""
         return {
             'seeds': self.seeds,
-            'flights': self.flights,
-            'failed': self.failed,
+            'flights': self.flight_count,
+            'failed': self.failed_count,
             'statement': self.statement,
-            'sets': {name: told(own) for name, own in self.cells.items()},
+            'sets': {name: encode_cells(own) for name, own in self.cells.items()},
             'ablations': [
-                {'case': each.case, 'holds': each.holds, 'share': number(each.share)}
+                {'case': each.case, 'holds': each.holds, 'share': encode_number(each.share)}
                 for each in self.ablations
             ],
             'paper': {name: flown._asdict() for name, flown in paper.INDOORS.items()},
@@ -137,30 +139,30 @@ class Findings:
         }
 
 
-def told(cells: Sequence[Cell]) -> list[dict[str, Any]]:
+def encode_cells(cells: Sequence[EvaluationCell]) -> list[dict[str, Any]]:
     """Return a set's figures."""
-    best = pilots(cells)
+    best = select_pilot_cells(cells)
     return [
         {
             'case': cell.case,
             'strategy': cell.strategy,
-            'place': number(cell.place),
-            'wind': number(cell.wind),
+            'place': encode_number(cell.place),
+            'wind': encode_number(cell.wind),
             'flights': len(cell.rows),
             'failed': cell.failed,
-            'reached': ends(cell.reached),
-            **{name: ends(cell.mean(name)) for name in FIGURES},
-            'ratio': ends(cell.against(best.get(cell.case))),
+            'reached': encode_interval(cell.reached_share),
+            **{name: encode_interval(cell.mean(name)) for name in FIGURES},
+            'ratio': encode_interval(cell.ratio_to(best.get(cell.case))),
         }
         for cell in cells
     ]
 
 
-def ends(value: Mean | Share) -> dict[str, float | None]:
+def encode_interval(value: BootstrapMean | ShareInterval) -> dict[str, float | None]:
     """Return a figure with its interval."""
-    return {name: number(part) for name, part in value._asdict().items()}
+    return {name: encode_number(part) for name, part in value._asdict().items()}
 
 
-def number(value: float) -> float | None:
+def encode_number(value: float) -> float | None:
     """Return a number, None where it is none."""
     return value if math.isfinite(value) else None

@@ -12,7 +12,7 @@ SEED: Final = 7
 ENDS: Final = (2.5, 97.5)  # %
 
 
-class Mean(NamedTuple):
+class BootstrapMean(NamedTuple):
     """A mean, or a ratio of two, with the ends of its 95 % interval and the number of flights."""
 
     value: float
@@ -21,22 +21,22 @@ class Mean(NamedTuple):
     flights: int
 
 
-def resampled(count: int) -> NDArray[np.int64]:
+def draw_resamples(count: int) -> NDArray[np.int64]:
     """Return which of so many flights each draw takes, shape (DRAWS, count)."""
     return np.random.default_rng(SEED).integers(count, size=(DRAWS, count))
 
 
-def mean(values: Sequence[float]) -> Mean:
+def bootstrap_mean(values: Sequence[float]) -> BootstrapMean:
     """
     Return a mean with its interval: percentiles of the means of resampled flights.
 
     Efron and Tibshirani, An Introduction to the Bootstrap (1993), chapter 13. NaN of nothing; no
     interval of one.
     """
-    return ratio(values, [1.0] * len(values))
+    return bootstrap_ratio(values, [1.0] * len(values))
 
 
-def ratio(above: Sequence[float], below: Sequence[float]) -> Mean:
+def bootstrap_ratio(above: Sequence[float], below: Sequence[float]) -> BootstrapMean:
     """
     Return the ratio of two means over the same flights, resampled in pairs.
 
@@ -48,11 +48,11 @@ def ratio(above: Sequence[float], below: Sequence[float]) -> Mean:
     """
     count = len(above)
     if count == 0:
-        return Mean(math.nan, math.nan, math.nan, 0)
+        return BootstrapMean(math.nan, math.nan, math.nan, 0)
     top, bottom = np.array(above, dtype=np.float64), np.array(below, dtype=np.float64)
     value = float(top.mean() / bottom.mean())
     if count == 1:
-        return Mean(value, math.nan, math.nan, 1)
-    taken = resampled(count)
+        return BootstrapMean(value, math.nan, math.nan, 1)
+    taken = draw_resamples(count)
     low, high = np.percentile(top[taken].mean(axis=1) / bottom[taken].mean(axis=1), ENDS)
-    return Mean(value, float(low), float(high), count)
+    return BootstrapMean(value, float(low), float(high), count)

@@ -5,15 +5,15 @@ from html import escape
 from pathlib import Path
 from typing import Final
 
-from lta_bridge.provenance import commit
-from lta_config.typed import near, typed
+from lta_bridge.provenance import read_commit
+from lta_config.command_line import format_lta_command, relative_path
 from lta_report.formatting import Tile
-from lta_report.frame import framed, written
-from lta_report.pieces import section, table_html, tile_html
-from lta_studies.light.evaluation import pictures, pilot, tables, tracks, words
-from lta_studies.light.evaluation.cells import Cell
-from lta_studies.light.evaluation.findings import Findings
-from lta_studies.light.evaluation.sets import ABLATIONS, flight_set, INDOORS, WINDS
+from lta_report.page_frame import assemble_page, write_file
+from lta_report.page_parts import render_html_table, render_section, render_tile
+from lta_studies.light.evaluation import labels, pictures, pilot, tables, tracks
+from lta_studies.light.evaluation.cells import EvaluationCell
+from lta_studies.light.evaluation.findings import EvaluationFindings
+from lta_studies.light.evaluation.sets import ABLATIONS, find_flight_set, INDOORS, WINDS
 from plotly.graph_objects import Figure
 
 NAME: Final = 'report.html'
@@ -27,123 +27,138 @@ METHOD: Final = (
 DRAWN: Final = 'Every strategy with the same seed, seen from above.'
 
 
-def write_page(found: Findings) -> Path:
+def write_page(findings: EvaluationFindings) -> Path:
     """Write the page and return where it is; `BadInput` where it cannot be written."""
-    return written(page(found), found.folder / NAME)
+    return write_file(render_page(findings), findings.folder / NAME)
 
 
-def page(found: Findings) -> str:
+def render_page(findings: EvaluationFindings) -> str:
     """Return the whole page."""
-    return framed(
+    return assemble_page(
         'evaluate.html',
-        title=escape(found.title),
-        kicker=escape(f'light \N{MIDDLE DOT} evaluation \N{MIDDLE DOT} {found.count}'),
-        about=escape(found.about),
-        tiles='\n'.join(tile_html(*each) for each in tiles(found)),
-        first='\n'.join(indoors(found)),
-        pictures='\n'.join(sections(found)),
-        order=order_html(found),
-        targets=table(tables.TARGET_HEADS, tables.targets(found.cells, found.ours)),
-        paper=table(tables.PAPER_HEADS, tables.beside_paper(found.cells.get(INDOORS, [])))
-        + table(tables.OUTDOOR_HEADS, tables.outdoors(found.cells.get(WINDS, []))),
-        cautions=''.join(f'<p class="note">{escape(each)}</p>' for each in found.cautions),
-        results=results(found) + f'<p class="note">{escape(METHOD)}</p>',
-        facts=facts(found),
-        commands=commands(found),
+        title=escape(findings.title),
+        kicker=escape(
+            f'light \N{MIDDLE DOT} evaluation \N{MIDDLE DOT} {findings.flight_count_text}'
+        ),
+        about=escape(findings.about),
+        tiles='\n'.join(render_tile(*each) for each in build_tiles(findings)),
+        first='\n'.join(render_indoors(findings)),
+        pictures='\n'.join(render_sections(findings)),
+        order=render_order(findings),
+        targets=render_table(
+            tables.TARGET_HEADS, tables.build_target_lines(findings.cells, findings.own_strategy)
+        ),
+        paper=render_table(
+            tables.PAPER_HEADS, tables.build_paper_lines(findings.cells.get(INDOORS, []))
+        )
+        + render_table(
+            tables.OUTDOOR_HEADS, tables.build_wind_lines(findings.cells.get(WINDS, []))
+        ),
+        cautions=''.join(f'<p class="note">{escape(each)}</p>' for each in findings.cautions),
+        results=render_results(findings) + f'<p class="note">{escape(METHOD)}</p>',
+        facts=describe_provenance(findings),
+        commands=suggest_commands(findings),
     )
 
 
-def tiles(found: Findings) -> list[Tile]:
+def build_tiles(findings: EvaluationFindings) -> list[Tile]:
     """Return how each strategy does indoors, or in the first set there is."""
-    name = next((each for each, own in found.cells.items() if own), next(iter(found.cells)))
+    name = next((each for each, own in findings.cells.items() if own), next(iter(findings.cells)))
     return [
         Tile(
-            words.strategy(cell.strategy), f'{100 * cell.reached.value:.0f}', '%',
-            f'reached; path {words.amount(cell.mean("path_length"))} m',
+            labels.label_strategy(cell.strategy), f'{100 * cell.reached_share.value:.0f}', '%',
+            f'reached; path {labels.format_mean(cell.mean("path_length"))} m',
         )
-        for cell in found.cells[name]
-        if cell.strategy != pilot.NAME and cell.rows and cell.case == found.cells[name][0].case
+        for cell in findings.cells[name]
+        if cell.strategy != pilot.NAME and cell.rows and cell.case == findings.cells[name][0].case
     ]  # fmt: skip
 
 
-def indoors(found: Findings) -> list[str]:
+def render_indoors(findings: EvaluationFindings) -> list[str]:
     """Return the paper's flight: the figures of all strategies, and a flight of each."""
-    cells = [cell for cell in found.cells.get(INDOORS, []) if cell.rows]
+    cells = [cell for cell in findings.cells.get(INDOORS, []) if cell.rows]
     if not cells:
         return []
-    part = flight_set(INDOORS)
-    seed = tracks.shown_seed(cells)
-    flown, scenario = tracks.fly_again(found.plans[INDOORS], cells, seed)
-    height = found.plans[INDOORS].base.held('mission.altitude')
+    part = find_flight_set(INDOORS)
+    seed = tracks.select_seed(cells)
+    flown, scenario = tracks.fly_again(findings.plans[INDOORS], cells, seed)
+    height = findings.plans[INDOORS].base.read_value('mission.altitude')
     return [
-        section('indoors', part.title, part.about, pictures.beside_paper(cells)),
-        section('tracks', 'A flight of each', f'{DRAWN} Seed {seed}.',
-                tracks.picture(flown, scenario, height)),
+        render_section('indoors', part.title, part.about, pictures.plot_paper_comparison(cells)),
+        render_section('tracks', 'A flight of each', f'{DRAWN} Seed {seed}.',
+                tracks.plot_tracks(flown, scenario, height)),
     ]  # fmt: skip
 
 
-def sections(found: Findings) -> list[str]:
+def render_sections(findings: EvaluationFindings) -> list[str]:
     """Return a picture for each further set."""
     made = []
-    for name, cells in found.cells.items():
-        part, own = flight_set(name), [cell for cell in cells if cell.rows]
+    for name, cells in findings.cells.items():
+        part, own = find_flight_set(name), [cell for cell in cells if cell.rows]
         if name != INDOORS and own:
-            made.append(section(name, part.title, part.about, picture(name, own)))
+            made.append(render_section(name, part.title, part.about, plot_set(name, own)))
     return made
 
 
-def picture(name: str, cells: Sequence[Cell]) -> Figure:
+def plot_set(name: str, cells: Sequence[EvaluationCell]) -> Figure:
     """Return the picture of a set."""
-    axis = flight_set(name).axis
-    return pictures.factors(cells) if axis is None else pictures.along(cells, axis)
+    axis = find_flight_set(name).axis
+    return pictures.plot_factors(cells) if axis is None else pictures.plot_along_axis(cells, axis)
 
 
-def order_html(found: Findings) -> str:
+def render_order(findings: EvaluationFindings) -> str:
     """Return what makes the paper's order of paths, in words and as a table."""
-    body = tables.order_lines(found.ablations)
-    shown = table(tables.ORDER_HEADS, body) if body else ''
-    return f'<p class="statement">{escape(found.statement)}</p>{shown}'
+    body = tables.build_order_lines(findings.ablations)
+    shown = render_table(tables.ORDER_HEADS, body) if body else ''
+    return f'<p class="statement">{escape(findings.statement)}</p>{shown}'
 
 
-def results(found: Findings) -> str:
+def render_results(findings: EvaluationFindings) -> str:
     """Return a table for each set."""
     return ''.join(
-        f'<h3>{escape(flight_set(name).title)}</h3>'
-        + table(tables.HEADS, tables.lines(name, cells))
-        for name, cells in found.cells.items()
+        f'<h3>{escape(find_flight_set(name).title)}</h3>'
+        + render_table(tables.HEADS, tables.build_set_lines(name, cells))
+        for name, cells in findings.cells.items()
     )
 
 
-def table(heads: Sequence[str], lines: Sequence[Sequence[str]]) -> str:
+def render_table(heads: Sequence[str], lines: Sequence[Sequence[str]]) -> str:
     """Return a table, or that there is nothing in it."""
     if not lines:
         return '<p class="note">Not flown.</p>'
-    return f'<div class="wide">{table_html(heads, lines)}</div>'
+    return f'<div class="wide">{render_html_table(heads, lines)}</div>'
 
 
-def facts(found: Findings) -> dict[str, str]:
+def describe_provenance(findings: EvaluationFindings) -> dict[str, str]:
     """Return where the figures come from."""
     return {
-        'sets': ', '.join(found.cells),
-        'sweeps': ', '.join(flight_set(name).file for name in found.cells),
-        'seeds': f'1 to {found.seeds}',
-        'flights': found.count,
-        'work': f'{found.work:.0f} s of one processor',
-        'commit': commit(),
+        'sets': ', '.join(findings.cells),
+        'sweeps': ', '.join(find_flight_set(name).file for name in findings.cells),
+        'seeds': f'1 to {findings.seeds}',
+        'flights': findings.flight_count_text,
+        'work': f'{findings.flying_time:.0f} s of one processor',
+        'commit': read_commit(),
     }
 
 
-def commands(found: Findings) -> dict[str, str]:
+def suggest_commands(findings: EvaluationFindings) -> dict[str, str]:
     """Return how to go on."""
-    names = [word for name in found.cells for word in ('--sets', name)]
-    names = [] if set(found.cells) == set(found.all_sets) else names
+    names = [word for name in findings.cells for word in ('--sets', name)]
+    names = [] if set(findings.cells) == set(findings.all_sets) else names
     return {
-        'Go on, or do it again': typed(
-            'light', 'evaluate', '--seeds', str(found.seeds), *names, '--out', near(found.folder)
+        'Go on, or do it again': format_lta_command(
+            'light', 'evaluate', '--seeds', str(findings.seeds), *names,
+            '--out', relative_path(findings.folder),
         ),
-        'Fly one set alone': typed('sweep', flight_set(next(iter(found.cells))).file),
+        'Fly one set alone': format_lta_command(
+            'sweep', find_flight_set(next(iter(findings.cells))).file,
+        ),
         **(
-            {} if ABLATIONS not in found.cells
-            else {'Fly the ablations alone': typed('sweep', flight_set(ABLATIONS).file)}
+            {} if ABLATIONS not in findings.cells
+            else {
+                'Fly the ablations alone': format_lta_command(
+                    'sweep', find_flight_set(ABLATIONS).file,
+                ),
+            }
         ),
     }  # fmt: skip

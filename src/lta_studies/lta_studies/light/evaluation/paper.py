@@ -3,17 +3,17 @@
 from typing import Final, NamedTuple
 
 
-class Flown(NamedTuple):
+class PaperFlight(NamedTuple):
     """An indoor flight of the paper: path [m] and time [s]; None is not printed."""
 
     path: float
     time: float | None
 
 
-INDOORS: Final[dict[str, Flown]] = {
-    'bag': Flown(7.3, 8.4),
-    'dga': Flown(8.6, 21.4),
-    'des': Flown(12.2, None),
+INDOORS: Final[dict[str, PaperFlight]] = {
+    'bag': PaperFlight(7.3, 8.4),
+    'dga': PaperFlight(8.6, 21.4),
+    'des': PaperFlight(12.2, None),
 }
 ORDER: Final = ('bag', 'dga', 'des')  # from the shortest path to the longest
 # Reference wind [m/s]: who reached the lamp.

@@ -5,13 +5,13 @@ from itertools import groupby
 import math
 from typing import Any, Final
 
-from lta_flight.sweep.statistics import Share
-from lta_report.drawing import blank
+from lta_flight.sweep.statistics import ShareInterval
+from lta_report.drawing import create_figure
 from lta_report.palette import ESTIMATE, GOOD, INK, LAMP, PAPER, SOFT, TIME, TRUTH
-from lta_studies.light.evaluation import paper, pilot, words
-from lta_studies.light.evaluation.cells import Cell, pilots
-from lta_studies.light.evaluation.intervals import Mean
-from lta_studies.light.evaluation.sets import Axis
+from lta_studies.light.evaluation import labels, paper, pilot
+from lta_studies.light.evaluation.cells import EvaluationCell, select_pilot_cells
+from lta_studies.light.evaluation.intervals import BootstrapMean
+from lta_studies.light.evaluation.sets import EvaluationAxis
 from plotly.graph_objects import Figure, Scatter
 
 COLOURS: Final[Mapping[str, str]] = {
@@ -20,64 +20,67 @@ COLOURS: Final[Mapping[str, str]] = {
 SYMBOLS: Final[Mapping[str, str]] = {
     'bag': 'circle', 'dga': 'square', 'des': 'diamond', 'homing': 'triangle-up', pilot.NAME: 'x',
 }  # fmt: skip
-Interval = Mean | Share
+Interval = BootstrapMean | ShareInterval
 APART: Final = 0.012  # of the axis, between the marks of two strategies at one place
 WANTED: Final = {'dash': '4px,3px', 'color': SOFT, 'width': 1.2}
 LEGEND: Final = {'orientation': 'h', 'x': 0, 'y': 1.02, 'xanchor': 'left', 'yanchor': 'bottom'}
 
 
-def colour(strategy: str) -> str:
+def strategy_color(strategy: str) -> str:
     """Return the colour of a strategy, the same in every picture."""
     return COLOURS.get(strategy, TIME[0])
 
 
-def spread(values: Sequence[Interval], colour: str) -> dict[str, Any]:
+def build_error_bars(values: Sequence[Interval], colour: str) -> dict[str, Any]:
     """Return error bars from intervals."""
     return {
         'type': 'data', 'symmetric': False, 'thickness': 1.4, 'width': 5, 'color': colour,
-        'array': [bounded(each.high - each.value) for each in values],
-        'arrayminus': [bounded(each.value - each.low) for each in values],
+        'array': [finite_length(each.high - each.value) for each in values],
+        'arrayminus': [finite_length(each.value - each.low) for each in values],
     }  # fmt: skip
 
 
-def bounded(length: float) -> float | None:
+def finite_length(length: float) -> float | None:
     """Return the length of an error bar, None where there is none."""
     return None if math.isnan(length) else length
 
 
-def marks(
+def build_markers(
     name: str, x: Sequence[Any], values: Sequence[Interval], *, joined: bool, legend: bool
 ) -> Scatter:
     """Return the figures of one strategy with their intervals."""
-    shade = colour(name)
+    shade = strategy_color(name)
     return Scatter(
-        x=list(x), y=[bounded(each.value) for each in values], error_y=spread(values, shade),
-        mode='lines+markers' if joined else 'markers', name=words.strategy(name),
+        x=list(x), y=[finite_length(each.value) for each in values],
+        error_y=build_error_bars(values, shade),
+        mode='lines+markers' if joined else 'markers', name=labels.label_strategy(name),
         line={'color': shade, 'width': 1.4}, showlegend=legend, legendgroup=name,
         marker={'color': shade, 'size': 8, 'symbol': SYMBOLS.get(name, 'circle')},
         hovertemplate='%{y:.3~g}',
     )  # fmt: skip
 
 
-def beside_paper(cells: Sequence[Cell]) -> Figure:
+def plot_paper_comparison(cells: Sequence[EvaluationCell]) -> Figure:
     """Return path, time and success of each strategy indoors, the paper's flights beside them."""
-    figure = blank(3, [0.42, 0.34, 0.24])
+    figure = create_figure(3, [0.42, 0.34, 0.24])
     for cell in cells:
-        name = words.strategy(cell.strategy)
+        name = labels.label_strategy(cell.strategy)
         shown: tuple[Interval, ...] = (
             cell.mean('path_length'),
             cell.mean('search_time'),
-            cell.reached,
+            cell.reached_share,
         )
         for row, value in enumerate(shown, start=1):
             figure.add_trace(
-                marks(cell.strategy, [name], [value], joined=False, legend=False), row=row, col=1
+                build_markers(cell.strategy, [name], [value], joined=False, legend=False),
+                row=row,
+                col=1,
             )
     known = [cell.strategy for cell in cells if cell.strategy in paper.INDOORS]
     for row, part in enumerate(('path', 'time'), start=1):
         figure.add_trace(
             Scatter(
-                x=[words.strategy(name) for name in known],
+                x=[labels.label_strategy(name) for name in known],
                 y=[getattr(paper.INDOORS[name], part) for name in known],
                 mode='markers', name='paper, one flight', showlegend=row == 1,
                 marker={'symbol': 'star', 'size': 11, 'color': PAPER,
@@ -88,38 +91,40 @@ def beside_paper(cells: Sequence[Cell]) -> Figure:
         )  # fmt: skip
     figure.update_yaxes(title_text='path [m]', rangemode='tozero', row=1)
     figure.update_yaxes(title_text='time [s]', rangemode='tozero', row=2)
-    as_shares(figure, 3)
+    set_share_axis(figure, 3)
     figure.update_xaxes(type='category')
     return figure.update_layout(
         hovermode='closest', showlegend=True, legend=LEGEND, margin={'r': 16, 't': 26}
     )
 
 
-def as_shares(figure: Figure, row: int) -> None:
+def set_share_axis(figure: Figure, row: int) -> None:
     """Make the axis of a row one of shares."""
     figure.update_yaxes(
         title_text='reached', range=[-0.06, 1.06], tickvals=[0, 0.5, 1], tickformat='.0%', row=row
     )
 
 
-def along(cells: Sequence[Cell], axis: Axis) -> Figure:
+def plot_along_axis(cells: Sequence[EvaluationCell], axis: EvaluationAxis) -> Figure:
     """Return who reaches the lamp along an axis, and over which path; a row a family of cases."""
-    families = families_of(cells)
-    piloted = bool(pilots(cells))
-    figure = blank(len(families) + piloted, None)
+    families = group_by_family(cells)
+    piloted = bool(select_pilot_cells(cells))
+    figure = create_figure(len(families) + piloted, None)
     places = sorted({cell.place for cell in cells})
     seen: set[str] = set()
     for row, (family, own) in enumerate(families.items(), start=1):
-        for name, line in by_strategy(own).items():
-            x = apart(line, places, axis, name)
-            shares = [cell.reached for cell in line]
+        for name, line in group_by_strategy(own).items():
+            x = offset_places(line, places, axis, name)
+            shares = [cell.reached_share for cell in line]
             figure.add_trace(
-                marks(name, x, shares, joined=True, legend=name not in seen), row=row, col=1
+                build_markers(name, x, shares, joined=True, legend=name not in seen),
+                row=row,
+                col=1,
             )
             seen.add(name)
-        as_shares(figure, row)
+        set_share_axis(figure, row)
         if family:
-            figure.update_yaxes(title_text=wrapped(words.factor(family)), row=row)
+            figure.update_yaxes(title_text=wrap_text(labels.label_factor(family)), row=row)
     if piloted:
         add_ratios(figure, cells, places, axis, len(families) + 1)
     last = len(families) + piloted
@@ -135,29 +140,35 @@ def along(cells: Sequence[Cell], axis: Axis) -> Figure:
 
 
 def add_ratios(
-    figure: Figure, cells: Sequence[Cell], places: Sequence[float], axis: Axis, row: int
+    figure: Figure,
+    cells: Sequence[EvaluationCell],
+    places: Sequence[float],
+    axis: EvaluationAxis,
+    row: int,
 ) -> None:
     """Draw the path of each strategy over the pilot's; of all families together."""
-    best = pilots(cells)
+    best = select_pilot_cells(cells)
     worst = 1.5
-    for name, line in by_strategy(cells).items():
+    for name, line in group_by_strategy(cells).items():
         if name == pilot.NAME:
             continue
-        ratios = [cell.against(best.get(cell.case)) for cell in line]
-        x = apart(line, places, axis, name)
-        figure.add_trace(marks(name, x, ratios, joined=False, legend=False), row=row, col=1)
+        ratios = [cell.ratio_to(best.get(cell.case)) for cell in line]
+        x = offset_places(line, places, axis, name)
+        figure.add_trace(
+            build_markers(name, x, ratios, joined=False, legend=False), row=row, col=1
+        )
         worst = max([worst, *(each.value for each in ratios if each.value == each.value)])
     figure.add_hline(y=1.0, line={'color': SOFT, 'width': 1}, row=row, col=1)
     figure.update_yaxes(title_text='path / pilot', range=[0.8, min(1.1 * worst, 4.0)], row=row)
 
 
-def families_of(cells: Sequence[Cell]) -> dict[str, list[Cell]]:
+def group_by_family(cells: Sequence[EvaluationCell]) -> dict[str, list[EvaluationCell]]:
     """Return cells by family; what has none stands in all of them."""
     names = list(dict.fromkeys(cell.family for cell in cells if cell.family)) or ['']
     return {name: [cell for cell in cells if cell.family in {name, ''}] for name in names}
 
 
-def by_strategy(cells: Sequence[Cell]) -> dict[str, list[Cell]]:
+def group_by_strategy(cells: Sequence[EvaluationCell]) -> dict[str, list[EvaluationCell]]:
     """Return cells by strategy, along the axis."""
     ordered = sorted(cells, key=lambda cell: (cell.strategy, cell.place))
     grouped = groupby(ordered, key=lambda cell: cell.strategy)
@@ -165,7 +176,9 @@ def by_strategy(cells: Sequence[Cell]) -> dict[str, list[Cell]]:
     return {cell.strategy: own[cell.strategy] for cell in cells}
 
 
-def apart(line: Sequence[Cell], places: Sequence[float], axis: Axis, name: str) -> list[float]:
+def offset_places(
+    line: Sequence[EvaluationCell], places: Sequence[float], axis: EvaluationAxis, name: str
+) -> list[float]:
     """Return where the cells of a strategy are drawn, a little beside those of others."""
     order = list(COLOURS).index(name) if name in COLOURS else len(COLOURS)
     span = len(places) - 1.0 if axis.decades else places[-1] - places[0]
@@ -173,29 +186,29 @@ def apart(line: Sequence[Cell], places: Sequence[float], axis: Axis, name: str) 
     return [(places.index(cell.place) if axis.decades else cell.place) + shift for cell in line]
 
 
-def factors(cells: Sequence[Cell]) -> Figure:
+def plot_factors(cells: Sequence[EvaluationCell]) -> Figure:
     """Return the mean path of each strategy with one factor changed at a time."""
-    figure = blank(2, [0.62, 0.38])
+    figure = create_figure(2, [0.62, 0.38])
     cases = list(dict.fromkeys(cell.case for cell in cells))
-    for name, line in by_strategy(cells).items():
+    for name, line in group_by_strategy(cells).items():
         order = list(COLOURS).index(name) if name in COLOURS else len(COLOURS)
         x = [cases.index(cell.case) + 0.09 * (order - 2) for cell in line]
         paths = [cell.mean('path_length') for cell in line]
-        figure.add_trace(marks(name, x, paths, joined=False, legend=True), row=1, col=1)
-        shares = [cell.reached for cell in line]
-        figure.add_trace(marks(name, x, shares, joined=False, legend=False), row=2, col=1)
+        figure.add_trace(build_markers(name, x, paths, joined=False, legend=True), row=1, col=1)
+        shares = [cell.reached_share for cell in line]
+        figure.add_trace(build_markers(name, x, shares, joined=False, legend=False), row=2, col=1)
     figure.update_yaxes(title_text='path [m]', rangemode='tozero', row=1)
-    as_shares(figure, 2)
+    set_share_axis(figure, 2)
     figure.update_xaxes(
         tickvals=list(range(len(cases))), range=[-0.5, len(cases) - 0.5],
-        ticktext=[wrapped(words.factor(case)) for case in cases],
+        ticktext=[wrap_text(labels.label_factor(case)) for case in cases],
     )  # fmt: skip
     return figure.update_layout(
         hovermode='closest', showlegend=True, legend=LEGEND, margin={'r': 16, 't': 26, 'b': 64}
     )
 
 
-def wrapped(text: str, width: int = 16) -> str:
+def wrap_text(text: str, width: int = 16) -> str:
     """Return words in lines of about so many letters, as plotly breaks them."""
     lines = ['']
     for word in text.split():

@@ -15,8 +15,14 @@ flying. Its path is what others are measured by.
 
 import math
 
-from lta_control.attitude import heading as heading_of
-from lta_control.strategies.protocol import Course, CruiseSettings, Memory, Sight, Strategy
+from lta_control.attitude import yaw_from_quaternion as heading_of
+from lta_control.strategies.protocol import (
+    CruiseSettings,
+    LightSight,
+    Memory,
+    NavigationStrategy,
+    SteeringCommand,
+)
 from lta_model.state import QUATERNION
 from lta_sim.world import World
 
@@ -25,7 +31,7 @@ EDDIES = 5.0  # s; over so much, the wind at the hull is averaged
 LEAST = 0.5  # of the cruise speed, over ground, before the pilot flies faster
 
 
-def pilot(world: World, top: float) -> Strategy:
+def build_pilot_strategy(world: World, top: float) -> NavigationStrategy:
     """
     Return a strategy that looks at the world instead of the light.
 
@@ -42,24 +48,28 @@ def pilot(world: World, top: float) -> Strategy:
     def start(heading: float) -> Memory:
         return (heading,)
 
-    def steer(settings: CruiseSettings, memory: Memory, sight: Sight) -> tuple[Course, Memory]:
+    def steer(
+        settings: CruiseSettings, memory: Memory, sight: LightSight
+    ) -> tuple[SteeringCommand, Memory]:
         towards = math.atan2(lamp_y - float(world.state[1]), lamp_x - float(world.state[0]))
         c, s = math.cos(towards), math.sin(towards)
         x, y, _ = world.wind
         if len(memory) > 1:
             share = min(sight.interval / EDDIES, 1.0)
             x, y = memory[1] + share * (x - memory[1]), memory[2] + share * (y - memory[2])
-        along, left = through_air(x * c + y * s, y * c - x * s, settings.speed, top)
+        along, left = solve_wind_triangle(x * c + y * s, y * c - x * s, settings.speed, top)
         qx, qy, qz, qw = world.state[QUATERNION].tolist()
         # The drone counts its heading from where it began; the pilot sees both.
         turn = towards + math.atan2(left, along) - heading_of((qx, qy, qz, qw))
         heading = sight.heading + math.remainder(turn, math.tau)
-        return Course(heading, math.hypot(along, left)), (heading, x, y)
+        return SteeringCommand(heading, math.hypot(along, left)), (heading, x, y)
 
-    return Strategy(NAME, start, steer)
+    return NavigationStrategy(NAME, start, steer)
 
 
-def through_air(with_it: float, across: float, cruise: float, top: float) -> tuple[float, float]:
+def solve_wind_triangle(
+    with_it: float, across: float, cruise: float, top: float
+) -> tuple[float, float]:
     """
     Return the air velocity that keeps a straight track: along the way, and left of it. [m/s]
 

@@ -1,43 +1,55 @@
 """docs/navigation_scores.md: every figure of the evaluation, and the command that repeats it."""
 
 from lta_studies.light.evaluation import tables
-from lta_studies.light.evaluation.findings import Findings
+from lta_studies.light.evaluation.findings import EvaluationFindings
 from lta_studies.light.evaluation.page import METHOD
-from lta_studies.light.evaluation.sets import flight_set, INDOORS, SETS, WINDS
-from lta_studies.light.evaluation.tables import markdown
+from lta_studies.light.evaluation.sets import find_flight_set, INDOORS, SETS, WINDS
+from lta_studies.light.evaluation.tables import format_markdown_table
 
 
-def page(found: Findings) -> str:
+def format_scores_page(findings: EvaluationFindings) -> str:
     """Return the whole page as Markdown."""
-    some = '' if len(found.cells) == len(SETS) else f' --sets {" ".join(found.cells)}'
-    command = f'lta light evaluate --seeds {found.seeds}{some} --markdown'
+    some = '' if len(findings.cells) == len(SETS) else f' --sets {" ".join(findings.cells)}'
+    command = f'lta light evaluate --seeds {findings.seeds}{some} --markdown'
     parts = [
         '# Scores of navigation',
-        f'Written by `{command}`: {found.count}. What the sets are and how to read them: '
+        f'Written by `{command}`: {findings.flight_count_text}. What the sets are and how to read '
+        f'them: '
         '[navigation.md](navigation.md).',
         '![Path, time and success of each strategy](images/evaluate.png)',
         '## Beside the paper',
-        markdown(tables.PAPER_HEADS, tables.beside_paper(found.cells.get(INDOORS, []))).rstrip(),
+        format_markdown_table(
+            tables.PAPER_HEADS, tables.build_paper_lines(findings.cells.get(INDOORS, []))
+        ).rstrip(),
         *(
-            markdown(tables.OUTDOOR_HEADS, tables.outdoors(found.cells[name])).rstrip()
-            for name in found.cells
+            format_markdown_table(
+                tables.OUTDOOR_HEADS, tables.build_wind_lines(findings.cells[name])
+            ).rstrip()
+            for name in findings.cells
             if name == WINDS
         ),
-        *found.cautions,
+        *findings.cautions,
         '## What makes the order',
-        found.statement,
+        findings.statement,
     ]
-    if found.ablations:
-        parts.append(markdown(tables.ORDER_HEADS, tables.order_lines(found.ablations)).rstrip())
-    wanted = tables.targets(found.cells, found.ours)
+    if findings.ablations:
+        parts.append(
+            format_markdown_table(
+                tables.ORDER_HEADS, tables.build_order_lines(findings.ablations)
+            ).rstrip()
+        )
+    wanted = tables.build_target_lines(findings.cells, findings.own_strategy)
     if wanted:
         parts += [
             '## What our strategy was to reach',
-            markdown(tables.TARGET_HEADS, wanted).rstrip(),
+            format_markdown_table(tables.TARGET_HEADS, wanted).rstrip(),
         ]
     parts += ['## Every figure', METHOD]
-    for name, cells in found.cells.items():
-        part = flight_set(name)
+    for name, cells in findings.cells.items():
+        part = find_flight_set(name)
         head = f'### {part.title}\n\n{part.about} Sweep `{part.file}`.'
-        parts += [head, markdown(tables.HEADS, tables.lines(name, cells)).rstrip()]
+        parts += [
+            head,
+            format_markdown_table(tables.HEADS, tables.build_set_lines(name, cells)).rstrip(),
+        ]
     return '\n\n'.join(parts) + '\n'

@@ -5,14 +5,14 @@ from dataclasses import dataclass
 import math
 from typing import Final, final
 
-from lta_config.errors import unknown
+from lta_config.errors import unknown_name
 from lta_config.quantity import Quantity
-from lta_flight.ingredients import Ingredients
+from lta_flight.flight_spec import FlightSpec
 
 
 @final
 @dataclass(frozen=True, slots=True)
-class Axis:
+class EvaluationAxis:
     """
     What a set varies, as a number of each flight.
 
@@ -29,7 +29,7 @@ class Axis:
 
     title: str
     unit: str
-    place: Callable[[Ingredients], float]
+    place: Callable[[FlightSpec], float]
     decades: bool = False
 
 
@@ -55,40 +55,40 @@ class FlightSet:
     file: str
     title: str
     about: str
-    axis: Axis | None = None
+    axis: EvaluationAxis | None = None
     piloted: bool = True
 
 
-def si_at(made_of: Ingredients, path: str) -> tuple[float, ...]:
+def read_quantity(spec: FlightSpec, path: str) -> tuple[float, ...]:
     """Return the numbers that stand at a path, in SI."""
-    return Quantity.model_validate(made_of.held(path)).vector
+    return Quantity.model_validate(spec.read_value(path)).vector
 
 
-def distance(made_of: Ingredients) -> float:
+def lamp_distance(spec: FlightSpec) -> float:
     """Return how far the lamp is at the start. [m]"""
-    x, y = si_at(made_of, 'scenario.start.position')
-    there = si_at(made_of, 'scenario.lamp.position')
+    x, y = read_quantity(spec, 'scenario.start.position')
+    there = read_quantity(spec, 'scenario.lamp.position')
     return math.hypot(there[0] - x, there[1] - y)
 
 
-def reference_wind(made_of: Ingredients) -> float:
+def reference_wind(spec: FlightSpec) -> float:
     """Return the wind at the reference height. [m/s]"""
-    return si_at(made_of, 'scenario.air.profile.wind')[0]
+    return read_quantity(spec, 'scenario.air.profile.wind')[0]
 
 
-def roughness(made_of: Ingredients) -> float:
+def ground_roughness(spec: FlightSpec) -> float:
     """Return the roughness of the ground. [m]"""
-    return si_at(made_of, 'scenario.air.profile.roughness')[0]
+    return read_quantity(spec, 'scenario.air.profile.roughness')[0]
 
 
-def uniform_wind(made_of: Ingredients) -> float:
+def uniform_wind(spec: FlightSpec) -> float:
     """Return the mean wind. [m/s]"""
-    return math.hypot(*si_at(made_of, 'scenario.air.wind'))
+    return math.hypot(*read_quantity(spec, 'scenario.air.wind'))
 
 
-def ambient(made_of: Ingredients) -> float:
+def ambient_light(spec: FlightSpec) -> float:
     """Return the steady ambient light. [lx]"""
-    return si_at(made_of, 'scenario.ambient.steady')[0]
+    return read_quantity(spec, 'scenario.ambient.steady')[0]
 
 
 INDOORS: Final = 'indoors'
@@ -104,25 +104,25 @@ SETS: Final[dict[str, FlightSet]] = {
     WINDS: FlightSet(
         'light_reference_winds', 'Against reference winds',
         'Wind at 10 m over a roughness of 0.3 m, from the lamp to the start; told to fly 1 m/s.',
-        Axis('wind at 10 m', 'm/s', reference_wind),
+        EvaluationAxis('wind at 10 m', 'm/s', reference_wind),
     ),
     ROUGHNESS: FlightSet(
         'light_roughness', 'The same 8 m/s over other ground',
         'The paper names no roughness; so near the ground it decides what the hull meets.',
-        Axis('roughness', 'm', roughness),
+        EvaluationAxis('roughness', 'm', ground_roughness),
     ),
     UNIFORM: FlightSet(
         'light_uniform_winds', 'In uniform wind',
         'Mean plus one standard deviation up to 0.9 of the airspeed that the vehicle can fly.',
-        Axis('mean wind', 'm/s', uniform_wind),
+        EvaluationAxis('mean wind', 'm/s', uniform_wind),
     ),
     'range': FlightSet(
         'light_range', 'From 2 to 15 m', 'On an open field in still air.',
-        Axis('distance', 'm', distance), piloted=False,
+        EvaluationAxis('distance', 'm', lamp_distance), piloted=False,
     ),
     'ambient': FlightSet(
         'light_ambient', 'From dark to full sun', 'From 7 m, on an open field in still air.',
-        Axis('ambient light', 'lx', ambient, decades=True), piloted=False,
+        EvaluationAxis('ambient light', 'lx', ambient_light, decades=True), piloted=False,
     ),
     'door': FlightSet(
         'light_door', 'Out of a building',
@@ -135,8 +135,8 @@ SETS: Final[dict[str, FlightSet]] = {
 }  # fmt: skip
 
 
-def flight_set(name: str) -> FlightSet:
+def find_flight_set(name: str) -> FlightSet:
     """Return a set; an unknown name is a `BadInput` that lists the known ones."""
     if name not in SETS:
-        raise unknown('set', name, list(SETS))
+        raise unknown_name('set', name, list(SETS))
     return SETS[name]

@@ -6,14 +6,14 @@ from typing import final
 
 from lta_flight.loop_view import LoopView
 from lta_flight.report.room import draw_room
-from lta_flight.sweep.plan import Plan
+from lta_flight.sweep.plan import SweepPlan
 from lta_model.scenario import Scenario
 from lta_report.curves import Array
-from lta_report.drawing import blank
-from lta_studies.light.evaluation import words
-from lta_studies.light.evaluation.cells import Cell
-from lta_studies.light.evaluation.flying import begun, whole
-from lta_studies.light.evaluation.pictures import colour, LEGEND
+from lta_report.drawing import create_figure
+from lta_studies.light.evaluation import labels
+from lta_studies.light.evaluation.cells import EvaluationCell
+from lta_studies.light.evaluation.flights import complete_job, prepare_flight
+from lta_studies.light.evaluation.pictures import LEGEND, strategy_color
 import numpy as np
 from plotly.graph_objects import Figure, Scatter
 
@@ -23,7 +23,7 @@ MARGIN = 0.25  # m of paper around the room
 
 @final
 @dataclass(frozen=True, slots=True)
-class Drawn:
+class EvaluationTrack:
     """The way of one flight over the ground by time. [s], [m, map]"""
 
     strategy: str
@@ -33,41 +33,43 @@ class Drawn:
     reached: bool
 
 
-def shown_seed(cells: Sequence[Cell]) -> int:
+def select_seed(cells: Sequence[EvaluationCell]) -> int:
     """Return the first seed with which the most strategies reach the lamp."""
     seeds = sorted({seed for cell in cells for seed in cell.rows})
     return max(seeds, key=lambda seed: (sum(seed in cell.arrivals for cell in cells), -seed))
 
 
-def fly_again(plan: Plan, cells: Sequence[Cell], seed: int) -> tuple[list[Drawn], Scenario]:
+def fly_again(
+    plan: SweepPlan, cells: Sequence[EvaluationCell], seed: int
+) -> tuple[list[EvaluationTrack], Scenario]:
     """Return the flights of one seed, flown again: rows keep figures, not tracks."""
     drawn = []
     for cell in cells:
         if seed not in cell.rows:
             continue
         row = cell.rows[seed]
-        loop = begun(whole(plan, plan.job(row.index), row.index))
+        loop = prepare_flight(complete_job(plan, plan.build_job(row.index), row.index))
         view = LoopView(loop)
-        for _ in loop.flight():
-            view.take()
+        for _ in loop.iterate_steps():
+            view.record_step()
         truth = view.truth
         keep = slice(None, None, max(1, len(truth.x) // BEADS))
         way = (truth.time[keep], truth.x[keep], truth.y[keep])
-        drawn.append(Drawn(cell.strategy, *way, seed in cell.arrivals))
+        drawn.append(EvaluationTrack(cell.strategy, *way, seed in cell.arrivals))
     return drawn, loop.world.scenario
 
 
-def picture(flown: Sequence[Drawn], scenario: Scenario, height: float) -> Figure:
+def plot_tracks(tracks: Sequence[EvaluationTrack], scenario: Scenario, height: float) -> Figure:
     """Return the ways of some flights in their room."""
-    figure = blank()
+    figure = create_figure()
     draw_room(figure, scenario, height)
     figure.update_traces(showlegend=False)
-    for each in flown:
-        shade = colour(each.strategy)
+    for each in tracks:
+        shade = strategy_color(each.strategy)
         figure.add_trace(
             Scatter(
                 x=each.x.astype(np.float32), y=each.y.astype(np.float32), mode='lines',
-                name=words.strategy(each.strategy), line={'color': shade, 'width': 1.8},
+                name=labels.label_strategy(each.strategy), line={'color': shade, 'width': 1.8},
                 showlegend=True, hoverinfo='name',
             )
         )  # fmt: skip

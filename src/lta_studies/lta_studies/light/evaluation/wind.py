@@ -11,28 +11,28 @@ from typing import Final
 
 from lta_config.quantity import Quantity
 from lta_control.cascade import CascadeGains
-from lta_flight.ingredients import Ingredients, parts_of
+from lta_flight.flight_spec import build_parts, FlightSpec
 from lta_model.vehicle import load_vehicle
 from lta_sim import wind_limits
 
 ALLOWED: Final = 0.9  # of the top airspeed, up to which a strategy has to reach the lamp
 
 
-def share_of_top(made_of: Ingredients) -> float:
+def wind_to_airspeed_ratio(spec: FlightSpec) -> float:
     """Return mean wind plus one deviation at the hull, over the top airspeed. [1]"""
-    vehicle, scenario, policy = parts_of(made_of)
+    vehicle, scenario, policy = build_parts(spec)
     air = scenario.air
     mean = math.hypot(*air.wind.vector)
     if scenario.outside is not None:
         mean = max(mean, math.hypot(*scenario.outside.wind.vector))
     if (profile := air.profile) is not None:
-        mean += profile.wind.si * wind_limits.share_at_hull(
+        mean += profile.wind.si * wind_limits.wind_share_at_hull(
             vehicle, policy.mission.altitude, profile.height.si, profile.roughness.si
         )
     turbulence = air.turbulence
     intensity = getattr(turbulence, 'intensity', None)
     deviation = max(intensity.vector) if isinstance(intensity, Quantity) else 0.0
-    top = level_airspeed(made_of.names['vehicle'], air.density)
+    top = level_airspeed(spec.names['vehicle'], air.density)
     if isinstance(policy.gains, CascadeGains):
         top = min(top, policy.gains.speed_limit)
     return (mean + deviation) / top
@@ -41,4 +41,4 @@ def share_of_top(made_of: Ingredients) -> float:
 @cache
 def level_airspeed(vehicle: str, density: float) -> float:
     """Return the airspeed up to which a vehicle flies level, by its numbers. [m/s]"""
-    return wind_limits.static_limit(load_vehicle(vehicle, density))
+    return wind_limits.static_wind_limit(load_vehicle(vehicle, density))

@@ -5,14 +5,14 @@ from html import escape
 from pathlib import Path
 from typing import Final
 
-from lta_bridge.provenance import commit
-from lta_config.typed import typed
-from lta_report.drawing import blank
+from lta_bridge.provenance import read_commit
+from lta_config.command_line import format_lta_command
+from lta_report.drawing import create_figure
 from lta_report.formatting import Tile
-from lta_report.frame import framed, written
+from lta_report.page_frame import assemble_page, write_file
+from lta_report.page_parts import render_section, render_tile
 from lta_report.palette import ESTIMATE, GOOD, LAMP, SETPOINT, SOFT, TRUTH, WALL
-from lta_report.pieces import section, tile_html
-from lta_studies.light.link.measured import At, Link
+from lta_studies.light.link.link_budget import LampLink, LinkPoint
 from plotly.graph_objects import Figure, Scatter
 
 COLOURS: Final = (TRUTH, ESTIMATE, GOOD, LAMP, SETPOINT)
@@ -34,59 +34,59 @@ METHOD: Final = (
 )
 
 
-def write_page(found: Sequence[Link], again: str, vehicle: str, out: Path) -> Path:
+def write_page(links: Sequence[LampLink], again: str, vehicle: str, out: Path) -> Path:
     """Write the page and return where it is; `BadInput` where it cannot be written."""
-    return written(page(found, again, vehicle), out)
+    return write_file(render_page(links, again, vehicle), out)
 
 
-def page(found: Sequence[Link], again: str, vehicle: str) -> str:
+def render_page(links: Sequence[LampLink], again: str, vehicle: str) -> str:
     """Return the whole page; `again` is what to type to find it again."""
-    first = found[0].scenario
-    return framed(
+    first = links[0].scenario
+    return assemble_page(
         'light_link.html',
-        title=escape(title(found)),
+        title=escape(format_title(links)),
         kicker=escape(f'light link · {vehicle}'),
         about='Light and signal-to-noise ratio of a lamp against the distance from it.',
-        tiles='\n'.join(tile_html(*each) for each in tiles(found)),
-        lux=section('lux', 'Light on the diodes', LUX, lux_picture(found)),
-        snr=section('snr', 'Signal-to-noise ratio', SNR, snr_picture(found)),
-        table=''.join(table_html(each) for each in found),
+        tiles='\n'.join(render_tile(*each) for each in build_tiles(links)),
+        lux=render_section('lux', 'Light on the diodes', LUX, plot_lux(links)),
+        snr=render_section('snr', 'Signal-to-noise ratio', SNR, plot_snr(links)),
+        table=''.join(render_table(each) for each in links),
         method=escape(METHOD),
-        facts={'vehicle': vehicle, 'commit': commit()},
+        facts={'vehicle': vehicle, 'commit': read_commit()},
         commands={
             'Find it again': again,
-            'Fly in the first scene': typed('simulate', '--scenario', first),
+            'Fly in the first scene': format_lta_command('simulate', '--scenario', first),
         },
     )  # fmt: skip
 
 
-def nearest(link: Link) -> At:
+def find_reference_point(link: LampLink) -> LinkPoint:
     """Return the link nearest to the paper's distance."""
     return min(link.at, key=lambda at: abs(at.distance - PAPER_DISTANCE))
 
 
-def title(found: Sequence[Link]) -> str:
+def format_title(links: Sequence[LampLink]) -> str:
     """Return what came out, in a sentence."""
-    told = [f'{nearest(each).snr:.0f} in {each.scenario}' for each in found]
-    distances = {f'{nearest(each).distance:g}' for each in found}
+    told = [f'{find_reference_point(each).snr:.0f} in {each.scenario}' for each in links]
+    distances = {f'{find_reference_point(each).distance:g}' for each in links}
     return f'At {"/".join(sorted(distances))} m the SNR is {", ".join(told)}.'
 
 
-def tiles(found: Sequence[Link]) -> list[Tile]:
+def build_tiles(links: Sequence[LampLink]) -> list[Tile]:
     """Return light and SNR of each scene at the paper's distance."""
     made = []
-    for each in found:
-        at = nearest(each)
+    for each in links:
+        at = find_reference_point(each)
         note = f'direct, at {at.distance:g} m; paper: several tens'
         made.append(Tile(each.scenario, f'{at.lux:.0f}', 'lx', note))
         made.append(Tile(each.scenario, f'{at.snr:.0f}', '', f'SNR at {at.distance:g} m'))
     return made
 
 
-def lux_picture(found: Sequence[Link]) -> Figure:
+def plot_lux(links: Sequence[LampLink]) -> Figure:
     """Return light against distance."""
-    figure = drawn(found, lambda at: at.read, '%{y:.3g} lx')
-    for k, link in enumerate(found):
+    figure = plot_links(links, lambda at: at.read, '%{y:.3g} lx')
+    for k, link in enumerate(links):
         figure.add_trace(
             Scatter(
                 x=[at.distance for at in link.at], y=[at.lux for at in link.at], mode='lines',
@@ -102,9 +102,9 @@ def lux_picture(found: Sequence[Link]) -> Figure:
     return figure
 
 
-def snr_picture(found: Sequence[Link]) -> Figure:
+def plot_snr(links: Sequence[LampLink]) -> Figure:
     """Return SNR against distance."""
-    figure = drawn(found, lambda at: at.snr, 'SNR %{y:.3g}')
+    figure = plot_links(links, lambda at: at.snr, 'SNR %{y:.3g}')
     figure.add_shape(
         type='line', x0=0.0, x1=1.0, xref='paper', y0=NEEDED, y1=NEEDED, layer='below',
         line={'color': SOFT, 'width': 1, 'dash': '2px,3px'},
@@ -113,10 +113,12 @@ def snr_picture(found: Sequence[Link]) -> Figure:
     return figure
 
 
-def drawn(found: Sequence[Link], figure_of: Callable[[At], float], words: str) -> Figure:
+def plot_links(
+    links: Sequence[LampLink], figure_of: Callable[[LinkPoint], float], words: str
+) -> Figure:
     """Return one line a scene, on logarithmic axes."""
-    figure = blank()
-    for k, link in enumerate(found):
+    figure = create_figure()
+    for k, link in enumerate(links):
         figure.add_trace(
             Scatter(
                 x=[at.distance for at in link.at], y=[figure_of(at) for at in link.at],
@@ -124,7 +126,7 @@ def drawn(found: Sequence[Link], figure_of: Callable[[At], float], words: str) -
                 line={'color': COLOURS[k % len(COLOURS)], 'width': 1.6}, showlegend=True,
             )
         )  # fmt: skip
-    ticks = [at.distance for at in max(found, key=lambda link: len(link.at)).at]
+    ticks = [at.distance for at in max(links, key=lambda link: len(link.at)).at]
     figure.update_xaxes(
         type='log', title_text='distance from the lamp [m]', tickvals=ticks,
         ticktext=[f'{each:g}' for each in ticks],
@@ -137,19 +139,19 @@ def drawn(found: Sequence[Link], figure_of: Callable[[At], float], words: str) -
 HEADS: Final = ('distance [m]', 'direct [lx]', 'read [lx]', 'echo [lx]', 'steady [lx]', 'SNR')
 
 
-def cells(at: At) -> list[str]:
+def format_row(at: LinkPoint) -> list[str]:
     """Return one row as text."""
     snr = f'{at.snr:.1f}' + (' clipped' if at.clipped else '')
     numbers = (at.lux, at.read, at.echo, at.steady)
     return [f'{at.distance:g}', *(f'{number:.1f}' for number in numbers), snr]
 
 
-def table_html(link: Link) -> str:
+def render_table(link: LampLink) -> str:
     """Return the link of one scene."""
     head = ''.join(f'<th scope="col">{each}</th>' for each in HEADS)
     rows = []
     for at in link.at:
-        first, *rest = cells(at)
+        first, *rest = format_row(at)
         own = ''.join(f'<td>{escape(cell)}</td>' for cell in rest)
         rows.append(f'<tr><th scope="row">{escape(first)}</th>{own}</tr>')
     told = f'{link.scenario}, feedback resistor of {link.feedback / 1e3:g} kohm'

@@ -10,14 +10,16 @@ from collections.abc import Sequence
 import math
 
 from lta_model.light.modulation import NANOSECONDS, SquareWave
-from lta_studies.light.plan.ear import Ear
 from lta_studies.light.plan.polygon import Array
+from lta_studies.light.plan.receiver import LightReceiver
 from lta_vlc.demodulation import find_peaks, plan_bins
 from lta_vlc.spectral.spectrum import amplitude_spectrum
 import numpy as np
 
 
-def crosstalk(ear: Ear, frequencies: Sequence[float], duty: float) -> tuple[Array, Array]:
+def compute_crosstalk(
+    ear: LightReceiver, frequencies: Sequence[float], duty: float
+) -> tuple[Array, Array]:
     """
     Return what a unit wave of each lamp leaves where each other is listened for.
 
@@ -40,7 +42,9 @@ def crosstalk(ear: Ear, frequencies: Sequence[float], duty: float) -> tuple[Arra
     rate, samples = ear.light.sample_rate.si, ear.light.samples
     times = np.rint(np.arange(samples) * (NANOSECONDS / rate)).astype(np.int64)
     lag = 1.0 / (2.0 * math.pi * ear.vehicle.diodes.bandwidth)
-    waves = np.stack([SquareWave(f, duty).lagged(times, lag) for f in frequencies], axis=1)
+    waves = np.stack(
+        [SquareWave(f, duty).sample_filtered(times, lag) for f in frequencies], axis=1
+    )
     spectrum = amplitude_spectrum(waves)
     window, quiet = np.zeros((2, len(frequencies), len(frequencies)))
     for i, frequency in enumerate(frequencies):

@@ -12,7 +12,14 @@ from lta_config.errors import BadInput
 from lta_model.hull import half_axes
 from lta_model.vehicle import Vehicle
 from lta_studies.light.plan.floor_plan import FloorPlan
-from lta_studies.light.plan.polygon import Array, distance, edges_of, inside, Mask, signed_area
+from lta_studies.light.plan.polygon import (
+    Array,
+    distance_to_edges,
+    is_inside,
+    Mask,
+    polygon_edges,
+    signed_area,
+)
 import numpy as np
 
 MOST_CELLS = 200_000
@@ -20,7 +27,7 @@ MOST_CELLS = 200_000
 
 @final
 @dataclass(frozen=True, slots=True)
-class Floor:
+class FloorGrid:
     """
     A hall as cells.
 
@@ -50,19 +57,19 @@ class Floor:
     area: float
 
     @property
-    def centres(self) -> Array:
+    def cell_centers(self) -> Array:
         """The centres of the wanted cells, shape (m, 2). [m]"""
         rows, columns = np.nonzero(self.wanted)
         return np.stack([self.x[columns], self.y[rows]], axis=1)
 
-    def at(self, points: Array) -> tuple[Array, Array]:
+    def locate_cells(self, points: Array) -> tuple[Array, Array]:
         """Return rows and columns of the cells in which points of shape (..., 2) lie."""
         column = np.floor((points[..., 0] - self.x[0]) / self.cell + 0.5)
         row = np.floor((points[..., 1] - self.y[0]) / self.cell + 0.5)
         return row.astype(np.intp), column.astype(np.intp)
 
 
-def floor_of(plan: FloorPlan, vehicle: Vehicle, cell: float) -> Floor:
+def build_floor(plan: FloorPlan, vehicle: Vehicle, cell: float) -> FloorGrid:
     """
     Return the floor of a plan as a vehicle meets it.
 
@@ -92,27 +99,27 @@ def floor_of(plan: FloorPlan, vehicle: Vehicle, cell: float) -> Floor:
         )
     x, y = (low[k] + (np.arange(counts[k]) + 0.5) * cell for k in (0, 1))
     points = np.stack(np.meshgrid(x, y), axis=-1)
-    free = inside(points, corners)
-    radius, lowest = hull_radius(vehicle), plan.altitude.si - vehicle.standing_height
-    in_the_way = [edges_of(corners)]
-    walls = [_faces(corners, plan.height.si)]
+    free = is_inside(points, corners)
+    radius, lowest = hull_radius(vehicle), plan.altitude.si - vehicle.height_on_floor
+    in_the_way = [polygon_edges(corners)]
+    walls = [_wall_faces(corners, plan.height.si)]
     for obstacle in plan.obstacles.values():
         for footprint in obstacle.footprints:
-            walls.append(_faces(footprint, obstacle.height.si))
+            walls.append(_wall_faces(footprint, obstacle.height.si))
             if obstacle.height.si > lowest:
-                free &= ~inside(points, footprint)
-                in_the_way.append(edges_of(footprint))
-    free &= distance(points, np.vstack(in_the_way)) >= radius
+                free &= ~is_inside(points, footprint)
+                in_the_way.append(polygon_edges(footprint))
+    free &= distance_to_edges(points, np.vstack(in_the_way)) >= radius
     wanted = free
     if plan.hear:
-        wanted = free & np.any([inside(points, a.corners) for a in plan.hear.values()], axis=0)
+        wanted = free & np.any([is_inside(points, a.corners) for a in plan.hear.values()], axis=0)
     if not wanted.any():
         raise BadInput(
             f'{vehicle.file.name}, {2 * radius:g} m wide, fits into no cell of {plan.name} where '
             f'it must hear a lamp at {plan.altitude.si:g} m; fly higher than what stands there, '
             'choose smaller cells with --cell, or a smaller vehicle.'
         )
-    return Floor(x, y, cell, free, wanted, np.vstack(walls), abs(signed_area(corners)))
+    return FloorGrid(x, y, cell, free, wanted, np.vstack(walls), abs(signed_area(corners)))
 
 
 def hull_radius(vehicle: Vehicle) -> float:
@@ -123,7 +130,7 @@ def hull_radius(vehicle: Vehicle) -> float:
 def _check_height(plan: FloorPlan, vehicle: Vehicle) -> None:
     """Refuse an altitude at which the vehicle would be in the floor or in the ceiling."""
     altitude, name = plan.altitude.si, vehicle.file.name
-    standing, above = vehicle.standing_height, half_axes(vehicle.file.hull)[2]
+    standing, above = vehicle.height_on_floor, half_axes(vehicle.file.hull)[2]
     if altitude < standing:
         raise BadInput(
             f'{plan.name} is flown at {altitude:g} m, but the hull centre of {name} is at '
@@ -136,6 +143,6 @@ def _check_height(plan: FloorPlan, vehicle: Vehicle) -> None:
         )
 
 
-def _faces(corners: Array, height: float) -> Array:
-    edges = edges_of(corners)
+def _wall_faces(corners: Array, height: float) -> Array:
+    edges = polygon_edges(corners)
     return np.hstack([edges, np.full((len(edges), 1), height)])

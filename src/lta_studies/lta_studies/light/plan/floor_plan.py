@@ -8,31 +8,37 @@ floor to its height; walls reach to the ceiling.
 import math
 from typing import Annotated, final, Literal, Self
 
-from lta_config.files import Record
-from lta_config.quantity import Quantity, si
-from lta_model.light.lamp import order_of
-from lta_model.light.refuse import MOST_EFFICACY
+from lta_config.files import StrictModel
+from lta_config.quantity import Quantity, si_quantity
+from lta_model.light.lamp import lambertian_order
+from lta_model.light.light_checks import MOST_EFFICACY
 from lta_model.scenario_light import AmbientScene
-from lta_studies.light.plan.polygon import Array, distance, edges_of, flaw, inside
+from lta_studies.light.plan.polygon import (
+    Array,
+    distance_to_edges,
+    find_flaw,
+    is_inside,
+    polygon_edges,
+)
 import numpy as np
 from pydantic import AliasChoices, Field, model_validator
 
 Name = Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
-Length = Annotated[Quantity, si('m', above=0.0, high=1000.0)]
+Length = Annotated[Quantity, si_quantity('m', above=0.0, high=1000.0)]
 Albedo = Annotated[float, Field(ge=0.0, lt=1.0)]
 MOST_CORNERS, MOST_ROWS = 1000, 200
 NO_STEP = Quantity(value=(0.0, 0.0), unit='m')
 ON_WALL = 1e-6  # m
 
 
-class Area(Record):
+class FloorArea(StrictModel):
     """A simple polygon, its corners one after the other."""
 
     x: Quantity
     y: Quantity
 
     @model_validator(mode='after')
-    def _simple(self) -> Self:
+    def _check_polygon(self) -> Self:
         across, up = len(self.x.vector), len(self.y.vector)
         if self.x.dimension != 'm' or self.y.dimension != 'm':
             raise ValueError('has corners that are not in m or its like')
@@ -41,7 +47,7 @@ class Area(Record):
                 f'has {across} numbers in x and {up} in y; give as many in both, from 3 to '
                 f'{MOST_CORNERS}'
             )
-        if wrong := flaw(self.corners):
+        if wrong := find_flaw(self.corners):
             raise ValueError(wrong)
         return self
 
@@ -52,15 +58,15 @@ class Area(Record):
 
 
 @final
-class Obstacle(Area):
+class FloorObstacle(FloorArea):
     """What stands on the floor: a rack, a bench, a row of crops; `count` of them, `step` apart."""
 
     height: Length
     count: Annotated[int, Field(ge=1, le=MOST_ROWS)] = 1
-    step: Annotated[Quantity, si('m', low=-1000.0, high=1000.0, length=2)] = NO_STEP
+    step: Annotated[Quantity, si_quantity('m', low=-1000.0, high=1000.0, length=2)] = NO_STEP
 
     @model_validator(mode='after')
-    def _apart(self) -> Self:
+    def _check_step(self) -> Self:
         if self.count > 1 and not any(self.step.vector):
             raise ValueError(f'stands {self.count} times in one place; give the step between them')
         return self
@@ -73,7 +79,7 @@ class Obstacle(Area):
 
 
 @final
-class LampKind(Record):
+class LampKind(StrictModel):
     """
     The lamps to lay out: all alike, at one height.
 
@@ -81,54 +87,54 @@ class LampKind(Record):
     than they hang. `spacing` is that of the places that are tried.
     """
 
-    flux: Annotated[Quantity, si('lm', above=0.0, high=1e7)]
-    half_power: Annotated[Quantity, si('rad', low=math.radians(1.0), high=1.55)]
-    efficacy: Annotated[Quantity, si('lm/W', above=0.0, high=MOST_EFFICACY)]
-    duty: Annotated[Quantity, si('1', low=0.01, high=0.99)]
+    flux: Annotated[Quantity, si_quantity('lm', above=0.0, high=1e7)]
+    half_power: Annotated[Quantity, si_quantity('rad', low=math.radians(1.0), high=1.55)]
+    efficacy: Annotated[Quantity, si_quantity('lm/W', above=0.0, high=MOST_EFFICACY)]
+    duty: Annotated[Quantity, si_quantity('1', low=0.01, high=0.99)]
     height: Length
     facing: Literal['down', 'sideways']
-    spacing: Annotated[Quantity, si('m', low=0.25, high=50.0)]
+    spacing: Annotated[Quantity, si_quantity('m', low=0.25, high=50.0)]
 
     @property
-    def order(self) -> float:
+    def lambertian_order(self) -> float:
         """Lambertian order."""
-        return order_of(self.half_power.si)
+        return lambertian_order(self.half_power.si)
 
 
 @final
-class Standing(Record):
+class ExistingLamp(StrictModel):
     """A lamp that is there already, of the same kind; its frequency is kept where it has one."""
 
-    position: Annotated[Quantity, si('m', low=-1000.0, high=1000.0, length=3)]
-    facing: Annotated[Quantity, si('1', length=3)]
-    frequency: Annotated[Quantity, si('Hz', above=0.0, high=1e5)] | None = None
+    position: Annotated[Quantity, si_quantity('m', low=-1000.0, high=1000.0, length=3)]
+    facing: Annotated[Quantity, si_quantity('1', length=3)]
+    frequency: Annotated[Quantity, si_quantity('Hz', above=0.0, high=1e5)] | None = None
 
     @model_validator(mode='after')
-    def _faces(self) -> Self:
+    def _check_facing(self) -> Self:
         if not any(self.facing.vector):
             raise ValueError('faces [0, 0, 0]; give the direction of the middle of its beam')
         return self
 
 
-class FloorPlan(Record):
+class FloorPlan(StrictModel):
     """A whole floor plan file; `hear` is where the drone must hear a lamp, else everywhere."""
 
     schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
     name: Name
     about: str
-    outline: Area
+    outline: FloorArea
     height: Length
     albedo: Albedo
     altitude: Length
     lamp: LampKind
     ambient: AmbientScene
-    obstacles: dict[Name, Obstacle] = Field(default_factory=dict)
-    hear: dict[Name, Area] = Field(default_factory=dict)
-    forbidden: dict[Name, Area] = Field(default_factory=dict)
-    lamps: dict[Name, Standing] = Field(default_factory=dict)
+    obstacles: dict[Name, FloorObstacle] = Field(default_factory=dict)
+    hear: dict[Name, FloorArea] = Field(default_factory=dict)
+    forbidden: dict[Name, FloorArea] = Field(default_factory=dict)
+    lamps: dict[Name, ExistingLamp] = Field(default_factory=dict)
 
     @model_validator(mode='after')
-    def _fits(self) -> Self:
+    def _check_heights(self) -> Self:
         ceiling, lamp = self.height.si, self.lamp.height.si
         if lamp > ceiling:
             raise ValueError(
@@ -149,8 +155,8 @@ class FloorPlan(Record):
         for name, standing in self.lamps.items():
             x, y, z = standing.position.vector
             place, corners = np.array([x, y]), self.outline.corners
-            off = distance(place, edges_of(corners))
-            if not (inside(place, corners) or off <= ON_WALL) or not 0.0 <= z <= ceiling:
+            off = distance_to_edges(place, polygon_edges(corners))
+            if not (is_inside(place, corners) or off <= ON_WALL) or not 0.0 <= z <= ceiling:
                 raise ValueError(
                     f'has the lamp {name} at ({x:g}, {y:g}, {z:g}) m, outside the hall; correct '
                     'its position'

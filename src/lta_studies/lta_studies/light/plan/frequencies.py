@@ -23,7 +23,7 @@ from typing import Final, final
 
 from lta_config.errors import BadInput
 from lta_studies.light.plan.polygon import Array, Mask
-from lta_vlc.settings import Demodulation
+from lta_vlc.settings import DemodulationSettings
 import numpy as np
 
 LOWEST: Final = 150.0  # Hz, the paper's; slower flicker is seen by people
@@ -34,7 +34,7 @@ ROUNDING: Final = 1e-6  # of a bin
 
 @final
 @dataclass(frozen=True, slots=True)
-class Band:
+class FrequencyBand:
     """
     Where frequencies can be.
 
@@ -60,60 +60,66 @@ class Band:
     duty: float
 
     @property
-    def width(self) -> float:
+    def bin_width(self) -> float:
         """Of a bin. [Hz]"""
         return self.rate / self.samples
 
     @property
-    def half(self) -> float:
+    def half_window(self) -> float:
         """How far a window reaches to either side, with room for rounding. [Hz]"""
-        return (self.window + ROUNDING) * self.width
+        return (self.window + ROUNDING) * self.bin_width
 
-    def harmonics(self, order: int) -> list[int]:
+    def list_harmonics(self, order: int) -> list[int]:
         """Return the harmonics above the first that a wave of this duty has, up to an order."""
         return [n for n in range(2, order + 1) if abs(math.sin(math.pi * n * self.duty)) > FAINT]
 
-    def folded(self, frequency: Array) -> Array:
+    def alias_frequency(self, frequency: Array) -> Array:
         """Return where frequencies show in the spectrum. [Hz]"""
         return np.abs(frequency - self.rate * np.rint(frequency / self.rate))
 
-    def fits(self, frequency: Array) -> Mask:
+    def is_usable(self, frequency: Array) -> Mask:
         """Return whether the windows of lamps [Hz] are clear of both ends and of the mains."""
-        half = self.half
+        half = self.half_window
         multiple = np.maximum(np.rint(frequency / self.mains), 1.0)
         off_mains = np.abs(frequency - self.mains * multiple) > half
-        low = max(LOWEST, self.width + self.window * self.width)
-        ends = (frequency >= low) & (frequency + self.window * self.width <= self.rate / 2)
+        low = max(LOWEST, self.bin_width + self.window * self.bin_width)
+        ends = (frequency >= low) & (frequency + self.window * self.bin_width <= self.rate / 2)
         return np.asarray(ends & off_mains)
 
-    def apart(self, first: float, second: Array, order: int) -> Mask:
+    def is_separable(self, first: float, second: Array, order: int) -> Mask:
         """Return which lamps and one more leave each other's windows alone, up to an order."""
-        orders = np.array(self.harmonics(order))[:, None]
-        near = np.abs(first - second) <= 2.0 * self.half
-        from_first = np.abs(self.folded(orders * first) - second) <= self.half
-        from_second = np.abs(self.folded(orders * second) - first) <= self.half
+        orders = np.array(self.list_harmonics(order))[:, None]
+        near = np.abs(first - second) <= 2.0 * self.half_window
+        from_first = np.abs(self.alias_frequency(orders * first) - second) <= self.half_window
+        from_second = np.abs(self.alias_frequency(orders * second) - first) <= self.half_window
         return ~(near | from_first.any(axis=0) | from_second.any(axis=0))
 
 
-def band_of(settings: Demodulation, rate: float, samples: int, mains: float, duty: float) -> Band:
+def build_band(
+    settings: DemodulationSettings, rate: float, samples: int, mains: float, duty: float
+) -> FrequencyBand:
     """Return where frequencies can be for a demodulator; in Hz."""
-    return Band(rate, samples, settings.window, mains, duty)
+    return FrequencyBand(rate, samples, settings.window, mains, duty)
 
 
-def clear_of(band: Band, kept: Sequence[float], order: int, most: int) -> list[float]:
+def find_clear_frequencies(
+    band: FrequencyBand, existing: Sequence[float], order: int, most: int
+) -> list[float]:
     """Return up to `most` frequencies beside the kept ones, the lowest first. [Hz]"""
-    middles: Array = np.arange(1.0, band.samples // 2 + 1) * band.width
-    free = band.fits(middles)
-    for frequency in kept:
-        free &= band.apart(frequency, middles, order)
+    middles: Array = np.arange(1.0, band.samples // 2 + 1) * band.bin_width
+    free = band.is_usable(middles)
+    for frequency in existing:
+        free &= band.is_separable(frequency, middles, order)
     found: list[float] = []
     while free.any() and len(found) < most:
         found.append(float(middles[free.argmax()]))
-        free &= band.apart(found[-1], middles, order)
+        free &= band.is_separable(found[-1], middles, order)
     return found
 
 
-def frequencies(band: Band, kept: Sequence[float], count: int) -> tuple[list[float], int]:
+def choose_frequencies(
+    band: FrequencyBand, existing: Sequence[float], count: int
+) -> tuple[list[float], int]:
     """
     Return frequencies for new lamps, and the order up to which all harmonics stay clear.
 
@@ -132,22 +138,22 @@ def frequencies(band: Band, kept: Sequence[float], count: int) -> tuple[list[flo
         If the kept ones are in each other's way or the mains', or not enough fit beside them.
 
     """
-    _check(band, kept)
+    _check_existing(band, existing)
     for order in ORDERS:
-        if _in_the_way(band, kept, order):
+        if _find_conflict(band, existing, order):
             continue
-        found = clear_of(band, kept, order, count)
+        found = find_clear_frequencies(band, existing, order, count)
         if len(found) == count:
             return found, order
-    fit = len(clear_of(band, kept, ORDERS[-1], band.samples))
-    raise BadInput(why_not(band, kept, count, fit))
+    fit = len(find_clear_frequencies(band, existing, ORDERS[-1], band.samples))
+    raise BadInput(explain_shortage(band, existing, count, fit))
 
 
-def why_not(band: Band, kept: Sequence[float], count: int, fit: int) -> str:
+def explain_shortage(band: FrequencyBand, existing: Sequence[float], count: int, fit: int) -> str:
     """Return the sentence that says how few frequencies fit, and why."""
-    width = band.width
+    width = band.bin_width
     half = band.window * width
-    beside = f' beside the {len(kept)} that lamps keep' if kept else ''
+    beside = f' beside the {len(existing)} that lamps keep' if existing else ''
     return (
         f'{count} lamps want a frequency, but only {fit} fit{beside}: in bins of {width:g} Hz, '
         f'from {LOWEST:g} Hz to {band.rate / 2 - half:g} Hz, more than {2 * half:g} Hz apart, '
@@ -157,31 +163,34 @@ def why_not(band: Band, kept: Sequence[float], count: int, fit: int) -> str:
     )
 
 
-def _check(band: Band, kept: Sequence[float]) -> None:
+def _check_existing(band: FrequencyBand, existing: Sequence[float]) -> None:
     """Refuse frequencies of lamps already there that cannot be told apart."""
-    for frequency in kept:
-        if not band.fits(np.array(frequency)):
+    for frequency in existing:
+        if not band.is_usable(np.array(frequency)):
             raise BadInput(
                 f'A lamp that is there already flickers at {frequency:g} Hz, below {LOWEST:g} Hz, '
                 f'too near to Nyquist ({band.rate / 2:g} Hz) or within '
-                f'{band.window * band.width:g} Hz of a multiple of {band.mains:g} Hz (mains); '
+                f'{band.window * band.bin_width:g} Hz of a multiple of {band.mains:g} Hz (mains); '
                 'give it another frequency.'
             )
-    if found := _in_the_way(band, kept, ORDERS[-1]):
+    if found := _find_conflict(band, existing, ORDERS[-1]):
         raise BadInput(
             f'Two lamps that are there already flicker at {found[0]:g} and {found[1]:g} Hz, too '
             f"near to each other or to each other's harmonics for a demodulator with bins of "
-            f'{band.width:g} Hz and a window of {band.window} bins; give one another frequency.'
+            f'{band.bin_width:g} Hz and a window of {band.window} bins; give one another '
+            f'frequency.'
         )
 
 
-def _in_the_way(band: Band, kept: Sequence[float], order: int) -> tuple[float, float] | None:
+def _find_conflict(
+    band: FrequencyBand, existing: Sequence[float], order: int
+) -> tuple[float, float] | None:
     """Return two of the frequencies that are not apart."""
     return next(
         (
             (one, other)
-            for one, other in combinations(kept, 2)
-            if not band.apart(one, np.array([other]), order).all()
+            for one, other in combinations(existing, 2)
+            if not band.is_separable(one, np.array([other]), order).all()
         ),
         None,
     )

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import final, NamedTuple
 
-from lta_studies.light.plan.layout import Layout
+from lta_studies.light.plan.layout import LampLayout
 import numpy as np
 from scipy import ndimage
 
@@ -13,7 +13,7 @@ FEW = 'too few lamps'
 
 
 @final
-class Gap(NamedTuple):
+class CoverageGap(NamedTuple):
     """
     A patch of cells that hear too few lamps.
 
@@ -36,27 +36,27 @@ class Gap(NamedTuple):
     why: str
 
 
-def gaps_of(layout: Layout) -> list[Gap]:
+def find_gaps(layout: LampLayout) -> list[CoverageGap]:
     """Return the gaps of a layout, the largest first."""
     floor, half = layout.floor, 0.5 * layout.floor.cell
-    lacking = layout.count < layout.overlap
+    lacking = layout.audible_count < layout.overlap
     grid = np.zeros(floor.wanted.shape, dtype=bool)
     grid[floor.wanted] = lacking
     causes = np.full(floor.wanted.shape, '', dtype=object)
-    causes[floor.wanted] = _causes(layout)
+    causes[floor.wanted] = _explain_cells(layout)
     labels, count = ndimage.label(grid, structure=np.ones((3, 3)))
     found = []
     for k in range(1, count + 1):
         rows, columns = np.nonzero(labels == k)
         x, y = floor.x[columns], floor.y[rows]
-        why = _commonest(causes[rows, columns].tolist())
+        why = _most_common(causes[rows, columns].tolist())
         west, south = float(x.min()) - half, float(y.min()) - half
         east, north = float(x.max()) + half, float(y.max()) + half
-        found.append(Gap(len(rows) * floor.cell**2, west, south, east, north, why))
+        found.append(CoverageGap(len(rows) * floor.cell**2, west, south, east, north, why))
     return sorted(found, key=lambda gap: -gap.area)
 
 
-def _causes(layout: Layout) -> list[str]:
+def _explain_cells(layout: LampLayout) -> list[str]:
     """Return for each wanted cell what it would lack."""
     alone = (layout.light >= layout.least).sum(axis=0)
     return [
@@ -65,5 +65,5 @@ def _causes(layout: Layout) -> list[str]:
     ]
 
 
-def _commonest(words: Sequence[str]) -> str:
+def _most_common(words: Sequence[str]) -> str:
     return max(sorted(set(words)), key=words.count)

@@ -9,8 +9,8 @@ straight way to where the flight to that one ends is free.
 from dataclasses import dataclass
 from typing import final
 
-from lta_studies.light.plan.floor import Floor
-from lta_studies.light.plan.layout import Layout
+from lta_studies.light.plan.floor import FloorGrid
+from lta_studies.light.plan.layout import LampLayout
 from lta_studies.light.plan.polygon import Array, Mask
 import numpy as np
 from scipy.sparse import csr_array
@@ -21,7 +21,7 @@ Place = tuple[float, float]
 
 @final
 @dataclass(frozen=True, slots=True)
-class Handover:
+class LampHandover:
     """
     How a drone gets from lamp to lamp.
 
@@ -44,42 +44,42 @@ class Handover:
     start: Place | None
 
 
-def handover_of(layout: Layout) -> Handover:
+def plan_handover(layout: LampLayout) -> LampHandover:
     """Return how a drone gets from lamp to lamp of a layout."""
-    centres, heard = layout.floor.centres, layout.heard
-    ends = [arrival(centres, heard[k], layout, k) for k in range(len(layout.lamps))]
+    centres, heard = layout.floor.cell_centers, layout.audible
+    ends = [find_arrival_cell(centres, heard[k], layout, k) for k in range(len(layout.lamps))]
     edges = []
     for i, here in enumerate(ends):
         for j, there in enumerate(ends):
             if i == j or here is None or there is None or not heard[j, here]:
                 continue
-            if way_is_free(layout.floor, centres[here], centres[there]):
+            if is_way_free(layout.floor, centres[here], centres[there]):
                 edges.append((i, j))
-    route = longest(len(ends), edges)
+    route = find_longest_route(len(ends), edges)
     start = None
     if route and (end := ends[route[0]]) is not None:
-        start = far_off(layout.floor, centres, heard[route[0]], end)
-    places = tuple(None if end is None else _two(centres[end]) for end in ends)
-    return Handover(places, tuple(edges), route, start)
+        start = find_farthest_place(layout.floor, centres, heard[route[0]], end)
+    places = tuple(None if end is None else _to_point(centres[end]) for end in ends)
+    return LampHandover(places, tuple(edges), route, start)
 
 
-def arrival(centres: Array, heard: Mask, layout: Layout, lamp: int) -> int | None:
+def find_arrival_cell(centres: Array, audible: Mask, layout: LampLayout, lamp: int) -> int | None:
     """Return the cell where a flight to a lamp ends."""
-    if not heard.any():
+    if not audible.any():
         return None
     off = np.hypot(*(centres - layout.lamps[lamp].mount.position[:2]).T)
-    return int(np.where(heard, off, np.inf).argmin())
+    return int(np.where(audible, off, np.inf).argmin())
 
 
-def way_is_free(floor: Floor, here: Array, there: Array) -> bool:
+def is_way_free(floor: FloorGrid, here: Array, there: Array) -> bool:
     """Return whether the hull fits all along the straight way between two places. [m]"""
     steps = max(int(np.ceil(2.0 * np.hypot(*(there - here)) / floor.cell)), 1)
     points = here + np.linspace(0.0, 1.0, steps + 1)[:, None] * (there - here)
-    rows, columns = floor.at(points)
+    rows, columns = floor.locate_cells(points)
     return bool(floor.free[rows, columns].all())
 
 
-def longest(count: int, edges: list[tuple[int, int]]) -> tuple[int, ...]:
+def find_longest_route(count: int, edges: list[tuple[int, int]]) -> tuple[int, ...]:
     """Return the longest of the shortest ways in a graph of so many nodes, node by node."""
     if not edges:
         return (0,) if count else ()
@@ -95,15 +95,15 @@ def longest(count: int, edges: list[tuple[int, int]]) -> tuple[int, ...]:
     return tuple(reversed(way))
 
 
-def far_off(floor: Floor, centres: Array, heard: Mask, end: int) -> Place:
+def find_farthest_place(floor: FloorGrid, centres: Array, audible: Mask, end: int) -> Place:
     """Return the farthest place that hears a lamp and from where one flies straight to it. [m]"""
-    off = np.where(heard, np.hypot(*(centres - centres[end]).T), -1.0)
+    off = np.where(audible, np.hypot(*(centres - centres[end]).T), -1.0)
     for cell in np.argsort(-off):
-        if off[cell] >= 0.0 and way_is_free(floor, centres[cell], centres[end]):
-            return _two(centres[cell])
-    return _two(centres[end])
+        if off[cell] >= 0.0 and is_way_free(floor, centres[cell], centres[end]):
+            return _to_point(centres[cell])
+    return _to_point(centres[end])
 
 
-def _two(place: Array) -> Place:
+def _to_point(place: Array) -> Place:
     x, y = place.tolist()
     return x, y

@@ -3,17 +3,17 @@
 from dataclasses import dataclass
 from typing import final
 
-from lta_studies.light.plan.ear import Ear
-from lta_studies.light.plan.floor import Floor
+from lta_studies.light.plan.floor import FloorGrid
 from lta_studies.light.plan.floor_plan import FloorPlan
-from lta_studies.light.plan.mounts import Mount
+from lta_studies.light.plan.mounts import LampMount
 from lta_studies.light.plan.polygon import Array, Mask
+from lta_studies.light.plan.receiver import LightReceiver
 import numpy as np
 
 
 @final
 @dataclass(frozen=True, slots=True)
-class Placed:
+class LayoutLamp:
     """
     A lamp of the layout.
 
@@ -29,13 +29,13 @@ class Placed:
     """
 
     name: str
-    mount: Mount
+    mount: LampMount
     frequency: float
 
 
 @final
 @dataclass(frozen=True, slots=True)
-class Layout:
+class LampLayout:
     """
     What came out.
 
@@ -63,10 +63,10 @@ class Layout:
     """
 
     plan: FloorPlan
-    floor: Floor
-    ear: Ear
+    floor: FloorGrid
+    ear: LightReceiver
     overlap: int
-    lamps: tuple[Placed, ...]
+    lamps: tuple[LayoutLamp, ...]
     light: Array
     snr: Array
     reachable: Array
@@ -76,16 +76,16 @@ class Layout:
     bound: int
 
     @property
-    def heard(self) -> Mask:
+    def audible(self) -> Mask:
         """Which lamp is heard over which wanted cell, shape (lamps, cells)."""
-        return np.asarray(self.snr >= self.ear.needed)
+        return np.asarray(self.snr >= self.ear.required_snr)
 
     @property
-    def count(self) -> Array:
+    def audible_count(self) -> Array:
         """How many lamps are heard over each wanted cell."""
-        return np.asarray(self.heard.sum(axis=0))
+        return np.asarray(self.audible.sum(axis=0))
 
     @property
     def coverage(self) -> float:
         """Share of the wanted cells that hear as many lamps as they should."""
-        return float((self.count >= self.overlap).mean())
+        return float((self.audible_count >= self.overlap).mean())

@@ -4,7 +4,7 @@ from typing import final, NamedTuple
 
 from lta_config.errors import BadInput
 from lta_studies.light.plan.floor_plan import FloorPlan
-from lta_studies.light.plan.polygon import Array, edges_of, inside, Mask, signed_area
+from lta_studies.light.plan.polygon import Array, is_inside, Mask, polygon_edges, signed_area
 import numpy as np
 
 OFF = 0.05  # m, from the face that a lamp is mounted on to its own
@@ -15,7 +15,7 @@ Vector = tuple[float, float, float]
 
 
 @final
-class Mount(NamedTuple):
+class LampMount(NamedTuple):
     """
     A place for a lamp.
 
@@ -38,7 +38,7 @@ class Mount(NamedTuple):
     frequency: float | None = None
 
 
-def mounts_of(plan: FloorPlan) -> list[Mount]:
+def list_mounts(plan: FloorPlan) -> list[LampMount]:
     """
     Return all places for lamps, first the lamps that are there already.
 
@@ -53,8 +53,8 @@ def mounts_of(plan: FloorPlan) -> list[Mount]:
         x, y, z = lamp.position.vector
         axis = np.array(lamp.facing.vector) / np.linalg.norm(lamp.facing.vector)
         frequency = None if lamp.frequency is None else lamp.frequency.si
-        standing.append(Mount((x, y, z), _three(axis), name, frequency))
-    new = under_ceiling(plan) if plan.lamp.facing == 'down' else on_faces(plan)
+        standing.append(LampMount((x, y, z), _to_vector(axis), name, frequency))
+    new = list_ceiling_mounts(plan) if plan.lamp.facing == 'down' else list_wall_mounts(plan)
     found = standing + new
     if not found:
         raise BadInput(
@@ -69,7 +69,7 @@ def mounts_of(plan: FloorPlan) -> list[Mount]:
     return found
 
 
-def under_ceiling(plan: FloorPlan) -> list[Mount]:
+def list_ceiling_mounts(plan: FloorPlan) -> list[LampMount]:
     """Return the places of lamps that face the floor: an even grid over the hall."""
     corners, spacing = plan.outline.corners, plan.lamp.spacing.si
     low, high = corners.min(axis=0), corners.max(axis=0)
@@ -79,32 +79,32 @@ def under_ceiling(plan: FloorPlan) -> list[Mount]:
         for count in [max(round(float(high[k] - low[k]) / spacing), 1)]
     ]
     points = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2)
-    kept = points[_allowed(plan, points)]
-    return [Mount((float(x), float(y), plan.lamp.height.si), DOWN) for x, y in kept]
+    kept = points[_is_allowed(plan, points)]
+    return [LampMount((float(x), float(y), plan.lamp.height.si), DOWN) for x, y in kept]
 
 
-def on_faces(plan: FloorPlan) -> list[Mount]:
+def list_wall_mounts(plan: FloorPlan) -> list[LampMount]:
     """Return the places of lamps that face sideways: along walls, and on what stands higher."""
-    faces = [_along(plan.outline.corners, plan.lamp.spacing.si, inwards=True)]
+    faces = [_place_along_sides(plan.outline.corners, plan.lamp.spacing.si, inwards=True)]
     for obstacle in plan.obstacles.values():
         if obstacle.height.si > plan.lamp.height.si:
             faces += [
-                _along(footprint, plan.lamp.spacing.si, inwards=False)
+                _place_along_sides(footprint, plan.lamp.spacing.si, inwards=False)
                 for footprint in obstacle.footprints
             ]
     points, axes = (np.vstack(part) for part in zip(*faces, strict=True))
-    allowed = _allowed(plan, points)
+    allowed = _is_allowed(plan, points)
     return [
-        Mount((float(x), float(y), plan.lamp.height.si), (float(a), float(b), 0.0))
+        LampMount((float(x), float(y), plan.lamp.height.si), (float(a), float(b), 0.0))
         for (x, y), (a, b) in zip(points[allowed], axes[allowed], strict=True)
     ]
 
 
-def _along(corners: Array, spacing: float, inwards: bool) -> tuple[Array, Array]:
+def _place_along_sides(corners: Array, spacing: float, inwards: bool) -> tuple[Array, Array]:
     """Return points just off the sides of a polygon, and the direction away from each side."""
     left = 1.0 if (signed_area(corners) > 0.0) == inwards else -1.0
     points, axes = [], []
-    for x0, y0, x1, y1 in edges_of(corners):
+    for x0, y0, x1, y1 in polygon_edges(corners):
         side = np.array([x1 - x0, y1 - y0])
         length = float(np.hypot(*side))
         count = max(round(length / spacing), 1)
@@ -115,18 +115,18 @@ def _along(corners: Array, spacing: float, inwards: bool) -> tuple[Array, Array]
     return np.vstack(points), np.vstack(axes)
 
 
-def _allowed(plan: FloorPlan, points: Array) -> Mask:
+def _is_allowed(plan: FloorPlan, points: Array) -> Mask:
     """Return which points are in the hall, not forbidden and not inside what stands there."""
-    allowed = inside(points, plan.outline.corners)
+    allowed = is_inside(points, plan.outline.corners)
     for area in plan.forbidden.values():
-        allowed &= ~inside(points, area.corners)
+        allowed &= ~is_inside(points, area.corners)
     for obstacle in plan.obstacles.values():
         if obstacle.height.si > plan.lamp.height.si:
             for footprint in obstacle.footprints:
-                allowed &= ~inside(points, footprint)
+                allowed &= ~is_inside(points, footprint)
     return allowed
 
 
-def _three(vector: Array) -> Vector:
+def _to_vector(vector: Array) -> Vector:
     x, y, z = vector.tolist()
     return x, y, z

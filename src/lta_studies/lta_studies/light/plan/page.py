@@ -6,15 +6,15 @@ import math
 from pathlib import Path
 from typing import Final
 
-from lta_bridge.provenance import commit
+from lta_bridge.provenance import read_commit
 from lta_report.formatting import MISSING, Tile
-from lta_report.frame import framed, written
-from lta_report.pieces import section, tile_html
-from lta_studies.light.plan.gaps import Gap, gaps_of
-from lta_studies.light.plan.handover import Handover
-from lta_studies.light.plan.layout import Layout
-from lta_studies.light.plan.pictures import coverage, hand_overs
-from lta_studies.light.plan.together import PURE
+from lta_report.page_frame import assemble_page, write_file
+from lta_report.page_parts import render_section, render_tile
+from lta_studies.light.plan.gaps import CoverageGap, find_gaps
+from lta_studies.light.plan.handover import LampHandover
+from lta_studies.light.plan.joint_snr import PURE
+from lta_studies.light.plan.layout import LampLayout
+from lta_studies.light.plan.pictures import plot_coverage, plot_handovers
 
 PAPER: Final = 150.0  # m2 a lamp, of the seed paper
 MOST_GAPS: Final = 12
@@ -42,13 +42,15 @@ METHOD: Final = (
 
 
 def write_page(
-    layout: Layout, handover: Handover, again: str, scene: str, next_step: str, out: Path
+    layout: LampLayout, handover: LampHandover, again: str, scene: str, next_step: str, out: Path
 ) -> Path:
     """Write the page and return where it is; `BadInput` where it cannot be written."""
-    return written(page(layout, handover, again, scene, next_step), out)
+    return write_file(render_page(layout, handover, again, scene, next_step), out)
 
 
-def page(layout: Layout, handover: Handover, again: str, scene: str, next_step: str) -> str:
+def render_page(
+    layout: LampLayout, handover: LampHandover, again: str, scene: str, next_step: str
+) -> str:
     """
     Return the whole page.
 
@@ -62,56 +64,61 @@ def page(layout: Layout, handover: Handover, again: str, scene: str, next_step: 
         The scenario file.
 
     """
-    plan, gaps = layout.plan, gaps_of(layout)
-    return framed(
+    plan, gaps = layout.plan, find_gaps(layout)
+    return assemble_page(
         'light_plan.html',
-        title=escape(title(layout)),
+        title=escape(format_title(layout)),
         kicker=escape(f'light plan · {plan.name}'),
         about=escape(plan.about),
-        tiles='\n'.join(tile_html(*each) for each in tiles(layout, handover)),
-        height=f'{height(layout):.0f}',
-        pictures=section('coverage', 'Coverage at flight altitude', COVERED, coverage(layout))
-        + section('handover', 'Hand-overs and a route', HANDED, hand_overs(layout, handover)),
-        lamps=lamps_html(layout, handover),
-        law=escape(law(layout)),
-        gaps=gaps_html(gaps),
+        tiles='\n'.join(render_tile(*each) for each in build_tiles(layout, handover)),
+        height=f'{picture_height(layout):.0f}',
+        pictures=render_section(
+            'coverage', 'Coverage at flight altitude', COVERED, plot_coverage(layout),
+        )
+        + render_section(
+            'handover', 'Hand-overs and a route', HANDED, plot_handovers(layout, handover),
+        ),
+        lamps=render_lamps(layout, handover),
+        law=escape(describe_separation(layout)),
+        gaps=render_gaps(gaps),
         method=escape(
             METHOD.format(
-                needed=layout.ear.needed, margin=layout.ear.margin, pure=PURE,
+                needed=layout.ear.required_snr, margin=layout.ear.margin, pure=PURE,
                 cell=layout.floor.cell,
             )
         ),
-        facts=facts(layout),
+        facts=describe_provenance(layout),
         commands={'Find it again': again, 'Fly in it': next_step},
         files={'The scenario file': scene},
     )  # fmt: skip
 
 
-def title(layout: Layout) -> str:
+def format_title(layout: LampLayout) -> str:
     """Return what came out, in a sentence."""
     count, where = len(layout.lamps), layout.plan.name.replace('_', ' ')
     heard = 'one' if layout.overlap == 1 else f'{layout.overlap} of them'
     return (
         f'{count} lamp{"s" if count > 1 else ""}: a drone hears {heard} over '
-        f'{percent(layout.coverage)} % of the {where}, at any heading.'
+        f'{format_percent(layout.coverage)} % of the {where}, at any heading.'
     )
 
 
-def percent(share: float) -> str:
+def format_percent(share: float) -> str:
     """Return a share in percent, 100 only where nothing lacks."""
     return '100' if share == 1.0 else f'{math.floor(1000.0 * share) / 10.0:g}'
 
 
-def tiles(layout: Layout, handover: Handover) -> list[Tile]:
+def build_tiles(layout: LampLayout, handover: LampHandover) -> list[Tile]:
     """Return the figures of the layout."""
     count, floor = len(layout.lamps), layout.floor
     wanted = float(floor.wanted.sum()) * floor.cell**2
     weakest = float(layout.snr.max(axis=0).min())
-    two = percent(float((layout.count >= 2).mean()))
+    two = format_percent(float((layout.audible_count >= 2).mean()))
     tones = [lamp.frequency for lamp in layout.lamps]
     steps = len(handover.route)
     return [
-        Tile('covered', percent(layout.coverage), '%', f'of {wanted:.0f} m² where the hull fits'),
+        Tile('covered', format_percent(layout.coverage), '%', f'of {wanted:.0f} m² where the hull '
+        f'fits'),
         Tile('lamps', str(count), '', f'no fewer than {layout.bound} could cover it'),
         Tile(
             'lamps by area', f'{100.0 * count / floor.area:.2f}', 'per 100 m²',
@@ -120,7 +127,7 @@ def tiles(layout: Layout, handover: Handover) -> list[Tile]:
         Tile('two lamps heard', two, '%', 'of the same floor: room for hand-over'),
         Tile(
             'weakest spot', f'{weakest:.0f}', 'SNR',
-            f'{layout.ear.needed:g} counts as heard',
+            f'{layout.ear.required_snr:g} counts as heard',
         ),
         Tile(
             'frequencies', f'{min(tones):g} to {max(tones):g}', 'Hz',
@@ -129,26 +136,26 @@ def tiles(layout: Layout, handover: Handover) -> list[Tile]:
     ]  # fmt: skip
 
 
-def height(layout: Layout) -> float:
+def picture_height(layout: LampLayout) -> float:
     """Return the height of a picture of the floor at the width of a desktop. [px]"""
     corners = layout.plan.outline.corners
     across, up = corners.max(axis=0) - corners.min(axis=0)
     return min(max(float(up / across) * WIDTH + 60.0, HEIGHTS[0]), HEIGHTS[1])
 
 
-def lamps_html(layout: Layout, handover: Handover) -> str:
+def render_lamps(layout: LampLayout, handover: LampHandover) -> str:
     """Return the table of the lamps."""
     heads = ('x [m]', 'y [m]', 'z [m]', 'frequency [Hz]', 'heard over [m²]')
     names = [lamp.name for lamp in layout.lamps]
     lines = []
     for k, lamp in enumerate(layout.lamps):
-        area = float(layout.heard[k].sum()) * layout.floor.cell**2
+        area = float(layout.audible[k].sum()) * layout.floor.cell**2
         numbers = [*(f'{part:.1f}' for part in lamp.mount.position), f'{lamp.frequency:g}']
         cells = ''.join(f'<td>{cell}</td>' for cell in (*numbers, f'{area:.0f}'))
         others = [str(j + 1) for i, j in handover.edges if i == k]
         to = ', '.join(others) or MISSING
         there = ', there already' if lamp.mount.name else ''
-        words = (faces(lamp.mount.axis) + there, to)
+        words = (format_facing(lamp.mount.axis) + there, to)
         cells += ''.join(f'<td class="text">{escape(word)}</td>' for word in words)
         lines.append(f'<tr><th scope="row"><b>{k + 1}</b> {escape(names[k])}</th>{cells}</tr>')
     own = ''.join(f'<th scope="col">{head}</th>' for head in ('lamp', *heads))
@@ -159,14 +166,14 @@ def lamps_html(layout: Layout, handover: Handover) -> str:
     )
 
 
-def faces(axis: tuple[float, float, float]) -> str:
+def format_facing(axis: tuple[float, float, float]) -> str:
     """Return where a lamp faces, in a word."""
     if abs(axis[2]) > 0.9:
         return 'down' if axis[2] < 0.0 else 'up'
     return f'{math.degrees(math.atan2(axis[1], axis[0])) % 360.0:.0f}°'
 
 
-def law(layout: Layout) -> str:
+def describe_separation(layout: LampLayout) -> str:
     """Return how the frequencies stand to each other."""
     ear = layout.ear
     width = ear.light.sample_rate.si / ear.light.samples
@@ -180,7 +187,7 @@ def law(layout: Layout) -> str:
     )
 
 
-def gaps_html(gaps: Sequence[Gap]) -> str:
+def render_gaps(gaps: Sequence[CoverageGap]) -> str:
     """Return the table of the gaps, or that there are none."""
     if not gaps:
         return '<p class="note">None: the whole floor where the hull fits is covered.</p>'
@@ -200,7 +207,7 @@ def gaps_html(gaps: Sequence[Gap]) -> str:
     )
 
 
-def facts(layout: Layout) -> dict[str, str]:
+def describe_provenance(layout: LampLayout) -> dict[str, str]:
     """Return where the layout comes from."""
     plan, lamp = layout.plan, layout.plan.lamp
     angle = math.degrees(lamp.half_power.si)
@@ -212,5 +219,5 @@ def facts(layout: Layout) -> dict[str, str]:
         f'{plan.ambient.mains_amplitude.si:g} lx at {plan.ambient.mains_frequency.si:g} Hz',
         'light needed': f'{layout.least:.2g} lx on the diode, were the lamp alone',
         'cells': f'{layout.floor.cell:g} m',
-        'commit': commit(),
+        'commit': read_commit(),
     }

@@ -5,8 +5,9 @@ from itertools import pairwise
 import math
 from typing import Final
 
-from lta_report.drawing import blank
+from lta_report.drawing import create_figure
 from lta_report.palette import (
+    build_color_scale,
     ESTIMATE,
     GOOD,
     HEAT,
@@ -14,13 +15,12 @@ from lta_report.palette import (
     LAMP,
     PAPER,
     RAW,
-    scale,
     TRUTH,
     VEIL,
     WALL,
 )
-from lta_studies.light.plan.handover import Handover, Place
-from lta_studies.light.plan.layout import Layout
+from lta_studies.light.plan.handover import LampHandover, Place
+from lta_studies.light.plan.layout import LampLayout
 import numpy as np
 from numpy.typing import NDArray
 from plotly.graph_objects import Figure, Heatmap, Scatter
@@ -31,37 +31,37 @@ SIDEWAYS: Final = 0.4  # part of a lamp's axis on the floor from which it is dra
 CHARACTER: Final = 6.0  # px
 
 
-def coverage(layout: Layout) -> Figure:
+def plot_coverage(layout: LampLayout) -> Figure:
     """Return the SNR of the best heard lamp over the floor, lamps, and gaps hatched."""
-    figure = ground(layout)
+    figure = plot_ground(layout)
     floor = layout.floor
     best = np.full(floor.wanted.shape, np.nan)
     names = np.full(floor.wanted.shape, '', dtype=object)
     best[floor.wanted] = layout.snr.max(axis=0)
     names[floor.wanted] = [layout.lamps[k].name for k in layout.snr.argmax(axis=0)]
-    low, high = extent(layout)
+    low, high = color_range(layout)
     figure.add_trace(
         Heatmap(
             x=floor.x.astype(np.float32), y=floor.y.astype(np.float32),
             z=np.log10(np.clip(best, 10.0**low, None)).astype(np.float32),
             customdata=np.stack([np.round(best, 1).astype(object), names], axis=-1),
-            zmin=low, zmax=high, colorscale=scale(HEAT), hoverongaps=False,
+            zmin=low, zmax=high, colorscale=build_color_scale(HEAT), hoverongaps=False,
             hovertemplate='SNR %{customdata[0]} of %{customdata[1]}<extra></extra>',
             colorbar={
                 'title': {'text': 'SNR', 'side': 'top'}, 'thickness': 12, 'len': 0.9,
-                'tickvals': [math.log10(t) for t in marks(low, high)],
-                'ticktext': [f'{t:g}' for t in marks(low, high)], 'outlinewidth': 0,
+                'tickvals': [math.log10(t) for t in choose_ticks(low, high)],
+                'ticktext': [f'{t:g}' for t in choose_ticks(low, high)], 'outlinewidth': 0,
             },
         )
     )  # fmt: skip
-    hatch(figure, layout)
+    hatch_gaps(figure, layout)
     draw_lamps(figure, layout, [f'{lamp.frequency:g} Hz' for lamp in layout.lamps])
     return figure
 
 
-def hand_overs(layout: Layout, handover: Handover) -> Figure:
+def plot_handovers(layout: LampLayout, handover: LampHandover) -> Figure:
     """Return where flights to lamps end, the hand-overs between them, and the route."""
-    figure = ground(layout)
+    figure = plot_ground(layout)
     ends = handover.arrivals
     ways = [(a, b) for i, j in handover.edges if (a := ends[i]) and (b := ends[j])]
     draw_ways(figure, ways, RAW, 1.2, 'hand-over')
@@ -85,10 +85,10 @@ def hand_overs(layout: Layout, handover: Handover) -> Figure:
     return figure
 
 
-def ground(layout: Layout) -> Figure:
+def plot_ground(layout: LampLayout) -> Figure:
     """Return walls and what stands on the floor."""
     plan = layout.plan
-    figure = blank()
+    figure = create_figure()
     corners = plan.outline.corners
     low, high = corners.min(axis=0), corners.max(axis=0)
     air = AIR * float((high - low).max())
@@ -99,39 +99,39 @@ def ground(layout: Layout) -> Figure:
     for obstacle in plan.obstacles.values():
         for footprint in obstacle.footprints:
             figure.add_shape(
-                type='path', path=outline(footprint), layer='below', line={'width': 0},
+                type='path', path=format_outline(footprint), layer='below', line={'width': 0},
                 fillcolor=RAW,
             )  # fmt: skip
     figure.add_shape(
-        type='path', path=outline(corners), layer='below', line={'color': WALL, 'width': 3}
+        type='path', path=format_outline(corners), layer='below', line={'color': WALL, 'width': 3}
     )
     return figure.update_layout(hovermode='closest', margin={'l': 48, 'r': 16, 't': 12, 'b': 40})
 
 
-def outline(corners: NDArray[np.float64]) -> str:
+def format_outline(corners: NDArray[np.float64]) -> str:
     """Return a polygon as the path of a shape."""
     return 'M ' + ' L '.join(f'{x:g} {y:g}' for x, y in corners) + ' Z'
 
 
-def extent(layout: Layout) -> tuple[float, float]:
+def color_range(layout: LampLayout) -> tuple[float, float]:
     """Return the ends of the colour scale: log10 of the SNR needed, and of the greatest shown."""
-    low = math.log10(layout.ear.needed)
+    low = math.log10(layout.ear.required_snr)
     best = layout.snr.max(axis=0)
     return low, max(math.log10(max(float(np.quantile(best, 0.98)), 1e-9)), low + 0.5)
 
 
-def marks(low: float, high: float) -> list[float]:
+def choose_ticks(low: float, high: float) -> list[float]:
     """Return round numbers between two powers of ten."""
     decades = range(math.floor(low), math.ceil(high) + 1)
     steps = [step * 10.0**k for k in decades for step in STEPS]
     return [step for step in steps if low <= math.log10(step) <= high]
 
 
-def hatch(figure: Figure, layout: Layout) -> None:
+def hatch_gaps(figure: Figure, layout: LampLayout) -> None:
     """Hatch the cells that hear too few lamps."""
     floor, half = layout.floor, 0.5 * layout.floor.cell
     grid = np.zeros(floor.wanted.shape, dtype=bool)
-    grid[floor.wanted] = layout.count < layout.overlap
+    grid[floor.wanted] = layout.audible_count < layout.overlap
     x: list[float | None] = []
     y: list[float | None] = []
     for row, line in enumerate(grid):
@@ -152,7 +152,7 @@ def hatch(figure: Figure, layout: Layout) -> None:
         )  # fmt: skip
 
 
-def draw_lamps(figure: Figure, layout: Layout, words: Sequence[str]) -> None:
+def draw_lamps(figure: Figure, layout: LampLayout, words: Sequence[str]) -> None:
     """Draw the lamps, each turned to where it faces, with its number and some words before it."""
     facing = [lamp.mount.axis[:2] for lamp in layout.lamps]
     sideways = [math.hypot(*axis) > SIDEWAYS for axis in facing]

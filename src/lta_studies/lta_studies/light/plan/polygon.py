@@ -7,7 +7,7 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 
-def edges_of(corners: Array) -> Array:
+def polygon_edges(corners: Array) -> Array:
     """Return the edges of a polygon of shape (k, 2) as rows x0 y0 x1 y1, shape (k, 4). [m]"""
     return np.hstack([corners, np.roll(corners, -1, axis=0)])
 
@@ -18,7 +18,7 @@ def signed_area(corners: Array) -> float:
     return float(0.5 * np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
 
 
-def inside(points: Array, corners: Array) -> Mask:
+def is_inside(points: Array, corners: Array) -> Mask:
     """
     Return which points lie in a polygon, by the even-odd rule.
 
@@ -32,7 +32,7 @@ def inside(points: Array, corners: Array) -> Mask:
     """
     x, y = points[..., 0], points[..., 1]
     odd = np.zeros(x.shape, dtype=bool)
-    for x0, y0, x1, y1 in edges_of(corners):
+    for x0, y0, x1, y1 in polygon_edges(corners):
         if y0 == y1:
             continue
         across = (y0 > y) != (y1 > y)
@@ -40,7 +40,7 @@ def inside(points: Array, corners: Array) -> Mask:
     return odd
 
 
-def distance(points: Array, edges: Array) -> Array:
+def distance_to_edges(points: Array, edges: Array) -> Array:
     """
     Return the distance from points to the nearest of some edges. [m]
 
@@ -49,7 +49,7 @@ def distance(points: Array, edges: Array) -> Array:
     points : ndarray, shape (..., 2)
         Where. [m]
     edges : ndarray, shape (k, 4)
-        As `edges_of` gives them; none are endlessly far away.
+        As `polygon_edges` gives them; none are endlessly far away.
 
     """
     nearest = np.full(points.shape[:-1], np.inf)
@@ -61,9 +61,9 @@ def distance(points: Array, edges: Array) -> Array:
     return nearest
 
 
-def flaw(corners: Array) -> str | None:
+def find_flaw(corners: Array) -> str | None:
     """Return what keeps corners of shape (k, 2) from being a simple polygon, None if nothing."""
-    edges = edges_of(corners)
+    edges = polygon_edges(corners)
     sides = np.hypot(*(edges[:, 2:] - edges[:, :2]).T)
     if sides.min() <= 0.0:
         x, y = corners[int(sides.argmin())]
@@ -71,9 +71,10 @@ def flaw(corners: Array) -> str | None:
     count = len(edges)
     for i in range(count):
         for j in range(i + 2, count):
-            if (j + 1) % count != i and _meet(edges[i], edges[j]):
+            if (j + 1) % count != i and _has_common_point(edges[i], edges[j]):
                 return (
-                    f'crosses itself: its side {_said(edges[i])} meets {_said(edges[j])}; reorder '
+                    f'crosses itself: its side {_format_edge(edges[i])} meets '
+                    f'{_format_edge(edges[j])}; reorder '
                     'its corners'
                 )
     if abs(signed_area(corners)) <= 1e-9 * float(sides.max()) ** 2:
@@ -81,13 +82,13 @@ def flaw(corners: Array) -> str | None:
     return None
 
 
-def _said(edge: Array) -> str:
+def _format_edge(edge: Array) -> str:
     """Return an edge in words. [m]"""
     x0, y0, x1, y1 = edge
     return f'from ({x0:g}, {y0:g}) to ({x1:g}, {y1:g}) m'
 
 
-def _meet(first: Array, second: Array) -> bool:
+def _has_common_point(first: Array, second: Array) -> bool:
     """Return whether two edges have a point in common."""
 
     def side(edge: Array, x: float, y: float) -> float:

@@ -9,8 +9,8 @@ floor; the line of sight of all diodes is that of the middle of their ring.
 import math
 
 from lta_model.effects.protocol import Vector
-from lta_model.light.lambertian import Beam, Eye, seen, shine
-from lta_model.light.shade import visible
+from lta_model.light.lambertian import angular_response, DiodeResponse, direct_light, LampBeam
+from lta_model.light.shade import visible_fraction
 import numpy as np
 from numpy.typing import NDArray
 
@@ -18,9 +18,9 @@ Array = NDArray[np.float64]
 NEARLY = 1.0 - 1e-6  # of the way to a lamp: it may hang on a wall
 
 
-def on_diode(
-    lamp: Beam,
-    eye: Eye,
+def diode_light(
+    lamp: LampBeam,
+    eye: DiodeResponse,
     cosine: float,
     sine: float,
     centre: Vector,
@@ -48,20 +48,20 @@ def on_diode(
 
     """
     x, y, z = spot
-    light, (a, b, c) = shine(
+    light, (a, b, c) = direct_light(
         lamp, (centre[0] + cosine * x - sine * y, centre[1] + sine * x + cosine * y, centre[2] + z)
     )
     towards = (cosine * a + sine * b, cosine * b - sine * a, c)
-    part = seen(eye, axis, towards)
+    part = angular_response(eye, axis, towards)
     if light <= 0.0 or part <= 0.0:
         return 0.0
     # As small as it is from so far: the light told, the lamp is that bright at the distance.
     u, v, w = lamp.x - centre[0], lamp.y - centre[1], lamp.z - centre[2]
     width = math.sqrt(lamp.square / (u * u + v * v + w * w + lamp.square))
-    return light * part * visible(half_axes, spot, towards, width)
+    return light * part * visible_fraction(half_axes, spot, towards, width)
 
 
-def blocked(start: Vector, end: Vector, walls: Array) -> bool:
+def is_blocked(start: Vector, end: Vector, walls: Array) -> bool:
     """
     Return whether a straight line meets one of the upright faces `walls`, rows x0 y0 x1 y1 height.
 
@@ -85,8 +85,13 @@ def blocked(start: Vector, end: Vector, walls: Array) -> bool:
     return False
 
 
-def extremes(
-    lamp: Beam, eye: Eye, centre: Vector, planes: Array, half_axes: Vector, headings: Array
+def light_extremes(
+    lamp: LampBeam,
+    eye: DiodeResponse,
+    centre: Vector,
+    planes: Array,
+    half_axes: Vector,
+    headings: Array,
 ) -> tuple[float, float]:
     """
     Return the light on the diode that reads most of a lamp: at the worst heading and the best.
@@ -120,7 +125,7 @@ def extremes(
             if planes[k, 6] > 0.0:
                 spot = (planes[k, 0], planes[k, 1], planes[k, 2])
                 axis = (planes[k, 3], planes[k, 4], planes[k, 5])
-                light = on_diode(
+                light = diode_light(
                     lamp, eye, headings[h, 0], headings[h, 1], centre, spot, axis, half_axes
                 )
                 best = max(best, planes[k, 6] * light)
@@ -128,9 +133,9 @@ def extremes(
     return least, most
 
 
-def over_cells(
-    lamp: Beam,
-    eye: Eye,
+def compute_cell_light(
+    lamp: LampBeam,
+    eye: DiodeResponse,
     cells: Array,
     walls: Array,
     planes: Array,
@@ -151,9 +156,9 @@ def over_cells(
     cells : ndarray, shape (m, 3)
         Hull centres. [m]
     walls : ndarray, shape (w, 5)
-        As `blocked` takes them.
+        As `is_blocked` takes them.
     planes, half_axes, headings
-        As `extremes` takes them.
+        As `light_extremes` takes them.
     faintest : float
         Light below which nothing is looked at more closely: nobody hears it. [lx]
     out : ndarray, shape (2, m)
@@ -167,6 +172,8 @@ def over_cells(
         x, y, z = cells[k, 0], cells[k, 1], cells[k, 2]
         out[0, k] = out[1, k] = 0.0
         ring = (x, y, z + level)
-        bright, _ = shine(lamp, ring)
-        if bright >= faintest and not blocked(ring, (lamp.x, lamp.y, lamp.z), walls):
-            out[0, k], out[1, k] = extremes(lamp, eye, (x, y, z), planes, half_axes, headings)
+        bright, _ = direct_light(lamp, ring)
+        if bright >= faintest and not is_blocked(ring, (lamp.x, lamp.y, lamp.z), walls):
+            out[0, k], out[1, k] = light_extremes(
+                lamp, eye, (x, y, z), planes, half_axes, headings
+            )

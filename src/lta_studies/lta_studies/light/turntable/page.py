@@ -6,17 +6,23 @@ import math
 from pathlib import Path
 from typing import Final
 
-from lta_report.drawing import blank
+from lta_report.drawing import create_figure
 from lta_report.formatting import Tile
-from lta_report.frame import framed, written
+from lta_report.page_frame import assemble_page, write_file
+from lta_report.page_parts import render_section, render_tile
 from lta_report.palette import ESTIMATE, GRID, SETPOINT, SOFT, TIME, TRUTH
-from lta_report.pieces import section, tile_html
-from lta_studies.light.bearing.page import degrees, table_html
-from lta_studies.light.bearing.study import CLAIMS, counted, DIRECTIONS, directions, Studied
-from lta_studies.light.bearing.study_page import median, rows
-from lta_studies.light.turntable.response import Response
-from lta_studies.light.turntable.turntable import Readings
-from lta_vlc.diodes import Diodes
+from lta_studies.light.bearing.page import format_degrees, render_table
+from lta_studies.light.bearing.study import (
+    CLAIMS,
+    DIRECTIONS,
+    judge_claim,
+    list_directions,
+    RingStudy,
+)
+from lta_studies.light.bearing.study_page import build_rows, median_error
+from lta_studies.light.turntable.response import TurntableResponse
+from lta_studies.light.turntable.turntable import TurntableReadings
+from lta_vlc.diodes import DiodeArray
 import numpy as np
 from plotly.graph_objects import Figure, Scatter, Scatterpolar
 
@@ -38,35 +44,36 @@ POINTS: Final = 91
 
 
 def write_page(
-    found: Studied,
-    readings: Readings,
-    fitted: Response,
-    diodes: Diodes,
+    study: RingStudy,
+    readings: TurntableReadings,
+    response: TurntableResponse,
+    diodes: DiodeArray,
     facts: Mapping[str, str],
     again: str,
     out: Path,
 ) -> Path:
     """Write the page and return where it is; `BadInput` where it cannot be written."""
-    return written(
-        framed(
+    return write_file(
+        assemble_page(
             'study.html',
             title=escape(
-                f'On the turntable the fit finds the lamp to {degrees(median(found.ours))}°, '
-                f"the paper's weighted mean to {degrees(median(found.paper))}°."
+                f'On the turntable the fit finds the lamp to '
+                f'{format_degrees(median_error(study.ours))}°, '
+                f"the paper's weighted mean to {format_degrees(median_error(study.paper))}°."
             ),
             kicker='hardware · light board on a turntable',
             about=escape(
-                f'{found.count} diodes, {DIRECTIONS} directions, {len(readings.direction)} light '
+                f'{study.count} diodes, {DIRECTIONS} directions, {len(readings.direction)} light '
                 'blocks.'
             ),
-            tiles='\n'.join(tile_html(*each) for each in tiles(found, fitted)),
-            table=table_html(rows([found])) + table_html(gain_rows(fitted)),
-            claims=table_html(claims(found)),
+            tiles='\n'.join(render_tile(*each) for each in build_tiles(study, response)),
+            table=render_table(build_rows([study])) + render_table(build_gain_rows(response)),
+            claims=render_table(build_claim_rows(study)),
             notes=f'<p class="note">{escape(METHOD)}</p>',
             pictures='\n'.join([
-                section('polar', 'Error by direction', POLAR, polar(found)),
-                section('curve', 'What a diode makes of the angle', CURVE,
-                        curve(readings, fitted, diodes)),
+                render_section('polar', 'Error by direction', POLAR, plot_polar(study)),
+                render_section('curve', 'What a diode makes of the angle', CURVE,
+                        plot_response(readings, response, diodes)),
             ]),
             facts=facts,
             commands={'Find it again': again},
@@ -75,43 +82,45 @@ def write_page(
     )  # fmt: skip
 
 
-def claims(found: Studied) -> list[tuple[str, ...]]:
+def build_claim_rows(study: RingStudy) -> list[tuple[str, ...]]:
     """Return what the paper says of a ring of so many diodes, counted; its first row the head."""
     told: list[tuple[str, ...]] = [('the paper, indoors', 'its estimator', 'the fit')]
-    told += [counted(claim, found) for claim in CLAIMS if claim.count == found.count]
+    told += [judge_claim(claim, study) for claim in CLAIMS if claim.count == study.count]
     return told
 
 
-def gain_rows(fitted: Response) -> list[tuple[str, ...]]:
+def build_gain_rows(response: TurntableResponse) -> list[tuple[str, ...]]:
     """Return the gain of each diode as text, its first row the head."""
     told: list[tuple[str, ...]] = [('diode', 'gain', 'standard deviation')]
     told += [
         (str(k), f'{gain:.3f}', f'{deviation:.3f}')
         for k, (gain, deviation) in enumerate(
-            zip(fitted.gains, fitted.gain_deviations, strict=True), start=1
+            zip(response.gains, response.gain_deviations, strict=True), start=1
         )
     ]
     return told
 
 
-def tiles(found: Studied, fitted: Response) -> list[Tile]:
+def build_tiles(study: RingStudy, response: TurntableResponse) -> list[Tile]:
     """Return the figures that matter most."""
     return [
-        Tile('fit', degrees(median(found.ours)), '°', f'worst {degrees(max(found.ours))}°'),
-        Tile('paper', degrees(median(found.paper)), '°', f'worst {degrees(max(found.paper))}°'),
-        Tile('SNR', f'{found.snr:.0f}', '', 'of the best diode, median'),
-        Tile('exponent', f'{fitted.exponent:.2f}', '',
-             f'of the cosine, \N{PLUS-MINUS SIGN} {fitted.exponent_deviation:.1g}'),
-        Tile('gains', f'{1e2 * fitted.spread:.1f}', '%', 'spread among the diodes'),
-        Tile('pedestal', f'{1e2 * fitted.pedestal:.1f}', '%', 'of what faces the lamp: echo'),
+        Tile('fit', format_degrees(median_error(study.ours)), '°', f'worst '
+        f'{format_degrees(max(study.ours))}°'),
+        Tile('paper', format_degrees(median_error(study.paper)), '°', f'worst '
+        f'{format_degrees(max(study.paper))}°'),
+        Tile('SNR', f'{study.snr:.0f}', '', 'of the best diode, median'),
+        Tile('exponent', f'{response.exponent:.2f}', '',
+             f'of the cosine, \N{PLUS-MINUS SIGN} {response.exponent_deviation:.1g}'),
+        Tile('gains', f'{1e2 * response.gain_spread:.1f}', '%', 'spread among the diodes'),
+        Tile('pedestal', f'{1e2 * response.pedestal:.1f}', '%', 'of what faces the lamp: echo'),
     ]  # fmt: skip
 
 
-def polar(found: Studied) -> Figure:
+def plot_polar(study: RingStudy) -> Figure:
     """Return the error around the board, the first direction again at the end."""
-    figure = blank()
-    around = [*np.degrees(directions()), 360.0]
-    for name, errors, colour in (('paper', found.paper, ESTIMATE), ('fit', found.ours, TRUTH)):
+    figure = create_figure()
+    around = [*np.degrees(list_directions()), 360.0]
+    for name, errors, colour in (('paper', study.paper, ESTIMATE), ('fit', study.ours, TRUTH)):
         figure.add_trace(
             Scatterpolar(
                 theta=around, r=np.degrees([*errors, errors[0]]), mode='lines+markers', name=name,
@@ -131,15 +140,17 @@ def polar(found: Studied) -> Figure:
     )  # fmt: skip
 
 
-def curve(readings: Readings, fitted: Response, diodes: Diodes) -> Figure:
+def plot_response(
+    readings: TurntableReadings, response: TurntableResponse, diodes: DiodeArray
+) -> Figure:
     """Return what each diode read against the angle between its axis and the lamp."""
-    figure = blank()
+    figure = create_figure()
     axes = np.array(diodes.axes)
     azimuth = np.arctan2(axes[:, 1], axes[:, 0])
     apart = np.degrees(np.abs(
         (readings.direction[:, None] - azimuth + math.pi) % math.tau - math.pi
     ))  # fmt: skip
-    read = readings.amplitude / (np.array(fitted.gains) * fitted.strength)
+    read = readings.amplitude / (np.array(response.gains) * response.strength)
     for k in range(len(azimuth)):
         figure.add_trace(
             Scatter(
@@ -151,7 +162,7 @@ def curve(readings: Readings, fitted: Response, diodes: Diodes) -> Figure:
     cosine = np.maximum(np.cos(np.radians(angle)), 0.0)
     figure.add_trace(
         Scatter(
-            x=angle, y=cosine**fitted.exponent + fitted.pedestal, mode='lines', name='fit',
+            x=angle, y=cosine**response.exponent + response.pedestal, mode='lines', name='fit',
             line={'color': SETPOINT, 'width': 1.4}, hovertemplate='%{y:.3f}',
         )
     )  # fmt: skip

@@ -13,8 +13,8 @@ noise alone would promise too much.
 import math
 from typing import final, NamedTuple
 
-from lta_studies.light.turntable.turntable import grouped, Readings
-from lta_vlc.diodes import Diodes
+from lta_studies.light.turntable.turntable import group_by_direction, TurntableReadings
+from lta_vlc.diodes import DiodeArray
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
@@ -25,7 +25,7 @@ EXPONENTS = (0.1, 20.0)  # as the vehicle file allows
 
 
 @final
-class Response(NamedTuple):
+class TurntableResponse(NamedTuple):
     """
     The diodes, each with its standard deviation.
 
@@ -53,12 +53,12 @@ class Response(NamedTuple):
     misfit: float
 
     @property
-    def spread(self) -> float:
+    def gain_spread(self) -> float:
         """Standard deviation of the gains among the diodes."""
         return float(np.std(self.gains, ddof=1)) if len(self.gains) > 1 else 0.0
 
 
-def cosines(direction: Array, diodes: Diodes) -> Array:
+def incidence_cosines(direction: Array, diodes: DiodeArray) -> Array:
     """Return the cosine between each diode's axis and a level lamp, shape (n, diodes)."""
     axes = np.array(diodes.axes)
     cosine: Array = np.outer(np.cos(direction), axes[:, 0])
@@ -66,7 +66,9 @@ def cosines(direction: Array, diodes: Diodes) -> Array:
     return np.maximum(cosine, 0.0)
 
 
-def response(readings: Readings, diodes: Diodes, zero: float = 0.0) -> Response:
+def fit_response(
+    readings: TurntableReadings, diodes: DiodeArray, zero: float = 0.0
+) -> TurntableResponse:
     """
     Return what fits the readings of a whole turn best; see the module.
 
@@ -80,46 +82,49 @@ def response(readings: Readings, diodes: Diodes, zero: float = 0.0) -> Response:
         Error of the table's zero. [rad]
 
     """
-    groups = [group for group in grouped(readings.direction) if len(group)]
+    groups = [group for group in group_by_direction(readings.direction) if len(group)]
     cosine = np.stack(
-        [cosines(readings.direction[group] + zero, diodes).mean(axis=0) for group in groups]
+        [
+            incidence_cosines(readings.direction[group] + zero, diodes).mean(axis=0)
+            for group in groups
+        ]
     )
     amplitude = np.stack([np.median(readings.amplitude[group], axis=0) for group in groups])
-    best = _fitted(cosine, amplitude)
+    best = _fit_parameters(cosine, amplitude)
     keep = ~np.eye(len(groups), dtype=bool)
-    others = np.array([_fitted(cosine[some], amplitude[some]) for some in keep])
+    others = np.array([_fit_parameters(cosine[some], amplitude[some]) for some in keep])
     count = len(groups)
     about = others - others.mean(axis=0)
     deviation = np.sqrt((count - 1) / count * np.sum(about * about, axis=0))
     exponent, strength, pedestal, gains = best[0], best[1], best[2], best[3:]
-    left = _model(best, cosine) - amplitude
-    return Response(
+    left = _predict_amplitude(best, cosine) - amplitude
+    return TurntableResponse(
         float(exponent), float(deviation[0]), tuple(gains.tolist()),
         tuple(deviation[3:].tolist()), float(strength), float(pedestal / strength),
         float(math.sqrt(np.mean(left * left)) / strength),
     )  # fmt: skip
 
 
-def _model(values: Array, cosine: Array) -> Array:
+def _predict_amplitude(values: Array, cosine: Array) -> Array:
     exponent, strength, pedestal, gains = values[0], values[1], values[2], values[3:]
     told: Array = gains * (strength * np.power(cosine, exponent) + pedestal)
     return told
 
 
-def _fitted(cosine: Array, amplitude: Array) -> Array:
+def _fit_parameters(cosine: Array, amplitude: Array) -> Array:
     """Return exponent, strength, pedestal and gains; the gains' mean is kept at 1."""
     top = float(amplitude.max())
 
-    def whole(values: Array) -> Array:
+    def expand(values: Array) -> Array:
         gains = np.append(values[3:], amplitude.shape[1] - values[3:].sum())
         return np.concatenate([values[:1], top * values[1:3], gains])
 
-    def left(values: Array) -> Array:
-        over: Array = (_model(whole(values), cosine) - amplitude) / top
+    def residuals(values: Array) -> Array:
+        over: Array = (_predict_amplitude(expand(values), cosine) - amplitude) / top
         return over.ravel()
 
     begin = np.concatenate([[BEGIN_AT, 1.0, 0.01], np.ones(amplitude.shape[1] - 1)])
     low = np.concatenate([[EXPONENTS[0], 0.0, 0.0], np.zeros(len(begin) - 3)])
     high = np.concatenate([[EXPONENTS[1], 10.0, 10.0], np.full(len(begin) - 3, np.inf)])
-    found = least_squares(left, begin, bounds=(low, high))
-    return whole(found.x)
+    found = least_squares(residuals, begin, bounds=(low, high))
+    return expand(found.x)

@@ -12,21 +12,21 @@ from dataclasses import dataclass
 import math
 from typing import Final, final, NamedTuple
 
-from lta_config.compilation.compiled import compiled
+from lta_config.compilation.compiler import compile_functions
 from lta_config.errors import BadInput
-from lta_config.topics import topic_table
-from lta_control.cascade import wrap
-from lta_data.bag.flight import Flight
-from lta_model.attitude import angles
-from lta_studies.light.bearing.score import quantile
-from lta_studies.light.bearing.study import DIRECTIONS, Studied
-from lta_vlc.array import bearing
-from lta_vlc.demodulation import hear, plan_bins
-from lta_vlc.diodes import Diodes
+from lta_config.topics import load_topic_table
+from lta_control.cascade import wrap_angle
+from lta_data.bag.recorded_flight import RecordedFlight
+from lta_model.attitude import to_euler_angles
+from lta_studies.light.bearing.score import error_quantile
+from lta_studies.light.bearing.study import DIRECTIONS, RingStudy
+from lta_vlc.bearing import estimate_bearing
+from lta_vlc.demodulation import demodulate_block, plan_bins
+from lta_vlc.diodes import DiodeArray
 from lta_vlc.direction import DirectionFinder
-from lta_vlc.fit import fit
+from lta_vlc.direction_fit import fit_direction
 from lta_vlc.lamp import LampPrior
-from lta_vlc.settings import Demodulation
+from lta_vlc.settings import DemodulationSettings
 import numpy as np
 from numpy.typing import NDArray
 
@@ -38,7 +38,7 @@ TOGETHER: Final = 100  # blocks that are read at a time
 FEWEST: Final = DIRECTIONS  # blocks without which there is no study
 
 
-class Table(NamedTuple):
+class TurntableMotion(NamedTuple):
     """
     How the turntable went, counter-clockwise from above.
 
@@ -63,7 +63,7 @@ class Table(NamedTuple):
 
 @final
 @dataclass(frozen=True, slots=True)
-class Readings:
+class TurntableReadings:
     """
     What each light block of a turn says.
 
@@ -87,14 +87,14 @@ class Readings:
     amplitude: Array
 
 
-def read(
-    flight: Flight,
-    diodes: Diodes,
-    demodulation: Demodulation,
-    table: Table,
+def read_turn(
+    flight: RecordedFlight,
+    diodes: DiodeArray,
+    demodulation: DemodulationSettings,
+    table: TurntableMotion,
     full_scale: float,
     tick: Callable[[int], None],
-) -> Readings:
+) -> TurntableReadings:
     """
     Return what the light blocks of a recording say.
 
@@ -119,21 +119,21 @@ def read(
         If the topics are not there, the diodes are others, or too little is left of the turn.
 
     """
-    light = topic_table().light
+    light = load_topic_table().light
     bins = plan_bins(demodulation, light.sample_rate.si, light.samples)
-    finder = DirectionFinder(diodes, compiled(fit)[0], np.array)
+    finder = DirectionFinder(diodes, compile_functions(fit_direction)[0], np.array)
     half = 0.5 * light.samples / light.sample_rate.si
-    lamp = _truth(flight, table)
+    lamp = _build_true_direction(flight, table)
     found: list[tuple[float, float, float, float]] = []
     amplitudes = []
-    for part in flight.block_parts(PHOTODIODES, TOGETHER):
+    for part in flight.iterate_blocks(PHOTODIODES, TOGETHER):
         for time, block in zip(part.time, part.samples, strict=True):
-            diodes.check(block.shape[1])
+            diodes.check_count(block.shape[1])
             direction = lamp(float(time) + half)
             if math.isnan(direction):
                 continue
-            peaks = hear(block, (bins,), full_scale).peaks[0]
-            paper = bearing(peaks, diodes.ring, demodulation.threshold)
+            peaks = demodulate_block(block, (bins,), full_scale).peaks[0]
+            paper = estimate_bearing(peaks, diodes.ring, demodulation.threshold)
             ours = finder.find(peaks, demodulation.threshold, LampPrior())
             found.append((
                 direction, math.nan if paper is None else paper.angle,
@@ -147,43 +147,47 @@ def read(
             'directions; record for longer, or give --rate, --step and --hold as they were.'
         )
     direction, by_paper, by_fit, snr = np.array(found).T
-    return Readings(direction, by_paper, by_fit, snr, np.array(amplitudes))
+    return TurntableReadings(direction, by_paper, by_fit, snr, np.array(amplitudes))
 
 
-def _truth(flight: Flight, table: Table) -> Callable[[float], float]:
+def _build_true_direction(
+    flight: RecordedFlight, table: TurntableMotion
+) -> Callable[[float], float]:
     """Return the lamp's direction at a time [rad, s]; NaN where the table was on its way."""
-    first = next(iter(flight.block_parts(PHOTODIODES, 1))).time[0]
+    first = next(iter(flight.iterate_blocks(PHOTODIODES, 1))).time[0]
     if table.step:
 
         def by_steps(time: float) -> float:
             steps, part = divmod((time - first) / table.hold, 1.0)
             still = SETTLED <= part <= 1.0 - SETTLED
-            return wrap(table.start - steps * table.step) if still else math.nan
+            return wrap_angle(table.start - steps * table.step) if still else math.nan
 
         return by_steps
     if table.rate:
-        return lambda time: wrap(table.start - table.rate * (time - first))
+        return lambda time: wrap_angle(table.start - table.rate * (time - first))
     if TRUTH not in flight.topics:
         raise BadInput(
             f'The recording has no {TRUTH}, so how the table turned is unknown; give its --rate '
             'in degrees a second, or --step in degrees and --hold in seconds.'
         )
-    series = flight.series(TRUTH)
+    series = flight.read_series(TRUTH)
     names = [f'pose.pose.orientation.{axis}' for axis in 'xyzw']
     quaternions = np.stack([series.numbers[name] for name in names], axis=1)
-    yaw = np.unwrap(angles(quaternions).yaw)
-    return lambda time: wrap(
+    yaw = np.unwrap(to_euler_angles(quaternions).yaw)
+    return lambda time: wrap_angle(
         table.start - float(np.interp(time, series.time, yaw) - np.interp(first, series.time, yaw))
     )
 
 
-def offset(readings: Readings) -> float:
+def zero_offset(readings: TurntableReadings) -> float:
     """Return by how much the fit is turned as a whole: the error of the zero. [rad]"""
-    errors = _errors(readings.ours, readings.direction)
+    errors = _bearing_errors(readings.ours, readings.direction)
     return float(np.nanmedian(errors))
 
 
-def studied(readings: Readings, place: str, turned: float = 0.0) -> tuple[Studied, list[int]]:
+def summarize_directions(
+    readings: TurntableReadings, place: str, turned: float = 0.0
+) -> tuple[RingStudy, list[int]]:
     """
     Return the median errors in each direction, and how many blocks each has.
 
@@ -202,7 +206,7 @@ def studied(readings: Readings, place: str, turned: float = 0.0) -> tuple[Studie
         If a direction has no block.
 
     """
-    groups = list(grouped(readings.direction))
+    groups = list(group_by_direction(readings.direction))
     missing = [k for k, group in enumerate(groups) if not len(group)]
     if missing:
         told = ', '.join(f'{k * 360.0 / DIRECTIONS:g}' for k in missing)
@@ -212,22 +216,24 @@ def studied(readings: Readings, place: str, turned: float = 0.0) -> tuple[Studie
         )
     paper, ours = (
         tuple(
-            quantile(_errors(bearings[group], readings.direction[group] + turned), 50.0)
+            error_quantile(
+                _bearing_errors(bearings[group], readings.direction[group] + turned), 50.0
+            )
             for group in groups
         )
         for bearings in (readings.paper, readings.ours)
     )
     count = readings.amplitude.shape[1]
     snr = float(np.median(readings.snr))
-    return Studied(place, count, paper, ours, snr), [len(group) for group in groups]
+    return RingStudy(place, count, paper, ours, snr), [len(group) for group in groups]
 
 
-def grouped(direction: Array) -> Iterator[NDArray[np.intp]]:
+def group_by_direction(direction: Array) -> Iterator[NDArray[np.intp]]:
     """Yield for each of the 16 directions the blocks nearest to it."""
     nearest = np.round(direction / math.tau * DIRECTIONS).astype(int) % DIRECTIONS
     for k in range(DIRECTIONS):
         yield np.flatnonzero(nearest == k)
 
 
-def _errors(bearings: Array, truth: Array) -> Array:
+def _bearing_errors(bearings: Array, truth: Array) -> Array:
     return (bearings - truth + math.pi) % math.tau - math.pi

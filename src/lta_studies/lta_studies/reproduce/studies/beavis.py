@@ -2,12 +2,17 @@
 
 from typing import Final
 
+from lta_config.command_line import format_lta_command
 from lta_config.constants import AIR_DENSITY, STANDARD_GRAVITY
-from lta_config.typed import typed
-from lta_studies.platforms.entries import entrant
-from lta_studies.platforms.summary import margin
-from lta_studies.reproduce.found import Asked, Found, Picture, Value
-from lta_studies.reproduce.manoeuvres import Flights, fly
+from lta_studies.platforms.entrants import build_entrant
+from lta_studies.platforms.summary import compute_lift_margin
+from lta_studies.reproduce.manoeuvres import ComparisonFlights, fly_entries
+from lta_studies.reproduce.study_result import (
+    MeasuredValue,
+    RowStudyRequest,
+    RowStudyResult,
+    StudyPicture,
+)
 
 MANOEUVRES: Final = ('climb', 'turn', 'follow')
 BOTH: Final = ('gtmab', 'beavis_paper')
@@ -27,39 +32,46 @@ HEADINGS: Final = {
 }  # fmt: skip
 
 
-def study(asked: Asked) -> Found:
+def run_study(request: RowStudyRequest) -> RowStudyResult:
     """Return both platforms in the paper's tasks, and what decides over BEAVIS."""
-    manoeuvres = MANOEUVRES[:2] if asked.quick else MANOEUVRES
+    manoeuvres = MANOEUVRES[:2] if request.quick else MANOEUVRES
     pairs = [(name, each) for name in BOTH for each in manoeuvres]
-    if not asked.quick:
+    if not request.quick:
         pairs += [(name, each) for name, own in CHANGED.items() for each in own]
-    flights = fly(pairs, asked.seeds)
-    values: dict[str, Value] = {}
+    flights = fly_entries(pairs, request.seeds)
+    values: dict[str, MeasuredValue] = {}
     for name, manoeuvre in pairs:
-        values[f'{name}_{manoeuvre}_held'] = flights.held(name, manoeuvre)
-        values[f'{name}_{manoeuvre}_rms'] = flights.value(name, manoeuvre, 'rms')
-    values['gtmab_overshoot'] = flights.value('gtmab', 'climb', 'overshoot')
-    values['gtmab_settles'] = flights.value('gtmab', 'climb', 'settling_time')
-    values |= margins(flights)
-    return Found(values, [picture(asked, flights, each) for each in manoeuvres])
+        values[f'{name}_{manoeuvre}_held'] = flights.hold_share(name, manoeuvre)
+        values[f'{name}_{manoeuvre}_rms'] = flights.measure_figure(name, manoeuvre, 'rms')
+    values['gtmab_overshoot'] = flights.measure_figure('gtmab', 'climb', 'overshoot')
+    values['gtmab_settles'] = flights.measure_figure('gtmab', 'climb', 'settling_time')
+    values |= lift_margins(flights)
+    return RowStudyResult(values, [build_picture(request, flights, each) for each in manoeuvres])
 
 
-def picture(asked: Asked, flights: Flights, manoeuvre: str) -> Picture:
+def build_picture(
+    request: RowStudyRequest, flights: ComparisonFlights, manoeuvre: str
+) -> StudyPicture:
     """Return both platforms in a manoeuvre, and BEAVIS by a linear B where that was flown."""
-    names = BOTH if asked.quick or manoeuvre == 'follow' else (*BOTH, 'beavis_by_matrix')
-    bag = '' if asked.quick else flights.record(manoeuvre, names, asked.folder / manoeuvre)
-    return Picture(
-        manoeuvre, HEADINGS[manoeuvre], CAPTIONS[manoeuvre], flights.picture(manoeuvre, names),
-        typed('platforms', '--seeds', str(asked.seeds)), bag,
+    names = BOTH if request.quick or manoeuvre == 'follow' else (*BOTH, 'beavis_by_matrix')
+    bag = (
+        ''
+        if request.quick
+        else flights.record_flights(manoeuvre, names, request.folder / manoeuvre)
+    )
+    return StudyPicture(
+        manoeuvre, HEADINGS[manoeuvre], CAPTIONS[manoeuvre],
+        flights.plot_tracking(manoeuvre, names),
+        format_lta_command('platforms', '--seeds', str(request.seeds)), bag,
     )  # fmt: skip
 
 
-def margins(flights: Flights) -> dict[str, Value]:
+def lift_margins(flights: ComparisonFlights) -> dict[str, MeasuredValue]:
     """Return what the rotors lift at full thrust beyond the weight, as mass. [kg]"""
     values = {}
     for name in (*BOTH, 'beavis'):
-        vehicle = entrant(flights.comparison.contestants[name], AIR_DENSITY).vehicle
-        lift, weight = margin(vehicle)
-        values[f'{name}_lift'] = Value(lift)
-        values[f'{name}_margin'] = Value((lift - weight) / STANDARD_GRAVITY)
+        vehicle = build_entrant(flights.comparison.contestants[name], AIR_DENSITY).vehicle
+        lift, weight = compute_lift_margin(vehicle)
+        values[f'{name}_lift'] = MeasuredValue(lift)
+        values[f'{name}_margin'] = MeasuredValue((lift - weight) / STANDARD_GRAVITY)
     return values

@@ -3,17 +3,31 @@
 from pathlib import Path
 from typing import Final
 
-from lta_config.typed import typed
-from lta_studies.light.bearing.bench import Bench
-from lta_studies.light.bearing.places import made_of, PLACES
-from lta_studies.light.bearing.study import one_ring, READINGS, Studied
-from lta_studies.light.evaluation.pictures import beside_paper
-from lta_studies.light.evaluation.tracks import fly_again, picture, shown_seed
-from lta_studies.mission.lived import AWARE, NAIVE
-from lta_studies.mission.pictures import day_picture
-from lta_studies.mission.run import gain, of, order_of, run
-from lta_studies.reproduce.flights import command, figures, fly, Group, record, share_of, uncrowded
-from lta_studies.reproduce.found import Asked, Found, over, Picture, Value
+from lta_config.command_line import format_lta_command
+from lta_studies.light.bearing.bench import BearingBench
+from lta_studies.light.bearing.places import build_flight_spec, PLACES
+from lta_studies.light.bearing.study import READINGS, RingStudy, study_ring
+from lta_studies.light.evaluation.pictures import plot_paper_comparison
+from lta_studies.light.evaluation.tracks import fly_again, plot_tracks, select_seed
+from lta_studies.mission.pictures import draw_charge
+from lta_studies.mission.run import filter_by_schedule, load_request, run_missions, schedule_gain
+from lta_studies.mission.simulate_mission import AWARE, NAIVE
+from lta_studies.reproduce.flights import (
+    FlightGroup,
+    fly_group,
+    format_command,
+    reached_value,
+    record_group,
+    summarize_cell,
+    thin_annotations,
+)
+from lta_studies.reproduce.study_result import (
+    average_over_seeds,
+    MeasuredValue,
+    RowStudyRequest,
+    RowStudyResult,
+    StudyPicture,
+)
 
 BOTH: Final = ('bag', 'homing')
 WINDS: Final = {  # of the sweep: mean plus one deviation 60 and 90 % of the top airspeed
@@ -32,70 +46,76 @@ DAY: Final = (
 )
 
 
-def study(asked: Asked) -> Found:
+def run_study(request: RowStudyRequest) -> RowStudyResult:
     """Return wind, missions, beacons and bearings; the paper's own way beside each."""
-    flown = BOTH[1:] if asked.quick else BOTH
-    indoors = fly('indoors', asked.seeds, strategies=flown)
-    values: dict[str, Value] = {}
+    flown = BOTH[1:] if request.quick else BOTH
+    indoors = fly_group('indoors', request.seeds, strategies=flown)
+    values: dict[str, MeasuredValue] = {}
     for name in flown:
-        values |= figures(name, indoors.of(name))
+        values |= summarize_cell(name, indoors.find_cell(name))
     pictures = [
-        Picture('strategies', 'BAG and homing, indoors', BARS, beside_paper(list(indoors.cells)),
-                typed('light', 'evaluate', '--sets', 'indoors', '--seeds', str(asked.seeds)))
+        StudyPicture('strategies', 'BAG and homing, indoors', BARS,
+                     plot_paper_comparison(list(indoors.cells)),
+                     format_lta_command('light', 'evaluate', '--sets', 'indoors',
+                                        '--seeds', str(request.seeds)))
     ]  # fmt: skip
-    if asked.quick:
-        return Found(values, pictures)
-    winds = fly('uniform', asked.seeds, strategies=BOTH, cases=list(WINDS))
+    if request.quick:
+        return RowStudyResult(values, pictures)
+    winds = fly_group('uniform', request.seeds, strategies=BOTH, cases=list(WINDS))
     for case, told in WINDS.items():
-        values |= {f'{name}_{told}_reached': share_of(winds.of(name, case)) for name in BOTH}
-    values |= bearings(asked.seeds)
-    lived, drawn = mission(asked.folder / MISSION, asked.seeds)
-    pictures += [windy(asked, winds), drawn]
-    return Found({**values, **lived}, pictures)
+        values |= {
+            f'{name}_{told}_reached': reached_value(winds.find_cell(name, case)) for name in BOTH
+        }
+    values |= measure_bearings(request.seeds)
+    lived, drawn = study_mission(request.folder / MISSION, request.seeds)
+    pictures += [build_headwind_picture(request, winds), drawn]
+    return RowStudyResult({**values, **lived}, pictures)
 
 
-def bearings(seeds: int) -> dict[str, Value]:
+def measure_bearings(seeds: int) -> dict[str, MeasuredValue]:
     """Return the worst direction by both estimators of the bearing, indoors. [rad]"""
-    bench = Bench(made_of(PLACES['indoor'], 'gtmab', DIODES))
-    rings: list[Studied] = [
-        one_ring(bench, 'indoor', DIODES, READINGS, seed, lambda: None)
+    bench = BearingBench(build_flight_spec(PLACES['indoor'], 'gtmab', DIODES))
+    rings: list[RingStudy] = [
+        study_ring(bench, 'indoor', DIODES, READINGS, seed, lambda: None)
         for seed in range(1, seeds + 1)
     ]
     return {
-        'bearing_paper': over([max(ring.paper) for ring in rings]),
-        'bearing_ours': over([max(ring.ours) for ring in rings]),
+        'bearing_paper': average_over_seeds([max(ring.paper) for ring in rings]),
+        'bearing_ours': average_over_seeds([max(ring.ours) for ring in rings]),
     }
 
 
-def windy(asked: Asked, winds: Group) -> Picture:
+def build_headwind_picture(request: RowStudyRequest, winds: FlightGroup) -> StudyPicture:
     """Return both strategies in a headwind, from above."""
-    cells = list(winds.strategies('head_90').values())
-    seed = shown_seed(cells)
+    cells = list(winds.find_cells('head_90').values())
+    seed = select_seed(cells)
     tracks, scenario = fly_again(winds.plan, cells, seed)
-    bag = record(winds, cells, seed, asked.folder / 'wind')
-    again = command(winds, winds.of('homing', 'head_90'), seed)
-    above = uncrowded(picture(tracks, scenario, HEIGHT))
-    return Picture('wind', 'In uniform wind', TRACKS, above, again, bag)
+    bag = record_group(winds, cells, seed, request.folder / 'wind')
+    again = format_command(winds, winds.find_cell('homing', 'head_90'), seed)
+    above = thin_annotations(plot_tracks(tracks, scenario, HEIGHT))
+    return StudyPicture('wind', 'In uniform wind', TRACKS, above, again, bag)
 
 
-def mission(folder: Path, seeds: int) -> tuple[dict[str, Value], Picture]:
+def study_mission(folder: Path, seeds: int) -> tuple[dict[str, MeasuredValue], StudyPicture]:
     """Return a day in a greenhouse: what looking at the light brings, and how many beacons."""
-    order = order_of(MISSION, 1, range(1, seeds + 1), (AWARE, NAIVE))
+    order = load_request(MISSION, 1, range(1, seeds + 1), (AWARE, NAIVE))
     folder.mkdir(parents=True, exist_ok=True)
-    lives = run(order, folder, lambda _: None)
-    ours = [each.figures for each in of(lives, AWARE)]
-    more = gain(lives)
+    lives = run_missions(order, folder, lambda _: None)
+    ours = [each.figures for each in filter_by_schedule(lives, AWARE)]
+    more = schedule_gain(lives)
     assert more is not None
     values = {
-        'mission_gain': Value(more.value, more.low, more.high, more.flights),
-        'mission_flown': over([each.flown for each in ours]),
-        'mission_beacons': over([each.visits / each.flights for each in ours]),
-        'mission_rounds': over([each.rounds / each.flights for each in ours]),
-        'mission_failed': Value(float(sum(each.failed for each in ours)), seeds=seeds),
+        'mission_gain': MeasuredValue(more.value, more.low, more.high, more.flights),
+        'mission_flown': average_over_seeds([each.flown for each in ours]),
+        'mission_beacons': average_over_seeds([each.visits / each.flights for each in ours]),
+        'mission_rounds': average_over_seeds([each.rounds / each.flights for each in ours]),
+        'mission_failed': MeasuredValue(
+            float(sum(each.failure_count for each in ours)), seeds=seeds
+        ),
     }
     first = [each for each in lives if each.seed == order.seeds[0]]
-    figure = day_picture(first, order.light(order.seeds[0]), order.mission.reserve.si)
-    return values, Picture(
+    figure = draw_charge(first, order.simulate_light(order.seeds[0]), order.mission.reserve.si)
+    return values, StudyPicture(
         'day', 'A day that looks at the light', DAY, figure,
-        typed('mission', MISSION, '--seeds', str(seeds)),
+        format_lta_command('mission', MISSION, '--seeds', str(seeds)),
     )  # fmt: skip

@@ -3,108 +3,135 @@
 from collections.abc import Sequence
 from statistics import geometric_mean
 
+from lta_config.command_line import format_lta_command
 from lta_config.schema.cell_table import CellTable, load_cell_table
-from lta_config.schema.vehicle_energy import Energy
+from lta_config.schema.vehicle_energy import EnergyBlock
 from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_config.typed import typed
-from lta_energy.breakeven import break_even, Lamp
-from lta_energy.harvest import Harvest
-from lta_model.electrical.panel import Panel
-from lta_model.electrical.power_path import Charger
-from lta_studies.energy.cells.page import FAIR, PAPER, picture
-from lta_studies.energy.cells.ranked import entries, Entry, read_as
-from lta_studies.energy.cells.rows import both_fronts, by_sheet, SQUARE, trial
-from lta_studies.energy.cells.strung import all_built, loads, Net, nets
-from lta_studies.reproduce.found import Asked, Found, Picture, Value
+from lta_energy.break_even import break_even_illuminance, LightSource
+from lta_energy.harvest import HarvestCurve
+from lta_model.electrical.charger import ChargerModel
+from lta_model.electrical.panel import SolarArrayModel
+from lta_studies.energy.cells.arrays import (
+    build_all_arrays,
+    compute_ground_loads,
+    compute_net_powers,
+    NetPower,
+)
+from lta_studies.energy.cells.page import draw_fronts, FAIR, PAPER
+from lta_studies.energy.cells.ranking import CellEntry, list_entries, select_readings
+from lta_studies.energy.cells.tables import (
+    build_array_table,
+    datasheet_charging_time,
+    find_both_fronts,
+    SQUARE,
+)
+from lta_studies.reproduce.study_result import (
+    MeasuredValue,
+    RowStudyRequest,
+    RowStudyResult,
+    StudyPicture,
+)
 
 READINGS = ('small', 'large')  # of the PowerFilm row, as the table's file lists them
 CRYSTALLINE = ('adafruit', 'seeed', 'kitronik')
 LIGHTS = {'white_led': 'led', 'sunlight': 'sun'}
 
 
-def study(asked: Asked) -> Found:
+def run_study(request: RowStudyRequest) -> RowStudyResult:
     """Return the cells and arrays of the paper's table; chance has no part in it."""
-    del asked
+    del request
     table = load_cell_table('seed_paper')
     energy = load_vehicle_file('gtmab').energy
-    found = entries(table)
-    fronts = [both_fronts(found, which) for which in range(len(READINGS))]
-    values = {**offsets(found), **sheets(found), **arrays(table, energy), **factor(found)}
+    found = list_entries(table)
+    fronts = [find_both_fronts(found, which) for which in range(len(READINGS))]
+    values = {
+        **quotient_errors(found),
+        **data_sheet_times(found),
+        **measure_arrays(table, energy),
+        **charging_time_factor(found),
+    }
     for reading, (paper, fair) in zip(READINGS, fronts, strict=True):
-        values[f'front_{reading}'] = makers(paper)
-        values[f'fair_front_{reading}'] = makers(fair)
+        values[f'front_{reading}'] = list_makers(paper)
+        values[f'fair_front_{reading}'] = list_makers(fair)
     by_paper, fairly = zip(*fronts, strict=True)
-    command = typed('cells')
+    command = format_lta_command('cells')
     pictures = [
-        Picture('front', 'As the paper counts', PAPER,
-                picture(found, lambda each: each.by_area / SQUARE, 's/cm²', by_paper), command),
-        Picture('fair', 'As is fair', FAIR,
-                picture(found, lambda each: each.times_area * SQUARE, 's cm²', fairly), command),
+        StudyPicture('front', 'As the paper counts', PAPER,
+                     draw_fronts(found, lambda each: each.charging_time_per_area / SQUARE,
+                                 's/cm²', by_paper), command),
+        StudyPicture('fair', 'As is fair', FAIR,
+                     draw_fronts(found, lambda each: each.charging_time_times_area * SQUARE,
+                                 's cm²', fairly), command),
     ]  # fmt: skip
-    return Found(values, pictures, [trial(table, energy)])
+    return RowStudyResult(values, pictures, [build_array_table(table, energy)])
 
 
-def makers(front: Sequence[Entry]) -> Value:
+def list_makers(front: Sequence[CellEntry]) -> MeasuredValue:
     """Return who is on a front, the lightest first."""
-    return Value(', '.join(each.row.maker for each in front))
+    return MeasuredValue(', '.join(each.row.maker for each in front))
 
 
-def offsets(found: Sequence[Entry]) -> dict[str, Value]:
+def quotient_errors(cells: Sequence[CellEntry]) -> dict[str, MeasuredValue]:
     """Return how far the printed quotients are from what size, mass and time make of them."""
     worst = {}
     for which, reading in enumerate(READINGS):
-        rows = read_as(found, which)
-        worst[f'mass_off_{reading}'] = Value(
+        rows = select_readings(cells, which)
+        worst[f'mass_off_{reading}'] = MeasuredValue(
             max(abs(each.areal_mass / each.row.areal_mass.si - 1.0) for each in rows)
         )
-        worst[f'time_off_{reading}'] = Value(
-            max(abs(each.by_area / each.row.areal_charge.si - 1.0) for each in rows)
+        worst[f'time_off_{reading}'] = MeasuredValue(
+            max(abs(each.charging_time_per_area / each.row.areal_charge.si - 1.0) for each in rows)
         )
     return worst
 
 
-def sheets(found: Sequence[Entry]) -> dict[str, Value]:
+def data_sheet_times(cells: Sequence[CellEntry]) -> dict[str, MeasuredValue]:
     """Return the charging times that the data sheets give, by ANYSOLAR's."""
     return {
-        f'sheet_{each.cell.name}': Value(by_sheet(each, found))
-        for each in found
+        f'sheet_{each.cell.name}': MeasuredValue(datasheet_charging_time(each, cells))
+        for each in cells
         if each.cell.name not in ('anysolar', 'dracula')  # the first is the measure of the others
     }
 
 
-def factor(found: Sequence[Entry]) -> dict[str, Value]:
+def charging_time_factor(values: Sequence[CellEntry]) -> dict[str, MeasuredValue]:
     """Return by how much the printed times exceed those of the sheets, and how well that holds."""
-    by = {each.cell.name: each.row.charge.si / by_sheet(each, found) for each in found}
+    by = {
+        each.cell.name: each.row.charge.si / datasheet_charging_time(each, values)
+        for each in values
+    }
     alike = [by[name] for name in CRYSTALLINE]
     worst = max(
         abs(geometric_mean([x for x in alike if x is not each]) / each - 1.0) for each in alike
     )
     return {
-        'sheet_factor': Value(geometric_mean(alike)),
-        'sheet_worst': Value(worst),
-        'sheet_amorphous': Value(by['powerfilm_small']),
+        'sheet_factor': MeasuredValue(geometric_mean(alike)),
+        'sheet_worst': MeasuredValue(worst),
+        'sheet_amorphous': MeasuredValue(by['powerfilm_small']),
     }
 
 
-def arrays(table: CellTable, energy: Energy) -> dict[str, Value]:
+def measure_arrays(table: CellTable, energy: EnergyBlock) -> dict[str, MeasuredValue]:
     """Return what each array leaves, in stand-by and transmitting, by reading and light."""
-    values: dict[str, Value] = {}
-    for strings in all_built(table).values():
+    values: dict[str, MeasuredValue] = {}
+    for strings in build_all_arrays(table).values():
         for strung in strings:
-            for net in nets(strung, energy, table):
-                values |= left(f'{strung.cell.name}_{LIGHTS[net.light]}', net)
+            for net in compute_net_powers(strung, energy, table):
+                values |= label_net_powers(f'{strung.cell.name}_{LIGHTS[net.light]}', net)
     led, sun = (table.lights[name].si for name in LIGHTS)
     light = table.arrays.illuminance.si
-    panel = Harvest(Panel.wired('anysolar', 2, 1))
-    for task, load in zip(('standby', 'transmitting'), loads(energy), strict=True):
-        even = break_even(panel, Charger.of(energy), Lamp(led, 1.0), load)
-        values[f'light_for_{task}'] = Value(even / light)
-    return {**values, 'sun_by_led': Value(led / sun)}
+    panel = HarvestCurve(SolarArrayModel.from_cells('anysolar', 2, 1))
+    for task, load in zip(('standby', 'transmitting'), compute_ground_loads(energy), strict=True):
+        even = break_even_illuminance(
+            panel, ChargerModel.from_energy(energy), LightSource(led, 1.0), load
+        )
+        values[f'light_for_{task}'] = MeasuredValue(even / light)
+    return {**values, 'sun_by_led': MeasuredValue(led / sun)}
 
 
-def left(name: str, net: Net) -> dict[str, Value]:
+def label_net_powers(name: str, net: NetPower) -> dict[str, MeasuredValue]:
     """Return net powers under names of their own."""
     return {
-        f'{name}_standby': Value(net.standby),
-        f'{name}_transmitting': Value(net.transmitting),
+        f'{name}_standby': MeasuredValue(net.standby),
+        f'{name}_transmitting': MeasuredValue(net.transmitting),
     }

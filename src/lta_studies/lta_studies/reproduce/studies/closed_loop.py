@@ -2,9 +2,14 @@
 
 from typing import Final
 
-from lta_config.typed import typed
-from lta_studies.reproduce.found import Asked, Found, Picture, Value
-from lta_studies.reproduce.manoeuvres import fly
+from lta_config.command_line import format_lta_command
+from lta_studies.reproduce.manoeuvres import fly_entries
+from lta_studies.reproduce.study_result import (
+    MeasuredValue,
+    RowStudyRequest,
+    RowStudyResult,
+    StudyPicture,
+)
 
 FLOWN: Final = {
     'gtmab': ('climb', 'cruise'),
@@ -20,23 +25,26 @@ CAPTIONS: Final = {
 HEADINGS: Final = {'climb': 'Altitude task', 'cruise': 'Velocity task'}
 
 
-def study(asked: Asked) -> Found:
+def run_study(request: RowStudyRequest) -> RowStudyResult:
     """Return both models, each by both ways to command them."""
-    shown = QUICK if asked.quick else tuple(FLOWN)
+    shown = QUICK if request.quick else tuple(FLOWN)
     pairs = [(name, each) for name in shown for each in FLOWN[name]]
-    flights = fly(pairs, asked.seeds)
-    values: dict[str, Value] = {}
+    flights = fly_entries(pairs, request.seeds)
+    values: dict[str, MeasuredValue] = {}
     for name, manoeuvre in pairs:
-        values[f'{name}_{manoeuvre}_held'] = flights.held(name, manoeuvre)
-        values[f'{name}_{manoeuvre}_overshoot'] = flights.value(name, manoeuvre, 'overshoot')
-        values[f'{name}_{manoeuvre}_rms'] = flights.value(name, manoeuvre, 'rms')
+        values[f'{name}_{manoeuvre}_held'] = flights.hold_share(name, manoeuvre)
+        values[f'{name}_{manoeuvre}_overshoot'] = flights.measure_figure(
+            name, manoeuvre, 'overshoot'
+        )
+        values[f'{name}_{manoeuvre}_rms'] = flights.measure_figure(name, manoeuvre, 'rms')
     for name in shown:
-        values[f'{name}_climb_settles'] = flights.value(name, 'climb', 'settling_time')
-        values[f'{name}_cruise_ripple'] = flights.value(name, 'cruise', 'ripple')
+        values[f'{name}_climb_settles'] = flights.measure_figure(name, 'climb', 'settling_time')
+        values[f'{name}_cruise_ripple'] = flights.measure_figure(name, 'cruise', 'ripple')
     pictures = [
-        Picture(each, HEADINGS[each], CAPTIONS[each], flights.picture(each, shown),
-                typed('platforms', '--seeds', str(asked.seeds)),
-                '' if asked.quick else flights.record(each, shown, asked.folder / each))
+        StudyPicture(each, HEADINGS[each], CAPTIONS[each], flights.plot_tracking(each, shown),
+                     format_lta_command('platforms', '--seeds', str(request.seeds)),
+                     '' if request.quick
+                     else flights.record_flights(each, shown, request.folder / each))
         for each in CAPTIONS
     ]  # fmt: skip
-    return Found(values, pictures)
+    return RowStudyResult(values, pictures)

@@ -5,20 +5,35 @@ import math
 from pathlib import Path
 from typing import Final
 
-from lta_config.typed import typed
-from lta_energy.breakeven import income, LAMPS
-from lta_energy.harvest import Harvest
+from lta_config.command_line import format_lta_command
+from lta_energy.break_even import charging_power, LAMPS
+from lta_energy.harvest import HarvestCurve
 from lta_model.vehicle import load_vehicle
 from lta_studies.energy import paper
-from lta_studies.energy.budget.page import table, TASKS, tasks_picture, why
-from lta_studies.energy.budget.run import Budget, budget
-from lta_studies.energy.budget.tasks import begun as along
-from lta_studies.energy.budget.tasks import END, Task
-from lta_studies.energy.flown import for_seconds
-from lta_studies.energy.hover.page import CAPTION, picture
-from lta_studies.energy.hover.run import begun, compare, Comparison, ingredients
-from lta_studies.reproduce.found import Asked, Found, Picture, Value
-from lta_studies.reproduce.recorded import record, way
+from lta_studies.energy.budget.page import (
+    build_cause_table,
+    build_task_table,
+    draw_task_power,
+    TASKS,
+)
+from lta_studies.energy.budget.run import measure_budget, PowerBudget
+from lta_studies.energy.budget.tasks import END, TaskPower
+from lta_studies.energy.budget.tasks import prepare_flight as along
+from lta_studies.energy.course_flight import stop_after
+from lta_studies.energy.hover.page import CAPTION, draw_traces
+from lta_studies.energy.hover.run import (
+    build_hover_spec,
+    compare_hovering,
+    HoverComparison,
+    prepare_hover,
+)
+from lta_studies.reproduce.recording import record_flight, relative_bag_path
+from lta_studies.reproduce.study_result import (
+    MeasuredValue,
+    RowStudyRequest,
+    RowStudyResult,
+    StudyPicture,
+)
 
 VEHICLE, STANDARD = 'gtmab', 'multirotor'
 LUX: Final = 80e3  # seed paper
@@ -30,110 +45,124 @@ TASK: Final = {
 }  # fmt: skip
 
 
-def study(asked: Asked) -> Found:
+def run_study(request: RowStudyRequest) -> RowStudyResult:
     """Return budget, voltage and charging."""
-    found = budget(VEHICLE, STANDARD, asked.seeds, lambda: None)
-    values = {**tasks(found, asked.seeds), **causes(found)}
-    values |= charging(found)
+    found = measure_budget(VEHICLE, STANDARD, request.seeds, lambda: None)
+    values = {**measure_tasks(found, request.seeds), **measure_causes(found)}
+    values |= measure_charging(found)
     pictures = [
-        Picture('tasks', 'Power by task', TASKS, tasks_picture(found),
-                typed('energy', 'budget', '--seeds', str(asked.seeds)),
-                '' if asked.quick else recorded(asked.folder / 'tasks'))
+        StudyPicture('tasks', 'Power by task', TASKS, draw_task_power(found),
+                format_lta_command('energy', 'budget', '--seeds', str(request.seeds)),
+                '' if request.quick else record_flights(request.folder / 'tasks'))
     ]  # fmt: skip
-    if asked.quick:
-        return Found(values, pictures, [table(found), why(found)])
-    beside = compare(VEHICLE, STANDARD, paper.HOVER_TIME, lambda _: None)
-    values |= hovering(beside)
-    place = asked.folder / 'voltage'
-    record(begun(ingredients(VEHICLE)), for_seconds(paper.HOVER_TIME), place / VEHICLE)
+    if request.quick:
+        return RowStudyResult(
+            values, pictures, [build_task_table(found), build_cause_table(found)]
+        )
+    beside = compare_hovering(VEHICLE, STANDARD, paper.HOVER_TIME, lambda _: None)
+    values |= measure_hover(beside)
+    place = request.folder / 'voltage'
+    record_flight(
+        prepare_hover(build_hover_spec(VEHICLE)), stop_after(paper.HOVER_TIME), place / VEHICLE
+    )
     pictures.append(
-        Picture('voltage', 'Voltage of the cell while hovering', CAPTION,
-                picture(beside, 'voltage'), typed('energy', 'hover'), way(place))
+        StudyPicture('voltage', 'Voltage of the cell while hovering', CAPTION,
+                     draw_traces(beside, 'voltage'), format_lta_command('energy', 'hover'),
+                     relative_bag_path(place))
     )  # fmt: skip
-    return Found(values, pictures, [table(found), why(found)])
+    return RowStudyResult(values, pictures, [build_task_table(found), build_cause_table(found)])
 
 
-def recorded(folder: Path) -> str:
+def record_flights(folder: Path) -> str:
     """Record take-off, hover and straight flight of both drones, seed 1."""
     for name in (VEHICLE, STANDARD):
-        record(along(name, 1), for_seconds(END), folder / name)
-    return way(folder)
+        record_flight(along(name, 1), stop_after(END), folder / name)
+    return relative_bag_path(folder)
 
 
-def tasks(found: Budget, seeds: int) -> dict[str, Value]:
+def measure_tasks(power_budget: PowerBudget, seeds: int) -> dict[str, MeasuredValue]:
     """Return the power of every task."""
-    values = {name: power(found.tasks[told], seeds) for told, name in TASK.items()}
-    hover = found.tasks['hovering'].power
+    values = {name: task_power(power_budget.tasks[told], seeds) for told, name in TASK.items()}
+    hover = power_budget.tasks['hovering'].power
     return {
         **values,
-        'standard': power(found.hover, seeds),
-        'share': Value(hover / found.hover.power, seeds=seeds),
-        'fly_share': Value(found.tasks['flying at 0.5 m/s'].power / found.hover.power),
-        'paper_share': Value(paper.HOVER / found.hover.power),
-        'strategies_apart': Value(
-            max(found.tasks[f'navigating, {each}'].power for each in ('BAG', 'DES', 'DGA'))
-            - min(found.tasks[f'navigating, {each}'].power for each in ('BAG', 'DES', 'DGA'))
+        'standard': task_power(power_budget.hover, seeds),
+        'share': MeasuredValue(hover / power_budget.hover.power, seeds=seeds),
+        'fly_share': MeasuredValue(
+            power_budget.tasks['flying at 0.5 m/s'].power / power_budget.hover.power
+        ),
+        'paper_share': MeasuredValue(paper.HOVER / power_budget.hover.power),
+        'strategies_apart': MeasuredValue(
+            max(power_budget.tasks[f'navigating, {each}'].power for each in ('BAG', 'DES', 'DGA'))
+            - min(
+                power_budget.tasks[f'navigating, {each}'].power for each in ('BAG', 'DES', 'DGA')
+            )
         ),
     }
 
 
-def power(task: Task, seeds: int) -> Value:
+def task_power(task: TaskPower, seeds: int) -> MeasuredValue:
     """Return what a task takes, with how far single flights are off. [W]"""
     if seeds == 1:
-        return Value(task.power)
-    return Value(task.power, task.power - task.off, task.power + task.off, seeds)
+        return MeasuredValue(task.power)
+    return MeasuredValue(task.power, task.power - task.off, task.power + task.off, seeds)
 
 
-def causes(found: Budget) -> dict[str, Value]:
+def measure_causes(power_budget: PowerBudget) -> dict[str, MeasuredValue]:
     """Return what would make the paper's hover of ours, and what each makes of navigation."""
-    cause, bag = found.causes, found.tasks['navigating, BAG']
+    cause, bag = power_budget.causes, power_budget.tasks['navigating, BAG']
     return {
-        'bag_if_heavy': Value(bag.power + paper.HOVER - found.tasks['hovering'].power),
-        'bag_if_worse': Value(bag.electronics + cause.factor * bag.rotors),
-        'ideal_hover': Value(cause.least),
-        'heavy': Value(cause.heaviness),
-        'draught': Value(cause.wind),
-        'worse_rotors': Value(cause.factor),
+        'bag_if_heavy': MeasuredValue(
+            bag.power + paper.HOVER - power_budget.tasks['hovering'].power
+        ),
+        'bag_if_worse': MeasuredValue(bag.electronics + cause.factor * bag.rotors),
+        'ideal_hover': MeasuredValue(cause.least),
+        'heavy': MeasuredValue(cause.heaviness),
+        'draught': MeasuredValue(cause.wind),
+        'worse_rotors': MeasuredValue(cause.factor),
     }
 
 
-def hovering(found: Comparison) -> dict[str, Value]:
+def measure_hover(comparison: HoverComparison) -> dict[str, MeasuredValue]:
     """Return how voltages fall on identical cells."""
-    first, second = found.first.trace, found.second.trace
-    lasted = found.seconds if second.failed is None else second.failed
+    first, second = comparison.first.trace, comparison.second.trace
+    lasted = comparison.seconds if second.failed is None else second.failed
     while_both = float(first.voltage[0] - first.voltage[first.time <= lasted][-1])
     return {
-        'drop': Value(first.drop),
-        'drop_share': Value(while_both / second.drop),
-        'standard_lasts': Value(lasted),
-        'charge_used': Value(1.0 - float(first.charge[-1])),
+        'drop': MeasuredValue(first.voltage_drop),
+        'drop_share': MeasuredValue(while_both / second.voltage_drop),
+        'standard_lasts': MeasuredValue(lasted),
+        'charge_used': MeasuredValue(1.0 - float(first.charge[-1])),
     }
 
 
-def charging(found: Budget) -> dict[str, Value]:
+def measure_charging(power_budget: PowerBudget) -> dict[str, MeasuredValue]:
     """Return how long an hour of flight must be charged for in 80 klux, by kind of light."""
     body = load_vehicle(VEHICLE)
-    harvest, idle = Harvest(body.panel), body.loads.idle
+    harvest, idle = HarvestCurve(body.panel), body.loads.idle
     net = {
-        NAMES[name]: income(harvest, body.charger, lamp, LUX) - idle
+        NAMES[name]: charging_power(harvest, body.charger, lamp, LUX) - idle
         for name, lamp in LAMPS.items()
     }
-    values = {f'net_{name}': Value(each) for name, each in net.items()}
+    values = {f'net_{name}': MeasuredValue(each) for name, each in net.items()}
     powers = {
         'paper_fly': sum(paper.NAVIGATION) / 2.0, 'paper_hover': paper.HOVER,
-        'fly': found.tasks['navigating, BAG'].power, 'hover': found.tasks['hovering'].power,
+        'fly': power_budget.tasks['navigating, BAG'].power,
+        'hover': power_budget.tasks['hovering'].power,
     }  # fmt: skip
-    values |= ratios(net, powers)
+    values |= charging_ratios(net, powers)
     return values
 
 
-def ratios(net: Mapping[str, float], powers: Mapping[str, float]) -> dict[str, Value]:
+def charging_ratios(
+    net: Mapping[str, float], powers: Mapping[str, float]
+) -> dict[str, MeasuredValue]:
     """Return charge to flight, and minutes of it by hour of charging."""
     values = {}
     for light, watts in net.items():
         for task, drawn in powers.items():
             ratio = drawn / watts if watts > 0.0 else math.inf
-            values[f'ratio_{task}_{light}'] = Value(ratio)
+            values[f'ratio_{task}_{light}'] = MeasuredValue(ratio)
         mixed = (powers['paper_fly'] + 2.0 * powers['paper_hover']) / 3.0
-        values[f'minutes_{light}'] = Value(HOUR * watts / mixed)
+        values[f'minutes_{light}'] = MeasuredValue(HOUR * watts / mixed)
     return values

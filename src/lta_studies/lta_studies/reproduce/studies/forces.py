@@ -4,17 +4,22 @@ from collections.abc import Mapping
 import math
 from typing import Final
 
+from lta_config.command_line import format_lta_command
 from lta_config.constants import AIR_DENSITY
 from lta_config.schema.comparison_file import load_comparison
-from lta_config.typed import typed
 from lta_energy.rotor import BENCH
 from lta_model.vehicle import load_vehicle, Vehicle
-from lta_report.drawing import blank
+from lta_report.drawing import create_figure
 from lta_report.palette import LAMP, SOFT, TRUTH
-from lta_studies.platforms.entries import entrant
-from lta_studies.platforms.summary import margin
-from lta_studies.reproduce.found import Asked, Found, Picture, Value
+from lta_studies.platforms.entrants import build_entrant
+from lta_studies.platforms.summary import compute_lift_margin
 from lta_studies.reproduce.studies import pressure, tunnel
+from lta_studies.reproduce.study_result import (
+    MeasuredValue,
+    RowStudyRequest,
+    RowStudyResult,
+    StudyPicture,
+)
 import numpy as np
 from plotly.graph_objects import Figure, Scatter
 
@@ -25,82 +30,90 @@ CURVE: Final = (
 )
 
 
-def study(asked: Asked) -> Found:
+def run_study(request: RowStudyRequest) -> RowStudyResult:
     """Return what the vehicle files hold; chance has no part in it."""
-    del asked
-    vehicle, beavis, sweep = load_vehicle('gtmab'), beavises(), tunnel.shipped()
+    del request
+    vehicle, beavis, sweep = load_vehicle('gtmab'), load_beavis_variants(), tunnel.load_sweep()
     values = {
-        **thrust(vehicle), **forces(vehicle, beavis), **masses(vehicle), **drag(vehicle),
-        **tunnel.fitted(sweep),
+        **measure_thrust(vehicle), **net_forces(vehicle, beavis), **mass_budget(vehicle),
+        **drag_coefficients(vehicle), **tunnel.collect_coefficients(sweep),
     }  # fmt: skip
     loading = vehicle.full_thrust / (math.pi * (pressure.PROPELLER / 2.0) ** 2)
-    values |= {'disk_loading': Value(loading), **pressure.values(vehicle, loading)}
-    command = typed('vehicle', 'show', 'gtmab')
-    curve = Picture('thrust', 'Thrust of one rotor', CURVE, thrust_picture(vehicle), command)
+    values |= {
+        'disk_loading': MeasuredValue(loading),
+        **pressure.measure_pressures(vehicle, loading),
+    }
+    command = format_lta_command('vehicle', 'show', 'gtmab')
+    curve = StudyPicture('thrust', 'Thrust of one rotor', CURVE, plot_thrust(vehicle), command)
     both = {'GT-MAB': vehicle, 'BEAVIS': beavis['beavis']}
-    return Found(values, [curve, *tunnel.pictures(sweep, both), *pressure.pictures(values)])
+    return RowStudyResult(
+        values, [curve, *tunnel.build_pictures(sweep, both), *pressure.build_pictures(values)]
+    )
 
 
-def beavises() -> dict[str, Vehicle]:
+def load_beavis_variants() -> dict[str, Vehicle]:
     """Return BEAVIS as our tunnel has it, and as the paper's figure has it."""
     contestants = load_comparison('platforms').contestants
     return {
-        name: entrant(contestants[name], AIR_DENSITY).vehicle
+        name: build_entrant(contestants[name], AIR_DENSITY).vehicle
         for name in ('beavis', 'beavis_paper')
     }
 
 
-def thrust(vehicle: Vehicle) -> dict[str, Value]:
+def measure_thrust(vehicle: Vehicle) -> dict[str, MeasuredValue]:
     """Return full thrust of a rotor, and how far the bench is off."""
     a, b = vehicle.thrust_curve
     off = [row.thrust - (a * row.duty + b) * row.duty for row in BENCH]
     return {
-        'full_thrust': Value(vehicle.full_thrust),
-        'bench_off': Value(math.sqrt(sum(each * each for each in off) / len(off))),
+        'full_thrust': MeasuredValue(vehicle.full_thrust),
+        'bench_off': MeasuredValue(math.sqrt(sum(each * each for each in off) / len(off))),
     }
 
 
-def forces(vehicle: Vehicle, beavis: Mapping[str, Vehicle]) -> dict[str, Value]:
+def net_forces(vehicle: Vehicle, beavis: Mapping[str, Vehicle]) -> dict[str, MeasuredValue]:
     """Return net vertical and horizontal forces at full command, jets on the hull included."""
     columns = np.array([rotor.column for rotor in vehicle.rotors]) * vehicle.full_thrust
     up, ahead = columns[columns[:, 2] > 0.0], columns[columns[:, 0] > 0.0]
     return {
-        'gtmab_up': Value(float(up[:, 2].sum())),
-        'gtmab_ideal_all': Value(4.0 * vehicle.full_thrust),
-        'gtmab_ahead': Value(float(ahead[:, 0].sum())),
-        **{f'{name}_up': Value(margin(each)[0]) for name, each in beavis.items()},
+        'gtmab_up': MeasuredValue(float(up[:, 2].sum())),
+        'gtmab_ideal_all': MeasuredValue(4.0 * vehicle.full_thrust),
+        'gtmab_ahead': MeasuredValue(float(ahead[:, 0].sum())),
+        **{
+            f'{name}_up': MeasuredValue(compute_lift_margin(each)[0])
+            for name, each in beavis.items()
+        },
     }
 
 
-def masses(vehicle: Vehicle) -> dict[str, Value]:
+def mass_budget(vehicle: Vehicle) -> dict[str, MeasuredValue]:
     """Return the budget of masses and lift. [kg]"""
     parts = vehicle.file.parts
     panels = sum(part.mass.si for name, part in parts.items() if NOT_IN_TABLE in name)
     total = sum(part.mass.si for part in parts.values())
     return {
-        'table': Value(total - panels),
-        'with_panels': Value(total),
-        'lift': Value(vehicle.lift),
-        'left': Value(vehicle.ballast),
+        'table': MeasuredValue(total - panels),
+        'with_panels': MeasuredValue(total),
+        'lift': MeasuredValue(vehicle.gross_lift),
+        'left': MeasuredValue(vehicle.ballast_mass),
     }
 
 
-def drag(vehicle: Vehicle) -> dict[str, Value]:
+def drag_coefficients(vehicle: Vehicle) -> dict[str, MeasuredValue]:
     """Return the coefficients of drag of the vehicle file."""
-    effects = vehicle.effects()
+    effects = vehicle.collect_effects()
     quadratic, turning = effects['quadratic_drag'], effects['rotational_drag']
     return {
-        'drag_ahead': Value(quadratic['surge']),
-        'drag_up': Value(quadratic['heave']),
-        'linear_ahead': Value(effects['linear_drag']['surge']),
-        'linear_yaw': Value(turning['yaw']),
-        'drag_yaw': Value(turning['yaw_2']),
+        'drag_ahead': MeasuredValue(quadratic['surge']),
+        'drag_up': MeasuredValue(quadratic['heave']),
+        'linear_ahead': MeasuredValue(effects['linear_drag']['surge']),
+        'linear_yaw': MeasuredValue(turning['yaw']),
+        'drag_yaw': MeasuredValue(turning['yaw_2']),
     }
 
 
-def thrust_picture(vehicle: Vehicle) -> Figure:
+def plot_thrust(vehicle: Vehicle) -> Figure:
     """Return the paper's curve and the bench."""
-    figure = blank()
+    figure = create_figure()
     a, b = vehicle.thrust_curve
     duty = np.linspace(0.0, 1.0, 101)
     figure.add_trace(

@@ -5,14 +5,26 @@ from itertools import pairwise
 import math
 from typing import Final
 
-from lta_config.typed import typed
-from lta_studies.light.evaluation.cells import Cell
-from lta_studies.light.evaluation.order import found as order_found
+from lta_config.command_line import format_lta_command
+from lta_studies.light.evaluation.cells import EvaluationCell
 from lta_studies.light.evaluation.paper import ORDER
-from lta_studies.light.evaluation.pictures import beside_paper
-from lta_studies.light.evaluation.tracks import fly_again, picture, shown_seed
-from lta_studies.reproduce.flights import command, figures, fly, Group, PAPERS, record
-from lta_studies.reproduce.found import Asked, Found, Picture, Value
+from lta_studies.light.evaluation.path_order import assess_path_order as order_found
+from lta_studies.light.evaluation.pictures import plot_paper_comparison
+from lta_studies.light.evaluation.tracks import fly_again, plot_tracks, select_seed
+from lta_studies.reproduce.flights import (
+    FlightGroup,
+    fly_group,
+    format_command,
+    PAPERS,
+    record_group,
+    summarize_cell,
+)
+from lta_studies.reproduce.study_result import (
+    MeasuredValue,
+    RowStudyRequest,
+    RowStudyResult,
+    StudyPicture,
+)
 
 SAFE: Final = {'scenario.goal.radius': '2 m'}  # the paper's simulation
 FAST: Final = {'mission.speed': 0.87}  # m/s: what the paper's path and time make
@@ -47,94 +59,101 @@ BARS: Final = (
 )
 
 
-def study(asked: Asked) -> Found:
+def run_study(request: RowStudyRequest) -> RowStudyResult:
     """Return flights as the paper's, and with one factor changed at a time."""
-    groups = {'': fly('indoors', asked.seeds)}
-    if not asked.quick:
-        groups['sim_'] = fly('indoors', asked.seeds, change=SAFE)
-        groups[f'{TOWARDS}_'] = fly('ablations', asked.seeds, cases=[TOWARDS])
-    values: dict[str, Value] = {}
+    groups = {'': fly_group('indoors', request.seeds)}
+    if not request.quick:
+        groups['sim_'] = fly_group('indoors', request.seeds, change=SAFE)
+        groups[f'{TOWARDS}_'] = fly_group('ablations', request.seeds, cases=[TOWARDS])
+    values: dict[str, MeasuredValue] = {}
     for prefix, group in groups.items():
-        values |= orders(prefix, group.strategies())
+        values |= rank_strategies(prefix, group.find_cells())
         for name in PAPERS:
-            values |= figures(f'{prefix}{name}', group.of(name))
-    if not asked.quick:
-        fast = fly('indoors', asked.seeds, strategies=('bag',), change=FAST)
-        values |= figures('fast_bag', fast.of('bag'))
-        values |= factors(asked.seeds)
-        values |= misfits(values)
+            values |= summarize_cell(f'{prefix}{name}', group.find_cell(name))
+    if not request.quick:
+        fast = fly_group('indoors', request.seeds, strategies=('bag',), change=FAST)
+        values |= summarize_cell('fast_bag', fast.find_cell('bag'))
+        values |= measure_factors(request.seeds)
+        values |= compute_misfits(values)
     indoors = groups['']
-    values['dga_by_bag_time'] = ratio(indoors, 'search_time', 'dga', 'bag')
-    values['dga_by_bag_path'] = ratio(indoors, 'path_length', 'dga', 'bag')
-    return Found(values, pictures(asked, groups))
+    values['dga_by_bag_time'] = mean_ratio(indoors, 'search_time', 'dga', 'bag')
+    values['dga_by_bag_path'] = mean_ratio(indoors, 'path_length', 'dga', 'bag')
+    return RowStudyResult(values, build_pictures(request, groups))
 
 
-def factors(seeds: int) -> dict[str, Value]:
+def measure_factors(seeds: int) -> dict[str, MeasuredValue]:
     """Return the flights with one factor changed at a time."""
-    values: dict[str, Value] = {}
+    values: dict[str, MeasuredValue] = {}
     for case, strategies in FACTORS.items():
-        found = fly('ablations', seeds, strategies=strategies, cases=[case])
+        found = fly_group('ablations', seeds, strategies=strategies, cases=[case])
         for name in strategies:
-            values |= figures(f'{case}_{name}', found.of(name))
+            values |= summarize_cell(f'{case}_{name}', found.find_cell(name))
     return values
 
 
-def misfits(found: Mapping[str, Value]) -> dict[str, Value]:
+def compute_misfits(values: Mapping[str, MeasuredValue]) -> dict[str, MeasuredValue]:
     """Return how far off the printed paths and times are, as flown and by each single factor."""
     flown = {'as_flown': '', 'towards': f'{TOWARDS}_', 'fast': 'fast_'}
     flown |= {case: f'{case}_' for case in FACTORS}
-    off = {case: misfit(found, prefix) for case, prefix in flown.items()}
+    off = {case: rms_misfit(values, prefix) for case, prefix in flown.items()}
     best = min((case for case in off if case != 'as_flown'), key=off.__getitem__)
     return {
-        'misfit_as_flown': Value(off['as_flown']),
-        'misfit_best': Value(off[best]),
-        'misfit_cause': Value(CALLED[best]),
+        'misfit_as_flown': MeasuredValue(off['as_flown']),
+        'misfit_best': MeasuredValue(off[best]),
+        'misfit_cause': MeasuredValue(CALLED[best]),
     }
 
 
-def misfit(found: Mapping[str, Value], prefix: str) -> float:
+def rms_misfit(values: Mapping[str, MeasuredValue], prefix: str) -> float:
     """Return the rms of the logarithm of ours by the printed, as a factor less one. [1]"""
     logs = []
     for name, printed in PRINTED.items():
-        value = found.get(f'{prefix}{name}', found[name]).value
+        value = values.get(f'{prefix}{name}', values[name]).value
         assert not isinstance(value, str)
         logs.append(math.log(value / printed))
     return math.exp(math.sqrt(math.fsum(each * each for each in logs) / len(logs))) - 1.0
 
 
-def orders(prefix: str, cells: Mapping[str, Cell]) -> dict[str, Value]:
+def rank_strategies(prefix: str, cells: Mapping[str, EvaluationCell]) -> dict[str, MeasuredValue]:
     """Return the strategies by path, and in how many resampled draws the paper's order holds."""
     held = order_found('', {name: cells[name] for name in ORDER})
     paths = sorted(ORDER, key=lambda name: held.paths[name].value)
     known = all(a == a for a, _ in pairwise([held.paths[name].value for name in (*paths, 'bag')]))
     return {
-        f'{prefix}order': Value(' < '.join(name.upper() for name in paths) if known else 'none'),
-        f'{prefix}order_draws': Value(held.share, seeds=len(cells['bag'].rows)),
+        f'{prefix}order': MeasuredValue(
+            ' < '.join(name.upper() for name in paths) if known else 'none'
+        ),
+        f'{prefix}order_draws': MeasuredValue(held.share, seeds=len(cells['bag'].rows)),
     }
 
 
-def ratio(group: Group, figure: str, above: str, below: str) -> Value:
+def mean_ratio(group: FlightGroup, figure: str, above: str, below: str) -> MeasuredValue:
     """Return the ratio of two strategies' means."""
-    top, bottom = (group.of(name).mean(figure) for name in (above, below))
+    top, bottom = (group.find_cell(name).mean(figure) for name in (above, below))
     value = top.value / bottom.value if bottom.value else math.nan
-    return Value(value, seeds=top.flights)
+    return MeasuredValue(value, seeds=top.flights)
 
 
-def pictures(asked: Asked, groups: Mapping[str, Group]) -> list[Picture]:
+def build_pictures(
+    request: RowStudyRequest, groups: Mapping[str, FlightGroup]
+) -> list[StudyPicture]:
     """Return the flights from above, and the bars of the paper."""
     indoors = groups['']
     made = [
-        Picture('bars', 'Indoors, beside the paper', BARS,
-                beside_paper(list(indoors.cells)),
-                typed('light', 'evaluate', '--sets', 'indoors', '--seeds', str(asked.seeds)))
+        StudyPicture('bars', 'Indoors, beside the paper', BARS,
+                     plot_paper_comparison(list(indoors.cells)),
+                     format_lta_command('light', 'evaluate', '--sets', 'indoors',
+                                        '--seeds', str(request.seeds)))
     ]  # fmt: skip
     for prefix, group in groups.items():
         name, heading = HEADINGS[prefix]
         cells = group.cells
-        seed = shown_seed(cells)
+        seed = select_seed(cells)
         tracks, scenario = fly_again(group.plan, cells, seed)
-        bag = '' if asked.quick else record(group, cells, seed, asked.folder / name)
+        bag = '' if request.quick else record_group(group, cells, seed, request.folder / name)
         first = next(each for each in cells if each.strategy == 'bag')
-        again = command(group, first, seed)
-        made.append(Picture(name, heading, TRACKS, picture(tracks, scenario, 0.5), again, bag))
+        again = format_command(group, first, seed)
+        made.append(
+            StudyPicture(name, heading, TRACKS, plot_tracks(tracks, scenario, 0.5), again, bag)
+        )
     return made

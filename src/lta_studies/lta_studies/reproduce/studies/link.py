@@ -4,22 +4,27 @@ from collections.abc import Sequence
 import math
 from typing import Final
 
-from lta_config.topics import topic_table
-from lta_config.typed import typed
-from lta_model.light.setting import set_for
+from lta_config.command_line import format_lta_command
+from lta_config.topics import load_topic_table
+from lta_model.light.gain_selection import select_diode_gain
 from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
-from lta_report.drawing import blank
+from lta_report.drawing import create_figure
 from lta_report.palette import ESTIMATE, RAW, TRUTH
-from lta_studies.light.link.measured import At, block_of, Link, link_of
-from lta_studies.light.link.page import LUX, lux_picture, SNR, snr_picture
-from lta_studies.light.plan.floor import floor_of
-from lta_studies.light.plan.given import given
-from lta_studies.light.plan.laying import lay_out
-from lta_studies.light.plan.mounts import mounts_of
-from lta_studies.reproduce.found import Asked, Found, Picture, Value
-from lta_vlc.listener import Listener
-from lta_vlc.settings import Demodulation
+from lta_studies.light.link.link_budget import compute_link, LampLink, LinkPoint, simulate_block
+from lta_studies.light.link.page import LUX, plot_lux, plot_snr, SNR
+from lta_studies.light.plan.floor import build_floor
+from lta_studies.light.plan.inputs import load_inputs
+from lta_studies.light.plan.mounts import list_mounts
+from lta_studies.light.plan.planner import plan_layout
+from lta_studies.reproduce.study_result import (
+    MeasuredValue,
+    RowStudyRequest,
+    RowStudyResult,
+    StudyPicture,
+)
+from lta_vlc.receiver import BeaconReceiver
+from lta_vlc.settings import DemodulationSettings
 import numpy as np
 from plotly.graph_objects import Figure, Scatter
 
@@ -36,85 +41,88 @@ TRACED: Final = (
 )
 
 
-def study(asked: Asked) -> Found:
+def run_study(request: RowStudyRequest) -> RowStudyResult:
     """Return the link in the room, at dusk and in the sun; seeds are ADC blocks at each place."""
-    links = {name: measured(name, asked.seeds) for name in (ROOM, DUSK, SUN)}
-    at = {name: where(link.at, RANGE) for name, link in links.items()}
+    links = {name: measure_link(name, request.seeds) for name in (ROOM, DUSK, SUN)}
+    at = {name: find_point(link.at, RANGE) for name, link in links.items()}
     values = {
-        'lux': Value(at[ROOM].lux),
-        'snr_room': Value(at[ROOM].snr, seeds=asked.seeds),
-        'snr_dusk': Value(at[DUSK].snr, seeds=asked.seeds),
-        'snr_sun': Value(at[SUN].snr, seeds=asked.seeds),
-        'range_dusk': Value(heard(links[DUSK].at), seeds=asked.seeds),
-        'range_sun': Value(heard(links[SUN].at), seeds=asked.seeds),
+        'lux': MeasuredValue(at[ROOM].lux),
+        'snr_room': MeasuredValue(at[ROOM].snr, seeds=request.seeds),
+        'snr_dusk': MeasuredValue(at[DUSK].snr, seeds=request.seeds),
+        'snr_sun': MeasuredValue(at[SUN].snr, seeds=request.seeds),
+        'range_dusk': MeasuredValue(reception_range(links[DUSK].at), seeds=request.seeds),
+        'range_sun': MeasuredValue(reception_range(links[SUN].at), seeds=request.seeds),
     }
-    trace = samples()
-    values['frequency'] = Value(frequency())
-    if not asked.quick:
-        values['area'] = Value(area())
-    again = typed(
+    trace = simulate_samples()
+    values['frequency'] = MeasuredValue(estimate_frequency())
+    if not request.quick:
+        values['area'] = MeasuredValue(floor_per_lamp())
+    again = format_lta_command(
         'light', 'link', *(word for name in links for word in ('--scenario', name)),
         *(word for each in DISTANCES for word in ('--distance', f'{each:g}')),
-        '--blocks', str(asked.seeds),
+        '--blocks', str(request.seeds),
     )  # fmt: skip
     drawn = list(links.values())
     pictures = [
-        Picture('trace', 'What a diode reads', TRACED, traced(trace),
-                typed('simulate', '--scenario', ROOM)),
-        Picture('lux', 'Light by distance', LUX, lux_picture(drawn), again),
-        Picture('snr', 'Signal-to-noise ratio by distance', SNR, snr_picture(drawn), again),
+        StudyPicture('trace', 'What a diode reads', TRACED, plot_trace(trace),
+                format_lta_command('simulate', '--scenario', ROOM)),
+        StudyPicture('lux', 'Light by distance', LUX, plot_lux(drawn), again),
+        StudyPicture('snr', 'Signal-to-noise ratio by distance', SNR, plot_snr(drawn), again),
     ]  # fmt: skip
-    return Found(values, pictures)
+    return RowStudyResult(values, pictures)
 
 
-def measured(name: str, blocks: int) -> Link:
+def measure_link(name: str, blocks: int) -> LampLink:
     """Return the link of a scene."""
     scenario = load_scenario(name)
     vehicle = load_vehicle(VEHICLE, scenario.air.density)
-    return link_of(vehicle, scenario, DISTANCES, ALTITUDE, blocks)
+    return compute_link(vehicle, scenario, DISTANCES, ALTITUDE, blocks)
 
 
-def where(found: Sequence[At], distance: float) -> At:
+def find_point(points: Sequence[LinkPoint], distance: float) -> LinkPoint:
     """Return the link at a distance. [m]"""
-    return next(each for each in found if math.isclose(each.distance, distance))
+    return next(each for each in points if math.isclose(each.distance, distance))
 
 
-def heard(found: Sequence[At]) -> float:
+def reception_range(points: Sequence[LinkPoint]) -> float:
     """Return the farthest distance at which the SNR passes the demodulator's threshold. [m]"""
-    needed = Demodulation().threshold
-    return max((each.distance for each in found if each.snr >= needed), default=math.nan)
+    needed = DemodulationSettings().threshold
+    return max((each.distance for each in points if each.snr >= needed), default=math.nan)
 
 
-def samples(distance: float = TRACE) -> np.ndarray:
+def simulate_samples(distance: float = TRACE) -> np.ndarray:
     """Return an ADC block on the lamp's axis in the room, shape (samples, diodes)."""
     scenario = load_scenario(ROOM)
     vehicle = load_vehicle(VEHICLE, scenario.air.density)
     field = scenario.light_field
-    x, y, _ = field.lamp.position
+    x, y, _ = field.first_lamp.position
     stand = (x - distance, y, ALTITUDE, 0.0)
-    return block_of(field, vehicle, set_for(field, vehicle), stand, 0)
+    return simulate_block(field, vehicle, select_diode_gain(field, vehicle), stand, 0)
 
 
-def frequency() -> float:
+def estimate_frequency() -> float:
     """Return the frequency that is found at the paper's range. [Hz]"""
-    light, top = topic_table().light, load_vehicle(VEHICLE).file.sensors.diodes.top
-    listener = Listener(Demodulation(), light.sample_rate.si, light.samples, top)
-    peaks = listener.hear(samples(RANGE)).peaks[0]
+    light, top = (
+        load_topic_table().light,
+        load_vehicle(VEHICLE).file.sensors.diodes.largest_reading,
+    )
+    listener = BeaconReceiver(DemodulationSettings(), light.sample_rate.si, light.samples, top)
+    peaks = listener.demodulate(simulate_samples(RANGE)).peaks[0]
     return float(peaks.frequency[int(peaks.snr.argmax())])
 
 
-def area() -> float:
+def floor_per_lamp() -> float:
     """Return how much floor a lamp serves in the shipped warehouse. [m2]"""
-    plan, ear = given('warehouse', VEHICLE, 2.0, ())
-    floor = floor_of(plan, ear.vehicle, 0.5)
-    found = lay_out(plan, ear, floor, mounts_of(plan), 1, None, lambda: None, lambda _: None)
+    plan, ear = load_inputs('warehouse', VEHICLE, 2.0, ())
+    floor = build_floor(plan, ear.vehicle, 0.5)
+    found = plan_layout(plan, ear, floor, list_mounts(plan), 1, None, lambda: None, lambda _: None)
     return float(found.floor.area / len(found.lamps))
 
 
-def traced(block: np.ndarray) -> Figure:
+def plot_trace(block: np.ndarray) -> Figure:
     """Return the first samples of the brightest and of the darkest diode."""
-    figure = blank()
-    time = 1e3 * np.arange(SHOWN) / topic_table().light.sample_rate.si
+    figure = create_figure()
+    time = 1e3 * np.arange(SHOWN) / load_topic_table().light.sample_rate.si
     means = block.mean(axis=0)
     for name, index, colour in (
         ('facing the lamp', int(means.argmax()), TRUTH),

@@ -4,86 +4,100 @@ import math
 from pathlib import Path
 from typing import Final
 
-from lta_config.files import find, load_yaml
-from lta_config.typed import typed
-from lta_studies.energy.flown import for_seconds
+from lta_config.command_line import format_lta_command
+from lta_config.files import find_file, load_yaml
+from lta_studies.energy.course_flight import stop_after
 from lta_studies.energy.mounting.page import (
+    draw_overturning,
+    draw_straight_flights,
+    draw_swings,
     OVER,
-    over_picture,
     STRAIGHT,
-    straight_picture,
-    swing_picture,
     SWUNG,
 )
-from lta_studies.energy.mounting.rows import tables
-from lta_studies.energy.mounting.run import gains_of, Order, Study
-from lta_studies.energy.mounting.run import study as compare
-from lta_studies.energy.mounting.straight import begun, END, over
-from lta_studies.reproduce.found import Asked, Found, Picture, Value, word
-from lta_studies.reproduce.recorded import record, way
+from lta_studies.energy.mounting.run import compare_mounts as compare
+from lta_studies.energy.mounting.run import find_gains_name, MountingRequest, MountingStudy
+from lta_studies.energy.mounting.straight_flight import average_over_seeds, END, prepare_flight
+from lta_studies.energy.mounting.tables import build_tables
+from lta_studies.reproduce.recording import record_flight, relative_bag_path
+from lta_studies.reproduce.study_result import (
+    MeasuredValue,
+    RowStudyRequest,
+    RowStudyResult,
+    StudyPicture,
+    yes_no_value,
+)
 import numpy as np
 
 MOUNTS: Final = ('side', 'bottom', 'top')
 AHEAD: Final = 0.03  # m
 
 
-def study(asked: Asked) -> Found:
+def run_study(request: RowStudyRequest) -> RowStudyResult:
     """Return the mounts flown straight on, and releases with the weight at three heights."""
-    order = Order(load_yaml(find('vehicle', 'gtmab')), MOUNTS, AHEAD, asked.seeds)
+    order = MountingRequest(load_yaml(find_file('vehicle', 'gtmab')), MOUNTS, AHEAD, request.seeds)
     found = compare(order, lambda: None)
-    values = {**mounts(found, asked.seeds), **heights(found)}
-    command = typed('energy', 'mounting', '--seeds', str(asked.seeds))
+    values = {**measure_mounts(found, request.seeds), **measure_heights(found)}
+    command = format_lta_command('energy', 'mounting', '--seeds', str(request.seeds))
     pictures = [
-        Picture('straight', 'Straight on at 0.1 m/s', STRAIGHT, straight_picture(found), command,
-                '' if asked.quick else recorded(found, asked.folder / 'straight')),
-        Picture('over', 'Centre of gravity below, at and above', OVER, over_picture(found),
-                command),
-        Picture('swing', 'Let go', SWUNG, swing_picture(found), command),
+        StudyPicture('straight', 'Straight on at 0.1 m/s', STRAIGHT,
+                     draw_straight_flights(found), command,
+                     '' if request.quick
+                     else record_flights(found, request.folder / 'straight')),
+        StudyPicture('over', 'Centre of gravity below, at and above', OVER,
+                     draw_overturning(found), command),
+        StudyPicture('swing', 'Let go', SWUNG, draw_swings(found), command),
     ]  # fmt: skip
-    return Found(values, pictures, tables(found))
+    return RowStudyResult(values, pictures, build_tables(found))
 
 
-def recorded(found: Study, folder: Path) -> str:
+def record_flights(comparison: MountingStudy, folder: Path) -> str:
     """Record the flight of seed 1 of every mount, panels in place and out of it."""
-    for group, all_of in (('in_place', found.shared), ('out_of_place', found.misplaced)):
+    for group, all_of in (('in_place', comparison.shared), ('out_of_place', comparison.misplaced)):
         for name, each in all_of.items():
-            loop = begun(each.fitted, gains_of(each.fitted), 1)
-            record(loop, for_seconds(END), folder / f'{name}_{group}')
-    return way(folder)
+            loop = prepare_flight(each.fitted, find_gains_name(each.fitted), 1)
+            record_flight(loop, stop_after(END), folder / f'{name}_{group}')
+    return relative_bag_path(folder)
 
 
-def mounts(found: Study, seeds: int) -> dict[str, Value]:
+def measure_mounts(comparison: MountingStudy, seeds: int) -> dict[str, MeasuredValue]:
     """Return swing and carrying of each mount."""
-    values: dict[str, Value] = {}
-    for name, each in found.shared.items():
-        spread = over(each.flights, 'amplitude')
+    values: dict[str, MeasuredValue] = {}
+    for name, each in comparison.shared.items():
+        spread = average_over_seeds(each.flights, 'amplitude')
         off = spread.off if seeds > 1 else math.nan
         ends = (spread.mean - off, spread.mean + off)
-        values[f'{name}_swing'] = Value(spread.mean, *ends, seeds)
-        values[f'{name}_rms'] = Value(over(each.flights, 'rms').mean, seeds=seeds)
-        values[f'{name}_spare'] = Value(-found.lacking[name])
-    own = found.own['side']
-    values['side_out_of_place'] = Value(own.misplacement)
-    values['side_misplaced_swing'] = Value(over(found.misplaced['side'].flights, 'swing').mean)
+        values[f'{name}_swing'] = MeasuredValue(spread.mean, *ends, seeds)
+        values[f'{name}_rms'] = MeasuredValue(
+            average_over_seeds(each.flights, 'rms').mean, seeds=seeds
+        )
+        values[f'{name}_spare'] = MeasuredValue(-comparison.lacking[name])
+    own = comparison.own['side']
+    values['side_out_of_place'] = MeasuredValue(own.misplacement)
+    values['side_misplaced_swing'] = MeasuredValue(
+        average_over_seeds(comparison.misplaced['side'].flights, 'swing').mean
+    )
     rms = {name: values[f'{name}_rms'].value for name in MOUNTS}
     assert not any(isinstance(each, str) for each in rms.values())
-    values['bottom_by_side'] = Value(float(rms['bottom']) / float(rms['side']), seeds=seeds)
-    values['top_by_bottom'] = Value(float(rms['top']) / float(rms['bottom']), seeds=seeds)
+    values['bottom_by_side'] = MeasuredValue(
+        float(rms['bottom']) / float(rms['side']), seeds=seeds
+    )
+    values['top_by_bottom'] = MeasuredValue(float(rms['top']) / float(rms['bottom']), seeds=seeds)
     return values
 
 
-def heights(found: Study) -> dict[str, Value]:
+def measure_heights(comparison: MountingStudy) -> dict[str, MeasuredValue]:
     """Return what becomes of a tilt with the centre of gravity below, at and above."""
-    below, at, above = found.overturning
+    below, at, above = comparison.overturning
     last = float(at.release.tilt[-1]) / float(at.release.tilt[0])
     return {
-        'below_restores': word(
-            bool(np.any(below.release.tilt < 0.0)) and not below.release.turned
+        'below_restores': yes_no_value(
+            bool(np.any(below.release.tilt < 0.0)) and not below.release.overturn_time
         ),
-        'coincident_restores': word(bool(np.any(at.release.tilt < 0.0))),
-        'coincident_left': Value(last),
-        'above_flips': word(above.release.turned is not None),
-        'above_turned': Value(
-            float('nan') if above.release.turned is None else above.release.turned
+        'coincident_restores': yes_no_value(bool(np.any(at.release.tilt < 0.0))),
+        'coincident_left': MeasuredValue(last),
+        'above_flips': yes_no_value(above.release.overturn_time is not None),
+        'above_turned': MeasuredValue(
+            float('nan') if above.release.overturn_time is None else above.release.overturn_time
         ),
     }

@@ -4,22 +4,28 @@ from collections.abc import Mapping, Sequence
 import math
 from typing import Any, Final
 
-from lta_config.typed import typed
-from lta_report.drawing import blank
+from lta_config.command_line import format_lta_command
+from lta_report.drawing import create_figure
 from lta_report.palette import GRID, SOFT
-from lta_studies.light.bearing.bench import Bench
-from lta_studies.light.bearing.places import DIODES, made_of, PLACES
+from lta_studies.light.bearing.bench import BearingBench
+from lta_studies.light.bearing.places import build_flight_spec, DIODES, PLACES
 from lta_studies.light.bearing.study import (
+    count_within,
     COUNTS,
     DIRECTIONS,
-    directions,
-    one_ring,
+    list_directions,
     READINGS,
-    Studied,
-    within,
+    RingStudy,
+    study_ring,
 )
 from lta_studies.light.bearing.study_page import COLOURS, METHOD
-from lta_studies.reproduce.found import Asked, Found, over, Picture, Value
+from lta_studies.reproduce.study_result import (
+    average_over_seeds,
+    MeasuredValue,
+    RowStudyRequest,
+    RowStudyResult,
+    StudyPicture,
+)
 import numpy as np
 from plotly.graph_objects import Figure, Scatterpolar
 
@@ -30,83 +36,99 @@ NARROW: Final = {f'{DIODES}.response': {'value': 2.0, 'unit': '1', 'source': 'ab
 UNEQUAL: Final = {f'{DIODES}.gain_spread': {'value': 10, 'unit': '%', 'source': 'ablation'}}
 
 
-def study(asked: Asked) -> Found:
+def run_study(request: RowStudyRequest) -> RowStudyResult:
     """Return the study in both places; one vehicle a seed, its gains drawn once."""
-    found = {place: {count: rings(asked, place, count) for count in COUNTS} for place in PLACES}
+    found = {
+        place: {count: study_rings(request, place, count) for count in COUNTS} for place in PLACES
+    }
     indoor, outdoor = found['indoor'], found['outdoor']
-    values: dict[str, Value] = {}
+    values: dict[str, MeasuredValue] = {}
     for place, by_count in found.items():
         for count, each in by_count.items():
-            values |= figures(f'{place}_{count}', each)
+            values |= measure_errors(f'{place}_{count}', each)
     for count in COUNTS:
-        values[f'outdoor_by_indoor_{count}'] = compared(outdoor[count], indoor[count], np.median)
-    values['outdoor_eight_by_sixteen'] = compared(outdoor[8], outdoor[16], np.median)
-    values['worst_outdoor_by_indoor_4'] = compared(outdoor[4], indoor[4], np.max)
-    values['indoor_16_below_2'] = below(indoor[16], 2.0)
-    values['indoor_8_below_4'] = below(indoor[8], 4.0)
-    values['indoor_8_below_8'] = below(indoor[8], 8.0)
-    values['indoor_4_below_10'] = below(indoor[4], 10.0)
-    values['four_good_midway'] = over([midway(ring) for ring in indoor[4]])
-    values['sixteen_worst_dark_walls'] = worst(rings(asked, 'indoor', 16, DARK_WALLS))
-    values['four_worst_narrow'] = worst(rings(asked, 'indoor', 4, NARROW))
-    values['eight_worst_unequal'] = worst(rings(asked, 'indoor', 8, UNEQUAL))
-    command = typed('light', 'study')
+        values[f'outdoor_by_indoor_{count}'] = compare_rings(
+            outdoor[count], indoor[count], np.median
+        )
+    values['outdoor_eight_by_sixteen'] = compare_rings(outdoor[8], outdoor[16], np.median)
+    values['worst_outdoor_by_indoor_4'] = compare_rings(outdoor[4], indoor[4], np.max)
+    values['indoor_16_below_2'] = count_below(indoor[16], 2.0)
+    values['indoor_8_below_4'] = count_below(indoor[8], 4.0)
+    values['indoor_8_below_8'] = count_below(indoor[8], 8.0)
+    values['indoor_4_below_10'] = count_below(indoor[4], 10.0)
+    values['four_good_midway'] = average_over_seeds([midway_share(ring) for ring in indoor[4]])
+    values['sixteen_worst_dark_walls'] = worst_error(
+        study_rings(request, 'indoor', 16, DARK_WALLS)
+    )
+    values['four_worst_narrow'] = worst_error(study_rings(request, 'indoor', 4, NARROW))
+    values['eight_worst_unequal'] = worst_error(study_rings(request, 'indoor', 8, UNEQUAL))
+    command = format_lta_command('light', 'study')
     pictures = [
-        Picture(place, f'{place.capitalize()}: {PLACES[place].about}',
+        StudyPicture(place, f'{place.capitalize()}: {PLACES[place].about}',
                 f'Median error by direction, in degrees from the middle; seed 1. {METHOD}',
-                polar({count: each[0] for count, each in by_count.items()}), command)
+                plot_polar({count: each[0] for count, each in by_count.items()}), command)
         for place, by_count in found.items()
     ]  # fmt: skip
-    return Found(values, pictures)
+    return RowStudyResult(values, pictures)
 
 
-def rings(
-    asked: Asked, place: str, count: int, changes: Mapping[str, Any] | None = None
-) -> list[Studied]:
+def study_rings(
+    request: RowStudyRequest, place: str, count: int, changes: Mapping[str, Any] | None = None
+) -> list[RingStudy]:
     """Return one ring in one place for each seed, with something changed if there is anything."""
-    bench = Bench(made_of(PLACES[place], 'gtmab', count).with_values(changes or {}))
-    readings = QUICK if asked.quick else READINGS
+    bench = BearingBench(
+        build_flight_spec(PLACES[place], 'gtmab', count).with_values(changes or {})
+    )
+    readings = QUICK if request.quick else READINGS
     return [
-        one_ring(bench, place, count, readings, seed, lambda: None)
-        for seed in range(1, asked.seeds + 1)
+        study_ring(bench, place, count, readings, seed, lambda: None)
+        for seed in range(1, request.seeds + 1)
     ]
 
 
-def figures(name: str, found: Sequence[Studied]) -> dict[str, Value]:
+def measure_errors(name: str, studies: Sequence[RingStudy]) -> dict[str, MeasuredValue]:
     """Return the median over the directions and the worst of them."""
     return {
-        f'{name}_median': over([float(np.median(ring.paper)) for ring in found]),
-        f'{name}_worst': worst(found),
+        f'{name}_median': average_over_seeds([float(np.median(ring.paper)) for ring in studies]),
+        f'{name}_worst': worst_error(studies),
     }
 
 
-def below(found: Sequence[Studied], degrees: float) -> Value:
+def count_below(studies: Sequence[RingStudy], degrees: float) -> MeasuredValue:
     """Return how many directions stay below a limit."""
-    return over([within(ring.paper, math.radians(degrees)) for ring in found])
+    return average_over_seeds(
+        [count_within(ring.paper, math.radians(degrees)) for ring in studies]
+    )
 
 
-def worst(found: Sequence[Studied]) -> Value:
+def worst_error(studies: Sequence[RingStudy]) -> MeasuredValue:
     """Return the error in the worst direction. [rad]"""
-    return over([max(ring.paper) for ring in found])
+    return average_over_seeds([max(ring.paper) for ring in studies])
 
 
-def compared(above: Sequence[Studied], below: Sequence[Studied], what: Any) -> Value:  # noqa: ANN401
+def compare_rings(
+    above: Sequence[RingStudy],
+    below: Sequence[RingStudy],
+    what: Any,  # noqa: ANN401
+) -> MeasuredValue:
     """Return the ratio of a figure of two rings, seed by seed."""
-    return over([float(what(a.paper) / what(b.paper)) for a, b in zip(above, below, strict=True)])
+    return average_over_seeds(
+        [float(what(a.paper) / what(b.paper)) for a, b in zip(above, below, strict=True)]
+    )
 
 
-def midway(ring: Studied) -> float:
+def midway_share(ring: RingStudy) -> float:
     """Return how much of the directions with a small error lie midway between two diodes."""
     good = [k for k, error in enumerate(ring.paper) if error < GOOD]
     step = DIRECTIONS // ring.count
     return sum(k % step == step // 2 for k in good) / len(good) if good else math.nan
 
 
-def polar(found: Mapping[int, Studied]) -> Figure:
+def plot_polar(studies: Mapping[int, RingStudy]) -> Figure:
     """Return the errors by direction as the paper draws them."""
-    figure = blank()
-    angles = np.degrees([*directions(), math.tau])
-    for count, ring in found.items():
+    figure = create_figure()
+    angles = np.degrees([*list_directions(), math.tau])
+    for count, ring in studies.items():
         errors = np.degrees([*ring.paper, ring.paper[0]])
         figure.add_trace(
             Scatterpolar(

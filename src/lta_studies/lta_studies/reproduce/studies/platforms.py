@@ -5,16 +5,21 @@ from itertools import combinations
 import math
 from typing import Final
 
+from lta_config.command_line import format_lta_command
 from lta_config.constants import AIR_DENSITY, STANDARD_GRAVITY
-from lta_config.typed import typed
 from lta_model import hull
-from lta_model.hover import lifting
+from lta_model.hover import select_lifting_rotors
 from lta_model.vehicle import Vehicle
-from lta_report.drawing import blank
+from lta_report.drawing import create_figure
 from lta_report.palette import GRID, INK, PAPER, TRUTH
-from lta_studies.platforms.entries import entrant
-from lta_studies.reproduce.found import Asked, Found, Picture, Value
-from lta_studies.reproduce.manoeuvres import Flights, fly, limit
+from lta_studies.platforms.entrants import build_entrant
+from lta_studies.reproduce.manoeuvres import ComparisonFlights, find_speed_limit, fly_entries
+from lta_studies.reproduce.study_result import (
+    MeasuredValue,
+    RowStudyRequest,
+    RowStudyResult,
+    StudyPicture,
+)
 import numpy as np
 from plotly.graph_objects import Figure, Heatmap
 
@@ -49,13 +54,13 @@ FOLLOWED: Final = {
 }
 
 
-def study(asked: Asked) -> Found:
+def run_study(request: RowStudyRequest) -> RowStudyResult:
     """Return the table of the paper, measured, and how far its ranking is found again."""
-    flown = () if asked.quick else tuple(FLOWN.values())
-    flights = fly([(name, each) for name in RANKED for each in flown], asked.seeds)
+    flown = () if request.quick else tuple(FLOWN.values())
+    flights = fly_entries([(name, each) for name in RANKED for each in flown], request.seeds)
     measured = {
         criterion: {name: measure(name) for name in RANKED}
-        for criterion, measure in measures(flights).items()
+        for criterion, measure in build_measures(flights).items()
         if criterion not in FLOWN or FLOWN[criterion] in flown
     }
     values = {
@@ -64,46 +69,50 @@ def study(asked: Asked) -> Found:
         for name, value in each.items()
     }
     for criterion, each in measured.items():
-        values[f'{criterion}_order'] = Value(concordance(criterion, each), seeds=asked.seeds)
-    if not asked.quick:
-        values['sblimp_limit'] = limit('sblimp', min(asked.seeds, LIMIT_SEEDS))
-    command = typed('platforms', '--seeds', str(asked.seeds))
-    titles = [flights.title(name) for name in RANKED]
+        values[f'{criterion}_order'] = MeasuredValue(
+            rank_concordance(criterion, each), seeds=request.seeds
+        )
+    if not request.quick:
+        values['sblimp_limit'] = find_speed_limit('sblimp', min(request.seeds, LIMIT_SEEDS))
+    command = format_lta_command('platforms', '--seeds', str(request.seeds))
+    titles = [flights.entry_title(name) for name in RANKED]
     pictures = [
-        Picture('table', 'Six criteria, measured', CAPTION, table(titles, measured), command)
+        StudyPicture(
+            'table', 'Six criteria, measured', CAPTION, plot_table(titles, measured), command
+        )
     ]
     pictures += [
-        Picture(each, *FOLLOWED[each], flights.picture(each, RANKED), command,
-                flights.record(each, RANKED, asked.folder / each))
+        StudyPicture(each, *FOLLOWED[each], flights.plot_tracking(each, RANKED), command,
+                flights.record_flights(each, RANKED, request.folder / each))
         for each in flown
     ]  # fmt: skip
-    return Found(values, pictures)
+    return RowStudyResult(values, pictures)
 
 
-def measures(flights: Flights) -> dict[str, Callable[[str], Value]]:
+def build_measures(flights: ComparisonFlights) -> dict[str, Callable[[str], MeasuredValue]]:
     """Return how each criterion is measured, of a platform by name."""
 
     def vehicle(name: str) -> Vehicle:
-        return entrant(flights.comparison.contestants[name], AIR_DENSITY).vehicle
+        return build_entrant(flights.comparison.contestants[name], AIR_DENSITY).vehicle
 
     return {
-        'planar': lambda name: flights.value(name, 'cruise', 'rms'),
-        'vertical': lambda name: flights.value(name, 'climb', 'rms'),
-        'attitude': lambda name: flights.value(name, 'turn', 'rms'),
-        'endurance': lambda name: Value(carried(vehicle(name))),
-        'size': lambda name: Value(extent(vehicle(name))),
-        'complexity': lambda name: Value(float(directions(vehicle(name)))),
+        'planar': lambda name: flights.measure_figure(name, 'cruise', 'rms'),
+        'vertical': lambda name: flights.measure_figure(name, 'climb', 'rms'),
+        'attitude': lambda name: flights.measure_figure(name, 'turn', 'rms'),
+        'endurance': lambda name: MeasuredValue(thrust_to_weight(vehicle(name))),
+        'size': lambda name: MeasuredValue(greatest_extent(vehicle(name))),
+        'complexity': lambda name: MeasuredValue(float(count_thrust_lines(vehicle(name)))),
     }
 
 
-def carried(vehicle: Vehicle) -> float:
+def thrust_to_weight(vehicle: Vehicle) -> float:
     """Return what rotors push while it hovers, all of them together, by its weight. [1]"""
-    own, per_newton = lifting(vehicle.rotors, vehicle.file.aero.coupling)
+    own, per_newton = select_lifting_rotors(vehicle.rotors, vehicle.file.aero.coupling)
     thrust = max(vehicle.heaviness, 0.0) * STANDARD_GRAVITY / per_newton * len(own)
     return thrust / (vehicle.mass * STANDARD_GRAVITY)
 
 
-def extent(vehicle: Vehicle) -> float:
+def greatest_extent(vehicle: Vehicle) -> float:
     """Return the greatest extent: of the hull, or between two rotors. [m]"""
     places = [rotor.place for rotor in vehicle.rotors]
     span = max(math.dist(a, b) for a, b in combinations(places, 2))
@@ -112,7 +121,7 @@ def extent(vehicle: Vehicle) -> float:
     return max(span, 2.0 * max(hull.half_axes(vehicle.file.hull)))
 
 
-def directions(vehicle: Vehicle) -> int:
+def count_thrust_lines(vehicle: Vehicle) -> int:
     """Return along how many different lines rotors push."""
     lines: list[tuple[float, float, float]] = []
     for rotor in vehicle.rotors:
@@ -121,7 +130,7 @@ def directions(vehicle: Vehicle) -> int:
     return len(lines)
 
 
-def concordance(criterion: str, found: Mapping[str, Value]) -> float:
+def rank_concordance(criterion: str, values: Mapping[str, MeasuredValue]) -> float:
     """Return how many pairs that the paper ranks apart are measured in that order. [1]"""
     column = list(CRITERIA).index(criterion)
     sign = 1.0 if CRITERIA[criterion][2] else -1.0
@@ -131,28 +140,32 @@ def concordance(criterion: str, found: Mapping[str, Value]) -> float:
         for lower in RANKED
         if RANKED[higher][column] > RANKED[lower][column]
     ]
-    right = [sign * (number(found[a]) - number(found[b])) > 0.0 for a, b in pairs]
+    right = [
+        sign * (require_number(values[a]) - require_number(values[b])) > 0.0 for a, b in pairs
+    ]
     return sum(right) / len(right)
 
 
-def number(value: Value) -> float:
+def require_number(value: MeasuredValue) -> float:
     """Return a value, which is a number."""
     assert not isinstance(value.value, str)
     return value.value
 
 
-def table(titles: Sequence[str], measured: Mapping[str, Mapping[str, Value]]) -> Figure:
+def plot_table(
+    titles: Sequence[str], measured: Mapping[str, Mapping[str, MeasuredValue]]
+) -> Figure:
     """Return the paper's table with what was measured."""
-    figure = blank()
+    figure = create_figure()
     shades, texts = [], []
     for name in RANKED:
         row, words = [], []
         for criterion, found in measured.items():
             unit, factor, more = CRITERIA[criterion]
-            ordered = sorted((number(each) for each in found.values()), reverse=not more)
-            row.append(ordered.index(number(found[name])))
+            ordered = sorted((require_number(each) for each in found.values()), reverse=not more)
+            row.append(ordered.index(require_number(found[name])))
             paper = WORDS[RANKED[name][list(CRITERIA).index(criterion)]]
-            words.append(f'{factor * number(found[name]):.3g} {unit}<br>({paper})')
+            words.append(f'{factor * require_number(found[name]):.3g} {unit}<br>({paper})')
         shades.append(row)
         texts.append(words)
     figure.add_trace(

@@ -4,17 +4,17 @@ from collections.abc import Mapping
 import math
 from typing import Final
 
+from lta_config.command_line import format_lta_command
 from lta_config.constants import AIR_DENSITY
-from lta_config.files import share
-from lta_config.typed import typed
+from lta_config.files import share_folder
 from lta_model.vehicle import Vehicle
-from lta_report.drawing import blank
+from lta_report.drawing import create_figure
 from lta_report.palette import ESTIMATE, LAMP, TRUTH, WALL
 from lta_report.palette import PAPER as WHITE
-from lta_sim.cfd.potential import extremes
-from lta_sim.cfd.sweep_table import Blow, Pressed, read_sweep
-from lta_sim.wind_limits import static_limit
-from lta_studies.reproduce.found import Picture, Value
+from lta_sim.cfd.potential import pressure_extremes
+from lta_sim.cfd.sweep_table import Blow, read_sweep, SurfacePressure
+from lta_sim.wind_limits import static_wind_limit
+from lta_studies.reproduce.study_result import MeasuredValue, StudyPicture
 import numpy as np
 from plotly.graph_objects import Bar, Figure, Heatmap
 
@@ -36,57 +36,61 @@ MAP: Final = (
 )
 
 
-def blown(name: str) -> Blow:
+def load_flow(name: str) -> Blow:
     """Return a flow of those that are shown, as `lta cfd run` left it."""
     file, pattern, _ = SHOWN[name]
-    return read_sweep(share() / 'aero' / f'{file}.blown.json').blows[pattern]
+    return read_sweep(share_folder() / 'aero' / f'{file}.blown.json').blows[pattern]
 
 
-def values(vehicle: Vehicle, disk_loading: float) -> dict[str, Value]:
+def measure_pressures(vehicle: Vehicle, disk_loading: float) -> dict[str, MeasuredValue]:
     """Return pressures in flight and under jets, and what it takes to be the paper's. [SI]"""
-    low, high = extremes(vehicle.file.hull, SURGE, static_limit(vehicle), AIR_DENSITY)
+    low, high = pressure_extremes(
+        vehicle.file.hull, SURGE, static_wind_limit(vehicle), AIR_DENSITY
+    )
     found = {
-        'flight_nose': Value(high),
-        'flight_side': Value(low),
-        'jet_speed': Value(speed_of(disk_loading)),
+        'flight_nose': MeasuredValue(high),
+        'flight_side': MeasuredValue(low),
+        'jet_speed': MeasuredValue(dynamic_pressure_speed(disk_loading)),
     }
     for told, pressure in PAPER.items():
-        found[f'{told.lower().replace("-", "")}_pressure_speed'] = Value(speed_of(pressure))
-    turns = speed_of(PAPER['GT-MAB']) / (math.pi * PROPELLER)
-    found['blade_rate'] = Value(2.0 * math.pi * turns)
+        found[f'{told.lower().replace("-", "")}_pressure_speed'] = MeasuredValue(
+            dynamic_pressure_speed(pressure)
+        )
+    turns = dynamic_pressure_speed(PAPER['GT-MAB']) / (math.pi * PROPELLER)
+    found['blade_rate'] = MeasuredValue(2.0 * math.pi * turns)
     for name in SHOWN:
-        bodies = blown(name).pressed
-        found[f'{name}_most'] = Value(max(each.most for each in bodies.values()))
-        found[f'{name}_least'] = Value(min(each.least for each in bodies.values()))
-        found[f'{name}_hull_least'] = Value(bodies['envelope'].least)
-        found[f'{name}_hull_most'] = Value(bodies['envelope'].most)
-    found['beavis_blown_up'] = Value(blown('beavis').force[2])
+        bodies = load_flow(name).pressed
+        found[f'{name}_most'] = MeasuredValue(max(each.most for each in bodies.values()))
+        found[f'{name}_least'] = MeasuredValue(min(each.least for each in bodies.values()))
+        found[f'{name}_hull_least'] = MeasuredValue(bodies['envelope'].least)
+        found[f'{name}_hull_most'] = MeasuredValue(bodies['envelope'].most)
+    found['beavis_blown_up'] = MeasuredValue(load_flow('beavis').force[2])
     return found
 
 
-def speed_of(pressure: float) -> float:
+def dynamic_pressure_speed(pressure: float) -> float:
     """Return the speed of the air that has this dynamic pressure [Pa]. [m/s]"""
     return math.sqrt(2.0 * pressure / AIR_DENSITY)
 
 
-def pictures(found: Mapping[str, Value]) -> list[Picture]:
+def build_pictures(values: Mapping[str, MeasuredValue]) -> list[StudyPicture]:
     """Return all pressures side by side, and maps of the hulls from below."""
     made = [
-        Picture('pressure', 'Pressures side by side', BESIDE, beside(found),
-                typed('reproduce', 'forces'))
+        StudyPicture('pressure', 'Pressures side by side', BESIDE, plot_pressures(values),
+                format_lta_command('reproduce', 'forces'))
     ]  # fmt: skip
     for name, (file, pattern, heading) in SHOWN.items():
-        again = typed('cfd', 'run', file, '--only', pattern)
-        hull = blown(name).pressed['envelope']
-        made.append(Picture(f'map_{name}', heading, MAP, under(hull), again))
+        again = format_lta_command('cfd', 'run', file, '--only', pattern)
+        hull = load_flow(name).pressed['envelope']
+        made.append(StudyPicture(f'map_{name}', heading, MAP, plot_underside(hull), again))
     return made
 
 
-def beside(found: Mapping[str, Value]) -> Figure:
+def plot_pressures(values: Mapping[str, MeasuredValue]) -> Figure:
     """Return the pressures as bars over decades."""
 
     def size(name: str) -> float:
-        value = found[name].value
+        value = values[name].value
         assert not isinstance(value, str)
         return abs(value)
 
@@ -102,7 +106,7 @@ def beside(found: Mapping[str, Value]) -> Figure:
         ('Paper: GT-MAB', PAPER['GT-MAB'], ESTIMATE),
     ]
     names, sizes, colours = zip(*rows, strict=True)
-    figure = blank()
+    figure = create_figure()
     figure.add_trace(
         Bar(x=sizes, y=names, orientation='h', marker={'color': colours},
             text=[f'{each:.3g} Pa' for each in sizes], textposition='outside',
@@ -113,11 +117,11 @@ def beside(found: Mapping[str, Value]) -> Figure:
     return figure.update_layout(hovermode='closest', margin={'r': 40})
 
 
-def under(hull: Pressed) -> Figure:
+def plot_underside(hull: SurfacePressure) -> Figure:
     """Return the pressure on a hull as seen from below."""
     largest = max(abs(hull.least), abs(hull.most))
     places = hull.side * ((np.arange(len(hull.below)) + 0.5) / len(hull.below) - 0.5)
-    figure = blank()
+    figure = create_figure()
     figure.add_trace(
         Heatmap(
             x=places, y=places, z=hull.below, zmin=-largest, zmax=largest, hoverongaps=False,

@@ -3,15 +3,15 @@
 from collections.abc import Mapping, Sequence
 from typing import Final
 
-from lta_config.files import share
-from lta_config.typed import typed
+from lta_config.command_line import format_lta_command
+from lta_config.files import share_folder
 from lta_model.vehicle import Vehicle
-from lta_report.drawing import blank
+from lta_report.drawing import create_figure
 from lta_report.palette import ESTIMATE, PAPER, TRUTH
-from lta_sim.cfd.refit import fits_of
-from lta_sim.cfd.sweep_table import read_sweep, Sweep
-from lta_studies.cfd.pictures import drag_picture
-from lta_studies.reproduce.found import Picture, Value
+from lta_sim.cfd.aero_fit import fit_axes
+from lta_sim.cfd.sweep_table import read_sweep, TunnelSweep
+from lta_studies.cfd.pictures import draw_drag
+from lta_studies.reproduce.study_result import MeasuredValue, StudyPicture
 import numpy as np
 from plotly.graph_objects import Figure, Heatmap
 
@@ -27,33 +27,36 @@ MATRIX: Final = (
 )
 
 
-def shipped() -> Sweep:
+def load_sweep() -> TunnelSweep:
     """Return the raw sweep of GT-MAB that `lta cfd run` left."""
-    return read_sweep(share() / 'aero' / 'gtmab.sweep.json')
+    return read_sweep(share_folder() / 'aero' / 'gtmab.sweep.json')
 
 
-def fitted(sweep: Sweep) -> dict[str, Value]:
+def collect_coefficients(sweep: TunnelSweep) -> dict[str, MeasuredValue]:
     """Return the coefficients of drag, and the net force of the upward rotors together. [SI]"""
-    fits = fits_of(sweep)
-    found = {'tunnel_up': Value(sweep.blows[BOTH_UP].force[2])}
+    fits = fit_axes(sweep)
+    found = {'tunnel_up': MeasuredValue(sweep.blows[BOTH_UP].force[2])}
     for axis in ('surge', 'heave', 'roll', 'pitch', 'yaw'):
-        found[f'tunnel_{axis}_linear'] = Value(fits[axis].linear)
-        found[f'tunnel_{axis}'] = Value(fits[axis].quadratic)
+        found[f'tunnel_{axis}_linear'] = MeasuredValue(fits[axis].linear)
+        found[f'tunnel_{axis}'] = MeasuredValue(fits[axis].quadratic)
     return found
 
 
-def pictures(sweep: Sweep, vehicles: Mapping[str, Vehicle]) -> list[Picture]:
+def build_pictures(sweep: TunnelSweep, vehicles: Mapping[str, Vehicle]) -> list[StudyPicture]:
     """Return drag along and about the axes, and B of some vehicles by name."""
-    flown, shown = typed('cfd', 'run', 'gtmab'), typed('vehicle', 'show', 'gtmab')
-    along, about = drag_picture(sweep, turning=False), drag_picture(sweep, turning=True)
+    flown, shown = (
+        format_lta_command('cfd', 'run', 'gtmab'),
+        format_lta_command('vehicle', 'show', 'gtmab'),
+    )
+    along, about = draw_drag(sweep, turning=False), draw_drag(sweep, turning=True)
     return [
-        Picture('drag', 'Drag along the axes', POINTS, along, flown),
-        Picture('turning', 'Drag about the axes', POINTS, about, flown),
-        Picture('matrix', 'Thrust allocation', MATRIX, matrix_picture(vehicles), shown),
+        StudyPicture('drag', 'Drag along the axes', POINTS, along, flown),
+        StudyPicture('turning', 'Drag about the axes', POINTS, about, flown),
+        StudyPicture('matrix', 'Thrust allocation', MATRIX, plot_matrices(vehicles), shown),
     ]
 
 
-def matrix_picture(vehicles: Mapping[str, Vehicle]) -> Figure:
+def plot_matrices(vehicles: Mapping[str, Vehicle]) -> Figure:
     """Return B of each vehicle, side by side, its numbers in the cells."""
     names: list[str] = []
     columns: list[Sequence[float]] = []
@@ -62,7 +65,7 @@ def matrix_picture(vehicles: Mapping[str, Vehicle]) -> Figure:
         columns += vehicle.allocation
     values = np.array(columns).T
     written = [[f'{each:.2f}' if round(abs(each), 2) else '' for each in row] for row in values]
-    figure = blank()
+    figure = create_figure()
     figure.add_trace(
         Heatmap(
             x=names, y=list(WRENCH), z=values.tolist(), zmin=-1.0, zmax=1.0, showscale=False,

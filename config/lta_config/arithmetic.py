@@ -1,0 +1,36 @@
+"""Sums written as text, `7.3 / 8.4`, worked out: numbers, pi, + - * / ** and brackets."""
+
+import ast
+from collections.abc import Callable
+import math
+import operator
+from typing import Final
+
+BINARY: Final[dict[type[ast.operator], Callable[[float, float], float]]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+    ast.Pow: operator.pow,
+}
+
+
+def evaluate_sum(text: str) -> float:
+    """Return the value of a sum; `ValueError` where the text is none."""
+    try:
+        return _evaluate_node(ast.parse(text, mode='eval').body)
+    except (SyntaxError, ZeroDivisionError, OverflowError):
+        raise ValueError(f'"{text}" is no sum') from None
+
+
+def _evaluate_node(node: ast.expr) -> float:
+    match node:
+        case ast.Constant(value=int() | float() as number):
+            return float(number)
+        case ast.Name(id='pi'):
+            return math.pi
+        case ast.UnaryOp(op=ast.USub(), operand=inner):
+            return -_evaluate_node(inner)
+        case ast.BinOp(left=left, op=op, right=right) if type(op) in BINARY:
+            return BINARY[type(op)](_evaluate_node(left), _evaluate_node(right))
+    raise ValueError(f'"{ast.unparse(node)}" is no sum')

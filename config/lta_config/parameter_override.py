@@ -1,0 +1,220 @@
+"""
+Replace single parameters of files by dotted path: `vehicle.trim.heaviness`, `scenario.air.wind.0`.
+
+Works on what a file holds before it is checked against its model, so that the model's own rules
+apply to whatever comes out. The new value is written as in a file: `4 g`, `[1, 0, 0] m/s`, `0.5`.
+"""
+
+from collections.abc import Mapping
+from contextlib import suppress
+import re
+from typing import Any
+
+from lta_config.errors import BadInput, unknown_name
+from lta_config.quantity import Quantity, UNITS
+from pydantic import ValidationError
+import yaml
+
+OPEN = 'effects'  # below it a file may name what it had left out: effects and their parameters
+NAMED = 'vehicle.aero'  # a group for which a file may name another one
+SOURCE = 'set for this flight'
+_VECTOR = re.compile(r'^\s*(\[[^\]]*\])\s*(\S.*?)\s*$')
+
+
+def parse_assignment(text: str) -> tuple[str, Any]:
+    """
+    Return path and value of `PATH=VALUE`.
+
+    Raises
+    ------
+    BadInput
+        If the text is none, or its value cannot be read.
+
+    """
+    path, mark, value = text.partition('=')
+    if not mark or not path.strip() or not value.strip():
+        raise BadInput(
+            f"'{text}' sets nothing; write PATH=VALUE, as in 'vehicle.trim.heaviness=4 g'."
+        )
+    return path.strip(), parse_value(value, path.strip())
+
+
+def parse_value(value: Any, where: str) -> Any:  # noqa: ANN401 - what YAML holds
+    """
+    Return a value as a file would hold it: a quantity as a mapping, anything else as it is.
+
+    Parameters
+    ----------
+    given : Any
+        Text such as '4 g', '[1, 0, 0] m/s' or 'true', a number, or a mapping with a unit.
+    where : str
+        What the value is for, as the subject of a sentence.
+
+    Raises
+    ------
+    BadInput
+        If the text cannot be read.
+
+    """
+    if isinstance(value, Mapping):
+        return dict(value)
+    if not isinstance(value, str):
+        return value
+    try:
+        vector = _VECTOR.match(value)
+        if vector is not None:
+            numbers = [_parse_number(item) for item in vector.group(1).strip('[]').split(',')]
+            return {'value': numbers, 'unit': vector.group(2)}
+        found = parse_quantity(value)
+        return _parse_number(value) if found is None else found
+    except (yaml.YAMLError, ValueError):
+        raise BadInput(f"{where} cannot be set to '{value}'; write it as in a file.") from None
+
+
+def _parse_number(text: str) -> Any:  # noqa: ANN401 - what YAML holds
+    """Return what a word means in YAML, and numbers such as 1e-05, which YAML takes for text."""
+    read = yaml.safe_load(text)
+    if isinstance(read, str):
+        with suppress(ValueError):
+            return float(read)
+    return read
+
+
+def parse_quantity(held: Any) -> dict[str, Any] | None:  # noqa: ANN401 - what YAML holds
+    """Return what a file holds as the mapping of a quantity, None where it is no quantity."""
+    if isinstance(held, Mapping) and 'value' in held and 'unit' in held:
+        return dict(held)
+    if not isinstance(held, str):
+        return None
+    try:
+        read = Quantity.model_validate(held)
+    except ValidationError:
+        return None
+    return {'value': read.value, 'unit': read.unit}
+
+
+def replace_parameter(content: Any, path: str, value: Any, root: str) -> Any:  # noqa: ANN401 - what YAML holds
+    """
+    Return what a file holds with one parameter replaced.
+
+    Parameters
+    ----------
+    content : Any
+        The whole file, as YAML holds it; not changed.
+    path : str
+        Where, within the file: 'trim.heaviness'; a number at the end is one of a list, from 0.
+    value : Any
+        From `parse_value`.
+    root : str
+        What the file is called in a path: 'vehicle'.
+
+    Raises
+    ------
+    BadInput
+        If there is no such parameter, or the value is of another kind or unit.
+
+    """
+    return _replace_at(content, path.split('.'), value, root)
+
+
+def get_parameter(content: Any, path: str, root: str) -> Any:  # noqa: ANN401 - what YAML holds
+    """Return what stands at a path; errors as `replace_parameter`."""
+    for key in path.split('.'):
+        content = _get_child(content, key, root)
+        root = f'{root}.{key}'
+    return content
+
+
+def _get_child(content: Any, key: str, where: str) -> Any:  # noqa: ANN401 - what YAML holds
+    """Return what stands under one key, None where a file may have left it out."""
+    found = parse_quantity(content)
+    if found is not None:
+        return _select_element(found, key, where)
+    if content is None and OPEN in where.split('.'):  # of an effect that the file leaves out
+        return None
+    if not isinstance(content, Mapping):
+        raise BadInput(f"{where} is a single value; leave '.{key}' out.")
+    if key not in content and OPEN not in where.split('.'):
+        raise unknown_name(f'key of {where}', key, [str(name) for name in content])
+    return content.get(key)
+
+
+def _select_element(quantity: Mapping[str, Any], key: str, where: str) -> dict[str, Any]:
+    """Return one number of a quantity that has several, as a quantity."""
+    numbers = quantity['value']
+    if not isinstance(numbers, list | tuple):
+        raise BadInput(f"{where} is a single value; leave '.{key}' out.")
+    if not (key.isdecimal() and int(key) < len(numbers)):
+        raise unknown_name(
+            f'number of {where}', key, [str(index) for index in range(len(numbers))]
+        )
+    return {'value': numbers[int(key)], 'unit': quantity['unit']}
+
+
+def _replace_at(content: Any, keys: list[str], value: Any, where: str) -> Any:  # noqa: ANN401
+    if not keys:
+        return _match_replacement(content, value, where)
+    key, *rest = keys
+    below = _get_child(content, key, where)
+    if below is None and not rest:  # an effect's parameter that the file left out
+        return {**content, key: _mark_source(value)}
+    new = _replace_at({} if below is None else below, rest, value, f'{where}.{key}')
+    found = parse_quantity(content)
+    return {**content, key: new} if found is None else _replace_element(found, int(key), new)
+
+
+def _replace_element(
+    quantity: dict[str, Any], index: int, new: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Return a quantity with one of its numbers replaced, in its own unit."""
+    factor = UNITS[new['unit']][1] / UNITS[quantity['unit']][1]
+    numbers = list(quantity['value'])
+    numbers[index] = new['value'] if new['unit'] == quantity['unit'] else new['value'] * factor
+    return {'value': numbers, 'unit': quantity['unit'], 'source': SOURCE}
+
+
+def _match_replacement(old: Any, value: Any, where: str) -> Any:  # noqa: ANN401 - what YAML holds
+    """Return the new value if it is of the kind of the old one."""
+    before, now = parse_quantity(old), parse_quantity(value)
+    if before is not None:
+        return _mark_source(_check_same_unit(before, now, value, where))
+    if where == NAMED and isinstance(value, str):
+        return value
+    if isinstance(old, Mapping):
+        names = ', '.join(map(str, old))
+        raise BadInput(f'{where} is a group; set one of its keys: {names}.')
+    if now is not None:
+        raise BadInput(f'{where} takes a plain value such as {old}, not {format_value(value)}.')
+    number = isinstance(old, int | float) and not isinstance(old, bool)
+    if number and (isinstance(value, bool) or not isinstance(value, int | float)):
+        raise BadInput(f'{where} is {format_value(value)}, but must be a number, such as {old}.')
+    return float(value) if isinstance(old, float) else value
+
+
+def _check_same_unit(
+    before: Mapping[str, Any],
+    now: dict[str, Any] | None,
+    value: Any,  # noqa: ANN401 - what YAML holds
+    where: str,
+) -> dict[str, Any]:
+    unit = before['unit']
+    if now is None:
+        raise BadInput(
+            f'{where} is {format_value(value)}; give a number and a unit, as in "1 {unit}".'
+        )
+    if now['unit'] not in UNITS:
+        raise BadInput(f'{where} has the unknown unit "{now["unit"]}"; known: {", ".join(UNITS)}.')
+    if UNITS[now['unit']][0] != UNITS.get(unit, (unit,))[0]:
+        raise BadInput(f'{where} is in {now["unit"]}, but must be in {unit} or its like.')
+    return now
+
+
+def _mark_source(value: Any) -> Any:  # noqa: ANN401 - what YAML holds
+    found = parse_quantity(value)
+    return value if found is None else {**found, 'source': SOURCE}
+
+
+def format_value(value: Any) -> str:  # noqa: ANN401 - what YAML holds
+    """Return a value as people write it."""
+    found = parse_quantity(value)
+    return str(value) if found is None else f'{found["value"]} {found["unit"]}'

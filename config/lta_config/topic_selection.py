@@ -1,0 +1,70 @@
+"""What is recorded: what the topic table marks, topics by name, or everything on the graph."""
+
+from collections.abc import Mapping, Sequence
+
+from lta_config.errors import unknown_name
+from lta_config.topics import robot_topic, Topic, TopicTable
+
+EVERYTHING = 'all'
+ROS_OWN: Mapping[str, str] = {  # topics that every ROS node has, and their types
+    '/parameter_events': 'rcl_interfaces/msg/ParameterEvent',
+    '/rosout': 'rcl_interfaces/msg/Log',
+}
+
+
+def absolute_topic(robot: str, name: str) -> str:
+    """Return the absolute name of a topic; a robot may have no namespace."""
+    return robot_topic(robot, name) if robot else f'/{name.lstrip("/")}'
+
+
+def is_selected(words: str, robot: str, name: str, topic: Topic) -> bool:
+    """
+    Tell whether a topic of the table is to be recorded.
+
+    Parameters
+    ----------
+    words : str
+        Names, relative or absolute, with spaces between; 'all'; or '' for what the table marks.
+    robot : str
+        Namespace of the robot whose topic it is.
+    name : str
+        Name in the table.
+    topic : Topic
+        Its row.
+
+    """
+    chosen = words.split()
+    if not chosen:
+        return topic.recorded
+    return chosen == [EVERYTHING] or name in chosen or absolute_topic(robot, name) in chosen
+
+
+def select_topics(words: str, robots: Sequence[str], table: TopicTable) -> dict[str, str]:
+    """
+    Return the types of the topics to record that are known beforehand, by absolute name.
+
+    Parameters
+    ----------
+    words : str
+        As for `is_selected`.
+    robots : sequence of str
+        Namespaces of the robots to record.
+    table : TopicTable
+        The topics of each.
+
+    Raises
+    ------
+    BadInput
+        If a name is none of the robots' topics and none that every ROS node has.
+
+    """
+    rows = [(robot, *row) for robot in robots for row in table.topics.items()]
+    named = {absolute_topic(robot, name): topic.type for robot, name, topic in rows} | dict(
+        ROS_OWN
+    )
+    for word in words.split() if words.split() != [EVERYTHING] else []:
+        if word not in named and word not in table.topics:
+            raise unknown_name('topic', word, [*table.topics, *ROS_OWN, EVERYTHING])
+    found = [absolute_topic(row[0], row[1]) for row in rows if is_selected(words, *row)]
+    found += [name for name in ROS_OWN if name in words.split()]
+    return {name: named[name] for name in found}

@@ -1,0 +1,93 @@
+"""From pydantic's errors to one sentence that a person who writes files can act on."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from pydantic import ValidationError
+
+# By pydantic's type of error; the braces are filled from its context.
+PLAIN = {
+    'int_type': 'must be a whole number',
+    'int_parsing': 'must be a whole number',
+    'int_from_float': 'must be a whole number',
+    'float_type': 'must be a number',
+    'float_parsing': 'must be a number',
+    'finite_number': 'must be finite',
+    'bool_type': 'must be true or false',
+    'bool_parsing': 'must be true or false',
+    'string_type': 'must be text',
+    'literal_error': 'must be {expected}',
+    'enum': 'must be {expected}',
+    'greater_than': 'must be above {gt}',
+    'greater_than_equal': 'must be at least {ge}',
+    'less_than': 'must be below {lt}',
+    'less_than_equal': 'must be at most {le}',
+    'string_pattern_mismatch': 'must match {pattern}',
+    'too_short': 'must have at least {min_length} of its kind',
+    'too_long': 'must have at most {max_length} of its kind',
+    'model_type': 'must be a mapping of keys',
+    'mapping_type': 'must be a mapping of keys',
+    'dict_type': 'must be a mapping of keys',
+    'list_type': 'must be a list',
+    'tuple_type': 'must be a list',
+}
+
+
+def format_error(error: ValidationError) -> str:
+    """Return the first problem of a pydantic error as one sentence."""
+    problems = error.errors()
+    return _format_problem(problems[0], problems)
+
+
+def format_errors(error: ValidationError) -> list[str]:
+    """Return every problem of a pydantic error as a sentence; a misspelt key makes just one."""
+    problems = error.errors()
+    missing = [problem for problem in problems if problem['type'] == 'missing']
+    found = []
+    for problem in problems:
+        if problem['type'] == 'extra_forbidden' and any(
+            problem['loc'][:-1] == other['loc'][:-1] for other in missing
+        ):
+            continue
+        found.append(_format_problem(problem, problems))
+    return found
+
+
+def _format_problem(first: Mapping[str, Any], problems: Sequence[Mapping[str, Any]]) -> str:
+    """Return one problem, in the light of the others, as one sentence."""
+    where = locate_problem(first) or 'the file'
+    if first['type'] == 'extra_forbidden':
+        return f"the key '{where}' is not known; remove it or correct its spelling."
+    if first['type'] == 'missing':
+        # A misspelt key is both: one that is missing and one that is not known.
+        for other in problems:
+            if other['type'] == 'extra_forbidden' and other['loc'][:-1] == first['loc'][:-1]:
+                return (
+                    f"the key '{where}' is missing and '{locate_problem(other)}' is not known; "
+                    f'correct its '
+                    'spelling.'
+                )
+        return f"the key '{where}' is missing; add it."
+    if first['type'] == 'value_error':
+        return f'{where} {first["msg"].removeprefix("Value error, ")}.'
+    given: Any = first.get('input')
+    if isinstance(given, Mapping | list | tuple):
+        return f'{where} {describe_problem(first)}.'
+    return f'{where} is {given!r}, but {describe_problem(first)}.'
+
+
+def locate_problem(problem: Mapping[str, Any]) -> str:
+    """Return where a problem is, as a dotted name."""
+    return '.'.join(str(part) for part in problem['loc'])
+
+
+def describe_problem(problem: Mapping[str, Any]) -> str:
+    """Return what is wrong, to be put behind the name of what it is wrong with."""
+    plain = PLAIN.get(problem['type'])
+    if plain is None:
+        return f'is refused: {problem["msg"]}'
+    numbers = {
+        key: f'{value:g}' if isinstance(value, float) else value
+        for key, value in problem.get('ctx', {}).items()
+    }
+    return plain.format(**numbers)

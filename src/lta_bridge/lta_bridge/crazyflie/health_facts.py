@@ -1,0 +1,58 @@
+"""How the link and the drone are, as two facts with the figures behind them."""
+
+from collections.abc import Iterator
+
+from lta_bridge.crazyflie.bridge_core import BridgeCore
+from lta_bridge.crazyflie.connection_manager import ConnectionManager
+from lta_bridge.crazyflie.safety import SafetyInputs, SafetyStage, SILENT
+from lta_graph.health import HealthFact, HealthLevel
+
+NOT_CONFIGURED = 'not configured'
+
+
+def describe_health(
+    bridge: BridgeCore, why: str, attempts: int, protocol: int, inputs: SafetyInputs
+) -> Iterator[HealthFact]:
+    """Yield how link and drone are by what is known, and by why there is no link."""
+    yield _describe_link(bridge, why, attempts, protocol, inputs)
+    yield _describe_safety(bridge, inputs)
+    yield bridge.malformed.build_fact('packets', 'all can be read')
+    yield bridge.unasked.build_fact('commands', 'all can be flown')
+
+
+def describe_connection(keeper: ConnectionManager | None) -> tuple[str, int]:
+    """Return why there is no link, empty where there is one, and how often it was tried."""
+    return (NOT_CONFIGURED, 0) if keeper is None else (keeper.why, keeper.attempts)
+
+
+def _describe_link(
+    bridge: BridgeCore, why: str, attempts: int, protocol: int, inputs: SafetyInputs
+) -> HealthFact:
+    figures = {
+        'protocol': protocol,
+        'silence_s': f'{inputs.silence:.3f}',
+        'latency_s': f'{bridge.trips.latency:.4f}',
+        'one_way_s': f'{1e-9 * bridge.trips.one_way_ns:.4f}',
+        'drift_ppm': f'{1e6 * bridge.clock.drift:.1f}',
+        'clock_restarts': bridge.clock.line.restarts,
+        'packets': bridge.packets,
+        'attempts': attempts,
+    }
+    heard = inputs.linked and inputs.silence < SILENT
+    silent = f'silent for {inputs.silence:.1f} s' if inputs.linked else why
+    level, message = (HealthLevel.OK, 'connected') if heard else (HealthLevel.ERROR, silent)
+    return HealthFact('link', level, message, {key: str(value) for key, value in figures.items()})
+
+
+def _describe_safety(bridge: BridgeCore, inputs: SafetyInputs) -> HealthFact:
+    state = bridge.state
+    duties = () if bridge.motors is None else bridge.motors.duties
+    figures = {
+        'word': str(inputs.word),
+        'command': bridge.command,
+        'voltage': f'{inputs.voltage:.2f}',
+        'motors': ' '.join(f'{duty:.2f}' for duty in duties),
+    }
+    level = HealthLevel.ERROR if state.stage is SafetyStage.STOPPED else HealthLevel.OK
+    message = f'{state.stage.value}: {state.why}' if state.why else state.stage.value
+    return HealthFact('safety', level, message, figures)

@@ -1,0 +1,35 @@
+"""The supervisor's own word: 16 bits, in `supervisor.info` and on port 9."""
+
+from enum import IntFlag
+
+
+class SupervisorBit(IntFlag):
+    """Bits of the word (crazyflie-firmware, supervisor.c, 2026.08)."""
+
+    CAN_BE_ARMED = 1 << 0
+    ARMED = 1 << 1
+    AUTO_ARM = 1 << 2
+    CAN_FLY = 1 << 3
+    FLYING = 1 << 4
+    TUMBLED = 1 << 5
+    LOCKED = 1 << 6
+    CRASHED = 1 << 7
+    HIGH_LEVEL = 1 << 8
+    TRAJECTORY_FINISHED = 1 << 9
+    HIGH_LEVEL_DISABLED = 1 << 10
+    DECK_FAULT = 1 << 11
+
+
+TROUBLE: dict[SupervisorBit, str] = {
+    SupervisorBit.LOCKED: 'locked: switch the Crazyflie off and on again',
+    SupervisorBit.CRASHED: 'crashed: set it upright and ask it to recover, or switch it off and '
+    'on',
+    SupervisorBit.TUMBLED: 'tumbled: set it upright',
+    SupervisorBit.DECK_FAULT: 'a deck failed its test: check that it sits right, and switch off '
+    'and on',
+}
+
+
+def explain_fault(word: int) -> str:
+    """Return why the motors may not turn, with the remedy; empty where nothing hinders."""
+    return next((text for bit, text in TROUBLE.items() if word & bit), '')

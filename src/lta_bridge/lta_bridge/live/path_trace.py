@@ -1,0 +1,44 @@
+"""The path so far, in few points however long the flight."""
+
+import math
+from typing import final
+
+from lta_bridge.live.shapes import LineShape, ShapeEntity, Three
+
+MOST = 800  # points
+COLOUR = (0.10, 0.45, 0.85, 1.0)
+
+
+@final
+class PathTrace:
+    """
+    The places that a vehicle has been at, at least a step apart.
+
+    When there are too many, every second one is dropped and the step doubled, so that old and new
+    are drawn alike.
+
+    Parameters
+    ----------
+    step : float
+        Distance between two points at first. [m]
+
+    """
+
+    def __init__(self, step: float = 0.02) -> None:
+        self.step = step
+        self.points: list[Three] = []
+
+    def add_place(self, place: Three) -> None:
+        """Go on to a place. [m]"""
+        if self.points and math.dist(self.points[-1], place) < self.step:
+            return
+        self.points.append(place)
+        if len(self.points) > MOST:
+            del self.points[1::2]
+            self.step *= 2.0
+
+    def to_entity(self, frame: str) -> ShapeEntity:
+        """Return the path as a line."""
+        if len(self.points) < 2:
+            return ShapeEntity('path', frame, ())
+        return ShapeEntity('path', frame, (LineShape(tuple(self.points), 0.015, COLOUR),))

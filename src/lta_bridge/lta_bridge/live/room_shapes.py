@@ -1,0 +1,105 @@
+"""The world of a scenario as shapes in the map frame: walls, lamps with their light, goals."""
+
+import math
+from typing import Final
+
+from lta_bridge.live.shapes import (
+    BoxShape,
+    Colour,
+    CylinderShape,
+    EllipsoidShape,
+    LabelShape,
+    LineShape,
+    move_point,
+    rotation_between,
+    ShapeEntity,
+    Three,
+    to_triple,
+    Z,
+)
+from lta_model.light.lamp import BeaconLamp
+from lta_model.scenario import Scenario
+from lta_model.scenario_light import LampScene
+
+MAP: Final = 'map'
+FLOOR: Final[Colour] = (0.50, 0.52, 0.55, 0.25)
+EDGE: Final[Colour] = (0.50, 0.52, 0.55, 1.0)
+SOLID: Final[Colour] = (0.50, 0.52, 0.55, 0.10)
+LAMP: Final[Colour] = (1.0, 0.85, 0.20, 1.0)
+BEAM: Final[Colour] = (1.0, 0.90, 0.40, 0.12)
+GOAL: Final[Colour] = (0.20, 0.65, 0.30, 1.0)
+THIN: Final = 0.01  # m, of a floor or wall
+BULB: Final = 0.12  # m across
+BEAM_LENGTH: Final = 1.0  # m, of the edge of the drawn cone: the light goes on
+CORNERS: Final = 48  # of the circle around the goal
+
+
+def half_power_angle(lamp: BeaconLamp) -> float:
+    """Return the angle off the lamp's axis at which it shines half as bright. [rad]"""
+    return math.acos(0.5 ** (1.0 / lamp.order))
+
+
+def draw_static_scene(scenario: Scenario) -> list[ShapeEntity]:
+    """Return everything of a scenario that never moves."""
+    lamps = [draw_lamp(name, scene) for name, scene in scenario.lamps.items()]
+    return [draw_walls(scenario), *lamps, draw_goals(scenario)]
+
+
+def draw_walls(scenario: Scenario) -> ShapeEntity:
+    """Return the floor and the edges of the room; walls only where they hold a drone back."""
+    length, width, height = scenario.room.size.vector
+    x, y = length / 2, width / 2
+    shapes: list[BoxShape | LineShape] = [
+        BoxShape((0.0, 0.0, -THIN / 2), (length, width, THIN), FLOOR),
+        LineShape(tuple(_box_edges(x, y, height)), 0.02, EDGE, pairs=True),
+    ]
+    if scenario.room.walls == 'solid':
+        for side in (-1.0, 1.0):
+            shapes.append(BoxShape((side * x, 0.0, height / 2), (THIN, width, height), SOLID))
+            shapes.append(BoxShape((0.0, side * y, height / 2), (length, THIN, height), SOLID))
+    return ShapeEntity('room', MAP, tuple(shapes))
+
+
+def _box_edges(x: float, y: float, height: float) -> list[Three]:
+    """Return the twelve edges of a box, as pairs of points."""
+    ring = [(x, y), (-x, y), (-x, -y), (x, -y)]
+    points: list[Three] = []
+    for (a, b), (c, d) in zip(ring, [*ring[1:], ring[0]], strict=True):
+        points += [(a, b, 0.0), (c, d, 0.0), (a, b, height), (c, d, height)]
+        points += [(a, b, 0.0), (a, b, height)]
+    return points
+
+
+def draw_lamp(name: str, scene: LampScene) -> ShapeEntity:
+    """Return a lamp, and the cone in which it is at least half as bright as ahead."""
+    source = scene.lamp
+    place = to_triple(source.position)
+    size = math.hypot(*source.axis)
+    axis = to_triple(tuple(number / size for number in source.axis))
+    edge = half_power_angle(source)
+    across, ahead = 2.0 * BEAM_LENGTH * math.sin(edge), BEAM_LENGTH * math.cos(edge)
+    cone = CylinderShape(
+        move_point(place, axis, ahead / 2),
+        (across, across, ahead),
+        BEAM,
+        rotation_between(Z, axis),
+        bottom=0.0,
+    )
+    words = LabelShape(move_point(place, Z, 0.3), f'{name}, {scene.frequency.si:g} Hz', 0.15, LAMP)
+    shapes = EllipsoidShape(place, (BULB, BULB, BULB), LAMP), cone, words
+    return ShapeEntity(f'lamp/{name}', MAP, shapes)
+
+
+def draw_goals(scenario: Scenario) -> ShapeEntity:
+    """Return the circles on the floor within which the lamps of the route count as reached."""
+    radius = scenario.goal.radius.si
+    angles = [2.0 * math.pi * k / CORNERS for k in range(CORNERS + 1)]
+    circles = [
+        LineShape(
+            tuple((x + radius * math.cos(a), y + radius * math.sin(a), 0.0) for a in angles),
+            0.02,
+            GOAL,
+        )
+        for x, y in scenario.goal_places
+    ]
+    return ShapeEntity('goal', MAP, tuple(circles))

@@ -1,0 +1,186 @@
+"""
+The MCAP files of a bag, read with the format's own library: what is in them, and in log order.
+
+A finished file is read by its index. One that was cut short has none: what is whole in it is taken
+into memory and put in order.
+
+The library believes what a file says of its own size: whoever reads one of a stranger's bounds the
+memory of the process (`bounded_memory`).
+"""
+
+from collections.abc import Collection, Iterator
+from contextlib import suppress
+from pathlib import Path
+import struct
+from typing import BinaryIO, final, NamedTuple
+
+from lta_bridge.bag.records import MAGIC, PROVENANCE
+from lta_config.errors import BadInput
+from lta_config.limits import READER_MEMORY
+from mcap.exceptions import McapError
+from mcap.reader import make_reader, McapReader
+from mcap.records import Channel, Message, Metadata, Schema
+from mcap.stream_reader import StreamReader
+from mcap.summary import Summary
+from mcap.well_known import MessageEncoding
+from zstandard import ZstdError
+
+ADVICE = 'give a rosbag2 folder or an .mcap file'
+# What the library raises where a file ends too early or its bytes make no sense.
+BROKEN = (McapError, struct.error, EOFError, LookupError, ValueError, ZstdError)
+
+
+def build_size_error(file: Path) -> BadInput:
+    """Return the sentence on a file without an index for which there is not enough memory."""
+    return BadInput(
+        f"'{file}' has no index, and is damaged or takes more memory than a replay may "
+        f'({READER_MEMORY >> 20} MB); `lta bag recover` writes what is whole, with an index.'
+    )
+
+
+@final
+class LoggedMessage(NamedTuple):
+    """One message as logged: absolute topic, log time [ns], bytes."""
+
+    topic: str
+    time_ns: int
+    data: bytes
+
+
+def read_topic_types(files: list[Path]) -> tuple[dict[str, str], dict[str, str]]:
+    """
+    Return the message type of each topic of a bag, and what the bag tells of its origin.
+
+    Raises
+    ------
+    BadInput
+        If a file cannot be read or is no MCAP.
+
+    """
+    types: dict[str, str] = {}
+    told: dict[str, str] = {}
+    for file in files:
+        try:
+            with file.open('rb') as stream:
+                if stream.read(len(MAGIC)) != MAGIC:
+                    raise BadInput(f"'{file}' is not a recording in MCAP; {ADVICE}.")
+                found, origin = read_summary(stream) or scan_unfinished(stream)
+        except OSError as error:
+            raise BadInput(f"'{file}' cannot be read ({error.strerror}); {ADVICE}.") from error
+        except MemoryError:
+            raise build_size_error(file) from None
+        types |= found
+        told |= origin
+    return types, told
+
+
+def open_indexed(stream: BinaryIO) -> tuple[McapReader, Summary] | None:
+    """Return a finished file's reader and summary; None where it has none."""
+    stream.seek(0)
+    with suppress(*BROKEN, MemoryError):
+        reader = make_reader(stream)
+        summary = reader.get_summary()
+        if summary is not None:
+            return reader, summary
+    return None
+
+
+def read_summary(stream: BinaryIO) -> tuple[dict[str, str], dict[str, str]] | None:
+    """Return types and origin by a file's summary; None where it has none."""
+    found = open_indexed(stream)
+    if found is None:
+        return None
+    reader, summary = found
+    types = {
+        channel.topic: summary.schemas[channel.schema_id].name
+        for channel in summary.channels.values()
+        if channel.schema_id in summary.schemas and is_cdr(channel)
+    }
+    told: dict[str, str] = {}
+    with suppress(*BROKEN, MemoryError):
+        for record in reader.iter_metadata():
+            told |= record.metadata if record.name == PROVENANCE else {}
+    return types, told
+
+
+def is_cdr(channel: Channel) -> bool:
+    """Tell whether a channel's messages are as ROS 2 sends them."""
+    return str(channel.message_encoding) == MessageEncoding.CDR
+
+
+def scan_unfinished(stream: BinaryIO) -> tuple[dict[str, str], dict[str, str]]:
+    """Return types and origin of a file without a summary, as far as it goes."""
+    types: dict[str, str] = {}
+    told: dict[str, str] = {}
+    schemas: dict[int, str] = {}
+    for record in iterate_records(stream):
+        if isinstance(record, Schema):
+            schemas[record.id] = record.name
+        elif isinstance(record, Channel) and is_cdr(record):
+            types[record.topic] = schemas.get(record.schema_id, '')
+        elif isinstance(record, Metadata) and record.name == PROVENANCE:
+            told |= record.metadata
+    return types, told
+
+
+def iterate_records(stream: BinaryIO) -> Iterator[object]:
+    """Yield the records of an unfinished file in their order, to its first damage."""
+    stream.seek(0)
+    with suppress(*BROKEN):
+        yield from StreamReader(stream).records
+
+
+def iterate_by_time(
+    file: Path, topics: Collection[str], since_ns: int | None
+) -> Iterator[LoggedMessage]:
+    """
+    Yield a file's messages of some topics by log time.
+
+    Parameters
+    ----------
+    file : Path
+        An .mcap file.
+    topics : collection of str
+        Absolute names.
+    since_ns : int or None
+        The first log time. [ns]
+
+    Raises
+    ------
+    BadInput
+        If a finished file turns out to be damaged.
+
+    """
+    with file.open('rb') as stream:
+        found = open_indexed(stream)
+        if found is None:
+            try:
+                kept = sorted(
+                    iterate_unfinished(stream, topics, since_ns or 0),
+                    key=lambda item: item.time_ns,
+                )
+            except MemoryError:
+                raise build_size_error(file) from None
+            yield from kept
+            return
+        try:
+            for _, channel, message in found[0].iter_messages(topics, starting_at=since_ns):
+                yield LoggedMessage(channel.topic, message.log_time, message.data)
+        except (*BROKEN, MemoryError) as error:
+            why = str(error) or f'a chunk wants more than {READER_MEMORY >> 20} MB'
+            raise BadInput(
+                f"'{file}' is damaged ({why}); mend it with `lta bag recover`."
+            ) from error
+
+
+def iterate_unfinished(
+    stream: BinaryIO, topics: Collection[str], since_ns: int
+) -> Iterator[LoggedMessage]:
+    """Yield the messages of an unfinished file as they stand in it."""
+    names: dict[int, str] = {}
+    for record in iterate_records(stream):
+        if isinstance(record, Channel) and record.topic in topics:
+            names[record.id] = record.topic
+        elif isinstance(record, Message) and record.channel_id in names:
+            found = LoggedMessage(names[record.channel_id], record.log_time, record.data)
+            yield from [found] if found.time_ns >= since_ns else []

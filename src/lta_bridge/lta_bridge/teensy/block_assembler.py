@@ -1,0 +1,121 @@
+"""
+Whole light blocks out of numbered rows.
+
+A block that a demodulator can use has no gap: rows that are lost take the block that was being
+filled with them, and the next begins with the row that came. Rows are numbered by the board, so
+that neither a message of another kind nor one that we do not know looks like a loss.
+"""
+
+from collections.abc import Iterator
+from typing import final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+WRAP = 2**32  # of the number of a row
+RESTART = 5  # messages with old numbers in a row after which the board has begun anew
+
+
+class BoardBlock(NamedTuple):
+    """Samples of all diodes, shape (samples, diodes), and the board's time of the first. [ns]"""
+
+    board_ns: int
+    samples: NDArray[np.uint16]
+
+
+@final
+class BlockAssembler:
+    """
+    Rows that are gathered.
+
+    Parameters
+    ----------
+    samples : int
+        Rows in a block.
+    sample_rate : float
+        Rows a second of the board's clock. [Hz]
+
+    Attributes
+    ----------
+    rows, lost, old : int
+        Rows that came, that never came, and that came twice or too late.
+    whole, torn : int
+        Blocks that were filled, and that lost rows while they were.
+    restarts : int
+        How often the board began to count anew.
+
+    """
+
+    def __init__(self, samples: int, sample_rate: float) -> None:
+        self._samples = samples
+        self._row_ns = 1e9 / sample_rate
+        self._expected: int | None = None
+        self._filled: NDArray[np.uint16] | None = None
+        self._have = 0
+        self._board_ns = 0
+        self._suspects = 0
+        self.rows = self.lost = self.old = self.whole = self.torn = self.restarts = 0
+
+    def add_rows(
+        self, board_ns: int, sequence: int, rows: NDArray[np.uint16]
+    ) -> Iterator[BoardBlock]:
+        """
+        Take consecutive rows and yield the blocks that they complete.
+
+        Parameters
+        ----------
+        board_ns : int
+            Board time of the first. [ns]
+        sequence : int
+            Its number, modulo 2^32.
+        rows : ndarray of uint16, shape (n, diodes)
+            ADC counts.
+
+        """
+        if not self._accept_rows(sequence, len(rows)):
+            return
+        self._expected = (sequence + len(rows)) % WRAP
+        self.rows += len(rows)
+        at = 0
+        while at < len(rows):
+            if self._filled is None or self._filled.shape[1] != rows.shape[1]:
+                self._filled = np.empty((self._samples, rows.shape[1]), np.uint16)
+                self._have = 0
+            if self._have == 0:
+                self._board_ns = board_ns + round(at * self._row_ns)
+            count = min(self._samples - self._have, len(rows) - at)
+            self._filled[self._have : self._have + count] = rows[at : at + count]
+            self._have += count
+            at += count
+            if self._have == self._samples:
+                self.whole += 1
+                yield BoardBlock(self._board_ns, self._filled)
+                self._filled = None
+
+    def _accept_rows(self, sequence: int, count: int) -> bool:
+        """Tell whether rows are new, and give up the block that lacks what is missing before."""
+        expected = sequence if self._expected is None else self._expected
+        ahead = (sequence - expected) % WRAP
+        if ahead >= WRAP // 2:
+            self._suspects += 1
+            if self._suspects < RESTART:
+                self.old += count
+                return False
+            self.restart()
+            ahead = 0
+        self._suspects = 0
+        if ahead:
+            self.lost += ahead
+            self._drop_partial_block()
+        return True
+
+    def restart(self) -> None:
+        """Take the next rows for the first: the board was reset."""
+        self.restarts += 1
+        self._expected = None
+        self._drop_partial_block()
+
+    def _drop_partial_block(self) -> None:
+        """Give up the block that is being filled."""
+        self.torn += bool(self._filled is not None and self._have)
+        self._filled = None

@@ -1,0 +1,59 @@
+"""How the light board and its link are, as one fact with the figures behind it."""
+
+from lta_bridge.teensy.light_board import LightBoard
+from lta_bridge.teensy.reader import BoardReader
+from lta_graph.health import HealthFact, HealthLevel
+
+TASK = 'light board'
+SILENT_NS = 500_000_000  # without a frame: five blocks
+
+
+def describe_health(reader: BoardReader | None, now_ns: int, active: bool) -> HealthFact:
+    """Return how the board is at a time of ours [ns]; without a reader nothing is configured."""
+    if reader is None:
+        return HealthFact(TASK, HealthLevel.WARN, 'not configured')
+    level, message = _assess_level(reader, now_ns, active)
+    return HealthFact(TASK, level, message, _list_figures(reader, reader.board))
+
+
+def _assess_level(reader: BoardReader, now_ns: int, active: bool) -> tuple[HealthLevel, str]:
+    board = reader.board
+    if reader.trouble:
+        return HealthLevel.ERROR, reader.trouble
+    if not board.heard_ns:
+        return HealthLevel.WARN, 'nothing has come yet'
+    if now_ns - board.heard_ns > SILENT_NS:
+        return HealthLevel.ERROR, f'silent for {1e-9 * (now_ns - board.heard_ns):.1f} s'
+    if board.fault:
+        return HealthLevel.ERROR, board.fault
+    if not board.clock.is_synchronized:
+        return HealthLevel.WARN, 'its time is not known yet'
+    return HealthLevel.OK, 'light comes' if active else 'light comes and is not published'
+
+
+def _list_figures(reader: BoardReader, board: LightBoard) -> dict[str, str]:
+    framing, blocks, clock = board.framing, board.blocks, board.clock
+    figures: dict[str, object] = {
+        'frames': framing.frames,
+        'crc_errors': framing.crc_errors,
+        'unknown': framing.unknown,
+        'stray_bytes': framing.stray,
+        'blocks': blocks.whole,
+        'blocks_torn': blocks.torn,
+        'rows_lost': blocks.lost,
+        'rows_old': blocks.old,
+        'undated': board.undated,
+        'unfit': board.unfit,
+        'of_other_systems': board.sender.others,
+        'of_other_senders': reader.strangers,
+        'unanswered': board.unanswered,
+        'overruns': board.overruns,
+        'peaks': board.peaks,
+        'unplugged': reader.unplugged,
+        'restarts': clock.restarts,
+    }
+    if clock.is_synchronized:
+        figures['drift_ppm'] = f'{1e6 * clock.drift:.1f}'
+        figures['uncertainty_ms'] = f'{1e3 * clock.uncertainty:.3f}'
+        figures['round_trip_ms'] = f'{1e-6 * clock.round_trip:.3f}'
+    return {key: str(value) for key, value in figures.items()}

@@ -1,0 +1,171 @@
+"""
+The vehicle file as URDF, for RViz, Foxglove, robot_state_publisher and whatever else reads that.
+
+Links are the frames that messages name (docs/topics.md): `base_link` at the hull centre, FLU, with
+the mass and inertia of the whole vehicle and everything that is drawn, the sensors' frames fixed
+to it, and `rotor_NAME` for each rotor, z along its thrust. URDF knows no ellipsoid, and a mesh
+would have to be found on the viewer's machine: the hull is a stack of discs.
+"""
+
+from collections.abc import Iterator, Sequence
+import math
+from typing import Final
+import warnings
+from xml.etree import ElementTree
+
+from lta_bridge.live.frames import list_sensor_frames, SceneFrame
+from lta_bridge.live.shapes import (
+    BoxShape,
+    Colour,
+    CylinderShape,
+    EllipsoidShape,
+    LEVEL,
+    LineShape,
+    rotation_between,
+    Three,
+    Turn,
+    X,
+    Z,
+)
+from lta_bridge.live.vehicle_shapes import BASE, draw_body
+from lta_model.vehicle import Vehicle
+from scipy.spatial.transform import Rotation
+
+Element = ElementTree.Element
+DISCS: Final = 15  # a hull is drawn of: 2 % of its radius is the largest step at its side
+CHIP: Final[Three] = (0.02, 0.02, 0.01)  # m: a sensor, so that its frame can be seen
+CHIP_COLOUR: Final[Colour] = (0.85, 0.55, 0.10, 1.0)
+DIODE: Final[Three] = (0.005, 0.01, 0.01)  # m; an OPT101 in its DIP package, looking along x
+
+
+def build_urdf(vehicle: Vehicle) -> str:
+    """Return the URDF of a vehicle, an XML text; lengths in metres, masses in kilograms."""
+    robot = Element('robot', name=vehicle.file.name)
+    base = ElementTree.SubElement(robot, 'link', name=BASE)
+    _add_inertial(base, vehicle)
+    for shape in draw_body(vehicle).shapes:
+        match shape:
+            case EllipsoidShape():
+                for disc in slice_into_discs(shape):
+                    _add_visual(base, disc)
+            case LineShape():
+                for rod in convert_to_rods(shape):
+                    _add_visual(base, rod)
+            case BoxShape() | CylinderShape():
+                _add_visual(base, shape)
+    for diode in build_diode_boxes(vehicle):
+        _add_visual(base, diode)
+    sensors = {frame.name for frame in list_sensor_frames(vehicle)}
+    for frame in list_fixed_frames(vehicle):
+        link = _add_link(robot, frame)
+        if frame.name in sensors:
+            _add_visual(link, BoxShape((0.0, 0.0, 0.0), CHIP, CHIP_COLOUR))
+    ElementTree.indent(robot)
+    return '<?xml version="1.0"?>\n' + ElementTree.tostring(robot, encoding='unicode') + '\n'
+
+
+def list_fixed_frames(vehicle: Vehicle) -> list[SceneFrame]:
+    """Return the frames that stand still in the vehicle's: sensors and rotors."""
+    rotors = [
+        SceneFrame(BASE, f'rotor_{rotor.name}', rotor.place, rotation_between(Z, rotor.axis))
+        for rotor in vehicle.rotors
+    ]
+    return [*list_sensor_frames(vehicle), *rotors]
+
+
+def slice_into_discs(hull: EllipsoidShape) -> Iterator[CylinderShape]:
+    """
+    Yield the stack of equally thick discs along the axis of revolution, volume kept.
+
+    The mean of 1 - s^2 over a disc from s to s' is 1 - (s^2 + s s' + s'^2) / 3.
+    """
+    half = [0.5 * size for size in hull.size]
+    # The axis of revolution is the one whose two others are most alike.
+    axis = min(range(3), key=lambda k: abs(half[k - 1] - half[k - 2]))
+    across = 0.5 * (half[axis - 1] + half[axis - 2])
+    direction: Three = (float(axis == 0), float(axis == 1), float(axis == 2))
+    turn = rotation_between(Z, direction)
+    for k in range(DISCS):
+        low, high = (2.0 * edge / DISCS - 1.0 for edge in (k, k + 1))
+        radius = across * math.sqrt(1.0 - (low * low + low * high + high * high) / 3.0)
+        middle = half[axis] * 0.5 * (low + high)
+        place: Three = (
+            hull.place[0] + middle * direction[0],
+            hull.place[1] + middle * direction[1],
+            hull.place[2] + middle * direction[2],
+        )
+        size: Three = (2.0 * radius, 2.0 * radius, 2.0 * half[axis] / DISCS)
+        yield CylinderShape(place, size, hull.colour, turn)
+
+
+def convert_to_rods(line: LineShape) -> Iterator[CylinderShape]:
+    """Yield the strokes of a line of pairs, which URDF does not know, as round rods."""
+    for start, end in zip(line.points[::2], line.points[1::2], strict=True):
+        length = math.dist(start, end)
+        middle = _to_triple([0.5 * (p + q) for p, q in zip(start, end, strict=True)])
+        turn = rotation_between(Z, _to_triple([q - p for p, q in zip(start, end, strict=True)]))
+        yield CylinderShape(middle, (line.thickness, line.thickness, length), line.colour, turn)
+
+
+def build_diode_boxes(vehicle: Vehicle) -> Iterator[BoxShape]:
+    """Yield the photodiodes where they sit, looking along their axes."""
+    for row in vehicle.diodes.planes.tolist():
+        yield BoxShape(
+            _to_triple(row[:3]), DIODE, CHIP_COLOUR, rotation_between(X, _to_triple(row[3:]))
+        )
+
+
+def _to_triple(numbers: Sequence[float]) -> Three:
+    x, y, z = numbers
+    return x, y, z
+
+
+def _add_link(robot: Element, frame: SceneFrame) -> Element:
+    """Add a link that is fixed to another, and return it."""
+    link = ElementTree.SubElement(robot, 'link', name=frame.name)
+    joint = ElementTree.SubElement(robot, 'joint', name=f'{frame.name}_joint', type='fixed')
+    ElementTree.SubElement(joint, 'parent', link=frame.parent)
+    ElementTree.SubElement(joint, 'child', link=frame.name)
+    joint.append(_build_origin(frame.place, frame.turn))
+    return link
+
+
+def _add_inertial(link: Element, vehicle: Vehicle) -> None:
+    """Say mass, centre of gravity and the inertia about it, gas included, added mass not."""
+    inertial = ElementTree.SubElement(link, 'inertial')
+    inertial.append(_build_origin(_to_triple(vehicle.cg.tolist()), LEVEL))
+    ElementTree.SubElement(inertial, 'mass', value=f'{vehicle.mass:.9g}')
+    tensor = vehicle.inertia
+    names = {'ixx': (0, 0), 'ixy': (0, 1), 'ixz': (0, 2), 'iyy': (1, 1), 'iyz': (1, 2),
+             'izz': (2, 2)}  # fmt: skip
+    values = {name: f'{float(tensor[where]):.9g}' for name, where in names.items()}
+    ElementTree.SubElement(inertial, 'inertia', values)
+
+
+def _add_visual(link: Element, shape: BoxShape | CylinderShape) -> None:
+    """Add a shape to what is drawn of a link."""
+    visual = ElementTree.SubElement(link, 'visual')
+    visual.append(_build_origin(shape.place, shape.turn))
+    geometry = ElementTree.SubElement(visual, 'geometry')
+    if isinstance(shape, BoxShape):
+        ElementTree.SubElement(geometry, 'box', size=_format_numbers(shape.size))
+    else:
+        size = {'radius': f'{0.5 * shape.size[0]:.6g}', 'length': f'{shape.size[2]:.6g}'}
+        ElementTree.SubElement(geometry, 'cylinder', size)
+    material = ElementTree.SubElement(visual, 'material', name=_format_color_name(shape.colour))
+    ElementTree.SubElement(material, 'color', rgba=_format_numbers(shape.colour))
+
+
+def _build_origin(place: Three, turn: Turn) -> Element:
+    """Return a place and a turn; URDF's rpy is about fixed axes, x first."""
+    with warnings.catch_warnings(action='ignore'):  # of gimbal lock, where any split of it will do
+        rpy = Rotation.from_quat(turn).as_euler('xyz').tolist()
+    return Element('origin', xyz=_format_numbers(place), rpy=_format_numbers(rpy))
+
+
+def _format_numbers(values: Sequence[float]) -> str:
+    return ' '.join(f'{value + 0.0:.6g}' for value in values)
+
+
+def _format_color_name(colour: Colour) -> str:
+    return 'colour_' + '_'.join(f'{round(255 * part):02x}' for part in colour)

@@ -1,0 +1,238 @@
+"""What a finding was worth: one case after its answer has been opened."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Final, final
+
+from lta_challenge.effect_injection import effect_of
+from lta_challenge.other.unlisted import UNLISTED
+from lta_challenge.outside import OUTSIDE
+from lta_challenge.rows import find_row, Kind, parse_kind
+from lta_discovery.selection.equivalence_classes import load_class_map
+
+FAR: Final = 3.0  # s; the horizon at which a model is held against the oracle
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class ParameterInterval:
+    """
+    One parameter that was learned.
+
+    Attributes
+    ----------
+    name : str
+        Of it, with its effect.
+    true, nominal, value : float
+        As it was, as the vehicle file has it, as it was found.
+    ci95 : pair of float
+        The interval that was given.
+
+    """
+
+    name: str
+    true: float
+    nominal: float
+    value: float
+    ci95: tuple[float, float]
+
+    @property
+    def covers(self) -> bool:
+        """Whether the truth is in the interval."""
+        return self.ci95[0] <= self.true <= self.ci95[1]
+
+    @property
+    def error(self) -> float:
+        """How far the value is off, by how far the truth is from the vehicle file."""
+        apart = abs(self.true - self.nominal)
+        return abs(self.value - self.true) / apart if apart > 0.0 else float('inf')
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class ScoredCase:
+    """
+    One case.
+
+    Attributes
+    ----------
+    number, kind, row : int, str, str
+        Which.
+    hidden, named : tuple of str
+        Knobs that were hidden, and those that were named.
+    missed, wrong : tuple of str
+        Of the hidden those not named, of the named those that were not hidden; by class.
+    outside : str
+        What was hidden that is in no library, or ''.
+    floors : float
+        What that came to, in floors.
+    verdict : str
+        As found.
+    refused : str
+        Why there was no answer, or ''.
+    sigma : mapping of str to float
+        Strength of each hidden knob.
+    intervals : tuple of Interval
+        Of what was named rightly.
+    errors : mapping of str to float
+        At the horizon: before, tuned, after, oracle, coast, noise. [m]
+    seconds : float
+        Processor time of the study. [s]
+    promised : tuple of str
+        Of what was missed, that which is larger than what was said to be seen.
+    contradictions : tuple of str
+        What the study asserts and retracts.
+
+    """
+
+    number: int
+    kind: Kind
+    row: str
+    hidden: tuple[str, ...]
+    named: tuple[str, ...]
+    missed: tuple[str, ...]
+    wrong: tuple[str, ...]
+    outside: str
+    floors: float
+    verdict: str
+    refused: str
+    sigma: Mapping[str, float]
+    intervals: tuple[ParameterInterval, ...]
+    errors: Mapping[str, float]
+    seconds: float
+    promised: tuple[str, ...] = ()
+    contradictions: tuple[str, ...] = ()
+
+    @property
+    def flagged(self) -> bool:
+        """Whether something was called unexplained."""
+        return 'unexplained' in self.verdict
+
+    @property
+    def late(self) -> bool:
+        """Whether what is outside the library was kept from discovery until it was finished."""
+        return self.outside in UNLISTED or (self.outside in OUTSIDE and OUTSIDE[self.outside].late)
+
+    @property
+    def exact(self) -> bool:
+        """Whether all that was hidden was named, and nothing else."""
+        return not self.missed and not self.wrong and bool(self.hidden)
+
+    @property
+    def weakest(self) -> float:
+        """Strength of the weakest hidden effect; 0 where that is not known."""
+        return min((self.sigma.get(name, 0.0) for name in self.hidden), default=0.0)
+
+    @property
+    def outcome(self) -> str:
+        """One word: 'exact', 'part', 'wrong', 'silent' or 'refused'."""
+        if self.refused:
+            return 'refused'
+        if self.wrong:
+            return 'wrong'
+        if self.hidden and not self.missed:
+            return 'exact'
+        return 'part' if self.named else 'silent'
+
+
+def score_case(number: int, answer: Mapping[str, Any], result: Mapping[str, Any]) -> ScoredCase:
+    """
+    Judge one case.
+
+    Parameters
+    ----------
+    number : int
+        Of it.
+    answer, found : mapping
+        As sealed, and as `trial.put` has it.
+
+    """
+    one = load_class_map(find_row(answer['row']).data)
+
+    def name_of(knob: str) -> str:
+        return one.get(knob, knob)
+
+    hidden = tuple(each['knob'] for each in answer['hidden'])
+    named = tuple(knob for effect in result['effects'] for knob in effect['knobs'])
+    true = {name_of(knob) for knob in hidden}
+    told = {name_of(knob) for knob in named}
+    oracle = result.get('oracle', {})
+    missed = tuple(knob for knob in hidden if name_of(knob) not in told)
+    return ScoredCase(
+        number,
+        parse_kind(answer['kind']),
+        answer['row'],
+        hidden,
+        named,
+        missed,
+        tuple(knob for knob in named if name_of(knob) not in true),
+        answer['outside'],
+        float(answer['floors']),
+        result['verdict'],
+        result['refused'],
+        oracle.get('sigma', {}),
+        _collect_intervals(answer, result, hidden),
+        _collect_errors(result.get('gaps', []), oracle.get('gaps', [])),
+        float(result['cpu_s']),
+        _find_detectable_misses(answer, result, missed),
+        tuple(result.get('contradictions', ())),
+    )
+
+
+def _find_detectable_misses(
+    answer: Mapping[str, Any], result: Mapping[str, Any], missed: tuple[str, ...]
+) -> tuple[str, ...]:
+    """Return what is hidden, larger than the size from which it would be seen, and not named."""
+    size = {each['knob']: abs(float(each['value'])) for each in answer['hidden']}
+    least = result.get('detectable', {})
+    return tuple(knob for knob in missed if size[knob] >= least.get(knob, float('inf')))
+
+
+def _collect_intervals(
+    answer: Mapping[str, Any], result: Mapping[str, Any], hidden: tuple[str, ...]
+) -> tuple[ParameterInterval, ...]:
+    """Return the parameters of what was named as it was hidden."""
+    out, given = [], answer['nominal']['given']
+    for effect in result['effects']:
+        moved = {knob.partition('.')[2] for knob in effect['knobs'] if knob in hidden}
+        whole = any(knob in hidden and '.' not in knob for knob in effect['knobs'])
+        for each in effect['parameters']:
+            if each['name'] in moved or whole:
+                true = given.get(effect['name'], {}).get(each['name'])
+                if true is not None:
+                    name = f'{effect["name"]}.{each["name"]}'
+                    low, high = each['ci95']
+                    out.append(
+                        ParameterInterval(name, true, each['before'], each['value'], (low, high))
+                    )
+    return tuple(out)
+
+
+def _collect_errors(
+    gaps: list[Mapping[str, Any]], oracle: list[Mapping[str, Any]]
+) -> dict[str, float]:
+    """Return the errors of position at the horizon, by model."""
+
+    def select_horizon(some: list[Mapping[str, Any]]) -> Mapping[str, Any]:
+        fits = [g for g in some if g['channel'] == 'position' and g['horizon_s'] == FAR]
+        return fits[0] if fits else {}
+
+    own, best = select_horizon(gaps), select_horizon(oracle)
+    out = {name: float(own[name]) for name in ('before', 'tuned', 'after', 'coast') if own}
+    if own:
+        out['noise'] = float(own['noise_floor'])
+    if best:
+        out['oracle'] = float(best['after'])
+    return out
+
+
+def confusion_cell(one: ScoredCase) -> tuple[str, str]:
+    """Return the cell of the confusion matrix of a case: what was hidden, what was said."""
+    hidden = effect_of(one.hidden[0]) if one.hidden else one.outside or 'nothing'
+    if one.refused:
+        return hidden, 'no answer'
+    if one.wrong:
+        return hidden, effect_of(one.wrong[0])
+    if one.named:
+        return hidden, effect_of(one.hidden[0])
+    return hidden, 'unexplained' if one.flagged else 'nothing'

@@ -1,0 +1,172 @@
+"""Effects of the library that can be hidden, each in the form that nature gives it here."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any, Final, final
+
+from lta_challenge.other.truth import VehicleTruth
+import numpy as np
+
+Draw = np.random.Generator
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class InjectionRule:
+    """
+    How an effect is hidden.
+
+    Attributes
+    ----------
+    field : str
+        Of the truth; the value is added to it.
+    least, most : float
+        Of the size of the value, in the unit of the knob.
+    axis : int or None
+        Which of several.
+    signs : tuple of int
+        That it may have.
+    others : mapping of int to pair of float
+        Bounds of the size for a sign that has other ones.
+
+    """
+
+    field: str
+    least: float
+    most: float
+    axis: int | None = None
+    signs: tuple[int, ...] = (1,)
+    others: Mapping[int, tuple[float, float]] | None = None
+
+
+BOTH: Final = (-1, 1)
+ROTORS: Final = 4
+
+
+def _axis_rules(
+    effect: str, names: str, field: str, least: float, most: float
+) -> dict[str, InjectionRule]:
+    """Return an effect of several axes that only grow."""
+    return {
+        f'{effect}.{name}': InjectionRule(field, least, most, axis)
+        for axis, name in enumerate(names.split())
+    }
+
+
+def _sensor_rules(effect: str, field: str, least: float, most: float) -> dict[str, InjectionRule]:
+    """Return an offset of a sensor with three axes."""
+    return {
+        f'{effect}.{name}': InjectionRule(field, least, most, axis, BOTH)
+        for axis, name in enumerate('xyz')
+    }
+
+
+HIDINGS: Final[dict[str, InjectionRule]] = {
+    'steady_wind.x': InjectionRule('wind', 0.05, 0.25, 0, BOTH),
+    'steady_wind.y': InjectionRule('wind', 0.05, 0.25, 1, BOTH),
+    # With more lift than it is heavy, less what the pilot needs, it would leave for the ceiling.
+    'net_lift.force': InjectionRule('lift', 2e-3, 20e-3, None, BOTH, {1: (2e-3, 12e-3)}),
+    'helium_leak.rate': InjectionRule('leak', 5e-5, 4e-4),
+    **_axis_rules('added_mass', 'surge sway heave', 'added_mass', 0.03, 0.15),
+    'added_inertia.yaw': InjectionRule('yaw_air', 2e-3, 6e-3),
+    **_axis_rules('quadratic_drag', 'surge sway heave', 'extra_drag', 0.03, 0.15),
+    **_axis_rules('linear_drag', 'surge sway heave', 'linear_drag', 0.01, 0.05),
+    **_axis_rules('rotational_drag', 'roll pitch yaw', 'turn_linear', 5e-4, 3e-3),
+    'munk_moment.lost': InjectionRule('munk', 0.3, 1.0),
+    'cg_height.z': InjectionRule('cg', 6e-3, 0.03, 2, BOTH, {1: (6e-3, 0.02)}),
+    'cg_offset.x': InjectionRule('cg', 4e-3, 0.02, 0, BOTH),
+    'cg_offset.y': InjectionRule('cg', 4e-3, 0.02, 1, BOTH),
+    'motor_deadband.threshold': InjectionRule('deadband', 0.06, 0.2),
+    'motor_lag': InjectionRule('slow_lag', 0.03, 0.25),
+    'thrust_scale.factor': InjectionRule('thrust', 0.1, 0.3, None, BOTH),
+    **_axis_rules('rotor_fault', 'lost_1 lost_2 lost_3 lost_4', 'gains', 0.08, 0.35),
+    'command_delay.delay': InjectionRule('delay', 0.03, 0.15),
+    'tracker_misalignment.yaw': InjectionRule('tracker', 0.1, 0.4, 0, BOTH),
+    'tracker_misalignment.pitch': InjectionRule('tracker', 0.02, 0.08, 1, BOTH),
+    'tracker_misalignment.roll': InjectionRule('tracker', 0.02, 0.08, 2, BOTH),
+    'tracker_delay.delay': InjectionRule('tracker_delay', 0.03, 0.1),
+    **_sensor_rules('imu_bias', 'imu_bias', 0.3, 0.8),
+    **_sensor_rules('gyro_bias', 'gyro_bias', 0.03, 0.1),
+    'range_offset.offset': InjectionRule('range_offset', 0.04, 0.2, None, BOTH),
+}
+# Effects of which the value is a share that is taken away.
+SHARES: Final = ('munk_moment.lost', *(f'rotor_fault.lost_{k + 1}' for k in range(ROTORS)))
+
+
+def effect_of(knob: str) -> str:
+    """Return the effect of a knob."""
+    return knob.partition('.')[0]
+
+
+def draw_effects(count: int, draw: Draw) -> dict[str, float]:
+    """Return some knobs of different effects, each effect as likely as another, and values."""
+    effects = sorted({effect_of(knob) for knob in HIDINGS})
+    out = {}
+    for effect in draw.choice(effects, count, replace=False):
+        knob = str(draw.choice([each for each in HIDINGS if effect_of(each) == effect]))
+        hiding = HIDINGS[knob]
+        sign = int(draw.choice(hiding.signs))
+        least, most = (hiding.others or {}).get(sign, (hiding.least, hiding.most))
+        out[knob] = sign * float(least * (most / least) ** draw.random())
+    return out
+
+
+def _apply_change(old: float, knob: str, value: float) -> float:
+    """Return a number of the truth with what is hidden in it."""
+    if knob in SHARES:
+        return old * (1.0 - value)
+    if knob == 'thrust_scale.factor':
+        return old * (1.0 + value)
+    return old + value
+
+
+def inject_effects(truth: VehicleTruth, hidden: Mapping[str, float]) -> VehicleTruth:
+    """Return a vehicle with effects hidden in it."""
+    for knob, value in hidden.items():
+        hiding = HIDINGS[knob]
+        old: Any = getattr(truth, hiding.field)
+        if hiding.axis is None:
+            new: Any = _apply_change(old, knob, value)
+        else:
+            new = tuple(
+                _apply_change(each, knob, value) if axis == hiding.axis else each
+                for axis, each in enumerate(old)
+            )
+        truth = replace(truth, **{hiding.field: new})
+    return truth
+
+
+def true_values(
+    truth: VehicleTruth, file: VehicleTruth, hidden: Mapping[str, float]
+) -> dict[str, Any]:
+    """
+    Return the parameters of what is hidden as they are true of the vehicle.
+
+    Parameters
+    ----------
+    truth, file : Truth
+        As built, with what is hidden; as the file has it.
+    hidden : mapping of str to float
+        Knobs and values.
+
+    """
+    out: dict[str, dict[str, float]] = {}
+    for knob in hidden:
+        effect, _, parameter = knob.partition('.')
+        hiding = HIDINGS[knob]
+        number: Any = getattr(truth, hiding.field)
+        begun: Any = getattr(file, hiding.field)
+        if hiding.axis is not None:
+            number, begun = number[hiding.axis], begun[hiding.axis]
+        if knob == 'motor_lag':
+            whole = truth.lag + truth.slow_lag
+            out[effect] = {'up': whole, 'down': whole}
+            continue
+        if effect == 'quadratic_drag':
+            number += truth.drag[hiding.axis or 0]
+        elif effect in ('cg_height', 'cg_offset', 'rotational_drag'):
+            number -= begun  # which count from the vehicle file
+        elif knob in SHARES:
+            number = 1.0 - number
+        out.setdefault(effect, {})[parameter] = float(number)
+    return out

@@ -1,0 +1,20 @@
+"""What the verbs that take hours over many cases share: their bar, and on how many processors."""
+
+from typing import Annotated
+
+from lta_report.progress_bar import ProgressBar
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
+import typer
+
+Jobs = Annotated[
+    int | None, typer.Option(help='Processes; as many as processors by default.', min=1)
+]
+
+
+def challenge_bar(console: Console, words: str, total: int) -> ProgressBar:
+    """Return a bar of cases; without a terminal it is told every ten minutes."""
+    columns = (TextColumn('{task.description}'), BarColumn(), MofNCompleteColumn())
+    return ProgressBar(
+        console, *columns, TimeRemainingColumn(), begin=words, total=total, period=600.0
+    )

@@ -1,0 +1,230 @@
+"""A score in words: the table of the terminal, and the page of the documentation."""
+
+from collections.abc import Iterable, Mapping, Sequence
+import math
+from typing import Any, Final
+
+from lta_challenge.case_score import ScoredCase
+from lta_challenge.other.unlisted import UNLISTED
+from lta_challenge.outside import OUTSIDE
+from lta_challenge.rows import KINDS, ROWS
+from lta_challenge.score_statistics import (
+    compute_figures,
+    count_by_strength,
+    count_outcomes,
+    finite_median,
+    median_errors,
+    ScoreFigure,
+    ShareEstimate,
+)
+
+DASH: Final = '\N{EN DASH}'
+METHOD: Final = """\
+A case is a GT-MAB that is off from its file by the tolerances of vehicles (thrust 3 %, each
+rotor 2 %, drag, added mass 5 %, inertia 4 %, mass 1 %, centre of gravity 3 mm, toe 0.5 degrees,
+lag 6 ms, delay 5 ms, and of each flight lift 0.6 mN and the biases of its sensors), three
+flights of it (train, confirm, holdout: laps, climbs, steps, wandering, shaken by its pilot),
+and what is hidden. The tracker loses it, mistakes it for something else, and has a clock of its
+own. Cases of one seed, row and number share vehicle, courses and what is hidden, as far as their
+kinds have it in common.
+
+The flights share the equations of the effects with the model that is put to the test, and
+nothing else: rigid body (rotation matrix and momenta in the axes of the map), integrator
+(Dormand and Prince), weight, rotors and their toe, the way of a command, pilot, battery,
+sensors and noise are written apart (`lta_challenge/truth_*.py`, `truth_sensors.py`). Without
+noise and tolerance both fly alike to 1e-4 with each effect (4e-3 with a toed rotor, which the
+model turns to first order) (`test/unit/challenge/test_truth.py`). Flights of the row
+`other` share no equation at all: `lta_challenge/other/` has a simulator of its own, with
+kinds outside the library of its own, which count as late ones.
+
+*Sigma* of a hidden effect is its size over the deviation with which the flights of the case
+leave it when everything is fitted with the true structure, together with the vehicle's own
+tolerance of the same number. It is drawn by what such data showed once, and counted as it came
+out. *Exact*: all that was hidden was named and nothing else; names that no such data can tell
+apart count as one ([classes](discovery_classes.md)). *Outside* is sized by the force that it
+leaves unexplained, 4 to 40 times the floor; *late kinds* of it were written by somebody who
+had not seen how discovery works, were kept from it until it was finished (`drying` has been looked
+at since), and are in every second case. The *oracle* knows what was hidden, not how large."""
+
+
+def format_share(share: ShareEstimate) -> str:
+    """Return a share with its interval."""
+    if not share.of:
+        return DASH
+    ends = f'{100 * share.low:.0f} to {100 * share.high:.0f}'
+    return f'{share.hits}/{share.of} = {100 * share.value:.0f} % ({ends})'
+
+
+def format_target(figure: ScoreFigure) -> str:
+    """Return what a figure is to be."""
+    parts = []
+    if not math.isnan(figure.least):
+        parts.append(f'>= {100 * figure.least:.0f} %')
+    if not math.isnan(figure.most):
+        parts.append(f'<= {100 * figure.most:.0f} %')
+    return ', '.join(parts)
+
+
+def format_figures(cases: Sequence[ScoredCase]) -> list[list[str]]:
+    """Return a line for each figure: what, how many, what it is to be, whether it is."""
+    return [
+        [f.name, format_share(f.share), format_target(f), f.target_met]
+        for f in compute_figures(cases)
+    ]
+
+
+def format_matrix(cases: Sequence[ScoredCase]) -> tuple[list[str], list[list[str]]]:
+    """Return heads and lines of what each kind came to."""
+    found = count_outcomes(cases)
+    columns = sorted({column for cells in found.values() for column in cells})
+    lines = [
+        [kind, *(str(found[kind].get(column, 0)) for column in columns)]
+        for kind in KINDS
+        if kind in found
+    ]
+    return ['hidden', *columns], lines
+
+
+def format_strengths(cases: Sequence[ScoredCase]) -> list[list[str]]:
+    """Return a line for each band of strength."""
+    return [
+        [
+            f'{band.low:g} to {band.high:g}' if math.isfinite(band.high) else f'over {band.low:g}',
+            *map(format_share, (band.exact, band.wrong, band.silent)),
+        ]
+        for band in count_by_strength(cases)
+    ]
+
+
+OUTSIDE_HEADS: Final = ('kind', 'what', 'written', 'cases', 'unexplained', 'named')
+
+
+def format_outside(cases: Sequence[ScoredCase]) -> list[list[str]]:
+    """Return a line for each kind outside the library."""
+    out = []
+    kinds = {name: (kind.about, kind.late) for name, kind in OUTSIDE.items()}
+    kinds |= {name: (kind.about, True) for name, kind in UNLISTED.items()}
+    for name, (about, late) in kinds.items():
+        own = [one for one in cases if one.outside == name and one.kind == 'outside']
+        if own:
+            flagged = sum(one.flagged for one in own)
+            wrong = sum(bool(one.wrong) for one in own)
+            written = 'late' if late else 'early'
+            counts = map(str, (len(own), flagged, wrong))
+            out.append([name, about, written, *counts])
+    return out
+
+
+def format_errors(cases: Sequence[ScoredCase]) -> str:
+    """Return the errors from the vehicle file to the oracle, in a sentence."""
+    known = {name: value for name, value in median_errors(cases).items() if math.isfinite(value)}
+    steps = ', '.join(f'{name} {1e3 * value:.1f}' for name, value in known.items())
+    return f'Position after 3 s on held-out flights, median of cases [mm]: {steps or DASH}.'
+
+
+def format_cost(cases: Sequence[ScoredCase]) -> str:
+    """Return error of the parameters and time, in a sentence."""
+    error = finite_median(each.error for one in cases for each in one.intervals)
+    seconds = finite_median(one.seconds for one in cases)
+    off = DASH if math.isnan(error) else f'{100 * error:.0f} % of the change'
+    return f'Parameters are off by {off} (median); a case took {seconds:.1f} s of processor time.'
+
+
+def format_wrong_cases(cases: Sequence[ScoredCase]) -> list[list[str]]:
+    """Return each case with a wrong name."""
+    return [
+        [
+            str(one.number), one.row, one.kind,
+            ', '.join(f'{k} ({one.sigma.get(k, math.nan):.1f})' for k in one.hidden)
+            or one.outside or 'nothing',
+            ', '.join(one.named),
+        ]
+        for one in cases
+        if one.wrong
+    ]  # fmt: skip
+
+
+def format_table(heads: Sequence[str], lines: Iterable[Sequence[str]]) -> str:
+    """Return a table in Markdown."""
+    rows = [list(heads), ['---'] * len(heads), *map(list, lines)]
+    return '\n'.join(f'| {" | ".join(cells)} |' for cells in rows)
+
+
+def render_markdown(scores: Sequence[tuple[dict[str, Any], Sequence[ScoredCase]]]) -> str:
+    """
+    Return the page of some scores.
+
+    Parameters
+    ----------
+    scores : sequence of (about, cases)
+        Of each challenge.
+
+    """
+    first = scores[0][0]
+    parts = [
+        '# Scores of discovery on hidden effects',
+        'Made by `lta challenge score ... --markdown docs/discovery_scores.md`, which overwrites '
+        'what is edited here. One thing is written by hand, below the heading: a paragraph '
+        '`**Stale:** ...` that says what has changed since, until the scores are made again. '
+        'What is hidden and how: `lta challenge --help`.',
+        f'Scored: effects `{first["registry"]}`, vehicle `{first["vehicle"]}` '
+        f'`{first["vehicle_digest"]}`, commit {_format_commits(about for about, _ in scores)}.',
+        METHOD,
+    ]
+    by_row: dict[str, list[ScoredCase]] = {}
+    seeds: dict[str, list[str]] = {}
+    for about, cases in scores:
+        by_row.setdefault(about['row'], []).extend(cases)
+        length = ' to '.join(f'{each:.0f}' for each in about['seconds'])
+        name = (
+            f'{about["scored"]} {about["kind"] or "of all kinds"} '
+            f'(seed {about["seed"]}, flights of {length} s)'
+        )
+        seeds.setdefault(about['row'], []).append(name)
+    rows = {name: by_row[name] for name in ROWS if name in by_row}
+    if len(rows) > 1:
+        parts += ['## All rows', _format_overview(rows)]
+    for name, cases in rows.items():
+        parts += _format_row(name, cases, seeds[name])
+    return '\n\n'.join(parts) + '\n'
+
+
+def _format_commits(abouts: Iterable[dict[str, Any]]) -> str:
+    """Return the commits that studied the cases."""
+    known = {one: None for about in abouts for one in about['commit'].split(', ')}
+    return ', '.join(f'`{one}`' for one in known)
+
+
+def _format_overview(rows: Mapping[str, Sequence[ScoredCase]]) -> str:
+    """Return a table of the figures by row, without their intervals."""
+    found = [compute_figures(cases) for cases in rows.values()]
+    lines = [
+        [each[0].name, format_target(each[0]), *(_format_brief_share(one.share) for one in each)]
+        for each in zip(*found, strict=True)
+    ]
+    cases = ['cases', '', *(str(len(cases)) for cases in rows.values())]
+    return format_table(['figure', 'wanted', *rows], [cases, *lines])
+
+
+def _format_brief_share(share: ShareEstimate) -> str:
+    """Return a share without its interval."""
+    return f'{share.hits}/{share.of} = {100 * share.value:.0f} %' if share.of else DASH
+
+
+def _format_row(name: str, cases: Sequence[ScoredCase], seeds: Sequence[str]) -> list[str]:
+    """Return what is told of one row."""
+    heads, lines = format_matrix(cases)
+    bands = ['sigma', 'exact', 'wrong', 'silent']
+    parts = [
+        f'## {name.capitalize()}: {ROWS[name].about}',
+        f'{len(cases)} cases: {", ".join(seeds)}.',
+        format_table(['figure', 'share (95 %, Wilson)', 'wanted', 'met'], format_figures(cases)),
+        format_table(heads, lines),
+        format_table(bands, format_strengths(cases)),
+        f'{format_errors(cases)} {format_cost(cases)}',
+    ]
+    if found := format_outside(cases):
+        parts.append(format_table(OUTSIDE_HEADS, found))
+    if found := format_wrong_cases(cases):
+        parts.append(format_table(['case', 'row', 'kind', 'hidden (sigma)', 'named'], found))
+    return parts

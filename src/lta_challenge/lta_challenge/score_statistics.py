@@ -1,0 +1,239 @@
+"""Many judged cases as shares with their intervals, the figures that are to be reached beside."""
+
+from collections.abc import Callable, Iterable, Sequence
+from itertools import pairwise
+import math
+from typing import Final, final, NamedTuple
+
+from lta_challenge.case_score import ScoredCase
+from lta_flight.sweep.statistics import wilson_interval
+import numpy as np
+
+CLEAR: Final = 6.0  # deviations
+WEAK: Final = 3.0
+ORACLE: Final = 1.05
+# Kinds outside the library: those known while discovery was made, and those kept from it.
+EARLY: Final = ', early kinds'
+LATE: Final = ', late kinds'
+BANDS: Final = (0.0, 3.0, 6.0, 10.0, 20.0, 50.0, math.inf)
+
+
+@final
+class ShareEstimate(NamedTuple):
+    """How many of how many, and the share with its 95 % interval; NaN of none."""
+
+    hits: int
+    of: int
+    value: float
+    low: float
+    high: float
+
+
+def estimate_share(hits: int, count: int) -> ShareEstimate:
+    """Return a share with Wilson's interval."""
+    return ShareEstimate(hits, count, *wilson_interval(hits, count))
+
+
+@final
+class ScoreFigure(NamedTuple):
+    """
+    One figure.
+
+    Attributes
+    ----------
+    name : str
+        What it counts.
+    share : Counted
+        How many of how many, with Wilson's interval of 95 %.
+    least, most : float
+        Between which it is to be; NaN where nothing is asked for.
+
+    """
+
+    name: str
+    share: ShareEstimate
+    least: float = math.nan
+    most: float = math.nan
+
+    @property
+    def target_met(self) -> str:
+        """'yes', 'no', or '' where nothing is asked for or there is no case."""
+        if self.share.of == 0 or (math.isnan(self.least) and math.isnan(self.most)):
+            return ''
+        value = self.share.value
+        enough = math.isnan(self.least) or value >= self.least - 1e-12
+        few = math.isnan(self.most) or value <= self.most + 1e-12
+        return 'yes' if enough and few else 'no'
+
+
+def _count_share(cases: Iterable[ScoredCase], test: Callable[[ScoredCase], bool]) -> ShareEstimate:
+    """Return how many of some cases pass."""
+    hits = [test(one) for one in cases]
+    return estimate_share(sum(hits), len(hits))
+
+
+def _select_kind(cases: Sequence[ScoredCase], kind: str) -> list[ScoredCase]:
+    """Return the cases of a kind."""
+    return [one for one in cases if one.kind == kind]
+
+
+def _select_strength(cases: Sequence[ScoredCase], low: float, high: float) -> list[ScoredCase]:
+    """Return cases of which the weakest hidden effect is that strong."""
+    return [one for one in cases if low <= one.weakest < high]
+
+
+def _is_exact(one: ScoredCase) -> bool:
+    """Tell whether all that was hidden was named, and nothing else."""
+    return one.exact
+
+
+def _has_wrong_name(one: ScoredCase) -> bool:
+    """Tell whether anything was named that was not hidden."""
+    return bool(one.wrong)
+
+
+def _has_detectable_miss(one: ScoredCase) -> bool:
+    """Tell whether something was missed that is larger than what was said to be seen."""
+    return bool(one.promised)
+
+
+def _is_flagged(one: ScoredCase) -> bool:
+    """Tell whether something was called unexplained."""
+    return one.flagged
+
+
+def _naming_figures(cases: Sequence[ScoredCase]) -> list[ScoreFigure]:
+    """Return the figures of cases in which effects of the library are hidden, or nothing."""
+    single, pair, clean = (_select_kind(cases, kind) for kind in ('single', 'pair', 'clean'))
+    clear, weak = _select_strength(single, CLEAR, math.inf), _select_strength(single, WEAK, CLEAR)
+    both = _select_strength(pair, CLEAR, math.inf)
+    silent = [one for one in single if one.outcome == 'silent']
+    return [
+        ScoreFigure(
+            'one effect, 6 sigma or more: exact', _count_share(clear, _is_exact), least=0.97
+        ),
+        ScoreFigure('one effect, 3 to 6 sigma: exact', _count_share(weak, _is_exact), least=0.70),
+        ScoreFigure('one effect: a wrong name', _count_share(single, _has_wrong_name), most=0.02),
+        ScoreFigure(
+            'one effect: silent', _count_share(single, lambda one: one.outcome == 'silent')
+        ),
+        ScoreFigure(
+            'one effect: silent, of a size to be seen',
+            _count_share(silent, _has_detectable_miss),
+            most=0.05,
+        ),
+        ScoreFigure('one effect: also unexplained', _count_share(single, _is_flagged)),
+        ScoreFigure(
+            'two effects, both 6 sigma or more: both exact',
+            _count_share(both, _is_exact),
+            least=0.85,
+        ),
+        ScoreFigure('two effects: a wrong name', _count_share(pair, _has_wrong_name)),
+        ScoreFigure(
+            'nothing hidden: any name', _count_share(clean, lambda one: bool(one.named)), most=0.01
+        ),
+        ScoreFigure('nothing hidden: unexplained', _count_share(clean, _is_flagged)),
+    ]
+
+
+def _outside_figures(cases: Sequence[ScoredCase]) -> list[ScoreFigure]:
+    """Return the figures of cases in which something is hidden that is in no library."""
+    early = [one for one in cases if one.outside and not one.late]
+    late = [one for one in cases if one.late]
+    return [
+        *_unexplained_figures(cases),
+        *_unexplained_figures(early, EARLY),
+        *_unexplained_figures(late, LATE),
+    ]
+
+
+def _unexplained_figures(cases: Sequence[ScoredCase], when: str = '') -> list[ScoreFigure]:
+    """Return the figures of what is outside alone, and beside an effect that is strong."""
+    outside, strong = (
+        _select_kind(cases, 'outside'),
+        _select_strength(_select_kind(cases, 'mixed'), CLEAR, math.inf),
+    )
+    both = _count_share(strong, lambda one: one.exact and one.flagged)
+    return [
+        ScoreFigure(
+            f'outside the library{when}: unexplained',
+            _count_share(outside, _is_flagged),
+            least=0.90,
+        ),
+        ScoreFigure(
+            f'outside the library{when}: a name', _count_share(outside, _has_wrong_name), most=0.03
+        ),
+        ScoreFigure(
+            f'an effect and something outside{when}: named and unexplained', both, least=0.75
+        ),
+    ]
+
+
+def _value_figures(cases: Sequence[ScoredCase]) -> list[ScoreFigure]:
+    """Return the figures of intervals and of held-out errors."""
+    intervals = [each for one in cases for each in one.intervals]
+    covered = estimate_share(sum(each.covers for each in intervals), len(intervals))
+    near = [one for one in cases if {'after', 'oracle'} <= set(one.errors)]
+    near = [one for one in near if one.kind in ('clean', 'single', 'pair')]
+    good = _count_share(near, lambda one: one.errors['after'] <= ORACLE * one.errors['oracle'])
+    return [
+        ScoreFigure('intervals of 95 % that hold the truth', covered, 0.90, 0.98),
+        ScoreFigure('held-out error within 1.05 of the oracle', good),
+    ]
+
+
+def compute_figures(cases: Sequence[ScoredCase]) -> list[ScoreFigure]:
+    """Return all figures of some cases of one row."""
+    silent = ScoreFigure('no answer', _count_share(cases, lambda one: bool(one.refused)))
+    torn = _count_share(cases, lambda one: bool(one.contradictions))
+    rest = [silent, ScoreFigure('the study contradicts itself', torn, most=0.0)]
+    return [*_naming_figures(cases), *_outside_figures(cases), *_value_figures(cases), *rest]
+
+
+@final
+class StrengthBand(NamedTuple):
+    """Single effects of some strength: how often exact, wrong, silent."""
+
+    low: float
+    high: float
+    exact: ShareEstimate
+    wrong: ShareEstimate
+    silent: ShareEstimate
+
+
+def count_by_strength(cases: Sequence[ScoredCase]) -> list[StrengthBand]:
+    """Return how often single effects are exact, wrong and silent, by band of strength."""
+    single = _select_kind(cases, 'single')
+    out = []
+    for low, high in pairwise(BANDS):
+        band = _select_strength(single, low, high)
+        shares = (
+            _count_share(band, lambda one: one.outcome == 'exact'),
+            _count_share(band, lambda one: one.outcome == 'wrong'),
+            _count_share(band, lambda one: one.outcome == 'silent'),
+        )
+        out.append(StrengthBand(low, high, *shares))
+    return out
+
+
+def finite_median(values: Iterable[float]) -> float:
+    """Return the median; NaN of none."""
+    known = [value for value in values if math.isfinite(value)]
+    return float(np.median(known)) if known else math.nan
+
+
+def median_errors(cases: Sequence[ScoredCase]) -> dict[str, float]:
+    """Return the medians of the errors of cases in which something of the library is hidden."""
+    some = [one.errors for one in cases if one.kind in ('single', 'pair') and one.errors]
+    names = ('coast', 'before', 'tuned', 'after', 'oracle', 'noise')
+    return {name: finite_median(each[name] for each in some if name in each) for name in names}
+
+
+def count_outcomes(cases: Sequence[ScoredCase]) -> dict[str, dict[str, int]]:
+    """Return how often each kind of case came to each outcome."""
+    out: dict[str, dict[str, int]] = {}
+    for one in cases:
+        column = one.outcome + (' + unexplained' if one.flagged else '')
+        cells = out.setdefault(one.kind, {})
+        cells[column] = cells.get(column, 0) + 1
+    return out

@@ -1,0 +1,235 @@
+"""A vehicle as the numbers that the truth is flown with."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from types import ModuleType
+from typing import final
+
+from lta_challenge.outside import STRANGE
+from lta_challenge.truth_flight import ENTRIES
+from lta_challenge.truth_source import APART, library_effects, TruthModel
+from lta_config.compilation.kernel_cache import load_kernel
+from lta_config.errors import BadInput
+from lta_discovery.model.nominal import NominalVehicle
+from lta_model.effects import EFFECTS
+from lta_model.effects.protocol import (
+    AXES,
+    BodyEffect,
+    InertiaEffect,
+    KernelEffect,
+    MeasurementEffect,
+    RigidBody,
+    Values,
+)
+from lta_model.state import BODY
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Strange = Mapping[str, Mapping[str, float]]
+
+OWN = "@njit(error_model='numpy', no_cpython_wrapper=True, no_cfunc_wrapper=True)"
+ENTRY = "@njit(error_model='numpy', cache=True)"
+
+
+@cache
+def compose_truth() -> TruthModel:
+    """Return what the truth consists of."""
+    return TruthModel(library_effects(), {name: one.effect for name, one in STRANGE.items()})
+
+
+@cache
+def compile_truth(rotors: int) -> ModuleType:
+    """Return the truth of a vehicle with some rotors, compiled at its first flight."""
+    return load_kernel(
+        compose_truth().render_source(OWN, rotors, ENTRIES.replace('$entry', ENTRY))
+    )
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class TruthVehicle:
+    """
+    What the compiled truth takes of one vehicle.
+
+    Attributes
+    ----------
+    parameters, on : ndarray
+        Of the effects.
+    body, inverse : ndarray, shape (BODY,) and (6, 6)
+        As `lta_model.state` lays it out; inverse of the mass matrix.
+    lift : ndarray, shape (1,)
+        Gravity. [m/s2]
+    allocation : ndarray, shape (rotors, 6)
+        Wrench by newton of each rotor, toed as it is.
+    readings : mapping of str to tuple
+        The measurement effects that act on each channel, with their parameters.
+
+    """
+
+    parameters: Array
+    on: NDArray[np.bool_]
+    body: Array
+    inverse: Array
+    lift: Array
+    allocation: Array
+    readings: Mapping[str, tuple[tuple[MeasurementEffect, Values], ...]]
+
+    @property
+    def command_delay(self) -> float:
+        """How late a command is obeyed. [s]"""
+        return -float(self.apply_measurement('command_time', (0.0,), 0.0)[0])
+
+    def apply_measurement(self, channel: str, values: tuple, time: object) -> tuple:  # type: ignore[type-arg]
+        """Return what becomes of a reading, numbers or arrays."""
+        for effect, p in self.readings.get(channel, ()):
+            values = effect.reading(p, values, time)  # type: ignore[arg-type]
+        return values
+
+
+def skew_matrix(a: Array) -> Array:
+    """Return S with S b = a x b."""
+    return np.array([[0.0, -a[2], a[1]], [a[2], 0.0, -a[0]], [-a[1], a[0], 0.0]])
+
+
+def rotate_vector(axis: Array, vector: Array) -> Array:
+    """Return a vector turned by the length of an axis about it (Rodrigues)."""
+    angle = float(np.linalg.norm(axis))
+    if angle == 0.0:
+        return vector
+    k = skew_matrix(axis / angle)
+    out: Array = vector + np.sin(angle) * k @ vector + (1.0 - np.cos(angle)) * k @ k @ vector
+    return out
+
+
+def _build_rigid_body(nominal: NominalVehicle) -> RigidBody:
+    """Return the rigid body about the hull centre, with the effects that change it."""
+    r, mass = np.asarray(nominal.cg), nominal.mass
+    about = nominal.inertia + mass * (r @ r * np.eye(3) - np.outer(r, r))
+    six = tuple(float(about[i, j]) for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)))
+    x, y, z = (mass * r).tolist()
+    rigid = RigidBody(mass, (x, y, z), six, nominal.displaced)  # type: ignore[arg-type]
+    for name, effect in EFFECTS.items():
+        if isinstance(effect, BodyEffect) and name in nominal.given:
+            p = tuple(nominal.parameter_value(name, known.name) for known in effect.parameters)
+            rigid = effect.change(p, rigid)
+    return rigid
+
+
+def _added_mass(nominal: NominalVehicle) -> Array:
+    """Return added mass and inertia."""
+    out = np.zeros(6)
+    for name, effect in EFFECTS.items():
+        if isinstance(effect, InertiaEffect):
+            p = tuple(nominal.parameter_value(name, known.name) for known in effect.parameters)
+            out += effect.diagonal(p)
+    return out
+
+
+def _mass_matrix(rigid: RigidBody, added: Array) -> Array:
+    """Return the mass matrix about the hull centre."""
+    xx, yy, zz, xy, xz, yz = rigid.inertia
+    out = np.zeros((6, 6))
+    out[:3, :3] = rigid.mass * np.eye(3)
+    out[:3, 3:], out[3:, :3] = (
+        -skew_matrix(np.array(rigid.moment)),
+        skew_matrix(np.array(rigid.moment)),
+    )
+    out[3:, 3:] = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
+    return out + np.diag(added)
+
+
+def allocation_matrix(nominal: NominalVehicle) -> Array:
+    """Return the wrench of each rotor by newton; its axis turned as far as it is off."""
+    rows = []
+    for i, (place, axis) in enumerate(nominal.rotors, start=1):
+        row = np.array([nominal.parameter_value('rotor_thrust', f'{name}_{i}') for name in AXES])
+        first, second = (
+            nominal.parameter_value('rotor_misalignment', f'{turn}_{i}')
+            for turn in ('first', 'second')
+        )
+        upright = axis[2] ** 2 > 0.5
+        e_1 = np.cross([0.0, 1.0, 0.0] if upright else [0.0, 0.0, 1.0], axis)
+        e_1 /= np.linalg.norm(e_1)
+        more = rotate_vector(first * e_1 + second * np.cross(axis, e_1), axis) - axis
+        rows.append(row + np.concatenate([more, np.cross(place, more)]))
+    return np.array(rows)
+
+
+def _collect_readings(
+    nominal: NominalVehicle,
+) -> dict[str, tuple[tuple[MeasurementEffect, Values], ...]]:
+    """Return the measurement effects that are on, by channel."""
+    out: dict[str, tuple[tuple[MeasurementEffect, Values], ...]] = {}
+    for name, effect in EFFECTS.items():
+        if isinstance(effect, MeasurementEffect) and name in nominal.given:
+            p = tuple(nominal.parameter_value(name, known.name) for known in effect.parameters)
+            out[effect.channel] = (*out.get(effect.channel, ()), (effect, p))
+    return out
+
+
+def _collect_parameters(
+    nominal: NominalVehicle, strange: Strange
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Return parameters and flags of all effects of the truth."""
+    parts, values, on = compose_truth(), list[float](), list[bool]()
+    for name, effect in parts.all_effects.items():
+        if name in parts.strange:
+            given = strange.get(name, {})
+            own = [given.get(known.name, known.null) for known in effect.parameters]
+        else:
+            own = [nominal.parameter_value(name, known.name) for known in effect.parameters]
+        differs = any(x != p.null for x, p in zip(own, effect.parameters, strict=True))
+        values += own
+        on.append(differs)
+    return np.array(values), np.array(on)
+
+
+def _check_effects(nominal: NominalVehicle) -> None:
+    """Refuse a vehicle with an effect that the truth does not have."""
+    own = {'weight_and_buoyancy', 'rotor_thrust', 'rotor_misalignment', 'floor_contact'}
+    for name in APART - own:
+        effect = EFFECTS[name]
+        if isinstance(effect, KernelEffect) and any(
+            nominal.parameter_value(name, known.name) != known.null for known in effect.parameters
+        ):
+            raise BadInput(
+                f'The vehicle has {name}, which a challenge cannot fly; take a plain vehicle.'
+            )
+
+
+def build_truth_vehicle(nominal: NominalVehicle, strange: Strange | None = None) -> TruthVehicle:
+    """
+    Return a vehicle as the truth flies it.
+
+    Parameters
+    ----------
+    nominal : Nominal
+        Its numbers.
+    strange : mapping
+        Parameters of effects that are in no library, by name.
+
+    Raises
+    ------
+    BadInput
+        If it has an effect that the truth does not know.
+
+    """
+    _check_effects(nominal)
+    rigid, added = _build_rigid_body(nominal), _added_mass(nominal)
+    parameters, on = _collect_parameters(nominal, strange or {})
+    body = np.zeros(BODY)
+    own = (rigid.mass, *rigid.moment, *rigid.inertia, *added, rigid.displaced)
+    body[: len(own)] = own
+    for k, (place, axis) in enumerate(nominal.rotors):
+        body[17 + 6 * k : 23 + 6 * k] = np.concatenate([place, axis])
+    return TruthVehicle(
+        parameters,
+        on,
+        body,
+        np.linalg.inv(_mass_matrix(rigid, added)).astype(np.float64),
+        np.array([nominal.parameter_value('weight_and_buoyancy', 'gravity')]),
+        allocation_matrix(nominal),
+        _collect_readings(nominal),
+    )

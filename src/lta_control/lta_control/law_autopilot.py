@@ -1,0 +1,272 @@
+"""
+Estimator and control law of one drone, compiled, for loops in one process.
+
+`lta_control.autopilot` is the same for the cascade alone, in one function. A law that flies by a
+tracker gets its pose and velocity from there, in a frame that begins where the tracker first saw
+the vehicle, and its rates from the drone's own gyroscope.
+"""
+
+from collections.abc import Callable
+import math
+import struct
+from typing import Any, final, NamedTuple
+
+from lta_config.compilation.flat import Array, compile_core, TupleLayout
+from lta_control.allocation import SCRATCH, Scratch
+from lta_control.attitude import Quaternion, up_in_body, Vector, yaw_from_quaternion
+from lta_control.autopilot import ESTIMATE
+from lta_control.cascade import CascadeMeasurement, Setpoint
+from lta_control.control import has_landed, TILT_LIMIT
+from lta_control.estimator import (
+    estimator_step,
+    EstimatorInputs,
+    EstimatorModel,
+    EstimatorSettings,
+    MotionEstimate,
+)
+from lta_control.laws.frames import rotate_level
+from lta_control.laws.protocol import ControlLaw, ControlMotion, Feedback, LawCommand, LawInputs
+from lta_control.message_rounding import air_relative_velocity
+from lta_control.message_rounding import build_measurement as measured_of
+from lta_control.per_rotor import NONE, pad_to_slots
+from lta_control.sighting import DeadReckonedMotion
+from lta_control.vehicle_parameters import build_estimator_model
+from lta_model.vehicle import Vehicle
+import numpy as np
+
+INPUTS = TupleLayout(EstimatorInputs((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0, 0.0, NONE))
+HEARD = TupleLayout(LawInputs())
+COMMAND = TupleLayout(LawCommand())
+READY, RATES = ESTIMATE.slice_of('ready').start, ESTIMATE.slice_of('rates')
+TRUTH = 13  # position, quaternion, velocity, rates
+
+
+class EstimatorConstants(NamedTuple):
+    """What the estimator knows that stays the same: filters, vehicle and period [s]."""
+
+    estimator: EstimatorSettings
+    body: EstimatorModel
+    dt: float
+
+
+def step_estimator(
+    constants: EstimatorConstants,
+    memory: MotionEstimate,
+    inputs: EstimatorInputs,
+    scratch: Scratch,
+) -> MotionEstimate:
+    """Return the estimate one step later; the same where something is no number."""
+    p, q, r = inputs.rates
+    x, y, z = inputs.force
+    if math.isfinite(p + q + r) and math.isfinite(x + y + z):
+        return estimator_step(constants.estimator, constants.body, memory, inputs, constants.dt)
+    return memory
+
+
+def motion_from_estimate(estimate: MotionEstimate) -> ControlMotion:
+    """Return an estimate as laws see it."""
+    x, y = estimate.position
+    return ControlMotion(
+        (x, y, estimate.altitude.height),
+        estimate.attitude,
+        air_relative_velocity(estimate),
+        estimate.rates,
+    )
+
+
+def motion_from_tracker(
+    truth: tuple[float, ...], start: tuple[float, ...], rates: Vector
+) -> ControlMotion:
+    """
+    Return what a tracker says as laws see it.
+
+    Parameters
+    ----------
+    truth, start : tuple of 13 floats
+        Position, quaternion, velocity and rates, now and when it was first seen; map.
+    rates : tuple
+        By the drone's own gyroscope. [rad/s]
+
+    """
+    yaw = yaw_from_quaternion(_motion_quaternion(start))
+    x, y = rotate_level(-yaw, truth[0] - start[0], truth[1] - start[1])
+    a, b, c, d = truth[3:7]
+    sin, cos = math.sin(-0.5 * yaw), math.cos(0.5 * yaw)
+    attitude = (cos * a - sin * b, cos * b + sin * a, cos * c + sin * d, cos * d - sin * c)
+    return ControlMotion((x, y, truth[2]), attitude, (truth[7], truth[8], truth[9]), rates)
+
+
+def _motion_quaternion(motion: tuple[float, ...]) -> Quaternion:
+    x, y, z, w = motion[3:7]
+    return x, y, z, w
+
+
+@final
+class LawAutopilot:
+    """
+    Estimate and control by any law, step by step; in its use as `Autopilot`.
+
+    Parameters
+    ----------
+    law : Law
+        The control law.
+    gains : Settings
+        Its gains.
+    vehicle : Vehicle
+        The drone.
+    estimator : EstimatorSettings
+        Of the filters.
+    dt : float
+        Control period. [s]
+    tilt_limit : float
+        Tilt beyond which the motors stop. [rad]
+
+    Attributes
+    ----------
+    command : Command
+        The newest.
+    stopped : bool
+        For good: it has turned over, or something is no number.
+
+    """
+
+    def __init__(
+        self,
+        law: ControlLaw,
+        gains: object,
+        vehicle: Vehicle,
+        estimator: EstimatorSettings,
+        dt: float,
+        tilt_limit: float = TILT_LIMIT,
+    ) -> None:
+        self.law, self._dt = law, dt
+        self._upright, self._count = math.cos(tilt_limit), len(vehicle.allocation)
+        self._rest = LawCommand(NONE, _rest_mass_position(vehicle))
+        self._standing = vehicle.height_on_floor
+        self._watch, self._watch_step = _compile_core(
+            step_estimator,
+            EstimatorConstants(estimator, build_estimator_model(vehicle), dt),
+            ESTIMATE,
+            INPUTS,
+        )
+        self._memory_layout = TupleLayout(law.start)
+        self._known, self._law_step = _compile_core(
+            law.step, law.known(gains, vehicle), self._memory_layout, HEARD
+        )
+        self._commanded = self._memory_layout.slice_of('command')
+        self._estimate = ESTIMATE.write(MotionEstimate())
+        self._fresh = self._memory_layout.write(law.start)
+        self._memory = self._fresh.copy()
+        self._scratch = np.zeros(SCRATCH)
+        self._inputs, self._heard = np.empty(INPUTS.size), np.empty(HEARD.size)
+        self._pack_inputs = struct.Struct(f'{INPUTS.size}d').pack_into
+        self._pack_heard = struct.Struct(f'{HEARD.size}d').pack_into
+        self._setpoint: Setpoint | None = None
+        self._truth: tuple[float, ...] = ()
+        self._start: tuple[float, ...] = ()
+        self.command, self.stopped = self._rest, False
+
+    def receive_tracking(self, truth: tuple[float, ...]) -> None:
+        """Take what a tracker says, position to rates, which the next step flies by."""
+        self._truth = truth[:TRUTH]
+        self._start = self._start or self._truth
+
+    def set_setpoint(self, setpoint: Setpoint) -> None:
+        """Take a setpoint, which the next step follows."""
+        self._setpoint = setpoint
+
+    def step(
+        self, rates: Vector, force: Vector, distance: float = math.nan, pressure: float = math.nan
+    ) -> tuple[float, ...]:
+        """Return the duties after one more period, by rotor; arguments as of `Autopilot`."""
+        duties = self.command.duties
+        self._pack_inputs(self._inputs.data, 0, *rates, *force, distance, pressure, *duties)
+        self._watch_step(self._watch, self._estimate, self._inputs, self._scratch)
+        self.command = self._compute_command()
+        return self.duties
+
+    def override_duties(self, duties: tuple[float, ...]) -> None:
+        """Know what the rotors were told in place of the newest duties."""
+        self.command = self.command._replace(duties=pad_to_slots(duties))
+
+    def _compute_command(self) -> LawCommand:
+        """Return the newest command; none before there is a setpoint and a motion."""
+        motion = self.motion
+        if motion is None or self._setpoint is None:
+            return self._rest
+        setpoint = self._setpoint
+        numbers = (*motion.position, *motion.attitude, *motion.velocity, *motion.rates, *setpoint)
+        upright = up_in_body(motion.attitude)[2]
+        if not math.isfinite(sum(numbers)) or upright < self._upright:
+            self.stopped = True
+        if self.stopped or has_landed(_motion_to_measurement(motion), setpoint, self._standing):
+            self._memory = self._fresh.copy()
+            return self._rest
+        self._pack_heard(self._heard.data, 0, *numbers, self._dt)
+        self._law_step(self._known, self._memory, self._heard, self._scratch)
+        return COMMAND.read(self._memory[self._commanded])
+
+    @property
+    def motion(self) -> ControlMotion | None:
+        """Where the drone is, as its law sees it; None while that is not known."""
+        if not self._estimate[READY]:
+            return None
+        if self.law.feedback is Feedback.ESTIMATOR:
+            return motion_from_estimate(self.estimate)
+        p, q, r = self._estimate[RATES].tolist()
+        return motion_from_tracker(self._truth, self._start, (p, q, r)) if self._truth else None
+
+    @property
+    def duties(self) -> tuple[float, ...]:
+        """Duties by rotor."""
+        return self.command.duties[: self._count]
+
+    @property
+    def measurement(self) -> CascadeMeasurement | None:
+        """Where the drone is in the words of the cascade; None while that is not known."""
+        motion = self.motion
+        return None if motion is None else _motion_to_measurement(motion)
+
+    @property
+    def heading(self) -> float:
+        """Yaw by the estimate. [rad]."""
+        return yaw_from_quaternion(self.estimate.attitude)
+
+    @property
+    def dead_reckoning(self) -> DeadReckonedMotion:
+        """Heading, dead-reckoned position and airspeed, as of `Autopilot`."""
+        own = self.estimate
+        surge, sway, _ = air_relative_velocity(own)
+        return DeadReckonedMotion(yaw_from_quaternion(own.attitude), *own.position, surge, sway)
+
+    @property
+    def estimate(self) -> MotionEstimate:
+        """All that the estimator remembers."""
+        return ESTIMATE.read(self._estimate)
+
+    def copy_estimate(self) -> Array:
+        """Return the numbers of the estimate, in the order of `ESTIMATE`; the caller's own."""
+        return self._estimate.copy()
+
+
+def _motion_to_measurement(motion: ControlMotion) -> CascadeMeasurement:
+    return measured_of(motion.attitude, motion.position[2], motion.velocity, motion.rates)
+
+
+def _rest_mass_position(vehicle: Vehicle) -> Vector:
+    moving = vehicle.file.moving_mass
+    if moving is None:
+        return 0.0, 0.0, 0.0
+    x, y, z = moving.position.vector
+    return x, y, z
+
+
+def _compile_core(
+    core: Callable[..., Any],
+    constants: tuple[Any, ...],
+    memory: TupleLayout[Any],
+    inputs: TupleLayout[Any],
+) -> tuple[Array, Callable[[Array, Array, Array, Array], None]]:
+    """Return what stays the same as numbers, and the compiled core."""
+    layout = TupleLayout(constants)
+    return layout.write(constants), compile_core(core, layout, memory, inputs)

@@ -1,0 +1,74 @@
+"""A control law aboard a vehicle, as the controller node calls it: by the drone's own sensors."""
+
+from typing import Any, final
+
+from lta_config.errors import BadInput
+from lta_control.allocation import create_scratch
+from lta_control.cascade import Setpoint
+from lta_control.gains_file import load_law_gains
+from lta_control.laws import find_law
+from lta_control.laws.protocol import ControlMotion, Feedback, LawCommand, LawInputs
+from lta_model.vehicle import Vehicle
+
+CASCADE = 'cascade'
+
+
+def law_name(vehicle: Vehicle) -> str:
+    """Return the law that a vehicle's file names; the cascade where it names none."""
+    return vehicle.file.control.law if vehicle.file.control else CASCADE
+
+
+def check_onboard_law(vehicle: Vehicle) -> None:
+    """Refuse a vehicle whose law cannot fly it by the drone's own sensors; see `OnboardLaw`."""
+    if (name := law_name(vehicle)) != CASCADE:
+        OnboardLaw(name, vehicle)
+
+
+@final
+class OnboardLaw:
+    """
+    Step a law, memory kept.
+
+    Parameters
+    ----------
+    name : str
+        Of the law.
+    vehicle : Vehicle
+        Its gains are those that the vehicle's file names.
+
+    Raises
+    ------
+    BadInput
+        If there is no such law, it needs a tracker, or it cannot fly the vehicle.
+
+    """
+
+    def __init__(self, name: str, vehicle: Vehicle) -> None:
+        self._law = find_law(name)
+        if self._law.feedback is Feedback.TRACKER:
+            raise BadInput(
+                f'{vehicle.file.name} flies by the law {name}, which needs a tracker, and the '
+                'controller has the drone\'s own sensors alone; compare it with "lta platforms", '
+                'or name another law.'
+            )
+        control = vehicle.file.control
+        if control is None or control.gains is None:
+            raise BadInput(
+                f'{vehicle.file.name} names no gains for the law {name}; add "gains: ..." to its '
+                'control block.'
+            )
+        gains = load_law_gains(self._law.gains, control.gains)
+        self._known = self._law.known(gains, vehicle)
+        self._memory: Any = self._law.start
+        self._scratch = create_scratch()
+
+    def step(self, motion: ControlMotion, setpoint: Setpoint, dt: float) -> LawCommand:
+        """Return the command after one more period. [s]"""
+        heard = LawInputs(motion, setpoint, dt)
+        self._memory = self._law.step(self._known, self._memory, heard, self._scratch)
+        command: LawCommand = self._memory.command
+        return command
+
+    def reset(self) -> None:
+        """Forget what the loops had wound up."""
+        self._memory = self._law.start

@@ -1,0 +1,74 @@
+"""
+What values become on their way through a message, for nodes and for the loop in one process.
+
+A heading travels as a quaternion, a climb rate as a velocity along body z, a range in 32 bits.
+Back from the message such a value differs in its last bits, which a contact with the floor makes
+grow to millimetres. A loop that is to fly as the graph does passes its values through these.
+"""
+
+import math
+
+from lta_control.attitude import Quaternion, up_in_body, Vector, yaw_from_quaternion
+from lta_control.cascade import CascadeMeasurement, Setpoint
+from lta_control.estimator import MotionEstimate
+import numpy as np
+
+LEVEL = 0.1  # cosine of the tilt below which climb and heave are not told apart
+
+
+def round_to_float32(value: float) -> float:
+    """Return a number as a float32 field carries it."""
+    return float(np.float32(value))
+
+
+def mask_out_of_range(distance: float, nearest: float, farthest: float) -> float:
+    """Return a distance, NaN where it is outside the sensor's reach (REP-117). [m]"""
+    return distance if nearest <= distance <= farthest else math.nan
+
+
+def level_quaternion(yaw: float) -> Quaternion:
+    """Return the attitude of a level vehicle with a heading. [rad]"""
+    return 0.0, 0.0, math.sin(0.5 * yaw), math.cos(0.5 * yaw)
+
+
+def air_relative_velocity(estimate: MotionEstimate) -> Vector:
+    """Return the air-relative velocity in the body frame that goes with the climb rate. [m/s]"""
+    ux, uy, uz = up_in_body(estimate.attitude)
+    surge, sway = estimate.airspeed.surge, estimate.airspeed.sway
+    climb = estimate.altitude.climb
+    return surge, sway, (climb - (ux * surge + uy * sway)) / uz if uz > LEVEL else climb
+
+
+def build_measurement(
+    attitude: Quaternion, altitude: float, speed: Vector, rates: Vector
+) -> CascadeMeasurement:
+    """
+    Return what the cascade acts on.
+
+    Parameters
+    ----------
+    attitude : tuple
+        Body to odom, x y z w.
+    altitude : float
+        Of the hull centre above the floor. [m]
+    speed : tuple
+        Air-relative velocity, body frame. [m/s]
+    rates : tuple
+        About the body axes. [rad/s]
+
+    """
+    ux, uy, uz = up_in_body(attitude)
+    return CascadeMeasurement(
+        altitude=altitude,
+        climb=ux * speed[0] + uy * speed[1] + uz * speed[2],
+        heading=yaw_from_quaternion(attitude),
+        yaw_rate=rates[2],
+        speed=speed[0],
+        sway=speed[1],
+        pitch_rate=rates[1],
+    )
+
+
+def build_setpoint(altitude: float, attitude: Quaternion, speed: float) -> Setpoint:
+    """Return what the navigator asks for: altitude [m], level attitude, forward speed [m/s]."""
+    return Setpoint(altitude=altitude, heading=yaw_from_quaternion(attitude), speed=speed)

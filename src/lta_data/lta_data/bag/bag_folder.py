@@ -1,0 +1,118 @@
+"""Which files a bag is made of, and what its metadata.yaml tells."""
+
+from pathlib import Path
+from typing import Final
+
+from lta_config.errors import BadInput
+from lta_config.files import load_yaml
+
+ADVICE = 'give a rosbag2 folder or an .mcap file'
+MOST_ABSENT = 20
+IN_SQLITE: Final = 'a bag in SQLite; read it in with `lta import`'
+PACKED: Final = 'compressed as a whole; unpack it with `zstd -d` first'
+OTHER_FORMATS: Final = {
+    b'SQLite format 3\0': IN_SQLITE,
+    b'#ROSBAG V': 'a bag of ROS 1; read it in with `lta import`',
+    b'ULog\x01\x12\x35': 'a log of PX4; read it in with `lta import`',
+    b'\x28\xb5\x2f\xfd': PACKED,
+}
+
+
+def find_bag_files(path: Path, described: dict[str, object] | None = None) -> list[Path]:
+    """
+    Return the MCAP files of a bag in the order in which they were recorded.
+
+    Parameters
+    ----------
+    path : Path
+        A rosbag2 folder, or one .mcap file.
+    described : dict, optional
+        The folder's `read_metadata`, if it has been read.
+
+    Raises
+    ------
+    BadInput
+        If there is no bag at `path`.
+
+    """
+    if path.is_file():
+        return [path]
+    if not path.exists():
+        raise BadInput(f"'{path}' does not exist; {ADVICE}.")
+    listed = find_listed_files(path, read_metadata(path) if described is None else described)
+    files = listed or sorted(filter(Path.is_file, path.glob('*.mcap')), key=natural_sort_key)
+    if files:
+        return files
+    if any(path.glob('*.db3')):
+        raise BadInput(f"'{path}' is {IN_SQLITE}.")
+    if any(path.glob('*.mcap.zst*')):
+        raise BadInput(f"'{path}' is {PACKED}.")
+    raise BadInput(f"'{path}' holds no recording; {ADVICE}.")
+
+
+def wrong_format_error(file: Path, head: bytes) -> BadInput:
+    """Return the error for a file that does not begin as MCAP, by what it is instead."""
+    if not head:
+        return BadInput(f"'{file}' is empty; nothing was recorded.")
+    for magic, found in OTHER_FORMATS.items():
+        if head.startswith(magic):
+            return BadInput(f"'{file}' is {found}.")
+    return BadInput(f"'{file}' is not a recording in MCAP; {ADVICE}.")
+
+
+def find_bag(folder: Path) -> Path:
+    """Return the bag of a flight's results folder; any other path stands for itself."""
+    inside = folder / 'bag'
+    return inside if inside.is_dir() and not (folder / 'metadata.yaml').exists() else folder
+
+
+def natural_sort_key(path: Path) -> tuple[int, str]:
+    """Return a key that sorts flight_2 before flight_10."""
+    return len(path.name), path.name
+
+
+def read_metadata(folder: Path) -> dict[str, object]:
+    """Return `rosbag2_bagfile_information` of metadata.yaml; empty where there is none to use."""
+    try:
+        content = load_yaml(folder / 'metadata.yaml')
+    except BadInput:  # the recording itself tells the same
+        return {}
+    found = content.get('rosbag2_bagfile_information') if isinstance(content, dict) else None
+    return found if isinstance(found, dict) else {}
+
+
+def find_listed_files(folder: Path, described: dict[str, object]) -> list[Path]:
+    """Return the files that metadata.yaml lists, if it does and all of them are there."""
+    names = described.get('relative_file_paths')
+    if not isinstance(names, list):
+        return []
+    files = [folder / Path(str(name)).name for name in names]
+    good = all(
+        file.suffix == '.mcap' and len(file.name) < 256 and file.is_file() for file in files
+    )
+    return files if good else []
+
+
+def find_message_compression(described: dict[str, object]) -> str:
+    """Return how each message is compressed by itself; empty where none is."""
+    mode = str(described.get('compression_mode') or '').lower()
+    return str(described.get('compression_format') or '') if mode == 'message' else ''
+
+
+def describe_absent_files(folder: Path, described: dict[str, object]) -> list[str]:
+    """Return a sentence for each file that metadata.yaml lists and the folder lacks."""
+    names = described.get('relative_file_paths')
+    inside = [Path(str(name)).name for name in names] if isinstance(names, list) else []
+    return [
+        f"metadata.yaml lists '{name}', which is not in the folder."
+        for name in inside
+        if 0 < len(name) < 256 and '\0' not in name and not (folder / name).is_file()
+    ][:MOST_ABSENT]
+
+
+def extract_provenance(described: dict[str, object]) -> dict[str, str]:
+    """Return the `custom_data` of `rosbag2_bagfile_information`; empty where there is none."""
+    found = described.get('custom_data')
+    if not isinstance(found, dict):
+        return {}
+    return {str(key): str(value) for key, value in found.items()}

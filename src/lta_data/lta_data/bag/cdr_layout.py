@@ -1,0 +1,240 @@
+"""
+Where each value stands in a serialised message, worked out once for all messages alike.
+
+In CDR (DDS-XTypes' XCDR1, what ROS 2 sends) a number stands at a multiple of its size, counted
+from behind the four bytes of encapsulation. So two messages of one type have the same layout if
+they are as long, in the same byte order, and each text and each sequence in them is as long as in
+the other. All such messages, one below the other, are one numpy array of a structured type.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+import struct
+from typing import Any, Final, final, NamedTuple
+
+from lta_data.bag.columns import is_field
+import numpy as np
+from numpy.typing import NDArray
+from rosbags.interfaces import Nodetype
+
+ENCAPSULATION: Final = 4  # bytes before the message
+FILL: Final = 3  # bytes at most behind the message, to a multiple of four
+ORDERS: Final = {b'\x00\x00': '>', b'\x00\x01': '<'}  # by the encapsulation's first two bytes
+CODES: Final = {  # numpy's, by ROS's name of the type
+    'bool': '?',
+    'byte': 'i1',
+    'char': 'u1',
+    'int8': 'i1',
+    'uint8': 'u1',
+    'int16': 'i2',
+    'uint16': 'u2',
+    'int32': 'i4',
+    'uint32': 'u4',
+    'int64': 'i8',
+    'uint64': 'u8',
+    'float32': 'f4',
+    'float64': 'f8',
+}
+TEXT: Final = 'S'
+MOST_LEAVES: Final = 4096  # A message of more parts is as quickly read by itself.
+
+Description = tuple[Any, Any]  # as rosbags describes a field's type
+Fields = Callable[[str], Sequence[tuple[str, Description]]]
+
+
+class CdrLeaf(NamedTuple):
+    """
+    One value or array in a message.
+
+    `code` is its type as numpy names it, without byte order; `offset` counts from the first byte
+    of the encapsulation; `length` is that of an array or of a text, None of a single number.
+    """
+
+    path: str
+    code: str
+    offset: int
+    length: int | None
+
+
+class LayoutMismatch(Exception):
+    """A message that its own definition does not describe, or that is not worth a layout."""
+
+
+@final
+@dataclass(slots=True)
+class CdrLayout:
+    """
+    The layout of a message.
+
+    Attributes
+    ----------
+    size : int
+        Of the whole message. [bytes]
+    order : str
+        Byte order as numpy writes it.
+    leaves : list of Leaf
+        What becomes columns, in the order of the definition.
+    packed : list of Leaf
+        Arrays of bytes, which do not: the data of images and point clouds.
+    lengths : list of tuple of 2 int
+        Offset and value of each length word.
+    ends : list of int
+        Offsets of the zeros behind texts.
+
+    """
+
+    size: int
+    order: str
+    leaves: list[CdrLeaf] = field(default_factory=list)
+    packed: list[CdrLeaf] = field(default_factory=list)
+    lengths: list[tuple[int, int]] = field(default_factory=list)
+    ends: list[int] = field(default_factory=list)
+
+    def find_matches(self, table: NDArray[np.uint8]) -> NDArray[np.bool_]:
+        """Tell which of some messages of this size, shape (n, size), have this layout."""
+        fits = np.ones(len(table), dtype=np.bool_)
+        for offset, value in self.lengths:
+            fits &= self.extract_values(table, CdrLeaf('', 'u4', offset, None)) == value
+        for offset in self.ends:
+            fits &= table[:, offset] == 0
+        return fits
+
+    def extract_values(self, table: NDArray[np.uint8], leaf: CdrLeaf) -> NDArray[Any]:
+        """
+        Return a leaf of messages that have this layout, as a view.
+
+        Parameters
+        ----------
+        table : ndarray of uint8, shape (n, size)
+            The messages, one a row; each row without gaps.
+        leaf : Leaf
+            Any but a text.
+
+        Returns
+        -------
+        ndarray, shape (n,) or (n, length)
+            In the byte order of the message.
+
+        """
+        kind = np.dtype(self.order + leaf.code)
+        if leaf.length == 0:
+            return np.empty((len(table), 0), kind)
+        shape = (len(table), leaf.length or 1)
+        strides = (table.strides[0], kind.itemsize)
+        found: NDArray[Any] = np.ndarray(
+            shape, kind, table.data, offset=leaf.offset, strides=strides
+        )
+        return found[:, 0] if leaf.length is None else found
+
+
+def derive_layout(type_name: str, data: bytes, fields: Fields) -> CdrLayout:
+    """
+    Return the layout of a message.
+
+    Parameters
+    ----------
+    type_name : str
+        Of the message.
+    data : bytes
+        The message as CDR with its encapsulation.
+    fields : callable
+        Returns the fields of a message type: name and rosbags' description of the type.
+
+    Raises
+    ------
+    Misfit
+        If the message does not fit the definition; reading it as an object tells why.
+
+    """
+    order = ORDERS.get(data[:2])
+    if order is None or len(data) < ENCAPSULATION:
+        raise LayoutMismatch
+    layout = CdrLayout(len(data), order)
+    walk = LayoutParser(layout, data, fields)
+    try:
+        walk.parse_message(type_name, '', True)
+    except (struct.error, KeyError, RecursionError) as error:
+        raise LayoutMismatch from error
+    if walk.at + ENCAPSULATION + FILL < len(data):
+        raise LayoutMismatch
+    return layout
+
+
+@final
+class LayoutParser:
+    """Goes through one message and notes what stands where."""
+
+    def __init__(self, layout: CdrLayout, data: bytes, fields: Fields) -> None:
+        self.at = 0  # behind the encapsulation
+        self._layout = layout
+        self._data = data
+        self._fields = fields
+        self._word = struct.Struct(layout.order + 'I')
+
+    def parse_message(self, type_name: str, path: str, is_column: bool) -> None:
+        """Go through a message or a part of it."""
+        for name, described in self._fields(type_name):
+            inside = f'{path}.{name}' if path else name
+            self._parse_field(described, inside, is_column and is_field(name))
+
+    def _parse_field(self, described: Description, path: str, is_column: bool) -> None:
+        node, detail = described
+        if node is Nodetype.NAME:
+            self.parse_message(detail, path, is_column)
+        elif node is Nodetype.BASE:
+            self._parse_single(detail[0], path, is_column)
+        else:
+            (kind, inner), count = detail
+            if node is Nodetype.SEQUENCE:
+                count = self._parse_length()
+            if kind is Nodetype.BASE and inner[0] != 'string':
+                self._parse_array(inner[0], count, path, is_column)
+                return
+            if count > len(self._data):
+                raise LayoutMismatch
+            for index in range(count):
+                self._parse_field((kind, inner), f'{path}[{index}]', is_column)
+
+    def _parse_single(self, name: str, path: str, is_column: bool) -> None:
+        if name == 'string':
+            count = self._parse_length() - 1
+            self._add_leaf(
+                CdrLeaf(path, TEXT, self.at + ENCAPSULATION, count), count + 1, is_column
+            )
+            if count < 0:
+                raise LayoutMismatch
+            self._layout.ends.append(self.at + ENCAPSULATION - 1)
+            return
+        size = np.dtype(CODES[name]).itemsize
+        self._align(size)
+        self._add_leaf(CdrLeaf(path, CODES[name], self.at + ENCAPSULATION, None), size, is_column)
+
+    def _parse_array(self, name: str, count: int, path: str, is_column: bool) -> None:
+        size = np.dtype(CODES[name]).itemsize
+        if count:
+            self._align(size)
+        leaf = CdrLeaf(path, CODES[name], self.at + ENCAPSULATION, count)
+        if leaf.code == 'u1':
+            self._layout.packed.append(leaf)
+            is_column = False
+        self._add_leaf(leaf, size * count, is_column)
+
+    def _parse_length(self) -> int:
+        self._align(4)
+        offset = self.at + ENCAPSULATION
+        (length,) = self._word.unpack_from(self._data, offset)
+        self._layout.lengths.append((offset, length))
+        self.at += 4
+        return int(length)
+
+    def _align(self, size: int) -> None:
+        self.at += -self.at % size
+
+    def _add_leaf(self, leaf: CdrLeaf, size: int, is_column: bool) -> None:
+        """Step over a leaf."""
+        self.at += size
+        leaves = self._layout.leaves
+        if self.at + ENCAPSULATION > len(self._data) or len(leaves) >= MOST_LEAVES:
+            raise LayoutMismatch
+        if is_column:
+            leaves.append(leaf)

@@ -1,0 +1,254 @@
+"""
+From the messages of a topic to columns, without an object for each message.
+
+Messages are taken in batches. Those of one layout become columns together; what hardly any other
+message is like is read as objects. What comes out is the same either way.
+"""
+
+from collections import defaultdict
+from collections.abc import Callable, Sequence
+from typing import Any, Final, final, NamedTuple
+
+from lta_data.bag.cdr_layout import CdrLayout, CdrLeaf, derive_layout, Fields, LayoutMismatch, TEXT
+from lta_data.bag.columns import collect_scalars, iterate_leaves
+from lta_data.bag.merge import Columns, merge_columns, PartialColumn, Rows
+from lta_data.bag.stamps import extract_stamp, find_stamp_path, SECOND
+import numpy as np
+from numpy.typing import NDArray
+
+BATCH_MESSAGES: Final = 4096
+BATCH_BYTES: Final = 1 << 24
+NEW_LAYOUTS: Final = 16  # worked out in a batch at most; what else is new is read as objects
+MOST_KNOWN: Final = 64  # layouts of one length to remember
+KINDS: Final = {'i': np.int64, 'u': np.int64, 'f': np.float64}  # of single numbers, as Python's
+
+
+class MessageColumns(NamedTuple):
+    """
+    Messages as columns.
+
+    Attributes
+    ----------
+    numbers, texts : dict of str to ndarray, shape (n,)
+        As `columns` returns them.
+    stamps : ndarray of int64, shape (n,)
+        0 where a message has no stamp. [ns]
+    logged : list of int
+        Log times. [ns]
+
+    """
+
+    numbers: Columns
+    texts: Columns
+    stamps: NDArray[np.int64]
+    logged: list[int]
+
+
+class MessageType(NamedTuple):
+    """A message type: its name, the fields of any type, and how a message becomes an object."""
+
+    name: str
+    fields: Fields
+    decode: Callable[[bytes], object]
+
+
+@final
+class ColumnBuilder:
+    """
+    Columns in the making: `add_message` each message, then `flush_columns`.
+
+    Parameters
+    ----------
+    typed : Typed
+        What the messages are.
+
+    """
+
+    def __init__(self, typed: MessageType) -> None:
+        self._typed = typed
+        self._layouts: defaultdict[tuple[int, bytes], list[CdrLayout]] = defaultdict(list)
+        self._waiting: list[bytes] = []
+        self._bytes = 0
+        self._columns: dict[str, PartialColumn] = {}
+        self._logged: list[int] = []
+        self._stamps: list[NDArray[np.int64]] = []
+
+    def __len__(self) -> int:
+        """Return the number of messages taken since the last result."""
+        return len(self._logged)
+
+    def add_message(self, log_time: int, data: bytes) -> None:
+        """Take a message; `BadInput` if one that is waiting cannot be read."""
+        if not self._logged:
+            self._typed.decode(data)  # refuses what is no CDR, whatever its bytes look like
+        self._logged.append(log_time)
+        self._waiting.append(data)
+        self._bytes += len(data)
+        if len(self._waiting) >= BATCH_MESSAGES or self._bytes >= BATCH_BYTES:
+            self._read_pending()
+
+    def flush_columns(self) -> MessageColumns:
+        """Return the columns of all that was taken, and start anew; errors as `add_message`."""
+        self._read_pending()
+        numbers, texts = merge_columns(self._columns, len(self._logged))
+        stamps = np.concatenate([np.empty(0, np.int64), *self._stamps])
+        found = MessageColumns(numbers, texts, stamps, self._logged)
+        self._logged, self._stamps = [], []
+        return found
+
+    def _read_pending(self) -> None:
+        """Turn what is waiting into pieces of columns."""
+        batch, self._waiting, self._bytes = self._waiting, [], 0
+        begin = len(self._logged) - len(batch)
+        stamps = np.zeros(len(batch), np.int64)
+        alike: defaultdict[tuple[int, bytes], list[int]] = defaultdict(list)
+        for index, data in enumerate(batch):
+            alike[len(data), data[:2]].append(index)
+        odd: list[int] = []
+        spare = NEW_LAYOUTS
+        for key, indices in sorted(alike.items(), key=lambda item: -len(item[1])):
+            part = EqualLengthMessages(
+                begin, stamps, np.array(indices), stack_messages(batch, indices)
+            )
+            spare = self._read_alike(part, self._layouts[key], spare, odd)
+        self._read_objects(begin, stamps, batch, sorted(odd))
+        self._stamps.append(stamps)
+
+    def _read_alike(
+        self, part: 'EqualLengthMessages', layouts: list[CdrLayout], budget: int, odd: list[int]
+    ) -> int:
+        """
+        Read messages of one length and byte order.
+
+        Adds layouts to `known` and what is left to `odd`; returns how many layouts may still be
+        new.
+        """
+        for layout in list(layouts):
+            part = self._read_matching(layout, part)
+        while len(part.indices) and budget > 0:
+            budget -= 1
+            try:
+                layout = derive_layout(
+                    self._typed.name, part.table[0].tobytes(), self._typed.fields
+                )
+            except LayoutMismatch:
+                odd.append(int(part.indices[0]))
+                part = part.select(np.arange(len(part.indices)) > 0)
+                continue
+            left = self._read_matching(layout, part)
+            if len(part.indices) - len(left.indices) > 1 and len(layouts) < MOST_KNOWN:
+                layouts.append(layout)
+            part = left
+        odd += part.indices.tolist()
+        return budget
+
+    def _read_matching(
+        self, layout: CdrLayout, part: 'EqualLengthMessages'
+    ) -> 'EqualLengthMessages':
+        """Read the messages that have a layout and return the others."""
+        if not len(part.indices):
+            return part
+        fits = layout.find_matches(part.table)
+        read = part if fits.all() else part.select(fits)
+        if len(read.indices):
+            try:
+                self._add_columns(layout, read)
+            except UnicodeDecodeError:
+                return part  # reading them as objects tells which
+        return part.select(~fits)
+
+    def _add_columns(self, layout: CdrLayout, part: 'EqualLengthMessages') -> None:
+        """Add messages of one layout to the columns."""
+        values = [extract_leaf(layout, part.table, leaf) for leaf in layout.leaves]
+        rows, first = part.rows, part.begin + int(part.indices[0])
+        for place, (leaf, column) in enumerate(zip(layout.leaves, values, strict=True)):
+            self._ensure_column(leaf.path, (first, place)).add_piece((first, place), rows, column)
+        part.stamps[part.indices] = extract_stamps(layout, values)
+
+    def _read_objects(
+        self, begin: int, stamps: NDArray[np.int64], batch: Sequence[bytes], odd: Sequence[int]
+    ) -> None:
+        """Read messages one by one."""
+        alike: dict[tuple[str, int], tuple[list[int], list[Any], tuple[int, int]]] = {}
+        for index in odd:
+            message = self._typed.decode(batch[index])
+            stamps[index] = extract_stamp(message) or 0
+            for place, (path, value) in enumerate(iterate_leaves(message, '')):
+                length = len(value) if isinstance(value, np.ndarray) else -1
+                first = (begin + index, place)
+                rows, found, _ = alike.setdefault((path, length), ([], [], first))
+                rows.append(begin + index)
+                found.append(value)
+        for (path, _), (rows, found, first) in alike.items():
+            self._ensure_column(path, first).add_piece(
+                first, np.array(rows), collect_scalars(found)
+            )
+
+    def _ensure_column(self, path: str, first: tuple[int, int]) -> PartialColumn:
+        return self._columns.setdefault(path, PartialColumn(first))
+
+
+@final
+class EqualLengthMessages(NamedTuple):
+    """
+    Some messages of one length out of a batch.
+
+    `begin` is the number of the batch's first message, `stamps` those of the whole batch,
+    `indices` which of the batch these are, and `table` their bytes, shape (n, size).
+    """
+
+    begin: int
+    stamps: NDArray[np.int64]
+    indices: NDArray[np.intp]
+    table: NDArray[np.uint8]
+
+    @property
+    def rows(self) -> Rows:
+        """The numbers of these messages in the topic."""
+        first, last = int(self.indices[0]), int(self.indices[-1])
+        if last - first + 1 == len(self.indices):
+            return slice(self.begin + first, self.begin + last + 1)
+        return self.begin + self.indices
+
+    def select(self, chosen: NDArray[np.bool_]) -> 'EqualLengthMessages':
+        """Return some of them."""
+        return self._replace(indices=self.indices[chosen], table=self.table[chosen])
+
+
+def stack_messages(batch: Sequence[bytes], indices: Sequence[int]) -> NDArray[np.uint8]:
+    """Return messages of one length below each other, shape (n, length)."""
+    whole = np.frombuffer(b''.join([batch[index] for index in indices]), np.uint8)
+    return whole.reshape(len(indices), -1 if len(whole) else 0)
+
+
+def extract_leaf(layout: CdrLayout, table: NDArray[np.uint8], leaf: CdrLeaf) -> NDArray[Any]:
+    """Return a leaf of some messages as `columns` would: in memory of its own, native."""
+    if leaf.code == TEXT:
+        return decode_texts(table[:, leaf.offset : leaf.offset + (leaf.length or 0)])
+    if leaf.code == '?':
+        flags: NDArray[np.bool_] = layout.extract_values(table, leaf._replace(code='u1')) != 0
+        return flags
+    values = layout.extract_values(table, leaf)
+    if leaf.length is not None:
+        return values.astype(values.dtype.newbyteorder('='))
+    return values.astype(np.uint64 if leaf.code == 'u8' else KINDS[values.dtype.kind])
+
+
+def decode_texts(letters: NDArray[np.uint8]) -> NDArray[Any]:
+    """Return texts of one length in bytes, shape (n, length), as one array of texts."""
+    if not letters.shape[1] or (letters == letters[0]).all():
+        return np.full(len(letters), letters[0].tobytes().decode())
+    kind = f'S{letters.shape[1]}'
+    found, which = np.unique(np.ascontiguousarray(letters).view(kind)[:, 0], return_inverse=True)
+    return np.array([each.decode() for each in found.tolist()])[which]
+
+
+def extract_stamps(layout: CdrLayout, values: Sequence[NDArray[Any]]) -> NDArray[np.int64] | int:
+    """Return the stamps of messages of one layout, 0 where they have none. [ns]"""
+    by_path = {leaf.path: column for leaf, column in zip(layout.leaves, values, strict=True)}
+    place = find_stamp_path(by_path)
+    if place is None:
+        return 0
+    seconds, rest = (by_path[f'{place}.{part}'].astype(np.int64) for part in ('sec', 'nanosec'))
+    stamps: NDArray[np.int64] = seconds * SECOND + rest
+    return stamps

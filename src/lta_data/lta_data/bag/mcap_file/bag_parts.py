@@ -1,0 +1,67 @@
+"""The parts of a bag: its topics and its files, and what a file tells without being read."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import BinaryIO, final, NamedTuple
+
+from lta_config.errors import BadInput
+from lta_config.limits import NOTE_BYTES
+from lta_data.bag.mcap_file.compression import DamagedRecord
+from lta_data.bag.mcap_file.contents import DamagedRegion, McapContents, MessageRegion, read_at
+from lta_data.bag.mcap_file.rhythm import iterate_index_entries, MessageRhythm, read_ordered_times
+from mcap.records import Channel
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class BagTopic:
+    """
+    One recorded topic: absolute name, message type, number of messages.
+
+    `undecodable` says in a half-sentence why its messages are kept but cannot be decoded.
+    """
+
+    name: str
+    type_name: str
+    count: int
+    undecodable: str | None = None
+
+
+class RecordingFile(NamedTuple):
+    """One file of a bag."""
+
+    file: Path
+    contents: McapContents
+    refused: BadInput | None = None
+
+
+def find_message_type(contents: McapContents, channel: Channel) -> str:
+    """Return the message type of a channel; empty where the file does not say."""
+    schema = contents.schemas.get(channel.schema_id)
+    return '' if schema is None else schema.name
+
+
+def read_chunk_index(stream: BinaryIO, place: MessageRegion) -> bytes:
+    """Return the message indexes of a chunk; empty where the summary is wrong about them."""
+    offset, length = place.index
+    try:
+        return read_at(stream, offset, length) if length <= NOTE_BYTES else b''
+    except DamagedRecord:
+        return b''
+
+
+def build_chunk_loss(stream: BinaryIO, place: MessageRegion) -> DamagedRegion:
+    """Return the loss of a chunk that the summary knows; its message indexes tell what it held."""
+    loss = DamagedRegion(place.offset, place.length, 1, start=place.start, end=place.end)
+    for channel, listed in iterate_index_entries(read_chunk_index(stream, place)):
+        loss.counts[channel] += len(listed)
+    return loss
+
+
+def read_indexed_rhythm(part: RecordingFile) -> MessageRhythm:
+    """Return when the messages of a finished file were recorded, without reading them."""
+    rhythm = MessageRhythm()
+    with part.file.open('rb') as stream:
+        for place in part.contents.places:
+            rhythm.add_times(*read_ordered_times(read_chunk_index(stream, place)))
+    return rhythm

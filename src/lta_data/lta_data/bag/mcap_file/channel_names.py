@@ -1,0 +1,151 @@
+"""Topics and types of channels whose own records are lost: metadata.yaml has them as well."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+import re
+from typing import Final, final, NamedTuple
+
+from lta_bridge.bag.schemas import generate_definition
+from lta_config.errors import BadInput
+from lta_data.bag.mcap_file.contents import McapContents
+from lta_data.bag.mcap_file.decoder import READABLE
+from mcap.records import Channel, Schema
+
+# Of definitions, https://mcap.dev/spec/registry; '' is none.
+ENCODINGS: Final = (*READABLE, 'ros1msg', 'omgidl', 'protobuf', 'flatbuffer', 'jsonschema', '')
+NAMELESS = '/channel_{}'  # No robot has such a topic: those lie in a namespace.
+
+
+@final
+class TopicMetadata(NamedTuple):
+    """What metadata.yaml tells of one topic; 0 messages where it does not say."""
+
+    topic: str
+    type_name: str
+    messages: int
+
+
+def parse_topic_metadata(described: Mapping[str, object]) -> list[TopicMetadata]:
+    """Return the topics in `rosbag2_bagfile_information`, in its order; odd entries are left."""
+    listed = described.get('topics_with_message_count')
+    found = []
+    for entry in listed if isinstance(listed, list) else []:
+        topic = entry.get('topic_metadata') if isinstance(entry, dict) else None
+        if not isinstance(topic, dict):
+            continue
+        name, type_name, count = topic.get('name'), topic.get('type'), entry.get('message_count')
+        if isinstance(name, str) and isinstance(type_name, str):
+            found.append(TopicMetadata(name, type_name, count if isinstance(count, int) else 0))
+    return found
+
+
+def complete_names(contents: McapContents, metadata_topics: Sequence[TopicMetadata]) -> None:
+    """
+    Name the channels of a scanned file that nothing in it names any more.
+
+    Parameters
+    ----------
+    contents : Contents
+        What the scan found; is changed.
+    told : sequence of Told
+        The topics of metadata.yaml; empty without one.
+
+    """
+    choose_rivals(contents, metadata_topics)
+    repair_encodings(contents)
+    for channel in contents.channels.values():
+        known = contents.schemas.get(channel.schema_id)
+        type_name = next(
+            (entry.type_name for entry in metadata_topics if entry.topic == channel.topic), ''
+        )
+        if known is None and channel.schema_id and type_name:
+            contents.schemas[channel.schema_id] = build_ros_schema(channel.schema_id, type_name)
+            contents.remarks.append(
+                f"The definition of '{type_name}' is lost in the recording; ROS's own stands in."
+            )
+    names = {entry.topic for entry in metadata_topics}
+    odd = {id for id, found in contents.channels.items() if names and found.topic not in names}
+    for id in sorted(odd | set(contents.counts) - set(contents.channels)):
+        name_channel(contents, id, odd, metadata_topics)
+
+
+def choose_rivals(contents: McapContents, metadata_topics: Sequence[TopicMetadata]) -> None:
+    """Where two copies of a channel differ, take the one that metadata.yaml knows."""
+    names = {entry.topic for entry in metadata_topics}
+    for rival in contents.rivals:
+        if rival.topic in names and contents.channels[rival.id].topic not in names:
+            contents.channels[rival.id] = rival
+
+
+def repair_encodings(contents: McapContents) -> None:
+    """Set right the encodings that nobody uses: those records are not under a CRC."""
+    for id, schema in contents.schemas.items():
+        if schema.encoding not in ENCODINGS and re.fullmatch(r'\w+/msg/\w+', schema.name):
+            contents.remarks.append(
+                f"The definition of '{schema.name}' claims to be in '{schema.encoding}'; it is "
+                'taken for that of a ROS message.'
+            )
+            contents.schemas[id] = replace(schema, encoding='ros2msg')
+        if schema.encoding in READABLE and not is_utf8(schema.data):
+            contents.remarks.append(
+                f"The definition of '{schema.name}' is damaged; ROS's own stands in."
+            )
+            contents.schemas[id] = build_ros_schema(id, schema.name)
+    for id, channel in contents.channels.items():
+        known = contents.schemas.get(channel.schema_id)
+        if known and known.encoding in READABLE and channel.message_encoding != 'cdr':
+            contents.remarks.append(
+                f"Topic '{channel.topic}' claims to be in '{channel.message_encoding}'; its type "
+                "is ROS's, so it is taken for CDR."
+            )
+            contents.channels[id] = replace(channel, message_encoding='cdr')
+
+
+def is_utf8(data: bytes) -> bool:
+    """Tell whether bytes are UTF-8."""
+    try:
+        data.decode()
+    except UnicodeDecodeError:
+        return False
+    return True
+
+
+def name_channel(
+    contents: McapContents, id: int, odd: set[int], metadata_topics: Sequence[TopicMetadata]
+) -> None:
+    """Name one channel: by its place in metadata.yaml, or else as it is or by its number."""
+    known = {i: channel.topic for i, channel in contents.channels.items() if i not in odd}
+    open_names = [entry for entry in metadata_topics if entry.topic not in known.values()]
+    in_order = all(
+        metadata_topics[i - 1].topic == known[i] for i in known if 0 < i <= len(metadata_topics)
+    )
+    unnamed = len(set(contents.counts) - set(known))
+    found = None
+    if in_order and 0 < id <= len(metadata_topics) and metadata_topics[id - 1] in open_names:
+        found = metadata_topics[id - 1]
+    elif len(open_names) == unnamed == 1:
+        found = open_names[0]
+    if found is None:
+        if id not in contents.channels:
+            contents.channels[id] = Channel(id, NAMELESS.format(id), 'cdr', {}, 0)
+            contents.remarks.append(
+                f'Nothing whole names channel {id}; its messages are kept as '
+                f"'{NAMELESS.format(id)}'."
+            )
+        return
+    odd.discard(id)
+    schema = next((s for s in contents.schemas.values() if s.name == found.type_name), None)
+    if schema is None:
+        schema = build_ros_schema(max(contents.schemas, default=0) + 1, found.type_name)
+        contents.schemas[schema.id] = schema
+    contents.channels[id] = Channel(id, found.topic, 'cdr', {}, schema.id)
+    contents.remarks.append(f"Channel {id} has lost its name; metadata.yaml says '{found.topic}'.")
+
+
+def build_ros_schema(id: int, type_name: str) -> Schema:
+    """Return ROS's own definition of a type, or one without text where ROS has none."""
+    try:
+        text, encoding = generate_definition(type_name).text.encode(), 'ros2msg'
+    except BadInput:
+        text, encoding = b'', ''
+    return Schema(id=id, data=text, encoding=encoding, name=type_name)

@@ -1,0 +1,196 @@
+"""
+Which records of a file hold, and where the next one is.
+
+A chunk holds if its CRC does. Other records have none: they hold if their parts fill them, or if
+another record begins where they end.
+"""
+
+from collections import deque
+from collections.abc import Container
+from typing import final, NamedTuple
+
+from lta_config.limits import NOTE_BYTES
+from lta_data.bag.mcap_file.chunks import MESSAGE, Read, RECORD, unpack_by_crc
+from lta_data.bag.mcap_file.compression import DamagedRecord
+from lta_data.bag.mcap_file.record_shape import is_plausible_head, is_well_formed, SHAPES
+from lta_data.bag.mcap_file.resync import find_candidates, HEADS, is_chunk_like
+from mcap.opcode import Opcode
+
+PRIVATE = 0x80  # Opcodes from here on are anybody's; MCAP defines none beyond DATA_END.
+ENOUGH = 1 << 26  # Bytes looked at in vain in one file, beyond eight times its size.
+A_SEARCH = 20_000  # What a search costs at least, in bytes looked at; likewise
+A_CHUNK = 1 << 20  # what a try to unpack costs.
+
+
+class ValidRecord(NamedTuple):
+    """A record that holds: its opcode, where it ends, and its body or what a chunk unpacks to."""
+
+    opcode: int
+    end: int
+    body: bytes | memoryview
+
+
+@final
+class RecordProber:
+    """
+    Tells the records of one file from what is none.
+
+    Parameters
+    ----------
+    read : callable
+        Returns bytes of the file by offset and length.
+    size : int
+        The file's size. [bytes]
+    channels : container of int
+        The channels that are known so far.
+
+    Attributes
+    ----------
+    before : deque of int
+        Where the last records without a CRC begin, since the last chunk.
+    reason : str
+        Why the last chunk that does not hold cannot be used, if not for damage.
+
+    """
+
+    def __init__(self, read: Read, size: int, channels: Container[int]) -> None:
+        self._read = read
+        self._size = size
+        self._channels = channels
+        self._effort = 8 * size + ENOUGH
+        self._chunked = False  # Messages come in chunks.
+        self._doubt = False  # A bare message may come from inside a damaged chunk.
+        self.before: deque[int] = deque(maxlen=4)
+        self.reason = ''
+
+    def accept_record(self, at: int, record: ValidRecord) -> None:
+        """Go on from a record that holds."""
+        if record.opcode == Opcode.CHUNK:
+            self._chunked, self._doubt = True, False
+            self.before.clear()
+        else:
+            self.before.append(at)
+
+    def read_record(self, at: int, chunk: bool = False) -> ValidRecord | None:
+        """Return the record that begins at a place if it holds; `chunk` where it must be one."""
+        opcode, length = self.read_head(at)
+        end = at + RECORD.size + length
+        if opcode == Opcode.CHUNK or chunk:
+            return self._read_chunk(at, length)
+        if opcode == 0 or Opcode.DATA_END < opcode < PRIVATE or end > self._size:
+            return None
+        if opcode in SHAPES:
+            body = self._read(at + RECORD.size, min(length, NOTE_BYTES + 1))
+            holds = is_well_formed(opcode, body) and not self._is_too_long(at, end)
+            return ValidRecord(opcode, end, body) if holds else None
+        return self._read_unverified(at, opcode, end)
+
+    def read_head(self, at: int) -> tuple[int, int]:
+        """Return opcode and length of the record at a place; 0 behind the file's end."""
+        opcode, length = RECORD.unpack(self._read(at, RECORD.size).ljust(RECORD.size, b'\0'))
+        return opcode, length
+
+    def _read_chunk(self, at: int, length: int) -> ValidRecord | None:
+        """Return a chunk whose CRC holds."""
+        start = at + RECORD.size
+        try:
+            data, used = unpack_by_crc(
+                lambda offset, count: self._read(start + offset, count), length
+            )
+        except DamagedRecord as error:
+            self.reason = str(error)
+            return None
+        return ValidRecord(Opcode.CHUNK, min(start + used, self._size), data)
+
+    def _read_unverified(self, at: int, opcode: int, end: int) -> ValidRecord | None:
+        """Return a record that only what follows confirms: a bare message, an attachment."""
+        head = self._read(at, HEADS)
+        length = end - at - RECORD.size
+        body = head[RECORD.size : RECORD.size + MESSAGE.size]
+        if opcode == Opcode.MESSAGE and (
+            length < MESSAGE.size or not self._is_trustworthy(at, body, end)
+        ):
+            return None
+        if is_chunk_like(head, length):
+            return None  # a chunk with a wrong opcode, which the search finds if its CRC holds
+        return None if self._is_too_long(at, end) else ValidRecord(opcode, end, body)
+
+    def _is_too_long(self, at: int, end: int) -> bool:
+        """Tell whether a record is too long: none begins where it ends, but one does before."""
+        return not self._can_begin(end) and self._search_record(at, end) is not None
+
+    def _is_trustworthy(self, at: int, body: bytes, end: int) -> bool:
+        """Tell whether a bare message is one, in a file whose messages come in chunks."""
+        if self._doubt:
+            return False
+        if not self._chunked:
+            return True
+        channel = MESSAGE.unpack(body)[0]
+        index = end - at < NOTE_BYTES and is_well_formed(
+            Opcode.MESSAGE_INDEX, self._read(at + RECORD.size, end - at - RECORD.size)
+        )
+        return channel in self._channels and not index
+
+    def _can_begin(self, at: int) -> bool:
+        """Tell whether a record can begin at a place, or the file ends there."""
+        if self._size - at < RECORD.size:
+            return True
+        opcode, length = self.read_head(at)
+        return is_plausible_head(opcode, length) or opcode >= PRIVATE
+
+    def find_next(self, at: int) -> tuple[int, bool] | None:
+        """Return where to go on behind a record that does not hold, and if it must be a chunk."""
+        opcode, length = self.read_head(at)
+        end = at + RECORD.size + length
+        framed = opcode == Opcode.CHUNK and end < self._size and self._can_begin(end)
+        self._chunked |= opcode == Opcode.CHUNK
+        self._doubt = self._chunked
+        reason = self.reason
+        found = self._find_overrun_chunk(at) or self._search_record(
+            at, end if framed else self._size
+        )
+        self.reason = reason
+        return found or ((end, False) if framed else None)
+
+    def _find_overrun_chunk(self, at: int) -> tuple[int, bool] | None:
+        """Return the chunk that begins in what was taken for other records just before."""
+        if not self.before:
+            return None
+        found = self._search_record(self.before[0], at, only_chunks=True)
+        while self.before and (found is None or self.before[-1] >= found[0]):
+            self.before.pop()  # what is left stands before the chunk
+        while found is not None and len(self.before) > 1:
+            self.before.popleft()  # only the last of them reaches into it
+        return found
+
+    def _search_record(
+        self, start: int, stop: int, only_chunks: bool = False
+    ) -> tuple[int, bool] | None:
+        """Return where before `stop` another record holds, and if it must be a chunk."""
+        if not self._spend_effort(A_SEARCH):
+            return None
+        for at, chunk in find_candidates(self._read, start, stop, self._size):
+            opcode, length = self.read_head(at)
+            if (
+                (chunk or at == start)
+                and self._spend_effort(A_CHUNK)
+                and self._read_chunk(at, length) is not None
+            ):
+                return at, True
+            end = at + RECORD.size + length
+            if only_chunks or at == start or end > self._size or not self._can_begin(end):
+                continue
+            if opcode == Opcode.MESSAGE and not self._chunked:
+                return at, False
+            if (
+                opcode in SHAPES
+                and self._spend_effort(length)
+                and self.read_record(at) is not None
+            ):
+                return at, False
+        return None
+
+    def _spend_effort(self, cost: int) -> bool:
+        """Tell whether so many bytes more are worth a look: hostile files make looking endless."""
+        self._effort -= cost
+        return self._effort > 0

@@ -1,0 +1,98 @@
+"""
+A message type as its bag defines it, read within bounds.
+
+rosbags turns definitions into Python by their grammar, which lets no text through; but a type that
+holds itself, or arrays of millions of messages, would never come to an end there.
+"""
+
+from collections.abc import Iterator
+from typing import Any, Final
+
+from lta_config.limits import ARRAY_PARTS, DEFINITION_BYTES
+from rosbags.interfaces import Nodetype
+from rosbags.interfaces.typing import Typesdict
+from rosbags.typesys import get_types_from_idl, get_types_from_msg
+from rosbags.typesys.base import TypesysError
+
+# What rosbags raises over a text that defines nothing.
+MISDEFINED: Final = (
+    TypesysError,
+    SyntaxError,
+    KeyError,
+    ValueError,
+    RecursionError,
+    AssertionError,
+    OverflowError,
+)
+
+
+def parse_definition(text: str, type_name: str, encoding: str) -> Typesdict:
+    """
+    Return a type and its parts by a definition.
+
+    Parameters
+    ----------
+    text : str
+        As the bag has it.
+    type_name : str
+        Of the messages.
+    encoding : str
+        'ros2idl' or 'ros2msg', which ROS 1 writes as well.
+
+    Raises
+    ------
+    TypesysError or another of `MISDEFINED`
+        If it defines nothing, holds itself, lacks a part or is beyond the limits.
+
+    """
+    if len(text) > DEFINITION_BYTES:
+        raise TypesysError(f'it is longer than {DEFINITION_BYTES} bytes')
+    if encoding == 'ros2idl':
+        found = get_types_from_idl(text)
+    else:
+        found = get_types_from_msg(text, type_name)
+    count = sum(
+        count_unrolled_elements(described)
+        for _, fields in found.values()
+        for _, described in fields
+    )
+    if count > ARRAY_PARTS:
+        raise TypesysError(f'its arrays have {count} parts')
+    behind: set[str] = set()
+    for name in found:
+        check_nested_types(name, found, (), behind)
+    return found
+
+
+def check_nested_types(
+    name: str, types: Typesdict, above: tuple[str, ...], behind: set[str]
+) -> None:
+    """Go through a type and its parts; `behind` are those that are known to come to an end."""
+    if name in above:
+        raise TypesysError(f"'{name}' holds itself")
+    if name not in types:
+        raise TypesysError(f"it lacks '{name}'")
+    if name in behind:
+        return
+    for _, described in types[name][1]:
+        for part in iterate_nested_types(described):
+            check_nested_types(part, types, (*above, name), behind)
+    behind.add(name)
+
+
+def iterate_nested_types(described: Any) -> Iterator[str]:  # noqa: ANN401 - as rosbags nests it
+    """Yield the type that a field is made of, if it is a message."""
+    kind, detail = described
+    if kind is Nodetype.NAME:
+        yield str(detail)
+    elif kind is not Nodetype.BASE:
+        yield from iterate_nested_types(detail[0])
+
+
+def count_unrolled_elements(described: Any) -> int:  # noqa: ANN401 - as rosbags nests it
+    """Return how many elements of a field rosbags makes code of, one by one."""
+    kind, detail = described
+    if kind is not Nodetype.ARRAY:
+        return 0
+    (inner, what), count = detail
+    return int(count) if inner is Nodetype.NAME or what[0] == 'string' else 0

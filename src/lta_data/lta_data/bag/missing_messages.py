@@ -1,0 +1,163 @@
+"""How many messages a damaged recording lacks, and how that is known."""
+
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from statistics import median
+from typing import final, Literal, NamedTuple
+
+from lta_config.topics import load_topic_table
+from lta_data.bag.bag_folder import read_metadata
+from lta_data.bag.mcap_file.channel_names import parse_topic_metadata
+from lta_data.bag.mcap_file.contents import DamagedRegion, McapContents
+from lta_data.bag.reader import Bag
+
+Source = Literal['index', 'metadata', 'rhythm']
+MOST_STEPS = 10_000  # of one topic that are kept to find the usual one
+LONG_STEP = 1.5  # usual steps; a longer one has messages missing in it
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class MissingMessages:
+    """
+    Messages of one topic that are lost.
+
+    `source` tells how they are known: an index that outlived its chunk or the summary counted
+    them, metadata.yaml did, or the topic's rhythm has holes of their length (about).
+    """
+
+    count: int
+    source: Source
+
+
+class LossSpan(NamedTuple):
+    """Log times between which something is lost; None where the recording begins or ends. [ns]"""
+
+    start: int | None
+    end: int | None
+
+
+@final
+class PeriodTracker:
+    """The log times of a topic that has a rhythm."""
+
+    def __init__(self) -> None:
+        self._last: int | None = None
+        self._steps: list[int] = []
+        self._long: list[tuple[int, int]] = []
+
+    def add_time(self, time: int) -> None:
+        """Take note of a message. [ns]"""
+        if self._last is not None and time > self._last:
+            step = time - self._last
+            if len(self._steps) < MOST_STEPS:
+                self._steps.append(step)
+            if step > LONG_STEP * min(self._steps[:100]):
+                self._long.append((self._last, time))
+        self._last = time
+
+    def count_missing(self, spans: Iterable[LossSpan]) -> int:
+        """Return about how many messages lack where something is lost."""
+        if len(self._steps) < 3:
+            return 0
+        usual = median(self._steps)
+        holes = [(start, end) for start, end in self._long if end - start > LONG_STEP * usual]
+        spans = list(spans)
+        return sum(
+            round((end - start) / usual) - 1
+            for start, end in holes
+            if any(spans_overlap(span, start, end) for span in spans)
+        )
+
+
+def spans_overlap(span: LossSpan, start: int, end: int) -> bool:
+    """Tell whether two stretches of time have something in common. [ns]"""
+    return (span.start is None or span.start <= end) and (span.end is None or span.end >= start)
+
+
+def create_period_trackers(bag: Bag) -> dict[str, PeriodTracker]:
+    """Return a pulse for each topic that has a rhythm by the contract."""
+    steady = {
+        name for name, topic in load_topic_table().topics.items() if topic.period is not None
+    }
+    return {
+        name: PeriodTracker()
+        for name in bag.topics
+        if name in steady or name.lstrip('/').partition('/')[2] in steady
+    }
+
+
+def list_loss_spans(bag: Bag) -> list[LossSpan]:
+    """Return when something is lost, in order; stretches that touch are one."""
+    found = [
+        find_loss_span(part.contents, loss)
+        for part in bag.parts
+        for loss in sorted(part.contents.lost, key=lambda loss: loss.offset)
+    ]
+    joined: list[LossSpan] = []
+    for span in found:
+        if joined and joined[-1].end is not None and joined[-1].end == span.start:
+            span = LossSpan(joined.pop().start, span.end)
+        joined.append(span)
+    return joined
+
+
+def find_loss_span(contents: McapContents, loss: DamagedRegion) -> LossSpan:
+    """Return when what is lost was recorded: by its own index, or by its neighbours."""
+    if loss.start is not None and loss.end is not None:
+        return LossSpan(loss.start, loss.end)
+    before = [place.end for place in contents.places if place.offset < loss.offset]
+    after = [place.start for place in contents.places if place.offset > loss.offset]
+    return LossSpan(before[-1] if before else None, after[0] if after else None)
+
+
+def estimate_missing(
+    bag: Bag, received: Counter[str], beats: dict[str, PeriodTracker]
+) -> dict[str, MissingMessages]:
+    """
+    Return what is lost by topic, as far as anything tells.
+
+    Parameters
+    ----------
+    bag : Bag
+        A recording that has been read to its end.
+    kept : Counter of str
+        The messages that came of each topic.
+    beats : dict of str to Pulse
+        The log times of topics with a rhythm.
+
+    """
+    found: dict[str, MissingMessages] = {}
+    told = {
+        entry.topic: entry.messages for entry in parse_topic_metadata(read_bag_metadata(bag.path))
+    }
+    indexed = count_indexed_losses(bag)
+    lost = list_loss_spans(bag)
+    for topic, known in bag.topics.items():
+        counted = max(indexed[topic], known.count - received[topic])
+        if counted > 0:
+            found[topic] = MissingMessages(counted, 'index')
+        if (more := told.get(topic, 0) - received[topic]) > counted:
+            found[topic] = MissingMessages(more, 'metadata')
+        if topic not in found and topic in beats and (holes := beats[topic].count_missing(lost)):
+            found[topic] = MissingMessages(holes, 'rhythm')
+    return found
+
+
+def read_bag_metadata(path: Path) -> dict[str, object]:
+    """Return what metadata.yaml tells of a bag; empty for a lone file."""
+    return read_metadata(path) if path.is_dir() else {}
+
+
+def count_indexed_losses(bag: Bag) -> Counter[str]:
+    """Return the lost messages that the indexes of lost chunks count, by topic."""
+    counts: Counter[str] = Counter()
+    for part in bag.parts:
+        for loss in part.contents.lost:
+            for id, count in loss.counts.items():
+                channel = part.contents.channels.get(id)
+                if channel is not None:
+                    counts[channel.topic] += count
+    return counts

@@ -1,0 +1,172 @@
+"""Messages that carry packed samples: ADC blocks (Image) and point lists (PointCloud2)."""
+
+from collections.abc import Iterable, Sequence
+from typing import Any, Protocol
+
+from lta_config.errors import BadInput, unknown_name
+import numpy as np
+from numpy.typing import NDArray
+
+PIXELS = {'8UC1': 'u1', '16UC1': 'u2', '16SC1': 'i2', '32SC1': 'i4', '32FC1': 'f4', '64FC1': 'f8'}
+POINT_TYPES = {1: 'i1', 2: 'u1', 3: 'i2', 4: 'u2', 5: 'i4', 6: 'u4', 7: 'f4', 8: 'f8'}
+
+
+class Image(Protocol):
+    """sensor_msgs/Image, decoded."""
+
+    height: int
+    width: int
+    encoding: str
+    is_bigendian: int
+    step: int
+    data: NDArray[np.uint8]
+
+
+class PointField(Protocol):
+    """sensor_msgs/PointField, decoded."""
+
+    name: str
+    offset: int
+    datatype: int
+    count: int
+
+
+class PointCloud(Protocol):
+    """sensor_msgs/PointCloud2, decoded."""
+
+    height: int
+    width: int
+    fields: list[PointField]
+    is_bigendian: bool
+    point_step: int
+    row_step: int
+    data: NDArray[np.uint8]
+
+
+def decode_image(image: Image) -> NDArray[Any]:
+    """
+    Return the samples of a one-channel sensor_msgs/Image.
+
+    Parameters
+    ----------
+    image : Image
+        Decoded message.
+
+    Returns
+    -------
+    ndarray, shape (rows, columns)
+        Of the type that `encoding` names.
+
+    Raises
+    ------
+    BadInput
+        If the encoding has several channels or the data are too short.
+
+    """
+    if image.encoding not in PIXELS:
+        raise unknown_name('image encoding', image.encoding, list(PIXELS))
+    kind = np.dtype(('>' if image.is_bigendian else '<') + PIXELS[image.encoding])
+    shape = (image.height, image.width)
+    strides = (image.step, kind.itemsize)
+    if len(image.data) < image.height * image.step or image.step < image.width * kind.itemsize:
+        raise BadInput(
+            f'An image of {image.height} x {image.width} holds {len(image.data)} bytes with '
+            f'{image.step} a row, which do not fit; record it again.'
+        )
+    samples: NDArray[Any] = np.ndarray(shape, kind, image.data.tobytes(), strides=strides)
+    return samples.astype(kind.newbyteorder('='))
+
+
+def stack_images(images: Iterable[Image]) -> NDArray[Any]:
+    """
+    Return the samples of images of one shape.
+
+    Returns
+    -------
+    ndarray, shape (n, rows, columns)
+        (0, 0, 0) without images.
+
+    """
+    blocks = [decode_image(image) for image in images]
+    shapes = {block.shape for block in blocks}
+    if len(shapes) > 1:
+        raise BadInput(
+            f'Blocks of different shape ({", ".join(map(str, sorted(shapes)))}) cannot be '
+            'stacked; read them one by one.'
+        )
+    return np.stack(blocks) if blocks else np.empty((0, 0, 0), np.uint16)
+
+
+def decode_point_cloud(cloud: PointCloud) -> dict[str, NDArray[np.float64]]:
+    """
+    Return the points of a sensor_msgs/PointCloud2 by field.
+
+    Returns
+    -------
+    dict of str to ndarray, shape (points,)
+        Fields of one value a point, row after row.
+
+    Raises
+    ------
+    BadInput
+        If a field is of an unknown type, or layout and data do not fit.
+
+    """
+    single = [field for field in cloud.fields if field.count == 1]
+    for field in single:
+        if field.datatype not in POINT_TYPES:
+            raise unknown_name(
+                'point field type', str(field.datatype), list(map(str, POINT_TYPES))
+            )
+    if not has_valid_layout(cloud, single):
+        raise BadInput(
+            f'A point cloud of {cloud.height} x {cloud.width} points of {cloud.point_step} bytes '
+            f'holds {len(cloud.data)} bytes with {cloud.row_step} a row and '
+            f'{len(cloud.fields)} fields, which do not fit; record it again.'
+        )
+    if not single:
+        return {}
+    order = '>' if cloud.is_bigendian else '<'
+    kind = np.dtype(
+        {
+            'names': [field.name for field in single],
+            'formats': [order + POINT_TYPES[field.datatype] for field in single],
+            'offsets': [field.offset for field in single],
+            'itemsize': cloud.point_step,
+        }
+    )
+    rows = cloud.data[: cloud.height * cloud.row_step].reshape(cloud.height, cloud.row_step)
+    used = np.ascontiguousarray(rows[:, : cloud.width * cloud.point_step])
+    points = used.reshape(-1).view(kind)
+    return {field.name: points[field.name].astype(np.float64) for field in single}
+
+
+def has_valid_layout(cloud: PointCloud, fields: Sequence[PointField]) -> bool:
+    """Tell whether fields lie in their points, points in their rows, and rows in the data."""
+    ends = [field.offset + np.dtype(POINT_TYPES[field.datatype]).itemsize for field in fields]
+    return (
+        max(ends, default=0) <= cloud.point_step
+        and cloud.width * cloud.point_step <= cloud.row_step
+        and cloud.height * cloud.row_step <= len(cloud.data)
+        and len({field.name for field in fields}) == len(fields)
+    )
+
+
+def stack_point_clouds(clouds: Iterable[PointCloud]) -> dict[str, NDArray[np.float64]]:
+    """
+    Return the points of several clouds by field.
+
+    Returns
+    -------
+    dict of str to ndarray, shape (n, points)
+        NaN where a cloud has fewer points than the largest, or lacks the field.
+
+    """
+    found = [decode_point_cloud(cloud) for cloud in clouds]
+    names = dict.fromkeys(name for fields in found for name in fields)
+    most = max((len(column) for fields in found for column in fields.values()), default=0)
+    result = {name: np.full((len(found), most), np.nan) for name in names}
+    for row, fields in enumerate(found):
+        for name, column in fields.items():
+            result[name][row, : len(column)] = column
+    return result

@@ -1,0 +1,282 @@
+"""
+A recorded flight of one robot as numpy arrays, all on one clock.
+
+Time runs in seconds from the stamp of the first stamped message of the robot. Messages without
+a stamp are placed by their log time, relative to the log time of that first message.
+"""
+
+from collections.abc import Collection, Iterator
+from functools import partial
+from itertools import islice
+from pathlib import Path
+from typing import Any, cast, final, NamedTuple
+
+from lta_bridge.provenance import extract_robot_origin
+from lta_config.errors import BadInput, unknown_name
+from lta_data.bag.column_builder import ColumnBuilder, MessageType
+from lta_data.bag.packed_samples import Image, PointCloud, stack_images, stack_point_clouds
+from lta_data.bag.reader import Bag, read_bag
+from lta_data.bag.series import TopicSeries
+from lta_data.bag.stamps import extract_stamp
+import numpy as np
+from numpy.typing import NDArray
+
+LATEST = np.iinfo(np.int64).max  # ns; MCAP counts further, a clock of ROS does not
+
+
+class FlightOrigin(NamedTuple):
+    """The start of a flight on both clocks. [ns]"""
+
+    stamp: int
+    log: int
+
+
+class SampleBlocks(NamedTuple):
+    """ADC blocks: stamp of the first sample in s, shape (n,); samples (n, rows, columns)."""
+
+    time: NDArray[np.float64]
+    samples: NDArray[Any]
+
+
+class PointSeries(NamedTuple):
+    """Point lists: stamps in s, shape (n,); values by field, each of shape (n, points)."""
+
+    time: NDArray[np.float64]
+    fields: dict[str, NDArray[np.float64]]
+
+
+@final
+class RecordedFlight:
+    """
+    One robot's part of a bag; see `open_flight`.
+
+    Attributes
+    ----------
+    bag : Bag
+        The recording.
+    robot : str
+        The robot's namespace without slash; '' if the bag has none.
+    start : int
+        Time 0 of all series, as a stamp. [ns]
+    provenance : dict of str to str
+        Where the robot's data come from.
+
+    """
+
+    def __init__(self, bag: Bag, robot: str) -> None:
+        self.bag = bag
+        self.robot = robot
+        self.provenance = extract_robot_origin(bag.provenance, robot)
+        self._origin = find_flight_origin(bag, [self.absolute_name(name) for name in self.topics])
+        self.start = self._origin.stamp
+
+    @property
+    def topics(self) -> list[str]:
+        """The robot's topics, relative to its namespace."""
+        prefix = self.absolute_name('')
+        return [name.removeprefix(prefix) for name in self.bag.topics if name.startswith(prefix)]
+
+    def read_series(self, topic: str) -> TopicSeries:
+        """
+        Return the fields of a topic over time.
+
+        Parameters
+        ----------
+        topic : str
+            Relative to the robot ('odom'), or absolute ('/clock').
+
+        Raises
+        ------
+        BadInput
+            If the topic is not in the bag or cannot be decoded.
+
+        """
+        return self.read_topics([topic])[topic]
+
+    def read_topics(self, topics: Collection[str]) -> dict[str, TopicSeries]:
+        """Return fields of several topics from one pass over the bag; errors as `read_series`."""
+        makers = {self.absolute_name(topic): self._create_builder(topic) for topic in topics}
+        for name, log_time, data in self.bag.iterate_messages(list(makers)):
+            makers[name].add_message(log_time, data)
+        found = {name: self._finish_series(maker) for name, maker in makers.items()}
+        return {topic: found[self.absolute_name(topic)] for topic in topics}
+
+    def iterate_series(self, topic: str, rows: int) -> Iterator[TopicSeries]:
+        """
+        Yield the fields of a topic in stretches, for topics that are larger than the memory.
+
+        Parameters
+        ----------
+        topic : str
+            As for `read_series`; errors too.
+        rows : int
+            Messages in a stretch. Its columns are those that its messages have.
+
+        """
+        maker = self._create_builder(topic)
+        for _, log_time, data in self.bag.iterate_messages([self.absolute_name(topic)]):
+            maker.add_message(log_time, data)
+            if len(maker) >= rows:
+                yield self._finish_series(maker)
+        if len(maker):
+            yield self._finish_series(maker)
+
+    def read_blocks(self, topic: str, chosen: Collection[int] | None = None) -> SampleBlocks:
+        """
+        Return the samples of a topic of sensor_msgs/Image; errors as `read_series`.
+
+        Parameters
+        ----------
+        topic : str
+            As for `read_series`.
+        chosen : collection of int, optional
+            Which messages, counted from 0; each once, in the order of recording. All by default.
+
+        """
+        times: list[float] = []
+        self._require_type(topic, 'sensor_msgs/msg/Image')
+        images = self._iterate_messages(
+            topic, times, None if chosen is None else frozenset(chosen)
+        )
+        samples = stack_images(cast('Iterator[Image]', images))
+        return SampleBlocks(np.array(times, dtype=np.float64), samples)
+
+    def iterate_blocks(self, topic: str, rows: int) -> Iterator[SampleBlocks]:
+        """Yield the samples of a topic of sensor_msgs/Image, `rows` messages at a time."""
+        self._require_type(topic, 'sensor_msgs/msg/Image')
+        for time, images in self._iterate_pieces(topic, rows):
+            yield SampleBlocks(time, stack_images(cast('list[Image]', images)))
+
+    def iterate_points(self, topic: str, rows: int) -> Iterator[PointSeries]:
+        """Yield the values of a topic of sensor_msgs/PointCloud2, `rows` messages at a time."""
+        self._require_type(topic, 'sensor_msgs/msg/PointCloud2')
+        for time, clouds in self._iterate_pieces(topic, rows):
+            yield PointSeries(time, stack_point_clouds(cast('list[PointCloud]', clouds)))
+
+    def read_points(self, topic: str) -> PointSeries:
+        """Return the values of a topic of sensor_msgs/PointCloud2; errors as `read_series`."""
+        times: list[float] = []
+        self._require_type(topic, 'sensor_msgs/msg/PointCloud2')
+        fields = stack_point_clouds(
+            cast('Iterator[PointCloud]', self._iterate_messages(topic, times))
+        )
+        return PointSeries(np.array(times, dtype=np.float64), fields)
+
+    def absolute_name(self, topic: str) -> str:
+        """Return the name of a topic in the bag."""
+        if topic.startswith('/'):
+            return topic
+        return f'/{self.robot}/{topic}' if self.robot else f'/{topic}'
+
+    def message_type(self, topic: str) -> str:
+        """Return a topic's message type; `BadInput` if the topic is not in the bag."""
+        name = self.absolute_name(topic)
+        if name not in self.bag.topics:
+            raise unknown_name('topic', topic, self.topics)
+        return self.bag.topics[name].type_name
+
+    def _require_type(self, topic: str, type_name: str) -> None:
+        """Raise BadInput unless the topic is in the bag and of the type."""
+        found = self.message_type(topic)
+        if found != type_name:
+            raise BadInput(f"Topic '{topic}' is of type '{found}', not '{type_name}'.")
+
+    def _iterate_pieces(
+        self, topic: str, rows: int
+    ) -> Iterator[tuple[NDArray[np.float64], list[object]]]:
+        """Yield times and messages of a topic, `rows` at a time. [s]"""
+        times: list[float] = []
+        messages = self._iterate_messages(topic, times)
+        while batch := list(islice(messages, rows)):
+            yield np.array(times), batch
+            times.clear()
+
+    def _create_builder(self, topic: str) -> ColumnBuilder:
+        """Return what turns the messages of a topic into columns."""
+        kind, name = self.message_type(topic), self.absolute_name(topic)
+        return ColumnBuilder(
+            MessageType(kind, self.bag.list_fields, partial(self.bag.decode, name))
+        )
+
+    def _finish_series(self, maker: ColumnBuilder) -> TopicSeries:
+        """Return what has been gathered, by time."""
+        found = maker.flush_columns()
+        stamps = found.stamps
+        for index in np.flatnonzero(stamps == 0):
+            placed = self.start + int(found.logged[index]) - self._origin.log
+            stamps[index] = min(placed, LATEST)
+        time = (stamps - self.start).astype(np.float64) * 1e-9
+        return TopicSeries(stamps, time, found.numbers, found.texts)
+
+    def _iterate_messages(
+        self, topic: str, times: list[float], chosen: Collection[int] | None = None
+    ) -> Iterator[object]:
+        """Yield messages of a topic and add their times to `times`. [s]"""
+        name = self.absolute_name(topic)
+        if name not in self.bag.topics:
+            raise unknown_name('topic', topic, self.topics)
+        for index, (_, log_time, data) in enumerate(self.bag.iterate_messages([name])):
+            if chosen is not None and index not in chosen:
+                continue
+            message = self.bag.decode(name, data)
+            stamp = extract_stamp(message)
+            elapsed = log_time - self._origin.log if stamp is None else stamp - self.start
+            times.append(elapsed * 1e-9)
+            yield message
+
+
+def find_flight_origin(bag: Bag, topics: list[str]) -> FlightOrigin:
+    """Return the start of a flight: its first stamped message, or else its first message."""
+    stampless = set()
+    for topic, log_time, data in bag.iterate_messages(topics):
+        if topic in stampless:
+            continue
+        try:
+            stamp = extract_stamp(bag.decode(topic, data))
+        except BadInput:  # of this topic nothing can be read; of the others perhaps
+            stamp = None
+        if stamp is not None:
+            return FlightOrigin(stamp, log_time)
+        stampless.add(topic)
+    first = bag.start or 0
+    return FlightOrigin(first, first)
+
+
+def list_robots(bag: Bag) -> list[str]:
+    """Return the robots in a bag: the first parts of names such as /lta1/odom."""
+    return sorted({name.split('/')[1] for name in bag.topics if name.count('/') > 1})
+
+
+def open_flight(source: Bag | Path | str, robot: str | None = None) -> RecordedFlight:
+    """
+    Open a recorded flight.
+
+    Parameters
+    ----------
+    source : Bag, Path or str
+        An opened bag, or where it is.
+    robot : str, optional
+        Namespace of the robot; needed only where the bag holds several.
+
+    Raises
+    ------
+    BadInput
+        If there is no recording, or the robot is unknown or not the only one.
+
+    """
+    bag = source if isinstance(source, Bag) else read_bag(source)
+    return RecordedFlight(bag, select_robot(bag, robot))
+
+
+def select_robot(bag: Bag, robot: str | None) -> str:
+    """Return the robot to look at: the one that is named, or the only one; see `open_flight`."""
+    found = list_robots(bag)
+    robot = None if robot is None else robot.strip('/')
+    if robot is not None and robot not in found:
+        raise unknown_name('robot', robot, found)
+    if robot is None and len(found) > 1:
+        raise BadInput(
+            f"'{bag.path}' holds several robots ({', '.join(found)}); name the one to look at, as "
+            f'in --robot {found[-1]}.'
+        )
+    return robot or (found[0] if found else '')

@@ -1,0 +1,197 @@
+"""One channel of both flights: how far apart, by frequency, and when they part."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+from typing import Final, final
+
+from lta_config.errors import BadInput
+from lta_data.compare.channel_pairs import ChannelPair
+from lta_data.compare.divergence import Divergence, find_divergence, noise_band
+from lta_data.compare.measures import DifferenceMeasures, measure_difference, standard_deviation
+from lta_data.compare.sampling import (
+    align_signals,
+    AlignedSignals,
+    median_period,
+    SampledSignal,
+    sort_samples,
+)
+from lta_data.compare.spectra import (
+    ChannelSpectra,
+    compute_spectra,
+    CorrelationPeak,
+    find_correlation_peak,
+)
+import numpy as np
+
+STRAY: Final = 0.01  # share of instants that noise may put outside a band of its own
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class ChannelComparison:
+    """
+    One channel of both flights.
+
+    Attributes
+    ----------
+    name, other : str
+        The channel's name in A and in B.
+    unit : str
+        Of the values.
+    angular : bool
+        Whether values 2 pi apart mean the same.
+    verdict : str
+        'parted': outside the band to the end. 'apart at times': outside it for longer than a
+        moment, or at more than 1 % of the instants. 'together'. 'identical': every instant and
+        value is the same. 'unknown': never known together.
+    a, b : Line
+        Both as recorded, on A's time, B in A's frame.
+    both : Aligned
+        Both at the same instants.
+    periods : tuple of float
+        Of A and B. [s]
+    measures : Measures or None
+        None where they are never known together.
+    parting : Parting
+        When they are apart.
+    spectra : Spectra or None
+        None where too few instants follow each other.
+    peak : Peak or None
+        None where one of them stands still.
+    score : float
+        By how much and how early they part: RMS over the greater of both spreads and the band,
+        times the share of the common span for which they are apart.
+
+    """
+
+    name: str
+    other: str
+    unit: str
+    angular: bool
+    verdict: str
+    a: SampledSignal
+    b: SampledSignal
+    both: AlignedSignals
+    periods: tuple[float, float]
+    measures: DifferenceMeasures | None
+    parting: Divergence
+    spectra: ChannelSpectra | None
+    peak: CorrelationPeak | None
+    score: float
+
+    @property
+    def is_still(self) -> bool:
+        """Whether neither side moves."""
+        return all(
+            not np.isfinite(line.values).any() or np.nanmax(line.values) == np.nanmin(line.values)
+            for line in (self.a, self.b)
+        )
+
+
+def compare_channels(
+    pair: ChannelPair,
+    a: SampledSignal,
+    b: SampledSignal,
+    *,
+    tolerance: float | None = None,
+    doubt: float = 0.0,
+) -> ChannelComparison:
+    """
+    Return how far two channels are apart.
+
+    Parameters
+    ----------
+    pair : Pair
+        Their names and units.
+    a, b : Line
+        Both on A's time.
+    tolerance : float, optional
+        Band set by hand. [unit]
+    doubt : float
+        Standard deviation of the offset between their clocks. [s]
+
+    """
+    angular = pair.angular
+    both = align_signals(a, b, angular=angular)
+    found = measure_difference(both, angular=angular)
+    given = tolerance is not None
+    band = noise_band(both, angular=angular, doubt=doubt) if tolerance is None else tolerance
+    when = find_divergence(both, band, by_hand=given)
+    same = np.array_equal(a.time, b.time) and np.array_equal(a.values, b.values, equal_nan=True)
+    return ChannelComparison(
+        name=pair.name,
+        other=pair.b.name,
+        unit=pair.a.unit or pair.b.unit,
+        angular=angular,
+        verdict='identical' if same and len(a.time) else classify_difference(found, when),
+        a=a,
+        b=b,
+        both=both,
+        periods=(median_period(a.time), median_period(b.time)),
+        measures=found,
+        parting=when,
+        spectra=compute_spectra(both, angular=angular),
+        peak=find_correlation_peak(both, angular=angular),
+        score=0.0 if found is None else score_difference(both, found, when, angular),
+    )
+
+
+def classify_difference(difference: DifferenceMeasures | None, when: Divergence) -> str:
+    """Return in one or three words how two channels stand."""
+    if difference is None:
+        return 'unknown'
+    if when.at is not None:
+        return 'parted'
+    strayed = when.outside > (0.0 if when.given else STRAY)
+    return 'apart at times' if strayed or when.first is not None else 'together'
+
+
+def score_difference(
+    both: AlignedSignals, difference: DifferenceMeasures, when: Divergence, angular: bool
+) -> float:
+    """Return by how much and how early two channels part. [1]"""
+    known = both.both_valid
+    spread = max(standard_deviation(part[known], angular) for part in (both.a, both.b))
+    scale = max(spread, when.band)
+    size = difference.rms / scale if scale > 0.0 else float(difference.rms > 0.0)
+    if when.at is None:
+        return size * when.outside
+    time = both.time[known]
+    length = float(time[-1] - time[0])
+    return size * (float(time[-1]) - when.at) / length if length > 0.0 else size
+
+
+def build_pair_signals(pair: ChannelPair) -> tuple[SampledSignal, SampledSignal]:
+    """Return both channels of a pair in the order of their time."""
+    return sort_samples(pair.a.time, pair.a.values), sort_samples(pair.b.time, pair.b.values)
+
+
+def match_tolerances(texts: Mapping[str, float], names: list[str]) -> dict[str, float]:
+    """
+    Return the band of each channel that was given one by hand.
+
+    Parameters
+    ----------
+    texts : mapping of str to float
+        By the channel's name, or a pattern such as 'odom/*position*'; the first that fits holds.
+    names : list of str
+        The channels that are compared.
+
+    Raises
+    ------
+    BadInput
+        If a name or pattern fits none.
+
+    """
+    found: dict[str, float] = {}
+    for pattern, value in texts.items():
+        fitting = [name for name in names if name == pattern or fnmatchcase(name, pattern)]
+        if not fitting:
+            raise BadInput(
+                f"No channel that both flights have is called '{pattern}', or like it; without "
+                '--tolerance the table lists them.'
+            )
+        for name in fitting:
+            found.setdefault(name, value)
+    return found

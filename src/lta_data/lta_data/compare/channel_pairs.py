@@ -1,0 +1,171 @@
+"""Which channel of A is compared with which of B: by name, or as told."""
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
+from typing import Final, NamedTuple
+
+from lta_config.errors import BadInput
+from lta_data.bag.channels import SignalChannel
+from lta_data.compare.sampling import mask_unknown
+
+AS: Final = '--pair odom=ground_truth/odom'
+
+
+class TopicPair(NamedTuple):
+    """Two topics to be compared, and the field of each where it is a single channel."""
+
+    topic_a: str
+    topic_b: str
+    field_a: str = ''
+    field_b: str = ''
+
+
+class ChannelPair(NamedTuple):
+    """One quantity of both flights; `name` is A's."""
+
+    name: str
+    a: SignalChannel
+    b: SignalChannel
+
+    @property
+    def angular(self) -> bool:
+        """Whether values 2 pi apart mean the same."""
+        return self.a.angular and self.b.angular
+
+
+def select_topic_pairs(
+    pair_texts: Sequence[str], only: Collection[str], of_a: Sequence[str], of_b: Sequence[str]
+) -> list[TopicPair]:
+    """
+    Return the topics to compare.
+
+    Parameters
+    ----------
+    asked : sequence of str
+        'odom=ground_truth/odom', of topics or of channels; empty for all of the same name.
+    only : collection of str
+        Names to keep, of topics of A; empty for all.
+    of_a, of_b : sequence of str
+        Topics of the flights.
+
+    Raises
+    ------
+    BadInput
+        If a pair cannot be read or a topic is not there, or nothing is common.
+
+    """
+    if pair_texts:
+        found = [parse_pair(text, of_a, of_b) for text in pair_texts]
+    else:
+        found = [TopicPair(topic, topic) for topic in of_a if topic in set(of_b)]
+        if not found:
+            raise BadInput(
+                f'The flights have no topic in common (A: {", ".join(of_a) or "none"}; B: '
+                f'{", ".join(of_b) or "none"}); say which belong together, as in {AS}.'
+            )
+    for name in only:
+        if name not in {each.topic_a for each in found}:
+            common = ', '.join(sorted({each.topic_a for each in found}))
+            raise BadInput(f"Topic '{name}' is not compared; those that are: {common}.")
+    return [each for each in found if not only or each.topic_a in only]
+
+
+def parse_pair(text: str, of_a: Sequence[str], of_b: Sequence[str]) -> TopicPair:
+    """Return two topics or channels that somebody wrote as 'a=b'."""
+    first, equals, second = text.partition('=')
+    if not equals or not first or not second:
+        raise BadInput(f"'{text}' is no pair; write A's topic, '=' and B's, as in {AS}.")
+    topic_a, field_a = split_channel_name(first, of_a, 'A')
+    topic_b, field_b = split_channel_name(second, of_b, 'B')
+    if bool(field_a) != bool(field_b):
+        raise BadInput(f"'{text}' pairs a topic with a channel; give two topics or two channels.")
+    return TopicPair(topic_a, topic_b, field_a, field_b)
+
+
+def split_channel_name(name: str, topics: Sequence[str], label: str) -> tuple[str, str]:
+    """Return topic and field of a name; the field is '' where the name is a topic's."""
+    name = name.removeprefix('/') if name not in topics else name
+    if name in topics:
+        return name, ''
+    topic, _, field = name.rpartition('/')
+    if topic in topics:
+        return topic, field
+    known = ', '.join(topics) or 'none'
+    raise BadInput(f"{label} has no topic or channel '{name}'; its topics: {known}.")
+
+
+class PairingResult(NamedTuple):
+    """The pairs, and a sentence for each that cannot be compared."""
+
+    pairs: list[ChannelPair]
+    remarks: list[str]
+
+
+def pair_channels(
+    topic_pairs: Sequence[TopicPair],
+    a: Mapping[str, SignalChannel],
+    b: Mapping[str, SignalChannel],
+) -> PairingResult:
+    """
+    Return the channels that belong together.
+
+    Fields belong together where they are the same, or one ends with the other: what a PoseStamped
+    calls `pose.position.x` an Odometry calls `pose.pose.position.x`.
+
+    Raises
+    ------
+    BadInput
+        If a channel that was asked for is not there, or none is common.
+
+    """
+    found = PairingResult([], [])
+    for each in topic_pairs:
+        fields_a = [channel.field for channel in a.values() if channel.topic == each.topic_a]
+        fields_b = [channel.field for channel in b.values() if channel.topic == each.topic_b]
+        for field_a, field_b in match_fields(each, fields_a, fields_b):
+            name = f'{each.topic_a}/{field_a}'
+            one, other = a[name], b[f'{each.topic_b}/{field_b}']
+            if one.unit and other.unit and one.unit != other.unit:
+                found.remarks.append(
+                    f"'{name}' is in {one.unit} in A and in {other.unit} in B; not compared."
+                )
+            else:
+                found.pairs.append(
+                    ChannelPair(name, mask_non_numbers(one), mask_non_numbers(other))
+                )
+    if not found.pairs:
+        raise BadInput(
+            f'The flights have no channel in common; say which topics belong together, as in {AS}.'
+        )
+    return found
+
+
+def mask_non_numbers(channel: SignalChannel) -> SignalChannel:
+    """Return a channel with NaN for all that is no number."""
+    return replace(channel, values=mask_unknown(channel.values))
+
+
+def match_fields(
+    topic_pair: TopicPair, of_a: Sequence[str], of_b: Sequence[str]
+) -> list[tuple[str, str]]:
+    """Return the fields of two topics that belong together."""
+    if topic_pair.field_a:
+        for topic, field, known in (
+            (topic_pair.topic_a, topic_pair.field_a, of_a),
+            (topic_pair.topic_b, topic_pair.field_b, of_b),
+        ):
+            if field not in known:
+                names = ', '.join(known)
+                raise BadInput(f"Topic '{topic}' has no channel '{field}'; it has: {names}.")
+        return [(topic_pair.field_a, topic_pair.field_b)]
+    pairs = []
+    for field in of_a:
+        if field in of_b:
+            pairs.append((field, field))
+            continue
+        ending = [
+            other for other in of_b if other.endswith(f'.{field}') or field.endswith(f'.{other}')
+        ]
+        if len(ending) == 1 and ending[0] not in of_a:
+            pairs.append((field, ending[0]))
+    return pairs

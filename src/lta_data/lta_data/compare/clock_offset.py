@@ -1,0 +1,255 @@
+"""
+The offset between two clocks that timed the same motion.
+
+Coarse: normalised cross-correlation of the rates of change of several channels at once, over all
+lags with enough overlap. Fine: Gauss-Newton on the channels themselves, for offset and drift
+together, with a level of each channel in each stretch of ten seconds left free (an estimate that
+drifts slowly away says nothing about its clock), outliers held down (Huber), and the uncertainty
+from the scatter of whole blocks, so that neighbours that resemble each other count once.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+import math
+from typing import Final, final, NamedTuple
+
+from lta_data.compare.coarse_lag import (
+    both_sides,
+    CoarseLag,
+    estimate_coarse_lag,
+    SharedQuantity,
+    unwrap_finite,
+)
+from lta_data.compare.measures import NORMAL
+from lta_data.compare.sampling import Array, interpolate_signal, median_period, SampledSignal
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import Akima1DInterpolator, CubicSpline
+from scipy.ndimage import gaussian_filter1d
+from scipy.special import stdtrit
+
+LIKE: Final = 0.5  # correlation of a channel that is used for the fine step
+MOST: Final = 12  # channels of the fine step
+LEVEL: Final = 10.0  # s over which a channel's level is free
+HUBER: Final = 1.5
+RESTING: Final = 0.1  # of the RMS misfit, that the scale of a channel's misfit is at least
+BLOCKS: Final = 16
+ROUNDS: Final = 30
+EXACT: Final = 1e-3  # of a period, for the interpolation
+TELLING: Final = 30.0  # s of common time without which drift is not asked for
+SURE: Final = 3.0  # standard deviations of a drift that is applied
+QUARTZ: Final = 2e-3  # more is no clock's: another pace of the motion
+AMBIGUOUS: Final = 0.9  # of the best peak, that a peak elsewhere must stay below
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class ClockOffset:
+    """
+    What B's clock shows more than A's at the same event.
+
+    Attributes
+    ----------
+    value, sigma : float
+        Offset in the middle of the common span, and its standard deviation. [s]
+    drift, drift_sigma : float
+        Rate at which it grows; applied only where `drifts`. Zero and infinite where the common
+        span is too short to tell. [1]
+    drifts : bool
+        Whether the drift is clear of zero, and such as clocks have.
+    middle : float
+        The instant of `value` on A's clock. [s]
+    correlation : float
+        Median correlation of the rates of the channels in `used`, at this offset.
+    rival : float
+        Height of the highest peak elsewhere, as a share of the best.
+    used : tuple of str
+        The channels that the fine step rests on.
+
+    """
+
+    value: float
+    sigma: float
+    drift: float
+    drift_sigma: float
+    drifts: bool
+    middle: float
+    correlation: float
+    rival: float
+    used: tuple[str, ...]
+
+    @property
+    def is_ambiguous(self) -> bool:
+        """Whether another offset fits nearly as well, as with a motion that repeats itself."""
+        return self.rival > AMBIGUOUS
+
+
+def estimate_clock_offset(shared: Sequence[SharedQuantity]) -> ClockOffset | None:
+    """
+    Return the offset between two clocks; None where nothing in the data ties them.
+
+    Parameters
+    ----------
+    shared : sequence of Shared
+        Quantities that do not depend on a world frame.
+
+    """
+    found = estimate_coarse_lag(shared)
+    if found is None:
+        return None
+    like = {name: value for name, value in found.correlations.items() if value > LIKE}
+    names = sorted(like, key=lambda name: -like[name])[:MOST]
+    used = [each for each in shared if each.name in names]
+    return (
+        refine_offset(used, found, float(np.median([like[name] for name in names])))
+        if used
+        else None
+    )
+
+
+class PreparedChannel(NamedTuple):
+    """One channel for the fine step: A at even instants, B as a curve; how far smoothed. [s]"""
+
+    time: Array
+    a: Array
+    known: SampledSignal
+    b: CubicSpline
+    width: float
+
+
+def prepare_channel(each: SharedQuantity) -> PreparedChannel:
+    """Return a channel ready to be shifted, both sides smoothed alike."""
+    lines = [unwrap_finite(line, each.angular) for line in both_sides(each)]
+    periods = [median_period(line.time) for line in lines]
+    step, width = min(periods), 1.5 * max(periods)
+    found = []
+    for line in lines:
+        count = 2 + int((line.time[-1] - line.time[0]) / step)
+        grid = line.time[0] + step * np.arange(count)
+        seen = interpolate_signal(line, grid)
+        # By straight lines, the slower recorder would cut every bend short.
+        curve = Akima1DInterpolator(line.time, line.values)(np.minimum(grid, line.time[-1]))
+        smooth = gaussian_filter1d(curve, width / step)
+        found.append((grid, smooth, seen))
+    (grid, a, seen), (grid_b, b, seen_b) = found
+    inner = np.isfinite(seen)
+    return PreparedChannel(
+        grid[inner], a[inner], SampledSignal(grid_b, seen_b), CubicSpline(grid_b, b), width
+    )
+
+
+def refine_offset(
+    used: Sequence[SharedQuantity], start: CoarseLag, correlation: float
+) -> ClockOffset:
+    """Return the offset [s] and drift [1] of least misfit, with their uncertainty."""
+    channels = [prepare_channel(each) for each in used]
+    shift = start.lag
+    begin = min(float(each.time[0]) for each in channels)
+    end = max(float(each.time[-1]) for each in channels)
+    begin = max(begin, min(float(each.known.time[0]) for each in channels) - shift)
+    end = min(end, max(float(each.known.time[-1]) for each in channels) - shift)
+    middle, span = 0.5 * (begin + end), end - begin
+    step = min(median_period(each.time) for each in channels)
+    both = fit_offset(channels, np.array([shift, 0.0]), middle, span, step, 2)
+    telling = span >= TELLING
+    deviation = math.sqrt(both.covariance[1, 1]) if telling else math.inf
+    drifts = telling and SURE * deviation < abs(float(both.values[1])) < QUARTZ
+    single = (
+        both if drifts else fit_offset(channels, np.array([shift, 0.0]), middle, span, step, 1)
+    )
+    return ClockOffset(
+        value=float(single.values[0]),
+        sigma=math.hypot(math.sqrt(single.covariance[0, 0]), EXACT * step),
+        drift=float(both.values[1]) if telling else 0.0,
+        drift_sigma=deviation,
+        drifts=drifts,
+        middle=middle,
+        correlation=correlation,
+        rival=start.rival,
+        used=tuple(each.name for each in used),
+    )
+
+
+class OffsetFit(NamedTuple):
+    """Offset and drift, and their covariance, shape (2, 2)."""
+
+    values: Array
+    covariance: Array
+
+
+def fit_offset(
+    channels: Sequence[PreparedChannel],
+    at: Array,
+    middle: float,
+    span: float,
+    step: float,
+    free: int,
+) -> OffsetFit:
+    """Return the offset [s], and the drift [1] where two numbers are free, by Gauss-Newton."""
+    edges = np.linspace(middle - span / 2, middle + span / 2, BLOCKS + 1)[1:-1]
+    for _ in range(ROUNDS):
+        normal, blocks = np.zeros((free, free)), np.zeros((BLOCKS, free))
+        for each in channels:
+            one, scores = build_normal_equations(each, at, middle, edges, free)
+            normal += one
+            blocks += scores
+        if np.linalg.matrix_rank(normal) != free:
+            break
+        change = np.linalg.solve(normal, blocks.sum(axis=0))
+        at = at + np.pad(change, (0, 2 - free))
+        if abs(change[0]) < 1e-7 * step:
+            break
+    covariance = np.full((2, 2), math.inf)
+    if np.linalg.matrix_rank(normal) == free:
+        inverse = np.linalg.inv(normal)
+        spread = blocks.T @ blocks * (BLOCKS / (BLOCKS - free))
+        covariance[:free, :free] = inverse @ spread @ inverse * variance_inflation(channels, span)
+    return OffsetFit(at, covariance)
+
+
+def variance_inflation(channels: Sequence[PreparedChannel], span: float) -> float:
+    """
+    Return what a variance from the scatter of blocks must be multiplied by.
+
+    Two misfits lag s apart, both smoothed by a Gaussian of w, resemble each other by
+    exp(-s^2 / 4 w^2); of their sum, blocks of length L lose 2 w / (sqrt(pi) L) at their edges.
+    And few blocks tell their own scatter badly: Student's t beside the normal distribution.
+    """
+    width = max(each.width for each in channels)
+    lost = min(0.5, 2.0 * width * BLOCKS / (math.sqrt(math.pi) * span)) if span > 0.0 else 0.5
+    few = float(stdtrit(BLOCKS - 1, 0.975)) / NORMAL
+    return few**2 / (1.0 - lost)
+
+
+def build_normal_equations(
+    each: PreparedChannel, at: Array, middle: float, edges: Array, free: int
+) -> tuple[Array, Array]:
+    """Return one channel's normal matrix, and its pull on the numbers in each block."""
+    moved = each.time + at[0] + at[1] * (each.time - middle)
+    known = np.isfinite(interpolate_signal(each.known, moved))
+    time, moved = each.time[known], moved[known]
+    if len(time) < 8:
+        return np.zeros((free, free)), np.zeros((BLOCKS, free))
+    stretch = ((time - time[0]) // LEVEL).astype(np.int64)
+    misfit = subtract_block_means(each.a[known] - each.b(moved), stretch)
+    slope = subtract_block_means(each.b(moved, 1), stretch)
+    scale = 1.4826 * float(np.median(np.abs(misfit)))
+    # A channel that rests for most of the time has a median of zero, and is not perfect for that.
+    scale = max(scale, RESTING * math.sqrt(float(np.mean(misfit**2))))
+    scale = max(scale, 1e-9 * float(np.ptp(each.a[known])), 1e-150)
+    size = np.abs(misfit) / scale
+    weight = np.where(size > HUBER, HUBER / np.maximum(size, HUBER), 1.0) / scale**2
+    slopes = np.stack([slope, slope * (time - middle)][:free], axis=1)
+    pulls = slopes * (weight * misfit)[:, None]
+    index = np.searchsorted(edges, time)
+    blocks: Array = np.stack([np.bincount(index, pull, BLOCKS) for pull in pulls.T], axis=1)
+    # Of Huber's pull only what is not held down grows with the misfit.
+    free_to_pull = (size <= HUBER)[:, None] / scale**2
+    return slopes.T @ (slopes * free_to_pull), blocks.astype(np.float64)
+
+
+def subtract_block_means(values: Array, stretch: NDArray[np.int64]) -> Array:
+    """Return values less their mean in each stretch, shape (n,)."""
+    counts = np.maximum(np.bincount(stretch), 1)
+    means = np.bincount(stretch, values) / counts
+    return np.asarray(values - means[stretch])

@@ -1,0 +1,129 @@
+"""At which lag two recordings of many channels resemble each other most: the coarse step."""
+
+from collections.abc import Sequence
+import math
+from typing import Final, NamedTuple
+
+from lta_data.compare.divergence import noise_deviation
+from lta_data.compare.sampling import Array, interpolate_signal, median_period, SampledSignal
+from lta_data.compare.spectra import fit_parabola_peak
+import numpy as np
+from scipy.ndimage import gaussian_filter1d
+
+STEPS: Final = (0.02, 0.5)  # s; the grid's step is the finest of the channels within these
+SMOOTH: Final = 0.15  # s, or two steps
+LIVELY: Final = 3.0  # times what noise alone would do to a rate
+OVERLAP: Final = 0.3  # of the shorter recording
+ASIDE: Final = 1.0  # s that another peak lies away at least
+
+
+class SharedQuantity(NamedTuple):
+    """One quantity as both flights have it, each on its own clock."""
+
+    name: str
+    a: SampledSignal
+    b: SampledSignal
+    angular: bool = False
+
+
+class CoarseLag(NamedTuple):
+    """Lag, the height of the second peak over the first, and each channel's correlation there."""
+
+    lag: float
+    rival: float
+    correlations: dict[str, float]
+
+
+def estimate_coarse_lag(shared: Sequence[SharedQuantity]) -> CoarseLag | None:
+    """Return the lag at which the rates of change of all channels resemble each other most."""
+    able = [each for each in shared if len(each.a.time) > 8 and len(each.b.time) > 8]
+    if not able:
+        return None
+    slower = [max(median_period(each.a.time), median_period(each.b.time)) for each in able]
+    step = float(np.clip(min(slower), *STEPS))
+    begins = [min(float(both_sides(each)[k].time[0]) for each in able) for k in (0, 1)]
+    ends = [max(float(both_sides(each)[k].time[-1]) for each in able) for k in (0, 1)]
+    counts = [1 + math.ceil((ends[k] - begins[k]) / step) for k in (0, 1)]
+    least = OVERLAP * min(counts)
+    size = 1 << (sum(counts) - 1).bit_length()
+    scores: dict[str, Array] = {}
+    share = np.zeros(size)
+    for each in able:
+        of_a, of_b = (
+            smoothed_rate(both_sides(each)[k], begins[k], step, counts[k], each.angular)
+            for k in (0, 1)
+        )
+        if of_a is not None and of_b is not None:
+            likeness, common = masked_correlation(of_a, of_b, size, least)
+            scores[each.name] = likeness
+            share = np.maximum(share, common / min(counts))
+    if not scores:
+        return None
+    total = np.mean(list(scores.values()), axis=0) * np.minimum(share, 1.0) ** 0.25
+    best = int(total.argmax())
+    if total[best] <= 0.0:
+        return None
+    lags = np.where(np.arange(size) < counts[1], np.arange(size), np.arange(size) - size)
+    elsewhere = total[np.abs(lags - lags[best]) * step > ASIDE]
+    rival = max(0.0, float(elsewhere.max())) / float(total[best]) if len(elsewhere) else 0.0
+    shift, _ = fit_parabola_peak(np.roll(total, size // 2 - best), size // 2)
+    lag = (float(lags[best]) + shift) * step + begins[1] - begins[0]
+    return CoarseLag(lag, rival, {name: float(score[best]) for name, score in scores.items()})
+
+
+def both_sides(each: SharedQuantity) -> tuple[SampledSignal, SampledSignal]:
+    """Return the quantity as A has it, and as B has it."""
+    return each.a, each.b
+
+
+def unwrap_finite(line: SampledSignal, angular: bool) -> SampledSignal:
+    """Return what is known of a line, angles without jumps."""
+    known = np.isfinite(line.values)
+    values = line.values[known]
+    return SampledSignal(line.time[known], np.unwrap(values) if angular else values)
+
+
+def smoothed_rate(
+    line: SampledSignal, begin: float, step: float, count: int, angular: bool
+) -> Array | None:
+    """Return a line's smoothed rate on a grid, a second; None where noise alone would do that."""
+    grid = np.asarray(begin + step * np.arange(count), dtype=np.float64)
+    values = interpolate_signal(unwrap_finite(line, angular), grid)
+    known = np.isfinite(values)
+    if known.sum() < 8:
+        return None
+    instants = np.arange(count)
+    held = np.interp(instants, instants[known], values[known])
+    width = max(SMOOTH, 2.0 * step)
+    found = gaussian_filter1d(held, width / step, order=1) / step
+    found[~known] = np.nan
+    # White noise through the derivative of a Gaussian: variance h / (4 sqrt(pi) w^3).
+    usual = max(median_period(line.time), step)
+    alone = noise_deviation(line.values) * math.sqrt(usual / (4.0 * math.sqrt(math.pi) * width**3))
+    size = math.sqrt(float(np.nanmean(found**2)))
+    return found if size > max(LIVELY * alone, 1e-12) else None
+
+
+def masked_correlation(a: Array, b: Array, size: int, least: float) -> tuple[Array, Array]:
+    """
+    Return the correlation of two rates at each circular lag of b, and how much overlaps there.
+
+    At each lag only what both know counts (Padfield 2012, "Masked object registration in the
+    Fourier domain", without taking off the mean, since a rate is near zero at rest).
+    """
+    parts = []
+    for values in (a, b):
+        known = np.isfinite(values)
+        zeroed = np.where(known, values, 0.0)
+        parts.append([np.fft.rfft(part, size) for part in (zeroed, zeroed**2, known * 1.0)])
+    (va, ea, ma), (vb, eb, mb) = parts
+    product = np.fft.irfft(np.conj(va) * vb, size)
+    energy_a = np.fft.irfft(np.conj(ea) * mb, size)
+    energy_b = np.fft.irfft(np.conj(ma) * eb, size)
+    common = np.fft.irfft(np.conj(ma) * mb, size)
+    floor = 1e-6 * (np.nansum(a**2) * np.nansum(b**2)) ** 0.5
+    power = np.sqrt(np.maximum(energy_a, 0.0) * np.maximum(energy_b, 0.0))
+    usable = (common >= least) & (power > floor)
+    return np.where(usable, product / np.where(usable, power, 1.0), 0.0), np.where(
+        usable, common, 0.0
+    )

@@ -1,0 +1,139 @@
+"""The pictures of a comparison: overlays with their difference, paths from above, spectra."""
+
+from collections.abc import Sequence
+from typing import Final
+
+from lta_data.compare.channel_comparison import ChannelComparison
+from lta_data.compare.channel_roles import find_pose_prefix
+from lta_data.compare.sampling import align_signals, break_at_gaps, SampledSignal
+from lta_data.compare.spectra import ChannelSpectra, thin_spectra
+from lta_data.compare.traces import build_channel_trace, thin_signal
+from lta_report.drawing import create_figure, padded_range
+from lta_report.palette import ESTIMATE, FILL, GOOD, SETPOINT, SOFT, TRUTH, WALL
+import numpy as np
+from plotly.graph_objects import Figure, Scatter
+
+A, B, DIFFERENCE = TRUTH, ESTIMATE, SETPOINT
+WIDE, NARROW = 3.0, 1.2  # px: A shows behind B where they are the same
+
+
+def plot_overlay(each: ChannelComparison, time: tuple[float, float]) -> Figure:
+    """Return A and B over a time above their difference, with band and parting."""
+    shown = build_channel_trace(each)
+    figure = create_figure(2, [0.66, 0.34])
+    for line, name, colour, width, row in (
+        (shown.a, 'A', A, WIDE, 1), (shown.b, 'B', B, NARROW, 1),
+        (shown.difference, 'B - A', DIFFERENCE, NARROW, 2),
+    ):  # fmt: skip
+        figure.add_trace(
+            Scatter(
+                x=line.time.astype(np.float32), y=line.values.astype(np.float32), name=name,
+                mode='lines', line={'color': colour, 'width': width}, connectgaps=False,
+                hovertemplate=f'%{{y:.4~g}} {shown.unit}',
+            ),
+            row=row, col=1,
+        )  # fmt: skip
+    figure.add_shape(
+        type='rect', xref='x2 domain', x0=0, x1=1, yref='y2', y0=-shown.band, y1=shown.band,
+        fillcolor=FILL, line={'width': 0}, layer='below',
+    )  # fmt: skip
+    at = each.parting.at
+    figure.add_shape(
+        type='line', xref='x', x0=at or 0.0, x1=at or 0.0, yref='paper', y0=0, y1=1,
+        visible=at is not None, layer='below', line={'color': WALL, 'width': 1, 'dash': '2px,3px'},
+    )  # fmt: skip
+    figure.add_annotation(
+        x=at or 0.0, xref='x', y=1.0, yref='paper', yanchor='bottom', text='they part',
+        xanchor='left', font={'size': 10, 'color': SOFT}, visible=at is not None,
+    )  # fmt: skip
+    unit = f' [{shown.unit}]' if shown.unit not in ('', '1') else ''
+    figure.update_xaxes(range=list(time), hoverformat='.2f', unifiedhovertitle_text='%{x} s')
+    figure.update_xaxes(title_text="time on A's clock [s]", row=2)
+    figure.update_yaxes(title_text=f'A, B{unit}', row=1)
+    figure.update_yaxes(title_text=f'B - A{unit}', row=2)
+    return figure.update_layout(margin={'r': 20, 'l': 66})
+
+
+def plot_path(channels: Sequence[ChannelComparison]) -> Figure | None:
+    """Return both paths from above in A's frame; None where there are none."""
+    pose = find_pose_prefix(channels)
+    by_name = {each.name: each for each in channels}
+    both = by_name.get(f'{pose}position.x'), by_name.get(f'{pose}position.y')
+    if both[0] is None or both[1] is None:
+        return None
+    figure = create_figure()
+    ends = []
+    for name, colour, width in (('A', A, WIDE), ('B', B, NARROW)):
+        x, y = (getattr(each, name.lower()) for each in both)
+        joined = align_signals(x, y)
+        across, along = thin_path(joined.time, joined.a, joined.b)
+        figure.add_trace(
+            Scatter(
+                x=across, y=along, name=name, mode='lines', line={'color': colour, 'width': width},
+                hovertemplate='%{x:.2f}, %{y:.2f} m',
+            )
+        )  # fmt: skip
+        known = np.flatnonzero(np.isfinite(across) & np.isfinite(along))
+        if len(known):
+            ends.append((across[known[[0, -1]]], along[known[[0, -1]]], colour, name))
+    for across, along, colour, name in ends:
+        figure.add_trace(
+            Scatter(
+                x=across, y=along, mode='markers', name=f'start and end of {name}',
+                marker={'color': ['rgba(0,0,0,0)', colour], 'size': 9,
+                        'line': {'color': colour, 'width': 2}},
+                hovertemplate=[f'{name} starts', f'{name} ends'],
+            )
+        )  # fmt: skip
+    seen = [trace for trace in figure.data if trace.mode == 'lines']
+    wide, high = (padded_range(*(np.asarray(line[axis]) for line in seen)) for axis in 'xy')
+    figure.update_layout(hovermode='closest', margin={'r': 24, 'l': 66})
+    figure.update_xaxes(title_text="x in A's frame [m]", range=wide, constrain='domain')
+    return figure.update_yaxes(title_text="y in A's frame [m]", range=high, scaleanchor='x')
+
+
+def thin_path(time: np.ndarray, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return a path in few points; kept are the extremes of both coordinates, and the gaps."""
+    lines = [break_at_gaps(SampledSignal(time, values)) for values in (x, y)]
+    keep = np.unique(np.concatenate([thin_signal(line).time for line in lines]))
+    index = np.searchsorted(lines[0].time, keep)
+    return lines[0].values[index].astype(np.float32), lines[1].values[index].astype(np.float32)
+
+
+SPECTRUM: Final = (('A', A), ('B', B), ('B - A', DIFFERENCE))
+
+
+def plot_spectrum(each: ChannelComparison) -> Figure:
+    """Return the power of A, B and their difference by frequency, above their coherence."""
+    figure = create_figure(2, [0.66, 0.34])
+    found = None if each.spectra is None else thin_spectra(each.spectra)
+    frequency = np.empty(0) if found is None else found.frequency
+    for (name, colour), values in zip(SPECTRUM, positive_powers(found), strict=True):
+        figure.add_trace(
+            Scatter(
+                x=frequency, y=values, name=name, mode='lines',
+                line={'color': colour, 'width': 1.5}, hovertemplate='%{y:.3~g}',
+            ),
+            row=1, col=1,
+        )  # fmt: skip
+    figure.add_trace(
+        Scatter(
+            x=frequency, y=np.empty(0) if found is None else found.coherence, name='coherence',
+            mode='lines', line={'color': GOOD, 'width': 1.5}, hovertemplate='%{y:.2f}',
+        ),
+        row=2, col=1,
+    )  # fmt: skip
+    figure.update_xaxes(type='log', unifiedhovertitle_text='%{x:.3~g} Hz')
+    figure.update_xaxes(title_text='frequency [Hz]', row=2)
+    figure.update_yaxes(type='log', title_text='power density', exponentformat='power', row=1)
+    figure.update_yaxes(title_text='coherence', range=[-0.04, 1.04], tickvals=[0, 0.5, 1], row=2)
+    return figure.update_layout(margin={'r': 20, 'l': 66})
+
+
+def positive_powers(thinned: ChannelSpectra | None) -> list[np.ndarray]:
+    """Return the three powers, what is zero left out since a logarithm cannot show it."""
+    if thinned is None:
+        return [np.empty(0)] * 3
+    return [
+        np.where(part > 0.0, part, np.nan) for part in (thinned.a, thinned.b, thinned.difference)
+    ]

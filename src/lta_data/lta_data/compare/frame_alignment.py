@@ -1,0 +1,216 @@
+"""B's positions, headings and vectors in A's frames, where the frames are not the same."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Final, final, Literal, NamedTuple
+
+from lta_data.bag.channels import SignalChannel
+from lta_data.compare.channel_pairs import ChannelPair
+from lta_data.compare.compared_flight import ComparedFlight
+from lta_data.compare.frame_fit import fit_placement, FramePlacement
+from lta_data.compare.sampling import align_signals, Array, sort_samples, wrap_angle
+from lta_data.compare.time_alignment import TimeAlignment
+import numpy as np
+
+Frames = Literal['auto', 'given', 'fit']
+BODY: Final = 'link'  # frames that move with the robot end in it, after REP-105
+ODOMETRY: Final = 'nav_msgs/msg/Odometry'
+BETTER: Final = 0.2  # of the distance that is left when a frame is found to be another
+AXES: Final = ('x', 'y', 'z')
+
+
+class PositionPair(NamedTuple):
+    """A position that both flights have: where its field begins, and the two frames."""
+
+    field: str
+    topic: str
+    frames: tuple[str, str]
+    weight: tuple[bool, int]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class FrameAlignment:
+    """
+    What was done about one pair of frames.
+
+    Attributes
+    ----------
+    frames : tuple of str
+        A's and B's.
+    topic : str
+        A's topic whose positions tell.
+    fit : Placement or None
+        What lays B on A; None where positions tell nothing.
+    applied : bool
+        Whether it was applied.
+    reason : str
+        Why, in a sentence.
+
+    """
+
+    frames: tuple[str, str]
+    topic: str
+    fit: FramePlacement | None
+    applied: bool
+    reason: str
+
+
+def align_frames(
+    a: ComparedFlight,
+    b: ComparedFlight,
+    pairs: Sequence[ChannelPair],
+    timing: TimeAlignment,
+    frames: Frames = 'auto',
+) -> tuple[list[ChannelPair], list[FrameAlignment]]:
+    """
+    Return the pairs with B in A's frames, and what was done.
+
+    Parameters
+    ----------
+    a, b : Side
+        The flights.
+    pairs : sequence of Pair
+        What both have.
+    timing : Timing
+        How B's time lies on A's.
+    frames : str
+        'given': as they are. 'fit': each world frame of B laid on A's. 'auto': where they have
+        different names, or where one run recorded twice shows that they differ.
+
+    """
+    by_name = {pair.name: pair for pair in pairs}
+    best: dict[tuple[str, str], PositionPair] = {}
+    for pose in find_world_positions(a, b, pairs):
+        held = best.get(pose.frames)
+        if held is None or pose.weight > held.weight:
+            best[pose.frames] = pose
+    done = [fit_frame_alignment(pose, by_name, timing, frames) for pose in best.values()]
+    moved = dict(by_name)
+    for each in done:
+        if each.applied and each.fit is not None:
+            moved |= transform_pairs(a, b, by_name, each.frames, each.fit)
+    return list(moved.values()), done
+
+
+def find_frames(a: ComparedFlight, b: ComparedFlight, pair: ChannelPair) -> tuple[str, str]:
+    """Return the frames of both channels of a pair."""
+    of_a, of_b = a.topics.get(pair.a.topic), b.topics.get(pair.b.topic)
+    return '' if of_a is None else of_a.frame, '' if of_b is None else of_b.frame
+
+
+def find_world_positions(
+    a: ComparedFlight, b: ComparedFlight, pairs: Sequence[ChannelPair]
+) -> list[PositionPair]:
+    """Return the positions in a world frame."""
+    names = {pair.name for pair in pairs}
+    found = []
+    for pair in pairs:
+        start = pair.name.removesuffix('position.x')
+        whole = {f'{start}position.{axis}' for axis in AXES} <= names
+        frames = find_frames(a, b, pair)
+        if start == pair.name or not whole or any(each.endswith(BODY) for each in frames):
+            continue
+        kind = a.topics[pair.a.topic].type_name
+        found.append(
+            PositionPair(start, pair.a.topic, frames, (kind == ODOMETRY, len(pair.a.time)))
+        )
+    return found
+
+
+def fit_frame_alignment(
+    pose: PositionPair, pairs: Mapping[str, ChannelPair], timing: TimeAlignment, frames: Frames
+) -> FrameAlignment:
+    """Return what to do about a pair of frames."""
+    both = [pairs[f'{pose.field}position.{axis}'] for axis in AXES]
+    joined = [
+        align_signals(
+            sort_samples(pair.a.time, pair.a.values),
+            sort_samples(timing.map_to_a(pair.b.time), pair.b.values),
+        )
+        for pair in both
+    ]
+    heading = pairs.get(f'{pose.field}orientation.yaw')
+    yaws: tuple[Array | None, Array | None] = (None, None)
+    if heading is not None:
+        turn = align_signals(
+            sort_samples(heading.a.time, heading.a.values),
+            sort_samples(timing.map_to_a(heading.b.time), heading.b.values),
+            angular=True,
+        )
+        yaws = turn.a, turn.b
+    fit = fit_placement(
+        np.stack([each.a for each in joined], axis=1),
+        np.stack([each.b for each in joined], axis=1),
+        *yaws,
+    )
+    return FrameAlignment(
+        pose.frames, pose.topic, fit, *decide_alignment(pose.frames, fit, timing, frames)
+    )
+
+
+def decide_alignment(
+    names: tuple[str, str], fit: FramePlacement | None, timing: TimeAlignment, frames: Frames
+) -> tuple[bool, str]:
+    """Return whether to apply a placement, and why."""
+    if fit is None:
+        return False, 'Too few positions are common to tell.'
+    if frames != 'auto':
+        return frames == 'fit', 'It was asked for.'
+    spoken = [f"'{name}'" if name else 'an unnamed frame' for name in names]
+    if names[0] != names[1]:
+        return True, f'A counts in {spoken[0]} and B in {spoken[1]}.'
+    better = fit.after < BETTER * fit.before
+    if better and timing.how == 'clock':
+        return True, f'One run, yet {fit.before:.2f} m apart as given and {fit.after:.2f} m so.'
+    if better:
+        return False, (
+            f'Both count in {spoken[0]}. The paths would agree to {fit.after:.2f} m instead of '
+            f'{fit.before:.2f} m if B were turned and shifted: --frames fit.'
+        )
+    return False, f'Both count in {spoken[0]}.'
+
+
+def transform_pairs(
+    a: ComparedFlight,
+    b: ComparedFlight,
+    pairs: Mapping[str, ChannelPair],
+    frames: tuple[str, str],
+    fit: FramePlacement,
+) -> dict[str, ChannelPair]:
+    """Return the pairs that count in these frames, with B's side moved."""
+    found: dict[str, ChannelPair] = {}
+    for name, pair in pairs.items():
+        if find_frames(a, b, pair) != frames:
+            continue
+        if name.endswith('orientation.yaw'):
+            turned = wrap_angle(pair.b.values + fit.yaw)
+            found[name] = pair._replace(b=replace(pair.b, values=turned))
+        for kind in ('position', 'vector'):
+            start = name.removesuffix(f'{kind}.x')
+            parts = [pairs.get(f'{start}{kind}.{axis}') for axis in AXES]
+            if start != name:
+                whole = [part for part in parts if part is not None]
+                if len(whole) == len(AXES):
+                    found |= transform_triple(whole, fit, kind == 'position')
+    return found
+
+
+def transform_triple(
+    parts: Sequence[ChannelPair], fit: FramePlacement, position: bool
+) -> dict[str, ChannelPair]:
+    """Return x, y and z of B, turned, and of a position shifted."""
+    given = np.stack([pair.b.values for pair in parts], axis=1)
+    if position:
+        values = fit.transform_positions(given)
+    else:
+        x, y = fit.rotate_vectors(given[:, 0], given[:, 1])
+        values = np.stack([x, y, given[:, 2]], axis=1)
+
+    def replace_values(channel: SignalChannel, column: Array) -> SignalChannel:
+        return replace(channel, values=column)
+
+    return {
+        pair.name: pair._replace(b=replace_values(pair.b, column))
+        for pair, column in zip(parts, values.T, strict=True)
+    }

@@ -1,0 +1,159 @@
+"""The turn about the vertical and the shift that lay one flight's world frame on another's."""
+
+from dataclasses import dataclass
+import math
+from typing import Final, final
+
+from lta_data.compare.sampling import Array, wrap_angle
+import numpy as np
+
+ROUNDS: Final = 50
+TUKEY: Final = 4.685  # deviations beyond which a point counts nothing
+LEAST: Final = 0.05  # m of way in the plane without which positions tell no turn
+TELLING: Final = 3.0  # times the misfit, that the way must be long
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class FramePlacement:
+    """
+    How positions of B come into A's frame: turned by `yaw` about z, then shifted.
+
+    Attributes
+    ----------
+    yaw : float
+        [rad]
+    x, y, z : float
+        Shift, after the turn. [m]
+    before, after : float
+        RMS distance of the paths without and with it. [m]
+    by_heading : bool
+        Whether the turn is that of the headings, because the way is too short to tell.
+
+    """
+
+    yaw: float
+    x: float
+    y: float
+    z: float
+    before: float
+    after: float
+    by_heading: bool = False
+
+    def transform_positions(self, xyz: Array) -> Array:
+        """Return positions of B, shape (n, 3), in A's frame. [m]"""
+        x, y = self.rotate_vectors(xyz[:, 0], xyz[:, 1])
+        return np.stack([x + self.x, y + self.y, xyz[:, 2] + self.z], axis=1)
+
+    def rotate_vectors(self, x: Array, y: Array) -> tuple[Array, Array]:
+        """Return vectors in the plane of B's frame, x and y of shape (n,), in A's."""
+        c, s = math.cos(self.yaw), math.sin(self.yaw)
+        return c * x - s * y, s * x + c * y
+
+
+def fit_placement(
+    a: Array, b: Array, heading_a: Array | None = None, heading_b: Array | None = None
+) -> FramePlacement | None:
+    """
+    Return what lays B's path on A's best.
+
+    Least squares of the horizontal distance over turn and shift (Umeyama 1991, "Least-squares
+    estimation of transformation parameters between two point patterns", for a turn about z), with
+    Tukey's weights, so that a stretch in which the flights part does not bend the rest; the
+    height apart, likewise.
+
+    Parameters
+    ----------
+    a, b : ndarray, shape (n, 3)
+        Positions at the same instants. [m]
+    heading_a, heading_b : ndarray, shape (n,), optional
+        Yaw at the same instants, for when the way is too short. [rad]
+
+    Returns
+    -------
+    Placement or None
+        None where fewer than three instants are known.
+
+    """
+    known = np.isfinite(a).all(axis=1) & np.isfinite(b).all(axis=1)
+    if known.sum() < 3:
+        return None
+    a, b = a[known], b[known]
+    height = robust_center(a[:, 2] - b[:, 2])
+    weight = np.ones(len(a))
+    yaw, shift = fit_rotation(a, b, weight)
+    for _ in range(ROUNDS):
+        apart = horizontal_distances(a, b, yaw, shift)
+        scale = 1.4826 * float(np.median(apart))
+        if scale <= 1e-12:
+            break
+        weight = np.maximum(0.0, 1.0 - (apart / (TUKEY * scale)) ** 2) ** 2
+        last, (yaw, shift) = yaw, fit_rotation(a, b, weight)
+        if abs(wrap_angle(np.array(yaw - last))) < 1e-12:
+            break
+    way = math.sqrt(float(np.sum(np.var(a[:, :2], axis=0))))
+    misfit = 1.4826 * float(np.median(horizontal_distances(a, b, yaw, shift)))
+    by_heading = way < max(LEAST, TELLING * misfit)
+    if by_heading:
+        yaw = mean_heading_difference(heading_a, heading_b)
+        shift = fit_shift(a, b, yaw, np.ones(len(a)))
+    found = FramePlacement(yaw, float(shift[0]), float(shift[1]), height, 0.0, 0.0)
+    return FramePlacement(
+        yaw, float(shift[0]), float(shift[1]), height,
+        rms_distance(a, b), rms_distance(a, found.transform_positions(b)), by_heading,
+    )  # fmt: skip
+
+
+def robust_center(values: Array) -> float:
+    """Return the middle of values of which a part may lie elsewhere: Tukey's, from the median."""
+    middle = float(np.median(values))
+    for _ in range(ROUNDS):
+        scale = 1.4826 * float(np.median(np.abs(values - middle)))
+        if scale <= 1e-12:
+            break
+        weight = np.maximum(0.0, 1.0 - ((values - middle) / (TUKEY * scale)) ** 2) ** 2
+        last, middle = middle, float(np.average(values, weights=weight))
+        if abs(middle - last) < 1e-9 * scale:
+            break
+    return middle
+
+
+def rms_distance(a: Array, b: Array) -> float:
+    """Return the RMS distance of two paths of shape (n, 3)."""
+    return math.sqrt(float(np.mean(np.sum((a - b) ** 2, axis=1))))
+
+
+def fit_rotation(a: Array, b: Array, weight: Array) -> tuple[float, Array]:
+    """Return the turn [rad] and shift [m] of least weighted squares, in the plane of (n, 3)."""
+    of_a, of_b = (np.average(part[:, :2], axis=0, weights=weight) for part in (a, b))
+    ca, cb = a[:, :2] - of_a, b[:, :2] - of_b
+    along = float(np.sum(weight * np.sum(ca * cb, axis=1)))
+    across = float(np.sum(weight * (cb[:, 0] * ca[:, 1] - cb[:, 1] * ca[:, 0])))
+    yaw = math.atan2(across, along)
+    return yaw, fit_shift(a, b, yaw, weight)
+
+
+def fit_shift(a: Array, b: Array, yaw: float, weight: Array) -> Array:
+    """Return the shift [m] that a turn [rad] leaves to be made, shape (2,)."""
+    of_a, of_b = (np.average(part[:, :2], axis=0, weights=weight) for part in (a, b))
+    c, s = math.cos(yaw), math.sin(yaw)
+    return np.asarray(of_a - np.array([c * of_b[0] - s * of_b[1], s * of_b[0] + c * of_b[1]]))
+
+
+def horizontal_distances(a: Array, b: Array, yaw: float, shift: Array) -> Array:
+    """Return the horizontal distance at each instant, shape (n,). [m]"""
+    c, s = math.cos(yaw), math.sin(yaw)
+    x = c * b[:, 0] - s * b[:, 1] + shift[0]
+    y = s * b[:, 0] + c * b[:, 1] + shift[1]
+    return np.asarray(np.hypot(a[:, 0] - x, a[:, 1] - y))
+
+
+def mean_heading_difference(a: Array | None, b: Array | None) -> float:
+    """Return the turn by which headings differ in the mean; zero where there are none. [rad]"""
+    if a is None or b is None:
+        return 0.0
+    turn = a - b
+    turn = turn[np.isfinite(turn)]
+    if not len(turn):
+        return 0.0
+    return math.atan2(float(np.mean(np.sin(turn))), float(np.mean(np.cos(turn))))

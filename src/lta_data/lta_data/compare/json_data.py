@@ -1,0 +1,90 @@
+"""A comparison as plain data, for --json and compare.json, with units."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, is_dataclass
+from typing import Any
+
+from lta_data.compare.channel_comparison import ChannelComparison
+from lta_data.compare.compared_flight import ComparedFlight
+from lta_data.compare.comparison import ComparisonResult
+from lta_data.compare.faults import TopicFaults
+from lta_data.compare.sentences import format_verdict
+from lta_data.compare.spectra import thin_spectra
+from lta_report.json_value import replace_nonfinite
+import numpy as np
+
+UNITS = {
+    'offset': 's', 'sigma': 's', 'lead': 's', 'drift': '1', 'drift_sigma': '1', 'middle': 's',
+    'span': 's', 'yaw': 'rad', 'x': 'm', 'y': 'm', 'z': 'm', 'before': 'm', 'after': 'm',
+    'periods': 's', 'at': 's', 'first': 's', 'greatest_at': 's', 'lag': 's', 'frequency': 'Hz',
+    'gaps': 's', 'missing': 's', 'backwards': 's', 'start': 'ns', 'nrmse': '1', 'coherence': '1',
+    'outside': '1', 'score': '1', 'bias, rms, rms_low, rms_high, greatest, spread, band': 'unit',
+    'a, b, difference (spectra)': 'unit2/Hz',
+}  # fmt: skip
+
+
+def comparison_to_dict(comparison: ComparisonResult) -> dict[str, Any]:
+    """Return everything that was found; what is not known is null."""
+    content = {
+        'verdict': comparison.verdict,
+        'sentence': format_verdict(comparison),
+        'a': side_to_dict(comparison.a, comparison.faults_a, comparison.only_a),
+        'b': side_to_dict(comparison.b, comparison.faults_b, comparison.only_b),
+        'span': comparison.span,
+        'timing': asdict(comparison.timing),
+        'frames': [asdict(each) for each in comparison.frames],
+        'identical_topics': comparison.identical_topics,
+        'remarks': comparison.remarks,
+        'channels': [channel_to_dict(each) for each in comparison.channels],
+        'normalised_by': 'standard deviation of A at the instants that are compared',
+        'units': UNITS,
+    }
+    plain: dict[str, Any] = to_json_value(content)
+    return plain
+
+
+def side_to_dict(
+    side: ComparedFlight, faults: Mapping[str, TopicFaults], only: tuple[str, ...]
+) -> dict[str, Any]:
+    """Return a flight: where it comes from, and what is wrong with it."""
+    return {
+        'path': side.path,
+        'robot': side.robot,
+        'start': side.start,
+        'span': side.span,
+        'topics_only_here': only,
+        'faults': {name: asdict(each) for name, each in faults.items() if not each.is_clean},
+        'periods': {name: each.period for name, each in faults.items()},
+    }
+
+
+def channel_to_dict(each: ChannelComparison) -> dict[str, Any]:
+    """Return a channel, its spectra at up to 96 frequencies."""
+    return {
+        'name': each.name,
+        'other': each.other,
+        'unit': each.unit,
+        'angular': each.angular,
+        'verdict': each.verdict,
+        'score': each.score,
+        'periods': each.periods,
+        'measures': each.measures,
+        'parting': each.parting,
+        'correlation': each.peak and each.peak._asdict(),
+        'spectra': each.spectra and thin_spectra(each.spectra),
+    }
+
+
+def to_json_value(value: Any) -> Any:  # noqa: ANN401 - what JSON holds
+    """Return a value as JSON can hold it: no NaN, no infinity, no classes."""
+    if is_dataclass(value) and not isinstance(value, type):
+        value = asdict(value)
+    if isinstance(value, Mapping):
+        return {str(key): to_json_value(part) for key, part in value.items()}
+    if isinstance(value, np.ndarray):
+        value = [float(f'{part:.6g}') for part in value]
+    if isinstance(value, list | tuple):
+        return [to_json_value(part) for part in value]
+    if isinstance(value, np.floating):
+        value = float(value)
+    return replace_nonfinite(value)

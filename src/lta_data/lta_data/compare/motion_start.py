@@ -1,0 +1,85 @@
+"""When a flight begins to move, by its own channels: what separate runs of one plan share."""
+
+from collections.abc import Sequence
+import math
+from typing import Final, NamedTuple
+
+from lta_data.compare.coarse_lag import SharedQuantity, unwrap_finite
+from lta_data.compare.divergence import white_noise_deviation
+from lta_data.compare.sampling import median_period, SampledSignal
+import numpy as np
+
+QUIET: Final = 0.3  # s of rest that a start must be preceded by
+CLEAR: Final = 8.0  # times the noise
+PART: Final = 0.02  # of the range
+FEWEST: Final = 3  # channels of motion that tell a start, and by their scatter how well
+CREEP: Final = 0.5  # of the limit, that a channel at rest may change in the first moment
+COMMANDS: Final = ('motors', 'wrench_command', 'setpoint/velocity', 'setpoint/pose')
+
+
+class CommonStart(NamedTuple):
+    """B's start less A's and its deviation in s; of which channels, and whether commands."""
+
+    offset: float
+    sigma: float
+    used: tuple[str, ...]
+    by_command: bool
+
+
+def find_motion_start(line: SampledSignal, angular: bool = False) -> float | None:
+    """
+    Return when a channel first leaves its level of the beginning; None where it never rested.
+
+    Parameters
+    ----------
+    line : Line
+        The channel.
+    angular : bool
+        Whether values 2 pi apart mean the same.
+
+    """
+    time, values = unwrap_finite(line, angular)
+    if len(time) < 8 or np.ptp(values) == 0.0:
+        return None
+    step = median_period(time)
+    first = time < time[0] + max(QUIET, 4.0 * step)
+    level = float(np.median(values[first]))
+    low, high = np.percentile(values, [2.0, 98.0])
+    limit = max(CLEAR * white_noise_deviation(values), PART * float(high - low))
+    away = np.abs(values - level) > limit
+    ends = np.searchsorted(time, time + max(QUIET, 4.0 * step), side='right')
+    total = np.concatenate([[0], np.cumsum(away)])
+    here = np.arange(len(time))
+    lasting = away & ((total[ends] - total[here]) * 4 >= 3 * (ends - here))
+    creep = abs(float(values[first][-1] - values[first][0]))
+    if not lasting.any() or creep > CREEP * limit:
+        return None
+    return float(time[lasting.argmax()])
+
+
+def find_common_start(shared: Sequence[SharedQuantity]) -> CommonStart | None:
+    """
+    Return the offset between two flights' starts; None where they show none that both share.
+
+    The commands count where they start, else the motion, if enough channels of it do; the median
+    over the channels, and its deviation from their scatter and their periods.
+    """
+    for by_command in (True, False):
+        found = {}
+        for each in shared:
+            topic = each.name.rpartition('/')[0]
+            if (topic in COMMANDS) is by_command:
+                starts = (
+                    find_motion_start(each.a, each.angular),
+                    find_motion_start(each.b, each.angular),
+                )
+                if starts[0] is not None and starts[1] is not None:
+                    step = math.hypot(median_period(each.a.time), median_period(each.b.time))
+                    found[each.name] = starts[1] - starts[0], step
+        if len(found) >= (1 if by_command else FEWEST):
+            offsets = np.array([offset for offset, _ in found.values()])
+            middle = float(np.median(offsets))
+            scatter = 1.4826 * float(np.median(np.abs(offsets - middle))) / math.sqrt(len(offsets))
+            step = min(step for _, step in found.values()) / math.sqrt(12.0)
+            return CommonStart(middle, math.hypot(scatter, step), tuple(found), by_command)
+    return None

@@ -1,0 +1,152 @@
+"""One quantity over time, put in order, and its values at other instants: gaps stay gaps."""
+
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+GAP: Final = 2.5  # periods of a channel without a message: nothing is known of the time between
+TURN: Final = 2.0 * np.pi
+ABSURD: Final = 1e30  # beyond any quantity: what some drivers write for 'unknown'
+Array = NDArray[np.float64]
+
+
+class SampledSignal(NamedTuple):
+    """Instants in s, rising, and values there, both of shape (n,); NaN where nothing is known."""
+
+    time: Array
+    values: Array
+
+
+def mask_unknown(values: ArrayLike) -> Array:
+    """Return values with NaN for what is infinite, or so large that it stands for 'unknown'."""
+    given = np.asarray(values, dtype=np.float64)
+    return np.where(np.abs(given) < ABSURD, given, np.nan)
+
+
+def sort_samples(time: ArrayLike, values: ArrayLike) -> SampledSignal:
+    """
+    Return a line in the order of time, the first of several values at one instant.
+
+    Parameters
+    ----------
+    time, values : array_like, shape (n,)
+        In any order; an instant that is no number is left out, a value that is none becomes NaN.
+
+    """
+    when = np.asarray(time, dtype=np.float64).ravel()
+    what = np.asarray(values, dtype=np.float64).ravel()
+    usable = np.isfinite(when)
+    when, first = np.unique(when[usable], return_index=True)
+    what = what[usable][first]
+    return SampledSignal(when, mask_unknown(what))
+
+
+def median_period(time: Array) -> float:
+    """Return the usual time from one instant to the next; NaN of fewer than two. [s]"""
+    return float(np.median(np.diff(time))) if len(time) > 1 else float('nan')
+
+
+def wrap_angle(angle: Array) -> Array:
+    """Return angles in [-pi, pi). [rad]"""
+    return (angle + np.pi) % TURN - np.pi
+
+
+def interpolate_signal(
+    line: SampledSignal, at: Array, *, angular: bool = False, gap: float = GAP
+) -> Array:
+    """
+    Return a line's values at other instants, between two messages by the straight line.
+
+    Parameters
+    ----------
+    line : Line
+        What is known.
+    at : ndarray, shape (m,)
+        Instants. [s]
+    angular : bool
+        Go from one value to the next the shorter way around.
+    gap : float
+        Periods of the line; between messages further apart nothing is known.
+
+    Returns
+    -------
+    ndarray, shape (m,)
+        NaN outside the line, in its gaps and beside its NaN.
+
+    """
+    found = np.full(len(at), np.nan)
+    if not len(line.time):
+        return found
+    right = np.searchsorted(line.time, at)
+    exact = right < len(line.time)
+    exact[exact] = line.time[right[exact]] == at[exact]
+    found[exact] = line.values[right[exact]]
+    between = ~exact & (right > 0) & (right < len(line.time))
+    j = right[between]
+    length = line.time[j] - line.time[j - 1]
+    step = line.values[j] - line.values[j - 1]
+    step = wrap_angle(step) if angular else step
+    value = line.values[j - 1] + step * (at[between] - line.time[j - 1]) / length
+    value = wrap_angle(value) if angular else value
+    found[between] = np.where(length > gap * median_period(line.time), np.nan, value)
+    return found
+
+
+class AlignedSignals(NamedTuple):
+    """
+    Two lines at the same instants.
+
+    Attributes
+    ----------
+    time : ndarray, shape (n,)
+        Instants of the slower of both. [s]
+    a, b : ndarray, shape (n,)
+        Values; NaN where nothing is known.
+    difference : ndarray, shape (n,)
+        b minus a, of angles the shorter way around.
+
+    """
+
+    time: Array
+    a: Array
+    b: Array
+    difference: Array
+
+    @property
+    def both_valid(self) -> NDArray[np.bool_]:
+        """Where both are known."""
+        return np.isfinite(self.difference)
+
+
+def align_signals(
+    a: SampledSignal, b: SampledSignal, *, angular: bool = False, gap: float = GAP
+) -> AlignedSignals:
+    """
+    Return two lines at the instants of the slower, on their common span.
+
+    The faster is interpolated, never across a gap. Of equal rates those of `a` count.
+    """
+    if not len(a.time) or not len(b.time):
+        nothing = np.empty(0)
+        return AlignedSignals(nothing, nothing, nothing, nothing)
+    by_a = not median_period(b.time) > median_period(a.time) * (1.0 + 1e-3)
+    at = a.time if by_a else b.time
+    begin, end = max(a.time[0], b.time[0]), min(a.time[-1], b.time[-1])
+    at = at[(at >= begin) & (at <= end)]
+    of_a = interpolate_signal(a, at, angular=angular, gap=gap)
+    of_b = interpolate_signal(b, at, angular=angular, gap=gap)
+    difference = of_b - of_a
+    return AlignedSignals(at, of_a, of_b, wrap_angle(difference) if angular else difference)
+
+
+def break_at_gaps(line: SampledSignal, gap: float = GAP) -> SampledSignal:
+    """Return a line for a picture: with a NaN in each gap, so that nobody draws across it."""
+    if len(line.time) < 2:
+        return line
+    steps = np.diff(line.time)
+    after = np.flatnonzero(steps > gap * np.median(steps))
+    when = line.time[after] + 0.5 * steps[after]
+    return SampledSignal(
+        np.insert(line.time, after + 1, when), np.insert(line.values, after + 1, np.nan)
+    )

@@ -1,0 +1,62 @@
+"""What several checks share of one recording, worked out once and only when asked for."""
+
+from functools import cached_property
+from typing import final
+
+from lta_config.errors import BadInput
+from lta_config.schema.vehicle_file import VehicleFile
+from lta_data.data_quality.limits import QualityLimits
+from lta_data.data_quality.motion import (
+    collect_inertials,
+    collect_poses,
+    InertialSeries,
+    PoseSeries,
+)
+from lta_data.data_quality.motion_pairs import find_motion_pairs, MotionPair
+from lta_data.data_quality.recording import ChannelRecording
+from lta_data.data_quality.similarity import measure_similarity, PairSimilarity
+from lta_data.scene import parse_provenance_file
+
+
+@final
+class CheckContext:
+    """
+    A recording as the checks see it.
+
+    Parameters
+    ----------
+    recording : Recording
+        The data.
+    limits : Limits
+        The thresholds.
+
+    """
+
+    def __init__(self, recording: ChannelRecording, limits: QualityLimits) -> None:
+        self.recording = recording
+        self.limits = limits
+
+    @cached_property
+    def poses(self) -> list[PoseSeries]:
+        """Topics that tell a motion of the vehicle, trackers first."""
+        return collect_poses(self.recording.channels)
+
+    @cached_property
+    def inertials(self) -> list[InertialSeries]:
+        """Inertial sensors."""
+        return collect_inertials(self.recording.channels)
+
+    @cached_property
+    def adc_maximum(self) -> float | None:
+        """Largest reading of the diodes' converter; None where no vehicle file tells. [counts]"""
+        try:
+            vehicle = parse_provenance_file(VehicleFile, self.recording.provenance, 'vehicle_file')
+        except BadInput:  # of another version: its flight can still be checked
+            return None
+        return vehicle.sensors.diodes.largest_reading if vehicle else None
+
+    @cached_property
+    def similarities(self) -> list[tuple[MotionPair, PairSimilarity | None]]:
+        """Motions known twice, and how their sides are alike."""
+        found = find_motion_pairs(self.recording, self.limits)
+        return [(pair, measure_similarity(pair, self.limits)) for pair in found]

@@ -1,0 +1,149 @@
+"""Bags put to the checks, and what they come to, for people and for programs."""
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+import json
+from pathlib import Path
+from typing import Final, final
+
+from lta_data.bag.bag_folder import find_bag
+from lta_data.bag.reader import read_bag
+from lta_data.bag.recorded_flight import list_robots, open_flight
+from lta_data.data_quality.duplicate_runs import find_duplicate_runs
+from lta_data.data_quality.finding import QualityFinding, Severity
+from lta_data.data_quality.recording import ChannelRecording, read_recording
+from lta_data.data_quality.registry import QualityReport, run_checks
+from lta_report.progress_bar import ProgressBar
+from rich.console import Console
+from rich.padding import Padding
+from rich.progress import BarColumn, TextColumn
+from rich.text import Text
+
+STYLES: Final = {
+    Severity.NOTE: 'dim',
+    Severity.WARNING: 'yellow',
+    Severity.SUSPICIOUS: 'red',
+    Severity.ERROR: 'bold red',
+}
+
+INDENT: Final = 4  # characters before the evidence
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class CheckedRecording:
+    """
+    One robot's part of one bag, checked.
+
+    Attributes
+    ----------
+    path, robot : str
+        What was opened, and whose data it is; '' where no robot is named.
+    simulated : bool
+        Whether it says that it was simulated.
+    report : Report
+        What the checks say.
+    losses : tuple of str
+        What is missing or could not be read, a sentence each.
+
+    """
+
+    path: str
+    robot: str
+    simulated: bool
+    report: QualityReport
+    losses: tuple[str, ...]
+
+    @property
+    def is_grave(self) -> bool:
+        """Whether anything is suspicious or cannot be true."""
+        return self.report.is_grave
+
+
+def check_bags(
+    paths: Sequence[Path], robot: str | None, console: Console
+) -> list[CheckedRecording]:
+    """
+    Check bags one after the other and then against each other.
+
+    Raises
+    ------
+    BadInput
+        If one of them is no bag, or has no such robot.
+
+    """
+    done: list[CheckedRecording] = []
+    seen: list[tuple[str, ChannelRecording]] = []
+    columns = (TextColumn('{task.description}'), BarColumn())
+    with ProgressBar(console, *columns, begin='checking', total=len(paths)) as bar:
+        for path in paths:
+            bar.update_bar(description=f'checking {path}')
+            for one, recording in _check_bag(path, robot):
+                done.append(one)
+                seen.append((f'{one.path} {one.robot}'.strip(), recording))
+            bar.update_bar(advance=1)
+    again = find_duplicate_runs(seen) if len(paths) > 1 else {}
+    return [
+        one if name not in again else _add_findings(one, again[name])
+        for one, (name, _) in zip(done, seen, strict=True)
+    ]
+
+
+def _check_bag(path: Path, robot: str | None) -> list[tuple[CheckedRecording, ChannelRecording]]:
+    """Check each robot's part of a bag."""
+    bag = read_bag(find_bag(path))
+    robots: list[str | None] = [robot] if robot is not None else [*list_robots(bag)] or [None]
+    found = []
+    for name in robots:
+        flight = open_flight(bag, name)
+        recording, remarks = read_recording(flight)
+        report = run_checks(recording)
+        losses = (*bag.losses, *remarks)
+        one = CheckedRecording(str(path), flight.robot, recording.is_simulated, report, losses)
+        found.append((one, recording))
+    return found
+
+
+def _add_findings(one: CheckedRecording, more: list[QualityFinding]) -> CheckedRecording:
+    """Return what was checked with further findings."""
+    report = QualityReport((*one.report.findings, *more), one.report.unjudged)
+    return CheckedRecording(one.path, one.robot, one.simulated, report, one.losses)
+
+
+def findings_to_json(done: Sequence[CheckedRecording]) -> str:
+    """Return what was found as JSON; a list with an entry a robot and bag."""
+    return json.dumps(
+        [
+            {
+                'path': one.path,
+                'robot': one.robot,
+                'simulated': one.simulated,
+                'clean': not one.report.findings,
+                'suspicious': one.is_grave,
+                'findings': [asdict(finding) for finding in one.report.findings],
+                'unjudged': list(one.report.unjudged),
+                'losses': list(one.losses),
+            }
+            for one in done
+        ],
+        indent=1,
+    )
+
+
+def print_findings(one: CheckedRecording, console: Console) -> None:
+    """Print what was found in one recording."""
+    whose = f' ({one.robot})' if one.robot else ''
+    kind = ', declared as simulated' if one.simulated else ''
+    console.print(f'{one.path}{whose}{kind}', style='bold', highlight=False, markup=False)
+    for finding in one.report.findings:
+        head = Text(finding.severity.value, STYLES[finding.severity])
+        head.append(f'  {finding.kind}  ').append(finding.channel, 'bold')
+        head.append(f'  {finding.from_s:.2f} to {finding.to_s:.2f} s')
+        console.print(head, soft_wrap=True)
+        console.print(Padding(Text(finding.evidence), (0, 0, 0, INDENT)))
+    if not one.report.findings:
+        console.print('clean', style='green')
+    for sentence in one.report.unjudged:
+        console.print(sentence, style='dim', highlight=False, markup=False, soft_wrap=True)
+    for loss in one.losses:
+        console.print(loss, style='yellow', highlight=False, markup=False, soft_wrap=True)

@@ -1,0 +1,194 @@
+"""
+Signs and axes that are not what REP-103 means: flipped, swapped, another frame, another order.
+
+Where the two ways of knowing a motion do not agree axis by axis, every signed permutation of
+the axes, the other frame and the other readings of a quaternion are tried; a finding needs one of
+them to explain what is there, so that noise or a poor sensor is not one.
+"""
+
+from collections.abc import Callable, Iterator
+from itertools import permutations, product
+from typing import Final
+
+from lta_data.data_quality.check_context import CheckContext
+from lta_data.data_quality.finding import (
+    CheckVerdict,
+    QualityFinding,
+    select_first_findings,
+    Severity,
+)
+from lta_data.data_quality.limits import QualityLimits
+from lta_data.data_quality.motion import PoseSeries, remove_sign_jumps, VectorSeries
+from lta_data.data_quality.motion_pairs import MotionPair, pair_rates, pair_velocity
+from lta_data.data_quality.similarity import measure_similarity, PairSimilarity
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+KIND = 'axes'
+XYZ: Final = 'xyz'
+OTHER = 0.05  # the side that is told is blamed unless the other explains more
+BETTER = 0.25  # how much better an explanation must match than the axes as they are
+ORDERS: Final[dict[str, Callable[[Array], Array]]] = {
+    'the inverse attitude (map to body)': lambda turn: turn * np.array([-1.0, -1.0, -1.0, 1.0]),
+    'the order w x y z for x y z w': lambda turn: np.roll(turn, -1, axis=1),
+    'the order x y z w for w x y z': lambda turn: np.roll(turn, 1, axis=1),
+}
+SIGNED: Final = tuple(product(permutations(range(3)), product((1.0, -1.0), repeat=3)))
+
+
+def find_axis_errors(evidence: CheckContext) -> CheckVerdict:
+    """Find flipped and swapped axes, wrong frames and wrong orders of quaternions."""
+    found: list[QualityFinding] = []
+    by_name = {pose.attitude.name: pose for pose in evidence.poses if pose.attitude is not None}
+    by_place = {pose.position.name: pose for pose in evidence.poses if pose.position is not None}
+    for pair, alike in evidence.similarities:
+        if alike is None or alike.axes_agree:
+            continue
+        pose = by_name.get(pair.made) or by_place.get(pair.made)
+        found += explain_mismatch(pair, alike, pose, evidence.limits)
+    for pose in evidence.poses:
+        found += find_lying_attitude(pose, evidence.limits)
+    for sensor in evidence.inertials:
+        if sensor.force is not None:
+            found += find_misaligned_gravity(sensor.force, evidence.limits)
+    return CheckVerdict(select_first_findings(found))
+
+
+def mean_axis_match(alike: PairSimilarity) -> float:
+    """Return the mean match of the moving axes, each with its own. [1]"""
+    return float(np.diag(alike.match)[alike.moving].mean())
+
+
+def explain_mismatch(
+    pair: MotionPair, alike: PairSimilarity, pose: PoseSeries | None, limits: QualityLimits
+) -> Iterator[QualityFinding]:
+    """Yield the best explanation of axes that do not agree, if there is a good one."""
+    ways = [*score_axis_orders(pair, alike)]
+    if pose is not None and pair.what in ('rates', 'velocity') and len(pair.axes) == 3:
+        ways += score_pose_readings(pair, pose, limits)
+    if not ways:
+        return
+    score, channel, words = max(ways, key=lambda way: way[0])
+    before = mean_axis_match(alike)
+    if score >= limits.agree and score > before + BETTER:
+        begin, end = pair.span
+        yield QualityFinding(
+            KIND, channel, begin, end,
+            f"{words}: with '{pair.made if channel != pair.made else pair.told}' it correlates by "
+            f'{before:.2f} as it is and by {score:.2f} so.',
+            Severity.SUSPICIOUS, {'as_told': before, 'explained': score},
+        )  # fmt: skip
+
+
+def score_axis_orders(pair: MotionPair, alike: PairSimilarity) -> Iterator[tuple[float, str, str]]:
+    """Yield score, channel and words of each signed order of the axes of the left side."""
+    if len(pair.axes) == 1:
+        yield -float(alike.correlation[0, 0]), pair.told, 'The sign is turned'
+        return
+    moving = np.flatnonzero(alike.moving)
+    for order, signs in SIGNED:
+        # Column j of the right side is found in row order[j] of the left one.
+        score = float(np.mean([signs[j] * alike.match[order[j], j] for j in moving]))
+        wrong = [j for j in moving if order[j] != j or signs[j] < 0]
+        idle = [j for j in range(3) if j not in moving and (order[j] != j or signs[j] < 0)]
+        if not wrong or len(idle) > sum(order[j] != j for j in moving):
+            continue
+        words = ', '.join(
+            f'{"-" if signs[j] < 0 else ""}{XYZ[order[j]]} is {XYZ[j]}' for j in wrong
+        )
+        name = f'{pair.told}.{XYZ[wrong[0]]}' if len(wrong) == 1 else pair.told
+        # Fewer changes explain better at the same correlation.
+        yield score - 0.01 * len(wrong) - 0.002 * len(idle), name, f'Axes are turned ({words})'
+
+
+def score_pose_readings(
+    pair: MotionPair, pose: PoseSeries, limits: QualityLimits
+) -> Iterator[tuple[float, str, str]]:
+    """Yield what other readings of attitude and place explain."""
+    attitude = pose.attitude
+    if attitude is None:
+        return
+    told = VectorSeries(pair.told, pair.grid[pair.known], pair.left[pair.known])
+    for words, read in ORDERS.items():
+        other = VectorSeries(
+            attitude.name, attitude.time, remove_sign_jumps(read(attitude.values))
+        )
+        if pair.what == 'rates':
+            yield from score_reading(pair_rates(told, other, limits), attitude.name, words, limits)
+        elif pose.position is not None:
+            found = pair_velocity(pose.position, other, told, limits)
+            yield from score_reading(found, attitude.name, words, limits)
+    if pair.what != 'velocity' or pose.position is None:
+        return
+    level = VectorSeries(
+        attitude.name, attitude.time, attitude.values * 0.0 + [0.0, 0.0, 0.0, 1.0]
+    )
+    in_map = pair_velocity(pose.position, level, told, limits)
+    yield from score_reading(in_map, pair.told, 'The velocity is in the frame of the map', limits)
+    place = pose.position
+    for order, signs in SIGNED:
+        if order == (0, 1, 2) and min(signs) > 0:
+            continue
+        moved = VectorSeries(place.name, place.time, place.values[:, order] * np.array(signs))
+        words = ', '.join(f'{"-" if sign < 0 else ""}{XYZ[axis]}' for axis, sign in
+                          zip(order, signs, strict=True))  # fmt: skip
+        changes = sum(order[j] != j or signs[j] < 0 for j in range(3))
+        for score, name, told_as in score_reading(
+            pair_velocity(moved, attitude, told, limits), place.name,
+            f'The place is x, y, z = {words}', limits,
+        ):  # fmt: skip
+            yield score - 0.01 * changes, name, told_as
+
+
+def score_reading(
+    pair: MotionPair | None, name: str, words: str, limits: QualityLimits
+) -> Iterator[tuple[float, str, str]]:
+    """Yield the score of another reading, where it can be judged."""
+    alike = None if pair is None else measure_similarity(pair, limits)
+    if alike is not None:
+        yield (
+            mean_axis_match(alike) - OTHER,
+            name,
+            words
+            if words.startswith('The ') and ' is ' in words
+            else f'The attitude reads as {words}',
+        )
+
+
+def find_lying_attitude(pose: PoseSeries, limits: QualityLimits) -> Iterator[QualityFinding]:
+    """Yield an attitude in which the craft lies on its side or back most of the time."""
+    if pose.attitude is None or len(pose.attitude.time) < limits.least_samples:
+        return
+    turn = pose.attitude.values
+    up = 1.0 - 2.0 * (turn[:, 0] ** 2 + turn[:, 1] ** 2)
+    share = float(np.mean(up < np.cos(np.radians(limits.upright))))
+    if share > 0.5:
+        yield QualityFinding(
+            KIND, pose.attitude.name, float(pose.attitude.time[0]), float(pose.attitude.time[-1]),
+            f'The craft leans more than {limits.upright:.0f} degrees in {100 * share:.0f} % of '
+            'the time: a quaternion in another order (w first), or another frame (z down).',
+            Severity.SUSPICIOUS, {'share': share},
+        )  # fmt: skip
+
+
+def find_misaligned_gravity(
+    force: VectorSeries, limits: QualityLimits
+) -> Iterator[QualityFinding]:
+    """Yield an accelerometer that does not feel gravity upwards along z (FLU, +g at rest)."""
+    if len(force.time) < limits.least_samples:
+        return
+    mean = np.median(force.values, axis=0)
+    size = float(np.linalg.norm(mean))
+    spread = float(np.median(np.linalg.norm(force.values, axis=1)))
+    if size < 0.7 * spread or mean[2] > size * np.cos(np.radians(limits.upright)):
+        return
+    axis = int(np.argmax(np.abs(mean)))
+    sign = '-' if mean[axis] < 0 else ''
+    yield QualityFinding(
+        KIND, f'{force.name}.z' if axis == 2 else force.name, float(force.time[0]),
+        float(force.time[-1]),
+        f'Gravity is felt along {sign}{XYZ[axis]} ({mean[0]:.2f}, {mean[1]:.2f}, {mean[2]:.2f}), '
+        'not along z (REP-103: +9.81 m/s2 upwards at rest).',
+        Severity.SUSPICIOUS, {'x': float(mean[0]), 'y': float(mean[1]), 'z': float(mean[2])},
+    )  # fmt: skip

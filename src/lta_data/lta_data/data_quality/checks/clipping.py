@@ -1,0 +1,88 @@
+"""
+A channel that piles up at an extreme: its instrument, its converter or a program cut it off.
+
+What is measured thins out towards its extremes, so that the outermost value is the rarest; at a
+limit it is the most frequent, and it is held there in runs.
+"""
+
+from collections.abc import Iterator
+
+from lta_data.bag.channels import SignalChannel
+from lta_data.data_quality import roles
+from lta_data.data_quality.check_context import CheckContext
+from lta_data.data_quality.checks.constant_channels import is_constant
+from lta_data.data_quality.checks.freezes import ends_with_jump, find_run_end, START
+from lta_data.data_quality.finding import CheckVerdict, QualityFinding, Severity
+from lta_data.data_quality.limits import QualityLimits
+from lta_data.data_quality.runs import find_runs
+import numpy as np
+
+KIND = 'clipped'
+NEIGHBOURS = 3
+ADC = 'photodiodes'
+UNKNOWN_TOP = (
+    'How far the converter of the photodiodes counts is unknown, since the recording holds no '
+    'vehicle file that can be read: what reaches its upper end cannot be judged.'
+)
+
+
+def find_clipping(evidence: CheckContext) -> CheckVerdict:
+    """Find pile-ups at extremes, and converter blocks at the ends of the converter."""
+    found: list[QualityFinding] = []
+    for channel in evidence.recording.channels.values():
+        if roles.find_restless_kind(channel):
+            found += find_pileups(channel, evidence.limits, evidence.recording.is_simulated)
+        elif channel.topic == ADC and channel.field.startswith(('min[', 'max[')):
+            found += find_railed_blocks(channel, evidence)
+    lit = any(channel.topic == ADC for channel in evidence.recording.channels.values())
+    return CheckVerdict(
+        tuple(found), (UNKNOWN_TOP,) if lit and evidence.adc_maximum is None else ()
+    )
+
+
+def find_pileups(
+    channel: SignalChannel, limits: QualityLimits, simulated: bool
+) -> Iterator[QualityFinding]:
+    """Yield the extremes of one channel at which it piles up."""
+    good = np.isfinite(channel.values)
+    if simulated:  # at rest until it flies, to the last bit
+        good[: find_run_end(np.diff(channel.values, prepend=channel.values[:1]) == 0.0)] = False
+    values, time = channel.values[good], channel.time[good]
+    if len(values) < limits.least_samples or is_constant(channel):
+        return
+    levels, counts = np.unique(values, return_counts=True)
+    for side, word in ((0, 'lowest'), (-1, 'highest')):
+        count = int(counts[side])
+        beside = counts[1 : 1 + NEIGHBOURS] if side == 0 else counts[-1 - NEIGHBOURS : -1]
+        if count < limits.clipped_samples or count < limits.clipped_pile * float(
+            np.median(beside)
+        ):
+            continue
+        at = find_runs(values == levels[side])
+        alone = len(at) == 1
+        rests = simulated and alone and (at[0, 0] <= START or at[0, 1] == len(values))
+        stopped = alone and ends_with_jump(values, int(at[0, 1]) - 1)
+        if (at[:, 1] - at[:, 0]).max() < limits.clipped_run or rests or stopped:
+            continue
+        yield QualityFinding(
+            KIND, channel.name, float(time[at[0, 0]]), float(time[at[-1, 1] - 1]),
+            f'{count} of {len(values)} readings are the {word} one, {levels[side]:.6g} '
+            f'{channel.unit}, and {np.median(beside):.0f} each of the next values.',
+            Severity.SUSPICIOUS, {'limit': float(levels[side]), 'readings': float(count)},
+        )  # fmt: skip
+
+
+def find_railed_blocks(channel: SignalChannel, evidence: CheckContext) -> Iterator[QualityFinding]:
+    """Yield where the blocks of one diode reach an end of the converter."""
+    end = evidence.adc_maximum if channel.field.startswith('max[') else 0.0
+    if end is None:
+        return
+    at = channel.values == end
+    if int(at.sum()) >= evidence.limits.adc_blocks:
+        times = channel.time[at]
+        yield QualityFinding(
+            KIND, channel.name, float(times[0]), float(times[-1]),
+            f'{int(at.sum())} of {len(at)} blocks reach the end of the converter, {end:.0f} '
+            'counts.',
+            Severity.SUSPICIOUS, {'limit': end, 'blocks': float(at.sum())},
+        )  # fmt: skip

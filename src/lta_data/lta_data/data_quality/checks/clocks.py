@@ -1,0 +1,198 @@
+"""
+Clocks that do not agree: one motion seen at two times, or at a time that wanders.
+
+The lag is where two ways of knowing a motion correlate best; its uncertainty is the spread of the
+lag over parts of the flight, each on its own.
+"""
+
+from collections.abc import Iterator
+from typing import final, NamedTuple
+
+from lta_data.data_quality.check_context import CheckContext
+from lta_data.data_quality.finding import CheckVerdict, QualityFinding, Severity
+from lta_data.data_quality.limits import QualityLimits
+from lta_data.data_quality.motion_pairs import MotionPair
+from lta_data.data_quality.similarity import estimate_lag, high_pass_pair, PairSimilarity
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+KIND = 'clock'
+PART = 5.0  # shortest part of a flight that has a lag of its own [s]
+PARTS = (3, 12)
+INDEPENDENT = 4.0  # values a second behind a kernel of 0.25 s
+EVEN = 1.0  # how much a part's length counts beside its motion
+SHORTEST = 1.0  # part that has a lag [s]
+DRIFTS = tuple(size * sign for size in (0.2, 0.35, 0.5, 0.65, 0.8, 1.0) for sign in (1.0, -1.0))
+NEAR = 0.6  # furthest that a part's lag is looked for from the whole's [s]
+NORMAL = 1.4826  # standard deviation over median deviation
+MEDIAN = 1.2533  # standard error of a median over that of a mean
+
+
+@final
+class PairLag(NamedTuple):
+    """
+    A lag and its standard error; how far it wanders over the flight, and that one's. [s]
+
+    `line` is the lag in the middle of the flight [s] and its slope [s/s].
+    """
+
+    lag: float
+    error: float
+    drift: float
+    drift_error: float
+    line: tuple[float, float]
+
+
+def find_clock_errors(evidence: CheckContext) -> CheckVerdict:
+    """Find channels that are late or early against others."""
+    found: list[QualityFinding] = []
+    unjudged: list[str] = []
+    turning = {
+        pair.told.split('/')[0] for pair, _ in evidence.similarities if pair.what == 'rates'
+    }
+    for pair, alike in evidence.similarities:
+        if pair.what == 'force' and pair.told.split('/')[0] in turning:
+            continue  # the rates say it better
+        if alike is None:
+            unjudged.append(
+                f"The clock of '{pair.told}' cannot be judged: '{pair.made}' hardly moves."
+            )
+        else:
+            found += find_lag(pair, alike, evidence.limits)
+    return CheckVerdict(tuple(found), tuple(unjudged))
+
+
+def find_lag(
+    pair: MotionPair, alike: PairSimilarity, limits: QualityLimits
+) -> Iterator[QualityFinding]:
+    """Yield the lag of a pair, and how it wanders, where there is one beyond doubt."""
+    if not alike.quick_at_lag.any():
+        return
+    found = estimate_pair_lag(pair, alike)
+    begin, end = pair.span
+    steady, drifting = (
+        drift_corrected_correlation(pair, found.lag, 0.0),
+        drift_corrected_correlation(pair, *found.line),
+    )
+    wanders = abs(found.drift) > limits.clock_offset + limits.clock_sigmas * found.drift_error
+    if wanders and drifting > limits.agree and is_clear_gain(steady, drifting, limits):
+        yield QualityFinding(
+            KIND, pair.told, begin, end,
+            f"Wanders by {found.drift:.3f} s +- {found.drift_error:.3f} s against '{pair.made}' "
+            f'from begin to end (correlation {drifting:.2f}, without {steady:.2f}).',
+            Severity.SUSPICIOUS, {'drift': found.drift, 'error': found.drift_error},
+        )  # fmt: skip
+        return
+    if steady < limits.agree:
+        drift, drifting = search_clock_drift(pair, limits)
+        if drifting > limits.wander_agree and is_clear_gain(max(steady, 0.0), drifting, limits):
+            yield QualityFinding(
+                KIND, pair.told, begin, end,
+                f"Wanders by about {drift:.1f} s against '{pair.made}' from begin to end "
+                f'(correlation {drifting:.2f}, without {steady:.2f}).',
+                Severity.SUSPICIOUS, {'drift': drift},
+            )  # fmt: skip
+            return
+    own, zero = np.abs(alike.quick_at_lag), np.abs(alike.quick_at_zero)
+    best = own >= min(limits.agree, float(own.max()))  # a poor axis does not take the time away
+    peak = float(own[best].mean())
+    clear = abs(found.lag) > limits.clock_offset + limits.clock_sigmas * found.error
+    # What is in other axes has no lag of its own.
+    if clear and alike.axes_agree and peak > limits.agree and is_clear_gain(
+        float(zero[best].mean()), peak, limits
+    ):  # fmt: skip
+        word = 'late' if found.lag > 0 else 'early'
+        yield QualityFinding(
+            KIND, pair.told, begin, end,
+            f"{abs(found.lag):.3f} s +- {found.error:.3f} s {word} against '{pair.made}' "
+            f'(correlation {peak:.2f}, without {zero[best].mean():.2f}).',
+            Severity.SUSPICIOUS, {'lag': found.lag, 'error': found.error},
+        )  # fmt: skip
+
+
+def search_clock_drift(pair: MotionPair, limits: QualityLimits) -> tuple[float, float]:
+    """Return the wandering over the flight that agrees best [s], and how well it does."""
+    left, right, _, _ = high_pass_pair(pair)
+    length = float(np.ptp(pair.grid))
+    best = 0.0, 0.0
+    for drift in DRIFTS:
+        at = pair.grid + drift * ((pair.grid - pair.grid[0]) / length - 0.5)
+        moved = np.stack([np.interp(at, pair.grid, column) for column in left.T], axis=1)
+        lag = estimate_lag(moved, right, pair.step, limits.clock_search)
+        score = drift_corrected_correlation(pair, lag, drift / length)
+        best = max(best, (drift, score), key=lambda way: way[1])
+    return best
+
+
+def is_clear_gain(before: float, after: float, limits: QualityLimits) -> bool:
+    """Whether a correlation is so much better that the mismatch shrinks clearly."""
+    return 1.0 - before > limits.clock_gain * (1.0 - after)
+
+
+def drift_corrected_correlation(pair: MotionPair, lag: float, slope: float) -> float:
+    """Return the correlation of what is quick in all axes, a wandering lag [s] taken out. [1]"""
+    left, right, left_size, right_size = high_pass_pair(pair)
+    at = pair.grid + lag + slope * (pair.grid - pair.grid.mean())
+    moved = np.stack([np.interp(at, pair.grid, column) for column in left.T], axis=1)
+    left, right = moved * left_size, right * right_size
+    size = float(np.linalg.norm(left) * np.linalg.norm(right))
+    return float((left * right).sum()) / size if size > 0.0 else 0.0
+
+
+def estimate_pair_lag(pair: MotionPair, alike: PairSimilarity) -> PairLag:
+    """Return the lag of a pair from parts of the flight that move as much each."""
+    left, right, _, _ = high_pass_pair(pair)
+    weight = np.abs(alike.quick_at_lag) ** 2
+    left, right = left * weight, right * weight
+    step, moved = pair.step, round(alike.lag / pair.step)
+    left = np.roll(left, -moved, axis=0)
+    energy = (right**2).sum(axis=1)
+    gone = np.cumsum(energy + EVEN * energy.mean())
+    count = int(np.clip(len(left) * step / PART, *PARTS))
+    cuts = np.searchsorted(gone, gone[-1] * np.arange(1, count) / count)
+    rows, times = [], []
+    for part in np.split(np.arange(len(left)), cuts):
+        if len(part) * step < SHORTEST:
+            continue
+        near = estimate_lag(left[part], right[part], step, NEAR)
+        rows.append(moved * step + near)
+        times.append(float(np.average(pair.grid[part], weights=energy[part] + 1e-12)))
+    if len(rows) < PARTS[0]:
+        return PairLag(alike.lag, lag_standard_error(right, energy, alike, step), 0.0, np.inf,
+                   (alike.lag, 0.0))  # fmt: skip
+    return fit_lag_drift(np.array(rows), np.array(times), step, float(pair.grid.mean()))
+
+
+def lag_standard_error(right: Array, energy: Array, alike: PairSimilarity, step: float) -> float:
+    """
+    Return the standard error of a lag that one short stretch of motion tells. [s]
+
+    The bound of Knapp and Carter (1976, doi:10.1109/TASSP.1976.1162830) for the correlation that
+    is there, twice, with as many independent values as the kernel leaves in the stretch.
+    """
+    alike_at = float(np.abs(alike.quick_at_lag).max())
+    lasting = float(energy.sum() ** 2 / (energy**2).sum()) * step
+    turning = float(np.sqrt((np.gradient(right, step, axis=0) ** 2).sum() / (right**2).sum()))
+    values = max(1.0, lasting * INDEPENDENT)
+    unlike = max(1e-4, 1.0 - alike_at**2)
+    return 2.0 * float(np.sqrt(unlike / values)) / alike_at / turning
+
+
+def fit_lag_drift(parts: Array, times: Array, step: float, center: float) -> PairLag:
+    """Return lag [s] and drift [1] of the lags of parts."""
+    middle = float(np.median(parts))
+    spread = NORMAL * float(np.median(np.abs(parts - middle))) + 0.1 * step
+    error = MEDIAN * spread / np.sqrt(len(parts))
+    if len(parts) < PARTS[0] + 1:
+        return PairLag(middle, error, 0.0, np.inf, (middle, 0.0))
+    first, second = np.triu_indices(len(parts), 1)
+    apart = times[second] - times[first]
+    # The median of the slopes of all pairs (Theil 1950, Sen 1968) bears with parts that fail.
+    slope = float(np.median((parts[second] - parts[first]) / np.maximum(apart, 1e-3)))
+    at_middle = float(np.median(parts - slope * (times - center)))
+    left = parts - at_middle - slope * (times - center)
+    rest = NORMAL * float(np.median(np.abs(left))) + 0.1 * step
+    length = float(np.ptp(times))
+    drift_error = rest / float(np.linalg.norm(times - times.mean())) * length
+    return PairLag(middle, error, slope * length, drift_error, (at_middle, slope))

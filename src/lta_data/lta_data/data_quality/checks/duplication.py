@@ -1,0 +1,82 @@
+"""
+A stretch of data that is in the recording twice.
+
+Two stretches of an instrument's noise are never equal bit for bit (in single precision, so that a
+copy through another type is still one).
+"""
+
+from collections.abc import Iterator
+
+from lta_data.bag.channels import SignalChannel
+from lta_data.data_quality import roles
+from lta_data.data_quality.check_context import CheckContext
+from lta_data.data_quality.finding import CheckVerdict, QualityFinding, Severity
+from lta_data.data_quality.limits import QualityLimits
+import numpy as np
+from numpy.typing import NDArray
+
+KIND = 'duplicate'
+ULPS = 256  # steps of single precision that a stretch must span
+
+
+def find_duplication(evidence: CheckContext) -> CheckVerdict:
+    """Find repeated stretches in the channels of instruments that never rest."""
+    found = [
+        finding
+        for channel in evidence.recording.channels.values()
+        if roles.find_restless_kind(channel)
+        for finding in find_repeats(channel, evidence.limits)
+    ]
+    return CheckVerdict(tuple(found))
+
+
+def hash_windows(values: NDArray[np.float64], length: int) -> NDArray[np.uint64]:
+    """Return a hash of each window of so many readings, by single-precision bits."""
+    bits = values.astype(np.float32).view(np.uint32).astype(np.uint64) + np.uint64(1)
+    factor = np.random.default_rng(0).integers(1, 2**62, length, dtype=np.uint64) * np.uint64(2)
+    total = np.zeros(len(values) - length + 1, dtype=np.uint64)
+    with np.errstate(over='ignore'):
+        for index, weight in enumerate(factor + np.uint64(1)):
+            total += bits[index : index + len(total)] * weight
+    return total
+
+
+def find_repeats(channel: SignalChannel, limits: QualityLimits) -> Iterator[QualityFinding]:
+    """Yield the stretches of one channel that come again."""
+    values, length = channel.values, limits.duplicated_samples
+    if len(values) < 2 * length:
+        return
+    finite = np.isfinite(values)
+    single = np.where(finite, values, 0.0).astype(np.float32)
+    changing = np.diff(single) != 0.0
+    lively = np.convolve(changing, np.ones(length - 1), mode='valid') >= limits.duplicated_levels
+    windows = np.lib.stride_tricks.sliding_window_view(single, length)
+    # A slow channel has few values to choose from in single precision.
+    fine = np.ptp(windows, axis=1) > ULPS * np.spacing(np.abs(windows).max(axis=1))
+    lively &= fine & np.lib.stride_tricks.sliding_window_view(finite, length).all(axis=1)
+    told = hash_windows(values, length)
+    order = np.argsort(told, kind='stable')
+    same = (told[order][1:] == told[order][:-1]) & lively[order][1:]
+    first, again = order[:-1][same], order[1:][same]
+    apart = again - first
+    rising = np.argsort(again)
+    first, again, apart = first[rising], again[rising], apart[rising]
+    breaks = np.flatnonzero((np.diff(again) != 1) | (np.diff(apart) != 0)) + 1
+    for part in np.split(np.arange(len(again)), breaks):
+        if len(part) and apart[part[0]] >= length:
+            yield build_repeat_finding(
+                channel, int(first[part[0]]), int(again[part[0]]), len(part) + length - 1
+            )
+
+
+def build_repeat_finding(
+    channel: SignalChannel, first: int, again: int, count: int
+) -> QualityFinding:
+    """Say which stretch comes again."""
+    time = channel.time
+    begin, end = float(time[again]), float(time[min(again + count, len(time)) - 1])
+    return QualityFinding(
+        KIND, channel.name, begin, end,
+        f'{count} readings are those from {time[first]:.2f} s on, to the last bit.',
+        Severity.SUSPICIOUS, {'from_s': float(time[first]), 'readings': float(count)},
+    )  # fmt: skip

@@ -1,0 +1,108 @@
+"""
+A channel that stops for a while and then goes on.
+
+Equal values in a row are a rhythm where a slow instrument is sampled fast, and chance where it is
+coarse; a run is suspicious when it is much longer than either makes it.
+"""
+
+from collections.abc import Iterator
+import math
+
+from lta_data.bag.channels import SignalChannel
+from lta_data.data_quality import roles
+from lta_data.data_quality.check_context import CheckContext
+from lta_data.data_quality.checks.constant_channels import is_constant
+from lta_data.data_quality.finding import CheckVerdict, QualityFinding, Severity
+from lta_data.data_quality.limits import QualityLimits
+from lta_data.data_quality.runs import find_runs
+from lta_data.data_quality.smoothing import median_period
+import numpy as np
+from numpy.typing import NDArray
+
+KIND = 'frozen'
+START = 3  # samples within which a craft at rest was so from the start on
+RELEASED = 5.0  # usual steps in the jump at the end of a stop
+NOTHING = 1e-9  # what a simulated craft at rest has left of a speed
+USUAL = 90.0  # percentile of the lengths of runs that is taken as the rhythm
+
+
+def find_freezes(evidence: CheckContext) -> CheckVerdict:
+    """Find stops in the channels of instruments that never rest."""
+    limits = evidence.limits
+    found = [
+        finding
+        for channel in evidence.recording.channels.values()
+        if roles.find_restless_kind(channel) and len(channel.values) >= limits.least_samples
+        for finding in find_channel_freezes(channel, limits, evidence.recording.is_simulated)
+    ]
+    return CheckVerdict(tuple(found))
+
+
+def find_channel_freezes(
+    channel: SignalChannel, limits: QualityLimits, simulated: bool
+) -> Iterator[QualityFinding]:
+    """Yield the stops of one channel."""
+    values = channel.values
+    if not np.isfinite(values).any() or is_constant(channel):
+        return
+    with np.errstate(invalid='ignore'):
+        equal = np.diff(values) == 0.0
+    if simulated:  # at rest until it flies, to the last bit
+        equal[: find_run_end(equal)] = False
+    found = find_runs(equal)
+    lengths = found[:, 1] - found[:, 0]
+    low, high = np.nanmin(values), np.nanmax(values)
+    for (begin, end), length in zip(found.tolist(), lengths.tolist(), strict=True):
+        held = values[begin]
+        piled = held in {low, high} and not ends_with_jump(values, end)
+        rests = (
+            simulated
+            and channel.topic.startswith('ground_truth')
+            and (end == len(equal) or abs(held) < NOTHING)
+        )
+        if piled or rests or length + 1 < limits.frozen_samples:
+            continue
+        others = np.delete(lengths, np.flatnonzero(found[:, 0] == begin))
+        usual = np.percentile(others, USUAL) if len(others) else 0.0
+        share = (equal.sum() - length) / max(1, len(equal) - length)
+        chance = math.log(len(equal)) + length * math.log(max(share, 1.0 / len(equal)))
+        last = float(channel.time[end]) - float(channel.time[begin])
+        if (
+            chance < math.log(limits.frozen_chance)
+            and length > limits.frozen_times * max(1.0, float(usual))
+            and last + median_period(channel.time) > limits.frozen_time
+        ):
+            yield build_freeze_finding(channel, begin, end)
+
+
+def find_run_end(equal: NDArray[np.bool_]) -> int:
+    """Return where a run that begins at the start ends; 0 where there is none."""
+    found = find_runs(equal)
+    return int(found[0, 1]) if len(found) and found[0, 0] <= START else 0
+
+
+def ends_with_jump(values: NDArray[np.float64], end: int) -> bool:
+    """
+    Whether a run at an extreme ends with a jump.
+
+    A limit lets go of a signal where it took it; what was frozen has moved on meanwhile.
+    """
+    if end + 1 >= len(values):
+        return False
+    with np.errstate(invalid='ignore'):
+        steps = np.abs(np.diff(values))
+    steps = steps[np.isfinite(steps)]
+    usual = float(np.median(steps[steps > 0.0]))
+    return bool(abs(values[end + 1] - values[end]) > RELEASED * usual)
+
+
+def build_freeze_finding(channel: SignalChannel, begin: int, end: int) -> QualityFinding:
+    """Say where a channel stands still."""
+    first, last = float(channel.time[begin]), float(channel.time[end])
+    held = float(channel.values[begin])
+    return QualityFinding(
+        KIND, channel.name, first, last,
+        f'Stuck at {held:.6g} {channel.unit} for {end - begin + 1} readings ({last - first:.2f} '
+        's) and moving before and after.',
+        Severity.SUSPICIOUS, {'value': held, 'readings': end - begin + 1.0},
+    )  # fmt: skip

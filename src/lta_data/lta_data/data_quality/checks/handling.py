@@ -1,0 +1,196 @@
+"""
+A vehicle in a hand: motion that no free airship makes.
+
+Two rules. A hand trembles at 6 to 12 Hz (physiological tremor): that band stands out above the
+ones beside it and above what is usual in the flight; rotors and noise are broad or faster, a hull
+swings slower than 1 Hz. And a hand moves a craft whose rotors are idle, up and down, too: a free
+one only drifts, or falls in less than a second.
+"""
+
+from collections.abc import Iterator
+from typing import final, NamedTuple
+
+from lta_data.data_quality import roles
+from lta_data.data_quality.check_context import CheckContext
+from lta_data.data_quality.finding import CheckVerdict, QualityFinding, Severity
+from lta_data.data_quality.limits import QualityLimits
+from lta_data.data_quality.motion import VectorSeries
+from lta_data.data_quality.recording import ChannelRecording
+from lta_data.data_quality.runs import find_runs, merge_runs
+from lta_data.data_quality.smoothing import (
+    hann_kernel,
+    interpolate_on_grid,
+    median_period,
+    smooth_columns,
+)
+from lta_data.even_grid import build_even_grid
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+KIND = 'held'
+HOP = 4  # windows that overlap
+FLANKS = (3.5, 5.0, 13.0, 20.0)  # bands beside the tremor [Hz]
+CALM = 1.0  # after the rotors stop a craft coasts, falls and settles [s]
+LIFTED = 0.3  # range of the vertical speed in a hand [m/s]
+WIDE = 0.5  # motion of a hand is slower than this kernel [s]
+FORCE = 1e-3  # a commanded force below it is none [N]
+
+
+@final
+class TremorLevels(NamedTuple):
+    """RMS acceleration in the tremor's band and in those beside it, by window. [m/s2]"""
+
+    time: Array
+    tremor: Array
+    below: Array
+    above: Array
+
+
+def find_handling(evidence: CheckContext) -> CheckVerdict:
+    """Find stretches in which a hand held the vehicle."""
+    limits = evidence.limits
+    found: list[QualityFinding] = []
+    unjudged: list[str] = []
+    sources = [sensor.force for sensor in evidence.inertials if sensor.force is not None]
+    places = [
+        pose.position for pose in evidence.poses if pose.tracked and pose.position is not None
+    ]
+    shaken = 0
+    for force in sources:
+        shaken += bool(is_sampled_fast(force))
+        found += find_tremor(force, force.values, limits)
+    for place in places:
+        shaken += bool(is_sampled_fast(place))
+        found += find_tremor(place, second_derivative(place), limits)
+    idle = find_idle_times(evidence.recording, limits)
+    if idle is None:
+        unjudged.append('Motion with idle rotors cannot be judged: no commands are recorded.')
+    else:
+        for place in places:
+            found += find_idle_motion(place, *idle, limits)
+    if not shaken:
+        unjudged.append(
+            'Tremor of a hand cannot be judged: nothing is told fast enough for 12 Hz.'
+        )
+    return CheckVerdict(tuple(found), tuple(unjudged))
+
+
+def is_sampled_fast(vector: VectorSeries) -> bool:
+    """Whether a vector is told often enough for the bands."""
+    return len(vector.time) > 200 and median_period(vector.time) <= 0.5 / FLANKS[2] * 0.75
+
+
+def second_derivative(place: VectorSeries) -> Array:
+    """Return second derivatives of a place. [m/s2]"""
+    return np.asarray(np.gradient(np.gradient(place.values, place.time, axis=0), place.time,
+                                  axis=0))  # fmt: skip
+
+
+def measure_tremor(vector: VectorSeries, values: Array, limits: QualityLimits) -> TremorLevels:
+    """Return the RMS in the bands, by windows on an even grid."""
+    step = median_period(vector.time)
+    grid = build_even_grid(vector.time[0], vector.time[-1], step, len(vector.time))
+    table, known = interpolate_on_grid(vector.time, values, grid)
+    count = round(limits.hold_window / step)
+    starts = np.arange(0, len(grid) - count + 1, max(1, count // HOP))
+    index = starts[:, None] + np.arange(count)
+    shape = np.hanning(count + 2)[1:-1]
+    pieces = table[index] - table[index].mean(axis=1, keepdims=True)
+    power = np.abs(np.fft.rfft(pieces * shape[None, :, None], axis=1)) ** 2
+    power = power.sum(axis=2) / (shape**2).sum() / count * 2.0  # of each line [m2/s4]
+    lines = np.fft.rfftfreq(count, step)
+    whole = known[index].all(axis=1)
+
+    def level(low: float, high: float) -> Array:
+        inside = (lines >= low) & (lines <= min(high, 0.9 * lines[-1]))
+        # As if the band were as wide as the tremor's, so that levels can be compared.
+        width = limits.tremor_high - limits.tremor_low
+        mean = power[:, inside].mean(axis=1)
+        return np.where(whole, np.sqrt(mean * width / (lines[1] - lines[0])), 0.0)
+
+    return TremorLevels(
+        grid[starts] + limits.hold_window / 2,
+        level(limits.tremor_low, limits.tremor_high),
+        level(FLANKS[0], FLANKS[1]),
+        level(FLANKS[2], FLANKS[3]),
+    )
+
+
+def find_tremor(
+    vector: VectorSeries, values: Array, limits: QualityLimits
+) -> Iterator[QualityFinding]:
+    """Yield stretches with the tremor of a hand."""
+    if not is_sampled_fast(vector):
+        return
+    felt = measure_tremor(vector, values, limits)
+    usual = float(np.percentile(felt.tremor[felt.tremor > 0.0], 25)) if felt.tremor.any() else 0.0
+    hand = (
+        (felt.tremor > limits.tremor_force)
+        & (felt.tremor > limits.tremor_flank * felt.above)
+        & (felt.tremor > 1.5 * felt.below)
+        & (felt.tremor > limits.tremor_usual * usual)
+    )
+    half = limits.hold_window / 2
+    for begin, end in merge_runs(find_runs(hand), HOP):
+        if end - begin < HOP + 1:
+            continue
+        strength = float(np.median(felt.tremor[begin:end]))
+        yield QualityFinding(
+            KIND, vector.name, float(felt.time[begin]) - half, float(felt.time[end - 1]) + half,
+            f'Trembles as a hand does: {strength:.2f} m/s2 at {limits.tremor_low:.0f} to '
+            f'{limits.tremor_high:.0f} Hz, {np.median(felt.above[begin:end]):.2f} above that band '
+            f'and {usual:.2f} usually.',
+            Severity.SUSPICIOUS, {'tremor': strength, 'usual': usual},
+        )  # fmt: skip
+
+
+def find_idle_times(
+    recording: ChannelRecording, limits: QualityLimits
+) -> tuple[Array, NDArray[np.bool_]] | None:
+    """Return times of commands and whether all rotors were idle; None without commands."""
+    told = [
+        (channel, FORCE if channel.unit == 'N' else limits.idle_duty)
+        for channel in recording.channels.values()
+        if roles.DRIVES.match(channel.name) and len(channel.time) > 1
+    ]
+    if not told:
+        return None
+    time = told[0][0].time
+    idle = np.ones(len(time), dtype=np.bool_)
+    for channel, least in told:
+        if len(channel.time) == len(time):
+            idle &= ~(np.abs(channel.values) > least)
+    return time, idle
+
+
+def find_idle_motion(
+    place: VectorSeries, time: Array, idle: NDArray[np.bool_], limits: QualityLimits
+) -> Iterator[QualityFinding]:
+    """Yield stretches in which something moves a craft whose rotors are idle."""
+    step = max(median_period(place.time), 0.01)
+    grid = build_even_grid(place.time[0], place.time[-1], step, len(place.time))
+    if len(grid) < limits.least_samples:
+        return
+    table, known = interpolate_on_grid(place.time, place.values, grid)
+    calm = smooth_columns(table, hann_kernel(WIDE, step))
+    speed = np.gradient(calm, step, axis=0)
+    pull = np.linalg.norm(np.gradient(speed, step, axis=0), axis=1)
+    fast = np.linalg.norm(speed, axis=1)
+    for begin, end in find_runs(idle).tolist():
+        first, last = float(time[begin]) + CALM, float(time[end - 1])
+        inside = known & (grid >= first) & (grid <= last)
+        if inside.sum() * step < limits.hold_window:
+            continue
+        moved = inside & (fast > limits.carried_speed) & (pull > 0.0)
+        pushed = inside & (pull > limits.carried_force)
+        lifted = float(np.ptp(speed[inside, 2]))  # wind hardly does that
+        if lifted > LIFTED and moved.sum() * step > 0.5 and pushed.sum() * step > 0.2:
+            at = grid[moved | pushed]
+            yield QualityFinding(
+                KIND, place.name, float(at[0]), float(at[-1]),
+                f'Moves with idle rotors, at up to {fast[inside].max():.2f} m/s and with '
+                f'accelerations up to {pull[inside].max():.2f} m/s2: something carries it.',
+                Severity.SUSPICIOUS,
+                {'speed': float(fast[inside].max()), 'acceleration': float(pull[inside].max())},
+            )  # fmt: skip

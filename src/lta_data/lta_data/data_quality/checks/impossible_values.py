@@ -1,0 +1,154 @@
+"""Values that cannot be, whatever the flight."""
+
+from collections.abc import Iterator, Sequence
+
+from lta_config.constants import STANDARD_GRAVITY
+from lta_data.bag.channels import SignalChannel
+from lta_data.data_quality import roles
+from lta_data.data_quality.check_context import CheckContext
+from lta_data.data_quality.finding import CheckVerdict, QualityFinding, Severity
+from lta_data.data_quality.limits import QualityLimits
+from lta_data.data_quality.motion import InertialSeries, PoseSeries
+from lta_data.data_quality.runs import find_runs, merge_runs
+from lta_data.data_quality.valid_ranges import build_light_ranges, CELLS, RANGES, ValidRange
+import numpy as np
+from numpy.typing import NDArray
+
+KIND = 'impossible'
+APART = 20  # samples between two bad ones that are told as one stretch
+UNIT_LENGTH = 0.01  # of a quaternion: single precision and rounding to three digits
+QUIET = 25  # samples of an accelerometer at rest
+
+
+def find_impossible_values(evidence: CheckContext) -> CheckVerdict:
+    """Find values outside what their quantity can have."""
+    channels, limits = evidence.recording.channels, evidence.limits
+    found: list[QualityFinding] = []
+    ranges = (*RANGES, *build_light_ranges(evidence.adc_maximum))
+    for channel in channels.values():
+        found += find_out_of_range(channel, ranges)
+        found += find_non_numbers(channel)
+        if channel.name == 'battery/voltage':
+            found += find_impossible_voltages(channel)
+    for topic in dict.fromkeys(channel.topic for channel in channels.values()):
+        found += find_unnormalized_quaternions([c for c in channels.values() if c.topic == topic])
+    for pose in evidence.poses:
+        found += find_position_jumps(pose, limits)
+    for sensor in evidence.inertials:
+        found += find_missing_gravity(sensor, limits)
+    return CheckVerdict(tuple(found))
+
+
+def build_stretch_findings(
+    channel: str, time: NDArray[np.float64], bad: NDArray[np.bool_], sentence: str
+) -> Iterator[QualityFinding]:
+    """Yield a finding for each stretch of bad values."""
+    for begin, end in merge_runs(find_runs(bad), APART):
+        count = int(bad[begin:end].sum())
+        yield QualityFinding(
+            KIND, channel, float(time[begin]), float(time[end - 1]),
+            f'{count} {"value" if count == 1 else "values"}: {sentence}.',
+            Severity.ERROR, {'values': float(count)},
+        )  # fmt: skip
+
+
+def find_out_of_range(
+    channel: SignalChannel, ranges: Sequence[ValidRange]
+) -> Iterator[QualityFinding]:
+    """Yield values outside the range of their quantity."""
+    for known in ranges:
+        if known.names.search(channel.name):
+            values = channel.values
+            finite = np.isfinite(values)
+            bad = finite & ((values < known.low) | (values > known.high))
+            if bad.any():
+                worst = values[bad][np.argmax(np.abs(values[bad]))]
+                told = f'up to {worst:.6g} {channel.unit}, but {known.reason}'
+                yield from build_stretch_findings(channel.name, channel.time, bad, told)
+
+
+def find_non_numbers(channel: SignalChannel) -> Iterator[QualityFinding]:
+    """Yield what is infinite, or no number between numbers, in a quantity that always has one."""
+    if roles.find_restless_kind(channel) is None or not np.isfinite(channel.values).any():
+        return
+    infinite = np.isinf(channel.values)
+    yield from build_stretch_findings(channel.name, channel.time, infinite, 'infinite')
+    missing = np.isnan(channel.values)
+    first, last = np.flatnonzero(~missing)[[0, -1]]
+    missing[:first] = missing[last:] = False
+    yield from build_stretch_findings(channel.name, channel.time, missing, 'not a number')
+
+
+def find_impossible_voltages(channel: SignalChannel) -> Iterator[QualityFinding]:
+    """Yield voltages that no cell and no pack has."""
+    values = channel.values
+    inside = np.zeros(len(values), dtype=np.bool_)
+    for low, high in CELLS:
+        inside |= (values >= low) & (values <= high)
+    bad = np.isfinite(values) & ~inside
+    if bad.any():
+        worst = float(values[bad][0])
+        told = f'{worst:.4g} V, which no cell has (2.5 to 4.4 V) and no pack of them'
+        yield from build_stretch_findings(channel.name, channel.time, bad, told)
+
+
+def find_unnormalized_quaternions(channels: list[SignalChannel]) -> Iterator[QualityFinding]:
+    """Yield the quaternions of a topic that are not of unit length."""
+    parts: dict[str, dict[str, SignalChannel]] = {}
+    for channel in channels:
+        match = roles.QUATERNION.match(channel.field)
+        if match is not None:
+            parts.setdefault(match[1], {})[match[2]] = channel
+    for path, found in parts.items():
+        if len(found) != 4:
+            continue
+        topic, time = found['w'].topic, found['w'].time
+        length = np.sqrt(sum(found[part].values ** 2 for part in 'xyzw'))
+        bad = np.isfinite(length) & (np.abs(length - 1.0) > UNIT_LENGTH)
+        if bad.all() and not length.any():
+            yield QualityFinding(
+                KIND, f'{topic}/{path}', float(time[0]), float(time[-1]),
+                'Every quaternion is zero: nobody filled it in.', Severity.NOTE,
+            )  # fmt: skip
+        elif bad.any():
+            told = f'a quaternion of length {length[bad][0]:.4g} is no attitude'
+            yield from build_stretch_findings(f'{topic}/{path}', time, bad, told)
+
+
+def find_position_jumps(pose: PoseSeries, limits: QualityLimits) -> Iterator[QualityFinding]:
+    """Yield places that cannot be reached from the one before."""
+    if pose.position is None or len(pose.position.time) < limits.least_samples:
+        return
+    time, place = pose.position.time, pose.position.values
+    far = np.linalg.norm(np.diff(place, axis=0), axis=1)
+    speed = far / np.diff(time)
+    usual = float(np.percentile(speed, 75))
+    # Where all of it is too fast, the unit is wrong, which another check says.
+    bad = (speed > limits.jump_speed) & (far > limits.jump_size) & (speed > 20.0 * usual)
+    if bad.any():
+        told = f'a jump of {far[bad].max():.2f} m, at {speed[bad].max():.0f} m/s'
+        yield from build_stretch_findings(pose.position.name, time[1:], bad, told)
+
+
+def find_missing_gravity(
+    sensor: InertialSeries, limits: QualityLimits
+) -> Iterator[QualityFinding]:
+    """Yield a resting accelerometer that does not feel gravity."""
+    force = sensor.force
+    if force is None or len(force.time) < 4 * QUIET:
+        return
+    size = np.linalg.norm(force.values, axis=1)
+    count = len(size) // QUIET
+    blocks = size[: count * QUIET].reshape(count, QUIET)
+    rest = blocks.std(axis=1) < limits.still_spread * np.median(size) / STANDARD_GRAVITY
+    if rest.sum() < 3:
+        return
+    felt = float(np.median(blocks[rest]))
+    apart = abs(felt - STANDARD_GRAVITY)
+    if limits.still_force < apart < 0.7 * STANDARD_GRAVITY:  # beyond it is a unit
+        times = force.time[: count * QUIET].reshape(count, QUIET)[rest]
+        yield QualityFinding(
+            KIND, force.name, float(times[0, 0]), float(times[-1, -1]),
+            f'At rest the specific force is {felt:.2f} m/s2, not 9.81.',
+            Severity.SUSPICIOUS, {'force': felt},
+        )  # fmt: skip

@@ -1,0 +1,90 @@
+"""
+Data that are smoother than any instrument: simulated, or heavily filtered, and not said to be.
+
+Above a third of the sampling rate an airship and its pilot do nothing; what is there is the noise
+of the instrument. Second differences take the motion away before the spectrum is taken, so that
+nothing leaks into it. A level below any instrument's means that the noise was never there, or that
+a smoothing took it out, and derivatives and lags with it.
+"""
+
+from collections import defaultdict
+
+from lta_data.bag.channels import SignalChannel
+from lta_data.data_quality import roles
+from lta_data.data_quality.check_context import CheckContext
+from lta_data.data_quality.finding import CheckVerdict, QualityFinding, Severity
+from lta_data.data_quality.smoothing import sort_samples
+import numpy as np
+from numpy.typing import NDArray
+
+KIND = 'filtered'
+LEVELS = {
+    'position': 'quiet_position',
+    'attitude': 'quiet_attitude',
+    'velocity': 'quiet_velocity',
+    'turning': 'quiet_rates',
+    'rates': 'quiet_rates',
+    'force': 'quiet_force',
+    'pressure': 'quiet_pressure',
+}
+WINDOW = 128
+FROM = 0.35  # of the sampling rate
+SHARE = 0.5  # of the axes of a vector that are quiet
+
+
+def find_missing_noise(evidence: CheckContext) -> CheckVerdict:
+    """Find vectors whose noise is below that of any instrument."""
+    if evidence.recording.is_simulated:
+        return CheckVerdict()
+    groups: defaultdict[tuple[str, str], list[SignalChannel]] = defaultdict(list)
+    for channel in evidence.recording.channels.values():
+        what = roles.find_restless_kind(channel)
+        if what is not None:
+            groups[what, roles.vector_name(channel.name)].append(channel)
+    found, unjudged = [], []
+    for (what, name), group in groups.items():
+        levels = [channel_noise(channel) for channel in group]
+        known = np.array([level for level in levels if level is not None and level > 0.0])
+        if len(known) == 0:
+            unjudged.append(f"The noise of '{name}' cannot be judged: under {2 * WINDOW} values.")
+            continue
+        least = getattr(evidence.limits, LEVELS[what])
+        if np.mean(known < least) >= SHARE and (known < least).sum() >= min(2, len(group)):
+            found.append(build_smoothness_finding(name, group[0], float(np.median(known)), least))
+    return CheckVerdict(tuple(found), tuple(unjudged))
+
+
+def channel_noise(channel: SignalChannel) -> float | None:
+    """Return the noise of a channel as the RMS of white noise, in its unit; None if short."""
+    _, table = sort_samples(channel.time, channel.values[:, None])
+    values = np.unwrap(table[:, 0]) if channel.angular else table[:, 0]
+    if len(values) < 2 * WINDOW:
+        return None
+    return high_frequency_noise(np.asarray(values, dtype=np.float64))
+
+
+def high_frequency_noise(values: NDArray[np.float64]) -> float:
+    """Return the RMS of white noise of the highest frequencies' level, in the values' unit."""
+    bent = np.diff(values, 2)
+    starts = np.arange(0, len(bent) - WINDOW + 1, WINDOW // 2)
+    shape = np.blackman(WINDOW)
+    pieces = np.stack([bent[start : start + WINDOW] for start in starts]) * shape
+    power = np.abs(np.fft.rfft(pieces, axis=1)) ** 2 / (shape**2).sum()
+    share = np.arange(power.shape[1]) / WINDOW
+    high = share >= FROM
+    gain = (2.0 * np.sin(np.pi * share[high])) ** 4
+    return float(np.sqrt(np.mean(np.median(power, axis=0)[high] / gain)))
+
+
+def build_smoothness_finding(
+    name: str, channel: SignalChannel, level: float, least: float
+) -> QualityFinding:
+    """Say how smooth a vector is."""
+    unit = channel.unit
+    return QualityFinding(
+        KIND, name, float(channel.time[0]), float(channel.time[-1]),
+        f'The noise above a third of the sampling rate is {level:.1e} {unit}, where the quietest '
+        f'instruments have {least:.0e}: filtered heavily, or simulated without saying so; '
+        'derivatives, lags and fast motion in it are not to be relied on.',
+        Severity.WARNING, {'noise': level, 'least': least},
+    )  # fmt: skip

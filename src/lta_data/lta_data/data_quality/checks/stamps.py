@@ -1,0 +1,98 @@
+"""Stamps that run backwards, stand still or jump, messages left out, and log times beside."""
+
+from collections.abc import Iterator
+
+from lta_data.bag.channels import SignalChannel
+from lta_data.data_quality.check_context import CheckContext
+from lta_data.data_quality.finding import CheckVerdict, QualityFinding, Severity
+from lta_data.data_quality.limits import QualityLimits
+from lta_data.data_quality.runs import find_runs
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+KIND = 'stamps'
+TWICE = 0.001  # share of stamps that are there twice
+SHOWN = 5  # gaps of a topic that are told one by one
+
+
+def find_stamp_errors(evidence: CheckContext) -> CheckVerdict:
+    """Find what is wrong with the times of each topic."""
+    found: list[QualityFinding] = []
+    first: dict[str, SignalChannel] = {}
+    for channel in evidence.recording.channels.values():
+        first.setdefault(channel.topic, channel)
+    for topic, channel in first.items():
+        if len(channel.time) >= evidence.limits.least_samples:
+            found += find_backward_stamps(topic, channel.time)
+            found += find_gaps(topic, channel.time, evidence.limits)
+        arrived = evidence.recording.arrivals.get(topic)
+        if arrived is not None and len(arrived) == len(channel.time) > 1:
+            found += find_stamp_jumps(topic, channel.time, arrived, evidence.limits)
+    return CheckVerdict(tuple(found))
+
+
+def find_backward_stamps(topic: str, time: Array) -> Iterator[QualityFinding]:
+    """Yield where time runs backwards or stands still."""
+    step = np.diff(time)
+    back = np.flatnonzero(step < 0.0)
+    for index in back[:SHOWN].tolist():
+        begin, end = float(time[index + 1]), float(time[index])
+        yield QualityFinding(
+            KIND, topic, begin, end,
+            f'The stamps go back by {end - begin:.3f} s at {end:.3f} s ({len(back)} such steps).',
+            Severity.ERROR, {'back': end - begin, 'steps': float(len(back))},
+        )  # fmt: skip
+    twice = np.flatnonzero(step == 0.0)
+    if len(twice) > TWICE * len(time):
+        yield QualityFinding(
+            KIND, topic, float(time[twice[0]]), float(time[twice[-1]]),
+            f'{len(twice)} of {len(time)} messages have the stamp of the one before.',
+            Severity.SUSPICIOUS, {'messages': float(len(twice))},
+        )  # fmt: skip
+
+
+def find_gaps(topic: str, time: Array, limits: QualityLimits) -> Iterator[QualityFinding]:
+    """Yield gaps and a share of lost messages, where a topic has a rhythm."""
+    step = np.diff(time)
+    step = step[step > 0.0]
+    if len(step) < limits.least_samples // 2:
+        return
+    usual = float(np.median(step))
+    if 1.4826 * float(np.median(np.abs(step - usual))) > limits.regular * usual:
+        return
+    gaps = np.flatnonzero(np.diff(time) > max(limits.gap_periods * usual, limits.gap_time))
+    for index in gaps[:SHOWN].tolist():
+        begin, end = float(time[index]), float(time[index + 1])
+        yield QualityFinding(
+            KIND, topic, begin, end,
+            f'Nothing for {end - begin:.2f} s, where a message comes every {usual:.3f} s '
+            f'({len(gaps)} such {"gap" if len(gaps) == 1 else "gaps"}).',
+            Severity.SUSPICIOUS, {'gap': end - begin, 'gaps': float(len(gaps))},
+        )  # fmt: skip
+    lost = np.round(np.diff(time) / usual) - 1.0
+    lost[gaps] = 0.0
+    missing = float(lost[lost > 0.0].sum())
+    if missing > limits.dropout_share * (len(time) + missing):
+        at = np.flatnonzero(lost > 0.0)
+        yield QualityFinding(
+            KIND, topic, float(time[at[0]]), float(time[at[-1] + 1]),
+            f'{missing:.0f} of {len(time) + missing:.0f} messages are missing here and there.',
+            Severity.WARNING, {'missing': missing},
+        )  # fmt: skip
+
+
+def find_stamp_jumps(
+    topic: str, time: Array, arrived: Array, limits: QualityLimits
+) -> Iterator[QualityFinding]:
+    """Yield where stamps jump against the log times."""
+    ahead = (time - time[0]) - (arrived - arrived[0])
+    jumped = np.abs(np.diff(ahead)) > limits.log_jump
+    for begin, _ in find_runs(jumped)[:SHOWN].tolist():
+        size = float(ahead[begin + 1] - ahead[begin])
+        low, high = sorted((float(time[begin]), float(time[begin + 1])))
+        yield QualityFinding(
+            KIND, topic, low, high,
+            f'The stamps jump by {size:.3f} s against the log time.',
+            Severity.SUSPICIOUS, {'jump': size},
+        )  # fmt: skip

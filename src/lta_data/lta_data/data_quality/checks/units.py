@@ -1,0 +1,194 @@
+"""
+Quantities in another unit than their topic means: degrees for radians, mm for m, g for m/s2.
+
+A unit shows as a factor between two ways of knowing one motion, or as a size that the quantity
+never has in its own unit and always in another.
+"""
+
+from collections.abc import Callable, Iterator
+import re
+from typing import Final, NamedTuple
+
+from lta_config.constants import STANDARD_GRAVITY
+from lta_data.bag.channels import SignalChannel
+from lta_data.data_quality.check_context import CheckContext
+from lta_data.data_quality.finding import (
+    CheckVerdict,
+    QualityFinding,
+    select_first_findings,
+    Severity,
+)
+from lta_data.data_quality.limits import QualityLimits
+from lta_data.data_quality.motion_pairs import MotionPair
+from lta_data.data_quality.similarity import PairSimilarity
+from lta_data.data_quality.smoothing import (
+    hann_kernel,
+    median_period,
+    smooth_columns,
+    sort_samples,
+)
+import numpy as np
+from numpy.typing import NDArray
+
+KIND = 'unit'
+DEGREES: Final = 180.0 / np.pi
+# Factor of what is told over what it should be, and the unit that this factor means.
+FACTORS: Final[dict[str, dict[float, str]]] = {
+    'rates': {DEGREES: 'deg/s', 1000.0: 'mrad/s'},
+    'velocity': {1000.0: 'mm/s', 100.0: 'cm/s', 3.6: 'km/h'},
+    'force': {1.0 / STANDARD_GRAVITY: 'g', 1000.0: 'mm/s2', 1000.0 / STANDARD_GRAVITY: 'mg'},
+    'range': {1000.0: 'mm', 100.0: 'cm'},
+    'pressure': {0.01: 'hPa', 0.001: 'kPa'},
+}
+# The same of the other side of the pair, where that is in another unit.
+TURNED: Final[dict[str, dict[float, str]]] = {
+    'velocity': {0.001: 'mm', 0.01: 'cm'},
+    'range': {0.001: 'mm', 0.01: 'cm'},
+    'pressure': {0.001: 'mm'},
+    'rates': {1.0 / DEGREES: 'deg'},
+}
+FAST: Final = 30.0  # Typical speed that no flight in a room has. [m/s]
+
+
+class UnitSizeRule(NamedTuple):
+    """Sizes that tell the unit of a channel: what of its values, and ranges by unit."""
+
+    names: re.Pattern[str]
+    of: Callable[[NDArray[np.float64]], float]
+    units: tuple[tuple[float, float, str], ...]
+
+
+def median_size(values: NDArray[np.float64]) -> float:
+    """Return the median size."""
+    return float(np.median(np.abs(values)))
+
+
+def largest_size(values: NDArray[np.float64]) -> float:
+    """Return the largest size, without the loudest hundredth."""
+    return float(np.percentile(np.abs(values), 99.0))
+
+
+SIZES: Final = (
+    UnitSizeRule(
+        re.compile(r'/fluid_pressure$'), median_size,
+        ((300.0, 1100.0, 'hPa'), (30.0, 110.0, 'kPa'), (0.3, 1.1, 'bar')),
+    ),
+    UnitSizeRule(re.compile(r'^battery/voltage$'), median_size, ((2500.0, 61000.0, 'mV'),)),
+    UnitSizeRule(re.compile(r'^(battery|panel)/current$'), median_size, ((60.0, 1e5, 'mA'),)),
+    UnitSizeRule(
+        re.compile(r'^motors/effort[.\[]'), largest_size,
+        ((1.3, 100.0, '%'), (100.0, 255.0, 'of 255'), (1000.0, 65535.0, 'of 65535')),
+    ),
+    UnitSizeRule(re.compile(r'/percentage$'), median_size, ((1.5, 100.0, '%'),)),
+    UnitSizeRule(re.compile(r'(^|/)range/range$'), median_size, ((40.0, 1e5, 'mm or cm'),)),
+    UnitSizeRule(re.compile(r'\.(yaw|pitch|roll)$'), largest_size, ((7.0, 361.0, 'deg'),)),
+)  # fmt: skip
+
+
+def find_wrong_units(evidence: CheckContext) -> CheckVerdict:
+    """Find channels that are in another unit than they should be."""
+    found: list[QualityFinding] = []
+    for pair, likeness in evidence.similarities:
+        if likeness is not None:
+            found += find_unit_by_pair(pair, likeness, evidence.limits)
+    for channel in evidence.recording.channels.values():
+        found += find_unit_by_size(channel)
+    for sensor in evidence.inertials:
+        if sensor.force is not None:
+            found += find_unit_by_gravity(
+                sensor.force.name, sensor.force.time, sensor.force.values
+            )
+    for pose in evidence.poses:
+        if pose.position is not None and pose.tracked:
+            found += find_unit_by_speed(
+                pose.position.name, pose.position.time, pose.position.values, evidence.limits
+            )
+    return CheckVerdict(select_first_findings(found), describe_unjudged(evidence))
+
+
+def describe_unjudged(evidence: CheckContext) -> tuple[str, ...]:
+    """Say which rates have nothing to be compared with."""
+    judged = {pair.told for pair, likeness in evidence.similarities if likeness is not None}
+    return tuple(
+        f"The unit and axes of '{sensor.rates.name}' cannot be judged: no moving attitude beside."
+        for sensor in evidence.inertials
+        if sensor.rates is not None and sensor.rates.name not in judged
+    )
+
+
+def find_unit_by_pair(
+    pair: MotionPair, likeness: PairSimilarity, limits: QualityLimits
+) -> Iterator[QualityFinding]:
+    """Yield the factor between the sides of a pair, where it is that of a unit."""
+    alike = np.abs(likeness.correlation) * likeness.moving[None, :]
+    rows, columns = np.nonzero(alike >= limits.agree)
+    if len(rows) == 0:
+        return
+    ratio = float(np.median(likeness.ratio[rows, columns]))
+    for table, name in ((FACTORS, pair.told), (TURNED, pair.made)):
+        for factor, unit in table.get(pair.what, {}).items():
+            if abs(ratio / factor - 1.0) <= limits.factor_spread:
+                other = pair.made if name == pair.told else pair.told
+                begin, end = pair.span
+                yield QualityFinding(
+                    KIND, name, begin, end,
+                    f"Looks like {unit}: beside '{other}' its motion is {ratio:.4g} times what it "
+                    'should be.'
+                    if name == pair.told
+                    else f"Looks like {unit}: '{other}' moves {ratio:.4g} times as much.",
+                    Severity.SUSPICIOUS, {'factor': ratio},
+                )  # fmt: skip
+                return
+
+
+def find_unit_by_size(channel: SignalChannel) -> Iterator[QualityFinding]:
+    """Yield a channel whose size is that of another unit."""
+    for size in SIZES:
+        values = channel.values[np.isfinite(channel.values)]
+        if not size.names.search(channel.name) or len(values) < 10:
+            continue
+        typical = size.of(values)
+        for low, high, unit in size.units:
+            if low <= typical <= high:
+                yield QualityFinding(
+                    KIND, channel.name, float(channel.time[0]), float(channel.time[-1]),
+                    f'Looks like {unit}: values of {typical:.4g} where {channel.unit or "SI"} is '
+                    'meant.',
+                    Severity.SUSPICIOUS, {'size': typical},
+                )  # fmt: skip
+                break
+
+
+def find_unit_by_gravity(
+    name: str, time: NDArray[np.float64], force: NDArray[np.float64]
+) -> Iterator[QualityFinding]:
+    """Yield an accelerometer that feels gravity in another unit."""
+    felt = float(np.median(np.linalg.norm(force, axis=1)))
+    for factor, unit in FACTORS['force'].items():
+        if abs(felt / STANDARD_GRAVITY / factor - 1.0) <= 0.3:
+            yield QualityFinding(
+                KIND, name, float(time[0]), float(time[-1]),
+                f'Looks like {unit}: the specific force is {felt:.4g} on average, where gravity '
+                'alone is 9.81 m/s2.',
+                Severity.SUSPICIOUS, {'force': felt},
+            )  # fmt: skip
+            return
+
+
+def find_unit_by_speed(
+    name: str, time: NDArray[np.float64], place: NDArray[np.float64], limits: QualityLimits
+) -> Iterator[QualityFinding]:
+    """Yield a position that moves faster than anything in a room does."""
+    time, place = sort_samples(time, place)
+    step = median_period(time)
+    if len(time) < limits.least_samples or not step > 0.0:
+        return
+    calm = smooth_columns(place, hann_kernel(2.0 * limits.kernel, step))
+    speed = np.linalg.norm(np.diff(calm, axis=0), axis=1) / np.diff(time)
+    usual = float(np.percentile(speed, 75))
+    if usual > FAST:
+        yield QualityFinding(
+            KIND, name, float(time[0]), float(time[-1]),
+            f'Looks like mm: it moves at {usual:.0f} m/s.',
+            Severity.SUSPICIOUS, {'speed': usual},
+        )  # fmt: skip

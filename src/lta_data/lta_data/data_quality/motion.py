@@ -1,0 +1,142 @@
+"""The motion that a pose topic or an inertial sensor tells, put together from its channels."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+import re
+from typing import final
+
+from lta_data.bag.channels import SignalChannel
+from lta_data.data_quality import roles
+from lta_data.data_quality.smoothing import sort_samples
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+Array = NDArray[np.float64]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class VectorSeries:
+    """
+    A vector over time.
+
+    Attributes
+    ----------
+    name : str
+        Topic and path without the axis: 'imu/angular_velocity'.
+    time : ndarray, shape (n,)
+        Rising. [s]
+    values : ndarray, shape (n, 3), or (n, 4) for quaternions x y z w that keep their sign
+
+    """
+
+    name: str
+    time: Array
+    values: Array
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class PoseSeries:
+    """What a topic says of the vehicle's motion; None for what it does not say."""
+
+    topic: str
+    tracked: bool
+    position: VectorSeries | None
+    attitude: VectorSeries | None
+    velocity: VectorSeries | None
+    turning: VectorSeries | None
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class InertialSeries:
+    """What an inertial sensor says."""
+
+    topic: str
+    rates: VectorSeries | None
+    force: VectorSeries | None
+
+
+def collect_vectors(
+    channels: Mapping[str, SignalChannel], rule: re.Pattern[str], parts: str
+) -> dict[str, VectorSeries]:
+    """Return whole vectors by topic, the first of each topic that a rule finds."""
+    paths: dict[str, str] = {}
+    for channel in channels.values():
+        match = rule.match(channel.field)
+        if match is not None:
+            paths.setdefault(channel.topic, match[1])
+    found: dict[str, VectorSeries] = {}
+    for topic, path in paths.items():
+        names = [f'{topic}/{path}.{part}' for part in parts]
+        if all(name in channels for name in names):
+            table = np.stack([channels[name].values for name in names], axis=1)
+            time, values = sort_samples(channels[names[0]].time, table)
+            if len(time) > 3:
+                found[topic] = VectorSeries(f'{topic}/{path}', time, values)
+    return found
+
+
+def collect_attitudes(channels: Mapping[str, SignalChannel]) -> dict[str, VectorSeries]:
+    """Return attitudes as quaternions by topic, from their parts or from angles."""
+    found = {}
+    for topic, vector in collect_vectors(channels, roles.QUATERNION, 'xyzw').items():
+        length = np.linalg.norm(vector.values, axis=1)
+        good = length > 1e-6
+        if good.sum() > 3:
+            turns = vector.values[good] / length[good, None]
+            found[topic] = VectorSeries(vector.name, vector.time[good], remove_sign_jumps(turns))
+    named = {channel.topic: match[1] for channel in channels.values()
+             if (match := roles.ANGLE.match(channel.field))}  # fmt: skip
+    for topic, path in named.items():
+        names = [f'{topic}/{path}.{part}' for part in ('yaw', 'pitch', 'roll')]
+        if topic in found or not all(name in channels for name in names):
+            continue
+        table = np.stack([channels[name].values for name in names], axis=1)
+        time, angles = sort_samples(channels[names[0]].time, table)
+        if len(time) > 3:
+            turns = Rotation.from_euler('ZYX', angles).as_quat()
+            found[topic] = VectorSeries(f'{topic}/{path}', time, remove_sign_jumps(turns))
+    return found
+
+
+def remove_sign_jumps(turns: Array) -> Array:
+    """Return quaternions without the jumps between the two signs of one attitude."""
+    flips = np.where((turns[1:] * turns[:-1]).sum(axis=1) < 0.0, -1.0, 1.0)
+    return np.asarray(turns * np.concatenate(([1.0], np.cumprod(flips)))[:, None])
+
+
+def collect_poses(channels: Mapping[str, SignalChannel]) -> list[PoseSeries]:
+    """Return the topics that tell a motion of the vehicle, trackers first."""
+    place = collect_vectors(channels, roles.POSITION, 'xyz')
+    attitude = collect_attitudes(channels)
+    speed = collect_vectors(channels, roles.SPEED, 'xyz')
+    turning = collect_vectors(channels, roles.TURNING, 'xyz')
+    topics = dict.fromkeys((*place, *attitude, *speed, *turning))
+    found = []
+    for topic in topics:
+        tracked = bool(roles.TRACKED.match(topic))
+        if tracked or topic == 'odom' or roles.is_instrument_topic(topic):
+            parts = (table.get(topic) for table in (place, attitude, speed, turning))
+            found.append(PoseSeries(topic, tracked, *parts))
+    return sorted(found, key=lambda pose: not pose.tracked)
+
+
+def collect_inertials(channels: Mapping[str, SignalChannel]) -> list[InertialSeries]:
+    """Return the inertial sensors."""
+    rates = collect_vectors(channels, roles.RATES, 'xyz')
+    force = collect_vectors(channels, roles.FORCE, 'xyz')
+    return [
+        InertialSeries(topic, rates.get(topic), force.get(topic))
+        for topic in dict.fromkeys((*rates, *force))
+    ]
+
+
+def compute_body_rates(attitude: VectorSeries) -> tuple[Array, Array]:
+    """Return body rates between attitudes [rad/s] and their times, half way between. [s]"""
+    turn = Rotation.from_quat(attitude.values)
+    step = np.diff(attitude.time)
+    rates = (turn[:-1].inv() * turn[1:]).as_rotvec() / step[:, None]
+    return attitude.time[:-1] + step / 2, rates

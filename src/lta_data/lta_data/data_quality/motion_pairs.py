@@ -1,0 +1,234 @@
+"""
+Two ways of knowing one motion: what a sensor says beside what a pose makes of it.
+
+Each pair is on one even grid with both sides smoothed by one kernel, so that noise and the
+derivative weigh alike; where they part, a unit, a sign, an axis or a clock is wrong.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import final
+
+from lta_config.constants import STANDARD_GRAVITY
+from lta_data.bag.channels import SignalChannel
+from lta_data.data_quality import roles
+from lta_data.data_quality.limits import QualityLimits
+from lta_data.data_quality.motion import (
+    collect_inertials,
+    collect_poses,
+    compute_body_rates,
+    InertialSeries,
+    PoseSeries,
+    VectorSeries,
+)
+from lta_data.data_quality.recording import ChannelRecording
+from lta_data.data_quality.smoothing import (
+    hann_kernel,
+    interpolate_on_grid,
+    median_period,
+    narrow_mask,
+    smooth_columns,
+    sort_samples,
+)
+from lta_data.even_grid import build_even_grid
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+Array = NDArray[np.float64]
+AIR: float = 1.2 * STANDARD_GRAVITY  # pressure lost a metre of height [Pa/m]
+FINEST = 0.01
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class MotionPair:
+    """
+    One motion known twice.
+
+    Attributes
+    ----------
+    what : str
+        'rates', 'velocity', 'force', 'range' or 'pressure'.
+    told, made : str
+        Names of what a sensor says and of what the other side is made of.
+    unit : str
+        Of both sides.
+    least : float
+        Smallest standard deviation of `right` that is a motion at all.
+    grid : ndarray, shape (n,)
+        [s]
+    left, right : ndarray, shape (n, k)
+        What is said, and what it should be; an axis a column.
+    known : ndarray of bool, shape (n,)
+        Where both are.
+    axes : tuple of str
+        What the columns are called.
+
+    """
+
+    what: str
+    told: str
+    made: str
+    unit: str
+    least: float
+    grid: Array
+    left: Array
+    right: Array
+    known: NDArray[np.bool_]
+    axes: tuple[str, ...] = ('x', 'y', 'z')
+
+    @property
+    def step(self) -> float:
+        """Of the grid. [s]"""
+        return float(self.grid[1] - self.grid[0])
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """Where both are known. [s]"""
+        times = self.grid[self.known]
+        return float(times[0]), float(times[-1])
+
+    def channel_name(self, axis: int) -> str:
+        """Return the channel of a column of the left side."""
+        return f'{self.told}.{self.axes[axis]}' if len(self.axes) > 1 else self.told
+
+
+def find_motion_pairs(recording: ChannelRecording, limits: QualityLimits) -> list[MotionPair]:
+    """Return every motion of a recording that is known twice."""
+    known, sensors = collect_poses(recording.channels), collect_inertials(recording.channels)
+    found: list[MotionPair | None] = []
+    for pose in known:
+        found += _pair_pose(pose, limits)
+        for sensor in sensors:
+            found += _pair_inertial(pose, sensor, limits)
+        if pose.tracked or not any(other.tracked for other in known):
+            found += [
+                _pair_height(pose, channel, limits) for channel in recording.channels.values()
+            ]
+    return [pair for pair in found if pair is not None]
+
+
+def _pair_pose(pose: PoseSeries, limits: QualityLimits) -> Iterator[MotionPair | None]:
+    """Compare a pose with the speeds in the same message."""
+    if pose.attitude is None:
+        return
+    if pose.turning is not None:
+        yield pair_rates(pose.turning, pose.attitude, limits)
+    if pose.position is not None and pose.velocity is not None and pose.tracked:
+        yield pair_velocity(pose.position, pose.attitude, pose.velocity, limits)
+
+
+def pair_rates(
+    measured: VectorSeries, attitude: VectorSeries, limits: QualityLimits
+) -> MotionPair | None:
+    """Compare rates with the derivative of an attitude."""
+    times, rates = compute_body_rates(attitude)
+    return _build_pair('rates', measured, attitude.name, times, rates, limits)
+
+
+def pair_velocity(
+    place: VectorSeries, attitude: VectorSeries, measured: VectorSeries, limits: QualityLimits
+) -> MotionPair | None:
+    """Compare a velocity with the derivative of position, in the body frame."""
+    times, speeds = _differentiate(place)
+    turn = _interpolate_attitude(attitude, times)
+    return _build_pair('velocity', measured, place.name, times, turn.inv().apply(speeds), limits)
+
+
+def _pair_inertial(
+    pose: PoseSeries, sensor: InertialSeries, limits: QualityLimits
+) -> Iterator[MotionPair | None]:
+    """Compare a pose with an inertial sensor."""
+    if pose.attitude is None:
+        return
+    if sensor.rates is not None:
+        yield pair_rates(sensor.rates, pose.attitude, limits)
+    if sensor.force is not None and pose.position is not None and pose.tracked:
+        yield _pair_force(pose.position, pose.attitude, sensor.force, limits)
+
+
+def _pair_force(
+    place: VectorSeries, attitude: VectorSeries, measured: VectorSeries, limits: QualityLimits
+) -> MotionPair | None:
+    """Compare specific force with acceleration and gravity."""
+    step = max(median_period(place.time), FINEST)
+    grid = build_even_grid(place.time[0], place.time[-1], step, len(place.time))
+    if len(grid) * step < limits.pair_time:
+        return None
+    table, _ = interpolate_on_grid(place.time, place.values, grid)
+    smooth = smooth_columns(table, hann_kernel(limits.kernel, step))
+    pull = np.gradient(np.gradient(smooth, step, axis=0), step, axis=0)
+    pull[:, 2] += STANDARD_GRAVITY
+    force = _interpolate_attitude(attitude, grid).inv().apply(pull)
+    return _build_pair('force', measured, place.name, grid, force, limits)
+
+
+def _pair_height(
+    pose: PoseSeries, channel: SignalChannel, limits: QualityLimits
+) -> MotionPair | None:
+    """Compare a downward range or an air pressure with the height of a pose."""
+    is_range = channel.field == 'range'
+    if pose.position is None or not (is_range or roles.PRESSURE.match(channel.field)):
+        return None
+    time, values = sort_samples(channel.time, channel.values[:, None])
+    if len(time) < limits.least_samples:
+        return None
+    height = values if is_range else -values / AIR
+    told = VectorSeries(channel.name, time, height)
+    what = 'range' if is_range else 'pressure'
+    place = pose.position
+    return _build_pair(what, told, place.name, place.time, place.values[:, 2:], limits)
+
+
+def _differentiate(vector: VectorSeries) -> tuple[Array, Array]:
+    """Return the derivative between samples and its times."""
+    step = np.diff(vector.time)
+    return vector.time[:-1] + step / 2, np.diff(vector.values, axis=0) / step[:, None]
+
+
+def _interpolate_attitude(attitude: VectorSeries, times: Array) -> Rotation:
+    """Return attitudes at other times, between the samples linear in the quaternion."""
+    table, _ = interpolate_on_grid(attitude.time, attitude.values, times)
+    return Rotation.from_quat(table)
+
+
+LEAST = {
+    'rates': ('rad/s', 'turn_motion'),
+    'velocity': ('m/s', 'speed_motion'),
+    'force': ('m/s2', 'force_motion'),
+    'range': ('m', 'height_motion'),
+    'pressure': ('m', 'height_motion'),
+}
+
+
+def _build_pair(
+    what: str,
+    measured: VectorSeries,
+    derived_from: str,
+    time: Array,
+    derived: Array,
+    limits: QualityLimits,
+) -> MotionPair | None:
+    """Put two sides on one grid; None where they do not overlap for long enough."""
+    if len(time) < limits.least_samples or len(measured.time) < limits.least_samples:
+        return None
+    step = max(median_period(time), median_period(measured.time), FINEST)
+    begin, end = max(time[0], measured.time[0]), min(time[-1], measured.time[-1])
+    if not end - begin >= limits.pair_time:
+        return None
+    grid = build_even_grid(begin, end, step, len(time) + len(measured.time))
+    if not len(grid):
+        return None
+    weights = hann_kernel(limits.kernel, step)
+    left, there = interpolate_on_grid(measured.time, measured.values, grid)
+    right, also = interpolate_on_grid(time, derived, grid)
+    known = narrow_mask(there & also, weights)
+    if known.sum() * step < limits.pair_time:
+        return None
+    unit, least = LEAST[what]
+    axes = ('x', 'y', 'z') if measured.values.shape[1] == 3 else ('',)
+    return MotionPair(
+        what, measured.name, derived_from, unit, getattr(limits, least), grid,
+        smooth_columns(left, weights), smooth_columns(right, weights), known, axes,
+    )  # fmt: skip

@@ -1,0 +1,100 @@
+"""What the checks look at: the channels of one flight, and where they say they come from."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+import re
+from typing import Final, final
+
+from lta_data.bag.channels import read_all_channels, SignalChannel
+from lta_data.bag.recorded_flight import RecordedFlight
+from lta_data.bag.stamps import extract_stamp
+from lta_data.data_quality.roles import is_instrument_topic
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+TURNED: Final = re.compile(r'(.*orientation|.*rotation|quaternion)\.yaw$')
+FLOWN: Final = ('seed', 'scenario')  # what only a simulator can tell of a flight
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class ChannelRecording:
+    """
+    The data to judge; any subset of topics will do.
+
+    Attributes
+    ----------
+    channels : mapping of str to Channel
+        By name, as `lta_data.bag.channels` names them. A quaternion may be there as yaw, pitch
+        and roll, as x, y, z and w, or as both.
+    provenance : mapping of str to str
+        What the recording says of its origin.
+    arrivals : mapping of str to ndarray
+        Log time of each message by topic, on the channels' clock; what is left out is not judged.
+        [s]
+
+    """
+
+    channels: Mapping[str, SignalChannel]
+    provenance: Mapping[str, str] = field(default_factory=dict)
+    arrivals: Mapping[str, Array] = field(default_factory=dict)
+
+    @property
+    def is_simulated(self) -> bool:
+        """Whether the recording says that it was simulated."""
+        told = self.provenance
+        declared = told.get('data')  # what an import says of its source
+        return declared == 'simulated' or (declared is None and all(map(told.__contains__, FLOWN)))
+
+
+def read_recording(flight: RecordedFlight) -> tuple[ChannelRecording, list[str]]:
+    """Return a flight as the checks want it, and what could not be decoded."""
+    found = read_all_channels(flight)
+    channels = dict(found.channels)
+    topics = dict.fromkeys(channel.topic for channel in found.channels.values())
+    for topic in topics:
+        if is_instrument_topic(topic) or topic == 'odom':
+            channels |= read_quaternions(flight, topic, found.channels)
+    return ChannelRecording(
+        channels, flight.provenance, read_log_times(flight, list(topics))
+    ), found.remarks
+
+
+def read_log_times(flight: RecordedFlight, topics: list[str]) -> dict[str, Array]:
+    """Return the log times of each topic with stamps, since the first of each. [s]"""
+    prefix = f'/{flight.robot}/' if flight.robot else '/'
+    names = {topic if topic.startswith('/') else prefix + topic: topic for topic in topics}
+    times: dict[str, list[int]] = {}
+    stamped: dict[str, bool] = {}
+    for name, log_time, data in flight.bag.iterate_messages(list(names)):
+        if name not in stamped:
+            stamped[name] = extract_stamp(flight.bag.decode(name, data)) is not None
+        if stamped[name]:
+            times.setdefault(names[name], []).append(log_time)
+    return {topic: (np.array(rows) - rows[0]) * 1e-9 for topic, rows in times.items()}
+
+
+def read_quaternions(
+    flight: RecordedFlight, topic: str, channels: Mapping[str, SignalChannel]
+) -> dict[str, SignalChannel]:
+    """Return the raw parts of a topic's quaternions, which its channels tell as angles."""
+    paths = [
+        match[1]
+        for channel in channels.values()
+        if channel.topic == topic and (match := TURNED.match(channel.field))
+    ]
+    found: dict[str, SignalChannel] = {}
+    if not paths:
+        return found
+    series = flight.read_series(topic)
+    for path in paths:
+        known_there = np.isfinite(channels[f'{topic}/{path}.yaw'].values)
+        if not known_there.any():
+            continue  # declared unknown, or never filled in
+        for part in 'xyzw':
+            values = np.asarray(series[f'{path}.{part}'], dtype=np.float64)
+            name = f'{topic}/{path}.{part}'
+            kept = np.where(known_there, values, np.nan)
+            found[name] = SignalChannel(name, '1', series.time, kept)
+    return found

@@ -1,0 +1,100 @@
+"""The checks by the kind of their findings, and how they are put to a recording."""
+
+from dataclasses import dataclass
+from typing import Final, final
+
+from lta_data.data_quality.check_context import CheckContext
+from lta_data.data_quality.checks import (
+    axes,
+    clipping,
+    clocks,
+    constant_channels,
+    duplication,
+    freezes,
+    handling,
+    impossible_values,
+    noise_floor,
+    stamps,
+    units,
+)
+from lta_data.data_quality.finding import QualityFinding
+from lta_data.data_quality.limits import QualityLimits
+from lta_data.data_quality.protocol import QualityCheck
+from lta_data.data_quality.recording import ChannelRecording
+from lta_data.data_quality.roles import vector_name
+import numpy as np
+
+CHECKS: Final[dict[str, QualityCheck]] = {
+    constant_channels.KIND: constant_channels.find_constant_channels,
+    freezes.KIND: freezes.find_freezes,
+    clipping.KIND: clipping.find_clipping,
+    duplication.KIND: duplication.find_duplication,
+    impossible_values.KIND: impossible_values.find_impossible_values,
+    noise_floor.KIND: noise_floor.find_missing_noise,
+    units.KIND: units.find_wrong_units,
+    axes.KIND: axes.find_axis_errors,
+    clocks.KIND: clocks.find_clock_errors,
+    stamps.KIND: stamps.find_stamp_errors,
+    handling.KIND: handling.find_handling,
+}
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class QualityReport:
+    """
+    What the checks say of a recording.
+
+    Attributes
+    ----------
+    findings : tuple of Finding
+        By time.
+    unjudged : tuple of str
+        What could not be judged, and why.
+
+    """
+
+    findings: tuple[QualityFinding, ...]
+    unjudged: tuple[str, ...]
+
+    @property
+    def is_grave(self) -> bool:
+        """Whether anything is suspicious or cannot be true."""
+        return any(finding.is_grave for finding in self.findings)
+
+
+@np.errstate(over='ignore', invalid='ignore', divide='ignore')  # of absurd readings
+def run_checks(recording: ChannelRecording, limits: QualityLimits | None = None) -> QualityReport:
+    """
+    Put every check to a recording.
+
+    Parameters
+    ----------
+    recording : Recording
+        The data; any subset of topics.
+    limits : Limits, optional
+        Thresholds.
+
+    """
+    evidence = CheckContext(recording, limits or QualityLimits())
+    with np.errstate(invalid='ignore'):  # infinity is data: a range without a return
+        verdicts = [check(evidence) for check in CHECKS.values()]
+    found = [finding for verdict in verdicts for finding in verdict.findings]
+    kept = sorted(
+        remove_implied_findings(found), key=lambda finding: (finding.from_s, finding.channel)
+    )
+    return QualityReport(
+        tuple(kept), tuple(text for verdict in verdicts for text in verdict.unjudged)
+    )
+
+
+def remove_implied_findings(findings: list[QualityFinding]) -> list[QualityFinding]:
+    """Leave out what another finding explains: a wrong unit makes values impossible, too."""
+    other_unit = {
+        vector_name(finding.channel) for finding in findings if finding.kind == units.KIND
+    }
+    return [
+        finding
+        for finding in findings
+        if finding.kind != impossible_values.KIND or vector_name(finding.channel) not in other_unit
+    ]

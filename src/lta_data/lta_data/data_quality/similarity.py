@@ -1,0 +1,153 @@
+"""How two sides of a pair are alike: lag, correlation and factor, axis by axis."""
+
+from dataclasses import dataclass
+from typing import final
+
+from lta_data.data_quality.limits import QualityLimits
+from lta_data.data_quality.motion_pairs import MotionPair
+from lta_data.data_quality.smoothing import hann_kernel, narrow_mask, smooth_columns
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+SLOW = 3.0  # what takes longer is a trend [s]
+QUICK = 0.5  # of the least motion, that the quick part must have
+FINE = 0.5  # match of each moving axis with its own, above which nothing is asked
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class PairSimilarity:
+    """
+    How the left side of a pair follows the right one.
+
+    Attributes
+    ----------
+    lag : float
+        By how much the left side is late. [s]
+    correlation : ndarray, shape (k, k)
+        Of left axis i with right axis j at that lag; 0 where an axis does not move.
+    ratio : ndarray, shape (k, k)
+        Standard deviation of left axis i over that of right axis j.
+    match : ndarray, shape (k, k)
+        Concordance of left axis i with right axis j, which takes size into account (Lin 1989,
+        doi:10.2307/2532051, without means), after one common factor for all axes.
+    moving : ndarray of bool, shape (k,)
+        Which axes of the right side move enough to judge.
+    quick_at_lag, quick_at_zero : ndarray, shape (k,)
+        Correlation of what is quick in each axis with its own, at the lag and at none; 0 where
+        nothing is.
+
+    """
+
+    lag: float
+    correlation: Array
+    ratio: Array
+    match: Array
+    moving: NDArray[np.bool_]
+    quick_at_lag: Array
+    quick_at_zero: Array
+
+    @property
+    def axes_agree(self) -> bool:
+        """Whether each moving axis follows its own well enough to ask nothing."""
+        return bool((np.diag(self.match)[self.moving] > FINE).all())
+
+
+def robust_deviations(table: Array, valid: NDArray[np.bool_]) -> tuple[Array, Array]:
+    """Return columns less their means where known, 0 elsewhere, and their spreads."""
+    inside = table[valid]
+    # The loudest hundredth does not decide: one glitch of a tracker has more power than a flight.
+    low, high = np.percentile(inside, [0.5, 99.5], axis=0)
+    margin = 0.5 * (high - low)
+    kept = np.clip(table, low - margin, high + margin)
+    kept = np.where(valid[:, None], kept - kept[valid].mean(axis=0), 0.0)
+    return kept, np.sqrt((kept**2).sum(axis=0) / max(1, valid.sum()))
+
+
+def high_pass_pair(pair: MotionPair) -> tuple[Array, Array, Array, Array]:
+    """
+    Return the quick part of both sides, each axis scaled to one, and its spreads.
+
+    What changes within seconds carries the time; a trend correlates at any lag.
+    """
+    weights = hann_kernel(SLOW, pair.step)
+    # Near an end the trend is a guess, and the same wrong one on both sides.
+    inside = narrow_mask(pair.known, weights)
+    known = inside if inside.sum() * pair.step > SLOW else pair.known
+    left, right = (
+        robust_deviations(table - smooth_columns(table, weights), known)
+        for table in (pair.left, pair.right)
+    )
+    one, two = (side / np.where(size > 0.0, size, 1.0) for side, size in (left, right))
+    return one, two, left[1], right[1]
+
+
+def lagged_products(left: Array, right: Array, most: int) -> Array:
+    """Return sums of left_i[t + lag] right_j[t] over t by lag -most..most, shape (2m+1, i, j)."""
+    size = 1 << int(len(left) + most).bit_length()
+    ahead = np.fft.rfft(left, size, axis=0)[:, :, None]
+    behind = np.conj(np.fft.rfft(right, size, axis=0))[:, None, :]
+    found = np.fft.irfft(ahead * behind, size, axis=0)
+    return np.concatenate((found[-most:], found[: most + 1]))
+
+
+def estimate_lag(left: Array, right: Array, step: float, search: float) -> float:
+    """
+    Return by how much the left side is late, by the largest correlation of either sign. [s]
+
+    An axis of the right side may be found in any axis of the left one.
+
+    Parameters
+    ----------
+    left, right : ndarray, shape (n, k)
+        Deviations, 0 where unknown, each column scaled to what it shall weigh.
+    step, search : float
+        Of the grid, and furthest lag. [s]
+
+    """
+    most = max(1, min(round(search / step), len(left) // 2))
+    total = np.abs(lagged_products(left, right, most)).max(axis=1).sum(axis=1)
+    best = int(np.argmax(total))
+    if 0 < best < 2 * most:
+        before, at, after = total[best - 1 : best + 2]
+        bend = before - 2 * at + after
+        part = 0.0 if bend >= 0 else float(0.5 * (before - after) / bend)
+        return (best - most + part) * step
+    return (best - most) * step
+
+
+def measure_similarity(pair: MotionPair, limits: QualityLimits) -> PairSimilarity | None:
+    """Return how the sides are alike; None where the right side hardly moves."""
+    left, left_size = robust_deviations(pair.left, pair.known)
+    right, right_size = robust_deviations(pair.right, pair.known)
+    moving = (right_size > pair.least) & (left_size > 0.0)
+    if not moving.any():
+        return None
+    unit_left = left / np.where(left_size > 0.0, left_size, 1.0)
+    unit_right = right / np.where(right_size > 0.0, right_size, 1.0)
+    quick_left, quick_right, _, quick_size = high_pass_pair(pair)
+    heard = moving & (quick_size > QUICK * pair.least)
+    lag = 0.0
+    if heard.any():
+        lag = estimate_lag(quick_left, quick_right[:, heard], pair.step, limits.clock_search)
+    count = max(1, int(pair.known.sum()))
+    moved = round(lag / pair.step)
+    correlation = np.roll(unit_left, -moved, axis=0).T @ unit_right / count
+    ratio = left_size[:, None] / np.where(right_size > 0.0, right_size, np.inf)[None, :]
+    common = float(np.linalg.norm(left_size) / np.linalg.norm(right_size))
+    relative = ratio / common
+    match = 2.0 * correlation * relative / (1.0 + relative**2)
+    return PairSimilarity(
+        lag, correlation, ratio, match, moving,
+        quick_at_lag=_axis_correlation(np.roll(quick_left, -moved, axis=0), quick_right, heard),
+        quick_at_zero=_axis_correlation(quick_left, quick_right, heard),
+    )  # fmt: skip
+
+
+def _axis_correlation(left: Array, right: Array, active: NDArray[np.bool_]) -> Array:
+    """Return the correlation of each axis with its own; 0 where it is not heard."""
+    size = np.linalg.norm(left, axis=0) * np.linalg.norm(right, axis=0)
+    return np.where(
+        active & (size > 0.0), (left * right).sum(axis=0) / np.maximum(size, 1e-300), 0.0
+    )

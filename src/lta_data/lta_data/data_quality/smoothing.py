@@ -1,0 +1,66 @@
+"""Channels on one even grid, smoothed alike, so that derivatives can be compared."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+HOLE = 4.0  # periods without a sample, from which on nothing is known
+
+
+def sort_samples(time: Array, values: Array) -> tuple[Array, Array]:
+    """Return samples with rising time and finite values only; values may have columns."""
+    good = np.isfinite(time) & np.isfinite(values.reshape(len(values), -1)).all(axis=1)
+    time, values = time[good], values[good]
+    if len(time) > 1 and (np.diff(time) <= 0.0).any():
+        rising = time > np.concatenate(([-np.inf], np.maximum.accumulate(time)[:-1]))
+        time, values = time[rising], values[rising]
+    return time, values
+
+
+def median_period(time: Array) -> float:
+    """Return the usual time between samples; NaN for fewer than two. [s]"""
+    return float(np.median(np.diff(time))) if len(time) > 1 else float('nan')
+
+
+def interpolate_on_grid(
+    time: Array, values: Array, grid: Array
+) -> tuple[Array, NDArray[np.bool_]]:
+    """
+    Return values on a grid, linearly between samples, and where they are known.
+
+    Parameters
+    ----------
+    time : ndarray, shape (n,)
+        Rising. [s]
+    values : ndarray, shape (n, k)
+    grid : ndarray, shape (m,)
+        [s]
+
+    """
+    table = np.stack([np.interp(grid, time, column) for column in values.T], axis=1)
+    after = np.clip(np.searchsorted(time, grid), 1, len(time) - 1)
+    width = time[after] - time[after - 1]
+    inside = (grid >= time[0]) & (grid <= time[-1])
+    return table, inside & (width <= HOLE * median_period(time))
+
+
+def hann_kernel(width: float, step: float) -> Array:
+    """Return a Hann window of a width, which sums to one; odd, at least three long."""
+    half = max(1, round(width / step / 2))
+    window = np.hanning(2 * half + 3)[1:-1]
+    return np.asarray(window / window.sum(), dtype=np.float64)
+
+
+def smooth_columns(table: Array, weights: Array) -> Array:
+    """Return columns convolved with a kernel; the ends repeat the last value."""
+    half = len(weights) // 2
+    wide = np.pad(table, ((half, half), (0, 0)), mode='edge')
+    return np.stack([np.convolve(column, weights, mode='valid') for column in wide.T], axis=1)
+
+
+def narrow_mask(valid: NDArray[np.bool_], weights: Array, times: int = 1) -> NDArray[np.bool_]:
+    """Return where a smoothed value is made of known ones only."""
+    reach = times * (len(weights) // 2) + 1
+    bad = np.convolve(~valid, np.ones(2 * reach + 1), mode='same') > 0.5
+    bad[:reach] = bad[-reach:] = True
+    return ~bad

@@ -1,0 +1,65 @@
+"""Which values a quantity can have at all: declared by channel, with the reason."""
+
+import re
+from typing import Final, NamedTuple
+
+
+class ValidRange(NamedTuple):
+    """The values that a channel can have; a value outside cannot be, whatever the flight."""
+
+    names: re.Pattern[str]
+    low: float
+    high: float
+    reason: str
+
+
+INFINITE: Final = float('inf')
+RANGES: Final = (
+    ValidRange(re.compile(r'^motors/effort\.|^motors/effort\['), -1.0, 1.0, 'a duty is -1 to 1'),
+    ValidRange(re.compile(r'(^|/)range/range$'), 0.0, INFINITE, 'a distance is not negative'),
+    ValidRange(
+        re.compile(r'(^|/)illuminance/illuminance$'),
+        0.0,
+        2e5,
+        'light is not negative, and the sun gives 1.3e5 lx',
+    ),
+    ValidRange(re.compile(r'/percentage$'), 0.0, 1.0, 'a charge is a share'),
+    ValidRange(re.compile(r'/fluid_pressure$'), 3e4, 1.1e5, 'air of the lowest 9 km'),
+    ValidRange(
+        re.compile(r'linear_acceleration\.[xyz]$'), -320.0, 320.0, 'no such sensor goes past 32 g'
+    ),
+    ValidRange(
+        re.compile(r'angular(_velocity)?\.[xyz]$'), -70.0, 70.0, 'no gyroscope tells 4000 deg/s'
+    ),
+    ValidRange(re.compile(r'linear\.[xyz]$'), -60.0, 60.0, 'no craft flown in a room is so fast'),
+    ValidRange(
+        re.compile(r'\.(yaw|pitch|roll)$'), -7.0, 7.0, 'an angle in radians within one turn'
+    ),
+    ValidRange(re.compile(r'^light/peaks/snr\['), 0.0, INFINITE, 'a ratio of powers'),
+    ValidRange(re.compile(r'/temperature$'), -60.0, 150.0, 'nothing flies colder or hotter'),
+)
+COUNTS: Final = re.compile(r'^photodiodes/(min|max|mean)\[|^light/peaks/amplitude\[')
+SPREAD: Final = re.compile(r'^photodiodes/std\[')
+# Of one cell and of packs; between 4.4 and 5 V and below 2.5 V there is none. [V]
+CELLS: Final = ((2.5, 4.4), (5.0, 61.0))
+
+
+def build_light_ranges(top: float | None) -> tuple[ValidRange, ...]:
+    """
+    Return what readings of light can be.
+
+    Parameters
+    ----------
+    top : float or None
+        Largest reading of the converter, which the vehicle file tells; None where nobody does.
+        [counts]
+
+    """
+    if top is None:
+        return tuple(
+            ValidRange(n, 0.0, INFINITE, 'a count is not negative') for n in (COUNTS, SPREAD)
+        )
+    return (
+        ValidRange(COUNTS, 0.0, top, f'the converter counts from 0 to {top:.0f}'),
+        ValidRange(SPREAD, 0.0, (top + 1.0) / 2.0, f'the converter spans {top + 1.0:.0f} counts'),
+    )

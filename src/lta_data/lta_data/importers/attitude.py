@@ -1,0 +1,98 @@
+"""Attitudes in all the forms that people log, as quaternions x, y, z, w."""
+
+from collections.abc import Callable, Sequence
+
+from lta_config.schema.import_file import OrientationField
+from lta_data.importers.axes import attitude_matrix
+from lta_data.importers.log_table import LogTable, Numbers
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+
+def compute_quaternions(convention: OrientationField, table: LogTable) -> Numbers:
+    """
+    Return the attitude of each row from their body to their world.
+
+    Parameters
+    ----------
+    given : Orientation
+        Which columns, and by what convention.
+    table : Table
+        The rows.
+
+    Returns
+    -------
+    ndarray, shape (n, 4)
+        x, y, z, w. A quaternion's numbers are those of the log, not normalised; another form is
+        NaN where one of its numbers is, and a matrix that is no rotation becomes the nearest one.
+
+    """
+    numbers = np.stack([table.columns[name] for name in convention.columns], axis=1)
+    if convention.quaternion is not None:
+        found = numbers if convention.order == 'xyzw' else numbers[:, [1, 2, 3, 0]]
+    elif convention.euler is not None:
+        angles = numbers * np.asarray(convention.signs or [1] * numbers.shape[1], dtype=np.float64)
+        found = _finite_quaternions(
+            angles,
+            lambda rows: Rotation.from_euler(
+                convention.sequence, rows, degrees=convention.unit == 'deg'
+            ),
+        )
+    elif convention.rotation_vector is not None:
+        found = _finite_quaternions(
+            numbers, lambda rows: Rotation.from_rotvec(rows, degrees=convention.unit == 'deg')
+        )
+    else:
+        found = _finite_quaternions(
+            numbers, lambda rows: Rotation.from_matrix(rows.reshape(-1, 3, 3))
+        )
+    if convention.direction == 'world to body':
+        found = found * np.array([-1.0, -1.0, -1.0, 1.0])
+    return found
+
+
+def convert_attitude(
+    attitude: Numbers, world: Sequence[str] | None, body: Sequence[str] | None
+) -> Numbers:
+    """Return attitudes between their axes as attitudes from FLU to ENU, shape (n, 4)."""
+    if world is None and body is None:
+        return attitude
+    return apply_matrix(attitude, attitude_matrix(world, body))
+
+
+def apply_matrix(vectors: Numbers, by: Numbers) -> Numbers:
+    """Return rows times a matrix; what is picked alone stays as it is, to the last bit."""
+    result = np.zeros((len(vectors), len(by)))
+    for row, weights in enumerate(by):
+        for column in np.flatnonzero(weights):
+            result[:, row] += vectors[:, column] * weights[column]
+    return result
+
+
+def rotate_into_body(vectors: Numbers, attitude: Numbers) -> Numbers:
+    """
+    Return vectors of the world in the body.
+
+    Parameters
+    ----------
+    vectors : ndarray, shape (n, 3)
+        In the world.
+    attitude : ndarray, shape (n, 4)
+        Body to world; NaN or zero gives NaN.
+
+    """
+    length = np.linalg.norm(attitude, axis=1)
+    usable = np.isfinite(length) & (length > 0.0)
+    result = np.full((len(vectors), 3), np.nan)
+    if usable.any():
+        result[usable] = Rotation.from_quat(attitude[usable]).apply(vectors[usable], inverse=True)
+    return result
+
+
+def _finite_quaternions(numbers: Numbers, rotations: Callable[[Numbers], Rotation]) -> Numbers:
+    """Return the quaternions of the rows that are whole, NaN for the others."""
+    result = np.full((len(numbers), 4), np.nan)
+    whole = np.isfinite(numbers).all(axis=1)
+    if whole.any():
+        result[whole] = rotations(numbers[whole]).as_quat()
+    return result

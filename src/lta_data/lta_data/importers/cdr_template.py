@@ -1,0 +1,133 @@
+"""
+Many messages of one type at once: where each number stands in the CDR, and whole arrays put there.
+
+Messages of one topic of an import differ in their numbers alone: their texts and the lengths of
+their lists are the same. So one message is laid out, and the others are copies of it with numbers
+written into fixed places. CDR as in `lta_bridge.cdr`.
+"""
+
+from collections.abc import Mapping, Sequence
+import struct
+from typing import Any, final
+
+from lta_bridge.bag.schemas import load_jazzy_types
+from lta_bridge.cdr import BASE, ENCAPSULATION
+import numpy as np
+from numpy.typing import NDArray
+from rosbags.interfaces import Nodetype
+
+TYPES = {'bool': '?', 'byte': 'u1', 'char': 'u1', 'octet': 'u1'}  # numpy knows the others by name
+Given = Mapping[str, Sequence[str] | str | float]
+
+
+@final
+class CdrTemplate:
+    """
+    The bytes of one message of a type of ROS 2 Jazzy, and the places of its numbers.
+
+    Parameters
+    ----------
+    type_name : str
+        For example 'nav_msgs/msg/Odometry'.
+    given : mapping of str to text, number or list of texts
+        What is the same in all messages, by path: 'header.frame_id', 'name'.
+    lengths : mapping of str to int
+        Lengths of the lists of numbers, by path; 0 where nothing is said.
+
+    Attributes
+    ----------
+    places : dict of str to (int, dtype)
+        Offset and type of each number by path: 'pose.pose.position.x', 'effort[0]'.
+
+    """
+
+    def __init__(
+        self, type_name: str, given: Given, lengths: Mapping[str, int] | None = None
+    ) -> None:
+        self._given = given
+        self._lengths = lengths or {}
+        self._bytes = bytearray(ENCAPSULATION)
+        self.places: dict[str, tuple[int, np.dtype[Any]]] = {}
+        self._lay_message(type_name, '')
+        self._align(4)
+
+    @property
+    def size(self) -> int:
+        """Size of every message. [bytes]"""
+        return len(self._bytes)
+
+    def fill_messages(self, count: int, numbers: Mapping[str, Any]) -> bytes:
+        """
+        Return messages one after the other.
+
+        Parameters
+        ----------
+        count : int
+            How many.
+        numbers : mapping of str to array_like, shape (count,) or ()
+            By path; what is not named is as in the first layout.
+
+        Returns
+        -------
+        bytes
+            `count` times `size` of them.
+
+        """
+        kind = np.dtype(
+            {
+                'names': list(numbers),
+                'formats': [self.places[path][1] for path in numbers],
+                'offsets': [self.places[path][0] for path in numbers],
+                'itemsize': self.size,
+            }
+        )
+        raw: NDArray[np.uint8] = np.tile(np.frombuffer(self._bytes, dtype=np.uint8), count)
+        rows = raw.view(kind)
+        for path, values in numbers.items():
+            rows[path] = values
+        return raw.tobytes()
+
+    def _lay_message(self, type_name: str, prefix: str) -> None:
+        """Lay out all fields of a message, one behind the other."""
+        for name, (node, told) in load_jazzy_types().fielddefs[type_name][1]:
+            path = f'{prefix}{name}'
+            if node == Nodetype.NAME:
+                self._lay_message(str(told), f'{path}.')
+            elif node == Nodetype.BASE:
+                self._lay_base(str(told[0]), path)
+            else:
+                item, length = told[0], int(told[1])
+                self._lay_items(str(item[1][0]), path, node == Nodetype.ARRAY, length)
+
+    def _lay_base(self, kind: str, path: str) -> None:
+        """Lay out one text or number."""
+        if kind == 'string':
+            self._lay_text(str(self._given.get(path, '')))
+            return
+        number = np.dtype(TYPES.get(kind, kind)).newbyteorder('<')
+        self._align(number.itemsize)
+        self.places[path] = (len(self._bytes), number)
+        self._bytes += np.array(self._given.get(path, 0), dtype=number).tobytes()
+
+    def _lay_items(self, kind: str, path: str, fixed: bool, length: int) -> None:
+        """Lay out an array, or the length of a list and its items."""
+        texts = self._given.get(path, ())
+        if not fixed:
+            length = len(texts) if isinstance(texts, Sequence) and texts else 0
+            length = length or self._lengths.get(path, 0)
+            self._align(4)
+            self._bytes += struct.pack('<I', length)
+        for index in range(length):
+            if kind == 'string' and isinstance(texts, Sequence):
+                self._lay_text(texts[index])
+            else:
+                self._lay_base(kind, f'{path}[{index}]')
+
+    def _lay_text(self, text: str) -> None:
+        data = text.encode()
+        self._align(4)
+        self._bytes += struct.pack('<I', len(data) + 1) + data + b'\0'
+
+    def _align(self, size: int) -> None:
+        """Fill up with zeros to a multiple of a size, counted from behind the encapsulation."""
+        self._bytes += bytes(-(len(self._bytes) - BASE) % size)

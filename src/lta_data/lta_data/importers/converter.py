@@ -1,0 +1,272 @@
+"""Rows of a log as the messages of one topic: units, axes and places, and nothing else changed."""
+
+from collections.abc import Sequence
+from typing import Any, final, NamedTuple
+
+from lta_config.errors import BadInput
+from lta_config.quantity import UNITS
+from lta_config.schema.import_file import OrientationField, ScalarField, VectorField
+from lta_data.importers.attitude import compute_quaternions, convert_attitude, rotate_into_body
+from lta_data.importers.axes import convert_vectors
+from lta_data.importers.cdr_template import CdrTemplate
+from lta_data.importers.entry_plan import EntryPlan
+from lta_data.importers.log_table import LogTable, Numbers, Times
+from lta_data.importers.message_parts import CHILD, JOINT_DIMENSIONS, JOINTS, MessagePart
+import numpy as np
+
+UNKNOWN = -1.0
+LATEST = 2**31 * 1_000_000_000  # ROS counts the seconds of a stamp in 32 bits [ns]
+CONSTANT = {  # what a message says of itself beside its numbers
+    'sensor_msgs/msg/BatteryState': {'present': 1},
+    'sensor_msgs/msg/Range': {'radiation_type': 1},  # infrared, as all that is on our topic
+}
+NOBODY = {'sensor_msgs/msg/BatteryState': ('design_capacity',)}  # NaN where nobody knows
+
+
+class ValueOutOfBounds(BadInput):
+    """A number of the log lies where the mapping says that none can."""
+
+
+@final
+class ConvertedMessages(NamedTuple):
+    """
+    Messages of one topic.
+
+    `order` and `log_times` have one number a message; `data` has their bytes, `size` each; `rows`
+    says from which rows of the table they are.
+    """
+
+    topic: str
+    order: Times
+    log_times: Times
+    data: bytes
+    size: int
+    rows: Times
+
+
+@final
+class TopicConverter:
+    """
+    Turns tables into the messages of one topic.
+
+    Parameters
+    ----------
+    plan : Plan
+        What is asked for.
+
+    Attributes
+    ----------
+    without : int
+        Rows left out so far because no cell of the topic's columns held anything.
+    excluded : int
+        Rows left out so far by the mapping's `where`.
+    silent : list of str
+        Actuators left out because they never had a number.
+
+    """
+
+    def __init__(self, plan: EntryPlan) -> None:
+        self.plan = plan
+        self.without = self.excluded = 0
+        self.silent: list[str] = []
+        self._layout: CdrTemplate | None = None
+
+    def convert(self, table: LogTable) -> ConvertedMessages:
+        """
+        Return the messages of some rows.
+
+        Raises
+        ------
+        BadInput
+            If a time cannot be a stamp, or a number is out of the mapping's bounds.
+
+        """
+        rows = self._select_rows(table)
+        kept = np.flatnonzero(rows)
+        chosen = table.select_rows(rows)
+        _check_stamps(chosen, self.plan.topic)
+        numbers: dict[str, Any] = {
+            'header.stamp.sec': chosen.stamps // 1_000_000_000,
+            'header.stamp.nanosec': chosen.stamps % 1_000_000_000,
+        }
+        if self.plan.target.type_name == JOINTS:
+            numbers |= self._convert_joints(chosen)
+        else:
+            numbers |= self._convert_parts(chosen)
+        layout = self._ensure_layout()
+        data = layout.fill_messages(len(chosen), numbers)
+        order, times = chosen.order, chosen.log_times
+        return ConvertedMessages(self.plan.topic, order, times, data, layout.size, kept)
+
+    def _select_rows(self, table: LogTable) -> Any:  # noqa: ANN401 - an array of bool
+        """Return which rows become messages."""
+        entry = self.plan.entry
+        fits = np.ones(len(table), dtype=np.bool_)
+        for name, wanted in entry.where.items():
+            fits &= table.columns[name] == wanted
+        self.excluded += int((~fits).sum())
+        told = [name for name in entry.columns if name not in entry.where]
+        if not told or any(name not in table.empty for name in told):
+            return fits
+        nothing = np.logical_and.reduce([table.empty[name] for name in told])
+        self.without += int((nothing & fits).sum())
+        return fits & ~nothing
+
+    def _ensure_layout(self) -> CdrTemplate:
+        """Return the layout of the messages, made once the actuators are known."""
+        if self._layout is None:
+            type_name, frame = self.plan.target
+            given: dict[str, Any] = {'header.frame_id': frame, **CHILD.get(type_name, {})}
+            given |= CONSTANT.get(type_name, {})
+            given |= dict.fromkeys(NOBODY.get(type_name, ()), np.nan)
+            names = self._list_actuators()
+            told = {field for name, field, _ in self.plan.iterate_joints() if name in names}
+            lengths = {field: len(names) for field in told}
+            if names:
+                given['name'] = names
+            self._layout = CdrTemplate(type_name, given, lengths)
+        return self._layout
+
+    def _list_actuators(self) -> list[str]:
+        return [name for name in self.plan.entry.actuators or {} if name not in self.silent]
+
+    def _convert_joints(self, table: LogTable) -> dict[str, Any]:
+        """Return the numbers of the actuators; what one of them is not told is NaN."""
+        told = {
+            (name, field): _convert_number(given, table, 1.0)
+            for name, field, given in self.plan.iterate_joints()
+        }
+        if self.plan.entry.drop_empty and self._layout is None:
+            heard = {name for (name, _), values in told.items() if not np.isnan(values).all()}
+            self.silent = [name for name in self._list_actuators() if name not in heard]
+        names = self._list_actuators()
+        fields = {field for name, field in told if name in names}
+        return {
+            f'{field}[{index}]': told.get((name, field), np.nan)
+            for field in JOINT_DIMENSIONS
+            if field in fields
+            for index, name in enumerate(names)
+        }
+
+    def _convert_parts(self, table: LogTable) -> dict[str, Any]:
+        """Return the numbers of a message's parts by path."""
+        plan, parts = self.plan, self.plan.entry.parts
+        numbers: dict[str, Any] = {}
+        attitude = None
+        if plan.entry.orientation is not None:
+            theirs = compute_quaternions(plan.entry.orientation, table)
+            attitude = convert_attitude(theirs, plan.world, plan.body)
+        for name, part in plan.parts.items():
+            given = parts.get(name)
+            if given is None:
+                numbers |= _fill_unknown(part)
+            elif isinstance(given, OrientationField):
+                numbers |= _split_columns(part, attitude, 'xyzw')
+            elif isinstance(given, VectorField):
+                numbers |= _split_columns(
+                    part, _convert_vector(given, part, plan, table, attitude), 'xyz'
+                )
+            else:
+                numbers[part.place] = _convert_number(given, table, part.share)
+        return numbers
+
+
+def _fill_unknown(part: MessagePart) -> dict[str, Any]:
+    """Return a part that nobody told: NaN, and -1 in its covariance; an attitude of zeros."""
+    found: dict[str, Any] = {part.unknown: UNKNOWN} if part.unknown else {}
+    if part.kind == 'number':
+        return found | {part.place: np.nan}
+    if part.kind == 'attitude':
+        return found | {f'{part.place}.{axis}': 0.0 for axis in 'xyzw'}
+    return found | {f'{part.place}.{axis}': np.nan for axis in 'xyz'}
+
+
+def _split_columns(part: MessagePart, values: Numbers | None, axes: str) -> dict[str, Any]:
+    """Return the columns of an array by path."""
+    if values is None:
+        return {}
+    return {f'{part.place}.{axis}': values[:, index] for index, axis in enumerate(axes)}
+
+
+def _convert_number(scalar: ScalarField, table: LogTable, share: float) -> Numbers:
+    """Return one number a row, in the message's unit."""
+    if scalar.value is not None or scalar.column is None:
+        constant = scalar.value.si if scalar.value is not None else np.nan
+        return np.full(len(table), constant * share)
+    return scale_column(scalar, table.columns[scalar.column], scalar.column, table.first) * share
+
+
+def _convert_vector(
+    vector: VectorField,
+    part: MessagePart,
+    plan: EntryPlan,
+    table: LogTable,
+    attitude: Numbers | None,
+) -> Numbers:
+    """Return three numbers a row, in our axes."""
+    frame = vector.frame or part.frame
+    if vector.value is not None or vector.columns is None:
+        constant = vector.value.vector if vector.value is not None else (np.nan,) * 3
+        values = np.tile(np.asarray(constant, dtype=np.float64), (len(table), 1))
+    else:
+        scaled_columns = [
+            scale_column(vector, table.columns[name], name, table.first) for name in vector.columns
+        ]
+        values = np.stack(scaled_columns, axis=1)
+    found = convert_vectors(values, plan.find_axes(frame), axial=part.kind == 'axial')
+    if frame != part.frame and attitude is not None:
+        return rotate_into_body(found, attitude)
+    return found
+
+
+def scale_column(
+    source: ScalarField | VectorField, raw: Numbers, column: str, first: int
+) -> Numbers:
+    """
+    Return a column in SI: (number + offset) * scale / over, in its unit.
+
+    Parameters
+    ----------
+    given : Scalar or Vector
+        How the log has it.
+    raw : ndarray, shape (n,)
+        The log's numbers.
+    column : str
+        Its name, for messages.
+    first : int
+        Rows of the log before these.
+
+    Raises
+    ------
+    OutOfBounds
+        If a number lies where the mapping says that none can.
+
+    """
+    values = raw if source.missing is None else np.where(raw == source.missing, np.nan, raw)
+    if source.within is not None:
+        low, high = source.within
+        wrong = np.flatnonzero((values < low) | (values > high))
+        if len(wrong):
+            raise ValueOutOfBounds(
+                f"Column '{column}' has {values[wrong[0]]:.6g} in row {first + wrong[0] + 1}, but "
+                f'the mapping says that it lies from {low:g} to {high:g}; correct its unit.'
+            )
+    if source.offset:
+        values = values + source.offset
+    factor = source.scale * UNITS[source.unit][1]
+    if factor != 1.0:
+        values = values * factor
+    return values if source.over == 1.0 else values / source.over
+
+
+def _check_stamps(table: LogTable, topic: str) -> None:
+    """Refuse times that ROS cannot write down."""
+    stamps: Sequence[Times] = (table.stamps, table.log_times)
+    for times in stamps:
+        wrong = np.flatnonzero((times < 0) | (times >= LATEST))
+        if len(wrong):
+            seconds = times[wrong[0]] * 1e-9
+            raise BadInput(
+                f"Row {table.first + wrong[0] + 1} of '{topic}' is at {seconds:.6g} s, which ROS "
+                'cannot stamp; correct the unit of the time, or give a "start" that is added.'
+            )

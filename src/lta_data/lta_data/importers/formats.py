@@ -1,0 +1,134 @@
+"""The formats that can be imported, and how a file is recognised: by what is in it."""
+
+from collections.abc import Callable
+import gzip
+from pathlib import Path
+from typing import final, NamedTuple
+import zlib
+
+from lta_bridge.bag.records import MAGIC as MCAP
+from lta_config.errors import BadInput, unknown_name
+from lta_config.schema.import_file import ImportMapping as MappingFile
+from lta_data.importers.protocol import LogReader
+from lta_data.importers.readers import crazyflie_usd, csv_text, mcap_bag, px4_ulog, rosbags_bag
+from lta_data.importers.readers.line_stream import GZIP
+
+HEAD = 4096  # bytes looked at
+ULOG = b'ULog\x01\x12\x35'
+SQLITE = b'SQLite format 3\0'
+ROS1 = b'#ROSBAG V'
+USD = bytes([crazyflie_usd.MAGIC])
+
+
+@final
+class LogFormat(NamedTuple):
+    """
+    One format.
+
+    Attributes
+    ----------
+    about : str
+        What it is, for people.
+    mapping : str or None
+        The shipped mapping for logs in which every maker uses the same names.
+    opened : callable
+        Returns an opened log; `BadInput` if the file is none of this format. Without a mapping
+        only bags can be opened, whose messages have names and units.
+
+    """
+
+    about: str
+    mapping: str | None
+    opened: Callable[[Path, MappingFile | None], LogReader]
+
+
+def _open_csv(path: Path, mapping: MappingFile | None) -> LogReader:
+    assert mapping is not None  # `choice` has found or refused one
+    return csv_text.CsvLog(path, mapping)
+
+
+def _open_bag(path: Path, mapping: MappingFile | None) -> LogReader:
+    if _is_mcap(path):
+        return mcap_bag.open_mcap_log(path, mapping)
+    return rosbags_bag.open_rosbags_log(path, mapping)
+
+
+FORMATS: dict[str, LogFormat] = {
+    'csv': LogFormat('text with columns, also compressed with gzip', None, _open_csv),
+    'usd': LogFormat(
+        "a log from a Crazyflie's SD card", 'crazyflie_usd', crazyflie_usd.open_usd_log
+    ),
+    'ulog': LogFormat('a ULog of PX4', 'px4', px4_ulog.open_ulog),
+    'bag': LogFormat('a bag of ROS 2 (MCAP or SQLite) or ROS 1', None, _open_bag),
+}
+
+
+def detect_format(path: Path) -> str:
+    """
+    Return the format of a file or folder, found from its content.
+
+    Raises
+    ------
+    BadInput
+        If it is not there, is empty, or is none of the formats.
+
+    """
+    if not path.exists():
+        raise BadInput(f"'{path}' does not exist; give a file or a bag's folder.")
+    if path.is_dir():
+        if any(path.glob('*.mcap')) or any(path.glob('*.db3')):
+            return 'bag'
+        raise BadInput(f"Folder '{path}' holds no bag; give the files in it one by one.")
+    if not path.is_file():
+        raise BadInput(f"'{path}' is no plain file; give a file or a bag's folder.")
+    head = _read_head(path)
+    if not head:
+        raise BadInput(f"'{path}' is empty; nothing to import.")
+    if head.startswith((MCAP, SQLITE, ROS1)):
+        return 'bag'
+    if head.startswith(ULOG):
+        return 'ulog'
+    if head.startswith(USD):
+        return 'usd'
+    if _is_text(head):
+        return 'csv'
+    known = '; '.join(f'{name}: {format_.about}' for name, format_ in FORMATS.items())
+    raise BadInput(f"'{path}' is of no known format ({known}); convert it to one.")
+
+
+def find_format(name: str) -> LogFormat:
+    """Return a format; an unknown name is a `BadInput` that lists the known ones."""
+    if name not in FORMATS:
+        raise unknown_name('format', name, list(FORMATS))
+    return FORMATS[name]
+
+
+def _read_head(path: Path) -> bytes:
+    """Return the beginning of a file, decompressed."""
+    try:
+        with path.open('rb') as stream:
+            head = stream.read(HEAD)
+        if head.startswith(GZIP):
+            with gzip.open(path) as unpacked:
+                return unpacked.read(HEAD)
+    except (OSError, EOFError, zlib.error) as error:
+        raise BadInput(f"'{path}' cannot be read ({error}).") from None
+    return head
+
+
+def _is_text(head: bytes) -> bool:
+    """Tell whether bytes are text; the last character may be cut in two."""
+    if b'\0' in head:
+        return False
+    try:
+        head.decode('utf-8')
+    except UnicodeDecodeError as error:
+        return len(head) == HEAD and error.start >= HEAD - 4
+    return True
+
+
+def _is_mcap(path: Path) -> bool:
+    if path.is_dir():
+        return any(path.glob('*.mcap'))
+    with path.open('rb') as stream:
+        return stream.read(len(MCAP)) == MCAP

@@ -1,0 +1,79 @@
+"""What an imported bag says of its origin: the file, how it was read, and what it is."""
+
+from datetime import datetime, UTC
+import hashlib
+from pathlib import Path
+
+from lta_bridge.provenance import read_commit
+from lta_config.files import find_file
+from lta_config.schema.import_file import ImportMapping
+from lta_config.version import VERSION
+
+BLOCK = 1 << 20
+
+
+def build_provenance(
+    source: Path, format_: str, mapping: ImportMapping | None, text: str, vehicle: str | None
+) -> dict[str, str]:
+    """
+    Return the provenance of an imported bag.
+
+    Parameters
+    ----------
+    source : Path
+        What was imported.
+    format_ : str
+        Its format.
+    mapping : Mapping or None
+        How it was read.
+    text : str
+        The whole mapping file.
+    vehicle : str or None
+        The vehicle that flew, by name or file.
+
+    """
+    told = {
+        'source': source.name,
+        'source_sha256': source_digest(source),
+        'source_size': str(source_size(source)),
+        'format': format_,
+        'importer': f'lta import {VERSION}',
+        'data': 'measured' if mapping is None else mapping.data,
+        'commit': read_commit(),
+        'created': datetime.now(UTC).isoformat(timespec='seconds'),
+    }
+    if mapping is not None:
+        told |= {'mapping': mapping.name, 'mapping_file': text}
+    if vehicle is not None:
+        path = find_file('vehicle', vehicle)
+        told |= {'vehicle': vehicle, 'vehicle_file': path.read_text(encoding='utf-8')}
+    return told
+
+
+def list_source_files(source: Path) -> list[Path]:
+    """Return the files that a source is made of."""
+    if not source.is_dir():
+        return [source]
+    return sorted(path for path in source.rglob('*') if path.is_file())
+
+
+def source_size(source: Path) -> int:
+    """Return the size of a file, or of all files in a folder. [bytes]"""
+    return sum(path.stat().st_size for path in list_source_files(source))
+
+
+def source_digest(source: Path) -> str:
+    """Return the SHA-256 of a file; of a folder, one line a file as `sha256sum` writes them."""
+    if not source.is_dir():
+        return _hash_file(source)
+    return '\n'.join(
+        f'{_hash_file(path)}  {path.relative_to(source)}' for path in list_source_files(source)
+    )
+
+
+def _hash_file(path: Path) -> str:
+    found = hashlib.sha256()
+    with path.open('rb') as stream:
+        while block := stream.read(BLOCK):
+            found.update(block)
+    return found.hexdigest()

@@ -1,0 +1,95 @@
+"""What every format comes down to: columns of numbers over time."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+Numbers = NDArray[np.float64]
+Times = NDArray[np.int64]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class LogTable:
+    """
+    Rows of a log, in the order of the log.
+
+    Attributes
+    ----------
+    stamps, log_times : ndarray of int64, shape (n,)
+        When a row was measured, and when it was logged. [ns]
+    order : ndarray of int64, shape (n,)
+        Place of a row in the log, or its time where the log does not tell: what decides which of
+        several tables' rows comes first.
+    columns : dict of str to ndarray, shape (n,)
+        Numbers as the log has them; NaN where it has none.
+    first : int
+        Rows of the log before the first one here, where a log comes in parts.
+    empty : dict of str to ndarray of bool, shape (n,)
+        Where a cell holds nothing at all, for the columns that have such cells.
+
+    """
+
+    stamps: Times
+    log_times: Times
+    order: Times
+    columns: Mapping[str, Numbers]
+    first: int = 0
+    empty: Mapping[str, NDArray[np.bool_]] = field(default_factory=dict)
+
+    def __len__(self) -> int:
+        """Return the number of rows."""
+        return len(self.stamps)
+
+    def select_rows(self, rows: NDArray[np.bool_]) -> 'LogTable':
+        """Return some of the rows."""
+        if rows.all():
+            return self
+        return LogTable(
+            self.stamps[rows],
+            self.log_times[rows],
+            self.order[rows],
+            {name: column[rows] for name, column in self.columns.items()},
+            self.first,
+            {name: holes[rows] for name, holes in self.empty.items()},
+        )
+
+
+def join_tables(table: LogTable, others: Mapping[str, LogTable]) -> tuple[LogTable, int]:
+    """
+    Return a table with the columns of others as `other.column`, each row the newest before it.
+
+    Nothing is interpolated: a row has the other's numbers as they were logged, and NaN before the
+    other's first row.
+
+    Parameters
+    ----------
+    table : Table
+        The rows to stay.
+    others : mapping of str to Table
+        What is looked up, by name.
+
+    Returns
+    -------
+    Table
+        With as many rows as `table`.
+    int
+        The largest age of what was looked up. [ns]
+
+    """
+    columns = dict(table.columns)
+    oldest = 0
+    for name, other in others.items():
+        order = np.argsort(other.stamps, kind='stable')
+        at = np.searchsorted(other.stamps[order], table.stamps, side='right') - 1
+        found = at >= 0
+        rows = order[np.maximum(at, 0)] if len(order) else np.zeros(len(table), dtype=np.intp)
+        for column, numbers in other.columns.items():
+            taken = numbers[rows] if len(order) else np.full(len(table), np.nan)
+            columns[f'{name}.{column}'] = np.where(found, taken, np.nan)
+        if found.any():
+            oldest = max(oldest, int((table.stamps - other.stamps[rows])[found].max()))
+    return replace(table, columns=columns), oldest

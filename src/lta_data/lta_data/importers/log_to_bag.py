@@ -1,0 +1,199 @@
+"""A log as a bag: its tables converted, its own messages passed on, all in the log's order."""
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
+from heapq import merge
+from operator import itemgetter
+from pathlib import Path
+
+from lta_bridge.bag.qos import build_offered_qos
+from lta_bridge.bag.writer import BagWriter
+from lta_data.importers.converter import ConvertedMessages, TopicConverter, ValueOutOfBounds
+from lta_data.importers.log_table import join_tables, LogTable
+from lta_data.importers.mapping_choice import MappingChoice
+from lta_data.importers.protocol import LogReader, Reached
+from lta_data.importers.remarks import LogRemarks
+import numpy as np
+
+Message = tuple[int, str, int, bytes]  # place in the log, topic, log time in ns, CDR
+QOS = [build_offered_qos('reliable', 'volatile', 10)]  # of what nobody published
+
+
+def write_log_bag(
+    log: LogReader, chosen: MappingChoice, bag: Path, provenance: dict[str, str], reached: Reached
+) -> tuple[dict[str, int], list[str]]:
+    """
+    Write the bag of an opened log.
+
+    Parameters
+    ----------
+    log : Log
+        What to read.
+    chosen : Chosen
+        What to make of it.
+    bag : Path
+        Folder of the bag.
+    told : dict of str to str
+        Its provenance, to which the log's own facts are added.
+    reached : callable
+        Told how much has been read.
+
+    Returns
+    -------
+    dict of str to int
+        Messages by topic.
+    list of str
+        What is odd, missing or was left out, one sentence each.
+
+    """
+    remarks, notes = LogRemarks(), list[str]()
+    converters = [TopicConverter(plan) for plan in chosen.plans]
+    parts = _iterate_converted(log, converters, remarks, notes, reached)
+    first = next(parts, [])  # what a log tells of its times is known from then on
+    counts: Counter[str] = Counter()
+    with BagWriter(bag, provenance | log.facts) as writer:
+        names = _announce_topics(writer, log, converters, chosen)
+        for messages in _iterate_runs(log, names, first, parts, reached):
+            for _, topic, log_time, data in messages:
+                writer.write(topic, data, log_time)
+                counts[topic] += 1
+    topics = {converter.plan.topic for converter in converters} | set(names.values())
+    notes += [*_describe_unused(converters, chosen, log), *remarks.format_sentences(), *log.notes]
+    return {topic: counts[topic] for topic in sorted(topics)}, notes
+
+
+def _iterate_runs(
+    log: LogReader,
+    names: dict[str, str],
+    first: list[ConvertedMessages],
+    parts: Iterable[list[ConvertedMessages]],
+    reached: Reached,
+) -> Iterator[Iterator[Message]]:
+    """Yield runs of messages: a bag's in one with what was converted, or part after part."""
+    if log.raw:
+        passed = (
+            (one.order, names[one.topic], one.log_time, one.data)
+            for one in log.iterate_messages(reached)
+            if one.topic in names
+        )
+        yield merge(_merge_in_order(first), passed, key=itemgetter(0))
+        return
+    yield _merge_in_order(first)
+    yield from map(_merge_in_order, parts)
+
+
+def _announce_topics(
+    writer: BagWriter, log: LogReader, converters: list[TopicConverter], chosen: MappingChoice
+) -> dict[str, str]:
+    """Announce all topics; return our names of those that are passed on."""
+    converted = {converter.plan.entry.table for converter in converters}
+    names = {name: chosen.renamed.get(name, name) for name in log.raw if name not in converted}
+    for name, ours in names.items():
+        writer.add_topic(ours, log.raw[name].definition, log.raw[name].qos)
+    for converter in converters:
+        writer.add_topic(converter.plan.topic, converter.plan.target.type_name, QOS)
+    return names
+
+
+def _iterate_converted(
+    log: LogReader,
+    converters: list[TopicConverter],
+    remarks: LogRemarks,
+    notes: list[str],
+    reached: Reached,
+) -> Iterator[list[ConvertedMessages]]:
+    """Yield the converted messages part by part of the log."""
+    wanted: dict[str, set[str]] = {}
+    for converter in converters:
+        entry = converter.plan.entry
+        wanted.setdefault(entry.table or '', set()).update(entry.columns)
+        for other in entry.join:
+            wanted.setdefault(other, set())
+    if not wanted:
+        return
+    for tables in log.iterate_tables(wanted, reached):
+        for name, table in tables.items():
+            used = {column: table.columns[column] for column in wanted[name] & {*table.columns}}
+            remarks.note_rows(name, table.stamps, used)
+        found = []
+        for converter in list(converters):
+            one = _convert_topic(converter, tables, notes)
+            if one is None:
+                converters.remove(converter)
+            else:
+                found.append(one)
+        yield found
+
+
+def _convert_topic(
+    converter: TopicConverter, tables: Mapping[str, LogTable], notes: list[str]
+) -> ConvertedMessages | None:
+    """Return the messages of one topic; None where it is optional and its numbers are not its."""
+    entry = converter.plan.entry
+    table, age = join_tables(
+        tables[entry.table or ''], {name: tables[name] for name in entry.join}
+    )
+    try:
+        found = converter.convert(table)
+    except ValueOutOfBounds as wrong:
+        if not entry.optional or entry.table is None:
+            raise
+        notes.append(f'{entry.topic} is left out: {wrong}')
+        return None
+    if entry.join:
+        others = ' and '.join(entry.join)
+        notes.append(
+            f'{entry.topic} has the times of {entry.table} and the newest of {others}, each as it '
+            f'was logged, at most {age * 1e-9:.3g} s before.'
+        )
+    return found
+
+
+def _merge_in_order(converted: list[ConvertedMessages]) -> Iterator[Message]:
+    """Yield the messages of several topics in the order of the log."""
+    keys = np.concatenate([np.empty(0, dtype=np.int64), *(one.order for one in converted)])
+    which = np.repeat(np.arange(len(converted)), [len(one.order) for one in converted])
+    starts = np.cumsum([0, *(len(one.order) for one in converted)])
+    # The sort is stable: at one place of the log the topics keep the mapping's order.
+    ranks = np.lexsort((which, keys))
+    owners = which[ranks].tolist()
+    inside = (ranks - starts[which[ranks]] if len(ranks) else ranks).tolist()
+    times = [one.log_times.tolist() for one in converted]
+    orders = keys[ranks].tolist()
+    for order, owner, index in zip(orders, owners, inside, strict=True):
+        one = converted[owner]
+        data = one.data[index * one.size : (index + 1) * one.size]
+        yield order, one.topic, times[owner][index], data
+
+
+def _describe_unused(
+    converters: list[TopicConverter], chosen: MappingChoice, log: LogReader
+) -> Iterator[str]:
+    """Yield what of the log is not in the bag."""
+    for converter in converters:
+        topic = converter.plan.topic
+        if converter.without:
+            yield f'{converter.without} rows have nothing for {topic} and give no message there.'
+        if converter.excluded:
+            yield f'{converter.excluded} rows are not for {topic}, by the mapping.'
+        if converter.silent:
+            yield f'{", ".join(converter.silent)} of {topic} never had a number and are left out.'
+    if chosen.absent:
+        yield f'The log has nothing for {", ".join(chosen.absent)}.'
+    used: dict[str, set[str]] = {}
+    for converter in converters:
+        entry = converter.plan.entry
+        used.setdefault(entry.table or '', set()).update(entry.columns)
+        for name in entry.join:
+            prefix = f'{name}.'
+            columns = {c.removeprefix(prefix) for c in entry.columns if c.startswith(prefix)}
+            used.setdefault(name, set()).update(columns)
+    if log.raw:
+        return
+    for name, columns_ in sorted(log.columns.items()):
+        unread = [c for c in columns_ if c not in used.get(name, set()) and c not in log.timed]
+        where = f" of '{name}'" if name else ''
+        if name and name not in used:
+            yield f"Nothing of '{name}' is taken by the mapping."
+        elif unread:
+            yield f'Not taken by the mapping{where}: {", ".join(unread)}.'

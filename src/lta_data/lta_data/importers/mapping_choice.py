@@ -1,0 +1,198 @@
+"""Which mapping a log is read by, and which of its entries the log can fill."""
+
+from collections.abc import Collection, Sequence
+from pathlib import Path
+from typing import final, NamedTuple
+
+from lta_config.errors import BadInput
+from lta_config.files import list_shipped
+from lta_config.schema.import_file import ImportMapping, load_mapping, TopicMapping
+from lta_config.schema.vehicle_file import load_vehicle_file
+from lta_data.importers.entry_plan import EntryPlan, plan_entry
+from lta_data.importers.formats import FORMATS
+from lta_data.importers.protocol import LogReader
+from lta_data.importers.readers.bag_tables import can_pass_unchanged, complete_entry
+from lta_data.importers.readers.csv_text import missing_columns_error, read_header
+
+MASS = 'moving_mass'  # its place is told as three actuators, moving_mass_x and so on
+
+
+@final
+class MappingChoice(NamedTuple):
+    """
+    What is to be done with a log.
+
+    Attributes
+    ----------
+    plans : list of Plan
+        The entries that its columns can fill.
+    renamed : dict of str to str
+        Topics of a bag that are taken as they are, under our names.
+    absent : list of str
+        Our topics that the mapping has and this log cannot fill.
+
+    """
+
+    plans: list[EntryPlan]
+    renamed: dict[str, str]
+    absent: list[str]
+
+
+def select_mapping(
+    path: Path, format_: str, requested: str | None
+) -> tuple[ImportMapping | None, str]:
+    """
+    Return the mapping of a log, and its text; None where a bag is taken as it is.
+
+    Raises
+    ------
+    BadInput
+        If the mapping is for another format, or none is named and none can be found.
+
+    """
+    name = requested or FORMATS[format_].mapping
+    if name is None and format_ == 'csv':
+        name = _detect_mapping(path)
+    if name is None:
+        return None, ''
+    mapping, text = load_mapping(name)
+    if mapping.format != format_:
+        raise BadInput(
+            f"Mapping '{name}' is for {mapping.format}, but '{path}' is {format_}; name another "
+            'mapping.'
+        )
+    return mapping, text
+
+
+def _detect_mapping(path: Path) -> str:
+    """Return the shipped mapping whose columns a text has, all of them."""
+    there = set(read_header(path))
+    fitting = []
+    for name in list_shipped('imports'):
+        mapping, _ = load_mapping(name)
+        if mapping.format == 'csv' and mapping.text.header is None:
+            needed = {column for entry in mapping.topics for column in entry.columns}
+            if needed <= there:
+                fitting.append(name)
+    if len(fitting) == 1:
+        return fitting[0]
+    told = f'several fit: {", ".join(fitting)}' if fitting else 'no shipped one fits its columns'
+    raise BadInput(
+        f"'{path}' needs a mapping ({told}); write one as docs/import.md says and name it with "
+        '--mapping.'
+    )
+
+
+def choose_entries(
+    path: Path, mapping: ImportMapping | None, log: LogReader, robot: str
+) -> MappingChoice:
+    """
+    Return which entries of a mapping a log fills; of several for one topic the first that fits.
+
+    Raises
+    ------
+    BadInput
+        If a column is missing that is not optional, or no entry can be filled at all.
+
+    """
+    found = MappingChoice([], {}, [])
+    filled: set[str] = set()
+    for entry in [] if mapping is None else mapping.topics:
+        assert mapping is not None
+        if entry.topic in filled:
+            continue
+        made = _plan_entry(path, mapping, log, entry, robot)
+        if made is None:
+            found.absent.append(entry.topic)
+            continue
+        filled.add(entry.topic)
+        if made.entry.table is not None and _is_renamed(made, mapping, log):
+            found.renamed[made.entry.table] = made.topic
+        else:
+            found.plans.append(made)
+    absent = [topic for topic in dict.fromkeys(found.absent) if topic not in filled]
+    if mapping is not None and not filled:
+        there = ', '.join(list(dict.fromkeys(_list_contents(log)))[:30])
+        raise BadInput(
+            f"'{path}' has nothing that the mapping '{mapping.name}' asks for; it has {there}."
+        )
+    return found._replace(absent=absent)
+
+
+def describe_unknown_actuators(vehicle: str, chosen: MappingChoice) -> list[str]:
+    """
+    Return a sentence where the actuators of a log are not those of the vehicle that flew.
+
+    Raises
+    ------
+    BadInput
+        If there is no such vehicle, or its file is wrong.
+
+    """
+    file = load_vehicle_file(vehicle)
+    there = {*file.rotors, *(f'{MASS}_{axis}' for axis in 'xyz' if file.moving_mass)}
+    told = [name for made in chosen.plans for name in made.entry.actuators or {}]
+    strange = [name for name in told if name not in there]
+    if not strange:
+        return []
+    return [f"Vehicle '{vehicle}' has no {', '.join(strange)}; it has {', '.join(sorted(there))}."]
+
+
+def _plan_entry(
+    path: Path, mapping: ImportMapping, log: LogReader, entry: TopicMapping, robot: str
+) -> EntryPlan | None:
+    """Return the plan of an entry; None where it is optional and cannot be filled."""
+    made = plan_entry(entry, mapping, robot)
+    table = entry.table or ''
+    if not table and '' not in log.columns:
+        table = _find_only_table(log, entry)
+    absent = [name for name in [table, *entry.join] if name not in log.columns]
+    if absent:
+        if entry.optional:
+            return None
+        known_tables = ', '.join(sorted(log.raw or log.columns)) or 'none'
+        raise BadInput(f"'{path}' has no table '{absent[0]}'; it has {known_tables}.")
+    if table in log.raw or '#' in table:
+        raw = log.raw[table.split('#')[0]]
+        if not can_pass_unchanged(entry, mapping, raw.definition.type_name, made.target.type_name):
+            entry = complete_entry(entry, raw.definition.type_name, made.target.type_name)
+    there = list_columns(log, table, entry.join)
+    lacking = [name for name in entry.columns if name not in there]
+    if lacking and entry.optional:
+        return None
+    if lacking:
+        raise missing_columns_error(path, lacking, [name for name in log.columns[table] if name])
+    if table:
+        entry = entry.model_copy(update={'table': table})
+    return plan_entry(entry, mapping, robot)
+
+
+def _find_only_table(log: LogReader, entry: TopicMapping) -> str:
+    """Return the table that an entry without one means: the one that has its columns."""
+    fitting = [name for name, columns in log.columns.items() if {*entry.columns} <= {*columns}]
+    return fitting[0] if fitting else next(iter(log.columns))
+
+
+def list_columns(log: LogReader, table: str, join: Collection[str]) -> set[str]:
+    """Return the columns of a table and of those that are joined to it."""
+    there = set(log.columns[table])
+    for name in join:
+        there |= {f'{name}.{column}' for column in log.columns[name]}
+    return there
+
+
+def _is_renamed(candidate: EntryPlan, mapping: ImportMapping, log: LogReader) -> bool:
+    """Tell whether a topic of a bag is taken as it is."""
+    raw = log.raw.get(candidate.entry.table or '')
+    return raw is not None and can_pass_unchanged(
+        candidate.entry, mapping, raw.definition.type_name, candidate.target.type_name
+    )
+
+
+def _list_contents(log: LogReader) -> Sequence[str]:
+    """Return what a log has, by table and column."""
+    return list(log.raw) or [
+        f'{table}: {column}' if table else column
+        for table, columns in log.columns.items()
+        for column in columns
+    ]

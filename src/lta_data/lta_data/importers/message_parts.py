@@ -1,0 +1,142 @@
+"""
+What a message of each type can be told by an import: its parts, their units, axes and places.
+
+The topics are those of the topic table, and `wrench_command` for vehicles that are driven by body
+forces instead of actuators. What nobody tells is NaN, and where the message has a covariance its
+first element is -1 (REP-145's habit).
+"""
+
+from collections.abc import Mapping
+from typing import final, Literal, NamedTuple
+
+from lta_config.errors import unknown_name
+from lta_config.topics import load_topic_table
+
+Kind = Literal['number', 'vector', 'axial', 'attitude']
+
+
+@final
+class MessagePart(NamedTuple):
+    """
+    One part of a message.
+
+    Attributes
+    ----------
+    place : str
+        Path of the number, or of what has x, y, z (and w).
+    dimension : str
+        SI unit of it; '' for an attitude.
+    kind : str
+        'axial' is a vector that keeps its sense in a mirror.
+    frame : str
+        'world' or 'body', whose axes a vector is in.
+    unknown : str
+        Path of what is -1 where this part is not known; '' where the message has none.
+    share : float
+        Message units to one SI unit.
+
+    """
+
+    place: str
+    dimension: str
+    kind: Kind = 'number'
+    frame: Literal['world', 'body', ''] = ''
+    unknown: str = ''
+    share: float = 1.0
+
+
+@final
+class ImportTarget(NamedTuple):
+    """A topic that can be imported: message type and frame of its header."""
+
+    type_name: str
+    frame: str
+
+
+WRENCH = ImportTarget('geometry_msgs/msg/WrenchStamped', 'base_link')
+EXTRA = {'wrench_command': WRENCH}  # recorded where a vehicle is driven by body forces
+JOINTS = 'sensor_msgs/msg/JointState'
+JOINT_DIMENSIONS: Mapping[str, tuple[str, ...]] = {
+    'effort': ('1', 'N', 'N m'),
+    'position': ('m', 'rad'),
+    'velocity': ('m/s', 'rad/s'),
+}
+CHILD = {'nav_msgs/msg/Odometry': {'child_frame_id': 'base_link'}}
+
+_POSE = {
+    'position': MessagePart('pose.position', 'm', 'vector', 'world'),
+    'orientation': MessagePart('pose.orientation', '', 'attitude'),
+}
+SHAPES: Mapping[str, Mapping[str, MessagePart]] = {
+    'nav_msgs/msg/Odometry': {
+        'position': MessagePart(
+            'pose.pose.position', 'm', 'vector', 'world', 'pose.covariance[0]'
+        ),
+        'orientation': MessagePart(
+            'pose.pose.orientation', '', 'attitude', '', 'pose.covariance[21]'
+        ),
+        'velocity': MessagePart(
+            'twist.twist.linear', 'm/s', 'vector', 'body', 'twist.covariance[0]'
+        ),
+        'rates': MessagePart(
+            'twist.twist.angular', 'rad/s', 'axial', 'body', 'twist.covariance[21]'
+        ),
+    },
+    'sensor_msgs/msg/Imu': {
+        'orientation': MessagePart('orientation', '', 'attitude', '', 'orientation_covariance[0]'),
+        'rates': MessagePart(
+            'angular_velocity', 'rad/s', 'axial', 'body', 'angular_velocity_covariance[0]'
+        ),
+        'acceleration': MessagePart(
+            'linear_acceleration', 'm/s2', 'vector', 'body', 'linear_acceleration_covariance[0]'
+        ),
+    },
+    'geometry_msgs/msg/PoseStamped': _POSE,
+    'geometry_msgs/msg/TwistStamped': {
+        'velocity': MessagePart('twist.linear', 'm/s', 'vector', 'body'),
+        'rates': MessagePart('twist.angular', 'rad/s', 'axial', 'body'),
+    },
+    'geometry_msgs/msg/WrenchStamped': {
+        'force': MessagePart('wrench.force', 'N', 'vector', 'body'),
+        'torque': MessagePart('wrench.torque', 'N m', 'axial', 'body'),
+    },
+    'geometry_msgs/msg/Vector3Stamped': {
+        'vector': MessagePart('vector', 'm/s', 'vector', 'world'),
+    },
+    'sensor_msgs/msg/BatteryState': {
+        'voltage': MessagePart('voltage', 'V'),
+        'current': MessagePart('current', 'A'),
+        'temperature': MessagePart('temperature', 'degC'),
+        'percentage': MessagePart('percentage', '1'),
+        'charge': MessagePart('charge', 'C', share=1.0 / 3600.0),
+        'capacity': MessagePart('capacity', 'C', share=1.0 / 3600.0),
+    },
+    'sensor_msgs/msg/Range': {
+        'range': MessagePart('range', 'm'),
+        'minimum': MessagePart('min_range', 'm'),
+        'maximum': MessagePart('max_range', 'm'),
+        'field_of_view': MessagePart('field_of_view', 'rad'),
+    },
+    'sensor_msgs/msg/FluidPressure': {'pressure': MessagePart('fluid_pressure', 'Pa')},
+    'sensor_msgs/msg/Illuminance': {'illuminance': MessagePart('illuminance', 'lx')},
+    JOINTS: {},
+}
+ELSEWHERE = ('light/bearing',)  # a vector, but without a unit of its own
+
+
+def list_targets() -> dict[str, ImportTarget]:
+    """Return the topics that an import can write, by relative name."""
+    listed = {
+        name: ImportTarget(topic.type, topic.frame)
+        for name, topic in load_topic_table().topics.items()
+        if topic.type in SHAPES and name not in ELSEWHERE
+    }
+    return listed | EXTRA
+
+
+def find_target(name: str) -> ImportTarget:
+    """Return one of them; an unknown name is a `BadInput` that lists the known ones."""
+    found = list_targets()
+    if name not in found:
+        raise unknown_name('topic to import into', name, list(found))
+    return found[name]

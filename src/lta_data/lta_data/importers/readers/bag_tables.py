@@ -1,0 +1,233 @@
+"""
+Topics of a bag as tables: one row a message, one column a number in it, named by its path.
+
+`/tf#drone` is a table of its own: the transforms of one child frame among those of a topic.
+"""
+
+from collections.abc import (
+    Callable,
+    Collection,
+    Container,
+    Iterable,
+    Iterator,
+    Mapping,
+    Sequence,
+)
+from typing import Any, final, NamedTuple
+
+from lta_config.errors import BadInput
+from lta_config.schema.import_file import ImportMapping as MappingFile
+from lta_config.schema.import_file import OrientationField, ScalarField, TopicMapping, VectorField
+from lta_data.bag.columns import build_columns
+from lta_data.bag.stamps import extract_stamp
+from lta_data.importers.log_table import LogTable, Numbers
+from lta_data.importers.message_parts import MessagePart, SHAPES
+from lta_data.importers.protocol import Reached
+import numpy as np
+
+TRANSFORMS = 'tf2_msgs/msg/TFMessage'
+PIECE = 10_000  # decoded messages kept before they become numbers
+CHILD = '#'  # between a topic of transforms and a child frame
+Decode = Callable[[], object]
+
+
+def _pose_parts(position: str, orientation: str) -> Mapping[str, MessagePart]:
+    return {
+        'position': MessagePart(position, 'm', 'vector', 'world'),
+        'orientation': MessagePart(orientation, '', 'attitude'),
+    }
+
+
+# What types beside those that we import into tell, by the names of our parts.
+FURTHER: Mapping[str, Mapping[str, MessagePart]] = {
+    'geometry_msgs/msg/PoseWithCovarianceStamped': _pose_parts(
+        'pose.pose.position', 'pose.pose.orientation'
+    ),
+    'geometry_msgs/msg/TransformStamped': _pose_parts(
+        'transform.translation', 'transform.rotation'
+    ),
+    TRANSFORMS: _pose_parts('transform.translation', 'transform.rotation'),
+    'geometry_msgs/msg/TwistWithCovarianceStamped': {
+        'velocity': MessagePart('twist.twist.linear', 'm/s', 'vector', 'body'),
+        'rates': MessagePart('twist.twist.angular', 'rad/s', 'axial', 'body'),
+    },
+}
+
+
+@final
+class DecodedMessage(NamedTuple):
+    """A decoded message: its place in the bag, its log time in ns, and itself."""
+
+    order: int
+    log_time: int
+    message: object
+
+
+def build_table(met: Iterable[DecodedMessage]) -> LogTable:
+    """Return messages of one type as a table; without a stamp of its own, one has its log time."""
+    listed = list(met)
+    numbers, _ = build_columns(one.message for one in listed)
+    stamps = [extract_stamp(one.message) for one in listed]
+    times = np.array([one.log_time for one in listed], dtype=np.int64)
+    own = [
+        one.log_time if stamp is None else stamp for one, stamp in zip(listed, stamps, strict=True)
+    ]
+    return LogTable(
+        np.array(own, dtype=np.int64),
+        times,
+        np.array([one.order for one in listed], dtype=np.int64),
+        {path: np.asarray(values, dtype=np.float64) for path, values in numbers.items()},
+    )
+
+
+@final
+class RowCollector:
+    """Collects the messages of a table; decoded ones are kept only until there are some."""
+
+    def __init__(self) -> None:
+        self._met: list[DecodedMessage] = []
+        self._parts: list[LogTable] = []
+
+    def add_messages(self, more: Iterable[DecodedMessage]) -> None:
+        """Take the next messages."""
+        self._met += more
+        if len(self._met) >= PIECE:
+            self._pack_pending()
+
+    def build_table(self) -> LogTable | None:
+        """Return all of them as a table; None if there were none."""
+        if self._met:
+            self._pack_pending()
+        if not self._parts:
+            return None
+        names = dict.fromkeys(name for part in self._parts for name in part.columns)
+        return LogTable(
+            np.concatenate([part.stamps for part in self._parts]),
+            np.concatenate([part.log_times for part in self._parts]),
+            np.concatenate([part.order for part in self._parts]),
+            {name: self._join_column(name) for name in names},
+        )
+
+    def _pack_pending(self) -> None:
+        self._parts.append(build_table(self._met))
+        self._met = []
+
+    def _join_column(self, name: str) -> Numbers:
+        """Return a column of all parts; NaN in those that do not have it."""
+        return np.concatenate(
+            [part.columns.get(name, np.full(len(part), np.nan)) for part in self._parts]
+        )
+
+
+def select_child(met: DecodedMessage, child: str) -> list[DecodedMessage]:
+    """Return the transforms of one child frame in a message."""
+    transforms = getattr(met.message, 'transforms', [])
+    return [
+        DecodedMessage(met.order, met.log_time, one)
+        for one in transforms
+        if one.child_frame_id == child
+    ]
+
+
+def build_tables(
+    names: Collection[str], available: Container[str], messages: Iterable[tuple[str, int, Decode]]
+) -> dict[str, LogTable]:
+    """
+    Return the tables that are asked for and there.
+
+    Parameters
+    ----------
+    wanted : collection of str
+        Topics, or TOPIC#CHILD of one of transforms.
+    known : container of str
+        The bag's topics.
+    messages : iterable of (topic, log time in ns, function that decodes it)
+        All of the bag's, in its order; gone through only where something is there.
+
+    """
+    topics = {name: name.split(CHILD)[0] for name in names}
+    there = {name: topic for name, topic in topics.items() if topic in available}
+    met = {name: RowCollector() for name in there}
+    for order, (topic, log_time, decode) in enumerate(messages if there else ()):
+        takers = [name for name, told in there.items() if told == topic]
+        if not takers:
+            continue
+        one = DecodedMessage(order, log_time, decode())
+        for name in takers:
+            _, sign, child = name.partition(CHILD)
+            met[name].add_messages(select_child(one, child) if sign else [one])
+    tables = {name: rows.build_table() for name, rows in met.items()}
+    return {name: table for name, table in tables.items() if table is not None}
+
+
+def list_mapping_tables(mapping: MappingFile | None) -> set[str]:
+    """Return the tables that a mapping names and that must be decoded."""
+    if mapping is None:
+        return set()
+    told = {entry.table for entry in mapping.topics if entry.table is not None}
+    return told.union(*(entry.join for entry in mapping.topics))
+
+
+def complete_entry(entry: TopicMapping, type_name: str, target: str) -> TopicMapping:
+    """
+    Return an entry that says which numbers of a message are meant, where it says nothing.
+
+    Parameters
+    ----------
+    entry : Entry
+        As the mapping has it.
+    type_name : str
+        Type of the messages in the bag.
+    target : str
+        Type of our topic.
+
+    Raises
+    ------
+    BadInput
+        If nothing is known of how one becomes the other.
+
+    """
+    if entry.parts or entry.actuators:
+        return entry
+    theirs = FURTHER.get(type_name) or SHAPES.get(type_name, {})
+    shared = {name: part for name, part in theirs.items() if name in SHAPES[target]}
+    if not shared:
+        raise BadInput(
+            f"Topic '{entry.table}' is of type '{type_name}', of which nothing is known to belong "
+            f'into {entry.topic}; name the fields in the mapping.'
+        )
+    return entry.model_copy(
+        update={name: _build_mapping_part(part) for name, part in shared.items()}
+    )
+
+
+def _build_mapping_part(part: MessagePart) -> Any:  # noqa: ANN401 - one of three records
+    """Return a part as a mapping would name it."""
+    if part.kind == 'attitude':
+        return OrientationField(quaternion=[f'{part.place}.{axis}' for axis in 'xyzw'])
+    if part.kind == 'number':
+        return ScalarField(column=part.place, unit=part.dimension, over=part.share * 1.0)
+    return VectorField(columns=[f'{part.place}.{axis}' for axis in 'xyz'], unit=part.dimension)
+
+
+def can_pass_unchanged(entry: TopicMapping, mapping: MappingFile, theirs: str, ours: str) -> bool:
+    """Tell whether a topic's messages can be taken as they are, under our name."""
+    told = entry.parts or entry.actuators or entry.where or entry.world or entry.body
+    return theirs == ours and not told and mapping.world is None and mapping.body is None
+
+
+class BagTableLog:
+    """What a log of bags tells of its tables, which are made when it is opened."""
+
+    _tables: Mapping[str, LogTable]
+
+    @property
+    def columns(self) -> Mapping[str, Sequence[str]]:
+        """The columns of the tables that the mapping names."""
+        return {name: list(table.columns) for name, table in self._tables.items()}
+
+    def iterate_tables(
+        self, selection: Mapping[str, Collection[str]], reached: Reached
+    ) -> Iterator[Mapping[str, LogTable]]:
+        """Yield the tables that the mapping names."""
+        yield {name: self._tables[name] for name in selection}

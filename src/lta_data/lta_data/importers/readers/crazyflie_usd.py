@@ -1,0 +1,192 @@
+"""
+Logs that a Crazyflie writes to its micro SD card, versions 1 and 2.
+
+Little endian. The head: 0xBC, version (u16), number of event types (u16); then for each of them
+its number (u16), its name, the number of its variables (u16), and for each variable
+`group.name(t)`, with t its type as Python's `struct` writes it; texts end in a zero byte. Then
+events to the end: number of the type (u16), time (version 1: u32 in ms, version 2: u64 in us), the
+variables, packed: first what the event itself carries, by a name without a group (`id` of
+`estDistance`), then what was asked for with it. The last four bytes are the CRC-32 of all before;
+a drone that loses power while it logs does not write them. Checked against what writes and what
+decodes such logs in Bitcraze's crazyflie-firmware: `usdWriteTask` in
+src/deck/drivers/src/usddeck.c, and tools/usdlog/cfusdlog.py. Time is since the drone was switched
+on.
+"""
+
+from collections.abc import Mapping
+from pathlib import Path
+import re
+import struct
+from typing import final, NamedTuple
+import zlib
+
+from lta_config.errors import BadInput
+from lta_config.schema.import_file import ImportMapping as MappingFile
+from lta_config.topics import load_topic_table
+from lta_data.importers.clocks import CLOCK
+from lta_data.importers.log_table import LogTable
+from lta_data.importers.protocol import TableLog
+from lta_data.importers.readers.size_limit import refuse_large_log
+import numpy as np
+
+MAGIC = 0xBC
+HEAD = struct.Struct('<BHH')  # magic, version, event types
+CRC = 4  # bytes
+STARTS = {
+    1: np.dtype([('id', '<u2'), ('time', '<u4')]),
+    2: np.dtype([('id', '<u2'), ('time', '<u8')]),
+}
+TICK = {1: 1_000_000, 2: 1_000}  # ns
+KINDS = 'BbHhIiQqefd'
+VARIABLE = re.compile(rf'(.+)\(([{KINDS}])\)')
+
+
+@final
+class UsdEvent(NamedTuple):
+    """One type of event: its name, those of its variables, and the layout of a whole record."""
+
+    name: str
+    variables: list[str]
+    record: np.dtype[np.void]
+
+
+def open_usd_log(path: Path, mapping: MappingFile | None) -> TableLog:
+    """
+    Return a log of the card, read whole.
+
+    Raises
+    ------
+    BadInput
+        If its head is not that of such a log, or it holds no event.
+
+    """
+    refuse_large_log(path)
+    data = path.read_bytes()
+    events, at, version = _read_header(data, path)
+    whole = len(data) >= at + CRC and zlib.crc32(data[:-CRC]) == int.from_bytes(
+        data[-CRC:], 'little'
+    )
+    notes = []
+    end = len(data) - CRC if whole else len(data)
+    places, stopped = _locate_events(data, at, end, events)
+    if not whole:
+        left = end - stopped
+        notes.append(
+            f'The CRC does not fit: the log was cut short or is damaged; {left} bytes at its end '
+            'are not a whole event and are left out.'
+        )
+    elif stopped < end:
+        notes.append(
+            f'From byte {stopped} on there is no event that the head names; {end - stopped} bytes '
+            'are left out.'
+        )
+    tables: dict[str, LogTable] = {}
+    for number, found in places.items():
+        name = events[number].name
+        name = f'{name} ({number})' if name in tables else name
+        tables[name] = _build_table(data, events[number], found, version)
+    if not tables:
+        raise BadInput(f"'{path}' is a Crazyflie's log without a single event; nothing to import.")
+    facts = {
+        'usd_version': str(version),
+        'crc': 'fits' if whole else 'does not fit',
+        CLOCK: 'since the drone was switched on',
+    }
+    _note_shift(notes)
+    return TableLog(tables, notes, facts)
+
+
+def _read_header(data: bytes, path: Path) -> tuple[dict[int, UsdEvent], int, int]:
+    """Return the types of event by number, where the events begin, and the version."""
+    try:
+        magic, version, count = HEAD.unpack_from(data)
+        if magic != MAGIC or version not in STARTS:
+            raise BadInput(
+                f"'{path}' is not a Crazyflie's log of version 1 or 2 (byte {magic:#x}, version "
+                f'{version}); log it again with a newer firmware.'
+            )
+        at = HEAD.size
+        events = {}
+        for _ in range(count):
+            number, name, variables, at = _read_event_header(data, at)
+            names: list[str] = []
+            fields = [*STARTS[version].descr]
+            for index in range(1, variables + 1):
+                text, at = _read_text(data, at)
+                variable, kind = _parse_field(text, path)
+                names.append(variable if variable not in names else f'{variable} ({index})')
+                fields.append((f'variable {index}', kind))  # a name may be 'id' or 'time' as well
+            events[number] = UsdEvent(name, names, np.dtype(fields))
+    except (struct.error, ValueError, UnicodeDecodeError) as error:
+        if isinstance(error, BadInput):
+            raise
+        raise BadInput(
+            f"The head of '{path}' is cut short or damaged; nothing to import."
+        ) from None
+    return events, at, version
+
+
+def _read_event_header(data: bytes, at: int) -> tuple[int, str, int, int]:
+    """Return number, name and variables of a type of event, and where its variables are."""
+    (number,) = struct.unpack_from('<H', data, at)
+    name, at = _read_text(data, at + 2)
+    (variables,) = struct.unpack_from('<H', data, at)
+    return number, name, variables, at + 2
+
+
+def _read_text(data: bytes, at: int) -> tuple[str, int]:
+    """Return a text that ends in a zero byte, and where what follows begins."""
+    end = data.index(b'\0', at)
+    return data[at:end].decode(), end + 1
+
+
+def _parse_field(text: str, path: Path) -> tuple[str, str]:
+    """Return a variable's name and type for numpy."""
+    found = VARIABLE.fullmatch(text)
+    if found is None:
+        raise BadInput(
+            f"'{path}' has the variable '{text}', whose type is none of {KINDS}; copy it again."
+        )
+    return found[1], np.dtype(f'<{found[2]}').str
+
+
+def _locate_events(
+    data: bytes, at: int, end: int, events: Mapping[int, UsdEvent]
+) -> tuple[dict[int, list[tuple[int, int]]], int]:
+    """Return (place in the log, offset) of each event by type, and where they stop."""
+    sizes = {number: event.record.itemsize for number, event in events.items()}
+    found: dict[int, list[tuple[int, int]]] = {}
+    rank = 0
+    while at + 2 <= end:
+        number = data[at] | data[at + 1] << 8
+        size = sizes.get(number)
+        if size is None or at + size > end:
+            break
+        found.setdefault(number, []).append((rank, at))
+        rank += 1
+        at += size
+    return found, at
+
+
+def _build_table(
+    data: bytes, event: UsdEvent, places: list[tuple[int, int]], version: int
+) -> LogTable:
+    """Return the events of one type as a table."""
+    size = event.record.itemsize
+    rows = np.frombuffer(b''.join(data[at : at + size] for _, at in places), dtype=event.record)
+    stamps = rows['time'].astype(np.int64) * TICK[version] + load_topic_table().start_ns
+    columns = {
+        name: rows[f'variable {index}'].astype(np.float64)
+        for index, name in enumerate(event.variables, 1)
+    }
+    order = np.array([rank for rank, _ in places], dtype=np.int64)
+    return LogTable(stamps, stamps, order, columns)
+
+
+def _note_shift(notes: list[str]) -> None:
+    """Say that times count from the start of the drone."""
+    start = load_topic_table().start_ns / 1e9
+    notes.append(
+        f'Time counts from when the drone was switched on, and ROS reads 0 as "no clock yet": '
+        f'{start:g} s were added to all times.'
+    )

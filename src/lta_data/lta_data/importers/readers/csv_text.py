@@ -1,0 +1,264 @@
+"""
+Text with columns: read in parts by pyarrow, so that memory does not grow with the file.
+
+Numbers are those nearest to their text, as Python reads them; times are read as decimals, so that
+1772424689.277293682 s keeps its nanoseconds. An empty cell holds nothing; `nan` holds NaN.
+"""
+
+from collections.abc import Collection, Iterator, Mapping
+import csv
+from pathlib import Path
+from typing import Any, BinaryIO, final
+
+from lta_config.errors import BadInput
+from lta_config.limits import LINE_BYTES
+from lta_config.schema.import_file import ImportMapping as MappingFile
+from lta_config.schema.import_file import TextFormat
+from lta_config.topics import load_topic_table
+from lta_data.importers.clocks import CLOCK
+from lta_data.importers.log_table import LogTable, Times
+from lta_data.importers.protocol import PassedMessage, RawTopic, Reached
+from lta_data.importers.readers.line_stream import decompress_stream, open_text_lines
+from lta_data.importers.readers.row_times import (
+    compute_even_times,
+    format_cell,
+    parse_exact_times,
+    SECOND,
+)
+import numpy as np
+import pyarrow as pa
+import pyarrow.compute as pc
+import pyarrow.csv as pacsv
+
+PART = 4 << 20  # bytes of text in one part
+ZONELESS = 'Dates have no time zone; they were taken as UTC.'
+
+
+@final
+class CsvLog:
+    """
+    An opened text; see `protocol.Log`.
+
+    Parameters
+    ----------
+    path : Path
+        The file, perhaps compressed with gzip.
+    mapping : MappingFile
+        How it is written.
+
+    Raises
+    ------
+    BadInput
+        If it cannot be read as text with columns.
+
+    """
+
+    def __init__(self, path: Path, mapping: MappingFile) -> None:
+        self._path = path
+        self._mapping = mapping
+        self._names = read_column_names(path, mapping.text)
+        self.columns: Mapping[str, list[str]] = {'': self._names}
+        self.raw: Mapping[str, RawTopic] = {}
+        self.notes: list[str] = []
+        self.facts: dict[str, str] = {}
+        time = mapping.time
+        self.timed = [] if time is None or time.column is None else [time.column]
+        self._rows = 0
+        self._shift: int | None = None
+        start = None if time is None else time.start
+        if start is not None:
+            self._shift = round(start.si * SECOND)
+        elif not self.timed:
+            self.facts[CLOCK] = 'rows counted'
+
+    def iterate_tables(
+        self, selection: Mapping[str, Collection[str]], reached: Reached
+    ) -> Iterator[Mapping[str, LogTable]]:
+        """Yield the text part by part."""
+        needed = [name for name in self._names if name in selection['']]
+        if absent := [name for name in self.timed if name not in self._names]:
+            raise missing_columns_error(self._path, absent, self._names)
+        types = dict.fromkeys(needed, pa.float64()) | dict.fromkeys(self.timed, pa.binary())
+        size = self._path.stat().st_size
+        with self._path.open('rb') as stream:
+            for batch in self._iterate_batches(stream, types):
+                reached(min(1.0, stream.tell() / size))
+                if batch.num_rows:
+                    yield {'': self._build_table(batch, needed)}
+
+    def iterate_messages(self, reached: Reached) -> Iterator[PassedMessage]:
+        """Yield nothing."""
+        yield from ()
+
+    def _iterate_batches(
+        self, stream: BinaryIO, types: Mapping[str, pa.DataType]
+    ) -> Iterator[Any]:
+        """Yield parts of the text as record batches; a wrong cell is a sentence with its row."""
+        try:
+            yield from open_reader(stream, self._mapping.text, self._names, types)
+        except (pa.ArrowInvalid, pa.ArrowKeyError, EOFError, OSError) as error:
+            raise self._translate_error(str(error), types) from None
+
+    def _build_table(self, batch: Any, needed: list[str]) -> LogTable:  # noqa: ANN401 - of pyarrow
+        """Return one part of the text."""
+        first, self._rows = self._rows, self._rows + batch.num_rows
+        rows = np.arange(first, self._rows, dtype=np.int64)
+        stamps = self._read_stamps(batch, rows)
+        columns, empty = {}, {}
+        for name in needed:
+            cells = batch.column(name)
+            columns[name] = cells.to_numpy(zero_copy_only=False).astype(np.float64)
+            if cells.null_count:
+                empty[name] = cells.is_null().to_numpy(zero_copy_only=False)
+        return LogTable(stamps, stamps, rows, columns, first, empty)
+
+    def _read_stamps(self, batch: Any, rows: Times) -> Times:  # noqa: ANN401 - of pyarrow
+        """Return when the rows were measured. [ns]"""
+        time = self._mapping.time
+        if time is None or time.column is None:
+            found = compute_even_times(time, rows)
+        else:
+            texts = list(map(decode_cell, batch.column(time.column).to_pylist()))
+            found, zoneless = parse_exact_times(texts, time.unit, time.column, int(rows[0]))
+            self._note_zone(zoneless)
+        if self._shift is None:
+            self._shift = self._choose_shift(int(found[0]))
+        return found + self._shift
+
+    def _note_zone(self, zoneless: bool) -> None:
+        """Say once that dates carry no zone."""
+        if zoneless and ZONELESS not in self.notes:
+            self.notes.append(ZONELESS)
+
+    def _choose_shift(self, first: int) -> int:
+        """Return what is added to all times: nothing, unless they begin near zero or before."""
+        start = load_topic_table().start_ns
+        if first >= start:
+            return 0
+        shift = start - min(0, first // SECOND) * SECOND
+        self.notes.append(
+            f'Time begins at {first / SECOND:g} s, and ROS reads 0 as "no clock yet": '
+            f'{shift / SECOND:g} s were added to all times.'
+        )
+        self.facts.setdefault(CLOCK, 'from its own start')
+        self.facts['time_shift'] = f'{shift / SECOND:g} s'
+        return shift
+
+    def _translate_error(self, error: str, types: Mapping[str, pa.DataType]) -> BadInput:
+        """Return the sentence for what pyarrow could not read."""
+        if 'conversion error' in error:
+            for name, kind in types.items():
+                if kind == pa.float64() and (found := self._find_wrong_cell(name)):
+                    row, cell = found
+                    return BadInput(
+                        f"'{self._path}': '{cell}' in column '{name}', row {row}, is not a "
+                        'number; correct it, or leave the cell empty.'
+                    )
+        if 'Empty CSV' in error:
+            return BadInput(f"'{self._path}' has names of columns but no rows; nothing to import.")
+        reason = ' '.join(error.split())
+        return BadInput(f"'{self._path}' cannot be read as text with columns: {reason[:200]}.")
+
+    def _find_wrong_cell(self, name: str) -> tuple[int, str] | None:
+        """Return row and text of the first cell of a column that is not a number."""
+        row = 0
+        with self._path.open('rb') as stream:
+            for batch in open_reader(stream, self._mapping.text, self._names, {name: pa.binary()}):
+                for cell in map(decode_cell, batch.column(name).to_pylist()):
+                    row += 1
+                    if cell and not is_number(cell):
+                        return row, format_cell(cell)
+        return None
+
+
+def open_reader(
+    stream: BinaryIO, text: TextFormat, names: list[str], types: Mapping[str, pa.DataType]
+) -> Any:  # noqa: ANN401 - of pyarrow
+    """Return what yields a text's rows, with the columns of `types` alone."""
+    unread = text.skip + (1 if text.header is None else 0)
+    source, delimiter = open_text_lines(stream, text, unread)
+    # Bytes, since not every text is UTF-8. One column keeps the number of rows.
+    wanted = types or {names[0]: pa.binary()}
+    return pacsv.open_csv(
+        source,
+        read_options=pacsv.ReadOptions(column_names=names, block_size=PART, use_threads=False),
+        parse_options=pacsv.ParseOptions(delimiter=delimiter),
+        convert_options=pacsv.ConvertOptions(
+            include_columns=list(wanted),
+            column_types=dict(wanted),
+            null_values=[''],
+            strings_can_be_null=True,
+        ),
+    )
+
+
+def read_column_names(path: Path, text: TextFormat) -> list[str]:
+    """
+    Return the names of a text's columns, without blanks around them and each of its own.
+
+    Raises
+    ------
+    BadInput
+        If there are none.
+
+    """
+    if text.header is not None:
+        return list(text.header)
+    try:
+        with path.open('rb') as stream:
+            source, delimiter = open_text_lines(stream, text, text.skip)
+            line = read_first_line(source)
+    except (OSError, EOFError, pa.ArrowInvalid) as error:
+        raise BadInput(f"'{path}' cannot be read ({error}).") from None
+    cells = next(csv.reader([line], delimiter=delimiter, skipinitialspace=True), [])
+    found: list[str] = []
+    for index, cell in enumerate(cells):
+        name = cell.strip() or f'unnamed {index + 1}'
+        found.append(name if name not in found else f'{name} ({index + 1})')
+    if not found:
+        raise BadInput(f"'{path}' has no line with names of columns; nothing to import.")
+    return found
+
+
+def read_first_line(source: Any) -> str:  # noqa: ANN401 - a stream of pyarrow or of ours
+    """Return the first line that is not empty."""
+    data = b''
+    while b'\n' not in data.lstrip() and len(data) < LINE_BYTES:
+        more = source.read(1 << 14)
+        if not more:
+            break
+        data += bytes(more)
+    text = data.decode('utf-8-sig', errors='replace').lstrip('\r\n')
+    return text.splitlines()[0] if text.strip() else ''
+
+
+def read_header(path: Path) -> list[str]:
+    """Return the cells of the first line, for whoever looks for a mapping."""
+    with path.open('rb') as stream:
+        line = read_first_line(decompress_stream(stream))
+    delimiter = max(',;\t', key=line.count)
+    return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter), [])]
+
+
+def decode_cell(cell: bytes | None) -> str:
+    """Return a cell as text; an empty one is empty."""
+    return '' if cell is None else cell.decode(errors='replace')
+
+
+def is_number(cell: str) -> bool:
+    """Tell whether pyarrow reads a text as a number."""
+    try:
+        pc.cast(pa.array([cell.strip()]), pa.float64())
+    except pa.ArrowInvalid:
+        return False
+    return True
+
+
+def missing_columns_error(path: Path, absent: list[str], there: list[str]) -> BadInput:
+    """Return the error for columns that a text does not have."""
+    words = ', '.join(f"'{name}'" for name in absent[:5])
+    known = ', '.join(there[:60]) + (' ...' if len(there) > 60 else '')
+    plural = 's' if len(absent) > 1 else ''
+    return BadInput(
+        f"'{path}' has no column{plural} {words}; it has {known}. Correct the mapping."
+    )

@@ -1,0 +1,35 @@
+"""The message definitions that a bag brings along, whether or not we know the type."""
+
+from dataclasses import replace
+
+from lta_bridge.bag.schemas import load_jazzy_types, MessageDefinition
+from lta_data.bag.mcap_file.type_definition import MISDEFINED, parse_definition
+from lta_data.bag.recover import build_definition
+from mcap.records import Channel, Schema
+from rosbags.typesys import get_typestore, Stores
+from rosbags.typesys.store import Typestore
+
+
+def read_bag_definition(channel: Channel, schema: Schema | None) -> MessageDefinition:
+    """Return a topic's definition as an MCAP has it, with its REP-2016 hash where that is told."""
+    found = build_definition(channel, schema)
+    if found.rihs01 or found.encoding != 'ros2msg':
+        return found
+    types = get_typestore(Stores.EMPTY)
+    try:
+        types.register(parse_definition(found.text, found.type_name, found.encoding))
+        return replace(found, rihs01=types.hash_rihs01(found.type_name))
+    except MISDEFINED:
+        return found  # nobody can read it, but it is kept
+
+
+def find_store_definition(type_name: str, types: Typestore, notes: list[str]) -> MessageDefinition:
+    """Return a type's definition from a store, or an empty one where nobody has it."""
+    for store in (types, load_jazzy_types()):
+        if type_name in store.fielddefs:
+            text, _ = store.generate_msgdef(type_name, ros_version=2)
+            return MessageDefinition(type_name, text, store.hash_rihs01(type_name))
+    notes.append(
+        f"Neither the bag nor ROS 2 Jazzy defines '{type_name}'; its messages are kept as bytes."
+    )
+    return MessageDefinition(type_name, '', '')

@@ -1,0 +1,132 @@
+"""The lines of a text as a stream: decompressed, without comments, with one delimiter."""
+
+from collections.abc import Iterator
+import gzip
+import io
+from typing import Any, BinaryIO, final, TYPE_CHECKING
+import zlib
+
+from lta_config.limits import INFLATED_FREELY, INFLATION, LINE_BYTES
+from lta_config.schema.import_file import TextFormat
+
+if TYPE_CHECKING:
+    from _typeshed import WriteableBuffer
+
+GZIP = b'\x1f\x8b'
+NAMED = {'tab': '\t', 'whitespace': ' '}
+
+
+def decompress_stream(stream: BinaryIO) -> BinaryIO | gzip.GzipFile:
+    """Return a stream of what a file holds, compressed with gzip or not."""
+    head = stream.read(2)
+    stream.seek(0)
+    return BoundedGzipFile(stream) if head == GZIP else stream
+
+
+@final
+class BoundedGzipFile(gzip.GzipFile):
+    """What a compressed file holds, as long as it holds no more than a text could."""
+
+    def __init__(self, packed: BinaryIO) -> None:
+        super().__init__(fileobj=packed)
+        self._packed = packed
+
+    def read(self, size: int | None = -1) -> bytes:
+        """Return what comes next; OSError where so few bytes cannot be so long a text."""
+        found = super().read(size)
+        allowed = INFLATED_FREELY + INFLATION * self._packed.tell()
+        if self.tell() > allowed:
+            raise OSError(f'it is compressed to less than 1/{INFLATION}, which no text is')
+        return found
+
+
+def open_text_lines(stream: BinaryIO, text: TextFormat, unread: int) -> tuple[Any, str]:
+    """
+    Return a text from some line on, and its delimiter as one character.
+
+    Parameters
+    ----------
+    stream : BinaryIO
+        The file from its beginning.
+    text : Text
+        How it is written.
+    unread : int
+        Lines left out at the beginning; comments and empty lines do not count.
+
+    """
+    delimiter = NAMED.get(text.delimiter, text.delimiter)
+    plain = decompress_stream(stream)
+    return CleanedLines(plain, text, unread), delimiter
+
+
+def refuse_endless_line(line: bytes) -> None:
+    """Raise OSError for a line that was cut off at the limit."""
+    if len(line) >= LINE_BYTES and not line.endswith(b'\n'):
+        raise OSError(f'it has a line of more than {LINE_BYTES} bytes')
+
+
+@final
+class CleanedLines(io.RawIOBase):
+    """A readable stream of the lines that count; large pieces pass untouched where all count."""
+
+    PIECE = 1 << 20
+
+    def __init__(self, source: BinaryIO | gzip.GzipFile, text: TextFormat, unread: int) -> None:
+        self._source = source
+        self._comment = None if text.comment is None else text.comment.encode()
+        self._blank = text.delimiter == 'whitespace'
+        self._rest = b''
+        self._pieces = self._iterate_pieces(unread)
+
+    def readable(self) -> bool:
+        """Return True."""
+        return True
+
+    def readinto(self, buffer: 'WriteableBuffer', /) -> int:
+        """Fill a buffer with what comes next; 0 at the end."""
+        room = memoryview(buffer).cast('B')
+        while not self._rest:
+            piece = next(self._pieces, None)
+            if piece is None:
+                return 0
+            self._rest = piece
+        count = min(len(room), len(self._rest))
+        room[:count] = self._rest[:count]
+        self._rest = self._rest[count:]
+        return count
+
+    def _iterate_pieces(self, unread: int) -> Iterator[bytes]:
+        """Yield the lines that count, in large pieces."""
+        try:
+            while unread:
+                line = self._source.readline(LINE_BYTES)
+                if not line:
+                    return
+                refuse_endless_line(line)
+                unread -= self._is_data_line(line)
+            if self._comment is None and not self._blank:
+                while piece := self._source.read(self.PIECE):
+                    yield piece
+                return
+            while lines := self._read_lines():
+                yield b''.join(map(self._normalize_delimiters, filter(self._is_data_line, lines)))
+        except (EOFError, zlib.error, gzip.BadGzipFile) as error:
+            raise OSError(f'its compression is damaged or cut short: {error}') from None
+
+    def _read_lines(self) -> list[bytes]:
+        """Return the next lines, about a piece of them."""
+        found, size = [], 0
+        while size < self.PIECE and (line := self._source.readline(LINE_BYTES)):
+            refuse_endless_line(line)
+            found.append(line)
+            size += len(line)
+        return found
+
+    def _is_data_line(self, line: bytes) -> bool:
+        """Tell whether a line is neither empty nor a comment."""
+        bare = line.strip()
+        return bool(bare) and (self._comment is None or not bare.startswith(self._comment))
+
+    def _normalize_delimiters(self, line: bytes) -> bytes:
+        """Return a line with one delimiter between two cells."""
+        return b' '.join(line.split()) + b'\n' if self._blank else line

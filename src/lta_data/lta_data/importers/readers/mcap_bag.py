@@ -1,0 +1,100 @@
+"""rosbag2 recordings in MCAP, by our own reader: of a damaged one, what is whole."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
+from pathlib import Path
+from typing import cast, final
+
+from lta_bridge.bag.qos import OfferedQos
+from lta_config.errors import BadInput
+from lta_config.files import parse_yaml
+from lta_config.schema.import_file import ImportMapping as MappingFile
+from lta_data.bag.bag_folder import find_bag_files
+from lta_data.bag.reader import Bag, read_bag, read_contents
+from lta_data.importers.protocol import PassedMessage, RawTopic, Reached
+from lta_data.importers.readers.bag_tables import (
+    BagTableLog,
+    build_tables,
+    Decode,
+    list_mapping_tables,
+)
+from lta_data.importers.readers.definitions import read_bag_definition
+
+LOOK = 2000  # messages between two movements of the bar
+
+
+def open_mcap_log(path: Path, mapping: MappingFile | None) -> 'McapLog':
+    """Return a recording in MCAP; `BadInput` if there is none."""
+    try:
+        return McapLog(path, mapping)
+    except UnicodeDecodeError:
+        raise BadInput(
+            f"The names in '{path}' are damaged; import what is left of it from a copy."
+        ) from None
+
+
+@final
+class McapLog(BagTableLog):
+    """An opened recording; see `protocol.Log`."""
+
+    timed: Sequence[str] = ()
+
+    def __init__(self, path: Path, mapping: MappingFile | None) -> None:
+        self._bag = read_bag(path)
+        self.notes: list[str] = []
+        self.facts = {f'original_{key}': text for key, text in self._bag.provenance.items()}
+        self.raw: Mapping[str, RawTopic] = _list_raw_topics(self._bag, path)
+        self._total = max(1, sum(topic.count for topic in self._bag.topics.values()))
+        self._tables = build_tables(
+            list_mapping_tables(mapping), self.raw, self._iterate_decodable()
+        )
+        if not any(topic.count for topic in self._bag.topics.values()):
+            raise BadInput(f"'{path}' holds no message; nothing to import.")
+
+    def iterate_messages(self, reached: Reached) -> Iterator[PassedMessage]:
+        """Yield all messages in the order of recording."""
+        for order, (topic, log_time, data) in enumerate(
+            self._bag.iterate_messages(list(self.raw))
+        ):
+            if order % LOOK == 0:
+                reached(min(1.0, order / self._total))
+            yield PassedMessage(order, topic, log_time, data)
+        self.notes += [loss for loss in self._bag.losses if loss not in self.notes]
+
+    def _iterate_decodable(self) -> Iterator[tuple[str, int, Decode]]:
+        """Yield topic, log time in ns and how to decode it, of every message."""
+        for topic, log_time, data in self._bag.iterate_messages(list(self.raw)):
+            yield topic, log_time, partial(self._decode_message, topic, data)
+
+    def _decode_message(self, topic: str, data: bytes) -> object:
+        """Return a decoded message."""
+        try:
+            return self._bag.decode(topic, data)
+        except KeyError as part:
+            raise BadInput(
+                f"The definition of '{topic}' lacks {part}; take it out of the mapping."
+            ) from None
+
+
+def _list_raw_topics(bag: Bag, path: Path) -> dict[str, RawTopic]:
+    """Return the topics with their definitions, whatever they are written in."""
+    found: dict[str, RawTopic] = {}
+    for file in find_bag_files(path):
+        contents = read_contents(file)
+        for channel in contents.channels.values():
+            known = read_bag_definition(channel, contents.schemas.get(channel.schema_id))
+            qos = parse_qos_profiles(channel.metadata.get('offered_qos_profiles', ''))
+            found.setdefault(channel.topic, RawTopic(known, qos))
+    return {name: raw for name, raw in found.items() if name in bag.topics}
+
+
+def parse_qos_profiles(text: str) -> list[OfferedQos]:
+    """Return the profiles that rosbag2 wrote from version 9 on; older ones are numbers."""
+    try:
+        told = parse_yaml(text, 'the QoS')
+    except BadInput:
+        return []
+    named = isinstance(told, list) and all(
+        isinstance(one, dict) and isinstance(one.get('history'), str) for one in told
+    )
+    return cast('list[OfferedQos]', told) if named else []

@@ -1,0 +1,94 @@
+"""
+PX4's ULog, read by pyulog: each logged message is a table, instances after the first `name_1`.
+
+Stamps are the times of the samples where a message has them (`timestamp_sample`), log times those
+of the messages (`timestamp`); both in us since the autopilot was switched on.
+"""
+
+import contextlib
+import io
+from pathlib import Path
+import struct
+from typing import Any
+
+from lta_config.bounded_memory import limit_memory
+from lta_config.errors import BadInput
+from lta_config.schema.import_file import ImportMapping as MappingFile
+from lta_data.importers.clocks import CLOCK
+from lta_data.importers.log_table import LogTable, Times
+from lta_data.importers.protocol import TableLog
+from lta_data.importers.readers.size_limit import refuse_large_log
+import numpy as np
+from pyulog import ULog
+from pyulog.exceptions import ULogException
+
+MICROSECOND = 1_000  # ns
+# What pyulog raises over bytes that are no log.
+FAULTS = (
+    ValueError,
+    LookupError,
+    TypeError,
+    AttributeError,
+    ArithmeticError,
+    MemoryError,
+    RecursionError,
+)
+FACTS = {'sys_name': 'system', 'ver_hw': 'hardware', 'ver_sw': 'software'}  # theirs, ours
+
+
+def open_ulog(path: Path, mapping: MappingFile | None) -> TableLog:
+    """
+    Return a log of PX4, read whole.
+
+    Raises
+    ------
+    BadInput
+        If it cannot be read, or holds no message.
+
+    """
+    refuse_large_log(path)
+    said = io.StringIO()
+    try:
+        # pyulog prints what it finds damaged, and leaves open what it opens itself.
+        with contextlib.redirect_stdout(said), path.open('rb') as stream, limit_memory():
+            log = ULog(stream, None, True)
+    except (ULogException, struct.error, *FAULTS) as error:
+        reason = ' '.join(str(error).split()) or type(error).__name__
+        raise BadInput(f"'{path}' cannot be read as a ULog ({reason}); copy it again.") from None
+    timed = [data for data in log.data_list if 'timestamp' in data.data]
+    tables = {_format_table_name(data): _build_table(data.data) for data in timed}
+    if not tables:
+        raise BadInput(f"'{path}' is a ULog without a single message; nothing to import.")
+    notes = []
+    if log.file_corruption:
+        notes.append('The log is damaged; what pyulog could not read is left out.')
+    if log.dropouts:
+        lost = sum(dropout.duration for dropout in log.dropouts)
+        notes.append(f'The logger dropped out {len(log.dropouts)} times, {lost} ms in all.')
+    facts = {CLOCK: 'since the vehicle was switched on'} | {
+        ours: str(log.msg_info_dict[key])
+        for key, ours in FACTS.items()
+        if key in log.msg_info_dict
+    }
+    return TableLog(tables, notes, facts)
+
+
+def _format_table_name(data: Any) -> str:  # noqa: ANN401 - pyulog has no types
+    """Return the name of a table."""
+    return f'{data.name}_{data.multi_id}' if data.multi_id else str(data.name)
+
+
+def _build_table(columns: dict[str, Any]) -> LogTable:
+    """Return a logged message as a table."""
+    times: Times = columns['timestamp'].astype(np.int64) * MICROSECOND
+    sampled = columns.get('timestamp_sample')
+    stamps = times
+    if sampled is not None:
+        own = sampled.astype(np.int64) * MICROSECOND
+        stamps = np.where(own > 0, own, times)
+    numbers = {
+        name: np.asarray(values, dtype=np.float64)
+        for name, values in columns.items()
+        if name != 'timestamp'
+    }
+    return LogTable(stamps, times, times, numbers)

@@ -1,0 +1,153 @@
+"""
+rosbag2 recordings in SQLite and bags of ROS 1, by the rosbags library.
+
+Messages of ROS 1 become those of ROS 2: where both have the type and its fields are the same, the
+bytes are rewritten (no sequence number in the header); where ROS 2 has changed the type, field by
+field, new ones at zero; a type that ROS 2 does not have keeps the bag's own definition.
+"""
+
+from collections.abc import Callable, Generator, Iterator, Sequence
+from contextlib import closing
+from functools import partial
+from pathlib import Path
+from typing import Any, final
+
+from lta_bridge.bag.schemas import load_jazzy_types
+from lta_config.bounded_memory import limit_memory
+from lta_config.errors import BadInput
+from lta_config.schema.import_file import ImportMapping as MappingFile
+from lta_data.importers.protocol import PassedMessage, RawTopic, Reached
+from lta_data.importers.readers.bag_tables import (
+    BagTableLog,
+    build_tables,
+    Decode,
+    list_mapping_tables,
+)
+from lta_data.importers.readers.definitions import find_store_definition
+from lta_data.importers.readers.rosbags_guards import refuse_hostile_bag
+from rosbags.convert.converter import is_same_wireformat, migrate_bytes
+from rosbags.highlevel import AnyReader
+from rosbags.interfaces import Connection
+from rosbags.typesys import get_typestore, Stores
+from rosbags.typesys.store import Typestore
+
+LOOK = 2000  # messages between two movements of the bar
+RENAMED = {'tf/msg/tfMessage': 'tf2_msgs/msg/TFMessage'}  # of ROS 1, in ROS 2
+Convert = Callable[[bytes], bytes]
+Read = tuple[AnyReader, Connection, int, bytes]
+
+
+def open_rosbags_log(path: Path, mapping: MappingFile | None) -> 'RosbagsLog':
+    """Return a recording that rosbags reads; `BadInput` if it cannot."""
+    return RosbagsLog(path, mapping)
+
+
+@final
+class RosbagsLog(BagTableLog):
+    """An opened recording; see `protocol.Log`."""
+
+    timed: Sequence[str] = ()
+
+    def __init__(self, path: Path, mapping: MappingFile | None) -> None:
+        refuse_hostile_bag(path)
+        self._path = path
+        self.notes: list[str] = []
+        self.facts: dict[str, str] = {}
+        self._converters: dict[str, Convert] = {}
+        self.raw: dict[str, RawTopic] = {}
+        self._count = 0
+        with closing(self._iterate_raw()) as first:
+            if next(first, None) is None:
+                raise BadInput(f"'{path}' holds no message; nothing to import.")
+        self._tables = build_tables(
+            list_mapping_tables(mapping), self.raw, self._iterate_decodable()
+        )
+
+    def iterate_messages(self, reached: Reached) -> Iterator[PassedMessage]:
+        """Yield all messages by log time."""
+        for order, (_, connection, log_time, data) in enumerate(self._iterate_raw()):
+            if order % LOOK == 0:
+                reached(min(1.0, order / self._count))
+            try:
+                ours = self._converters[connection.topic](data)
+            except Exception as error:
+                raise self._translate_error(error) from None
+            yield PassedMessage(order, connection.topic, log_time, ours)
+
+    def _iterate_raw(self) -> Generator[Read, None, None]:
+        """Yield reader, connection, log time in ns and raw message; faults are sentences."""
+        try:
+            with (
+                limit_memory(),
+                AnyReader([self._path], default_typestore=load_jazzy_types()) as reader,
+            ):
+                self._register_topics(reader)
+                for connection, log_time, data in reader.messages():
+                    yield reader, connection, log_time, bytes(data)
+        except BadInput:
+            raise
+        except Exception as error:
+            raise self._translate_error(error) from None
+
+    def _translate_error(self, error: Exception) -> BadInput:
+        """Return the sentence for a damaged bag, on which rosbags and SQLite fail in many ways."""
+        reason = ' '.join(str(error).split()).rstrip('.') or type(error).__name__
+        return BadInput(
+            f"'{self._path}' cannot be read ({reason}); mend it with its own tools first."
+        )
+
+    def _register_topics(self, reader: AnyReader) -> None:
+        """Take note of the topics, once."""
+        if self.raw:
+            return
+        self._count = max(1, reader.message_count)
+        types = reader.typestore if reader.is2 else build_ros2_typestore(reader.typestore)
+        for connection in reader.connections:
+            name, kind = connection.topic, connection.msgtype
+            ours = kind if reader.is2 else RENAMED.get(kind, kind)
+            if name in self.raw:
+                if self.raw[name].definition.type_name != ours:
+                    raise BadInput(
+                        f"'{self._path}' has messages of several types on '{name}'; filter it "
+                        'with its own tools first.'
+                    )
+                continue
+            self.raw[name] = RawTopic(find_store_definition(ours, types, self.notes))
+            self._converters[name] = (
+                bytes if reader.is2 else build_converter(reader.typestore, types, kind, ours)
+            )
+
+    def _iterate_decodable(self) -> Iterator[tuple[str, int, Decode]]:
+        """Yield topic, log time in ns and how to decode it, of every message."""
+        for reader, connection, log_time, data in self._iterate_raw():
+            yield (
+                connection.topic,
+                log_time,
+                partial(self._decode_message, reader, connection, data),
+            )
+
+    def _decode_message(self, reader: AnyReader, connection: Connection, data: bytes) -> object:
+        """Return a decoded message."""
+        try:
+            return reader.deserialize(data, connection.msgtype)
+        except Exception as error:
+            raise self._translate_error(error) from None
+
+
+def build_ros2_typestore(theirs: Typestore) -> Typestore:
+    """Return the types of ROS 2 Jazzy, and what a bag of ROS 1 has beside them."""
+    types = get_typestore(Stores.ROS2_JAZZY)
+    types.register(
+        {name: told for name, told in theirs.fielddefs.items() if name not in types.fielddefs}
+    )
+    return types
+
+
+def build_converter(theirs: Typestore, types: Typestore, kind: str, ours: str) -> Convert:
+    """Return what turns the bytes of a message of ROS 1 into those of ROS 2."""
+    if is_same_wireformat(theirs, types, kind, ours):
+        return lambda data: bytes(types.ros1_to_cdr(data, ours))
+    cache: dict[str, Any] = {}
+    return lambda data: bytes(
+        migrate_bytes(theirs, types, kind, ours, cache, data, src_is2=False, dst_is2=True)
+    )

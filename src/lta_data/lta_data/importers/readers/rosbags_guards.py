@@ -1,0 +1,103 @@
+"""What a bag must not have before rosbags reads it: what rosbags itself takes on trust."""
+
+from collections.abc import Iterator
+from contextlib import closing
+from pathlib import Path
+import sqlite3
+
+from lta_config.errors import BadInput
+from lta_config.files import load_yaml, parse_yaml
+from lta_config.limits import CHUNK_BYTES, INFLATED_FREELY, INFLATION
+import zstandard
+
+METADATA = 'metadata.yaml'
+QOS = 'offered_qos_profiles'
+PIECE = 1 << 20
+# A view or a computed column is a program, which may never end; a bag has none.
+PROGRAMS = "SELECT name FROM sqlite_master WHERE type IN ('view', 'trigger') OR sql LIKE ?"
+COMPUTED = (2, 3)  # what SQLite calls a column that is computed
+
+
+def refuse_hostile_bag(path: Path) -> None:
+    """
+    Raise BadInput for a bag that could keep rosbags busy for ever or fill the disk.
+
+    Parameters
+    ----------
+    path : Path
+        A rosbag2 folder, or one file.
+
+    """
+    if path.is_dir():
+        described = load_yaml(path / METADATA)
+        for text in iterate_qos_texts(described):
+            parse_yaml(text, f"The QoS in '{path / METADATA}'")
+    for file in sorted(path.iterdir()) if path.is_dir() else [path]:
+        if file.suffix == '.zstd' or file.suffix == '.zst':
+            refuse_decompression_bomb(file)
+        elif file.suffix == '.db3':
+            refuse_active_database(file)
+
+
+def iterate_qos_texts(held: object) -> Iterator[str]:
+    """Yield every text of a metadata.yaml that rosbags reads as YAML once more."""
+    if isinstance(held, dict):
+        for key, inside in held.items():
+            if key == QOS and isinstance(inside, str):
+                yield inside
+            yield from iterate_qos_texts(inside)
+    elif isinstance(held, list):
+        for inside in held:
+            yield from iterate_qos_texts(inside)
+
+
+def refuse_decompression_bomb(file: Path) -> None:
+    """Raise BadInput for a compressed file that would fill the disk."""
+    done, allowed = 0, INFLATED_FREELY + INFLATION * file.stat().st_size
+    try:
+        with file.open('rb') as packed:
+            stream = zstandard.ZstdDecompressor().stream_reader(packed)
+            while piece := stream.read(PIECE):
+                done += len(piece)
+                if done > allowed:
+                    raise BadInput(
+                        f"'{file}' is compressed to less than 1/{INFLATION}, which no recording "
+                        'is; get it from a source you trust.'
+                    )
+    except zstandard.ZstdError as error:
+        raise BadInput(f"'{file}' cannot be unpacked ({error}); copy it again.") from None
+
+
+def refuse_active_database(file: Path) -> None:
+    """Raise BadInput for a database that computes something, or unpacks into too much."""
+    try:
+        with closing(sqlite3.connect(f'{file.absolute().as_uri()}?mode=ro', uri=True)) as base:
+            found = [name for (name,) in base.execute(PROGRAMS, ('CREATE VIRTUAL%',))]
+            for table in ('messages', 'topics', 'schema', 'message_definitions'):
+                for _, name, *_, kind in base.execute(f'PRAGMA table_xinfo({table})'):
+                    found += [name] if kind in COMPUTED else []
+            if found:
+                raise BadInput(
+                    f"'{file}' computes '{found[0]}', which no recording does; get it from a "
+                    'source you trust.'
+                )
+            for (head,) in base.execute('SELECT substr(data, 1, 18) FROM messages'):
+                refuse_large_message(file, head)
+            for (text,) in base.execute('SELECT DISTINCT offered_qos_profiles FROM topics'):
+                parse_yaml(text or '', f"The QoS in '{file}'")
+    except sqlite3.OperationalError as error:
+        if QOS not in str(error):  # older ones have no QoS
+            raise BadInput(f"'{file}' cannot be read ({error}); copy it again.") from None
+    except (sqlite3.DatabaseError, UnicodeDecodeError) as error:
+        raise BadInput(f"'{file}' cannot be read ({error}); copy it again.") from None
+
+
+def refuse_large_message(file: Path, head: object) -> None:
+    """Raise BadInput for a compressed message that unpacks into too much."""
+    if isinstance(head, bytes) and head[:4] == zstandard.FRAME_HEADER:
+        size = zstandard.frame_content_size(head)
+        if size < 0 or size > CHUNK_BYTES:
+            raise BadInput(
+                f"'{file}' has a message that unpacks into more than {CHUNK_BYTES} bytes; leave "
+                'it out with its own tools first.'
+            )

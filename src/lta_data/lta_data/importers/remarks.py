@@ -1,0 +1,64 @@
+"""What is odd in a log and was kept as it is, counted while it is written."""
+
+from collections import Counter
+from collections.abc import Mapping
+from typing import final
+
+from lta_data.importers.log_table import Numbers, Times
+import numpy as np
+
+
+@final
+class LogRemarks:
+    """Counts, over all parts of a log, what a reader should know of it; nothing is mended."""
+
+    def __init__(self) -> None:
+        self._rows: Counter[str] = Counter()
+        self._nan: Counter[str] = Counter()
+        self._back: Counter[str] = Counter()
+        self._same: Counter[str] = Counter()
+        self._last: dict[str, int] = {}
+        self._where: dict[str, int] = {}
+
+    def note_rows(self, name: str, stamps: Times, columns: Mapping[str, Numbers]) -> None:
+        """Take note of the next rows of a table: their times, and the columns that are used."""
+        if not len(stamps):
+            return
+        before = self._last.get(name, int(stamps[0]) - 1)
+        steps = np.diff(stamps, prepend=before)
+        self._back[name] += int((steps < 0).sum())
+        self._same[name] += int((steps == 0).sum())
+        if (steps < 0).any() and name not in self._where:
+            self._where[name] = self._rows[name] + int(np.argmax(steps < 0)) + 1
+        self._rows[name] += len(stamps)
+        self._last[name] = int(stamps[-1])
+        for column, numbers in columns.items():
+            holes = int(np.isnan(numbers).sum())
+            if holes:
+                self._nan[f'{name}.{column}' if name else column] += holes
+
+    def format_sentences(self) -> list[str]:
+        """Return what was met, one sentence each."""
+        told = []
+        for name, count in sorted(self._back.items()):
+            if count:
+                told.append(
+                    f'Time{_format_owner(name)} goes back {_format_times(count)}, first in row '
+                    f'{self._where[name]}; kept.'
+                )
+        for name, count in sorted(self._same.items()):
+            if count:
+                told.append(
+                    f'Time{_format_owner(name)} stands still {_format_times(count)}; kept.'
+                )
+        for column, count in sorted(self._nan.items()):
+            told.append(f"Column '{column}' has no number {_format_times(count)}; NaN in the bag.")
+        return told
+
+
+def _format_owner(name: str) -> str:
+    return f" of '{name}'" if name else ''
+
+
+def _format_times(count: int) -> str:
+    return 'once' if count == 1 else f'{count} times'

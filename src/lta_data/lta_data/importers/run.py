@@ -1,0 +1,123 @@
+"""An import from the first look at the files to the bags; all of it stays, or nothing."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import final
+
+from lta_bridge.bag.storage import StorageFault
+from lta_bridge.bag.writer import prepare_empty_folder
+from lta_config.errors import BadInput, to_one_line
+from lta_data.bag.bag_folder import find_bag
+from lta_data.importers.formats import detect_format, find_format
+from lta_data.importers.log_provenance import build_provenance
+from lta_data.importers.log_to_bag import write_log_bag
+from lta_data.importers.mapping_choice import (
+    choose_entries,
+    describe_unknown_actuators,
+    select_mapping,
+)
+from lta_data.importers.progress import ImportProgress
+from lta_data.importers.protocol import Reached
+from lta_report.results_folder import stage_results
+
+BAG = 'bag'  # as a flight's results folder has it
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class ImportRequest:
+    """What to import, how it is to be read, and whose topics it becomes."""
+
+    sources: Sequence[Path]
+    mapping: str | None = None
+    format: str | None = None
+    robot: str = 'lta1'
+    vehicle: str | None = None
+
+
+@final
+@dataclass(slots=True)
+class ImportedLog:
+    """
+    One imported log.
+
+    Attributes
+    ----------
+    source, bag : str
+        What was read, and the bag that was made of it.
+    format, mapping : str
+        How it was read; no mapping is ''.
+    data : str
+        'measured' or 'simulated', as the mapping says.
+    topics : dict of str to int
+        Messages by topic.
+    notes : list of str
+        What is odd, missing or was left out, one sentence each.
+
+    """
+
+    source: str
+    bag: str
+    format: str
+    mapping: str
+    data: str
+    topics: dict[str, int] = field(default_factory=dict)
+    notes: list[str] = field(default_factory=list)
+
+
+def import_logs(order: ImportRequest, out: Path, progress: ImportProgress) -> list[ImportedLog]:
+    """
+    Import logs into a folder: `out/bag` of one, `out/NAME/bag` of each of several.
+
+    Raises
+    ------
+    BadInput
+        If one of them cannot be imported: then there is no bag of any.
+
+    """
+    done = []
+    if out.exists():
+        prepare_empty_folder(out)
+    with stage_results(out, BAG) as folder:
+        for source, name in zip(order.sources, _name_folders(order.sources), strict=True):
+            progress.begin_log(source.name)
+            inside = Path(name) / BAG if len(order.sources) > 1 else Path(BAG)
+            found = _import_log(order, find_bag(source), folder / inside, progress.show_fraction)
+            found.bag = str(out / inside)
+            done.append(found)
+            progress.end_log()
+    return done
+
+
+def _name_folders(sources: Sequence[Path]) -> list[str]:
+    """Return a folder's name for each source: its own without suffixes, each once."""
+    found: list[str] = []
+    for source in sources:
+        stem = source.name.split('.')[0] or 'log'
+        count = sum(name == stem or name.startswith(f'{stem}-') for name in found)
+        found.append(f'{stem}-{count + 1}' if stem in found else stem)
+    return found
+
+
+def _import_log(order: ImportRequest, source: Path, bag: Path, reached: Reached) -> ImportedLog:
+    """Import one log."""
+    format_ = detect_format(source) if order.format is None else order.format
+    find_format(format_)
+    mapping, text = select_mapping(source, format_, order.mapping)
+    told = build_provenance(source, format_, mapping, text, order.vehicle)
+    try:
+        log = find_format(format_).opened(source, mapping)
+        chosen = choose_entries(source, mapping, log, order.robot)
+        found = ImportedLog(
+            str(source), str(bag), format_, mapping.name if mapping else '', told['data']
+        )
+        strange = (
+            [] if order.vehicle is None else describe_unknown_actuators(order.vehicle, chosen)
+        )
+        found.topics, found.notes = write_log_bag(log, chosen, bag, told, reached)
+        found.notes = [to_one_line(note) for note in [*found.notes, *strange]]
+    except (OSError, StorageFault) as fault:
+        reason = str(fault).rstrip('.')
+        raise BadInput(f"'{source}' cannot be imported: {reason}.") from None
+    return found

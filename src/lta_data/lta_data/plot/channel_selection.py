@@ -1,0 +1,98 @@
+"""Which channels of a flight a person means, and how they share axes."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from difflib import get_close_matches
+from fnmatch import fnmatchcase
+import math
+from typing import Final
+
+from lta_config.errors import BadInput
+from lta_data.bag.channels import iterate_channels, read_all_channels, SignalChannel
+from lta_data.bag.recorded_flight import RecordedFlight
+import numpy as np
+
+MOST: Final = 24  # lines in one look
+NEAR: Final = 4  # names offered for one that is not there
+DEGREE: Final = math.pi / 180.0
+
+
+def select_channels(flight: RecordedFlight, patterns: Sequence[str]) -> list[SignalChannel]:
+    """
+    Return the channels that some patterns name, in the order of the patterns.
+
+    Parameters
+    ----------
+    flight : Flight
+        The recording of one robot; only topics that a pattern can mean are decoded.
+    patterns : sequence of str
+        A channel ('odom/pose.pose.position.z'), a topic ('motors'), or either with `*`.
+
+    Raises
+    ------
+    BadInput
+        If a pattern means nothing, or all together mean too much for one picture.
+
+    """
+    found: dict[str, SignalChannel] = {}
+    for pattern in patterns:
+        meant = [
+            channel
+            for topic in flight.topics
+            if can_match(pattern, topic)
+            for channel in iterate_channels(flight, topic)
+            if matches_channel(pattern, channel)
+        ]
+        if not meant:
+            raise no_match_error(flight, pattern)
+        found |= {channel.name: channel for channel in meant}
+    if len(found) > MOST:
+        raise BadInput(
+            f'{len(found)} channels are too many for one picture (at most {MOST}); name fewer, '
+            f"such as '{next(iter(found))}'."
+        )
+    return list(found.values())
+
+
+def can_match(pattern: str, topic: str) -> bool:
+    """Tell whether a channel of a topic can match a pattern."""
+    return fnmatchcase(topic, pattern) or fnmatchcase(topic, pattern.rpartition('/')[0])
+
+
+def matches_channel(pattern: str, channel: SignalChannel) -> bool:
+    """Tell whether a pattern names a channel or its topic."""
+    # fnmatch reads [0] as a choice of letters; a person means the first element.
+    escaped = pattern.replace('[', '[[]')
+    return fnmatchcase(channel.topic, pattern) or fnmatchcase(channel.name, escaped)
+
+
+def no_match_error(flight: RecordedFlight, pattern: str) -> BadInput:
+    """Return the error for a pattern that means nothing, with what is near it."""
+    known = [*flight.topics, *read_all_channels(flight).channels]
+    near = get_close_matches(pattern, known, NEAR, 0.4) or flight.topics[:NEAR]
+    return BadInput(
+        f"No channel matches '{pattern}'; near it: {', '.join(near)}. Without a name, all are "
+        'listed.'
+    )
+
+
+def make_readable(channel: SignalChannel) -> SignalChannel:
+    """Return an angle in degrees without jumps; anything else as it is."""
+    if not channel.angular:
+        return channel
+    values = channel.values.copy()
+    known = np.isfinite(values)
+    values[known] = np.unwrap(values[known])
+    return replace(channel, unit='deg', values=values / DEGREE)
+
+
+def crop_channel(channel: SignalChannel, begin: float, end: float) -> SignalChannel:
+    """Return the part of a channel in a closed stretch of time. [s]"""
+    inside = (channel.time >= begin) & (channel.time <= end)
+    return replace(channel, time=channel.time[inside], values=channel.values[inside])
+
+
+def group_by_unit(channels: Sequence[SignalChannel]) -> Iterator[tuple[str, list[SignalChannel]]]:
+    """Yield unit and channels of each axis: what has one unit shares one."""
+    for unit in dict.fromkeys(channel.unit for channel in channels):
+        yield unit, [channel for channel in channels if channel.unit == unit]

@@ -1,0 +1,191 @@
+"""
+Flights in which something is hidden, for the demonstration: drawn, flown in process, recorded.
+
+The pilot knows the vehicle file and nothing of what is hidden. On top of its commands comes a
+dither, which tells one rotor from the other; a noisy tracker sees the pose. Recorded is what a
+real flight would have; what was hidden stands in no bag.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Final, final
+
+from lta_bridge.bag.writer import BagWriter
+from lta_bridge.provenance import collect_provenance
+from lta_config.topics import load_topic_table
+from lta_control.cascade import Setpoint
+from lta_flight.closed_loop import ClosedLoop
+from lta_flight.flight import ROBOT
+from lta_flight.flight_spec import build_parts, FlightSpec, load_spec
+from lta_model.vehicle import Vehicle
+from lta_sim.world import World
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+Array = NDArray[np.float64]
+
+VEHICLE: Final = 'gtmab'
+SCENARIO: Final = 'lamp_room'
+STRATEGY: Final = 'bag'
+SETTLED: Final = 4.0  # s; from then on dither
+DITHER: Final = 0.15  # of a duty, either way; rotors that cannot reverse climb with more
+EACH: Final = (0.4, 1.2)  # s; a dither lasts
+LEG: Final = 8.0  # s; a setpoint lasts
+POSE: Final = 1e-3  # m; of a tracker of passive markers
+TURN: Final = 2.5e-3  # rad
+# A hall without walls nearby: nothing but the vehicle is to be found.
+HALL: Final = {
+    'scenario.room.size': {'value': [60.0, 60.0, 12.0], 'unit': 'm'},
+    'scenario.start.position': {'value': [0.0, 0.0], 'unit': 'm'},
+}
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class DemoCandidate:
+    """
+    What can be hidden.
+
+    Attributes
+    ----------
+    place : str
+        Of the number in the vehicle file.
+    unit : str
+        SI.
+    low, high : float
+        Between which its size is drawn.
+    index : int, optional
+        Which number of a vector it is.
+
+    """
+
+    place: str
+    unit: str
+    low: float
+    high: float
+    index: int | None = None
+
+
+_ON: Final = 'vehicle.effects.'
+HIDEABLE: Final[dict[str, DemoCandidate]] = {
+    'linear_drag.surge': DemoCandidate('vehicle.aero.linear_drag.force', 'N s/m', 0.02, 0.05, 0),
+    'linear_drag.heave': DemoCandidate('vehicle.aero.linear_drag.force', 'N s/m', 0.03, 0.06, 2),
+    'command_delay.delay': DemoCandidate(f'{_ON}command_delay.delay', 's', 0.03, 0.08),
+    'cg_offset.x': DemoCandidate(f'{_ON}cg_offset.x', 'm', 0.004, 0.008),
+    'cg_offset.y': DemoCandidate(f'{_ON}cg_offset.y', 'm', -0.008, -0.004),
+    'motor_deadband.threshold': DemoCandidate(f'{_ON}motor_deadband.threshold', '1', 0.05, 0.1),
+    'munk_moment.lost': DemoCandidate(f'{_ON}munk_moment.lost', '1', 0.3, 0.6),
+    'steady_wind.y': DemoCandidate(f'{_ON}steady_wind.y', 'm/s', 0.06, 0.15),
+}
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class DemoEffect:
+    """
+    What was hidden.
+
+    Attributes
+    ----------
+    name : str
+        Of the effect and its parameter: 'linear_drag.surge'.
+    value : float
+        In `unit`.
+    unit : str
+        SI.
+
+    """
+
+    name: str
+    value: float
+    unit: str
+
+    def list_changes(self, made_of: FlightSpec) -> Mapping[str, object]:
+        """Return what changes in the files of a flight."""
+        known = HIDEABLE[self.name]
+        number: float | list[float] = self.value
+        if known.index is not None:
+            number = [float(one) for one in made_of.read_value(known.place)['value']]
+            number[known.index] = self.value
+        return {known.place: {'value': number, 'unit': self.unit}}
+
+    def __str__(self) -> str:
+        """Return it as people read it."""
+        unit = '' if self.unit == '1' else f' {self.unit}'
+        return f'{self.name} = {self.value:.4g}{unit}'
+
+
+def draw_demo_effect(seed: int) -> DemoEffect:
+    """Return what a seed hides."""
+    rng = np.random.default_rng([seed, 5])
+    name = sorted(HIDEABLE)[int(rng.integers(len(HIDEABLE)))]
+    known = HIDEABLE[name]
+    return DemoEffect(name, float(rng.uniform(known.low, known.high)), known.unit)
+
+
+def build_course(seed: int) -> Callable[[float], Setpoint]:
+    """Return setpoints by time: a new height, heading and speed every few seconds."""
+    rng = np.random.default_rng([seed, 7])
+    heading, legs = 0.0, []
+    for _ in range(256):
+        heading += float(rng.uniform(-2.0, 2.0))
+        speed = float(rng.choice([0.0, 0.3, 0.6]))
+        legs.append(Setpoint(float(rng.uniform(1.0, 2.0)), heading, speed))
+    return lambda time: legs[int(time // LEG) % len(legs)]
+
+
+def fly_hidden(hidden: DemoEffect, seed: int, seconds: float, folder: Path) -> Path:
+    """
+    Fly and record one flight; return its bag.
+
+    Parameters
+    ----------
+    hidden : Hidden
+        What the vehicle has and its file does not.
+    seed : int
+        Of the flight: its course, its dither, its noise.
+    seconds : float
+        How long.
+    folder : Path
+        Of the bag.
+
+    """
+    # Here, and not above: who studies flights of their own needs no ROS.
+    from lta_flight.messages import LoopRecorder
+
+    made_of = load_spec(VEHICLE, SCENARIO, STRATEGY, '').with_values(HALL)
+    vehicle, scenario, policy = build_parts(made_of.with_values(hidden.list_changes(made_of)))
+    known, table = Vehicle(build_parts(made_of)[0].file), load_topic_table()
+    world = World(vehicle, scenario, table, seed)
+    loop = ClosedLoop(world, table, replace(policy, course=build_course(seed)), known)
+    told = collect_provenance(
+        VEHICLE, SCENARIO, VEHICLE, seed=str(seed), data='simulated', about='something is hidden'
+    )
+    rng = np.random.default_rng([seed, 9])
+    dither, until = np.zeros(len(loop.duties)), SETTLED
+    with BagWriter(folder, told) as writer:
+        recorder = LoopRecorder(writer, loop, table, ROBOT)
+        while world.elapsed < seconds:
+            loop.decide()
+            if world.elapsed >= until:
+                until = world.elapsed + rng.uniform(*EACH)
+                dither = rng.uniform(-DITHER, DITHER, len(dither))
+            lows = [-1.0 if both else 0.0 for both in vehicle.reversible]
+            loop.duties = tuple(np.clip(np.array(loop.duties) + dither, lows, 1.0).tolist())
+            if loop.readings.truth is not None:
+                loop.readings = replace(
+                    loop.readings, truth=add_tracker_noise(loop.readings.truth, rng)
+                )
+            recorder.record_step()
+            loop.apply_command()
+    return folder
+
+
+def add_tracker_noise(truth: tuple[float, ...], rng: np.random.Generator) -> tuple[float, ...]:
+    """Return a pose as a tracker sees it, without the velocities that it does not see."""
+    place = np.array(truth[:3]) + POSE * rng.standard_normal(3)
+    turn = Rotation.from_quat(truth[3:7])
+    turn *= Rotation.from_rotvec(TURN * rng.standard_normal(3))
+    return (*place.tolist(), *turn.as_quat().tolist(), *(float('nan'),) * 6)

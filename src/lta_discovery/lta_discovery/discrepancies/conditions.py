@@ -1,0 +1,160 @@
+"""What a flight is like, second by second, and where a disagreement is largest."""
+
+from collections.abc import Mapping
+from typing import Final, final, NamedTuple
+
+from lta_discovery.flights.measured_flight import MeasuredFlight, PERIOD
+from lta_discovery.flights.zero_order_hold import average_held_values
+from lta_discovery.model.quaternions import rotation_matrix
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+SMOOTH: Final = 13  # points of the grid over which places are differentiated
+SPLITS: Final = np.linspace(0.2, 0.8, 13)  # shares of the time on one side of a split
+APART: Final = 1.6  # of the root mean squares on either side of one that is worth telling
+DRAWS: Final = 199
+CHANCE: Final = 0.01
+SECTORS: Final = ('east', 'north', 'west', 'south')  # x of the map is east (REP-103)
+
+
+@final
+class FlightCondition(NamedTuple):
+    """
+    Under what a disagreement is largest.
+
+    Attributes
+    ----------
+    name : str
+        'speed above 0.4 m/s'; 'always' where nothing tells more.
+    holds : ndarray of bool, shape (n,)
+        Where.
+
+    """
+
+    name: str
+    holds: NDArray[np.bool_]
+
+
+def ground_speed(flight: MeasuredFlight) -> Array:
+    """Return the speed over the ground from the tracked places, NaN in gaps. [m/s]"""
+    half = SMOOTH // 2
+    out = np.full(len(flight.time), np.nan)
+    if len(out) > SMOOTH:
+        apart = flight.position[2 * half :] - flight.position[: -2 * half]
+        out[half:-half] = np.linalg.norm(apart, axis=1) / (2 * half * PERIOD)
+    return out
+
+
+def list_conditions(
+    flight: MeasuredFlight, light: Array | None = None
+) -> dict[str, tuple[Array, str]]:
+    """
+    Return what may tell one part of a flight from another: values on the grid, and their unit.
+
+    Parameters
+    ----------
+    flight : Measured
+        The flight.
+    light : ndarray, shape (n,), optional
+        Illuminance on the grid. [lx]
+
+    Returns
+    -------
+    dict of str to (ndarray of shape (n,), str)
+        Speed, height, mean duty (or force), and of voltage, light and heading those that are
+        known; NaN where one is not.
+
+    """
+    edges = np.append(flight.time, flight.time[-1] + PERIOD)
+    out = {'speed': (ground_speed(flight), 'm/s'), 'height': (flight.position[:, 2], 'm')}
+    if flight.wrench is not None:
+        force = np.linalg.norm(average_held_values(flight.wrench, edges)[:, :3], axis=1)
+        out['commanded force'] = force, 'N'
+    if len(flight.commands.time) > 1:
+        out['duty'] = np.abs(average_held_values(flight.commands, edges)).mean(axis=1), '1'
+    if np.isfinite(flight.voltage).any():
+        out['voltage'] = flight.voltage, 'V'
+    if light is not None:
+        out['light'] = light, 'lx'
+    turned = rotation_matrix(flight.quaternion)
+    out['heading'] = np.arctan2(turned[:, 1, 0], turned[:, 0, 0]), 'rad'
+    return out
+
+
+def heading_sector(heading: Array) -> NDArray[np.int64]:
+    """Return the quarter that a heading lies in: 0 is about x of the map; -1 where unknown."""
+    known = np.where(np.isfinite(heading), heading, 0.0)
+    quarter = np.rint(known / (0.5 * np.pi)).astype(np.int64) % 4
+    return np.where(np.isfinite(heading), quarter, -1)
+
+
+def build_splits(name: str, values: Array, unit: str) -> list[FlightCondition]:
+    """Return the conditions that one quantity can make."""
+    if name == 'heading':
+        quarter = heading_sector(values)
+        return [FlightCondition(f'heading {word}', quarter == k) for k, word in enumerate(SECTORS)]
+    known = values[np.isfinite(values)]
+    if len(known) == 0 or float(np.ptp(known)) <= 1e-9:
+        return []
+    out = []
+    for at in np.unique(np.quantile(known, SPLITS)):
+        shown = f'{at:.2g}' + ('' if unit == '1' else f' {unit}')
+        with np.errstate(invalid='ignore'):
+            out.append(FlightCondition(f'{name} above {shown}', values > at))
+            out.append(FlightCondition(f'{name} below {shown}', values <= at))
+    return out
+
+
+def find_largest_condition(
+    squares: Array, quantities: Mapping[str, tuple[Array, str]], block: int, seed: int
+) -> FlightCondition:
+    """
+    Return the condition under which squared disagreements are largest, if one tells.
+
+    Parameters
+    ----------
+    squares : ndarray, shape (n,)
+        Of the disagreement, in the order of time.
+    known : mapping of str to (ndarray of shape (n,), str)
+        What may tell, as `list_conditions` returns it.
+    block : int
+        Rows within which the disagreement remembers.
+    seed : int
+        Of the shifts that say what chance does: the disagreement laid against the conditions of
+        another time.
+
+    """
+    n = len(squares)
+    always = FlightCondition('always', np.ones(n, dtype=np.bool_))
+    candidates = [
+        one
+        for name, (values, unit) in quantities.items()
+        for one in build_splits(name, values, unit)
+    ]
+    least = max(2 * block, n // 10)
+    candidates = [one for one in candidates if least <= one.holds.sum() <= n - least]
+    if not candidates or n < 6 * block:
+        return always
+    table = np.array([one.holds for one in candidates], dtype=np.float64)
+    won = _split_gain(table, squares[:, None])[:, 0]
+    best = int(np.argmax(won))
+    shifts = np.random.default_rng([seed, n]).integers(block, n - block, DRAWS)
+    rolled = np.stack([np.roll(squares, shift) for shift in shifts], axis=1)
+    by_chance = _split_gain(table, rolled).max(axis=0)
+    share = (1 + np.sum(by_chance >= won[best])) / (DRAWS + 1)
+    inside = candidates[best].holds
+    apart = np.sqrt(squares[inside].mean() / max(squares[~inside].mean(), 1e-300))
+    return candidates[best] if share <= CHANCE and apart > APART else always
+
+
+def _split_gain(table: Array, squares: Array) -> Array:
+    """Return what splitting by each row of a table gains, column by column; 0 if it is lower."""
+    n, inside = squares.shape[0], table.sum(axis=1)[:, None]
+    total = squares.sum(axis=0)
+    within = table @ squares
+    one, other = within / inside, (total - within) / (n - inside)
+    whole = np.log(total / n + 1e-300)
+    gain = n * whole - inside * np.log(one + 1e-300) - (n - inside) * np.log(other + 1e-300)
+    return np.where(one > other, 0.5 * gain, 0.0)

@@ -1,0 +1,200 @@
+"""
+Where and when the model of the vehicle file disagrees: by channel and by axis of force.
+
+By channel it is the error of predictions over some seconds that begin as suits them best, by the
+noise of the channel; by axis
+the force and moment that a fit without any effect leaves unexplained, by the floor. Each is told
+once, of the flight where it is worst, with the condition under which it is largest; a change for
+good comes beside it.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Final, final
+
+from lta_discovery.discrepancies.change_point import find_change_point
+from lta_discovery.discrepancies.conditions import find_largest_condition, list_conditions
+from lta_discovery.finding import Discrepancy
+from lta_discovery.fit.evidence import wrench_floor
+from lta_discovery.fit.joint_fit import FlightFit
+from lta_discovery.flights.measured_flight import CHANNELS
+from lta_discovery.forecast.flight_prediction import best_start_residual
+from lta_discovery.replay.linearized_flight import LinearizationPoint
+from lta_discovery.replay.linearizer import FlightLinearizer
+from lta_discovery.unmodeled.remainders import latent_at_knots
+from lta_model.effects.protocol import AXES
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+CLEAR: Final = 2.0  # times the noise, or floors: what is worth telling
+ABOARD: Final = 10.0  # the same of an IMU, whose scale is off by as much
+IMU: Final = ('p', 'q', 'r', 'fx', 'fy', 'fz')
+MOST: Final = 24  # places that are told
+EVERY: Final = 25  # points of the grid for one value of a channel: a second
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class BaselineFlight:
+    """
+    One flight as the model of the vehicle file sees it.
+
+    Attributes
+    ----------
+    name : str
+        Of its bag.
+    flight : Linearised
+        The flight.
+    before : Point
+        The vehicle file.
+    fit : Fit or None
+        Its tolerances, fitted without any effect; None if that was not done.
+    light : ndarray, shape (n,), or None
+        Illuminance on the grid. [lx]
+
+    """
+
+    name: str
+    flight: FlightLinearizer
+    before: LinearizationPoint
+    fit: FlightFit | None = None
+    light: Array | None = None
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class DisagreementSeries:
+    """
+    One disagreement over time, in units of its noise.
+
+    Attributes
+    ----------
+    name : str
+        Channel or axis.
+    values : ndarray, shape (n,)
+        Root mean squares, or signed values.
+    index : ndarray of int, shape (n,)
+        Points of the grid, rising.
+    block : int
+        Values within which it remembers.
+
+    """
+
+    name: str
+    values: Array
+    index: NDArray[np.int64]
+    block: int
+
+
+def find_discrepancies(flights: Sequence[BaselineFlight], seed: int) -> tuple[Discrepancy, ...]:
+    """
+    Return where a model disagrees, the largest first.
+
+    Parameters
+    ----------
+    seen : sequence of Seen
+        Flights.
+    seed : int
+        Of what chance does.
+
+    """
+    worst: dict[str, tuple[float, BaselineFlight, DisagreementSeries]] = {}
+    changes: list[Discrepancy] = []
+    for one in flights:
+        forces = _force_series(one)
+        changes += _find_changes(one, forces, seed)
+        for quantity in (*_channel_series(one), *forces):
+            size = _rms(quantity.values)
+            clear = ABOARD if quantity.name in IMU else CLEAR
+            if size > worst.get(quantity.name, (clear,))[0]:
+                worst[quantity.name] = size, one, quantity
+    found = [_locate_discrepancy(one, quantity, seed) for _, one, quantity in worst.values()]
+    return tuple(sorted([*changes, *found], key=lambda place: -place.ratio_to_noise)[:MOST])
+
+
+def _rms(values: Array) -> float:
+    """Return the root mean square; 0 of nothing."""
+    return float(np.sqrt(np.mean(values**2))) if len(values) else 0.0
+
+
+def _channel_series(one: BaselineFlight) -> list[DisagreementSeries]:
+    """Return the errors of predictions by channel, second by second."""
+    flight = one.flight
+    squares = best_start_residual(flight, one.before) ** 2
+    count = squares.shape[1] // EVERY * EVERY
+    cut = squares[:, :count].reshape(len(squares), -1, EVERY, squares.shape[2])
+    known = np.asarray(np.isfinite(cut).any(axis=2))
+    total = np.where(np.isfinite(cut), cut, 0.0).sum(axis=2)
+    means = total / np.maximum(np.isfinite(cut).sum(axis=2), 1)
+    index = flight.index[:, EVERY // 2 : count : EVERY]
+    out = []
+    block = max(1, cut.shape[1])
+    for k, name in enumerate(CHANNELS):
+        here = known[..., k]
+        if here.sum() > 2 * block:
+            out.append(DisagreementSeries(name, np.sqrt(means[..., k][here]), index[here], block))
+    return out
+
+
+def _force_series(one: BaselineFlight) -> list[DisagreementSeries]:
+    """Return the unexplained force and moment by axis, knot by knot."""
+    if one.fit is None:
+        return []
+    cut = one.flight.replay.cut
+    at = np.rint(np.linspace(0, cut.length - 1, cut.knots)).astype(np.int64)
+    inside = cut.inside[:, at].reshape(-1)
+    index = one.flight.index[:, at].reshape(-1)[inside]
+    knots = latent_at_knots(one.fit)[inside] / wrench_floor(one.before.nominal)
+    return [DisagreementSeries(axis, knots[:, k], index, cut.knots) for k, axis in enumerate(AXES)]
+
+
+def _locate_discrepancy(
+    one: BaselineFlight, quantity: DisagreementSeries, seed: int
+) -> Discrepancy:
+    """Return where one disagreement is largest."""
+    flight = one.flight.replay.flight
+    known = {
+        name: (values[quantity.index], unit)
+        for name, (values, unit) in list_conditions(flight, one.light).items()
+    }
+    told = find_largest_condition(quantity.values**2, known, quantity.block, seed)
+    begin, end = _longest_interval(told.holds, flight.time[quantity.index])
+    ratio = _rms(quantity.values[told.holds])
+    return Discrepancy(one.name, quantity.name, begin, end, told.name, ratio)
+
+
+def _longest_interval(holds: NDArray[np.bool_], time: Array) -> tuple[float, float]:
+    """Return when a condition holds for the longest time in one piece. [s]"""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], holds.astype(np.int8), [0]])))
+    runs = edges.reshape(-1, 2)
+    begin, end = max(runs.tolist(), key=lambda run: time[run[1] - 1] - time[run[0]])
+    return float(time[begin]), float(time[end - 1])
+
+
+def _find_changes(
+    one: BaselineFlight, forces: Sequence[DisagreementSeries], seed: int
+) -> list[Discrepancy]:
+    """Return what changed for good in a flight, on the axis that disagrees most from then on."""
+    if one.fit is None:
+        return []
+    found = find_change_point(_complete_columns(one.fit, one.flight), one.flight.knobs, seed)
+    if found is None:
+        return []
+    cut, time = one.flight.replay.cut, one.flight.replay.flight.time
+    at, end = float(time[cut.first[found.piece]]), float(time[forces[0].index[-1]])
+    sizes = {each.name: _rms(each.values[time[each.index] >= at]) for each in forces}
+    axis = max(sizes, key=lambda name: sizes[name])
+    said = f'after about {at:.0f} s, as if {found.knob} changed'
+    return [Discrepancy(one.name, axis, at, end, said, sizes[axis])]
+
+
+def _complete_columns(this: FlightFit, flight: FlightLinearizer) -> FlightFit:
+    """Return a fit with the columns of all candidates, also of those that it held."""
+    first = this.linear.grams.shape[1] - len(this.linear.names) - 1
+    sizes = this.linear.grams.sum(axis=0).diagonal()[first : first + len(flight.knobs)]
+    candidates = np.array([knob.typical > 0.0 for knob in flight.knobs])
+    if sizes[candidates].all():
+        return this
+    return replace(this, linear=flight.linearize(this.linear.point))

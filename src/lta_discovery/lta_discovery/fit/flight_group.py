@@ -1,0 +1,178 @@
+"""
+Flights of one vehicle together: what they share, and what is each one's own.
+
+Knobs are shared; the errors of a flight's sensors and its lift (`own_variance`) are drawn anew for
+each, about what is shared where they are candidates themselves. They are eliminated flight by
+flight, so that the cost grows with the flights and not with its square.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import final, NamedTuple
+
+from lta_discovery.fit.evidence import (
+    eliminate_columns,
+    ParameterPosterior,
+    PieceReducer,
+    ReducedFlight,
+)
+from lta_discovery.parallel import map_parallel
+from lta_discovery.replay.linearized_flight import LinearizationPoint, LinearizedFlight
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+class FlightSolution(NamedTuple):
+    """Where a flight goes when the shared knobs move: its values, and its pieces' unknowns."""
+
+    values: Array
+    random: Array
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class LinearizedGroup:
+    """
+    Flights about a point.
+
+    Attributes
+    ----------
+    pieces : tuple of Pieces
+        Of each flight.
+    at : ndarray, shape (G,)
+        What the flights share of the knobs. A flight's point may have other values; it is then
+        taken to be as linear as about its own.
+    variance : ndarray, shape (G,)
+        Of what is a flight's own; 0 where it has nothing of its own.
+
+    """
+
+    pieces: tuple[PieceReducer, ...]
+    at: Array
+    variance: Array
+
+    @property
+    def linears(self) -> tuple[LinearizedFlight, ...]:
+        """Each flight about its point."""
+        return tuple(each.linear for each in self.pieces)
+
+    @property
+    def is_aligned(self) -> bool:
+        """Whether all flights stand where the group does, but for what is their own."""
+        same = self.variance == 0.0
+        return all(
+            np.allclose(each.point.values[same], self.at[same], rtol=1e-9, atol=1e-12)
+            for each in self.linears
+        )
+
+    def join(self, other: 'LinearizedGroup') -> 'LinearizedGroup':
+        """Return the flights of both, about the point of this one."""
+        return replace(self, pieces=(*self.pieces, *other.pieces))
+
+    def select_columns(
+        self, free: NDArray[np.bool_]
+    ) -> tuple['LinearizedGroup', NDArray[np.int64]]:
+        """Return the flights with only such columns as move, and which these are."""
+        apart = np.any([each.point.values != self.at for each in self.linears], axis=0)
+        kept = np.flatnonzero(free | (self.variance > 0.0) | apart)
+        pieces = tuple(each.select_columns(kept) for each in self.pieces)
+        return LinearizedGroup(pieces, self.at[kept], self.variance[kept]), kept
+
+    def reduce(self, deviations: Array) -> ReducedFlight:
+        """
+        Return what the flights say of what they share.
+
+        Parameters
+        ----------
+        deviations : ndarray, shape (6,)
+            Of the latent force [N] and moment [N m].
+
+        """
+        return self.sum_flights(map_parallel(lambda each: each.reduce(deviations), self.pieces))
+
+    def sum_flights(self, reduced: Sequence[ReducedFlight]) -> ReducedFlight:
+        """Return what flights say of what they share, each without its pieces' unknowns."""
+        both = zip(self.pieces, reduced, strict=True)
+        parts = [self._eliminate_own(each, alone) for each, alone in both]
+        products = np.sum([part.products for part in parts], axis=0)
+        return ReducedFlight(products, sum(part.constant for part in parts))
+
+    def _align_products(self, point: LinearizationPoint, reduced: ReducedFlight) -> Array:
+        """Return a flight's products about where the group stands."""
+        off = np.where(self.variance > 0.0, 0.0, self.at - point.values)
+        if not off.any():
+            return reduced.products
+        shift = np.eye(len(reduced.products))
+        shift[:-1, -1] = -off
+        there: Array = shift.T @ reduced.products @ shift
+        return there
+
+    def _own_columns(self) -> NDArray[np.int64]:
+        """Return the places of what is a flight's own."""
+        return np.flatnonzero(self.variance)
+
+    def _eliminate_own(self, pieces: PieceReducer, reduced: ReducedFlight) -> ReducedFlight:
+        """Return a flight's products without what is its own."""
+        own, point = self._own_columns(), pieces.linear.point
+        products = self._align_products(point, reduced)
+        if not len(own):
+            return ReducedFlight(products, reduced.constant)
+        left, constant = eliminate_columns(
+            products[None],
+            np.arange(len(products)),
+            own,
+            np.diag(1.0 / self.variance[own]),
+            (self.at - point.values)[None, own],
+        )
+        return ReducedFlight(left[0], reduced.constant + float(constant[0]))
+
+    def solve_flights(self, deviations: Array, target: Array) -> list[FlightSolution]:
+        """
+        Return where each flight is most probable, given what is shared.
+
+        Parameters
+        ----------
+        deviations : ndarray, shape (6,)
+            Of the latent wrench.
+        target : ndarray, shape (G,)
+            What is shared.
+
+        """
+        out, own = [], self._own_columns()
+        for each in self.pieces:
+            values = target.copy()
+            if len(own):
+                answer, left = self._own_response(each, each.reduce(deviations))
+                values[own] += left - answer @ (target - self.at)
+            random = each.solve_unknowns(deviations, values - each.linear.point.values)
+            out.append(FlightSolution(values, random))
+        return out
+
+    def _own_response(self, pieces: PieceReducer, reduced: ReducedFlight) -> tuple[Array, Array]:
+        """Return how a flight's own answers to what is shared, and itself where that stays."""
+        own, point = self._own_columns(), pieces.linear.point
+        products = self._align_products(point, reduced)
+        inner = products[np.ix_(own, own)] + np.diag(1.0 / self.variance[own])
+        before = (point.values - self.at)[own]
+        right = products[own, -1] - before / self.variance[own]
+        # The column of what is shared is that of what is own.
+        inverse = np.asarray(np.linalg.inv(inner), dtype=np.float64)
+        return inverse @ products[own, :-1], before + inverse @ right
+
+    def flight_posterior(
+        self, pieces: PieceReducer, reduced: ReducedFlight, posterior: ParameterPosterior
+    ) -> ParameterPosterior:
+        """Return the knobs of one flight: what is shared, and what is its own."""
+        own = self._own_columns()
+        if not len(own):
+            return posterior
+        answer, left = self._own_response(pieces, reduced)
+        mean, through = posterior.mean.copy(), np.eye(len(self.at))
+        mean[own] += left - answer @ (posterior.mean - self.at)
+        through[own] -= answer
+        covariance: Array = through @ posterior.covariance @ through.T
+        inner = reduced.products[np.ix_(own, own)] + np.diag(1.0 / self.variance[own])
+        covariance[np.ix_(own, own)] += np.linalg.inv(inner)
+        return ParameterPosterior(posterior.log_evidence, mean, covariance)

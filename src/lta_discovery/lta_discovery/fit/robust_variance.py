@@ -1,0 +1,79 @@
+"""
+How well values are known, by what the pieces of the flights themselves disagree about.
+
+The posterior takes the noise for white and the model for exact. Where it is not, what one piece
+says of a value has little to do with the next, but each says it too surely. So each piece pulls
+with what it has, and not with what the model expects of it: the sandwich of Huber (1967), a piece
+being left out for what it has itself drawn the values to (MacKinnon and White 1985, HC3). What is
+known beforehand, of the vehicle and of the errors of each flight's sensors, counts as it did.
+"""
+
+from typing import Final
+
+from lta_discovery.fit.evidence import PieceReducer
+from lta_discovery.fit.joint_fit import JointFit
+from lta_discovery.replay.linearized_flight import LinearizationPoint, LinearizedFlight
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+DRAWN: Final = 0.9  # of a value, at most, that one piece is taken to have drawn to itself
+
+
+def reduce_each_piece(linear: LinearizedFlight, deviations: Array) -> Array:
+    """Return what each piece says of the knobs, its own unknowns eliminated, (S, G + 1, G + 1)."""
+    out = []
+    for s in range(len(linear.rows)):
+        one = slice(s, s + 1)
+        point = LinearizationPoint(
+            linear.point.nominal, linear.point.values, linear.point.random[one]
+        )
+        piece = LinearizedFlight(
+            linear.names, linear.grams[one], linear.rows[one], point, linear.residual
+        )
+        out.append(PieceReducer(piece).reduce(deviations).products)
+    return np.array(out)
+
+
+def sandwich_variance(joint: JointFit) -> Array:
+    """
+    Return the variance of what flights share of the knobs, by their pieces, shape (G,).
+
+    Parameters
+    ----------
+    joint : Joint
+        Flights that were fitted together.
+
+    """
+    covariance = joint.fitted.covariance
+    free = joint.prior.free
+    precision = np.zeros_like(covariance)
+    precision[np.ix_(free, free)] = np.linalg.inv(joint.prior.covariance[np.ix_(free, free)])
+    pulled = np.zeros(len(covariance))
+    for member in joint.members:
+        scores, informations, own = _flight_scores(joint, member.linear, member.fitted.mean)
+        precision += own
+        moved = scores @ covariance
+        drawn = np.einsum('ka,sab,bk->sk', covariance, informations, covariance)
+        drawn = np.minimum(drawn / np.maximum(np.diag(covariance), 1e-300), DRAWN)
+        pulled += np.sum((moved / (1.0 - drawn)) ** 2, axis=0)
+    out: Array = pulled + np.diag(covariance @ precision @ covariance)
+    return out
+
+
+def _flight_scores(
+    joint: JointFit, linear: LinearizedFlight, mean: Array
+) -> tuple[Array, Array, Array]:
+    """Return pull and information of each piece on what is shared, and those of what is own."""
+    products = reduce_each_piece(linear, joint.deviations)
+    own = np.flatnonzero(joint.group.variance)
+    inner, right = products[:, :-1, :-1], products[:, :-1, -1]
+    scores = right - inner @ (mean - linear.point.values)
+    whole = inner.sum(axis=0)
+    before = np.diag(1.0 / joint.group.variance[own])
+    through = np.eye(len(whole))
+    answer = np.linalg.solve(whole[np.ix_(own, own)] + before, whole[own])
+    through[own] -= answer
+    informations = np.einsum('ab,sac,cd->sbd', through, inner, through, optimize=True)
+    return scores @ through, informations, answer.T @ before @ answer

@@ -1,0 +1,267 @@
+"""
+One measured flight as arrays on a common grid.
+
+Whatever is recorded goes in as streams with their own times; out come a pose, rates, specific
+force, range and pressure on one grid, NaN where a channel says nothing there, with the noise of
+each as the data themselves show it. Commands keep their own times: when one took over matters to
+a few milliseconds.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Final, final
+
+from lta_discovery.flights.noise import estimate_noise, estimate_pose_noise, LEAST
+from lta_discovery.flights.tracker_outliers import find_tracker_outliers
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+PERIOD: Final = 0.04  # s; of the grid
+WARM_UP: Final = 2.0  # s; filters and motors settle
+SETTLED: Final = 0.5  # s; the same where there is nothing but a tracker: motors alone
+GAP: Final = 0.12  # s; of a tracker: nothing is interpolated over more
+BRIDGED: Final = 0.5  # s; a shorter gap does not end a piece, it only has no poses
+CHANNELS: Final = (
+    'x', 'y', 'z', 'turn_x', 'turn_y', 'turn_z', 'p', 'q', 'r', 'fx', 'fy', 'fz',
+    'range', 'pressure',
+)  # fmt: skip
+FILTERS: Final = ('rates', 'force', 'range', 'pressure')  # sensors that settle
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Stream:
+    """
+    One sensor, or the commands, as recorded.
+
+    Attributes
+    ----------
+    time : ndarray, shape (n,)
+        Since the start of the flight, rising. [s]
+    values : ndarray, shape (n, k)
+        NaN or infinite where a reading says nothing.
+
+    """
+
+    time: Array
+    values: Array
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class FlightStreams:
+    """
+    All that is known of a flight.
+
+    Attributes
+    ----------
+    pose : Stream
+        Position [m] and quaternion x y z w of the body in the map.
+    commands : Stream
+        Duty of each rotor, held until the next.
+    others : mapping of str to Stream
+        Of 'rates' [rad/s], 'force' [m/s2], 'range' [m], 'pressure' [Pa], 'voltage' [V] those that
+        are there.
+    floor : float
+        Height of the hull centre below which the vehicle may touch the floor. [m]
+    wrench : Stream, optional
+        Commanded force and moment about the hull centre, body frame, held until the next; of a
+        vehicle that is not told duties. [N, N m]
+    mass : Stream, optional
+        Where the moving mass is told to be, body frame, held until the next. [m]
+
+    """
+
+    pose: Stream
+    commands: Stream
+    others: Mapping[str, Stream] = field(default_factory=dict)
+    floor: float = -np.inf
+    wrench: Stream | None = None
+    mass: Stream | None = None
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class MeasuredFlight:
+    """
+    A flight on a grid of n points.
+
+    Attributes
+    ----------
+    time : ndarray, shape (n,)
+        [s]
+    position, quaternion : ndarray, shape (n, 3) and (n, 4)
+        NaN in gaps.
+    readings : ndarray, shape (n, 8)
+        Rates, specific force, range, pressure; of the first two the mean until the next point.
+    noise : ndarray, shape (14,)
+        Standard deviation by CHANNELS; infinite for a channel that is not there.
+    usable : ndarray of bool, shape (n,)
+        Whether the model is to explain what happens here.
+    commands : Stream
+        As recorded.
+    voltage : ndarray, shape (n,)
+        Of the battery, NaN where it is not known. [V]
+    wrench, mass : Stream or None
+        As recorded.
+    alike : float
+        How many poses say the same: each counts as if its noise were larger by the root of that.
+
+    """
+
+    time: Array
+    position: Array
+    quaternion: Array
+    readings: Array
+    noise: Array
+    usable: NDArray[np.bool_]
+    commands: Stream
+    voltage: Array
+    wrench: Stream | None = None
+    mass: Stream | None = None
+    alike: float = 1.0
+
+    @property
+    def has_only_pose(self) -> bool:
+        """Return whether nothing but the pose was measured: no inertial unit, no other sensor."""
+        return not np.isfinite(self.noise[6:]).any()
+
+    @property
+    def reading_deviation(self) -> Array:
+        """Return the standard deviation of a single reading by CHANNELS, shape (14,)."""
+        return np.concatenate([self.noise[:6] / np.sqrt(self.alike), self.noise[6:]])
+
+
+def _median_interval(stream: Stream) -> float:
+    """Return the usual time between readings."""
+    return float(np.median(np.diff(stream.time)))
+
+
+def _interpolate_stream(grid: Array, stream: Stream, gap: float) -> Array:
+    """Interpolate linearly, NaN where the readings around a point are too far apart."""
+    good = np.isfinite(stream.values).all(axis=1)
+    time, values = stream.time[good], stream.values[good]
+    if len(time) < 2:
+        return np.full((len(grid), stream.values.shape[1]), np.nan)
+    after = np.clip(np.searchsorted(time, grid), 1, len(time) - 1)
+    out = np.column_stack([np.interp(grid, time, column) for column in values.T])
+    outside = (grid < time[0] - 1e-9) | (grid > time[-1] + 1e-9)
+    out[(time[after] - time[after - 1] > gap) | outside] = np.nan
+    return out
+
+
+def _align_signs(quaternions: Array) -> Array:
+    """Return quaternions that do not change their sign from one to the next."""
+    dots = np.sum(quaternions[1:] * quaternions[:-1], axis=1)
+    signs = np.concatenate([[1.0], np.cumprod(np.where(dots < 0.0, -1.0, 1.0))])
+    same: Array = quaternions * signs[:, None]
+    return same
+
+
+def _average_periods(grid: Array, stream: Stream) -> Array:
+    """Return the mean of a series drawn straight between readings, from each point to the next."""
+    apart = np.diff(stream.time)[:, None]
+    pieces = 0.5 * (stream.values[1:] + stream.values[:-1]) * apart
+    total = np.vstack([np.zeros((1, stream.values.shape[1])), np.cumsum(pieces, axis=0)])
+    # Between readings the integral is a parabola; the grid falls on readings, or nearly.
+    at = np.column_stack([np.interp(grid, stream.time, column) for column in total.T])
+    means = np.diff(at, axis=0) / np.diff(grid)[:, None]
+    means[(grid[:-1] < stream.time[0]) | (grid[1:] > stream.time[-1])] = np.nan
+    return np.vstack([means, np.full((1, means.shape[1]), np.nan)])
+
+
+def _interpolate_slow_sensor(grid: Array, stream: Stream) -> Array:
+    """Interpolate a slow sensor; one with a higher rate than the grid is not averaged."""
+    return _interpolate_stream(grid, stream, 4.0 * _median_interval(stream))
+
+
+def _resample_readings(grid: Array, others: Mapping[str, Stream]) -> tuple[Array, Array]:
+    """Return rates, force, range, pressure on the grid and their noise."""
+    out, noise = np.full((len(grid), 8), np.nan), np.full(8, np.inf)
+    for name, place, width in (
+        ('rates', 0, 3),
+        ('force', 3, 3),
+        ('range', 6, 1),
+        ('pressure', 7, 1),
+    ):
+        stream = others.get(name)
+        if stream is None or len(stream.time) < 16:
+            continue
+        columns = slice(place, place + width)
+        single = np.array([estimate_noise(column) for column in stream.values.T])
+        if width == 3:
+            out[:, columns] = _average_periods(grid, stream)
+            # What neighbours share of their edges counts once in the sum.
+            noise[columns] = single * np.sqrt(min(1.0, _median_interval(stream) / PERIOD))
+        else:
+            out[:, columns] = _interpolate_slow_sensor(grid, stream)
+            noise[columns] = single
+    return out, noise
+
+
+def _bridge_gaps(valid: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return what is known, and gaps that are short enough to fly through."""
+    out: NDArray[np.bool_] = valid.copy()
+    edges = np.flatnonzero(np.diff(np.concatenate([[1], valid.astype(np.int8), [1]])))
+    for begin, end in edges.reshape(-1, 2):
+        inside = begin > 0 and end < len(valid)
+        if inside and (end - begin) * PERIOD <= BRIDGED:
+            out[begin:end] = True
+    return out
+
+
+def resample_flight(streams: FlightStreams) -> MeasuredFlight:
+    """
+    Put a flight on the grid.
+
+    Parameters
+    ----------
+    streams : Streams
+        As recorded.
+
+    Returns
+    -------
+    Measured
+        From the first pose to the last; nothing is usable while sensors and motors settle, in
+        longer gaps of the tracker, or near the floor.
+
+    """
+    pose = Stream(
+        streams.pose.time,
+        np.column_stack([streams.pose.values[:, :3], _align_signs(streams.pose.values[:, 3:7])]),
+    )
+    wrong = find_tracker_outliers(pose.values)
+    pose = Stream(pose.time[~wrong], pose.values[~wrong])
+    begin = np.ceil(pose.time[0] / PERIOD) * PERIOD
+    count = int(np.floor((pose.time[-1] - begin) / PERIOD + 1e-9)) + 1
+    grid = begin + PERIOD * np.arange(count)
+    at = _interpolate_stream(grid, pose, GAP)
+    quaternion = at[:, 3:7] / np.linalg.norm(at[:, 3:7], axis=1, keepdims=True)
+    readings, noise = _resample_readings(grid, streams.others)
+    own, alike = estimate_pose_noise(pose.values)
+    levels = np.concatenate([own, np.maximum(noise, LEAST[6:])])
+    warm = WARM_UP if any(name in streams.others for name in FILTERS) else SETTLED
+    known = np.asarray(np.isfinite(at).all(axis=1))
+    usable = _bridge_gaps(known) & (grid - grid[0] >= warm)
+    usable &= ~(at[:, 2] <= streams.floor)
+    voltage = streams.others.get('voltage')
+    volts = (
+        np.full(count, np.nan)
+        if voltage is None
+        else _interpolate_stream(grid, voltage, 5.0)[:, 0]
+    )
+    return MeasuredFlight(
+        grid,
+        at[:, :3],
+        quaternion,
+        readings,
+        levels,
+        usable,
+        streams.commands,
+        volts,
+        streams.wrench,
+        streams.mass,
+        alike,
+    )

@@ -1,0 +1,107 @@
+"""
+Stamps that sit on steps, and the regular instants behind them.
+
+Stamps of 1 ms at 120 Hz come 8, 8 and 9 ms apart; a line through them by their number is nearer
+to the truth than each of them. What the instants mean is for others to judge (`stamps`).
+"""
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+STEPS: Final = (0.01, 0.005, 0.004, 0.002, 0.001, 5e-4, 2e-4, 1e-4)  # s; on which stamps may sit
+EXACT: Final = 2e-6  # s; off such a step, as floats and conversions leave it
+NEARLY: Final = 0.99  # of the stamps
+ONE: Final = 1.4  # usual intervals; what is longer, and by more than a step, has lost a pose
+ONE_STEP: Final = 1.25  # steps
+APART: Final = 100  # periods of silence, after which a raster begins anew
+FEWEST: Final = 50  # poses that make a raster
+KNOTS: Final = 10.0  # s; between changes of the rate, where a clock drifts
+BETTER: Final = 0.9  # of the deviations; a drift that explains less is none
+TURNS: Final = 100  # of fitting into the steps
+NONE: Final = 2e-5  # s; too little to see: 0.02 mm at 1 m/s
+
+
+def find_stamp_step(time: Array) -> float:
+    """
+    Return the step on which stamps sit, 0 where they sit on none.
+
+    Parameters
+    ----------
+    time : ndarray, shape (n,)
+        [s]
+
+    """
+    since = time - time[:1]
+    for step in STEPS if len(time) > 1 else ():
+        if np.mean(np.abs(since - step * np.round(since / step)) < EXACT) >= NEARLY:
+            return step
+    return 0.0
+
+
+def fit_regular_times(time: Array, step: float) -> Array:
+    """
+    Return the regular instants nearest to stamps, poses lost in between or not.
+
+    The rate may drift slowly. After a long silence the instants begin anew.
+
+    Parameters
+    ----------
+    time : ndarray, shape (n,)
+        Rising. [s]
+    step : float
+        Stamps are off by up to half of it. [s]
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        NaN where poses are too few, or do not follow one another at one rate. [s]
+
+    """
+    out = np.full(len(time), np.nan)
+    if len(time) < FEWEST:
+        return out
+    apart = np.diff(time)
+    usual = np.median(apart)
+    period = float(np.mean(apart[apart < max(ONE * usual, usual + ONE_STEP * step)]))
+    for part in np.split(np.arange(len(time)), np.flatnonzero(apart > APART * period) + 1):
+        counts = np.round(np.diff(time[part]) / period)
+        if len(part) >= FEWEST and np.all(counts > 0.0):
+            out[part] = _fit_line(np.concatenate([[0.0], np.cumsum(counts)]), time[part], step)
+    return out
+
+
+def _fit_line(index: Array, time: Array, step: float) -> Array:
+    """Return a line through stamps by index, with bends only where it is much better with them."""
+    middle = time[0] + 0.5 * (time[-1] - time[0])
+    knots = np.arange(time[0] + KNOTS, time[-1] - 0.5 * KNOTS, KNOTS)
+    at = np.interp(knots, time, index)
+    straight = np.column_stack([np.ones(len(index)), index - np.interp(middle, time, index)])
+    bent = np.column_stack([straight, np.maximum(index[:, None] - at, 0.0)])
+    line = _fit_within_steps(straight, time, step)
+    other = _fit_within_steps(bent, time, step) if len(knots) else line
+    return (
+        other
+        if _excess_deviation(time - other, step) < BETTER * _excess_deviation(time - line, step)
+        else line
+    )
+
+
+def _excess_deviation(off: Array, step: float) -> float:
+    """Return how far stamps are off, beyond what rounding can do."""
+    return NONE + float(np.sqrt(np.mean(np.maximum(np.abs(off) - 0.5 * step, 0.0) ** 2)))
+
+
+def _fit_within_steps(basis: Array, time: Array, step: float) -> Array:
+    """Fit stamps as nearly as they can be: to half a step, and without those that are far off."""
+    off = time - basis @ np.linalg.lstsq(basis, time)[0]
+    good = np.abs(off) <= 5.0 * np.median(np.abs(off)) + step
+    solve = np.linalg.pinv(basis[good])
+    wanted = time
+    for _ in range(TURNS if step else 1):
+        line: Array = basis @ (solve @ wanted[good])
+        wanted = np.clip(line, time - 0.5 * step, time + 0.5 * step)
+    return line

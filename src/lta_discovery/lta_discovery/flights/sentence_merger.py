@@ -1,0 +1,78 @@
+"""What is true of many flights, said once."""
+
+from collections.abc import Sequence
+import re
+from typing import Final
+
+TOLD: Final = 3  # flights that a sentence names; more are counted
+IS: Final = ' is '
+OF: Final = ': '
+NUMBER: Final = re.compile(r'(?<![\w.])\d+(?:\.\d+)?')
+
+
+def merge_sentences(sentences: Sequence[str], flights: int = 0) -> list[str]:
+    """
+    Return sentences of which those that say the same of several flights have become one.
+
+    Parameters
+    ----------
+    sentences : sequence of str
+        'A is late.', 'B: 3 readings are odd.', 'C: 5 readings are odd.'; what does not begin with
+        a name stays as it is.
+    flights : int
+        How many flights there are; 0 where that is not to be said.
+
+    Returns
+    -------
+    list of str
+        'A is late.', 'In 2 of 9 flights (B, C): 3 to 5 readings are odd.', each where it was said
+        first.
+
+    """
+    same: dict[str, list[tuple[str, str]]] = {}
+    for sentence in sentences:
+        name, rest = _split_sentence(sentence)
+        key = NUMBER.sub('#', rest) if rest.startswith(OF) else rest
+        same.setdefault(key if name else sentence, []).append((name, rest or sentence))
+    return [_merge_group(said, flights) for said in same.values()]
+
+
+def _split_sentence(sentence: str) -> tuple[str, str]:
+    """Return whose name a sentence begins with, and the rest; twice '' where there is none."""
+    name, verb, rest = sentence.partition(OF)
+    if verb and not set(name) & set(' ,:'):
+        return name, f'{OF}{rest}'
+    name, verb, rest = sentence.partition(IS)
+    if verb and not set(name) & set(' ,:'):
+        return name, f'{IS}{rest}'
+    return '', ''
+
+
+def _merge_group(sentences: Sequence[tuple[str, str]], flights: int) -> str:
+    """Return one sentence for those of several flights that say the same."""
+    names, rests = (
+        list(dict.fromkeys(name for name, _ in sentences)),
+        [rest for _, rest in sentences],
+    )
+    if not names[0]:
+        return rests[0]
+    if len(names) == 1 and (len(sentences) == 1 or rests[0].startswith(IS)):
+        return f'{names[0]}{rests[0]}'
+    more = f' and {len(names) - TOLD} more' if len(names) > TOLD else ''
+    listed = f'{", ".join(names[:TOLD])}{more}'
+    if rests[0].startswith(IS):
+        return f'{listed} are {rests[0].removeprefix(IS)}'
+    where = f'In {len(names)} of {flights} flights ({listed})' if flights > 1 else listed
+    return f'{where if len(names) > 1 else names[0]}{_merge_numbers(rests)}'
+
+
+def _merge_numbers(rests: Sequence[str]) -> str:
+    """Return what sentences say that differ in numbers alone, those as ranges."""
+    several = iter(zip(*(NUMBER.findall(rest) for rest in rests), strict=True))
+
+    def format_range(_: re.Match[str]) -> str:
+        numbers = next(several)
+        low, high = min(numbers, key=float), max(numbers, key=float)
+        return low if low == high else f'{low} to {high}'
+
+    return NUMBER.sub(format_range, rests[0])

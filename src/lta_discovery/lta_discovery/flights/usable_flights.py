@@ -1,0 +1,307 @@
+"""
+What of recorded flights can be used: the checks of `lta bag check`, and what follows from them.
+
+An interval that is not to be believed is cut out, of the flight or of the one sensor; a sensor of
+which most is not to be believed is done without; where the pose or the commands are so, there is
+no answer and the flight is refused. What an effect of the library could be (a tracker that is
+late, a clock that drifts) is no fault of the recording: it is said and kept.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Final, final
+
+from lta_config.errors import BadInput
+from lta_data.data_quality.checks import clocks, noise_floor, stamps
+from lta_data.data_quality.finding import QualityFinding
+from lta_data.data_quality.registry import run_checks
+from lta_discovery.flights.bags import check_no_copies, check_one_vehicle, Role, StudyRecording
+from lta_discovery.flights.measured_flight import (
+    FlightStreams,
+    GAP,
+    MeasuredFlight,
+    resample_flight,
+    Stream,
+)
+from lta_discovery.flights.noisy_intervals import ExcludedInterval, remove_noisy_intervals
+from lta_discovery.flights.sentence_merger import merge_sentences
+from lta_discovery.flights.streams import build_streams, convert_to_duties, find_tracker_prefix
+from lta_discovery.flights.timestamp_repair import add_stamp_noise, repair_timestamps
+from lta_discovery.flights.windows import cut_windows, FEWEST
+from lta_discovery.model.nominal import NominalVehicle
+from lta_model.vehicle import Vehicle
+import numpy as np
+from numpy.typing import NDArray
+
+MOST: Final = 0.5  # of a flight; what is bad for longer is bad throughout
+AROUND: Final = 0.2  # s; cut beside an interval
+NEAR_FLOOR: Final = 0.05  # m above standing: swings still touch
+SHORTEST: Final = 6.0  # s; of a flight
+LEAST: Final = 20.0  # s; of all training flights
+STILL: Final = 0.005  # of the largest command: standard deviation over all training flights
+FULL: Final = 0.98  # of a duty
+LOST: Final = 0.02  # of the poses, worth a word
+LIGHT: Final = 'illuminance/illuminance'
+LATE: Final = ('lag', 'drift')  # figures of a clock that may be an effect
+# Where each sensor stands among the readings of a Measured, by the beginning of its channels.
+SENSORS: Final = {
+    'imu/angular_velocity': ('rates', slice(0, 3)),
+    'imu/linear_acceleration': ('force', slice(3, 6)),
+    'imu': ('', slice(0, 6)),
+    'range': ('range', slice(6, 7)),
+    'pressure': ('pressure', slice(7, 8)),
+    'battery': ('voltage', slice(8, 8)),
+}
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class UsableFlights:
+    """
+    Flights that can be used.
+
+    Attributes
+    ----------
+    flights : tuple of (name, role, Measured)
+        As a study takes them.
+    cuts : tuple of Cut
+        What is left out.
+    warnings : tuple of str
+        A sentence each.
+    light : mapping of str to ndarray
+        Illuminance on the grid, of the flights that have it. [lx]
+
+    """
+
+    flights: tuple[tuple[str, Role, MeasuredFlight], ...]
+    cuts: tuple[ExcludedInterval, ...]
+    warnings: tuple[str, ...]
+    light: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
+
+
+def select_usable_flights(flights: Sequence[StudyRecording], vehicle: Vehicle) -> UsableFlights:
+    """
+    Return what of some flights can be used.
+
+    Parameters
+    ----------
+    flights : sequence of Recorded
+        Of one vehicle.
+    vehicle : Vehicle
+        As its file has it.
+
+    Raises
+    ------
+    BadInput
+        If no honest answer can come of them: the sentence says why.
+
+    """
+    warnings = check_one_vehicle(flights, vehicle.file)
+    check_no_copies(flights)
+    if made := [one.name for one in flights if one.recording.is_simulated]:
+        verb = 'is' if len(made) == 1 else 'are'
+        warnings.append(
+            f'{", ".join(made)} {verb} declared as simulated: nothing follows for a real vehicle.'
+        )
+    cuts: list[ExcludedInterval] = []
+    usable: list[tuple[str, Role, MeasuredFlight]] = []
+    streams = [(one, _load_streams(one, vehicle)) for one in flights]
+    _check_commands_move([told for one, told in streams if one.role == 'train'])
+    for one, told in streams:
+        flight, own, words = _clean_flight(one, told)
+        cuts += own
+        warnings += words
+        seconds = _usable_seconds(flight)
+        if seconds < SHORTEST:
+            warnings.append(f'{one.name}: only {seconds:.0f} s can be used; it is left out.')
+        elif len(cut_windows(flight).first) < FEWEST:
+            warnings.append(f'{one.name}: what can be used is in shreds; it is left out.')
+        else:
+            usable.append((one.name, one.role, flight))
+    _check_enough_left(flights, usable, cuts)
+    light = {
+        one.name: np.interp(flight.time, channel.time, channel.values)
+        for one in flights
+        for name, _, flight in usable
+        if one.name == name
+        and (channel := one.recording.channels.get(LIGHT)) is not None
+        and len(channel.time) > 1
+    }
+    return UsableFlights(
+        tuple(usable), tuple(cuts), tuple(merge_sentences(warnings, len(flights))), light
+    )
+
+
+def _load_streams(one: StudyRecording, vehicle: Vehicle) -> FlightStreams:
+    """Return what a flight has, or say what it lacks."""
+    channels = one.recording.channels
+    try:
+        height = channels[f'{find_tracker_prefix(channels)}position.z'].values
+        floor = vehicle.height_on_floor + NEAR_FLOOR
+        # A tracker that counts heights from elsewhere says nothing of the floor.
+        high = np.median(height[np.isfinite(height)]) if np.isfinite(height).any() else 0.0
+        near = floor if high > floor else -np.inf
+        recorded = build_streams(channels, vehicle.rotor_names, near)
+        told = convert_to_duties(
+            recorded, NominalVehicle.from_vehicle(vehicle), one.recording.provenance
+        )
+    except BadInput as fault:
+        raise BadInput(f'{one.name}: {fault}') from None
+    if not np.isfinite(told.pose.values).all(axis=1).any():
+        raise BadInput(f'{one.name}: no pose is whole (NaN, quaternions of 0); record it again.')
+    apart = np.diff(told.pose.time)
+    if len(apart) < 2 or np.median(apart) > GAP:
+        rate = 1.0 / float(np.median(apart)) if len(apart) else 0.0
+        raise BadInput(
+            f'{one.name}: the pose comes {rate:.3g} times a second, which is too slow to see what '
+            f'forces do; record it at {np.ceil(1.0 / GAP):.0f} Hz or more.'
+        )
+    known = np.isfinite(told.commands.values).all(axis=1)
+    return replace(told, commands=Stream(told.commands.time[known], told.commands.values[known]))
+
+
+def _check_commands_move(training: Sequence[FlightStreams]) -> None:
+    """Refuse commands that are the same all the time, in all training flights."""
+    several = ((told.commands, told.wrench, told.mass) for told in training)
+    shares = [0.0]
+    for kind in zip(*several, strict=True):
+        known = [each.values for each in kind if each is not None and len(each.values)]
+        if known:
+            tables = np.vstack(known)
+            scale = float(np.abs(tables).max())  # duties, newtons or metres
+            shares.append(float(tables.std(axis=0).max()) / scale if scale > 0.0 else 0.0)
+    if max(shares) < STILL:
+        raise BadInput(
+            'The commands do not move in any of the training flights: what the vehicle does '
+            'cannot be held against what it was told; record flights with other commands.'
+        )
+
+
+def _clean_flight(
+    one: StudyRecording, streams: FlightStreams
+) -> tuple[MeasuredFlight, list[ExcludedInterval], list[str]]:
+    """Return one flight with what is suspicious cut out."""
+    recording, warnings = one.recording, [f'{one.name}: {loss}' for loss in one.losses]
+    pose = find_tracker_prefix(recording.channels).rpartition('/')[0]
+    cuts: list[ExcludedInterval] = []
+    whole: list[str] = []
+    smooth = []
+    end = float(streams.pose.time[-1])
+    for finding in run_checks(recording).findings:
+        if not finding.channel.startswith((pose, 'motors', 'wrench_command', *SENSORS)):
+            continue
+        if finding.kind == noise_floor.KIND:
+            smooth.append(finding.channel.rpartition('/')[0])
+        elif finding.is_grave and finding.kind == clocks.KIND and set(LATE) & set(finding.values):
+            warnings.append(f'{one.name}: {finding.channel}: {finding.evidence} It is kept.')
+        elif finding.is_grave:
+            cuts.append(_exclude_interval(one.name, finding, end))
+    if smooth:
+        topics = ', '.join(dict.fromkeys(smooth))
+        warnings.append(
+            f'{one.name} is smoother than any instrument ({topics}): filtered heavily, or '
+            'simulated without saying so; lags and fast motion are not to be relied on.'
+        )
+    streams, cuts = _drop_bad_sensors(streams, cuts, pose, whole, one.name)
+    streams, rounding, said = repair_timestamps(one.name, streams)
+    flight, more = add_stamp_noise(one.name, resample_flight(streams), rounding)
+    warnings += [*whole, *said, *more]
+    flight = _mask_intervals(flight, cuts, pose)
+    flight, loud = remove_noisy_intervals(one.name, flight)
+    cuts += loud
+    return flight, cuts, [*warnings, *_list_remarks(one.name, flight, streams)]
+
+
+def _exclude_interval(name: str, finding: QualityFinding, end: float) -> ExcludedInterval:
+    """Return what a finding leaves out: a jump of the clock spoils everything after it."""
+    jumped = finding.kind == stamps.KIND and {'jump', 'back'} & set(finding.values)
+    begin, last = finding.from_s - AROUND, finding.to_s + AROUND
+    return ExcludedInterval(
+        name, finding.channel, begin, max(end, last) if jumped else last, finding.evidence
+    )
+
+
+def _drop_bad_sensors(
+    streams: FlightStreams, cuts: list[ExcludedInterval], pose: str, words: list[str], name: str
+) -> tuple[FlightStreams, list[ExcludedInterval]]:
+    """Leave out sensors that are bad throughout; refuse a pose or commands that are."""
+    length = float(streams.pose.time[-1] - streams.pose.time[0])
+    kept, others = [], dict(streams.others)
+    for cut in cuts:
+        if cut.to_s - cut.from_s < MOST * length:
+            kept.append(cut)
+            continue
+        if cut.channel.startswith((pose, 'motors', 'wrench_command')):
+            raise BadInput(
+                f'{name}: {cut.channel} cannot be believed: {cut.reason} Without it no model can '
+                'be held against the flight; leave it out, or record it again.'
+            )
+        for start, (sensor, _) in SENSORS.items():
+            if cut.channel.startswith(start):
+                for one in (sensor,) if sensor else ('rates', 'force'):
+                    others.pop(one, None)
+                words.append(f'{name}: {cut.channel} is done without: {cut.reason}')
+                break
+    return replace(streams, others=others), kept
+
+
+def _mask_intervals(
+    flight: MeasuredFlight, cuts: Sequence[ExcludedInterval], pose: str
+) -> MeasuredFlight:
+    """Return a flight without some intervals."""
+    usable, readings = flight.usable.copy(), flight.readings.copy()
+    for cut in cuts:
+        inside = (flight.time >= cut.from_s) & (flight.time <= cut.to_s)
+        of_all = cut.channel.startswith((pose, 'motors', 'wrench_command'))
+        # A hand that the accelerometer feels holds the whole vehicle.
+        if of_all or 'hand' in cut.reason:
+            usable &= ~inside
+            continue
+        for start, (_, columns) in SENSORS.items():
+            if cut.channel.startswith(start):
+                readings[inside, columns] = np.nan
+                break
+    return replace(flight, usable=usable, readings=readings)
+
+
+def _list_remarks(name: str, flight: MeasuredFlight, streams: FlightStreams) -> list[str]:
+    """Return what else limits a flight: poses that are lost, commands at their limits."""
+    out = []
+    lost = ~np.asarray(np.isfinite(flight.position).all(axis=1))
+    if lost.mean() > LOST:
+        gaps = int(np.sum(np.diff(lost.astype(np.int8)) > 0)) + int(lost[0])
+        out.append(
+            f'{name}: the tracker says nothing for {100.0 * lost.mean():.0f} % of the flight, in '
+            f'{gaps} {"gap" if gaps == 1 else "gaps"}; nothing is concluded from there.'
+        )
+    full = np.abs(streams.commands.values) > FULL
+    if len(full) > 1 and full.all(axis=1).mean() > MOST:
+        out.append(
+            f'{name}: all rotors are at full duty for {100.0 * full.all(axis=1).mean():.0f} % of '
+            'the time; what they do in between can hardly be told.'
+        )
+    return out
+
+
+def _usable_seconds(flight: MeasuredFlight) -> float:
+    """Return how much of a flight can be used. [s]"""
+    return float(np.sum(flight.usable) * (flight.time[1] - flight.time[0]))
+
+
+def _check_enough_left(
+    flights: Sequence[StudyRecording],
+    usable: Sequence[tuple[str, Role, MeasuredFlight]],
+    cuts: Sequence[ExcludedInterval],
+) -> None:
+    """Refuse where too little is left of a role that was asked for."""
+    for role in dict.fromkeys(one.role for one in flights):
+        seconds = sum(_usable_seconds(flight) for _, own, flight in usable if own == role)
+        if seconds == 0.0 or (role == 'train' and seconds < LEAST):
+            names = [one.name for one in flights if one.role == role]
+            why = dict.fromkeys(
+                f'{c.flight}: {c.channel}: {c.reason}' for c in cuts if c.flight in names
+            )
+            raise BadInput(
+                f'Only {seconds:.0f} s of the flights to {role} can be used, which decides '
+                f'nothing; record {LEAST:.0f} s or more. {" ".join(list(why)[:2])}'.rstrip()
+            )

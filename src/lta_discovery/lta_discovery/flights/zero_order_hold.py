@@ -1,0 +1,35 @@
+"""The mean of what is held until the next, as commands are."""
+
+from lta_discovery.flights.measured_flight import Stream
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+def average_held_values(stream: Stream, edges: Array) -> Array:
+    """
+    Return the mean of values that are held until the next, between one edge and the next.
+
+    Parameters
+    ----------
+    stream : Stream
+        The values; 0 before the first.
+    edges : ndarray, shape (n + 1,)
+        Rising. [s]
+
+    Returns
+    -------
+    ndarray, shape (n, k)
+        The means.
+
+    """
+    apart = np.diff(stream.time)[:, None] * stream.values[:-1]
+    total = np.vstack([np.zeros((1, stream.values.shape[1])), np.cumsum(apart, axis=0)])
+    newest = np.searchsorted(stream.time, edges, side='right') - 1
+    begun = newest >= 0
+    at = np.where(begun, newest, 0)
+    since = np.where(begun, edges - stream.time[at], 0.0)
+    integral = total[at] + since[:, None] * stream.values[at]
+    means: Array = np.diff(integral, axis=0) / np.diff(edges)[:, None]
+    return means

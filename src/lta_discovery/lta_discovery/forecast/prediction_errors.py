@@ -1,0 +1,181 @@
+"""
+Where model and flight part: the error by channel and by how long ago the piece began.
+
+Against two things that need no model: *coast*, which keeps body velocity and rates as they were at
+the beginning of the piece and ignores the commands, and the noise of the tracker itself. Medians
+stand beside means, since one piece that diverges decides a mean.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final, final, Literal
+
+from lta_discovery.flights.measured_flight import PERIOD
+from lta_discovery.model.quaternions import (
+    quaternion_conjugate,
+    quaternion_exponential,
+    quaternion_logarithm,
+    quaternion_product,
+    rotate_vectors,
+)
+from lta_discovery.replay.linearized_flight import LinearizationPoint
+from lta_discovery.replay.linearizer import FlightLinearizer
+from lta_discovery.replay.replay import STEPS
+from lta_discovery.replay.sensing import predict_readings, transform_to_map
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+What = Literal['position', 'attitude']
+
+HORIZONS: Final = (1.0, 2.0, 3.0, 5.0)  # s
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class ErrorStatistics:
+    """
+    How far predictions are off at one horizon.
+
+    Attributes
+    ----------
+    mean : float
+        Root of the mean square of the distance [m] or angle [rad] over all pieces.
+    median : float
+        Of the pieces.
+    pieces : int
+        How many there are.
+
+    """
+
+    mean: float
+    median: float
+    pieces: int
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class PredictionErrors:
+    """
+    The disagreement of one flight and one set of parameters.
+
+    Attributes
+    ----------
+    model, coast : mapping of (what, horizon) to Error
+        Of 'position' [m] and 'attitude' [rad], by horizon [s].
+    noise : mapping of what to float
+        Of the tracker: the least that any model can be off by.
+    over_time : ndarray, shape (S, 2)
+        Of each piece, when it begins [s] and its error by the noise: root mean square over all
+        channels and its whole length; about 1 where nothing is missing.
+    by_channel : ndarray, shape (14,)
+        The same of each channel of CHANNELS over all pieces, NaN where there is none.
+
+    """
+
+    model: Mapping[tuple[What, float], ErrorStatistics]
+    coast: Mapping[tuple[What, float], ErrorStatistics]
+    noise: Mapping[What, float]
+    over_time: Array
+    by_channel: Array
+
+
+def extrapolate_coast(start: Array, count: int) -> Array:
+    """
+    Return states that keep the body velocity and the body rates.
+
+    Parameters
+    ----------
+    start : ndarray, shape (S, 13)
+        States at the beginning.
+    count : int
+        Grid periods.
+
+    Returns
+    -------
+    ndarray, shape (S, count + 1, 13)
+        The velocity turns with the body: a circle, not a straight line.
+
+    """
+    out = np.repeat(start[:, None], count + 1, axis=1)
+    for k in range(count):
+        now = out[:, k]
+        half = quaternion_product(
+            now[:, 3:7], quaternion_exponential(0.5 * PERIOD * now[:, 10:13])
+        )
+        out[:, k + 1, :3] = now[:, :3] + PERIOD * rotate_vectors(half, now[:, 7:10])
+        out[:, k + 1, 3:7] = quaternion_product(
+            now[:, 3:7], quaternion_exponential(PERIOD * now[:, 10:13])
+        )
+    return out
+
+
+def _summarize_errors(off: Mapping[What, Array]) -> dict[tuple[What, float], ErrorStatistics]:
+    """Return the errors at each horizon from those of each piece and point."""
+    out: dict[tuple[What, float], ErrorStatistics] = {}
+    for what, sizes in off.items():
+        for horizon in HORIZONS:
+            index = round(horizon / PERIOD)
+            if index >= sizes.shape[1]:
+                continue
+            known = sizes[:, index][np.isfinite(sizes[:, index])]
+            if len(known):
+                mean = float(np.sqrt(np.mean(known**2)))
+                out[what, horizon] = ErrorStatistics(mean, float(np.median(known)), len(known))
+    return out
+
+
+def compute_prediction_errors(
+    flight: FlightLinearizer, point: LinearizationPoint
+) -> PredictionErrors:
+    """
+    Return how far a model is off on one flight.
+
+    Parameters
+    ----------
+    flight : Linearised
+        The flight.
+    point : Point
+        The parameters. Its states and latent forces of the pieces are not used: each begins where
+        the poses around its beginning say, and nobody helps it on its way.
+
+    """
+    replay = flight.replay
+    rows = replay.build_rows(point.nominal)
+    still = LinearizationPoint(point.nominal, point.values, np.zeros_like(point.random))
+    predicted = flight.simulate_forecast(still)[:, ::STEPS]
+    coast = extrapolate_coast(transform_to_map(replay.cut.start, rows.acting), replay.cut.length)
+    offs = []
+    for states in (predicted, coast):
+        said = predict_readings(states, flight.time, rows.acting, flight.places)
+        turn = quaternion_logarithm(
+            quaternion_product(
+                quaternion_conjugate(said.quaternion), replay.flight.quaternion[flight.index]
+            )
+        )
+        way = replay.flight.position[flight.index] - said.position
+        off: dict[What, Array] = {
+            'position': np.linalg.norm(way, axis=-1),
+            'attitude': np.linalg.norm(turn, axis=-1),
+        }
+        for sizes in off.values():
+            sizes[~replay.cut.inside] = np.nan
+        offs.append(_summarize_errors(off))
+    left = flight.compute_residual(predicted, still, rows) / replay.flight.noise
+    begun = replay.flight.time[replay.cut.first]
+    with np.errstate(invalid='ignore'):
+        each = np.sqrt(_mean_square(left, (1, 2)))
+        channels = np.sqrt(_mean_square(left, (0, 1)))
+    noise: dict[What, float] = {
+        'position': float(np.linalg.norm(replay.flight.reading_deviation[:3])),
+        'attitude': float(np.linalg.norm(replay.flight.reading_deviation[3:6])),
+    }
+    return PredictionErrors(offs[0], offs[1], noise, np.column_stack([begun, each]), channels)
+
+
+def _mean_square(values: Array, axes: tuple[int, int]) -> Array:
+    """Return the mean square of what is known, NaN where nothing is."""
+    known = np.isfinite(values)
+    total = np.sum(np.where(known, values, 0.0) ** 2, axis=axes)
+    count = known.sum(axis=axes)
+    return np.where(count > 0, total / np.maximum(count, 1), np.nan)

@@ -1,0 +1,320 @@
+"""
+What can be turned about a vehicle: tolerances, trims of one flight, and candidates.
+
+A knob moves some parameters together, in units of its own. It counts as *nuisance* by the standard
+deviation with which the nominal model may be off, and as *candidate* by the typical size of the
+effect that it would be; most are one of the two, some both (a thrust that is 3 % off is tolerance,
+10 % is a discovery).
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+import math
+from typing import Final, final, Literal
+
+from lta_config.errors import BadInput
+from lta_discovery.model.candidates import (
+    companion_values,
+    DESIGN,
+    FITTED,
+    NO_CANDIDATE,
+    SIGNS,
+    TOGETHER,
+)
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.step_sizes import fine_step, first_step, STEP
+from lta_model.effects import EFFECTS
+from lta_model.effects.protocol import ActuatorEffect, AXES, MeasurementEffect, WrenchEffect
+from lta_model.state import ACTUATORS
+
+GAIN: Final = 'wrench_gain'
+BEYOND: Final = 3.0  # deviations; by which a value may seem to lie beyond its bounds
+STEEP: Final = 2.0  # times too large, that a straight line may take an effect for
+Target = tuple[str, str]
+Reach = Literal['chain', 'wrench', 'body', 'memory', 'reading', 'delay']
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class FreeParameter:
+    """
+    One direction in which a model can differ.
+
+    Attributes
+    ----------
+    name : str
+        'thrust_scale.factor', or of the vehicle itself 'vehicle.mass'.
+    unit : str
+        Of its value.
+    moves : mapping of (effect, parameter) to float
+        How much each parameter changes by a unit of the knob. The effect 'vehicle' has `mass`,
+        and `roll`, `pitch`, `yaw` of the inertia, as logarithms of a factor.
+    step : float
+        Of the finite difference where the knob stands at 0.
+    fine : float
+        The same, anywhere else.
+    tolerance : float
+        Standard deviation of the nominal model's own error; 0 where there is none.
+    typical : float
+        Standard deviation of the effect where it is there; 0 for what is no candidate.
+    low, high : float
+        Bounds of the knob's value, from those of its parameters.
+    per_flight : bool
+        Whether its error is drawn anew for each flight.
+    companions : mapping of (effect, parameter) to float
+        What its effect begins with while the vehicle does not have it: with these, and the knob at
+        0, it changes nothing yet.
+
+    """
+
+    name: str
+    unit: str
+    moves: Mapping[Target, float]
+    step: float
+    fine: float
+    tolerance: float = 0.0
+    typical: float = 0.0
+    low: float = -math.inf
+    high: float = math.inf
+    per_flight: bool = False
+    companions: Mapping[Target, float] = field(default_factory=dict)
+
+    def apply_to(self, nominal: NominalVehicle, value: float) -> NominalVehicle:
+        """Return the vehicle with this knob moved by a value from where it stands."""
+        nominal = self.enable_effect(nominal)
+        for (effect, parameter), rate in self.moves.items():
+            if effect == 'vehicle':
+                # So that a second turn adds to the first, as the columns take for granted.
+                nominal = _scale_mass_properties(nominal, parameter, math.exp(rate * value))
+            elif effect == GAIN:
+                nominal = _add_wrench_gain(nominal, parameter, rate * value)
+            else:
+                now = nominal.parameter_value(effect, parameter)
+                nominal = nominal.with_value(effect, parameter, now + rate * value)
+        return nominal
+
+    def enable_effect(self, nominal: NominalVehicle) -> NominalVehicle:
+        """Return the vehicle with the effect present, though it does nothing yet."""
+        absent = {target[0] for target in self.companions} - set(nominal.given)
+        for (effect, parameter), companion in self.companions.items():
+            if effect in absent:
+                nominal = nominal.with_value(effect, parameter, companion)
+        return nominal
+
+    def step_at(self, value: float) -> float:
+        """Return the step of the finite difference, with the knob at a value."""
+        step = self.step if value == 0.0 else self.fine
+        return step if self.low <= value + step <= self.high else -step
+
+    def is_possible(self, value: float, deviation: float) -> bool:
+        """
+        Tell whether there can be such a value, for all that is known of it.
+
+        A leak that fills the envelope is none, however well it fits: something else is there.
+        """
+        near = BEYOND * deviation
+        return self.low - near <= value <= self.high + near
+
+    def is_promising(self, value: float, deviation: float) -> bool:
+        """
+        Tell whether a glance may mean a value that there can be.
+
+        A glance takes every effect for straight: 0.58 of a Munk moment lost looks like 1.19.
+        """
+        return self.is_possible(value / STEEP, deviation / STEEP)
+
+    @property
+    def channels(self) -> set[str]:
+        """Channels of the measurement effects that it turns; of another effect, ''."""
+        kinds = [EFFECTS.get(effect) for effect, _ in self.moves]
+        return {kind.channel if isinstance(kind, MeasurementEffect) else '' for kind in kinds}
+
+    @property
+    def reaches(self) -> Reach:
+        """What has to be computed anew when it is turned."""
+        effects = {effect for effect, _ in self.moves}
+        if GAIN in effects:
+            return 'wrench'
+        kinds = {effect: EFFECTS.get(effect) for effect in effects}
+        if any(isinstance(kind, ActuatorEffect) for kind in kinds.values()):
+            return 'chain'
+        if 'command_delay' in effects:
+            return 'delay'
+        if any(isinstance(kind, MeasurementEffect) for kind in kinds.values()):
+            return 'reading'
+        return 'memory' if any(getattr(kind, 'memory', ()) for kind in kinds.values()) else 'body'
+
+
+def _scale_mass_properties(nominal: NominalVehicle, what: str, factor: float) -> NominalVehicle:
+    """Return the vehicle with its mass, trim kept, or one axis of its inertia scaled."""
+    if what == 'mass':
+        more = nominal.mass * (factor - 1.0)
+        # What is heavier than air has no trim to keep.
+        lifted = nominal.displaced + more if nominal.displaced > 0.0 else 0.0
+        return replace(nominal, mass=nominal.mass + more, displaced=lifted)
+    inertia, axis = nominal.inertia.copy(), ('roll', 'pitch', 'yaw').index(what)
+    inertia[axis, :] *= math.sqrt(factor)
+    inertia[:, axis] *= math.sqrt(factor)
+    return replace(nominal, inertia=inertia)
+
+
+def _add_wrench_gain(nominal: NominalVehicle, axis: str, more: float) -> NominalVehicle:
+    """Return the vehicle with more of a commanded wrench on one axis."""
+    k = AXES.index(axis)
+    return replace(
+        nominal,
+        gains=(*nominal.gains[:k], nominal.gains[k] + more, *nominal.gains[k + 1 :]),
+    )
+
+
+# Parts of a parameter's own value by which the nominal model may be off.
+PARTS: Final[dict[str, float]] = {
+    'linear_drag': 0.05,
+    'quadratic_drag': 0.05,
+    'rotational_drag': 0.05,
+    'added_mass': 0.05,
+    'added_inertia': 0.05,
+}
+# Effects of many numbers that are off together: parts of all in which the effect is linear.
+WHOLE: Final[dict[str, float]] = {
+    'strip_damping': 0.1,
+    'hull_lift': 0.05,
+    'rotor_envelope_interaction': 0.2,
+}
+# Standard deviations of what every vehicle may be off by, in the units of the parameter.
+TOLERANCES: Final[dict[str, float]] = {
+    'vehicle.mass': 0.01,
+    'vehicle.roll': 0.04,
+    'vehicle.pitch': 0.04,
+    'vehicle.yaw': 0.04,
+    'thrust_scale.factor': 0.03,
+    'cg_height.z': 0.003,
+    'cg_offset.x': 0.0005,
+    'cg_offset.y': 0.0005,
+    'motor_lag': 0.006,
+    'command_delay.delay': 0.005,
+}
+ROTOR: Final = 0.02  # of the thrust of each
+GAINS: Final = 0.2  # of each axis of a commanded wrench: rarely is it what arrives
+WITHIN: Final = (-0.5, 1.0)  # of what is a part of a mass, an inertia, a thrust
+TOE: Final = 0.5 * math.pi / 180.0  # rad; of the axis of a rotor
+# Of one flight: biases of its sensors and its lift.
+TRIMS: Final[dict[str, float]] = {
+    'gyro_bias.x': 0.01,
+    'gyro_bias.y': 0.01,
+    'gyro_bias.z': 0.01,
+    'gyro_scale.x': 0.006,
+    'gyro_scale.y': 0.006,
+    'gyro_scale.z': 0.006,
+    'imu_bias.x': 0.115,
+    'imu_bias.y': 0.115,
+    'imu_bias.z': 0.13,
+    'range_offset.offset': 0.012,
+    'pressure_drift.rate': 0.0035,
+    'net_lift.force': 0.0006,
+    'clock_offset.offset': 0.002,
+}
+
+
+def _list_effect_parameters(nominal: NominalVehicle, effect: str) -> Iterator[FreeParameter]:
+    """Yield a knob for each parameter of an effect, or one for those that move together."""
+    parameters = {known.name: known for known in EFFECTS[effect].parameters}
+    together = TOGETHER.get(effect)
+    begun = {} if effect in nominal.given else companion_values(effect)
+    for group in [together] if together else [(name,) for name in parameters]:
+        known = parameters[group[0]]
+        name = effect if together else f'{effect}.{known.name}'
+        if name in NO_CANDIDATE or known.beside is not None:
+            continue
+        now = begun.get(known.name, nominal.parameter_value(effect, known.name))
+        least, most = SIGNS.get(name, (-math.inf, math.inf))
+        # Between the null value and the lower bound nothing is: what is there stays there.
+        lowest = known.low if now >= known.low else min(known.low, known.null)
+        low, high = max(lowest, least) - now, min(known.high, most) - now
+        moves = {(effect, one): 1.0 for one in group}
+        if effect == 'quadratic_drag' and 'cross_flow' in nominal.given:
+            moves['cross_flow', known.name] = 1.0  # one coefficient, which both work with
+        yield FreeParameter(
+            name,
+            known.unit,
+            moves,
+            first_step(name, known),
+            fine_step(name, known),
+            TOLERANCES.get(name, TRIMS.get(name, PARTS.get(effect, 0.0) * abs(now))),
+            known.spread,
+            low,
+            high,
+            name in TRIMS,
+            {(effect, other): value for other, value in begun.items()},
+        )
+
+
+def _list_vehicle_tolerances(nominal: NominalVehicle) -> Iterator[FreeParameter]:
+    """Yield the tolerances that are no parameter of an effect."""
+    for part in ('mass', 'roll', 'pitch', 'yaw'):
+        name = f'vehicle.{part}'
+        yield FreeParameter(
+            name, '1', {('vehicle', part): 1.0}, STEP, STEP, TOLERANCES[name], 0.0, *WITHIN
+        )
+    for i in range(1, min(len(nominal.rotors), ACTUATORS) + 1):
+        curve = {
+            ('thrust_curve', f'{c}_{i}'): nominal.parameter_value('thrust_curve', f'{c}_{i}')
+            for c in 'ab'
+        }
+        yield FreeParameter(f'rotor_{i}.thrust', '1', curve, STEP, STEP, ROTOR, 0.0, *WITHIN)
+    for effect, share in WHOLE.items():
+        kind, given = EFFECTS[effect], nominal.given.get(effect, {})
+        linear = kind.linear_in if isinstance(kind, WrenchEffect) else ()
+        numbers = {(effect, one): given[one] for one in linear if given.get(one)}
+        if numbers:
+            yield FreeParameter(f'{effect}.all', '1', numbers, STEP, STEP, share, 0.0, *WITHIN)
+
+
+def _list_wrench_gains() -> Iterator[FreeParameter]:
+    """Yield how much of a commanded wrench arrives on each axis: tolerance, no candidate."""
+    for axis in AXES:
+        moves = {(GAIN, axis): 1.0}
+        yield FreeParameter(f'{GAIN}.{axis}', '1', moves, STEP, STEP, GAINS, 0.0, -1.0, 2.0)
+
+
+def list_free_parameters(nominal: NominalVehicle, wrench: bool = False) -> list[FreeParameter]:
+    """
+    Return all that can be turned about a vehicle, nuisances and candidates.
+
+    Effects that describe the design (`DESIGN`) are left out; rotors that the vehicle does not have
+    as well; and what the model refuses to be built with.
+
+    Parameters
+    ----------
+    nominal : Nominal
+        The vehicle.
+    wrench : bool
+        Whether a flight was told forces and moments instead of duties.
+
+    """
+    out = [*_list_vehicle_tolerances(nominal), *(_list_wrench_gains() if wrench else ())]
+    rotors = len(nominal.rotors)
+    for effect in EFFECTS:
+        fitted = FITTED.get(effect, ()) if effect in nominal.given else ()
+        if effect in DESIGN and not fitted:
+            continue
+        for knob in _list_effect_parameters(nominal, effect):
+            if fitted and knob.name.partition('.')[2] not in fitted:
+                continue
+            last = knob.name.rpartition('_')[2]
+            if last.isdigit() and int(last) > rotors and effect.startswith('rotor'):
+                continue
+            if effect == 'rotor_misalignment':
+                knob = replace(knob, tolerance=TOE)
+            if _is_buildable(nominal, knob):
+                out.append(knob)
+    return out
+
+
+def _is_buildable(nominal: NominalVehicle, knob: FreeParameter) -> bool:
+    """Tell whether a model can be built with a knob turned by its step."""
+    try:
+        knob.apply_to(nominal, knob.step_at(0.0)).build_model()
+    except BadInput:
+        return False
+    return True

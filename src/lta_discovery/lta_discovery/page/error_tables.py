@@ -1,0 +1,102 @@
+"""How far predictions are off under each model, as HTML: whole poses first, then every channel."""
+
+from collections.abc import Sequence
+from html import escape
+import math
+from typing import Final
+
+from lta_discovery.finding import DiscoveryFinding, PredictionGap
+from lta_discovery.forecast.flight_prediction import NAMES
+from lta_discovery.page import strips
+from lta_discovery.page.formatting import format_percent, format_quantity, join_words
+from lta_discovery.page.tables import render_table, Row
+
+HEADS: Final = (
+    'before', 'tuned', 'after', 'coast', 'noise', 'shrinks by', '95 %', 'pieces',
+)  # fmt: skip
+WHOLE: Final = ('position', 'attitude')
+KEY: Final = (
+    '<p class="note"><i class="key before"></i>before <i class="key tuned"></i>tuned '
+    '<i class="key after"></i>after <i class="key coast"></i>coast '
+    '<i class="key noise"></i>noise</p>'
+)
+
+
+def render_gaps(finding: DiscoveryFinding) -> str:
+    """Return the errors of position and attitude under all models, horizon by horizon."""
+    if not finding.gaps:
+        return '<p class="note">There was no flight to show the gap on.</p>'
+    out = [KEY]
+    whole = [gap for gap in finding.gaps if gap.channel in WHOLE] or list(finding.gaps)
+    for channel in dict.fromkeys(gap.channel for gap in whole):
+        of = [gap for gap in whole if gap.channel == channel]
+        low, high = log_scale(of)
+        rows = [
+            (_format_horizon(gap), _render_strip(gap, low, high), *_format_figures(gap))
+            for gap in of
+        ]
+        title = NAMES.get(channel, channel)
+        inside = render_table(('ahead', '', *HEADS), rows, 'plain gaps', f'Errors of {title}')
+        out.append(f'<h3>{escape(title.capitalize())}</h3>{inside}')
+    return f'{"".join(out)}<p class="note">{escape(_format_scope(finding))}</p>'
+
+
+def render_channel_errors(finding: DiscoveryFinding) -> str:
+    """Return the same of every single channel; '' where there is none beside the whole."""
+    single = [gap for gap in finding.gaps if gap.channel not in WHOLE]
+    if not single or len(single) == len(finding.gaps):
+        return ''
+    rows = [
+        (escape(NAMES.get(gap.channel, gap.channel)), _format_horizon(gap), *_format_figures(gap))
+        for gap in single
+    ]
+    inside = render_table(('channel', 'ahead', *HEADS), rows, 'plain', 'Errors of single channels')
+    return (
+        '<section class="panel section" aria-labelledby="title-channels">'
+        '<h2 id="title-channels">Channel by channel</h2><details><summary>'
+        f'Every channel that was measured, at every horizon</summary>{inside}</details></section>'
+    )
+
+
+def _format_scope(finding: DiscoveryFinding) -> str:
+    """Return what the errors are of."""
+    whose = (
+        f'on {join_words(finding.bags.get("holdout", ()))}, to which nothing was fitted'
+        if finding.held_out
+        else 'on flights that had a say in what was found'
+    )
+    return (
+        f'Root mean square {whose}. Tuned: tolerances of the file fitted, without any effect. '
+        'Coast: velocity and rates kept, commands ignored. Shaded: the noise of the measurement, '
+        'the least that any model can be off by. Intervals by bootstrap over pieces.'
+    )
+
+
+def log_scale(of: Sequence[PredictionGap]) -> tuple[float, float]:
+    """Return the ends of a logarithmic scale that shows all errors of a channel."""
+    every = [
+        part
+        for gap in of
+        for part in (gap.before, gap.tuned, gap.after, gap.coast, gap.noise_floor)
+        if math.isfinite(part) and part > 0.0
+    ]
+    return min(every, default=1.0) / 1.3, max(every, default=1.0) * 1.1
+
+
+def _format_horizon(gap: PredictionGap) -> str:
+    """Return the horizon."""
+    return f'{gap.horizon_s:g} s'
+
+
+def _render_strip(gap: PredictionGap, low: float, high: float) -> str:
+    """Return all models as points on one scale."""
+    four = {'coast': gap.coast, 'before': gap.before, 'tuned': gap.tuned, 'after': gap.after}
+    return strips.render_points(four, low, high, gap.noise_floor)
+
+
+def _format_figures(gap: PredictionGap) -> Row:
+    """Return one channel at one horizon in figures, in the order of HEADS."""
+    five = (gap.before, gap.tuned, gap.after, gap.coast, gap.noise_floor)
+    a, b = (format_percent(part) for part in gap.shrink_ci95)
+    errors = (format_quantity(part, gap.unit) for part in five)
+    return (*errors, f'{format_percent(gap.shrink)} %', f'{a} to {b} %', str(gap.pieces))

@@ -1,0 +1,89 @@
+"""The force and moment that nothing explains, along the flights that teach and confirm."""
+
+from collections.abc import Sequence
+from typing import final, NamedTuple
+
+from lta_discovery.fit.joint_fit import FlightFit
+from lta_discovery.page.flight_views import list_fit_flights
+from lta_discovery.replay.linearized_flight import AXES
+from lta_discovery.study import DiscoveryStudy, StudyFlight
+from lta_discovery.unmodeled.remainders import latent_at_knots, state_terms, states_at_knots
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@final
+class LatentWrench(NamedTuple):
+    """
+    What remains of one flight.
+
+    Attributes
+    ----------
+    name : str
+        Of its bag.
+    time : ndarray, shape (S, K)
+        Of the knots of each piece. [s]
+    wrench : ndarray, shape (S, K, 6)
+        Force [N] and moment [N m], body frame.
+    known : ndarray of bool, shape (S, K)
+        Whether the flight counts there: the last piece may end early.
+    terms : mapping of str to ndarray, shape (S * K,)
+        What it may follow, of the state there.
+
+    """
+
+    name: str
+    time: Array
+    wrench: Array
+    known: NDArray[np.bool_]
+    terms: dict[str, Array]
+
+
+def collect_latent_wrenches(study: DiscoveryStudy) -> list[LatentWrench]:
+    """Return what remains of a flight that taught and of one that confirmed."""
+    chosen = {flown.role: (flown, fit) for flown, fit in reversed(list_fit_flights(study))}
+    return [
+        _compute_latent_wrench(*chosen[role]) for role in ('train', 'confirm') if role in chosen
+    ]
+
+
+def _compute_latent_wrench(study_flight: StudyFlight, fit: FlightFit) -> LatentWrench:
+    """Return what remains of one flight."""
+    flight, inside = study_flight.flight, study_flight.flight.replay.cut.inside
+    count = fit.linear.knots
+    at = np.linspace(0.0, 1.0, count)
+    begin, length = flight.time[:, :1], flight.time[:, -1:] - flight.time[:, :1]
+    known = inside[:, np.rint(at * (inside.shape[1] - 1)).astype(int)]
+    wrench = latent_at_knots(fit).reshape(len(inside), count, AXES)
+    there = state_terms(states_at_knots(flight, fit))
+    return LatentWrench(study_flight.name, begin + length * at, wrench, known, there)
+
+
+def join_pieces(each: LatentWrench, axis: int) -> tuple[Array, Array]:
+    """Return the force or moment on one axis over time, a gap between pieces."""
+    gap = np.full((len(each.time), 1), np.nan)
+    time = np.hstack([each.time, each.time[:, -1:]]).ravel()
+    values = np.where(each.known, each.wrench[..., axis], np.nan)
+    return time, np.hstack([values, gap]).ravel()
+
+
+def fit_terms(flights: Sequence[LatentWrench], axis: int, names: Sequence[str]) -> list[Array]:
+    """
+    Return what the terms that a force follows make of it together, for each flight.
+
+    Returns
+    -------
+    list of ndarray, shape (S * K,)
+        By least squares over all flights, in the unit of the force.
+
+    """
+    rows = [
+        np.column_stack([each.terms.get(name, np.zeros(each.known.size)) for name in names])
+        for each in flights
+    ]
+    known = np.concatenate([each.known.ravel() for each in flights])
+    target = np.concatenate([each.wrench[..., axis].ravel() for each in flights])
+    weights = np.linalg.lstsq(np.concatenate(rows)[known], target[known], rcond=None)[0]
+    return [part @ weights for part in rows]

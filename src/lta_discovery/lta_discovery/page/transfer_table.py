@@ -1,0 +1,76 @@
+"""What names rest on that forecasts gave, as HTML: what each is worth, and regimes left out."""
+
+from html import escape
+import math
+from typing import Final
+
+from lta_discovery.finding import DiscoveryFinding
+from lta_discovery.page import strips
+from lta_discovery.page.formatting import (
+    format_number,
+    format_percent,
+    format_quantity,
+    join_words,
+)
+from lta_discovery.page.tables import render_table
+
+WHOLE: Final = ('position', 'attitude')
+HEADS: Final = ('error', 'vehicle file', 'with the names', 'everything refitted', 'ratio')
+
+
+def render_transfer(finding: DiscoveryFinding) -> str:
+    """Return what carries over, regime by regime; '' where the readings gave the names."""
+    told = finding.carried
+    if told is None:
+        return ''
+    most = max(one.share for one in told.names)
+    names = [
+        (
+            escape(one.name),
+            strips.render_bar(one.share, most),
+            f'{format_number(100.0 * one.share, 2)} %',
+        )
+        for one in told.names
+    ]
+    regimes = [
+        (escape(one.name), str(one.flights), format_number(one.ratio, 2)) for one in told.regimes
+    ]
+    worst = format_percent(max(one.ratio for one in told.regimes) - 1.0)
+    lost = (
+        f'<p class="note">Interpolation only, so not named: <b>'
+        f'{escape(join_words(told.interpolates))}</b>.</p>'
+        if told.interpolates
+        else ''
+    )
+    whole = [gap for gap in finding.gaps if math.isfinite(gap.refitted) and gap.channel in WHOLE]
+    rows = [
+        (
+            f'{escape(gap.channel)} after {gap.horizon_s:g} s',
+            *(format_quantity(part, gap.unit) for part in (gap.before, gap.after, gap.refitted)),
+            format_number(gap.refitted / gap.before, 2),
+        )
+        for gap in whole
+    ]
+    fitted = (
+        f'<p class="note">With all {told.numbers} numbers fitted that could have a name, '
+        'forecasts between what was flown get this good. None of them is a measurement: they '
+        'trade against each other. They are in refitted.yaml.</p>'
+        + render_table(HEADS, rows, 'plain', 'With everything refitted')
+        if rows
+        else ''
+    )
+    return (
+        '<h3>By forecasts: what carries over</h3>'
+        '<p class="note">What the model misses is so large, or the poses are so smooth, that '
+        'readings decide nothing; a forecast of five seconds does. A name is kept if it makes '
+        'forecasts better in regimes that were left out of its fit, and between the flights that '
+        'taught and those that confirmed, both ways.</p>'
+        + render_table(
+            ('name', '', 'of the squared error'), names, 'plain', 'What each name is worth'
+        )
+        + f'{lost}<p class="note">Each regime by what the others teach, error by that of the '
+        f'vehicle file; in the worst of them it changes by {worst} %.</p>'
+        + render_table(('left out', 'flights', 'error'), regimes, 'plain', 'Regimes left out')
+        + fitted
+        + '<h3>By readings</h3>'
+    )

@@ -1,0 +1,232 @@
+"""What a study concludes, in sentences: the headline, what to do, the figures on the tiles."""
+
+from pathlib import Path
+from typing import Final
+
+from lta_config.command_line import format_lta_command, relative_path
+from lta_discovery.conclusion import ADVICE, Conclusion, draw_conclusion, select_main_gap
+from lta_discovery.finding import DiscoveryFinding, NamedEffect
+from lta_discovery.page.formatting import (
+    explain_decision,
+    format_assumed,
+    format_effect,
+    format_estimate,
+    format_number,
+    format_odds,
+    format_parameter,
+    format_percent,
+    format_quantity,
+    format_remainder,
+    join_words,
+    MANY,
+)
+from lta_discovery.unmodeled.draught import DraughtFinding
+from lta_report.formatting import MISSING, Tile
+
+ROLES: Final = {
+    'train': 'learned from', 'confirm': 'confirmed by', 'holdout': 'shown on',
+}  # fmt: skip
+
+
+def format_headline(finding: DiscoveryFinding) -> str:
+    """Return the verdict in a sentence."""
+    said, rest = draw_conclusion(finding), _format_remainder(finding)
+    if finding.verdict == 'none':
+        return f'{_format_none(said)}{_format_draught(finding)}'
+    if finding.verdict == 'not_identifiable':
+        return _format_unidentifiable(finding, said)
+    if finding.verdict == 'unexplained':
+        return f'Something is missing that is in no library{rest}.'
+    names = join_words([_format_alternatives(one) for one in finding.effects])
+    verb = 'are' if _has_several(finding) else 'is'
+    text = f'{names[:1].upper()}{names[1:]} {verb} missing{_format_improvement(finding, said)}'
+    if finding.verdict == 'named+unexplained':
+        return f'{text}; and something that is in no library{rest}.'
+    return f'{text}.'
+
+
+def _format_unidentifiable(finding: DiscoveryFinding, conclusion: Conclusion) -> str:
+    """Return what flights cannot tell."""
+    if conclusion.coasting:
+        return 'These flights cannot tell: ignoring the commands predicts better than the model.'
+    if not finding.effects:
+        return 'These flights cannot tell what, if anything, is missing.'
+    names = join_words([format_effect(one) for one in finding.effects])
+    if not conclusion.rivals:
+        return f'It may be {names} that is missing, but these flights cannot tell.'
+    rivals = join_words([format_parameter(knob) for knob in conclusion.rivals], 'or')
+    return f'These flights cannot tell {names} from {rivals}.'
+
+
+def _has_several(finding: DiscoveryFinding) -> bool:
+    """Tell whether more than one thing was named."""
+    return sum(len(one.knobs) for one in finding.effects) > 1
+
+
+def _format_alternatives(one: NamedEffect) -> str:
+    """Return what an effect is called, with what these flights cannot tell from it."""
+    return join_words([format_effect(one), *map(format_parameter, one.confusable_with)], 'or')
+
+
+def _format_remainder(finding: DiscoveryFinding) -> str:
+    """Return the largest thing that is unexplained, to be put behind 'in no library'."""
+    if finding.remains:
+        return f': {format_remainder(finding.remains[0])}'
+    return f': {finding.unexplained[0]}' if finding.unexplained else ''
+
+
+def _format_draught(finding: DiscoveryFinding) -> str:
+    """Return that a draught was there, as a sentence to be put behind another."""
+    return (
+        f' A draught of {format_draught_size(finding.draught)} was there.'
+        if finding.draught
+        else ''
+    )
+
+
+def format_draught_size(one: DraughtFinding) -> str:
+    """Return how hard a draught pushes."""
+    return f'{format_number(1e3 * one.force, 2)} mN'
+
+
+def _format_none(conclusion: Conclusion) -> str:
+    """Return that nothing is missing; and that the file is off nevertheless, where it is."""
+    gap = conclusion.gain
+    if gap is None:
+        if conclusion.advice == 'keep':
+            return 'Nothing is missing that these flights could show.'
+        return 'No effect is confirmed as missing.'
+    before, tuned = (format_quantity(part, gap.unit, 2) for part in (gap.before, gap.tuned))
+    return (
+        f'No effect is confirmed as missing: tuning the tolerances of the file takes the '
+        f'{gap.channel} error after {gap.horizon_s:g} s from {before} to {tuned}.'
+    )
+
+
+def _format_improvement(finding: DiscoveryFinding, conclusion: Conclusion) -> str:
+    """Return by how much the named effects shrink the gap, to be put behind what is missing."""
+    gap = conclusion.gain
+    if gap is None:
+        return ''
+    them = 'them' if _has_several(finding) else 'it'
+    if conclusion.rivals:
+        them = join_words([format_effect(one) for one in finding.effects])
+    text = (
+        f': with {them}, the {gap.channel} error after {gap.horizon_s:g} s falls from '
+        f'{format_quantity(gap.before, gap.unit, 2)} to {format_quantity(gap.after, gap.unit, 2)}'
+    )
+    return f'{text}, as it does with tolerances alone' if conclusion.by_tolerances else text
+
+
+def format_advice(finding: DiscoveryFinding) -> str:
+    """Return what to do with the vehicle file, in a sentence or two."""
+    said = draw_conclusion(finding)
+    which = ' Which of the names is right, it does not tell.' if said.rivals else ''
+    return ADVICE[said.advice] + (which if said.advice == 'use' else '')
+
+
+def list_learned_commands(finding: DiscoveryFinding, folder: Path) -> dict[str, str]:
+    """Return what to type to see what was learned, and to fly it where that is the advice."""
+    if not finding.effects:
+        return {}
+    learned = relative_path(folder / 'vehicle.yaml')
+    out = {'see what was learned': format_lta_command('vehicle', 'diff', finding.vehicle, learned)}
+    if draw_conclusion(finding).advice == 'use':
+        out['fly it'] = format_lta_command('fly', '--vehicle', learned)
+    return out
+
+
+def summarize_flights(finding: DiscoveryFinding) -> str:
+    """Return which flights there were, and for what."""
+    parts = [f'{words} {join_words(finding.bags[role])}' for role, words in ROLES.items()
+             if finding.bags.get(role)]  # fmt: skip
+    said = ', '.join(parts) or finding.vehicle
+    shown = (
+        'Nothing was fitted to the flights on which the gap is shown.'
+        if finding.held_out
+        else 'No flight was held out: the gap is shown on flights that had a say, which is weaker.'
+    )
+    count = len(finding.warnings)
+    more = f' {count} {"warning" if count == 1 else "warnings"} below.' if count else ''
+    return f'{said[:1].upper()}{said[1:]}. {shown if finding.gaps else ""}{more}'.strip()
+
+
+def build_tiles(finding: DiscoveryFinding) -> list[Tile]:
+    """Return the figures that matter most: what, how sure, how much better, what is left."""
+    gap = select_main_gap(finding.gaps)
+    made = [_build_verdict_tile(finding), _build_evidence_tile(finding)]
+    if gap is None:
+        made.append(Tile('Error', MISSING, '', 'no flight to show it on'))
+    else:
+        ahead = f'{gap.channel.capitalize()} error after {gap.horizon_s:g} s'
+        value, _, unit = format_quantity(gap.after, gap.unit).partition(' ')
+        before, tuned = (format_quantity(part, gap.unit) for part in (gap.before, gap.tuned))
+        low, high = (format_percent(part) for part in gap.shrink_ci95)
+        floor, coast = (format_quantity(part, gap.unit) for part in (gap.noise_floor, gap.coast))
+        made += [
+            Tile(ahead, value, unit, f'before {before}; tuned without any effect {tuned}'),
+            Tile('The gap shrinks by', format_percent(gap.shrink), '%',
+                 f'{low} to {high} % (95 %), {gap.pieces} pieces'),
+            Tile('Noise of the measurement', *floor.partition(' ')[::2],
+                 f'ignoring the commands: {coast}'),
+        ]  # fmt: skip
+    made.append(_build_remainder_tile(finding))
+    return made
+
+
+def _build_remainder_tile(finding: DiscoveryFinding) -> Tile:
+    """Return what is unexplained."""
+    if finding.remains:
+        first = finding.remains[0]
+        return Tile(
+            'Unexplained', format_number(first.floors, 2), '\N{MULTIPLICATION SIGN} the floor',
+            f'on {join_words([one.axis for one in finding.remains])}',
+        )  # fmt: skip
+    if finding.unexplained:
+        return Tile('Unexplained', str(len(finding.unexplained)), '', finding.unexplained[0])
+    left = (
+        f'a draught of {format_draught_size(finding.draught)}, and no other force or moment'
+        if finding.draught
+        else 'no force or moment is left over'
+    )
+    return Tile('Unexplained', '0', 'axes', left)
+
+
+def _build_verdict_tile(finding: DiscoveryFinding) -> Tile:
+    """Return the verdict as a tile."""
+    count = sum(1 if len(one.knobs) > MANY else len(one.knobs) for one in finding.effects)
+    values = [
+        f'{format_parameter(f"{one.name}.{part.name}")} '
+        f'{format_estimate(part)}{format_assumed(one)}'
+        for one in finding.effects
+        for part in one.parameters
+    ]
+    note = {
+        'none': 'every candidate was tried',
+        'unexplained': 'and no effect of the library fits',
+        'not_identifiable': 'another flight would have to',
+    }.get(finding.verdict, '; '.join(values[:3]))
+    value = {'none': 'none', 'unexplained': 'no name', 'not_identifiable': 'cannot tell'}
+    return Tile('Missing', value.get(finding.verdict, str(count)),
+                '' if finding.verdict in value else 'named', note)  # fmt: skip
+
+
+def _build_evidence_tile(finding: DiscoveryFinding) -> Tile:
+    """Return how sure it is."""
+    if finding.effects:
+        least = min(one.log_evidence for one in finding.effects)
+        which = 'the weaker of them; ' if len(finding.effects) > 1 else ''
+        against = (
+            '; none against what it may be instead' if draw_conclusion(finding).rivals else ''
+        )
+        return Tile(
+            'Evidence', format_number(least), 'nats', f'{which}{format_odds(least)}{against}'
+        )
+    tried = [rung for step in finding.ladder for rung in step]
+    if not tried:
+        return Tile('Evidence', MISSING, '', 'no candidate was worth a refit')
+    best = max(tried, key=lambda rung: rung.total)
+    return Tile(
+        'Best candidate', format_number(best.total), 'nats',
+        f'{format_parameter(best.knob)}: {explain_decision(best, beaten=False, stands=False)}',
+    )  # fmt: skip

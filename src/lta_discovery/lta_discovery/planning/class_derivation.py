@@ -1,0 +1,191 @@
+"""
+Derive which names no data of a kind can tell apart, from rich flights of each kind.
+
+Rich is every excitation at once: heights, headings and speeds that change, and shaken motors; of
+`hover`, none. What such flights cannot tell apart, no other data of the kind will.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+import hashlib
+from typing import Any, Final, final
+
+from lta_discovery.fit.evidence import PieceReducer, wrench_floor
+from lta_discovery.flights.measured_flight import FlightStreams
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import FreeParameter, list_free_parameters
+from lta_discovery.planning.rehearsal import (
+    prepare_linearizer,
+    rehearse_flight,
+    Sensors,
+    with_course,
+)
+from lta_discovery.planning.separability import PairSeparability
+from lta_discovery.replay.linearized_flight import build_origin
+from lta_flight.flight_spec import build_parts, FlightSpec, load_spec
+from lta_model.effects import BUILT_IN, EFFECTS
+import numpy as np
+from numpy.typing import NDArray
+from scipy.cluster.hierarchy import fcluster, linkage
+
+Array = NDArray[np.float64]
+
+VEHICLE: Final = 'gtmab'
+# |cosine| from which two names are one: see `lta_discovery.selection.equivalence_classes`
+ALIKE: Final = 0.98
+SEEN: Final = 0.1  # deviations of a typical size, below which data say nothing of a name
+FLIGHTS: Final = 3
+LENGTH: Final = 120.0  # s
+MORE: Final = 1e4  # times as long: what is left then is capped by tolerances
+LEG: Final = 6.0  # s
+# Kinds of data: the sensors, and whether the flights are rich.
+KINDS: Final[dict[str, tuple[Sensors, bool]]] = {
+    'all': ('all', True),
+    'imu': ('imu', True),
+    'pose': ('pose', True),
+    'wrench': ('wrench', True),
+    'hover': ('all', False),
+}
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class DerivedClasses:
+    """
+    What one kind of data can tell.
+
+    Attributes
+    ----------
+    names : tuple of str
+        The candidates.
+    cosine : ndarray, shape (n, n)
+        Of each pair, its size.
+    reach, cap : ndarray, shape (n,)
+        Deviations that a typical size comes to: in these flights, and however long they are.
+
+    """
+
+    names: tuple[str, ...]
+    cosine: Array
+    reach: Array
+    cap: Array
+
+    @property
+    def undetectable(self) -> list[str]:
+        """Names of which such data say nothing."""
+        return [name for name, s in zip(self.names, self.reach, strict=True) if s < SEEN]
+
+    def list_classes(self) -> list[list[str]]:
+        """Return the names that are one, class by class: those with more than one name."""
+        seen = np.flatnonzero(self.reach >= SEEN)
+        if len(seen) < 2:
+            return []
+        found = group_alike(self.cosine[np.ix_(seen, seen)], ALIKE)
+        groups = [[self.names[seen[k]] for k in group] for group in found]
+        return [group for group in groups if len(group) > 1]
+
+
+def group_alike(cosine: Array, least: float) -> list[list[int]]:
+    """
+    Return groups in which every two are alike (complete linkage), each in rising order.
+
+    Parameters
+    ----------
+    cosine : ndarray, shape (n, n)
+        Sizes of the cosines.
+    least : float
+        Of any two in a group.
+
+    """
+    far = 1.0 - np.abs(cosine)
+    condensed = far[np.triu_indices(len(far), 1)]
+    label = fcluster(linkage(np.maximum(condensed, 0.0), 'complete'), 1.0 - least, 'distance')
+    groups: dict[int, list[int]] = {}
+    for k, one in enumerate(label):
+        groups.setdefault(int(one), []).append(k)
+    return sorted(groups.values())
+
+
+def build_rich_course(seed: int, rich: bool) -> dict[str, Any]:
+    """Return a course of `LENGTH` as a scenario file has it."""
+    rng = np.random.default_rng([seed, 21])
+    rows, heading, at = [], 0.0, 2.0
+    while at < LENGTH - LEG:
+        heading += float(rng.uniform(-2.0, 2.0)) if rich else 0.0
+        low = float(rng.uniform(0.5, 0.7) if rng.random() < 0.3 else rng.uniform(0.7, 2.0))
+        rows.append(
+            {
+                'at': {'value': at, 'unit': 's'},
+                'altitude': {'value': low if rich else 1.2, 'unit': 'm'},
+                'heading': {'value': heading, 'unit': 'rad'},
+                'speed': {
+                    'value': float(rng.choice([0.0, 0.3, 0.6, 0.9])) if rich else 0.0,
+                    'unit': 'm/s',
+                },
+            }
+        )
+        at += LEG
+    shake = {'duty': {'value': 0.25, 'unit': '1'}, 'hold': {'value': 0.7, 'unit': 's'}}
+    return {'between': 'step', 'rows': rows, **({'shake': shake} if rich else {})}
+
+
+def derive_classes(
+    kinds: Sequence[str] = tuple(KINDS), flights: int = FLIGHTS
+) -> Mapping[str, DerivedClasses]:
+    """Return what each kind of data can tell."""
+    made = load_spec(VEHICLE, 'hall', 'bag', '')
+    vehicle = build_parts(made)[0]
+    turned = select_shipped(list_free_parameters(NominalVehicle.from_vehicle(vehicle)))
+    out: dict[str, DerivedClasses] = {}
+    flown = {}
+    for kind in kinds:
+        sensors, rich = KINDS[kind]
+        if rich not in flown:
+            flown[rich] = [_rehearse_streams(made, seed, rich) for seed in range(1, flights + 1)]
+        reduced = []
+        for streams in flown[rich]:
+            flight = prepare_linearizer(streams, vehicle, turned, sensors)
+            nominal = NominalVehicle.from_vehicle(vehicle)
+            linear = flight.linearize(build_origin(nominal, turned, flight.replay.cut))
+            reduced.append(PieceReducer(linear).reduce(wrench_floor(nominal)))
+        out[kind] = compare_candidates(
+            PairSeparability(reduced, turned), PairSeparability(reduced, turned, MORE)
+        )
+    return out
+
+
+def _rehearse_streams(spec: FlightSpec, seed: int, rich: bool) -> FlightStreams:
+    """Return what a flight of the kind would be recorded as."""
+    vehicle, scenario, policy = build_parts(
+        with_course(spec, build_rich_course(seed, rich), LENGTH)
+    )
+    return rehearse_flight(vehicle, scenario, policy, seed).streams
+
+
+def compare_candidates(pairs: PairSeparability, more: PairSeparability) -> DerivedClasses:
+    """Return what flights say of every two candidates, and of each."""
+    at = [k for k, knob in enumerate(pairs.knobs) if knob.typical > 0.0]
+    cosine = np.eye(len(at))
+    reach = np.array([pairs.detection_sigma(k) for k in at])
+    cap = np.array([more.detection_sigma(k) for k in at])
+    for i, a in enumerate(at):
+        for j in range(i):
+            if reach[i] >= SEEN and reach[j] >= SEEN:
+                cosine[i, j] = cosine[j, i] = abs(pairs.compare_pair(a, at[j]).cosine)
+    return DerivedClasses(tuple(pairs.knobs[k].name for k in at), cosine, reach, cap)
+
+
+def select_shipped(parameters: Sequence[FreeParameter]) -> list[FreeParameter]:
+    """Return those of the library: what is frozen knows nothing of effects that others install."""
+    foreign = set(EFFECTS) - set(BUILT_IN)
+    return [knob for knob in parameters if foreign.isdisjoint(effect for effect, _ in knob.moves)]
+
+
+def registry_digest(parameters: Sequence[FreeParameter]) -> str:
+    """Return what tells one registry of candidates from another, 12 hexadecimal digits."""
+    told = hashlib.sha256()
+    for knob in parameters:
+        moves = sorted((*target, f'{rate:.9g}') for target, rate in knob.moves.items())
+        numbers = f'{knob.tolerance:.9g} {knob.typical:.9g} {knob.per_flight}'
+        told.update(f'{knob.name} {knob.unit} {moves} {numbers}\n'.encode())
+    return told.hexdigest()[:12]

@@ -1,0 +1,174 @@
+"""
+Manoeuvres to choose the next flight from, each shaken or not, short or long.
+
+All take off, do the same thing over and over, and land with time enough to come down.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+import math
+from typing import Any, Final, final, NamedTuple
+
+import numpy as np
+
+TAKE_OFF: Final = 2.5  # s; the estimator has learnt its biases by then
+CLIMB: Final = 6.0  # s
+DESCENT: Final = 40.0  # s; a vehicle that is hardly heavier than air comes down slowly
+LENGTHS: Final = (45.0, 120.0)  # s; of what is done in the air
+SHAKES: Final = (0.0, 0.2)  # of a duty
+HOLD: Final = 0.7  # s
+CRUISE: Final = 0.5  # m/s
+DEEP, HIGH = 0.1, 1.6  # m above where it stands: as low and as high as it goes
+
+
+class PlannedLeg(NamedTuple):
+    """Altitude [m], heading [rad] and speed [m/s], and for how long [s]."""
+
+    altitude: float
+    heading: float
+    speed: float
+    lasts: float
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class PlannedManeuver:
+    """
+    One of them.
+
+    Attributes
+    ----------
+    about : str
+        What it does, in words.
+    course : mapping
+        As a scenario file has it.
+    length : float
+        Until the end of the landing. [s]
+    cost : float
+        What it asks of people and vehicle: seconds, shaken ones counting more.
+
+    """
+
+    about: str
+    course: Mapping[str, Any]
+    length: float
+    cost: float
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class AltitudeRange:
+    """
+    Heights between which a vehicle may fly.
+
+    Attributes
+    ----------
+    low, high : float
+        Of the hull centre. [m]
+
+    """
+
+    low: float
+    high: float
+
+    @property
+    def middle(self) -> float:
+        """Between the two. [m]"""
+        return 0.5 * (self.low + self.high)
+
+
+def _hover_leg(space: AltitudeRange, _: int) -> PlannedLeg:
+    return PlannedLeg(space.middle, 0.0, 0.0, 10.0)
+
+
+def _heights_leg(space: AltitudeRange, k: int) -> PlannedLeg:
+    return PlannedLeg((space.high, space.low)[k % 2], 0.0, 0.0, 12.0)
+
+
+def _speeds_leg(space: AltitudeRange, k: int) -> PlannedLeg:
+    speed = (0.3, 0.6, 1.0, 1.6)[k // 2 % 4] * CRUISE
+    return PlannedLeg(space.middle, math.pi * (k % 2), speed, 8.0)
+
+
+def _yaws_leg(space: AltitudeRange, k: int) -> PlannedLeg:
+    return PlannedLeg(space.middle, (1.2, -1.2)[k % 2], 0.0, 4.0)
+
+
+def _laps_leg(space: AltitudeRange, k: int) -> PlannedLeg:
+    height = (space.low + 0.3 * (space.high - space.low), space.high)[k // 8 % 2]
+    return PlannedLeg(height, 0.25 * math.pi * (k + 1), CRUISE, 4.0)
+
+
+def _random_leg(space: AltitudeRange, k: int) -> PlannedLeg:
+    rng = np.random.default_rng([k, 31])
+    heading = float(np.sum([np.random.default_rng([i, 32]).uniform(-2, 2) for i in range(k + 1)]))
+    height, speed = rng.uniform(space.low, space.high), rng.choice([0.0, 0.6, 1.2])
+    return PlannedLeg(float(height), heading, float(speed) * CRUISE, 7.0)
+
+
+MANOEUVRES: Final[dict[str, tuple[str, Callable[[AltitudeRange, int], PlannedLeg]]]] = {
+    'hover': ('hover on the spot', _hover_leg),
+    'heights': ('climb and come down in steps', _heights_leg),
+    'speeds': ('fly out and back, faster and faster', _speeds_leg),
+    'yaws': ('turn left and right on the spot', _yaws_leg),
+    'laps': ('fly laps at two heights', _laps_leg),
+    'all': ('change height, heading and speed at once', _random_leg),
+}
+
+
+def build_maneuver(
+    name: str, space: AltitudeRange, length: float, shake: float
+) -> PlannedManeuver:
+    """
+    Return a manoeuvre.
+
+    Parameters
+    ----------
+    name : str
+        Of MANOEUVRES.
+    space : Space
+        Where it may fly.
+    length : float
+        Of what is done in the air. [s]
+    shake : float
+        Of each duty, either way; 0 is not shaken.
+
+    """
+    about, leg = MANOEUVRES[name]
+    first = leg(space, 0)
+    rows = [_build_row(TAKE_OFF, PlannedLeg(space.middle, first.heading, 0.0, CLIMB))]
+    at, k = TAKE_OFF + CLIMB, 0
+    while at < TAKE_OFF + CLIMB + length:
+        now = leg(space, k)
+        rows.append(_build_row(at, now))
+        at, k = at + now.lasts, k + 1
+    rows.append(_build_row(at, PlannedLeg(0.0, now.heading, 0.0, DESCENT)))
+    course: dict[str, Any] = {'between': 'step', 'rows': rows}
+    if shake:
+        course['shake'] = {'duty': _build_quantity(shake, '1'), 'hold': _build_quantity(HOLD, 's')}
+        about += f', the motors shaken by {100.0 * shake:.0f} %'
+    return PlannedManeuver(about, course, at + DESCENT, (at + DESCENT) * (1.0 + 2.0 * shake))
+
+
+def list_maneuvers(space: AltitudeRange) -> list[PlannedManeuver]:
+    """Return all manoeuvres, each in each length and with each shake, the cheapest first."""
+    made = [
+        build_maneuver(name, space, length, shake)
+        for name in MANOEUVRES
+        for length in LENGTHS
+        for shake in SHAKES
+    ]
+    return sorted(made, key=lambda one: one.cost)
+
+
+def _build_row(at: float, leg: PlannedLeg) -> dict[str, Any]:
+    return {
+        'at': _build_quantity(round(at, 3), 's'),
+        'altitude': _build_quantity(round(leg.altitude, 3), 'm'),
+        'heading': _build_quantity(round(leg.heading, 4), 'rad'),
+        'speed': _build_quantity(round(leg.speed, 3), 'm/s'),
+    }
+
+
+def _build_quantity(value: float, unit: str) -> dict[str, Any]:
+    return {'value': value, 'unit': unit}

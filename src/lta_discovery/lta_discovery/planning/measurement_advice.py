@@ -1,0 +1,63 @@
+"""What to measure where no flight decides: each in a sentence."""
+
+from typing import Final, NamedTuple
+
+from lta_discovery.selection.equivalence_classes import is_same_class, Kind
+
+
+class MeasurementAdvice(NamedTuple):
+    """Effects that flights take for each other, and what tells them apart."""
+
+    effects: frozenset[str]
+    what: str
+
+
+MEASURE: Final = (
+    MeasurementAdvice(
+        frozenset({'net_lift', 'payload', 'ballast', 'gas_purity'}),
+        'they are one constant force; weigh the vehicle without gas, and with it on a scale',
+    ),
+    MeasurementAdvice(
+        frozenset({'tracker_delay', 'clock_offset', 'command_delay'}),
+        'they are one delay; compare the clocks of tracker and vehicle, by a tap that both record',
+    ),
+    MeasurementAdvice(
+        frozenset({'added_mass', 'cg_height', 'thrust_scale', 'added_inertia', 'motor_lag'}),
+        'they scale forces together; measure the thrust on a scale, or fly with a known load',
+    ),
+    MeasurementAdvice(
+        frozenset({'rotor_misalignment', 'rotor_fault', 'cg_offset', 'tracker_misalignment'}),
+        'look at the rotors and level the tracker; one of them measured by itself decides',
+    ),
+    MeasurementAdvice(
+        frozenset({'linear_drag', 'quadratic_drag', 'cross_flow'}),
+        'tow the vehicle at two known speeds, or let it glide to rest with its motors off',
+    ),
+)
+OTHERWISE: Final = 'measure one of them by itself'
+RICHER: Final[dict[Kind, tuple[Kind, str]]] = {
+    'pose': ('imu', 'record the IMU as well'),
+    'imu': ('all', 'record range, pressure and voltage as well'),
+    'wrench': ('pose', 'record the duties of the motors as well'),
+    'hover': ('all', 'fly more than a hover'),
+}
+
+
+def suggest_measurement(name: str, others: tuple[str, ...], kind: Kind) -> str:
+    """
+    Return what tells a name from others that no flight of a kind tells from it.
+
+    Parameters
+    ----------
+    name, others : str
+        Of knobs: 'net_lift.force'.
+    kind : str
+        Of the data.
+
+    """
+    richer = RICHER.get(kind)
+    if richer is not None and not any(is_same_class(name, one, richer[0]) for one in others):
+        return richer[1]
+    effects = {one.partition('.')[0] for one in (name, *others)}
+    found = (known.what for known in MEASURE if effects <= known.effects)
+    return next(found, OTHERWISE)

@@ -1,0 +1,97 @@
+"""
+How many knots the latent wrench needs: some in the shortest natural period.
+
+What is missing from a model moves with the vehicle. A latent wrench whose knots are further apart
+than a quarter of a swing cannot follow what swings, and what it cannot follow looks like something
+else: a heave force, an oscillation. So the knots follow the vehicle's own modes, linearised about
+what it flew, and the swings that its attitude shows.
+"""
+
+from collections.abc import Iterator, Sequence
+import math
+from typing import Final
+
+from lta_discovery.flights.measured_flight import MeasuredFlight, PERIOD
+from lta_discovery.flights.windows import KNOTS, LENGTH
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.quaternions import (
+    quaternion_conjugate,
+    quaternion_logarithm,
+    quaternion_product,
+)
+from lta_discovery.replay.linearization_inputs import prepare_linearization
+from lta_discovery.replay.linearized_flight import AXES, build_origin
+from lta_discovery.replay.linearizer import FlightLinearizer
+from lta_discovery.replay.sensing import transform_to_map
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import welch
+
+Array = NDArray[np.float64]
+
+PART: Final = 6.0  # knots in a period
+MOST: Final = 37  # knots of a piece: a period of 1 s
+DAMPED: Final = 0.7  # damping ratio above which a mode does not swing
+SLOWEST: Final = 0.2  # Hz; the slowest swing that is looked for in the attitude
+FASTEST: Final = 2.0  # Hz; and the fastest
+AVERAGED: Final = 256  # points of the grid in a spectrum, 10 s
+CLEAR: Final = 10.0  # medians of the spectrum; a peak below it is no swing
+
+
+def count_needed_knots(flights: Sequence[FlightLinearizer], nominal: NominalVehicle) -> int:
+    """
+    Return how many knots the pieces of some flights need.
+
+    Parameters
+    ----------
+    flights : sequence of Linearised
+        Of one vehicle.
+    nominal : Nominal
+        The vehicle as it is thought to be.
+
+    """
+    periods = [vehicle_period(flight, nominal) for flight in flights]
+    periods += [
+        period for flight in flights for period in find_swing_periods(flight.replay.flight)
+    ]
+    count = math.ceil(PART * LENGTH / min(periods) - 1e-9) + 1
+    return min(max(count, KNOTS), MOST)
+
+
+def vehicle_period(flight: FlightLinearizer, nominal: NominalVehicle) -> float:
+    """Return the shortest period of a vehicle's modes at what it flew; inf where none swings."""
+    about = prepare_linearization(
+        flight.replay,
+        flight.knobs,
+        build_origin(nominal, flight.knobs, flight.replay.cut),
+        np.zeros(len(flight.knobs), dtype=np.bool_),
+    )
+    states = np.ascontiguousarray(
+        transform_to_map(flight.replay.cut.start, about.rows.acting)[:, None]
+    )
+    none = np.zeros((*states.shape[:2], AXES))
+    slopes = flight.replay.state_jacobians(about.turns, states, none)[:, 0]
+    if not np.isfinite(slopes).all():
+        return math.inf  # a model that runs away has no period
+    modes = np.linalg.eigvals(slopes)
+    swinging = (modes.imag > 0.0) & (-modes.real < DAMPED * np.abs(modes))
+    # The beginning of a piece is known from few poses: no single one of them decides.
+    fastest = float(np.median(np.max(np.where(swinging, modes.imag, 0.0), axis=1)))
+    return 2.0 * math.pi / fastest if fastest > 0.0 else math.inf
+
+
+def find_swing_periods(flight: MeasuredFlight) -> Iterator[float]:
+    """Yield the period of the strongest swing about each axis of the body that has one. [s]"""
+    turned = quaternion_logarithm(
+        quaternion_product(quaternion_conjugate(flight.quaternion[:-1]), flight.quaternion[1:])
+    )
+    for rate in turned.T / PERIOD:
+        known = np.isfinite(rate)
+        if known.sum() < AVERAGED:
+            continue
+        hertz, power = welch(np.where(known, rate, 0.0), 1.0 / PERIOD, nperseg=AVERAGED)
+        band = np.flatnonzero((hertz >= SLOWEST) & (hertz <= FASTEST))
+        top = band[np.argmax(power[band])]
+        peak = power[top] >= max(power[top - 1], power[top + 1])
+        if peak and power[top] > CLEAR * float(np.median(power)):
+            yield float(1.0 / hertz[top])

@@ -1,0 +1,150 @@
+"""What turning each knob by its step makes of a vehicle, and of what its body meets."""
+
+from collections.abc import Sequence
+from typing import final, NamedTuple
+
+from lta_discovery.model.nominal import NominalVehicle, ReplayRows
+from lta_discovery.model.parameter_sets import ParameterSteps
+from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.replay.linearized_flight import LinearizationPoint
+from lta_discovery.replay.replay import BodyInputs, ModelReplay
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@final
+class SensorStep(NamedTuple):
+    """A knob of the sensors: the rows before and after its step, and the step."""
+
+    before: ReplayRows
+    after: ReplayRows
+    step: float
+
+
+@final
+class LinearizationInputs(NamedTuple):
+    """
+    What flying about a point takes.
+
+    Attributes
+    ----------
+    rows, ready : Rows, Ready
+        Of the point itself.
+    moving, reading : tuple of int
+        The knobs that change the motion, and those that change what is said of it.
+    turns : Turns
+        Of the former.
+    turned : tuple of Turn
+        Of the latter.
+
+    """
+
+    rows: ReplayRows
+    ready: BodyInputs
+    moving: tuple[int, ...]
+    reading: tuple[int, ...]
+    turns: ParameterSteps
+    turned: tuple[SensorStep, ...]
+
+
+@final
+class _ParameterSets:
+    """Sets of parameters and what they meet; the first is the point itself."""
+
+    def __init__(self, replay: ModelReplay, nominal: NominalVehicle) -> None:
+        self._replay, self._nominal = replay, nominal
+        self.rows = [replay.build_rows(nominal)]
+        self.ready = [replay.compute_inputs(self.rows[0])]
+        self.faced = [0]
+
+    def add_pair(self, knob: FreeParameter, value: float) -> tuple[int, int, float]:
+        """Add what a knob's step goes between; return both places and the step."""
+        present, step = knob.enable_effect(self._nominal), knob.step_at(value)
+        before = 0 if present is self._nominal else self._add_set(knob, present)
+        return before, self._add_set(knob, knob.apply_to(self._nominal, step)), step
+
+    def _add_set(self, knob: FreeParameter, nominal: NominalVehicle) -> int:
+        """Add the set of a vehicle with a knob turned."""
+        rows = self._replay.update_rows(nominal, self._nominal, self.rows[0])
+        self.faced.append(self._select_inputs(knob, rows))
+        self.rows.append(rows)
+        return len(self.rows) - 1
+
+    def _select_inputs(self, knob: FreeParameter, rows: ReplayRows) -> int:
+        """Return which of `ready` a set meets; what the knob does not reach is not run again."""
+        if knob.reaches == 'body':
+            return 0
+        if knob.reaches == 'wrench':
+            self.ready.append(self._replay.update_wrench(rows, self.ready[0]))
+        else:
+            before = self.ready[0] if knob.reaches == 'memory' else None
+            self.ready.append(self._replay.compute_inputs(rows, before))
+        return len(self.ready) - 1
+
+    def stack_steps(self, pairs: Sequence[tuple[int, int, float]]) -> ParameterSteps:
+        """Return all of it as arrays."""
+        before, after, steps = zip(*pairs, strict=True) if pairs else ((), (), ())
+        met_by = [ready.average_periods() for ready in self.ready]
+        return ParameterSteps(
+            np.array([rows.body for rows in self.rows]),
+            np.array([rows.body_on for rows in self.rows]),
+            np.array(self.faced, dtype=np.int64),
+            np.array([means[0] for means in met_by]),
+            np.array([means[1] for means in met_by]),
+            np.array([means[2] for means in met_by]),
+            np.array(before, dtype=np.int64),
+            np.array(after, dtype=np.int64),
+            np.array(steps, dtype=np.float64),
+        )
+
+
+def prepare_linearization(
+    replay: ModelReplay,
+    knobs: Sequence[FreeParameter],
+    point: LinearizationPoint,
+    columns: NDArray[np.bool_] | None = None,
+) -> LinearizationInputs:
+    """
+    Return what flying about a point takes.
+
+    Parameters
+    ----------
+    replay : Replay
+        The flight.
+    knobs : sequence of Knob
+        What can be turned.
+    point : Point
+        The parameters.
+    wanted : ndarray of bool, shape (G,), optional
+        Which knobs to turn; all if not given.
+
+    Raises
+    ------
+    BadInput
+        If no such vehicle can be.
+
+    """
+    sets, pairs, turned = _ParameterSets(replay, point.nominal), [], []
+    moving, reading = [], []
+    base = sets.rows[0]
+    for k, knob in enumerate(knobs):
+        if columns is not None and not columns[k]:
+            continue
+        value = float(point.values[k])
+        if knob.reaches != 'reading' or replay.delays_commands(knob):
+            moving.append(k)
+            pairs.append(sets.add_pair(knob, value))
+            continue
+        reading.append(k)
+        present, step = knob.enable_effect(point.nominal), knob.step_at(value)
+        turned_by = knob.apply_to(point.nominal, step)
+        after = replay.update_rows(turned_by, point.nominal, base)
+        same = present is point.nominal
+        before = base if same else replay.update_rows(present, point.nominal, base)
+        turned.append(SensorStep(before, after, step))
+    turns = sets.stack_steps(pairs)
+    return LinearizationInputs(
+        base, sets.ready[0], tuple(moving), tuple(reading), turns, tuple(turned)
+    )

@@ -1,0 +1,374 @@
+"""
+A flight about a set of parameters: what is left over, and how it answers to everything.
+
+Columns are the state at the beginning of each piece, knots of a latent wrench, its pressure, and
+every knob. Per piece only products of whitened columns are kept: the rest is algebra on them.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Final, final
+
+from lta_discovery.flights.measured_flight import CHANNELS, PERIOD
+from lta_discovery.model.nominal import ReplayRows
+from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.model.quaternions import (
+    quaternion_conjugate,
+    quaternion_logarithm,
+    quaternion_product,
+)
+from lta_discovery.model.replay_kernel import BODY_PLACES
+from lta_discovery.replay.linearization_inputs import (
+    LinearizationInputs,
+    prepare_linearization,
+    SensorStep,
+)
+from lta_discovery.replay.linearized_flight import (
+    AXES,
+    count_unknowns,
+    hat_functions,
+    LinearizationPoint,
+    LinearizedFlight,
+    SENSORS,
+)
+from lta_discovery.replay.reading_jacobian import reading_jacobians
+from lta_discovery.replay.replay import BodyInputs, ModelReplay, STEPS
+from lta_discovery.replay.sensing import (
+    ideal_readings,
+    predict_readings,
+    PredictedReadings,
+    SensorPlaces,
+    tracker_frame,
+    transform_to_map,
+)
+from lta_discovery.replay.variational_equation import (
+    add_change,
+    discretize_dynamics,
+    propagate_changes,
+    WIDTH,
+)
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+CHUNK: Final = 8  # pieces at a time, which bounds the memory
+POSE: Final = 6  # of CHANNELS, the first
+
+
+@final
+class FlightLinearizer:
+    """
+    Makes the columns of one flight.
+
+    Parameters
+    ----------
+    replay : Replay
+        The flight.
+    knobs : sequence of Knob
+        What can be turned.
+    places : Places
+        Of the sensors.
+
+    Attributes
+    ----------
+    index, time : ndarray, shape (S, n)
+        Of each piece, the points of the grid and their times. [s]
+    random, motion : int
+        Unknowns of a piece; those of them that move the body, which come first.
+
+    """
+
+    def __init__(
+        self, replay: ModelReplay, knobs: Sequence[FreeParameter], places: SensorPlaces
+    ) -> None:
+        self.replay, self.knobs, self.places = replay, list(knobs), places
+        flight, cut = replay.flight, replay.cut
+        steps = cut.first[:, None] + np.arange(cut.length)
+        self.index = np.minimum(steps, len(flight.time) - 1)
+        self.time = flight.time[0] + PERIOD * steps
+        self._knots, self.random = cut.knots, count_unknowns(cut.knots)
+        self.motion = self.random - 1
+        self._hats = hat_functions(replay.span, cut.knots)
+        # Where gyros see the motion as well, the states' own offsets take up a tilt.
+        self._seen_only = flight.has_only_pose
+        self._sparse = self._hats.reshape(-1, STEPS, self._knots).mean(axis=1)
+
+    def with_knots(self, knots: int) -> 'FlightLinearizer':
+        """Return the flight with another number of knots in each piece."""
+        cut = replace(self.replay.cut, knots=knots)
+        return FlightLinearizer(self.replay.with_pieces(cut), self.knobs, self.places)
+
+    def simulate_trajectory(self, point: LinearizationPoint, which: slice = slice(None)) -> Array:
+        """Return the states at each step, shape (S, span + 1, 13)."""
+        rows = self.replay.build_rows(point.nominal)
+        return self._simulate_pieces(rows, self.replay.compute_inputs(rows), point, which)
+
+    def simulate_forecast(self, point: LinearizationPoint) -> Array:
+        """
+        Return the states at each step, begun where the tracker says and helped by nothing.
+
+        Parameters
+        ----------
+        point : Point
+            The parameters; its states and latent forces of the pieces are not used.
+
+        Returns
+        -------
+        ndarray, shape (S, span + 1, 13)
+            In the map, whatever the tracker's frame is.
+
+        """
+        rows = self.replay.build_rows(point.nominal)
+        start = transform_to_map(self.replay.cut.start, rows.acting)
+        latent = np.zeros((len(start), self.replay.span, AXES))
+        return self.replay.integrate_pieces(rows, self.replay.compute_inputs(rows), start, latent)
+
+    def _simulate_pieces(
+        self, rows: ReplayRows, ready: BodyInputs, point: LinearizationPoint, which: slice
+    ) -> Array:
+        """Return the states at each step of some pieces."""
+        told_at = self.replay.cut.start[which]
+        begun = transform_to_map(told_at, rows.acting) if self._seen_only else told_at
+        start = add_change(begun, point.random[which, :WIDTH])
+        return self.replay.integrate_pieces(
+            rows, ready, start, self._interpolate_latent(point, which, self._hats), which
+        )
+
+    def _interpolate_latent(self, point: LinearizationPoint, which: slice, hats: Array) -> Array:
+        """Return the latent force and moment in each step."""
+        knots = point.random[which, WIDTH : self.motion].reshape(-1, AXES, self._knots)
+        return np.ascontiguousarray(np.einsum('saj,kj->ska', knots, hats))
+
+    def compute_columns(
+        self, point: LinearizationPoint, which: slice = slice(None)
+    ) -> tuple[Array, Array]:
+        """
+        Return the columns about a point, and what is left over, by the noise.
+
+        Parameters
+        ----------
+        point : Point
+            The parameters.
+        which : slice
+            Of the pieces.
+
+        Returns
+        -------
+        ndarray, shape (S, n, 14, N), and ndarray, shape (S, n, 14)
+            Unknowns of the piece, then the knobs, then SENSORS; measured less predicted.
+
+        """
+        about = prepare_linearization(self.replay, self.knobs, point)
+        table, left = self._compute_table(point, about, which)
+        out = np.zeros((*left.shape, self.random + len(self.knobs) + len(SENSORS)))
+        out[:, :, : table.shape[2], self._column_order(about)[:-1]] = table[..., :-1]
+        return out, left
+
+    def linearize(
+        self, point: LinearizationPoint, columns: Flags | None = None
+    ) -> LinearizedFlight:
+        """
+        Return the flight about a point.
+
+        Parameters
+        ----------
+        point : Point
+            The parameters.
+        wanted : ndarray of bool, shape (G,), optional
+            Which columns matter; those of other knobs are 0, which is faster where they are held
+            (`Prior.free`). All are there if not given.
+
+        Raises
+        ------
+        BadInput
+            If no such vehicle can be.
+
+        """
+        about, pieces = (
+            prepare_linearization(self.replay, self.knobs, point, columns),
+            len(self.replay.first),
+        )
+        size, order = self.random + len(self.knobs) + len(SENSORS) + 1, self._column_order(about)
+        grams = np.zeros((pieces, size, size))
+        counts = np.empty(pieces, dtype=np.int64)
+        residual = np.empty((pieces, self.replay.cut.length, len(CHANNELS)))
+        for begin in range(0, pieces, CHUNK):
+            which = slice(begin, begin + CHUNK)
+            table, left = self._compute_table(point, about, which)
+            known = np.isfinite(left)
+            table[~known[..., : table.shape[2]]] = 0.0
+            flat = table.reshape(len(table), -1, len(order))
+            grams[begin : begin + len(table), order[:, None], order] = (
+                np.swapaxes(flat, 1, 2) @ flat
+            )
+            counts[which] = known.sum(axis=(1, 2))
+            residual[which] = left
+        names = (*(knob.name for knob in self.knobs), *SENSORS)
+        return LinearizedFlight(names, grams, counts, point, residual)
+
+    def _column_order(self, about: LinearizationInputs) -> NDArray[np.int64]:
+        """Return the place of each column of a table among all; the last is what is left over."""
+        first = self.random
+        own = first + len(self.knobs)
+        moving, reading = ([first + k for k in some] for some in (about.moving, about.reading))
+        sensors = range(own, own + len(SENSORS) + 1)
+        return np.array([*range(self.motion), *moving, first - 1, *reading, *sensors])
+
+    def _compute_table(
+        self, point: LinearizationPoint, about: LinearizationInputs, which: slice
+    ) -> tuple[Array, Array]:
+        """
+        Return whitened columns in the order of `_column_order`, and what is left over.
+
+        The columns are of the pose alone where there is no other sensor.
+        """
+        noise = self.replay.flight.noise
+        states = self._simulate_pieces(about.rows, about.ready, point, which)
+        grid, time = states[:, ::STEPS], self.time[which]
+        exact = ideal_readings(grid[:, :-1], grid[:, 1:], self.places)
+        base = predict_readings(grid, time, about.rows.acting, self.places, exact)
+        left = self._subtract_predicted(base, point, which) / noise
+        channels = len(CHANNELS) if np.isfinite(noise[POSE:]).any() else POSE
+        table = np.zeros((*left.shape[:2], channels, len(self._column_order(about))))
+        end = self.motion + len(about.moving)
+        change = self.state_sensitivities(point, about, states, which)
+        self._write_reading_columns(change, grid, exact, time, about, table[..., :end])
+        for k, turn in enumerate(about.turned):
+            read = self._difference_readings(grid, time, turn, base, exact)[..., :channels]
+            table[..., end + 1 + k] = read / (turn.step * noise[:channels])
+            if self._seen_only and turn.after.acting['pose']:
+                begun = start_sensitivity(self.replay.cut.start[which], turn)
+                table[..., end + 1 + k] += np.einsum('sncb,sb->snc', table[..., :WIDTH], begun)
+        if channels > POSE:
+            own = table.shape[-1] - 1 - len(SENSORS)
+            table[:, :, 13, [end, own]] = 1.0 / noise[13]
+            for axis in range(3):
+                force = base.readings[..., 3 + axis]
+                table[:, :, 9 + axis, own + 1 + axis] = force / noise[9 + axis]
+        table[..., -1] = left[..., :channels]
+        return table, left
+
+    def compute_residual(self, grid: Array, point: LinearizationPoint, rows: ReplayRows) -> Array:
+        """
+        Return measured less predicted, NaN where nothing was measured.
+
+        Parameters
+        ----------
+        grid : ndarray, shape (S, n + 1, 13)
+            Predicted states of all pieces.
+        point, rows : Point, Rows
+            The parameters.
+
+        Returns
+        -------
+        ndarray, shape (S, n, 14)
+            By CHANNELS, in SI.
+
+        """
+        base = predict_readings(grid, self.time, rows.acting, self.places)
+        return self._subtract_predicted(base, point, slice(None))
+
+    def _subtract_predicted(
+        self, base: PredictedReadings, point: LinearizationPoint, which: slice
+    ) -> Array:
+        """Return measured less predicted."""
+        flight, index = self.replay.flight, self.index[which]
+        turn = quaternion_logarithm(
+            quaternion_product(quaternion_conjugate(base.quaternion), flight.quaternion[index])
+        )
+        readings_left = flight.readings[index] - base.readings
+        offset, *scales = point.values[-len(SENSORS) :]
+        readings_left[..., 7] -= offset + point.random[which, -1:]
+        readings_left[..., 3:6] -= np.array(scales) * base.readings[..., 3:6]
+        left = np.concatenate(
+            [flight.position[index] - base.position, turn, readings_left], axis=-1
+        )
+        left[~self.replay.cut.inside[which]] = np.nan
+        left[..., ~np.isfinite(flight.noise)] = np.nan
+        left[~np.isfinite(left)] = np.nan
+        return left
+
+    def state_sensitivities(
+        self, point: LinearizationPoint, about: LinearizationInputs, states: Array, which: slice
+    ) -> Array:
+        """
+        Return how the states at the grid answer.
+
+        Parameters
+        ----------
+        point, about : Point, Met
+            The parameters.
+        states : ndarray, shape (S, span + 1, 13)
+            Flown with them.
+        which : slice
+            Of the pieces.
+
+        Returns
+        -------
+        ndarray, shape (S, n + 1, 12, motion + moving)
+            To the twelve of the beginning, to the knots, and to the knobs that move the body.
+
+        """
+        # Of whole grid periods: columns need not be as exact as what they are columns of.
+        middle = np.ascontiguousarray(states[:, STEPS // 2 :: STEPS])
+        latent = self._interpolate_latent(point, which, self._sparse)
+        jacobian = self.replay.state_jacobians(about.turns, middle, latent, which)
+        # Drawn towards 0, a latent wrench falls short: a lighter vehicle would get more out of it.
+        answers = self.replay.parameter_sensitivities(
+            about.turns, middle, np.zeros_like(latent), which
+        )
+        # A push accelerates by the inverse of the mass matrix, whatever the motion.
+        inverse = about.rows.body[BODY_PLACES['inverse']].reshape(AXES, AXES)
+        knots = np.einsum('ia,kj->kiaj', inverse, self._sparse).reshape(
+            -1, AXES, AXES * self._knots
+        )
+        pushed = [np.broadcast_to(knots, (len(states), *knots.shape)), answers]
+        a, b = discretize_dynamics(jacobian, PERIOD)
+        return propagate_changes(a, b[..., AXES:] @ np.concatenate(pushed, axis=-1))
+
+    def _write_reading_columns(
+        self,
+        change: Array,
+        grid: Array,
+        exact: Array,
+        time: Array,
+        about: LinearizationInputs,
+        out: Array,
+    ) -> None:
+        """Write how what is said answers, by the noise."""
+        noise, acting = self.replay.flight.noise[:, None], about.rows.acting
+        begin, end = change[:, :-1], change[:, 1:]
+        position = (
+            tracker_frame(acting)[0] @ begin[:, :, :3] if acting['pose'] else begin[:, :, :3]
+        )
+        out[:, :, :3] = position / noise[:3]
+        out[:, :, 3:POSE] = begin[:, :, 3:POSE] / noise[3:POSE]
+        if out.shape[2] > POSE:
+            slopes = reading_jacobians(grid, exact, time, acting, self.places)
+            first, last = (slope / noise[POSE:] for slope in slopes)
+            out[:, :, POSE:] = first @ begin
+            out[:, :, POSE:12] += last[:, :, :6] @ end  # range and pressure are of an instant
+
+    def _difference_readings(
+        self, grid: Array, time: Array, turn: SensorStep, base: PredictedReadings, exact: Array
+    ) -> Array:
+        """Return the difference of what is said under other measurement effects."""
+        a, b = (predict_readings(grid, time, rows.acting, self.places, exact) for rows in turn[:2])
+        turned = quaternion_logarithm(
+            quaternion_product(quaternion_conjugate(a.quaternion), b.quaternion)
+        )
+        return np.concatenate([b.position - a.position, turned, b.readings - a.readings], axis=-1)
+
+
+def start_sensitivity(states: Array, turn: SensorStep) -> Array:
+    """Return how the states that a tracker told answer to its frame, shape (S, 12)."""
+    a, b = (transform_to_map(states, rows.acting) for rows in turn[:2])
+    out = np.zeros((len(states), WIDTH))
+    out[:, :3] = (b[:, :3] - a[:, :3]) / turn.step
+    out[:, 3:POSE] = (
+        quaternion_logarithm(quaternion_product(quaternion_conjugate(a[:, 3:7]), b[:, 3:7]))
+        / turn.step
+    )
+    return out

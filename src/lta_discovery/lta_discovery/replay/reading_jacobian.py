@@ -1,0 +1,110 @@
+"""How what is said of a trajectory answers to small changes of its states."""
+
+from collections.abc import Mapping
+from typing import Final
+
+from lta_config.constants import STANDARD_GRAVITY
+from lta_discovery.flights.measured_flight import PERIOD
+from lta_discovery.replay.sensing import apply_sensor_effects, body_vertical, PARTS, SensorPlaces
+from lta_discovery.replay.variational_equation import WIDTH
+from lta_model.measurement_chain import Chain
+from lta_model.sensors.pressure import EXPONENT, LAPSE, SEA_TEMPERATURE
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+TURN, SPEED, RATES = slice(3, 6), slice(6, 9), slice(9, 12)  # of a change (`tangent`)
+SMALL: Final = np.array([1e-4] * 7 + [1.0])  # of a reading, for the slope of its effects
+
+
+def cross_matrix(vector: Array) -> Array:
+    """Return the matrices of v x, shape (..., 3, 3)."""
+    out = np.zeros((*vector.shape, 3))
+    out[..., 2, 1], out[..., 0, 2], out[..., 1, 0] = np.moveaxis(vector, -1, 0)
+    out[..., 1, 2], out[..., 2, 0], out[..., 0, 1] = np.moveaxis(-vector, -1, 0)
+    return out
+
+
+def _write_force_slopes(
+    begin: Array, end: Array, first: Array, last: Array, places: SensorPlaces
+) -> None:
+    """Write the slopes of the mean specific force: v' + w' x r + w x (v + w x r) + g up."""
+    mean = 0.5 * (begin + end)
+    eye, lever = np.eye(3), cross_matrix(np.array(places.imu))
+    turning = cross_matrix(mean[..., 10:13])
+    going = cross_matrix(mean[..., 7:10] + np.cross(mean[..., 10:13], np.array(places.imu)))
+    by_rates = -going - turning @ lever
+    for out, state, sign in ((first, begin, -1.0), (last, end, 1.0)):
+        force = out[..., PARTS['force'], :]
+        # The map's vertical u seen from a body that turns by a: u + u x a.
+        force[..., TURN] = 0.5 * STANDARD_GRAVITY * cross_matrix(body_vertical(state))
+        force[..., SPEED] = sign / PERIOD * eye + 0.5 * turning
+        force[..., RATES] = -sign / PERIOD * lever + 0.5 * by_rates
+
+
+def _write_height_slopes(begin: Array, first: Array, places: SensorPlaces) -> None:
+    """Write the slopes of range and pressure."""
+    up = body_vertical(begin)
+    leaning, lever = cross_matrix(up), np.array(places.range)
+    above, along = begin[..., 2] + up @ lever, up[..., 2]
+    first[..., 6, 2] = 1.0 / along
+    first[..., 6, TURN] = lever @ leaning / along[..., None]
+    first[..., 6, TURN] -= (above / along**2)[..., None] * leaning[..., 2, :]
+    part = LAPSE / SEA_TEMPERATURE
+    thinner = (1.0 - part * (begin[..., 2] + places.imu[2])) ** (EXPONENT - 1.0)
+    first[..., 7, 2] = -places.floor * EXPONENT * part * thinner
+
+
+def _apply_sensor_effects(
+    exact: Array, time: Array, acting: Mapping[str, Chain], *slopes: Array
+) -> None:
+    """Change slopes of exact readings into those of readings under the effects of sensors."""
+    whole = apply_sensor_effects(exact, time, acting)
+    for name, part in PARTS.items():
+        if not acting[name]:
+            continue
+        count = part.stop - part.start
+        own = np.empty((*time.shape, count, count))
+        for k in range(count):
+            aside = exact.copy()
+            aside[..., part.start + k] += SMALL[part.start]
+            there = apply_sensor_effects(aside, time, acting)
+            own[..., k] = ((there - whole) / SMALL[part.start])[..., part]
+        for out in slopes:
+            out[..., part, :] = own @ out[..., part, :]
+
+
+def reading_jacobians(
+    grid: Array, exact: Array, time: Array, acting: Mapping[str, Chain], places: SensorPlaces
+) -> tuple[Array, Array]:
+    """
+    Return how readings answer to a change at the beginning of their period, and at its end.
+
+    Parameters
+    ----------
+    grid : ndarray, shape (S, n + 1, 13)
+        States.
+    exact : ndarray, shape (S, n, 8)
+        Of `sensing.plain`.
+    time : ndarray, shape (S, n)
+        [s]
+    acting : mapping of str to Chain
+        Measurement effects by channel.
+    places : Places
+        Of the sensors.
+
+    Returns
+    -------
+    pair of ndarray, shape (S, n, 8, 12)
+        By the change of position, attitude, velocity and rates.
+
+    """
+    begin, end = grid[:, :-1], grid[:, 1:]
+    first, last = np.zeros((2, *exact.shape, WIDTH))
+    for out in (first, last):
+        out[..., PARTS['rates'], RATES] = 0.5 * np.eye(3)
+    _write_force_slopes(begin, end, first, last, places)
+    _write_height_slopes(begin, first, places)
+    _apply_sensor_effects(exact, time, acting, first, last)
+    return first, last

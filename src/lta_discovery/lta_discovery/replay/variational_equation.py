@@ -1,0 +1,68 @@
+"""
+How a trajectory answers to small changes, by the variational equation along it.
+
+    d/dt x = F x + g
+
+x is the change of position (map), attitude (rotation vector in the body), body velocity and body
+rates; F and g are finite differences of the model's own rates at the states of the trajectory.
+The rates are differenced, not the trajectories: parameters that can be scaled together without
+any change of motion (thrust, mass, drag, inertia) then cancel to rounding at every step, where
+differences of long trajectories would leave what looks like evidence.
+"""
+
+from typing import Final
+
+from lta_discovery.model.quaternions import quaternion_exponential, quaternion_product
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+WIDTH: Final = 12
+NUDGE: Final = np.array([1e-4] * 3 + [1e-5] * 3 + [1e-5] * 3 + [1e-5] * 3)  # m, rad, m/s, rad/s
+
+
+def add_change(states: Array, change: Array) -> Array:
+    """Return states, shape (..., 13), after changes, shape (..., 12)."""
+    turned = quaternion_product(states[..., 3:7], quaternion_exponential(change[..., 3:6]))
+    return np.concatenate(
+        [states[..., :3] + change[..., :3], turned, states[..., 7:13] + change[..., 6:12]],
+        axis=-1,
+    )
+
+
+def discretize_dynamics(jacobian: Array, dt: float) -> tuple[Array, Array]:
+    """Return A and B of x' = A x + B g over a step in which F and g are constant."""
+    eye = np.eye(WIDTH)
+    hf = dt * jacobian
+    half = eye + hf / 4.0
+    third = eye + (hf / 3.0) @ half
+    b = dt * (eye + (hf / 2.0) @ third)
+    return eye + jacobian @ b, b
+
+
+def propagate_changes(a: Array, push: Array) -> Array:
+    """
+    Return how states answer to those at the beginning, and to what pushes on the way.
+
+    Parameters
+    ----------
+    a : ndarray, shape (S, n, 12, 12)
+        Of `discretize_dynamics`.
+    push : ndarray, shape (S, n, 12, C)
+        B g of each step and input.
+
+    Returns
+    -------
+    ndarray, shape (S, n + 1, 12, 12 + C)
+        The changes: by each of the twelve at the beginning, then by each input.
+
+    """
+    pieces, steps, _, count = push.shape
+    out = np.zeros((pieces, steps + 1, WIDTH, WIDTH + count))
+    out[:, 0, :, :WIDTH] = np.eye(WIDTH)
+    for k in range(steps):
+        now = out[:, k + 1]
+        np.matmul(a[:, k], out[:, k], out=now)
+        now[..., WIDTH:] += push[:, k]
+    return out

@@ -1,0 +1,417 @@
+"""
+Name what is missing, one effect at a time, until no candidate is confirmed.
+
+A glance at all candidates (`scan_candidates`) can promise what a refit does not keep, and large
+unexplained
+forces can hide an effect; so the best few are refitted, on the flights that teach and on those
+that confirm, each by themselves, and only that counts.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Final, final
+
+from lta_discovery.fit import initial_guess
+from lta_discovery.fit.deviations import fit_deviations
+from lta_discovery.fit.evidence import (
+    build_shared_prior,
+    per_flight_variance,
+    posterior_as_prior,
+    Prior,
+    Sizes,
+    wrench_floor,
+)
+from lta_discovery.fit.joint_fit import JointFit, JointFitter
+from lta_discovery.fit.multistart import choose_start, TRIED
+from lta_discovery.model.candidates import expand_vectors, vector_components
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.parallel import map_parallel
+from lta_discovery.replay.linearized_flight import build_origin
+from lta_discovery.replay.linearizer import FlightLinearizer
+from lta_discovery.selection.acceptance import APART, CandidateTrial, TIE, TRIFLE
+from lta_discovery.selection.candidate_scan import column_cosines, scan_candidates, SIZES
+from lta_discovery.selection.residual_guards import is_vague
+from lta_discovery.selection.rival_test import (
+    AGREED,
+    HALF,
+    QUARTER,
+    relative_difference,
+    RivalTest,
+    scaled_difference,
+)
+import numpy as np
+
+Pair = tuple[JointFit, JointFit]
+# Candidates worth a refit: what each promises [nats], and what looks like it.
+Glance = Mapping[str, tuple[float, tuple[str, ...]]]
+
+QUICK: Final = 5  # of each glance
+REFITTED: Final = 4  # candidates of a round
+CAP: Final = 1.5  # floors; of the deviations in the second glance
+MOST: Final = 4  # effects
+WORTH: Final = 1.0  # nats; a glance below it is not followed
+ROUGHLY: Final = 0.3  # nats; how well a promise need be known
+HOPE: Final = 5.0  # nats; nor is a candidate that promises less on all flights together
+HOPELESS: Final = 0.35  # of what the best has won: who promises less is not refitted
+ALIKE: Final = 0.98  # of the cosine of two columns; beyond it one refit stands for both
+UNLIKE: Final = 0.5  # of the same; below it the failure of the one says nothing of the other
+CHANCES: Final = 1  # further glances, beside what has failed
+EVEN: Final = 0.2  # of what it wins on one side, that a candidate of these wins on the other
+CAPPED: Final = 2.5  # floors; of the deviations that a fit begins with
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class SelectionRound:
+    """
+    One round.
+
+    Attributes
+    ----------
+    trials : tuple of Trial
+        Those refitted, the best first.
+    tied : tuple of str
+        Names that nothing tells from the best.
+    named : str
+        '' where none was confirmed.
+
+    """
+
+    trials: tuple[CandidateTrial, ...]
+    tied: tuple[str, ...]
+    named: str
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class EffectSearchResult:
+    """
+    What was found.
+
+    Attributes
+    ----------
+    steps : tuple of Step
+        Round by round; the last one named nothing, unless there were too many.
+    names : tuple of str
+        Of the effects, in the order in which they were found.
+    fits : pair of Joint
+        Of the flights that teach and of those that confirm, with them.
+    bare : pair of Joint
+        The same without any.
+    sizes : mapping of str to float
+        How many typical sizes each may have, where it is not one.
+
+    """
+
+    steps: tuple[SelectionRound, ...]
+    names: tuple[str, ...]
+    fits: Pair
+    bare: Pair
+    sizes: Sizes = field(default_factory=dict)
+
+
+@final
+class EffectSearch:
+    """
+    Flights of one vehicle.
+
+    Parameters
+    ----------
+    nominal : Nominal
+        The vehicle as its file has it.
+    flights : pair of sequences of Linearised
+        To learn from, and to confirm by; at least one each.
+
+    """
+
+    def __init__(
+        self,
+        nominal: NominalVehicle,
+        flights: tuple[Sequence[FlightLinearizer], Sequence[FlightLinearizer]],
+    ) -> None:
+        self.nominal, self.flights = nominal, flights
+        self.knobs = flights[0][0].knobs
+        self.floor = wrench_floor(nominal)
+        own = per_flight_variance(self.knobs)
+        self.fitters = [JointFitter(nominal, each, own, self.floor) for each in flights]
+        self._displacing = RivalTest(flights, self.floor)
+        self._names = [knob.name for knob in self.knobs]
+        self._sizes: dict[str, float] = {}
+
+    def run(self, progress: Callable[[float], None] = lambda part: None) -> EffectSearchResult:
+        """Name what is missing, and tell which part is done, as far as anyone can know."""
+        named: tuple[str, ...] = ()
+        bare = fits = self._fit_bare()
+        steps: list[SelectionRound] = []
+        history: list[tuple[str, Pair]] = []
+        while len(named) < MOST:
+            progress(1.0 - 0.7 * 0.5 ** len(steps))
+            step, then = self._run_round(named, fits)
+            steps.append(step)
+            if not step.named:
+                break
+            history.append((step.named, fits))
+            named, fits = (*named, step.named), then
+        gone = {
+            *self._displacing.list_withdrawn(history, fits),
+            *self._find_impossible(named, fits),
+        }
+        if gone:
+            named = tuple(name for name in named if name not in gone)
+            fits = self._fit_effects(named, bare) if named else bare
+            steps = [replace(one, named='') if one.named in gone else one for one in steps]
+        sizes = {name: self._sizes[name] for name in named if name in self._sizes}
+        return EffectSearchResult(tuple(steps), named, fits, bare, sizes)
+
+    def _fit_bare(self) -> Pair:
+        """Fit all flights without any effect."""
+        prior = build_shared_prior(self.knobs)
+
+        def fit_side(fitter: JointFitter) -> JointFit:
+            points = [
+                build_origin(self.nominal, self.knobs, each.replay.cut) for each in fitter.flights
+            ]
+            at, points, deviations = initial_guess.guess_start(fitter, prior, points)
+            return fitter.fit(prior, fitter.linearize_flights(at, points), deviations)
+
+        first, second = map_parallel(fit_side, self.fitters)
+        return first, second
+
+    def _find_parameter(self, name: str) -> FreeParameter:
+        """Return a knob by its name."""
+        return self.knobs[self._names.index(name)]
+
+    def _find_impossible(self, named: Sequence[str], fits: Pair) -> set[str]:
+        """Return those of which a side has a value that no such effect can have."""
+        out = set[str]()
+        for name in named:
+            for k in self._component_indices(name):
+                for this in fits:
+                    value, deviation = this.fitted.mean[k], np.sqrt(this.fitted.covariance[k, k])
+                    if not self.knobs[k].is_possible(float(value), float(deviation)):
+                        out.add(name)
+        return out
+
+    def _component_indices(self, name: str) -> list[int]:
+        """Return which knobs are the components of a candidate."""
+        return [self._names.index(one) for one in vector_components(name) if one in self._names]
+
+    def _is_trifle(self, name: str, fits: Pair) -> bool:
+        """Tell whether a candidate is too small to be worth a name, on either side."""
+        places = self._component_indices(name)
+        typical = np.array([self.knobs[k].typical for k in places])
+        sizes = [np.max(np.abs(this.fitted.mean[places]) / typical) for this in fits]
+        return bool(min(sizes) < TRIFLE)
+
+    def _fit_effects(self, named: Sequence[str], before: Pair) -> Pair:
+        """Fit all flights with some effects, from where they stand."""
+        prior = build_shared_prior(self.knobs, named, self._sizes)
+
+        def fit_side(one: tuple[JointFitter, JointFit]) -> JointFit:
+            fitter, last = one
+            deviations = np.minimum(last.deviations, CAPPED * self.floor)
+            begin = choose_start(fitter, prior, last.group, deviations, named)
+            return fitter.fit(prior, begin, deviations)
+
+        first, second = map_parallel(fit_side, list(zip(self.fitters, before, strict=True)))
+        return first, second
+
+    def _shortlist_candidates(
+        self, named: Sequence[str], fits: Pair, failed: Sequence[str] = ()
+    ) -> Glance:
+        """
+        Return the few candidates worth a refit: what they promise, and what looks like them.
+
+        What looks like one that has failed already is left out, and then the words for whatever
+        follows motion, place or time as well.
+        """
+        prior = build_shared_prior(self.knobs, named, self._sizes)
+        out = {*expand_vectors(named), *self._list_excluded(failed, prior, fits)}
+        found: dict[str, float] = {}
+        sizes: dict[str, set[float]] = {}
+        for this in fits:
+            capped = this.group.reduce(np.minimum(this.deviations, CAP * self.floor))
+            for reduced in (this.reduced, capped):
+                seen = [
+                    s
+                    for s in scan_candidates(reduced, this.group.at, prior, self.knobs)
+                    if s.name not in out
+                    and self._find_parameter(s.name).is_promising(s.value, s.deviation)
+                ]
+                for one in seen[:QUICK]:
+                    if one.gain > WORTH:
+                        sizes.setdefault(one.name, set()).add(one.size)
+        for name, some in sizes.items():
+            both = {size: self._predict_gain(name, size, named, fits) for size in some}
+            self._sizes[name] = max(both, key=lambda size: both[size])
+            found[name] = both[self._sizes[name]]
+        ranked = sorted(found, key=lambda name: -found[name])
+        worth = [name for name in ranked if found[name] > HOPE]
+        return {
+            name: (found[name], same)
+            for name, same in self._select_distinct(worth, prior, fits).items()
+        }
+
+    def _select_distinct(
+        self, ranked: list[str], prior: Prior, fits: Pair
+    ) -> dict[str, tuple[str, ...]]:
+        """Return the first few candidates that no flight takes for each other."""
+        alike = np.min(
+            [np.abs(column_cosines(this.reduced, prior, ranked, self.knobs)) for this in fits],
+            axis=0,
+        )
+        out: dict[str, tuple[str, ...]] = {}
+        for i, name in enumerate(ranked):
+            same = [other for other in out if alike[i, ranked.index(other)] > ALIKE]
+            if same:
+                out[same[0]] = (*out[same[0]], name)
+            elif expand_vectors(out) & {name}:
+                continue  # a component of what is tried already
+            elif len(out) < REFITTED:
+                out[name] = ()
+        return out
+
+    def _predict_gain(self, name: str, size: float, named: Sequence[str], fits: Pair) -> float:
+        """Return what a candidate wins with the deviations free, without relinearising."""
+        prior = build_shared_prior(self.knobs, (*named, name), {**self._sizes, name: size})
+
+        def evidence_gain(this: JointFit) -> float:
+            found = fit_deviations(this.group, prior, this.deviations, self.floor, worth=ROUGHLY)
+            return found[1] - this.evidence
+
+        return sum(map_parallel(evidence_gain, fits)) - SIZES[size]
+
+    def _list_excluded(self, failed: Sequence[str], prior: Prior, fits: Pair) -> set[str]:
+        """Return those that have failed, what some flight takes for one, and vague words."""
+        if not failed:
+            return set()
+        others = [knob.name for knob in self.knobs if knob.typical > 0.0]
+        names = [*failed, *(name for name in others if name not in failed)]
+        words = {name for name in others if is_vague(name)}
+        alike = [np.abs(column_cosines(this.reduced, prior, names, self.knobs)) for this in fits]
+        nearest = np.max(alike, axis=0)[:, : len(failed)].max(axis=1)
+        near = zip(names, nearest, strict=True)
+        return {*failed, *words, *(name for name, cosine in near if cosine > UNLIKE)}
+
+    def _run_round(self, named: tuple[str, ...], fits: Pair) -> tuple[SelectionRound, Pair]:
+        """
+        Try the best candidates.
+
+        What is outside the library fills the glance with what it resembles. Where all that fails,
+        candidates that resemble none of it are tried as well; they must be of another place.
+        Where something still remains, so are those that no glance can judge, since they jump.
+        """
+        step, then = self._try_candidates(named, fits, self._shortlist_candidates(named, fits))
+        trials = step.trials
+        judged = {*expand_vectors(named), *(trial.name for trial in trials)}
+        for _ in range(CHANCES):
+            if step.named or not step.trials or not self._displacing.has_remainder(fits):
+                break
+            failed = tuple(trial.name for trial in trials)
+            step, then = self._try_candidates(
+                named, fits, self._shortlist_candidates(named, fits, failed), failed
+            )
+            trials = (*trials, *step.trials)
+        jumping = {name: (np.inf, ()) for name in TRIED if name in set(self._names) - judged}
+        if jumping and not step.named and self._displacing.has_remainder(fits):
+            step, then = self._try_candidates(named, fits, jumping)
+            trials = (*step.trials, *(one for one in trials if one.name not in jumping))
+        return replace(step, trials=trials), then
+
+    def _try_candidates(
+        self, named: tuple[str, ...], fits: Pair, glance: Glance, failed: Sequence[str] = ()
+    ) -> tuple[SelectionRound, Pair]:
+        """Try the best candidates of a glance, which are none of those that have failed."""
+        tried: dict[str, tuple[CandidateTrial, Pair]] = {}
+        for name, (promise, _) in glance.items():
+            most = max((trial.total_evidence for trial, _ in tried.values()), default=0.0)
+            if promise < HOPELESS * most and name not in TRIED:
+                continue
+            then = self._fit_effects((*named, name), fits)
+            tried[name] = self._evaluate_candidate(name, named, fits, then), then
+        ranked = sorted(tried, key=lambda name: -tried[name][0].total_evidence)
+        trials = tuple(tried[name][0] for name in ranked)
+        # A lesser candidate is not confirmed by the failure of a better one, unless that fell to
+        # something outside the library, or its own flights contradict each other.
+        close = [
+            trial for trial in trials if trials[0].total_evidence - trial.total_evidence < TIE
+        ]
+        fell = False
+        for trial in trials:
+            then = tried[trial.name][1]
+            if not trial.is_accepted or self._find_impossible((trial.name,), then):
+                continue
+            if self._is_trifle(trial.name, then):
+                continue
+            if failed and not self._is_independent(trial, fits, then):
+                continue
+            if not (
+                fell or trial in close or self._is_admissible(trial, trials, named, fits, failed)
+            ):
+                continue
+            part = QUARTER if failed else HALF
+            fell = not self._displacing.withstands_rivals(
+                trial.name, trial.total_evidence, fits, then, part
+            )
+            if not fell:
+                others = tuple(
+                    one.name for one in close if one is not trial and not one.is_contradictory
+                )
+                tied = (*glance[trial.name][1], *others)
+                return SelectionRound(trials, tied, trial.name), then
+        return SelectionRound(trials, (), ''), fits
+
+    def _is_independent(self, trial: CandidateTrial, fits: Pair, then: Pair) -> bool:
+        """Tell whether a candidate is sound, and no part of what remains."""
+        least, most = sorted((trial.gain, trial.replicated))
+        sound = trial.wins_on_both and least > EVEN * most and trial.apart < AGREED
+        return sound and self._displacing.is_independent(trial.name, fits, then)
+
+    def _is_admissible(
+        self,
+        trial: CandidateTrial,
+        trials: Sequence[CandidateTrial],
+        named: tuple[str, ...],
+        fits: Pair,
+        failed: Sequence[str],
+    ) -> bool:
+        """
+        Tell whether a candidate may be named though others win clearly more.
+
+        They have to be about something else, and torn; or, beside what has failed, where it is
+        known that something is outside the library, they may be in any trouble, and need not be
+        about something else where their own flights do not agree on them.
+        """
+        above = [one for one in trials if one.total_evidence >= trial.total_evidence + TIE]
+        if failed:
+            above = [one for one in above if one.apart < APART]
+        elif not (trial.wins_on_both and all(one.is_contradictory for one in above)):
+            return False
+        if not above:
+            return True
+        prior = build_shared_prior(self.knobs, named, self._sizes)
+        names = [trial.name, *(one.name for one in above)]
+        alike = [
+            np.abs(column_cosines(this.reduced, prior, names, self.knobs))[0, 1:] for this in fits
+        ]
+        return bool(np.max(alike) < UNLIKE)
+
+    def _evaluate_candidate(
+        self, name: str, named: tuple[str, ...], fits: Pair, then: Pair
+    ) -> CandidateTrial:
+        """Return what all flights say of a candidate."""
+        places, cost = self._component_indices(name), SIZES[self._sizes.get(name, 1.0)]
+        return CandidateTrial(
+            name,
+            then[0].evidence - fits[0].evidence - cost,
+            then[1].evidence - fits[1].evidence - cost,
+            self._carried_evidence(then) - self._carried_evidence(fits),
+            max(scaled_difference(then, k) for k in places),
+            relative_difference(then, self._names.index(name)),
+        )
+
+    def _carried_evidence(self, fits: Pair) -> float:
+        """Return the evidence of the flights that confirm under what the others have taught."""
+        prior = posterior_as_prior(fits[0].fitted)
+        return fit_deviations(fits[1].group, prior, fits[1].deviations, self.floor)[1]

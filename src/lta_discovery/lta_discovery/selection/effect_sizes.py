@@ -1,0 +1,122 @@
+"""
+How large what was named is, and how well that is known.
+
+The flights' own interval takes the model for exact and the noise for white. Neither is quite so.
+What the pieces of the flights show of it counts where it is more (`piecewise`), and what no flight
+of the same vehicle can show is added to it (`interval`).
+"""
+
+from collections.abc import Sequence
+
+from lta_discovery.finding import AssumedValue, NamedEffect, ParameterEstimate
+from lta_discovery.fit.bounds import apply_parameters
+from lta_discovery.fit.evidence import ParameterPosterior
+from lta_discovery.fit.joint_fit import JointFit
+from lta_discovery.fit.robust_variance import sandwich_variance
+from lta_discovery.model.candidates import companion_values
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.selection.interval import NORMAL, parameter_deviations
+from lta_discovery.selection.verification import VerifiedEffects
+from lta_model.effects import EFFECTS
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+def apply_named_effects(
+    nominal: NominalVehicle,
+    proven: VerifiedEffects,
+    parameters: Sequence[FreeParameter],
+    named: Sequence[NamedEffect],
+) -> NominalVehicle:
+    """Return the vehicle file's vehicle with the named effects, and nothing else changed."""
+    told = {name for one in named for name in one.knobs}
+    values = np.where(
+        [knob.name in told for knob in parameters], _estimate_values(proven, parameters), 0.0
+    )
+    return apply_parameters(nominal, parameters, values)[0]
+
+
+def _estimate_values(proven: VerifiedEffects, parameters: Sequence[FreeParameter]) -> Array:
+    """Return the most probable knobs that flights share, within their bounds."""
+    mean = proven.measured.fitted.mean[: len(parameters)]
+    inside: Array = np.clip(
+        mean, [knob.low for knob in parameters], [knob.high for knob in parameters]
+    )
+    return inside
+
+
+def _widen_posterior(measured: JointFit) -> ParameterPosterior:
+    """Return the knobs after the data, each known no better than the pieces agree about it."""
+    own = np.diag(measured.fitted.covariance)
+    return measured.fitted._replace(
+        covariance=np.diag(np.maximum(own, sandwich_variance(measured)))
+    )
+
+
+def build_effects(
+    nominal: NominalVehicle,
+    proven: VerifiedEffects,
+    knobs: Sequence[FreeParameter],
+    has_remainder: bool = False,
+) -> tuple[NamedEffect, ...]:
+    """Return the effects that were found missing, the strongest first; `beside` as in `spread`."""
+    seen = _widen_posterior(proven.measured)
+    values, deviations = (
+        _estimate_values(proven, knobs),
+        parameter_deviations(seen, knobs, has_remainder),
+    )
+    by_effect: dict[str, list[str]] = {}
+    for name in proven.names:
+        by_effect.setdefault(name.partition('.')[0], []).append(name)
+    out, told = [], proven.select_components(knobs, np.sqrt(np.diag(seen.covariance)))
+    for effect, found in by_effect.items():
+        places = [k for name in found for k in told[name]]
+        names = tuple(knobs[k].name for k in places)
+        parameters = tuple(
+            each
+            for k in places
+            for each in _estimate_parameters(
+                nominal, knobs[k], effect, float(values[k]), float(deviations[k])
+            )
+        )
+        cost = max(proven.costs[name] for name in found)
+        rivals = dict.fromkeys(rival for name in found for rival in proven.rivals[name])
+        taken = list_assumed_values(nominal, effect, parameters)
+        out.append(NamedEffect(effect, names, parameters, cost, tuple(rivals), taken))
+    return tuple(out)
+
+
+def list_assumed_values(
+    nominal: NominalVehicle, effect: str, learned: Sequence[ParameterEstimate]
+) -> tuple[AssumedValue, ...]:
+    """Return the numbers of an effect that the vehicle file lacks and no flight was asked for."""
+    if effect in nominal.given:
+        return ()
+    units = {known.name: known.unit for known in EFFECTS[effect].parameters}
+    fitted = {one.name for one in learned}
+    return tuple(
+        AssumedValue(name, units[name], value)
+        for name, value in companion_values(effect).items()
+        if name not in fitted and value != 0.0
+    )
+
+
+def _estimate_parameters(
+    nominal: NominalVehicle, knob: FreeParameter, effect: str, value: float, spread: float
+) -> list[ParameterEstimate]:
+    """Return the parameters of an effect that a knob moves."""
+    units = {known.name: known.unit for known in EFFECTS[effect].parameters}
+    begun, out = knob.enable_effect(nominal), []
+    for (moved, parameter), rate in knob.moves.items():
+        if moved != effect:
+            continue
+        before = nominal.parameter_value(effect, parameter)
+        now = begun.parameter_value(effect, parameter) + rate * value
+        half = NORMAL * abs(rate) * spread
+        interval = now - half, now + half
+        there = effect in nominal.given
+        out.append(ParameterEstimate(parameter, units[parameter], before, now, interval, there))
+    return out

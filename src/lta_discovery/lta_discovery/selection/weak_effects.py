@@ -1,0 +1,228 @@
+"""
+Effects too faint for any flight alone: what all of them say together, and each says as well.
+
+Evidence that is asked of each flight by itself pays twice for not knowing how large an effect is,
+and what a flight has to win alone, no faint effect can. On all flights together it is paid once.
+What keeps chance out is asked of the sides afterwards: that each by itself leans the same way, by
+as much, and that nothing else does nearly as well.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Final, final, NamedTuple
+
+from lta_discovery.fit.deviations import fit_deviations
+from lta_discovery.fit.evidence import build_shared_prior, NO_SIZES, ReducedFlight, Sizes
+from lta_discovery.fit.joint_fit import JointFit, JointFitter
+from lta_discovery.model.candidates import expand_vectors
+from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.selection.acceptance import CandidateTrial, TIE, TRIFLE
+from lta_discovery.selection.candidate_scan import CandidateScore, column_cosines, scan_candidates
+from lta_discovery.selection.effect_search import SelectionRound
+from lta_discovery.selection.interval import NORMAL, parameter_deviations
+import numpy as np
+
+GAIN: Final = 4.5  # nats; of all flights together
+# The same of what hides in a tolerance: all flights of a vehicle that is merely off by much lean
+# the same way, so that their agreement is no witness.
+WITHIN: Final = 6.0
+LEANS: Final = 1.0  # deviations; by which each side has to pull, the same way as the other
+APART: Final = 3.0  # deviations; by which the two values may differ
+CALM: Final = 2.0  # floors; a latent wrench below it hides nothing that pushes
+QUIET: Final = 0.25  # of a floor; what is taken to be usual where flights are calm
+ASKED: Final = 6  # candidates of a glance
+ALIKE: Final = 0.98  # of the cosine of two columns; beyond it one name stands for both
+
+
+@final
+class WeakCandidate(NamedTuple):
+    """
+    One candidate on all flights.
+
+    Attributes
+    ----------
+    name : str
+        Its name.
+    gain : float
+        Log evidence that it wins on all flights together. [nats]
+    sides : pair of Seen
+        What those that teach and those that confirm say of it by themselves.
+    least : float
+        Log evidence that it has to win. [nats]
+
+    """
+
+    name: str
+    gain: float
+    sides: tuple[CandidateScore, CandidateScore]
+    least: float = GAIN
+
+    @property
+    def scaled_difference(self) -> float:
+        """Difference of the two values, in deviations."""
+        first, second = self.sides
+        spread = float(np.hypot(first.deviation, second.deviation))
+        return abs(first.value - second.value) / spread
+
+    @property
+    def is_consistent(self) -> bool:
+        """Tell whether both sides pull the same way, and by as much."""
+        first, second = (side.score for side in self.sides)
+        same = first * second > 0.0 and min(abs(first), abs(second)) > LEANS
+        return same and self.scaled_difference < APART
+
+    @property
+    def trial(self) -> CandidateTrial:
+        """The same in the words of flights that are put to the test one by one."""
+        first, second = self.sides
+        larger = max(abs(first.value), abs(second.value))
+        part = abs(first.value - second.value) / larger if larger > 0.0 else 0.0
+        rest = self.gain - first.gain
+        return CandidateTrial(
+            self.name, first.gain, second.gain, rest, self.scaled_difference, part
+        )
+
+
+def choose_candidate(
+    hints: Sequence[WeakCandidate], alike: Sequence[str] = ()
+) -> WeakCandidate | None:
+    """
+    Return the candidate that is named, None where none is.
+
+    Parameters
+    ----------
+    hints : sequence of Hint
+        The best first.
+    alike : sequence of str
+        Those that cannot be told from the best.
+
+    """
+    if not hints or hints[0].gain <= hints[0].least:
+        return None
+    # A side in which an effect hardly shows need not lean, if it is by no means a faint one.
+    if not (hints[0].is_consistent or hints[0].trial.is_accepted):
+        return None
+    others = [one.gain for one in hints[1:] if one.name not in alike]
+    return hints[0] if hints[0].gain - max(others, default=0.0) > TIE else None
+
+
+@final
+class WeakEffectSearch:
+    """
+    All flights that teach or confirm.
+
+    Parameters
+    ----------
+    fitter : Fitter
+        The flights, those that teach first.
+    teach : int
+        How many teach.
+    sizes : mapping of str to float
+        How many typical sizes the effects that were named may have, where it is not one.
+
+    """
+
+    def __init__(self, fitter: JointFitter, teach: int, sizes: Sizes = NO_SIZES) -> None:
+        self._fitter = replace(fitter, floor=QUIET * fitter.floor)
+        self._teach, self._knobs, self._sizes = teach, fitter.flights[0].knobs, sizes
+
+    def fit_lower_floor(self, last: JointFit) -> JointFit | None:
+        """Return calm flights with less force supposed; None where others may hide in it."""
+        if np.any(last.deviations > CALM / QUIET * self._fitter.floor):
+            return None
+        return self._fitter.fit_deviations(last.group, last.prior, last.deviations)
+
+    def rank_candidates(self, names: Sequence[str], last: JointFit) -> list[WeakCandidate]:
+        """Return the best candidates beside some effects, the best first."""
+        sides = [self._scan_side(part, last) for part in self._reduce_sides(last)]
+        out, taken = [], expand_vectors(names)
+        for seen in scan_candidates(last.reduced, last.group.at, last.prior, self._knobs)[:ASKED]:
+            if seen.name not in taken and all(
+                self._is_possible(seen.name, side) for side in sides
+            ):
+                taken |= expand_vectors([seen.name])
+                prior = build_shared_prior(self._knobs, (*names, seen.name), self._sizes)
+                there = fit_deviations(last.group, prior, last.deviations, self._fitter.floor)[1]
+                both = sides[0][seen.name], sides[1][seen.name]
+                gain, least = there - last.evidence, self._required_evidence(seen.name, both)
+                out.append(WeakCandidate(seen.name, gain, both, least))
+        return sorted(out, key=lambda hint: -hint.gain)
+
+    def _is_possible(self, name: str, side: Mapping[str, CandidateScore]) -> bool:
+        """Tell whether a side says anything of a candidate, and nothing that cannot be."""
+        seen = side.get(name)
+        return seen is not None and self._find_parameter(name).is_possible(
+            seen.value, seen.deviation
+        )
+
+    def _find_parameter(self, name: str) -> FreeParameter:
+        """Return a knob by its name."""
+        return self._knobs[self._parameter_index(name)]
+
+    def _parameter_index(self, name: str) -> int:
+        """Return which knob has a name."""
+        return next(k for k, knob in enumerate(self._knobs) if knob.name == name)
+
+    def _required_evidence(self, name: str, sides: Sequence[CandidateScore]) -> float:
+        """Return what a candidate has to win, by what bounds it: tolerance or flights."""
+        knob = self._find_parameter(name)
+        tolerance = 0.0 if knob.per_flight else knob.tolerance
+        return WITHIN if tolerance > max(side.deviation for side in sides) else GAIN
+
+    def run_round(self, names: Sequence[str], last: JointFit) -> tuple[SelectionRound, JointFit]:
+        """
+        Return the next round, and all flights after it.
+
+        Parameters
+        ----------
+        names : sequence of str
+            The effects that are in the model.
+        last : Joint
+            All flights with them, by `fit_lower_floor`.
+
+        """
+        hints = self.rank_candidates(names, last)
+        trials = tuple(hint.trial for hint in hints)
+        alike = self._list_alike(hints, last)
+        best = choose_candidate(hints, alike)
+        if best is None:
+            return SelectionRound(trials, (), ''), last
+        then = self._fitter.fit(
+            build_shared_prior(self._knobs, (*names, best.name), self._sizes),
+            last.group,
+            last.deviations,
+        )
+        if then.evidence - last.evidence <= best.least or not self._is_significant(
+            best.name, then
+        ):
+            return SelectionRound(trials, (), ''), last
+        return SelectionRound(trials, alike, best.name), then
+
+    def _is_significant(self, name: str, then: JointFit) -> bool:
+        """Tell whether an effect is there at all, anywhere in its interval, and no trifle."""
+        k = self._parameter_index(name)
+        deviation = parameter_deviations(then.fitted, self._knobs, False)[k]
+        least = max(NORMAL * deviation, TRIFLE * self._knobs[k].typical)
+        return bool(abs(then.fitted.mean[k]) > least)
+
+    def _list_alike(self, hints: Sequence[WeakCandidate], last: JointFit) -> tuple[str, ...]:
+        """Return the names that are one with the best."""
+        names = [hint.name for hint in hints]
+        cosine = np.abs(column_cosines(last.reduced, last.prior, names, self._knobs))
+        return tuple(name for k, name in enumerate(names) if k and cosine[0, k] > ALIKE)
+
+    def _reduce_sides(self, last: JointFit) -> tuple[ReducedFlight, ReducedFlight]:
+        """Return what those that teach and those that confirm say, about the same point."""
+        pieces = last.group.pieces
+        first, second = (
+            replace(last.group, pieces=some).reduce(last.deviations)
+            for some in (pieces[: self._teach], pieces[self._teach :])
+        )
+        return first, second
+
+    def _scan_side(self, side: ReducedFlight, last: JointFit) -> dict[str, CandidateScore]:
+        """Return all candidates on one side."""
+        return {
+            seen.name: seen
+            for seen in scan_candidates(side, last.group.at, last.prior, self._knobs)
+        }

@@ -1,0 +1,113 @@
+"""
+What has one name among the knobs of a vehicle: the directions of an effect go together.
+
+A forecast seldom tells roll from pitch of an added inertia, and an effect that is there is there
+in all its directions; so each is tried whole. Coefficients of a hull go by what they make.
+"""
+
+from collections.abc import Sequence
+from typing import Final, final, NamedTuple
+
+from lta_discovery.model.parameters import FreeParameter
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+# Of an effect of many numbers, those that make one thing: words, and the parameters.
+PARTS: Final[dict[str, dict[str, tuple[str, ...]]]] = {
+    'hull_lift': {
+        'drag of the hull': ('drag', 'drag_alpha2', 'drag_beta2'),
+        'side force': ('side', 'side_alpha2', 'side_beta'),
+        'lift of the hull': ('lift', 'lift_alpha', 'lift_beta2'),
+        'rolling moment': ('roll', 'roll_alpha', 'roll_beta'),
+        'pitching moment': ('pitch', 'pitch_alpha', 'pitch_beta4'),
+        'yawing moment': ('yaw', 'yaw_alpha', 'yaw_beta'),
+        'damping of turns': ('roll_rate', 'pitch_rate', 'yaw_rate'),
+        'aerodynamic centre': ('x', 'z'),
+    },
+}
+# Of what a tracker's forecast says nothing, or what each flight has of its own.
+# Where a moving mass is told to be is where it is.
+NO_NAME: Final = frozenset(
+    {'hull_lift.all', 'tracker_misalignment.yaw', 'moving_mass.x', 'moving_mass.z'}
+)
+# What two names would say of one thing: the first stands for all.
+SAME: Final = frozenset(
+    {'gas_purity', 'ballast', 'payload', 'net_lift', 'helium_leak', 'superheat', 'rotor_fault'}
+)
+WIDE: Final = 3.0  # typical sizes; that a knob may be off by
+# How far those may be off whose typical size is that of a still hall.
+LOOSE: Final[dict[str, float]] = {
+    'steady_wind': 0.2, 'wind_gradient': 0.2, 'tracker_misalignment': 0.03,
+}  # fmt: skip
+# The same where slopes are not trusted that far: of a heavier hull than a typical one.
+HEAVY: Final[dict[str, float]] = {'added_inertia': 0.005}
+
+
+@final
+class CandidateGroup(NamedTuple):
+    """
+    One name.
+
+    Attributes
+    ----------
+    name : str
+        For people, no other group has it.
+    effect : str
+        Of the registry.
+    knobs : tuple of int
+        Places among all knobs.
+
+    """
+
+    name: str
+    effect: str
+    knobs: tuple[int, ...]
+
+
+def list_groups(knobs: Sequence[FreeParameter]) -> list[CandidateGroup]:
+    """Return the names that forecasts of a pose could give, in the order of the registry."""
+    out: dict[str, CandidateGroup] = {}
+    for k, knob in enumerate(knobs):
+        effect, _, parameter = knob.name.partition('.')
+        sensor = knob.reaches == 'reading' and effect != 'tracker_misalignment'
+        if knob.typical <= 0.0 or knob.per_flight or sensor:
+            continue
+        if effect in SAME or knob.name in NO_NAME:
+            continue
+        parts = PARTS.get(effect, {})
+        part = next((words for words, names in parts.items() if parameter in names), '')
+        if parts and not part:
+            continue
+        name = part or effect.replace('_', ' ')
+        before = out.get(name, CandidateGroup(name, effect, ()))
+        out[name] = before._replace(knobs=(*before.knobs, k))
+    return list(out.values())
+
+
+def tolerance_indices(knobs: Sequence[FreeParameter]) -> list[int]:
+    """Return the places of what every vehicle file may be off by."""
+    return [
+        k
+        for k, knob in enumerate(knobs)
+        if knob.tolerance > 0.0 and not knob.per_flight and knob.reaches != 'reading'
+    ]
+
+
+def prior_deviations(knobs: Sequence[FreeParameter], which: Sequence[int]) -> Array:
+    """Return how far some knobs may be off that have a name, shape (K,), for a first step."""
+    return np.array([_prior_deviation(knobs[k]) for k in which])
+
+
+def iterated_prior_deviations(knobs: Sequence[FreeParameter], which: Sequence[int]) -> Array:
+    """Return how far they may be off, shape (K,), where they are fitted step by step."""
+    effects = [knobs[k].name.partition('.')[0] for k in which]
+    own = prior_deviations(knobs, which)
+    return np.array([HEAVY.get(effect, one) for effect, one in zip(effects, own, strict=True)])
+
+
+def _prior_deviation(knob: FreeParameter) -> float:
+    """Return how far a knob may be off."""
+    loose = LOOSE.get(knob.name.partition('.')[0])
+    return loose or max(WIDE * knob.typical, 2.0 * knob.tolerance)

@@ -1,0 +1,57 @@
+"""Whether a name holds between flights that teach and those that confirm, both ways."""
+
+from collections.abc import Sequence
+from typing import Final
+
+from lta_discovery.forecast.forecast_fit import ForecastFitter
+from lta_discovery.transfer.candidate_groups import CandidateGroup, iterated_prior_deviations
+from lta_discovery.transfer.forward_selection import GroupSelection
+import numpy as np
+
+ROUNDS: Final = 2  # of the fit to one half of the flights
+
+
+def confirm_groups(
+    sight: ForecastFitter, chosen: GroupSelection, halves: Sequence[Sequence[int]]
+) -> tuple[CandidateGroup, ...]:
+    """
+    Return the names without which the forecasts of the other half get worse.
+
+    Parameters
+    ----------
+    sight : Foresight
+        All flights that teach or confirm.
+    chosen : Chosen
+        Names in the order of their worth.
+    halves : sequence of sequences of int
+        Those that teach, and those that confirm; where one is empty, all names stand.
+
+    """
+    kept = list(chosen.groups)
+    if not all(halves):
+        return tuple(kept)
+    for group in reversed(chosen.groups):
+        rest = [one for one in kept if one is not group]
+        with_it, without = (_cross_error(sight, chosen, some, halves) for some in (kept, rest))
+        if with_it >= without:
+            kept = rest
+    return tuple(kept)
+
+
+def _cross_error(
+    sight: ForecastFitter,
+    chosen: GroupSelection,
+    groups: Sequence[CandidateGroup],
+    halves: Sequence[Sequence[int]],
+) -> float:
+    """Return the squared error of each half by what the other half teaches, both together."""
+    which = [k for group in groups for k in group.knobs]
+    begin = np.where(np.isin(np.arange(len(sight.knobs)), which), chosen.values, 0.0)
+    total = 0.0
+    for teaching, other in (halves, halves[::-1]):
+        values = begin
+        if which:
+            spread = iterated_prior_deviations(sight.knobs, which)
+            values = sight.fit(which, spread, teaching, begin, ROUNDS, relinearize=False).values
+        total += len(other) * sight.rms_error(values, other) ** 2
+    return total

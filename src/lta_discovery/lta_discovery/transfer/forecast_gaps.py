@@ -1,0 +1,97 @@
+"""How far forecasts are off under each model, every piece of a flight, the first as well."""
+
+from collections.abc import Mapping, Sequence
+from typing import Final
+
+from lta_discovery.finding import PredictionGap
+from lta_discovery.flights.measured_flight import CHANNELS, PERIOD
+from lta_discovery.forecast.forecast_fit import ForecastFitter
+from lta_discovery.forecast.held_out import bootstrap_shrinkage, UNITS, WHOLE
+from lta_discovery.forecast.horizon_errors import HORIZONS
+from lta_discovery.forecast.prediction_errors import extrapolate_coast
+from lta_discovery.forecast.prediction_errors import HORIZONS as TOLD
+from lta_discovery.model.quaternions import (
+    quaternion_conjugate,
+    quaternion_logarithm,
+    quaternion_product,
+)
+from lta_discovery.replay.linearizer import FlightLinearizer
+from lta_discovery.transfer.online_lift import piece_start_times, subtract_online_lift
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+POSE: Final = CHANNELS[:6]
+
+
+def coast_errors(flight: FlightLinearizer) -> Array:
+    """Return the errors of body velocity and rates that stay as they are, shape (S, H, 6)."""
+    cut, told = flight.replay.cut, flight.replay.flight
+    at = np.rint(np.array(HORIZONS) / PERIOD).astype(np.int64)
+    states = extrapolate_coast(cut.start, cut.length)[:, at]
+    index = flight.index[:, at]
+    turn = quaternion_logarithm(
+        quaternion_product(quaternion_conjugate(states[..., 3:7]), told.quaternion[index])
+    )
+    left = np.concatenate([told.position[index] - states[..., :3], turn], axis=-1)
+    left[~cut.inside[:, at]] = np.nan
+    return left
+
+
+def forecast_errors(sight: ForecastFitter, values: Array, flights: Sequence[int]) -> Array:
+    """Return the errors of forecasts, shape (S, H, 6), the lift as each flight has shown it."""
+    return np.concatenate(
+        [
+            subtract_online_lift(
+                sight.compute_errors(values, f), piece_start_times(sight.flights[f]), sight.lift
+            )
+            for f in flights
+        ]
+    )
+
+
+def compute_forecast_gaps(
+    sight: ForecastFitter, models: Mapping[str, Array], seed: int
+) -> list[PredictionGap]:
+    """
+    Return how far each model is off: position and attitude, then by channel, at each horizon.
+
+    Parameters
+    ----------
+    sight : Foresight
+        About the flights that are shown.
+    models : mapping of str to ndarray, shape (G,)
+        'before', 'tuned', 'after' and, where it was done, 'refitted': what each has of the knobs.
+    seed : int
+        Of the bootstrap.
+
+    """
+    every = range(len(sight.flights))
+    offs = {kind: forecast_errors(sight, values, every) for kind, values in models.items()}
+    offs['coast'] = np.concatenate([coast_errors(flight) for flight in sight.flights])
+    noise = np.sqrt(
+        np.mean([each.replay.flight.reading_deviation[:6] ** 2 for each in sight.flights], axis=0)
+    )
+    which = {**WHOLE, **{c: (UNITS[c], slice(k, k + 1)) for k, c in enumerate(POSE)}}
+    rng, out = np.random.default_rng(seed), []
+    for name, (unit, columns) in which.items():
+        for horizon in TOLD:
+            h = HORIZONS.index(horizon)
+            square = {kind: np.sum(off[:, h, columns] ** 2, axis=-1) for kind, off in offs.items()}
+            known = np.all([np.isfinite(each) for each in square.values()], axis=0)
+            if not known.any():
+                continue
+            mean = {kind: float(np.sqrt(np.mean(each[known]))) for kind, each in square.items()}
+            out.append(
+                PredictionGap(
+                    name, unit, horizon, **mean,
+                    noise_floor=float(np.sqrt(np.sum(noise[columns] ** 2))),
+                    shrink=1.0 - mean['after'] / mean['before'],
+                    shrink_ci95=bootstrap_shrinkage(
+                        square['before'][known], square['after'][known], rng,
+                    ),
+                    pieces=int(known.sum()),
+                )
+            )  # fmt: skip
+    return out

@@ -1,0 +1,90 @@
+"""What names are worth in numbers: fitted to all flights, and left out regime by regime."""
+
+from collections.abc import Mapping, Sequence
+from typing import Final, final, NamedTuple
+
+from lta_discovery.forecast.forecast_fit import ForecastFit, ForecastFitter
+from lta_discovery.transfer.bootstrap_intervals import bootstrap_values
+from lta_discovery.transfer.candidate_groups import (
+    CandidateGroup,
+    iterated_prior_deviations,
+    tolerance_indices,
+)
+from lta_discovery.transfer.cross_validation import cross_validate, RegimeError
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+ROUNDS: Final = 6  # of the fit of names
+TUNING: Final = 4  # rounds, of tolerances
+
+
+@final
+class GroupValues(NamedTuple):
+    """
+    Names with their values.
+
+    Attributes
+    ----------
+    which : list of int
+        Places of their knobs.
+    fitted : Fitted
+        To all flights.
+    draws : ndarray, shape (D, K)
+        Values by flights drawn anew.
+    regimes : list of Regime
+        Each left out, the worst first.
+
+    """
+
+    which: list[int]
+    fitted: ForecastFit
+    draws: Array
+    regimes: list[RegimeError]
+
+
+def fit_groups(
+    sight: ForecastFitter,
+    groups: Sequence[CandidateGroup],
+    parts: Mapping[str, Sequence[int]],
+    seed: int,
+) -> GroupValues:
+    """
+    Return names fitted to all flights.
+
+    Parameters
+    ----------
+    sight : Foresight
+        All flights that teach or confirm.
+    groups : sequence of Group
+        The names.
+    parts : mapping of str to sequence of int
+        Flights by regime.
+    seed : int
+        Of the draws.
+
+    """
+    every = range(len(sight.flights))
+    which = [k for group in groups for k in group.knobs]
+    spread = iterated_prior_deviations(sight.knobs, which)
+    fitted = sight.fit(which, spread, every, rounds=ROUNDS)
+    found = cross_validate(sight, fitted, which, spread, parts)
+    draws = bootstrap_values(fitted, sight.knobs, which, spread, seed)
+    return GroupValues(which, fitted, draws, found)
+
+
+def tune_tolerances(
+    sight: ForecastFitter,
+    parts: Mapping[str, Sequence[int]],
+    groups: Sequence[CandidateGroup] = (),
+) -> tuple[Array, list[RegimeError]]:
+    """Return the tolerances of the file as forecasts have them, beside names, and each regime."""
+    named = [k for group in groups for k in group.knobs]
+    rest = [k for k in tolerance_indices(sight.knobs) if k not in named]
+    which = [*named, *rest]
+    spread = np.concatenate(
+        [iterated_prior_deviations(sight.knobs, named), [sight.knobs[k].tolerance for k in rest]]
+    )
+    fitted = sight.fit(which, spread, range(len(sight.flights)), rounds=TUNING)
+    return fitted.values, cross_validate(sight, fitted, which, spread, parts)

@@ -1,0 +1,95 @@
+"""Names that forecasts gave, as a finding has them: effects of the registry with intervals."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Final
+
+from lta_discovery.finding import NamedEffect, ParameterEstimate
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.selection.effect_sizes import list_assumed_values
+from lta_discovery.transfer.bootstrap_intervals import compute_intervals
+from lta_discovery.transfer.candidate_groups import CandidateGroup
+from lta_discovery.transfer.forward_selection import CandidateGain, GroupSelection
+from lta_discovery.transfer.group_values import GroupValues
+from lta_model.effects import EFFECTS
+
+NEAR: Final = 0.9  # of the worth of a name; what has more in its round could stand in its place
+
+
+def build_effects(
+    nominal: NominalVehicle,
+    knobs: Sequence[FreeParameter],
+    chosen: GroupSelection,
+    confirmed: Sequence[CandidateGroup],
+    best: GroupValues,
+) -> tuple[NamedEffect, ...]:
+    """
+    Return the effects of the registry that were named, the strongest first.
+
+    Parameters
+    ----------
+    nominal : Nominal
+        The vehicle as its file has it.
+    knobs : sequence of Knob
+        All of them.
+    chosen : Chosen
+        All that regimes gave, with what each was worth.
+    kept : sequence of Group
+        Those of them that stand.
+    best : Valued
+        Their values.
+
+    """
+    bounds = dict(zip(best.which, compute_intervals(best.draws), strict=True))
+    out: dict[str, NamedEffect] = {}
+    for group in confirmed:
+        place = chosen.groups.index(group)
+        values = best.fitted.values
+        moved = [k for k in group.knobs if values[k] != 0.0]
+        parameters = [
+            each
+            for k in moved
+            for each in _estimate_parameters(nominal, knobs[k], float(values[k]), bounds[k])
+        ]
+        before = out.get(group.effect, NamedEffect(group.effect, (), (), 0.0))
+        rivals = _list_rivals(group, chosen.rounds[place], knobs)
+        out[group.effect] = NamedEffect(
+            group.effect,
+            (*before.knobs, *(knobs[k].name for k in moved)),
+            (*before.parameters, *parameters),
+            before.log_evidence + chosen.log_evidence[place],
+            (*before.confusable_with, *rivals),
+        )
+    told = [
+        replace(one, assumed=list_assumed_values(nominal, one.name, one.parameters))
+        for one in out.values()
+    ]
+    return tuple(sorted(told, key=lambda one: -one.log_evidence))
+
+
+def _list_rivals(
+    group: CandidateGroup, tried: Sequence[CandidateGain], knobs: Sequence[FreeParameter]
+) -> tuple[str, ...]:
+    """Return what did nearly as well when a name was given."""
+    own = next(one.worth for one in tried if one.group == group)
+    near = [one.group for one in tried if one.group != group and one.worth > NEAR * own]
+    return tuple(knobs[k].name for one in near for k in one.knobs)
+
+
+def _estimate_parameters(
+    nominal: NominalVehicle, knob: FreeParameter, value: float, interval: tuple[float, float]
+) -> list[ParameterEstimate]:
+    """Return the parameters of an effect that a knob moves."""
+    effect = knob.name.partition('.')[0]
+    units = {known.name: known.unit for known in EFFECTS[effect].parameters}
+    begun, out = knob.enable_effect(nominal), []
+    for (moved, parameter), rate in knob.moves.items():
+        if moved != effect:
+            continue
+        start = begun.parameter_value(effect, parameter)
+        low, high = sorted(start + rate * end for end in interval)
+        before = nominal.parameter_value(effect, parameter)
+        now, there = start + rate * value, effect in nominal.given
+        out.append(ParameterEstimate(parameter, units[parameter], before, now, (low, high), there))
+    return out

@@ -1,0 +1,56 @@
+"""A flight in pieces that are predicted seconds ahead, one begun before the last has ended."""
+
+from collections.abc import Sequence
+from typing import Final
+
+from lta_discovery.flights.measured_flight import MeasuredFlight, PERIOD
+from lta_discovery.flights.windows import estimate_state, find_usable_runs, Windows
+from lta_discovery.forecast.horizon_errors import HORIZONS
+from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.replay.linearizer import FlightLinearizer
+import numpy as np
+
+APART: Final = 2.5  # s; between beginnings, at least
+MOST: Final = 400  # pieces of all flights, which bounds time and memory
+
+
+def cut_overlapping_windows(flight: MeasuredFlight, apart: float = APART) -> Windows:
+    """
+    Return whole pieces as long as the last horizon.
+
+    Parameters
+    ----------
+    flight : Measured
+        The flight.
+    apart : float
+        Between the beginnings of pieces. [s]
+
+    """
+    count = round(HORIZONS[-1] / PERIOD)
+    first, start = [], []
+    for begin, end in find_usable_runs(flight.usable):
+        for index in range(begin, end - count, round(apart / PERIOD)):
+            state = estimate_state(flight, index)
+            if state is not None:
+                first.append(index)
+                start.append(state)
+    inside = np.ones((len(first), count + 1), dtype=np.bool_)
+    table = np.array(start).reshape(-1, 13)
+    return Windows(np.array(first, dtype=np.int64), count + 1, table, inside)
+
+
+def piece_spacing(flights: Sequence[MeasuredFlight]) -> float:
+    """Return how far apart pieces begin, so that there are not too many of them. [s]"""
+    seconds = PERIOD * sum(int(flight.usable.sum()) for flight in flights)
+    return max(APART, seconds / MOST)
+
+
+def cut_long_pieces(
+    flight: FlightLinearizer, knobs: Sequence[FreeParameter], apart: float = APART
+) -> FlightLinearizer | None:
+    """Return a flight in such pieces, with the same knobs; None where it is too short for any."""
+    replay = flight.replay
+    cut = cut_overlapping_windows(replay.flight, apart)
+    if not len(cut.first):
+        return None
+    return FlightLinearizer(replay.with_pieces(cut), knobs, flight.places)

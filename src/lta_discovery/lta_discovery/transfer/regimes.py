@@ -1,0 +1,113 @@
+"""Regimes in which flights were flown, and whether what they name carries over to others."""
+
+from collections.abc import Sequence
+from typing import Final
+
+from lta_discovery.forecast.forecast_fit import ForecastFitter
+from lta_discovery.replay.linearizer import FlightLinearizer
+from lta_discovery.study import DiscoveryStudy
+from lta_discovery.transfer.cross_validation import cross_validate, format_warning
+import numpy as np
+
+ENOUGH: Final = 8  # flights
+EACH: Final = 2  # flights in a regime, and outside of it
+APART: Final = 1e-3  # m; between places of a moving mass
+FASTER: Final = 1.3  # times; less is the same speed
+STEADY: Final = 0.01  # of the largest command; within it a command stands still
+TURNING: Final = 0.05  # rad/s; slower is straight on
+ROUNDS: Final = 2  # of the fit that tells whether a flight is of a regime
+LIFT: Final = 0.004  # N; by which the lift of a flight may be off (as between RGBlimp's repeats)
+
+
+def group_by_regime(flights: Sequence[FlightLinearizer]) -> dict[str, list[int]]:
+    """
+    Return flights by moving mass, by commands that stand still, by speed and by side of the turn.
+
+    Parameters
+    ----------
+    flights : sequence of Linearised
+        Of one vehicle.
+
+    Returns
+    -------
+    dict of str to list of int
+        Flights by the name of the regime; only those with flights enough inside and outside.
+
+    """
+    out: dict[str, list[int]] = {}
+    for f, flight in enumerate(flights):
+        for name in (_mass_regime(flight), _command_regime(flight)):
+            if name:
+                out.setdefault(name, []).append(f)
+    out |= _group_by_speed(flights) | _group_by_turn(flights)
+    return {
+        name: inside for name, inside in out.items() if EACH <= len(inside) <= len(flights) - EACH
+    }
+
+
+def _mass_regime(flight: FlightLinearizer) -> str:
+    """Return where a moving mass is, '' without one."""
+    mass = flight.replay.flight.mass
+    if mass is None:
+        return ''
+    return f'moving mass at {APART * round(float(np.median(mass.values[:, 0])) / APART):.3f} m'
+
+
+def _command_regime(flight: FlightLinearizer) -> str:
+    """Return the commands of a flight that has one throughout, else ''."""
+    told = flight.replay.flight
+    stream = told.commands if told.wrench is None else told.wrench
+    if not len(stream.values):
+        return ''
+    middle = np.median(stream.values, axis=0)
+    size = float(np.abs(stream.values).max())
+    if size == 0.0 or float(np.abs(stream.values - middle).max()) > STEADY * size:
+        return ''
+    return f'commands at {", ".join(f"{value:.2g}" for value in middle)}'
+
+
+def _group_by_speed(flights: Sequence[FlightLinearizer]) -> dict[str, list[int]]:
+    """Return the slow and the fast flights, where they differ."""
+    speeds = [
+        float(np.median(np.linalg.norm(one.replay.cut.start[:, 7:10], axis=1))) for one in flights
+    ]
+    middle = float(np.median(speeds))
+    slow = [f for f, speed in enumerate(speeds) if speed < middle]
+    fast = [f for f, speed in enumerate(speeds) if speed >= middle]
+    if not slow or np.median([speeds[f] for f in fast]) <= FASTER * np.median(
+        [speeds[f] for f in slow]
+    ):
+        return {}
+    return {f'slower than {middle:.2f} m/s': slow, f'{middle:.2f} m/s or faster': fast}
+
+
+def _group_by_turn(flights: Sequence[FlightLinearizer]) -> dict[str, list[int]]:
+    """Return the flights that turn left and right on the mean."""
+    rates = [float(np.mean(one.replay.cut.start[:, 12])) for one in flights]
+    return {
+        'turning left': [f for f, rate in enumerate(rates) if rate > TURNING],
+        'turning right': [f for f, rate in enumerate(rates) if rate < -TURNING],
+    }
+
+
+def describe_interpolation(study: DiscoveryStudy) -> str:
+    """
+    Return a sentence where what was named does not carry over to a regime left out, else ''.
+
+    Of the flights that taught and confirmed, where there are enough of them, by their forecasts.
+    """
+    if study.finding.carried is not None:
+        return ''  # it was named by that
+    flights = [one.flight for one in study.flights if one.role != 'holdout']
+    flights = [one for one in flights if one.replay.cut.inside[:, -1].any()]
+    knobs = [knob for effect in study.finding.effects for knob in effect.knobs]
+    groups = group_by_regime(flights) if knobs and len(flights) >= ENOUGH else {}
+    if not groups:
+        return ''
+    foresight = ForecastFitter(study.nominal, flights, LIFT)
+    which = [k for k, knob in enumerate(foresight.knobs) if knob.name in knobs]
+    known = [foresight.knobs[k] for k in which]
+    spread = np.array([max(knob.typical, 2.0 * knob.tolerance) for knob in known])
+    fitted = foresight.fit(which, spread, range(len(flights)), rounds=ROUNDS)
+    names = [effect.name for effect in study.finding.effects]
+    return format_warning(names, cross_validate(foresight, fitted, which, spread, groups))

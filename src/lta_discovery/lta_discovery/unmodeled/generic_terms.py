@@ -1,0 +1,268 @@
+"""
+Generic terms that an unknown force may follow, free of simulation, as groups.
+
+A group is one idea of what is outside the library: a force field, air in layers, a magnet, a flap
+that opens one way, wash of the rotors over a fin, something that swings. Each of its terms is a
+wrench in every step of a flight, in units of usual sizes, so that weights mean the same in all
+flights.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+import math
+from typing import Final, final, NamedTuple
+
+from lta_config.constants import STANDARD_GRAVITY
+from lta_discovery.model.quaternions import rotation_matrix
+from lta_discovery.replay.linearized_flight import AXES, hat_functions, LinearizationPoint
+from lta_discovery.replay.linearizer import FlightLinearizer
+from lta_model.effects.protocol import AXES as NAMES
+from lta_model.state import ROTOR, ROTOR_AXIS, ROTOR_PLACE
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import lfilter
+
+Array = NDArray[np.float64]
+
+USUAL_SPEED: Final = np.array([0.3, 0.3, 0.3, 0.3, 0.3, 0.3])  # m/s, rad/s
+USUAL_HEIGHT: Final = 0.5  # m
+SIDE: Final = 5  # of the grid of places
+LAYERS: Final = 10  # of heights
+SWINGS: Final = (0.2, 0.35, 0.5)  # Hz; faster ones are lines of the spectrum
+DAMPED: Final = 0.1  # of critical
+CONSTANT: Final = 'constant'
+MOTIONS: Final = (
+    'surge speed', 'sway speed', 'heave speed', 'roll rate', 'pitch rate', 'yaw rate',
+)  # fmt: skip
+
+
+@final
+class FlightBox(NamedTuple):
+    """The box that all flights of a study fly in: low and high corner, in the map. [m]"""
+
+    low: Array
+    high: Array
+
+    @classmethod
+    def from_places(cls, places: Sequence[Array]) -> 'FlightBox':
+        """Return the box around the middle 96 % of the places of some flights, shape (n, 3)."""
+        together = np.concatenate(places)
+        low, high = np.percentile(together, [2.0, 98.0], axis=0)
+        return cls(low, np.maximum(high, low + 0.2))
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class TermInputs:
+    """
+    What a flight was like in each step of its pieces.
+
+    Attributes
+    ----------
+    time : ndarray, shape (S, n)
+        [s]
+    states : ndarray, shape (S, n, 13)
+        As fitted.
+    pushed : ndarray, shape (S, n, 6)
+        By the rotors, as the model has it. [N, N m]
+    felt : ndarray, shape (S, n, 3)
+        Acceleration of the hull less that of gravity, body frame. [m/s2]
+
+    """
+
+    time: Array
+    states: Array
+    pushed: Array
+    felt: Array
+
+
+@final
+class TermGroup(NamedTuple):
+    """
+    Terms that stand or fall together.
+
+    Attributes
+    ----------
+    name : str
+        'heave by height'.
+    axes : tuple of int
+        Of the wrench, on which it acts.
+    terms : tuple of str
+        Their names.
+    values : ndarray, shape (S, J, 6, K)
+        Wrench of each term at the K knots of a piece, for a weight of 1 in floors.
+
+    """
+
+    name: str
+    axes: tuple[int, ...]
+    terms: tuple[str, ...]
+    values: Array
+
+
+def compute_term_inputs(flight: FlightLinearizer, point: LinearizationPoint) -> TermInputs:
+    """Return what a flight was like, by where its last fit stands."""
+    states = flight.simulate_trajectory(point)[:, :-1]
+    replay = flight.replay
+    commands = replay.compute_inputs(replay.build_rows(point.nominal)).commands
+    steps = replay.first[:, None] + np.arange(replay.span)
+    body = point.nominal.build_model().body
+    pushed = np.zeros((*steps.shape, AXES))
+    for i in range(len(point.nominal.rotors)):
+        place, axis = (
+            body[at + i * ROTOR : at + i * ROTOR + 3] for at in (ROTOR_PLACE, ROTOR_AXIS)
+        )
+        lever = np.concatenate([axis, np.cross(place, axis)])
+        pushed += commands[steps, i, None] * lever
+    rate = np.gradient(states[..., 7:10], replay.dt, axis=1)
+    up = rotation_matrix(states[..., 3:7])[..., 2, :]
+    time = flight.time[:, :1] + replay.dt * np.arange(replay.span)
+    return TermInputs(time, states, pushed, rate + STANDARD_GRAVITY * up)
+
+
+def _project_on_knots(values: Array, nearest: Array) -> Array:
+    """Return the knots whose straight lines are nearest to values in each step, (S, J, K)."""
+    knots: Array = np.einsum('kn,snj->sjk', nearest, values, optimize=True)
+    return knots
+
+
+def _place_terms(inputs: TermInputs, scene: FlightBox) -> tuple[list[str], Array]:
+    """Return bumps on a grid of places, shape (S, n, SIDE^2)."""
+    spots = [np.linspace(scene.low[k], scene.high[k], SIDE) for k in range(2)]
+    width = np.maximum(scene.high[:2] - scene.low[:2], 0.5) / (SIDE - 1)
+    out = []
+    for x in spots[0]:
+        for y in spots[1]:
+            away = ((inputs.states[..., 0] - x) / width[0]) ** 2
+            away = away + ((inputs.states[..., 1] - y) / width[1]) ** 2
+            out.append(np.exp(-0.5 * away))
+    return ['place'] * len(out), np.stack(out, axis=-1)
+
+
+def _simulate_oscillator(inputs: TermInputs, shaking: Array, hertz: float) -> Array:
+    """Return place and speed of an oscillator that is shaken, shape (S, n, 2)."""
+    omega, dt = 2.0 * math.pi * hertz, float(inputs.time[0, 1] - inputs.time[0, 0])
+    decay = math.exp(-DAMPED * omega * dt)
+    back = [1.0, decay * (dt * omega) ** 2 - decay - 1.0, decay]
+    gaps = np.flatnonzero(inputs.time[1:, 0] - inputs.time[:-1, -1] > 2.0 * dt) + 1
+    out = np.zeros((*shaking.shape, 2))
+    for run in np.split(np.arange(len(shaking)), gaps):  # at rest after each gap
+        place = lfilter([-decay * dt**2], back, shaking[run].ravel())
+        speed = np.diff(place, prepend=0.0) / dt
+        both = np.column_stack([omega**2 * place, omega * speed])
+        out[run] = both.reshape(len(run), -1, 2)
+    return out
+
+
+def _list_axis_terms(
+    inputs: TermInputs, scene: FlightBox
+) -> Iterator[tuple[str, list[str], Array]]:
+    """Yield groups that any one axis may follow: name, terms, values of shape (S, n, J)."""
+    motion = inputs.states[..., 7:13] / USUAL_SPEED
+    height = (inputs.states[..., 2] - 0.5 * (scene.low[2] + scene.high[2])) / USUAL_HEIGHT
+    rotation = rotation_matrix(inputs.states[..., 3:7])
+    heading = np.arctan2(rotation[..., 1, 0], rotation[..., 0, 0])
+    spots = np.linspace(scene.low[2], scene.high[2], LAYERS)
+    width = (scene.high[2] - scene.low[2]) / (LAYERS - 1)
+    layers = [np.exp(-0.5 * ((inputs.states[..., 2] - spot) / width) ** 2) for spot in spots]
+    moving = [height * motion[..., k] for k in (0, 2)]
+    names = ['height'] * (LAYERS + 1) + [f'height x {MOTIONS[k]}' for k in (0, 2)]
+    yield 'height', names, np.stack([height, *layers, *moving], axis=-1)
+    turns = [f(m * heading) for m in (1, 2) for f in (np.cos, np.sin)]
+    yield 'heading', ['heading'] * 2 + ['twice the heading'] * 2, np.stack(turns, axis=-1)
+    names, values = [], []
+    for k, name in enumerate(MOTIONS):
+        for sign, way in ((1.0, 'forward'), (-1.0, 'backward')):
+            one = np.maximum(sign * motion[..., k], 0.0)
+            names += [f'{way} {name}', f'{way} {name} squared']
+            values += [one, one**2]
+    yield 'one-sided speed', names, np.stack(values, axis=-1)
+    pairs = [(i, j) for i in range(6) for j in range(i + 1, 6)]
+    yield (
+        'speed x speed',
+        [f'{MOTIONS[i]} x {MOTIONS[j]}' for i, j in pairs],
+        np.stack([motion[..., i] * motion[..., j] for i, j in pairs], axis=-1),
+    )
+
+
+INPUTS: Final = {0: 'surge thrust', 2: 'heave thrust', 5: 'yaw thrust'}
+USUAL_PUSH: Final = {0: 0.02, 2: 0.05, 5: 0.003}  # N, N m
+
+
+def _thrust_terms(inputs: TermInputs) -> tuple[list[str], Array]:
+    """Return products of what the rotors do and how the hull moves."""
+    names, values = [], []
+    for axis, name in INPUTS.items():
+        push = inputs.pushed[..., axis] / USUAL_PUSH[axis]
+        for k in (0, 1, 2, 5):
+            names.append(f'{name} x {MOTIONS[k]}')
+            values.append(push * inputs.states[..., 7 + k] / USUAL_SPEED[k])
+        names.append(f'{name} either way')
+        values.append(np.abs(push))
+    return names, np.stack(values, axis=-1)
+
+
+def _build_axis_group(
+    name: str, axis: int, terms: list[str], knots: Array, floor: Array
+) -> TermGroup:
+    """Return a group of one axis, with a constant beside its terms."""
+    values = np.zeros((len(knots), len(terms) + 1, AXES, knots.shape[-1]))
+    values[:, :-1, axis] = floor[axis] * knots
+    values[:, -1, axis] = floor[axis]
+    return TermGroup(f'{NAMES[axis]} by {name}', (axis,), (*terms, CONSTANT), values)
+
+
+def list_term_groups(
+    inputs: TermInputs, scene: FlightBox, floor: Array, count: int
+) -> Iterator[TermGroup]:
+    """
+    Yield all groups.
+
+    Parameters
+    ----------
+    seen : Met
+        A flight.
+    scene : Scene
+        Of all flights of the study.
+    floor : ndarray, shape (6,)
+        What a weight of 1 is worth on each axis. [N, N m]
+    count : int
+        Knots of a piece.
+
+    """
+    shares = hat_functions(inputs.states.shape[1], count)
+    nearest = np.asarray(np.linalg.pinv(shares), dtype=np.float64)
+    rotation = rotation_matrix(inputs.states[..., 3:7])
+    names, bumps = _place_terms(inputs, scene)
+    level = np.zeros((len(bumps), 2 * len(names), AXES, count))
+    for way in range(2):
+        for axis in range(3):
+            part = bumps * rotation[..., way, axis, None]
+            level[:, way * len(names) : (way + 1) * len(names), axis] = floor[
+                0
+            ] * _project_on_knots(part, nearest)
+    yield TermGroup('level force by place', (0, 1), ('place',) * (2 * len(names)), level)
+    yield _build_axis_group('place', 2, names, _project_on_knots(bumps, nearest), floor)
+    common = [
+        (name, terms, _project_on_knots(values, nearest))
+        for name, terms, values in _list_axis_terms(inputs, scene)
+    ]
+    terms, values = _thrust_terms(inputs)
+    common.append(('thrust x speed', terms, _project_on_knots(values, nearest)))
+    for axis in range(AXES):
+        for name, terms, knots in common:
+            yield _build_axis_group(name, axis, terms, knots, floor)
+        yield _build_swing_group(inputs, axis, floor, nearest)
+
+
+def _build_swing_group(inputs: TermInputs, axis: int, floor: Array, nearest: Array) -> TermGroup:
+    """Return what something that swings does to an axis: shaken along it, or across it by tilt."""
+    shaken = inputs.felt[..., {0: 0, 1: 1, 2: 2, 3: 1, 4: 0, 5: 1}[axis]]
+    usual = 0.1  # m/s2
+    swung = [
+        _simulate_oscillator(inputs, (shaken - shaken.mean()) / usual, hertz) for hertz in SWINGS
+    ]
+    names = [f'a swing at {hertz} Hz' for hertz in SWINGS for _ in range(2)]
+    values = np.concatenate(swung, axis=-1)
+    knots = _project_on_knots(values, nearest)
+    return _build_axis_group('something that swings', axis, names, knots, floor)

@@ -1,0 +1,52 @@
+"""The latent wrench of a flight over time, in the axes of the map and of the body."""
+
+from typing import final, NamedTuple
+
+from lta_discovery.fit.joint_fit import FlightFit
+from lta_discovery.model.quaternions import rotate_vectors
+from lta_discovery.replay.linearizer import FlightLinearizer
+from lta_discovery.unmodeled.remainders import latent_at_knots, states_at_knots
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@final
+class LatentSeries(NamedTuple):
+    """
+    What a flight leaves unexplained at the N knots at which it counts.
+
+    Where two pieces meet, the time is there twice.
+
+    Attributes
+    ----------
+    time : ndarray, shape (N,)
+        Of the knots. [s]
+    ground : ndarray, shape (N, 3)
+        Force in the axes of the map. [N]
+    body : ndarray, shape (N, 6)
+        Force [N] and moment [N m] in the axes of the body.
+
+    """
+
+    time: Array
+    ground: Array
+    body: Array
+
+    @classmethod
+    def from_fit(cls, flight: FlightLinearizer, fit: FlightFit) -> 'LatentSeries':
+        """Return the latent wrench of a flight that was fitted."""
+        inside = flight.replay.cut.inside
+        share = np.linspace(0.0, 1.0, fit.linear.knots)
+        known = inside[:, np.rint(share * (inside.shape[1] - 1)).astype(int)].ravel()
+        begin, end = flight.time[:, :1], flight.time[:, -1:]
+        time = (begin + (end - begin) * share).ravel()[known]
+        body = latent_at_knots(fit)[known]
+        turn = states_at_knots(flight, fit)[known, 3:7]
+        return cls(time, rotate_vectors(turn, body[:, :3]), body)
+
+    @property
+    def duration(self) -> float:
+        """From the first knot to the last."""
+        return float(np.ptp(self.time)) if len(self.time) else 0.0

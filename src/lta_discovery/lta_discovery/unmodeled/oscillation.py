@@ -1,0 +1,203 @@
+"""
+Lines in the latent wrench itself: a slow forcing of one frequency, such as a wind to and fro.
+
+What is slower than half a wave from knot to knot is followed by the latent wrench, so nothing of
+it is left over (`spectral_line.py` looks there). It is looked for in the wrench at the knots of
+whole flights: forces in the axes of the map, where a wind keeps its direction while the vehicle
+turns, and in those of the body; moments in those of the body. All flights have to show it at one
+frequency; phases are free.
+"""
+
+from collections.abc import Sequence
+import math
+from typing import Final, final, NamedTuple
+
+from lta_discovery.fit.evidence import MEMORY
+from lta_discovery.flights.windows import LENGTH
+from lta_discovery.unmodeled.latent_series import LatentSeries
+from lta_discovery.unmodeled.spectral_line import (
+    find_steady_line,
+    level_spectrum,
+    LeveledSpectrum,
+    NEAR,
+    STEPS,
+)
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+SLOWEST: Final = 0.05  # Hz
+# Of half a wave from knot to knot; at 1 the knots may all lie where a wave is 0.
+FOLLOWED: Final = 0.9
+CYCLES: Final = 4.0  # in the shortest flight, of the slowest that is looked for
+BESIDE: Final = 0.3  # Hz; neighbours of which the median is the level
+# Floors; root mean square of an oscillation. Where nothing is missing no whole axis comes to it.
+WORTH: Final = 1.5
+# Where a spectrum falls by decades, something stands over its neighbours and carries nothing.
+PART: Final = 0.01  # of the power of its axes; an oscillation of less is none
+TAKES: Final = 0.5  # of the power of its axes; an oscillation that takes more is what they follow
+
+
+@final
+class LatentOscillation(NamedTuple):
+    """
+    A line in the latent wrench.
+
+    Attributes
+    ----------
+    channel : str
+        Of CHANNELS.
+    hertz : float
+        Frequency. [Hz]
+    amplitude : float
+        Of the force [N] or moment [N m], mean of the flights.
+    share : float
+        Of the power of its axes: a force in the map has the horizontal ones, or the vertical.
+
+    """
+
+    channel: str
+    hertz: float
+    amplitude: float
+    share: float
+
+    @property
+    def axes(self) -> tuple[str, ...]:
+        """Axes of the body on which it acts."""
+        return CHANNELS[self.channel][0]
+
+    @property
+    def sentence(self) -> str:
+        """For people."""
+        unit = 'mN' if CHANNELS[self.channel][1] < 3 else 'mN m'
+        size = f'{1e3 * self.amplitude:.2g} {unit}'
+        return f'an oscillation of the {self.channel} at {self.hertz:.2f} Hz, {size}'
+
+
+# Axes of the body on which each acts, and the place of its floor.
+CHANNELS: Final[dict[str, tuple[tuple[str, ...], int]]] = {
+    'force along x of the map': (('surge', 'sway'), 0),
+    'force along y of the map': (('surge', 'sway'), 1),
+    'vertical force': (('heave',), 2),
+    'surge force': (('surge',), 0),
+    'sway force': (('sway',), 1),
+    'roll moment': (('roll',), 3),
+    'pitch moment': (('pitch',), 4),
+    'yaw moment': (('yaw',), 5),
+}
+OF_MAP: Final = tuple(CHANNELS)[:2]
+OF_BODY: Final = tuple(CHANNELS)[3:5]
+
+
+def stack_channels(series: LatentSeries) -> Array:
+    """Return the wrench in the order of CHANNELS, shape (N, 8). [N, N m]"""
+    return np.hstack([series.ground, series.body[:, :2], series.body[:, 3:]])
+
+
+def fit_wave_power(time: Array, values: Array, hertz: Array) -> Array:
+    """
+    Return squared amplitudes of waves that were fitted to series one by one.
+
+    Parameters
+    ----------
+    time : ndarray, shape (N,)
+        Of the values, in any order and with gaps. [s]
+    values : ndarray, shape (N, C)
+        The series.
+    hertz : ndarray, shape (B,)
+        Frequencies.
+
+    Returns
+    -------
+    ndarray, shape (B, C)
+        By least squares, beside a straight line.
+
+    """
+    at = time - time.mean()
+    line = np.column_stack([np.ones_like(at), at])
+    rest = values - line @ np.linalg.lstsq(line, values, rcond=None)[0]
+    out = np.empty((len(hertz), values.shape[1]))
+    for k, each in enumerate(2.0 * np.pi * hertz):
+        wave = np.column_stack([np.cos(each * at), np.sin(each * at)])
+        out[k] = np.sum(np.linalg.lstsq(wave, rest, rcond=None)[0] ** 2, axis=0)
+    return out
+
+
+def find_oscillations(
+    series: Sequence[LatentSeries], floor: Array, knots: int
+) -> tuple[LatentOscillation, ...]:
+    """
+    Return the oscillations that all flights show, the strongest first.
+
+    Parameters
+    ----------
+    series : sequence of LatentSeries
+        Of each flight.
+    floor : ndarray, shape (6,)
+        Deviations of the latent wrench that are not worth speaking of. [N, N m]
+    knots : int
+        Of a piece.
+
+    """
+    least = max(SLOWEST, CYCLES / max(min(each.duration for each in series), 1e-9))
+    highest = FOLLOWED * 0.5 * (knots - 1) / LENGTH
+    if highest - least < BESIDE:
+        return ()
+    # From one cycle on: the neighbours of the slowest have a level too.
+    step = 1.0 / (STEPS * max(each.duration for each in series))
+    hertz = step * np.arange(STEPS, math.floor(highest / step) + 1, dtype=np.float64)
+    # Noise that forgets itself in MEMORY falls so with the frequency.
+    colour: Array = 1.0 + (2.0 * np.pi * hertz * MEMORY) ** 2
+    power = [fit_wave_power(each.time, stack_channels(each), hertz) for each in series]
+    total = [np.mean(stack_channels(each) ** 2, axis=0) for each in series]
+    found = []
+    for k, (name, (_, place)) in enumerate(CHANNELS.items()):
+        seen = [level_spectrum(hertz, each[:, k] * colour, 1, BESIDE, least) for each in power]
+        at = find_steady_line(seen)
+        if at is None:
+            continue
+        size = [_peak_power(one, at) for one in seen]
+        amplitude = float(np.mean(np.sqrt(size)))
+        pair = [j for j, other in enumerate(CHANNELS) if _shares_power(other, name)]
+        share = 0.5 * sum(size) / float(np.sum([each[pair] for each in total]))
+        if share > PART and amplitude > math.sqrt(2.0) * WORTH * floor[place]:
+            found.append(LatentOscillation(name, float(seen[0].hertz[at]), amplitude, share))
+    return tuple(sorted(_select_frame(found), key=lambda one: -one.share))
+
+
+def _peak_power(spectrum: LeveledSpectrum, at: int) -> float:
+    """Return the squared amplitude of a flight's wave at a bin or beside it."""
+    beside = slice(max(at - NEAR * STEPS, 0), at + NEAR * STEPS + 1)
+    colour = 1.0 + (2.0 * np.pi * spectrum.hertz[beside] * MEMORY) ** 2
+    return float(np.max(spectrum.power[beside] / colour))
+
+
+def _shares_power(other: str, name: str) -> bool:
+    """Tell whether a channel's power counts where the share of another is asked."""
+    return other == name or (name in OF_MAP and other in OF_MAP)
+
+
+def _select_frame(candidates: Sequence[LatentOscillation]) -> list[LatentOscillation]:
+    """Return them without the horizontal ones of the axes, map or body, that show less of it."""
+    strength = [
+        sum(one.amplitude**2 for one in candidates if one.channel in some)
+        for some in (OF_MAP, OF_BODY)
+    ]
+    less = OF_BODY if strength[0] >= strength[1] else OF_MAP
+    return [one for one in candidates if one.channel not in less]
+
+
+def dominant_oscillations(
+    oscillations: Sequence[LatentOscillation],
+) -> dict[str, LatentOscillation]:
+    """Return the axes of the body that follow an oscillation, with the strongest on each."""
+    share: dict[str, float] = {}
+    for one in oscillations:
+        for axis in one.axes:
+            share[axis] = share.get(axis, 0.0) + one.share
+    return {
+        axis: max((one for one in oscillations if axis in one.axes), key=lambda one: one.share)
+        for axis, part in share.items()
+        if part > TAKES
+    }

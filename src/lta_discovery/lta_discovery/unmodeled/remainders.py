@@ -1,0 +1,192 @@
+"""
+What remains when everything with a name has been added: on which axis, how large, following what.
+
+The latent wrench of two fitted flights: an axis counts where its deviation stands clear of the
+floor on both. What it follows is learned on one flight and has to hold on the other, term by term:
+a share of the variance that carries over is structure, none is gusts or noise.
+"""
+
+from collections.abc import Sequence
+from typing import Final, final, NamedTuple
+
+from lta_discovery.fit.evidence import FLOOR
+from lta_discovery.fit.joint_fit import FlightFit
+from lta_discovery.model.quaternions import rotation_matrix
+from lta_discovery.replay.linearized_flight import AXES
+from lta_discovery.replay.linearizer import FlightLinearizer
+from lta_discovery.replay.variational_equation import WIDTH
+from lta_model.effects.protocol import AXES as NAMES
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+CLEAR: Final = 2.5  # floors; where nothing is missing no axis comes to 1.5
+TERMS: Final = 3  # that it may follow
+CARRIED: Final = 0.15  # of the variance; gusts explain as much of another flight by chance
+WORTH: Final = 0.05  # of the variance; a further term below it is not taken
+
+
+@final
+class Remainder(NamedTuple):
+    """
+    What remains on one axis.
+
+    Attributes
+    ----------
+    axis : str
+        'surge' to 'yaw'.
+    size : float
+        Standard deviation of the latent force [N] or moment [N m]: geometric mean of the flights.
+    floors : float
+        The same by the floor.
+    follows : tuple of str
+        Generic terms of the measured state, the strongest first; empty where none carries over.
+    carried : float
+        Share of the variance of the other flight that they explain.
+
+    """
+
+    axis: str
+    size: float
+    floors: float
+    follows: tuple[str, ...]
+    carried: float
+
+
+def latent_at_knots(fit: FlightFit) -> Array:
+    """Return the latent wrench at the K knots of each piece, shape (S * K, 6). [N, N m]"""
+    random = fit.pieces.solve_unknowns(fit.deviations, np.zeros(len(fit.linear.names)))
+    latent = random[:, WIDTH:-1].reshape(-1, AXES, fit.linear.knots)
+    return np.swapaxes(latent, 1, 2).reshape(-1, AXES)
+
+
+def states_at_knots(flight: FlightLinearizer, fit: FlightFit) -> Array:
+    """Return the fitted states there, shape (S * K, 13)."""
+    states = flight.simulate_trajectory(fit.linear.point)
+    index = np.rint(np.linspace(0, states.shape[1] - 1, fit.linear.knots)).astype(int)
+    return states[:, index].reshape(-1, states.shape[-1])
+
+
+def state_terms(states: Array) -> dict[str, Array]:
+    """
+    Return what a force may follow: generic functions of the state, by name.
+
+    Speeds and rates, their squares with sign and one-sided, their products, places, heading.
+    """
+    u, v, w, p, q, r = states[:, 7:13].T
+    rotation = rotation_matrix(states[:, 3:7])
+    out = {
+        'constant': np.ones(len(states)),
+        'x': states[:, 0],
+        'y': states[:, 1],
+        'height': states[:, 2],
+        'heading (cosine)': rotation[:, 0, 0],
+        'heading (sine)': rotation[:, 1, 0],
+    }
+    motion = {
+        'surge speed': u, 'sway speed': v, 'heave speed': w,
+        'roll rate': p, 'pitch rate': q, 'yaw rate': r,
+    }  # fmt: skip
+    names = list(motion)
+    for i, name in enumerate(names):
+        value = motion[name]
+        out[name] = value
+        out[f'{name} squared'] = np.abs(value) * value
+        out[f'{name} either way'] = np.abs(value)
+        for other in names[i + 1 :]:
+            out[f'{name} x {other}'] = value * motion[other]
+    return out
+
+
+def _explained_variance(rows: Array, target: Array, other: Array, other_target: Array) -> float:
+    """Return the share of another flight's variance that a fit to the first explains."""
+    scale = np.sqrt(np.mean(rows**2, axis=0)) + 1e-12
+    a = rows / scale
+    ridge = 1e-3 * len(a) * np.eye(a.shape[1])
+    weights = np.linalg.solve(a.T @ a + ridge, a.T @ target)
+    off = other_target - (other / scale) @ weights
+    return float(1.0 - np.sum(off**2) / np.sum(other_target**2))
+
+
+def select_terms(
+    states: Sequence[Array], forces: Sequence[Array]
+) -> tuple[tuple[str, ...], float]:
+    """
+    Return the few terms that a force follows on two flights alike, and the share they explain.
+
+    Parameters
+    ----------
+    states : two ndarrays, shape (n, 13)
+        Of each flight.
+    forces : two ndarrays, shape (n,)
+        The latent force there.
+
+    Returns
+    -------
+    tuple of str, float
+        Chosen one by one by what they explain of the flight that they were not fitted to, both
+        ways round; none where that is no more than chance.
+
+    """
+    known = [state_terms(each) for each in states]
+    chosen: tuple[str, ...] = ()
+    share = 0.0
+
+    def cross_validated_share(names: tuple[str, ...]) -> float:
+        a, b = (np.column_stack([each[name] for name in names]) for each in known)
+        there = _explained_variance(a, forces[0], b, forces[1])
+        return min(there, _explained_variance(b, forces[1], a, forces[0]))
+
+    while len(chosen) < TERMS:
+        gains = {
+            name: cross_validated_share((*chosen, name)) for name in known[0] if name not in chosen
+        }
+        best = max(gains, key=lambda name: gains[name])
+        if gains[best] < share + WORTH:
+            break
+        chosen, share = (*chosen, best), gains[best]
+    return (chosen, share) if share > CARRIED else ((), max(share, 0.0))
+
+
+def find_remainders(
+    flights: Sequence[Sequence[FlightLinearizer]],
+    fits: Sequence[Sequence[FlightFit]],
+    floor: Array = FLOOR,
+    clear: float = CLEAR,
+) -> list[Remainder]:
+    """
+    Return what two sides leave unexplained, the largest first.
+
+    Parameters
+    ----------
+    flights, fits : two sequences each
+        Of those that teach and those that confirm, with all named effects in the model.
+    floor : ndarray, shape (6,)
+        Deviations of the latent wrench that are not worth speaking of.
+    clear : float
+        Floors above which an axis counts.
+
+    """
+    every = [each.deviations for side in fits for each in side]
+    together = np.exp(np.mean(np.log(every), axis=0))
+    out, known = [], None
+    for k, axis in enumerate(NAMES):
+        floors = float(together[k] / floor[k])
+        if floors > clear:
+            known = known or _collect_knots(flights, fits)
+            states, knots = known
+            follows, share = select_terms(states, [each[:, k] for each in knots])
+            out.append(Remainder(axis, float(together[k]), floors, follows, share))
+    return sorted(out, key=lambda one: -one.floors)
+
+
+def _collect_knots(
+    flights: Sequence[Sequence[FlightLinearizer]], fits: Sequence[Sequence[FlightFit]]
+) -> tuple[list[Array], list[Array]]:
+    """Return the states and the latent wrench at the knots of each side."""
+    sides = [list(zip(*both, strict=True)) for both in zip(flights, fits, strict=True)]
+    states = [np.concatenate([states_at_knots(*each) for each in side]) for side in sides]
+    return states, [
+        np.concatenate([latent_at_knots(fitted) for _, fitted in side]) for side in sides
+    ]

@@ -1,0 +1,204 @@
+"""
+What is said at the end of flights that can tell: none, named, unexplained, or both.
+
+Something is unexplained where an axis of the latent wrench stands clear of the floor, where a
+generic rival still wins, where the wrench oscillates, or where what is left over has a line;
+each becomes a sentence for people.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Final
+
+from lta_discovery.finding import Verdict
+from lta_discovery.fit.evidence import FLOOR
+from lta_discovery.unmodeled.draught import LEVEL
+from lta_discovery.unmodeled.generic_terms import CONSTANT
+from lta_discovery.unmodeled.oscillation import dominant_oscillations, LatentOscillation
+from lta_discovery.unmodeled.remainders import CARRIED, CLEAR, Remainder
+from lta_discovery.unmodeled.rivals import GenericRival
+from lta_discovery.unmodeled.spectral_line import SpectralLine
+from lta_model.effects.protocol import AXES as NAMES
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+WORTH: Final = 12.0  # nats; of a rival on both flights
+EACH: Final = 3.0  # nats; that a rival has to win on every flight
+ALONE: Final = 20.0  # nats; or on one, where the other has nothing against it: as rare as that
+AGAINST: Final = 3.0  # nats; a rival that loses more than that is contradicted
+QUIET: Final = 0.5  # of the least of surge and sway; what the other axes stay below in gusts
+LINES: Final = 3  # that are told; what swings shows in many channels
+SAID: Final = {
+    'x': 'the place along x', 'y': 'the place along y', 'z': 'the height',
+    'turn_x': 'the roll angle', 'turn_y': 'the pitch angle', 'turn_z': 'the yaw angle',
+    'p': 'the roll rate', 'q': 'the pitch rate', 'r': 'the yaw rate',
+    'fx': 'the specific force ahead', 'fy': 'the specific force to the left',
+    'fz': 'the specific force upwards',
+}  # fmt: skip
+
+
+def select_confirmed_rivals(rivals: Sequence[GenericRival]) -> list[GenericRival]:
+    """Return the rivals that count at the end: worth it, and the same on both flights."""
+    return [
+        one for one in rivals if one.total_evidence > WORTH and min(one.gain, one.carried) > EACH
+    ]
+
+
+def select_evident_rivals(rivals: Sequence[GenericRival]) -> list[GenericRival]:
+    """
+    Return the rivals that show that something is there, be it on one flight.
+
+    What is seldom met (a flap that opens one way, a place) may be met on one flight only; it is
+    something all the same, though nothing to displace a name by.
+    """
+    return [
+        one
+        for one in rivals
+        if one in select_confirmed_rivals([one])
+        or (one.gain > ALONE and one.carried > -AGAINST)
+        or (max(one.confirmed, one.carried) > ALONE and one.gain > -AGAINST)
+    ]
+
+
+def is_gusty(remains: Sequence[Remainder]) -> bool:
+    """Tell whether what remains looks like gusts: surge and sway, following nothing."""
+    size = {one.axis: one.floors for one in remains}
+    if not all(axis in size for axis in LEVEL):
+        return False
+    if any(one.carried > CARRIED for one in remains if one.axis in LEVEL):
+        return False
+    least = min(size[axis] for axis in LEVEL)
+    return all(floors < QUIET * least for axis, floors in size.items() if axis not in LEVEL)
+
+
+def decide_verdict(
+    named: Sequence[str],
+    remains: Sequence[Remainder],
+    rivals: Sequence[GenericRival] = (),
+    lines: Sequence[SpectralLine | LatentOscillation] = (),
+) -> Verdict:
+    """
+    Return the verdict of flights that can tell (`study.verdict` says whether they can).
+
+    Parameters
+    ----------
+    named : sequence of str
+        Effects that were confirmed.
+    remains : sequence of Remainder
+        Axes of the latent wrench that stand clear of the floor, with these effects in the model.
+    rivals : sequence of Rival
+        Generic explanations, with these effects in the model.
+    lines : sequence of Line or Oscillation
+        Of what is left over, and of the latent wrench.
+
+    Returns
+    -------
+    str
+        'none', 'named', 'unexplained' or 'named+unexplained'.
+
+    """
+    more = (
+        bool(lines)
+        or bool(select_evident_rivals(rivals))
+        or any(one.floors > CLEAR for one in remains)
+    )
+    if named:
+        return 'named+unexplained' if more else 'named'
+    return 'unexplained' if more else 'none'
+
+
+def add_rival_terms(
+    remains: Sequence[Remainder], rivals: Sequence[GenericRival], floor: Array = FLOOR
+) -> list[Remainder]:
+    """
+    Return what remains with what the best rival of each axis says that it follows.
+
+    A rival was weighed beside everything else, so it has the first word. An axis that does not
+    stand clear of the floor by itself is added where a rival still wins.
+    """
+    out = {one.axis: one for one in remains}
+    told: set[str] = set()
+    for one in select_evident_rivals(rivals):
+        for axis in set(one.axes) - told:
+            before = out.get(axis)
+            floors = one.size / float(floor[NAMES.index(axis)])
+            if before is not None:
+                share = max(one.share, before.carried) if axis == one.axis else before.carried
+                out[axis] = before._replace(follows=(one.term,), carried=share)
+            elif before is None and axis == one.axis and floors > 1.0:
+                out[axis] = Remainder(axis, one.size, floors, (one.term,), one.share)
+        told |= set(one.axes)
+    return sorted(out.values(), key=lambda one: -one.floors)
+
+
+def _format_size(axis: str, size: float) -> tuple[str, str]:
+    """Return 'pitch moment' and its size."""
+    kind, unit = ('force', 'mN') if NAMES.index(axis) < 3 else ('moment', 'mN m')
+    return f'{axis} {kind}', f'{1e3 * size:.2g} {unit}'
+
+
+def format_remainder(one: Remainder) -> str:
+    """Return what remains on an axis, for people."""
+    what, size = _format_size(one.axis, one.size)
+    terms = [term for term in one.follows if term != CONSTANT]
+    if terms:
+        listed = ' and '.join(filter(None, [', '.join(terms[:-1]), terms[-1]]))
+        return f'a {what} that follows {listed}, {size}'
+    if one.follows:
+        return f'a constant {what}, {size}'
+    return f'a {what} that follows nothing measured, {size}'
+
+
+def add_oscillations(
+    remains: Sequence[Remainder], oscillations: Mapping[str, LatentOscillation]
+) -> list[Remainder]:
+    """Return what remains with the oscillation that an axis follows, by `oscillation.taken`."""
+    return [
+        one._replace(
+            follows=(f'an oscillation at {oscillations[one.axis].hertz:.2f} Hz',),
+            carried=max(oscillations[one.axis].share, one.carried),
+        )
+        if one.axis in oscillations
+        else one
+        for one in remains
+    ]
+
+
+def list_sentences(
+    remains: Sequence[Remainder],
+    lines: Sequence[SpectralLine] = (),
+    oscillations: Sequence[LatentOscillation] = (),
+) -> tuple[str, ...]:
+    """
+    Return all that is unexplained, for people.
+
+    Parameters
+    ----------
+    remains : sequence of Remainder
+        By `add_rival_terms`.
+    lines : sequence of Line
+        Of what is left over.
+    found : sequence of Oscillation
+        Of the latent wrench; an axis of which one takes the most has no sentence of its own.
+
+    Returns
+    -------
+    tuple of str
+        'a pitch moment that follows surge speed x yaw rate, 1.2 mN m'.
+
+    """
+    told = dominant_oscillations(oscillations)
+    out, rest = [], [one for one in remains if one.axis not in told]
+    if is_gusty(rest):
+        sizes = ' and '.join(
+            _format_size(one.axis, one.size)[1] for one in rest if one.axis in LEVEL
+        )
+        out.append(f'gusts: a surge and a sway force that follow nothing, {sizes}')
+        rest = [one for one in rest if one.axis not in LEVEL]
+    out += [format_remainder(one) for one in rest]
+    out += [one.sentence for one in oscillations[:LINES]]
+    for line in lines[:LINES]:
+        size = f'{line.amplitude:.2g} {line.unit}'
+        out.append(f'an oscillation of {SAID[line.channel]} at {line.hertz:.1f} Hz, {size}')
+    return tuple(out)

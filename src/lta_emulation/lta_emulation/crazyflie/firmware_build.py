@@ -1,0 +1,42 @@
+"""Which firmware is aboard: what its build configuration decides that a bridge can see."""
+
+from typing import Final, NamedTuple
+
+KCONFIG_IDLE = 7000  # CONFIG_MOTORS_DEFAULT_IDLE_THRUST where arming is required (Kconfig)
+
+
+class FirmwareBuild(NamedTuple):
+    """
+    A build of firmware 2026.08.
+
+    Attributes
+    ----------
+    app : bool
+        Whether it has the app of firmware/crazyflie, and with it the out-of-tree controller.
+    requires_arming : bool
+        Whether somebody must arm it (CONFIG_MOTORS_REQUIRE_ARMING); otherwise it arms itself.
+    idle_thrust : int
+        Default of `powerDist.idleThrust`, of 65535.
+    compensated : bool
+        Whether it corrects duties for the battery's voltage
+        (CONFIG_ENABLE_THRUST_BAT_COMPENSATED). Here that is told only: the vehicle of the body
+        has the correction as an effect, and `motor.m1` to `m4` log the duty before it.
+
+    """
+
+    app: bool
+    requires_arming: bool
+    idle_thrust: int
+    compensated: bool
+
+
+AS_SOLD: Final = FirmwareBuild(app=False, requires_arming=False, idle_thrust=0, compensated=True)
+ARMING: Final = FirmwareBuild(
+    app=False, requires_arming=True, idle_thrust=KCONFIG_IDLE, compensated=True
+)
+APP: Final = FirmwareBuild(app=True, requires_arming=True, idle_thrust=0, compensated=False)
+
+
+def select_build(command: str) -> FirmwareBuild:
+    """Return the build that a way to command a drone flies with: 'setpoint' or 'motors'."""
+    return AS_SOLD if command == 'setpoint' else APP

@@ -1,0 +1,156 @@
+"""The simulated drone as the body of an emulated Crazyflie."""
+
+from collections.abc import Callable, Mapping
+import math
+from typing import Any, final
+
+from lta_bridge.crazyflie.wiring import find_rotor_indices
+from lta_config.constants import STANDARD_GRAVITY
+from lta_config.schema.crazyflie_file import CrazyflieFile
+from lta_config.topics import TopicTable
+from lta_control.cascade import Setpoint
+from lta_control.laws.protocol import ControlMotion
+from lta_emulation.crazyflie.commander import BodyCommand, HoverSetpoint
+from lta_emulation.crazyflie.firmware_build import select_build
+from lta_emulation.crazyflie.vehicle_law import VehicleLaw
+from lta_sim.world import World
+
+DESCENT = 0.3  # m/s of a landing
+TOUCH = 0.03  # m above where it stands, below which a landing is over
+FARTHEST = 65.535  # m: the most that 16 bits of millimetres tell
+PWM_STEP = 1.0 / 256.0  # duty: the motors' PWM has 8 bits (motors.c)
+SLIP = 20  # control periods of delay that are made up for at once
+
+
+@final
+class SimulatedBody:
+    """
+    A `World` at the pace of the wall clock.
+
+    Where the firmware corrects duties for the battery's voltage, the vehicle does: its file has
+    the effect `battery_compensation`. `duties` are those before it.
+
+    Parameters
+    ----------
+    world : World
+        The drone in its scene.
+    file : CrazyflieFile
+        Which motor turns which rotor; where it is flown by setpoints, the vehicle's own law stands
+        for the firmware's controller.
+    table : TopicTable
+        The control period.
+    light : callable, optional
+        Gets each light block with the time of its first sample since the boot [s], for whoever
+        plays the light board.
+
+    Attributes
+    ----------
+    build : Build
+        The firmware that it flies with.
+
+    """
+
+    def __init__(
+        self,
+        world: World,
+        file: CrazyflieFile,
+        table: TopicTable,
+        light: Callable[[float, Any], None] | None = None,
+    ) -> None:
+        self._world, self._dt, self._light = world, 1e-9 * table.control_ns, light
+        self._start_ns = table.start_ns
+        vehicle = world.vehicle
+        self._order = find_rotor_indices(file.motors, vehicle.rotor_names)
+        self.build = select_build(file.command)
+        self._law = VehicleLaw(vehicle) if file.command == 'setpoint' else None
+        self.duties: tuple[float, ...] = (0.0,) * len(self._order)
+        self._values: dict[str, float] = {}
+        self._wanted = Setpoint(0.0, 0.0, 0.0)
+        self._behind = 0.0  # s by which the world began late or fell behind
+        self._update_values()
+
+    @property
+    def world(self) -> World:
+        """What is flown."""
+        return self._world
+
+    def read_values(self) -> Mapping[str, float]:
+        """Return the newest values, in the firmware's units."""
+        return self._values
+
+    def advance(self, now: float, wish: BodyCommand) -> None:
+        """Go on to a time [s]; a long delay is let go."""
+        late = now - self._behind - self._world.elapsed
+        if late > SLIP * self._dt:
+            self._behind += late - self._dt
+        while self._world.elapsed + self._dt <= now - self._behind + 1e-9:
+            self._step_world(wish)
+
+    def _step_world(self, wish: BodyCommand) -> None:
+        rotors = [0.0] * len(self._world.vehicle.rotor_names)
+        if wish.duties is not None:
+            for place, duty in zip(self._order, wish.duties, strict=True):
+                rotors[place] = duty
+        elif self._law is not None and (wish.hover is not None or wish.land):
+            rotors = list(self._compute_duties(wish.hover)[: len(rotors)])
+        elif self._law is not None:
+            self._law.reset()
+        for place in self._order:
+            rotors[place] = max(wish.idle, rotors[place])
+        self.duties = tuple(rotors[place] for place in self._order)
+        self._world.advance([duty if duty >= PWM_STEP else 0.0 for duty in rotors])
+        if self._law is not None and not any(self.duties) and self._is_on_floor:
+            self._level_attitude()
+        self._update_values()
+
+    @property
+    def _is_on_floor(self) -> bool:
+        return bool(self._world.state[2] < self._world.vehicle.height_on_floor + TOUCH)
+
+    def _level_attitude(self) -> None:
+        """Stand on four feet: the world's floor holds it at one point, on which it would fall."""
+        state = self._world.state
+        half = 0.5 * _heading_of(state[3:7].tolist())
+        state[3:7] = 0.0, 0.0, math.sin(half), math.cos(half)
+        state[10:13] = 0.0
+
+    def _compute_duties(self, hover: HoverSetpoint | None) -> tuple[float, ...]:
+        """Return what the law does for a hover; without one it comes down where it is."""
+        assert self._law is not None
+        state = self._world.state.tolist()
+        position, turn = tuple(state[:3]), tuple(state[3:7])
+        motion = ControlMotion(position, turn, tuple(state[7:10]), tuple(state[10:13]))
+        if hover is None:
+            height = self._wanted.altitude - DESCENT * self._dt
+            if self._is_on_floor:
+                return (0.0,) * len(self._world.vehicle.rotor_names)
+            self._wanted = Setpoint(height, self._wanted.heading, 0.0)
+        else:
+            heading = _heading_of(turn) + hover.yaw_rate
+            self._wanted = Setpoint(hover.height, heading, hover.forward)
+        return self._law.step(motion, self._wanted, self._dt)
+
+    def _update_values(self) -> None:
+        readings = self._world.sense_motion()
+        self._world.sense_rest(readings)
+        values = self._values
+        for axis, force, rate in zip('xyz', readings.force, readings.rates, strict=True):
+            values[f'acc.{axis}'] = force / STANDARD_GRAVITY
+            values[f'gyro.{axis}'] = math.degrees(rate)
+        if readings.ranges:
+            distance = min(max(readings.ranges[-1][1], 0.0), FARTHEST)
+            values['range.zrange'] = 1e3 * distance
+        if readings.pressure is not None:
+            values['baro.pressure'] = 1e-2 * readings.pressure
+        if readings.battery is not None:
+            values['pm.vbat'] = readings.battery[0]
+        values['stateEstimate.yaw'] = math.degrees(_heading_of(self._world.state[3:7].tolist()))
+        if readings.block is not None and self._light is not None:
+            begun_ns, block = readings.block
+            self._light(1e-9 * (begun_ns - self._start_ns) + self._behind, block)
+
+
+def _heading_of(turn: tuple[float, ...]) -> float:
+    """Return the heading of a quaternion x y z w. [rad]"""
+    x, y, z, w = turn
+    return math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))

@@ -1,0 +1,52 @@
+"""The vehicle's own law in place of the firmware's controller: it sees the true state."""
+
+from typing import Any, final
+
+from lta_config.errors import BadInput
+from lta_control.allocation import create_scratch
+from lta_control.cascade import Setpoint
+from lta_control.gains_file import load_law_gains
+from lta_control.laws import find_law
+from lta_control.laws.protocol import ControlMotion, LawInputs
+from lta_model.vehicle import Vehicle
+
+
+@final
+class VehicleLaw:
+    """
+    A law with its memory.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        Its file names law and gains.
+
+    Raises
+    ------
+    BadInput
+        If it names none.
+
+    """
+
+    def __init__(self, vehicle: Vehicle) -> None:
+        control = vehicle.file.control
+        if control is None or control.gains is None:
+            raise BadInput(
+                f'{vehicle.file.name} names no law with gains to fly setpoints by; add a control '
+                'block, or command its motors.'
+            )
+        self._law = find_law(control.law)
+        self._known = self._law.known(load_law_gains(self._law.gains, control.gains), vehicle)
+        self._memory: Any = self._law.start
+        self._scratch = create_scratch()
+
+    def step(self, motion: ControlMotion, setpoint: Setpoint, dt: float) -> tuple[float, ...]:
+        """Return the duties by slot after one more period. [s]"""
+        heard = LawInputs(motion, setpoint, dt)
+        self._memory = self._law.step(self._known, self._memory, heard, self._scratch)
+        duties: tuple[float, ...] = self._memory.command.duties
+        return duties
+
+    def reset(self) -> None:
+        """Forget what the loops had wound up."""
+        self._memory = self._law.start

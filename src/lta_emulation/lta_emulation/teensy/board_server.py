@@ -1,0 +1,112 @@
+"""The emulated light board on a cable, in real time, in a thread of its own."""
+
+from pathlib import Path
+from queue import Empty, SimpleQueue
+import threading
+import time
+from typing import Final, final, Self
+
+from lta_emulation.teensy.emulated_board import Cable, EmulatedBoard
+import numpy as np
+from numpy.typing import NDArray
+
+LOOK: Final = 0.002  # s that it waits for a question
+BEAT_NS: Final = 1_000_000_000  # between two words of what it is
+
+
+@final
+class BoardServer:
+    """
+    A light board at the end of a pseudo terminal.
+
+    Parameters
+    ----------
+    board : EmulatedBoard
+        Booted at 0 of `now_ns`.
+    name : Path
+        What the bridge opens.
+    beacon : float
+        Frequency at which it finds peaks itself; 0 where it sends all samples. [Hz]
+
+    Attributes
+    ----------
+    board : EmulatedBoard
+        Another one in its place is one that started anew.
+    silent : bool
+        Whether it says nothing.
+    cable : Cable
+        Belongs to the thread while it works; `plugged` is for others.
+    plugged : bool
+        Whether the cable is in; set it to pull and to plug.
+
+    """
+
+    def __init__(self, board: EmulatedBoard, name: Path, beacon: float = 0.0) -> None:
+        self.board, self.silent = board, False
+        self._name, self._beacon = name, beacon
+        self.cable, self.plugged = Cable(name), True
+        self._began = time.monotonic_ns()
+        self._blocks: SimpleQueue[tuple[int, NDArray[np.uint16]]] = SimpleQueue()
+        self._running = threading.Event()
+        self._running.set()
+        self._thread = threading.Thread(target=self._run, name='emulated_board', daemon=True)
+
+    @property
+    def now_ns(self) -> int:
+        """Time since the boot. [ns]"""
+        return time.monotonic_ns() - self._began
+
+    @property
+    def port(self) -> str:
+        """What the bridge opens."""
+        return str(self._name)
+
+    def __enter__(self) -> Self:
+        """Boot."""
+        self._began = time.monotonic_ns()
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Switch off and pull the cable."""
+        self._running.clear()
+        self._thread.join()
+        self.cable.pull()
+
+    def toggle_cable(self) -> None:
+        """Pull the cable, or plug it in."""
+        self.plugged = not self.plugged
+
+    def sample_light(self, begun: float, samples: NDArray[np.uint16]) -> None:
+        """Sample a block, from a time since the boot on [s]; shape (samples, diodes)."""
+        self._blocks.put((round(1e9 * begun), samples))
+
+    def _run(self) -> None:
+        beat, plugged = 0, True
+        while self._running.is_set():
+            if self.plugged != plugged:
+                plugged = not plugged
+                (self.cable.plug if plugged else self.cable.pull)()
+            looked = self.now_ns
+            asked = self.cable.read(LOOK)
+            self._write_cable(self.board.answer_timesync(asked, self.now_ns))
+            if self.now_ns >= beat:
+                beat = self.now_ns + BEAT_NS
+                self._write_cable(self.board.encode_status())
+            self._send_light()
+            if not asked and self.now_ns - looked < 1e9 * LOOK:
+                time.sleep(LOOK)  # a cable that nobody holds is ready at once
+
+    def _send_light(self) -> None:
+        try:
+            begun_ns, samples = self._blocks.get_nowait()
+        except Empty:
+            return
+        if self._beacon:
+            self._write_cable(self.board.encode_peaks(samples, self._beacon, begun_ns))
+        else:
+            self._write_cable(self.board.encode_light(samples, begun_ns))
+
+    def _write_cable(self, data: bytes) -> None:
+        if not self.silent:
+            self.cable.write(data)

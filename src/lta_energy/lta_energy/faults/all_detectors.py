@@ -1,0 +1,118 @@
+"""All detectors together: what each remembers, and which faults are on."""
+
+from typing import NamedTuple
+
+from lta_energy.faults import (
+    brown_out,
+    cell_swap,
+    clock_reset,
+    dropout,
+    frozen,
+    gap,
+    implausible,
+    not_a_number,
+    panel_short,
+    reversed_sign,
+    stale_stamp,
+)
+from lta_energy.faults.detector import FaultDetector, Memory, MeterObservation
+from lta_energy.monitoring.latch import Latch, update_latch
+from lta_graph.health import HealthLevel
+
+# The order is that in which they are told: what explains others comes first.
+DETECTORS: tuple[FaultDetector, ...] = (
+    not_a_number.DETECTOR,
+    dropout.DETECTOR,
+    stale_stamp.DETECTOR,
+    frozen.DETECTOR,
+    implausible.DETECTOR,
+    reversed_sign.DETECTOR,
+    brown_out.DETECTOR,
+    cell_swap.DETECTOR,
+    gap.DETECTOR,
+    clock_reset.DETECTOR,
+    panel_short.MISSING,
+    panel_short.DETECTOR,
+    frozen.PANEL,
+)
+UNTOUCHED = tuple(detector.start for detector in DETECTORS)
+SWAPPED = DETECTORS.index(cell_swap.DETECTOR)
+
+
+class MeterFault(NamedTuple):
+    """A fault that is on, and what was said of it when it was last seen."""
+
+    name: str
+    level: HealthLevel
+    sentence: str
+
+
+class DetectorStates(NamedTuple):
+    """
+    What all detectors know, in their order.
+
+    Attributes
+    ----------
+    memories : tuple
+        What each remembers.
+    latches : tuple of Latch
+        Whether each is on.
+    seen : tuple of bool
+        Whether its condition holds for the newest reading.
+    sentences : tuple of str
+        What each said when its condition last held.
+
+    """
+
+    memories: tuple[Memory, ...] = UNTOUCHED
+    latches: tuple[Latch, ...] = (Latch(),) * len(DETECTORS)
+    seen: tuple[bool, ...] = (False,) * len(DETECTORS)
+    sentences: tuple[str, ...] = ('',) * len(DETECTORS)
+
+    @property
+    def is_unusable(self) -> bool:
+        """Whether the newest reading says nothing of the cell."""
+        return any(
+            condition and detector.spoils
+            for detector, condition in zip(DETECTORS, self.seen, strict=True)
+        )
+
+    @property
+    def faults(self) -> tuple[MeterFault, ...]:
+        """The faults that are on."""
+        return tuple(
+            MeterFault(detector.name, detector.level, sentence)
+            for detector, latch, sentence in zip(
+                DETECTORS, self.latches, self.sentences, strict=True
+            )
+            if latch.on
+        )
+
+    @property
+    def is_doubtful(self) -> bool:
+        """Whether a fault is on that makes the energy doubtful."""
+        return any(
+            latch.on and detector.level >= HealthLevel.ERROR
+            for detector, latch in zip(DETECTORS, self.latches, strict=True)
+        )
+
+
+def update_detectors(watch: DetectorStates, observation: MeterObservation) -> DetectorStates:
+    """
+    Return what the detectors know after one more reading.
+
+    A reading in which one finds a grave fault surprises nobody further down the list.
+    """
+    rows = []
+    for detector, memory, latch, sentence in zip(
+        DETECTORS, watch.memories, watch.latches, watch.sentences, strict=True
+    ):
+        condition, now = detector.sees(memory, observation)
+        kept = update_latch(
+            latch, condition, max(observation.dt, 0.0), detector.rise, detector.fall
+        )
+        rows.append((now, kept, condition, detector.says(observation) if condition else sentence))
+        if condition and detector.level >= HealthLevel.ERROR:
+            observation = observation._replace(surprise=0.0)
+    memories, latches, conditions, sentences = zip(*rows, strict=True)
+    return DetectorStates(memories, latches, conditions, sentences)

@@ -1,0 +1,35 @@
+"""
+Another cell than a moment ago: a voltage that neither charge nor load explains.
+
+A meter that hangs makes the other one look surprising; a reading that repeats a number of the one
+before is no witness.
+"""
+
+from lta_energy.faults.detector import FaultDetector, Memory, MeterObservation
+from lta_graph.health import HealthLevel
+
+SURPRISE = 5.0  # standard deviations
+
+
+def _detect_cell_swap(memory: Memory, observation: MeterObservation) -> tuple[bool, Memory]:
+    now, before = observation.reading, observation.before
+    repeats = before is not None and now.current == before.current
+    return observation.surprise > SURPRISE and not repeats, memory
+
+
+def _describe_cell_swap(observation: MeterObservation) -> str:
+    return (
+        'the voltage jumped by more than charge and load explain: another cell? '
+        'Its charge is estimated anew'
+    )
+
+
+DETECTOR = FaultDetector(
+    'swapped',
+    _detect_cell_swap,
+    _describe_cell_swap,
+    HealthLevel.ERROR,
+    spoils=True,
+    rise=0.3,
+    fall=10.0,
+)

@@ -1,0 +1,29 @@
+"""Readings whose stamps do not move on: an old message is sent again and again."""
+
+from lta_energy.faults.detector import FaultDetector, Memory, MeterObservation
+from lta_graph.health import HealthLevel
+
+REPEATS = 3.0  # one message that comes twice means nothing
+
+
+def _detect_stale_stamp(memory: Memory, observation: MeterObservation) -> tuple[bool, Memory]:
+    if observation.before is None or observation.dt > 0.0:
+        return False, (0.0,)
+    count = memory[0] + 1.0
+    return count >= REPEATS, (count,)
+
+
+def _describe_stale_stamp(observation: MeterObservation) -> str:
+    return 'the stamps of the battery stand still: what publishes it repeats an old message'
+
+
+DETECTOR = FaultDetector(
+    'clock',
+    _detect_stale_stamp,
+    _describe_stale_stamp,
+    HealthLevel.ERROR,
+    spoils=False,
+    rise=0.0,
+    fall=2.0,
+    start=(0.0,),
+)

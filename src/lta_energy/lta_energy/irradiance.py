@@ -1,0 +1,192 @@
+"""
+The light on a perch over days, minute by minute, and what can be known of it beforehand.
+
+A clear day after Haurwitz (1945, Insolation in relation to cloudiness and cloud density, J.
+Meteorology 2, 154-166): 1098 W/m2 sin(h) exp(-0.057 / sin(h)) on level ground at the sun's
+elevation h, with Cooper's declination (1969, Solar Energy 12, 333-346). Glass takes its share.
+Clouds come and go one after the other, by the seed.
+
+The forecast knows lamps and clear sky exactly, and of the clouds only their means: nobody knows
+when the next one comes.
+"""
+
+from dataclasses import dataclass
+import math
+from typing import final, NamedTuple
+
+from lta_config.schema.light_day_file import CloudPattern, DAY, LightDay, SunModel, TimedLamp
+import numpy as np
+from numpy.random import Generator
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+MINUTE = 60.0  # s
+MINUTES = round(DAY / MINUTE)
+
+
+class PanelIrradiance(NamedTuple):
+    """
+    Light on the panel at one time.
+
+    Attributes
+    ----------
+    sun : float
+        Radiant power of sun and sky by area. [W/m2]
+    lamps : float
+        Of lamps that burn steadily. [W/m2]
+    beacon, duty : float
+        Of the lamp that flickers, while it is on [W/m2], and the part of the time that it is.
+
+    """
+
+    sun: float
+    lamps: float
+    beacon: float
+    duty: float
+
+
+DARK = PanelIrradiance(0.0, 0.0, 0.0, 1.0)
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class IrradianceSeries:
+    """
+    Light of some days, a number a minute.
+
+    Parameters
+    ----------
+    sun, lamps, beacon : ndarray, shape (n,)
+        As in `PanelIrradiance`. [W/m2]
+    duty : float
+        As in `PanelIrradiance`.
+    clear : ndarray, shape (n,)
+        `sun` without clouds. [W/m2]
+    mean : float
+        Part of the clear light that comes through clouds on average.
+    efficacies : tuple of float
+        Of sun, lamps and beacon. [lm/W]
+
+    """
+
+    sun: Array
+    lamps: Array
+    beacon: Array
+    duty: float
+    clear: Array
+    mean: float
+    efficacies: tuple[float, float, float]
+
+    def at(self, time: float) -> PanelIrradiance:
+        """Return the light at a time since the first midnight. [s]"""
+        k = self._minute_index(time)
+        return PanelIrradiance(
+            float(self.sun[k]), float(self.lamps[k]), float(self.beacon[k]), self.duty
+        )
+
+    def forecast(self, time: float) -> PanelIrradiance:
+        """Return the light that is to be expected at a time, of these days or later. [s]"""
+        k = int(time / MINUTE) % MINUTES  # all days are of one date
+        sun = self.mean * float(self.clear[k])
+        return PanelIrradiance(sun, float(self.lamps[k]), float(self.beacon[k]), self.duty)
+
+    def illuminance(self) -> Array:
+        """Return the illuminance of the panel, the beacon's as a mean over its flicker. [lx]"""
+        sun, lamps, beacon = self.efficacies
+        return sun * self.sun + lamps * self.lamps + beacon * self.duty * self.beacon
+
+    @property
+    def end(self) -> float:
+        """When the last day ends. [s]"""
+        return len(self.sun) * MINUTE
+
+    def _minute_index(self, time: float) -> int:
+        return min(max(int(time / MINUTE), 0), len(self.sun) - 1)
+
+
+def simulate_irradiance(day: LightDay, days: int, seed: int) -> IrradianceSeries:
+    """
+    Return the light of some days.
+
+    Parameters
+    ----------
+    day : LightDay
+        What it is made of.
+    days : int
+        How many, all of one date.
+    seed : int
+        Of the clouds.
+
+    """
+    times: Array = np.arange(0.5, days * MINUTES) * MINUTE
+    nothing = np.zeros(len(times))
+    clear = nothing if day.sun is None else clear_sky_irradiance(day.sun, times)
+    sun, mean = clear, 1.0
+    if day.sun is not None:
+        chance = np.random.default_rng(np.random.SeedSequence([seed, 0xC10D]))
+        sun = clear * np.concatenate(
+            [simulate_cloud_transmittance(day.sun.clouds, chance) for _ in range(days)]
+        )
+        mean = mean_cloud_transmittance(day.sun.clouds)
+    steady = [lamp for lamp in day.lamps.values() if lamp.duty.si == 1.0]
+    beacon = [lamp for lamp in day.lamps.values() if lamp.duty.si < 1.0]
+    return IrradianceSeries(
+        sun,
+        sum((lamp_irradiance(lamp, times) for lamp in steady), nothing),
+        sum((lamp_irradiance(lamp, times) for lamp in beacon), nothing),
+        beacon[0].duty.si if beacon else 1.0,
+        clear,
+        mean,
+        (
+            day.sun.efficacy.si if day.sun else 1.0,
+            steady[0].efficacy.si if steady else 1.0,
+            beacon[0].efficacy.si if beacon else 1.0,
+        ),
+    )
+
+
+def solar_elevation_sine(latitude: float, day: int, times: Array) -> Array:
+    """Return the sine of the sun's elevation at solar times from midnight. [1]"""
+    declination = math.radians(23.45) * math.sin(2.0 * math.pi * (284 + day) / 365.0)
+    hour = 2.0 * math.pi * (times / DAY - 0.5)
+    up = math.sin(latitude) * math.sin(declination)
+    return up + math.cos(latitude) * math.cos(declination) * np.cos(hour)
+
+
+def clear_sky_irradiance(sun: SunModel, times: Array) -> Array:
+    """Return the radiant power of a clear sky behind the glass, level. [W/m2]"""
+    sine = np.maximum(solar_elevation_sine(sun.latitude.si, sun.day, times), 1e-3)
+    outside = 1098.0 * sine * np.exp(-0.057 / sine)
+    return sun.through.si * np.where(sine > 1e-3, outside, 0.0)
+
+
+def simulate_cloud_transmittance(clouds: CloudPattern, chance: Generator) -> Array:
+    """Return what the clouds of one day let through, minute by minute. [1]"""
+    low, high = clouds.cover.vector
+    cover = float(chance.uniform(low, high))
+    share = np.ones(MINUTES)
+    if cover <= 0.0:
+        return share
+    length = clouds.length.si / MINUTE
+    gap = length * (1.0 - cover) / cover
+    low, high = clouds.through.vector
+    at = 0.0 if chance.random() < cover else chance.exponential(gap)
+    while at < MINUTES:
+        end = at + chance.exponential(length)
+        share[round(at) : round(end)] = chance.uniform(low, high)
+        at = end + chance.exponential(gap)
+    return share
+
+
+def mean_cloud_transmittance(clouds: CloudPattern) -> float:
+    """Return what clouds let through on average. [1]"""
+    cover = sum(clouds.cover.vector) / 2.0
+    return 1.0 - cover * (1.0 - sum(clouds.through.vector) / 2.0)
+
+
+def lamp_irradiance(lamp: TimedLamp, times: Array) -> Array:
+    """Return the radiant power of a lamp by its timer. [W/m2]"""
+    begin, end = lamp.hours.vector
+    clock = times % DAY
+    on = (begin <= clock) & (clock < end) if begin <= end else (clock >= begin) | (clock < end)
+    return np.where(on, lamp.light.si / lamp.efficacy.si, 0.0)

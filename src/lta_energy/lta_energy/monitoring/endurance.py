@@ -1,0 +1,102 @@
+r"""
+How long it lasts: time to empty and to full at the mean load, each with a standard deviation.
+
+A cell is empty where it can no longer give the mean power P above the cut-off voltage: at the
+charge whose resting voltage is :math:`V_c + R P / V_c`. Between here and there it stores W(s); at
+the power p that leaves its chemistry, losses included, the time is :math:`T = W C / (C_0 p)`. To
+first order its variance is that of charge and capacity (with what the filter knows of both
+together) and of p.
+
+Full is by the same rule and leaves out that a charger tapers its current off at the end.
+"""
+
+import math
+from typing import NamedTuple
+
+from lta_energy.monitoring.soc_ekf import CellState, CHARGE, INVERSE, RESISTANCE
+from lta_model.electrical.battery import (
+    BatteryModel,
+    open_circuit_voltage,
+    state_of_charge,
+    stored_energy,
+)
+
+
+class TimeEstimate(NamedTuple):
+    """A time and its standard deviation [s]; infinite where it never comes."""
+
+    mean: float
+    deviation: float
+
+
+UNKNOWN = TimeEstimate(math.nan, math.nan)
+NEVER = TimeEstimate(math.inf, math.inf)
+
+
+def empty_charge(cell: BatteryModel, state: CellState, power: float) -> float:
+    """Return the charge at which a power [W] pulls the cell down to its cut-off. [1]"""
+    resistance = state.mean[RESISTANCE] * (cell.resistance + cell.relaxation_resistance)
+    return state_of_charge(
+        cell.discharge_cutoff + resistance * max(power, 0.0) / cell.discharge_cutoff
+    )
+
+
+def energy_between(cell: BatteryModel, state: CellState, low: float, high: float) -> float:
+    """Return what the cell stores between two charges; negative where low is above high. [J]"""
+    capacity = cell.capacity / state.mean[INVERSE]
+    return stored_energy(high, capacity) - stored_energy(low, capacity)
+
+
+def estimate_discharge_time(
+    cell: BatteryModel, state: CellState, power: float, deviation: float
+) -> TimeEstimate:
+    """
+    Return how long the cell lasts.
+
+    Parameters
+    ----------
+    cell : Battery
+        The cell's file.
+    belief : Belief
+        What is known of it.
+    power, deviation : float
+        Mean power out of its chemistry, and the standard deviation of that. [W]
+
+    """
+    if power <= 0.0:
+        return NEVER
+    energy = energy_between(cell, state, empty_charge(cell, state, power), state.charge)
+    return _estimate_time(cell, state, max(energy, 0.0), power, deviation, 1.0)
+
+
+def estimate_charging_time(
+    cell: BatteryModel, state: CellState, power: float, deviation: float
+) -> TimeEstimate:
+    """Return the time until the cell is full [s]; as `estimate_discharge_time`, power negative."""
+    if power >= 0.0:
+        return NEVER
+    energy = energy_between(cell, state, state.charge, 1.0)
+    return _estimate_time(cell, state, energy, -power, deviation, -1.0)
+
+
+def _estimate_time(
+    cell: BatteryModel,
+    state: CellState,
+    energy: float,
+    power: float,
+    deviation: float,
+    sign: float,
+) -> TimeEstimate:
+    """Return energy by power; a larger charge makes it longer (sign 1) or shorter (-1)."""
+    p, inverse = state.spread, state.mean[INVERSE]
+    time = energy / power
+    by_charge = sign * open_circuit_voltage(state.charge) * cell.capacity / inverse / power
+    by_inverse = -time / inverse
+    by_power = -time / power
+    variance = (
+        by_charge * by_charge * p[CHARGE][CHARGE]
+        + 2.0 * by_charge * by_inverse * p[CHARGE][INVERSE]
+        + by_inverse * by_inverse * p[INVERSE][INVERSE]
+        + by_power * by_power * deviation * deviation
+    )
+    return TimeEstimate(time, math.sqrt(max(variance, 0.0)))

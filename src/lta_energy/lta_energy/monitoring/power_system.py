@@ -1,0 +1,26 @@
+"""What the monitor knows of its own vehicle: the cell and the charger, as the file has them."""
+
+import math
+from typing import NamedTuple, Self
+
+from lta_config.schema.vehicle_energy import EnergyBlock
+from lta_model.electrical.battery import BatteryModel
+from lta_model.electrical.charger import ChargerModel
+
+
+class PowerSystem(NamedTuple):
+    """The cell and the charger of a vehicle."""
+
+    cell: BatteryModel
+    charger: ChargerModel
+
+    @classmethod
+    def from_entry(cls, energy: EnergyBlock) -> Self:
+        """Return what a vehicle file says."""
+        return cls(BatteryModel.from_energy(energy), ChargerModel.from_energy(energy))
+
+    def charger_output(self, harvest: float) -> float:
+        """Return what the charger makes of what the array gives; 0 if unmeasured. [W]"""
+        if not math.isfinite(harvest):
+            return 0.0
+        return max(0.0, harvest * self.charger.conversion - self.charger.idle)

@@ -1,0 +1,244 @@
+r"""
+What voltage and current say of a cell: an extended Kalman filter.
+
+The state is the charge s, the relaxation voltage u, two factors by which this cell differs from
+its file (of resistance, of the inverse of capacity), and by how much its resting voltage is off
+the chart. With the current I, positive where it charges,
+
+.. math::
+
+    \dot s = f_C I / C, \qquad \tau \dot u = f_R R_1 I - u, \qquad
+    V = E(s) + e + u + f_R R_0 I .
+
+Plett, "Extended Kalman filtering for battery management systems", parts 2 and 3, J. Power Sources
+134 (2004): states and parameters in one filter. An error of the chart stays where the charge
+stays, so that no number of readings averages it away: it is a Gauss-Markov process over the
+charge instead of noise. The slope of the chart, which has kinks, is that of a chord as wide as
+the belief.
+
+Plain scalars in a fixed order, without BLAS: the same to the last bit in every process.
+"""
+
+import math
+from typing import NamedTuple
+
+from lta_config.settings import setting, Settings
+from lta_model.electrical.battery import BatteryModel, open_circuit_voltage, state_of_charge
+
+CHARGE, RELAXATION, RESISTANCE, INVERSE, CHART = range(5)
+SIZE = 5
+UNIFORM = 1.0 / math.sqrt(12.0)  # standard deviation of a charge anywhere between 0 and 1
+CORRELATED = 0.2  # change of charge after which the chart's error is another: 4 of its 20 steps
+NARROW, WIDE = 0.01, 0.2  # the half chord
+SLOW = 1e-5  # growth of the charge's deviation by what the meter's offset does [1/sqrt(s)]
+
+Row = tuple[float, float, float, float, float]
+
+
+class SocFilterSettings(Settings):
+    """How far cells may differ from their file, one standard deviation each."""
+
+    capacity_spread: float = setting(
+        0.05, 'Of the capacity, relative; assumed.', low=0.0, high=0.5
+    )
+    resistance_spread: float = setting(
+        0.3, 'Of the resistances, relative; assumed: cold and age count.', low=0.0, high=1.0
+    )
+    chart_error: float = setting(
+        0.010, 'Of the resting voltage, meter included; assumed.', unit='V', low=1e-4, high=0.2
+    )
+    voltage_noise: float = setting(
+        0.010, 'Of one reading and of the circuit behind it.', unit='V', low=1e-4, high=0.2
+    )
+    recent_current: float = setting(
+        0.2,
+        'That a cell of unknown past may have just given; assumed.',
+        unit='A',
+        low=0.0,
+        high=50.0,
+    )
+
+
+class CellState(NamedTuple):
+    """Mean and covariance of the state."""
+
+    mean: Row
+    spread: tuple[Row, ...]
+
+    @property
+    def charge(self) -> float:
+        """State of charge. [1]"""
+        return self.mean[CHARGE]
+
+    @property
+    def deviation(self) -> float:
+        """Standard deviation of the state of charge. [1]"""
+        return math.sqrt(max(self.spread[CHARGE][CHARGE], 0.0))
+
+
+class VoltageInnovation(NamedTuple):
+    """How far a voltage was off what was expected [V], and the deviation to expect of that [V]."""
+
+    innovation: float
+    deviation: float
+
+
+def initial_state(settings: SocFilterSettings, cell: BatteryModel) -> CellState:
+    """Return the belief before any reading: any charge."""
+    deviations = (
+        UNIFORM,
+        cell.relaxation_resistance * settings.recent_current,
+        settings.resistance_spread,
+        settings.capacity_spread,
+        settings.chart_error,
+    )
+    rows = [tuple(deviations[i] ** 2 if i == j else 0.0 for j in range(SIZE)) for i in range(SIZE)]
+    return CellState((0.5, 0.0, 1.0, 1.0, 0.0), tuple(rows))  # type: ignore[arg-type]
+
+
+def predict_state(
+    settings: SocFilterSettings,
+    cell: BatteryModel,
+    state: CellState,
+    current: float,
+    deviation: float,
+    dt: float,
+) -> CellState:
+    """
+    Return the belief after some time.
+
+    Parameters
+    ----------
+    settings : BeliefSettings
+        How far cells differ.
+    cell : Battery
+        The cell's file.
+    belief : Belief
+        Before.
+    current, deviation : float
+        Mean current and its standard deviation. [A]
+    dt : float
+        Time. [s]
+
+    """
+    s, u, resistance, inverse, chart = state.mean
+    step = current * dt / cell.capacity
+    kept = math.exp(-dt / cell.relaxation_time) if cell.relaxation_time > 0.0 else 0.0
+    pull = (1.0 - kept) * cell.relaxation_resistance * current
+    moved = abs(step) / CORRELATED
+    faded = math.exp(-moved)
+    mean = (
+        min(max(s + inverse * step, 0.0), 1.0),
+        kept * u + pull * resistance,
+        resistance,
+        inverse,
+        faded * chart,
+    )
+    rows = _propagate_covariance(state.spread, step, kept, pull, faded)
+    unsure = deviation * dt / cell.capacity
+    blurred = (1.0 - kept) * cell.relaxation_resistance * deviation
+    noise = (
+        unsure * unsure + SLOW * SLOW * dt,
+        blurred * blurred,
+        0.0,
+        0.0,
+        settings.chart_error**2 * -math.expm1(-2.0 * moved),
+    )
+    for place, added in enumerate(noise):
+        rows[place][place] += added
+    return CellState(mean, tuple(map(tuple, rows)))  # type: ignore[arg-type]
+
+
+def _propagate_covariance(
+    p: tuple[Row, ...], step: float, decay: float, pull: float, faded: float
+) -> list[list[float]]:
+    """Return F P F^T, F being 1 but for the rows of charge, relaxation and chart."""
+    rows = [list(row) for row in p]
+    for row in rows:  # P F^T
+        row[CHARGE] += step * row[INVERSE]
+        row[RELAXATION] = decay * row[RELAXATION] + pull * row[RESISTANCE]
+        row[CHART] *= faded
+    charge, relaxation, resistance, inverse, chart = rows
+    return [
+        [a + step * b for a, b in zip(charge, inverse, strict=True)],
+        [decay * a + pull * b for a, b in zip(relaxation, resistance, strict=True)],
+        resistance,
+        inverse,
+        [faded * a for a in chart],
+    ]
+
+
+def correct_state(
+    settings: SocFilterSettings,
+    cell: BatteryModel,
+    state: CellState,
+    voltage: float,
+    current: float,
+) -> tuple[CellState, VoltageInnovation]:
+    """
+    Return the belief with a reading, and how surprising that was.
+
+    Parameters
+    ----------
+    settings : BeliefSettings
+        The noise of a reading.
+    cell : Battery
+        The cell's file.
+    belief : Belief
+        Before.
+    voltage, current : float
+        At the terminals. [V, A]
+
+    """
+    return _update_linearized(settings, cell, state, state.charge, voltage, current)
+
+
+def initialize_from_reading(
+    settings: SocFilterSettings, cell: BatteryModel, voltage: float, current: float
+) -> CellState:
+    """Return the belief after a first reading [V, A], linearised where the voltage points to."""
+    pointed = state_of_charge(voltage - cell.resistance * current)
+    start = initial_state(settings, cell)
+    return _update_linearized(settings, cell, start, pointed, voltage, current)[0]
+
+
+def _update_linearized(
+    settings: SocFilterSettings,
+    cell: BatteryModel,
+    state: CellState,
+    at: float,
+    voltage: float,
+    current: float,
+) -> tuple[CellState, VoltageInnovation]:
+    """Return the belief after a reading, linearised at a charge; a Kalman step of one number."""
+    mean, p = state
+    half = min(max(state.deviation, NARROW), WIDE) if at == mean[CHARGE] else NARROW
+    slope = chord_slope(at, half)
+    drop = cell.resistance * current
+    expected = (
+        open_circuit_voltage(at) + slope * (mean[CHARGE] - at)
+        + mean[CHART] + mean[RELAXATION] + mean[RESISTANCE] * drop
+    )  # fmt: skip
+    column = [
+        slope * row[CHARGE] + row[RELAXATION] + drop * row[RESISTANCE] + row[CHART] for row in p
+    ]
+    variance = (
+        slope * column[CHARGE] + column[RELAXATION] + drop * column[RESISTANCE] + column[CHART]
+        + settings.voltage_noise**2
+    )  # fmt: skip
+    innovation = voltage - expected
+    gain = [x / variance for x in column]
+    after = [x + k * innovation for x, k in zip(mean, gain, strict=True)]
+    after[CHARGE] = min(max(after[CHARGE], 0.0), 1.0)
+    rows = tuple(
+        tuple(x - k * y for x, y in zip(row, column, strict=True))
+        for row, k in zip(p, gain, strict=True)
+    )
+    corrected = CellState(tuple(after), rows)  # type: ignore[arg-type]
+    return corrected, VoltageInnovation(innovation, math.sqrt(variance))
+
+
+def chord_slope(charge: float, half: float) -> float:
+    """Return the slope of the resting voltage over a chord around a charge. [V]"""
+    low, high = max(charge - half, 0.0), min(charge + half, 1.0)
+    return (open_circuit_voltage(high) - open_circuit_voltage(low)) / (high - low)

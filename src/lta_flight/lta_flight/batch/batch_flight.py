@@ -1,0 +1,293 @@
+"""One flight of a batch as numbers: what the kernel keeps of it, and the constants of its loop."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, cast, final
+
+from lta_config.compilation.flat import settings_to_tuples
+from lta_config.errors import BadInput
+from lta_config.topics import TopicTable
+from lta_control.autopilot import build_drone_constants
+from lta_control.cascade import CascadeGains
+from lta_control.laws import LAWS
+from lta_control.laws.onboard_law import CASCADE
+from lta_control.per_rotor import NONE, pad_to_slots
+from lta_control.strategies import bearing_angle
+from lta_flight.batch.flight_data import BatchGoal, BatchPower, FlightConstants
+from lta_flight.batch.targets import BatchRhythm, STEP
+from lta_flight.flight_stack import FlightStack
+from lta_model.effects import EFFECTS
+from lta_model.effects.protocol import MeasurementEffect
+from lta_model.electrical.loads import navigation_power
+from lta_model.hull import half_axes
+from lta_model.light.gain_selection import select_diode_gain
+from lta_model.light.panel_light import build_panel_plane
+from lta_model.model import VehicleModel
+from lta_model.scenario import Scenario
+from lta_model.sensors.imu import error_bounds, ImuSettings
+from lta_model.sensors.pressure import PressureSettings
+from lta_model.sensors.range import RangeSettings
+from lta_model.vehicle import Vehicle
+from lta_sim.compiled_sensors import ImuAxes, SensorDatasheets, Six
+from lta_sim.light_link import build_light_link
+from lta_sim.scene_model import build_scene_model
+from lta_sim.supply_step import SupplyParts
+from lta_vlc.diodes import build_diode_array
+from lta_vlc.direction import build_direction_prior, build_fit_array
+
+UNHEARD = ('pose', 'pose_time', 'clock')  # channels that decide nothing of a flight
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class BatchFlight:
+    """
+    One flight of a batch.
+
+    Attributes
+    ----------
+    model : Model
+        The vehicle.
+    numbers : list of float
+        Of its `FlightConstants`, in the order of its layout.
+    form : str
+        What kind of number each is; flights of one form share a text.
+    craft : Craft
+        The constants.
+    name : str
+        Of the vehicle.
+
+    """
+
+    model: VehicleModel
+    numbers: list[float]
+    form: str
+    craft: FlightConstants
+    name: str
+
+
+def build_rhythm(table: TopicTable) -> BatchRhythm:
+    """Return when what is due; `BadInput` if a period is no whole number of steps."""
+    step_ns = round(STEP * 1e9)
+    control = table.control_ns
+    due = {name: table[name].period_ns for name in ('range', 'pressure', 'photodiodes')}
+    if control % step_ns or due['range'] % step_ns or due['photodiodes'] % (2 * control):
+        raise BadInput(
+            f'A batch flies in steps of {1e3 * STEP:g} ms, and the periods {control} ns of '
+            f'control and {due} ns of sensors do not fit it; change topics.yaml.'
+        )
+    return BatchRhythm(
+        control // step_ns,
+        due['range'] // step_ns,
+        due['pressure'] // control,
+        due['photodiodes'] // control,
+    )
+
+
+def build_model(vehicle: Vehicle, scenario: Scenario, policy: FlightStack) -> VehicleModel:
+    """
+    Return the model of a vehicle in a scene that a batch can fly.
+
+    Raises
+    ------
+    BadInput
+        If it needs what a batch does not have.
+
+    """
+    if policy.strategy is not bearing_angle.STRATEGY:
+        raise BadInput(
+            f'A batch knows the strategy bag only, not {policy.strategy.name}; leave --device out.'
+        )
+    if policy.law is not LAWS[CASCADE]:
+        raise BadInput(
+            f'A batch knows the control law {CASCADE} only, not {policy.law.name}, which '
+            f'{vehicle.file.name} names; leave --device out.'
+        )
+    if policy.course is not None or scenario.course is not None:
+        raise BadInput('A batch flies to the lamp, not along a course; leave --device out.')
+    if scenario.start.held.si > 0.0:
+        raise BadInput(
+            f'A batch lets go of the drone at once, and the scenario {scenario.name} holds it for '
+            f'{scenario.start.held.si:g} s; leave --device out.'
+        )
+    if len(scenario.lamps) > 1:
+        raise BadInput(
+            f'A batch knows one lamp, and the scenario {scenario.name} has '
+            f'{len(scenario.lamps)}; leave --device out.'
+        )
+    if scenario.outside is not None:
+        raise BadInput(
+            f'A batch knows no door, which the scenario {scenario.name} has; leave --device out.'
+        )
+    if scenario.wind_file is not None:
+        raise BadInput(
+            f'A batch does not know recorded wind, which the scenario {scenario.name} has; leave '
+            '--device out.'
+        )
+    model = build_scene_model(vehicle, scenario)
+    for name in model.given:
+        effect = EFFECTS[name]
+        if isinstance(effect, MeasurementEffect) and effect.channel not in UNHEARD:
+            raise BadInput(
+                f'A batch has no effect {name} of measurement or command; leave --device out.'
+            )
+    vehicle.check_step(STEP, model)
+    return model
+
+
+def build_flight(
+    vehicle: Vehicle,
+    scenario: Scenario,
+    policy: FlightStack,
+    table: TopicTable,
+    duties: Sequence[float] = (),
+) -> BatchFlight:
+    """
+    Return a flight of a batch.
+
+    Parameters
+    ----------
+    vehicle, scenario, policy : Vehicle, Scenario, Policy
+        What is flown where and how.
+    table : TopicTable
+        Periods and block shape.
+    duties : sequence of float
+        Of each rotor, where the drone does not decide.
+
+    """
+    model = build_model(vehicle, scenario, policy)
+    craft = build_constants(vehicle, scenario, policy, table)
+    place = model.given.get('moving_mass', {})
+    craft = craft._replace(
+        mass_place=(place.get('x', 0.0), place.get('y', 0.0), place.get('z', 0.0)),
+        duties=pad_to_slots(duties),
+    )
+    return flight_from_constants(model, craft, vehicle)
+
+
+def flight_from_constants(
+    model: VehicleModel, constants: FlightConstants, vehicle: Vehicle
+) -> BatchFlight:
+    """Return a flight from its constants."""
+    numbers: list[float] = []
+    form: list[str] = []
+    flatten_numbers(settings_to_tuples(constants), numbers, form)
+    return BatchFlight(model, numbers, ''.join(form), constants, vehicle.file.name)
+
+
+def build_constants(
+    vehicle: Vehicle, scenario: Scenario, policy: FlightStack, table: TopicTable
+) -> FlightConstants:
+    """Return the constants of a flight; the drone knows its file in standard air, as a node."""
+    start, light = scenario.start, table.light
+    x, y = start.position.vector
+    drone = build_drone_constants(
+        Vehicle(vehicle.file),
+        policy.estimator,
+        cast('CascadeGains', policy.gains),  # of the cascade: `build_model`
+        table.control_ns * 1e-9,
+        policy.tilt_limit,
+    )
+    rate, samples = light.sample_rate.si, light.samples
+    return FlightConstants(
+        drone=drone,
+        mission=policy.mission,
+        sensors=build_sensors(vehicle, scenario.air.pressure.si),
+        listening=build_light_link(
+            scenario.light_field,
+            select_diode_gain(scenario.light_field, vehicle),
+            half_axes(vehicle.file.hull),
+            policy.demodulation,
+            rate,
+            samples,
+        ),
+        array=build_fit_array(build_diode_array(vehicle.file.sensors.diodes)),
+        expected=build_direction_prior(policy.prior),
+        goal=build_goal(scenario),
+        power=build_power(vehicle, scenario, policy),
+        place=(x, y, vehicle.height_on_floor),
+        heading=start.heading.si,
+        spread=start.heading_spread.si,
+        wind=to_three(scenario.air.wind.vector),
+        lowest=pad_to_slots(-1.0 if reverses else 0.0 for reverses in vehicle.reversible),
+        mass_place=(0.0, 0.0, 0.0),
+        duties=NONE,
+    )
+
+
+def flatten_numbers(value: Any, numbers: list[float], form: list[str]) -> None:  # noqa: ANN401 - any nest
+    """Collect the numbers of a nest of tuples, and what each is."""
+    if isinstance(value, tuple):
+        form.append('(')
+        for item in value:
+            flatten_numbers(item, numbers, form)
+        form.append(')')
+        return
+    numbers.append(float(value))
+    form.append('b' if isinstance(value, bool) else 'i' if isinstance(value, int) else 'f')
+
+
+def build_sensors(vehicle: Vehicle, floor: float) -> SensorDatasheets:
+    """Return the sensors of a vehicle over a floor of some pressure. [Pa]"""
+    bounds, ranger, barometer = error_bounds(ImuSettings()), RangeSettings(), PressureSettings()
+    sensors = vehicle.file.sensors
+    axes = ImuAxes(
+        gain=to_six(bounds.gain),
+        offset=to_six(bounds.offset),
+        noise=to_six(bounds.noise),
+        step=to_six(bounds.step),
+        full_scale=to_six(bounds.full_scale),
+    )
+    return SensorDatasheets(
+        imu=axes,
+        imu_place=to_three(sensors.imu_position.vector),
+        range_place=to_three(sensors.range_position.vector),
+        nearest=ranger.minimum,
+        farthest=ranger.maximum,
+        range_noise=ranger.noise,
+        range_offset=ranger.offset,
+        floor=floor,
+        pressure_noise=barometer.noise,
+        pressure_offset=barometer.offset,
+        drift=barometer.drift,
+        resolution=barometer.resolution,
+    )
+
+
+def build_goal(scenario: Scenario) -> BatchGoal:
+    """Return how a flight in a scene ends."""
+    length, width, height = scenario.room.size.vector
+    x, y, _ = scenario.goal_lamp.position.vector
+    goal = scenario.goal
+    return BatchGoal(x, y, goal.radius.si, goal.time_limit.si, length / 2, width / 2, height)
+
+
+def build_power(vehicle: Vehicle, scenario: Scenario, policy: FlightStack) -> BatchPower:
+    """Return the electricity of a vehicle in a scene."""
+    field = scenario.light_field
+    lamp, ambient = field.first_lamp, field.ambient
+    return BatchPower(
+        SupplyParts(vehicle.battery, vehicle.charger, vehicle.panel),
+        vehicle.loads,
+        navigation_power(vehicle.file.energy, policy.strategy.name),
+        build_panel_plane(
+            half_axes(vehicle.file.hull), vehicle.file.panel_place, vehicle.file.panel_normal
+        ),
+        lamp.wave.duty / lamp.efficacy,
+        ambient.steady / ambient.efficacy,
+        0.0 if field.daylight is None else 1.0 / field.daylight.efficacy,
+        policy.energy.reserve,
+        scenario.start.charge.si,
+    )
+
+
+def to_six(values: Sequence[float]) -> Six:
+    """Return six numbers."""
+    a, b, c, d, e, f = map(float, values)
+    return a, b, c, d, e, f
+
+
+def to_three(vector: Sequence[float]) -> tuple[float, float, float]:
+    """Return three numbers."""
+    x, y, z = map(float, vector)
+    return x, y, z

@@ -1,0 +1,266 @@
+"""
+What surrounds the cores in a flight of a batch, as plain functions of numbers and tuples.
+
+The order of things is that of `lta_flight.closed_loop`; what is different is said here. Chance is
+counted; the lamp is heard as `lta_sim.light_link` says, not through an ADC block; the energy
+reserve is that of the true charge; and values pass no message, so that they keep all their bits.
+"""
+
+import math
+
+from lta_control.attitude import yaw_from_quaternion
+from lta_control.cascade import Setpoint, wrap_angle
+from lta_control.mission import MissionSettings
+from lta_control.onboard import OnboardMemory, SensorInputs
+from lta_control.per_rotor import PerRotor
+from lta_control.strategies.bearing_angle import start, steer
+from lta_control.strategies.protocol import LightSight, Memory
+from lta_flight.batch.flight_data import BatchGoal, FlightConstants, FlightTally, Vector
+from lta_model.electrical.charger import resting_flow
+from lta_model.electrical.loads import power_demand
+from lta_model.light.lambertian import direct_light
+from lta_model.light.panel_light import daylight_on_panel, lamp_light_on_panel
+from lta_model.light.scene_geometry import daylight_illuminance
+from lta_model.stiffness import SPEED_LIMIT
+from lta_sim.compiled_sensors import (
+    sample_imu,
+    sample_pressure,
+    SensorErrors,
+    specific_force_at,
+    START,
+)
+from lta_sim.counter_rng import draw_uniforms
+from lta_sim.supply_step import advance_supply, SupplyInputs, SupplyState
+from lta_vlc.direction import PART
+
+State = tuple[float, ...]
+LIFTED = 0.01  # m above where it stood: the drone has left the ground, as in the results
+
+FLYING, REACHED, TIMEOUT, ESCAPED = 0, 1, 2, 3
+RAN_AWAY = 4  # beyond the outcomes: the numbers, see `stiffness.watch`
+REST, CLIMB, SEEK, LAND = 0, 1, 2, 5  # as `phases.Phase`; BAG never arrives
+
+
+def initial_supply(charge: float) -> SupplyState:
+    """Return a supply at rest in the dark, with its cell at a state of charge."""
+    return SupplyState(resting_flow(charge), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+def initial_pose(constants: FlightConstants, seed: int) -> State:
+    """Return the rigid part of the state: at rest, with the heading that the seed draws."""
+    share, _ = draw_uniforms(seed, START, 0, 0)
+    half = 0.5 * (constants.heading + constants.spread * (2.0 * share - 1.0))
+    x, y, z = constants.place
+    return (
+        x, y, z, 0.0, 0.0, math.sin(half), math.cos(half), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+    )  # fmt: skip
+
+
+def clip_duty(duty: float, low: float) -> float:
+    """Return a duty within what a rotor can do."""
+    return min(max(duty, low), 1.0)
+
+
+def build_command(constants: FlightConstants, u: PerRotor) -> tuple[float, ...]:
+    """Return a command as the kernel takes it."""
+    low, (x, y, z) = constants.lowest, constants.mass_place
+    return (
+        clip_duty(u[0], low[0]), clip_duty(u[1], low[1]),
+        clip_duty(u[2], low[2]), clip_duty(u[3], low[3]),
+        clip_duty(u[4], low[4]), clip_duty(u[5], low[5]),
+        clip_duty(u[6], low[6]), clip_duty(u[7], low[7]),
+        x, y, z,
+    )  # fmt: skip
+
+
+def read_sensors(
+    constants: FlightConstants,
+    errors: SensorErrors,
+    seed: int,
+    step: int,
+    elapsed: float,
+    force: Vector,
+    rates: Vector,
+    height: float,
+    distance: float,
+    pressure_due: bool,
+) -> SensorInputs:
+    """Return what the estimator hears; force and rates are those at the sensor."""
+    felt, turned = sample_imu(errors, seed, step, force, rates)
+    pressure = math.nan
+    if pressure_due:
+        pressure = sample_pressure(constants.sensors, errors, seed, step, height, elapsed)
+    return SensorInputs(turned, felt, distance, pressure)
+
+
+def sensor_specific_force(constants: FlightConstants, state: State, rate: State) -> Vector:
+    """Return the specific force at the sensor. [m/s2]"""
+    return specific_force_at(constants.sensors, state, rate)
+
+
+def with_setpoint(memory: OnboardMemory, setpoint: Setpoint) -> OnboardMemory:
+    """Return what the drone remembers, with a setpoint."""
+    return OnboardMemory(
+        memory.estimate, memory.measured, True, setpoint, memory.control, memory.duties,
+        memory.stopped,
+    )  # fmt: skip
+
+
+def guidance_step(
+    settings: MissionSettings,
+    phase: int,
+    memory: Memory,
+    sight: LightSight,
+    ready: bool,
+    altitude: float,
+    reserve: bool,
+) -> tuple[Setpoint, int, Memory]:
+    """Return what to hold, and the mission: `mission.mission_step` with a number for a phase."""
+    if not ready or (phase == REST and reserve):
+        return Setpoint(0.0, sight.heading, 0.0), phase, memory
+    if phase == REST:
+        phase, memory = CLIMB, start(sight.heading)
+    if phase == CLIMB and altitude > settings.altitude - settings.reached:
+        phase = SEEK
+    if reserve:
+        phase = LAND
+    if phase == SEEK:
+        course, memory = steer(settings, memory, sight)
+        return Setpoint(settings.altitude, course.heading, course.speed), phase, memory
+    height = settings.landing if phase == LAND else settings.altitude
+    return Setpoint(height, memory[0], 0.0), phase, memory
+
+
+def panel_irradiance(constants: FlightConstants, state: State) -> float:
+    """Return the light that the panel now has. [W/m2]"""
+    position, q = (state[0], state[1], state[2]), (state[3], state[4], state[5], state[6])
+    power, lamp, around = constants.power, constants.listening.lamp, constants.listening.around
+    bright = power.lamp_share * lamp_light_on_panel(power.panel, around, lamp, position, q)
+    day = power.day_share * daylight_on_panel(power.panel, around, position, q)
+    return bright + day + power.panel.share * power.ambient
+
+
+def step_supply(
+    constants: FlightConstants,
+    supply: SupplyState,
+    irradiance: float,
+    thrusts: PerRotor,
+    dt: float,
+) -> SupplyState:
+    """Return the supply after a control period in such light [W/m2] with such thrusts. [N, s]"""
+    asked = power_demand(constants.power.loads, thrusts, True) + constants.power.looking
+    meantime = SupplyInputs(irradiance, asked, dt, False, False)
+    return advance_supply(constants.power.parts, supply, meantime, 0.0)
+
+
+def hull_irradiance(constants: FlightConstants, state: State) -> float:
+    """Return the irradiance at the hull centre on planes that face each light. [W/m2]"""
+    lamp = constants.listening.lamp
+    light = direct_light(lamp, (state[0], state[1], state[2]))[0] + lamp.diffuse
+    power, s = constants.power, constants.listening.around
+    day = daylight_illuminance(s, (state[0], state[1], state[2]), (s.sun_x, s.sun_y, s.sun_z))
+    return power.lamp_share * light + power.ambient + power.day_share * day
+
+
+def initial_tally(constants: FlightConstants) -> FlightTally:
+    """Return the tally before the first step."""
+    x, y, _ = constants.place
+    away = math.hypot(constants.goal.x - x, constants.goal.y - y)
+    return FlightTally(FLYING, math.nan, math.nan, 0.0, away, 0.0, 0.0, 0.0, 0.0)
+
+
+def amplitude_error(amplitude: float, snr: float) -> float:
+    """Return the standard deviation of a reading by noise, as `lta_vlc.direction`. [counts]"""
+    return PART * amplitude / snr if snr > 0.0 else math.inf
+
+
+def is_lamp_detected(snrs: tuple[float, ...], threshold: float) -> bool:
+    """Tell whether a diode hears the lamp."""
+    for snr in snrs:  # noqa: SIM110 - what compiles
+        if snr >= threshold:
+            return True
+    return False
+
+
+def build_sight(detected: bool, angle: float, facing: float, interval: float) -> LightSight:
+    """Return what a light block says, as far as BAG looks at it."""
+    return LightSight(
+        detected, angle, facing, (0.0,), interval, 0.0, 0.0, 0.0, (0.0, 0.0), (0.0, 0.0)
+    )  # fmt: skip
+
+
+def evaluate_outcome(goal: BatchGoal, x: float, y: float, z: float, elapsed: float) -> int:
+    """Return how a flight stands, as `lta_sim.termination`."""
+    if math.hypot(goal.x - x, goal.y - y) <= goal.radius:
+        return REACHED
+    if not (abs(x) <= goal.half_length and abs(y) <= goal.half_width and z <= goal.height):
+        return ESCAPED
+    return TIMEOUT if elapsed >= goal.limit else FLYING
+
+
+def is_plausible(state: State) -> bool:
+    """Tell whether velocity and rates are what anything that flies here has."""
+    return (
+        abs(state[7]) < SPEED_LIMIT and abs(state[8]) < SPEED_LIMIT
+        and abs(state[9]) < SPEED_LIMIT and abs(state[10]) < SPEED_LIMIT
+        and abs(state[11]) < SPEED_LIMIT and abs(state[12]) < SPEED_LIMIT
+    )  # fmt: skip
+
+
+def update_tally(
+    constants: FlightConstants,
+    tally: FlightTally,
+    before: tuple[float, float],
+    state: State,
+    supply: SupplyState,
+    elapsed: float,
+    dt: float,
+) -> FlightTally:
+    """Return the tally after one more control period; `before` is where it began. [m]"""
+    x, y, z = state[0], state[1], state[2]
+    goal = constants.goal
+    lift_off, energy = tally.lift_off, tally.energy
+    if math.isfinite(lift_off):
+        energy -= supply.flow.voltage * supply.flow.current * dt
+    elif z > constants.place[2] + LIFTED:
+        lift_off = elapsed
+    return FlightTally(
+        evaluate_outcome(goal, x, y, z, elapsed) if is_plausible(state) else RAN_AWAY,
+        lift_off,
+        tally.search_start,
+        tally.path_length + math.hypot(x - before[0], y - before[1]),
+        min(tally.closest, math.hypot(goal.x - x, goal.y - y)),
+        energy,
+        tally.blocks,
+        tally.bearings,
+        tally.squares,
+    )
+
+
+def update_light_tally(
+    constants: FlightConstants,
+    tally: FlightTally,
+    middle: State,
+    detected: bool,
+    angle: float,
+    speed: float,
+    began: float,
+) -> FlightTally:
+    """Return the tally after a light block that began at a time [s], seen from its middle."""
+    search_start = tally.search_start
+    if not math.isfinite(search_start) and speed > 0.0:
+        search_start = began
+    blocks, bearings, squares = tally.blocks, tally.bearings, tally.squares
+    if math.isfinite(search_start):
+        blocks += 1.0
+        if detected:
+            q = (middle[3], middle[4], middle[5], middle[6])
+            true = math.atan2(
+                constants.goal.y - middle[1], constants.goal.x - middle[0]
+            ) - yaw_from_quaternion(q)
+            bearings += 1.0
+            squares += wrap_angle(angle - true) ** 2
+    return FlightTally(
+        tally.outcome, tally.lift_off, search_start, tally.path_length, tally.closest,
+        tally.energy, blocks, bearings, squares,
+    )  # fmt: skip

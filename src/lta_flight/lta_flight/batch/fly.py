@@ -1,0 +1,123 @@
+"""Fly a batch of closed or open loops: on all cores of the processor, or on a GPU."""
+
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from functools import cache
+import os
+from types import ModuleType
+from typing import Any, Literal
+
+from lta_config.compilation.flat import TupleLayout
+from lta_config.compilation.kernel_cache import load_kernel
+from lta_config.topics import load_topic_table
+from lta_flight.batch.batch_flight import BatchFlight, build_rhythm
+from lta_flight.batch.codegen import build_source, FIGURES
+from lta_flight.batch.targets import CPU, GPU
+from lta_sim.kernels.gpu import require_cuda, THREADS
+from lta_sim.kernels.kernel import LAYOUT
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Seeds = NDArray[np.int64]
+Device = Literal['cpu-batch', 'gpu']
+PIECE = 8  # flights of one turn of a thread; they differ in length
+
+
+@cache
+def _compile_kernel(
+    names: tuple[str, ...], layout: TupleLayout[Any], diodes: int, device: Device, closed: bool
+) -> ModuleType:
+    """Return the compiled flight of some effects."""
+    target = GPU if device == 'gpu' else CPU
+    rhythm = build_rhythm(load_topic_table())
+    return load_kernel(build_source(names, layout, diodes, rhythm, target, closed=closed))
+
+
+def fly_many(
+    flights: Sequence[BatchFlight],
+    seeds: Sequence[int],
+    device: Device = 'cpu-batch',
+    *,
+    closed: bool = True,
+    which: NDArray[np.intp] | None = None,
+) -> Array:
+    """
+    Fly many vehicles, each to the end of its own flight.
+
+    Parameters
+    ----------
+    flights : sequence of Made
+        What is flown.
+    seeds : sequence of int
+        Of the chance of each flight; the lower 32 bits count.
+    device : str
+        'cpu-batch' for the processor's cores, 'gpu' for a GPU.
+    closed : bool
+        Whether the drone decides; otherwise it keeps its duties.
+    which : ndarray of int, optional
+        For each seed the number of its flight in `flights`; one after the other if not given.
+
+    Returns
+    -------
+    ndarray, shape (V, len(FIGURES))
+        What each flight came to, in the order of `text.FIGURES`.
+
+    Raises
+    ------
+    BadInput
+        If there is no GPU or no numba-cuda.
+
+    """
+    out = np.full((len(seeds), len(FIGURES)), np.nan)
+    chosen = np.arange(len(seeds)) if which is None else which
+    named = np.asarray(seeds, dtype=np.int64) & 0xFFFFFFFF
+    on = np.maximum.reduce([made.model.on for made in flights])
+    names = tuple(name for name in LAYOUT.effects if on[LAYOUT.flag_index(name)])
+    parameters, _ = LAYOUT.find_places(names)
+    forms = np.array([made.form for made in flights])
+    for form in dict.fromkeys(forms.tolist()):
+        alike = np.flatnonzero(forms == form)
+        inside = np.flatnonzero(np.isin(chosen, alike))
+        rows = np.searchsorted(alike, chosen[inside])
+        first = flights[int(alike[0])]
+        kernel = _compile_kernel(
+            names, TupleLayout(first.craft), len(first.craft.listening.planes), device, closed
+        )
+        models = [flights[k].model for k in alike.tolist()]
+        fixed = np.array([[*m.parameters[parameters], *m.body, *m.inverse] for m in models])
+        constants = np.array([flights[k].numbers for k in alike.tolist()])
+        run = _fly_on_gpu if device == 'gpu' else _fly_on_cores
+        out[inside] = run(kernel, fixed, constants, rows, named[inside])
+    return out
+
+
+def _fly_on_cores(
+    kernel: ModuleType, fixed: Array, constants: Array, rows: NDArray[np.intp], seeds: Seeds
+) -> Array:
+    """Fly on all cores; a thread takes a few flights at a time."""
+    out = np.empty((len(seeds), len(FIGURES)))
+    cores = len(os.sched_getaffinity(0))
+
+    def fly_piece(begin: int) -> None:
+        part = slice(begin, begin + PIECE)
+        kernel.fly_some(fixed[rows[part]], constants[rows[part]], seeds[part], out[part])
+
+    with ThreadPoolExecutor(cores) as pool:
+        list(pool.map(fly_piece, range(0, len(seeds), PIECE)))
+    return out
+
+
+def _fly_on_gpu(
+    kernel: ModuleType, fixed: Array, constants: Array, rows: NDArray[np.intp], seeds: Seeds
+) -> Array:
+    """Fly on a GPU, a thread a vehicle; neighbours' numbers lie side by side."""
+    cuda = require_cuda()
+    there = [
+        cuda.to_device(np.asfortranarray(part))
+        for part in (fixed[rows], constants[rows], np.empty((len(seeds), len(FIGURES))))
+    ]
+    kernel.fly_some[-(-len(seeds) // THREADS), THREADS](
+        there[0], there[1], cuda.to_device(np.ascontiguousarray(seeds)), there[2]
+    )
+    return np.ascontiguousarray(there[2].copy_to_host())

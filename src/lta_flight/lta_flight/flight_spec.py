@@ -1,0 +1,280 @@
+"""
+What a flight is made of: its files as they are read, with single parameters replaced.
+
+The first word of a parameter's path says which file or settings it belongs to: `vehicle`,
+`scenario` and `gains` are files, the rest are what each node's own parameters are called. One of
+the files' words alone, or `find_strategy`, is the name of another file or strategy.
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any, final
+
+from lta_config.errors import BadInput, unknown_name
+from lta_config.files import find_file, load_yaml, validate_content
+from lta_config.parameter_override import format_value, parse_quantity, replace_parameter
+from lta_config.parameter_override import get_parameter as held_at
+from lta_config.quantity import UNITS
+from lta_config.schema.vehicle_file import VehicleFile
+from lta_config.settings import Settings
+from lta_config.topics import load_topic_table
+from lta_control.cascade import CascadeGains
+from lta_control.estimator import EstimatorSettings
+from lta_control.laws import find_law
+from lta_control.laws.onboard_law import CASCADE
+from lta_control.mission import MissionSettings
+from lta_control.reserve import ReserveActionSettings
+from lta_control.reserve_policy import check_reserve
+from lta_control.strategies import check_route, find_strategy
+from lta_energy.monitoring.monitor import MonitorSettings
+from lta_flight.closed_loop import ClosedLoop
+from lta_flight.flight_stack import FlightStack
+from lta_flight.lamp_frequency import check_lamp_frequency
+from lta_model.scenario import resolve_wind_file, Scenario
+from lta_model.vehicle import Vehicle
+from lta_sim import scene_model
+from lta_sim.world import World
+from lta_vlc.lamp import LampPrior
+from lta_vlc.settings import DemodulationSettings
+from pydantic import BaseModel
+import yaml
+
+FILES = ('vehicle', 'scenario', 'gains')
+SETTINGS: dict[str, type[Settings]] = {
+    'gains': CascadeGains,
+    'mission': MissionSettings,
+    'reserve': ReserveActionSettings,
+    'estimator': EstimatorSettings,
+    'demodulator': DemodulationSettings,
+    'prior': LampPrior,
+    'energy_monitor': MonitorSettings,
+}
+GAINS = 'gtmab'  # of a vehicle that names none
+NAMED = ('strategy', *FILES)  # paths of one word: what they name is replaced as a whole
+ROOTS = (*FILES, *(name for name in SETTINGS if name not in FILES))
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class FlightSpec:
+    """
+    Everything that decides a flight but its seed.
+
+    Attributes
+    ----------
+    names : mapping
+        The files as they were named, by root.
+    strategy : str
+        Navigation strategy.
+    contents : mapping
+        What each file or node's settings hold, by root, as YAML has it.
+    replaced : mapping
+        Parameters that have been replaced, by path.
+
+    """
+
+    names: Mapping[str, str]
+    strategy: str
+    contents: Mapping[str, Any]
+    replaced: Mapping[str, Any] = field(default_factory=dict)
+
+    def with_values(self, values: Mapping[str, Any]) -> 'FlightSpec':
+        """
+        Return these with parameters replaced, by path; `BadInput` where that cannot be.
+
+        Where a file is replaced, what had been replaced in the one before is replaced in it.
+        """
+        other = {path: value for path, value in values.items() if path in NAMED}
+        if other:
+            rest = {path: value for path, value in values.items() if path not in NAMED}
+            return self._with_files(other).with_values({**self.replaced, **rest})
+        contents = dict(self.contents)
+        for path, value in values.items():
+            root, below = split_path(path)
+            contents[root] = replace_parameter(contents[root], below, value, root)
+        return replace(self, contents=contents, replaced={**self.replaced, **values})
+
+    def _with_files(self, names: Mapping[str, Any]) -> 'FlightSpec':
+        """Return these as they are read, made of other files or another strategy."""
+        for path, name in names.items():
+            if not isinstance(name, str):
+                raise BadInput(f'{path} is {format_value(name)}, but must be a name or a file.')
+        own = {} if 'vehicle' not in names else {'gains': ''}  # another vehicle, its own gains
+        named = {'strategy': self.strategy, **self.names, **own, **names}
+        return load_spec(named['vehicle'], named['scenario'], named['strategy'], named['gains'])
+
+    def read_value(self, path: str) -> Any:  # noqa: ANN401 - what YAML holds
+        """Return what stands at a path; None for an effect's parameter that no file names."""
+        if path in NAMED:
+            return {'strategy': self.strategy, **self.names}[path]
+        root, below = split_path(path)
+        return held_at(self.contents[root], below, root)
+
+    def find_unit(self, path: str) -> str:
+        """Return the SI unit of a parameter; '' where it has none."""
+        found = parse_quantity(self.read_value(path))
+        if found is not None:
+            return UNITS.get(found['unit'], (found['unit'],))[0]
+        if path in NAMED:
+            return ''
+        root, below = split_path(path)
+        models = select_settings_models(self.contents['vehicle'])
+        return declared_unit(models[root], below.split('.')) if root in models else ''
+
+
+def split_path(path: str) -> tuple[str, str]:
+    """Return the root of a path and the rest."""
+    root, _, below = path.partition('.')
+    if root not in ROOTS or not below:
+        raise unknown_name('parameter', path, [*NAMED, *(f'{name}. ...' for name in ROOTS)])
+    return root, below
+
+
+def declared_unit(model: type[BaseModel], keys: list[str]) -> str:
+    """Return the unit that a setting is declared with."""
+    found = model.model_fields.get(keys[0])
+    if found is None:
+        return ''
+    if len(keys) > 1:
+        inner = found.annotation
+        is_model = isinstance(inner, type) and issubclass(inner, BaseModel)
+        return declared_unit(inner, keys[1:]) if is_model else ''  # type: ignore[arg-type]
+    extra = found.json_schema_extra
+    return str(extra.get('unit', '')) if isinstance(extra, dict) else ''
+
+
+def load_spec(vehicle: str, scenario: str, strategy_name: str, gains: str) -> FlightSpec:
+    """
+    Read what a flight is made of.
+
+    Parameters
+    ----------
+    vehicle, scenario, gains : str
+        Shipped names or paths; without gains, those that the vehicle's file names.
+    strategy_name : str
+        Navigation strategy.
+
+    Raises
+    ------
+    BadInput
+        If a file cannot be read or a name is not known.
+
+    """
+    find_strategy(strategy_name)
+    own = read_control(load_yaml(find_file('vehicle', vehicle)))
+    names = {'vehicle': vehicle, 'scenario': scenario, 'gains': gains or own.get('gains', GAINS)}
+    contents = {root: load_yaml(find_file(root, name)) for root, name in names.items()}
+    contents['scenario'] = resolve_wind_file(
+        contents['scenario'], find_file('scenario', scenario).parent
+    )
+    contents['gains'] = read_gains(contents['gains'], names['gains'])
+    for root, model in SETTINGS.items():
+        contents.setdefault(root, model().model_dump() if root != 'gains' else None)
+    return FlightSpec(names, strategy_name, contents)
+
+
+def read_control(content: Any) -> dict[str, str]:  # noqa: ANN401 - what YAML holds
+    """Return law and gains as a vehicle's file names them, as far as they are words."""
+    control = content.get('control') if isinstance(content, dict) else None
+    given = control if isinstance(control, dict) else {}
+    return {key: word for key, word in given.items() if isinstance(word, str)}
+
+
+def select_settings_models(vehicle: Any) -> dict[str, type[Settings]]:  # noqa: ANN401 - what YAML holds
+    """Return the kinds of settings, the gains those of the law that flies the vehicle."""
+    return SETTINGS | {'gains': find_law(read_control(vehicle).get('law', CASCADE)).gains}
+
+
+def read_gains(content: Any, name: str) -> Any:  # noqa: ANN401 - what YAML holds
+    """Return the gains in a ROS parameter file."""
+    try:
+        return content['/**/controller']['ros__parameters']['gains']
+    except (KeyError, TypeError):
+        raise BadInput(
+            f'{find_file("gains", name)} has no gains under /**/controller, ros__parameters; '
+            f'compare '
+            'it with a shipped file.'
+        ) from None
+
+
+def build_parts(spec: FlightSpec) -> tuple[Vehicle, Scenario, FlightStack]:
+    """
+    Return vehicle, scene and what the drone decides by.
+
+    Raises
+    ------
+    BadInput
+        If something of it cannot be: one sentence.
+
+    """
+    scenario = _validate_part(Scenario, spec, 'scenario')
+    vehicle_file = _validate_part(VehicleFile, spec, 'vehicle')
+    models = select_settings_models(spec.contents['vehicle'])
+    gains, mission, reserve, estimator, demodulation, prior, energy = (
+        _validate_part(model, spec, root) for root, model in models.items()
+    )
+    policy = FlightStack(
+        strategy=find_strategy(spec.strategy),
+        gains=gains,
+        mission=mission,
+        estimator=estimator,
+        demodulation=demodulation,
+        prior=prior,
+        energy=energy,
+        reserve=reserve,
+        law=find_law(vehicle_file.control.law if vehicle_file.control else CASCADE),
+    )
+    check_route(policy.strategy, len(scenario.route))
+    check_lamp_frequency(scenario, policy.demodulation)
+    check_reserve(policy.reserve, policy.strategy)
+    vehicle = Vehicle(vehicle_file, scenario.air.density)
+    _ = vehicle.hover_duty
+    scene_model.check_scene(vehicle, scenario)
+    return vehicle, scenario, policy
+
+
+def build_loop(spec: FlightSpec, seed: int) -> ClosedLoop:
+    """Return a flight that is about to begin; `BadInput` if something of it cannot be."""
+    vehicle, scenario, policy = build_parts(spec)
+    table = load_topic_table()
+    world = World(vehicle, scenario, table, seed, spec.strategy)
+    return ClosedLoop(world, table, policy)
+
+
+def _validate_part(model: type[Any], spec: FlightSpec, root: str) -> Any:  # noqa: ANN401 - a model
+    """Return one part, checked; the sentence names the file, and what was replaced in it."""
+    where = str(find_file(root, spec.names[root])) if root in FILES else f'the settings of {root}'
+    replaced = [path for path in spec.replaced if path.startswith(f'{root}.')]
+    if replaced:
+        where += f' with {", ".join(replaced)} set'
+    return validate_content(model, spec.contents[root], where)
+
+
+def write_files(spec: FlightSpec, folder: Path) -> dict[str, str]:
+    """Write the files in which something was replaced; return all files' names by root."""
+    names = dict(spec.names)
+    for root in FILES:
+        if any(path.startswith(f'{root}.') for path in spec.replaced):
+            content = spec.contents[root]
+            if root == 'gains':
+                content = {'/**/controller': {'ros__parameters': {'gains': content}}}
+            path = folder / f'{root}.yaml'
+            path.write_text(yaml.safe_dump(content, sort_keys=False), encoding='utf-8')
+            names[root] = str(path)
+    return names
+
+
+def to_cli_args(values: Mapping[str, Any]) -> Iterable[str]:
+    """Return replaced parameters as `lta simulate --set` takes them."""
+    for path, value in values.items():
+        found = parse_quantity(value)
+        yield f'{path}={value}' if found is None else f'{path}={format_quantity(found)}'
+
+
+def format_quantity(quantity: Mapping[str, Any]) -> str:
+    """Return a quantity as text that is read back to the last bit."""
+    number = quantity['value']
+    if isinstance(number, list | tuple):
+        return f'{list(number)} {quantity["unit"]}'
+    return f'{number!r} {quantity["unit"]}'

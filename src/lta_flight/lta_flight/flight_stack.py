@@ -1,0 +1,66 @@
+"""Everything that can be chosen about what the drone decides, and what flies it then."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import final
+
+from lta_config.settings import Settings
+from lta_control.autopilot import Autopilot, build_drone_constants
+from lta_control.cascade import CascadeGains, Setpoint
+from lta_control.control import TILT_LIMIT
+from lta_control.estimator import EstimatorSettings
+from lta_control.law_autopilot import LawAutopilot
+from lta_control.laws import LAWS
+from lta_control.laws.protocol import ControlLaw, Feedback
+from lta_control.mission import MissionSettings
+from lta_control.reserve import ReserveActionSettings
+from lta_control.strategies.protocol import NavigationStrategy
+from lta_energy.monitoring.monitor import MonitorSettings
+from lta_model.vehicle import Vehicle
+from lta_vlc.lamp import LampPrior
+from lta_vlc.settings import DemodulationSettings
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class FlightStack:
+    """
+    Everything that can be chosen about what the drone decides.
+
+    `law` flies it, by gains of its own kind. `course` gives the setpoint by the time since the
+    start instead of the navigator, who then does not look at the light.
+    """
+
+    strategy: NavigationStrategy
+    gains: Settings
+    estimator: EstimatorSettings = field(default_factory=EstimatorSettings)
+    mission: MissionSettings = field(default_factory=MissionSettings)
+    demodulation: DemodulationSettings = field(default_factory=DemodulationSettings)
+    prior: LampPrior = field(default_factory=LampPrior)
+    energy: MonitorSettings = field(default_factory=MonitorSettings)
+    reserve: ReserveActionSettings = field(default_factory=ReserveActionSettings)
+    tilt_limit: float = TILT_LIMIT  # beyond it the motors stop [rad]
+    law: ControlLaw = LAWS['cascade']
+    course: Callable[[float], Setpoint] | None = None
+
+
+def build_autopilot(policy: FlightStack, vehicle: Vehicle, dt: float) -> Autopilot | LawAutopilot:
+    """
+    Return what flies a vehicle: for the cascade one compiled function with the estimator.
+
+    Parameters
+    ----------
+    policy : Policy
+        Law, gains, filters and limits.
+    vehicle : Vehicle
+        As the drone knows it.
+    dt : float
+        Control period. [s]
+
+    """
+    if isinstance(policy.gains, CascadeGains) and policy.law.feedback is Feedback.ESTIMATOR:
+        drone = build_drone_constants(
+            vehicle, policy.estimator, policy.gains, dt, policy.tilt_limit
+        )
+        return Autopilot(drone)
+    return LawAutopilot(policy.law, policy.gains, vehicle, policy.estimator, dt, policy.tilt_limit)

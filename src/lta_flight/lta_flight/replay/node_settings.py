@@ -1,0 +1,72 @@
+"""Parameters of nodes as they are given on a command line, checked before a node starts."""
+
+from collections.abc import Sequence
+from importlib import import_module
+from typing import Any
+
+from lta_config.errors import BadInput, unknown_name
+from lta_config.files import parse_yaml
+from lta_config.settings import Settings
+from lta_config.validation_errors import format_error
+from lta_graph.ros.parameters import iterate_fields, nest_names
+from pydantic import ValidationError
+
+NODES = {  # where a node declares its parameters; imported when asked for, since it brings rclpy
+    'estimator': ('lta_control.nodes.estimator', 'EstimatorParameters'),
+    'controller': ('lta_control.nodes.controller', 'ControllerSettings'),
+    'demodulator': ('lta_vlc.nodes.demodulator', 'DemodulatorParameters'),
+    'navigator': ('lta_control.nodes.navigator', 'NavigatorParameters'),
+    'energy_monitor': ('lta_energy.nodes.energy_monitor', 'EnergyMonitorParameters'),
+}
+
+
+def load_settings_model(node: str) -> type[Settings]:
+    """Return the parameters of a node as a model."""
+    module, name = NODES[node]
+    found: type[Settings] = getattr(import_module(module), name)
+    return found
+
+
+def parse_settings(assignments: Sequence[str], nodes: Sequence[str]) -> dict[str, dict[str, Any]]:
+    """
+    Return changed parameters by node.
+
+    Parameters
+    ----------
+    given : sequence of str
+        Each NODE.PARAMETER=VALUE.
+    nodes : sequence of str
+        Those that are run again.
+
+    Raises
+    ------
+    BadInput
+        If a node is not run again, has no such parameter, or cannot take the value.
+
+    """
+    found: dict[str, dict[str, Any]] = {}
+    for text in assignments:
+        path, equals, value = text.partition('=')
+        node, dot, name = path.strip().partition('.')
+        if not (equals and dot and name):
+            raise BadInput(f"'{text}' sets nothing; write NODE.PARAMETER=VALUE.")
+        if node not in nodes:
+            raise unknown_name('node that is run again', node, list(nodes))
+        found.setdefault(node, {})[name] = parse_typed_value(node, name, value)
+    for node, values in found.items():
+        try:
+            load_settings_model(node).model_validate(nest_names(values), strict=False)
+        except ValidationError as error:
+            raise BadInput(f'{node}: parameter {format_error(error)}') from None
+    return found
+
+
+def parse_typed_value(node: str, name: str, text: str) -> Any:  # noqa: ANN401 - of the parameter's type
+    """Return a parameter's value from text, of the type that the node declares."""
+    known = {key: value for key, _, value in iterate_fields(load_settings_model(node)())}
+    if name not in known:
+        raise unknown_name(f'parameter of {node}', name, list(known))
+    if isinstance(known[name], str):
+        return text
+    value = parse_yaml(text, f'{node}.{name}')
+    return float(value) if isinstance(known[name], float) and type(value) is int else value

@@ -1,0 +1,93 @@
+"""The messages of one topic as columns that can be held against those of another run."""
+
+from collections.abc import Mapping
+from typing import Any, cast, final, NamedTuple
+
+from lta_config.topics import Topic
+from lta_data.bag.columns import build_columns
+from lta_data.bag.packed_samples import PointCloud, stack_point_clouds
+from lta_data.bag.reader import Bag
+from lta_data.bag.stamps import extract_stamp
+import numpy as np
+from numpy.typing import NDArray
+
+CLOUD = 'sensor_msgs/msg/PointCloud2'
+
+
+@final
+class TopicMessages(NamedTuple):
+    """
+    One topic's messages.
+
+    Attributes
+    ----------
+    keys : ndarray of int64, shape (n,)
+        What says which message it is: its stamp, else its log time. [ns]
+    numbers, texts : mapping of str to ndarray, shape (n,)
+        By field path.
+
+    """
+
+    keys: NDArray[np.int64]
+    numbers: Mapping[str, NDArray[Any]]
+    texts: Mapping[str, NDArray[Any]]
+
+    def select_rows(self, rows: NDArray[np.int64]) -> 'TopicMessages':
+        """Return some of the messages."""
+        return TopicMessages(
+            self.keys[rows],
+            {path: column[rows] for path, column in self.numbers.items()},
+            {path: column[rows] for path, column in self.texts.items()},
+        )
+
+
+def read_topic(bag: Bag, name: str, row: Topic) -> TopicMessages:
+    """
+    Return a topic of a bag.
+
+    Parameters
+    ----------
+    bag : Bag
+        The recording.
+    name : str
+        Absolute name; a topic that is not there has no messages.
+    row : Topic
+        Its row of the table.
+
+    """
+    if name not in bag.topics:
+        return TopicMessages(np.empty(0, np.int64), {}, {})
+    keys: list[int] = []
+    messages = []
+    for _, log_time, data in bag.iterate_messages([name]):
+        message = bag.decode(name, data)
+        stamp = extract_stamp(message) if row.stamped else None
+        keys.append(log_time if stamp is None else stamp)
+        messages.append(message)
+    numbers, texts = build_columns(messages)
+    if row.type == CLOUD:
+        clouds = stack_point_clouds(cast('list[PointCloud]', messages))
+        numbers |= {
+            f'{field}[{k}]': column
+            for field, table in clouds.items()
+            for k, column in enumerate(table.T)
+        }
+    found = TopicMessages(np.array(keys, np.int64), numbers, texts)
+    if not row.stamped:
+        return found.select_rows(np.argsort(found.keys, kind='stable'))
+    _, first = np.unique(found.keys, return_index=True)
+    return found.select_rows(first)
+
+
+def pair_messages(
+    recorded: TopicMessages, again: TopicMessages, stamped: bool
+) -> tuple[TopicMessages, TopicMessages]:
+    """
+    Return those messages of two runs that belong together, in the same order.
+
+    What has no stamp is matched by its turn where both have as many, else by log time.
+    """
+    if not stamped and len(recorded.keys) == len(again.keys):
+        return recorded, again
+    _, here, there = np.intersect1d(recorded.keys, again.keys, return_indices=True)
+    return recorded.select_rows(here), again.select_rows(there)

@@ -1,0 +1,35 @@
+"""Pictures over the time of a flight: their axis, and where its phases begin."""
+
+from collections.abc import Sequence
+
+from lta_flight.report.results import find_phases
+from lta_flight.report.view import FlightView
+from lta_report.drawing import create_figure
+from lta_report.palette import SOFT, WALL
+from plotly.graph_objects import Figure
+
+
+def create_time_figure(
+    view: FlightView, rows: int = 1, heights: Sequence[float] | None = None
+) -> Figure:
+    """Return an empty picture over the time of the flight, its phases marked."""
+    figure = create_figure(rows, heights)
+    figure.update_xaxes(range=list(view.span), hoverformat='.2f', unifiedhovertitle_text='%{x} s')
+    figure.update_xaxes(title_text='time [s]', row=rows)
+    phases = find_phases(view)
+    marks = [
+        (phases.lift_off, 'lift-off', 'right'),
+        (phases.search, 'search', 'left'),
+        (phases.end, 'at the lamp', 'right'),
+    ]
+    for time, text, side in marks:
+        if view.span[0] < time < view.span[1]:
+            figure.add_shape(
+                type='line', x0=time, x1=time, y0=0.0, y1=1.0, yref='paper', layer='below',
+                line={'color': WALL, 'width': 1, 'dash': '2px,3px'},
+            )  # fmt: skip
+            figure.add_annotation(
+                x=time, y=1.0, yref='paper', yanchor='bottom', text=text, xanchor=side,
+                font={'size': 10, 'color': SOFT},
+            )  # fmt: skip
+    return figure

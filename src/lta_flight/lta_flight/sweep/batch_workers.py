@@ -1,0 +1,160 @@
+"""
+A sweep flown as one batch: closed or open loops by the thousand, on all cores or on a GPU.
+
+The flights are those of `lta_flight.batch`: the same vehicle, sensors, estimator, control and
+mission as one by one, with the lamp heard from geometry and noise instead of ADC blocks. They
+agree with the others in distribution, not seed by seed. Flights that differ by their seed alone
+are built once.
+"""
+
+from collections.abc import Iterator
+from itertools import islice
+import math
+import time
+from types import TracebackType
+from typing import Any, final, Self
+
+from lta_config.errors import BadInput
+from lta_config.topics import load_topic_table
+from lta_flight.batch.batch_flight import BatchFlight, build_flight
+from lta_flight.batch.codegen import FIGURES
+from lta_flight.batch.flight import RAN_AWAY
+from lta_flight.batch.fly import Device, fly_many
+from lta_flight.flight_spec import build_parts, FlightSpec
+from lta_flight.sweep.job_runner import build_failed_row, SweepRow
+from lta_flight.sweep.plan import convert_to_si, SweepJob
+from lta_model.stiffness import divergence_error
+from lta_report.json_value import replace_nonfinite
+from lta_sim.kernels.gpu import require_cuda
+from lta_sim.readings import FlightOutcome
+import numpy as np
+
+# Flights kept together as they end: more fill a GPU, fewer are lost with a batch.
+BATCH: dict[str, int] = {'cpu-batch': 512, 'gpu': 65_536}
+OUTCOMES = tuple(FlightOutcome)
+
+
+@final
+class BatchWorkers:
+    """
+    Fly jobs in batches.
+
+    Parameters
+    ----------
+    base : Ingredients
+        What all flights have in common.
+    device : str
+        'cpu-batch' or 'gpu'.
+    duties : tuple of float
+        Of each rotor in an open loop; empty where the drone decides.
+
+    Raises
+    ------
+    BadInput
+        If the base is nothing that a batch can fly, or there is no GPU.
+
+    """
+
+    def __init__(self, base: FlightSpec, device: Device, duties: tuple[float, ...] = ()) -> None:
+        self._base, self._device, self._duties = base, device, duties
+        self._table = load_topic_table()
+        self.deaths = 0
+        vehicle, *_ = build_parts(base)
+        if duties and len(duties) != len(vehicle.rotors):
+            raise BadInput(
+                f'{len(duties)} duties are given, but {vehicle.file.name} has '
+                f'{len(vehicle.rotors)} rotors; give one for each.'
+            )
+        if device == 'gpu':
+            require_cuda()
+        self._build_flight({})
+
+    def __enter__(self) -> Self:
+        """Be ready."""
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Leave nobody behind: there is nobody."""
+
+    def run_jobs(self, jobs: Iterator[SweepJob]) -> Iterator[SweepRow]:
+        """Yield the rows of all jobs, batch by batch."""
+        while batch := list(islice(jobs, BATCH[self._device])):
+            yield from self._fly_batch(batch)
+
+    def _build_flight(self, values: dict[str, Any]) -> BatchFlight:
+        parts = build_parts(self._base.with_values(values))
+        return build_flight(*parts, self._table, self._duties)
+
+    def _fly_batch(self, jobs: list[SweepJob]) -> Iterator[SweepRow]:
+        """Yield the rows of one batch; what cannot be built is a failed flight."""
+        begun = time.monotonic()
+        places: dict[str, int | str] = {}
+        made: list[BatchFlight] = []
+        which, seeds, flyable = [], [], []
+        for job in jobs:
+            name = repr(job.changes)
+            if name not in places:
+                try:
+                    made.append(self._build_flight(job.changes))
+                    places[name] = len(made) - 1
+                except BadInput as error:
+                    places[name] = str(error)
+            place = places[name]
+            if isinstance(place, str):
+                yield build_failed_row(job, place)
+                continue
+            which.append(place)
+            seeds.append(job.seed)
+            flyable.append(job)
+        if not flyable:
+            return
+        flown = fly_many(made, seeds, self._device, closed=not self._duties, which=np.array(which))
+        wall = (time.monotonic() - begun) / len(jobs)
+        for job, place, numbers in zip(flyable, which, flown.tolist(), strict=True):
+            yield build_row(job, made[place], dict(zip(FIGURES, numbers, strict=True)), wall)
+
+
+def build_row(
+    job: SweepJob, flight: BatchFlight, outputs: dict[str, float], wall: float
+) -> SweepRow:
+    """Return the row of a flight from what it came to; a failed one if its numbers ran away."""
+    if int(outputs['outcome']) == RAN_AWAY:
+        return build_failed_row(job, str(divergence_error(flight.name, outputs['end'])))
+    outcome = OUTCOMES[int(outputs['outcome'])]
+    values = {path: convert_to_si(value) for path, value in job.values.items()}
+    return SweepRow(
+        job.index, job.seed, values, outcome.name.lower(), str(outcome), wall,
+        compute_figures(flight, outputs, success=outcome is FlightOutcome.REACHED),
+    )  # fmt: skip
+
+
+def compute_figures(
+    flight: BatchFlight, outputs: dict[str, float], *, success: bool
+) -> dict[str, Any]:
+    """Return what a batch knows of `Results`, None where it does not or nothing happened."""
+    goal, (x, y, _) = flight.craft.goal, flight.craft.place
+    end = outputs['end'] if success else math.nan
+    aloft = outputs['end'] - outputs['lift_off']
+    numbers = {
+        **{name: outputs[name] for name in ('lift_off', 'search_start', 'end')},
+        'flight_time': end - outputs['lift_off'],
+        'search_time': end - outputs['search_start'],
+        'path_length': outputs['path_length'],
+        'straight_length': math.hypot(goal.x - x, goal.y - y) - goal.radius,
+        'closest': outputs['closest'],
+        'lamp_error': divide_or_nan(outputs['squares'], outputs['bearings']) ** 0.5,
+        'lamp_share': divide_or_nan(outputs['bearings'], outputs['blocks']),
+        'energy': outputs['energy'] if aloft > 0.0 else math.nan,
+        'power': divide_or_nan(outputs['energy'], aloft),
+    }
+    return {'success': success, **replace_nonfinite(numbers)}
+
+
+def divide_or_nan(a: float, b: float) -> float:
+    """Return a / b, NaN where b is not above 0."""
+    return a / b if b > 0.0 else math.nan

@@ -1,0 +1,80 @@
+"""A sweep over two parameters as a map: how many flights reached their goal, and how fast."""
+
+from collections.abc import Mapping, Sequence
+from itertools import product
+from statistics import median
+
+from lta_flight.sweep.job_runner import FAILED, SweepRow
+from lta_flight.sweep.plan import convert_to_si, SweepPlan
+from lta_flight.sweep.statistics import is_number, REACHED
+from lta_report.drawing import create_figure
+from plotly.graph_objects import Figure, Heatmap
+
+LEAST = 3  # values of a parameter that make a map of it
+MARGIN = {'l': 64, 'r': 24, 't': 12}
+
+
+def find_map_parameters(plan: SweepPlan) -> tuple[str, str] | None:
+    """Return the two parameters of a map, None where the sweep is none."""
+    if len(plan.lists) != 2 or len(plan.units) != 2:
+        return None
+    first, second = plan.lists
+    fits = all(
+        len(values) >= LEAST and all(is_number(convert_to_si(value)) for value in values)
+        for values in plan.lists.values()
+    )
+    return (first, second) if fits else None
+
+
+def plot_heat_map(
+    rows: Sequence[SweepRow], both: tuple[str, str], units: Mapping[str, str]
+) -> Figure:
+    """Return the share that reached and the median time over two parameters."""
+    across, up = both
+    cells: dict[tuple[float, float], list[SweepRow]] = {}
+    for row in rows:
+        if row.outcome != FAILED:
+            cells.setdefault((row.values[across], row.values[up]), []).append(row)
+    xs, ys = (sorted({row.values[path] for row in rows}) for path in both)
+    share: list[list[float | None]] = [[None] * len(xs) for _ in ys]
+    times: list[list[float | None]] = [[None] * len(xs) for _ in ys]
+    for (i, x), (j, y) in product(enumerate(xs), enumerate(ys)):
+        if found := cells.get((x, y)):
+            reached = [row for row in found if row.outcome == REACHED]
+            share[j][i] = 100.0 * len(reached) / len(found)
+            spent = [row.figures.get('search_time') for row in reached]
+            known = [value for value in spent if value is not None]
+            times[j][i] = median(known) if known else None
+    figure = create_figure(2, [0.5, 0.5])
+    for line, (grid, words) in enumerate(((share, 'reached [%]'), (times, 'time [s]')), start=1):
+        add_map(figure, xs, ys, grid, words, line)
+        figure.update_yaxes(title_text=format_axis_title(up, units), row=line)
+    figure.update_xaxes(title_text=format_axis_title(across, units), row=2)
+    return figure.update_layout(hovermode='closest', margin=MARGIN)
+
+
+def add_map(
+    figure: Figure,
+    xs: Sequence[float],
+    ys: Sequence[float],
+    grid: Sequence[Sequence[float | None]],
+    words: str,
+    line: int,
+) -> None:
+    """Add one map with its scale beside it."""
+    bar = {'title': {'text': words}, 'len': 0.5, 'y': 0.77 if line == 1 else 0.23}
+    figure.add_trace(
+        Heatmap(
+            x=xs, y=ys, z=grid, colorscale='Cividis', colorbar=bar,
+            zmin=0.0 if line == 1 else None, zmax=100.0 if line == 1 else None,
+            hovertemplate='%{x:.3g}, %{y:.3g}: %{z:.1f}<extra></extra>',
+        ),
+        row=line, col=1,
+    )  # fmt: skip
+
+
+def format_axis_title(path: str, units: Mapping[str, str]) -> str:
+    """Return the end of a parameter's path with its unit: two of them stand one over the other."""
+    *_, before, last = path.split('.')
+    short = f'{before}.{last}' if last.isdecimal() else last
+    return f'{short} [{units[path]}]' if units.get(path) else short

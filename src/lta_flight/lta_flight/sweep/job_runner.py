@@ -1,0 +1,90 @@
+"""One flight of a sweep, from its job to its row; whatever goes wrong is in the row."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, fields
+import time
+from typing import Any, final
+
+from lta_config.errors import BadInput
+from lta_flight.closed_loop import ClosedLoop
+from lta_flight.flight_spec import build_loop, FlightSpec
+from lta_flight.loop_view import LoopView
+from lta_flight.report.results import compute_results
+from lta_flight.sweep.plan import convert_to_si, SweepJob
+from lta_report.json_value import replace_nonfinite
+
+FAILED = 'failed'
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class SweepRow:
+    """
+    What is kept of a flight.
+
+    Attributes
+    ----------
+    index, seed : int
+        Its place in the sweep, and its seed.
+    values : dict
+        What was varied, by path, in SI.
+    outcome : str
+        'reached', 'timeout', 'escaped', or 'failed' where it could not be flown.
+    sentence : str
+        The same in words, or why not.
+    wall : float
+        Time that it took. [s]
+    figures : dict
+        `Results` by name; None is what the flight does not tell.
+
+    """
+
+    index: int
+    seed: int
+    values: dict[str, Any]
+    outcome: str
+    sentence: str
+    wall: float = 0.0
+    figures: dict[str, Any] = field(default_factory=dict)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the row ready for JSON."""
+        # Not `asdict`: its deep copy takes as long as a short flight in a batch.
+        return {item.name: getattr(self, item.name) for item in fields(self)}
+
+
+def build_failed_row(job: SweepJob, sentence: str, wall: float = 0.0) -> SweepRow:
+    """Return the row of a flight that could not be flown."""
+    values = {path: convert_to_si(value) for path, value in job.values.items()}
+    return SweepRow(job.index, job.seed, values, FAILED, sentence, wall)
+
+
+def fly_job(base: FlightSpec, job: SweepJob) -> SweepRow:
+    """Fly one flight to its end; see `fly_to_row`."""
+    return fly_to_row(job, lambda: build_loop(base.with_values(job.changes), job.seed))
+
+
+def fly_to_row(job: SweepJob, begin: Callable[[], ClosedLoop]) -> SweepRow:
+    """Fly what begins; an error of any kind is a failed flight, not the end of all others."""
+    begun = time.monotonic()
+    try:
+        loop = begin()
+        view = LoopView(loop)
+        for _ in loop.iterate_steps():
+            view.record_step()
+        figures = compute_results(view).to_dict()
+    except BadInput as error:
+        return build_failed_row(job, str(error), time.monotonic() - begun)
+    except Exception as error:  # one flight must not end the others
+        reason = f'The flight broke: {type(error).__name__}: {error}'
+        return build_failed_row(job, reason, time.monotonic() - begun)
+    outcome = loop.world.outcome
+    return SweepRow(
+        job.index,
+        job.seed,
+        {path: convert_to_si(value) for path, value in job.values.items()},
+        outcome.name.lower(),
+        str(outcome),
+        time.monotonic() - begun,
+        replace_nonfinite(figures),
+    )

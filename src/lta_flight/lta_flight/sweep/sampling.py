@@ -1,0 +1,115 @@
+"""
+Chance in a sweep: one number of a distribution for each path and sample.
+
+Each path has its own stream, by its name, so that one more parameter leaves the others' draws as
+they were; and each sample its own, so that more samples only add to those there are.
+"""
+
+from typing import Any
+import zlib
+
+from lta_config.errors import BadInput
+from lta_config.parameter_override import format_value, parse_quantity, parse_value
+from lta_config.quantity import UNITS
+from lta_config.schema.sweep_file import Distribution, NormalDistribution, UniformDistribution
+import numpy as np
+from numpy.random import Generator
+
+TRIES = 10_000  # of a bounded normal distribution, before its bounds are called out of reach
+
+
+def draw_value(how: Distribution, path: str, seed: int, sample: int) -> Any:  # noqa: ANN401 - YAML's
+    """
+    Return the value of one parameter in one sample, as a file would hold it.
+
+    Parameters
+    ----------
+    how : Distribution
+        What it is drawn from.
+    path : str
+        Whose it is.
+    seed : int
+        Of the sweep.
+    sample : int
+        Which, from 0.
+
+    Raises
+    ------
+    BadInput
+        If the distribution is none.
+
+    """
+    chance = np.random.default_rng([seed, zlib.crc32(path.encode()), sample])
+    if how.choice is not None:
+        return parse_value(how.choice[int(chance.integers(len(how.choice)))], path)
+    if how.normal is not None:
+        return _draw_normal(how.normal, path, chance)
+    if how.uniform is not None:
+        low, high, unit = _parse_bounds(how.uniform, path)
+        return _build_quantity(float(chance.uniform(low, high)), unit)
+    if how.loguniform is None:
+        raise BadInput(f'{path} names no distribution; see a shipped sweep file.')
+    low, high, unit = _parse_bounds(how.loguniform, path)
+    if low <= 0.0:
+        raise BadInput(f'{path} is loguniform from {low:g} {unit}; its low end must be above 0.')
+    return _build_quantity(float(np.exp(chance.uniform(np.log(low), np.log(high)))), unit)
+
+
+def _draw_normal(how: NormalDistribution, path: str, chance: Generator) -> Any:  # noqa: ANN401 - YAML's
+    given = [how.mean, how.deviation, how.low, how.high]
+    (mean, deviation, low, high), unit = _convert_to_common_unit(given, path)
+    if mean is None or deviation is None or deviation < 0.0:
+        raise BadInput(
+            f'{path} has the deviation {format_value(how.deviation)}; it must be at least 0.'
+        )
+    for _ in range(TRIES):
+        found = float(chance.normal(mean, deviation))
+        if (low is None or found >= low) and (high is None or found <= high):
+            return _build_quantity(found, unit)
+    raise BadInput(
+        f'{path} is never drawn between its low and high end; move its mean or its ends.'
+    )
+
+
+def _parse_bounds(how: UniformDistribution, path: str) -> tuple[float, float, str]:
+    (low, high), unit = _convert_to_common_unit([how.low, how.high], path)
+    if low is None or high is None or not low < high:
+        raise BadInput(
+            f'{path} is drawn from {format_value(how.low)} to {format_value(how.high)}; the low '
+            f'end must be '
+            'below the high one.'
+        )
+    return low, high, unit
+
+
+def _convert_to_common_unit(items: list[Any], path: str) -> tuple[list[float | None], str]:
+    """Return numbers in the unit of the first, and that unit; '' for plain numbers."""
+    values = [None if item is None else parse_value(item, path) for item in items]
+    first = parse_quantity(values[0])
+    unit = '' if first is None else str(first['unit'])
+    if unit and unit not in UNITS:
+        raise BadInput(f'{path} has the unknown unit "{unit}"; known: {", ".join(UNITS)}.')
+    return [
+        None if value is None else _convert_number(value, unit, path) for value in values
+    ], unit
+
+
+def _convert_number(value: Any, unit: str, path: str) -> float:  # noqa: ANN401 - YAML's
+    found = parse_quantity(value)
+    number = value if found is None else found['value']
+    plain = isinstance(number, int | float) and not isinstance(number, bool)
+    if not plain or (found is None) != (unit == ''):
+        raise BadInput(
+            f'{path} has {format_value(value)} in its distribution; give all its numbers alike, '
+            f'with or '
+            'without a unit.'
+        )
+    if found is None or found['unit'] == unit:
+        return float(number)
+    if found['unit'] not in UNITS or UNITS[found['unit']][0] != UNITS[unit][0]:
+        raise BadInput(f'{path} is in {unit} and in {found["unit"]}; give its numbers alike.')
+    return float(number) * UNITS[found['unit']][1] / UNITS[unit][1]
+
+
+def _build_quantity(number: float, unit: str) -> Any:  # noqa: ANN401 - YAML's
+    return {'value': number, 'unit': unit} if unit else number

@@ -1,0 +1,107 @@
+"""The thread that reads what a launcher's processes write and notices their ends."""
+
+from collections.abc import Callable
+import os
+from queue import SimpleQueue
+import selectors
+import threading
+from typing import final
+
+from lta_graph.child_process import ChildProcess, ProcessExit
+
+PERIOD = 0.05  # seconds between looks at processes that write nothing
+CHUNK = 65536  # bytes read at once; a longer line is cut
+LAST_WORDS = 16  # chunks read after a process's end: all that its pipes can hold
+
+OnLine = Callable[[str, str], None]
+
+
+@final
+class ProcessWatch(threading.Thread):
+    """
+    Watch processes until all have ended.
+
+    Parameters
+    ----------
+    children : list of Child
+        The processes; their pipes belong to this thread.
+    on_line : callable
+        Called in this thread with what the plan calls a process and each line that it writes.
+    stopping : threading.Event
+        Set once the launcher asks its processes to end.
+
+    """
+
+    def __init__(
+        self, children: list[ChildProcess], on_line: OnLine, stopping: threading.Event
+    ) -> None:
+        super().__init__(name='watch', daemon=True)
+        self.events: SimpleQueue[ProcessExit] = SimpleQueue()
+        self.fault: Exception | None = None
+        self._living = list(children)
+        self._on_line = on_line
+        self._stopping = stopping
+        self._selector = selectors.DefaultSelector()
+        self._partial: dict[int, bytes] = {}
+        for child in children:
+            for stream in ('stdout', 'stderr'):
+                pipe = getattr(child.popen, stream)
+                os.set_blocking(pipe.fileno(), False)
+                self._partial[pipe.fileno()] = b''
+                self._selector.register(pipe, selectors.EVENT_READ, (child, stream))
+
+    def run(self) -> None:
+        """Read and watch; ends with the last process."""
+        while self._living:
+            for key, _ in self._selector.select(PERIOD):
+                self._read_chunk(key)
+            for child in [item for item in self._living if item.has_exited()]:
+                self._finish_process(child)
+        self._selector.close()
+
+    def _read_chunk(self, key: selectors.SelectorKey) -> bool:
+        """Take a chunk from a pipe; False if there was none."""
+        try:
+            chunk = os.read(key.fd, CHUNK)
+        except BlockingIOError:
+            return False
+        if not chunk:
+            self._close_pipe(key)
+            return False
+        *lines, rest = (self._partial[key.fd] + chunk).split(b'\n')
+        if len(rest) > CHUNK:
+            lines, rest = [*lines, rest], b''
+        self._partial[key.fd] = rest
+        for line in lines:
+            self._forward_line(key, line)
+        return True
+
+    def _forward_line(self, key: selectors.SelectorKey, line: bytes) -> None:
+        child, stream = key.data
+        text = line.decode(errors='replace').rstrip('\r')
+        child.kept[stream].append(text)
+        if self.fault is None:
+            try:
+                self._on_line(child.name, text)
+            except Exception as error:
+                self.fault = error  # raised again where the caller polls
+
+    def _close_pipe(self, key: selectors.SelectorKey) -> None:
+        if self._partial[key.fd]:
+            self._forward_line(key, self._partial[key.fd])
+        self._selector.unregister(key.fileobj)
+        key.fileobj.close()  # type: ignore[union-attr]
+
+    def _finish_process(self, child: ChildProcess) -> None:
+        """Take an ended process's status and last words, and tell."""
+        stopped = self._stopping.is_set()
+        child.reap()
+        keys = [key for key in self._selector.get_map().values() if key.data[0] is child]
+        for key in keys:
+            for _ in range(LAST_WORDS):
+                if not self._read_chunk(key):
+                    break
+            if not key.fileobj.closed:  # type: ignore[union-attr]
+                self._close_pipe(key)
+        self._living.remove(child)
+        self.events.put(child.build_exit(stopped))

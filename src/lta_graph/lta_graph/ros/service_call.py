@@ -1,0 +1,69 @@
+"""Call a service of a running graph once, as `ros2 service call` does."""
+
+import time
+from typing import Any, Final, NamedTuple
+
+from lta_config.errors import BadInput
+from lta_graph.ros.temporary_node import join_graph
+from rclpy.node import Node
+from std_srvs.srv import SetBool, Trigger
+
+KINDS: Final = {'std_srvs/srv/SetBool': SetBool, 'std_srvs/srv/Trigger': Trigger}
+PATIENCE: Final = 5.0  # wall seconds in which DDS finds a service on a busy machine
+ANSWER: Final = 30.0  # wall seconds for the answer: a snapshot is written first
+LOOK: Final = 0.05  # wall seconds between looks at what has been found
+
+
+class ServiceResponse(NamedTuple):
+    """What a service said."""
+
+    success: bool
+    message: str
+
+
+def call_service(name: str, data: bool | None) -> ServiceResponse:
+    """
+    Call a service of std_srvs, and return what it says.
+
+    Parameters
+    ----------
+    name : str
+        Absolute name, '/lta1/recorder/snapshot'.
+    data : bool or None
+        For a SetBool; None for a Trigger.
+
+    Raises
+    ------
+    BadInput
+        If there is no such service, it wants something else, or it does not answer.
+
+    """
+    with join_graph('lta_call') as (node, executor):
+        kind = find_service_class(node, name)
+        if (kind is SetBool) is (data is None):
+            wanted = 'true or false' if kind is SetBool else 'nothing'
+            raise BadInput(f"Service '{name}' wants {wanted} behind its name; give it so.")
+        client = node.create_client(kind, name)
+        client.wait_for_service(PATIENCE)
+        request = kind.Request() if data is None else kind.Request(data=data)
+        future = client.call_async(request)
+        executor.spin_until_future_complete(future, ANSWER)
+        if not future.done():
+            raise BadInput(f"Service '{name}' did not answer in {ANSWER:.0f} s; see /diagnostics.")
+        answer = future.result()
+        return ServiceResponse(bool(answer.success), str(answer.message))
+
+
+def find_service_class(node: Node, name: str) -> Any:  # noqa: ANN401 - a generated class
+    """Return the class of a service, once DDS has found it."""
+    deadline = time.monotonic() + PATIENCE
+    while True:
+        there = dict(node.get_service_names_and_types())
+        kinds = [KINDS[kind] for kind in there.get(name, []) if kind in KINDS]
+        if kinds:
+            return kinds[0]
+        if time.monotonic() > deadline:
+            known = sorted(one for one, types in there.items() if set(types) & KINDS.keys())
+            words = f'there are {", ".join(known)}' if known else 'there is none; start a graph'
+            raise BadInput(f"Nobody offers the service '{name}'; {words}.")
+        time.sleep(LOOK)

@@ -1,0 +1,27 @@
+"""Photodiodes around a vehicle: where each one looks in the horizontal plane of the body."""
+
+from dataclasses import dataclass
+import math
+from typing import final
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class DiodeRing:
+    """
+    The horizontal axes of the diodes in the body frame.
+
+    Parameters
+    ----------
+    cosines, sines : tuple of float, one a diode
+        Components of the axes along body x (forward) and y (left).
+
+    """
+
+    cosines: tuple[float, ...]
+    sines: tuple[float, ...]
+
+
+def spread_azimuths(count: int) -> tuple[float, ...]:
+    """Return the azimuths of `count` diodes spread evenly, the first forward. [rad]"""
+    return tuple(2.0 * math.pi * i / count for i in range(count))

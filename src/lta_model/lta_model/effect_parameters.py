@@ -1,0 +1,166 @@
+"""The effects of a vehicle: those that follow from its file, and those that it switches on."""
+
+from collections.abc import Mapping, Sequence
+import math
+
+from lta_config.constants import STANDARD_GRAVITY
+from lta_config.errors import BadInput
+from lta_config.quantity import describe_misfit, Quantity, UNSOURCED
+from lta_config.schema.vehicle_body import MovingMassBlock, PartBlock
+from lta_config.schema.vehicle_file import VehicleFile
+from lta_model import effects, propulsion
+from lta_model.effects.protocol import AXES
+from lta_model.stiffness import RK4_LIMIT
+from lta_model.strip_geometry import build_strips, DragBox
+
+Effects = dict[str, dict[str, float]]
+Vector = tuple[float, ...]
+
+# What lags, and which parameter says by how much.
+TIME_CONSTANTS = (
+    ('motors', 'motor_lag', 'up'),
+    ('motors', 'motor_lag', 'down'),
+    ('a moving mass', 'moving_mass', 'lag'),
+)
+# Hulls that are round seen from above, or from anywhere: drag axis by axis is not (`cross_flow`).
+ROUND = {'balloon': {'horizontal': 1.0}, 'sphere': {'horizontal': 1.0, 'total': 1.0}}
+# What a file may say of such an effect all the same: how round it is, as far as that was measured.
+SHARES = {'cross_flow': ('horizontal', 'total')}
+# What turns duties into newtons in place of the thrust curve.
+OTHER_CURVES = ('thrust_polynomial',)
+
+
+def collect_effects(
+    file: VehicleFile,
+    rotors: tuple[propulsion.RotorUnit, ...],
+    added_mass: Vector,
+    air_density: float,
+) -> Effects:
+    """
+    Return the parameters of every effect that is on, in SI.
+
+    Parameters
+    ----------
+    file : VehicleFile
+        The vehicle.
+    rotors : tuple of Unit
+        Its rotors.
+    added_mass : 6-tuple
+        Of its hull. [kg, kg m2]
+    air_density : float
+        For the drag of parts. [kg/m3]
+
+    Raises
+    ------
+    BadInput
+        If the file switches on what follows from other blocks, or sets a parameter wrongly.
+
+    """
+    derived = _derive_effects(file, rotors, added_mass, air_density)
+    for name, given in file.effects.items():
+        if name in derived and set(given) - set(SHARES.get(name, ())):
+            raise BadInput(
+                f'The effect {name} of {file.name} follows from hull, parts, rotors or aero; '
+                'change it there.'
+            )
+    own = {name: _check_parameters(name, given) for name, given in file.effects.items()}
+    return derived | {name: derived.get(name, {}) | given for name, given in own.items()}
+
+
+def check_step(name: str, parameters: Effects, step: float) -> None:
+    """Refuse a step [s] longer than 2.7 time constants of a vehicle's motors or moving mass."""
+    for what, effect, key in TIME_CONSTANTS:
+        lag = parameters.get(effect, {}).get(key, 0.0)
+        if lag > 0.0 and step > RK4_LIMIT * lag:
+            raise BadInput(
+                f'{name} has {what} with a lag of {1e3 * lag:g} ms, and a time step of '
+                f'{1e3 * step:g} ms cannot follow it; take {1e3 * RK4_LIMIT * lag:.3g} ms or less.'
+            )
+
+
+def _derive_effects(
+    file: VehicleFile,
+    rotors: tuple[propulsion.RotorUnit, ...],
+    added_mass: Vector,
+    air_density: float,
+) -> Effects:
+    linear, quadratic = file.aero.linear_drag, file.aero.quadratic_drag
+    faces = parts_drag(file, air_density)
+    forces = tuple(map(sum, zip(quadratic.force.vector, faces, strict=True)))
+    derived = {
+        'weight_and_buoyancy': {'gravity': STANDARD_GRAVITY},
+        'added_mass': _map_names(AXES[:3], added_mass[:3]),
+        'added_inertia': _map_names(AXES[3:], added_mass[3:]),
+        'linear_drag': _map_names(AXES[:3], linear.force.vector),
+        'quadratic_drag': _map_names(AXES[:3], forces),
+        'rotational_drag': _map_names(AXES[3:], linear.moment.vector)
+        | _map_names([f'{axis}_2' for axis in AXES[3:]], quadratic.moment.vector),
+        'rotor_thrust': {
+            f'{axis}_{i}': number
+            for i, rotor in enumerate(rotors, start=1)
+            for axis, number in zip(AXES, rotor.column, strict=True)
+        },
+    }
+    if any(forces) and (round_ := ROUND.get(file.hull.shape)):
+        derived['cross_flow'] = round_ | _map_names(AXES[:3], forces)
+    if not any(name in file.effects for name in OTHER_CURVES):
+        derived['thrust_curve'] = {
+            f'{letter}_{i}': number
+            for i, rotor in enumerate(rotors, start=1)
+            for letter, number in (('a', rotor.a), ('b', rotor.b))
+        }
+    if jets := propulsion.interaction_parameters(rotors, file.aero.coupling):
+        derived['rotor_envelope_interaction'] = jets
+    if turning := [part for part in file.parts.values() if part.drag]:
+        derived['strip_damping'] = build_strips(
+            [_build_drag_box(part) for part in turning], air_density
+        )
+    if file.moving_mass:
+        derived['moving_mass'] = _moving_mass_parameters(file.moving_mass)
+    return derived
+
+
+def parts_drag(file: VehicleFile, air_density: float) -> Vector:
+    """
+    Return D = rho Cd A / 2 along x, y, z of the parts that are not in the aero block.
+
+    It acts at the hull centre, as the rest of the drag does. [N s2/m2].
+    """
+    total = [0.0, 0.0, 0.0]
+    for part in file.parts.values():
+        if part.drag and not part.drag.in_aero:
+            x, y, z = part.size.vector
+            round_ = math.pi / 4.0 if part.shape == 'shell' else 1.0
+            for axis, face in enumerate((y * z, x * z, x * y)):
+                total[axis] += 0.5 * air_density * part.drag.coefficient.si * round_ * face
+    return tuple(total)
+
+
+def _build_drag_box(part: PartBlock) -> DragBox:
+    """Return a part as what damps turning; the wind tunnel's steady turns leave it out."""
+    x, y, z = part.position.vector
+    a, b, c = part.size.vector
+    return DragBox((x, y, z), (a, b, c), part.drag.coefficient.si if part.drag else 0.0)
+
+
+def _moving_mass_parameters(moving: MovingMassBlock) -> dict[str, float]:
+    """Return what the effect `moving_mass` takes; how far it may go is for who commands it."""
+    given = dict(zip('xyz', moving.position.vector, strict=True))
+    return given | {'mass': moving.mass.si, 'lag': moving.time_constant.si}
+
+
+def _map_names(names: Sequence[str], values: Vector) -> dict[str, float]:
+    return dict(zip(names, values, strict=True))
+
+
+def _check_parameters(name: str, quantities: Mapping[str, Quantity]) -> dict[str, float]:
+    """Return an effect's parameters in SI, each in the unit that the effect declares."""
+    declared = {parameter.name: parameter for parameter in effects.get_effect(name).parameters}
+    for key, quantity in quantities.items():
+        wrong = None if quantity.source else UNSOURCED
+        if (known := declared.get(key)) is not None:  # else the model refuses it
+            ends = () if quantity.vector == (known.null,) else (known.low, known.high)
+            wrong = describe_misfit(quantity, known.unit, *ends) or wrong
+        if wrong:
+            raise BadInput(f'effects.{name}.{key} {wrong}.')
+    return {key: quantity.si for key, quantity in quantities.items()}

@@ -1,0 +1,169 @@
+"""
+The power path: array -> charger -> loads and cell, and what limits it.
+
+The charger tracks the array's maximum to some share, converts with some efficiency, and draws
+power of its own from the array while it works; in light too dim for that it is off. Loads come
+first; what is left charges the cell at no more than its charging current and voltage, and light
+that nobody takes is not harvested. Below the cell's cut-off, or with the cell empty, the supply
+fails: nothing is fed until light has charged the cell a little.
+
+Plain functions of scalars and named tuples, which compile. At every step
+
+    harvested = consumed + lost + what the cell stores.
+"""
+
+from typing import Annotated, final, NamedTuple, Self
+
+from lta_config.files import StrictModel
+from lta_config.schema.vehicle_energy import EnergyBlock
+from lta_model.electrical.battery import (
+    advance_cell,
+    BatteryModel,
+    open_circuit_voltage,
+    relaxation_energy,
+    resistive_heat,
+    stored_energy,
+)
+from pydantic import Field
+
+RESTART = 0.05  # charge at which a failed supply comes back; assumed
+Share = Annotated[float, Field(ge=0.0, le=1.0)]
+
+
+@final
+class ChargerModel(StrictModel):
+    """
+    What lies between array and cell.
+
+    Attributes
+    ----------
+    tracking : float
+        Share of the array's largest power at which it is held. [1]
+    conversion : float
+        Power out by power in. [1]
+    idle : float
+        Own draw while it works, at its output. [W]
+
+    """
+
+    tracking: Share
+    conversion: Share
+    idle: Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
+
+    @classmethod
+    def from_energy(cls, energy: EnergyBlock) -> Self:
+        """Return the charger of a vehicle file; one that gives nothing if it has none."""
+        data = energy.charger
+        if data is None:
+            return cls(tracking=0.0, conversion=0.0, idle=0.0)
+        return cls(tracking=data.tracking.si, conversion=data.conversion.si, idle=data.idle.si)
+
+
+class PowerFlow(NamedTuple):
+    """
+    The cell after a step, and the mean powers of that step.
+
+    Attributes
+    ----------
+    charge : float
+        State of charge. [1]
+    relaxation : float
+        Relaxation voltage of the cell. [V]
+    voltage, current : float
+        At the cell's terminals; a positive current charges. [V, A]
+    harvested : float
+        Taken from the array. [W]
+    consumed : float
+        By the loads. [W]
+    lost : float
+        As heat in cell and charger. [W]
+    fed : bool
+        Whether the supply holds; otherwise no load gets anything.
+
+    """
+
+    charge: float
+    relaxation: float
+    voltage: float
+    current: float
+    harvested: float
+    consumed: float
+    lost: float
+    fed: bool
+
+
+def resting_flow(charge: float) -> PowerFlow:
+    """Return a cell at rest in the dark, at a state of charge. [1]"""
+    return PowerFlow(charge, 0.0, open_circuit_voltage(charge), 0.0, 0.0, 0.0, 0.0, charge > 0.0)
+
+
+def charger_output(charger: ChargerModel, available: float) -> float:
+    """Return what a charger can give of the array's largest power; 0 while it is off. [W]"""
+    return max(0.0, available * charger.tracking * charger.conversion - charger.idle)
+
+
+def charge_power_limit(cell: BatteryModel, charge: float, relaxation: float, dt: float) -> float:
+    """Return the largest power with which a cell may be charged for a while [s]. [W]"""
+    behind = open_circuit_voltage(charge) + relaxation
+    current = min(cell.charge_current, (1.0 - charge) * cell.capacity / dt)
+    room = cell.charge_cutoff - behind
+    if room < cell.resistance * current:
+        current = room / cell.resistance if cell.resistance > 0.0 else 0.0
+    current = max(0.0, current)
+    return (behind + cell.resistance * current) * current
+
+
+def advance_power_path(
+    cell: BatteryModel,
+    charger: ChargerModel,
+    before: PowerFlow,
+    available: float,
+    demand: float,
+    dt: float,
+) -> PowerFlow:
+    """
+    Return the power path after a while of constant light and load.
+
+    Parameters
+    ----------
+    cell : Battery
+        The cell.
+    charger : Charger
+        What lies between it and the array.
+    before : Flow
+        How it was.
+    available : float
+        Largest power of the array in this light. [W]
+    asked : float
+        What the loads want. [W]
+    dt : float
+        Time. [s]
+
+    """
+    bright = charger_output(charger, available)
+    load = demand if before.fed else 0.0
+    power = min(bright - load, charge_power_limit(cell, before.charge, before.relaxation, dt))
+    given = power + load
+    harvested = (given + charger.idle) / charger.conversion if bright > 0.0 else 0.0
+    charge, relaxation, voltage, current = advance_cell(
+        cell, before.charge, before.relaxation, power, dt
+    )
+    if before.fed:
+        fed = voltage >= cell.discharge_cutoff and charge > 0.0
+    else:
+        fed = current > 0.0 and charge >= RESTART
+    return PowerFlow(
+        charge,
+        relaxation,
+        voltage,
+        current,
+        harvested,
+        given - voltage * current,  # less than asked where the cell cannot give so much
+        resistive_heat(cell, before.relaxation, current, dt) + harvested - given,
+        fed,
+    )
+
+
+def total_stored_energy(cell: BatteryModel, flow: PowerFlow) -> float:
+    """Return the energy that a cell holds, in its chemistry and in its RC pair. [J]"""
+    return stored_energy(flow.charge, cell.capacity) + relaxation_energy(cell, flow.relaxation)

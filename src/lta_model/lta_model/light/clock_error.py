@@ -1,0 +1,60 @@
+"""
+A clock that is off: by a constant part, and by one that grows.
+
+With the nominal frequency f, offset o and drift d the wave's phase after t is f ((1 + o) t + d t^2
+/ 2). Around a time t0 that is a wave of the frequency f (1 + o + d t0) whose phase at time zero is
+less by f d t0^2 / 2; the rest of d t^2, some 1e-8 of a cycle in 0.1 s at 1 ppm/s, is left out.
+"""
+
+from dataclasses import dataclass, replace
+import math
+from typing import final
+
+from lta_model.light.light_checks import require
+from lta_model.light.modulation import NANOSECONDS, SquareWave
+
+MOST_OFFSET = 0.01  # a clock that is off by more than one percent is broken
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class DriftingClock:
+    """
+    How wrong a clock goes.
+
+    Parameters
+    ----------
+    offset : float
+        Part by which it is fast.
+    drift : float
+        How that part grows from time zero on. [1/s]
+
+    """
+
+    offset: float = 0.0
+    drift: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Refuse what is no clock."""
+        require(
+            abs(self.offset) <= MOST_OFFSET,
+            f'The clock is off by {1e6 * self.offset:g} ppm; give at most {1e6 * MOST_OFFSET:g}.',
+        )
+        require(
+            math.isfinite(self.drift),
+            f'The clock drifts by {self.drift}/s; give a finite number.',
+        )
+
+    def distort_wave(self, wave: SquareWave, time: int) -> SquareWave:
+        """Return a wave that this clock times, as it is around a time. [ns]"""
+        if self.offset == 0.0 and self.drift == 0.0:
+            return wave
+        seconds = time / NANOSECONDS
+        return replace(
+            wave,
+            frequency=wave.frequency * (1.0 + self.offset + self.drift * seconds),
+            phase=wave.phase - 0.5 * wave.frequency * self.drift * seconds * seconds,
+        )
+
+
+RIGHT = DriftingClock()

@@ -1,0 +1,45 @@
+"""
+The feedback resistor that a person selects for the light of a scene before the flight.
+
+By the steady light on the ring as it stands in the open or, in a scene with a door, beyond it. Who
+selects it tells the drone as well: it could not say how bright a lamp is otherwise.
+"""
+
+from lta_model.hull import half_axes
+from lta_model.light.field import LightField
+from lta_model.light.view import LightView
+from lta_model.scenario import load_scenario
+from lta_model.sensors.photodiode import PhotodiodeArray
+from lta_model.vehicle import load_vehicle, Vehicle
+
+ABOVE = 1.0  # m over the ground
+
+
+def select_diode_gain(field: LightField, vehicle: Vehicle) -> PhotodiodeArray:
+    """Return the diodes of a vehicle with the resistor for the light of a scene."""
+    if len(vehicle.diodes.resistors) < 2:
+        return vehicle.diodes
+    x = 0.0
+    if field.outside is not None and field.room is not None:
+        x = field.room.size[0] / 2 + 2.0 * max(half_axes(vehicle.file.hull)) + ABOVE
+    pose = (x, 0.0, ABOVE, 0.0, 0.0, 0.0, 1.0)
+    light = LightView(field, vehicle).compute_illuminance([pose])
+    lux = float((light.steady + light.mains).max())
+    return vehicle.diodes.select_resistor(lux / field.ambient.efficacy)
+
+
+def read_gain_scale(scenario: str, vehicle: str) -> float:
+    """
+    Return what a diode reads in a scenario over what it would by the largest resistor. [1]
+
+    Parameters
+    ----------
+    scenario : str
+        Name or path; 1 without one.
+    vehicle : str
+        Name or path.
+
+    """
+    if not scenario:
+        return 1.0
+    return select_diode_gain(load_scenario(scenario).light_field, load_vehicle(vehicle)).gain_scale

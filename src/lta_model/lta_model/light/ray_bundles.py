@@ -1,0 +1,213 @@
+"""
+The pencils of rays in which light is gathered over the sphere, and what the surfaces bring along.
+
+They stand in rings that are narrow about the horizon, where far floor, far walls and the edge of
+the hull's shade lie, and wide elsewhere. Each is looked along by a few rays. A ray that meets a
+surface brings the light that the lamp throws on it there, times its albedo (a Lambertian surface
+has the luminance E / pi).
+
+What is written as a loop over the pencils of a ring the compiler does for several at once, which
+is why powers and whatever branches stand apart.
+"""
+
+from collections.abc import MutableSequence, Sequence
+import itertools
+import math
+
+from lta_model.effects.protocol import Vector
+from lta_model.light.lambertian import Array, direct_light, LampBeam, unpack_beam
+from lta_model.light.scene_geometry import (
+    daylight_luminance,
+    distance_to_wall,
+    find_first_hit,
+    find_room_hit,
+    is_in_room,
+    is_path_clear,
+    RayHit,
+    SceneGeometry,
+)
+
+Rows = Array | tuple[tuple[float, ...], ...]
+Scratch = MutableSequence[float] | Array
+
+# Edges of the rings over the horizon, and below it [deg]; pencils in each; rays of one each way.
+EDGES = (0.0, 2.0, 4.5, 8.0, 13.0, 20.0, 30.0, 45.0, 65.0, 90.0)
+ROUND, PARTS = 24, 2
+LEAST = 1e-300
+# Where in a ring's scratch the numbers of its pencils stand: cosines and sines of the azimuths of
+# their middles, what a diode lets in and what its hull leaves free, and what is brought. Constant
+# places, so that the compiler sees what does not overlap.
+COSINE, SINE, WEIGHT, UNHIDDEN, BROUGHT = (ROUND * row for row in range(5))
+# Rows of what is brought and gathered: light alike from all sides, daylight, then the lamps.
+SHARE, DAY, LAMPS = range(3)
+TINY = 1e-300
+
+
+def build_rings() -> tuple[tuple[float, ...], ...]:
+    """
+    Return the rings of pencils.
+
+    Returns
+    -------
+    tuple of tuple of float
+        Of each ring: the solid angle of a pencil over pi, half its height [rad], then sine and
+        cosine of the elevation of its middle and of its rays.
+
+    """
+    found = []
+    for low, high in itertools.pairwise(EDGES):
+        below, above = math.sin(math.radians(low)), math.sin(math.radians(high))
+        size = 2.0 / ROUND * (above - below)
+        shares = (0.5, *((k + 0.5) / PARTS for k in range(PARTS)))
+        for side in (1.0, -1.0):
+            ups = [side * (below + share * (above - below)) for share in shares]
+            ways = [number for up in ups for number in (up, math.sqrt(1.0 - up * up))]
+            found.append((size, 0.5 * math.radians(high - low), *ways))
+    return tuple(found)
+
+
+def build_azimuth_rotations(parts: Sequence[float]) -> tuple[tuple[float, float], ...]:
+    """Return cosine and sine of parts of the width of a pencil around the vertical."""
+    angles = [2.0 * math.pi * part / ROUND for part in parts]
+    return tuple((math.cos(angle), math.sin(angle)) for angle in angles)
+
+
+RINGS = build_rings()
+PENCILS = build_azimuth_rotations([step + 0.5 for step in range(ROUND)])  # the middle of each
+BESIDE = build_azimuth_rotations(
+    [(ray + 0.5) / PARTS - 0.5 for ray in range(PARTS)]
+)  # a ray from the middle
+
+
+def scratch_size(lamps: int) -> int:
+    """Return how many numbers of scratch a ring takes in a scene of so many lamps."""
+    return BROUGHT + (LAMPS + lamps) * ROUND
+
+
+def write_azimuths(scratch: Scratch) -> None:
+    """Write where the pencils stand around the vertical."""
+    for step in range(ROUND):
+        scratch[COSINE + step], scratch[SINE + step] = PENCILS[step]
+
+
+def reflected_luminance(s: SceneGeometry, met: RayHit, lamp: LampBeam) -> float:
+    """Return the luminance of a surface by the direct light of a lamp, times pi. [lx]"""
+    light, towards = direct_light(lamp, (met.x, met.y, met.z))
+    cosine = towards[0] * met.i + towards[1] * met.j + towards[2] * met.k
+    if met.albedo == 0.0 or light == 0.0 or cosine <= 0.0:
+        return 0.0
+    x, y, z = lamp.x - met.x, lamp.y - met.y, lamp.z - met.z
+    if not is_path_clear(s, (met.x, met.y, met.z), towards, math.sqrt(x * x + y * y + z * z)):
+        return 0.0
+    return met.albedo * light * cosine
+
+
+def unoccluded_luminance(met: RayHit, lamp: LampBeam) -> tuple[float, float]:
+    """
+    Return `reflected_luminance` of a lamp of order 1 whose light nothing stops; no branches.
+
+    Returns
+    -------
+    luminance : float
+        Times pi. [lx]
+    square : float
+        Of the cosine at the lamp.
+
+    """
+    x, y, z = lamp.x - met.x, lamp.y - met.y, lamp.z - met.z
+    squared = max(x * x + y * y + z * z, LEAST)
+    leaving = max(-(x * lamp.i + y * lamp.j + z * lamp.k), 0.0)
+    falling = max(x * met.i + y * met.j + z * met.k, 0.0)
+    light = lamp.intensity * leaving / (squared * (squared + lamp.square))
+    return met.albedo * light * falling, leaving * leaving / squared
+
+
+def trace_ring(
+    s: SceneGeometry, lamps: Rows, point: Vector, ring: tuple[float, ...], scratch: Scratch
+) -> None:
+    """
+    Write what each pencil of a ring brings to a point.
+
+    Parameters
+    ----------
+    s : Surround
+        The scene.
+    lamps : ndarray, shape (l, 11), or tuples
+        A row each in the order of `LampBeam`.
+    point : tuple of float
+        Where. [m, map]
+    ring : tuple of float
+        One of `RINGS`.
+    scratch : sequence of float
+        From BROUGHT on, for each pencil: 1, the luminance of daylight, and of surfaces by each
+        lamp, times pi. [lx]
+
+    """
+    day = 0.0 if s.top > 0.0 else daylight_luminance(s, False, ring[2])
+    for step in range(ROUND):
+        scratch[BROUGHT + ROUND * SHARE + step] = 1.0
+        scratch[BROUGHT + ROUND * DAY + step] = day
+    for k in range(len(lamps)):
+        for step in range(ROUND):
+            scratch[BROUGHT + ROUND * (LAMPS + k) + step] = 0.0
+    if s.top > 0.0:
+        trace_through_door(s, lamps, point, ring, scratch)
+    elif is_in_room(s, point[0], point[1], point[2]):
+        for k in range(len(lamps)):
+            for ray in range(PARTS * PARTS):
+                up = 4 + 2 * (ray // PARTS)
+                side = BESIDE[ray % PARTS]
+                trace_closed_room(
+                    s, unpack_beam(lamps[k]), point, ring[up], ring[up + 1], side, scratch
+                )
+                for step in range(ROUND):
+                    scratch[BROUGHT + ROUND * (LAMPS + k) + step] += scratch[WEIGHT + step]
+
+
+def ray_direction(
+    c: float, d: float, up: float, level: float, side: tuple[float, float]
+) -> Vector:
+    """Return the direction of a ray beside the middle of its pencil. [map]"""
+    return (level * (c * side[0] - d * side[1]), level * (c * side[1] + d * side[0]), up)
+
+
+def trace_closed_room(
+    s: SceneGeometry,
+    lamp: LampBeam,
+    point: Vector,
+    up: float,
+    level: float,
+    side: tuple[float, float],
+    scratch: Scratch,
+) -> None:
+    """Write what one ray of each pencil brings of a lamp in a room without a door, at WEIGHT."""
+    for step in range(ROUND):
+        u = ray_direction(scratch[COSINE + step], scratch[SINE + step], up, level, side)
+        light, square = unoccluded_luminance(
+            find_room_hit(s, point, u, distance_to_wall(s, point, u)), lamp
+        )
+        scratch[WEIGHT + step], scratch[UNHIDDEN + step] = light / (PARTS * PARTS), square
+    if lamp.order != 1.0:
+        for step in range(ROUND):
+            # Behind the lamp both are 0, and a lantern's exponent is below 0.
+            square = max(scratch[UNHIDDEN + step], TINY)
+            scratch[WEIGHT + step] *= square ** (0.5 * lamp.order - 0.5)
+
+
+def trace_through_door(
+    s: SceneGeometry, lamps: Rows, point: Vector, ring: tuple[float, ...], scratch: Scratch
+) -> None:
+    """Add what each pencil brings where a room has a door: rays pass it both ways."""
+    for step in range(ROUND):
+        for ray in range(PARTS * PARTS):
+            up, side = 4 + 2 * (ray // PARTS), BESIDE[ray % PARTS]
+            u = ray_direction(
+                scratch[COSINE + step], scratch[SINE + step], ring[up], ring[up + 1], side
+            )
+            met, inside = find_first_hit(s, point, u)
+            scratch[BROUGHT + ROUND * DAY + step] += daylight_luminance(s, inside, u[2]) / (
+                PARTS * PARTS
+            )
+            for k in range(len(lamps)):
+                bright = reflected_luminance(s, met, unpack_beam(lamps[k])) / (PARTS * PARTS)
+                scratch[BROUGHT + ROUND * (LAMPS + k) + step] += bright

@@ -1,0 +1,64 @@
+"""
+What sensors, tracker and clocks make of the truth: the measurement effects of a vehicle in use.
+
+The effects of a channel act one after the other in the order of the registry, on the truth: noise,
+counts and limits of the sensor come after them. An effect at its null values is not called at all,
+so that a vehicle without any reads the truth bit for bit.
+"""
+
+from collections.abc import Callable, Mapping
+
+from lta_model.effects.protocol import CHANNELS, Effect, MeasurementEffect, Values
+
+Reading = Callable[[Values, Values, float], Values]
+# The readings of a channel in their order, each with its parameters.
+Chain = tuple[tuple[Reading, Values], ...]
+
+
+def build_chains(
+    parameters: Mapping[str, Mapping[str, float]], effects: Mapping[str, Effect]
+) -> dict[str, Chain]:
+    """
+    Return what acts on each channel.
+
+    Parameters
+    ----------
+    given : mapping
+        Parameters that are not at their null values, by effect and name: `Model.given`.
+    effects : mapping of str to Effect
+        The registry.
+
+    Returns
+    -------
+    dict of str to Chain
+        One of each of `CHANNELS`, empty where nothing acts.
+
+    """
+    out: dict[str, Chain] = dict.fromkeys(CHANNELS, ())
+    for name, effect in effects.items():
+        if not isinstance(effect, MeasurementEffect):
+            continue
+        own = parameters.get(name, {})
+        p = tuple(float(own.get(known.name, known.null)) for known in effect.parameters)
+        if any(x != known.null for x, known in zip(p, effect.parameters, strict=True)):
+            out[effect.channel] += ((effect.reading, p),)
+    return out
+
+
+def apply_chain(chain: Chain, values: Values, time: float) -> Values:
+    """
+    Return a reading after all effects of its channel.
+
+    Parameters
+    ----------
+    chain : Chain
+        What acts on the channel, of `build_chains`.
+    values : tuple of float
+        The truth, of as many numbers as `CHANNELS` says, in its units.
+    time : float
+        Time since the start of the flight. [s]
+
+    """
+    for reading, p in chain:
+        values = reading(p, values, time)
+    return values

@@ -1,0 +1,99 @@
+"""
+The frame that every page shares: head, header, tiles, scripts.
+
+A page of its own is a file in `assets`: its style between `<style>` and `</style>`, then what
+stands in `main` below the tiles, both with the names of its parts.
+"""
+
+from collections.abc import Mapping
+from importlib.resources import files
+from pathlib import Path
+from string import Template
+from typing import Final
+
+from lta_config.atomic_file import replace_atomically
+from lta_config.errors import BadInput
+from lta_report.page_parts import embed_data, render_footer
+from lta_report.palette import DARK
+from plotly.offline import get_plotlyjs
+
+BEGIN: Final = '<style>\n'
+END: Final = '</style>\n'
+NOTHING: Final[Mapping[str, str]] = {}
+NOSCRIPT: Final = (
+    '<noscript><p class="absent">The pictures need JavaScript; the tables do not.</p></noscript>\n'
+)
+
+
+def read_asset(name: str) -> str:
+    """Return the text of a file in `assets`."""
+    return (files('lta_report') / 'assets' / name).read_text(encoding='utf-8')
+
+
+def assemble_page(
+    name: str,
+    *,
+    title: str,
+    kicker: str,
+    about: str,
+    tiles: str,
+    track: object = None,
+    has_plots: bool = True,
+    facts: Mapping[str, str] = NOTHING,
+    commands: Mapping[str, str] = NOTHING,
+    files: Mapping[str, str] = NOTHING,
+    **parts: str,
+) -> str:
+    """
+    Return a whole page.
+
+    Parameters
+    ----------
+    name : str
+        Of its file in `assets`.
+    title, kicker, about, tiles : str
+        Of the header, as HTML.
+    track : object
+        What the page's one instant moves along; nothing by default.
+    drawn : bool
+        Whether anything is drawn by plotly, which is most of a page's size.
+    facts, commands, files : mapping of str to str
+        What the page ends with; see `render_footer`, which its file names.
+    **parts : str
+        What its file names besides, as HTML.
+
+    """
+    parts['ending'] = render_footer(facts, commands, files)
+    style, main = (Template(text).substitute(parts) for text in split_template(read_asset(name)))
+    return Template(read_asset('frame.html')).substitute(
+        title=title,
+        kicker=kicker,
+        about=about,
+        tiles=tiles,
+        style=style,
+        noscript=NOSCRIPT if has_plots else '',
+        main=main.rstrip(),
+        css=read_asset('page.css'),
+        dark=embed_data('dark', DARK),
+        track=embed_data('track', track or {}),
+        plotly=f'<script>{get_plotlyjs()}</script>' if has_plots else '',
+        js=read_asset('page.js'),
+    )
+
+
+def split_template(text: str) -> list[str]:
+    """Return style and content of a page's own file."""
+    return text.removeprefix(BEGIN).split(END, 1)
+
+
+def write_file(content: str | bytes, out: Path) -> Path:
+    """Write a page or picture and return where it is; `BadInput` where it cannot be written."""
+    try:
+        with replace_atomically(out) as part:
+            part.write_bytes(content.encode() if isinstance(content, str) else content)
+    except OSError as error:
+        raise BadInput(
+            f"The page '{out}' cannot be written ({error.strerror}); make room, or choose "
+            'another folder with --out.'
+        ) from error
+    return out

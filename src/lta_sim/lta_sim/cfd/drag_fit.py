@@ -1,0 +1,73 @@
+"""
+Linear and quadratic drag from a sweep, and what drag is by hand at the side of it.
+
+    F = D1 v + D2 v^2,   D1, D2 >= 0
+
+The sum of the squares of relative errors is least (Lawson and Hanson 1974, non-negative): the
+slow points, at which a drone flies, count as much as the fast ones.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import final
+
+from lta_config.errors import BadInput
+import numpy as np
+from scipy.optimize import nnls
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class DragFit:
+    """
+    Drag along or about one axis.
+
+    Parameters
+    ----------
+    linear, quadratic : float
+        N s/m and N s2/m2 along, N m s and N m s2 about an axis.
+    error : float
+        Largest relative error of the points. [1]
+    exponent : float
+        Of the power law through the points; NaN for one point. [1]
+
+    """
+
+    linear: float
+    quadratic: float
+    error: float
+    exponent: float
+
+    def drag_at(self, speed: float) -> float:
+        """Return the drag at a speed. [N or N m]."""
+        return self.linear * speed + self.quadratic * speed**2
+
+
+def fit_drag(speeds: Sequence[float], drags: Sequence[float]) -> DragFit:
+    """
+    Return the linear and quadratic drag through some points.
+
+    Parameters
+    ----------
+    speeds, drags : sequences of float
+        Positive: m/s and N, or rad/s and N m.
+
+    Raises
+    ------
+    BadInput
+        If a point is not positive: no drag pushes.
+
+    """
+    v, f = np.array(speeds, dtype=float), np.array(drags, dtype=float)
+    if len(v) == 0 or len(v) != len(f) or not (np.all(v > 0.0) and np.all(f > 0.0)):
+        raise BadInput(
+            f'Drag cannot be fitted to {f.tolist()} at {v.tolist()}: each must be positive; '
+            'look at the flow of the point that is not.'
+        )
+    matrix = np.column_stack((v / f, v**2 / f))
+    if len(v) == 1:
+        matrix[:, 0] = 0.0  # one point says nothing of two terms; drag is known to be quadratic
+    (linear, quadratic), _ = nnls(matrix, np.ones(len(v)))
+    error = float(np.max(np.abs(matrix @ (linear, quadratic) - 1.0)))
+    exponent = float(np.polyfit(np.log(v), np.log(f), 1)[0]) if len(v) > 1 else float('nan')
+    return DragFit(float(linear), float(quadratic), error, exponent)

@@ -1,0 +1,155 @@
+"""Which flows make a sweep, by fidelity, and how each is read when it is solved."""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Final, final, Literal
+
+from lta_sim.cfd.openfoam.case import FoamCase
+from lta_sim.cfd.still_air import AXES as SPINS
+from lta_sim.cfd.still_air import build_blowing_case, build_spinning_case, RATES
+from lta_sim.cfd.thrust_allocation import REVERSED
+from lta_sim.cfd.tunnel import (
+    build_steady_wind,
+    build_transient_wind,
+    choose_fineness,
+    COARSE,
+    PREVIEW,
+    SPEEDS,
+    TURNS,
+)
+from lta_sim.cfd.tunnel_model import TunnelModel
+import numpy as np
+from numpy.typing import NDArray
+
+Kind = Literal['wind', 'coarse', 'transient', 'spin', 'blow']
+Air = tuple[float, float]  # density [kg/m3], kinematic viscosity [m2/s]
+WINDS: Final = tuple(TURNS)
+MIDDLE: Final = 1.0  # m/s
+SLOW: Final = 0.2  # m/s, at which the steady model is right for a sphere
+LENGTHS: Final = 26.0  # of flow in a transient, all but the first of which are averaged
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class TunnelFlow:
+    """
+    One flow of a sweep.
+
+    Parameters
+    ----------
+    kind : str
+        'wind', 'coarse' (a wind on a coarser mesh), 'transient', 'spin' or 'blow'.
+    about : str
+        Axis, or pattern.
+    case : Case
+        What is solved.
+    speeds : sequence of float
+        That it gives, m/s or rad/s.
+    shares : mapping of str to float
+        Rotors that are on.
+
+    """
+
+    kind: Kind
+    about: str
+    case: FoamCase
+    speeds: Sequence[float] = ()
+    shares: Mapping[str, float] | None = None
+
+
+def list_patterns(model: TunnelModel) -> dict[str, Mapping[str, float]]:
+    """
+    Return what blows: each rotor forward and reversed, and the patterns of the tunnel file.
+
+    A rotor that symmetry brings to the place of one before it is left out: so is its column.
+    """
+    singles: dict[str, Mapping[str, float]] = {}
+    changes = model.find_symmetries()
+    for name in model.rotors:
+        if not _is_symmetric_twin(model, name, singles, changes):
+            singles[name] = {name: 1.0}
+    back = {f'{name}{REVERSED}': {name: -1.0} for name in singles}
+    return {**model.patterns, **singles, **back}
+
+
+def _is_symmetric_twin(
+    model: TunnelModel, name: str, before: Iterable[str], changes: Sequence[NDArray[np.float64]]
+) -> bool:
+    """Tell whether a symmetry of the bodies brings an earlier rotor to where this one is."""
+    one = model.rotors[name]
+    return any(
+        np.allclose(change @ model.rotors[other].place, one.place, atol=1e-6)
+        and np.allclose(change @ model.rotors[other].axis, one.axis, atol=1e-6)
+        for other in before
+        for change in changes
+    )
+
+
+def plan_flows(
+    model: TunnelModel, fidelity: str, air: Air, only: Sequence[str] = ()
+) -> list[TunnelFlow]:
+    """
+    Return the flows of a sweep, those that tell most first.
+
+    Sway and pitch are left out where a quarter turn makes them of surge and roll.
+
+    Parameters
+    ----------
+    model : Model
+        The vehicle.
+    fidelity : str
+        'preview' or 'reference'.
+    air : (float, float)
+        Density [kg/m3] and kinematic viscosity [m2/s].
+    only : sequence of str
+        Axes and patterns, all by default.
+
+    """
+    found = [
+        *_plan_winds(model, fidelity, air[1]),
+        *_plan_spins(model, air[1]),
+        *_plan_blows(model, air),
+    ]
+    if fidelity == 'preview':
+        found += _plan_coarse(model, air[1])
+    return [flow for flow in found if not only or flow.about in only]
+
+
+def _wind_directions(model: TunnelModel) -> Sequence[str]:
+    return ('heave', 'surge') if model.has_quarter_symmetry else ('heave', 'surge', 'sway')
+
+
+def _plan_winds(model: TunnelModel, fidelity: str, viscosity: float) -> Iterator[TunnelFlow]:
+    for axis in _wind_directions(model):
+        if fidelity == 'preview':
+            case = build_steady_wind(model, axis, viscosity, PREVIEW)
+            yield TunnelFlow('wind', axis, case, SPEEDS)
+            continue
+        fine = choose_fineness(model, viscosity, MIDDLE)
+        eddies = build_transient_wind(model, axis, viscosity, fine, MIDDLE, LENGTHS)
+        yield TunnelFlow('transient', axis, eddies, (MIDDLE,))
+        slow = build_steady_wind(model, axis, viscosity, PREVIEW, (SLOW,))
+        yield TunnelFlow('wind', axis, replace(slow, name=f'{axis}, slow'), (SLOW,))
+
+
+def _plan_coarse(model: TunnelModel, viscosity: float) -> Iterator[TunnelFlow]:
+    """Yield the middle speed of each wind on a coarser mesh."""
+    for axis in _wind_directions(model):
+        case = build_steady_wind(model, axis, viscosity, COARSE, (MIDDLE,))
+        yield TunnelFlow(
+            'coarse', axis, replace(case, name=f'{axis} on a coarser mesh'), (MIDDLE,)
+        )
+
+
+def _plan_spins(model: TunnelModel, viscosity: float) -> Iterator[TunnelFlow]:
+    for about in SPINS:
+        if about == 'pitch' and model.has_quarter_symmetry:
+            continue
+        yield TunnelFlow('spin', about, build_spinning_case(model, about, viscosity), RATES)
+
+
+def _plan_blows(model: TunnelModel, air: Air) -> Iterator[TunnelFlow]:
+    if not model.rotors:
+        return
+    for name, shares in list_patterns(model).items():
+        yield TunnelFlow('blow', name, build_blowing_case(model, name, shares, air), shares=shares)

@@ -1,0 +1,139 @@
+"""
+Cases solved on disk: each in a folder named by its content, step by step, never twice.
+
+What is done is marked beside it, so that a run that was stopped goes on where it was.
+"""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+import fcntl
+import os
+from pathlib import Path
+import re
+import shutil
+import time
+from typing import Final, final
+
+from lta_sim.cfd.openfoam.case import FoamCase, ProgramStep
+from lta_sim.cfd.openfoam.engine import CaseFailed, FoamPrograms
+
+DONE: Final = 'done.'
+EXECUTION: Final = re.compile(r'ExecutionTime = ([\d.]+) s')
+Progress = Callable[[FoamCase, ProgramStep, float, float], None]  # share of the step, residual
+
+
+def cache_folder() -> Path:
+    """Return where solved cases are kept by default."""
+    home = os.environ.get('XDG_CACHE_HOME') or Path.home() / '.cache'
+    return Path(home) / 'lta' / 'cfd'
+
+
+@final
+class CaseRunner:
+    """
+    Solves cases in a folder.
+
+    Parameters
+    ----------
+    folder : Path
+        Of all cases.
+    programs : Programs
+        Which run.
+    tell : callable
+        Told how far which case is.
+
+    """
+
+    def __init__(self, folder: Path, programs: FoamPrograms, tell: Progress) -> None:
+        self._folder, self._programs, self._tell = folder, programs, tell
+
+    def case_folder(self, case: FoamCase) -> Path:
+        """Return the folder of a case."""
+        return self._folder / case.key
+
+    def is_done(self, case: FoamCase) -> bool:
+        """Tell whether a case has been solved."""
+        return all(
+            (self.case_folder(case) / f'{DONE}{step.name}').is_file() for step in case.steps
+        )
+
+    def solve(self, case: FoamCase) -> Path:
+        """
+        Solve what is not solved yet of a case, whose mesh is there, and return its folder.
+
+        Raises
+        ------
+        CaseFailed
+            If a program fails or the disk is full.
+
+        """
+        try:
+            with self._lock_case(case):
+                return self._solve(case)
+        except OSError as error:
+            raise CaseFailed(
+                f'{error.strerror or error} ({self.case_folder(case)}); make room or choose '
+                f'another '
+                'folder with --cache, and start again to go on.'
+            ) from error
+
+    @contextmanager
+    def _lock_case(self, case: FoamCase) -> Iterator[None]:
+        """Let nobody else solve a case: another run, or another machine on the same folder."""
+        self._folder.mkdir(parents=True, exist_ok=True)
+        with (self._folder / f'.{case.key}.lock').open('w') as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            yield
+
+    def _solve(self, case: FoamCase) -> Path:
+        place = self.case_folder(case)
+        if case.mesh is None and place.exists() and not self.is_done(case):
+            shutil.rmtree(place)  # a mesh is changed in place: half of one is begun again
+        self._prepare(case, place)
+        for step in case.steps:
+            if not (place / f'{DONE}{step.name}').is_file():
+                self._run_step(case, step, place)
+        return place
+
+    def _prepare(self, case: FoamCase, place: Path) -> None:
+        place.mkdir(parents=True, exist_ok=True)
+        for path, content in case.files.items():
+            target = place / path
+            if target.exists():
+                continue
+            target.parent.mkdir(parents=True, exist_ok=True)
+            target.write_bytes(content if isinstance(content, bytes) else content.encode())
+        (place / 'name').write_text(f'{case.name}\n', encoding='utf-8')
+        link = place / 'constant' / 'polyMesh'
+        if case.mesh is not None and not link.is_symlink():
+            link.parent.mkdir(parents=True, exist_ok=True)
+            link.symlink_to(self.case_folder(case.mesh) / 'constant' / 'polyMesh')
+
+    def _run_step(self, case: FoamCase, step: ProgramStep, place: Path) -> None:
+        for path, text in step.files.items():
+            (place / path).parent.mkdir(parents=True, exist_ok=True)
+            (place / path).write_text(text, encoding='utf-8')
+        for old in (place / 'postProcessing').glob(f'*/{step.begin}'):
+            shutil.rmtree(old)  # of a step that was stopped
+        begun = time.monotonic()
+        rounds = [0]
+
+        def tell(_: float, residual: float) -> None:
+            rounds[0] += 1
+            self._tell(case, step, min(rounds[0] / max(step.rounds, 1), 1.0), residual)
+
+        self._programs.run(step.command, place, place / f'log.{step.name}', tell)
+        spent = time.monotonic() - begun
+        (place / f'{DONE}{step.name}').write_text(f'{spent:.1f}\n', encoding='utf-8')
+        self._tell(case, step, 1.0, float('nan'))
+
+    def processor_time(self, case: FoamCase) -> float:
+        """Return the processor time of a solved case, as its programs tell it. [s]."""
+        return sum(_read_seconds(self.case_folder(case), step.name) for step in case.steps)
+
+
+def _read_seconds(place: Path, step: str) -> float:
+    told = EXECUTION.findall((place / f'log.{step}').read_text(encoding='utf-8', errors='replace'))
+    if told:
+        return float(told[-1])
+    return float((place / f'{DONE}{step}').read_text(encoding='utf-8'))

@@ -1,0 +1,77 @@
+"""Whether a surface crosses itself: an edge of one triangle goes through another."""
+
+from collections.abc import Iterator
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+CHUNK: Final = 2_000_000  # pairs at a time
+TOUCH: Final = 1e-9  # of an edge's length: touching is not crossing
+
+
+def find_crossing(triangles: Array) -> tuple[int, int] | None:
+    """
+    Return two triangles that cross, or None.
+
+    Neighbours, which share a corner, are not looked at; nor are triangles that lie in one plane.
+
+    Parameters
+    ----------
+    triangles : array (n, 3, 3)
+        Corners. [m]
+
+    """
+    for one, other in _iterate_near_pairs(triangles):
+        for first, second in ((one, other), (other, one)):
+            for corner in range(3):
+                begin, end = triangles[first, corner], triangles[first, corner - 2]
+                hit = _find_pierced(begin, end, triangles[second])
+                if hit.any():
+                    k = int(np.argmax(hit))
+                    return int(first[k]), int(second[k])
+    return None
+
+
+def _iterate_near_pairs(triangles: Array) -> Iterator[tuple[Index, Index]]:
+    """Yield pairs of triangles whose boxes overlap and that share no corner, in chunks."""
+    low, high = triangles.min(axis=1), triangles.max(axis=1)
+    order = np.argsort(low[:, 0])
+    last = np.searchsorted(low[order, 0], high[order, 0], side='right')
+    counts = np.maximum(last - np.arange(len(order)) - 1, 0)
+    ends = np.cumsum(counts)
+    begin = 0
+    while begin < len(order):
+        base = ends[begin - 1] if begin else 0
+        end = max(int(np.searchsorted(ends, base + CHUNK, side='right')), begin + 1)
+        sizes = counts[begin:end]
+        first = np.repeat(np.arange(begin, end), sizes)
+        step = np.arange(len(first)) - np.repeat(np.cumsum(sizes) - sizes, sizes)
+        one, other = order[first], order[first + 1 + step]
+        apart = (low[one] > high[other]) | (low[other] > high[one])
+        one, other = one[~apart.any(axis=1)], other[~apart.any(axis=1)]
+        gaps = triangles[one][:, :, None] - triangles[other][:, None]
+        alone = ~(np.abs(gaps).max(axis=3) == 0.0).any(axis=(1, 2))
+        yield one[alone], other[alone]
+        begin = end
+
+
+def _find_pierced(begin: Array, end: Array, triangle: Array) -> NDArray[np.bool_]:
+    """Tell which segments go through the inside of which triangles (Moeller and Trumbore 1997)."""
+    way = end - begin
+    side, other = triangle[:, 1] - triangle[:, 0], triangle[:, 2] - triangle[:, 0]
+    normal = np.cross(way, other)
+    scale = np.einsum('ij,ij->i', side, normal)
+    flat = np.abs(scale) < 1e-300
+    scale = np.where(flat, 1.0, scale)
+    away = begin - triangle[:, 0]
+    u = np.einsum('ij,ij->i', away, normal) / scale
+    turned = np.cross(away, side)
+    v = np.einsum('ij,ij->i', way, turned) / scale
+    t = np.einsum('ij,ij->i', other, turned) / scale
+    within = (u > TOUCH) & (v > TOUCH) & (u + v < 1.0 - TOUCH)
+    through: NDArray[np.bool_] = ~flat & within & (t > TOUCH) & (t < 1.0 - TOUCH)
+    return through

@@ -1,0 +1,212 @@
+"""
+A box of still air: rotors blow in it, and the vehicle turns in it.
+
+A rotor is a source of momentum in its disk, without swirl. What the body feels is its thrust,
+and what the air that it moves does to the walls. Turning is solved in a frame that turns along
+within a ball (MRF), at 1 rad/s with the viscosity divided by the rate that is meant.
+"""
+
+from collections.abc import Mapping
+import math
+from typing import Final
+
+from lta_sim.cfd.openfoam.case import FoamCase, ProgramStep
+from lta_sim.cfd.openfoam.dictionary import Entry, format_dictionary
+from lta_sim.cfd.openfoam.fields import format_still_fields, STEADY
+from lta_sim.cfd.openfoam.mesh import BASE, build_mesh_case, format_block_mesh, format_snappy_mesh
+from lta_sim.cfd.openfoam.numerics import (
+    build_force_functions,
+    build_momentum_functions,
+    build_pressure_function,
+    build_slice_function,
+    format_control,
+    format_solution,
+    format_steady_schemes,
+)
+from lta_sim.cfd.tunnel import empty_files, format_transport, format_turbulence
+from lta_sim.cfd.tunnel_model import HULL, RotorDisk, TunnelModel
+import numpy as np
+
+RATES: Final = (0.3, 1.0, 3.0)  # rad/s
+ROUNDS: Final = 200
+MEETING: Final = 400  # where more than two jets may meet: BEAVIS's lift still grows at 200
+NEXT: Final = 80
+AXES: Final = {'roll': (1, 0, 0), 'pitch': (0, 1, 0), 'yaw': (0, 0, 1)}
+BALL: Final = 'turning'
+CELLS_ACROSS: Final = 6  # a rotor's disk
+# Jets: radius and length in radii of the rotor, and how many levels coarser than the disk.
+JETS: Final = ((1.34, 1.27, 0), (2.34, 12.8, 1), (5.1, 34.0, 2), (10.6, 76.6, 3))
+
+
+def disk_refinement_level(model: TunnelModel, rotor: RotorDisk) -> int:
+    """Return the level at which the disk of a rotor has enough cells across."""
+    return math.ceil(math.log2(BASE * model.length * CELLS_ACROSS / (2.0 * rotor.radius)) - 1e-9)
+
+
+def build_still_mesh(model: TunnelModel, most: int = 3_000_000) -> FoamCase:
+    """Return the mesh of the box, with a zone for each rotor's disk and one that turns."""
+    size = model.length
+    regions: dict[str, tuple[Mapping[str, Entry], int]] = {}
+    finest = 4
+    for name, rotor in model.rotors.items():
+        level = disk_refinement_level(model, rotor)
+        finest = max(finest, level)
+        for k, (wide, long, coarser) in enumerate(JETS):
+            regions[f'{name}_{k}'] = (_jet_region(rotor, wide, long), max(level - coarser, 0))
+    text = format_snappy_mesh(
+        {name: 3 if name == HULL else min(finest, 5) for name in model.bodies},
+        BASE * size,
+        regions,
+        [-2.613 * size, 2.137 * size, 2.071 * size],
+        (0.12 * size, 3),
+        6,
+        1.3,
+        most,
+    )
+    actions: list[Entry] = []
+    for name, rotor in model.rotors.items():
+        half = 0.5 * rotor.thickness * np.array(rotor.axis)
+        ends = [(np.array(rotor.place) + sign * half).tolist() for sign in (-1.0, 1.0)]
+        actions += _zone_actions(name, {
+            'source': 'cylinderToCell', 'p1': ends[0], 'p2': ends[1], 'radius': rotor.radius,
+        })  # fmt: skip
+    actions += _zone_actions(BALL, {
+        'source': 'sphereToCell', 'centre': [0, 0, 0], 'radius': 1.2 * size
+    })  # fmt: skip
+    return build_mesh_case(
+        'still mesh',
+        model.bodies,
+        format_block_mesh(
+            np.full(3, -3.0 * size), np.full(3, 3.0 * size), BASE * size,
+            {'far': ['x-', 'x+', 'y-', 'y+', 'z-', 'z+']},
+        ),
+        text,
+        70_000,
+        format_dictionary('topoSetDict', {'actions': actions}),
+    )  # fmt: skip
+
+
+def _jet_region(rotor: RotorDisk, wide: float, long: float) -> dict[str, Entry]:
+    """Return a cylinder about a rotor and its jet, to both sides as rotors may be reversed."""
+    reach = long * rotor.radius * np.array(rotor.axis)
+    ends = (np.array(rotor.place) - reach, np.array(rotor.place) + reach)
+    return {
+        'type': 'searchableCylinder',
+        'point1': ends[0].tolist(),
+        'point2': ends[1].tolist(),
+        'radius': wide * rotor.radius,
+    }
+
+
+def _zone_actions(name: str, source: Mapping[str, Entry]) -> list[Entry]:
+    """Return the actions that make a zone of cells."""
+    return [
+        {'name': f'{name}_set', 'type': 'cellSet', 'action': 'new', **source},
+        {'name': name, 'type': 'cellZoneSet', 'action': 'new', 'source': 'setToCellZone',
+         'set': f'{name}_set'},
+    ]  # fmt: skip
+
+
+def _build_functions(model: TunnelModel, normal: tuple[int, int, int]) -> dict[str, Entry]:
+    return {
+        **build_force_functions({name: name for name in model.bodies} | {'outer': 'far'}),
+        **build_momentum_functions(('far',)),
+        **build_slice_function(normal, model.length),
+    }
+
+
+def build_blowing_case(
+    model: TunnelModel, pattern: str, shares: Mapping[str, float], air: tuple[float, float]
+) -> FoamCase:
+    """
+    Return the flow of some rotors.
+
+    Parameters
+    ----------
+    model : Model
+        The vehicle.
+    pattern : str
+        Its name.
+    shares : mapping of str to float
+        Thrust of each rotor that is on, in shares of its full thrust; negative is reversed. [1]
+    air : (float, float)
+        Density [kg/m3] and kinematic viscosity [m2/s].
+
+    """
+    density, viscosity = air
+    sources: dict[str, Entry] = {}
+    for name, share in shares.items():
+        rotor = model.rotors[name]
+        push = -share * rotor.thrust / density * np.array(rotor.axis)
+        sources[name] = {
+            'type': 'vectorSemiImplicitSource', 'active': True,
+            'vectorSemiImplicitSourceCoeffs': {
+                'selectionMode': 'cellZone', 'cellZone': name, 'volumeMode': 'absolute',
+                'injectionRateSuSp': {'U': [push.tolist(), 0]},
+            },
+        }  # fmt: skip
+    # The slice holds the first rotor's axis and the vertical.
+    first = model.rotors[next(iter(shares))]
+    along_y = abs(first.axis[1]) > abs(first.axis[0]) or (
+        abs(first.axis[2]) > 0.7 and abs(first.place[1]) > abs(first.place[0])
+    )
+    mesh = build_still_mesh(model)
+    files = {
+        **format_still_fields(STEADY, tuple(model.bodies)),
+        **empty_files(),
+        'constant/fvOptions': format_dictionary('fvOptions', sources),
+        'constant/transportProperties': format_transport(viscosity),
+        'constant/turbulenceProperties': format_turbulence('kOmegaSST'),
+        'system/fvSchemes': format_steady_schemes(),
+        'system/fvSolution': format_solution(0.7, 0.6),
+    }
+    functions = {
+        **_build_functions(model, (1, 0, 0) if along_y else (0, 1, 0)),
+        **build_pressure_function(model.bodies),
+    }  # fmt: skip
+    rounds = MEETING if len(shares) > 2 else ROUNDS
+    last = {'system/controlDict': format_control('simpleFoam', 0, rounds, functions)}
+    return FoamCase(
+        pattern, files, [ProgramStep('on', ('simpleFoam',), last, rounds)], mesh, mesh.cells
+    )
+
+
+def build_spinning_case(model: TunnelModel, about: str, viscosity: float) -> FoamCase:
+    """
+    Return the flow around a vehicle that turns, at several rates.
+
+    Parameters
+    ----------
+    model : Model
+        The vehicle.
+    about : str
+        'roll', 'pitch' or 'yaw', about the hull centre.
+    viscosity : float
+        Kinematic, of the air. [m2/s]
+
+    """
+    mesh = build_still_mesh(model)
+    steps, begin = [], 0
+    for rate in RATES:
+        end = begin + (NEXT if begin else ROUNDS)
+        files = {
+            'system/controlDict': format_control(
+                'simpleFoam', begin, end, _build_functions(model, (0, 1, 0))
+            ),
+            'constant/transportProperties': format_transport(viscosity / rate),
+        }  # fmt: skip
+        steps.append(ProgramStep(f'{rate:g}', ('simpleFoam',), files, end - begin, str(begin)))
+        begin = end
+    turning: Mapping[str, Entry] = {
+        'cellZone': BALL, 'active': True, 'nonRotatingPatches': [], 'origin': [0, 0, 0],
+        'axis': list(AXES[about]), 'omega': 1,
+    }  # fmt: skip
+    files = {
+        **format_still_fields(STEADY, tuple(model.bodies)),
+        **empty_files(),
+        'constant/MRFProperties': format_dictionary('MRFProperties', {'turning': turning}),
+        'constant/turbulenceProperties': format_turbulence('kOmegaSST'),
+        'system/fvSchemes': format_steady_schemes(),
+        'system/fvSolution': format_solution(0.7, 0.6),
+    }
+    return FoamCase(about, files, steps, mesh, mesh.cells)

@@ -1,0 +1,147 @@
+"""
+Columns of B from flows with rotors on, and what several jets do that none does alone.
+
+A column is the net wrench per newton of a rotor's full thrust. Where a pattern of all its rotors
+is not the sum of its columns, the rest is a coupling, per newton of the weakest of them.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final, final
+
+from lta_sim.cfd.sweep_table import Blow, RotorPlacement, TunnelSweep
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+REVERSED: Final = '_reversed'
+FULL: Final = 'all'
+SUPERPOSED: Final = 0.10  # of one rotor's thrust: what columns that sum up may miss
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class TunnelColumn:
+    """A wrench per newton, about the hull centre [1, m], and how it was found."""
+
+    wrench: Array
+    found: str
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class JetCoupling:
+    """What the jets of some rotors make together, per newton of each. [1, m]."""
+
+    rotors: tuple[str, ...]
+    wrench: Array
+
+
+def symmetrize_wrench(sweep: TunnelSweep, blow: Blow) -> Array:
+    """
+    Return force and moment. [N, N m].
+
+    Mean of all symmetries that leave what blows as it is: what must be nought is nought, and not
+    the noise of a mesh, which no pair of rotors could cancel.
+    """
+    wrench = np.array([*blow.force, *blow.moment])
+    own = [
+        np.array(rows) for rows in sweep.symmetries if _is_symmetry_of(sweep, blow.shares, rows)
+    ]
+    mean: Array = np.mean([transform_wrench(wrench, each) for each in own or [np.eye(3)]], axis=0)
+    return mean
+
+
+def _is_symmetry_of(
+    sweep: TunnelSweep, shares: Mapping[str, float], rows: Sequence[list[float]]
+) -> bool:
+    """Tell whether a symmetry of the bodies brings each rotor that is on to one like it."""
+    change = np.array(rows)
+    return all(
+        any(
+            shares[other] == share and _maps_onto(change, sweep.rotors[name], sweep.rotors[other])
+            for other in shares
+        )
+        for name, share in shares.items()
+    )
+
+
+def _maps_onto(change: Array, one: RotorPlacement, other: RotorPlacement) -> bool:
+    place = np.allclose(change @ one.place, other.place, atol=1e-6)
+    return place and np.allclose(change @ one.axis, other.axis, atol=1e-6)
+
+
+def find_twins(sweep: TunnelSweep, name: str) -> list[tuple[str, Array]]:
+    """Return rotors that a symmetry of the bodies brings to where one is, and that symmetry."""
+    one, found = sweep.rotors[name], []
+    for rows in sweep.symmetries:
+        change = np.array(rows)
+        for other, rotor in sweep.rotors.items():
+            if other != name and _maps_onto(change, rotor, one):
+                found.append((other, change))
+    return found
+
+
+def transform_wrench(wrench: Array, change: Array) -> Array:
+    """Return a wrench turned or mirrored; a moment turns the other way in a mirror."""
+    moment = np.linalg.det(change) * (change @ wrench[3:])
+    return np.concatenate((change @ wrench[:3], moment))
+
+
+def find_column(sweep: TunnelSweep, name: str, backward: bool = False) -> TunnelColumn | None:
+    """
+    Return the column of a rotor, or that of its like by symmetry; None where neither blew.
+
+    A backward column is for a negative thrust: minus the wrench, per newton.
+    """
+    sign, word = (-1.0, REVERSED) if backward else (1.0, '')
+    if (blown := sweep.blows.get(name + word)) is not None:
+        return TunnelColumn(
+            sign * symmetrize_wrench(sweep, blown) / sweep.rotors[name].thrust, 'rotor on'
+        )
+    for twin, change in find_twins(sweep, name):
+        if (blown := sweep.blows.get(twin + word)) is not None:
+            wrench = (
+                sign
+                * transform_wrench(symmetrize_wrench(sweep, blown), change)
+                / sweep.rotors[twin].thrust
+            )
+            return TunnelColumn(wrench, f'as {twin}, by symmetry')
+    return None
+
+
+def sum_columns(sweep: TunnelSweep, shares: Mapping[str, float]) -> Array | None:
+    """Return what the columns say of a pattern, None where one is missing. [N, N m]."""
+    total = np.zeros(6)
+    for name, share in shares.items():
+        found = find_column(sweep, name, share < 0.0)
+        if found is None:
+            return None
+        total += share * sweep.rotors[name].thrust * found.wrench
+    return total
+
+
+def compute_coupling(sweep: TunnelSweep) -> JetCoupling | None:
+    """Return what all rotors make together beyond their columns, where that is not negligible."""
+    blown = sweep.blows.get(FULL)
+    if blown is None or (sum_ := sum_columns(sweep, blown.shares)) is None:
+        return None
+    weakest = min(sweep.rotors[name].thrust for name in blown.shares)
+    rest = (symmetrize_wrench(sweep, blown) - sum_) / weakest
+    if np.linalg.norm(rest[:3]) <= SUPERPOSED:
+        return None
+    return JetCoupling(tuple(blown.shares), rest)
+
+
+def linearity_ratio(sweep: TunnelSweep, pattern: str) -> float | None:
+    """
+    Return the wrench of a pattern at part thrust over its share of that at full thrust. [1].
+
+    1 where the wrench is linear in thrust. None where `<pattern>_quarter` did not blow.
+    """
+    full, part = sweep.blows.get(pattern), sweep.blows.get(f'{pattern}_quarter')
+    if full is None or part is None:
+        return None
+    share = next(iter(part.shares.values())) / next(iter(full.shares.values()))
+    most = int(np.argmax(np.abs(full.force)))
+    return part.force[most] / (share * full.force[most])

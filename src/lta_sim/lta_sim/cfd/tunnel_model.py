@@ -1,0 +1,242 @@
+"""What stands in the wind tunnel: closed surfaces by name, and the disks of the rotors."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from hashlib import sha256
+import math
+from pathlib import Path
+from typing import Final, final
+
+from lta_config.errors import BadInput
+from lta_config.schema.mount_file import MountFile
+from lta_config.schema.tunnel_file import load_tunnel_file, TunnelBody, TunnelFile, TunnelRotorDisk
+from lta_config.schema.vehicle_file import load_vehicle_file, VehicleFile
+from lta_sim.cfd.shape import build_envelope
+from lta_sim.cfd.stl import read_stl
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+import trimesh
+
+Array = NDArray[np.float64]
+Three = tuple[float, float, float]
+
+HULL: Final = 'envelope'
+PLAN: Final = [  # eight: four quarter turns about z, mirrored across y = 0 or not
+    np.array([[c, -s * m, 0.0], [s, c * m, 0.0], [0.0, 0.0, 1.0]])
+    for m in (1.0, -1.0)
+    for c, s in ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))
+]
+QUARTER: Final = PLAN[1]  # x to y
+ALIKE: Final = 1e-3  # of the length: how well a mirrored surface must lie on itself
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class RotorDisk:
+    """The disk of a rotor: centre from the hull's [m], direction, size [m], full thrust [N]."""
+
+    place: Three
+    axis: Three
+    radius: float
+    thickness: float
+    thrust: float
+
+    def rim_points(self, count: int = 16) -> Array:
+        """Return points of the disk: centre and rim of both faces. [m]."""
+        axis = np.array(self.axis)
+        side = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
+        side /= np.linalg.norm(side)
+        turn = np.linspace(0.0, 2.0 * math.pi, count, endpoint=False)[:, None]
+        ring = self.radius * (np.cos(turn) * side + np.sin(turn) * np.cross(axis, side))
+        half = 0.5 * self.thickness * axis
+        points: Array = np.vstack((np.zeros(3), ring + half, ring - half)) + np.array(self.place)
+        return points
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class TunnelModel:
+    """
+    What stands in the wind tunnel, in body axes about the hull centre.
+
+    Parameters
+    ----------
+    name : str
+        Of the tunnel file.
+    bodies : mapping of str to Trimesh
+        Closed surfaces, the hull's first; they may overlap. [m]
+    rotors : mapping of str to Rotor
+        As in the vehicle file.
+    patterns : mapping of str to mapping of str to float
+        Rotors that blow together, each with its share of full thrust.
+
+    """
+
+    name: str
+    bodies: Mapping[str, trimesh.Trimesh]
+    rotors: Mapping[str, RotorDisk]
+    patterns: Mapping[str, Mapping[str, float]]
+    # Cache: whether each rotation or mirroring maps the bodies onto themselves.
+    _alike: dict[bytes, bool] = field(default_factory=dict, init=False, repr=False, compare=False)
+
+    @property
+    def hull(self) -> trimesh.Trimesh:
+        """The envelope."""
+        return self.bodies[HULL]
+
+    @property
+    def length(self) -> float:
+        """The largest size of the hull, by which the tunnel is scaled. [m]."""
+        return float(np.max(self.hull.extents))
+
+    def frontal_area(self, axis: int) -> float:
+        """Area of the shadow along an axis of a hull without hollows. [m2]."""
+        return 0.5 * float(np.abs(self.hull.area_faces * self.hull.face_normals[:, axis]).sum())
+
+    def is_mirror_symmetric(self, axis: int) -> bool:
+        """Tell whether all bodies together are their own mirror image across an axis."""
+        return bool(self._select_symmetries([np.diag(np.where(np.arange(3) == axis, -1.0, 1.0))]))
+
+    def find_symmetries(self) -> list[Array]:
+        """Return the quarter turns and mirrorings that leave the bodies as they are."""
+        return self._select_symmetries(PLAN)
+
+    @property
+    def has_quarter_symmetry(self) -> bool:
+        """Whether a quarter turn leaves the bodies as they are: along x and y they are alike."""
+        return bool(self._select_symmetries([QUARTER]))
+
+    def _select_symmetries(self, changes: Sequence[Array]) -> list[Array]:
+        """Return which of some changes leave the bodies as they are."""
+        asked = [((each + 0.0).tobytes(), each) for each in changes]
+        new = {key: each for key, each in asked if key not in self._alike}
+        if new:
+            corners = np.vstack([mesh.vertices for mesh in self.bodies.values()])
+            tree, near = cKDTree(corners), ALIKE * self.length
+            for key, each in new.items():
+                # A corner without a neighbour within reach is infinitely far: that ends it early.
+                off, _ = tree.query(corners @ each.T, distance_upper_bound=near)
+                self._alike[key] = bool(np.isfinite(off).all())
+        return [each for key, each in asked if self._alike[key]]
+
+    @property
+    def fingerprint(self) -> str:
+        """Of the whole geometry: what changes when anything of it does."""
+        told = sha256()
+        for name, mesh in self.bodies.items():
+            # No number is -0.0 on one machine and 0.0 on another.
+            told.update(name.encode() + (np.round(mesh.triangles, 7) + 0.0).tobytes())
+        told.update(repr(sorted(self.rotors.items())).encode())
+        return told.hexdigest()[:16]
+
+
+def load_tunnel_model(name: str, mount: MountFile | None = None) -> TunnelModel:
+    """
+    Return what a tunnel file puts into the wind tunnel.
+
+    Parameters
+    ----------
+    name : str
+        Shipped tunnel file or path.
+    mount : Mount, optional
+        Solar panels in another place; their boxes are put in as well.
+
+    Raises
+    ------
+    BadInput
+        If a file is wrong, a surface is open, or a rotor is inside a body.
+
+    """
+    file, path = load_tunnel_file(name)
+    vehicle = load_vehicle_file(file.vehicle)
+    bodies = {each: _load_surface(body, path.parent) for each, body in file.bodies.items()}
+    if HULL not in bodies:
+        bodies = {HULL: build_envelope(vehicle.hull), **bodies}
+    for each, part in (mount.parts if mount else {}).items():
+        bodies[each] = build_box(part.position.vector, part.size.vector)
+    rotors = (
+        {each: _build_rotor_disk(vehicle, each, file.disk) for each in vehicle.rotors}
+        if file.disk
+        else {}
+    )
+    _check_patterns(file, rotors, bodies)
+    label = file.name if mount is None else f'{file.name}_{mount.name}'
+    return TunnelModel(label, bodies, rotors, file.patterns)
+
+
+def build_box(centre: tuple[float, ...], size: tuple[float, ...]) -> trimesh.Trimesh:
+    """Return a box. [m]."""
+    mesh: trimesh.Trimesh = trimesh.creation.box(extents=size)
+    mesh.apply_translation(centre)
+    return mesh
+
+
+def _load_surface(body: TunnelBody, folder: Path) -> trimesh.Trimesh:
+    if body.stl is not None:
+        return read_stl(folder / body.stl, body.unit or 'm')
+    assert body.position is not None  # or the file was refused
+    assert body.size is not None
+    return build_box(body.position.vector, body.size.vector)
+
+
+def _build_rotor_disk(vehicle: VehicleFile, name: str, disk: TunnelRotorDisk) -> RotorDisk:
+    rotor = vehicle.rotors[name]
+    curve = rotor.thrust_curve or vehicle.thrust_curve
+    assert curve is not None  # or the vehicle file was refused
+    x, y, z = rotor.position.vector
+    axis = np.array(rotor.axis.vector) / np.linalg.norm(rotor.axis.vector)
+    return RotorDisk(
+        (x, y, z),
+        (float(axis[0]), float(axis[1]), float(axis[2])),
+        0.5 * disk.diameter.si,
+        disk.thickness.si,
+        curve.a.si + curve.b.si,
+    )
+
+
+def _check_patterns(
+    file: TunnelFile, rotors: Mapping[str, RotorDisk], bodies: Mapping[str, trimesh.Trimesh]
+) -> None:
+    """Refuse patterns of unknown rotors and rotors inside a body."""
+    for pattern, shares in file.patterns.items():
+        if strangers := [name for name in shares if name not in rotors]:
+            raise BadInput(
+                f'The pattern {pattern} of {file.name} names {", ".join(strangers)}; '
+                f'rotors of {file.vehicle}: {", ".join(rotors)}.'
+            )
+    for name, rotor in rotors.items():
+        for other, mesh in bodies.items():
+            low, high = mesh.bounds
+            near = rotor.rim_points()
+            near = near[np.all((near >= low) & (near <= high), axis=1)]
+            if np.any(winding_number(mesh.triangles, near) > 0.5):
+                x, y, z = rotor.place
+                raise BadInput(
+                    f'The rotor {name} at ({x:g}, {y:g}, {z:g}) m is inside {other}; '
+                    'move one of them.'
+                )
+
+
+def winding_number(triangles: Array, points: Array) -> Array:
+    """
+    Return how often a closed surface goes around each point: 1 inside, 0 outside.
+
+    The solid angle of each triangle is that of van Oosterom and Strackee (1983).
+
+    Parameters
+    ----------
+    triangles : array (n, 3, 3)
+        Corners. [m]
+    points : array (m, 3)
+        Where. [m]
+
+    """
+    around = []
+    for point in points:
+        a, b, c = np.moveaxis(triangles - point, 1, 0)
+        la, lb, lc = (np.linalg.norm(each, axis=1) for each in (a, b, c))
+        above = np.einsum('ij,ij->i', a, np.cross(b, c))
+        below = la * lb * lc + (a * b).sum(1) * lc + (b * c).sum(1) * la + (c * a).sum(1) * lb
+        around.append(float(np.arctan2(above, below).sum()) / (2.0 * math.pi))
+    return np.array(around)

@@ -1,0 +1,64 @@
+"""
+Chance that is counted, not remembered: draw n of stream s of a flight is a function of (s, n).
+
+Threefry-2x32 with 20 rounds (Salmon, Moraes, Dror and Shaw 2011, Parallel random numbers: as easy
+as 1, 2, 3, doi:10.1145/2063384.2063405), which needs sums, turns and exclusive ors of 32 bits
+only. So each vehicle of a batch has its own numbers wherever it is flown, and the bits are the
+same in plain Python, compiled, and on a GPU. The normal deviates go through logarithm and cosine
+and may differ in the last bit between these.
+"""
+
+import math
+
+WORD = 0xFFFFFFFF
+PARITY = 0x1BD11BDA
+TURNS = (13, 15, 26, 6, 17, 29, 16, 24)
+GROUPS = 5  # of four turns each
+SCALE = 1.0 / 4294967296.0
+
+
+def threefry(key: int, stream: int, first: int, second: int) -> tuple[int, int]:
+    """
+    Return 64 random bits as two words.
+
+    Parameters
+    ----------
+    key, stream : int
+        What names the sequence; 32 bits each.
+    first, second : int
+        Place in the sequence; 32 bits each.
+
+    """
+    keys = (key, stream, PARITY ^ key ^ stream)
+    x, y = (first + key) & WORD, (second + stream) & WORD
+    for group in range(GROUPS):
+        for k in range(4):
+            turn = TURNS[4 * (group % 2) + k]
+            x = (x + y) & WORD
+            y = (((y << turn) & WORD) | (y >> (32 - turn))) ^ x
+        x = (x + keys[(group + 1) % 3]) & WORD
+        y = (y + keys[(group + 2) % 3] + group + 1) & WORD
+    return x, y
+
+
+def draw_uniforms(seed: int, stream: int, turn: int, lane: int) -> tuple[float, float]:
+    """
+    Return two numbers uniform between 0 and 1, both excluded.
+
+    Parameters
+    ----------
+    seed, stream : int
+        Of the flight, and which sensor or event draws.
+    turn, lane : int
+        Which draw: the step, and the place in it.
+
+    """
+    x, y = threefry(seed, stream, turn, lane)
+    return (x + 0.5) * SCALE, (y + 0.5) * SCALE
+
+
+def draw_normals(seed: int, stream: int, turn: int, lane: int) -> tuple[float, float]:
+    """Return two normal deviates (Box and Muller 1958); arguments as for `draw_uniforms`."""
+    a, b = draw_uniforms(seed, stream, turn, lane)
+    radius = math.sqrt(-2.0 * math.log(a))
+    return radius * math.cos(2.0 * math.pi * b), radius * math.sin(2.0 * math.pi * b)

@@ -1,0 +1,125 @@
+"""What surrounds a vehicle during a control period, as the numbers that the kernel takes."""
+
+from collections.abc import Mapping
+import math
+from typing import final
+
+from lta_model.effects import initial_memory
+from lta_model.effects.air import turbulence
+from lta_model.light.view import LightView, Pose
+from lta_model.scenario import Scenario
+from lta_model.state import IRRADIANCE, NOISE, RIGID, SURROUNDINGS, VOLTAGE, WIND, WIND_RATE
+from lta_sim.kernels.kernel import LAYOUT
+from lta_sim.scene_model import load_wind_record
+import numpy as np
+from numpy.random import Generator
+from numpy.typing import NDArray
+
+
+def draw_initial_memory(
+    parameters: Mapping[str, Mapping[str, float]], chance: Generator
+) -> list[float]:
+    """Return the memory of all effects as a flight begins, in turbulence that has long been."""
+    memory = list(initial_memory())
+    if 'turbulence' in parameters:
+        first = LAYOUT.remembers['turbulence'] - RIGID
+        drawn = chance.standard_normal(len(turbulence.MEMORY))
+        memory[first : first + len(drawn)] = turbulence.stationary_memory(tuple(drawn.tolist()))
+    return memory
+
+
+@final
+class _DoorWind:
+    """Steady wind in a room and out of its door; a hull between them has its part of each."""
+
+    def __init__(self, scenario: Scenario, radius: float) -> None:
+        self._inside = np.array(scenario.air.wind.vector)
+        beyond = self._inside if scenario.outside is None else scenario.outside.wind.vector
+        self._step = np.array(beyond) - self._inside
+        self._wall, self._radius = scenario.room.size.vector[0] / 2, radius
+
+    def wind_at(self, x: float) -> NDArray[np.float64]:
+        """Return the wind on a hull whose centre is at some map x. [m/s]"""
+        out = 0.5 + 0.5 * (x - self._wall) / self._radius
+        wind: NDArray[np.float64] = self._inside + min(max(out, 0.0), 1.0) * self._step
+        return wind
+
+
+@final
+class FlightEnvironment:
+    """
+    The surroundings of one flight; only what an effect looks at is kept up.
+
+    The noise of turbulence is drawn for a control period at a time, from a stream of its own and
+    only while the effect is on: of variance 1 / period, so that it has unit intensity. Light and
+    voltage are those of the period's beginning. Recorded wind is that of its middle, with its mean
+    rate of change: a neutral hull without drag ends each period with the speed of the air, and
+    drag sees an airspeed that is wrong by the change in half a period at most.
+
+    Parameters
+    ----------
+    given : mapping
+        The effects that are on, `Model.given`.
+    scenario : Scenario
+        The wind.
+    light : LightView
+        The light on the hull.
+    chance : Generator
+        Of turbulence.
+    period : float
+        Control period. [s]
+    radius : float
+        How far the hull reaches to the sides. [m]
+
+    Attributes
+    ----------
+    numbers : ndarray of float64, shape (SURROUNDINGS,)
+        In the layout of `lta_model.state`.
+
+    """
+
+    def __init__(
+        self,
+        given: Mapping[str, Mapping[str, float]],
+        scenario: Scenario,
+        light: LightView,
+        chance: Generator,
+        period: float,
+        radius: float,
+    ) -> None:
+        self.numbers: NDArray[np.float64] = np.zeros(SURROUNDINGS)
+        self._steady = np.array(scenario.air.wind.vector)
+        self.numbers[WIND : WIND + 3] = self._steady
+        self._door = None if scenario.outside is None else _DoorWind(scenario, radius)
+        self._record = load_wind_record(scenario)
+        self._period = period
+        self._turbulent, self._warmed = 'turbulence' in given, 'superheat' in given
+        self._light, self._chance = light, chance
+        self._deviation = 1.0 / math.sqrt(period)
+
+    def refresh(self, pose: Pose, voltage: float, elapsed: float) -> None:
+        """
+        Set what a control period finds.
+
+        Parameters
+        ----------
+        pose : tuple of 7 floats
+            Of the vehicle at its beginning.
+        voltage : float
+            Of the battery. [V]
+        elapsed : float
+            Flight time at its beginning. [s]
+
+        """
+        self.numbers[VOLTAGE] = voltage
+        steady = self._steady if self._door is None else self._door.wind_at(pose[0])
+        self.numbers[WIND : WIND + 3] = steady
+        if self._record is not None:
+            wind, rate = self._record.sample_span(elapsed, elapsed + self._period)
+            self.numbers[WIND : WIND + 3] += wind
+            self.numbers[WIND_RATE : WIND_RATE + 3] = rate
+        if self._turbulent:
+            noise = self._chance.standard_normal(3)
+            self.numbers[NOISE : NOISE + 3] = noise * self._deviation
+        if self._warmed:
+            self.numbers[IRRADIANCE] = self._light.hull_irradiance(pose)

@@ -1,0 +1,128 @@
+"""
+A vehicle in a scene: what the scenario adds to the vehicle's own effects.
+
+The winds of its air, averaged over this hull, and its walls, which this hull meets.
+"""
+
+import math
+
+from lta_config.constants import STANDARD_GRAVITY
+from lta_config.errors import BadInput
+from lta_model import hull
+from lta_model.effect_parameters import Effects
+from lta_model.effects import EFFECTS
+from lta_model.effects.protocol import AirEffect
+from lta_model.hover import hover_duty
+from lta_model.model import VehicleModel
+from lta_model.scenario import Scenario
+from lta_model.state import DISPLACED, MASS, MASS_MOMENT
+from lta_model.stiffness import STEP_NS
+from lta_model.vehicle import Vehicle
+from lta_sim.wind_record import WindRecord
+import numpy as np
+
+# Of a wall as `effects.walls` has it, assumed: foil that gives centimetres under newtons.
+STIFFNESS = 100.0  # N/m
+RELAXATION = 0.05  # s
+FRICTION = 0.3
+
+
+def vehicle_reach(vehicle: Vehicle) -> tuple[float, float]:
+    """
+    Return how far a vehicle, hull or frame, reaches from its hull centre: level and up. [m]
+
+    A hull that is not round about the vertical counts as the round one about it.
+    """
+    if vehicle.file.hull.shape != 'none':
+        a, b, c = hull.half_axes(vehicle.file.hull)
+        return max(a, b), c
+    ends = [
+        (np.abs(part.position.vector) + 0.5 * np.array(part.size.vector)).tolist()
+        for part in vehicle.file.parts.values()
+    ]
+    ends += [np.abs(rotor.place).tolist() for rotor in vehicle.rotors]
+    ends.append((0.0, 0.0, vehicle.height_on_floor))
+    return max(math.hypot(x, y) for x, y, _ in ends), max(z for _, _, z in ends)
+
+
+def collect_scene_effects(vehicle: Vehicle, scenario: Scenario) -> Effects:
+    """
+    Return the parameters of every effect that the scene adds, in SI.
+
+    Raises
+    ------
+    BadInput
+        If the vehicle file sets one of them as well, or the vehicle starts in a wall.
+
+    """
+    radius, half_height = vehicle_reach(vehicle)
+    # A profile is averaged over a hull; a bare frame meets the wind at its own height.
+    tall = half_height if vehicle.file.hull.shape != 'none' else 0.0
+    given = scenario.air.collect_effects(tall)
+    if scenario.room.walls == 'solid':
+        given['walls'] = _wall_parameters(scenario, radius, half_height)
+    for name in given:
+        if name in vehicle.file.effects:
+            kind = 'wind' if isinstance(EFFECTS[name], AirEffect) else 'room'
+            raise BadInput(
+                f'The effect {name} is set by the {kind} of the scenario {scenario.name} and by '
+                f'the vehicle {vehicle.file.name}; leave it to the scenario.'
+            )
+    return given
+
+
+def _wall_parameters(scenario: Scenario, radius: float, half_height: float) -> dict[str, float]:
+    """Return the parameters of `walls` for a hull, which counts as round about the vertical."""
+    length, width, height = scenario.room.size.vector
+    at = scenario.start.position.vector
+    if any(abs(x) + radius > side / 2.0 for x, side in zip(at, (length, width), strict=True)):
+        raise BadInput(
+            f'The scenario {scenario.name} starts at {at} m, where a hull with a radius of '
+            f'{radius:.2f} m is in a wall; move the start.'
+        )
+    return {
+        'x_low': -length / 2.0,
+        'x_high': length / 2.0,
+        'y_low': -width / 2.0,
+        'y_high': width / 2.0,
+        'ceiling': height,
+        'radius': radius,
+        'half_height': half_height,
+        'stiffness': STIFFNESS,
+        'relaxation': RELAXATION,
+        'friction': FRICTION,
+    }
+
+
+def build_scene_model(vehicle: Vehicle, scenario: Scenario) -> VehicleModel:
+    """Return the numbers that the kernel takes for a vehicle in a scene; errors as effects_in."""
+    return vehicle.build_model(collect_scene_effects(vehicle, scenario))
+
+
+def load_wind_record(scenario: Scenario) -> WindRecord | None:
+    """Return the scenario's recorded wind, if it has one; `BadInput` if that cannot be flown."""
+    path = scenario.wind_file
+    return None if path is None else WindRecord.read(path, scenario.goal.time_limit.si)
+
+
+def check_scene(vehicle: Vehicle, scenario: Scenario) -> None:
+    """
+    Refuse a scene that this vehicle cannot be in, for its light, its wind or its walls.
+
+    And a vehicle that the time step cannot follow, or whose effects (a payload, a shifted centre
+    of gravity, other gas or air) leave it too heavy for its rotors, or about to flip.
+    """
+    model = build_scene_model(vehicle, scenario)
+    _ = load_wind_record(scenario), scenario.light_field
+    vehicle.check_step(STEP_NS * 1e-9, model)
+    file, body = vehicle.file, model.body
+    lift = max(0.0, model.given.get('net_lift', {}).get('force', 0.0))
+    weight = (body[MASS] - body[DISPLACED]) * STANDARD_GRAVITY - lift
+    hover_duty(file.name, vehicle.rotors, file.aero.coupling, float(weight), STANDARD_GRAVITY)
+    above = body[MASS_MOMENT + 2] / body[MASS]
+    if above >= 0.0 and file.hull.shape != 'none' and file.trim.unstable == 'refused':
+        raise BadInput(
+            f'The effects of {file.name} put its centre of gravity {100 * above:.1f} cm above the '
+            'hull centre, and it would flip; move mass down, or allow it with "unstable: allowed" '
+            'in trim.'
+        )

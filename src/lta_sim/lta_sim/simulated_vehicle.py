@@ -1,0 +1,98 @@
+"""A vehicle in flight: its numbers in one row, which compiled code reads and changes in place."""
+
+from functools import cache
+from types import ModuleType
+from typing import final
+
+from lta_config.compilation.kernel_cache import is_cached, load_kernel
+from lta_model.effects import EFFECTS
+from lta_model.model import VehicleModel
+from lta_sim.kernels.compose import build_layout, write_kernel_source
+from lta_sim.kernels.row import row_places
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+LAYOUT = build_layout(EFFECTS)
+PLACES = row_places(LAYOUT)
+
+
+@cache
+def _build_source() -> str:
+    """Return the text of the kernel of all effects."""
+    return write_kernel_source(EFFECTS)
+
+
+@cache
+def _load_kernel() -> ModuleType:
+    """Return the kernel of all effects."""
+    return load_kernel(_build_source())
+
+
+def is_compiled() -> bool:
+    """Tell whether the model is compiled already: a new or edited effect compiles it anew."""
+    return is_cached(_build_source())
+
+
+@final
+class SimulatedVehicle:
+    """
+    One vehicle whose state, command and surroundings are written where the kernel reads them.
+
+    Nothing is looked at: write numbers into the arrays, and do not put other arrays in their
+    places.
+
+    Parameters
+    ----------
+    model : Model
+        The vehicle.
+
+    Attributes
+    ----------
+    state, command, surroundings : ndarray of float64
+        In the layouts of `lta_model.state`; `advance` changes the state.
+    rate : ndarray of float64, shape (N,)
+        d/dt of the state, of the last `evaluate_state`. [1/s]
+    wrenches : ndarray of float64, shape (W, 6)
+        Force and moment about the hull centre, body frame, by wrench effect, of the last
+        `evaluate_state`. [N, N m]
+    thrusts : ndarray of float64, shape (ACTUATORS,)
+        Of each rotor, of the last `evaluate_state`. [N]
+    wind : ndarray of float64, shape (3,)
+        Velocity of the air at the hull, `map`, of the last `evaluate_state`. [m/s]
+
+    """
+
+    def __init__(self, model: VehicleModel) -> None:
+        self._row: Array = np.zeros(max(part.stop for part in PLACES.values()))
+        self._on = model.on
+        self._derivative, self._advance = _load_kernel().derivative, _load_kernel().advance
+        for name in ('parameters', 'body', 'inverse'):
+            self._row[PLACES[name]] = getattr(model, name)
+        self.state, self.command = self._view_part('state'), self._view_part('command')
+        self.surroundings = self._view_part('surroundings')
+        self.rate, self.thrusts, self.wind = map(self._view_part, ('rate', 'thrusts', 'wind'))
+        self.wrenches = self._view_part('wrenches').reshape(-1, 6)
+
+    def _view_part(self, name: str) -> Array:
+        """Return a part of the row, not a copy of it."""
+        return self._row[PLACES[name]]
+
+    def evaluate_state(self) -> None:
+        """Set `rate`, `wrenches`, `thrusts` and `wind` to those of the present state."""
+        self._derivative(self._row, self._on)
+
+    def advance(self, dt: float, steps: int) -> None:
+        """
+        Take classical Runge-Kutta steps; the quaternion is normalised after each.
+
+        Parameters
+        ----------
+        dt : float
+            Length of a step; below about 2.7 times the shortest time constant. [s]
+        steps : int
+            Number of steps.
+
+        """
+        self._advance(self._row, self._on, dt, steps)

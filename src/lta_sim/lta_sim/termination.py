@@ -1,0 +1,55 @@
+"""Who says how a flight stands: at its goal, out of the room, out of time, or still flying."""
+
+import math
+from typing import final
+
+from lta_model.scenario import Scenario
+from lta_sim.bounds import FlightBounds
+from lta_sim.readings import FlightOutcome
+
+
+@final
+class FlightTermination:
+    """
+    The end of a flight, by the numbers of its scenario; the lamps of a route count in their order.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Room, lamp and goal.
+
+    """
+
+    def __init__(self, scenario: Scenario) -> None:
+        self._bounds = FlightBounds(scenario)
+        self._stops = [lamp.position.vector[:2] for lamp in scenario.target_lamps]
+        self._radius, self._limit = scenario.goal.radius.si, scenario.goal.time_limit.si
+        self._along = scenario.course is not None
+
+    def goal_distance(self, x: float, y: float) -> float:
+        """Return the horizontal distance to the lamp that is to be reached next. [m]"""
+        return math.dist(self._stops[0], (x, y))
+
+    def evaluate_outcome(self, x: float, y: float, z: float, elapsed: float) -> FlightOutcome:
+        """
+        Return how a flight stands.
+
+        Parameters
+        ----------
+        x, y, z : float
+            Hull centre. [m, map]
+        elapsed : float
+            Time since the start. [s]
+
+        """
+        in_bounds = self._bounds.is_inside(x, y, z)
+        if not self._along and self.goal_distance(x, y) <= self._radius:
+            if len(self._stops) == 1:
+                return FlightOutcome.REACHED
+            del self._stops[0]
+        if not in_bounds:
+            return FlightOutcome.ESCAPED
+        if elapsed >= self._limit:
+            # Who flies a course to its end was to do nothing else.
+            return FlightOutcome.REACHED if self._along else FlightOutcome.TIMEOUT
+        return FlightOutcome.FLYING

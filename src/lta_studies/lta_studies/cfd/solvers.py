@@ -1,0 +1,76 @@
+"""Who solves the flows that a command asks for: this machine, or a cluster."""
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+import os
+from pathlib import Path
+from typing import Annotated
+
+from lta_config.errors import BadInput
+from lta_sim.cfd.flow_plan import TunnelFlow
+from lta_sim.cfd.flow_solvers import FlowSolver, ThreadedFlowSolver
+from lta_sim.cfd.openfoam.case_runner import cache_folder, CaseRunner
+from lta_sim.cfd.openfoam.engine import FoamPrograms, require_openfoam
+from lta_sim.cfd.solve import check_memory, machine_memory
+from lta_studies.cfd.cluster import FlowCluster
+from lta_studies.cfd.progress import TunnelProgress
+import typer
+
+Jobs = Annotated[
+    int | None, typer.Option(help='Flows at a time; one a core by default.', min=1, max=256)
+]
+Cache = Annotated[
+    Path | None, typer.Option(help='Folder of solved flows; with --scheduler, of every machine.')
+]
+Scheduler = Annotated[
+    str | None,
+    typer.Option(metavar='ADDRESS', help='Solve on the Dask cluster of this scheduler instead.'),
+]
+
+
+def check_solver(jobs: int | None, scheduler: str | None) -> None:
+    """Refuse, before anything is written, what cannot solve a flow."""
+    if scheduler is None:
+        require_openfoam()
+    elif jobs is not None:
+        raise BadInput('A cluster solves a flow a thread of its workers; leave --jobs out.')
+
+
+@contextmanager
+def open_solver(
+    flows: Sequence[TunnelFlow], bar: TunnelProgress, jobs: int | None, cache: Path | None,
+    scheduler: str | None, limit: float | None = None,
+) -> Iterator[FlowSolver]:  # fmt: skip
+    """
+    Give whoever solves some flows.
+
+    Parameters
+    ----------
+    flows : sequence of Flow
+        All of them; `BadInput` where their meshes would not fit.
+    bar : TunnelProgress
+        Told how far they are.
+    jobs : int, optional
+        How many at a time on this machine.
+    cache : Path, optional
+        Where solved flows are kept.
+    scheduler : str, optional
+        Address of a cluster's.
+    limit : float, optional
+        Memory of this machine. [GB]
+
+    """
+    if scheduler is not None:
+        with FlowCluster(scheduler, cache and cache.absolute(), bar.update) as cluster:
+            cluster.check_memory(flows)
+            yield cluster
+        return
+    folder, side_by_side = resolve_cache_folder(cache), jobs or len(os.sched_getaffinity(0))
+    check_memory(flows, side_by_side, 1e9 * limit if limit else machine_memory())
+    bar.skip_solved(CaseRunner(folder, FoamPrograms(), bar.update))
+    yield ThreadedFlowSolver(folder, side_by_side, bar.update)
+
+
+def resolve_cache_folder(cache: Path | None) -> Path:
+    """Return where this machine keeps solved flows."""
+    return (cache or cache_folder()).absolute()

@@ -1,0 +1,160 @@
+"""The break-even map of one vehicle, with its own array and with others of the same weight."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final, final
+
+from lta_config.errors import BadInput
+from lta_config.schema.cell_file import load_cell_file
+from lta_energy.break_even import break_even_illuminance, charging_power, LAMPS, LEAST, MOST
+from lta_energy.harvest import HarvestCurve
+from lta_model.electrical.charger import ChargerModel
+from lta_model.electrical.panel import SolarArrayModel
+from lta_model.vehicle import Vehicle
+from lta_studies.energy.tables import TextTable
+import numpy as np
+
+OWN: Final = 'as it is'
+POINTS: Final = 61  # from 300 lx to 100 klx
+HOVERING, FLYING = 1.333, 1.533  # W: seed paper, 1523 to 1544 mW for navigation
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class CandidateArray:
+    """An array: what of, its mass [kg], and what it gives."""
+
+    name: str
+    count: int
+    mass: float
+    harvest: HarvestCurve
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class BreakEvenMap:
+    """
+    What was found.
+
+    Parameters
+    ----------
+    vehicle : str
+        Whose loads and charger.
+    charger : Charger
+        The charger.
+    loads : mapping of str to float
+        What each task draws. [W]
+    arrays : sequence of Array
+        The vehicle's own first.
+
+    """
+
+    vehicle: str
+    charger: ChargerModel
+    loads: Mapping[str, float]
+    arrays: Sequence[CandidateArray]
+
+    def break_even_lux(self, array: CandidateArray, lamp: str, load: float) -> float:
+        """Return where array and load break even. [lx]"""
+        return break_even_illuminance(array.harvest, self.charger, LAMPS[lamp], load)
+
+    def sample_income(self, array: CandidateArray, lamp: str) -> tuple[list[float], list[float]]:
+        """Return illuminances [lx] and what the charger gives there [W]."""
+        lux = np.geomspace(LEAST, MOST, POINTS).tolist()
+        return lux, [
+            charging_power(array.harvest, self.charger, LAMPS[lamp], each) for each in lux
+        ]
+
+    def to_json(self) -> dict[str, object]:
+        """Return the map as JSON has it; no number where 100 klx do not suffice."""
+        told = {
+            f'{array.count} x {array.name}': {
+                lamp: {
+                    task: None if (lux := self.break_even_lux(array, lamp, load)) > MOST else lux
+                    for task, load in self.loads.items()
+                }
+                for lamp in LAMPS
+            }
+            for array in self.arrays
+        }
+        return {'vehicle': self.vehicle, 'loads': dict(self.loads), 'break_even_lux': told}
+
+
+def list_task_loads(vehicle: Vehicle) -> dict[str, float]:
+    """Return what the tasks of a vehicle draw. [W]"""
+    loads = vehicle.loads
+    return {
+        'idle': loads.idle,
+        'transmitting': loads.idle + loads.transmitting,
+        'hovering (paper)': HOVERING,
+        'flying (paper)': FLYING,
+    }
+
+
+def compute_map(vehicle: Vehicle, cells: Sequence[str], budget: float) -> BreakEvenMap:
+    """
+    Return the map of a vehicle.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        Its loads and its charger.
+    cells : sequence of str
+        Of which arrays are made instead of its own.
+    budget : float
+        Mass of each array. [kg]
+
+    Raises
+    ------
+    BadInput
+        If the vehicle has no array, or one panel is heavier than the budget.
+
+    """
+    own = vehicle.file.energy.array
+    if own is None:
+        raise BadInput(f'{vehicle.file.name} has no solar array; choose one that has.')
+    count = own.series * own.parallel
+    mass = count * load_cell_file(own.cell).mass.si
+    arrays = [CandidateArray(f'{own.cell} ({OWN})', count, mass, HarvestCurve(vehicle.panel))]
+    for name in cells:
+        each = load_cell_file(name).mass.si
+        number = int(budget / each)
+        if number == 0:
+            raise BadInput(
+                f'One panel {name} weighs {1e3 * each:.1f} g, more than the {1e3 * budget:g} g '
+                'of --budget; leave it out or give more.'
+            )
+        panel = SolarArrayModel.from_cells(name, 1, number)
+        arrays.append(CandidateArray(name, number, number * each, HarvestCurve(panel)))
+    return BreakEvenMap(vehicle.file.name, vehicle.charger, list_task_loads(vehicle), arrays)
+
+
+def build_table(result: BreakEvenMap) -> TextTable:
+    """Return the illuminances as a table."""
+    rows = [
+        [
+            f'{array.count} x {array.name}',
+            f'{1e3 * array.mass:.0f}',
+            lamp,
+            *(
+                format_klux(result.break_even_lux(array, lamp, load))
+                for load in result.loads.values()
+            ),
+        ]
+        for array in result.arrays
+        for lamp in LAMPS
+    ]
+    heads = [
+        'array', 'g', 'light',
+        *(f'{task}, {1e3 * load:.0f} mW' for task, load in result.loads.items()),
+    ]  # fmt: skip
+    note = (
+        'Illuminance of the level panel, of a beacon while it is on, at which the charger gives '
+        'what the task draws. Kilolux.'
+    )
+    return TextTable('Break-even [klx]', heads, rows, note)
+
+
+def format_klux(lux: float) -> str:
+    """Return an illuminance [lx] in klx, or that there is none."""
+    return 'never' if lux > MOST else f'{lux / 1e3:.1f}'

@@ -1,0 +1,199 @@
+"""Cells and arrays as tables of text and as plain data."""
+
+from collections.abc import Sequence
+from typing import Any, Final
+
+from lta_config.schema.cell_file import CellFile
+from lta_config.schema.cell_table import CellTable
+from lta_config.schema.vehicle_energy import EnergyBlock
+from lta_report.formatting import format_number, MISSING
+from lta_studies.energy.cells.arrays import (
+    build_all_arrays,
+    CellArray,
+    compute_net_powers,
+    find_largest_array,
+    has_printed_signs,
+    NetPower,
+)
+from lta_studies.energy.cells.ranking import (
+    CellEntry,
+    find_pareto_front,
+    list_entries,
+    select_readings,
+)
+from lta_studies.energy.tables import TextTable
+
+GRAMS: Final = 1e3
+SQUARE: Final = 1e4  # cm2 of a m2
+FRONTS: Final = ('paper', 'fair')
+SHEET: Final = (
+    's/cm² is the figure of the paper, s cm² the fair one. A capacitor far below the open-circuit '
+    'voltage takes the short-circuit current: "sheet" is the time that the data sheets give, '
+    'from that of the quickest cell. Front: on which that cell is, in either reading.'
+)
+CHARGED: Final = (
+    'Harvest is the largest power of the array, charged what the charger makes of it; stand-by '
+    '(idle) and sending what is left after the loads. "Not" marks what differs from the paper.'
+)
+WORDS: Final = {'white_led': 'LED', 'sunlight': 'sun'}
+
+
+def find_both_fronts(
+    entries: Sequence[CellEntry], which: int
+) -> tuple[list[CellEntry], list[CellEntry]]:
+    """Return the paper's front and the fair one, for one reading of the rows."""
+    rows = select_readings(entries, which)
+    return find_pareto_front(rows, lambda each: each.charging_time_per_area), find_pareto_front(
+        rows, lambda each: each.charging_time_times_area
+    )
+
+
+def build_ranking_table(table: CellTable) -> TextTable:
+    """Return the cells with both figures; a reading on a front says on which."""
+    found = list_entries(table)
+    fronts = [
+        find_both_fronts(found, which) for which in range(max(each.readings for each in found))
+    ]
+    heads = ('cell', 'cm²', 'g/cm²', 's', 'sheet', 's/cm²', 's cm²', 'g s', 'front')
+    rows = []
+    for each in found:
+        on = [
+            word
+            for place, word in enumerate(FRONTS)
+            if any(each in pair[place] for pair in fronts)
+        ]
+        rows.append([
+            each.title,
+            format_number(each.cell.area, 1, SQUARE),
+            format_number(each.areal_mass, 3, GRAMS / SQUARE),
+            format_number(each.row.charge.si, 1),
+            format_number(datasheet_charging_time(each, found), 1),
+            format_number(each.charging_time_per_area, 3, 1.0 / SQUARE),
+            format_number(each.charging_time_times_area, 0, SQUARE),
+            format_number(each.charging_time_times_mass, 0, GRAMS),
+            'both' if len(on) == len(FRONTS) else ''.join(on) or MISSING,
+        ])  # fmt: skip
+    return TextTable(
+        'Cells of the table', heads, rows, ' '.join([SHEET, *describe_defects(table)])
+    )
+
+
+def datasheet_charging_time(each: CellEntry, entries: Sequence[CellEntry]) -> float:
+    """Return the charging time by the short-circuit currents, from that of the quickest. [s]"""
+    first = min(entries, key=lambda entry: entry.row.charge.si)
+    currents = [entry.cell.electrical.short_circuit.si for entry in (first, each)]
+    return first.row.charge.si * currents[0] / currents[1]
+
+
+def describe_defects(table: CellTable) -> list[str]:
+    """Return what does not add up, a sentence each."""
+    told = [(row.maker, each) for row in table.rows.values() for each in row.defects]
+    told += [
+        (f'The array {n}', d) for n, built in table.arrays.built.items() for d in built.defects
+    ]
+    return [f'{who}: {what}.' for who, what in told]
+
+
+def build_array_table(table: CellTable, energy: EnergyBlock) -> TextTable:
+    """Return the arrays that were built beside what is printed of them."""
+    klux = table.arrays.illuminance.si / 1e3
+    heads = ('array', 'light', 'W/m²', 'harvest', 'charged', 'idle', 'sending', 'printed')
+    rows = []
+    for name, strings in build_all_arrays(table).items():
+        built = table.arrays.built[name]
+        for strung in strings:
+            for net in compute_net_powers(strung, energy, table):
+                told = '' if has_printed_signs(net, built) else 'not '
+                light = WORDS.get(net.light, net.light)
+                rows.append(
+                    [format_array(strung), light, *format_powers(net), f'{told}{built.standby}']
+                )
+    heading = f'Arrays of the paper at {klux:g} klux, power in mW'
+    return TextTable(heading, heads, rows, CHARGED)
+
+
+def format_powers(net: NetPower) -> list[str]:
+    """Return irradiance and powers as text. [W/m2, mW]"""
+    powers = (net.harvest, net.given, net.standby, net.transmitting)
+    return [format_number(net.irradiance, 0), *(format_number(power, 1, 1e3) for power in powers)]
+
+
+def format_array(array: CellArray) -> str:
+    """Return an array in words."""
+    return f'{array.series}S{array.parallel}P {array.cell.name}'
+
+
+def build_mass_budget_table(table: CellTable, energy: EnergyBlock, budget: float) -> TextTable:
+    """Return the largest array of each cell within a mass. [kg]"""
+    lights = list(table.lights)
+    heads = ('array', 'g', 'cm²', 'rated [W]', *(WORDS.get(light, light) for light in lights))
+    rows = []
+    for cell in list_cells(table):
+        strung = find_largest_array(cell, budget)
+        if strung is None:
+            rows.append([f'{cell.name}: too heavy', *[MISSING] * (3 + len(lights))])
+            continue
+        found = compute_net_powers(strung, energy, table)
+        rated = strung.panel_count * cell.rated_power
+        rows.append([
+            format_array(strung), format_number(strung.mass, 1, GRAMS),
+            format_number(strung.area, 0, SQUARE), format_number(rated, 2),
+            *(format_number(net.standby, 1, 1e3) for net in found),
+        ])  # fmt: skip
+    klux = table.arrays.illuminance.si / 1e3
+    heading = f'Arrays within {GRAMS * budget:g} g: net power in stand-by at {klux:g} klux, mW'
+    return TextTable(heading, heads, rows)
+
+
+def list_cells(table: CellTable) -> list[CellFile]:
+    """Return the cells of a table."""
+    return [each.cell for each in list_entries(table)]
+
+
+def to_json(table: CellTable, energy: EnergyBlock, budget: float) -> dict[str, Any]:
+    """Return all of it as JSON has it: SI units."""
+    found = list_entries(table)
+    return {
+        'cells': {
+            each.cell.name: {
+                'area': each.cell.area, 'mass': each.cell.mass.si, 'areal_mass': each.areal_mass,
+                'charge': each.row.charge.si, 'charge_by_area': each.charging_time_per_area,
+                'charge_times_area': each.charging_time_times_area,
+                'charge_times_mass': each.charging_time_times_mass,
+            }
+            for each in found
+        },
+        'fronts': [
+            {
+                name: [each.cell.name for each in kept]
+                for name, kept in zip(FRONTS, find_both_fronts(found, which), strict=True)
+            }
+            for which in range(max(each.readings for each in found))
+        ],
+        'arrays': [
+            {'cell': strung.cell.name, 'series': strung.series, 'parallel': strung.parallel,
+             'agrees': has_printed_signs(net, table.arrays.built[name]), **_net_power_to_json(net)}
+            for name, strings in build_all_arrays(table).items()
+            for strung in strings
+            for net in compute_net_powers(strung, energy, table)
+        ],
+        'budget': budget,
+        'within': {
+            cell.name: None if strung is None else {
+                'series': strung.series, 'parallel': strung.parallel, 'mass': strung.mass,
+                'area': strung.area,
+                'net': [
+                    _net_power_to_json(net) for net in compute_net_powers(strung, energy, table)
+                ],
+            }
+            for cell in list_cells(table)
+            for strung in (find_largest_array(cell, budget),)
+        },
+    }  # fmt: skip
+
+
+def _net_power_to_json(net: NetPower) -> dict[str, float | str]:
+    return {
+        'light': net.light, 'irradiance': net.irradiance, 'harvest': net.harvest,
+        'given': net.given, 'standby': net.standby, 'transmitting': net.transmitting,
+    }  # fmt: skip

@@ -1,0 +1,96 @@
+"""A flight along a course, step by step: where it was, how it leaned, and what it took."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+import math
+from typing import final
+
+from lta_config.topics import load_topic_table
+from lta_control.attitude import up_in_body
+from lta_control.cascade import Setpoint
+from lta_control.laws.frames import to_world
+from lta_flight.closed_loop import ClosedLoop
+from lta_flight.flight_spec import build_parts, FlightSpec
+from lta_model.electrical.loads import rotor_power
+from lta_sim.world import World
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Course = Callable[[float], Setpoint]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class FlightTrack:
+    """
+    A flight by control steps; every array has one number a step.
+
+    Attributes
+    ----------
+    time : ndarray
+        Since the start. [s]
+    height : ndarray
+        Of the hull centre. [m]
+    speed : ndarray
+        Over ground, level. [m/s]
+    pitch : ndarray
+        Nose up is positive. [rad]
+    rotors : ndarray
+        Electrical power of all rotors. [W]
+    voltage, charge : ndarray
+        At the terminals of the cell [V], and its state of charge [1].
+
+    """
+
+    time: Array
+    height: Array
+    speed: Array
+    pitch: Array
+    rotors: Array
+    voltage: Array
+    charge: Array
+
+    def crop(self, begin: float, end: float) -> 'FlightTrack':
+        """Return a stretch of the flight. [s]"""
+        keep = (self.time >= begin - 1e-9) & (self.time < end - 1e-9)
+        return FlightTrack(*(getattr(self, name)[keep] for name in self.__slots__))
+
+
+def build_loop(spec: FlightSpec, course: Course | None, seed: int) -> ClosedLoop:
+    """Return a flight along a course, or by its own strategy, that is about to begin."""
+    vehicle, scenario, policy = build_parts(spec)
+    table = load_topic_table()
+    looking = spec.strategy if course is None else ''
+    world = World(vehicle, scenario, table, seed, looking)
+    return ClosedLoop(world, table, replace(policy, course=course))
+
+
+def fly_until(loop: ClosedLoop, until: Callable[[ClosedLoop], bool]) -> FlightTrack:
+    """Fly until something is so, and return what was flown."""
+    world, rows = loop.world, []
+    loads = world.vehicle.loads
+    while not until(loop):
+        loop.decide()
+        state = world.state.tolist()
+        quaternion = (state[3], state[4], state[5], state[6])
+        u, v, _ = to_world(quaternion, (state[7], state[8], state[9]))
+        power = sum(
+            rotor_power(thrust, loads.rotor_offset, loads.rotor_slope) for thrust in world.thrusts
+        )
+        rows.append(
+            (world.elapsed, state[2], math.hypot(u, v), pitch_angle(quaternion), power,
+             world.supply.cell_electrics[0], world.charge)
+        )  # fmt: skip
+        loop.apply_command()
+    return FlightTrack(*np.array(rows).T.copy())
+
+
+def pitch_angle(quaternion: tuple[float, float, float, float]) -> float:
+    """Return how far the nose is above the horizon. [rad]"""
+    return math.asin(max(-1.0, min(1.0, up_in_body(quaternion)[0])))
+
+
+def stop_after(seconds: float) -> Callable[[ClosedLoop], bool]:
+    """Return when a flight of a length is over. [s]"""
+    return lambda loop: loop.world.elapsed >= seconds - 1e-9

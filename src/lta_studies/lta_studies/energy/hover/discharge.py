@@ -1,0 +1,58 @@
+"""A cell under a constant load, until it fails or the time is over."""
+
+from dataclasses import dataclass
+from typing import final
+
+from lta_model.electrical.battery import BatteryModel
+from lta_model.electrical.charger import advance_power_path, ChargerModel, resting_flow
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+STEP = 0.1  # s
+DARK = ChargerModel(tracking=0.0, conversion=0.0, idle=0.0)
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class DischargeTrace:
+    """Voltage [V] and state of charge [1] of a cell by time [s]; they end where it failed."""
+
+    time: Array
+    voltage: Array
+    charge: Array
+    failed: float | None
+
+    @property
+    def voltage_drop(self) -> float:
+        """From the first voltage under load to the last. [V]"""
+        return float(self.voltage[0] - self.voltage[-1])
+
+
+def simulate_discharge(
+    cell: BatteryModel, charge: float, power: float, seconds: float
+) -> DischargeTrace:
+    """
+    Return a cell that gives a constant power.
+
+    Parameters
+    ----------
+    cell : Battery
+        The cell.
+    charge : float
+        State of charge at the start. [1]
+    power : float
+        What is drawn, above 0. [W]
+    seconds : float
+        How long. [s]
+
+    """
+    flow, rows, failed = resting_flow(charge), [], None
+    for k in range(round(seconds / STEP)):
+        flow = advance_power_path(cell, DARK, flow, 0.0, power, STEP)
+        if not flow.fed:
+            failed = k * STEP
+            break
+        rows.append((k * STEP, flow.voltage, flow.charge))
+    time, voltage, left = np.array(rows, dtype=np.float64).T.copy()
+    return DischargeTrace(time, voltage, left, failed)

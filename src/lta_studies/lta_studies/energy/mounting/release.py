@@ -1,0 +1,130 @@
+"""
+A vehicle let go tilted in still air, its motors off: it swings, or it turns over.
+
+It is held in balance with the air, so that it neither sinks nor rises. The swing is the
+simulator's own kernel; `lta_vehicle.figures.pendulum` has the same by hand, linearised.
+"""
+
+from dataclasses import dataclass
+import math
+from typing import final
+
+from lta_config.constants import STANDARD_GRAVITY
+from lta_model.model import VehicleModel
+from lta_model.state import pack_state, QUATERNION
+from lta_model.vehicle import Vehicle
+from lta_sim.simulated_vehicle import SimulatedVehicle
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+STEP, SHOWN = 2e-3, 10  # of the integrator [s], and how many of them between two that are kept
+HEIGHT = 1000.0  # m, above any floor
+TURNED = math.radians(90.0)  # tilt beyond which it counts as turned over
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Release:
+    """Tilt of the body's upright from the vertical by time. [s], [rad]"""
+
+    time: Array
+    tilt: Array
+
+    @property
+    def overturn_time(self) -> float | None:
+        """When it turned over; None if it did not. [s]"""
+        over = np.nonzero(np.abs(self.tilt) > TURNED)[0]
+        return float(self.time[over[0]]) if len(over) else None
+
+    @property
+    def peaks(self) -> tuple[Array, Array]:
+        """Times [s] and tilts [rad] of the extremes to the side where it began."""
+        inner = self.tilt[1:-1]
+        found = np.nonzero((inner > self.tilt[:-2]) & (inner >= self.tilt[2:]) & (inner > 0.0))[0]
+        times, tilts = [0.0], [float(self.tilt[0])]
+        for k in found + 1:
+            time, tilt = _parabola_vertex(self.time[k - 1 : k + 2], self.tilt[k - 1 : k + 2])
+            times.append(time)
+            tilts.append(tilt)
+        return np.array(times), np.array(tilts)
+
+    @property
+    def period(self) -> float | None:
+        """Mean of the first three swings; None where there are none. [s]"""
+        times, _ = self.peaks
+        return float(times[3] / 3.0) if len(times) > 3 else None
+
+    @property
+    def damping_ratio(self) -> float | None:
+        """Share of critical damping over the first three swings; None where there are none."""
+        times, tilts = self.peaks
+        if len(times) <= 3:
+            return None
+        decay = math.log(tilts[0] / tilts[3]) / 3.0
+        return decay / math.hypot(decay, 2.0 * math.pi)
+
+
+def _parabola_vertex(time: Array, tilt: Array) -> tuple[float, float]:
+    """Return the top of a parabola through three points."""
+    a, b, c = np.polyfit(time - time[1], tilt, 2).tolist()
+    at = -0.5 * b / a
+    return float(time[1]) + at, (a * at + b) * at + c
+
+
+def simulate_release(
+    vehicle: Vehicle, tilt: float, seconds: float, height: float | None = None
+) -> Release:
+    """
+    Let a vehicle go with its nose up.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        The vehicle.
+    tilt : float
+        At the start. [rad]
+    seconds : float
+        How long to look on. [s]
+    height : float or None
+        Where to put its centre of gravity, above the hull centre and in the middle, with all else
+        as it is; where it is by default. [m]
+
+    """
+    cg = vehicle.cg if height is None else np.array([0.0, 0.0, height])
+    model = VehicleModel.build(
+        vehicle.collect_effects(), mass=vehicle.mass, cg=cg, inertia=vehicle.inertia,
+        displaced=vehicle.mass,
+        rotors=[(rotor.place, rotor.axis) for rotor in vehicle.rotors],
+    )  # fmt: skip
+    craft = SimulatedVehicle(model)
+    rigid = pack_state((0.0, 0.0, HEIGHT))
+    rigid[QUATERNION] = (0.0, -math.sin(0.5 * tilt), 0.0, math.cos(0.5 * tilt))
+    craft.state[:] = 0.0
+    craft.state[: len(rigid)] = rigid
+    count = round(seconds / (STEP * SHOWN))
+    tilts = np.empty(count + 1)
+    for k in range(count + 1):
+        x, y, z, w = craft.state[QUATERNION].tolist()
+        tilts[k] = math.atan2(2.0 * (x * z - w * y), w * w - x * x - y * y + z * z)
+        craft.advance(STEP, SHOWN)
+    times: Array = np.linspace(0.0, count * STEP * SHOWN, count + 1)
+    unwrapped: Array = np.unwrap(tilts).astype(np.float64)
+    return Release(times, unwrapped)
+
+
+def tilt_growth_rate(vehicle: Vehicle, height: float, inertia: float) -> float:
+    """
+    Return how fast a tilt grows from rest with the centre of gravity above, linearised. [1/s]
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        Whose weight turns it over.
+    height : float
+        Of the centre of gravity above the hull centre. [m]
+    inertia : float
+        What turns, the air and the surge that goes with it included. [kg m2]
+
+    """
+    return math.sqrt(vehicle.mass * STANDARD_GRAVITY * height / inertia)

@@ -1,0 +1,115 @@
+"""
+The seed paper's test of a mount: straight on at 0.1 m/s, in the closed loop.
+
+A hand holds the drone level until its estimator has learned its biases; it then hangs as its
+balance lets it, rises, waits, and flies straight on. Let go level, a drone whose balance leans it
+swings about its lean as far as it leans: that swing is told apart from that of the flight.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+import math
+from typing import final
+
+from lta_control.cascade import Setpoint
+from lta_flight.closed_loop import ClosedLoop
+from lta_flight.flight_spec import load_spec
+from lta_studies.energy.course_flight import build_loop, FlightTrack, fly_until, stop_after
+from lta_studies.energy.mounting.mounted_vehicle import MountedVehicle
+import numpy as np
+
+SPEED = 0.1  # m/s, seed paper
+HELD, LIFT_OFF, AWAY, END = 5.0, 8.0, 40.0, 100.0  # s
+RISE = 1.5  # m
+SCENE = 'hall'
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class StraightFlight:
+    """
+    What a flight came to.
+
+    Attributes
+    ----------
+    swing : float
+        Greatest deviation from the mean pitch between lift-off and the start of the way. [rad]
+    lean : float
+        Mean pitch on the way, nose down positive. [rad]
+    amplitude, rms : float
+        Half of the range of pitch on the way, and its deviation from the mean. [rad]
+    power : float
+        Mean on the way, electronics and radio included. [W]
+    hover : float
+        The same over the last 10 s before it. [W]
+    flown : Flown
+        The flight.
+
+    """
+
+    swing: float
+    lean: float
+    amplitude: float
+    rms: float
+    power: float
+    hover: float
+    flown: FlightTrack
+
+
+def prepare_flight(mounted: MountedVehicle, gains: str, seed: int) -> ClosedLoop:
+    """Return a flight, by gains of some name ('' for the vehicle's own), that is to begin."""
+    made_of = load_spec('gtmab', SCENE, 'bag', gains)
+    scene = made_of.contents['scenario']
+    start = {**scene['start'], 'held': f'{HELD} s'}
+    contents = {
+        **made_of.contents,
+        'vehicle': mounted.content,
+        'scenario': {**scene, 'start': start},
+    }
+    base = mounted.vehicle.height_on_floor
+
+    def setpoint_at(time: float) -> Setpoint:
+        rise = RISE if time >= LIFT_OFF else 0.0
+        return Setpoint(base + rise, 0.0, SPEED if time >= AWAY else 0.0)
+
+    return build_loop(replace(made_of, contents=contents), setpoint_at, seed)
+
+
+def fly_straight(mounted: MountedVehicle, gains: str, seed: int) -> StraightFlight:
+    """Fly once with a seed, by gains of some name ('' for the vehicle's own), and judge."""
+    return evaluate_flight(
+        mounted, fly_until(prepare_flight(mounted, gains, seed), stop_after(END))
+    )
+
+
+def evaluate_flight(mounted: MountedVehicle, track: FlightTrack) -> StraightFlight:
+    """Return what a flight came to."""
+    loads = mounted.vehicle.loads
+    steady = loads.idle + loads.transmitting
+    rising, way = track.crop(LIFT_OFF, AWAY), track.crop(AWAY, END)
+    before = track.crop(AWAY - 10.0, AWAY)
+    return StraightFlight(
+        swing=float(np.abs(rising.pitch - rising.pitch.mean()).max()),
+        lean=-float(way.pitch.mean()),
+        amplitude=0.5 * float(np.ptp(way.pitch)),
+        rms=float(way.pitch.std()),
+        power=steady + float(way.rotors.mean()),
+        hover=steady + float(before.rotors.mean()),
+        flown=track,
+    )
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class SeedSpread:
+    """Mean over the seeds and the greatest deviation of one from it."""
+
+    mean: float
+    off: float
+
+
+def average_over_seeds(flights: Sequence[StraightFlight], name: str) -> SeedSpread:
+    """Return a figure over several flights, by the name of an attribute."""
+    values = [float(getattr(each, name)) for each in flights]
+    mean = math.fsum(values) / len(values)
+    return SeedSpread(mean, max(abs(value - mean) for value in values))

@@ -1,0 +1,18 @@
+"""A bar on a terminal for what takes many flights."""
+
+from collections.abc import Callable
+from typing import TypeVar
+
+from rich.console import Console
+from rich.progress import Progress
+
+Result = TypeVar('Result')
+
+
+def run_with_progress(
+    work: Callable[[Callable[[], None]], Result], todo: int, console: Console
+) -> Result:
+    """Return what some work returns; it is given what to call after each of `todo` flights."""
+    with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:
+        task = progress.add_task('flying', total=todo)
+        return work(lambda: progress.advance(task))

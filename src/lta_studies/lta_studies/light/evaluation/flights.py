@@ -1,0 +1,119 @@
+"""
+The flights of the evaluation, seed by seed, and how one is flown.
+
+All sets fly their first seed before any flies its second: whoever stops early has all sets with
+fewer seeds. A flight is known by its set and its place in that set's sweep, which does not depend
+on how many seeds are asked for: more seeds only add to those there are.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+import math
+from typing import Final, final
+
+from lta_config.errors import BadInput
+from lta_config.schema.sweep_file import load_sweep, SweepSeeds
+from lta_control.cascade import CascadeGains
+from lta_flight.closed_loop import ClosedLoop
+from lta_flight.flight_spec import build_loop, FlightSpec, load_spec
+from lta_flight.sweep.job_runner import fly_to_row, SweepRow
+from lta_flight.sweep.plan import SweepJob, SweepPlan
+from lta_studies.light.evaluation import pilot
+from lta_studies.light.evaluation.sets import find_flight_set
+
+MOST: Final = 1000  # seeds
+STRATEGY: Final = 'strategy'
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class EvaluationTask:
+    """One flight: its set, and its job there."""
+
+    part: str
+    job: SweepJob
+
+
+def build_plan(name: str) -> SweepPlan:
+    """
+    Return the flights of a set, all of them checked; the pilot's among them where it flies.
+
+    Raises
+    ------
+    BadInput
+        If the set's sweep cannot be flown.
+
+    """
+    part = find_flight_set(name)
+    file = load_sweep(part.file)
+    strategies = file.vary.get(STRATEGY)
+    if not isinstance(strategies, list) or file.samples is not None:
+        raise BadInput(
+            f'The sweep {part.file} of the set {name} must list strategies, and draw nothing.'
+        )
+    SweepPlan(file).check()
+    flyers = [*strategies, *([pilot.NAME] if part.piloted else [])]
+    seeds = SweepSeeds(first=file.seeds.first, count=MOST)
+    return SweepPlan(
+        file.model_copy(update={'vary': {**file.vary, STRATEGY: flyers}, 'seeds': seeds})
+    )
+
+
+def count_points(plan: SweepPlan) -> int:
+    """Return how many flights of one seed there are."""
+    return plan.count // plan.file.draws_per_point
+
+
+def iterate_tasks(plans: dict[str, SweepPlan], seeds: int) -> Iterator[EvaluationTask]:
+    """Yield every flight, seed by seed."""
+    for turn in range(seeds):
+        for name, plan in plans.items():
+            for point in range(count_points(plan)):
+                yield EvaluationTask(
+                    name, plan.build_job(point * plan.file.draws_per_point + turn)
+                )
+
+
+def complete_job(plan: SweepPlan, job: SweepJob, place: int) -> SweepJob:
+    """Return a job that names all it is made of: one worker flies the jobs of all sets."""
+    base = plan.base
+    case = {**base.names, STRATEGY: base.strategy, **base.replaced, **job.case}
+    return replace(job, index=place, case=case)
+
+
+def fly_task(job: SweepJob) -> SweepRow:
+    """Fly one flight, from a job that names all it is made of."""
+    return fly_to_row(job, lambda: prepare_flight(job))
+
+
+def prepare_flight(job: SweepJob) -> ClosedLoop:
+    """Return the flight of a job that names all it is made of, about to begin."""
+    changes = dict(job.changes)
+    piloted = changes[STRATEGY] == pilot.NAME
+    if piloted:
+        changes[STRATEGY] = job.case[STRATEGY]
+    loop = build_loop(build_flight_spec(changes), job.seed)
+    if piloted:
+        loop.policy = replace(
+            loop.policy, strategy=pilot.build_pilot_strategy(loop.world, top_airspeed(loop))
+        )
+    return loop
+
+
+def top_airspeed(loop: ClosedLoop) -> float:
+    """Return the most airspeed that the controller of a flight allows. [m/s]"""
+    gains = loop.policy.gains
+    return gains.speed_limit if isinstance(gains, CascadeGains) else math.inf
+
+
+def build_flight_spec(changes: dict[str, object]) -> FlightSpec:
+    """Return what a flight is made of that names all of it."""
+    vehicle, scenario, strategy, gains = (
+        str(changes.pop(root)) for root in ('vehicle', 'scenario', STRATEGY, 'gains')
+    )
+    return load_spec(vehicle, scenario, strategy, gains).with_values(changes)
+
+
+def build_plans(names: Sequence[str]) -> dict[str, SweepPlan]:
+    """Return the plans of some sets, in their order, each once."""
+    return {name: build_plan(name) for name in dict.fromkeys(names)}

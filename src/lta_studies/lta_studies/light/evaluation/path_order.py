@@ -1,0 +1,107 @@
+"""Whether the paper's order of paths holds, and which single factor brings it about."""
+
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
+import math
+from typing import Final, NamedTuple
+
+from lta_studies.light.evaluation.cells import EvaluationCell
+from lta_studies.light.evaluation.intervals import BootstrapMean, SEED
+from lta_studies.light.evaluation.paper import ORDER
+import numpy as np
+
+SURE: Final = 0.95  # of the draws in which an order must hold to be told as found
+FEWEST: Final = 5  # arrivals of each; fewer, resampled, look surer than they are
+AS_FLOWN: Final = 'as_flown'  # the case in which nothing is changed
+
+
+class PathOrder(NamedTuple):
+    """
+    How the paths are ordered in one case.
+
+    Attributes
+    ----------
+    case : str
+        Which.
+    paths : dict
+        Mean path by strategy. [m]
+    holds : bool
+        Whether the means are in the paper's order.
+    share : float
+        Part of the bootstrap's draws in which they are; NaN where one arrived too seldom.
+
+    """
+
+    case: str
+    paths: dict[str, BootstrapMean]
+    holds: bool
+    share: float
+
+    @property
+    def is_significant(self) -> bool:
+        """Whether the order is found beyond chance."""
+        return self.holds and self.share >= SURE
+
+
+def find_path_orders(cells: Sequence[EvaluationCell]) -> list[PathOrder]:
+    """Return the order in each case in which all of the paper's strategies flew."""
+    by_case: dict[str, dict[str, EvaluationCell]] = {}
+    for cell in cells:
+        by_case.setdefault(cell.case, {})[cell.strategy] = cell
+    return [
+        assess_path_order(case, {name: own[name] for name in ORDER})
+        for case, own in by_case.items()
+        if set(ORDER) <= own.keys()
+    ]
+
+
+def assess_path_order(case: str, own: Mapping[str, EvaluationCell]) -> PathOrder:
+    """Return the order of the paths in one case."""
+    paths = {name: cell.mean('path_length') for name, cell in own.items()}
+    values = [list(cell.select_figure('path_length').values()) for cell in own.values()]
+    means = [each.value for each in paths.values()]
+    holds = all(a < b for a, b in pairwise(means))
+    return PathOrder(case, paths, holds, ordered_share(values))
+
+
+def ordered_share(values: Sequence[Sequence[float]]) -> float:
+    """Return the part of draws in which the means of resampled flights rise; NaN of too few."""
+    if min(map(len, values)) < FEWEST:
+        return math.nan
+    chance = np.random.default_rng(SEED)
+    drawn = [
+        np.array(own)[chance.integers(len(own), size=(4000, len(own)))].mean(axis=1)
+        for own in values
+    ]
+    rises = np.all([a < b for a, b in pairwise(drawn)], axis=0)
+    return float(rises.mean())
+
+
+def describe_order(
+    indoors: Sequence[PathOrder], ablations: Sequence[PathOrder], titles: Mapping[str, str]
+) -> str:
+    """Return in words whether the paper's order holds, and what brings it about."""
+    words = f"The paper's order of paths, {' < '.join(name.upper() for name in ORDER)},"
+    unchanged = [each for each in ablations if each.case == AS_FLOWN]
+    here = next(iter([*indoors, *unchanged]), None)
+    if here is None:
+        return f'{words} was not flown.'
+    if here.is_significant:
+        return f'{words} holds as flown here (in {format_ordered_share(here)}).'
+    first = f'{words} does not hold beyond chance as flown here (in {format_ordered_share(here)})'
+    if not ablations:
+        return f'{first}; the ablations were not flown.'
+    bring = [each for each in ablations if each.case != AS_FLOWN and each.is_significant]
+    if not bring:
+        return f'{first}, and none of the factors alone brings it about.'
+    names = '; '.join(
+        f'{titles.get(each.case, each.case)} (in {format_ordered_share(each)})' for each in bring
+    )
+    return f'{first}. One factor alone brings it about: {names}.'
+
+
+def format_ordered_share(order: PathOrder) -> str:
+    """Return in words how often the order holds by chance."""
+    if math.isnan(order.share):
+        return 'none: too few arrived'
+    return f'{100 * order.share:.0f} % of resampled flights'

@@ -1,0 +1,179 @@
+"""
+Lux and SNR of a scene's first lamp against distance, through the whole chain.
+
+The drone stands on the lamp's axis, seen from above, with its nose to the lamp. Light is that of
+the link model; SNR is what the demodulator says of whole ADC blocks, the median of several, each
+with gains, noise and a heading of its own.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+import math
+from typing import final
+
+from lta_config.errors import BadInput
+from lta_config.topics import load_topic_table
+from lta_model.light.field import LightField
+from lta_model.light.gain_selection import select_diode_gain
+from lta_model.light.lambertian import build_beam, direct_light
+from lta_model.light.reflections import build_field_geometry
+from lta_model.light.scene_geometry import is_in_room
+from lta_model.light.view import LightView, Pose
+from lta_model.scenario import Scenario
+from lta_model.sensors.photodiode import PhotodiodeArray
+from lta_model.vehicle import Vehicle
+from lta_vlc.demodulation import demodulate_beacon, plan_bins
+from lta_vlc.settings import DemodulationSettings
+import numpy as np
+from numpy.typing import NDArray
+
+BLOCK_NS = 100_000_000
+TURN = math.radians(22.5)  # the nose is at most so far off the lamp: half a step of eight diodes
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class LinkPoint:
+    """
+    The link at one distance.
+
+    Attributes
+    ----------
+    distance : float
+        From the lamp to the hull centre, seen from above. [m]
+    lux : float
+        Direct light on a plane at the ring that faces the lamp, while it is on. [lx]
+    read : float
+        What the diode reads that gets most, its response and the echo included. [lx]
+    echo : float
+        What the diode reads that gets least: reflections alone. [lx]
+    steady : float
+        Ambient light and daylight on the diode that gets most of them. [lx]
+    snr : float
+        Of the diode that hears best, median of the blocks.
+    clipped : bool
+        Whether samples of it stand at the top of the converter.
+
+    """
+
+    distance: float
+    lux: float
+    read: float
+    echo: float
+    steady: float
+    snr: float
+    clipped: bool
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class LampLink:
+    """The link of one scene: by distance, with the feedback resistor that was selected. [ohm]"""
+
+    scenario: str
+    about: str
+    feedback: float
+    at: tuple[LinkPoint, ...]
+
+
+def compute_link(
+    vehicle: Vehicle, scenario: Scenario, distances: Sequence[float], altitude: float, blocks: int
+) -> LampLink:
+    """
+    Return the link of a scene.
+
+    Parameters
+    ----------
+    vehicle, scenario : Vehicle, Scenario
+        Who hears which lamp where.
+    distances : sequence of float
+        [m]
+    altitude : float
+        Of the hull centre. [m]
+    blocks : int
+        At each distance.
+
+    Raises
+    ------
+    BadInput
+        If no distance is inside of the scene, or the lamp shines straight up or down.
+
+    """
+    field = scenario.light_field
+    ahead, left, _ = field.first_lamp.direction
+    level = math.hypot(ahead, left)
+    if level < 1e-6:
+        raise BadInput(
+            f'The first lamp of {scenario.name} shines straight up or down, so that no way leads '
+            'along its axis; take another scenario.'
+        )
+    diodes, around = select_diode_gain(field, vehicle), build_field_geometry(field)
+    x, y, _ = field.first_lamp.position
+    found = []
+    for distance in distances:
+        place = (x + distance * ahead / level, y + distance * left / level, altitude)
+        if scenario.outside is not None or is_in_room(around, *place):
+            towards = math.atan2(-left, -ahead)
+            found.append(
+                _compute_link_point(field, vehicle, diodes, distance, (*place, towards), blocks)
+            )
+    if not found:
+        raise BadInput(
+            f'None of the distances is inside of {scenario.name}; give shorter ones or a lower '
+            'altitude.'
+        )
+    return LampLink(scenario.name, scenario.about, diodes.feedback_resistance, tuple(found))
+
+
+def _compute_link_point(
+    field: LightField,
+    vehicle: Vehicle,
+    diodes: PhotodiodeArray,
+    distance: float,
+    stand: tuple[float, float, float, float],
+    blocks: int,
+) -> LinkPoint:
+    """Return the link at a place [m] with the lamp in some direction [rad]."""
+    table = load_topic_table()
+    rate, samples = table.light.sample_rate.si, table.light.samples
+    frequency = field.first_lamp.wave.frequency
+    bins = plan_bins(DemodulationSettings(frequency=frequency), rate, samples)
+    x, y, z, towards = stand
+    facing = LightView(field, vehicle, diodes).compute_illuminance(
+        [_build_level_pose(x, y, z, towards)]
+    )
+    snr, clipped = [], False
+    for seed in range(blocks):
+        block = simulate_block(field, vehicle, diodes, stand, seed)
+        snr.append(float(demodulate_beacon(block, bins).snr.max()))
+        clipped |= bool((block >= 2**diodes.adc_bits - 1).any())
+    return LinkPoint(
+        distance=distance,
+        lux=direct_light(build_beam(field.first_lamp), (x, y, z - diodes.depth))[0],
+        read=float(facing.modulated[0].max()),
+        echo=float(facing.modulated[0].min()),
+        steady=float(facing.steady.max()),
+        snr=float(np.median(snr)),
+        clipped=clipped,
+    )
+
+
+def simulate_block(
+    field: LightField,
+    vehicle: Vehicle,
+    diodes: PhotodiodeArray,
+    stand: tuple[float, float, float, float],
+    seed: int,
+) -> NDArray[np.uint16]:
+    """Return an ADC block at a place [m], the lamp in some direction [rad]; (samples, diodes)."""
+    light = load_topic_table().light
+    chance = np.random.default_rng(seed)
+    x, y, z, towards = stand
+    view = LightView(field, vehicle, diodes.draw_gains(chance))
+    view.record_pose(_build_level_pose(x, y, z, towards + TURN * float(chance.uniform(-1.0, 1.0))))
+    return view.read_block(seed * BLOCK_NS, light.sample_rate.si, light.samples, chance)
+
+
+def _build_level_pose(x: float, y: float, z: float, heading: float) -> Pose:
+    """Return a level pose."""
+    return (x, y, z, 0.0, 0.0, math.sin(0.5 * heading), math.cos(0.5 * heading))

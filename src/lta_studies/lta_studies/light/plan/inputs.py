@@ -1,0 +1,51 @@
+"""What a layout is made of, as files have it, with single parameters replaced (--set)."""
+
+from collections.abc import Sequence
+
+from lta_config.errors import unknown_name
+from lta_config.files import find_file, load_yaml, validate_content
+from lta_config.parameter_override import parse_assignment, replace_parameter
+from lta_config.schema.vehicle_file import VehicleFile
+from lta_config.topics import load_topic_table
+from lta_model.vehicle import Vehicle
+from lta_studies.light.plan.floor_plan import FloorPlan
+from lta_studies.light.plan.receiver import LightReceiver
+from lta_vlc.settings import DemodulationSettings
+
+ROOTS = ('plan', 'vehicle', 'demodulator')
+
+
+def load_inputs(
+    plan: str, vehicle: str, margin: float, changes: Sequence[str] = ()
+) -> tuple[FloorPlan, LightReceiver]:
+    """
+    Return hall and drone.
+
+    Parameters
+    ----------
+    plan, vehicle : str
+        Shipped names or paths.
+    margin : float
+        How far above the demodulator's threshold the SNR must be.
+    changes : sequence of str
+        `PATH=VALUE`, the first word of the path one of plan, vehicle and demodulator.
+
+    Raises
+    ------
+    BadInput
+        If a file or a change cannot be used.
+
+    """
+    files = {'plan': find_file('floor plan', plan), 'vehicle': find_file('vehicle', vehicle)}
+    contents = {root: load_yaml(path) for root, path in files.items()}
+    contents['demodulator'] = DemodulationSettings().model_dump()
+    for text in changes:
+        path, value = parse_assignment(text)
+        root, _, below = path.partition('.')
+        if root not in ROOTS or not below:
+            raise unknown_name('parameter', path, [f'{name}. ...' for name in ROOTS])
+        contents[root] = replace_parameter(contents[root], below, value, root)
+    hall = validate_content(FloorPlan, contents['plan'], str(files['plan']))
+    flown = Vehicle(validate_content(VehicleFile, contents['vehicle'], str(files['vehicle'])))
+    settings = validate_content(DemodulationSettings, contents['demodulator'], 'The demodulator')
+    return hall, LightReceiver(flown, settings, load_topic_table().light, margin)

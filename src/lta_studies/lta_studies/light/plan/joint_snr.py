@@ -1,0 +1,178 @@
+"""
+How well each lamp is heard over each cell while all lamps are on, as compiled plain functions.
+
+With c counts a lux, E the light of a lamp and F that of all others on one diode, and the
+demodulator's g, l and h (`lta_sim.light_link`):
+
+    A = g c E,   m = s sqrt(pi / N) + l c E + h + sum q c F
+
+q is what a unit wave of another lamp leaves in this one's quiet bins. As in the demodulator, a
+diode whose converter all lamps together fill is spoilt, and the ring takes for a lamp's tone what
+is strongest in its search window over all sound diodes: so a lamp is not heard where it is not
+`PURE` times as strong there as what the harmonics of others leave.
+"""
+
+import math
+from typing import Final
+
+from lta_model.effects.protocol import Vector
+from lta_model.light.lambertian import DiodeResponse, unpack_beam
+from lta_studies.light.plan.rays import Array, diode_light
+
+PURE: Final = 2.0
+Numbers = tuple[float, float, float, float, float, float, float, float]
+
+
+def diode_snr(
+    own: float,
+    total: float,
+    disturbed: float,
+    of_lamp: tuple[float, float, float],
+    factor: float,
+    numbers: Numbers,
+) -> float:
+    """
+    Return the SNR that a lamp comes to on one diode, without the scatter of blocks.
+
+    Parameters
+    ----------
+    own, total : float
+        Counts of this lamp and of all lamps while they are on.
+    disturbed : float
+        What the others leave in the bins that tell the noise. [counts]
+    of_lamp : tuple of 3 floats
+        Gain, leak and hum at the lamp's frequency, as `Listening` has them.
+    factor : float
+        Gain of the diode, times what it reads of light from all sides.
+    numbers : tuple of 8 floats
+        Counts a lux, in the dark, by steady light and at most; variance in the dark, what a count
+        of steady light and one of a lamp add to it, and samples.
+
+    """
+    _, _, steady, _, variance, shot, flicker, samples = numbers
+    gain, leak, hum = of_lamp
+    scatter = variance + shot * factor * steady + flicker * total
+    noise = math.sqrt(math.pi * scatter / samples) + leak * own + hum * factor
+    return gain * own / (noise + disturbed)
+
+
+def is_saturated(total: float, factor: float, numbers: Numbers) -> bool:
+    """Return whether all lamps' counts fill a diode's converter; parameters as `diode_snr`."""
+    return numbers[1] + factor * numbers[2] + total > numbers[3]
+
+
+def compute_ring_light(
+    lamps: Array,
+    eye: DiodeResponse,
+    visible: Array,
+    cell: Vector,
+    planes: Array,
+    half_axes: Vector,
+    cosine: float,
+    sine: float,
+    counts: float,
+    light: Array,
+) -> None:
+    """
+    Write the light of all lamps on all diodes of a drone.
+
+    Parameters
+    ----------
+    lamps, eye, planes, half_axes
+        As `compute_joint_snr` takes them.
+    visible : ndarray of bool, shape (l,)
+        Which lamps no wall hides.
+    cell : tuple of 3 floats
+        Hull centre. [m]
+    cosine, sine : float
+        Of its heading.
+    counts : float
+        A lux.
+    light : ndarray, shape (l, d)
+        What is written. [counts]
+
+    """
+    for d in range(planes.shape[0]):
+        spot = (planes[d, 0], planes[d, 1], planes[d, 2])
+        axis = (planes[d, 3], planes[d, 4], planes[d, 5])
+        for n in range(lamps.shape[0]):
+            light[n, d] = 0.0
+            if visible[n] and planes[d, 6] > 0.0:
+                lux = diode_light(
+                    unpack_beam(lamps[n]), eye, cosine, sine, cell, spot, axis, half_axes
+                )
+                light[n, d] = planes[d, 6] * counts * lux
+
+
+def compute_joint_snr(
+    lamps: Array,
+    eye: DiodeResponse,
+    visible: Array,
+    cells: Array,
+    planes: Array,
+    half_axes: Vector,
+    headings: Array,
+    numbers: Numbers,
+    each: Array,
+    window: Array,
+    quiet: Array,
+    light: Array,
+    out: Array,
+) -> None:
+    """
+    Write the SNR of each lamp over each cell on its best diode, at its worst heading.
+
+    Parameters
+    ----------
+    lamps : ndarray, shape (l, 11)
+        In the order of `Beam`, without any room.
+    eye : Eye
+        Of the diodes.
+    visible : ndarray of bool, shape (m, l)
+        Which lamp no wall hides from which cell.
+    cells : ndarray, shape (m, 3)
+        Hull centres. [m]
+    planes, half_axes, headings
+        As `rays.extremes` takes them.
+    numbers : tuple of 8 floats
+        As `diode_snr` takes them.
+    each : ndarray, shape (l, 3)
+        Gain, leak and hum at each lamp's frequency.
+    window, quiet : ndarray, shape (l, l)
+        From `crosstalk`.
+    light : ndarray, shape (l, d)
+        Room for the light of all lamps on all diodes.
+    out : ndarray, shape (l, m)
+        The SNR.
+
+    """
+    count = lamps.shape[0]
+    for m in range(cells.shape[0]):
+        cell = (cells[m, 0], cells[m, 1], cells[m, 2])
+        for n in range(count):
+            out[n, m] = math.inf if visible[m, n] else 0.0
+        for h in range(headings.shape[0]):
+            compute_ring_light(
+                lamps, eye, visible[m], cell, planes, half_axes, headings[h, 0], headings[h, 1],
+                numbers[0], light,
+            )  # fmt: skip
+            for n in range(count):
+                if out[n, m] == 0.0:
+                    continue
+                best, power, spilt_power = 0.0, 0.0, 0.0
+                for d in range(planes.shape[0]):
+                    total, disturbed, spilt = 0.0, 0.0, 0.0
+                    for j in range(count):
+                        total += light[j, d]
+                        disturbed += quiet[n, j] * light[j, d]
+                        spilt += window[n, j] * light[j, d]
+                    own, factor = light[n, d], planes[d, 6] * planes[d, 7]
+                    if is_saturated(total, factor, numbers):
+                        continue
+                    of_lamp = (each[n, 0], each[n, 1], each[n, 2])
+                    best = max(best, diode_snr(own, total, disturbed, of_lamp, factor, numbers))
+                    power += (of_lamp[0] * own) ** 2
+                    spilt_power += spilt**2
+                if power < PURE**2 * spilt_power:
+                    best = 0.0
+                out[n, m] = min(out[n, m], best)

@@ -1,0 +1,132 @@
+"""How lamps are laid out: as few as cover all, then frequencies, then all heard together."""
+
+from collections.abc import Callable
+import math
+from typing import Final
+
+from lta_config.errors import BadInput
+from lta_studies.light.plan.floor import FloorGrid
+from lta_studies.light.plan.floor_plan import FloorPlan
+from lta_studies.light.plan.frequencies import build_band, choose_frequencies, FrequencyBand
+from lta_studies.light.plan.layout import LampLayout, LayoutLamp
+from lta_studies.light.plan.mounts import LampMount
+from lta_studies.light.plan.receiver import LightReceiver
+from lta_studies.light.plan.reception import (
+    ambient_shares,
+    compute_lamp_light,
+    compute_reception,
+    compute_snr,
+    solve_required_light,
+)
+from lta_studies.light.plan.set_cover import (
+    coverage_demand,
+    improve_cover,
+    merge_duplicate_cells,
+    select_greedily,
+    solve_lower_bound,
+)
+import numpy as np
+
+SEED: Final = 1  # of the search for fewer lamps
+
+Say = Callable[[str], None]
+
+
+def plan_layout(
+    plan: FloorPlan,
+    ear: LightReceiver,
+    floor: FloorGrid,
+    mounts: list[LampMount],
+    overlap: int,
+    most: int | None,
+    tick: Callable[[], None],
+    say: Say,
+) -> LampLayout:
+    """
+    Return where lamps go, and what is heard of them.
+
+    Parameters
+    ----------
+    plan, ear, floor, mounts
+        Hall, drone, cells, and places for lamps.
+    overlap : int
+        Lamps that each cell should hear.
+    most : int or None
+        How many lamps there may be at most.
+    tick : callable
+        Called once for each place for a lamp.
+    say : callable
+        Told what is done next.
+
+    Raises
+    ------
+    BadInput
+        If no lamp can be heard anywhere, or there are not enough frequencies.
+
+    """
+    kept = [k for k, mount in enumerate(mounts) if mount.name]
+    if most is not None and most < len(kept):
+        raise BadInput(
+            f'{plan.name} has {len(kept)} lamps already, but at most {most} are asked for; raise '
+            '--lamps.'
+        )
+    band = build_band(
+        ear.demodulation, ear.light.sample_rate.si, ear.light.samples,
+        plan.ambient.mains_frequency.si, plan.lamp.duty.si,
+    )  # fmt: skip
+    first = choose_frequencies(band, [], 1)[0][0]
+    heard, share = (
+        compute_reception(plan, ear, mounts[0], first),
+        float(ambient_shares(plan, ear).mean()),
+    )
+    least = solve_required_light(heard, share, ear.required_snr)
+    light = compute_lamp_light(plan, ear, floor, mounts, least, tick)
+    alone = light[:, 0] >= least
+    if not alone.any():
+        raise BadInput(_explain_no_reception(plan, ear, least))
+    say('choosing')
+    cells, needed = merge_duplicate_cells(alone, coverage_demand(alone, overlap))
+    bound = solve_lower_bound(cells, needed, kept)
+    chosen = select_greedily(cells, needed, kept, len(mounts) if most is None else most)
+    chosen = improve_cover(cells, needed, chosen, kept, bound, np.random.default_rng(SEED))
+    chosen.sort(key=lambda k: (-round(mounts[k].position[1], 3), mounts[k].position[0]))
+    say('hearing all together')
+    lamps, order = _assign_frequencies([mounts[k] for k in chosen], band)
+    taken, tones = [lamp.mount for lamp in lamps], [lamp.frequency for lamp in lamps]
+    snr = compute_snr(plan, ear, floor, taken, tones, light[chosen, 1] > 0.0)
+    return LampLayout(
+        plan, floor, ear, overlap, lamps, light[chosen, 0], snr, alone.sum(axis=0), len(mounts),
+        least, order, bound,
+    )  # fmt: skip
+
+
+def _assign_frequencies(
+    mounts: list[LampMount], band: FrequencyBand
+) -> tuple[tuple[LayoutLamp, ...], int]:
+    """Return lamps with names and frequencies, and the order up to which harmonics stay clear."""
+    kept = [mount.frequency for mount in mounts if mount.frequency is not None]
+    new, order = choose_frequencies(band, kept, len(mounts) - len(kept))
+    coming = iter(new)
+    return tuple(
+        LayoutLamp(
+            mount.name or f'lamp_{k}',
+            mount,
+            next(coming) if mount.frequency is None else mount.frequency,
+        )
+        for k, mount in enumerate(mounts, start=1)
+    ), order
+
+
+def _explain_no_reception(plan: FloorPlan, ear: LightReceiver, least: float) -> str:
+    vehicle, ambient = ear.vehicle.file.name, plan.ambient.steady.si
+    if math.isinf(least):
+        return (
+            f'{vehicle} hears no lamp in {plan.name}, however bright: the ambient light of '
+            f'{ambient:g} lx fills the converter of its diodes or the flicker of the mains drowns '
+            'all; plan for less of it, or give the diodes a smaller feedback resistor.'
+        )
+    return (
+        f'{vehicle} hears no lamp of {plan.name} at every heading anywhere: it takes {least:.2g} '
+        "lx on a diode that its hull does not shade; hang them nearer to the drone's altitude, or "
+        'take brighter ones.'
+    )

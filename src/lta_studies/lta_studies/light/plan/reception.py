@@ -1,0 +1,217 @@
+"""
+What a drone over each cell hears of each lamp: light, and the signal-to-noise ratio it comes to.
+
+Light, diodes, amplifier, converter and demodulation are the simulator's (`lta_sim.light_link`).
+"""
+
+from collections.abc import Callable, Sequence
+import math
+
+from lta_config.compilation.compiler import compile_functions
+from lta_model.hull import half_axes
+from lta_model.light.field import LightField
+from lta_model.light.gain_selection import select_diode_gain
+from lta_model.light.lambertian import build_beam, DiodeResponse
+from lta_model.light.lamp import BeaconLamp
+from lta_model.light.modulation import SquareWave
+from lta_model.light.ray_bundles import LAMPS, scratch_size, SHARE
+from lta_sim.light_link import build_light_link, expected_magnitude, LightLink, write_ring_light
+from lta_studies.light.plan.crosstalk import compute_crosstalk
+from lta_studies.light.plan.floor import FloorGrid
+from lta_studies.light.plan.floor_plan import FloorPlan
+from lta_studies.light.plan.frequencies import LOWEST
+from lta_studies.light.plan.joint_snr import compute_joint_snr, is_saturated, Numbers
+from lta_studies.light.plan.mounts import LampMount, Vector
+from lta_studies.light.plan.polygon import Array, Mask
+from lta_studies.light.plan.rays import compute_cell_light
+from lta_studies.light.plan.receiver import LightReceiver
+import numpy as np
+
+NEARLY = 1.0 - 1e-9
+HEADINGS = 64  # of a full turn, 5.6 degrees apart
+
+
+def build_light_field(plan: FloorPlan, mount: LampMount, frequency: float) -> LightField:
+    """Return the light of one lamp [Hz] in the hall's ambient light, without any reflection."""
+    lamp = plan.lamp
+    return LightField(
+        lamps=(
+            BeaconLamp(
+                position=mount.position,
+                axis=mount.axis,
+                flux=lamp.flux.si,
+                wave=SquareWave(frequency, lamp.duty.si),
+                efficacy=lamp.efficacy.si,
+                order=lamp.lambertian_order,
+            ),
+        ),
+        ambient=plan.ambient.ambient,
+    )
+
+
+def compute_reception(
+    plan: FloorPlan, ear: LightReceiver, mount: LampMount, frequency: float
+) -> LightLink:
+    """Return what decides how a lamp is heard at a frequency. [Hz]"""
+    field = build_light_field(plan, mount, frequency)
+    return build_light_link(
+        field,
+        select_diode_gain(field, ear.vehicle),
+        half_axes(ear.vehicle.file.hull),
+        ear.demodulation.model_copy(update={'frequency': frequency}),
+        ear.light.sample_rate.si,
+        ear.light.samples,
+    )
+
+
+def pack_numbers(reception: LightLink) -> Numbers:
+    """Return what is the same for all lamps, as `ratio` takes it."""
+    return (
+        reception.counts, reception.dark, reception.steady, reception.top, reception.variance,
+        reception.shot, reception.shot * reception.duty, reception.samples,
+    )  # fmt: skip
+
+
+def lone_lamp_snr(reception: LightLink, share: float, light: float) -> float:
+    """
+    Return the SNR that a lamp comes to on a diode, were it alone.
+
+    Parameters
+    ----------
+    heard : Listening
+        The lamp.
+    share : float
+        What the diode reads of light that comes alike from all sides.
+    light : float
+        What it reads of the lamp. [lx]
+
+    """
+    own, steady = reception.counts * light, share * reception.steady
+    if is_saturated(own, share, pack_numbers(reception)):
+        return 0.0
+    swing, quiet, _ = expected_magnitude(reception, own, steady)
+    return swing / (quiet + reception.hum * share)
+
+
+def solve_required_light(reception: LightLink, share: float, needed: float) -> float:
+    """Return the light from which the SNR is as needed; infinite if it never is. [lx]"""
+    low, high = (
+        0.0,
+        max(reception.top - reception.dark - share * reception.steady, 0.0)
+        / reception.counts
+        * NEARLY,
+    )
+    if lone_lamp_snr(reception, share, high) < needed:
+        return math.inf
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (
+            (low, middle) if lone_lamp_snr(reception, share, middle) >= needed else (middle, high)
+        )
+    return high
+
+
+def compute_lamp_light(
+    plan: FloorPlan,
+    ear: LightReceiver,
+    floor: FloorGrid,
+    mounts: Sequence[LampMount],
+    faintest: float,
+    tick: Callable[[], None],
+) -> Array:
+    """
+    Return the light of every lamp over every wanted cell.
+
+    Parameters
+    ----------
+    plan, ear, floor, mounts
+        Hall, drone, cells and places of lamps.
+    faintest : float
+        Light below which a lamp counts as dark. [lx]
+    tick : callable
+        Called once for each lamp.
+
+    Returns
+    -------
+    ndarray, shape (lamps, 2, cells)
+        On the diode that gets most of it, at the worst heading and at the best. [lx]
+
+    """
+    (kernel,) = compile_functions(compute_cell_light)
+    cells, planes, hull = _prepare_cells(plan, ear, floor)
+    headings, eye = choose_headings(planes, hull), _build_eye(ear)
+    light = np.zeros((len(mounts), 2, len(cells)))
+    for k, mount in enumerate(mounts):
+        lamp = build_beam(build_light_field(plan, mount, 1.0).first_lamp)
+        kernel(lamp, eye, cells, floor.walls, planes, hull, headings, faintest, light[k])
+        tick()
+    return light
+
+
+def compute_snr(
+    plan: FloorPlan, ear: LightReceiver, floor: FloorGrid, mounts: Sequence[LampMount],
+    tones: Sequence[float], visible: Mask,
+) -> Array:  # fmt: skip
+    """
+    Return the SNR of each lamp over every wanted cell while all of them are on.
+
+    Parameters
+    ----------
+    plan, ear, floor, mounts
+        Hall, drone, cells and lamps.
+    tones : sequence of float
+        Frequencies of the lamps. [Hz]
+    visible : ndarray of bool, shape (lamps, cells)
+        Where no wall hides them.
+
+    """
+    (kernel,) = compile_functions(compute_joint_snr)
+    cells, planes, hull = _prepare_cells(plan, ear, floor)
+    heard = [compute_reception(plan, ear, *pair) for pair in zip(mounts, tones, strict=True)]
+    window, quiet = compute_crosstalk(ear, tones, plan.lamp.duty.si)
+    snr = np.empty(visible.shape)
+    kernel(
+        np.array([each.lamp for each in heard]), _build_eye(ear), np.ascontiguousarray(visible.T),
+        cells, planes, hull, choose_headings(planes, hull), pack_numbers(heard[0]),
+        np.array([(each.gain, each.leak, each.hum) for each in heard]), window, quiet,
+        np.empty((len(heard), len(planes))), snr,
+    )  # fmt: skip
+    return snr
+
+
+def _build_eye(ear: LightReceiver) -> DiodeResponse:
+    return DiodeResponse(ear.vehicle.diodes.response, ear.vehicle.diodes.edge_cosine)
+
+
+def ambient_shares(plan: FloorPlan, ear: LightReceiver) -> Array:
+    """Return which part each diode reads of light from all sides alike, shape (diodes,). [1]"""
+    nowhere = LampMount((0.0, 0.0, plan.lamp.height.si), (1.0, 0.0, 0.0))
+    heard = compute_reception(plan, ear, nowhere, LOWEST)
+    out = np.empty((LAMPS + 1, len(heard.planes)))
+    scratch = np.empty(scratch_size(1))
+    write_ring_light(heard, (0.0, 0.0, plan.altitude.si), (0.0, 0.0, 0.0, 1.0), out, scratch)
+    return np.asarray(out[SHARE])
+
+
+def _prepare_cells(
+    plan: FloorPlan, ear: LightReceiver, floor: FloorGrid
+) -> tuple[Array, Array, Vector]:
+    """Return the hull centres over the wanted cells, the diodes and half the size of the hull."""
+    centres = floor.cell_centers
+    cells = np.hstack([centres, np.full((len(centres), 1), plan.altitude.si)])
+    diodes = ear.vehicle.diodes
+    planes = np.column_stack([diodes.planes, diodes.diode_gains, ambient_shares(plan, ear)])
+    return cells, planes, half_axes(ear.vehicle.file.hull)
+
+
+def choose_headings(planes: Array, hull: Vector) -> Array:
+    """Return cosine and sine of the headings to look at: where a turn changes nothing, fewer."""
+    turn = 2.0 * math.pi / len(planes)
+    cosine, sine = math.cos(turn), math.sin(turn)
+    turned = planes.copy()
+    rotation = np.array([[cosine, sine, 0.0], [-sine, cosine, 0.0], [0.0, 0.0, 1.0]])
+    turned[:, :3], turned[:, 3:6] = planes[:, :3] @ rotation, planes[:, 3:6] @ rotation
+    alike = hull[0] == hull[1] and np.allclose(np.roll(turned, 1, axis=0), planes, atol=1e-9)
+    count, span = (max(HEADINGS // len(planes), 4), turn) if alike else (HEADINGS, 2.0 * math.pi)
+    angles = np.arange(count) * (span / count)
+    return np.stack([np.cos(angles), np.sin(angles)], axis=1)

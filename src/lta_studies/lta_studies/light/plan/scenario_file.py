@@ -1,0 +1,108 @@
+"""The layout as a scenario file: its lamps in the hall, and the route along them."""
+
+from collections.abc import Sequence
+from itertools import pairwise
+import math
+
+from lta_studies.light.plan.handover import LampHandover
+from lta_studies.light.plan.layout import LampLayout, LayoutLamp
+
+GOAL = 1.0  # m from a lamp, horizontally, that counts as reached, at least
+SLOWEST = 0.2  # m/s along the route, for the time limit
+
+
+def format_scenario(layout: LampLayout, handover: LampHandover) -> str:
+    """
+    Return the scenario file of a layout.
+
+    The room is the box around the outline, with its origin in the middle. Racks are not in it: the
+    simulator knows none.
+    """
+    plan = layout.plan
+    low, high = plan.outline.corners.min(axis=0), plan.outline.corners.max(axis=0)
+    middle = 0.5 * (low + high)
+    x, y = middle if handover.start is None else handover.start
+    ambient = plan.ambient
+    lines = [
+        f'# Laid out by "lta light plan {plan.name}".',
+        '#',
+        '# The room is the box around the floor plan, without what stands in it: the simulator',
+        "# knows no racks. Map frame: origin on the floor in the box's middle, the plan's axes.",
+        '#',
+        f'# Laid out for {plan.altitude.si:g} m of altitude: fly it with',
+        f'# --strategy homing --set mission.altitude={plan.altitude.si:g}',
+        'schema: 1',
+        f'name: {plan.name}_lamps',
+        f'about: {len(layout.lamps)} lamps laid out in {plan.name}, and a route along them.',
+        '',
+        'room:',
+        f'  size: {_format_lengths(*(high - low), plan.height.si)}',
+        f'  albedo: {plan.albedo:g}',
+        '  walls: solid',
+        '',
+        'air:',
+        '  temperature: 20 degC',
+        '  pressure: 1013.25 hPa',
+        '  wind: {value: [0, 0, 0], unit: m/s}',
+        '',
+        'lamps:',
+        *(line for lamp in layout.lamps for line in _format_lamp(layout, lamp, middle)),
+        '',
+        f'route: [{", ".join(layout.lamps[k].name for k in handover.route)}]',
+        '',
+        'ambient:',
+        f'  steady: {ambient.steady.si:g} lx',
+        f'  mains_amplitude: {ambient.mains_amplitude.si:g} lx',
+        f'  mains_frequency: {ambient.mains_frequency.si:g} Hz',
+        f'  efficacy: {ambient.efficacy.si:g} lm/W',
+        '',
+        'start:',
+        f'  position: {_format_lengths(x - middle[0], y - middle[1])}',
+        '  heading: 0 deg',
+        '  heading_spread: 180 deg',
+        '  charge: 95 %',
+        '',
+        'goal:',
+        f'  radius: {_goal_radius(layout, handover):g} m',
+        f'  time_limit: {_time_limit(handover):g} s',
+    ]
+    return '\n'.join(lines) + '\n'
+
+
+def _format_lamp(layout: LampLayout, lamp: LayoutLamp, middle: Sequence[float]) -> list[str]:
+    kind, (x, y, z) = layout.plan.lamp, lamp.mount.position
+    facing = ', '.join(f'{part + 0.0:g}' for part in lamp.mount.axis)  # no -0
+    return [
+        f'  {lamp.name}:',
+        f'    position: {_format_lengths(x - middle[0], y - middle[1], z)}',
+        f'    facing: {{value: [{facing}], unit: "1"}}',
+        f'    flux: {kind.flux.si:g} lm',
+        f'    half_power: {math.degrees(kind.half_power.si):g} deg',
+        f'    frequency: {lamp.frequency:g} Hz',
+        f'    duty: {100.0 * kind.duty.si:g} %',
+        f'    efficacy: {kind.efficacy.si:g} lm/W',
+    ]
+
+
+def _format_lengths(*numbers: float) -> str:
+    return (
+        f'{{value: [{", ".join(f"{round(float(number), 3):g}" for number in numbers)}], unit: m}}'
+    )
+
+
+def _goal_radius(layout: LampLayout, handover: LampHandover) -> float:
+    """Return how near counts as reached: a flight ends where the hull hides a lamp. [m]"""
+    ends = [
+        math.dist(end, layout.lamps[k].mount.position[:2])
+        for k in handover.route
+        if (end := handover.arrivals[k]) is not None
+    ]
+    return max([GOAL, *(math.ceil(2.0 * end + 1.0) / 2.0 for end in ends)])
+
+
+def _time_limit(handover: LampHandover) -> float:
+    """Return how long the route may take, in whole minutes. [s]"""
+    places = [handover.start, *(handover.arrivals[k] for k in handover.route)]
+    stops = [place for place in places if place is not None]
+    way = sum(math.dist(a, b) for a, b in pairwise(stops))
+    return 60.0 * max(math.ceil(way / SLOWEST / 60.0), 1)

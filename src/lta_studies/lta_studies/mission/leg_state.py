@@ -1,0 +1,280 @@
+"""
+What surrounds the cores on one leg of a mission, as plain functions of numbers and tuples.
+
+A leg is climb and flight to a beacon, a dwell there, or a landing. It is the flight of a batch
+(`lta_flight.batch`) that can be gone on with: everything that drone and world remember stands in
+`LegState`. The drone flies by homing (`lta_control.strategies.homing`), with bearings fitted to
+what the diodes hear of the beacon; ADC blocks are left out.
+"""
+
+import math
+from typing import NamedTuple
+
+from lta_control.attitude import yaw_from_quaternion
+from lta_control.cascade import Setpoint
+from lta_control.mission import MissionSettings
+from lta_control.onboard import OnboardMemory
+from lta_control.per_rotor import NONE, PerRotor
+from lta_control.sighting import DeadReckonedMotion
+from lta_control.strategies.homing import HomingMemory, start, steer, watch
+from lta_control.strategies.protocol import LightSight
+from lta_flight.batch.flight import initial_supply, is_plausible
+from lta_flight.batch.flight_data import FlightConstants
+from lta_model.electrical.battery import count_charge
+from lta_model.electrical.charger import PowerFlow
+from lta_model.electrical.loads import power_demand
+from lta_sim.supply_step import advance_supply, SupplyInputs, SupplyState
+from lta_vlc.direction_fit import DirectionFit
+
+State = tuple[float, ...]
+Amplitudes = tuple[float, ...]
+MOVED = 1.0  # m: so far what the room throws back is taken to stay the same
+TURNED = math.cos(0.5 * 0.35) ** 2  # and so far it is turned by 0.35 rad
+ON_FOOT = 0.02  # m above where it stands: the drone is on the ground
+
+FLYING, DONE, LATE, RESERVE, EMPTY, ESCAPED, STOPPED = range(7)
+GO, DWELL, LAND = range(3)  # kinds of leg
+REST, CLIMB, SEEK = range(3)  # phases
+
+
+class LegPlan(NamedTuple):
+    """
+    What is to be flown next.
+
+    Attributes
+    ----------
+    kind : int
+        `GO` ends on arrival, `DWELL` after its time, `LAND` on the ground.
+    limit : float
+        Time after which the leg ends in any case. [s]
+    reserve : float
+        Told state of charge at which it is broken off.
+    payload : float
+        What is drawn beyond the drone's own loads: sensor and its radio. [W]
+    gain, offset : float
+        Errors of the current's meter: factor, and A.
+    half_length, half_width, height : float
+        Of the room. [m]
+
+    """
+
+    kind: int
+    limit: float
+    reserve: float
+    payload: float
+    gain: float
+    offset: float
+    half_length: float
+    half_width: float
+    height: float
+
+
+class LegState(NamedTuple):
+    """
+    What is remembered from leg to leg beside the state of the model.
+
+    Attributes
+    ----------
+    onboard, homing : Onboard, Homing
+        The drone's memory.
+    asked : Setpoint
+        By the guidance; not yet heard by the controller where `fresh`.
+    told, fresh : bool
+        Whether there is a setpoint at all, and whether the controller has yet to hear of it.
+    phase : int
+        `REST`, `CLIMB` or `SEEK`.
+    middle : tuple of float
+        Position and attitude at the middle of the present light block.
+    reckoned : Reckoned
+        What the drone made of its motion then.
+    distance : float
+        Newest range. [m]
+    supply : Account
+        The power path, and energy since take-off.
+    irradiance : float
+        On the panel. [W/m2]
+    charge : float
+        As the drone counts it.
+    step, ticks, begun : int
+        Control periods and integration steps since take-off, and at which this leg began.
+    path : float
+        Horizontal path since take-off. [m]
+    lowest : float
+        Voltage since take-off. [V]
+    outcome : int
+        How the leg stands.
+
+    """
+
+    onboard: OnboardMemory
+    homing: HomingMemory
+    asked: Setpoint
+    told: bool
+    fresh: bool
+    phase: int
+    middle: tuple[float, float, float, float, float, float, float]
+    reckoned: DeadReckonedMotion
+    distance: float
+    supply: SupplyState
+    irradiance: float
+    charge: float
+    step: int
+    ticks: int
+    begun: int
+    path: float
+    lowest: float
+    outcome: int
+
+
+def initial_leg_state(charge: float, counted: float) -> LegState:
+    """Return what is remembered on the ground before take-off, by true and counted charge."""
+    return ground_leg_state(initial_supply(charge).flow, counted)
+
+
+def ground_leg_state(store: PowerFlow, counted: float) -> LegState:
+    """Return the same of a drone whose power path has been at work."""
+    onboard = OnboardMemory()
+    return LegState(
+        onboard, start(0.0), onboard.setpoint, False, False, REST,
+        (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0), DeadReckonedMotion(0.0, 0.0, 0.0, 0.0, 0.0), math.nan,
+        SupplyState(store, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0), 0.0, counted, 0, 0, 0, 0.0,
+        store.voltage, FLYING,
+    )  # fmt: skip
+
+
+def reckon_motion(onboard: OnboardMemory) -> DeadReckonedMotion:
+    """Return how the drone takes itself to move."""
+    measured, place_ = onboard.measured, onboard.estimate.position
+    return DeadReckonedMotion(
+        measured.heading, place_[0], place_[1], measured.speed, measured.sway
+    )
+
+
+def unreachable_pose() -> tuple[float, float, float, float, float, float, float]:
+    """Return a pose from which everything is elsewhere."""
+    return (math.inf, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+
+
+def has_moved(pose: State, gathered: State) -> bool:
+    """Tell whether what the room throws back must be gathered anew; direct light always is."""
+    x, y, z = pose[0] - gathered[0], pose[1] - gathered[1], pose[2] - gathered[2]
+    if not x * x + y * y + z * z < MOVED * MOVED:
+        return True
+    same = 0.0
+    for k in range(3, 7):
+        same += pose[k] * gathered[k]
+    return same * same < TURNED
+
+
+def lamp_strength(cosines: Amplitudes, sines: Amplitudes, amplitudes: Amplitudes) -> float:
+    """Return what a diode that faces the lamp would read, as `sighting`. [counts]"""
+    forward = left = 0.0
+    for k in range(len(amplitudes)):
+        forward += amplitudes[k] * cosines[k]
+        left += amplitudes[k] * sines[k]
+    return 4.0 * math.hypot(forward, left) / len(amplitudes)
+
+
+def sight_from_fit(
+    lamp: DirectionFit,
+    detected: bool,
+    strength: float,
+    reckoned: DeadReckonedMotion,
+    interval: float,
+) -> LightSight:
+    """Return what a light block says; `sighting.sighted` of a fit."""
+    bearing = deviation = 0.0
+    if detected:
+        bearing = math.atan2(lamp.y, lamp.x)
+        deviation = math.sqrt(max(lamp.azimuth_variance, 0.0))
+    return LightSight(
+        detected, bearing, reckoned.heading, (0.0,), interval, deviation,
+        strength if detected else 0.0, 0.0,
+        (reckoned.x, reckoned.y), (reckoned.forward, reckoned.left),
+    )  # fmt: skip
+
+
+def guide_leg(
+    settings: MissionSettings,
+    kind: int,
+    phase: int,
+    homing: HomingMemory,
+    sight: LightSight,
+    ready: bool,
+    altitude: float,
+) -> tuple[tuple[float, float, float], int, HomingMemory]:
+    """Return the setpoint, and the mission: `mission.mission_step` for homing and one lamp."""
+    if not ready:
+        return (0.0, sight.heading, 0.0), phase, homing
+    if phase == REST:
+        phase, homing = CLIMB, start(sight.heading)
+    if phase == CLIMB and altitude > settings.altitude - settings.reached:
+        phase = SEEK
+    if kind == LAND:
+        return (settings.landing, homing.heading, 0.0), phase, homing
+    if phase == SEEK:
+        course, homing = steer(settings, homing, sight)
+        return (settings.altitude, course.heading, course.speed), phase, homing
+    homing = watch(settings, homing, sight)
+    return (settings.altitude, homing.heading, 0.0), phase, homing
+
+
+def step_leg_supply(
+    constants: FlightConstants,
+    leg: LegPlan,
+    supply: SupplyState,
+    irradiance: float,
+    thrusts: PerRotor,
+    dt: float,
+) -> SupplyState:
+    """Return the supply after a control period in such light with such thrusts. [W/m2, N, s]"""
+    asked = (
+        power_demand(constants.power.loads, thrusts, True) + constants.power.looking + leg.payload
+    )
+    meantime = SupplyInputs(irradiance, asked, dt, False, False)
+    return advance_supply(constants.power.parts, supply, meantime, 0.0)
+
+
+def meter_charge(
+    constants: FlightConstants, leg: LegPlan, charge: float, current: float, dt: float
+) -> float:
+    """Return the charge as the drone counts it, by a meter with its errors."""
+    return count_charge(
+        charge, leg.gain * current + leg.offset, constants.power.parts.cell.capacity, dt
+    )
+
+
+def assess_leg(
+    constants: FlightConstants,
+    leg: LegPlan,
+    state: State,
+    onboard: OnboardMemory,
+    homing: HomingMemory,
+    phase: int,
+    fed: bool,
+    charge: float,
+    spent: float,
+) -> int:
+    """Return how a leg stands after so many seconds."""
+    if not fed:
+        return EMPTY
+    inside = abs(state[0]) <= leg.half_length and abs(state[1]) <= leg.half_width
+    if not (inside and state[2] <= leg.height):
+        return ESCAPED
+    if onboard.stopped or not is_plausible(state):
+        return STOPPED
+    if leg.kind == LAND:
+        down = state[2] <= constants.place[2] + ON_FOOT and onboard.duties == NONE
+        return DONE if down else LATE if spent >= leg.limit else FLYING
+    if leg.kind == GO and phase == SEEK and homing.arrived:
+        return DONE
+    if charge <= leg.reserve:
+        return RESERVE
+    if spent < leg.limit:
+        return FLYING
+    return DONE if leg.kind == DWELL else LATE
+
+
+def state_heading(state: State) -> float:
+    """Return the heading of a state. [rad]"""
+    return yaw_from_quaternion((state[3], state[4], state[5], state[6]))

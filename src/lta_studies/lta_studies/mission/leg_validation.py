@@ -1,0 +1,106 @@
+"""
+Flights of a mission beside the full loop: the same vehicle, scene, start and charge.
+
+Each flight goes from rest to the moment at which homing takes itself to have arrived, once by the
+compiled leg and once by `lta_flight.closed_loop` with its ADC blocks, whose chance is another. So
+the median over some seeds stands for a flight.
+"""
+
+from collections.abc import Iterator
+from dataclasses import replace
+import math
+from typing import NamedTuple
+
+from lta_config.quantity import Quantity
+from lta_config.topics import load_topic_table
+from lta_control.phases import Phase
+from lta_energy.irradiance import DARK
+from lta_flight.closed_loop import ClosedLoop
+from lta_sim.world import World
+from lta_studies.mission.leg_state import GO, initial_leg_state, LegPlan
+from lta_studies.mission.legs import Array, LegPilot
+from lta_studies.mission.scene import MissionScene
+import numpy as np
+
+LIMIT = 200.0  # s
+
+
+class LegStart(NamedTuple):
+    """Place [m], heading [rad] and state of charge."""
+
+    x: float
+    y: float
+    heading: float
+    charge: float
+
+
+def iterate_starts(count: int, lamp: tuple[float, float, float]) -> Iterator[LegStart]:
+    """Yield how each flight begins: 3 to 8 m off the lamp, all round it."""
+    for k in range(count):
+        away, side = 3.0 + 5.0 * ((k * 0.618) % 1.0), 2.0 * math.pi * ((k * 0.414) % 1.0)
+        x, y = lamp[0] + away * math.cos(side), lamp[1] + away * math.sin(side)
+        heading = side + math.pi + 0.5 * math.sin(2.0 * k)
+        yield LegStart(x, y, heading, 0.4 + 0.55 * ((k * 0.733) % 1.0))
+
+
+def measure_leg(
+    scenes: MissionScene, beacon: str, start: LegStart, seed: int
+) -> tuple[float, float]:
+    """Return the energy consumed [J] and time [s] of a leg."""
+    made = scenes.build_flight(beacon, DARK, 1.0)
+    length, width, height = scenes.scenario.room.size.vector
+    leg = LegPlan(GO, LIMIT, 0.0, 0.0, 1.0, 0.0, length / 2, width / 2, height)
+    pilot = LegPilot(made, leg)
+    height = scenes.vehicle.height_on_floor
+    state = pilot.ground_state(start.x, start.y, height, start.heading, seed)
+    memory = initial_leg_state(start.charge, start.charge)
+    memory, _ = pilot.fly_leg(pilot.pack_constants(made), leg, memory, state, seed)
+    return memory.supply.consumed, memory.step * 0.01
+
+
+def build_loop(scenes: MissionScene, beacon: str, start: LegStart, seed: int) -> ClosedLoop:
+    """Return the full loop of the same flight."""
+    begin = scenes.scenario.start.model_copy(
+        update={
+            'position': Quantity(value=(start.x, start.y), unit='m'),
+            'heading': Quantity(value=start.heading, unit='rad'),
+            'heading_spread': Quantity(value=0.0, unit='rad'),
+            'charge': Quantity(value=start.charge, unit='1'),
+        }
+    )
+    lamp, policy = scenes.scenario.lamps[beacon], scenes.policy
+    scene = scenes.scenario.model_copy(
+        update={'several': {beacon: lamp}, 'alone': None, 'route': (), 'start': begin}
+    )
+    known = scenes.build_flight(beacon, DARK, 1.0).craft.mission.homing.brightness
+    homing = policy.mission.homing.model_copy(update={'brightness': known})
+    policy = replace(
+        policy,
+        mission=policy.mission.model_copy(update={'homing': homing}),
+        demodulation=policy.demodulation.model_copy(update={'frequency': lamp.frequency.si}),
+        energy=policy.energy.model_copy(update={'reserve': 0.0, 'hysteresis': 0.0}),
+    )
+    world = World(scenes.vehicle, scene, load_topic_table(), seed, policy.strategy.name)
+    return ClosedLoop(world, load_topic_table(), policy)
+
+
+def measure_loop(
+    scenes: MissionScene, beacon: str, start: LegStart, seed: int
+) -> tuple[float, float]:
+    """Return the same as `measure_leg` of the full loop."""
+    loop = build_loop(scenes, beacon, start, seed)
+    while loop.mission.phase is not Phase.ARRIVED and loop.world.elapsed < LIMIT:
+        loop.step()
+    return loop.world.supply.energy_books.consumed, loop.world.elapsed
+
+
+def compare_flights(
+    scenes: MissionScene, beacon: str, count: int, seeds: int
+) -> Iterator[tuple[LegStart, Array, Array]]:
+    """Yield start, and energy and time by leg and by loop, each of shape (seeds, 2)."""
+    for start in iterate_starts(count, scenes.lamp(beacon).position):
+        yield (
+            start,
+            np.array([measure_leg(scenes, beacon, start, seed) for seed in range(seeds)]),
+            np.array([measure_loop(scenes, beacon, start, seed) for seed in range(seeds)]),
+        )

@@ -1,0 +1,69 @@
+"""Live a mission: its files, its light, its flights, one schedule and one seed."""
+
+from typing import Final
+
+from lta_config.schema.light_day_file import LightDay
+from lta_config.schema.mission_file import MissionFile
+from lta_energy.harvest import HarvestCurve
+from lta_energy.irradiance import IrradianceSeries, simulate_irradiance
+from lta_energy.mission import MissionSimulation, PerchConfig
+from lta_energy.schedule import build_fixed_schedule, Schedule, schedule_by_light
+from lta_sim.sensors.power import draw_errors, PowerMeterSettings
+from lta_studies.mission.flyer import MissionFlyer
+from lta_studies.mission.scene import MissionScene
+import numpy as np
+
+CRUISE: Final = 2.2  # W: what a flight is taken to draw before the first was flown
+AWARE, NAIVE, DOZING = 'by light', 'duty cycle', 'duty cycle, asleep'
+
+
+def build_schedule(name: str, mission: MissionFile) -> Schedule:
+    """Return a schedule by its name."""
+    return (
+        schedule_by_light
+        if name == AWARE
+        else build_fixed_schedule(mission.duty.rest, asleep=name == DOZING)
+    )
+
+
+def build_perch_config(mission: MissionFile, scenes: MissionScene, seed: int) -> PerchConfig:
+    """Return what is drawn and kept on the perch, with the meter that the seed draws."""
+    vehicle = scenes.vehicle
+    meter = draw_errors(
+        PowerMeterSettings(), np.random.default_rng(np.random.SeedSequence([seed, 219]))
+    )
+    begin, end = mission.work.vector
+    return PerchConfig(
+        vehicle.battery, vehicle.charger, HarvestCurve(vehicle.panel), vehicle.loads.idle,
+        mission.asleep.si, (begin, end), mission.reserve.si, mission.charge.si,
+        mission.fetched.si, meter.current_gain, meter.current_offset,
+    )  # fmt: skip
+
+
+def guess_flight_need(mission: MissionFile, scenes: MissionScene) -> tuple[float, float]:
+    """Return what the first flight is taken to need [J] and how long it is to last [s]."""
+    places = [scenes.lamp(name).position for name in (mission.perch, *mission.round)]
+    way = sum(
+        float(np.hypot(a[0] - b[0], a[1] - b[1]))
+        for a, b in zip(places, [*places[1:], places[0]], strict=True)
+    )
+    speed = scenes.policy.mission.speed
+    lasts = 20.0 + 1.3 * way / speed + len(mission.round) * mission.dwell.si
+    return CRUISE * lasts, lasts
+
+
+def build_simulation(
+    mission: MissionFile, day: LightDay, scenes: MissionScene, schedule: str, days: int, seed: int
+) -> tuple[MissionSimulation, IrradianceSeries]:
+    """Return a mission that is about to begin, and its light."""
+    light = simulate_irradiance(day, days, seed)
+    upkeep = build_perch_config(mission, scenes, seed)
+    flyer = MissionFlyer(mission, scenes, light, seed, upkeep.gain, upkeep.offset)
+    life = MissionSimulation(
+        upkeep,
+        light,
+        build_schedule(schedule, mission),
+        flyer.fly_mission,
+        guess_flight_need(mission, scenes),
+    )
+    return life, light

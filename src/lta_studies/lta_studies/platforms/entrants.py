@@ -1,0 +1,87 @@
+"""Make the entrants of a comparison from its file, every one checked before any of them flies."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from lta_config.errors import BadInput, unknown_name
+from lta_config.files import find_file, load_yaml, validate_content
+from lta_config.parameter_override import parse_value, replace_parameter
+from lta_config.schema.comparison_file import Contestant, EntryChange
+from lta_config.schema.vehicle_file import VehicleFile
+from lta_control.gains_file import load_law_gains
+from lta_control.laws import find_law
+from lta_model.vehicle import Vehicle
+from lta_studies.platforms.flight import Entrant
+
+ROOTS = ('vehicle', 'gains')
+
+
+def build_entrant(
+    contestant: Contestant, air_density: float, change: EntryChange | None = None
+) -> Entrant:
+    """
+    Return a contestant, with one more change if there is one, ready to fly.
+
+    Parameters
+    ----------
+    contestant : Contestant
+        Who flies.
+    air_density : float
+        Of the scenario. [kg/m3]
+    change : Change or None
+        An ablation or a limit of it.
+
+    Raises
+    ------
+    BadInput
+        If it cannot be built or flown by its law.
+
+    """
+    steps: list[EntryChange] = [contestant] if change is None else [contestant, change]
+    content = load_yaml(find_file('vehicle', contestant.vehicle))
+    for step in steps:
+        content = _apply_changes(_borrow_blocks(content, step), step.changes, 'vehicle')
+    where = f'{find_file("vehicle", contestant.vehicle)}, as the comparison changes it'
+    file = validate_content(VehicleFile, content, where)
+    named = _select_law(file, steps)
+    gains = load_law_gains(find_law(named[0]).gains, named[1])
+    values = gains.model_dump()
+    for step in steps:
+        values = _apply_changes(values, step.changes, 'gains')
+    gains = validate_content(
+        type(gains), values, f'{find_file("gains", named[1])}, as the comparison changes it'
+    )
+    vehicle = Vehicle(file, air_density)
+    made = find_law(named[0])
+    made.known(gains, vehicle)  # refuses a vehicle that the law cannot fly
+    release = contestant.release.si if contestant.release else None
+    return Entrant(vehicle, made, gains, release)
+
+
+def _select_law(file: VehicleFile, steps: list[EntryChange]) -> tuple[str, str]:
+    """Return law and gains: the last that is named, else the vehicle's own."""
+    name = file.control.law if file.control else 'cascade'
+    gains = file.control.gains if file.control else None
+    for step in steps:
+        name, gains = step.law or name, step.gains or gains
+    if gains is None:
+        raise BadInput(f'{file.name} names no gains in its control block; add "gains: ...".')
+    return name, gains
+
+
+def _borrow_blocks(content: Any, step: EntryChange) -> Any:  # noqa: ANN401 - what YAML holds
+    if step.borrow is None:
+        return content
+    other = load_yaml(find_file('vehicle', step.borrow.vehicle))
+    return {**content, **{block: other[block] for block in step.borrow.blocks}}
+
+
+def _apply_changes(content: Any, changes: Mapping[str, Any], root: str) -> Any:  # noqa: ANN401
+    """Return what a file holds with those of the changes that are its own."""
+    for path, value in changes.items():
+        begin, _, below = path.partition('.')
+        if begin not in ROOTS or not below:
+            raise unknown_name('parameter', path, [f'{name}. ...' for name in ROOTS])
+        if begin == root:
+            content = replace_parameter(content, below, parse_value(value, path), root)
+    return content

@@ -1,0 +1,162 @@
+"""Fly one platform through one manoeuvre, and judge it by the truth."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+import math
+from typing import final
+
+from lta_config.schema.maneuver_file import ManeuverFile
+from lta_config.settings import Settings
+from lta_config.topics import load_topic_table
+from lta_control.attitude import up_in_body, yaw_from_quaternion
+from lta_control.cascade import Setpoint, wrap_angle
+from lta_control.law_autopilot import LawAutopilot
+from lta_control.laws.frames import to_world
+from lta_control.laws.protocol import ControlLaw
+from lta_control.strategies import find_strategy
+from lta_flight.closed_loop import ClosedLoop
+from lta_flight.flight_stack import FlightStack
+from lta_model.scenario import Scenario
+from lta_model.vehicle import Vehicle
+from lta_sim.world import World
+from lta_studies.platforms.metrics import Array, compute_metrics, TrackingMetrics
+import numpy as np
+
+ALTITUDE, HEADING, SPEED = 1, 2, 3
+COLUMN = {'altitude': ALTITUDE, 'heading': HEADING, 'speed': SPEED}
+HEIGHT_BAND = 0.2  # m of height that a manoeuvre of heading or speed may cost (assumed)
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Entrant:
+    """A platform that is ready to fly: vehicle, law, its gains, and a release [m] or None."""
+
+    vehicle: Vehicle
+    law: ControlLaw
+    gains: Settings
+    release: float | None = None
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class ManoeuvreFlight:
+    """
+    What one flight came to.
+
+    Attributes
+    ----------
+    metrics, height : Metrics
+        Of what the manoeuvre is judged by, and of the altitude meanwhile.
+    tilt : float
+        Greatest, of the judged stretch. [rad]
+    lost : str
+        Why it was given up; '' if it was not.
+    asked, flown : ndarray, shape (n, 4)
+        Time [s], altitude [m], heading [rad, unwrapped] and speed along the course [m/s].
+    duties : ndarray, shape (n, rotors)
+        What the rotors did.
+
+    """
+
+    metrics: TrackingMetrics
+    height: TrackingMetrics
+    tilt: float
+    lost: str
+    asked: Array
+    flown: Array
+    duties: Array
+
+    @property
+    def is_held(self) -> bool:
+        """Whether it did what it was asked, and kept its height."""
+        return not self.lost and self.metrics.held and self.height.held
+
+
+def build_course(manoeuvre: ManeuverFile, base: float) -> Callable[[float], Setpoint]:
+    """Return the setpoint by time, over a height. [m]"""
+
+    def setpoint_at(time: float) -> Setpoint:
+        asked = manoeuvre.setpoint_at(time)
+        return Setpoint(base + asked.rise, asked.heading, asked.speed)
+
+    return setpoint_at
+
+
+def prepare_flight(
+    entrant: Entrant, scenario: Scenario, manoeuvre: ManeuverFile, seed: int
+) -> ClosedLoop:
+    """Return a flight that is about to begin; the course of its policy is the manoeuvre."""
+    table, vehicle = load_topic_table(), entrant.vehicle
+    world = World(vehicle, scenario, table, seed)
+    base = vehicle.height_on_floor
+    if entrant.release is not None:
+        base = world.state[2] = entrant.release
+    course = build_course(manoeuvre, base)
+    policy = FlightStack(find_strategy('bag'), entrant.gains, law=entrant.law, course=course)
+    return ClosedLoop(world, table, policy)
+
+
+def fly_manoeuvre(
+    entrant: Entrant, scenario: Scenario, manoeuvre: ManeuverFile, seed: int
+) -> ManoeuvreFlight:
+    """Fly once and judge."""
+    loop = prepare_flight(entrant, scenario, manoeuvre, seed)
+    world, course = loop.world, loop.policy.course
+    assert course is not None
+    flown, duties, tilts = [], [], []
+    while world.elapsed <= manoeuvre.until.si:
+        loop.decide()
+        state = world.state.tolist()
+        flown.append((world.elapsed, *_read_truth(state, course(world.elapsed).heading)))
+        tilts.append(math.acos(max(-1.0, min(1.0, up_in_body(_extract_quaternion(state))[2]))))
+        duties.append(loop.duties)
+        loop.apply_command()
+    pilot = loop.autopilot
+    stopped = pilot.stopped if isinstance(pilot, LawAutopilot) else pilot.memory.stopped
+    return _evaluate_flight(
+        manoeuvre, course, np.array(flown), np.array(duties), np.array(tilts), stopped
+    )
+
+
+def _extract_quaternion(state: list[float]) -> tuple[float, float, float, float]:
+    x, y, z, w = state[3:7]
+    return x, y, z, w
+
+
+def _read_truth(state: list[float], course: float) -> tuple[float, float, float]:
+    """Return height, heading and ground speed along a course, the truth."""
+    attitude, (u, v, w) = _extract_quaternion(state), state[7:10]
+    x, y, _ = to_world(attitude, (u, v, w))
+    return state[2], yaw_from_quaternion(attitude), math.cos(course) * x + math.sin(course) * y
+
+
+def _evaluate_flight(
+    manoeuvre: ManeuverFile,
+    course: Callable[[float], Setpoint],
+    response: Array,
+    duties: Array,
+    tilts: Array,
+    stopped: bool,
+) -> ManoeuvreFlight:
+    """Return the figures of a flight."""
+    asked = np.array([(time, *course(time)) for time in response[:, 0].tolist()])
+    asked[:, HEADING] = np.unwrap(asked[:, HEADING])
+    response[:, HEADING] = np.unwrap(response[:, HEADING])
+    begin = manoeuvre.judged_from.si
+    part = response[:, 0] >= begin - 1e-9
+    column = COLUMN[manoeuvre.judge]
+    before = course(begin - 1e-6)
+    first = Setpoint(before.altitude, wrap_angle(before.heading), before.speed)[column - 1]
+    time = response[part, 0]
+    metrics = compute_metrics(
+        time, asked[part, column], response[part, column], manoeuvre.band.si, first
+    )
+    rising = manoeuvre.judge == 'altitude'
+    height = metrics if rising else compute_metrics(
+        time, asked[part, ALTITUDE], response[part, ALTITUDE], HEIGHT_BAND, before.altitude
+    )  # fmt: skip
+    lost = 'turned over' if stopped else ''
+    return ManoeuvreFlight(
+        metrics, height, float(tilts[part].max()), lost, asked, response, duties
+    )

@@ -1,0 +1,101 @@
+"""A row as it is kept between runs: JSON with values, pictures and tables."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+import hashlib
+import json
+import math
+from pathlib import Path
+from typing import Any, final, NamedTuple
+
+from lta_config.schema.paper_file import PaperRow
+from lta_report.json_value import replace_nonfinite
+from lta_report.results_folder import write_json
+from lta_studies.energy.tables import TextTable
+from lta_studies.reproduce.study_result import MeasuredValue, RowStudyResult
+
+
+class StoredPicture(NamedTuple):
+    """A picture as it is kept; `figure` is plotly's JSON."""
+
+    name: str
+    heading: str
+    caption: str
+    figure: str
+    command: str
+    bag: str
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class StoredRow:
+    """What a row's study found, how many seeds it took, and how long. [s]"""
+
+    values: Mapping[str, MeasuredValue]
+    pictures: Sequence[StoredPicture]
+    tables: Sequence[TextTable]
+    seeds: int
+    seconds: float
+
+
+def hash_row(row: PaperRow, seeds: int, quick: bool, code: str) -> str:
+    """Return a hash of what decides a row: its file, the effort, and a hash of the code."""
+    text = json.dumps([row.model_dump(mode='json'), seeds, quick, code], sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def build_stored_row(result: RowStudyResult, seeds: int, seconds: float) -> StoredRow:
+    """Return what is kept of a study."""
+    pictures = [
+        StoredPicture(p.name, p.heading, p.caption, p.figure.to_json(), p.command, p.bag)
+        for p in result.pictures
+    ]
+    return StoredRow(result.values, pictures, result.tables, seeds, seconds)
+
+
+def write_row(place: Path, name: str, stored: StoredRow) -> None:
+    """Keep a row under the hash of what decides it; it appears whole or not at all."""
+    content = {
+        'identity': name,
+        'values': encode_values(stored.values),
+        'pictures': [each._asdict() for each in stored.pictures],
+        'tables': [asdict(each) for each in stored.tables],
+        'seeds': stored.seeds,
+        'seconds': stored.seconds,
+    }
+    place.parent.mkdir(parents=True, exist_ok=True)
+    write_json(content, place)
+
+
+def read_row(place: Path, name: str) -> StoredRow | None:
+    """Return a row that was kept under a hash; None where there is none."""
+    try:
+        content = json.loads(place.read_text(encoding='utf-8'))
+    except (OSError, ValueError):
+        return None
+    if content.get('identity') != name:
+        return None
+    return StoredRow(
+        values=decode_values(content['values']),
+        pictures=[StoredPicture(**each) for each in content['pictures']],
+        tables=[TextTable(**each) for each in content['tables']],
+        seeds=content['seeds'],
+        seconds=content['seconds'],
+    )
+
+
+def encode_values(values: Mapping[str, MeasuredValue]) -> dict[str, list[Any]]:
+    """Return values as JSON has them: what is no number as null."""
+    known: dict[str, list[Any]] = replace_nonfinite(values)
+    return known
+
+
+def decode_values(content: Mapping[str, Sequence[Any]]) -> dict[str, MeasuredValue]:
+    """Return values of JSON."""
+    return {name: decode_value(each) for name, each in content.items()}
+
+
+def decode_value(content: Sequence[Any]) -> MeasuredValue:
+    """Return a value of JSON, what is null as NaN."""
+    value, low, high = (math.nan if each is None else each for each in content[:3])
+    return MeasuredValue(value, low, high, content[3])

@@ -1,0 +1,100 @@
+"""
+Covariance matrix adaptation: a search that needs few evaluations and no gradients.
+
+The strategy with the default parameters of Hansen's tutorial (2016, arXiv:1604.00772, table 1 and
+equations 42 to 47, with positive weights only): ask for a generation, tell their costs. It looks
+at the order of costs alone, so that a cost may jump. Numbers are in units of the first step; all
+chance is of one seed, so that the same costs lead along the same way.
+"""
+
+from collections.abc import Sequence
+import math
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+Vector = NDArray[np.float64]
+
+
+@final
+class CmaEsSearch:
+    """
+    One search for a minimum.
+
+    Parameters
+    ----------
+    start : array_like, shape (n,)
+        Where it begins.
+    step : float
+        Standard deviation of the first generation.
+    seed : int
+        Of all chance.
+
+    Attributes
+    ----------
+    size : int
+        Candidates of a generation.
+    mean : ndarray, shape (n,)
+        Where the search is.
+    step : float
+        Overall standard deviation.
+
+    """
+
+    def __init__(self, start: Sequence[float], step: float, seed: int) -> None:
+        self.mean = np.array(start, dtype=np.float64)
+        self.step = step
+        n = self._n = len(self.mean)
+        self.size = 4 + int(3.0 * math.log(n))
+        half = self.size // 2
+        raw = math.log(half + 0.5) - np.log(np.arange(1, half + 1))
+        self._weights = w = raw / raw.sum()
+        mass = self._mass = float(1.0 / (w**2).sum())
+        self._keep_path = (4.0 + mass / n) / (n + 4.0 + 2.0 * mass / n)
+        self._keep_step = (mass + 2.0) / (n + mass + 5.0)
+        self._one = 2.0 / ((n + 1.3) ** 2 + mass)
+        many = 2.0 * (mass - 2.0 + 1.0 / mass) / ((n + 2.0) ** 2 + mass)
+        self._many = min(1.0 - self._one, many)
+        self._damping = (
+            1.0 + 2.0 * max(0.0, math.sqrt((mass - 1.0) / (n + 1.0)) - 1.0) + self._keep_step
+        )
+        self._length = math.sqrt(n) * (1.0 - 1.0 / (4.0 * n) + 1.0 / (21.0 * n * n))
+        self._covariance = np.eye(n)
+        self._path, self._step_path = np.zeros(n), np.zeros(n)
+        self._generation = 0
+        self._chance = np.random.default_rng(seed)
+
+    def ask(self) -> list[Vector]:
+        """Return the candidates of a generation."""
+        values, self._axes = np.linalg.eigh(self._covariance)
+        self._lengths = np.sqrt(np.maximum(values, 1e-20))
+        draws = self._chance.standard_normal((self.size, self._n))
+        return [self.mean + self.step * (self._axes @ (self._lengths * z)) for z in draws]
+
+    def tell(self, candidates: Sequence[Vector], costs: Sequence[float]) -> None:
+        """Learn from the costs of a generation."""
+        order = np.argsort(np.array(costs), kind='stable')[: len(self._weights)]
+        best = np.array([candidates[k] for k in order])
+        moves = (best - self.mean) / self.step
+        move = self._weights @ moves
+        self.mean = self.mean + self.step * move
+        self._generation += 1
+        self._update_paths(move)
+        outer = np.outer(self._path, self._path)
+        several = (self._weights[:, None] * moves).T @ moves
+        kept = 1.0 - self._one - self._many
+        self._covariance = kept * self._covariance + self._one * outer + self._many * several
+        growth = float(np.linalg.norm(self._step_path)) / self._length - 1.0
+        self.step *= math.exp(self._keep_step / self._damping * growth)
+
+    def _update_paths(self, move: Vector) -> None:
+        """Go on along the evolution paths."""
+        c, mass = self._keep_step, self._mass
+        white = self._axes @ ((self._axes.T @ move) / self._lengths)
+        self._step_path = (1.0 - c) * self._step_path + math.sqrt(c * (2.0 - c) * mass) * white
+        expected = math.sqrt(1.0 - (1.0 - c) ** (2 * self._generation)) * self._length
+        calm = float(np.linalg.norm(self._step_path)) < (1.4 + 2.0 / (self._n + 1.0)) * expected
+        c = self._keep_path
+        push = math.sqrt(c * (2.0 - c) * mass) if calm else 0.0
+        self._path = (1.0 - c) * self._path + push * move

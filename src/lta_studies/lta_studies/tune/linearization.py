@@ -1,0 +1,136 @@
+"""
+A cut loop about a steady flight: one control period as a linear map.
+
+    x' = A x + B u,    y = C x
+
+x is the state of vehicle, estimator and controller, u what the rotors are asked for (surge, heave,
+yaw), y what the cascade would ask for; in flight u = y. Derivatives are central differences. What
+is symmetric but has a kink, as one forward rotor for each sense of turning, is met by them half
+way: exact for the loop it serves.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+import math
+from typing import final
+
+from lta_control.attitude import up_in_body
+from lta_control.autopilot import MEMORY
+from lta_control.cascade import Setpoint, WrenchDemand
+from lta_control.onboard import OnboardMemory
+from lta_control.per_rotor import SLOTS
+from lta_studies.tune.loop_cut import LoopCut
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+DIFFERENCE = 1e-6
+NEUTRAL = 1e-5  # what memory of place and bias may be off from 1 by rounding, as an eigenvalue
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class LinearLoop:
+    """
+    A cut loop about one steady flight.
+
+    Attributes
+    ----------
+    a, b, c : ndarray
+        Of x' = A x + B u, y = C x; only what matters to y is kept.
+    period : float
+        Of control. [s]
+    radius, swing : float
+        Largest size of an eigenvalue of the closed loop, and its angular frequency. [1, rad/s]
+    tilt : float
+        Of the steady flight. [rad]
+    thrusts : tuple of float
+        Of the steady flight. [N]
+
+    """
+
+    a: Array
+    b: Array
+    c: Array
+    period: float
+    radius: float
+    swing: float
+    tilt: float
+    thrusts: tuple[float, ...]
+
+    @property
+    def is_stable(self) -> bool:
+        """Whether small disturbances die out."""
+        return self.radius < 1.0 + NEUTRAL
+
+    @property
+    def growth_rate(self) -> float:
+        """Rate at which the least damped disturbance grows; negative: it dies out. [1/s]"""
+        return math.log(self.radius) / self.period
+
+
+def linearize_loop(cut: LoopCut, setpoint: Setpoint) -> LinearLoop:
+    """Return a loop about the steady flight that a setpoint leads to."""
+    state, memory = cut.find_steady_flight(setpoint)
+    first, second = len(state), len(state) + MEMORY.size
+    past = np.tile(np.array(memory.duties), (cut.ages, 1))
+    _, trim = cut.step_controller(state, memory, past, None)
+
+    def step_period(x: Array, u: Array) -> tuple[Array, Array]:
+        own, known, before = x[:first], MEMORY.read(x[first:second]), x[second:].reshape(-1, SLOTS)
+        after, asked = cut.step_controller(own, known, before, WrenchDemand(*u.tolist()))
+        commands = np.vstack([np.array(after.duties), before[:-1]])
+        flown = cut.advance_vehicle(own, commands)
+        return np.concatenate([flown, MEMORY.write(after), commands.ravel()]), np.array(asked)
+
+    numbers, u = np.concatenate([state, MEMORY.write(memory), past.ravel()]), np.array(trim)
+    turned = [first + place for place in _find_continuous_states(memory)]
+    everything = [*np.arange(first).tolist(), *turned, *np.arange(second, len(numbers)).tolist()]
+    a, c = _compute_jacobians(lambda x: step_period(x, u), numbers, everything)
+    b, _ = _compute_jacobians(lambda v: step_period(numbers, v), u, [0, 1, 2])
+    keep = _find_connected_states(a, b, c)
+    a, b, c = a[np.ix_(keep, keep)], b[keep], c[:, keep]
+    modes = np.linalg.eigvals(a + b @ c)
+    worst = modes[np.abs(modes).argmax()]
+    radius, swing = float(np.abs(worst)), float(abs(np.angle(worst))) / cut.period
+    up = up_in_body(memory.estimate.attitude)[2]
+    tilt = math.acos(min(1.0, up))
+    return LinearLoop(a, b, c, cut.period, radius, swing, tilt, memory.control.thrusts)
+
+
+def _find_continuous_states(memory: OnboardMemory) -> list[int]:
+    """Return the places of the numbers in a memory that are no flags and no counts."""
+    kinds: list[bool] = []
+
+    def walk(value: object) -> None:
+        if isinstance(value, tuple):
+            for item in value:
+                walk(item)
+        else:
+            kinds.append(isinstance(value, float))
+
+    walk(memory)
+    return [place for place, real in enumerate(kinds) if real]
+
+
+def _compute_jacobians(
+    function: Callable[[Array], tuple[Array, Array]], at: Array, turned: list[int]
+) -> list[Array]:
+    """Return the derivatives of both outputs of a function by its argument."""
+    tables = [np.zeros((len(row), len(at))) for row in function(at)]
+    for place in turned:
+        step = np.zeros(len(at))
+        step[place] = DIFFERENCE * max(1.0, abs(at[place]))
+        for table, high, low in zip(tables, function(at + step), function(at - step), strict=True):
+            table[:, place] = (high - low) / (2.0 * step[place])
+    return tables
+
+
+def _find_connected_states(a: Array, b: Array, c: Array) -> NDArray[np.intp]:
+    """Return the states that some input reaches and some output sees."""
+    links = (np.abs(a) > 0.0) & ~np.isnan(a)
+    reached, seen = np.abs(b).max(axis=1) > 0.0, np.abs(c).max(axis=0) > 0.0
+    for _ in np.arange(len(a)):
+        reached |= links[:, reached].any(axis=1)
+        seen |= links[seen].any(axis=0)
+    return np.flatnonzero(reached & seen)

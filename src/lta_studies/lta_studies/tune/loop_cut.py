@@ -1,0 +1,213 @@
+"""
+A closed loop cut open where the controller's demand goes to the rotors, one period at a time.
+
+One control period is one map of numbers to numbers: sensors without noise, the estimator, the
+cascade, the allocation, the motors and the vehicle, by the very functions that fly. So whatever
+delays a loop is in it: sampling, motor lag, filters, a delay of the commands. Range and pressure,
+which come in some periods only, are taken in every one, with their variance raised by the same
+factor.
+"""
+
+import math
+from typing import final
+
+from lta_config.constants import STANDARD_GRAVITY
+from lta_config.topics import load_topic_table
+from lta_control.allocation import allocate, create_scratch, thrusts_to_duties
+from lta_control.autopilot import Autopilot, build_drone_constants
+from lta_control.cascade import cascade_step, CascadeGains, Setpoint, WrenchDemand
+from lta_control.control import ControlMemory
+from lta_control.estimator import estimator_step, EstimatorInputs, EstimatorSettings
+from lta_control.message_rounding import air_relative_velocity
+from lta_control.message_rounding import build_measurement as measured_of
+from lta_control.onboard import DroneConstants, OnboardMemory
+from lta_control.per_rotor import pad_to_slots, SLOTS
+from lta_model.effects import initial_memory
+from lta_model.model import VehicleModel
+from lta_model.rigid_body import rotation_matrix
+from lta_model.sensors import range
+from lta_model.sensors.imu import imu_specific_force
+from lta_model.sensors.pressure import air_pressure, PressureSettings
+from lta_model.state import pack_state
+from lta_model.stiffness import STEP_NS
+from lta_model.vehicle import Vehicle
+from lta_sim.kernels import kernel
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+SETTLING = 80.0  # s from the take-off to the steady flight
+REST = 0.5  # s to learn the biases, of which there are none
+
+
+@final
+class LoopCut:
+    """
+    One control period of a drone, whole or cut open.
+
+    Parameters
+    ----------
+    true, known : Vehicle
+        What flies, and what the drone takes it for.
+    gains : CascadeGains
+        Of the controller.
+
+    """
+
+    def __init__(self, true: Vehicle, nominal: Vehicle, gains: CascadeGains) -> None:
+        table = load_topic_table()
+        self.period = table.control_ns * 1e-9
+        self._steps = -(-table.control_ns // STEP_NS)
+        self._true, self._model = true, true.build_model()
+        self._floor = PressureSettings().floor
+        own = EstimatorSettings()
+        less = own.altitude.model_copy(
+            update={
+                name: getattr(own.altitude, name)
+                * math.sqrt(table[topic].period_ns / table.control_ns)
+                for name, topic in (('range_noise', 'range'), ('pressure_noise', 'pressure'))
+            }
+        )
+        settings = own.model_copy(update={'rest_time': REST, 'altitude': less})
+        self._still = _build_damped_model(true)
+        self.drone: DroneConstants = build_drone_constants(nominal, settings, gains, self.period)
+        delay = self._model.given.get('command_delay', {}).get('delay', 0.0) / self.period
+        self._whole = int(delay + 1e-9)
+        self._part = delay - self._whole if delay - self._whole > 1e-9 else 0.0
+        self.ages = self._whole + 2  # commands that this period and the next need
+
+    def simulate_sensors(
+        self, state: Array, past: Array, model: VehicleModel | None = None
+    ) -> EstimatorInputs:
+        """
+        Return what the sensors would say without noise.
+
+        Parameters
+        ----------
+        state : ndarray
+            Of the vehicle.
+        past : ndarray, shape (n, SLOTS)
+            The commands before this period, the newest first.
+        model : Model or None
+            What flies; the vehicle itself if left out.
+
+        """
+        sensors = self._true.file.sensors
+        numbers = state.tolist()
+        orders = self._rotor_command(past[self._whole])
+        rate = kernel.state_derivative(state, model or self._model, orders).tolist()
+        ix, iy, iz = sensors.imu_position.vector
+        x, y, z, w, u, v, h, p, q, r = numbers[3:13]
+        turn = rotation_matrix((x, y, z, w))
+        force = imu_specific_force(
+            (u, v, h),
+            (p, q, r),
+            (rate[7], rate[8], rate[9]),
+            (rate[10], rate[11], rate[12]),
+            (turn[6], turn[7], turn[8]),
+            (ix, iy, iz),
+            STANDARD_GRAVITY,
+        )
+        rx, ry, rz = sensors.range_position.vector
+        height, up = range.height_and_tilt(numbers, (rx, ry, rz))
+        return EstimatorInputs(
+            (p, q, r),
+            force,
+            height / up,
+            air_pressure(self._floor, numbers[2] + iz),
+            pad_to_slots(past[0].tolist()),
+        )
+
+    def advance_vehicle(
+        self, state: Array, past: Array, model: VehicleModel | None = None
+    ) -> Array:
+        """Return the state of the vehicle one period later; `past` begins with this period's."""
+        for share, age in ((self._part, self._whole + 1), (1.0 - self._part, self._whole)):
+            if share > 0.0:
+                step = share * self.period / self._steps
+                orders = self._rotor_command(past[age])
+                state = kernel.advance(
+                    state, model or self._model, orders, (0.0, 0.0, 0.0), step, self._steps
+                )
+        return state
+
+    def _rotor_command(self, command: Array) -> Array:
+        return self._true.pack_command(command[: len(self._true.rotors)].tolist())
+
+    def step_controller(
+        self, state: Array, memory: OnboardMemory, past: Array, imposed: WrenchDemand | None
+    ) -> tuple[OnboardMemory, WrenchDemand]:
+        """
+        Return the memory of the drone after one step, and what its cascade asks for.
+
+        The rotors do `asked` where it is given, and else what the cascade asks for.
+        """
+        drone = self.drone
+        heard = self.simulate_sensors(state, past)
+        estimate = estimator_step(drone.estimator, drone.body, memory.estimate, heard, drone.dt)
+        height, speed = estimate.altitude.height, air_relative_velocity(estimate)
+        measured = measured_of(estimate.attitude, height, speed, estimate.rates)
+        demand, cascade = cascade_step(
+            drone.gains,
+            drone.surge_drag,
+            drone.rotors.lowest_heave,
+            drone.rotors.sink,
+            memory.control.cascade,
+            measured,
+            memory.setpoint,
+            memory.control.shortfall,
+            drone.dt,
+        )
+        given = imposed or demand
+        thrusts, done = allocate(
+            drone.rotors,
+            (given.surge, 0.0, given.heave, 0.0, 0.0, given.yaw),
+            memory.control.thrusts,
+            create_scratch(),
+        )
+        missing = WrenchDemand(done[0] - given.surge, done[2] - given.heave, done[5] - given.yaw)
+        after = memory._replace(
+            estimate=estimate,
+            measured=measured,
+            control=ControlMemory(cascade, thrusts, missing),
+            duties=thrusts_to_duties(drone.rotors, thrusts),
+        )
+        return after, demand
+
+    def find_steady_flight(self, setpoint: Setpoint) -> tuple[Array, OnboardMemory]:
+        """
+        Return vehicle and drone after a while of flight towards a setpoint, without noise.
+
+        On the way the hull is kept from swinging and commands are not delayed, which changes
+        nothing where nothing moves: a steady flight is found whether or not it is stable.
+        """
+        autopilot = Autopilot(self.drone)
+        state = pack_state((0.0, 0.0, self._true.height_on_floor), memory=initial_memory())
+        past = np.zeros((self.ages, SLOTS))
+        for tick in np.arange(round((REST + SETTLING) / self.period)):
+            if tick * self.period > REST:
+                autopilot.set_setpoint(setpoint)
+            heard = self.simulate_sensors(state, past, self._still)
+            given = autopilot.step(heard.rates, heard.force, heard.range, heard.pressure)
+            past[:, : len(given)] = given
+            state = self.advance_vehicle(state, past, self._still)
+        return state, autopilot.memory
+
+
+def _build_damped_model(vehicle: Vehicle) -> VehicleModel:
+    """Return a vehicle whose roll and pitch are critically damped by the air."""
+    given = vehicle.collect_effects()
+    own = dict(given.get('rotational_drag', {}))
+    stiffness = abs(vehicle.mass * STANDARD_GRAVITY * float(vehicle.cg[2]))
+    for axis, name in enumerate(('roll', 'pitch')):
+        inertia = float(vehicle.inertia[axis, axis]) + vehicle.added_mass[3 + axis]
+        inertia += vehicle.mass * float(vehicle.cg[2]) ** 2
+        own[name] = own.get(name, 0.0) + 2.0 * math.sqrt(stiffness * inertia)
+    return VehicleModel.build(
+        {**given, 'rotational_drag': own},
+        mass=vehicle.mass,
+        cg=vehicle.cg,
+        inertia=vehicle.inertia,
+        displaced=vehicle.displaced_mass,
+        rotors=[(rotor.place, rotor.axis) for rotor in vehicle.rotors],
+    )

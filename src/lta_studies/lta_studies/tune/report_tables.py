@@ -1,0 +1,190 @@
+"""A tuning in words and tables, for the page and for the terminal."""
+
+from collections.abc import Sequence
+from html import escape
+import math
+import re
+from typing import Final
+
+from lta_flight.sweep.statistics import ShareInterval
+from lta_report.formatting import format_number
+from lta_studies.tune.compare import compare_costs, NAMES, QuartileSpread
+from lta_studies.tune.helium_limit import HeliumLimit
+from lta_studies.tune.margins import StabilityMargins, to_decibels
+from lta_studies.tune.run import TuningResult
+from lta_studies.tune.stability_margins import LoopMargins
+
+Row = list[str]
+OF_STEP: Final = (
+    ('settle', 'time to settle [s]', 1.0, 1),
+    ('overshoot', 'overshoot [%]', 100.0, 0),
+    ('steady', 'steady error [%]', 100.0, 0),
+)
+OF_WHOLE: Final = (
+    ('altitude', 'altitude held meanwhile [cm rms]', 100.0, 1),
+    ('swing', 'swing at the end [deg]', 180.0 / math.pi, 2),
+    ('search', 'time of the mission [% of the limit]', 100.0, 0),
+    ('growth', 'growth of a swing in cruise [%/s]', 100.0, 1),
+    ('effort', 'change of duty [1/s]', 1.0, 2),
+    ('cost', 'cost', 1.0, 3),
+)
+
+
+def format_title(tuned: TuningResult) -> str:
+    """Return what came out, in a sentence that the fresh draws bear."""
+    old, new = tuned.old.flights, tuned.new.flights
+    gap = compare_costs(old, new)
+    before = sum(report.cost for report in old.reports) / len(old.reports)
+    interval = f'difference {gap.low:+.3f} to {gap.high:+.3f}'
+    if gap.high < 0.0:
+        less = f'{-100.0 * gap.mean / before:.0f} % less'
+        return f'The new gains cost {less} over {len(old.reports)} fresh draws ({interval}).'
+    if gap.low > 0.0:
+        words = f'over {len(old.reports)} fresh draws ({interval})'
+        return f'The new gains are worse {words}: keep the old.'
+    return f'No difference that {len(old.reports)} fresh draws could tell ({interval}).'
+
+
+def format_share(value: ShareInterval) -> str:
+    """Return a share with its interval."""
+    return f'{100 * value.value:.0f} % ({100 * value.low:.0f} to {100 * value.high:.0f})'
+
+
+def format_spread(value: QuartileSpread, factor: float = 1.0, digits: int = 2) -> str:
+    """Return a median with its middle half."""
+
+    def format_number(x: float) -> str:
+        return 'never' if math.isinf(x) else f'{factor * x:.{digits}f}'
+
+    return (
+        f'{format_number(value.median)} '
+        f'({format_number(value.low)} to {format_number(value.high)})'
+    )
+
+
+def build_benefit_rows(tuned: TuningResult) -> list[Row]:
+    """Return what it bought: figure, old, new."""
+    sides = (tuned.old.flights, tuned.new.flights)
+    rows = [
+        ['mission at its goal', *(format_share(side.reached_share) for side in sides)],
+        ['altitude lost', *(format_share(side.lost_share) for side in sides)],
+    ]
+    for k, name in enumerate(NAMES):
+        rows.append(
+            [f'{name}: settled', *(format_share(side.settling_share(k)) for side in sides)]
+        )
+        for figure, words, factor, digits in OF_STEP:
+            values = (
+                format_spread(side.summarize_step(k, figure), factor, digits) for side in sides
+            )
+            rows.append([f'{name}: {words}', *values])
+    for figure, words, factor, digits in OF_WHOLE:
+        values = (format_spread(side.summarize_flights(figure), factor, digits) for side in sides)
+        rows.append([words, *values])
+    return rows
+
+
+def format_margins(margins: StabilityMargins | None) -> tuple[str, str, str]:
+    """Return gain margins, phase margin with its crossover, and delay margin."""
+    if margins is None:
+        return '-', '-', '-'
+    up = '∞' if margins.gain is None else f'{to_decibels(margins.gain):+.1f}'
+    down = '-∞' if margins.gain_down is None else f'{to_decibels(margins.gain_down):.1f}'
+    if margins.phase is None or margins.crossover is None or margins.delay is None:
+        return f'{down}, {up}', '-', '-'
+    phase = f'{math.degrees(margins.phase):.0f} at {margins.crossover:.2f}'
+    return f'{down}, {up}', phase, f'{1e3 * margins.delay:.0f}'
+
+
+MARGIN_HEADS = (
+    'loop', 'speed [m/s]', 'lift lost [g]',
+    'old: gain [dB]', 'phase [deg] at [rad/s]', 'delay [ms]',
+    'new: gain [dB]', 'phase [deg] at [rad/s]', 'delay [ms]', '',
+)  # fmt: skip
+
+
+def build_margin_rows(tuned: TuningResult) -> list[Row]:
+    """Return the margins of old and new side by side."""
+    rows = []
+    order = {'altitude': 0, 'heading': 1, 'speed': 2}
+    pairs = list(zip(tuned.old.steadiness, tuned.new.steadiness, strict=True))
+    pairs.sort(key=lambda pair: (order[pair[0].loop], pair[0].speed, pair[0].loss))
+    for old, new in pairs:
+        if old.margins is None and new.margins is None:
+            continue
+        rows.append(
+            [
+                old.loop, f'{old.speed:.1f}', f'{1e3 * old.loss:.1f}',
+                *format_margins(old.margins), *format_margins(new.margins),
+                format_remark(old, new),
+            ]
+        )  # fmt: skip
+    return rows
+
+
+def format_remark(old: LoopMargins, new: LoopMargins) -> str:
+    """Return what the numbers do not say."""
+    words = []
+    for name, side in (('old', old), ('new', new)):
+        if side.margins is None:
+            words.append(f'{name}: {side.why}')
+        elif not side.stable:
+            words.append(
+                f'{name}: a swing of {side.swing:.2f} rad/s grows by {100 * side.growth:.1f} %/s'
+            )
+    return '; '.join(words)
+
+
+def build_limit_rows(old: HeliumLimit, new: HeliumLimit) -> list[Row]:
+    """Return where gains stop holding: figure, old, new."""
+
+    def format_limit(value: float | None) -> str:
+        return format_number(None if value is None or math.isinf(value) else value, 1)
+
+    return [
+        ['held, flown [g lost]', format_limit(old.grams), format_limit(new.grams)],
+        ['lost, flown [g lost]', format_limit(old.fails), format_limit(new.fails)],
+        ['largest demand carries [g lost]', format_limit(old.demand), format_limit(new.demand)],
+        ['rotors carry [g lost]', format_limit(old.rotors), format_limit(new.rotors)],
+        ['days, by 0.2 to 0.9 L/(m² day)', format_leak_days(old), format_leak_days(new)],
+    ]
+
+
+def format_leak_days(limit: HeliumLimit) -> str:
+    """Return how long it takes to leak that much."""
+    return f'{limit.days[0]:.0f} to {limit.days[1]:.0f}'
+
+
+def build_gain_rows(tuned: TuningResult) -> list[Row]:
+    """Return what was turned: path, old, new, ends of the search."""
+    out = []
+    for each in tuned.numbers:
+        new: object = tuned.new.gains
+        for name in each.path.split('.'):
+            new = getattr(new, name)
+        low, high = each.search_bounds()
+        out.append([each.path, f'{each.value:g}', f'{new:g}', f'{low:.3g} to {high:.3g}'])
+    return out
+
+
+def typeset_signs(text: str) -> str:
+    """Return plain words with true minus signs and degrees."""
+    text = re.sub(r'(?<!\w)-(?=[\d∞])', '\N{MINUS SIGN}', text)
+    return text.replace(' deg', '\N{DEGREE SIGN}').replace('[deg]', '[\N{DEGREE SIGN}]')
+
+
+def render_table(heads: Sequence[str], rows: Sequence[Row], text: bool = False) -> str:
+    """Return rows as a table; with `text`, the last column is words."""
+    head = ''.join(f'<th scope="col">{escape(typeset_signs(cell))}</th>' for cell in heads)
+    lines = []
+    for first, *rest in rows:
+        cells = [f'<td>{escape(typeset_signs(cell))}</td>' for cell in rest]
+        if text:
+            cells[-1] = f'<td class="text">{escape(typeset_signs(rest[-1]))}</td>'
+        lines.append(
+            f'<tr><th scope="row">{escape(typeset_signs(first))}</th>{"".join(cells)}</tr>'
+        )
+    return (
+        f'<table class="numbers"><thead><tr>{head}</tr></thead>'
+        f'<tbody>{"".join(lines)}</tbody></table>'
+    )

@@ -1,0 +1,130 @@
+"""
+The margins of each loop of a vehicle, hovering and in cruise, for each loss of lift.
+
+Every loop is cut at its own demand with the others closed: altitude and climb at the vertical
+force, heading and yaw rate at the yaw moment, speed at the surge force. With P(z) the response of
+the cut demands to each other and Q its part without row and column i,
+
+    L_i = -(P_ii + P_iq (1 - P_qq)^-1 P_qi)
+
+on z = exp(j w T). A loop whose rotor is at a limit in the steady flight has no linear answer, as
+the vertical one of a vehicle that is no heavier than air; it is left out, with the reason.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+import math
+from typing import Final, final, Literal
+
+from lta_control.cascade import CascadeGains, Setpoint
+from lta_studies.tune.linearization import linearize_loop, LinearLoop
+from lta_studies.tune.loop_cut import LoopCut
+from lta_studies.tune.margins import Array, Complex, compute_margins, StabilityMargins
+from lta_studies.tune.step_response import TuningScene
+import numpy as np
+
+Loop = Literal['altitude', 'heading', 'speed']
+PLACES: Final[dict[Loop, int]] = {'speed': 0, 'altitude': 1, 'heading': 2}  # in a demand
+ALTITUDE = 1.0  # m
+CRUISE = 0.4  # m/s
+POINTS = 1200
+LOWEST = 0.02  # rad/s
+IDLE = 1e-6  # N; thrust that counts as none
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class LoopMargins:
+    """
+    One loop in one steady flight.
+
+    Attributes
+    ----------
+    loop : str
+        Which.
+    speed, loss : float
+        Airspeed and lift lost. [m/s, kg]
+    stable : bool
+        Whether the whole drone is stable there.
+    growth, swing : float
+        Of its least damped disturbance: rate of growth [1/s] and angular frequency. [rad/s]
+    margins : Margins or None
+        None where `why` says why.
+    why : str
+        Why there are no margins.
+
+    """
+
+    loop: Loop
+    speed: float
+    loss: float
+    stable: bool
+    growth: float
+    swing: float
+    margins: StabilityMargins | None
+    why: str = ''
+
+
+def frequency_grid(period: float) -> Array:
+    """Return the frequencies looked at, up to half the control rate. [rad/s]"""
+    return np.geomspace(LOWEST, 0.999 * math.pi / period, POINTS)
+
+
+def frequency_response(linear: LinearLoop, loop: Loop, frequency: Array) -> Complex:
+    """Return L(jw) of one loop, the others closed."""
+    z = np.exp(1j * frequency * linear.period)
+    own = PLACES[loop]
+    others = [place for place in PLACES.values() if place != own]
+    # Closing the other loops first: A + B_q C_q.
+    a = linear.a + linear.b[:, others] @ linear.c[others]
+    b, c = linear.b[:, [own]], linear.c[[own]]
+    values, left = np.linalg.eig(a)
+    if np.linalg.cond(left) < 1e10:
+        inner = (c @ left) * np.linalg.solve(left, b).T  # residues
+        plain = (inner / (z[:, None] - values[None, :])).sum(axis=1)
+    else:
+        eye = np.eye(len(a))
+        plain = np.array([(c @ np.linalg.solve(each * eye - a, b))[0, 0] for each in z])
+    return np.asarray(-plain)
+
+
+def compute_loop_margins(
+    scene: TuningScene, gains: CascadeGains, losses: Sequence[float], speeds: Sequence[float]
+) -> list[LoopMargins]:
+    """
+    Return every loop's margins.
+
+    Parameters
+    ----------
+    scene : Scene
+        The vehicle.
+    gains : CascadeGains
+        Of its controller.
+    losses, speeds : sequence of float
+        Lift lost [kg], and airspeeds of the steady flights. [m/s]
+
+    """
+    found = []
+    for loss in losses:
+        cut = LoopCut(scene.build_true_vehicle(loss), scene.nominal_vehicle, gains)
+        for speed in speeds:
+            linear = linearize_loop(cut, Setpoint(ALTITUDE, 0.0, speed))
+            found += [assess_loop(linear, loop, loss, speed) for loop in PLACES]
+    return found
+
+
+def assess_loop(linear: LinearLoop, loop: Loop, loss: float, speed: float) -> LoopMargins:
+    """Return the margins of one loop."""
+    why = ''
+    idle = max(linear.thrusts[:2]) < IDLE
+    if loop == 'speed' and speed == 0.0:
+        why = 'the forward rotors stand still'
+    elif loop == 'altitude' and idle:
+        why = 'the vertical rotors stand still'
+    found = None
+    if not why:
+        w = frequency_grid(linear.period)
+        found = compute_margins(w, frequency_response(linear, loop, w))
+    return LoopMargins(
+        loop, speed, loss, linear.is_stable, linear.growth_rate, linear.swing, found, why
+    )

@@ -1,0 +1,205 @@
+"""
+The flight that gains are judged by: take off, then steps in altitude, heading and forward speed.
+
+Flown in the world with its sensors and their noise, by the drone's own estimator and controller as
+in `lta_flight.closed_loop`; setpoints are given, so nothing looks at the light. The drone knows
+the
+vehicle as its file has it; the true one has lost lift (`net_lift`), which is how lost helium acts.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+import math
+from typing import final, Literal, NamedTuple
+
+from lta_config.constants import STANDARD_GRAVITY
+from lta_config.files import find_file, load_yaml, validate_content
+from lta_config.parameter_override import parse_quantity, replace_parameter
+from lta_config.schema.vehicle_file import VehicleFile
+from lta_config.topics import load_topic_table
+from lta_control import message_rounding
+from lta_control.autopilot import Autopilot, build_drone_constants
+from lta_control.cascade import CascadeGains, Setpoint
+from lta_control.estimator import EstimatorSettings
+from lta_model.scenario import load_scenario, Scenario
+from lta_model.state import QUATERNION, VELOCITY
+from lta_model.vehicle import Vehicle
+from lta_sim.world import World
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Channel = Literal['altitude', 'heading', 'speed', 'course']
+
+SCENARIO = 'lamp_room'  # for its air; light and goal play no part
+LIFT = 'effects.net_lift.force'
+EVERY = 5  # control periods from one kept sample to the next
+
+
+class SetpointStep(NamedTuple):
+    """One step of a setpoint: when, of what, from and to what. [s; m, rad or m/s]"""
+
+    start: float
+    end: float
+    channel: Channel
+    before: float
+    after: float
+
+
+# A turn at speed is judged by where the drone goes: its nose leans against the drift on purpose.
+# The first 12 s are rest and take-off. Steps are small enough that no vehicle leaves a room, and
+# long enough that a good one is at rest before the next.
+STEPS = (
+    SetpointStep(12.0, 20.0, 'altitude', 1.0, 1.4),
+    SetpointStep(20.0, 30.0, 'altitude', 1.4, 1.0),
+    SetpointStep(30.0, 38.0, 'heading', 0.0, 0.5 * math.pi),
+    SetpointStep(38.0, 48.0, 'speed', 0.0, 0.4),
+    SetpointStep(48.0, 60.0, 'course', 0.5 * math.pi, 0.0),
+)
+TAKE_OFF = 2.1  # s; the estimator has learnt its biases
+FLYING_ALTITUDE = 1.0  # m
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class TuningCase:
+    """What one examination is flown with: the lift lost [kg] and the seed of all chance."""
+
+    loss: float
+    seed: int
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class TuningScene:
+    """
+    What all examinations of one vehicle share.
+
+    Parameters
+    ----------
+    vehicle : str
+        Name or file.
+
+    """
+
+    vehicle: str
+
+    def build_true_vehicle(self, loss: float) -> Vehicle:
+        """Return the vehicle with that much lift lost [kg]; less than 0 is lift gained."""
+        content = load_yaml(find_file('vehicle', self.vehicle))
+        if loss:
+            own = content.get('effects', {}).get('net_lift', {}).get('force')
+            before = (parse_quantity(own) or {'value': 0.0})['value']
+            force = {'value': before - loss * STANDARD_GRAVITY, 'unit': 'N'}
+            content = replace_parameter(content, LIFT, force, 'vehicle')
+        file = validate_content(VehicleFile, content, str(find_file('vehicle', self.vehicle)))
+        return Vehicle(file, self.scenario.air.density)
+
+    @property
+    def nominal_vehicle(self) -> Vehicle:
+        """The vehicle as the drone knows it: its file, in standard air."""
+        return Vehicle(self.build_true_vehicle(0.0).file)
+
+    @property
+    def scenario(self) -> Scenario:
+        """The scene."""
+        return load_scenario(SCENARIO)
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class StepResponse:
+    """
+    What an examination looked like; truth, not estimate.
+
+    Attributes
+    ----------
+    time, altitude, heading, speed, course : ndarray, shape (n,)
+        Heading, and course through the air, from the heading of the start, unwrapped; speed along
+        the nose. [s, m, rad, m/s, rad]
+    tilt : ndarray, shape (n,)
+        Between the body's z axis and the vertical. [rad]
+    work : ndarray, shape (n,)
+        Mean over the rotors of the change of duty since the sample before, per second. [1/s]
+    stopped : bool
+        Whether the drone switched its motors off.
+
+    """
+
+    time: Array
+    altitude: Array
+    heading: Array
+    speed: Array
+    course: Array
+    tilt: Array
+    work: Array
+    stopped: bool
+
+    def select_channel(self, channel: Channel) -> Array:
+        """Return one of altitude, heading and speed."""
+        table = {
+            'altitude': self.altitude,
+            'heading': self.heading,
+            'speed': self.speed,
+            'course': self.course,
+        }
+        return table[channel]
+
+
+def fly_steps(
+    scene: TuningScene,
+    gains: CascadeGains,
+    case: TuningCase,
+    steps: Sequence[SetpointStep] = STEPS,
+) -> StepResponse:
+    """Fly one examination; the same case gives the same chance to all gains."""
+    table = load_topic_table()
+    world = World(scene.build_true_vehicle(case.loss), scene.scenario, table, case.seed)
+    dt = table.control_ns * 1e-9
+    autopilot = Autopilot(
+        build_drone_constants(scene.nominal_vehicle, EstimatorSettings(), gains, dt)
+    )
+    reach = world.range_settings
+    nearest, farthest = (
+        message_rounding.round_to_float32(reach.minimum),
+        message_rounding.round_to_float32(reach.maximum),
+    )
+    changes = {round(step.start / dt): step for step in steps}
+    setpoint = {'altitude': FLYING_ALTITUDE, 'heading': 0.0, 'speed': 0.0}
+    kept: list[tuple[float, ...]] = []
+    work, last = 0.0, autopilot.duties
+    for tick in range(round(steps[-1].end / dt)):
+        if step := changes.get(tick):
+            setpoint['heading' if step.channel == 'course' else step.channel] = step.after
+        if tick * dt >= TAKE_OFF:
+            autopilot.set_setpoint(Setpoint(**setpoint))
+        readings = world.sense_motion()
+        distance = readings.ranges[-1][1] if readings.ranges else math.nan
+        pressure = math.nan if readings.pressure is None else readings.pressure
+        told = message_rounding.mask_out_of_range(
+            message_rounding.round_to_float32(distance), nearest, farthest
+        )
+        duties = autopilot.step(readings.rates, readings.force, told, pressure)
+        work += sum(abs(a - b) for a, b in zip(duties, last, strict=True)) / len(duties)
+        last = duties
+        if tick % EVERY == 0:
+            kept.append((tick * dt, *_measure_state(world.state), work))
+            work = 0.0
+        world.advance(duties)
+    time, altitude, yaw, speed, drift, tilt, spent = np.array(kept).T
+    heading = np.unwrap(yaw)
+    heading -= heading[0]
+    stopped = autopilot.memory.stopped
+    course = heading + drift
+    return StepResponse(
+        time, altitude, heading, speed, course, tilt, spent / (EVERY * dt), stopped
+    )
+
+
+def _measure_state(state: Array) -> tuple[float, float, float, float, float]:
+    """Return altitude, yaw, surge, drift angle and tilt of a state. [m, rad, m/s, rad, rad]"""
+    x, y, z, w = state[QUATERNION].tolist()
+    surge, sway, _ = state[VELOCITY].tolist()
+    yaw = math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+    tilt = 2.0 * math.asin(min(1.0, math.hypot(x, y)))
+    return state.item(2), yaw, surge, math.atan2(sway, surge), tilt

@@ -1,0 +1,70 @@
+"""Examinations flown side by side, one a process."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+import math
+from operator import itemgetter
+from typing import NamedTuple
+
+from lta_config.errors import BadInput
+from lta_control.cascade import CascadeGains, Setpoint
+from lta_report.worker_pool import WorkerPool
+from lta_studies.tune.lamp_flight import fly_to_lamp
+from lta_studies.tune.linearization import linearize_loop
+from lta_studies.tune.loop_cut import LoopCut
+from lta_studies.tune.metrics import compute_response_metrics, LOST, ResponseMetrics, StepMetrics
+from lta_studies.tune.stability_margins import ALTITUDE, CRUISE
+from lta_studies.tune.step_response import fly_steps, STEPS, TuningCase, TuningScene
+
+CRUISING = Setpoint(ALTITUDE, 0.0, CRUISE)
+PLACE = itemgetter(0)
+WORST = StepMetrics(math.inf, 1.0, 1.0, 1.0)
+BROKEN = ResponseMetrics(
+    (WORST,) * len(STEPS), 1.0, 1.0, 0.0, True, LOST
+)  # of a flight that ended in no numbers
+
+
+class EvaluationJob(NamedTuple):
+    """One examination to fly."""
+
+    scene: TuningScene
+    gains: CascadeGains
+    case: TuningCase
+
+
+def evaluate_gains(task: EvaluationJob) -> ResponseMetrics:
+    """Fly one examination and one mission; say how they went, and whether a swing would grow."""
+    scene, gains, case = task
+    try:
+        report = compute_response_metrics(fly_steps(scene, gains, case))
+        linear = linearize_loop(
+            LoopCut(scene.build_true_vehicle(case.loss), scene.nominal_vehicle, gains), CRUISING
+        )
+        sought = fly_to_lamp(scene, gains, case)
+        return replace(
+            report, growth=linear.growth_rate, reached=sought.reached, search=sought.time
+        )
+    except BadInput:
+        raise
+    except (ValueError, ArithmeticError):
+        return BROKEN
+
+
+def create_workers(size: int) -> WorkerPool:
+    """Return processes that fly examinations."""
+    return WorkerPool(size, '--workers', goes_on=True)
+
+
+def evaluate_all(tasks: Sequence[EvaluationJob], by: WorkerPool) -> list[ResponseMetrics]:
+    """Return the reports in the order of the tasks."""
+    return [
+        report
+        for _, report in sorted(
+            by.map_unordered(_evaluate_indexed, list(enumerate(tasks))), key=PLACE
+        )
+    ]
+
+
+def _evaluate_indexed(place: int, task: EvaluationJob) -> tuple[int, ResponseMetrics]:
+    """Fly one examination, and say which it was."""
+    return place, evaluate_gains(task)

@@ -1,0 +1,165 @@
+"""What a vehicle weighs, what carries it, and where its weight hangs."""
+
+from collections.abc import Iterator
+import math
+from typing import final, NamedTuple
+
+from lta_model.vehicle import Vehicle
+from lta_vehicle.figures.figure import DerivedFigure
+
+WEIGHT, BALANCE = 'Weight and lift', 'Balance'
+GRAMS, CENTIMETRES, DEGREES = 1e3, 1e2, 180.0 / math.pi
+PARTS = ('layers', 'measured', 'moving_mass')
+HULL = ('hull',)
+ALL = (*PARTS, *HULL, 'trim')
+
+
+@final
+class MassBudgetItem(NamedTuple):
+    """One line of the mass budget: layer, part, mass [kg], and the source of that mass."""
+
+    layer: str
+    part: str
+    mass: float
+    source: str
+
+
+def build_mass_budget(vehicle: Vehicle) -> list[MassBudgetItem]:
+    """Return what the vehicle's mass is made of, in the order of its file."""
+    file = vehicle.file
+    rows = []
+    if file.measured:
+        rows.append(
+            MassBudgetItem(
+                'measured',
+                'whole vehicle, gas included',
+                file.measured.mass.si,
+                file.measured.mass.source or '',
+            )
+        )
+    else:
+        for layer, parts in file.layers.items():
+            for name, part in parts.items():
+                rows.append(MassBudgetItem(layer, name, part.mass.si, part.mass.source or ''))
+        if vehicle.ballast_mass:
+            rows.append(
+                MassBudgetItem(
+                    'ballast', 'ballast', vehicle.ballast_mass, 'what trim.heaviness asks for'
+                )
+            )
+    if file.moving_mass:
+        rows.append(
+            MassBudgetItem(
+                'moving mass',
+                'moving mass',
+                file.moving_mass.mass.si,
+                file.moving_mass.mass.source or '',
+            )
+        )
+    if not file.measured and vehicle.gas_mass:
+        rows.append(
+            MassBudgetItem(
+                'gas',
+                'helium and the air in it',
+                vehicle.gas_mass,
+                'volume and purity of the hull',
+            )
+        )
+    return rows
+
+
+def derive_weight_figures(vehicle: Vehicle) -> Iterator[DerivedFigure]:
+    """Yield what it weighs and what carries it."""
+    file, weighed = vehicle.file, vehicle.file.measured is not None
+    hull = file.hull.shape != 'none'
+    rule = 'weighed' if weighed else 'parts, ballast and gas, summed'
+    words = 'mass, gas included' if hull else 'mass'
+    yield DerivedFigure('mass', WEIGHT, words, GRAMS * vehicle.mass, 'g', rule, ALL)
+    if hull:
+        yield _derive_displaced_air(vehicle)
+    if hull and not weighed:
+        rule, lift = (
+            'volume, purity and the densities of air and helium',
+            GRAMS * vehicle.gross_lift,
+        )
+        yield DerivedFigure('lift', WEIGHT, 'gross lift of the gas', lift, 'g', rule, HULL)
+    rule, heavy = 'mass less displaced air', GRAMS * vehicle.heaviness
+    if file.trim.heaviness:
+        rule = 'trim.heaviness'
+    note = 'what the rotors carry'
+    yield DerivedFigure(
+        'heaviness', WEIGHT, 'heavier than air by', heavy, 'g', rule, ('trim',), 2, note
+    )
+    if file.trim.ballast_position:
+        rule, ballast = 'lift and heaviness less parts', GRAMS * vehicle.ballast_mass
+        note = 'weigh the finished vehicle: see lta vehicle trim'
+        yield DerivedFigure(
+            'ballast', WEIGHT, 'ballast to add', ballast, 'g', rule, ALL, note=note
+        )
+
+
+def _derive_displaced_air(vehicle: Vehicle) -> DerivedFigure:
+    """Return the air whose place it takes."""
+    weighed = vehicle.file.measured is not None
+    rests = ALL if weighed else HULL
+    rule = f'volume times {vehicle.air_density:.4g} kg/m³ of air'
+    if weighed:
+        rule = 'mass less heaviness: filled until it is right'
+    note, mass = f'hull of {1e3 * vehicle.volume:.0f} l', GRAMS * vehicle.displaced_mass
+    return DerivedFigure('displaced', WEIGHT, 'air displaced', mass, 'g', rule, rests, note=note)
+
+
+def derive_balance_figures(vehicle: Vehicle) -> Iterator[DerivedFigure]:
+    """Yield where the weight hangs, and what it takes to turn and to push it."""
+    x, y, z = (CENTIMETRES * float(number) for number in vehicle.cg)
+    rule = 'swung as a whole' if vehicle.file.measured else 'parts, ballast and gas, summed'
+    words, note = 'CG below CB', 'CB is the hull centre'
+    if vehicle.file.hull.shape == 'none':
+        words, note = 'CG below the origin', 'no hull, so nothing rights it'
+    yield DerivedFigure('cg_depth', BALANCE, words, -z, 'cm', rule, ALL, 2, note)
+    yield DerivedFigure('cg_x', BALANCE, 'CG ahead of the centre', x, 'cm', rule, ALL, 2)
+    yield DerivedFigure('cg_y', BALANCE, 'CG left of the centre', y, 'cm', rule, ALL, 2)
+    if vehicle.file.hull.shape != 'none':
+        if z < 0.0:
+            lean = math.atan2(math.hypot(x, y), -z) * DEGREES
+            rule_of = 'CG and CB above each other'
+            yield DerivedFigure(
+                'lean', BALANCE, 'hangs off the vertical by', lean, '°', rule_of, ALL
+            )
+        yield derive_pressure_center(vehicle)
+    for i, axis in enumerate(('roll', 'pitch', 'yaw')):
+        own = 1e3 * float(vehicle.inertia[i, i])
+        words = f'inertia in {axis}, about the CG'
+        yield DerivedFigure(f'inertia_{axis}', BALANCE, words, own, 'g m²', rule, ALL, 3)
+    if any(vehicle.added_mass):
+        rule = 'as published' if vehicle.file.hull.added_mass else 'Lamb 1932, spheroid'
+        for i, axis in enumerate('xyz'):
+            air, words = GRAMS * vehicle.added_mass[i], f'air that moves with it along {axis}'
+            yield DerivedFigure(f'added_mass_{axis}', BALANCE, words, air, 'g', rule, HULL)
+
+
+def derive_pressure_center(vehicle: Vehicle) -> DerivedFigure:
+    """
+    Return where the force of the air acts.
+
+    The aero block and the drag of parts act at the hull centre. `hull_lift` has a moment of its
+    own: its centre is the pitch moment by angle of attack over the lift by it (N m a newton).
+    """
+    wing = vehicle.collect_effects().get('hull_lift')
+    if wing and wing['lift_alpha']:
+        ahead = wing['pitch_alpha'] / wing['lift_alpha']
+        rule, place = 'pitch moment by angle of attack over lift', 'effects.hull_lift'
+    else:
+        ahead, rule, place = 0.0, 'the aero block is about the hull centre', 'aero'
+    note = 'at the hull centre' if ahead == 0.0 else ''
+    return DerivedFigure(
+        'cp_x',
+        BALANCE,
+        'centre of pressure ahead of the centre',
+        CENTIMETRES * ahead,
+        'cm',
+        rule,
+        (place,),
+        2,
+        note,
+    )

@@ -1,0 +1,238 @@
+"""What the rotors can do: hover, push along each axis, and how fast that flies."""
+
+from collections.abc import Callable, Iterator
+import math
+
+from lta_config.constants import STANDARD_GRAVITY
+from lta_config.errors import BadInput
+from lta_model import hover, limits
+from lta_model.electrical.loads import power_demand
+from lta_model.vehicle import Vehicle
+from lta_vehicle.figures.climb import terminal_speed, time_to_climb
+from lta_vehicle.figures.figure import DerivedFigure
+from lta_vehicle.figures.mass_budget import DEGREES, GRAMS
+from lta_vehicle.figures.wrench_limit import solve_wrench_limit, WrenchLimit
+
+ROTORS, SPEED = 'Rotors', 'Speed'
+THRUST = ('rotors', 'thrust_curve', 'aero.thrust_allocation', 'aero.coupling')
+CARRIED = (*THRUST, 'trim')
+DRAG = ('aero.linear_drag', 'aero.quadratic_drag')
+RULE = 'largest push, the other axes held (linear programme)'
+AXES = {
+    'up': 'up, beyond what it carries',
+    'down': 'down, beyond its weight',
+    'forward': 'forward',
+    'backward': 'backward',
+    'left': 'to the left',
+    'right': 'to the right',
+}
+CLIMB = 1.0  # m
+
+
+def compute_or_explain(compute: Callable[[], float]) -> tuple[float | None, str]:
+    """Return a number and '', or None and the sentence on why there is none."""
+    try:
+        return compute(), ''
+    except BadInput as reason:
+        return None, str(reason)
+
+
+def hover_thrust(vehicle: Vehicle) -> tuple[float, int]:
+    """Return thrust and number of the rotors that carry what it weighs. [N]."""
+    rotors, per_newton = hover.select_lifting_rotors(vehicle.rotors, vehicle.file.aero.coupling)
+    if not rotors or per_newton <= 0.0:
+        return 0.0, 0
+    return max(vehicle.heaviness, 0.0) * STANDARD_GRAVITY / per_newton, len(rotors)
+
+
+def derive_rotor_figures(vehicle: Vehicle) -> Iterator[DerivedFigure]:
+    """Yield hover and the margins on every axis."""
+    duty, why = compute_or_explain(lambda: vehicle.hover_duty)
+    yield DerivedFigure(
+        'hover_duty',
+        ROTORS,
+        'hover duty',
+        None if duty is None else 100.0 * duty,
+        '%',
+        'thrust curve and columns of the rotors that lift',
+        CARRIED,
+        note=why,
+    )
+    if duty is not None:
+        yield from _derive_hover_figures(vehicle)
+    for direction, words in AXES.items():
+        most, note = _push_margin(vehicle, direction)
+        yield DerivedFigure(
+            f'push_{direction}',
+            ROTORS,
+            f'push {words}',
+            None if most is None else 1e3 * most,
+            'mN',
+            RULE,
+            CARRIED,
+            0,
+            note,
+        )
+    for direction in ('turn_left', 'turn_right'):
+        most, note = _turn_margin(vehicle, direction)
+        yield DerivedFigure(
+            f'push_{direction}',
+            ROTORS,
+            direction.replace('_', ' '),
+            None if most is None else 1e3 * most,
+            'mN m',
+            RULE,
+            CARRIED,
+            1,
+            note,
+        )
+
+
+def _derive_hover_figures(vehicle: Vehicle) -> Iterator[DerivedFigure]:
+    thrust, count = hover_thrust(vehicle)
+    power = power_demand(vehicle.loads, [thrust] * count, transmitting=False)
+    cell = ('energy', *CARRIED)
+    yield DerivedFigure(
+        'hover_power',
+        ROTORS,
+        'power in hover',
+        power,
+        'W',
+        'idle and rotors, affine in thrust',
+        cell,
+        2,
+    )
+    energy = vehicle.file.energy.battery.capacity.si * NOMINAL
+    yield DerivedFigure(
+        'hover_time',
+        ROTORS,
+        'hovers on a full cell for',
+        energy / power / 60.0,
+        'min',
+        f'capacity at {NOMINAL} V (assumed), without sun',
+        cell,
+        0,
+    )
+
+
+NOMINAL = 3.7  # V, one lithium cell
+
+
+def _push_margin(vehicle: Vehicle, direction: str) -> tuple[float | None, str]:
+    """Return what can be pushed beyond hover [N, N m], and a note."""
+    found, note = find_push_limit(vehicle, direction)
+    if found is None:
+        return None, 'the rotors cannot hold the other axes'
+    weight = vehicle.heaviness * STANDARD_GRAVITY
+    if direction == 'up':
+        beyond = found.most - weight
+        more = GRAMS * beyond / STANDARD_GRAVITY
+        short = f'{-more:.1f} g short of carrying itself'
+        return beyond, f'could carry {more:.1f} g more' if more >= 0.0 else short
+    if direction == 'down':
+        return found.most + weight, 'its weight adds to this' if weight > 0.0 else note
+    return found.most, note
+
+
+def find_turn_limit(vehicle: Vehicle, direction: str) -> tuple[WrenchLimit | None, str]:
+    """Return the most turning on the spot, or else while it is pushed away, and say which."""
+    found, note = find_push_limit(vehicle, direction)
+    if found is not None and found.most > 1e-9:
+        return found, note
+    away = solve_wrench_limit(vehicle, direction, hold=False, stay=False)
+    if away is None or away.most <= 1e-9:
+        return found, note
+    push = 1e3 * math.hypot(*away.wrench[:2])
+    return away, f'not on the spot: it is pushed with {push:.0f} mN meanwhile'
+
+
+def _turn_margin(vehicle: Vehicle, direction: str) -> tuple[float | None, str]:
+    found, note = find_turn_limit(vehicle, direction)
+    return (None, 'the rotors cannot hold altitude') if found is None else (found.most, note)
+
+
+def find_push_limit(vehicle: Vehicle, direction: str) -> tuple[WrenchLimit | None, str]:
+    """Return the most in a direction with altitude held, or else without, and say which."""
+    if (found := solve_wrench_limit(vehicle, direction)) is not None:
+        return found, ''
+    if (found := solve_wrench_limit(vehicle, direction, hold=False)) is not None:
+        return found, 'without holding altitude, which the rotors cannot'
+    return None, ''
+
+
+def derive_speed_figures(vehicle: Vehicle) -> Iterator[DerivedFigure]:
+    """Yield how fast it flies, climbs, sinks and turns."""
+    level, why = compute_or_explain(lambda: limits.level_speed(vehicle))
+    if level == 0.0:
+        why = 'its rotors push nowhere while it is level: it tilts to fly'
+    yield DerivedFigure(
+        'level_speed',
+        SPEED,
+        'top speed, level',
+        level,
+        'm/s',
+        'forward push against drag',
+        (*CARRIED, *DRAG),
+        2,
+        why,
+    )
+    effects = vehicle.collect_effects()
+    yield from _derive_climb_figures(
+        vehicle, effects['linear_drag']['heave'], effects['quadratic_drag']['heave']
+    )
+    most, note = find_turn_limit(vehicle, 'turn_left')
+    rotational = effects['rotational_drag']
+    rate = terminal_speed(most.most, rotational['yaw'], rotational['yaw_2']) if most else None
+    yield DerivedFigure(
+        'yaw_rate',
+        SPEED,
+        'turns at most',
+        None if rate is None else DEGREES * rate,
+        '°/s',
+        'yaw moment against damping',
+        (*THRUST, *DRAG),
+        0,
+        'no damping in yaw is given' if rate is None else note,
+    )
+
+
+def _derive_climb_figures(
+    vehicle: Vehicle, linear: float, quadratic: float
+) -> Iterator[DerivedFigure]:
+    weight = vehicle.heaviness * STANDARD_GRAVITY
+    up = solve_wrench_limit(vehicle, 'up')
+    spare = up.most - weight if up else 0.0
+    if vehicle.file.hull.shape != 'none':  # else the drag is that of rotors near hover
+        lost = 'no drag along z is given in the aero block' if linear + quadratic <= 0.0 else ''
+        yield DerivedFigure(
+            'climb_speed',
+            SPEED,
+            'climbs at most',
+            terminal_speed(spare, linear, quadratic),
+            'm/s',
+            'push up against drag',
+            (*CARRIED, *DRAG),
+            2,
+            lost,
+        )
+        yield DerivedFigure(
+            'sink_speed',
+            SPEED,
+            'sinks with still rotors at',
+            terminal_speed(weight, linear, quadratic),
+            'm/s',
+            'weight less buoyancy against drag',
+            ('trim', *DRAG),
+            2,
+            lost,
+        )
+    yield DerivedFigure(
+        'climb_time',
+        SPEED,
+        f'climbs {CLIMB:g} m from rest in',
+        time_to_climb(CLIMB, spare, vehicle.mass + vehicle.added_mass[2], linear, quadratic),
+        's',
+        'push up, drag, mass and moving air',
+        (*CARRIED, *DRAG, 'layers'),
+        note='' if spare > 0.0 else 'it cannot climb',
+    )

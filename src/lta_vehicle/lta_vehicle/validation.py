@@ -1,0 +1,217 @@
+"""
+What is wrong with a vehicle file, all of it, and what is right but should be looked at.
+
+Faults keep the vehicle from flying; warnings do not. Thresholds of warnings are assumed.
+"""
+
+from collections.abc import Iterator
+from functools import partial
+import math
+from pathlib import Path
+from typing import Final, final, NamedTuple
+
+from lta_config.constants import AIR_DENSITY
+from lta_config.errors import BadInput
+from lta_config.files import FOLDERS, list_shipped, load_yaml
+from lta_config.schema.vehicle_file import VehicleFile
+from lta_config.validation_errors import format_errors
+from lta_model import effect_parameters, hull, propulsion
+from lta_model.stiffness import STEP_NS
+from lta_model.vehicle import Vehicle
+from lta_vehicle.figures.sheet import build_sheet, VehicleSheet
+from lta_vehicle.stale_aero import find_stale_columns
+from pydantic import ValidationError
+
+SHALLOW: Final = 2.0  # cm that the CG hangs below the CB
+LEANING: Final = 3.0  # degrees off the vertical
+STEEP: Final = 30.0  # degrees at full push
+BUSY: Final = 70.0  # % of duty in hover
+SOON: Final = 7.0  # days at the highest leak
+LIGHT: Final = 1.0  # g of ballast left to take off
+DISAGREE: Final = 0.03  # of the displaced air: weighed against hull; of a size: envelope, hull
+IMPURE: Final = 0.8  # purity of the gas
+
+
+@final
+class VehicleValidation(NamedTuple):
+    """What was found: faults, warnings, and the sheet where there are no faults."""
+
+    faults: list[str]
+    warnings: list[str]
+    sheet: VehicleSheet | None
+
+
+def validate_vehicle_file(path: Path) -> VehicleValidation:
+    """
+    Return everything that is wrong with a vehicle file.
+
+    Raises
+    ------
+    BadInput
+        If it cannot be read as YAML at all, which hides everything else.
+
+    """
+    content = load_yaml(path)
+    if not isinstance(content, dict):
+        return VehicleValidation(
+            ['It holds no mapping of keys; compare it with a shipped file.'], [], None
+        )
+    try:
+        file = VehicleFile.model_validate(content)
+    except ValidationError as error:
+        return VehicleValidation(
+            [capitalize_sentence(text) for text in format_errors(error)], [], None
+        )
+    faults = list(dict.fromkeys(_find_faults(file)))
+    if faults:
+        return VehicleValidation(faults, [], None)
+    sheet = build_sheet(Vehicle(file))
+    return VehicleValidation([], [*find_warnings(sheet), *_find_source_warnings(sheet)], sheet)
+
+
+def capitalize_sentence(text: str) -> str:
+    """Return a sentence that begins like one; places in a file stay as they are written."""
+    return text[0].upper() + text[1:] if text.startswith(('the ', 'is ', 'has ')) else text
+
+
+def _find_faults(file: VehicleFile) -> Iterator[str]:
+    """Yield what keeps a file that can be read from being a vehicle."""
+    own = ''
+    try:
+        Vehicle(file.model_copy(update={'effects': {}}))
+    except BadInput as error:
+        own = str(error)
+        yield own
+    plain = [
+        text for text in map(partial(_find_effect_fault, file, not own), file.effects) if text
+    ]
+    yield from plain
+    gains = file.control.gains if file.control else None
+    if gains and gains not in list_shipped(FOLDERS['gains']):
+        names = ', '.join(list_shipped(FOLDERS['gains']))
+        yield f"control.gains is '{gains}', which is not shipped; known: {names}."
+    if not plain and not own:
+        try:
+            Vehicle(file).check_step(STEP_NS * 1e-9)
+        except BadInput as error:
+            yield str(error)
+
+
+def _find_effect_fault(file: VehicleFile, flies: bool, name: str) -> str:
+    """Return what is wrong with one effect of a file, '' if nothing is."""
+    alone = file.model_copy(update={'effects': {name: file.effects[name]}})
+    try:
+        added = hull.added_mass(file.hull, AIR_DENSITY)
+        effect_parameters.collect_effects(alone, propulsion.build_rotors(file), added, AIR_DENSITY)
+        if flies:  # only the whole model knows the bounds
+            Vehicle(alone)
+    except BadInput as error:
+        return str(error)
+    return ''
+
+
+def find_warnings(sheet: VehicleSheet) -> list[str]:
+    """Return what should be looked at, in sentences."""
+    return [
+        *_find_balance_warnings(sheet),
+        *_find_lift_warnings(sheet),
+        *_find_hull_warnings(sheet),
+        *_find_push_warnings(sheet),
+    ]
+
+
+def _find_balance_warnings(sheet: VehicleSheet) -> Iterator[str]:
+    f = sheet.by_key
+    depth = f['cg_depth'].value or 0.0
+    if sheet.vehicle.file.hull.shape == 'none':
+        return
+    if depth <= 0.0:
+        yield f'The centre of gravity is {-depth:.1f} cm above that of buoyancy; it will flip.'
+    elif depth < SHALLOW:
+        yield (
+            f'The centre of gravity is only {depth:.1f} cm below that of buoyancy: it hardly '
+            'rights itself; move mass down.'
+        )
+    if 'lean' in f and (f['lean'].value or 0.0) > LEANING:
+        yield f'It hangs {f["lean"].text} off the vertical; move mass to the other side.'
+    lean = f.get('push_lean')
+    if lean is not None and lean.value is None:
+        yield f'Full push forward turns it over: {lean.note}.'
+    elif lean is not None and (lean.value or 0.0) > STEEP:
+        yield f'It leans {lean.text} at full push forward; bring the rotors nearer to the CB.'
+
+
+def _find_lift_warnings(sheet: VehicleSheet) -> Iterator[str]:
+    f = sheet.by_key
+    duty, up = f['hover_duty'], f['push_up']
+    if duty.value is None:
+        yield duty.note or 'Its rotors cannot lift it.'
+    elif duty.value > BUSY:
+        yield f'It needs {duty.text} duty to hover, which leaves little to steer and climb with.'
+    ballast = f.get('ballast')
+    if ballast is not None and (ballast.value or 0.0) < LIGHT:
+        yield (
+            f'Only {ballast.text} of ballast is left to take off; any part that comes out '
+            'heavier than its number grounds it.'
+        )
+    loss, leak = f.get('hover_loss'), f.get('leak_high')
+    if loss is not None and leak is not None and loss.value and leak.value:
+        soon = loss.value / leak.value
+        if soon < SOON:
+            yield (
+                f'After {loss.text} of lost lift it cannot hover, which may take only '
+                f'{soon:.0f} days.'
+            )
+    if up.value is None:
+        yield 'Its rotors cannot hold its heading and stay in place while they lift.'
+
+
+def _find_hull_warnings(sheet: VehicleSheet) -> Iterator[str]:
+    vehicle = sheet.vehicle
+    file = vehicle.file
+    if file.hull.shape == 'none':
+        return
+    if file.measured and file.trim.heaviness:
+        geometric = vehicle.volume * AIR_DENSITY
+        off = vehicle.displaced_mass / geometric - 1.0
+        if abs(off) > DISAGREE:
+            yield (
+                f'It was weighed to displace {1e3 * vehicle.displaced_mass:.1f} g of air, but its '
+                f'hull '
+                f'has room for {1e3 * geometric:.1f} g: {100 * off:+.0f} %.'
+            )
+    if file.hull.purity and file.hull.purity.si < IMPURE:
+        yield f'A purity of {100 * file.hull.purity.si:.0f} % is low; fill it anew.'
+    sizes = [2.0 * half for half in hull.half_axes(file.hull)]
+    for name, part in file.parts.items():
+        if part.shape == 'shell' and any(
+            abs(own / size - 1.0) > DISAGREE
+            for own, size in zip(part.size.vector, sizes, strict=True)
+        ):
+            own = ' x '.join(f'{100 * number:.1f}' for number in part.size.vector)
+            of_hull = ' x '.join(f'{100 * number:.1f}' for number in sizes)
+            yield f'The shell {name} measures {own} cm, but the hull {of_hull} cm.'
+
+
+def _find_push_warnings(sheet: VehicleSheet) -> Iterator[str]:
+    f = sheet.by_key
+    level, tumble = f['level_speed'], f.get('tumble_speed')
+    limit = math.inf if tumble is None or tumble.value is None else tumble.value
+    if tumble is not None and level.value is not None and level.value > limit:
+        yield (
+            f'It can fly {level.text}, but its hull may tumble above {tumble.text}; limit '
+            'its speed.'
+        )
+    yield from find_stale_columns(sheet.vehicle.file)
+    turns = [f[f'push_turn_{side}'].value for side in ('left', 'right')]
+    if not all(turns):
+        yield 'Its rotors cannot turn it to both sides.'
+
+
+def _find_source_warnings(sheet: VehicleSheet) -> Iterator[str]:
+    if sheet.assumed_count:
+        yield (
+            f'{sheet.assumed_count} of {len(sheet.numbers)} numbers are assumed; measure those '
+            f'that '
+            'matter; lta vehicle show --sources lists them.'
+        )

@@ -1,0 +1,115 @@
+"""What a vehicle is and can do, in sentences."""
+
+from collections.abc import Iterator
+import math
+
+from lta_vehicle.figures.figure import DerivedFigure
+from lta_vehicle.figures.sheet import VehicleSheet
+
+MINUS = '\N{MINUS SIGN}'
+MANY = ('no', 'one', 'two', 'three', 'four', 'five', 'six', 'seven', 'eight')
+
+
+def format_headline(sheet: VehicleSheet) -> str:
+    """Return the one sentence that matters most."""
+    f = sheet.by_key
+    name = sheet.vehicle.file.name
+    heavy = f['heaviness']
+    weight = f['mass'].text
+    if sheet.vehicle.file.hull.shape == 'none':
+        first = f'{name} weighs {weight}, all of which its rotors carry'
+    elif heavy.value == 0.0:
+        first = f'{name} weighs {weight}, gas included, and floats'
+    else:
+        value = heavy.text.replace('\N{MINUS SIGN}', '')
+        than = 'heavier' if (heavy.value or 0.0) > 0.0 else 'lighter'
+        first = f'{name} weighs {weight}, gas included, and is {value} {than} than air'
+    duty = f['hover_duty']
+    if duty.value is None:
+        return f'{first}; its rotors cannot carry it'
+    if duty.value == 0.0:
+        return first
+    return f'{first}; it hovers at {duty.text} duty'
+
+
+def describe_vehicle(sheet: VehicleSheet) -> list[str]:
+    """Return what people ask first, and how much of it is assumed."""
+    return [
+        *_describe_weight(sheet),
+        *_describe_push(sheet),
+        *_describe_stability(sheet),
+        *_describe_helium(sheet),
+        f'{sheet.assumed_count} of the {len(sheet.numbers)} numbers in its file are assumed: '
+        f'nobody '
+        'measured or published them.',
+    ]
+
+
+def _describe_weight(sheet: VehicleSheet) -> Iterator[str]:
+    f = sheet.by_key
+    ballast = f.get('ballast')
+    if ballast is not None:
+        yield (
+            f'Add {ballast.text} of ballast to make it {f["heaviness"].text} heavy; '
+            'then let lta vehicle trim tell from a hover what it really weighs.'
+        )
+    if 'cg_x' in f and 'lean' in f and (f['lean'].value or 0.0) > 1.0:
+        yield (
+            f'It hangs {f["lean"].text} off the vertical, for its centre of gravity is '
+            f'{_format_side(f["cg_x"], "ahead of", "behind")} the hull centre and '
+            f'{_format_side(f["cg_y"], "to the left", "to the right")} of it.'
+        )
+
+
+def _format_side(figure: DerivedFigure, positive: str, negative: str) -> str:
+    """Return a length with the side that its sign means."""
+    words = negative if (figure.value or 0.0) < 0.0 else positive
+    return f'{figure.text.removeprefix(MINUS)} {words}'
+
+
+def _describe_push(sheet: VehicleSheet) -> Iterator[str]:
+    f = sheet.by_key
+    up, rotors = f['push_up'], len(sheet.vehicle.rotors)
+    count = MANY[rotors] if rotors < len(MANY) else str(rotors)
+    if up.value is not None and up.note:
+        yield f'With its {count} rotor{"s" if rotors != 1 else ""} it {_format_note(up.note)}.'
+    level = f['level_speed']
+    if level.value:
+        climb = f.get('climb_speed')
+        more = f' and climbs up to {climb.text}' if climb and climb.value else ''
+        yield f'It flies up to {level.text} level{more}.'
+
+
+def _format_note(note: str) -> str:
+    return note if note.startswith('could') else f'is {note}'
+
+
+def _describe_stability(sheet: VehicleSheet) -> Iterator[str]:
+    f = sheet.by_key
+    if 'swing_pitch' not in f:
+        yield 'Nothing rights it when it is tilted: a controller must.'
+        return
+    half = f['damping_pitch'].note
+    yield f'Tilted, it swings with a period of {f["swing_pitch"].text}; {half}.'
+    tumble, level = f['tumble_speed'], f['level_speed']
+    if tumble.value is not None and not math.isinf(tumble.value):
+        yield f'The hull can tumble above {tumble.text} ({tumble.note}).'
+    lean = f.get('push_lean')
+    if lean is not None and (lean.value or 0.0) >= 0.5 and level.value:
+        yield f'At full push forward it leans {lean.text}.'
+
+
+def _describe_helium(sheet: VehicleSheet) -> Iterator[str]:
+    f = sheet.by_key
+    if 'leak_low' not in f:
+        return
+    yield (
+        f'A film like those of airships would lose {f["leak_low"].text} to '
+        f'{f["leak_high"].text} of lift (assumed: no figure for this film was found).'
+    )
+    loss = f['hover_loss']
+    if loss.value is not None:
+        yield f'It can hover until {loss.text} are lost: {loss.note}.'
+    if 'gains_loss' in f:
+        held = f['gains_loss']
+        yield f'Its gains hold until {held.text} are lost: {held.note}.'

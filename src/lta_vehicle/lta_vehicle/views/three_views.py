@@ -1,0 +1,203 @@
+"""The three views of a vehicle as one SVG: sharp at any size, in the colours of the page."""
+
+from collections.abc import Iterator, Sequence
+from html import escape
+import math
+from typing import Final
+
+from lta_model.vehicle import Vehicle
+from lta_vehicle.views.projection import (
+    CenterMark,
+    PartOutline,
+    project_vehicle,
+    RotorArrow,
+    VIEWS,
+    ViewShapes,
+)
+
+WIDTH: Final = 640.0  # px of the two views beside each other
+GAP, TITLE, MARGIN = 64.0, 26.0, 34.0  # px
+ARROW, DISC, HEAD = 34.0, 11.0, 7.0  # px: thrust at full length, half a rotor, its arrow head
+CLOSE: Final = (60.0, 15.0)  # px, across and up; letters of marks nearer than this would touch
+LETTERS: Final = (  # px from a mark, by how many stand near it already
+    (-11.0, 4.0, 'end'),
+    (0.0, -11.0, 'middle'),
+    (0.0, 19.0, 'middle'),
+    (0.0, 34.0, 'middle'),
+)
+LEGEND, KEYS = 214.0, 260.0  # px of height, and of width
+NICE: Final = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0)  # m
+
+
+def draw_three_views(vehicle: Vehicle, pressure: float) -> str:
+    """
+    Return side, front and top view as one SVG element.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        The vehicle.
+    pressure : float
+        Centre of pressure, ahead of the hull centre. [m]
+
+    """
+    side, front, top = (project_vehicle(vehicle, view, pressure) for view in VIEWS)
+    wide, deep, high = _view_span(side, 0), _view_span(front, 0), _view_span(side, 1)
+    tall = _view_span(top, 1)
+    scale = (WIDTH - 4.0 * MARGIN) / (wide + deep)
+    x2 = wide * scale + 2.0 * MARGIN + GAP
+    y2 = TITLE + high * scale + 2.0 * MARGIN + GAP / 2
+    height = y2 + TITLE + max(tall * scale + 2.0 * MARGIN, LEGEND)
+    width = x2 + max(deep * scale + 2.0 * MARGIN, MARGIN + KEYS)
+    body = [
+        *_draw_view(side, MARGIN, TITLE + MARGIN, scale),
+        *_draw_view(front, x2 + MARGIN, TITLE + MARGIN, scale),
+        *_draw_view(top, MARGIN, y2 + TITLE + MARGIN, scale),
+        *_draw_legend(x2 + MARGIN, y2 + TITLE + 10.0, scale, bool(side.hull)),
+    ]
+    words = escape(f'Side, front and top view of {vehicle.file.name}.')
+    return (
+        f'<svg class="views" viewBox="0 0 {width:.0f} {height:.0f}" role="img" '
+        f'aria-label="{words}">{"".join(body)}</svg>'
+    )
+
+
+def _view_span(shapes: ViewShapes, axis: int) -> float:
+    low, high = shapes.bounds
+    return max(high[axis] - low[axis], 1e-3)
+
+
+def _draw_view(shapes: ViewShapes, left: float, top: float, scale: float) -> Iterator[str]:
+    """Yield one view whose box begins at a place of the paper. [px]."""
+    low, high = shapes.bounds
+
+    def to_pixels(place: Sequence[float]) -> tuple[float, float]:
+        return left + (place[0] - low[0]) * scale, top + (high[1] - place[1]) * scale
+
+    yield f'<g><text class="of" x="{left - MARGIN + 4:.1f}" y="{top - MARGIN - 6:.1f}">'
+    yield f'{escape(shapes.view.title)}</text>'
+    if shapes.hull:
+        yield _draw_outline(shapes.hull, to_pixels, scale, 'hull')
+    for part in shapes.parts:
+        yield _draw_outline(part, to_pixels, scale, 'part')
+    for arm in shapes.arms:
+        (x1, y1), (x2, y2) = map(to_pixels, arm)
+        yield f'<path class="arm" d="M{x1:.1f} {y1:.1f}L{x2:.1f} {y2:.1f}"/>'
+    for rotor in shapes.rotors:
+        yield from draw_rotor(rotor, *to_pixels(rotor.at))
+    taken: list[tuple[float, float]] = []
+    letters: list[str] = []  # over all signs
+    for mark in shapes.marks:
+        x, y = to_pixels(mark.at)
+        near = sum(abs(x - p) < CLOSE[0] and abs(y - q) < CLOSE[1] for p, q in taken)
+        sign, words = _draw_mark(mark, x, y, min(near, len(LETTERS) - 1))
+        yield sign
+        letters.append(words)
+        taken.append((x, y))
+    yield from letters
+    yield '</g>'
+
+
+def _draw_outline(shape: PartOutline, at: object, scale: float, kind: str) -> str:
+    x, y = at(shape.middle)  # type: ignore[operator]
+    a, b = max(shape.half[0] * scale, 1.2), max(shape.half[1] * scale, 1.2)
+    title = f'<title>{escape(shape.about)}</title>'
+    if shape.kind == 'ellipse':
+        return (
+            f'<ellipse class="{kind}" cx="{x:.1f}" cy="{y:.1f}" rx="{a:.1f}" ry="{b:.1f}">'
+            f'{title}</ellipse>'
+        )
+    return (
+        f'<rect class="{kind}" x="{x - a:.1f}" y="{y - b:.1f}" width="{2 * a:.1f}" '
+        f'height="{2 * b:.1f}">{title}</rect>'
+    )
+
+
+def draw_rotor(rotor: RotorArrow, x: float, y: float) -> Iterator[str]:
+    """Yield a rotor: its disc edge-on and an arrow of thrust, or a ring where it faces the eye."""
+    p, q = rotor.along[0], -rotor.along[1]
+    seen = math.hypot(p, q)
+    kind = ' both' if rotor.reversible else ''
+    yield f'<g class="rotor{kind}"><title>{escape(rotor.name.replace("_", " "))}</title>'
+    flat = DISC * abs(rotor.towards)  # a disc seen at an angle is an ellipse
+    turn = math.degrees(math.atan2(q, p)) if seen > 1e-6 else 0.0
+    yield (
+        f'<ellipse class="disc" cx="{x:.1f}" cy="{y:.1f}" rx="{max(flat, 1.3):.1f}" '
+        f'ry="{DISC:.1f}" transform="rotate({turn:.1f} {x:.1f} {y:.1f})"/>'
+    )
+    if seen > 0.15:
+        yield _draw_arrow(x, y, p * ARROW, q * ARROW)
+        if rotor.reversible:
+            yield _draw_arrow(x, y, -0.6 * p * ARROW, -0.6 * q * ARROW)
+    elif rotor.towards > 0.0:
+        yield f'<circle class="tip" cx="{x:.1f}" cy="{y:.1f}" r="2.6"/>'
+    else:
+        r = 0.6 * DISC
+        yield (
+            f'<path class="shaft" d="M{x - r:.1f} {y - r:.1f}L{x + r:.1f} {y + r:.1f}'
+            f'M{x - r:.1f} {y + r:.1f}L{x + r:.1f} {y - r:.1f}"/>'
+        )
+    yield '</g>'
+
+
+def _draw_arrow(x: float, y: float, p: float, q: float) -> str:
+    length = math.hypot(p, q)
+    p, q = p / length, q / length
+    tip = (x + p * length, y + q * length)
+    neck = (tip[0] - p * HEAD, tip[1] - q * HEAD)
+    half = 0.45 * HEAD
+    return (
+        f'<path class="shaft" d="M{x:.1f} {y:.1f}L{neck[0]:.1f} {neck[1]:.1f}"/>'
+        f'<path class="tip" d="M{tip[0]:.1f} {tip[1]:.1f}L{neck[0] - q * half:.1f} '
+        f'{neck[1] + p * half:.1f}L{neck[0] + q * half:.1f} {neck[1] - p * half:.1f}Z"/>'
+    )
+
+
+def _draw_mark(mark: CenterMark, x: float, y: float, near: int) -> tuple[str, str]:
+    """Return the sign of a centre, and its letters: before, above or below it."""
+    kind = {'CG': 'gravity', 'CP': 'pressure'}.get(mark.letters, 'buoyancy')
+    if mark.letters == 'moving mass':
+        kind = 'moving'
+    right, down, anchor = LETTERS[near]
+    return (
+        f'<g class="mark {kind}"><title>{escape(mark.about)}</title>'
+        f'{"".join(draw_symbol(kind, x, y))}</g>',
+        f'<g class="mark {kind}"><text x="{x + right:.1f}" y="{y + down:.1f}" '
+        f'text-anchor="{anchor}">{escape(mark.letters)}</text></g>',
+    )
+
+
+def draw_symbol(kind: str, x: float, y: float) -> Iterator[str]:
+    """Yield the sign of a centre: quartered for gravity, ring for buoyancy, diamond else."""
+    if kind == 'gravity':
+        yield f'<circle class="ring" cx="{x:.1f}" cy="{y:.1f}" r="7"/>'
+        for r in (7, -7):  # two of its quarters
+            yield f'<path class="full" d="M{x:.1f} {y:.1f}v{-r}a7 7 0 0 1 {r} {r}Z"/>'
+    elif kind == 'buoyancy':
+        yield f'<circle class="ring" cx="{x:.1f}" cy="{y:.1f}" r="6"/>'
+        yield f'<circle class="full" cx="{x:.1f}" cy="{y:.1f}" r="1.8"/>'
+    else:
+        yield f'<path class="ring" d="M{x - 6:.1f} {y:.1f}l6 -6l6 6l-6 6Z"/>'
+
+
+def _draw_legend(x: float, y: float, scale: float, hull: bool) -> Iterator[str]:
+    """Yield what the signs mean, and a bar of a round length."""
+    rows = [('gravity', 'CG: centre of gravity')]
+    if hull:
+        rows.append(('buoyancy', 'CB: centre of buoyancy'))
+        rows.append(('pressure', 'CP: centre of pressure'))
+    for k, (kind, words) in enumerate(rows):
+        yield f'<g class="mark {kind}">{"".join(draw_symbol(kind, x + 8, y + 24.0 * k))}</g>'
+        yield f'<text class="key" x="{x + 26:.1f}" y="{y + 4 + 24.0 * k:.1f}">{words}</text>'
+    z = y + 24.0 * len(rows)
+    yield f'<g class="rotor">{_draw_arrow(x - 2, z, 22, 0)}</g>'
+    yield f'<text class="key" x="{x + 26:.1f}" y="{z + 4:.1f}">'
+    yield 'thrust; two heads: it reverses</text>'
+    yield f'<g class="rotor"><circle class="disc" cx="{x + 8}" cy="{z + 24}" r="8"/>'
+    yield f'<circle class="tip" cx="{x + 8}" cy="{z + 24}" r="2.4"/></g>'
+    yield f'<text class="key" x="{x + 26:.1f}" y="{z + 28:.1f}">towards you; crossed: away</text>'
+    bar = max(step for step in NICE if step * scale <= 160.0 or step == NICE[0])
+    end = x + bar * scale
+    name = f'{bar:g} m' if bar >= 1.0 else f'{100 * bar:g} cm'
+    yield f'<path class="bar-line" d="M{x:.1f} {z + 52}v8H{end:.1f}v-8"/>'
+    yield f'<text class="key" x="{x:.1f}" y="{z + 76:.1f}">{name}</text>'

@@ -1,0 +1,65 @@
+"""How the light stands, in the words and figures that /diagnostics shows."""
+
+from collections.abc import Iterator
+import math
+
+from lta_graph.health import HealthFact, HealthLevel
+from lta_vlc.demodulation import DemodulatedBlock
+from lta_vlc.faults import DiodeFault
+from lta_vlc.presence import BeaconPresence
+
+WANTED = 'light'  # the task that tells of the beacon that is wanted
+
+
+def describe_beacons(
+    hearing: DemodulatedBlock,
+    beacons: tuple[float, ...],
+    presences: tuple[BeaconPresence, ...],
+    missing: int,
+    refused: int,
+) -> Iterator[HealthFact]:
+    """
+    Yield a fact for each beacon, that of the wanted one with what concerns the diodes.
+
+    Parameters
+    ----------
+    hearing : Hearing
+        What the newest block says.
+    beacons : tuple of float
+        Where the beacons should flicker, the wanted one first. [Hz]
+    presences : tuple of Presence
+        How each stands.
+    missing, refused : int
+        Blocks that have not come, and that could not be used, since the start.
+
+    """
+    for one, beacon in enumerate(beacons):
+        found = presences[one].found
+        best = float(hearing.peaks[one].snr.max())
+        # One that is not heard has no frequency to be off.
+        error = hearing.frequencies[one] - beacon if found and best > 0.0 else math.nan
+        values = {
+            'beacon_Hz': f'{beacon:g}',
+            'best_snr': f'{best:.1f}',
+            'frequency_error_Hz': f'{error:.3f}',
+        }
+        if one == 0:
+            values |= {
+                'saturated_diodes': _count_faults(hearing, DiodeFault.SATURATED),
+                'flat_diodes': _count_faults(hearing, DiodeFault.FLAT),
+                'wild_diodes': _count_faults(hearing, DiodeFault.NOT_A_NUMBER),
+                'aliased_diodes': _count_faults(hearing, DiodeFault.ALIASED),
+                'blocks_missing': str(missing),
+                'blocks_refused': str(refused),
+            }
+        yield HealthFact(
+            WANTED if one == 0 else f'beacon at {beacon:g} Hz',
+            HealthLevel.OK if found or one > 0 else HealthLevel.WARN,
+            'beacon found' if found else 'no diode hears the beacon',
+            values,
+        )
+
+
+def _count_faults(hearing: DemodulatedBlock, fault: DiodeFault) -> str:
+    """Return how many diodes have a fault."""
+    return str(sum(fault in each for each in hearing.faults))

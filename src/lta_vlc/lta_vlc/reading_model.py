@@ -1,0 +1,208 @@
+r"""
+What photodiodes read of a lamp in a room, and what is expected of it before it is seen.
+
+Diode i, with unit axis n_i, place r_i and gain g_i, is taken to read
+
+    M_i = g_i (S f_i (1 + k t r_i.a) + P + s.n_i + b1 (n_x^2 - n_y^2) + b2 2 n_x n_y),
+    f_i = max(0, n_i.w_i)^p / |w_i|^(p+2),    w_i = u - k r_i
+
+u is the direction from the middle of the diodes to the lamp, S the reading of a nominal diode
+there that faces it, and p the exponent of the diodes' response. What else is in M_i is what pulls
+the paper's bearing, each an unknown of its own with a prior:
+
+- the pedestal P of diffuse light, the same from all sides, and its first harmonics over the axes,
+  a slope s and a bend b: what floor, walls and ceiling throw back once is uneven by this much;
+- the inverse distance k: at 3 m, the diodes of a ring of 7 cm see the lamp 1.3 degrees apart, and
+  5 % brighter or darker;
+- the fall t of the lamp's own beam across the diodes, along the horizontal a to the left of u.
+
+The size of the harmonics goes with B = P S / (S + `MIXED` P): the more of the light has been
+thrown about, the more even it is. Their priors are assumed: about the spread of the first
+reflections in rooms 6 to 14 m long, 5 to 12 m wide, 2.5 to 6 m high, with an albedo of 0.2 to 0.8.
+What they are worth, `lta light bearing` measures (docs/bearing.md).
+
+The variance of a reading is that of its noise, the spread of the gains, and what is left of the
+pedestal's pattern. The slope of f is taken over a few degrees around the edge of a diode's view,
+where the true one jumps.
+
+Plain numbers and sequences, for the compiler as well. Square roots by `sqrt` alone: `hypot` is not
+the same everywhere.
+"""
+
+from collections.abc import MutableSequence, Sequence
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Numbers = Sequence[float] | NDArray[np.float64]
+Scratch = MutableSequence[float] | NDArray[np.float64]
+
+# The unknowns; the last two are steps on the sphere. The last three are asked for: in this order
+# their covariance stands in the last corner of the factor.
+PEDESTAL, SLOPE, BEND, NEARNESS, FALL, STRENGTH, ELEVATION, AZIMUTH = 0, 1, 4, 6, 7, 8, 9, 10
+UNKNOWNS = 11
+
+# Where each part stands in the scratch numbers.
+ROW = 0
+PULLS = ROW + UNKNOWNS
+NORMAL = PULLS + UNKNOWNS
+VALUES = NORMAL + UNKNOWNS * UNKNOWNS
+MISFIT = VALUES + ELEVATION
+FIT_SCRATCH = MISFIT + 1
+
+MIXED = 2.5
+SLOPES, BENDS, REST = 0.37, 0.13, 0.02  # standard deviations, parts of B
+LEANING = 0.2  # mean of the slope towards the lamp, part of B: the ground below it is brightest
+BARE = 0.005  # least pedestal that is taken for certain to be possible, part of S
+BEAM = 1.0  # standard deviation of t: the tangent of the angle at which the beam leaves the lamp
+EDGE = 0.05  # half width of the edge of a diode's view, in cosines
+AROUND = math.pi * math.pi / 3.0  # variance of an azimuth of which blind is known [rad2]
+FAINT = 1e-6  # least error of a reading, part of the highest
+
+
+class FitArray(NamedTuple):
+    """
+    The diodes as the fit takes them.
+
+    Attributes
+    ----------
+    nx, ny, nz : sequence of float, one a diode
+        Unit axes, body frame.
+    rx, ry, rz : sequence of float, one a diode
+        Places relative to their middle. [m, body]
+    gains : sequence of float, one a diode
+        0 for a diode that is known to be dead.
+    response : float
+        p.
+    spread : float
+        Relative standard deviation of the true gains.
+
+    """
+
+    nx: Numbers
+    ny: Numbers
+    nz: Numbers
+    rx: Numbers
+    ry: Numbers
+    rz: Numbers
+    gains: Numbers
+    response: float
+    spread: float
+
+
+class DirectionPrior(NamedTuple):
+    """What is expected before a lamp is seen: mean and standard deviation."""
+
+    elevation: float  # [rad]
+    elevation_deviation: float  # [rad]
+    nearness: float  # inverse distance [1/m]
+    nearness_deviation: float  # [1/m]
+
+
+def pedestal_unevenness(strength: float, pedestal: float) -> float:
+    """Return B, the size of the pedestal's harmonics. [counts]"""
+    diffuse = max(pedestal, 0.0) + BARE * strength
+    return diffuse * strength / (strength + MIXED * diffuse)
+
+
+def build_normal_equations(
+    array: FitArray,
+    expected: DirectionPrior,
+    readings: Numbers,
+    errors: Numbers,
+    scratch: Scratch,
+    x: float,
+    y: float,
+    z: float,
+    least_error: float,
+) -> None:
+    """Write normal matrix (lower half), right side and misfit at a direction and the values."""
+    for j in range(PULLS, VALUES):
+        scratch[j] = 0.0
+    scratch[MISFIT] = 0.0
+    strength, pedestal = scratch[VALUES + STRENGTH], scratch[VALUES + PEDESTAL]
+    uneven = pedestal_unevenness(strength, pedestal)
+    for i in range(len(readings)):
+        gain = array.gains[i]
+        if not (errors[i] < math.inf and gain > 0.0):
+            continue
+        seen = compute_jacobian_row(array, i, x, y, z, scratch)
+        model = seen + pedestal
+        for j in range(SLOPE, NEARNESS):
+            model += scratch[VALUES + j] * scratch[ROW + j]
+        unequal = array.spread * gain * (seen + pedestal)
+        rough = REST * gain * uneven
+        variance = (
+            errors[i] * errors[i] + unequal * unequal + rough * rough + least_error * least_error
+        )
+        weight = gain * gain / variance
+        missing = readings[i] / gain - model
+        scratch[MISFIT] += weight * missing * missing
+        for j in range(UNKNOWNS):
+            part = weight * scratch[ROW + j]
+            scratch[PULLS + j] += part * missing
+            own = NORMAL + UNKNOWNS * j
+            for k in range(j + 1):
+                scratch[own + k] += part * scratch[ROW + k]
+    scratch[NORMAL + (UNKNOWNS + 1) * AZIMUTH] += 1.0 / AROUND
+    level = math.sqrt(x * x + y * y)
+    lifted = math.atan2(z, level) - expected.elevation
+    add_prior(scratch, ELEVATION, lifted, expected.elevation_deviation)
+    near = scratch[VALUES + NEARNESS] - expected.nearness
+    add_prior(scratch, NEARNESS, near, expected.nearness_deviation)
+    add_prior(scratch, FALL, scratch[VALUES + FALL], BEAM)
+    towards = LEANING * uneven
+    add_prior(scratch, SLOPE, scratch[VALUES + SLOPE] - towards * x, SLOPES * uneven)
+    add_prior(scratch, SLOPE + 1, scratch[VALUES + SLOPE + 1] - towards * y, SLOPES * uneven)
+    add_prior(scratch, SLOPE + 2, scratch[VALUES + SLOPE + 2] - towards * z, SLOPES * uneven)
+    add_prior(scratch, BEND, scratch[VALUES + BEND], BENDS * uneven)
+    add_prior(scratch, BEND + 1, scratch[VALUES + BEND + 1], BENDS * uneven)
+
+
+def add_prior(scratch: Scratch, unknown: int, off: float, deviation: float) -> None:
+    """Add the prior of one unknown that is off its mean by so much."""
+    weight = 1.0 / (deviation * deviation)
+    scratch[NORMAL + (UNKNOWNS + 1) * unknown] += weight
+    scratch[PULLS + unknown] -= weight * off
+    scratch[MISFIT] += weight * off * off
+
+
+def compute_jacobian_row(
+    array: FitArray, i: int, x: float, y: float, z: float, scratch: Scratch
+) -> float:
+    """Write how a diode's reading over its gain changes by each unknown; return S f (1 + ...)."""
+    nx, ny, nz = array.nx[i], array.ny[i], array.nz[i]
+    rx, ry, rz = array.rx[i], array.ry[i], array.rz[i]
+    near, fall = scratch[VALUES + NEARNESS], scratch[VALUES + FALL]
+    level = max(math.sqrt(x * x + y * y), 1e-9)
+    ax, ay = -y / level, x / level  # to the left of the direction
+    bx, by = -z * x / level, -z * y / level  # and, with `level`, upwards
+    wx, wy, wz = x - near * rx, y - near * ry, z - near * rz
+    cosine = nx * wx + ny * wy + nz * wz
+    square = wx * wx + wy * wy + wz * wz
+    p = array.response
+    thinned = square ** (-0.5 * p - 1.0)
+    response = cosine**p * thinned if cosine > 0.0 else 0.0
+    edge = math.sqrt(cosine * cosine + EDGE * EDGE)
+    left = rx * ax + ry * ay
+    beam = 1.0 + near * fall * left
+    strength = scratch[VALUES + STRENGTH]
+    sharp = strength * beam * p * (0.5 * (cosine + edge)) ** p / edge * thinned
+    wide = strength * beam * (p + 2.0) * response / square
+    scratch[ROW + AZIMUTH] = sharp * (nx * ax + ny * ay) + wide * near * left
+    scratch[ROW + ELEVATION] = sharp * (nx * bx + ny * by + nz * level) + wide * near * (
+        rx * bx + ry * by + rz * level
+    )
+    scratch[ROW + STRENGTH] = beam * response
+    scratch[ROW + PEDESTAL] = 1.0
+    scratch[ROW + SLOPE], scratch[ROW + SLOPE + 1], scratch[ROW + SLOPE + 2] = nx, ny, nz
+    scratch[ROW + BEND], scratch[ROW + BEND + 1] = nx * nx - ny * ny, 2.0 * nx * ny
+    scratch[ROW + NEARNESS] = (
+        wide * (wx * rx + wy * ry + wz * rz)
+        - sharp * (nx * rx + ny * ry + nz * rz)
+        + strength * response * fall * left
+    )
+    scratch[ROW + FALL] = strength * response * near * left
+    return strength * beam * response
