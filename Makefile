@@ -43,7 +43,7 @@ flights: test-environment  ## fly many seeds (ARGS=SEEDS, 20 by default: minutes
 trust: test-environment  ## score the trust checks on clean and corrupted flights (minutes)
 	@$(enter) && .venv/bin/python test/score/trust.py $(ARGS)
 
-sensitivity: test-environment  ## double and halve each threshold of discovery, and see what changes (hours; ARGS='--only naming')
+sensitivity: test-environment  ## double and halve each threshold of discovery, and see what changes (hours; ARGS='--only selection')
 	@$(enter) && .venv/bin/python test/score/sensitivity.py $(ARGS)
 
 same: test-environment  ## compare simulations, commands and studies with their stored results (minutes; ARGS=--freeze: store them)

@@ -7,9 +7,16 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 # Words that said too little as names; a verb phrase, or the field's noun, takes their place.
-RETIRED = frozenset(
-    ["aloft", "asked", "belief", "beside", "blame", "cast", "craft", "crew", "displacing", "drawn", "exam", "faint", "fitted", "flown", "found", "given", "heard", "helm", "ingredients", "judged", "kept", "known", "lit", "lived", "lonely", "loud", "made", "marks", "obedience", "owed", "passage", "pencils", "pushing", "reel", "referee", "said", "sealed", "seen", "shown", "spare", "spoken", "standing", "staying", "strung", "suspicion", "taken", "told", "vessel", "wanted", "watched", "written"]
-)
+# fmt: off
+RETIRED = frozenset((
+    'aloft', 'asked', 'belief', 'beside', 'blame', 'cast', 'craft', 'crew', 'displacing',
+    'drawn', 'exam', 'faint', 'fitted', 'flown', 'found', 'given', 'heard', 'helm',
+    'ingredients', 'judged', 'kept', 'known', 'lit', 'lived', 'lonely', 'loud', 'made',
+    'marks', 'obedience', 'owed', 'passage', 'pencils', 'pushing', 'reel', 'referee', 'said',
+    'sealed', 'seen', 'shown', 'spare', 'spoken', 'standing', 'staying', 'strung', 'suspicion',
+    'taken', 'told', 'vessel', 'wanted', 'watched', 'written',
+))
+# fmt: on
 # Arguments of commands are their options on the command line.
 OPTIONS = ROOT / 'src' / 'lta_cli' / 'lta_cli' / 'verbs'
 

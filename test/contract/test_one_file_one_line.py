@@ -12,7 +12,7 @@ from waiting import PATIENCE
 
 TITLED = re.compile(r'^```python title="([^"]+)"\n(.*?)^```', re.MULTILINE | re.DOTALL)
 STRATEGY = """
-from lta_control.strategies.protocol import Course, Strategy
+from lta_control.strategies.protocol import NavigationStrategy, SteeringCommand
 
 
 def start(heading):
@@ -20,10 +20,10 @@ def start(heading):
 
 
 def steer(settings, memory, sight):
-    return Course(memory[0], settings.speed, False), memory
+    return SteeringCommand(memory[0], settings.speed, False), memory
 
 
-STRATEGY = Strategy('straight', start, steer)
+STRATEGY = NavigationStrategy('straight', start, steer)
 """
 VERB = """
 from lta_cli.options.plain_console import plain_console
@@ -51,29 +51,30 @@ class StringLink:
     def close(self):
         self.events.put(None)
 
-    def parameter(self, name):
+    def read_parameter(self, name):
         return 7.0
 
 
 LINK = StringLink
 """
 HELD = """
-from lta_bridge.crazyflie.connection_manager import Keeper
-from lta_bridge.crazyflie.links import link_to
+from lta_bridge.crazyflie.connection_manager import ConnectionManager
+from lta_bridge.crazyflie.links import create_link
 from lta_bridge.crazyflie.log_table import BLOCKS
-from lta_config.schema.crazyflie_file import Expected
+from lta_config.schema.crazyflie_file import ExpectedParameter
 
-link = link_to('string://12m', BLOCKS, int)
-keeper = Keeper(link, {'any.thing': Expected(value=7, write=False, why='a test')})
+link = create_link('string://12m', BLOCKS, int)
+expected = ExpectedParameter(value=7, write=False, why='a test')
+manager = ConnectionManager(link, {'any.thing': expected})
 print(link.events.get(timeout=PATIENCE))
-assert keeper.close(PATIENCE)
-print(link.events.get(timeout=PATIENCE), keeper.attempts, link.uri)
+assert manager.close(PATIENCE)
+print(link.events.get(timeout=PATIENCE), manager.attempts, link.uri)
 """
 SECOND = """
 from types import SimpleNamespace
 
-from lta_model.effects.contact.guide_rope import wrench
-from lta_model.effects.protocol import Motion
+from lta_model.effects.contact.guide_rope import compute_wrench
+from lta_model.effects.protocol import VehicleMotion
 import numpy as np
 from oracle.given import Given
 from scipy.spatial.transform import Rotation
@@ -83,13 +84,14 @@ turn, nothing = Rotation.from_euler('xyz', (0.3, -0.4, 2.0)).as_matrix(), (0.0, 
 for height in (-1.0, 0.5, 9.0):
     scene = SimpleNamespace(position=np.array([1.0, 2.0, height]), up=turn[2])
     told, _ = guide_rope(Given({'line': 0.03, 'length': 2.0}), None, scene, None)
-    motion = Motion((1.0, 2.0, height), tuple(turn.ravel()), *3 * (nothing,), (), (), ())
-    assert np.allclose(wrench((0.03, 2.0), (), motion, ()), told, rtol=1e-12, atol=0.0), height
+    motion = VehicleMotion((1.0, 2.0, height), tuple(turn.ravel()), *3 * (nothing,), (), (), ())
+    wrench = compute_wrench((0.03, 2.0), (), motion, ())
+    assert np.allclose(wrench, told, rtol=1e-12, atol=0.0), height
 """
 PAGE = """
-from lta_cli.reference.effects_page import page
+from lta_cli.reference.effects_page import render_page
 
-print(page())
+print(render_page())
 """
 GREET = "    'greet': Verb('greet', 'greet'),"
 
@@ -158,12 +160,14 @@ def test_a_strategy(tmp_path):
     (folder / 'straight.py').write_text(STRATEGY)
     with_line(folder / '__init__.py', "    'homing',", "    'straight',")
     said = python(
-        tmp_path, '-c', 'from lta_control.strategies import strategy; print(strategy("straight"))'
+        tmp_path,
+        '-c',
+        'from lta_control.strategies import find_strategy; print(find_strategy("straight"))',
     )
     assert "name='straight'" in said
 
 
-def test_a_link_that_the_keeper_of_links_opens_and_closes(tmp_path):
+def test_a_link_that_the_connection_manager_opens_and_closes(tmp_path):
     folder = with_copy(tmp_path, 'lta_bridge') / 'crazyflie'
     (folder / 'string_link.py').write_text(LINK)
     with_line(folder / 'links.py', "    'cflib_link',", "    'string_link',")
@@ -175,7 +179,10 @@ def test_a_verb(tmp_path):
     folder = with_copy(tmp_path, 'lta_cli')
     (folder / 'verbs/greet.py').write_text(VERB)
     with_line(folder / 'app.py', "    'doctor': Verb('doctor', 'doctor'),", GREET)
-    call = 'import sys; sys.argv = ["lta", "greet"]; from lta_cli.app import status; status()'
+    call = (
+        'import sys; sys.argv = ["lta", "greet"]; '
+        'from lta_cli.app import run_command_line; run_command_line()'
+    )
     assert python(tmp_path, '-c', call) == 'hello, lamp\n'
 
 
@@ -188,9 +195,9 @@ def test_a_vehicle_is_a_file_and_no_line(tmp_path):
         tmp_path,
         '-c',
         f'import sys; sys.path.insert(0, "{share}")\n'
-        'from lta_config.files import known\n'
+        'from lta_config.files import list_shipped\n'
         'from lta_config.schema.vehicle_file import load_vehicle_file\n'
-        'print(known("vehicles"), load_vehicle_file("mine").name)',
+        'print(list_shipped("vehicles"), load_vehicle_file("mine").name)',
     )
     assert "'mine'" in said
     assert said.split()[-1] == 'mine'

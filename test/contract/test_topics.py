@@ -86,7 +86,7 @@ def triggers(node):
     """Return what a node gives `self.listen` as its trigger."""
     found = set()
     for item in ast.walk(ast.parse(FILES[node].read_text(encoding='utf-8'))):
-        if isinstance(item, ast.Call) and getattr(item.func, 'attr', '') == 'listen':
+        if isinstance(item, ast.Call) and getattr(item.func, 'attr', '') == 'subscribe_inputs':
             given = {word.arg: word.value for word in item.keywords}
             found.add((given.get('trigger') or item.args[1]).value)
     return found
@@ -100,7 +100,7 @@ def declared(node, text, query):
 
 def published(node):
     """Return the topics that a node makes publishers for."""
-    found = {item.value for item in calls(node, 'output') if isinstance(item, ast.Constant)}
+    found = {item.value for item in calls(node, 'create_output') if isinstance(item, ast.Constant)}
     if declared(node, FILES[node].read_text(encoding='utf-8'), 'published_by'):
         found |= set(TABLE.published_by(ROLES.get(node, node)))
     return found
@@ -111,7 +111,7 @@ def read(node):
     text = FILES[node].read_text(encoding='utf-8')
     if declared(node, text, 'read_by'):
         return set(TABLE.read_by(ROLES.get(node, node)))
-    lists = [item for item in calls(node, 'listen') if isinstance(item, ast.List)]
+    lists = [item for item in calls(node, 'subscribe_inputs') if isinstance(item, ast.List)]
     return {item.value for each in lists for item in each.elts}
 
 
@@ -388,4 +388,4 @@ def test_a_setting_beyond_its_bounds_is_refused(model):
 
 def test_the_page_of_topics_is_fresh():
     page = import_module('lta_config.topics_page')
-    assert (ROOT / 'docs/topics.md').read_text(encoding='utf-8') == page.page(TABLE)
+    assert (ROOT / 'docs/topics.md').read_text(encoding='utf-8') == page.render_page(TABLE)

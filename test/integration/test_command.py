@@ -41,7 +41,7 @@ COMMANDS = {
     'launch file': (['launch', 'soar'], "Unknown launch file 'soar'; known: emulated, fly, pair."),
     'launch path': (['launch', './x.launch.yaml'], 'x.launch.yaml; check the path.'),
     'launch argument': (['launch', 'fly', 'sed:=2'], "Unknown launch argument 'sed'"),
-    'launch pair': (['launch', 'fly', 'seed=2'], "'seed=2' is no launch argument"),
+    'launch pair': (['launch', 'fly', 'seed=2'], "'seed=2' is not a launch argument"),
     'launch choice': (['launch', 'fly', 'time:=slow'], "The launch argument 'time' is 'slow'"),
     'package': (
         ['run', 'lta_nothing', 'x'],

@@ -197,7 +197,7 @@ def test_it_arms_once_the_nodes_hear_each_other(peer, drone, bridge):
 def test_a_silent_drone_is_let_down_and_found_again(peer, drone, bridge, hear):
     fly(peer, drone)
     drone.down.silent = True
-    hear(lambda facts: 'said nothing' in safety(facts) or 'no link' in safety(facts))
+    hear(lambda facts: 'sent nothing' in safety(facts) or 'no link' in safety(facts))
     peer.until(lambda: turning(drone) == (0.0,) * 4)
     drone.down.silent = False
     fly(peer, drone)

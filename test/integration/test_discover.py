@@ -58,7 +58,7 @@ def test_the_demonstration_finds_what_it_has_hidden(tmp_path):
     done = subprocess.run(words, capture_output=True, text=True, timeout=PATIENCE)
     assert done.returncode == 0, done.stderr
     hidden, found = re.search(
-        r'^Hidden was (.*) = \S+; found was (.*) = \S+$', done.stdout, re.MULTILINE
+        r'^Hidden: (.*) = \S+\. Result: (.*) = \S+$', done.stdout, re.MULTILINE
     ).groups()
     assert found == hidden
 
@@ -87,10 +87,10 @@ def _is_overlay(path):
     ('words', 'said'),
     [
         (('--train', 'A', '--confirm', 'B'), 'no vehicle file'),
-        (('--vehicle', 'gtmab'), 'no flight to learn from'),
+        (('--vehicle', 'gtmab'), 'no training flight'),
         (('--vehicle', 'gtmab', '--train', 'A', 'B', '--confirm', 'A'), 'is given twice'),
         (('--vehicle', 'sblimp', '--train', 'A', '--confirm', 'B'), 'has no command of'),
-        (('--demo', '--train', 'A'), '--demo flies flights of its own'),
+        (('--demo', '--train', 'A'), '--demo makes its own flights'),
     ],
 )
 def test_what_cannot_be_studied_is_one_sentence(bags, words, said, tmp_path, monkeypatch, capsys):

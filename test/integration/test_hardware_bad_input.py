@@ -16,8 +16,8 @@ from .peer import Peer, start
 CRAZYFLIE, TEENSY = 'crazyflie_bridge', 'teensy_bridge'
 TAKEN = f'udp://127.0.0.1:{free_port(UDP)}'
 REFUSED = [
-    (CRAZYFLIE, 'uri:=udp://here', r"The URI 'udp://here' names no Crazyflie; give one such as"),
-    (CRAZYFLIE, f'uri:={TAKEN}', r'commanded by another program \(process \d+\); end that one'),
+    (CRAZYFLIE, 'uri:=udp://here', r"'udp://here' is not a valid Crazyflie URI; give one such as"),
+    (CRAZYFLIE, f'uri:={TAKEN}', r'commanded by another program \(process \d+\); stop that one'),
     (CRAZYFLIE, 'command:=override', r'tether the drone to a bench and add tethered:=true'),
     (CRAZYFLIE, 'crazyflie:=multirotor', r"multirotor\.yaml' is for multirotor, and gtmab flies"),
     (TEENSY, 'port:=/dev/ttyNOPE', r'There is no serial port /dev/ttyNOPE'),
@@ -51,7 +51,7 @@ DENIED = (  # as cflib passes on what libusb says
         pytest.param(
             'usb://7',
             '',
-            'no such Crazyflie is on a cable: plug it in and switch it on',
+            'no such Crazyflie is connected by USB: plug it in and switch it on',
             marks=pytest.mark.long,
         ),
         pytest.param(

@@ -71,7 +71,7 @@ def test_through_both_bridges_it_finds_the_lamp_and_comes_down(
             why = 'disarmed: the newest command is'
         else:
             pilot.ask(SetBool, ARM, data=False)
-            why = 'disarmed: asked to'
+            why = 'disarmed: on request'
         graph.said('It stands')
     hear(lambda facts: facts['crazyflie_bridge: safety'].message.startswith(why))
     graph.interrupt()

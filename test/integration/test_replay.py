@@ -246,7 +246,7 @@ def test_a_node_that_does_not_answer_ends_the_replay_and_is_named(recorded, peer
     peer.until(lambda: process.poll() is not None)
     out, errors = process.communicate(timeout=PATIENCE)
     assert process.returncode == 1, errors
-    assert 'In 4 s no answer came: motors from controller.' in errors
+    assert 'No answer within 4 s: motors from controller.' in errors
     said = json.loads(out.splitlines()[-1])
     assert (said['outcome'], said['answers'], said['owed']) == ('unanswered', '0', '402')
 
@@ -260,7 +260,7 @@ def test_what_a_player_cannot_do_is_one_sentence(lta, call, meters, tmp_path):
 
     bag = ('-p', f'bag:={meters}')
     assert 'has no bag' in refused()
-    assert 'loop in lockstep has no end' in refused(
+    assert 'Looping in lockstep would never end' in refused(
         *bag, '-p', 'loop:=true', '-p', 'time:=lockstep'
     )
     status, told = call('replay', meters, '--out', tmp_path / 'replay')

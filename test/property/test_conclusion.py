@@ -140,7 +140,7 @@ def test_the_laws_find_a_page_that_retracts(
         'is cut': said._replace(terminal=f'{said.terminal} linear_dr\N{HORIZONTAL ELLIPSIS}'),
         'not whole': said._replace(terminal=said.terminal.replace('linear_drag', 'linear')),
         'not at the end': said._replace(ladder='Round 1: net lift is named'),
-        'nothing is left over': said._replace(tiles='no force or moment is left over'),
+        'nothing is left over': said._replace(tiles='no force or moment remains'),
         'value of the file': said._replace(effects='the file does not have it'),
         'the JSON alone': said._replace(headline=said.headline.partition(':')[0]),
         'not the same everywhere': said._replace(terminal=said.terminal.replace('Use', 'Keep')),
@@ -148,7 +148,7 @@ def test_the_laws_find_a_page_that_retracts(
     other = replace(named, ladder=((LadderRung('net_lift.force', 30.0, 20.0, 20.0, 0.1, True),),))
     other = replace(other, unexplained=('a line',), verdict='named+unexplained')
     for words, changed in broken.items():
-        monkeypatch.setattr(f'{place}.render', lambda _found, changed=changed: changed)
+        monkeypatch.setattr(f'{place}.render_study', lambda _found, changed=changed: changed)
         finding = other if words in ('not at the end', 'nothing is left over') else named
         assert any(words in one for one in find_contradictions(finding)), words
 
@@ -178,7 +178,7 @@ def test_each_phrase_of_the_laws_is_one_that_some_study_says(named: DiscoveryFin
     ]
     said = '\n'.join(render_study(one).whole_text for one in findings)
     phrases = (
-        *BETTER, *DOUBT, *UNFIT, FITS, NOTHING, 'Unexplained:', 'no force or moment is left over',
+        *BETTER, *DOUBT, *UNFIT, FITS, NOTHING, 'Unexplained:', 'no force or moment remains',
         'no cause for doubt', 'the file does not have it', 'assumed and not fitted',
         ' fly --vehicle', 'keep the vehicle file', 'linear drag (surge) is named',
     )  # fmt: skip

@@ -233,7 +233,7 @@ def test_a_landing_of_which_nobody_says_that_it_ends_is_disarmed_after_ten_secon
     state, order = step_state(state, end + PERIOD, aloft, SafetyRequest(), LIMITS)
     assert (state.stage, state.why, order) == (
         SafetyStage.DISARMED,
-        'asked to',
+        'on request',
         SafetyOutputs(arm=False),
     )
 
@@ -276,7 +276,7 @@ def test_the_ramp_falls_in_a_line_and_then_it_hands_over_and_disarms():
     state, order = step_state(state, 4.0, FIT, SafetyRequest(), LIMITS)
     assert (state.stage, state.why, order) == (
         SafetyStage.DISARMED,
-        'asked to',
+        'on request',
         SafetyOutputs(arm=False),
     )
 
@@ -335,10 +335,10 @@ def test_refusals_name_the_remedy():
         ({'linked': False}, 'no link'),
         ({'active': False}, 'activate'),
         ({'voltage': 3.0}, 'charge'),
-        ({'voltage': math.nan}, 'has not told'),
+        ({'voltage': math.nan}, 'has not reported'),
         ({'word': int(SupervisorBit.LOCKED)}, 'off and on'),
-        ({'silence': 1.0}, 'said nothing'),
-        ({'silence': math.inf}, 'ask again'),
+        ({'silence': 1.0}, 'sent nothing'),
+        ({'silence': math.inf}, 'try again'),
     ):
         state, order = step_state(
             SafetyState(), 0.0, FIT._replace(**change), SafetyRequest(arm=True), LIMITS

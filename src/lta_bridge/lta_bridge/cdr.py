@@ -1,12 +1,12 @@
 """
-Messages as CDR, to the byte as the middleware sends them.
+Serialize messages to CDR with reproducible bytes.
 
-Classic CDR (DDS-XTypes' XCDR1), little endian, behind four bytes of encapsulation: a number stands
-at a multiple of its size, counted from behind the encapsulation; the gaps are zero, and so is what
-fills the end to a multiple of four. rclpy's own `serialize_message` leaves whatever the memory
-held in the gaps and gives the largest size that the type can have, so its bytes do not repeat.
+The format is classic CDR (XCDR1 of DDS-XTypes), little endian, with a four-byte encapsulation
+header. Each number is aligned to its size, counted from the end of the header. Padding is zero,
+also at the end, which is padded to a multiple of four. rclpy's `serialize_message` leaves
+uninitialized memory in the padding and returns the type's largest size, so its bytes vary.
 
-Knows no ROS: a message is anything that tells its fields as rosidl's Python classes do.
+ROS is not imported: a message is any object with rosidl's `get_fields_and_field_types`.
 """
 
 from collections.abc import Callable, Hashable, Iterable
@@ -17,9 +17,9 @@ from typing import Any, cast
 
 import numpy as np
 
-ENCAPSULATION = b'\x00\x01\x00\x00'
+ENCAPSULATION = b'\x00\x01\x00\x00'  # CDR, little endian, no options
 BASE = len(ENCAPSULATION)
-NUMBERS = {  # by rosidl's name of the type: code of struct
+NUMBERS = {  # rosidl type name to `struct` format
     'boolean': '?',
     'octet': 'B',
     'uint8': 'B',
@@ -55,13 +55,13 @@ def _write_message(out: bytearray, message: Any) -> None:  # noqa: ANN401 - a ge
 
 @cache
 def _list_fields(kind: Hashable) -> tuple[tuple[str, Writer], ...]:
-    """Return the fields of a message type in order, each with its writer."""
+    """Return the fields of a message type in order, each with its write function."""
     types = cast('Any', kind).get_fields_and_field_types()
     return tuple((name, _select_writer(text)) for name, text in types.items())
 
 
 def _select_writer(text: str) -> Writer:
-    """Return what writes a value of a type, named as rosidl names it."""
+    """Return the function that writes a value of a rosidl type."""
     array, sequence = _ARRAY.fullmatch(text), _SEQUENCE.fullmatch(text)
     if sequence is not None:
         return _build_sequence_writer(_build_items_writer(sequence.group(1)))
@@ -73,7 +73,7 @@ def _select_writer(text: str) -> Writer:
 
 
 def _pad_to_multiple(out: bytearray, size: int) -> None:
-    """Fill up with zeros to a multiple of a size, counted from behind the encapsulation."""
+    """Pad with zeros to a multiple of a size, counted from the end of the header."""
     out.extend(bytes(-(len(out) - BASE) % size))
 
 
@@ -90,23 +90,23 @@ def _build_number_writer(code: str) -> Writer:
 def _write_text(out: bytearray, value: str) -> None:
     data = value.encode()
     _pad_to_multiple(out, 4)
-    out.extend(_LENGTH.pack(len(data) + 1) + data + b'\0')
+    out.extend(_LENGTH.pack(len(data) + 1) + data + b'\0')  # the length counts the final zero
 
 
 def _build_sequence_writer(write_items: Writer) -> Writer:
-    """Return what writes the number of items before them."""
+    """Return a function that writes the number of items, then the items."""
 
     def write(out: bytearray, value: Any) -> None:  # noqa: ANN401 - a sequence of any kind
         _pad_to_multiple(out, 4)
         out.extend(_LENGTH.pack(len(value)))
-        if len(value):
+        if len(value):  # an empty sequence is not padded to the alignment of its items
             write_items(out, value)
 
     return write
 
 
 def _build_items_writer(text: str) -> Writer:
-    """Return what writes items of one type, one behind the other."""
+    """Return a function that writes consecutive items of one type."""
     if text not in NUMBERS:
         one = _select_writer(text)
 

@@ -1,8 +1,8 @@
 """
-Which radios, drones and boards hang on the USB of this machine, and who may open them.
+List the radios, drones and boards connected by USB, and whether the user may open them.
 
-Linux tells both without any library: `/sys/bus/usb/devices` has the numbers of each device, and
-its file in `/dev` the rights. What is found here has not been opened.
+Vendor and product numbers come from `/sys/bus/usb/devices`, the access rights from the device
+files in `/dev`. No device is opened.
 """
 
 from collections.abc import Iterator
@@ -18,7 +18,7 @@ RULES_FILE: Final = '/etc/udev/rules.d/60-lta.rules'
 
 
 class UsbKind(NamedTuple):
-    """A kind of USB device: vendor and product number in hexadecimal, and what people call it."""
+    """A kind of USB device: vendor and product number in hexadecimal, and its common name."""
 
     vendor: str
     product: str
@@ -33,7 +33,7 @@ KINDS: Final = (RADIO, DRONE, BOARD)
 
 
 class UsbDevice(NamedTuple):
-    """A device: what it is, its file, and whether this user may read and write it."""
+    """A USB device: kind, device file, and whether this user may read and write it."""
 
     kind: UsbKind
     path: Path
@@ -41,7 +41,7 @@ class UsbDevice(NamedTuple):
 
 
 class SerialPortInfo(NamedTuple):
-    """A serial port: its file, what the system calls it, a Teensy or not, and whether usable."""
+    """A serial port: device file, description, and whether it is a Teensy and usable."""
 
     path: str
     about: str
@@ -50,26 +50,18 @@ class SerialPortInfo(NamedTuple):
 
 
 def find_devices(usb: Path = USB, dev: Path = DEV) -> Iterator[UsbDevice]:
-    """
-    Yield the devices of our kinds.
-
-    Parameters
-    ----------
-    usb, dev : Path
-        Where Linux tells of USB, and where its device files are.
-
-    """
+    """Yield the connected devices of the known kinds."""
     for place in sorted(usb.glob('*')) if usb.is_dir() else ():
-        told = {name: _read_text(place / name) for name in ('idVendor', 'idProduct')}
+        ids = {name: _read_text(place / name) for name in ('idVendor', 'idProduct')}
         for kind in KINDS:
-            if (told['idVendor'], told['idProduct']) == (kind.vendor, kind.product):
+            if (ids['idVendor'], ids['idProduct']) == (kind.vendor, kind.product):
                 numbers = (_read_text(place / 'busnum'), _read_text(place / 'devnum'))
                 path = dev / 'bus/usb' / '/'.join(number.zfill(3) for number in numbers)
                 yield UsbDevice(kind, path, os.access(path, os.R_OK | os.W_OK))
 
 
 def list_serial_ports() -> list[SerialPortInfo]:
-    """Return the serial ports of this machine that are real: a mere number behind none is left."""
+    """Return the serial ports that are USB devices; built-in ports may have no hardware."""
     number = (int(BOARD.vendor, 16), int(BOARD.product, 16))
     return [
         SerialPortInfo(
@@ -82,8 +74,8 @@ def list_serial_ports() -> list[SerialPortInfo]:
 
 
 def format_udev_rules() -> str:
-    """Return a udev file by which whoever sits at this machine may open all of our kinds."""
-    head = '# Who is logged in at this machine may open what LTA flies and listens with.'
+    """Return a udev rules file that lets the logged-in user open the known devices."""
+    head = '# Let the user logged in at this machine open the radios, drones and boards of LTA.'
     lines = [
         f'# {kind.name}\nSUBSYSTEMS=="usb", ATTRS{{idVendor}}=="{kind.vendor}", '
         f'ATTRS{{idProduct}}=="{kind.product}", MODE="0660", GROUP="plugdev", TAG+="uaccess", '
@@ -94,7 +86,7 @@ def format_udev_rules() -> str:
 
 
 def _read_text(path: Path) -> str:
-    """Return the text of a file of the system, empty where there is none."""
+    """Return the text of a file in /sys; empty if it cannot be read."""
     try:
         return path.read_text(encoding='ascii').strip()
     except OSError:

@@ -1,10 +1,10 @@
-"""When the diagnostics of a graph tell of a fault that is new."""
+"""Detect new faults in the diagnostics of a graph."""
 
 from collections.abc import Iterable
 from typing import final, NamedTuple
 
-REST = 10.0  # wall seconds in which further faults wait, and then count as one
-INPUTS = ': inputs'  # the task in which a node says that it waits for others
+REST = 10.0  # wall seconds between two reports; faults in between are reported together
+INPUTS = ': inputs'  # suffix of the task in which a node reports missing inputs
 
 
 class TaskStatus(NamedTuple):
@@ -14,11 +14,11 @@ class TaskStatus(NamedTuple):
     Attributes
     ----------
     robot, task : str
-        Whose it is, and which: 'lta1', 'controller: inputs'.
+        For example 'lta1' and 'controller: inputs'.
     failing : bool
-        Whether it is an error.
+        Whether the status is an error.
     over : bool
-        Whether it says that the robot's flight or replay has come to its end.
+        Whether the status reports the end of the robot's flight or replay.
 
     """
 
@@ -31,17 +31,12 @@ class TaskStatus(NamedTuple):
 @final
 class FaultWatch:
     """
-    Tell once of each fault: a status that has become an error.
+    Report each fault once, when its status becomes an error.
 
-    A fault that comes while the watch rests is told when the rest is over, so that a graph that
-    fails all over, or flickers, is told of at most once in `REST`. That nodes wait for a vehicle
-    whose flight is over is no fault.
+    Reports are at least `REST` apart, so that many or flickering faults do not flood the user.
+    Missing inputs from a robot whose flight is over are not a fault.
 
-    Attributes
-    ----------
-    over : set of str
-        The robots that have said that their flight or replay is over.
-
+    `over` holds the robots whose flight or replay is over.
     """
 
     def __init__(self) -> None:
@@ -51,23 +46,23 @@ class FaultWatch:
         self._rests_until = float('-inf')
 
     def add_statuses(self, statuses: Iterable[TaskStatus]) -> None:
-        """Take note of a diagnostics message."""
+        """Add the statuses of a diagnostics message."""
         for status in statuses:
             if status.over:
                 self.over.add(status.robot)
             name = f'{status.robot}/{status.task}'.lstrip('/')
-            left_alone = status.robot in self.over and status.task.endswith(INPUTS)
-            if not status.failing or left_alone:
+            ignored = status.robot in self.over and status.task.endswith(INPUTS)
+            if not status.failing or ignored:
                 self._failing.discard(name)
             elif name not in self._failing:
                 self._failing.add(name)
                 self._news[name] = None
 
     def take_new_faults(self, now: float) -> list[str]:
-        """Return the faults to tell now, and rest if there are any. [wall s]"""
+        """Return the new faults, or nothing within `REST` of the last report. [wall s]"""
         if not self._news or now < self._rests_until:
             return []
-        told = list(self._news)
+        faults = list(self._news)
         self._news.clear()
         self._rests_until = now + REST
-        return told
+        return faults

@@ -1,4 +1,4 @@
-"""What happens to each message between the middleware and the bag: dated, cleaned, counted."""
+"""Receive raw messages for a bag: assign log times, normalize padding, count losses."""
 
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
@@ -12,31 +12,25 @@ from lta_config.topics import TopicTable
 from lta_graph.health import HealthLevel
 
 Clean = Callable[[bytes], bytes]
-VARYING = {'diagnostic_msgs/msg/DiagnosticArray'}  # types whose texts change their length
+VARYING = {'diagnostic_msgs/msg/DiagnosticArray'}  # types with strings of varying length
 
 
 @final
 class MessageIntake:
     """
-    Takes raw messages for a bag, of one robot or of several.
+    Receive raw messages of one or several robots and hand them to a bag writer.
 
     Parameters
     ----------
-    table : TopicTable
-        What is known of topics.
-    lockstep : bool
-        As for `MessageAccounting`.
     robots : sequence of str
-        Namespaces, at least one, '' where the robot has none.
-    writer : BackgroundWriter
-        Where the messages go.
-    begun_ns : int or None
-        As for `MessageAccounting`.
+        Namespaces, at least one; '' for a robot without a namespace.
+    table, lockstep, begun_ns
+        See `MessageAccounting`.
 
     Attributes
     ----------
     latest : float
-        When the last message came. [wall s]
+        Arrival of the last message. [wall s]
 
     """
 
@@ -58,7 +52,7 @@ class MessageIntake:
         self.latest = time.monotonic()
 
     def find_owner(self, name: str) -> tuple[str | None, str]:
-        """Return whose an absolute topic is and its name there: a robot's, or everybody's."""
+        """Return the robot of an absolute topic (None if shared) and its name relative to it."""
         for robot in self._robots if name not in self._table.topics else ():
             prefix = absolute_topic(robot, '')
             if name.startswith(prefix):
@@ -66,22 +60,16 @@ class MessageIntake:
         return None, name
 
     def covers_topic(self, name: str) -> bool:
-        """Tell whether an absolute topic is one of the robots', or in no namespace at all."""
+        """Return whether an absolute topic belongs to a robot or has no namespace."""
         robot, relative = self.find_owner(name)
         return robot is not None or '/' not in relative.lstrip('/')
 
     def build_receiver(self, name: str, type_name: str, clean: Clean) -> Callable[[bytes], None]:
         """
-        Return what takes the messages of a topic.
+        Return the callback for the messages of an absolute topic.
 
-        Parameters
-        ----------
-        name, type_name : str
-            Absolute name and type.
-        clean : callable
-            Returns a message with zeros in the gaps between its fields; called where they would
-            keep a topic from repeating itself.
-
+        `clean` zeroes the padding of a message. It is called only for topics whose recordings must
+        be reproducible and whose padding varies.
         """
         robot, row = self.find_owner(name)
         topic = self._table.topics.get(row)
@@ -99,23 +87,19 @@ class MessageIntake:
         return receive
 
     def _assign_common_time(self, name: str, data: bytes) -> int:
-        """Return when a message of nobody's alone was published: as new as the newest. [ns]"""
+        """Return the log time of a shared topic's message: the newest of all robots. [ns]"""
         self._common.assign_log_time(name, data)
         return max(books.now for books in self._books.values())
 
     def set_due_times(self, robot: str, due: Mapping[str, Sequence[int]]) -> None:
-        """Date a robot's messages that have no stamp by when they are due, topic by topic. [ns]"""
+        """Set the log times of a robot's unstamped messages by topic, from a replay. [ns]"""
         self._books[robot].due = due
 
     def summarize(self, lost: Mapping[str, int]) -> tuple[HealthLevel, str, dict[str, object]]:
         """
-        Return level, sentence and figures of a recording that goes on.
+        Return level, message and figures of a running recording.
 
-        Parameters
-        ----------
-        lost : mapping of str to int
-            Messages that the middleware counts as lost, by absolute topic.
-
+        `lost` holds the messages lost by the middleware, by absolute topic.
         """
         wrong = {
             'lost': self._count_by_topic('lost'),
@@ -142,12 +126,12 @@ class MessageIntake:
         )
 
     def _keeps_only_newest(self, name: str) -> bool:
-        """Tell whether a topic's publisher replaces each message by the next: `/clock` does."""
+        """Return whether each message replaces the last, so that a loss is normal (`/clock`)."""
         topic = self._table.topics.get(self.find_owner(name)[1])
         return topic is not None and topic.qos == 'clock'
 
     def _count_by_topic(self, what: str) -> Counter[str]:
-        """Return a count of the books by topic."""
+        """Return one of the counts over all robots, by topic."""
         found: Counter[str] = Counter(getattr(self._common, what))
         for robot, books in self._books.items():
             counts = getattr(books, what).items()
@@ -161,5 +145,5 @@ class MessageIntake:
         return Counter({self._display_name(name): count for name, count in counts.items()})
 
     def _display_name(self, name: str) -> str:
-        """Return a topic's relative name; the absolute one where there are several robots."""
+        """Return a topic's relative name, or the absolute one if there are several robots."""
         return name if len(self._robots) > 1 else self.find_owner(name)[1]

@@ -1,5 +1,5 @@
 """
-What a recorder knows of the raw messages it takes: their time, and which have been lost.
+Assign log times to raw messages and count lost ones.
 
 Only the first bytes of a message are read: a stamped message begins with its header's stamp.
 """
@@ -12,14 +12,14 @@ from typing import final
 from lta_config.topics import TopicTable
 
 _STAMP = {0: struct.Struct('>iI'), 1: struct.Struct('<iI')}  # by the CDR's endianness
-_ENCAPSULATION = 4  # bytes before the message
-_SHORTEST = _ENCAPSULATION + 8  # bytes of a message that has a stamp
-JUMP_NS = 5_000_000_000  # by which a believable stamp can lie ahead of all others
-AGREED = 1.0  # wall seconds of such stamps, with no nearer one: time itself has moved on
+_ENCAPSULATION = 4  # bytes of the CDR header
+_SHORTEST = _ENCAPSULATION + 8  # bytes of the shortest stamped message
+JUMP_NS = 5_000_000_000  # largest plausible jump ahead of the newest stamp
+AGREED = 1.0  # wall seconds; if all stamps stay ahead this long, graph time itself has jumped
 
 
 def read_stamp(data: bytes) -> int | None:
-    """Return the header stamp of a serialised message, None if it is cut short. [ns]"""
+    """Return the header stamp of a serialised message; None if it is truncated. [ns]"""
     if len(data) < _SHORTEST:
         return None
     seconds, nanoseconds = _STAMP[data[1] & 1].unpack_from(data, _ENCAPSULATION)
@@ -29,31 +29,32 @@ def read_stamp(data: bytes) -> int | None:
 @final
 class MessageAccounting:
     """
-    Tell each message's log time and count the gaps.
+    Assign each message's log time and count gaps.
 
-    The log time is graph time: that of the message's own publication, stamp plus latency, so that
-    players show together what belongs together, however late it was taken, and a repeated flight
-    gives the same times. What has no stamp is dated by its turn, or by the newest publication
-    heard. A stamp far ahead of all others is not believed: it would stretch the whole bag.
+    The log time is the graph time of publication, stamp plus latency. It does not depend on
+    delays in transport, so a repeated flight gives the same times. An unstamped message gets its
+    scheduled time, or the newest publication time. Stamps far ahead of all others are rejected:
+    they would stretch the whole bag.
 
     Parameters
     ----------
     table : TopicTable
-        Says which topics are stamped and how often they come.
+        States which topics are stamped, and their periods.
     lockstep : bool
-        Whether the first message of every topic is known: in real time a recorder may join late.
+        Whether recording starts with the first message of every topic; in real time a recorder
+        may join late.
     clock : callable
         Returns wall time. [s]
     begun_ns : int or None
-        Graph time at the start, which dates what is heard before any stamp; that of a simulated
-        flight by default. [ns]
+        Graph time at the start, used before the first stamp; by default that of a simulated
+        flight. [ns]
 
     Attributes
     ----------
     counts, lost, wild, torn : dict of str to int
-        By topic: messages heard, missed on the way, with a stamp that cannot be, and too short.
+        By topic: received messages, missed ones, implausible stamps, truncated messages.
     due : mapping of str to sequence of int
-        By topic, when each of its messages is due, where the player of a replay has said so. [ns]
+        By topic, the due time of each message as announced by the player of a replay. [ns]
 
     """
 
@@ -68,7 +69,7 @@ class MessageAccounting:
         self._table = table
         self._lockstep = lockstep
         self._now = table.start_ns if begun_ns is None else begun_ns
-        self._dated = lockstep  # whether the present is known
+        self._dated = lockstep  # whether the present graph time is known
         self._ahead_since: float | None = None
         self._last: dict[str, int] = {}
         self.due: Mapping[str, Sequence[int]] = {}
@@ -79,20 +80,14 @@ class MessageAccounting:
 
     @property
     def now(self) -> int:
-        """The newest publication that has been heard. [ns]"""
+        """Time of the newest publication. [ns]"""
         return self._now
 
     def assign_log_time(self, name: str, data: bytes) -> int:
         """
-        Return when a message was published, in graph time, and remember it. [ns]
+        Return the log time of a serialised message, in graph time. [ns]
 
-        Parameters
-        ----------
-        name : str
-            Name in the table; what is not there is dated by the newest publication heard.
-        data : bytes
-            The serialised message.
-
+        A topic that is not in the table gets the newest publication time.
         """
         topic = self._table.topics.get(name)
         self.counts[name] = self.counts.get(name, 0) + 1
@@ -111,19 +106,19 @@ class MessageAccounting:
         return self._now
 
     def _scheduled_time(self, name: str) -> int:
-        """Return when the newest message of a topic without stamps was due, if known. [ns]"""
+        """Return the due time of the newest message of an unstamped topic, if known. [ns]"""
         topic = self._table[name]
         turn = self.counts[name] - 1
-        if turn < len(told := self.due.get(name, ())):
-            return told[turn]
+        if turn < len(due := self.due.get(name, ())):
+            return due[turn]
         if not self._lockstep:
             return self._now
         return self._table.start_ns + turn * topic.period_ns + topic.latency_ns
 
     def _accept_time(self, published: int) -> bool:
-        """Move the present on to a time of publication, unless that cannot be. [ns]"""
+        """Advance the present to a publication time; return False if it is implausible. [ns]"""
         if published < self._table.start_ns:
-            return False  # before time began: nobody has set this stamp
+            return False  # earlier than any flight: the stamp was not set
         if self._dated and published > self._now + JUMP_NS:
             wall = self._clock()
             self._ahead_since = wall if self._ahead_since is None else self._ahead_since
@@ -135,7 +130,7 @@ class MessageAccounting:
         return True
 
     def _count_gap(self, name: str, stamp: int) -> None:
-        """Count what should have come between a topic's last stamp and this one."""
+        """Count the messages missing between a topic's last stamp and this one."""
         period = self._table[name].period_ns
         first = self._table.start_ns if self._lockstep else stamp
         before = self._last.get(name, first - period)

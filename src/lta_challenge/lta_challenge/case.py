@@ -111,7 +111,7 @@ class CaseGenerator:
 
     Parameters
     ----------
-    known : Known
+    vehicle : ChallengeVehicle
         The vehicle.
     seed, number : int
         Of the challenge and the case; nothing else is drawn from.
@@ -126,14 +126,14 @@ class CaseGenerator:
 
     def __init__(
         self,
-        known: ChallengeVehicle,
+        vehicle: ChallengeVehicle,
         seed: int,
         number: int,
         row_name: str = 'base',
         kind: Kind | None = None,
         seconds: tuple[float, float] = SECONDS,
     ) -> None:
-        self._known, self._row_name, self._row = known, row_name, find_row(row_name)
+        self._vehicle, self._row_name, self._row = vehicle, row_name, find_row(row_name)
         self._number, self._seconds = number, seconds
         self._root = [seed, number, self._row.code]
         draw = self._make_generator(0)
@@ -147,12 +147,12 @@ class CaseGenerator:
     def _draw_hidden(self) -> tuple[InjectedEffect, ...]:
         """Return what is hidden of the library."""
         count = {'clean': 0, 'single': 1, 'pair': 2, 'outside': 0, 'mixed': 1}[self.kind]
-        known = list_candidates(self._known.knobs, self._row)
-        return choose_effects(known, count, self._row, self._make_generator(1))
+        candidates = list_candidates(self._vehicle.knobs, self._row)
+        return choose_effects(candidates, count, self._row, self._make_generator(1))
 
     def _build_nominal(self, hidden: tuple[InjectedEffect, ...]) -> NominalVehicle:
         """Return the vehicle with what is hidden, and off as vehicles are."""
-        nominal, by_name = self._known.nominal, {knob.name: knob for knob in self._known.knobs}
+        nominal, by_name = self._vehicle.nominal, {knob.name: knob for knob in self._vehicle.knobs}
         for one in hidden:
             nominal = by_name[one.knob].apply_to(nominal, one.value)
         return perturb_vehicle(nominal, self._row.worse, self._make_generator(2))
@@ -227,7 +227,7 @@ class CaseGenerator:
         happened = simulate_flight(
             hull,
             pilot,
-            self._known.nominal,
+            self._vehicle.nominal,
             height=float(pilot.wanted[0, 0]),
             tilt=(TILT * draw.standard_normal(3)).tolist(),
             cell=cell,
@@ -240,9 +240,11 @@ class CaseGenerator:
         """Fly and watch one flight."""
         happened, hull, course, draw = self._simulate_flight(nominal, outside, index)
         kinds = Instruments().scale_noise(self._row.worse)
-        seen = TruthSensors(happened, hull, self._known.vehicle.file, kinds, draw).record_streams()
+        seen = TruthSensors(
+            happened, hull, self._vehicle.vehicle.file, kinds, draw
+        ).record_streams()
         time = TICK * np.arange(len(happened.commands), dtype=np.float64)
-        rotors = len(self._known.nominal.rotors)
+        rotors = len(self._vehicle.nominal.rotors)
         streams = {name: seen[name] for name in self._row.topics}
         if self._row.pushed:
             streams['wrench_command'] = (time, happened.commands[:, :6])

@@ -33,11 +33,11 @@ CLAIMS: Final = re.compile(
 NOTHING: Final = 'Nothing is missing'
 BETTER: Final = ('falls from', 'takes the', 'Use the vehicle file with what was learned')
 DOUBT: Final = (
-    'cannot tell', 'Fly again', 'do not trust', 'predicts worse', 'forecasts are worse',
-    'it does not tell',
+    'inconclusive', 'cannot distinguish', 'Fly again', 'do not trust', 'predicts worse',
+    'forecasts are worse', 'does not show which',
 )  # fmt: skip
 FITS: Final = 'explains these flights to within'
-UNFIT: Final = ('want more than', 'Measure the numbers')
+UNFIT: Final = ('need more than', 'Measure the numbers')
 
 
 @final
@@ -129,7 +129,7 @@ def _check_names(finding: DiscoveryFinding, rendered: RenderedStudy) -> Iterator
     named = {name.partition('.')[0] for one in finding.effects for name in one.knobs}
     for knob in (rung.knob for step in finding.ladder for rung in step):
         heading = f'{format_parameter(knob)} is named'
-        stays = rendered.ladder.count(heading) > rendered.ladder.count(f'{heading}, and given up')
+        stays = rendered.ladder.count(heading) > rendered.ladder.count(f'{heading}, but dropped')
         if stays and knob.partition('.')[0] not in named:
             yield f'{knob} is named in a round and not at the end'
 
@@ -139,7 +139,7 @@ def _check_nothing(finding: DiscoveryFinding, rendered: RenderedStudy) -> Iterat
     more = finding.effects or finding.remains or finding.unexplained
     if NOTHING in rendered.headline and (more or 'Unexplained:' in rendered.terminal):
         yield 'nothing is missing, and something is'
-    if 'no force or moment is left over' in rendered.tiles and (
+    if 'no force or moment remains' in rendered.tiles and (
         finding.remains or finding.unexplained
     ):
         yield 'nothing is left over, and something is unexplained'
@@ -163,7 +163,8 @@ def _check_json(finding: DiscoveryFinding, rendered: RenderedStudy) -> Iterator[
     gain = any(words in rendered.headline for words in BETTER)
     if gain != (drawn['gain'] is not None):
         yield 'a gain in the headline or in the JSON alone'
-    if drawn['asserted'] != (bool(finding.effects) and 'cannot tell' not in rendered.headline):
+    undecided = any(words in rendered.headline for words in DOUBT[:2])
+    if drawn['asserted'] != (bool(finding.effects) and not undecided):
         yield 'asserted by the headline or by the JSON alone'
     if drawn['do'] not in rendered.terminal.replace('\n', ' ') or drawn['do'] not in rendered.rest:
         yield 'the advice is not the same everywhere'

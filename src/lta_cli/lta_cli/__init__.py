@@ -1,1 +1,1 @@
-"""The `lta` command: its verbs, the checks of the machine and the pages of the reference."""
+"""The `lta` command line: its verbs, the machine checks and the reference pages."""

@@ -1,8 +1,8 @@
 """
-The `lta` command, put together from its verbs: one file a verb in `verbs/`.
+Build the `lta` command line from its verbs, one file each in `verbs/`.
 
-Only the verb that is asked for is loaded, all of them take seconds; a list of verbs reads what
-each says of itself from its file.
+Only the requested verb is imported, because importing all of them takes seconds. The list of verbs
+is built from their docstrings without importing them.
 """
 
 import ast
@@ -22,14 +22,15 @@ import typer
 from typer.core import TyperGroup
 
 FOLDER: Final = Path(__file__).parent / 'verbs'
-STOPPED = 130  # the shell's own status after Ctrl-C, and Typer's
-# What is wrong with a place where the verb itself has no better word for it.
+STOPPED = 130  # exit status after Ctrl-C, as in shells and Typer: 128 + SIGINT
+# Errors of a path or disk that the user can fix; they are reported in one sentence, not as a
+# traceback, where the verb has no better message.
 UNUSABLE: Final = {
     errno.EACCES, errno.EBUSY, errno.EDQUOT, errno.EIO, errno.ENAMETOOLONG, errno.ENOSPC,
     errno.EPERM, errno.EROFS, errno.ESTALE,
 }  # fmt: skip
 EPILOG: Final = (
-    'Results go to runs/<time>-<name>/. "lta VERB --help" tells all of a verb.\n\n'
+    'Results go to runs/<time>-<name>/. "lta VERB --help" shows details.\n\n'
     'Exit status 0: done. 1: the run failed. 2: bad input, one sentence on stderr.'
 )
 
@@ -37,7 +38,7 @@ EPILOG: Final = (
 @final
 @dataclass(frozen=True, slots=True)
 class Verb:
-    """Where a verb is: its file in `verbs/`, the function in it, and its settings."""
+    """A verb: its file in `verbs/`, its function and its Click context settings."""
 
     file: str
     name: str
@@ -45,12 +46,12 @@ class Verb:
     several: tuple[str, ...] = ()  # options that take several values: --train A B
 
     def load(self) -> Callable[..., None]:
-        """Return what the verb does."""
+        """Import the verb and return its function."""
         verb: Callable[..., None] = getattr(import_module(f'lta_cli.verbs.{self.file}'), self.name)
         return verb
 
     def read_docstring(self) -> str:
-        """Return what the verb says of itself, which is found without loading it."""
+        """Return the verb's docstring without importing it."""
         path = FOLDER / f'{self.file.replace(".", "/")}.py'
         for node in ast.parse(path.read_text(encoding='utf-8')).body:
             if isinstance(node, ast.FunctionDef) and node.name == self.name:
@@ -61,14 +62,14 @@ class Verb:
 @final
 @dataclass(frozen=True, slots=True)
 class VerbGroup:
-    """Verbs behind one word."""
+    """Verbs that share a first word, as in `lta bag info`."""
 
     about: str
     verbs: Mapping[str, Verb]
 
 
 VEHICLE: Final = VerbGroup(
-    'Make a vehicle file, look at it, and weigh what flew.',
+    'Create, inspect, compare and check vehicle files, and estimate weight from a flight.',
     {
         'new': Verb('vehicle.new', 'new'),
         'show': Verb('vehicle.show', 'show'),
@@ -79,14 +80,14 @@ VEHICLE: Final = VerbGroup(
     },
 )
 CHALLENGE: Final = VerbGroup(
-    'Hide effects in flights, and score what is found in them.',
+    'Generate test flights with hidden effects and score how well discovery finds them.',
     {
         'make': Verb('challenge.make', 'make'),
         'score': Verb('challenge.score', 'score'),
     },
 )
 BAG: Final = VerbGroup(
-    'Look at recordings, check and mend them, turn them into other files.',
+    'Inspect, check, plot, repair and export recordings.',
     {
         'info': Verb('bag.info', 'info'),
         'check': Verb('bag.check', 'check'),
@@ -96,7 +97,7 @@ BAG: Final = VerbGroup(
     },
 )
 LIGHT: Final = VerbGroup(
-    'Study the light: where lamps go, and how drones find their way by them.',
+    'Plan lamps and study navigation by light.',
     {
         'link': Verb('light.link', 'link'),
         'plan': Verb('light.plan', 'plan'),
@@ -106,7 +107,7 @@ LIGHT: Final = VerbGroup(
     },
 )
 ENERGY: Final = VerbGroup(
-    'What flights cost and panels bring, beside the paper and a multirotor.',
+    'Study energy use and solar harvest, compared with the paper and a multirotor.',
     {
         'budget': Verb('energy.budget', 'budget'),
         'hover': Verb('energy.hover', 'hover'),
@@ -115,7 +116,7 @@ ENERGY: Final = VerbGroup(
     },
 )
 CFD: Final = VerbGroup(
-    'The wind tunnel: drag and rotor columns from the shape of a vehicle, without a flight.',
+    'Compute drag and rotor slipstreams from the shape of a vehicle (virtual wind tunnel).',
     {
         'run': Verb('cfd.run', 'run'),
         'validate': Verb('cfd.validate', 'validate'),
@@ -123,7 +124,7 @@ CFD: Final = VerbGroup(
     },
 )
 HARDWARE: Final = VerbGroup(
-    'Look at real drones and light boards, turn one motor, put a board on a turntable.',
+    'Check drones and light boards, bench-test one motor, evaluate turntable recordings.',
     {
         'check': Verb('hardware.check', 'check'),
         'bench': Verb('hardware.bench', 'bench'),
@@ -161,19 +162,20 @@ VERBS: Final[dict[str, Verb | VerbGroup]] = {
 
 
 class OrderedGroup(TyperGroup):
-    """Verbs in the order of `VERBS`; Typer puts those with words behind them last."""
+    """A command group that lists verbs in the order of `VERBS`; Typer would put groups last."""
 
     def list_commands(self, ctx: object) -> list[str]:
-        """Return their names."""
+        """Return the names of the registered verbs."""
         del ctx
         return [name for name in VERBS if name in self.commands]
 
 
 def build_app(words: Sequence[str] | None = None) -> typer.Typer:
     """
-    Return the command with the verb that some words ask for.
+    Return the app with the verb that the command line names.
 
-    Where they ask for none, verbs can only be listed; without any words all are loaded.
+    If the words name no verb, all verbs are listed but not imported. If `words` is None, all are
+    imported.
     """
     app = typer.Typer(
         name='lta',
@@ -192,7 +194,7 @@ def build_app(words: Sequence[str] | None = None) -> typer.Typer:
 def add_verbs(
     app: typer.Typer, verbs: Mapping[str, Verb | VerbGroup], words: Sequence[str] | None
 ) -> None:
-    """Add to a command or a group the verb that some words ask for, or all."""
+    """Add the named verb, or all verbs, to an app."""
     if words is None:
         for name, verb in verbs.items():
             add_verb(app, name, verb, None)
@@ -207,15 +209,15 @@ def add_verbs(
 def add_verb(
     app: typer.Typer, name: str, verb: Verb | VerbGroup, words: Sequence[str] | None
 ) -> None:
-    """Add a verb, or those behind its word, to the command."""
+    """Add a verb or a verb group to an app."""
     if isinstance(verb, VerbGroup):
         group = typer.Typer(help=verb.about, no_args_is_help=True)
-        group.callback()(lambda: None)  # one verb alone would stand for its group
+        group.callback()(lambda: None)  # without it, Typer merges a single verb into its group
         add_verbs(group, verb.verbs, words)
         app.add_typer(group, name=name)
         return
     try:
-        found = verb.load()
+        function = verb.load()
     except ModuleNotFoundError as missing:
         if not is_ros_module(missing.name):
             raise
@@ -223,16 +225,16 @@ def add_verb(
             refuse_without_ros
         )
         return
-    app.command(name, context_settings=dict(verb.settings), help=format_help(found))(found)
+    app.command(name, context_settings=dict(verb.settings), help=format_help(function))(function)
 
 
 def require_verb(context: typer.Context) -> None:
-    """Refuse a verb that is listed alone: other words came before it."""
-    raise BadInput(f"A verb comes first: '{context.command_path} ...'.")
+    """Refuse options before the verb: the verb was listed but not imported."""
+    raise BadInput(f"Put the verb first: '{context.command_path} ...'.")
 
 
 def repeat_options(words: Sequence[str]) -> list[str]:
-    """Return a command line with `--train A B` as `--train A --train B`, as Click takes it."""
+    """Expand `--train A B` to `--train A --train B`, the form that Click accepts."""
     verb = VERBS.get(words[0]) if words else None
     if isinstance(verb, VerbGroup):
         verb = verb.verbs.get(words[1]) if len(words) > 1 else None
@@ -247,17 +249,17 @@ def repeat_options(words: Sequence[str]) -> list[str]:
 
 
 def format_help(does: object) -> str:
-    """Return the docstring of what does something."""
+    """Return the docstring of a function as help text."""
     return join_lines(inspect.getdoc(does) or '')
 
 
 def join_lines(text: str) -> str:
-    """Return a text's paragraphs without the line breaks, ragged on any other width."""
+    """Remove the line breaks within paragraphs, so that the terminal can wrap the text."""
     return '\n\n'.join(' '.join(paragraph.split()) for paragraph in text.split('\n\n'))
 
 
 def print_version(requested: bool) -> None:
-    """Print the version and leave, if that is wanted."""
+    """Print the version and exit, if `--version` was given."""
     if requested:
         sys.stdout.write(f'lta {VERSION}\n')
         raise typer.Exit
@@ -266,7 +268,7 @@ def print_version(requested: bool) -> None:
 def root_options(
     version: Annotated[
         bool,
-        typer.Option('--version', callback=print_version, is_eager=True, help='Tell the version.'),
+        typer.Option('--version', callback=print_version, is_eager=True, help='Show the version.'),
     ] = False,
 ) -> None:
     """Simulate, fly, record and understand lighter-than-air micro-drones."""
@@ -274,13 +276,10 @@ def root_options(
 
 def run_command_line(loaded: Callable[[], None] = lambda: None) -> int:
     """
-    Run the command line and return its exit status; what the user can mend is one sentence.
+    Run the command line and return its exit status.
 
-    Parameters
-    ----------
-    loaded : callable
-        Called when the command has been loaded, before it runs.
-
+    Errors that the user can fix are reported as one sentence on stderr. `loaded` is called after
+    the imports, before the verb runs.
     """
     try:
         words = repeat_options(sys.argv[1:])
@@ -305,12 +304,12 @@ def run_command_line(loaded: Callable[[], None] = lambda: None) -> int:
         sys.stderr.write(f"'{error.filename}' cannot be used ({error.strerror}).\n")
         return 2
     except Exception as error:
-        # Typer's own complaints about the command line are private to it but for this method.
-        complaint = getattr(error, 'format_message', None)
-        if complaint is None:
+        # Click's usage errors are vendored by Typer; only this method identifies them.
+        message = getattr(error, 'format_message', None)
+        if message is None:
             raise
-        text = ' '.join(complaint().split()).rstrip('.')
-        if not text:  # called without a verb: the help has been shown
+        text = ' '.join(message().split()).rstrip('.')
+        if not text:  # called without a verb: Typer has already shown the help
             return 0
         sys.stderr.write(f'{text}; see --help.\n')
         return 2

@@ -1,8 +1,9 @@
 """
-The entry of the `lta` command: quick to load, so that Ctrl-C is heard from the beginning.
+Provide the entry point of the `lta` command.
 
-Exit status 0 done, 1 the run failed, 2 bad input (one sentence on stderr); 130 after Ctrl-C, 143
-after SIGTERM and 129 after SIGHUP, all three of which stop a flight in order.
+It loads quickly, so that signals are handled from the start. Exit status: 0 done, 1 the run
+failed, 2 bad input (one sentence on stderr), 130 Ctrl-C, 143 SIGTERM, 129 SIGHUP. These signals
+shut a flight down cleanly.
 """
 
 import os
@@ -19,17 +20,17 @@ MIDDLEWARE = 'RMW_IMPLEMENTATION'
 
 
 def main() -> NoReturn:
-    """Run the command line and leave with its status."""
+    """Run the command line and exit with its status."""
     heeded = [number for number in SIGNALS if signal.getsignal(number) != signal.SIG_IGN]
-    for number in heeded:  # nohup, for one, ignores SIGHUP
+    for number in heeded:  # signals that the parent ignores (nohup: SIGHUP) stay ignored
         signal.signal(number, _exit_at_once)
-    # The lta script holds SIGINT back while Python starts; one that came meanwhile comes now.
+    # The lta script blocks SIGINT while Python starts; a pending one is delivered here.
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
     ignore_broken_pipes()
-    if (wrong := describe_wrong_middleware()) is not None:
-        sys.stderr.write(f'{wrong}\n')
+    if (message := describe_wrong_middleware()) is not None:
+        sys.stderr.write(f'{message}\n')
         sys.exit(2)
-    from lta_cli.app import run_command_line, STOPPED  # a second of imports
+    from lta_cli.app import run_command_line, STOPPED  # imports take a second
 
     caught: list[int] = []
 
@@ -38,7 +39,7 @@ def main() -> NoReturn:
         raise KeyboardInterrupt
 
     def heed() -> None:
-        # Not earlier: a C extension that is being loaded may drop a KeyboardInterrupt.
+        # Install after the imports: a C extension that is loading may drop a KeyboardInterrupt.
         for number in heeded:
             signal.signal(number, stop)
 
@@ -47,9 +48,9 @@ def main() -> NoReturn:
     except Exception:
         if not caught:
             raise
-        result = STOPPED  # what is loaded later may turn a KeyboardInterrupt into an ImportError
+        result = STOPPED  # a late import may turn a KeyboardInterrupt into an ImportError
     for number in heeded:
-        signal.signal(number, signal.SIG_IGN)  # nothing is left to stop
+        signal.signal(number, signal.SIG_IGN)  # the run is over; only the exit remains
     if result == STOPPED:
         sys.stderr.write('Stopped.\n')
         result = 128 + (caught[0] if caught else signal.SIGINT)
@@ -57,14 +58,14 @@ def main() -> NoReturn:
 
 
 def describe_wrong_middleware() -> str | None:
-    """Return a sentence if the RMW that is asked for is not there: rcl would end the process."""
-    asked, known = os.environ.get(MIDDLEWARE), list_middlewares()
-    if not asked or not known or asked in known:
+    """Return a message if the requested RMW is not installed: rcl would abort the process."""
+    name, installed = os.environ.get(MIDDLEWARE), list_middlewares()
+    if not name or not installed or name in installed:
         return None
-    return f"{MIDDLEWARE} is '{asked}', which is not installed; known: {', '.join(known)}."
+    return f"{MIDDLEWARE} is '{name}', which is not installed; known: {', '.join(installed)}."
 
 
 def _exit_at_once(number: int, _: object) -> None:
-    """End at once: nothing has been started yet."""
+    """Exit immediately: nothing has been started yet."""
     os.write(sys.stderr.fileno(), b'Stopped.\n')
     os._exit(128 + number)

@@ -1,4 +1,4 @@
-"""Standard streams that outlive whoever listened to them: `lta fly | head -1` flies to its end."""
+"""Keep running when the reader of stdout or stderr goes away, as in `lta fly | head -1`."""
 
 import errno
 import io
@@ -13,10 +13,10 @@ GONE = (errno.EPIPE, errno.EIO)  # the reader of a pipe left; a terminal was clo
 
 @final
 class BrokenPipeFile(io.FileIO):
-    """A file that takes what nobody reads any more, and drops it."""
+    """A file that discards data once its pipe or terminal is closed."""
 
     def write(self, data: 'ReadableBuffer', /) -> int:
-        """Return how many bytes are done with."""
+        """Write data and return the number of bytes written or discarded."""
         try:
             return super().write(data)
         except OSError as error:
@@ -26,7 +26,7 @@ class BrokenPipeFile(io.FileIO):
 
 
 def ignore_broken_pipes() -> None:
-    """Make stdout and stderr of this process take everything, heard or not."""
+    """Make stdout and stderr of this process ignore a closed pipe."""
     sys.stdout = wrap_stream(sys.stdout)
     sys.stderr = wrap_stream(sys.stderr)
 

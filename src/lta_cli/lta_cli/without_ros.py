@@ -1,4 +1,4 @@
-"""What the command says where ROS 2 is not installed: most verbs need none."""
+"""Report a missing ROS 2 installation; most verbs do not need ROS 2."""
 
 from typing import Final
 
@@ -7,21 +7,21 @@ import typer
 
 ROS: Final = ('rclpy', 'rcl_interfaces', 'builtin_interfaces', 'std_srvs')
 REMEDY: Final = 'build the ROS 2 workspace of the sources (make build) and use its ./lta'
-# A verb that cannot be loaded takes whatever follows it, to say why.
+# A verb that cannot be imported accepts all arguments, so that its own message is shown.
 ANYTHING: Final = {'allow_extra_args': True, 'ignore_unknown_options': True}
 
 
 def is_ros_module(module: str | None) -> bool:
-    """Tell whether a module that is missing is one of ROS 2."""
+    """Return whether a missing module belongs to ROS 2."""
     top = (module or '').split('.')[0]
     return top in ROS or top.endswith('_msgs')
 
 
 def missing_ros_error(missing: ModuleNotFoundError) -> BadInput:
-    """Return the sentence on a module of ROS 2 that is not here."""
+    """Return the error for a missing ROS 2 module."""
     return BadInput(f"This needs ROS 2, whose '{missing.name}' is not installed; {REMEDY}.")
 
 
 def refuse_without_ros(context: typer.Context) -> None:
-    """Need ROS 2, which is not installed here."""
+    """Not available: needs ROS 2, which is not installed."""
     raise BadInput(f"'lta {context.info_name}' needs ROS 2, which is not installed; {REMEDY}.")

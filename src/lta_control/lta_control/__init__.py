@@ -1,1 +1,1 @@
-"""What the drone decides: estimation, cascaded control, allocation and navigation."""
+"""Onboard software: state estimation, cascaded control, thrust allocation and navigation."""

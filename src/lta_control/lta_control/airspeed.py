@@ -1,10 +1,10 @@
 """
-Planar velocity through the air, from acceleration and the drag model.
+Estimate the planar airspeed from acceleration and the drag model.
 
-Integrated acceleration alone drifts; damped, it decays to zero at a steady speed, and a loop
-closed on it runs away to full speed. So the damping pulls towards the speed that the drag model
-gives for the commanded thrust. In wind this is the speed through the air: ground speed is not
-observable with these sensors.
+Integrated acceleration alone drifts. If it is damped towards zero, the estimate decays in steady
+flight and a speed loop closed on it runs away. The filter therefore damps towards the speed that
+the drag model predicts for the commanded thrust. In wind this is the speed through the air:
+ground speed is not observable with these sensors.
 """
 
 from typing import NamedTuple
@@ -12,14 +12,14 @@ from typing import NamedTuple
 
 class HullDragModel(NamedTuple):
     """
-    What the drag model knows of the vehicle, about the hull centre.
+    Drag and inertia of the vehicle along body x and y, about the hull centre.
 
     Attributes
     ----------
     mass : tuple of float
-        Inertia along body x and y with the added mass. [kg]
+        Mass including the added mass. [kg]
     linear, quadratic : tuple of float
-        Drag along body x and y. [N s/m], [N s2/m2]
+        Drag coefficients. [N s/m], [N s2/m2]
 
     """
 
@@ -51,28 +51,15 @@ def airspeed_step(
     dt: float,
 ) -> AirspeedEstimate:
     """
-    Return the velocity one step later.
+    Return the airspeed one step later.
 
-    Parameters
-    ----------
-    hull : Hull
-        The drag model.
-    state : Airspeed
-        Before the step.
-    force : tuple
-        Rotor force along body x and y, from the commanded duties. [N]
-    acceleration : tuple
-        Measured acceleration along body x and y, gravity removed. [m/s2]
-    yaw_rate : float
-        Turns the body under the velocity. [rad/s]
-    trust : float
-        Time over which the accelerometer is believed before the model wins. [s]
-    dt : float
-        Time step. [s]
-
+    `force` is the rotor force from the commanded duties [N] and `acceleration` the measured
+    acceleration without gravity [m/s2], both along body x and y. `trust` is the time constant
+    with which the estimate returns to the model [s].
     """
     surge, sway, model_surge, model_sway = state
     mx, my = hull.mass
+    # Coriolis terms: the body frame turns under the velocity.
     model_x = (force[0] - _axis_drag(hull, 0, model_surge) + my * yaw_rate * model_sway) / mx
     model_y = (force[1] - _axis_drag(hull, 1, model_sway) - mx * yaw_rate * model_surge) / my
     rate_x = acceleration[0] + yaw_rate * sway + (model_surge - surge) / trust

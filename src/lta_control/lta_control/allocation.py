@@ -1,12 +1,12 @@
 """
-From a wanted force and moment to rotor thrusts, and from thrusts to duties.
+Allocate a wanted force and moment to rotor thrusts, and convert thrusts to duties.
 
-The thrusts t minimise sum_i w_i (B t - wrench)_i^2 with low <= t <= high: when the rotors cannot
-do everything, the weights say what gives way first. Solved exactly by an active set (Nocedal and
-Wright 2006, Numerical Optimization, section 16.5) from the last solution: rotors at a limit are
-held there while the others take the best step. For up to eight rotors this needs no library and
-compiles, for a graphics card as well: what changes on the way stands in numbers that the caller
-lends, row after row.
+The thrusts t minimise sum_i w_i (B t - wrench)_i^2 with low <= t <= high. When the rotors cannot
+deliver everything, the weights decide which axis loses first. An active-set method (Nocedal and
+Wright 2006, Numerical Optimization, section 16.5) solves this exactly, starting from the last
+solution: rotors at a limit stay there while the others take the best step. For up to eight rotors
+this needs no library. The working numbers are in an array from the caller, so that the code also
+compiles for a GPU.
 """
 
 from collections.abc import MutableSequence
@@ -19,11 +19,11 @@ from numpy.typing import NDArray
 
 AXES = 6
 
-ROUNDS = 60  # at most; four rotors from anywhere need fewer than a dozen
-RIDGE = 1e-9  # of the mean stiffness: what no weighted axis feels stays as it is
-INWARD = 1e-12  # pull away from a limit that counts as one [N]
+ROUNDS = 60  # iteration limit; four rotors need fewer than a dozen from any start
+RIDGE = 1e-9  # of the mean stiffness; keeps thrusts that affect no weighted axis where they are
+INWARD = 1e-12  # smallest pull that releases a rotor from its limit [N]
 
-# Where each part stands in the scratch numbers; the first two are matrices of SLOTS by SLOTS.
+# Offsets into the scratch array; the first two parts are matrices of SLOTS by SLOTS.
 STIFFNESS = 0
 ROWS = 64
 TARGET = 128
@@ -41,7 +41,7 @@ Columns = tuple[Column, Column, Column, Column, Column, Column, Column, Column]
 Scratch = MutableSequence[float] | NDArray[np.float64]
 
 
-# Altitude before heading before speed; roll only so that the two vertical rotors share the load.
+# Priority: altitude, heading, speed. The small roll weight makes the vertical rotors share load.
 # Moments are scaled by a 0.1 m arm so that all weights compare newtons.
 WEIGHTS: Wrench = (1.0, 0.0, 100.0, 10.0, 0.0, 1000.0)
 ALIKE: PerRotor = (1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0)
@@ -49,24 +49,24 @@ ALIKE: PerRotor = (1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0)
 
 class Rotors(NamedTuple):
     """
-    The thrust side of a vehicle, as the allocation needs it; rotors first, then empty slots.
+    Rotor data for the allocation; the rotors come first, unused slots last.
 
     Attributes
     ----------
     number : int
-        Rotors, 1 to 8.
+        Number of rotors, 1 to 8.
     allocation : tuple of tuple of float
-        B: one column a slot, wrench (fx, fy, fz, mx, my, mz) per newton of thrust. [N/N, m]
+        B: one column per slot, wrench (fx, fy, fz, mx, my, mz) per newton of thrust. [N/N, m]
     low, high : tuple of float
         Thrust limits by slot. [N]
     lowest_heave : float
-        Strongest push downwards by the rotors that point up. [N]
+        Strongest downward force of the upward-pointing rotors. [N]
     sink : float
-        Heave that comes with a newton of surge from the rotors that push on. [N/N]
+        Heave per newton of surge, caused by the forward-pushing rotors. [N/N]
     a, b : tuple of float
         Thrust curve T = a u^2 + b u by slot, u = duty (paper section on thrust). [N]
     reverse : tuple of float
-        Thrust at a reversed duty per thrust at the same duty forward, by slot. [1]
+        Reverse thrust divided by forward thrust at the same duty, by slot. [1]
     weights : tuple of float
         w, by axis.
 
@@ -85,7 +85,7 @@ class Rotors(NamedTuple):
 
 
 def create_scratch() -> list[float]:
-    """Return numbers that the allocation may write on; it expects nothing of what they hold."""
+    """Return a working array for `allocate`; its content does not matter."""
     return [0.0] * SCRATCH
 
 
@@ -93,19 +93,11 @@ def allocate(
     rotors: Rotors, wrench: Wrench, start: PerRotor, scratch: Scratch
 ) -> tuple[PerRotor, Wrench]:
     """
-    Return rotor thrusts and the wrench they give.
+    Return rotor thrusts [N] and the wrench that they produce.
 
-    Parameters
-    ----------
-    rotors : Rotors
-        B and thrust limits.
-    wrench : tuple
-        Wanted force and moment about the hull centre, body frame. [N, N m]
-    start : tuple
-        Thrusts of the last step by slot, where the search begins. [N]
-    scratch : sequence of float
-        At least `SCRATCH` numbers to write on.
-
+    `wrench` is the wanted force and moment about the hull centre in the body frame [N, N m]. The
+    search begins at `start`, the thrusts of the last step [N]. `scratch` has at least `SCRATCH`
+    numbers and is overwritten.
     """
     s, count, low, high = scratch, rotors.number, rotors.low, rotors.high
     _write_problem(rotors, wrench, start, s)
@@ -129,7 +121,7 @@ def allocate(
 
 
 def _write_problem(rotors: Rotors, wrench: Wrench, start: PerRotor, s: Scratch) -> None:
-    """Write the problem: stiffness, target, thrusts within their limits, and which are free."""
+    """Write stiffness, target, start thrusts within their limits, and the free rotors."""
     count, columns, low, high = rotors.number, rotors.allocation, rotors.low, rotors.high
     weights, ridge = rotors.weights, 0.0
     for j in range(count):
@@ -145,7 +137,7 @@ def _write_problem(rotors: Rotors, wrench: Wrench, start: PerRotor, s: Scratch) 
 
 
 def _write_gradient(count: int, s: Scratch) -> None:
-    """Write minus the gradient: where each thrust would go."""
+    """Write the negative gradient."""
     for j in range(count):
         pull = s[TARGET + j]
         for i in range(count):
@@ -154,7 +146,7 @@ def _write_gradient(count: int, s: Scratch) -> None:
 
 
 def _solve_step(count: int, s: Scratch) -> None:
-    """Write the step to the minimum over the free thrusts; 0 for the others (elimination)."""
+    """Write the step to the minimum over the free thrusts by Gaussian elimination; else 0."""
     for j in range(count):
         s[RIGHT + j] = s[PULL + j]
         s[STEP + j] = 0.0
@@ -178,7 +170,7 @@ def _solve_step(count: int, s: Scratch) -> None:
 
 
 def _limit_step(rotors: Rotors, s: Scratch) -> tuple[float, int]:
-    """Return the share of a step that no limit forbids, and the rotor at whose it ends or -1."""
+    """Return the feasible share of a step, and the rotor that limits it (-1: none)."""
     share, stop = 1.0, -1
     for j in range(rotors.number):
         step = s[STEP + j]
@@ -189,12 +181,13 @@ def _limit_step(rotors: Rotors, s: Scratch) -> tuple[float, int]:
 
 
 def _find_rotor_to_free(rotors: Rotors, s: Scratch) -> int:
-    """Return the rotor that most wants to leave its limit, or -1."""
+    """Return the rotor with the largest pull away from its limit, or -1."""
     most, found = INWARD, -1
     for j in range(rotors.number):
         stiffness = s[STIFFNESS + SLOTS * j + j]
         if s[FREE + j] > 0.0 or stiffness <= 0.0:
             continue
+        # Divided by the stiffness, the pull is in newtons of thrust and comparable between rotors.
         inward = s[PULL + j] if s[THRUSTS + j] <= rotors.low[j] else -s[PULL + j]
         if inward / stiffness > most:
             most, found = inward / stiffness, j
@@ -202,7 +195,7 @@ def _find_rotor_to_free(rotors: Rotors, s: Scratch) -> int:
 
 
 def _read_solution(rotors: Rotors, s: Scratch) -> tuple[PerRotor, Wrench]:
-    """Return the thrusts, 0 in empty slots, and B times them."""
+    """Return the thrusts (0 in unused slots) and B times them."""
     for axis in range(AXES):
         s[GIVEN + axis] = 0.0
     for j in range(rotors.number):
@@ -211,7 +204,7 @@ def _read_solution(rotors: Rotors, s: Scratch) -> tuple[PerRotor, Wrench]:
     for j in range(rotors.number, SLOTS):
         s[THRUSTS + j] = 0.0
     t, g = THRUSTS, GIVEN
-    # Tuples of fixed length, so that this compiles.
+    # The compiler needs tuples of fixed length.
     return (s[t], s[t + 1], s[t + 2], s[t + 3], s[t + 4], s[t + 5], s[t + 6], s[t + 7]), (
         s[g], s[g + 1], s[g + 2], s[g + 3], s[g + 4], s[g + 5],
     )  # fmt: skip
@@ -225,25 +218,15 @@ def _weighted_product(weights: Wrench, p: Column, q: Column) -> float:
 
 
 def thrust_to_duty(thrust: float, a: float, b: float) -> float:
-    """
-    Return the duty that gives a thrust: the inverse of T = a u^2 + b u, odd in T.
-
-    Parameters
-    ----------
-    thrust : float
-        Wanted thrust. [N]
-    a, b : float
-        Thrust curve. [N]
-
-    """
+    """Return the duty for a thrust [N]: the inverse of T = a u^2 + b u, odd in T."""
     size = abs(thrust)
     root = math.sqrt(b * b + 4.0 * a * size)
-    # The rationalised form: no cancellation at small thrusts, and a = 0 is allowed.
+    # Rationalised form: no cancellation at small thrusts, and a = 0 is allowed.
     return math.copysign(2.0 * size / (b + root), thrust) if size > 0.0 else 0.0
 
 
 def thrusts_to_duties(rotors: Rotors, thrusts: PerRotor) -> PerRotor:
-    """Return the duty of each slot that gives its thrust. [N] to [1]."""
+    """Return the duty of each slot for its thrust. [N] to [1]."""
     return (
         _slot_duty(rotors, thrusts[0], 0),
         _slot_duty(rotors, thrusts[1], 1),

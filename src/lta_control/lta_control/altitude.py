@@ -1,9 +1,9 @@
 """
-Altitude from range, pressure and vertical acceleration.
+Estimate altitude and climb rate from range, pressure and vertical acceleration.
 
 A Kalman filter with three states: height of the hull centre above the floor, climb rate, and the
-offset of the pressure height, which weather and temperature move slowly. Range fixes the height
-while the floor is in reach; pressure carries on when it is not.
+offset of the pressure height, which drifts slowly with weather and temperature. The range finder
+gives the height while the floor is within its range; beyond that the filter relies on pressure.
 """
 
 from typing import NamedTuple
@@ -12,13 +12,17 @@ from lta_config.settings import setting, Settings
 
 
 class AltitudeSettings(Settings):
-    """What the filter believes of its inputs."""
+    """Noise of the altitude filter's inputs."""
 
     acceleration_noise: float = setting(
         0.15, 'Error of the vertical acceleration.', unit='m/s2', low=1e-3, high=10.0
     )
     offset_walk: float = setting(
-        0.02, 'Wander of the pressure height in one second.', unit='m/s^0.5', low=0.0, high=1.0
+        0.02,
+        'Random walk of the pressure height in one second.',
+        unit='m/s^0.5',
+        low=0.0,
+        high=1.0,
     )
     range_noise: float = setting(0.01, 'Error of the range.', unit='m', low=1e-3, high=1.0)
     pressure_noise: float = setting(
@@ -41,17 +45,9 @@ def predict_altitude(
     """
     Return the estimate one step later.
 
-    Parameters
-    ----------
-    state : Altitude
-        Before the step.
-    acceleration : float
-        Measured upward acceleration, gravity removed. [m/s2]
-    noise, walk : float
-        Standard deviations of the acceleration [m/s2] and of the offset's walk [m/s^0.5].
-    dt : float
-        Time step. [s]
-
+    `acceleration` is the measured upward acceleration without gravity. [m/s2] `noise` and `walk`
+    are the standard deviations of the acceleration [m/s2] and of the offset's random walk
+    [m/s^0.5].
     """
     p00, p01, p02, p11, p12, p22 = state.p
     q = noise * noise
@@ -77,22 +73,14 @@ def correct_altitude(
     """
     Return the estimate after one measurement of the height.
 
-    Parameters
-    ----------
-    state : Altitude
-        Before the measurement.
-    measured : float
-        Height of the hull centre by this sensor. [m]
-    noise : float
-        Standard deviation. [m]
-    with_offset : bool
-        Whether the sensor reads height plus the pressure offset.
-
+    `measured` is the height of the hull centre by this sensor and `noise` its standard deviation.
+    [m] `with_offset` is True where the sensor measures height plus the pressure offset.
     """
     p00, p01, p02, p11, p12, p22 = state.p
     c = 1.0 if with_offset else 0.0
     h0, h1, h2 = p00 + c * p02, p01 + c * p12, p02 + c * p22  # P H^T
     size = h0 + c * h2 + noise * noise
+    # Kalman gain; `size` is the innovation variance.
     k0, k1, k2 = h0 / size, h1 / size, h2 / size
     error = measured - state.height - c * state.offset
     return AltitudeEstimate(

@@ -1,10 +1,10 @@
 """
-Attitude from gyroscope and accelerometer.
+Estimate the attitude from gyroscope and accelerometer.
 
 A complementary filter on the rotation group (Mahony, Hamel and Pflimlin 2008,
-doi:10.1109/TAC.2008.923738), without its bias estimate: the bias is measured at rest before
-take-off. Gravity corrects roll and pitch; nothing on board corrects heading, which drifts with
-the gyroscope.
+doi:10.1109/TAC.2008.923738) without its bias estimate, because the bias is measured at rest
+before take-off. Gravity corrects roll and pitch. No onboard sensor corrects the heading, which
+drifts with the gyroscope.
 """
 
 import math
@@ -29,27 +29,17 @@ def attitude_step(
     q: Quaternion, rates: Vector, force: Vector, gain: float, dt: float
 ) -> Quaternion:
     """
-    Return the attitude one step later.
+    Return the attitude one step later, as a body-to-odom quaternion x, y, z, w.
 
-    Parameters
-    ----------
-    q : tuple
-        Body to odom, x y z w.
-    rates : tuple
-        Angular rates, bias removed, body frame. [rad/s]
-    force : tuple
-        Specific force, bias removed, body frame; +g up at rest. [m/s2]
-    gain : float
-        How fast gravity pulls roll and pitch. [1/s]
-    dt : float
-        Time step. [s]
-
+    `rates` [rad/s] and the specific force `force` [m/s2, +g up at rest] are in the body frame
+    with the bias removed. `gain` is the rate at which gravity corrects roll and pitch. [1/s]
     """
     fx, fy, fz = force
     size = math.sqrt(fx * fx + fy * fy + fz * fz)
     ux, uy, uz = up_in_body(q)
     wx, wy, wz = rates
     if size > 0.0:
+        # Correction: cross product of measured and estimated up direction.
         k = gain / size
         wx += k * (fy * uz - fz * uy)
         wy += k * (fz * ux - fx * uz)
@@ -60,5 +50,6 @@ def attitude_step(
     ny = y + h * (w * wy + z * wx - x * wz)
     nz = z + h * (w * wz + x * wy - y * wx)
     nw = w - h * (x * wx + y * wy + z * wz)
+    # Renormalise, since the Euler step leaves the unit sphere.
     norm = math.sqrt(nx * nx + ny * ny + nz * nz + nw * nw)
     return nx / norm, ny / norm, nz / norm, nw / norm

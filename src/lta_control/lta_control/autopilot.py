@@ -1,8 +1,7 @@
 """
-Estimator and controller of one drone, compiled, for loops in one process.
+Run the estimator and the cascade controller of one drone, compiled, in one process.
 
-What the drone remembers stands in one array, which each step overwrites; parts of it are read out
-when somebody asks.
+The state is kept in one array, which each step overwrites. Properties read parts of it on demand.
 """
 
 import math
@@ -44,21 +43,9 @@ def build_drone_constants(
     tilt_limit: float = TILT_LIMIT,
 ) -> DroneConstants:
     """
-    Return what stays the same during a flight.
+    Return the values that stay constant during a flight.
 
-    Parameters
-    ----------
-    vehicle : Vehicle
-        The drone.
-    estimator : EstimatorSettings
-        Of the filters.
-    gains : CascadeGains
-        Of all loops.
-    dt : float
-        Control period. [s]
-    tilt_limit : float
-        Tilt beyond which the motors stop. [rad]
-
+    `dt` is the control period. [s] The motors stop beyond `tilt_limit`. [rad]
     """
     return DroneConstants(
         estimator,
@@ -73,15 +60,7 @@ def build_drone_constants(
 
 @final
 class Autopilot:
-    """
-    Estimate and control, step by step.
-
-    Parameters
-    ----------
-    drone : Drone
-        What stays the same.
-
-    """
+    """Estimate and control step by step."""
 
     def __init__(self, drone: DroneConstants) -> None:
         layout = TupleLayout(drone)
@@ -97,27 +76,22 @@ class Autopilot:
         self, rates: Vector, force: Vector, distance: float = math.nan, pressure: float = math.nan
     ) -> tuple[float, ...]:
         """
-        Return the duties after one more period, by rotor.
+        Return the duties by rotor after one more control period.
 
-        Parameters
-        ----------
-        rates, force : tuple
-            Measured angular rates [rad/s] and specific force [m/s2], body frame.
-        distance, pressure : float
-            Measured range [m] and pressure [Pa]; NaN where none has come.
-
+        `rates` [rad/s] and specific force `force` [m/s2] are measured in the body frame; range
+        `distance` [m] and `pressure` [Pa] are NaN where there is no new measurement.
         """
         self._pack(self._heard.data, 0, *rates, *force, distance, pressure)
         self._step(self._constants, self._memory, self._heard, self._scratch)
         return self.duties
 
     def set_setpoint(self, setpoint: Setpoint) -> None:
-        """Take a setpoint, which the next step follows."""
+        """Set the setpoint for the next step."""
         self._memory[SETPOINT] = setpoint
         self._memory[GUIDED] = 1.0
 
     def override_duties(self, duties: tuple[float, ...]) -> None:
-        """Know what the rotors were told in place of the newest duties."""
+        """Record the duties that the rotors really received instead of the computed ones."""
         self._memory[DUTIES.start : DUTIES.start + self._count] = duties
 
     @property
@@ -140,21 +114,21 @@ class Autopilot:
 
     @property
     def measurement(self) -> CascadeMeasurement | None:
-        """What the controller acts on; None while the estimator is learning."""
+        """The controller's input; None while the estimator calibrates."""
         if not self._memory[READY]:
             return None
         return CascadeMeasurement(*self._memory[MEASURED].tolist())
 
     @property
     def estimate(self) -> MotionEstimate:
-        """All that the estimator remembers."""
+        """The estimator's full state."""
         return ESTIMATE.read(self._memory[ESTIMATED])
 
     def copy_estimate(self) -> Array:
-        """Return the numbers of the estimate, in the order of `ESTIMATE`; the caller's own."""
+        """Return a copy of the estimate as numbers, in the order of `ESTIMATE`."""
         return self._memory[ESTIMATED].copy()
 
     @property
     def memory(self) -> OnboardMemory:
-        """All that is remembered."""
+        """The full state of estimator and controller."""
         return MEMORY.read(self._memory)

@@ -1,10 +1,10 @@
 """
-What the drone learns at rest on level ground.
+Calibrate the sensor biases while the drone is at rest on level ground.
 
-The means of what the IMU reads while nothing moves are its biases; the mean pressure, taken down
-to the floor, is the zero of the pressure height. Who is moved meanwhile begins anew. A drone that
-floats sways: what it may is more than wind does to one that stands on the floor (6 deg/s and
-0.03 g off the mean in a gusty hall), and its mean is then nearly that of one at rest.
+The mean IMU readings at rest are the biases. The mean pressure, reduced to the floor, is the zero
+of the pressure height. The calibration restarts when the drone is moved. A floating drone sways,
+so the limits are above what wind does to a drone that stands on the floor (6 deg/s and 0.03 g off
+the mean in a gusty hall). Its mean is then nearly that of a drone at rest.
 """
 
 import math
@@ -13,16 +13,16 @@ from typing import Final, NamedTuple
 from lta_config.constants import STANDARD_GRAVITY
 from lta_control.attitude import Vector
 
-MOVED_RATE: Final = math.radians(10.0)  # rad/s off the mean; a hand turns it by more
+MOVED_RATE: Final = math.radians(10.0)  # rad/s off the mean; a hand turns it faster
 MOVED_FORCE: Final = 0.1 * STANDARD_GRAVITY  # m/s2 off the mean
-# Three times what the data sheet of the IMU allows, about the bias that the vehicle file tells:
-# more is a drone that turns, or stands tilted.
+# Three times the IMU data sheet's bias range, around the bias in the vehicle file. A larger
+# value means that the drone turns or is tilted.
 MOST_RATE: Final = math.radians(3.0)  # rad/s
 MOST_FORCE: Final = 0.06 * STANDARD_GRAVITY  # m/s2
 
 
 class RestSums(NamedTuple):
-    """Sums gathered at rest; the mean of each is a bias."""
+    """Sums of the samples at rest; their means are the biases."""
 
     samples: int = 0
     rates: Vector = (0.0, 0.0, 0.0)
@@ -32,7 +32,7 @@ class RestSums(NamedTuple):
 
 
 class SensorBiases(NamedTuple):
-    """What the sensors read at rest beyond the truth."""
+    """Sensor readings at rest minus the true values."""
 
     rates: Vector = (0.0, 0.0, 0.0)  # [rad/s]
     force: Vector = (0.0, 0.0, 0.0)  # [m/s2]
@@ -41,32 +41,26 @@ class SensorBiases(NamedTuple):
 
 def rest_step(rest: RestSums, rates: Vector, force: Vector, pressure: float) -> RestSums:
     """
-    Return the sums with one more sample; of that one alone where the drone has been moved.
+    Return the sums with one more sample; restart with that sample if the drone was moved.
 
-    Parameters
-    ----------
-    rest : Rest
-        The sums so far.
-    rates, force : tuple
-        Measured angular rates [rad/s] and specific force [m/s2], body frame.
-    pressure : float
-        Measured pressure, NaN where none has come. [Pa]
-
+    `rates` [rad/s] and specific force `force` [m/s2] are in the body frame; `pressure` is NaN
+    where there is no measurement. [Pa]
     """
     before = reset_unless_still(rest, not _is_disturbed(rest, rates, force))
     w, f, air = before.rates, before.force, before.pressure
-    heard = math.isfinite(pressure)
+    has_pressure = math.isfinite(pressure)
     return RestSums(
         before.samples + 1,
         (w[0] + rates[0], w[1] + rates[1], w[2] + rates[2]),
         (f[0] + force[0], f[1] + force[1], f[2] + force[2]),
-        air + pressure if heard else air,
-        before.pressures + (1 if heard else 0),
+        air + pressure if has_pressure else air,
+        before.pressures + (1 if has_pressure else 0),
     )
 
 
 def reset_unless_still(rest: RestSums, still: bool) -> RestSums:
-    """Return the sums, or none where the rest begins anew; products, so that types stay."""
+    """Return the sums, or zeros if `still` is False."""
+    # Multiplied rather than branched, so that the compiled types stay the same.
     one = 1 if still else 0
     w, f = rest.rates, rest.force
     return RestSums(
@@ -79,7 +73,7 @@ def reset_unless_still(rest: RestSums, still: bool) -> RestSums:
 
 
 def _is_disturbed(rest: RestSums, rates: Vector, force: Vector) -> bool:
-    """Tell whether a sample lies farther off the means so far than a drone at rest sways."""
+    """Return whether a sample is farther from the running mean than swaying at rest explains."""
     if rest.samples == 0:
         return False
     n = 1.0 * rest.samples
@@ -98,43 +92,30 @@ def _exceeds_limit(sample: Vector, sums: Vector, n: float, limit: float) -> bool
 
 def is_turning(biases: SensorBiases, expected: Vector) -> bool:
     """
-    Tell whether the rates are a turn: no gyroscope is so far off what is told of it.
+    Return whether the mean rates are too large for a gyroscope bias.
 
-    Parameters
-    ----------
-    biases : Biases
-        The means at rest.
-    told : tuple of float
-        The bias that the vehicle file gives the gyroscope. [rad/s]
-
+    `expected` is the gyroscope bias in the vehicle file. [rad/s]
     """
     return largest_deviation(biases.rates, expected) > MOST_RATE
 
 
 def is_tilted(biases: SensorBiases, expected: Vector) -> bool:
-    """Tell whether the force is that of a tilt; `told` as in `is_turning`, in m/s2."""
+    """Return whether the mean force indicates a tilt; `expected` as in `is_turning`. [m/s2]"""
     return largest_deviation(biases.force, expected) > MOST_FORCE
 
 
 def largest_deviation(measured: Vector, expected: Vector) -> float:
-    """Return how far a mean is off what is told of it, on the worst axis; unit as they have."""
+    """Return the largest difference from the expected values over the axes, in their unit."""
     x, y, z = measured[0] - expected[0], measured[1] - expected[1], measured[2] - expected[2]
     return max(abs(x), abs(y), abs(z))
 
 
 def compute_biases(rest: RestSums, height: float, air_density: float) -> SensorBiases:
     """
-    Return the biases that the means give; the ground counts as level.
+    Return the biases from the means, assuming level ground.
 
-    Parameters
-    ----------
-    rest : Rest
-        Sums with at least one sample and one pressure.
-    height : float
-        Of the hull centre above the floor. [m]
-    air_density : float
-        For the pressure at the floor. [kg/m3]
-
+    `rest` has at least one sample and one pressure. `height` is that of the hull centre above the
+    floor [m], and `air_density` [kg/m3] gives the pressure at the floor.
     """
     n = 1.0 * rest.samples
     return SensorBiases(

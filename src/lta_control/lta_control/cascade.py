@@ -2,8 +2,8 @@
 The cascaded controller of the paper: position loops outside, velocity loops inside.
 
 Altitude -> climb rate -> vertical force; heading -> yaw rate -> yaw moment; forward airspeed ->
-surge force with the drag at the wanted speed fed forward, and a share of the pitch rate, since
-what pushes below the hull also pitches it. All pure functions of scalars and
+surge force. The drag at the wanted speed is fed forward. A pitch-rate term is added to the surge
+force, because thrust below the hull also pitches it. All functions are pure, on scalars and
 tuples: memory in, memory out.
 """
 
@@ -13,49 +13,57 @@ from typing import NamedTuple
 from lta_config.settings import setting, Settings
 from lta_control.pid import pid_step, PidGains
 
-SOON = 1.0  # s; how far ahead a climb counts as height
-LEAST_PUSH = 0.3
-SLOPE_TIME = 0.1  # s; noise of the rates against delay of the derivative terms
+SOON = 1.0  # s; look-ahead: climb rate times this counts as height
+LEAST_PUSH = 0.3  # share of the surge force that always remains (tuned)
+SLOPE_TIME = 0.1  # s; filter of the derivative terms: less noise against more delay
 
 
 class CascadeGains(Settings):
-    """Gains of all loops; the values are a vehicle's, from `config/control/`."""
+    """Gains of all loops; each vehicle has its values in `config/control/`."""
 
     altitude_kp: float = setting(
-        ..., 'Climb rate asked for each metre below.', unit='1/s', low=0.0, high=10.0
+        ..., 'Climb rate per metre of altitude error.', unit='1/s', low=0.0, high=10.0
     )
     climb_limit: float = setting(..., 'Largest climb rate.', unit='m/s', low=0.01, high=2.0)
     climb: PidGains = setting(..., 'Climb rate to vertical force, N per m/s.')
     heading_kp: float = setting(
-        ..., 'Yaw rate asked for each radian of error.', unit='1/s', low=0.0, high=10.0
+        ..., 'Yaw rate per radian of heading error.', unit='1/s', low=0.0, high=10.0
     )
     yaw_rate_limit: float = setting(..., 'Largest yaw rate.', unit='rad/s', low=0.01, high=6.0)
     yaw_rate: PidGains = setting(..., 'Yaw rate to yaw moment, N m per rad/s.')
     speed: PidGains = setting(..., 'Airspeed to surge force, N per m/s.')
     turn_first: float = setting(
         ...,
-        'Heading error at which forward flight waits for the turn.',
+        'Heading error at which forward thrust stops until the drone has turned.',
         unit='rad',
         low=0.05,
         high=10.0,
     )
     drift_gain: float = setting(
-        ..., 'Angle of the nose against sideways drift.', unit='rad s/m', low=0.0, high=20.0
+        ...,
+        'Angle of the nose into sideways drift, per drift speed.',
+        unit='rad s/m',
+        low=0.0,
+        high=20.0,
     )
     drift_limit: float = setting(..., 'Largest such angle.', unit='rad', low=0.0, high=1.5)
     speed_limit: float = setting(
-        ..., 'Largest forward airspeed; faster, the hull may rise.', unit='m/s', low=0.01, high=5.0
+        ...,
+        'Largest forward airspeed; at higher speed the hull may rise.',
+        unit='m/s',
+        low=0.01,
+        high=5.0,
     )
     rise_limit: float = setting(
         ...,
-        'Height above the wanted one at which the push forward is given up.',
+        'Height above the setpoint at which forward thrust is reduced to its minimum.',
         unit='m',
         low=0.05,
         high=100.0,
     )
     swing_gain: float = setting(
         ...,
-        'Surge force against the pitch rate: rotors below the hull stop its swing.',
+        'Surge force per pitch rate: rotors below the hull damp its swing.',
         unit='N s/rad',
         low=-1.0,
         high=1.0,
@@ -63,7 +71,7 @@ class CascadeGains(Settings):
 
 
 class CascadeMeasurement(NamedTuple):
-    """What the cascade acts on, from the estimator."""
+    """Input of the cascade from the estimator."""
 
     altitude: float  # of the hull centre above the floor [m]
     climb: float  # [m/s]
@@ -75,7 +83,7 @@ class CascadeMeasurement(NamedTuple):
 
 
 class Setpoint(NamedTuple):
-    """What the navigator asks for."""
+    """Setpoint from the navigator."""
 
     altitude: float  # [m]
     heading: float  # [rad]
@@ -83,7 +91,7 @@ class Setpoint(NamedTuple):
 
 
 class WrenchDemand(NamedTuple):
-    """Force and moment asked of the rotors, body frame."""
+    """Demanded force and moment of the rotors, body frame."""
 
     surge: float  # [N]
     heave: float  # [N]
@@ -91,14 +99,14 @@ class WrenchDemand(NamedTuple):
 
 
 class SlopeEstimate(NamedTuple):
-    """A measurement and its smoothed rate, for the derivative terms."""
+    """A measurement and its filtered rate, for the derivative terms."""
 
     value: float = math.nan  # NaN before the first measurement
     rate: float = 0.0
 
 
 class CascadeMemory(NamedTuple):
-    """Integral terms of the inner loops, and the slopes of what they measure."""
+    """Integral terms of the inner loops, and the filtered slopes of their measurements."""
 
     climb: float = 0.0  # [N]
     yaw_rate: float = 0.0  # [N m]
@@ -109,7 +117,7 @@ class CascadeMemory(NamedTuple):
 
 
 def slope_step(slope: SlopeEstimate, value: float, dt: float) -> SlopeEstimate:
-    """Return a slope after one more measurement: the difference behind a first-order filter."""
+    """Return the slope after one more measurement: a first-order filtered difference."""
     if math.isnan(slope.value):
         return SlopeEstimate(value, 0.0)
     share = dt / (SLOPE_TIME + dt)
@@ -122,12 +130,12 @@ def wrap_angle(angle: float) -> float:
 
 
 def drag_force(linear: float, quadratic: float, speed: float) -> float:
-    """Return the drag against a speed along one axis, paper F_D. [N]."""
+    """Return the drag at a speed along one axis, F_D of the paper. [N]."""
     return (linear + quadratic * abs(speed)) * speed
 
 
 def pid_gains(gains: PidGains) -> tuple[float, float, float, float, float]:
-    """Return a loop's gains as the tuple that `pid_step` takes."""
+    """Return the gains as the tuple that `pid_step` takes."""
     return gains.kp, gains.ki, gains.kd, -gains.limit, gains.limit
 
 
@@ -135,18 +143,18 @@ def steer_to_course(
     gains: CascadeGains, measured: CascadeMeasurement, setpoint: Setpoint
 ) -> tuple[float, float, float, float]:
     """
-    Return heading and speed to ask for, and how the drone stands to its course.
+    Return commanded heading and speed, and the motion relative to the course.
 
-    A round hull has no keel: turning the nose does not turn the motion. So the drone turns first
-    and flies then, and leans its nose against the drift that is left across the course. The rotors
-    push along the nose only: of what lacks along the course, just their share is theirs. A drone
-    that is to go nowhere has no course but its nose.
+    A round hull has no keel: turning the nose does not turn the motion. The drone therefore turns
+    before it accelerates, and points its nose into the remaining drift across the course. The
+    rotors push only along the nose, so only that share of the error along the course is
+    corrected. At zero commanded speed the course is the nose direction.
 
     Returns
     -------
     tuple of float
-        Heading [rad], forward speed [m/s], present airspeed along the course [m/s], and the share
-        of a push along the nose that goes along the course.
+        Heading [rad], forward speed [m/s], airspeed along the course [m/s], and the share of a
+        force along the nose that acts along the course.
 
     """
     moving = 1.0 if setpoint.speed > 0.0 else 0.0
@@ -174,24 +182,18 @@ def cascade_step(
     dt: float,
 ) -> tuple[WrenchDemand, CascadeMemory]:
     """
-    Return what the rotors should do, and the new memory.
+    Return the demand on the rotors, and the new memory.
 
     Parameters
     ----------
-    gains : CascadeGains
-        Gains of all loops.
     surge_drag : tuple
         Linear [N s/m] and quadratic [N s2/m2] drag along body x, for the feed-forward.
     lowest_heave : float
-        Strongest push downwards that the rotors have; 0 where gravity alone brings it down. [N]
+        Strongest downward rotor force; 0 where only gravity brings the drone down. [N]
     sink : float
-        Heave that comes with a newton of surge, negative where jets draw the hull down. [N/N]
-    memory : CascadeMemory
-        From the last step.
-    measured, setpoint : Measured, Setpoint
-        Where the drone is and where it should be.
-    shortfall : Demand
-        What the rotors gave beyond the last demand; negative when it was too much to ask.
+        Heave per newton of surge; negative where the jets pull the hull down. [N/N]
+    shortfall : WrenchDemand
+        Delivered minus demanded wrench of the last step; negative if too much was demanded.
     dt : float
         Time since the last step. [s]
 
@@ -218,6 +220,7 @@ def cascade_step(
         shortfall.surge,
         dt,
     )
+    # The feed-forward comes after the PID, so that its limit bounds the correction only.
     surge += drag_force(surge_drag[0], surge_drag[1], speed)
     surge *= _surge_share(gains, measured, setpoint)
     surge += gains.swing_gain * measured.pitch_rate
@@ -225,6 +228,7 @@ def cascade_step(
     climb = _clamp_symmetric(climb, gains.climb_limit)
     climbing = slope_step(memory.climbing, measured.climb, dt)
     kp, ki, kd, low, high = pid_gains(gains.climb)
+    # The jets' own downward pull extends the reachable heave.
     lowest = lowest_heave + min(sink * surge, 0.0)
     heave, climb_memory = pid_step(
         (kp, ki, kd, max(lowest, low), high),
@@ -241,10 +245,10 @@ def cascade_step(
 
 def _surge_share(gains: CascadeGains, measured: CascadeMeasurement, setpoint: Setpoint) -> float:
     """
-    Return the share of the surge force that is left to a drone above its altitude.
+    Return the share of the surge force that is left above the commanded altitude.
 
-    Pushed from below, a hull leans back and is lifted by what pushes it. Height goes first: above
-    it winds are stronger, and nothing but weight brings the drone down again.
+    A hull pushed from below leans back and is lifted by the thrust. Altitude has priority: wind
+    is stronger higher up, and only weight brings the drone down again.
     """
     above = measured.altitude - setpoint.altitude + SOON * measured.climb
     return min(max(1.0 - above / gains.rise_limit, LEAST_PUSH), 1.0)

@@ -1,8 +1,8 @@
 """
-One step of control: from estimate and setpoint to duties.
+Compute the duties from estimate and setpoint.
 
-The cascade asks, the allocation gives what the rotors can, and what is missing goes back to the
-cascade, so that no integral winds up against a rotor at its limit.
+The cascade demands a wrench and the allocation delivers what the rotors can. The shortfall goes
+back to the cascade, so that no integral winds up while a rotor is at its limit.
 """
 
 from typing import NamedTuple
@@ -18,13 +18,13 @@ from lta_control.cascade import (
 )
 from lta_control.per_rotor import NONE, PerRotor
 
-FOOT = 0.03  # m above its standing height that still count as standing
+FOOT = 0.03  # m; tolerance above the standing height
 STILL = 0.05  # m/s
-TILT_LIMIT = 1.0  # rad; beyond it the drone has turned over and the motors stop
+TILT_LIMIT = 1.0  # rad; beyond it the drone counts as overturned and the motors stop
 
 
 class ControlMemory(NamedTuple):
-    """What control remembers from step to step."""
+    """Controller state between steps."""
 
     cascade: CascadeMemory = CascadeMemory()
     thrusts: PerRotor = NONE
@@ -44,23 +44,8 @@ def control_step(
     """
     Return the duty of each slot and the new memory.
 
-    Parameters
-    ----------
-    gains : CascadeGains
-        Of all loops.
-    rotors : Rotors
-        What the rotors can do.
-    surge_drag : tuple
-        Linear [N s/m] and quadratic [N s2/m2] drag along body x.
-    memory : ControlMemory
-        From the last step.
-    measured, setpoint : Measured, Setpoint
-        Where the drone is and where it should be.
-    dt : float
-        Time since the last step. [s]
-    scratch : sequence of float
-        Numbers that the allocation may write on.
-
+    `surge_drag` is the linear [N s/m] and quadratic [N s2/m2] drag along body x, `dt` the time
+    since the last step [s], `scratch` the working array of `allocate`.
     """
     demand, cascade = cascade_step(
         gains,
@@ -73,6 +58,7 @@ def control_step(
         memory.shortfall,
         dt,
     )
+    # Surge, heave and yaw only: sway, roll and pitch are not controlled.
     wrench = (demand.surge, 0.0, demand.heave, 0.0, 0.0, demand.yaw)
     thrusts, given = allocate(rotors, wrench, memory.thrusts, scratch)
     shortfall = WrenchDemand(
@@ -83,15 +69,9 @@ def control_step(
 
 def has_landed(measured: CascadeMeasurement, setpoint: Setpoint, standing_height: float) -> bool:
     """
-    Tell whether the drone stands on the floor and is asked to be no higher.
+    Return whether the drone stands on the floor and its setpoint is no higher.
 
-    Parameters
-    ----------
-    measured, setpoint : Measured, Setpoint
-        Where the drone is and where it should be.
-    standing : float
-        Altitude of the hull centre when the drone stands. [m]
-
+    `standing_height` is the altitude of the hull centre when the drone stands. [m]
     """
     down = measured.altitude < standing_height + FOOT and abs(measured.climb) < STILL
     return down and setpoint.altitude <= standing_height
@@ -99,10 +79,11 @@ def has_landed(measured: CascadeMeasurement, setpoint: Setpoint, standing_height
 
 def step_duration(last_ns: int | None, now_ns: int, period_ns: int) -> float:
     """
-    Return the time for one step: between the stamps, up to ten periods. [s]
+    Return the duration of one step from two stamps, at most ten periods. [s]
 
-    Best-effort messages may be lost, and a first one has none before it. One that is no newer than
-    the last counts as a tenth of a period: time must go on, but hardly.
+    Best-effort messages may be lost, and the first one has no predecessor: it counts as one
+    period. A stamp that is not newer than the last counts as a tenth of a period, so that time
+    still advances.
     """
     if last_ns is None:
         return period_ns * 1e-9

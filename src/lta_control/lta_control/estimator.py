@@ -1,12 +1,12 @@
 """
-The drone's own idea of its motion, from its sensors and commands only.
+Estimate the drone's motion from its own sensors and commands.
 
-At rest on level ground it first learns the biases of the IMU and the pressure of the floor
-(`rest_time`), and anew where it is moved meanwhile. Where the biases are more than the sensor's,
-it waits for others. A tilt is taken in the end, since a drone out of balance stands tilted; a turn
-never is, since what turns does not rest, and would turn in its own eyes ever after. Then attitude,
-altitude and airspeed are filtered step by step. Position is dead reckoning through the air and
-says so by its covariance.
+At rest on level ground the estimator first calibrates the IMU biases and the floor pressure
+(`rest_time`), and starts again if the drone is moved. It waits while the biases are larger than
+the sensor allows. After `PATIENCE` rest times it accepts a tilt, since an unbalanced drone stands
+tilted, but never a turn: a false yaw bias would turn the estimate for the rest of the flight.
+Then it filters attitude, altitude and airspeed at each step. The position is dead reckoning
+through the air, and its covariance grows accordingly.
 """
 
 import math
@@ -34,21 +34,21 @@ from lta_control.bias_calibration import (
 )
 from lta_control.per_rotor import NONE, PerRotor
 
-PATIENCE = 5.0  # rest times unmoved, after which a tilt is taken, and a turn refused
+PATIENCE = 5.0  # rest times without motion, after which a tilt is accepted and a turn refused
 
 
 class EstimatorSettings(Settings):
-    """How the filters weigh what they hear."""
+    """Settings of the estimator's filters."""
 
     rest_time: float = setting(
-        2.0, 'Time at rest for learning the biases.', unit='s', low=0.1, high=60.0, fixed=True
+        2.0, 'Time at rest for calibrating the biases.', unit='s', low=0.1, high=60.0, fixed=True
     )
     gravity_gain: float = setting(
         0.1, 'How fast gravity corrects roll and pitch.', unit='1/s', low=0.0, high=5.0
     )
     accelerometer_trust: float = setting(
         1.0,
-        'Time over which integrated acceleration is believed against the drag model.',
+        'Time constant with which the airspeed returns to the drag model.',
         unit='s',
         low=0.05,
         high=60.0,
@@ -65,26 +65,24 @@ class EstimatorSettings(Settings):
 
 class EstimatorModel(NamedTuple):
     """
-    What the estimator knows of the vehicle.
+    Vehicle data for the estimator.
 
     Attributes
     ----------
-    hull : Hull
-        The drag model.
     standing_height : float
-        Of the hull centre above the floor while the vehicle stands on it. [m]
+        Height of the hull centre above the floor while the vehicle stands on it. [m]
     imu_position, range_position : tuple
-        Where the sensors sit, body frame. [m]
+        Sensor positions, body frame. [m]
     number : int
-        Rotors, 1 to 8.
+        Number of rotors, 1 to 8.
     allocation : tuple of tuple of float
-        B: one column a slot. [N/N, m]
+        B: one column per slot. [N/N, m]
     a, b : tuple of float
         Thrust curve T = a u^2 + b u by slot. [N]
     lag_up, lag_down : float
         Time constants of the motors. [s]
     rate_bias, force_bias : tuple
-        Biases of the IMU that are told of it: what is learned lies about them. [rad/s, m/s2]
+        IMU biases in the vehicle file; the calibrated ones are expected near them. [rad/s, m/s2]
 
     """
 
@@ -104,9 +102,9 @@ class EstimatorModel(NamedTuple):
 
 class MotionEstimate(NamedTuple):
     """
-    Everything the estimator remembers; nothing but `rest` and the height until it is ready.
+    Full state of the estimator; before `ready`, only `rest` and the height are valid.
 
-    Until then `biases` are the last ones that were refused.
+    Until then `biases` are the last rejected ones.
     """
 
     ready: bool = False  # whether the biases are known
@@ -117,16 +115,16 @@ class MotionEstimate(NamedTuple):
     altitude: AltitudeEstimate = AltitudeEstimate()
     airspeed: AirspeedEstimate = AirspeedEstimate()
     position: tuple[float, float] = (0.0, 0.0)
-    duties: PerRotor = NONE  # that the motors have reached
-    flown: float = 0.0  # time since the rest ended [s]
+    duties: PerRotor = NONE  # reached by the motors
+    flown: float = 0.0  # time since the calibration ended [s]
 
 
 class EstimatorInputs(NamedTuple):
-    """One step's measurements; NaN where nothing has come."""
+    """Measurements of one step; NaN where there is none."""
 
     rates: Vector  # [rad/s]
     force: Vector  # specific force [m/s2]
-    range: float  # [m]; infinite where nothing is in reach
+    range: float  # [m]; infinite where nothing is in range
     pressure: float  # [Pa]
     duties: PerRotor  # the newest command
 
@@ -138,7 +136,7 @@ def estimator_step(
     inputs: EstimatorInputs,
     dt: float,
 ) -> MotionEstimate:
-    """Return the estimate after one IMU sample and whatever else has come with it."""
+    """Return the estimate after one IMU sample and the other measurements of the step."""
     if not state.ready:
         return _calibrate_at_rest(settings, body, state, inputs, dt)
     rates = _subtract_vectors(inputs.rates, state.biases.rates)
@@ -183,20 +181,23 @@ def _calibrate_at_rest(
     inputs: EstimatorInputs,
     dt: float,
 ) -> MotionEstimate:
-    """Gather means while the drone stands still, until the rest is over."""
+    """Accumulate means while the drone stands still, until the calibration is complete."""
     rest = rest_step(state.rest, inputs.rates, inputs.force, inputs.pressure)
     rested = rest.samples * dt
-    # The gear's height is known better than a range finder this near to the floor tells it.
+    # The landing gear's height is more accurate than a range finder so near to the floor.
     height = body.standing_height
     altitude = correct_altitude(state.altitude, height, settings.altitude.range_noise, False)
     ready, biases = False, state.biases
     if rested >= settings.rest_time and rest.pressures > 0:
-        found = compute_biases(rest, height, settings.air_density)
-        turns, long = is_turning(found, body.rate_bias), rested >= PATIENCE * settings.rest_time
-        ready = not turns and (long or not is_tilted(found, body.force_bias))
+        candidate = compute_biases(rest, height, settings.air_density)
+        turns, long = (
+            is_turning(candidate, body.rate_bias),
+            rested >= PATIENCE * settings.rest_time,
+        )
+        ready = not turns and (long or not is_tilted(candidate, body.force_bias))
         if ready or long:
-            biases = found
-        # What has turned until now says nothing of when it stands.
+            biases = candidate
+        # Samples from a turning drone are useless for the rest: start again.
         rest = reset_unless_still(rest, ready or not long)
     return MotionEstimate(
         ready,
@@ -222,10 +223,10 @@ def _add_vectors(a: Vector, b: Vector) -> Vector:
 
 def _lever_arm_acceleration(place: Vector, rates: Vector, before: Vector, dt: float) -> Vector:
     """
-    Return what the IMU feels beyond the hull centre: w' x r + w x (w x r). [m/s2].
+    Return the acceleration of the IMU relative to the hull centre: w' x r + w x (w x r). [m/s2].
 
-    The difference of noisy rates is no good acceleration, but the filters integrate it, and its
-    sum is w x r again. Without it, every swing of the gondola reads as speed of the hull.
+    Differentiated rates are too noisy as an acceleration, but the filters integrate them back to
+    w x r. Without this term, each swing of the gondola would appear as hull speed.
     """
     turning = (
         (rates[0] - before[0]) / dt,
@@ -259,6 +260,7 @@ def _update_altitude(
         drop = state.biases.pressure - inputs.pressure
         height = drop / (settings.air_density * STANDARD_GRAVITY)
         altitude = correct_altitude(altitude, height, weights.pressure_noise, True)
+    # Beyond 60 degrees of tilt the beam no longer points at the floor.
     if math.isfinite(inputs.range) and up[2] > 0.5:
         px, py, pz = body.range_position
         below = px * up[0] + py * up[1] + pz * up[2]
@@ -271,7 +273,7 @@ def _update_altitude(
 def _lag_duties(
     body: EstimatorModel, before: PerRotor, commanded: PerRotor, dt: float
 ) -> PerRotor:
-    """Return the duties that the motors have reached, by the nominal lag."""
+    """Return the duties reached by the motors, with the nominal lag."""
     up, down = _lag_share(body.lag_up, dt), _lag_share(body.lag_down, dt)
     return (
         _follow_command(before[0], commanded[0], up, down),
@@ -286,7 +288,7 @@ def _lag_duties(
 
 
 def _lag_share(lag: float, dt: float) -> float:
-    """Return the share of a step that a motor takes in a time."""
+    """Return the share of the remaining difference that a motor covers in `dt`."""
     return 1.0 - math.exp(-dt / lag) if lag > 0.0 else 1.0
 
 

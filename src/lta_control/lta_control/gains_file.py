@@ -1,4 +1,4 @@
-"""The gains of a vehicle, from the ROS parameter file that its controller gets."""
+"""Load the gains of a vehicle from its controller's ROS parameter file."""
 
 from typing import TypeVar
 
@@ -13,18 +13,18 @@ Gains = TypeVar('Gains', bound=Settings)
 
 
 def load_gains(name: str) -> CascadeGains:
-    """Return the gains of the cascade, see `load_law_gains`."""
+    """Load the gains of the cascade, see `load_law_gains`."""
     return load_law_gains(CascadeGains, name)
 
 
 def load_law_gains(kind: type[Gains], name: str) -> Gains:
     """
-    Return the gains of a shipped vehicle or of a parameter file.
+    Load the gains of a shipped vehicle or of a parameter file.
 
     Parameters
     ----------
     kind : type of Settings
-        What the control law calls its gains.
+        Gains class of the control law.
     name : str
         A shipped name or a path.
 

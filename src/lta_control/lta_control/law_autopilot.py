@@ -1,9 +1,9 @@
 """
-Estimator and control law of one drone, compiled, for loops in one process.
+Run the estimator and any control law of one drone, compiled, in one process.
 
-`lta_control.autopilot` is the same for the cascade alone, in one function. A law that flies by a
-tracker gets its pose and velocity from there, in a frame that begins where the tracker first saw
-the vehicle, and its rates from the drone's own gyroscope.
+`lta_control.autopilot` does the same for the cascade alone, in one function. A law with tracker
+feedback gets pose and velocity from the tracker, in a frame that begins at the vehicle's first
+tracked position, and its rates from the onboard gyroscope.
 """
 
 from collections.abc import Callable
@@ -26,8 +26,7 @@ from lta_control.estimator import (
 )
 from lta_control.laws.frames import rotate_level
 from lta_control.laws.protocol import ControlLaw, ControlMotion, Feedback, LawCommand, LawInputs
-from lta_control.message_rounding import air_relative_velocity
-from lta_control.message_rounding import build_measurement as measured_of
+from lta_control.message_rounding import air_relative_velocity, build_measurement
 from lta_control.per_rotor import NONE, pad_to_slots
 from lta_control.sighting import DeadReckonedMotion
 from lta_control.vehicle_parameters import build_estimator_model
@@ -42,7 +41,7 @@ TRUTH = 13  # position, quaternion, velocity, rates
 
 
 class EstimatorConstants(NamedTuple):
-    """What the estimator knows that stays the same: filters, vehicle and period [s]."""
+    """Constants of the estimator: filters, vehicle and control period [s]."""
 
     estimator: EstimatorSettings
     body: EstimatorModel
@@ -55,7 +54,7 @@ def step_estimator(
     inputs: EstimatorInputs,
     scratch: Scratch,
 ) -> MotionEstimate:
-    """Return the estimate one step later; the same where something is no number."""
+    """Return the estimate one step later, or the old one if an input is not finite."""
     p, q, r = inputs.rates
     x, y, z = inputs.force
     if math.isfinite(p + q + r) and math.isfinite(x + y + z):
@@ -64,7 +63,7 @@ def step_estimator(
 
 
 def motion_from_estimate(estimate: MotionEstimate) -> ControlMotion:
-    """Return an estimate as laws see it."""
+    """Return an estimate as input of a control law."""
     x, y = estimate.position
     return ControlMotion(
         (x, y, estimate.altitude.height),
@@ -78,19 +77,20 @@ def motion_from_tracker(
     truth: tuple[float, ...], start: tuple[float, ...], rates: Vector
 ) -> ControlMotion:
     """
-    Return what a tracker says as laws see it.
+    Return the tracker's measurement as input of a control law.
 
     Parameters
     ----------
     truth, start : tuple of 13 floats
-        Position, quaternion, velocity and rates, now and when it was first seen; map.
+        Position, quaternion, velocity and rates, now and when first tracked; map frame.
     rates : tuple
-        By the drone's own gyroscope. [rad/s]
+        Measured by the onboard gyroscope. [rad/s]
 
     """
     yaw = yaw_from_quaternion(_motion_quaternion(start))
     x, y = rotate_level(-yaw, truth[0] - start[0], truth[1] - start[1])
     a, b, c, d = truth[3:7]
+    # Remove the start's yaw: multiply the attitude by a rotation of -yaw about z.
     sin, cos = math.sin(-0.5 * yaw), math.cos(0.5 * yaw)
     attitude = (cos * a - sin * b, cos * b + sin * a, cos * c + sin * d, cos * d - sin * c)
     return ControlMotion((x, y, truth[2]), attitude, (truth[7], truth[8], truth[9]), rates)
@@ -104,18 +104,10 @@ def _motion_quaternion(motion: tuple[float, ...]) -> Quaternion:
 @final
 class LawAutopilot:
     """
-    Estimate and control by any law, step by step; in its use as `Autopilot`.
+    Estimate and control step by step with any law; same interface as `Autopilot`.
 
     Parameters
     ----------
-    law : Law
-        The control law.
-    gains : Settings
-        Its gains.
-    vehicle : Vehicle
-        The drone.
-    estimator : EstimatorSettings
-        Of the filters.
     dt : float
         Control period. [s]
     tilt_limit : float
@@ -123,10 +115,10 @@ class LawAutopilot:
 
     Attributes
     ----------
-    command : Command
-        The newest.
+    command : LawCommand
+        The latest command.
     stopped : bool
-        For good: it has turned over, or something is no number.
+        Stopped for good: the drone has overturned, or a value is not finite.
 
     """
 
@@ -167,18 +159,18 @@ class LawAutopilot:
         self.command, self.stopped = self._rest, False
 
     def receive_tracking(self, truth: tuple[float, ...]) -> None:
-        """Take what a tracker says, position to rates, which the next step flies by."""
+        """Take the tracker's measurement, position to rates, for the next step."""
         self._truth = truth[:TRUTH]
         self._start = self._start or self._truth
 
     def set_setpoint(self, setpoint: Setpoint) -> None:
-        """Take a setpoint, which the next step follows."""
+        """Set the setpoint for the next step."""
         self._setpoint = setpoint
 
     def step(
         self, rates: Vector, force: Vector, distance: float = math.nan, pressure: float = math.nan
     ) -> tuple[float, ...]:
-        """Return the duties after one more period, by rotor; arguments as of `Autopilot`."""
+        """Return the duties by rotor after one more period; arguments as in `Autopilot.step`."""
         duties = self.command.duties
         self._pack_inputs(self._inputs.data, 0, *rates, *force, distance, pressure, *duties)
         self._watch_step(self._watch, self._estimate, self._inputs, self._scratch)
@@ -186,11 +178,11 @@ class LawAutopilot:
         return self.duties
 
     def override_duties(self, duties: tuple[float, ...]) -> None:
-        """Know what the rotors were told in place of the newest duties."""
+        """Record the duties that the rotors really received instead of the computed ones."""
         self.command = self.command._replace(duties=pad_to_slots(duties))
 
     def _compute_command(self) -> LawCommand:
-        """Return the newest command; none before there is a setpoint and a motion."""
+        """Return the latest command; the rest command before there is a setpoint and a motion."""
         motion = self.motion
         if motion is None or self._setpoint is None:
             return self._rest
@@ -200,6 +192,7 @@ class LawAutopilot:
         if not math.isfinite(sum(numbers)) or upright < self._upright:
             self.stopped = True
         if self.stopped or has_landed(_motion_to_measurement(motion), setpoint, self._standing):
+            # Reset the integrals, so that nothing winds up on the ground.
             self._memory = self._fresh.copy()
             return self._rest
         self._pack_heard(self._heard.data, 0, *numbers, self._dt)
@@ -208,7 +201,7 @@ class LawAutopilot:
 
     @property
     def motion(self) -> ControlMotion | None:
-        """Where the drone is, as its law sees it; None while that is not known."""
+        """Input of the control law; None while it is unknown."""
         if not self._estimate[READY]:
             return None
         if self.law.feedback is Feedback.ESTIMATOR:
@@ -223,34 +216,34 @@ class LawAutopilot:
 
     @property
     def measurement(self) -> CascadeMeasurement | None:
-        """Where the drone is in the words of the cascade; None while that is not known."""
+        """The motion as input of the cascade; None while it is unknown."""
         motion = self.motion
         return None if motion is None else _motion_to_measurement(motion)
 
     @property
     def heading(self) -> float:
-        """Yaw by the estimate. [rad]."""
+        """Estimated yaw. [rad]."""
         return yaw_from_quaternion(self.estimate.attitude)
 
     @property
     def dead_reckoning(self) -> DeadReckonedMotion:
-        """Heading, dead-reckoned position and airspeed, as of `Autopilot`."""
+        """Heading, dead-reckoned position and airspeed, as in `Autopilot`."""
         own = self.estimate
         surge, sway, _ = air_relative_velocity(own)
         return DeadReckonedMotion(yaw_from_quaternion(own.attitude), *own.position, surge, sway)
 
     @property
     def estimate(self) -> MotionEstimate:
-        """All that the estimator remembers."""
+        """The estimator's full state."""
         return ESTIMATE.read(self._estimate)
 
     def copy_estimate(self) -> Array:
-        """Return the numbers of the estimate, in the order of `ESTIMATE`; the caller's own."""
+        """Return a copy of the estimate as numbers, in the order of `ESTIMATE`."""
         return self._estimate.copy()
 
 
 def _motion_to_measurement(motion: ControlMotion) -> CascadeMeasurement:
-    return measured_of(motion.attitude, motion.position[2], motion.velocity, motion.rates)
+    return build_measurement(motion.attitude, motion.position[2], motion.velocity, motion.rates)
 
 
 def _rest_mass_position(vehicle: Vehicle) -> Vector:
@@ -267,6 +260,6 @@ def _compile_core(
     memory: TupleLayout[Any],
     inputs: TupleLayout[Any],
 ) -> tuple[Array, Callable[[Array, Array, Array, Array], None]]:
-    """Return what stays the same as numbers, and the compiled core."""
+    """Return the constants as an array, and the compiled core."""
     layout = TupleLayout(constants)
     return layout.write(constants), compile_core(core, layout, memory, inputs)

@@ -1,9 +1,9 @@
 """
-What values become on their way through a message, for nodes and for the loop in one process.
+Round values as ROS messages do, so that the one-process loop matches the graph.
 
-A heading travels as a quaternion, a climb rate as a velocity along body z, a range in 32 bits.
-Back from the message such a value differs in its last bits, which a contact with the floor makes
-grow to millimetres. A loop that is to fly as the graph does passes its values through these.
+A message carries a heading as a quaternion, a climb rate as a velocity along body z, and a range
+in 32 bits. The round trip changes the last bits, which floor contact amplifies to millimetres. A
+loop that must reproduce the graph's flight passes its values through these functions.
 """
 
 import math
@@ -13,16 +13,16 @@ from lta_control.cascade import CascadeMeasurement, Setpoint
 from lta_control.estimator import MotionEstimate
 import numpy as np
 
-LEVEL = 0.1  # cosine of the tilt below which climb and heave are not told apart
+LEVEL = 0.1  # cosine of the tilt below which climb and heave are not separated
 
 
 def round_to_float32(value: float) -> float:
-    """Return a number as a float32 field carries it."""
+    """Return a number rounded to a float32 field."""
     return float(np.float32(value))
 
 
 def mask_out_of_range(distance: float, nearest: float, farthest: float) -> float:
-    """Return a distance, NaN where it is outside the sensor's reach (REP-117). [m]"""
+    """Return a distance, or NaN outside the sensor's range (REP-117). [m]"""
     return distance if nearest <= distance <= farthest else math.nan
 
 
@@ -32,7 +32,7 @@ def level_quaternion(yaw: float) -> Quaternion:
 
 
 def air_relative_velocity(estimate: MotionEstimate) -> Vector:
-    """Return the air-relative velocity in the body frame that goes with the climb rate. [m/s]"""
+    """Return the air-relative body velocity that matches the estimated climb rate. [m/s]"""
     ux, uy, uz = up_in_body(estimate.attitude)
     surge, sway = estimate.airspeed.surge, estimate.airspeed.sway
     climb = estimate.altitude.climb
@@ -43,7 +43,7 @@ def build_measurement(
     attitude: Quaternion, altitude: float, speed: Vector, rates: Vector
 ) -> CascadeMeasurement:
     """
-    Return what the cascade acts on.
+    Return the input of the cascade.
 
     Parameters
     ----------
@@ -70,5 +70,5 @@ def build_measurement(
 
 
 def build_setpoint(altitude: float, attitude: Quaternion, speed: float) -> Setpoint:
-    """Return what the navigator asks for: altitude [m], level attitude, forward speed [m/s]."""
+    """Return the setpoint from altitude [m], level attitude and forward speed [m/s]."""
     return Setpoint(altitude=altitude, heading=yaw_from_quaternion(attitude), speed=speed)

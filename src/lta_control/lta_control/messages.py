@@ -1,4 +1,4 @@
-"""Estimates, setpoints and duties as ROS messages, and back."""
+"""Convert estimates, setpoints and duties to and from ROS messages."""
 
 import math
 
@@ -22,17 +22,19 @@ from sensor_msgs.msg import FluidPressure, Imu, JointState, PointCloud2, Range
 BAROMETER = 30e3, 125e3  # Pa, the range of the BMP388
 FASTEST_TURN = math.radians(3000.0)  # rad/s; the BMI088 measures 2000 deg/s
 HARDEST_PULL = 400.0  # m/s2; it measures 24 g
-FARTHEST = 100.0  # m; whatever a message says, no range finder of a small drone looks farther
-UNKNOWN = -1.0  # in the first element of a covariance: the field is not known (REP-145's habit)
-ROW = ('x', 'y', 'amplitude')  # what is read of a diode's point
-DRIFT = 0.1  # of dead-reckoned position [m/s]: an assumption
-START_SIGMA = 0.01  # of the origin that the position counts from [m]: an assumption
-YAW_DRIFT = 1e-3  # of heading after the rest at the start [rad/s]: an assumption
+FARTHEST = (
+    100.0  # m; upper bound for the range finder of a small drone, whatever the message declares
+)
+UNKNOWN = -1.0  # in the first element of a covariance: the field is unknown (as in REP-145)
+ROW = ('x', 'y', 'amplitude')  # fields read from a diode's point
+DRIFT = 0.1  # of the dead-reckoned position [m/s]: an assumption
+START_SIGMA = 0.01  # of the origin of the position [m]: an assumption
+YAW_DRIFT = 1e-3  # of the heading after the calibration [rad/s]: an assumption
 SPEED_SIGMA = 0.1  # of the airspeed [m/s]: an assumption, checked by the report
 
 
 def to_inputs(step: InboxStep, commanded: PerRotor) -> EstimatorInputs:
-    """Return what the estimator takes from one step's messages; the newest of each counts."""
+    """Return the estimator's input from the newest messages of one step."""
     imu: Imu = step.last_message('imu')
     distance, air = step.last_message('range'), step.last_message('pressure')
     w, f = imu.angular_velocity, imu.linear_acceleration
@@ -46,24 +48,25 @@ def to_inputs(step: InboxStep, commanded: PerRotor) -> EstimatorInputs:
 
 
 def to_distance(message: Range) -> float:
-    """Return a distance, NaN where it is outside the sensor's reach (REP-117). [m]"""
+    """Return a distance, or NaN outside the sensor's range (REP-117). [m]"""
     farthest = min(message.max_range, FARTHEST)
     return message_rounding.mask_out_of_range(float(message.range), message.min_range, farthest)
 
 
 def to_pressure(message: FluidPressure) -> float:
-    """Return a pressure, NaN where there is no such air to fly in. [Pa]"""
+    """Return a pressure, or NaN outside the barometer's range. [Pa]"""
     return message_rounding.mask_out_of_range(message.fluid_pressure, *BAROMETER)
 
 
 def is_plausible(inputs: EstimatorInputs) -> bool:
-    """Tell whether an IMU can have felt this: one wrong sample would be in attitude for good."""
+    """Return whether an IMU sample is physically possible."""
+    # One implausible sample would corrupt the attitude for the rest of the flight.
     turning = all(abs(rate) <= FASTEST_TURN for rate in inputs.rates)
     return turning and all(abs(force) <= HARDEST_PULL for force in inputs.force)
 
 
 def to_duties(motors: JointState | None, names: list[str], before: PerRotor) -> PerRotor:
-    """Return the commanded duties by slot; those before where nothing fitting has come."""
+    """Return the commanded duties by slot, or `before` without a valid command."""
     return (
         before
         if motors is None or not is_valid_command(motors, names)
@@ -72,13 +75,13 @@ def to_duties(motors: JointState | None, names: list[str], before: PerRotor) -> 
 
 
 def is_valid_command(motors: JointState, names: list[str]) -> bool:
-    """Tell whether duties are those of a vehicle's rotors, each from -1 to 1."""
+    """Return whether the duties belong to the vehicle's rotors and are from -1 to 1."""
     ours = list(motors.name) == names and len(motors.effort) == len(names)
     return ours and all(-1.0 <= duty <= 1.0 for duty in motors.effort)  # NaN compares false
 
 
 def from_estimate(stamp: Time, estimate: MotionEstimate) -> Odometry:
-    """Return the estimate; covariance[0] is -1 while the estimator still learns its biases."""
+    """Return the estimate as a message; covariance[0] is -1 while the biases are calibrated."""
     message = Odometry()
     message.header.stamp = stamp
     message.header.frame_id = 'odom'
@@ -115,7 +118,7 @@ def to_attitude(message: Odometry) -> Quaternion:
 
 
 def to_measurement(message: Odometry) -> CascadeMeasurement | None:
-    """Return what the cascade acts on, or None while the estimate is unknown."""
+    """Return the input of the cascade, or None while the estimate is unknown."""
     if message.pose.covariance[0] == UNKNOWN:
         return None
     linear, angular = message.twist.twist.linear, message.twist.twist.angular
@@ -128,19 +131,19 @@ def to_measurement(message: Odometry) -> CascadeMeasurement | None:
 
 
 def to_motion(message: Odometry) -> ControlMotion:
-    """Return an estimate as control laws see it."""
+    """Return an estimate as input of a control law."""
     p = message.pose.pose.position
     v, w = message.twist.twist.linear, message.twist.twist.angular
     return ControlMotion((p.x, p.y, p.z), to_attitude(message), (v.x, v.y, v.z), (w.x, w.y, w.z))
 
 
 def is_level(message: Odometry, limit: float) -> bool:
-    """Tell whether the vehicle tilts less than an angle. [rad]."""
+    """Return whether the vehicle tilts less than a limit. [rad]"""
     return up_in_body(to_attitude(message))[2] >= math.cos(limit)
 
 
 def to_setpoint(pose: PoseStamped, velocity: TwistStamped) -> Setpoint:
-    """Return what the navigator asks for."""
+    """Return the navigator's setpoint."""
     q = pose.pose.orientation
     return message_rounding.build_setpoint(
         pose.pose.position.z, (q.x, q.y, q.z, q.w), velocity.twist.linear.x
@@ -148,7 +151,7 @@ def to_setpoint(pose: PoseStamped, velocity: TwistStamped) -> Setpoint:
 
 
 def from_setpoint(stamp: Time, setpoint: Setpoint) -> tuple[PoseStamped, TwistStamped]:
-    """Return heading and altitude, and forward speed."""
+    """Return the messages for heading and altitude, and for forward speed."""
     pose = PoseStamped()
     pose.header.stamp = stamp
     pose.header.frame_id = 'odom'
@@ -163,7 +166,7 @@ def from_setpoint(stamp: Time, setpoint: Setpoint) -> tuple[PoseStamped, TwistSt
 
 
 def from_duties(stamp: Time, names: list[str], duties: tuple[float, ...]) -> JointState:
-    """Return duties by actuator name, -1 to 1; slots without an actuator are left out."""
+    """Return the duties by actuator name, -1 to 1; unused slots are left out."""
     message = JointState()
     message.header.stamp = stamp
     message.header.frame_id = 'base_link'
@@ -173,7 +176,7 @@ def from_duties(stamp: Time, names: list[str], duties: tuple[float, ...]) -> Joi
 
 
 def to_dead_reckoning(message: Odometry) -> DeadReckonedMotion:
-    """Return how the drone takes itself to move."""
+    """Return the drone's dead-reckoned motion."""
     place, speed = message.pose.pose.position, message.twist.twist.linear
     return DeadReckonedMotion(
         yaw_from_quaternion(to_attitude(message)), place.x, place.y, speed.x, speed.y
@@ -187,20 +190,20 @@ def update_reserve_report(before: ReserveReport | None, step: InboxStep) -> Rese
     The reserve and the status are separate topics, so either may arrive a step after the other.
     """
     reserve, status = step.last_message('energy/reserve'), step.last_message('energy/status')
-    told = None if status is None or not status.status else status.status[0]
-    if reserve is None and told is None:
+    latest = None if status is None or not status.status else status.status[0]
+    if reserve is None and latest is None:
         return before
     # Until the first reserve message, assume that the reserve is reached: stay on the ground.
     word = ReserveReport(step.stamp_ns, True, False) if before is None else before
-    if told is not None:
-        word = word._replace(urgent=told.level >= bytes([HealthLevel.ERROR]), why=told.message)
+    if latest is not None:
+        word = word._replace(urgent=latest.level >= bytes([HealthLevel.ERROR]), why=latest.message)
     if reserve is not None:
         word = word._replace(stamp_ns=step.stamp_ns, reserve=reserve.data)
     return word
 
 
 def to_lamp(message: PoseWithCovarianceStamped) -> LampPosition | None:
-    """Return the lamp in the body frame, None where it is not seen."""
+    """Return the lamp in the body frame, or None where it is not seen."""
     place, covariance = message.pose.pose.position, message.pose.covariance
     if covariance[0] == UNKNOWN or find_fault(message):
         return None
@@ -212,10 +215,10 @@ def to_diodes(
     message: PointCloud2 | None,
 ) -> tuple[tuple[tuple[float, float], ...], tuple[float, ...]]:
     """
-    Return axis and amplitude of each diode for the beacon that is wanted.
+    Return axis and amplitude of each diode for the requested beacon.
 
-    It is the first row of the cloud; those of other beacons follow. A cloud that does not hold
-    what it declares is as good as none.
+    Its points are the first row of the cloud; other beacons follow. An inconsistent cloud counts
+    as empty.
     """
     if message is None or message.width == 0 or message.height == 0 or find_fault(message):
         return (), ()

@@ -1,15 +1,15 @@
 """
-What the drone is about: rest, climb, seek the lamp, stay there, and land when the energy says so.
+Step the mission: rest, climb, seek the lamp, hold there, and land when the energy requires it.
 
-A mission is a phase and its strategy's memory. Phases only go forward, except that on a route of
-several lamps the drone seeks the next one when it has arrived at one. It listens for the next lamp
-while it still holds its place, and goes only when that lamp is heard for a while; otherwise it
-listens to the lamp where it is again, stays, and asks once more later.
+A mission is a phase plus its strategy's memory. Phases only advance, except on a route of several
+lamps: at each lamp the drone goes back to seeking, for the next one. It listens for the next lamp
+while it holds its position, and leaves only when it has received that lamp for a while. Otherwise
+it listens to the current lamp again, stays, and retries later.
 
-With the energy reserve reached it lands, returns to its start or goes on to the lamp, as `reserve`
-says; on the ground it stays there. What it may not do it does not begin again: it lands for good.
+When the energy reserve is reached, the drone lands, returns to its start or continues to the
+lamp, as set in `reserve`. On the ground it stays there, and an interrupted flight is not resumed.
 
-What is heard belongs to the beacon that was asked for a turn ago (`topics.yaml`, light/beacon).
+The received light belongs to the beacon requested one step earlier (`topics.yaml`, light/beacon).
 """
 
 from typing import final
@@ -26,28 +26,30 @@ from lta_control.strategies.settings import StrategySettings
 
 @final
 class MissionSettings(StrategySettings):
-    """The mission's figures; altitudes are of the hull centre above the floor."""
+    """Settings of the mission; altitudes are of the hull centre above the floor."""
 
     altitude: float = setting(0.5, 'Altitude to fly at.', unit='m', low=0.1, high=100.0)
     reached: float = setting(
-        0.04, 'The climb ends this near the altitude.', unit='m', low=0.001, high=1.0
+        0.04, 'Distance from the altitude at which the climb ends.', unit='m', low=0.001, high=1.0
     )
     landing: float = setting(
         0.3,
-        'Altitude asked for when landing; below where the gear stands.',
+        'Altitude setpoint for landing; below the standing height.',
         unit='m',
         low=0.0,
         high=100.0,
     )
     heard: float = setting(
-        0.5, 'Time for which the next lamp of a route must be heard.', unit='s', low=0.1, high=60.0
+        0.5,
+        'Time for which the next lamp of a route must be received.',
+        unit='s',
+        low=0.1,
+        high=60.0,
     )
     patience: float = setting(
         3.0, 'Time to listen for the next lamp of a route.', unit='s', low=0.5, high=600.0
     )
-    again: float = setting(
-        10.0, 'Time until it is listened for again.', unit='s', low=0.5, high=3600.0
-    )
+    again: float = setting(10.0, 'Time until the next attempt.', unit='s', low=0.5, high=3600.0)
 
 
 def mission_step(
@@ -61,27 +63,23 @@ def mission_step(
     reserve: ReserveActionSettings = ReserveActionSettings(),  # noqa: B008 - frozen
 ) -> tuple[Setpoint, Mission]:
     """
-    Return what the controller should hold, and the mission as it now stands.
+    Return the controller's setpoint, and the new state of the mission.
 
     Parameters
     ----------
-    settings : MissionSettings
-        Altitudes and speeds.
-    strategy : Strategy
+    strategy : NavigationStrategy
         Steers while seeking.
-    mission : Mission
-        As it stood.
-    sight : Sight
-        The newest light.
+    sight : LightSight
+        The latest light.
     altitude : float or None
-        Estimated; None while it is too early to take off: the estimator is learning its biases,
-        or nothing is known of the energy. [m]
-    order : Order
-        What the energy allows.
+        Estimated altitude; None while take-off is not allowed: the estimator calibrates its
+        biases, or the energy is unknown. [m]
+    order : FlightPermission
+        What the energy monitor allows.
     lamps : int
-        On the route.
-    reserve : ReserveSettings
-        What to do when the energy reserve is reached.
+        Number of lamps on the route.
+    reserve : ReserveActionSettings
+        Action at the energy reserve.
 
     """
     phase, memory = mission.phase, mission.memory
@@ -115,7 +113,8 @@ def _steer_by_strategy(
     sight: LightSight,
     lamps: int,
 ) -> tuple[Setpoint, Mission]:
-    """Return what the strategy asks for, and hand over to the next lamp where it has arrived."""
+    """Return the strategy's setpoint, and switch to the next lamp after an arrival."""
+    # The first blocks after a switch may still hold the other lamp's light.
     known = mission.asked == mission.leg and mission.turns >= SWITCHING
     course, memory = strategy.steer(
         settings, mission.memory, sight if known else remove_light(sight)
@@ -130,7 +129,7 @@ def _steer_by_strategy(
 
 
 def remove_light(sight: LightSight) -> LightSight:
-    """Return a sight without its light: of another lamp, or of none."""
+    """Return a sight without its light, for a block of another lamp or of none."""
     return sight._replace(seen=False, bearing=0.0, deviation=0.0, strength=0.0, elevation=0.0)
 
 
@@ -141,10 +140,10 @@ def _listen_for_next(
     sight: LightSight,
     lamps: int,
 ) -> Mission:
-    """Return a mission of several lamps after one more turn of listening."""
+    """Return the mission after one more block of listening on a route of several lamps."""
     turns = mission.turns + 1
-    heard = mission.heard + 1 if sight.seen and turns > SWITCHING else 0
-    mission = mission._replace(turns=turns, heard=heard)
+    received = mission.heard + 1 if sight.seen and turns > SWITCHING else 0
+    mission = mission._replace(turns=turns, heard=received)
     if mission.phase is not Phase.ARRIVED or mission.leg + 1 == lamps:
         return mission
     time = turns * sight.interval
@@ -153,11 +152,11 @@ def _listen_for_next(
         if time < wait:
             return mission
         return mission._replace(asked=mission.leg + 1, turns=0, heard=0)
-    if heard * sight.interval >= settings.heard and strategy.onward is not None:
+    if received * sight.interval >= settings.heard and strategy.onward is not None:
         memory = strategy.onward(mission.memory)
         leg = mission.asked
         return mission._replace(
-            phase=Phase.SEEK, memory=memory, leg=leg, turns=turns, heard=heard, refused=False
+            phase=Phase.SEEK, memory=memory, leg=leg, turns=turns, heard=received, refused=False
         )
     if time >= settings.patience:
         return mission._replace(asked=mission.leg, turns=0, heard=0, refused=True)
@@ -168,23 +167,14 @@ def course_step(
     course: Course, time: float, heading: float, altitude: float | None, order: FlightPermission
 ) -> Setpoint:
     """
-    Return what the controller should hold on a course that is flown instead of a search.
+    Return the controller's setpoint on a fixed course that replaces the search.
 
-    Parameters
-    ----------
-    course : Course
-        The course.
-    time : float
-        Since the first light. [s]
-    heading : float
-        Of the drone, which it keeps on the floor. [rad]
-    altitude, order
-        As of `mission_step`; what the energy does not allow ends where the drone is.
-
+    `time` counts from the first light [s], and `heading` [rad] is held on the floor. Where the
+    energy does not allow to fly on, the drone lands where it is.
     """
     if altitude is None:
         return Setpoint(0.0, heading, 0.0)
-    asked = course.setpoint_at(time)
+    planned = course.setpoint_at(time)
     if order is not FlightPermission.FLY:
-        return Setpoint(0.0, asked.heading, 0.0)
-    return Setpoint(asked.altitude, asked.heading, asked.speed)
+        return Setpoint(0.0, planned.heading, 0.0)
+    return Setpoint(planned.altitude, planned.heading, planned.speed)

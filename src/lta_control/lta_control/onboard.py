@@ -1,9 +1,9 @@
 """
-What the drone does in each control period: estimate, then control.
+Run one control period of the drone: estimate, then control.
 
-The estimator and the controller node in one function, for loops without ROS; the arithmetic is
-theirs, that of the messages between them included. Plain scalars and tuples, so that it compiles
-as it stands (`lta_config.compilation.flat`).
+One function with the arithmetic of the estimator and the controller node, including the rounding
+of the messages between them, for loops without ROS. Plain scalars and tuples, so that it compiles
+(`lta_config.compilation.flat`).
 """
 
 import math
@@ -20,25 +20,16 @@ from lta_control.estimator import (
     EstimatorSettings,
     MotionEstimate,
 )
-from lta_control.message_rounding import air_relative_velocity
-from lta_control.message_rounding import build_measurement as measured_of
+from lta_control.message_rounding import air_relative_velocity, build_measurement
 from lta_control.per_rotor import NONE, PerRotor
 
 
 class DroneConstants(NamedTuple):
     """
-    What stays the same during a flight.
+    Values that stay constant during a flight.
 
     Attributes
     ----------
-    estimator : EstimatorSettings
-        Of the filters.
-    body : Body
-        What the estimator knows of the vehicle.
-    gains : CascadeGains
-        Of all loops.
-    rotors : Rotors
-        What the rotors can do.
     surge_drag : tuple
         Linear [N s/m] and quadratic [N s2/m2] drag along body x.
     uprightness : float
@@ -46,7 +37,7 @@ class DroneConstants(NamedTuple):
     dt : float
         Control period. [s]
     fresh : ControlMemory
-        What control remembers when it begins.
+        Initial state of the controller.
 
     """
 
@@ -61,7 +52,7 @@ class DroneConstants(NamedTuple):
 
 
 class SensorInputs(NamedTuple):
-    """One step's readings; NaN where nothing has come."""
+    """Sensor readings of one step; NaN where there is none."""
 
     rates: Vector  # [rad/s]
     force: Vector  # specific force [m/s2]
@@ -70,7 +61,7 @@ class SensorInputs(NamedTuple):
 
 
 class OnboardMemory(NamedTuple):
-    """Everything that the drone's estimator and controller remember."""
+    """Full state of the drone's estimator and controller."""
 
     estimate: MotionEstimate = MotionEstimate()
     measured: CascadeMeasurement = CascadeMeasurement(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -78,7 +69,7 @@ class OnboardMemory(NamedTuple):
     setpoint: Setpoint = Setpoint(0.0, 0.0, 0.0)
     control: ControlMemory = ControlMemory()
     duties: PerRotor = NONE
-    stopped: bool = False  # for good: turned over, or something is no number
+    stopped: bool = False  # for good: overturned, or a value is not finite
 
 
 def onboard_step(
@@ -87,17 +78,8 @@ def onboard_step(
     """
     Return the memory one control period later, with the new duties in it.
 
-    Parameters
-    ----------
-    drone : Drone
-        What stays the same.
-    memory : Onboard
-        From the last step, with the newest setpoint in it.
-    heard : Heard
-        What the sensors say.
-    scratch : sequence of float
-        Numbers that the allocation may write on.
-
+    `memory` is that of the last step with the latest setpoint, `scratch` the working array of
+    `allocate`.
     """
     estimate = memory.estimate
     if _is_finite(readings.rates) and _is_finite(readings.force):
@@ -106,8 +88,9 @@ def onboard_step(
         )
         estimate = estimator_step(drone.estimator, drone.body, estimate, inputs, drone.dt)
     height, speed = estimate.altitude.height, air_relative_velocity(estimate)
-    measured = measured_of(estimate.attitude, height, speed, estimate.rates)
+    measured = build_measurement(estimate.attitude, height, speed, estimate.rates)
     stopped = memory.stopped or _must_stop(drone, memory, estimate, measured)
+    # The controller restarts from its initial state whenever the motors are off.
     control, duties = drone.fresh, NONE
     standing = has_landed(measured, memory.setpoint, drone.body.standing_height)
     if estimate.ready and memory.guided and not stopped and not standing:
@@ -132,7 +115,7 @@ def _must_stop(
     estimate: MotionEstimate,
     measured: CascadeMeasurement,
 ) -> bool:
-    """Tell whether the drone has turned over or what it flies by is no number."""
+    """Return whether the drone has overturned or its state or setpoint is not finite."""
     if not estimate.ready:
         return False
     known = _is_finite((measured.altitude, measured.climb, measured.heading)) and _is_finite(
@@ -145,6 +128,6 @@ def _must_stop(
 
 
 def _is_finite(numbers: Vector) -> bool:
-    """Tell whether three numbers are all finite."""
+    """Return whether three numbers are all finite."""
     a, b, c = numbers
     return math.isfinite(a) and math.isfinite(b) and math.isfinite(c)

@@ -1,8 +1,8 @@
 """
-One number for each rotor, in eight slots, as the kernel has them.
+One number per rotor, in eight slots.
 
-A fixed length makes one compiled form serve every vehicle. Slots beyond a vehicle's rotors hold 0
-and the cores do not look at them.
+With a fixed length, one compiled form serves every vehicle. Slots beyond a vehicle's rotors hold
+0 and are ignored.
 """
 
 from collections.abc import Iterable
@@ -18,7 +18,7 @@ NONE: PerRotor = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 def pad_to_slots(values: Iterable[float]) -> PerRotor:
     """
-    Return up to eight numbers with zeros behind them.
+    Return up to eight numbers, padded with zeros.
 
     Raises
     ------
@@ -26,7 +26,7 @@ def pad_to_slots(values: Iterable[float]) -> PerRotor:
         If there are more than eight.
 
     """
-    given = tuple(values)
-    if len(given) > SLOTS:
-        raise BadInput(f'There are {len(given)} rotors, but a vehicle has at most {SLOTS}.')
-    return cast('PerRotor', given + NONE[len(given) :])
+    numbers = tuple(values)
+    if len(numbers) > SLOTS:
+        raise BadInput(f'There are {len(numbers)} rotors, but a vehicle has at most {SLOTS}.')
+    return cast('PerRotor', numbers + NONE[len(numbers) :])

@@ -1,11 +1,11 @@
-"""How far a mission has come: what the drone is doing, where it began, which lamp it is about."""
+"""State of a mission: its phase, its start, and its current lamp."""
 
 from enum import StrEnum
 from typing import NamedTuple
 
 from lta_control.strategies.protocol import Memory
 
-SWITCHING = 2  # turns from asking for another beacon until what is heard is surely its light
+SWITCHING = 2  # light blocks from requesting a beacon until a block surely holds its light
 
 
 class Phase(StrEnum):
@@ -21,28 +21,26 @@ class Phase(StrEnum):
 
 class Mission(NamedTuple):
     """
-    How far the drone has come.
+    State of a mission.
 
     Attributes
     ----------
-    phase : Phase
-        What it is doing.
     memory : tuple of float
-        The strategy's, once it has begun.
+        Memory of the strategy, once it has begun.
     leg : int
-        Which lamp of its route it seeks or stays at, from 0.
+        Index of the lamp that it seeks or holds at, from 0.
     asked : int
-        Which one it listens for: `leg`, or the next.
+        Index of the lamp that it listens for: `leg`, or the next.
     turns : int
         Light blocks since it began to listen for that one.
     heard : int
-        How many of them, at the end and without a gap, had the lamp in sight.
+        Latest consecutive blocks with that lamp in sight.
     refused : bool
-        Whether it stays because the next lamp was not heard.
+        Whether it stays because the next lamp was not received.
     start : tuple of float
-        Where it took off, by dead reckoning. [m, odom]
+        Take-off position, by dead reckoning. [m, odom]
     left : float
-        Time in which its flight back must be over. [s]
+        Remaining time for the flight back. [s]
 
     """
 

@@ -1,9 +1,9 @@
 """
-One PID loop: state in, state out.
+One PID loop as a pure function.
 
-The derivative acts on the measurement, so that a step of the setpoint does not kick. The integral
-is unwound by what saturation took away, here or further down the chain (back-calculation, Astrom
-and Haegglund, PID Controllers, 1995, section 3.5), with the tracking time kp / ki.
+The derivative acts on the measurement, so that a setpoint step causes no kick. The integral is
+reduced by the saturated part of the output, here or further down the chain (back-calculation,
+Astrom and Haegglund, PID Controllers, 1995, section 3.5), with the tracking time kp / ki.
 """
 
 from lta_config.settings import setting, Settings
@@ -13,7 +13,8 @@ class PidGains(Settings):
     """
     Gains of one loop.
 
-    Output unit per unit of error, per second and so on; the loop's own docstring names the units.
+    Output unit per unit of error, per second and so on; the setting that holds them names the
+    units.
     """
 
     kp: float = setting(..., 'Proportional gain.', low=0.0, high=100.0)
@@ -44,8 +45,8 @@ def pid_step(
     rate : float
         Rate of the measurement. [error unit / s]
     shortfall : float
-        What the stage below delivered less than this loop's last output (<= 0 when it was too
-        much to ask). [output]
+        Delivered minus demanded output of the stage below (<= 0 if too much was demanded).
+        [output]
     dt : float
         Time since the last step. [s]
 

@@ -1,8 +1,8 @@
 """
-How the navigator obeys the energy monitor: fly, come home, or come down at once.
+Decide from the energy monitor's reports whether to fly, return, or land at once.
 
-It believes only what is fresh. What it has not heard for a while says that nothing is known of the
-energy, and then the drone comes down where it is; on the ground it stays there.
+Only fresh reports count. After a while without a report the energy is unknown: the drone lands
+where it is, or stays on the ground.
 """
 
 from enum import IntEnum
@@ -14,7 +14,7 @@ Action = Literal['land', 'return', 'perch']
 
 
 class FlightPermission(IntEnum):
-    """What the energy allows; the larger, the sooner the flight must end."""
+    """What the energy allows; a larger value ends the flight sooner."""
 
     FLY = 0
     RESERVE = 1
@@ -23,7 +23,7 @@ class FlightPermission(IntEnum):
 
 @final
 class ReserveActionSettings(Settings):
-    """What to do when the energy reserve is reached, and how long to believe what was said."""
+    """Action at the energy reserve, and how long a report is valid."""
 
     action: Action = setting(
         'land',
@@ -33,7 +33,7 @@ class ReserveActionSettings(Settings):
     )
     stale: float = setting(
         1.0,
-        'Age of the newest word of the energy monitor from which the drone comes down.',
+        'Age of the latest report of the energy monitor at which the drone lands.',
         unit='s',
         low=0.2,
         high=600.0,
@@ -43,29 +43,29 @@ class ReserveActionSettings(Settings):
     )
     patience: float = setting(
         2.0,
-        'Times the flight back may take what its distance and the speed ask for.',
+        'Allowed duration of the flight back, as a multiple of distance over speed.',
         low=1.0,
         high=20.0,
     )
     turning: float = setting(
-        20.0, 'Time to coast and turn, on top of that.', unit='s', low=0.0, high=600.0
+        20.0, 'Additional time to coast and turn.', unit='s', low=0.0, high=600.0
     )
 
 
 class ReserveReport(NamedTuple):
     """
-    What the energy monitor said last.
+    Latest report of the energy monitor.
 
     Attributes
     ----------
     stamp_ns : int
-        When it came, in graph time. [ns]
+        Arrival in graph time. [ns]
     reserve : bool
         Whether the reserve is reached.
     urgent : bool
-        Whether to come down at once.
+        Whether to land at once.
     why : str
-        In words.
+        Reason in words.
 
     """
 
@@ -78,21 +78,21 @@ class ReserveReport(NamedTuple):
 def decide_permission(
     settings: ReserveActionSettings, word: ReserveReport | None, now_ns: int
 ) -> FlightPermission:
-    """Return what the energy allows; who has heard nothing, or nothing lately, comes down. [ns]"""
+    """Return what the energy allows; without a fresh report the drone must land. [ns]"""
     if word is None or is_stale(settings, word, now_ns) or word.urgent:
         return FlightPermission.DOWN
     return FlightPermission.RESERVE if word.reserve else FlightPermission.FLY
 
 
 def is_stale(settings: ReserveActionSettings, word: ReserveReport, now_ns: int) -> bool:
-    """Tell whether a word is too old to be believed. [ns]"""
+    """Return whether a report is too old. [ns]"""
     return (now_ns - word.stamp_ns) * 1e-9 > settings.stale
 
 
 def explain_restriction(
     settings: ReserveActionSettings, word: ReserveReport | None, now_ns: int
 ) -> str:
-    """Return why the energy forbids to fly, in words. [ns]"""
+    """Return why the energy restricts the flight, in words. [ns]"""
     if word is None:
         return 'nothing has been heard of the energy'
     age = (now_ns - word.stamp_ns) * 1e-9

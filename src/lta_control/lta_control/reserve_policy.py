@@ -1,4 +1,4 @@
-"""What the energy makes of a mission in the air: land, fly back to the start, or go on."""
+"""Apply the energy reserve to a mission in flight: land, return to the start, or continue."""
 
 import math
 
@@ -11,11 +11,11 @@ Place = tuple[float, float]
 
 
 def check_reserve(settings: ReserveActionSettings, strategy: NavigationStrategy) -> None:
-    """Raise `BadInput` where a strategy cannot do what is asked of it at the reserve."""
+    """Raise `BadInput` if the strategy does not support the action at the reserve."""
     if settings.action == 'perch' and not strategy.arrives:
         raise BadInput(
-            f'The strategy {strategy.name} never says that it has arrived, so that it cannot '
-            'perch at the reserve; choose homing, or land or return.'
+            f'The strategy {strategy.name} never reports an arrival and so cannot '
+            'perch at the reserve; choose homing, or the action land or return.'
         )
 
 
@@ -27,24 +27,10 @@ def apply_reserve(
     order: FlightPermission,
 ) -> Mission:
     """
-    Return a mission in the air with what the energy makes of it.
+    Return the mission after applying the energy reserve.
 
-    A flight back is never taken up anew, and ends in a landing wherever it has led: it is flown by
-    dead reckoning, which the wind carries away.
-
-    Parameters
-    ----------
-    settings : ReserveSettings
-        What to do at the reserve.
-    speed : float
-        Airspeed of the flight back. [m/s]
-    mission : Mission
-        As it stands.
-    sight : Sight
-        Where the drone takes itself to be.
-    order : Order
-        What the energy allows.
-
+    A flight back is never restarted and always ends in a landing, wherever it has led: it uses
+    dead reckoning, which drifts with the wind. `speed` is its airspeed. [m/s]
     """
     if mission.phase is Phase.HOME:
         mission = mission._replace(left=mission.left - sight.interval)

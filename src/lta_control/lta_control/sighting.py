@@ -1,15 +1,15 @@
 r"""
-What a strategy sees: from what the demodulator says of one block to a `Sight`.
+Convert the demodulator's output of one block to a `LightSight` for the strategies.
 
-The node takes the numbers out of messages, a loop in one process out of what the messages would
-carry; both end here. The lamp comes as a point with a covariance that is long on the ray of its
-bearing (`lta_vlc.lamp.estimate_lamp_position`). To first order the variance across that ray is
-:math:`(d^2 + \sigma_d^2)\,\sigma^2`, d the distance of the point, :math:`\sigma_d` its deviation
-along the ray and :math:`\sigma` that of the bearing, which is so got back.
+The node takes the numbers from messages, the one-process loop from what the messages would carry.
+The lamp is a point with a covariance that is long along its bearing ray
+(`lta_vlc.lamp.estimate_lamp_position`). To first order the variance across that ray is
+:math:`(d^2 + \sigma_d^2)\,\sigma^2`, with d the distance of the point, :math:`\sigma_d` its
+deviation along the ray and :math:`\sigma` that of the bearing, which is recovered from it.
 
-The strength is what a diode that faces the lamp would read. With an even ring of N cosine diodes
-:math:`|\sum M_i n_i| = N M / 4` at every bearing (`lta_vlc.bearing`), and a pedestal that is the
-same for all cancels.
+The strength is what a diode that faces the lamp would measure. With an even ring of N cosine
+diodes :math:`|\sum M_i n_i| = N M / 4` at every bearing (`lta_vlc.bearing`), and a pedestal that
+is the same for all cancels.
 """
 
 import math
@@ -21,7 +21,7 @@ Spread = tuple[float, float, float]
 
 
 class DeadReckonedMotion(NamedTuple):
-    """How the drone takes itself to move at one instant."""
+    """Dead-reckoned motion of the drone at one instant."""
 
     heading: float  # [rad, odom]
     x: float  # dead reckoned through the air [m, odom]
@@ -48,25 +48,25 @@ def build_sight(
     scale: float = 1.0,
 ) -> LightSight:
     """
-    Return what the light of one block says.
+    Return the sight of one block.
 
     Parameters
     ----------
-    lamp : Lamp or None
-        Where the lamp seems to be; None where it is not seen.
+    lamp : LampPosition or None
+        Estimated lamp; None where it is not seen.
     axes : tuple of tuple of float
-        Of the diodes along body x and y.
+        Diode axes along body x and y.
     amplitudes : tuple of float
-        Of the diodes. [ADC counts]
-    reckoned : Reckoned
-        The drone at the middle of the block.
+        By diode. [ADC counts]
+    reckoned : DeadReckonedMotion
+        Motion at the middle of the block.
     interval : float
         Time since the last sight. [s]
     scale : float
-        What a diode reads over what it would by the largest of its resistors. [1]
+        Gain of the selected resistor relative to the largest one. [1]
 
     """
-    # A diode whose samples say nothing is as good as one in the dark.
+    # A diode without valid samples counts as dark.
     amplitudes = tuple(a if math.isfinite(a) else 0.0 for a in amplitudes)
     bearing = deviation = strength = elevation = 0.0
     if lamp is not None:
@@ -78,7 +78,7 @@ def build_sight(
         lamp is not None,
         bearing,
         reckoned.heading,
-        amplitudes or (0.0,),  # of a block that could not be read
+        amplitudes or (0.0,),  # the block could not be read
         interval,
         deviation,
         strength,
@@ -101,7 +101,7 @@ def bearing_deviation(lamp: LampPosition) -> float:
 
 
 def facing_strength(axes: tuple[tuple[float, float], ...], amplitudes: tuple[float, ...]) -> float:
-    """Return what a diode that faces the lamp would read. [ADC counts]"""
+    """Return the amplitude of a diode that would face the lamp. [ADC counts]"""
     forward = left = 0.0
     for (x, y), amplitude in zip(axes, amplitudes, strict=True):
         forward += amplitude * x

@@ -1,1 +1,1 @@
-"""Recordings: read, mended, imported, exported, checked, compared and plotted."""
+"""Read, repair, import, export, check, compare and plot recordings."""

@@ -1,8 +1,8 @@
 """
-An even clock over a recording, where its stamps allow one.
+Build an evenly spaced time grid over a recording, if its length is reasonable.
 
-A computer that sets its clock while it records, by hours or from 1970 to today, makes stamps that
-reach far: a clock of 100 Hz over these could be larger than any memory.
+A computer that sets its clock while recording, by hours or from 1970 to today, creates stamps
+that span years: a 100 Hz grid over them would not fit into memory.
 """
 
 from lta_config.limits import GRID
@@ -10,26 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 EMPTY = np.empty(0)
-HOLES = 3.0  # points to a sample, beyond which it is nearly all holes
+HOLES = 3.0  # grid points per sample, at most; more would be mostly gaps
 
 
 def is_grid_allowed(points: float, samples: int, most: float = HOLES) -> bool:
-    """Tell whether an even clock over so many samples may have so many points."""
+    """Return whether a grid over so many samples may have so many points."""
     return points <= max(GRID, most * samples)
 
 
 def build_even_grid(first: float, last: float, step: float, samples: int) -> NDArray[np.float64]:
-    """
-    Return an even clock; empty where it would be too long.
-
-    Parameters
-    ----------
-    first, last, step : float
-        [s]
-    samples : int
-        How many there are between the two.
-
-    """
+    """Return an even grid over `samples` samples, empty if it would be too long. [s]"""
     return (
         np.arange(first, last, step) if is_grid_allowed((last - first) / step, samples) else EMPTY
     )

@@ -1,4 +1,4 @@
-"""The world of a flight, from the scenario and vehicle files that its bag carries."""
+"""Read scenario and vehicle from the provenance of a bag."""
 
 from collections.abc import Mapping
 from functools import lru_cache
@@ -16,7 +16,7 @@ Model = TypeVar('Model', bound=BaseModel)
 
 @final
 class RecordedScene(NamedTuple):
-    """What the bag tells of world and vehicle; None where it does not tell."""
+    """Scenario and vehicle stored in a bag; None if missing."""
 
     scenario: Scenario | None
     vehicle: VehicleFile | None
@@ -24,12 +24,12 @@ class RecordedScene(NamedTuple):
 
 def read_scene(provenance: Mapping[str, str]) -> RecordedScene:
     """
-    Return the world of a flight from its bag's provenance.
+    Read scenario and vehicle from a bag's provenance.
 
     Raises
     ------
     BadInput
-        If the bag carries a file that cannot be read.
+        If the bag contains a file that cannot be read.
 
     """
     return RecordedScene(
@@ -41,7 +41,7 @@ def read_scene(provenance: Mapping[str, str]) -> RecordedScene:
 def parse_provenance_file(
     model: type[Model], provenance: Mapping[str, str], key: str
 ) -> Model | None:
-    """Return one file of the provenance, checked against its model; None if it is not there."""
+    """Parse one file of the provenance; None if it is missing."""
     return _parse_model(model, provenance[key], key) if key in provenance else None
 
 
@@ -51,5 +51,5 @@ def _parse_model(model: type[Model], text: str, key: str) -> Model:
         return model.model_validate(parse_yaml(text, f"The bag's {key}"))
     except ValidationError as error:
         raise BadInput(
-            f"The bag's {key} is not one that this version reads: {format_error(error)}"
+            f"The bag's {key} cannot be read by this version: {format_error(error)}"
         ) from error

@@ -1,9 +1,8 @@
 """
-What a study concludes, drawn once: headline, tiles, warnings, JSON and commands derive from it.
+Derive the conclusion of a study, the single source of its headline, tiles, warnings and advice.
 
-The finding holds what was measured. Whether that allows a name to be asserted, a gain to be told
-or the learned file to be used is decided here and nowhere else, so that no two places of a page
-can say it differently.
+A finding holds the measured results. This module alone decides whether they support a name, a gain
+or the use of the learned vehicle file, so that no two outputs contradict each other.
 """
 
 from collections.abc import Mapping, Sequence
@@ -22,12 +21,12 @@ from lta_discovery.selection.acceptance import GAIN
 
 Advice = Literal['keep', 'measure', 'again', 'use']
 
-LOOSE: Final = 0.7  # of the error before; below it tuning tolerances alone is worth a word
-WORSE: Final = 1.05  # of the error before; above it what was learned is not to be used yet
-CLOSER: Final = 0.95  # of the error with tolerances alone; above it the effect predicts no better
+LOOSE: Final = 0.7  # of the error before; below it, tuning the tolerances alone is worth reporting
+WORSE: Final = 1.05  # of the error before; above it, the learned file should not be used yet
+CLOSER: Final = 0.95  # of the error with tolerances alone; above it, the effect predicts no better
 ADVICE: Final[Mapping[Advice, str]] = {
     'keep': 'Keep the vehicle file as it is.',
-    'measure': 'Measure the numbers of the vehicle file again, and correct it.',
+    'measure': 'Measure the numbers of the vehicle file again, and correct them.',
     'again': 'Fly again before you change the vehicle file.',
     'use': 'Use the vehicle file with what was learned.',
 }
@@ -37,22 +36,22 @@ ADVICE: Final[Mapping[Advice, str]] = {
 @dataclass(frozen=True, slots=True)
 class Conclusion:
     """
-    What may be said, and what to do.
+    What a study supports, and the advice that follows.
 
     Attributes
     ----------
     asserted : bool
-        Whether the effects are said to be missing; else they only may be.
+        True: the effects are missing. False: they may be missing.
     rivals : tuple of str
-        Knobs that may be missing in place of an effect: with them it is "X or Y".
+        Parameters that explain the data as well as an effect; the headline names them with "or".
     coasting : bool
         Whether a model that ignores the commands predicts the position best.
     advice : str
-        What to do with the vehicle file: 'keep' it, 'measure' its numbers again, fly 'again', or
-        'use' what was learned. `ADVICE` has the sentences.
-    gain : Gap, optional
-        What may be told as an improvement: the position furthest ahead. Only where the advice is
-        to act on it.
+        What to do with the vehicle file, a key of `ADVICE`.
+    gain : PredictionGap, optional
+        The improvement to report: the position at the longest horizon. None unless the advice is
+        to
+        act on it.
     by_tolerances : bool
         Whether tuning the tolerances of the file alone makes most of that improvement.
     fits : bool
@@ -75,7 +74,7 @@ class Conclusion:
 
 
 def draw_conclusion(finding: DiscoveryFinding) -> Conclusion:
-    """Return what a finding allows to say."""
+    """Return the conclusion that a finding supports."""
     gap = select_main_gap(finding.gaps)
     advice, loose = _choose_advice(finding), _tolerances_suffice(finding)
     rivals = dict.fromkeys(rival for one in finding.effects for rival in one.confusable_with)
@@ -94,7 +93,8 @@ def draw_conclusion(finding: DiscoveryFinding) -> Conclusion:
 
 
 def _choose_advice(finding: DiscoveryFinding) -> Advice:
-    """Return what to do with the vehicle file."""
+    """Choose the advice on the vehicle file."""
+    # Forecasts decide first: a file that predicts better stays, whatever was named.
     if should_keep_file(finding.gaps):
         return 'keep'
     if finding.verdict == 'not_identifiable' or (finding.effects and find_vain_gaps(finding.gaps)):
@@ -104,24 +104,25 @@ def _choose_advice(finding: DiscoveryFinding) -> Advice:
         return 'again' if gap is not None and gap.after > WORSE * gap.before else 'use'
     if finding.strained or _tolerances_suffice(finding):
         return 'measure'
+    # Strong evidence without a name means that the training and confirming flights disagree.
     strong = any(rung.total > GAIN for step in finding.ladder for rung in step)
     return 'again' if strong and finding.verdict == 'none' else 'keep'
 
 
 def _tolerances_suffice(finding: DiscoveryFinding) -> bool:
-    """Tell whether nothing is missing, but numbers within their tolerances make most errors."""
+    """Return whether no effect is missing and the tolerances alone remove most of the error."""
     gap = select_main_gap(finding.gaps)
     return finding.verdict == 'none' and gap is not None and gap.tuned < LOOSE * gap.before
 
 
 def select_main_gap(gaps: Sequence[PredictionGap]) -> PredictionGap | None:
-    """Return the gap that stands for all: of the position, furthest ahead."""
+    """Return the position error at the longest horizon, or another channel's if there is none."""
     finite = [gap for gap in gaps if math.isfinite(gap.before) and math.isfinite(gap.after)]
     place = [gap for gap in finite if gap.channel == 'position'] or finite
     return max(place, key=lambda gap: gap.horizon_s, default=None)
 
 
 def is_still_named(finding: DiscoveryFinding, knob: str) -> bool:
-    """Tell whether what a round of the ladder named is still named at the end."""
-    told = {name for one in finding.effects for name in one.knobs}
-    return bool(told & set(vector_components(knob)))
+    """Return whether a parameter named in one round of the search is in the final result."""
+    named = {name for one in finding.effects for name in one.knobs}
+    return bool(named & set(vector_components(knob)))

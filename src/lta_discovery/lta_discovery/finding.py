@@ -1,8 +1,4 @@
-"""
-What a study says, as plain data: the JSON, the page and the learned vehicle file derive from it.
-
-Nothing here is computed, and nothing here knows arrays of a flight.
-"""
+"""Define the result of a study as plain data, from which JSON, page and vehicle file derive."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -21,7 +17,7 @@ SCHEMA: Final = 1  # of discovery.json
 @final
 class ParameterEstimate(NamedTuple):
     """
-    One parameter of an effect.
+    Estimate of one parameter of an effect.
 
     Attributes
     ----------
@@ -30,9 +26,9 @@ class ParameterEstimate(NamedTuple):
     unit : str
         SI; '1' for a pure number.
     before : float
-        What the vehicle file had; the null value where the effect was off.
+        Value in the vehicle file; the null value where the effect was off.
     value : float
-        Most probable, by all flights that taught and confirmed it.
+        Maximum a posteriori estimate from all training and confirming flights.
     ci95 : pair of float
         95 % interval.
     in_file : bool
@@ -51,19 +47,19 @@ class ParameterEstimate(NamedTuple):
 @final
 class LadderRung(NamedTuple):
     """
-    One candidate of one round of the ladder of evidence.
+    One candidate in one round of the effect search.
 
     Attributes
     ----------
     knob : str
-        What was tried: 'linear_drag.surge', or a generic rival.
+        The candidate: 'linear_drag.surge', or a generic rival.
     train, confirm, carried : float
-        Log evidence won on the training flights; on the confirming ones by themselves; and on
-        those under what the training flights taught. [nats]
+        Gain in log evidence on the training flights; on the confirming flights alone; and on the
+        confirming flights with the values learned from the training flights. [nats]
     apart : float
-        Difference of the two values, in deviations.
+        Difference between the two estimates, in standard deviations.
     accepted : bool
-        Whether it earned its name.
+        Whether the search accepted it.
 
     """
 
@@ -76,21 +72,21 @@ class LadderRung(NamedTuple):
 
     @property
     def total(self) -> float:
-        """Evidence that counts: of the training flights and the better witness. [nats]"""
+        """Evidence that counts: training flights plus the larger confirmation. [nats]"""
         return self.train + max(self.confirm, self.carried)
 
 
 @final
 class AssumedValue(NamedTuple):
     """
-    One number of an effect that no flight was asked for.
+    A parameter of an effect that was assumed, not fitted.
 
     Attributes
     ----------
     name, unit : str, str
         Within the effect; SI.
     value : float
-        What it was taken to be.
+        The assumed value.
 
     """
 
@@ -103,23 +99,24 @@ class AssumedValue(NamedTuple):
 @dataclass(frozen=True, slots=True)
 class NamedEffect:
     """
-    An effect that was found missing.
+    An effect that the vehicle file lacks.
 
     Attributes
     ----------
     name : str
-        Of the registry.
+        In the registry of effects.
     knobs : tuple of str
-        Those of its directions that were named, in the order in which they were.
-    parameters : tuple of Learned
-        Of it.
+        Its named parameters, in the order in which they were accepted.
+    parameters : tuple of ParameterEstimate
+        Their estimates.
     log_evidence : float
-        What removing it would cost on all flights that taught and confirmed it. [nats]
+        Evidence lost on all training and confirming flights without the effect. [nats]
     confusable_with : tuple of str
-        Knobs that these flights cannot tell from it.
-    assumed : tuple of Assumed
-        Numbers of it that the vehicle file lacks and that were not fitted. The values of
-        `parameters` hold with these, and their intervals do not know them to be uncertain.
+        Parameters that these flights cannot distinguish from it.
+    assumed : tuple of AssumedValue
+        Parameters that are neither in the vehicle file nor fitted. `parameters` depend on them;
+        the
+        intervals do not include their uncertainty.
 
     """
 
@@ -134,7 +131,7 @@ class NamedEffect:
 @final
 class Discrepancy(NamedTuple):
     """
-    Where and when the model of the vehicle file disagrees.
+    Where and when the model of the vehicle file disagrees with a flight.
 
     Attributes
     ----------
@@ -145,9 +142,9 @@ class Discrepancy(NamedTuple):
     from_s, to_s : float
         Since the start of the flight. [s]
     condition : str
-        'always', 'airspeed above 0.4 m/s', 'after 43 s': what tells this from the rest.
+        Condition under which it occurs: 'always', 'airspeed above 0.4 m/s', 'after 43 s'.
     ratio_to_noise : float
-        Root mean square there by that of the noise (a channel) or the floor (an axis).
+        RMS error by the RMS noise (a channel) or by the noise floor (an axis).
 
     """
 
@@ -163,7 +160,7 @@ class Discrepancy(NamedTuple):
 @dataclass(frozen=True, slots=True)
 class PredictionGap:
     """
-    How far predictions are off, one channel at one horizon.
+    Prediction errors of one channel at one horizon.
 
     Attributes
     ----------
@@ -172,18 +169,19 @@ class PredictionGap:
     unit : str
         Of the errors.
     horizon_s : float
-        How long before the model saw the flight last. [s]
+        Time since the model was last set to a measured state. [s]
     before, tuned, after, coast, noise_floor : float
-        Root mean square: the vehicle file; its tolerances fitted without any effect; with the
-        named effects; body velocity and rates kept; of the measurement itself.
+        Root mean square error of: the vehicle file; the file with fitted tolerances and no new
+        effect;
+        the file with the named effects; constant body velocity and rates; the measurement itself.
     shrink : float
         1 - after / before.
     shrink_ci95 : pair of float
         By bootstrap over pieces.
     pieces : int
-        How many predictions there were.
+        Number of predictions.
     refitted : float
-        Root mean square with everything fitted to forecasts, names or not; NaN where that was not
+        Root mean square error with all parameters fitted to forecasts; NaN where that was not
         done.
 
     """
@@ -205,15 +203,15 @@ class PredictionGap:
 @final
 class GroupShare(NamedTuple):
     """
-    One name that forecasts gave.
+    A parameter group that forecasts identified.
 
     Attributes
     ----------
     name : str
-        Of the group of knobs: 'added inertia'.
+        Of the group: 'added inertia'.
     share : float
-        Part of the squared error of the vehicle file's forecasts, in regimes left out, that it
-        takes away.
+        Part of the squared forecast error of the vehicle file, in left-out regimes, that it
+        removes.
 
     """
 
@@ -224,16 +222,16 @@ class GroupShare(NamedTuple):
 @final
 class LeftOutRegime(NamedTuple):
     """
-    One regime, left out of the fit.
+    Forecast error of one flight regime that was left out of the fit.
 
     Attributes
     ----------
     name : str
         'moving mass at 0.085 m'.
     flights : int
-        How many.
+        Number of flights.
     ratio : float
-        Error of its forecasts with what the others taught, by that of the vehicle file.
+        Forecast error with the values learned from the other regimes, by that of the vehicle file.
 
     """
 
@@ -246,18 +244,18 @@ class LeftOutRegime(NamedTuple):
 @dataclass(frozen=True, slots=True)
 class TransferEvidence:
     """
-    What names given by forecasts rest on.
+    Evidence for effects that forecasts identified.
 
     Attributes
     ----------
-    names : tuple of Worth
-        In the order in which they were found.
-    regimes : tuple of LeftOut
+    names : tuple of GroupShare
+        In the order of selection.
+    regimes : tuple of LeftOutRegime
         The worst first.
     interpolates : tuple of str
-        Names that make forecasts better where they were fitted, and did not carry over.
+        Groups that improve forecasts only in the regimes that they were fitted to.
     numbers : int
-        How many were fitted where everything was; 0 where that was not done.
+        Number of parameters in the fit of everything; 0 where that was not done.
 
     """
 
@@ -271,7 +269,7 @@ class TransferEvidence:
 @dataclass(frozen=True, slots=True)
 class DiscoveryFinding:
     """
-    All that was found.
+    The result of a study.
 
     Attributes
     ----------
@@ -279,18 +277,18 @@ class DiscoveryFinding:
         'none', 'named', 'unexplained', 'named+unexplained' or 'not_identifiable'.
     effects : tuple of NamedEffect
         The strongest first.
-    ladder : tuple of tuple of Rung
-        Round by round, the best candidate first.
-    where : tuple of Place
+    ladder : tuple of tuple of LadderRung
+        Rounds of the search, the best candidate first.
+    where : tuple of Discrepancy
         The largest first.
-    gaps : tuple of Gap
+    gaps : tuple of PredictionGap
         Of the held-out flights where there are any.
     held_out : bool
         Whether the gaps are of flights that nothing was fitted to.
     remains : tuple of Remainder
-        What no effect of the library explains, the largest first.
+        Forces that no effect of the library explains, the largest first.
     warnings : tuple of str
-        One sentence each: what the data allow less than one might think.
+        Limits of the data, one sentence each.
     seed : int
         Of the bootstrap.
     bags : mapping of role to names
@@ -300,17 +298,17 @@ class DiscoveryFinding:
     versions : mapping of str to str
         Of the program, its commit, the registry of effects.
     next_flight : str
-        What to fly or measure so that a name that is not alone becomes so; '' where all are.
-    detectable : tuple of Detectable
-        How small each candidate could have been and still be seen; empty where nobody asked.
+        What to fly or measure to resolve confusable names; '' if there are none.
+    detectable : tuple of DetectionLimit
+        Smallest detectable size of each candidate; empty where not requested.
     unexplained : tuple of str
-        What remains, in words: 'a pitch moment that follows surge speed x yaw rate, 1.2 mN m'.
-    carried : Carried, optional
-        Where forecasts gave the names, and not the readings: what they rest on.
-    draught : Draught, optional
-        Air that moved a little by itself; nothing of the vehicle is missing for it.
+        Remainders in words: 'a pitch moment that follows surge speed x yaw rate, 1.2 mN m'.
+    carried : TransferEvidence, optional
+        Evidence where forecasts, not the sensor readings, identified the effects.
+    draught : DraughtFinding, optional
+        Slow air motion in the room; not a defect of the vehicle file.
     strained : tuple of str
-        Knobs whose tolerance is not enough: the flights want them further off than that.
+        Parameters that the flights want further off than their tolerance allows.
 
     """
 

@@ -1,4 +1,8 @@
-"""Flights side by side: what is asked of each is nearly all compiled code, which frees the GIL."""
+"""
+Run work on several flights in parallel threads.
+
+Most of the work is compiled code that releases the GIL.
+"""
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -12,18 +16,10 @@ Result = TypeVar('Result')
 
 def map_parallel(work: Callable[[Given], Result], items: Sequence[Given]) -> list[Result]:
     """
-    Return what comes of some work on each of a few things, in their order.
+    Apply a function to each item in a thread pool and return the results in order.
 
-    A process that was given its work leaves the other processors to the others (`children`).
-    NumPy's error state is that of the thread: `work` has to set its own.
-
-    Parameters
-    ----------
-    work : callable
-        Of one of them; it changes nothing that another one reads.
-    given : sequence
-        Of flights, or of the two sides of a study.
-
+    Child processes use a single thread, to leave the other processors to their siblings. NumPy's
+    error state is per thread: `work` has to set its own, and must not change shared data.
     """
     threads = 1 if parent_process() is not None else len(os.sched_getaffinity(0))
     threads = min(threads, len(items))

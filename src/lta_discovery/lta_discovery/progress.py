@@ -1,4 +1,4 @@
-"""The progress bar of a discovery: which stage, and how far it is."""
+"""Progress bar of a discovery: its stage, and how far it is."""
 
 from typing import Final, final
 
@@ -6,20 +6,12 @@ from lta_report.progress_bar import ProgressBar
 from rich.console import Console
 from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
 
-SAID: Final = 60  # characters of a stage
+SAID: Final = 60  # most characters of a stage's description
 
 
 @final
 class DiscoverProgress(ProgressBar):
-    """
-    Show a discovery while it lasts.
-
-    Parameters
-    ----------
-    console : Console
-        Where to; nothing moves where it is no terminal.
-
-    """
+    """Show the progress of a discovery; on a non-terminal nothing is animated."""
 
     def __init__(self, console: Console) -> None:
         columns = (
@@ -31,14 +23,14 @@ class DiscoverProgress(ProgressBar):
 
     def show_stage(self, words: str, share: float | None = None) -> None:
         """
-        Say what is being done.
+        Show the current stage.
 
         Parameters
         ----------
         words : str
-            The stage.
+            Description of the stage.
         share : float, optional
-            Of the whole, 0 to 1; without it the bar only moves.
+            Completed part of the whole, 0 to 1; the bar only pulses without it.
 
         """
         if share is None:

@@ -1,4 +1,4 @@
-"""One discovery, from the bags to the folder with everything that was found."""
+"""Run a discovery: read the bags, study the flights, and write the results folder."""
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
@@ -30,7 +30,7 @@ from lta_discovery.study import DiscoveryStudy, study_flights
 from lta_discovery.transfer.forecast_naming import name_by_forecasts
 from lta_discovery.transfer.regimes import describe_interpolation
 from lta_model.vehicle import load_vehicle, Vehicle
-from lta_report.page_frame import write_file as kept
+from lta_report.page_frame import write_file
 from lta_report.results_folder import stage_results, write_json
 
 VEHICLE = 'vehicle.yaml'
@@ -42,7 +42,7 @@ Tell = Callable[[str, float | None], None]
 @dataclass(frozen=True, slots=True)
 class DiscoveryRequest:
     """
-    What to study.
+    Inputs of a discovery.
 
     Attributes
     ----------
@@ -51,9 +51,9 @@ class DiscoveryRequest:
     bags : mapping of role to paths
         'train', 'confirm', 'holdout'.
     seed : int
-        Of all chance.
+        Random seed.
     robot : str, optional
-        Whose data, where a bag holds several robots.
+        Robot to read, where a bag holds several.
     plan : bool
         Whether to plan the next flight.
 
@@ -70,16 +70,16 @@ class DiscoveryRequest:
 @dataclass(frozen=True, slots=True)
 class DiscoveryResult:
     """
-    What came of it.
+    Results of a discovery.
 
     Attributes
     ----------
-    study : Study
-        What was found.
+    study : DiscoveryStudy
+        Finding and flights.
     told : mapping
-        As discovery.json has it.
+        Content of discovery.json.
     page : Path
-        The page.
+        The HTML page.
 
     """
 
@@ -90,26 +90,24 @@ class DiscoveryResult:
 
 def discover_effects(request: DiscoveryRequest, folder: Path, tell: Tell) -> DiscoveryResult:
     """
-    Study flights and write everything into a folder.
+    Study flights and write all results into a folder.
 
     Parameters
     ----------
-    asked : Asked
-        What to study.
     folder : Path
         Empty, or not there yet.
     tell : callable
-        Told what is being done.
+        Receives the current stage and its share.
 
     Raises
     ------
     BadInput
-        If the flights cannot give an honest answer, or the folder cannot be written.
+        If the flights are not usable, or the folder cannot be written.
 
     """
     vehicle = load_vehicle(request.vehicle)
     flights = read_bags(request.bags, request.robot, lambda name: tell(f'reading {name}', None))
-    tell('checking what can be believed', None)
+    tell('checking data quality', None)
     sound = select_usable_flights(flights, vehicle)
     found = add_confusable(study_usable_flights(request, vehicle, sound, tell))
     next_one = (
@@ -118,7 +116,8 @@ def discover_effects(request: DiscoveryRequest, folder: Path, tell: Tell) -> Dis
         else NextFlight(format_hint(found))
     )
     finding = replace(found.finding, next_flight=next_one.text)
-    tell('writing what was found', None)
+    tell('writing results', None)
+    # Stage into a temporary folder, so that a failure leaves no half-written results.
     try:
         with stage_results(folder, NAME) as part:
             next_one.write(part)
@@ -136,7 +135,7 @@ def discover_effects(request: DiscoveryRequest, folder: Path, tell: Tell) -> Dis
 def study_usable_flights(
     request: DiscoveryRequest, vehicle: Vehicle, sound: UsableFlights, tell: Tell
 ) -> DiscoveryStudy:
-    """Return the study of flights that can be used, with what is to be said of them."""
+    """Study the usable flights; add discrepancies, warnings and versions to the finding."""
     found = name_by_forecasts(study_flights(vehicle, sound.flights, request.seed, tell), tell)
     only = describe_interpolation(found)
     told = [*list_forecast_warnings(found.finding.gaps), *([only] if only else [])]
@@ -151,7 +150,7 @@ def study_usable_flights(
 
 
 def _list_baseline_flights(study: DiscoveryStudy, sound: UsableFlights) -> list[BaselineFlight]:
-    """Return the flights that taught and confirmed as the model of the vehicle file sees them."""
+    """Return the training and confirming flights under the model of the vehicle file."""
     taught = [one for role in ('train', 'confirm') for one in study.flights if one.role == role]
     out = []
     for one, fit in zip(taught, study.bare, strict=True):
@@ -168,7 +167,7 @@ def write_results(
     folder: Path,
     part: Path,
 ) -> DiscoveryResult:
-    """Write the results of a study into `part`, whence they go into their folder."""
+    """Write the results of a study into the staging folder `part`."""
     finding = study.finding
     if finding.effects:
         text = find_file('vehicle', request.vehicle).read_text(encoding='utf-8')
@@ -176,7 +175,7 @@ def write_results(
         (part / VEHICLE).write_text(learned, encoding='utf-8')
     if study.refitted is not None:
         text = find_file('vehicle', request.vehicle).read_text(encoding='utf-8')
-        # A drag below that of the parts has no place in the file: it is a forecast, no vehicle.
+        # A refit may need a negative drag, which a vehicle file cannot hold: write none then.
         with suppress(BadInput):
             whole = format_learned_vehicle(text, vehicle, study.nominal, study.refitted, finding)
             (part / REFITTED).write_text(whole, encoding='utf-8')
@@ -186,5 +185,5 @@ def write_results(
     bags: dict[str, Sequence[Path | str]] = {
         role: list(request.bags[role]) for role in request.bags
     }
-    kept(render_page(study, folder, bags), part / PAGE)
+    write_file(render_page(study, folder, bags), part / PAGE)
     return DiscoveryResult(study, told, folder / PAGE)

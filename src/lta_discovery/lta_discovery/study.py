@@ -1,4 +1,4 @@
-"""A study of some flights of one vehicle, from the flights to the finding."""
+"""Run a study of the flights of one vehicle: search, verification, forecasts, finding."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -34,7 +34,7 @@ from lta_model.vehicle import Vehicle
 
 Progress = Callable[[str, float], None]
 
-FASTER: Final = 1.25  # times as many knots, for which naming begins anew
+FASTER: Final = 1.25  # times as many knots; above it the search is repeated
 FAR: Final = 3.0  # s; the horizon at which the model has to be better than coast
 
 
@@ -50,7 +50,7 @@ class StudyFlight:
         Of its bag.
     role : str
         'train', 'confirm' or 'holdout'.
-    flight : Linearised
+    flight : FlightLinearizer
         Ready to be replayed.
 
     """
@@ -64,14 +64,15 @@ class StudyFlight:
 @dataclass(frozen=True, slots=True)
 class StudyComparison:
     """
-    One flight under three models; nothing in them was fitted to it if it was held out.
+    One flight under three models; a held-out flight took no part in their fit.
 
     Attributes
     ----------
-    flown : Flown
+    flown : StudyFlight
         The flight.
-    before, tuned, after : Point
-        The vehicle file; its tolerances fitted without any effect; with the named effects.
+    before, tuned, after : LinearizationPoint
+        The vehicle file; the file with fitted tolerances and no new effect; with the named
+        effects.
 
     """
 
@@ -85,25 +86,24 @@ class StudyComparison:
 @dataclass(frozen=True, slots=True)
 class DiscoveryStudy:
     """
-    What was found, with what it takes to draw it.
+    A finding, with the flights and fits that the page needs.
 
     Attributes
     ----------
-    finding : Finding
-        The words and numbers.
-    nominal, learned : Nominal
-        The vehicle as its file has it, and with the named effects.
-    flights : sequence of Flown
+    finding : DiscoveryFinding
+        Texts and numbers.
+    nominal, learned : NominalVehicle
+        The vehicle of the file, and the same with the named effects.
+    flights : sequence of StudyFlight
         All of them.
-    shown : sequence of Shown
+    shown : sequence of StudyComparison
         The held-out flights, or the confirming ones where there are none.
-    bare : sequence of Fit
-        The flights that taught, then those that confirmed, their tolerances fitted without any
-        effect.
-    full : sequence of Fit
+    bare : sequence of FlightFit
+        Training flights, then confirming ones, with fitted tolerances and no new effect.
+    full : sequence of FlightFit
         The same with the named effects.
-    refitted : Nominal, optional
-        The vehicle with everything fitted to forecasts, for forecasts between what was flown.
+    refitted : NominalVehicle, optional
+        The vehicle with all parameters fitted to forecasts; valid only between the flown regimes.
 
     """
 
@@ -121,33 +121,35 @@ def study_flights(
     vehicle: Vehicle, flights: Sequence[Role], seed: int = 0, progress: Progress | None = None
 ) -> DiscoveryStudy:
     """
-    Find what is missing, confirm it, and show what it is worth.
+    Find missing effects, confirm them, and measure how much they improve predictions.
 
     Parameters
     ----------
     vehicle : Vehicle
-        As its file has it.
-    flights : sequence of (name, role, Measured)
-        Role 'train', 'confirm' or 'holdout'; where nothing confirms, what teaches is split, and
-        a single flight in three parts.
+        Of the vehicle file.
+    flights : sequence of (name, role, MeasuredFlight)
+        Role 'train', 'confirm' or 'holdout'. Without a confirming flight the training flights are
+        split; a single flight is split into three parts.
     seed : int
         Of the bootstrap.
     progress : callable, optional
-        Told what is being done, and which part of all is done.
+        Receives the stage and the completed share of the whole.
 
     Raises
     ------
     BadInput
-        If no flight teaches, or one is too short for a prediction.
+        If there is no training flight, or a flight is too short for a prediction.
 
     """
     tell = progress or (lambda what, part: None)
-    tell('making ready', 0.0)
+    tell('preparing', 0.0)
     nominal = NominalVehicle.from_vehicle(vehicle)
     flown, known, warnings = _prepare_flights(vehicle, nominal, flights)
-    flown, found = _search_effects(nominal, flown, lambda part: tell('naming', 0.05 + 0.6 * part))
+    flown, found = _search_effects(
+        nominal, flown, lambda part: tell('searching', 0.05 + 0.6 * part)
+    )
     pair = _select_role(flown, 'train'), _select_role(flown, 'confirm')
-    tell('proving', 0.65)
+    tell('verifying', 0.65)
     proven = EffectVerification(nominal, [*pair[0], *pair[1]]).run(found)
     tell('predicting', 0.9)
     held_out = bool(_select_role(flown, 'holdout'))
@@ -156,7 +158,9 @@ def study_flights(
     models = [build_model_points(f.flight, nominal, bare, measured) for f in last]
     differences = compute_gaps([f.flight for f in last], models, seed)
     if not held_out:
-        warnings.append('No flight was held out: the gaps are of flights that confirmed.')
+        warnings.append(
+            'No flight was held out: the prediction errors are of the confirming flights.'
+        )
     strained = find_strained_tolerances(known, proven.full.prior, proven.full.fitted.mean)
     warnings.extend(format_strained_tolerances(strained))
     rest = assess_unmodeled(pair, proven.full, wrench_floor(nominal))
@@ -193,9 +197,10 @@ def study_flights(
 def _prepare_flights(
     vehicle: Vehicle, nominal: NominalVehicle, flights: Sequence[Role]
 ) -> tuple[list[StudyFlight], list[FreeParameter], list[str]]:
-    """Return flights ready to be replayed, what can be turned, and what makes them weaker."""
+    """Return the linearizers of the flights, the free parameters, and warnings about the data."""
     tidy, said = _remove_wild_readings(flights)
     given, warnings = assign_roles(tidy)
+    # The wrench is measured only where motor telemetry or a test stand gave it.
     known = list_free_parameters(nominal, any(flight.wrench is not None for _, _, flight in given))
     flown = [
         StudyFlight(name, role, prepare_flight(vehicle, each, known)) for name, role, each in given
@@ -213,10 +218,10 @@ def _search_effects(
     nominal: NominalVehicle, flights: list[StudyFlight], tell: Callable[[float], None]
 ) -> tuple[list[StudyFlight], EffectSearchResult]:
     """
-    Name what is missing; return the flights with as many knots as they need, and what was found.
+    Search for missing effects; return the flights with enough knots, and the result.
 
-    The vehicle file says how fast the vehicle swings, and so does its attitude. Where the fit
-    finds that it swings faster than either, all begins anew with more knots.
+    The knot count follows from the fastest motion of the vehicle file and of the measured
+    attitude. If the fit is faster than both, the search is repeated with more knots.
     """
     knots = count_needed_knots([one.flight for one in flights], nominal)
     while True:
@@ -235,7 +240,7 @@ def _search_effects(
 def _fit_forecasts(
     nominal: NominalVehicle, flights: Sequence[FlightLinearizer], proven: VerifiedEffects
 ) -> tuple[JointFit, JointFit]:
-    """Return the fits without and with effects, their tolerances as forecasts bear them."""
+    """Return the fits without and with effects, tolerances shrunk to what forecasts support."""
     known = flights[0].knobs
     fitter = JointFitter(nominal, flights, per_flight_variance(known), wrench_floor(nominal))
     named = expand_vectors(proven.names)
@@ -245,21 +250,22 @@ def _fit_forecasts(
 
 
 def _remove_wild_readings(flights: Sequence[Role]) -> tuple[list[Role], list[str]]:
-    """Return flights without wild readings, and a sentence on each that had any."""
+    """Remove outliers from the flights, and describe what was removed."""
     out, said = [], []
     for name, role, flight in flights:
         clean, count = remove_outliers(flight)
         out.append((name, role, clean))
         if count:
-            said.append(f'{name}: wild readings were left out, {count} of them.')
+            said.append(f'{name}: {count} outliers were left out.')
     return out, merge_sentences(said, len(flights))
 
 
 def prepare_flight(
     vehicle: Vehicle, flight: MeasuredFlight, parameters: Sequence[FreeParameter]
 ) -> FlightLinearizer:
-    """Return a flight ready to be replayed."""
+    """Return a flight that is ready to be replayed and linearized."""
     replay = ModelReplay(flight, cut_windows(flight), vehicle.pack_command(()))
+    # The floor pressure needs the place of the barometer, and the places need the floor pressure.
     places = SensorPlaces.from_vehicle(vehicle, 0.0)
     return FlightLinearizer(
         replay,
@@ -269,17 +275,17 @@ def prepare_flight(
 
 
 def _check_long_enough(flights: Sequence[StudyFlight]) -> None:
-    """Refuse flights that are too short to say anything."""
+    """Raise an error if a flight has too few usable pieces."""
     for one in flights:
         if len(one.flight.replay.first) < FEWEST:
             raise BadInput(
                 f"The flight '{one.name}' has {len(one.flight.replay.first)} usable pieces "
-                f"as '{one.role}'; at least {FEWEST} are needed: fly longer, or mend its gaps."
+                f"as '{one.role}'; at least {FEWEST} are needed: fly longer, or close its gaps."
             )
 
 
 def _list_rungs(step: SelectionRound) -> tuple[LadderRung, ...]:
-    """Return one round of the ladder of evidence."""
+    """Return one round of the search."""
     return tuple(
         LadderRung(
             trial.name, trial.gain, trial.replicated, trial.held_out, trial.apart,
@@ -296,10 +302,11 @@ def decide_study_verdict(
     kind: Kind,
 ) -> Verdict:
     """
-    Return the verdict: what the flights allow to say.
+    Decide the verdict of a study.
 
-    A rival that no flight of this kind could tell from what was named does not put it in question.
+    A rival that flights of this kind can never distinguish does not put a name in question.
     """
+    # A model that ignores the commands must not predict the position better than the fitted ones.
     far = [gap for gap in differences if gap.channel == 'position' and gap.horizon_s == FAR]
     if far and far[0].coast < min(far[0].tuned, far[0].after) and not rest.is_trackable:
         return 'not_identifiable'

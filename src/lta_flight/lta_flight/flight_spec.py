@@ -13,8 +13,12 @@ from typing import Any, final
 
 from lta_config.errors import BadInput, unknown_name
 from lta_config.files import find_file, load_yaml, validate_content
-from lta_config.parameter_override import format_value, parse_quantity, replace_parameter
-from lta_config.parameter_override import get_parameter as held_at
+from lta_config.parameter_override import (
+    format_value,
+    get_parameter,
+    parse_quantity,
+    replace_parameter,
+)
 from lta_config.quantity import UNITS
 from lta_config.schema.vehicle_file import VehicleFile
 from lta_config.settings import Settings
@@ -109,7 +113,7 @@ class FlightSpec:
         if path in NAMED:
             return {'strategy': self.strategy, **self.names}[path]
         root, below = split_path(path)
-        return held_at(self.contents[root], below, root)
+        return get_parameter(self.contents[root], below, root)
 
     def find_unit(self, path: str) -> str:
         """Return the SI unit of a parameter; '' where it has none."""

@@ -15,7 +15,7 @@ from lta_energy.monitoring.power_system import PowerSystem
 from lta_flight.closed_loop import ClosedLoop, EnergyObservation, LightObservation
 from lta_graph.ros.qos import select_profile
 from lta_graph.ros.stamps import to_stamp
-from lta_model import messages as sensed
+from lta_model import messages
 from lta_sim.readings import VehicleReadings
 from lta_vlc.diodes import build_diode_array
 from lta_vlc.messages import from_bearing, from_lamp, from_peaks
@@ -70,7 +70,9 @@ class LoopRecorder:
         self._write_message('odom', from_estimate(stamp, loop.estimate))
         self._write_message('motors', from_duties(stamp, self._rotors, loop.duties))
         if readings.truth is not None:
-            self._write_message('ground_truth/odom', sensed.build_odometry(stamp, readings.truth))
+            self._write_message(
+                'ground_truth/odom', messages.build_odometry(stamp, readings.truth)
+            )
         if readings.block is not None and loop.light is not None and loop.asked is not None:
             self._write_light(readings.block, loop.light, loop.asked)
         if loop.energy is not None:
@@ -85,20 +87,24 @@ class LoopRecorder:
         """Write what the simulator sends for the estimator."""
         world, stamp = self._loop.world, to_stamp(readings.stamp_ns)
         for taken_ns, distance in readings.ranges:
-            message = sensed.build_range(to_stamp(taken_ns), distance, world.range_settings)
+            message = messages.build_range(to_stamp(taken_ns), distance, world.range_settings)
             self._write_message('range', message)
         if readings.pressure is not None:
             noise = world.pressure_settings.noise
-            self._write_message('pressure', sensed.build_pressure(stamp, readings.pressure, noise))
+            self._write_message(
+                'pressure', messages.build_pressure(stamp, readings.pressure, noise)
+            )
         noises = world.imu_errors.noise
-        self._write_message('imu', sensed.build_imu(stamp, readings.force, readings.rates, noises))
+        self._write_message(
+            'imu', messages.build_imu(stamp, readings.force, readings.rates, noises)
+        )
 
     def _write_light(
         self, block: tuple[int, Any], light: LightObservation, setpoint: Setpoint
     ) -> None:
         """Write a light block and what demodulator and navigator make of it."""
         stamp = to_stamp(block[0])
-        self._write_message('photodiodes', sensed.build_light_block(stamp, block[1]))
+        self._write_message('photodiodes', messages.build_light_block(stamp, block[1]))
         header = Header(stamp=stamp, frame_id=self._table['photodiodes'].frame)
         self._write_message('light/bearing', from_bearing(header, light.bearing))
         self._write_message('light/peaks', from_peaks(header, light.hearing.peaks, self._axes))
@@ -113,10 +119,10 @@ class LoopRecorder:
         if readings.illuminance is None or readings.battery is None or readings.panel is None:
             return
         loop, stamp = self._loop, to_stamp(readings.stamp_ns)
-        measured: BatteryState = sensed.build_battery_state(stamp, *readings.battery, 'battery')
-        self._write_message('wind', sensed.build_wind(stamp, loop.world.wind))
-        self._write_message('illuminance', sensed.build_illuminance(stamp, readings.illuminance))
-        self._write_message('panel', sensed.build_battery_state(stamp, *readings.panel, 'panel'))
+        measured: BatteryState = messages.build_battery_state(stamp, *readings.battery, 'battery')
+        self._write_message('wind', messages.build_wind(stamp, loop.world.wind))
+        self._write_message('illuminance', messages.build_illuminance(stamp, readings.illuminance))
+        self._write_message('panel', messages.build_battery_state(stamp, *readings.panel, 'panel'))
         self._write_message('battery', measured)
         reading, estimate = energy.reading, energy.estimate
         # The monitor answers the message, which carries 32 bits.

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 Vector = NDArray[np.float64]
 
 
-def fill_parameters(effect: Effect, given: Mapping[str, float]) -> dict[str, float]:
+def fill_parameters(effect: Effect, parameters: Mapping[str, float]) -> dict[str, float]:
     """
     Return all parameters of an effect, those not given at their null value.
 
@@ -27,7 +27,7 @@ def fill_parameters(effect: Effect, given: Mapping[str, float]) -> dict[str, flo
 
     """
     values = {parameter.name: parameter.null for parameter in effect.parameters}
-    for name, value in given.items():
+    for name, value in parameters.items():
         if name not in values:
             raise BadInput(
                 f'The effect {effect.name} has no parameter {name!r}; it has {", ".join(values)}.'
@@ -135,7 +135,7 @@ class VehicleModel:
     @classmethod
     def build(
         cls,
-        given: Mapping[str, Mapping[str, float]],
+        effect_parameters: Mapping[str, Mapping[str, float]],
         *,
         mass: float,
         cg: ArrayLike,
@@ -148,7 +148,7 @@ class VehicleModel:
 
         Parameters
         ----------
-        given : mapping
+        effect_parameters : mapping
             Parameters by effect and name; whatever is left out is at its null value.
         mass : float
             Mass of the solid parts and of the gas. [kg]
@@ -170,14 +170,14 @@ class VehicleModel:
 
         """
         rigid = _build_rigid_body(mass, cg, inertia, displaced)
-        for name in given:
+        for name in effect_parameters:
             effects.get_effect(name)
         parameters: list[float] = []
         on: list[bool] = []
         known: dict[str, dict[str, float]] = {}
         added = np.zeros(6)
         for name, effect in effects.EFFECTS.items():
-            values = fill_parameters(effect, given.get(name, {}))
+            values = fill_parameters(effect, effect_parameters.get(name, {}))
             numbers = tuple(values.values())
             active = any(values[p.name] != p.null for p in effect.parameters)
             if active:

@@ -1,1 +1,1 @@
-"""What the world does: vehicle, physical effects, light field and sensors."""
+"""Simulation of the world: vehicle, physical effects, light field and sensors."""

@@ -1,4 +1,4 @@
-"""Where a flight may go: in the room, and out of its door as far as the scene reaches."""
+"""Flight bounds: the room, and beyond its door as far as the scene reaches."""
 
 from typing import final
 
@@ -7,21 +7,13 @@ from lta_model.scenario import Scenario
 
 @final
 class FlightBounds:
-    """
-    The bounds of a scene, for one flight from its start.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        Room and door.
-
-    """
+    """The bounds of a scene, for one flight from its start."""
 
     def __init__(self, scenario: Scenario) -> None:
         length, width, self._height = scenario.room.size.vector
         self._x, self._y = length / 2, width / 2
         self._outside = scenario.outside
-        self._indoors = True  # every start is
+        self._indoors = True  # every flight starts indoors
 
     def is_inside(self, x: float, y: float, z: float) -> bool:
         """Tell whether a hull centre is in bounds; call it at every step. [m, map]"""

@@ -29,7 +29,7 @@ class CommandLink:
     ----------
     reversible : sequence of bool
         Whether each rotor accepts negative duty.
-    given : mapping
+    effect_parameters : mapping
         The effects that are on, `Model.given`: a moving mass starts where it was weighed.
     chain : Chain
         What acts on the channel `command_time`.
@@ -44,13 +44,13 @@ class CommandLink:
     def __init__(
         self,
         reversible: Sequence[bool],
-        given: Mapping[str, Mapping[str, float]],
+        effect_parameters: Mapping[str, Mapping[str, float]],
         chain: Chain,
     ) -> None:
         self._lowest = [-1.0 if reverses else 0.0 for reverses in reversible]
         self._chain = chain
         self.idle: Array = np.zeros(COMMAND)
-        place = given.get('moving_mass', {})
+        place = effect_parameters.get('moving_mass', {})
         self.idle[MASS_PLACE:] = [place.get(axis, 0.0) for axis in 'xyz']
         self._latest = self._obeyed = self.idle
         self._coming: deque[tuple[int, Array]] = deque()

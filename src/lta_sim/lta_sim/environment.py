@@ -58,7 +58,7 @@ class FlightEnvironment:
 
     Parameters
     ----------
-    given : mapping
+    effect_parameters : mapping
         The effects that are on, `Model.given`.
     scenario : Scenario
         The wind.
@@ -80,7 +80,7 @@ class FlightEnvironment:
 
     def __init__(
         self,
-        given: Mapping[str, Mapping[str, float]],
+        effect_parameters: Mapping[str, Mapping[str, float]],
         scenario: Scenario,
         light: LightView,
         chance: Generator,
@@ -93,7 +93,8 @@ class FlightEnvironment:
         self._door = None if scenario.outside is None else _DoorWind(scenario, radius)
         self._record = load_wind_record(scenario)
         self._period = period
-        self._turbulent, self._warmed = 'turbulence' in given, 'superheat' in given
+        self._turbulent = 'turbulence' in effect_parameters
+        self._warmed = 'superheat' in effect_parameters
         self._light, self._chance = light, chance
         self._deviation = 1.0 / math.sqrt(period)
 

@@ -77,7 +77,7 @@ class SlowSink:
     """Takes as many seconds for a message as it was logged at, and notes how busy that is."""
 
     def __init__(self, clock):
-        self.clock, self.lost, self.seen = clock, 0, []
+        self.clock, self.lost_count, self.seen = clock, 0, []
 
     def write(self, topic, data, log_time_ns):
         self.clock.now += log_time_ns
@@ -86,7 +86,7 @@ class SlowSink:
     def flush(self):
         pass
 
-    refresh = check_room = close = flush
+    update_metadata = check_room = close = flush
 
 
 def test_busy_is_with_one_message_not_with_all_that_waited(monkeypatch):
@@ -148,7 +148,7 @@ def test_a_disk_that_is_nearly_full_gets_a_whole_bag(tmp_path, monkeypatch):
 
     monkeypatch.setattr(storage, 'free_space', little)
     assert looked.wait(PATIENCE)
-    with pytest.raises(StorageFault, match=r'nearly full.*ends here, whole; make room'):
+    with pytest.raises(StorageFault, match=r'nearly full.*complete up to here; free disk space'):
         writer.close()
     assert read_bag(tmp_path / 'bag').is_complete
     assert stored(tmp_path / 'bag') == list(range(50))

@@ -137,7 +137,7 @@ KILLED = """
 import os, signal, sys
 from pathlib import Path
 from lta_bridge.bag import BagWriter, metadata, storage
-from lta_bridge.bag.split import Split
+from lta_bridge.bag.split import SplitLimits
 
 def record(folder, fatal):
     calls = 0
@@ -149,7 +149,7 @@ def record(folder, fatal):
                 os.kill(os.getpid(), signal.SIGKILL)
             return call(*words, **named)
         return do
-    bag = BagWriter(folder, {'seed': '9'}, Split(duration_ns=10))
+    bag = BagWriter(folder, {'seed': '9'}, SplitLimits(duration_ns=10))
     bag.add_topic('/b', 'std_msgs/msg/Bool', [])
     for k in range(10):
         bag.write('/b', bytes([0, 1, 0, 0, k]), k)

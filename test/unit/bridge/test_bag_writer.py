@@ -54,7 +54,7 @@ def test_busy_place_is_refused_and_untouched(tmp_path, kind):
     before = sorted(tmp_path.rglob('*'))
     with pytest.raises(
         BadInput,
-        match=r'(not empty; choose another folder|made \(File exists\); choose another place)',
+        match=r'(not empty; choose another folder|created \(File exists\); choose another place)',
     ):
         BagWriter(place, {})
     assert sorted(tmp_path.rglob('*')) == before
@@ -77,7 +77,7 @@ def test_unknown_type_leaves_the_bag_as_it_was(tmp_path):
         with pytest.raises(BadInput, match="'lta_msgs/msg/Nothing' is not part of ROS 2 Jazzy"):
             bag.add_topic('/x', 'lta_msgs/msg/Nothing', [])
         bag.add_topic('/b', 'std_msgs/msg/Bool', [])
-        with pytest.raises(BadInput, match='announce each topic once'):
+        with pytest.raises(BadInput, match='add each topic once'):
             bag.add_topic('/b', 'std_msgs/msg/Bool', [])
         with pytest.raises(KeyError):
             bag.write('/x', FALSE, 0)
@@ -135,7 +135,7 @@ try:
             bag.flush()
             flushed = i + 1
 except StorageFault as fault:
-    print(flushed, bag.lost, fault.errno)
+    print(flushed, bag.lost_count, fault.errno)
 bag.close()
 """
 

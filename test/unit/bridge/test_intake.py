@@ -18,7 +18,7 @@ class Kept:
     def __init__(self):
         self.messages = []
         self.dropped = Counter()
-        self.waiting = 12
+        self.queued_bytes = 12
 
     def write(self, topic, data, log_time_ns):
         self.messages.append((topic, data, log_time_ns))

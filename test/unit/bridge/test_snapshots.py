@@ -109,7 +109,7 @@ def test_a_full_disk_costs_a_snapshot_and_not_the_memory(tmp_path, monkeypatch):
     saving = snapshots.request_snapshot()
     assert saving.done.wait(PATIENCE)
     assert saving.made is None
-    assert 'The disk took no more' in saving.summary
+    assert 'The recording ends here and stays readable' in saving.summary
     assert snapshots.summarize()[0] == HealthLevel.WARN
     monkeypatch.undo()
     writer.write('/a', FALSE, 2)
@@ -127,7 +127,7 @@ def test_a_nearly_full_disk_gets_a_whole_snapshot_of_what_still_fits(tmp_path, m
     for k in range(100):
         memory.write('/a', FALSE, k * S // 10)
     monkeypatch.setattr(storage, 'free_space', lambda _: next(left, 0))
-    with pytest.raises(StorageFault, match='ends here, whole'):
+    with pytest.raises(StorageFault, match='was closed, complete up to here'):
         memory.write_snapshot('')
     bag = read_bag(tmp_path / 'bag' / 'snapshot_0')
     assert bag.is_complete

@@ -44,7 +44,9 @@ def read(monkeypatch, event_after):
             Thread=lambda target, **told: threads.append(told)
             or SimpleNamespace(start=target, join=lambda: None),
         ))  # fmt: skip
-        board = SimpleNamespace(due=lambda now: b'', take=lambda data, now: [])
+        board = SimpleNamespace(
+            compose_due_messages=lambda now: b'', receive_data=lambda data, now: []
+        )
         return reader.BoardReader('any', board, lambda block: None, lambda: 0), ended.waited
 
     return read

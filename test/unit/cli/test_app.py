@@ -51,7 +51,7 @@ def test_a_place_that_cannot_be_used_is_one_sentence(call, words):
 def test_only_the_verb_that_is_asked_for_is_loaded():
     """All of them take a second, and `lta bag info` a tenth of it."""
     code = (
-        'import sys; from lta_cli.app import put_together; put_together(["bag", "info"]);'
+        'import sys; from lta_cli.app import build_app; build_app(["bag", "info"]);'
         'print(*[name for name in sys.modules if name.startswith("lta_cli.verbs.")],'
         '"plotly" in sys.modules, "rclpy" in sys.modules)'
     )
@@ -88,7 +88,7 @@ def test_a_list_says_what_loaded_verbs_say_of_themselves():
 
 def test_a_list_loads_no_verb():
     code = (
-        'import sys; from lta_cli.app import put_together; put_together(["--help"]);'
+        'import sys; from lta_cli.app import build_app; build_app(["--help"]);'
         'heavy = "lta_cli.verbs", "numpy";'
         'print(*[name for name in sys.modules if name.startswith(heavy)])'
     )
@@ -98,7 +98,7 @@ def test_a_list_loads_no_verb():
 
 def test_a_verb_comes_first(call):
     status, said = call('--', 'fly')
-    assert (status, said.err) == (2, "A verb comes first: 'lta fly ...'.\n")
+    assert (status, said.err) == (2, "Put the verb first: 'lta fly ...'.\n")
 
 
 def test_options_of_several_values_may_stand_once():

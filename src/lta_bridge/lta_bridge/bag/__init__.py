@@ -1,4 +1,4 @@
-"""Writing recordings: rosbag2 folders with MCAP that stay readable whatever happens."""
+"""Write crash-safe rosbag2 recordings in the MCAP format."""
 
 from lta_bridge.bag.qos import build_offered_qos, OfferedQos
 from lta_bridge.bag.storage import free_space, StorageFault

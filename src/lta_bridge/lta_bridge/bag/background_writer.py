@@ -1,9 +1,9 @@
 """
-A bag that is written beside whoever has the messages: a slow disk stops nobody.
+Write a bag in a background thread, so that a slow disk does not block the caller.
 
-Messages wait in a queue. When it is full the newest are dropped and counted: what was taken before
-is whole, and what is missing is one gap as long as the disk's. A fault of the disk ends the
-writing, not the thread that hands in messages.
+Messages wait in a queue. When it is full, new messages are dropped and counted, so that a slow
+disk causes one gap instead of scattered losses. A storage fault ends the writing, but raises
+nothing in the thread that hands in messages.
 """
 
 from collections import Counter, deque
@@ -16,22 +16,22 @@ from typing import final, Protocol
 from lta_bridge.bag.mcap_file import CHUNK_SIZE
 from lta_bridge.bag.qos import OfferedQos
 
-FLUSH_PERIOD = 0.4  # wall seconds between flushes: with the nap, the most that SIGKILL can cost
-NAP = 0.1  # wall seconds between looks at the queue: messages are cheaper by the hundred
-REFRESH_PERIOD = 5.0  # wall seconds between two metadata.yaml
-MOST = 500_000  # messages that may wait, however small
+FLUSH_PERIOD = 0.4  # wall seconds; SIGKILL loses at most FLUSH_PERIOD + NAP of messages
+NAP = 0.1  # wall seconds between two polls of the queue: batches are cheaper than single messages
+REFRESH_PERIOD = 5.0  # wall seconds between two updates of metadata.yaml
+MOST = 500_000  # queue limit in messages: many small ones cost more memory than their bytes
 
 Item = tuple[str, bytes, int] | Callable[[], None]
 
 
 class BagSink(Protocol):
-    """What takes the messages in the end; see `BagWriter`."""
+    """Interface of a bag writer; see `BagWriter`."""
 
     def add_topic(self, name: str, type_name: str, qos: Sequence[OfferedQos]) -> None:
-        """Announce a topic."""
+        """Add a topic."""
 
     def update_qos(self, name: str, qos: Sequence[OfferedQos]) -> None:
-        """Tell what a topic's publishers offer by now."""
+        """Update the QoS profiles that a topic's publishers offer."""
 
     def write(self, topic: str, data: bytes, log_time_ns: int) -> None:
         """Record one message."""
@@ -40,38 +40,38 @@ class BagSink(Protocol):
         """Hand everything to the operating system."""
 
     def update_metadata(self) -> None:
-        """Describe the bag as it stands."""
+        """Update metadata.yaml."""
 
     def check_room(self) -> None:
-        """Raise a `StorageFault` while the bag can still be closed."""
+        """Raise a `StorageFault` if the disk has barely enough room to close the bag."""
 
     def close(self) -> None:
-        """Finish."""
+        """Finish the bag."""
 
     @property
     def lost_count(self) -> int:
-        """Messages that were accepted and are not in the bag."""
+        """Number of accepted messages that are not in the bag."""
         ...
 
 
 @final
 class BackgroundWriter:
     """
-    Hands messages to a sink in a thread of its own.
+    Hand messages to a sink in a separate thread.
 
     Parameters
     ----------
-    sink : Sink
-        Who writes; belongs to the thread from now on.
+    sink : BagSink
+        The caller must not use it afterwards: it belongs to the thread.
     room : int
-        Most memory of the messages that wait. [bytes]
+        Memory limit of the queued messages. [bytes]
 
     Attributes
     ----------
     dropped : Counter of str
-        Messages that found no room, by topic.
+        Messages dropped because the queue was full, by topic.
     fault : Exception or None
-        Why nothing more is written: a `StorageFault`, unless we erred.
+        Why nothing more is written: a `StorageFault`, or any other error in case of a bug.
 
     """
 
@@ -79,11 +79,12 @@ class BackgroundWriter:
         self._sink = sink
         self._room = room
         self._queue: deque[Item] = deque()
-        self._taken = 0  # bytes; written by the caller's thread alone
-        self._done = 0  # bytes; written by ours alone
+        # Two counters with one writing thread each need no lock; their difference is the queue.
+        self._taken = 0  # bytes; written by the caller's thread only
+        self._done = 0  # bytes; written by the background thread only
         self._unwritten = 0
         self._closing = False
-        self._busy_since: float | None = None  # with what the sink was given last
+        self._busy_since: float | None = None  # start of the sink's present call
         self._wake = threading.Event()
         self.dropped: Counter[str] = Counter()
         self.fault: Exception | None = None
@@ -92,38 +93,30 @@ class BackgroundWriter:
 
     @property
     def queued_bytes(self) -> int:
-        """Messages' bytes that the sink has not taken yet."""
+        """Size of the messages that the sink has not received yet."""
         return self._taken - self._done
 
     @property
     def busy_time(self) -> float:
-        """For how long the sink has been busy with one message or one flush. [wall s]"""
+        """How long the sink's present call has lasted. [wall s]"""
         since = self._busy_since
         return 0.0 if since is None else time.monotonic() - since
 
     @property
     def lost_count(self) -> int:
-        """Messages that were taken and that a fault of the disk cost."""
+        """Number of accepted messages lost to a storage fault."""
         return self._unwritten + self._sink.lost_count
 
     def add_topic(self, name: str, type_name: str, qos: Sequence[OfferedQos]) -> None:
-        """Announce a topic, before its first message; its type must be known."""
+        """Add a topic before its first message; its type must be known."""
         self.submit(lambda: self._sink.add_topic(name, type_name, qos))
 
     def update_qos(self, name: str, qos: Sequence[OfferedQos]) -> None:
-        """Tell what a topic's publishers offer by now."""
+        """Update the QoS profiles that a topic's publishers offer."""
         self.submit(lambda: self._sink.update_qos(name, qos))
 
     def write(self, topic: str, data: bytes, log_time_ns: int) -> bool:
-        """
-        Take one message and return whether there was room for it.
-
-        Parameters
-        ----------
-        topic, data, log_time_ns
-            As for `BagWriter.write`.
-
-        """
+        """Queue one message; return False if there was no room for it. See `BagWriter.write`."""
         waiting = self._taken - self._done + len(data)
         if waiting > self._room or len(self._queue) >= MOST or self.fault is not None:
             self.dropped[topic] += 1
@@ -135,21 +128,21 @@ class BackgroundWriter:
         return True
 
     def submit(self, step: Callable[[], None]) -> None:
-        """Do something with the sink, in the thread and after all that came before."""
+        """Queue a call to the sink: the thread makes it after everything queued before."""
         self._queue.append(step)
 
     def wake_thread(self) -> None:
-        """Look at the queue now."""
+        """Make the thread read the queue now."""
         self._wake.set()
 
     def close(self) -> None:
         """
-        Write what waits, and finish the bag.
+        Write the queued messages and finish the bag.
 
         Raises
         ------
         Exception
-            If not all of it could be written, now or before: a `StorageFault`, unless we erred.
+            The stored `fault`, if not everything could be written.
 
         """
         self._closing = True
@@ -159,7 +152,7 @@ class BackgroundWriter:
             raise self.fault
 
     def _run(self) -> None:
-        """Write until told to close or until the disk fails, then finish."""
+        """Write until `close` is called or the sink fails, then close the sink."""
         try:
             self._write_until_closed()
         except Exception as error:
@@ -168,6 +161,7 @@ class BackgroundWriter:
             self._sink.close()
         except Exception as error:
             self.fault = self.fault or error
+        # After a fault, keep emptying the queue: callers may wait for a submitted step.
         while not self._closing:
             self._drop_queue()
             self._wake.wait(NAP)
@@ -175,7 +169,7 @@ class BackgroundWriter:
         self._drop_queue()
 
     def _write_until_closed(self) -> None:
-        """Empty the queue until told to close."""
+        """Empty the queue until `close` is called."""
         flushed = refreshed = time.monotonic()
         while not self._closing:
             self._wake.wait(NAP)
@@ -193,9 +187,9 @@ class BackgroundWriter:
         self._drain_queue()
 
     def _drain_queue(self) -> None:
-        """Hand over what waits."""
+        """Hand the queued messages to the sink."""
         write, pop = self._sink.write, self._queue.popleft
-        for _ in range(len(self._queue)):  # what comes meanwhile must not put off the flush
+        for _ in range(len(self._queue)):  # not `while`: new messages must not delay the flush
             item = pop()
             self._busy_since = time.monotonic()
             if isinstance(item, tuple):
@@ -206,7 +200,7 @@ class BackgroundWriter:
         self._busy_since = None
 
     def _drop_queue(self) -> None:
-        """Count the messages that a fault leaves behind, and answer whoever waits for a step."""
+        """Count the messages lost to a fault; still run the submitted steps."""
         while self._queue:
             item = self._queue.popleft()
             if isinstance(item, tuple):

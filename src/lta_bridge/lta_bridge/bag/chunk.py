@@ -1,4 +1,4 @@
-"""One MCAP chunk in the making: messages of all topics, compressed and indexed together."""
+"""Build MCAP chunks: messages of all topics, compressed and indexed together."""
 
 from collections import defaultdict
 from dataclasses import dataclass
@@ -14,6 +14,7 @@ import zstandard
 MESSAGE = struct.Struct('<BQHIQQ')  # opcode, length, channel, sequence, log time, publish time
 INDEX_HEAD = struct.Struct('<BQHI')  # opcode, length, channel, bytes of entries
 INDEX_ENTRY = struct.Struct('<QQ')  # log time, offset in the chunk
+# The two sizes count from behind the opcode and the length field, as MCAP's record length does.
 MESSAGE_HEAD = 22  # bytes of a message record before its data
 ENTRIES_HEAD = 6  # bytes of an index record before its entries
 
@@ -21,7 +22,7 @@ ENTRIES_HEAD = 6  # bytes of an index record before its entries
 @final
 @dataclass(frozen=True, slots=True)
 class PlacedChunk:
-    """A chunk ready for the file: its bytes, its index entry, and what it counts."""
+    """A chunk ready for the file: its bytes, index record and message counts by channel."""
 
     data: bytes
     index: ChunkIndex
@@ -32,7 +33,7 @@ class PlacedChunk:
 @dataclass(frozen=True, slots=True)
 class CompressedChunk:
     """
-    A compressed chunk that may stand anywhere in a file.
+    A compressed chunk that does not depend on its position in a file.
 
     Attributes
     ----------
@@ -56,24 +57,16 @@ class CompressedChunk:
 
     @property
     def message_counts(self) -> dict[int, int]:
-        """Messages by channel."""
-        return {id: len(found) // INDEX_ENTRY.size for id, found in self.entries.items()}
+        """Number of messages by channel."""
+        return {id: len(index) // INDEX_ENTRY.size for id, index in self.entries.items()}
 
     @property
     def memory_size(self) -> int:
-        """Memory that it takes. [bytes]"""
+        """Memory use. [bytes]"""
         return len(self.record) + sum(map(len, self.entries.values()))
 
     def place_at(self, offset: int) -> PlacedChunk:
-        """
-        Return the chunk and its message indexes for a place in a file.
-
-        Parameters
-        ----------
-        offset : int
-            Where in the file the chunk will start. [bytes]
-
-        """
+        """Return the chunk and its message indexes for a byte offset in a file."""
         places, indexes = {}, b''
         for channel, entries in self.entries.items():
             places[channel] = offset + len(self.record) + len(indexes)
@@ -96,7 +89,7 @@ class CompressedChunk:
 
 @final
 class ChunkBuilder:
-    """Collects messages until they are worth compressing."""
+    """Collect messages for the next chunk."""
 
     def __init__(self) -> None:
         self._compressor = zstandard.ZstdCompressor(level=1)
@@ -107,13 +100,13 @@ class ChunkBuilder:
 
     @property
     def size(self) -> int:
-        """Bytes collected, uncompressed."""
+        """Uncompressed size of the collected messages. [bytes]"""
         return len(self._records)
 
     @property
     def message_count(self) -> int:
-        """Messages collected."""
-        return sum(len(found) for found in self._entries.values()) // INDEX_ENTRY.size
+        """Number of collected messages."""
+        return sum(len(index) for index in self._entries.values()) // INDEX_ENTRY.size
 
     def add(
         self,
@@ -123,7 +116,7 @@ class ChunkBuilder:
         data: bytes,
         publish_time: int | None = None,
     ) -> None:
-        """Add one message; it was published when it was received if nothing else is known."""
+        """Add one message; the publish time defaults to the log time."""
         offset = len(self._records)
         if offset == 0:
             self._start = self._end = log_time
@@ -148,13 +141,13 @@ class ChunkBuilder:
         return self._end - self._start if self._records else 0
 
     def build_chunk(self) -> CompressedChunk:
-        """Return what was collected as a chunk, and start afresh."""
+        """Return the collected messages as a chunk, and start a new one."""
         records = bytes(self._records)
         packed = self._compressor.compress(records)
         chunk = encode_records(
             [Chunk('zstd', packed, self._end, self._start, zlib.crc32(records), len(records))]
         )
-        entries = {channel: bytes(found) for channel, found in self._entries.items()}
+        entries = {channel: bytes(index) for channel, index in self._entries.items()}
         self._records = bytearray()
         self._entries = defaultdict(bytearray)
         return CompressedChunk(chunk, entries, self._start, self._end, len(packed), len(records))

@@ -1,8 +1,8 @@
 """
-MCAP as a recorder needs it: every chunk goes to the disk whole, and the summary tells no lies.
+Write an MCAP file whose summary always matches the data on the disk.
 
-Schemas and channels stand outside the chunks, so that no damaged chunk takes another one's
-with it. Format: https://mcap.dev/spec.
+Chunks are written whole. Schemas and channels are written outside the chunks, so that a damaged
+chunk does not make others unreadable. Format: https://mcap.dev/spec.
 """
 
 from collections import Counter
@@ -29,7 +29,7 @@ from mcap.records import (
     SummaryOffset,
 )
 
-CHUNK_SIZE = 1 << 20
+CHUNK_SIZE = 1 << 20  # bytes, uncompressed
 
 
 @final
@@ -37,13 +37,7 @@ class McapFile:
     """
     An MCAP file of profile ros2 that grows by whole chunks.
 
-    Parameters
-    ----------
-    path : Path
-        File to create.
-    library : str
-        Name and version of the writing program.
-
+    `library` is the name and version of the writing program.
     """
 
     def __init__(self, path: Path, library: str) -> None:
@@ -65,7 +59,7 @@ class McapFile:
 
     @property
     def size(self) -> int:
-        """Bytes that have gone to the disk."""
+        """Size of the file, without the pending chunk. [bytes]"""
         return self._file.size
 
     @property
@@ -81,22 +75,22 @@ class McapFile:
     @property
     def summary_size(self) -> int:
         """Space that `close` will need. [bytes]"""
-        return self._summary_size + 1024
+        return self._summary_size + 1024  # bytes for statistics, footer and the like
 
     @property
     def pending_count(self) -> int:
-        """Messages that the next flush will write."""
+        """Number of messages that the next flush will write."""
         return self._builder.message_count
 
     def add_metadata(self, name: str, values: Mapping[str, str]) -> None:
-        """Write named texts into the file."""
+        """Write a metadata record."""
         data = encode_records([Metadata(name, dict(values))])
         index = MetadataIndex(self._file.append(data), len(data), name)
         self._metadata.append(index)
         self._summary_size += len(encode_records([index]))
 
     def add_channel(self, topic: str, definition: MessageDefinition, qos: str) -> int:
-        """Announce a topic and return the number of its channel."""
+        """Add a topic and return the number of its channel."""
         records: list[McapRecord] = []
         schema = self._schemas.get(definition)
         if schema is None:
@@ -130,18 +124,18 @@ class McapFile:
         data: bytes,
         publish_time: int | None = None,
     ) -> None:
-        """Add one message to the chunk in progress, which goes to the disk when it is full."""
+        """Add one message to the pending chunk, which is written when it is full."""
         self._builder.add(channel, sequence, log_time, data, publish_time)
         if self._builder.size >= CHUNK_SIZE:
             self.flush()
 
     def flush(self) -> None:
-        """Finish the chunk in progress and hand it to the operating system."""
+        """Write the pending chunk."""
         if self._builder.size:
             self.add_chunk(self._builder.build_chunk())
 
     def add_chunk(self, compressed: CompressedChunk) -> None:
-        """Hand a whole chunk to the operating system; its channels must have been announced."""
+        """Write a whole chunk; its channels must have been added."""
         chunk = compressed.place_at(self._file.size)
         self._file.append(chunk.data)
         self._summary_size += self._chunk_index.add(chunk.index)
@@ -150,7 +144,7 @@ class McapFile:
         self.counts.update(chunk.counts)
 
     def close(self, *, sync: bool = True) -> None:
-        """Write the summary of what reached the disk, and close the file; see `RecordFile`."""
+        """Write the summary and close the file; see `RecordFile.close`."""
         try:
             self._file.append(self._build_summary(self._file.size))
         finally:
@@ -161,7 +155,7 @@ class McapFile:
         self._file.discard()
 
     def _count_records(self) -> Statistics:
-        """Count what is in the file."""
+        """Return the statistics record of the file."""
         return Statistics(
             attachment_count=0,
             channel_count=len(self._channels),
@@ -175,8 +169,8 @@ class McapFile:
         )
 
     def _build_summary(self, offset: int) -> bytes:
-        """Return everything from the end of the data to the end of the file."""
-        ending = encode_records([DataEnd(0)])
+        """Return everything that follows the data: summary, footer and closing magic."""
+        ending = encode_records([DataEnd(0)])  # CRC 0: not computed
         start = offset + len(ending)
         groups = {
             Opcode.SCHEMA: encode_records(self._schemas.values()),
@@ -192,5 +186,6 @@ class McapFile:
             body += data
         footer = Footer(start, start + len(body), 0)
         body += encode_records(places)
+        # By the specification the CRC covers the footer too, up to its own four bytes.
         footer.summary_crc = zlib.crc32(body + encode_records([footer])[:-4])
         return ending + body + encode_records([footer]) + MAGIC

@@ -1,4 +1,4 @@
-"""The `metadata.yaml` of a rosbag2 folder, version 9 (ROS 2 Jazzy)."""
+"""Write the `metadata.yaml` of a rosbag2 folder, version 9 (ROS 2 Jazzy)."""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -18,7 +18,7 @@ NAME = 'metadata.yaml'
 @final
 @dataclass(slots=True)
 class TopicRecord:
-    """One recorded topic: its type, what its publishers offered, and its messages so far."""
+    """One recorded topic: type, offered QoS profiles, channel and number of messages so far."""
 
     name: str
     definition: MessageDefinition
@@ -30,7 +30,7 @@ class TopicRecord:
 @final
 @dataclass(frozen=True, slots=True)
 class BagFileEntry:
-    """One file of a bag: its name, first and last log time in ns, and its messages by channel."""
+    """One file of a bag: name, first and last log time [ns], message counts by channel."""
 
     name: str
     start: int
@@ -39,7 +39,7 @@ class BagFileEntry:
 
     @property
     def message_count(self) -> int:
-        """Number of its messages."""
+        """Number of messages in the file."""
         return sum(self.counts.values())
 
 
@@ -61,21 +61,14 @@ def build_metadata(
     parts: Sequence[BagFileEntry], topics: Sequence[TopicRecord], provenance: Mapping[str, str]
 ) -> dict[str, object]:
     """
-    Return the content of `metadata.yaml`.
+    Return the content of `metadata.yaml`; the provenance becomes `custom_data`.
 
-    Parameters
-    ----------
-    parts : sequence of FilePart
-        The files in the order in which they were recorded, at least one.
-    topics : sequence of TopicRecord
-        The recorded topics.
-    provenance : mapping of str to str
-        Goes to `custom_data`.
-
+    `parts` holds at least one file, in the order of recording.
     """
     counts: Counter[int] = Counter()
     for part in parts:
         counts.update(part.counts)
+    # An empty file has no log times: its zeros must not become the start of the bag.
     filled = [part for part in parts if part.message_count]
     start = min((part.start for part in filled), default=0)
     end = max((part.end for part in filled), default=0)
@@ -101,7 +94,7 @@ def build_metadata(
 
 
 def build_time_range(start: int, end: int, messages: int) -> dict[str, object]:
-    """Return what metadata.yaml tells of a file and of the whole; log times in ns."""
+    """Return the time range and message count of a file or of the bag; log times in ns."""
     return {
         'duration': {'nanoseconds': end - start},
         'starting_time': {'nanoseconds_since_epoch': start},
@@ -111,12 +104,12 @@ def build_time_range(start: int, end: int, messages: int) -> dict[str, object]:
 
 def write_metadata(folder: Path, content: Mapping[str, object]) -> None:
     """
-    Replace a folder's `metadata.yaml` in one step: readers see the old one or the new one.
+    Replace a folder's `metadata.yaml` atomically.
 
     Raises
     ------
     StorageFault
-        If there is no room; the old one stays.
+        If there is no room; the old file stays.
 
     """
     text = yaml.dump(content, Dumper=AliasFreeDumper, sort_keys=False, allow_unicode=True)
@@ -128,8 +121,8 @@ def write_metadata(folder: Path, content: Mapping[str, object]) -> None:
 
 
 class AliasFreeDumper(yaml.CSafeDumper):
-    """YAML without anchors: rosbag2's reader need not know them."""
+    """Write YAML without anchors and aliases, which rosbag2's reader need not support."""
 
     def ignore_aliases(self, data: object) -> bool:
-        """Write every value out."""
+        """Write every value in full."""
         return True

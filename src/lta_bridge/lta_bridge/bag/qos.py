@@ -1,4 +1,4 @@
-"""The quality of service a publisher offered, as rosbag2 writes it from version 9 on."""
+"""Offered QoS profiles in the format of rosbag2, version 9 and later."""
 
 from collections.abc import Sequence
 from typing import Literal, TypedDict
@@ -7,14 +7,14 @@ import yaml
 
 
 class QosDuration(TypedDict):
-    """A time span of a profile."""
+    """A duration of a QoS profile."""
 
     sec: int
     nsec: int
 
 
 class OfferedQos(TypedDict):
-    """One publisher's profile; the keys and their order are rosbag2's."""
+    """QoS profile of one publisher; keys and order are those of rosbag2."""
 
     history: str
     depth: int
@@ -28,7 +28,7 @@ class OfferedQos(TypedDict):
 
 
 def infinite_duration() -> QosDuration:
-    """Return the interval that stands for no limit, 2^63 - 1 ns."""
+    """Return the duration that means no limit: 2^63 - 1 ns."""
     return {'sec': 9223372036, 'nsec': 854775807}
 
 
@@ -37,19 +37,7 @@ def build_offered_qos(
     durability: Literal['volatile', 'transient_local'],
     depth: int,
 ) -> OfferedQos:
-    """
-    Return a profile that keeps the last messages, without deadline, lifespan or lease.
-
-    Parameters
-    ----------
-    reliability : str
-        'reliable' or 'best_effort'.
-    durability : str
-        'volatile' or 'transient_local'.
-    depth : int
-        Messages kept.
-
-    """
+    """Return a keep-last profile without deadline, lifespan or liveliness lease."""
     return {
         'history': 'keep_last',
         'depth': depth,
@@ -64,17 +52,17 @@ def build_offered_qos(
 
 
 def is_latched(profiles: Sequence[OfferedQos]) -> bool:
-    """Tell whether all publishers of a topic keep messages for late joiners."""
+    """Return whether all publishers of a topic are transient local."""
     return bool(profiles) and all(each['durability'] == 'transient_local' for each in profiles)
 
 
 def has_mixed_durability(profiles: Sequence[OfferedQos]) -> bool:
-    """Tell whether some publishers of a topic keep messages for late joiners, and some do not."""
+    """Return whether only some publishers of a topic are transient local."""
     return len({each['durability'] for each in profiles}) > 1
 
 
 def format_offered_qos(profiles: Sequence[OfferedQos]) -> str:
-    """Return the text of a channel's `offered_qos_profiles`; empty where none is known."""
+    """Return the YAML text of a channel's `offered_qos_profiles`; empty without profiles."""
     if not profiles:
         return ''
     return yaml.safe_dump([dict(profile) for profile in profiles], sort_keys=False).strip()

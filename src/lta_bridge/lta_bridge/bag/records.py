@@ -1,4 +1,4 @@
-"""MCAP records as bytes, and the marks by which a recording of ours is known."""
+"""Encode MCAP records."""
 
 from collections.abc import Iterable
 from typing import final
@@ -12,7 +12,7 @@ PROVENANCE = 'provenance'  # name of the metadata record
 
 
 def encode_records(records: Iterable[McapRecord]) -> bytes:
-    """Return the bytes of some records, one after the other."""
+    """Return the concatenated bytes of the records."""
     builder = RecordBuilder()
     for record in records:
         record.write(builder)
@@ -23,10 +23,10 @@ def encode_records(records: Iterable[McapRecord]) -> bytes:
 @final
 class CompressedRecords:
     """
-    Records that wait for the summary, compressed.
+    Hold the summary's records compressed in memory.
 
-    The summary says some 300 bytes of each chunk, mostly numbers that grow: packed they take a
-    third, and as objects they would take ten times as much.
+    A chunk needs about 300 bytes in the summary. Compressed they take a third of that; kept as
+    objects they would take ten times as much.
     """
 
     def __init__(self) -> None:
@@ -35,7 +35,7 @@ class CompressedRecords:
         self.count = 0
 
     def add(self, record: McapRecord) -> int:
-        """Take one record and return its size. [bytes]"""
+        """Add one record and return its size. [bytes]"""
         data = encode_records([record])
         self._packed += self._packer.compress(data)
         self.count += 1
@@ -43,5 +43,6 @@ class CompressedRecords:
 
     def decompress(self) -> bytes:
         """Return the bytes of all records so far."""
+        # Ends a block only, not the frame: more records may follow.
         self._packed += self._packer.flush(zstandard.COMPRESSOBJ_FLUSH_BLOCK)
         return zstandard.ZstdDecompressor().decompressobj().decompress(bytes(self._packed))

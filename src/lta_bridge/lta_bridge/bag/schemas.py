@@ -1,4 +1,4 @@
-"""Message definitions that go into a bag, so that it can be read without ROS and without us."""
+"""Message definitions to store in a bag, so that it can be read without ROS."""
 
 from dataclasses import dataclass
 from functools import cache
@@ -13,10 +13,10 @@ from rosbags.typesys.store import Typestore
 @dataclass(frozen=True, slots=True)
 class MessageDefinition:
     """
-    A message type: its whole text (ros2msg, parts joined by 80 '=') and its REP-2016 hash.
+    A message type: its full text (ros2msg, parts joined by 80 '=') and its REP-2016 hash.
 
-    A definition taken from elsewhere may be in another encoding, its bytes as surrogates where
-    they are no UTF-8; so may its messages.
+    A definition copied from another bag may have other encodings. Bytes that are not UTF-8 are
+    kept as surrogate escapes.
     """
 
     type_name: str
@@ -33,19 +33,14 @@ def load_jazzy_types() -> Typestore:
 
 
 def is_jazzy_type(type_name: str) -> bool:
-    """Tell whether a message type is one of ROS 2 Jazzy's common interfaces."""
+    """Return whether a message type is one of ROS 2 Jazzy's common interfaces."""
     return type_name in load_jazzy_types().fielddefs
 
 
 @cache
 def generate_definition(type_name: str) -> MessageDefinition:
     """
-    Return the definition of a message type of ROS 2 Jazzy.
-
-    Parameters
-    ----------
-    type_name : str
-        Full name, for example 'sensor_msgs/msg/Imu'.
+    Return the definition of a message type of ROS 2 Jazzy, such as 'sensor_msgs/msg/Imu'.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The last seconds of everything, kept in memory until somebody wants them on the disk."""
+"""Keep the most recent messages in memory and write them to a bag on request."""
 
 from collections import Counter, deque
 from collections.abc import Mapping, Sequence
@@ -12,12 +12,12 @@ from lta_bridge.bag.qos import is_latched, OfferedQos
 from lta_bridge.bag.schemas import generate_definition
 from lta_bridge.bag.writer import BagWriter, prepare_empty_folder
 
-GRAIN_NS = 500_000_000  # log time in a chunk at most: by so much more than asked for is kept
-WHY = 'snapshot'  # key of the provenance under which a snapshot says what it was written for
+GRAIN_NS = 500_000_000  # longest chunk in log time: up to this much beyond the span is kept
+WHY = 'snapshot'  # provenance key of the reason for a snapshot
 
 
 class Snapshot(NamedTuple):
-    """A bag of what was in memory: where it is, and its messages."""
+    """A written snapshot: the folder of the bag and its number of messages."""
 
     path: Path
     messages: int
@@ -26,21 +26,21 @@ class Snapshot(NamedTuple):
 @final
 class SnapshotBuffer:
     """
-    Takes what a `BagWriter` takes, and forgets what is old.
+    Buffer messages like a `BagWriter`, and discard old ones.
 
-    Whole chunks are forgotten, so that a little more than the span is kept where memory allows.
-    The last message of a topic whose publishers all keep it for late joiners is never forgotten.
+    Whole chunks are discarded, so slightly more than the span is kept if memory allows. The last
+    message of a latched (transient local) topic is always kept.
 
     Parameters
     ----------
     folder : Path
-        Where the snapshots go, each a bag of its own; made if missing, refused if not empty.
+        Parent folder of the snapshots, each a separate bag; created if missing, must be empty.
     provenance : mapping of str to str
-        Goes into each snapshot.
+        Stored in each snapshot.
     span_ns : int
         Log time to keep. [ns]
     room : int
-        Most memory of the chunks. [bytes]
+        Memory limit of the chunks. [bytes]
 
     Raises
     ------
@@ -65,18 +65,18 @@ class SnapshotBuffer:
         self.saved = 0
 
     def add_topic(self, name: str, type_name: str, qos: Sequence[OfferedQos]) -> None:
-        """Announce a topic, as to a `BagWriter`."""
+        """Add a topic; see `BagWriter.add_topic`."""
         record = TopicRecord(
             name, generate_definition(type_name), list(qos), len(self._topics) + 1
         )
         self._topics[name] = record
 
     def update_qos(self, name: str, qos: Sequence[OfferedQos]) -> None:
-        """Tell what a topic's publishers offer by now."""
+        """Update the QoS profiles that a topic's publishers offer."""
         self._topics[name].qos = list(qos)
 
     def write(self, topic: str, data: bytes, log_time_ns: int) -> None:
-        """Keep one message for a while."""
+        """Buffer one message."""
         record = self._topics[topic]
         record.written += 1
         self._builder.add(record.channel, record.written, log_time_ns, data)
@@ -87,42 +87,39 @@ class SnapshotBuffer:
             self._pack_chunk()
 
     def flush(self) -> None:
-        """Do nothing: what is in memory dies with the process."""
+        """Do nothing: the buffer is in memory only."""
 
     def update_metadata(self) -> None:
-        """Do nothing: a snapshot is described when it is written."""
+        """Do nothing: each snapshot writes its own metadata."""
 
     def check_room(self) -> None:
-        """Do nothing: a snapshot finds out."""
+        """Do nothing: `write_snapshot` checks the room on the disk."""
 
     def close(self) -> None:
-        """Forget everything."""
+        """Discard all messages."""
         self._chunks.clear()
         self._latched.clear()
 
     @property
     def is_empty(self) -> bool:
-        """Whether nothing is kept."""
+        """Whether the buffer holds no message."""
         return not (self._chunks or self._builder.size or self._latched)
 
     @property
     def lost_count(self) -> int:
-        """Messages that a fault of the disk cost: none."""
+        """Number of messages lost to a storage fault: always 0."""
         return 0
 
     def write_snapshot(self, why: str) -> Snapshot:
         """
-        Write a bag of everything in memory, which stays there.
+        Write all buffered messages to a new bag; the buffer keeps them.
 
-        Parameters
-        ----------
-        why : str
-            What for; goes into the provenance.
+        `why` is the reason, which is stored in the provenance.
 
         Raises
         ------
         StorageFault
-            If the disk takes no more; what it took is a bag that can be read.
+            If the disk is full or broken; the part that was written is a readable bag.
 
         """
         if self._builder.size:
@@ -135,6 +132,7 @@ class SnapshotBuffer:
         with BagWriter(path, self._provenance | {WHY: why}) as bag:
             for record in self._topics.values():
                 bag.add_topic(record.name, record.definition.type_name, record.qos)
+            # A latched message is older than the chunks: write it unless a chunk has one.
             for name, (data, log_time) in self._latched.items():
                 if not counts[self._topics[name].channel]:
                     bag.write(name, data, log_time)
@@ -145,7 +143,7 @@ class SnapshotBuffer:
             return Snapshot(path, bag.message_count)
 
     def _pack_chunk(self) -> None:
-        """Pack what has come since the last chunk, and forget what is too old or too much."""
+        """Compress the pending messages into a chunk, and discard the oldest chunks."""
         chunk = self._builder.build_chunk()
         self._chunks.append(chunk)
         self.size += chunk.memory_size

@@ -1,4 +1,4 @@
-"""When the next file of a bag begins."""
+"""Limits at which a bag is split into files."""
 
 from dataclasses import dataclass
 from typing import final
@@ -8,15 +8,14 @@ from typing import final
 @dataclass(frozen=True, slots=True)
 class SplitLimits:
     """
-    When the next file of a bag begins.
+    Limits of one file of a bag; 0 means no limit.
 
     Attributes
     ----------
     size : int
-        Once this much has gone to the disk; a file grows beyond it by one chunk at most. 0 is
-        never. [bytes]
+        Size on the disk; a file exceeds it by one chunk at most. [bytes]
     duration_ns : int
-        Once a message is this much later than the first of the file, by log time. 0 is never. [ns]
+        Log time since the first message of the file. [ns]
 
     """
 
@@ -24,7 +23,7 @@ class SplitLimits:
     duration_ns: int = 0
 
     def is_exceeded(self, size: int, age_ns: int) -> bool:
-        """Tell whether a file of a size [bytes] and an age [ns] is full."""
+        """Return whether a file of a size [bytes] and an age [ns] is full."""
         return 0 < self.size <= size or 0 < self.duration_ns <= age_ns
 
 

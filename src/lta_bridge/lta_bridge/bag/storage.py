@@ -1,4 +1,4 @@
-"""A file that ends on a whole record even when the disk does not play along."""
+"""Append records to a file that never ends in a partial record, even if the disk fails."""
 
 from contextlib import suppress
 import errno
@@ -11,29 +11,29 @@ MARGIN = 4_000_000  # bytes left free on the disk beyond what closing needs
 
 
 class StorageFault(OSError):
-    """The disk took no more: full, over a quota, or broken. What was written before stays."""
+    """The disk is full, over its quota or broken; everything written before stays readable."""
 
     def __str__(self) -> str:
-        """Return the sentence for the user."""
+        """Return the message for the user."""
         return (
-            f"The disk took no more of '{self.filename}' ({self.strerror}); the recording ends "
-            'here and stays readable, make room before the next one.'
+            f"Writing '{self.filename}' failed ({self.strerror}). The recording ends here and "
+            'stays readable; free disk space before the next one.'
         )
 
 
 def to_storage_fault(error: OSError, path: Path) -> StorageFault:
-    """Return the error to raise in place of the system's own."""
+    """Convert an error of the operating system."""
     return StorageFault(error.errno, error.strerror, str(path))
 
 
 def free_space(path: Path) -> int:
     """
-    Return the space left to us on the disk that holds `path`. [bytes]
+    Return the space available to this user on the disk of `path`. [bytes]
 
     Raises
     ------
     FolderGone
-        If it is not there any more.
+        If the path no longer exists.
 
     """
     try:
@@ -44,43 +44,36 @@ def free_space(path: Path) -> int:
 
 @final
 class FolderGone(StorageFault):
-    """Somebody has removed the folder, or the disk that it was on."""
+    """The folder was removed, or its disk was."""
 
     def __str__(self) -> str:
-        """Return the sentence for the user."""
+        """Return the message for the user."""
         return (
-            f"The folder '{self.filename}' cannot be reached any more ({self.strerror}), nor what "
-            'was recorded in it; leave it alone during a flight.'
+            f"The folder '{self.filename}' and its recording cannot be reached any more "
+            f'({self.strerror}); do not remove the folder or its disk during a flight.'
         )
 
 
 @final
 class DiskNearlyFull(StorageFault):
-    """So little room is left that a bag must be closed while its index still fits."""
+    """The bag must be closed now, while its index still fits on the disk."""
 
     def __str__(self) -> str:
-        """Return the sentence for the user."""
+        """Return the message for the user."""
         return (
-            f"The disk is nearly full, so the bag '{self.filename}' ends here, whole; make room "
-            'before the next flight.'
+            f"The disk is nearly full, so the bag '{self.filename}' was closed, complete up to "
+            'here; free disk space before the next flight.'
         )
 
 
 def check_room(path: Path, needed: int) -> None:
     """
-    Refuse to go on when the disk has little more room than closing needs.
-
-    Parameters
-    ----------
-    path : Path
-        A folder on the disk.
-    needed : int
-        What closing needs. [bytes]
+    Check that the disk of `path` has the needed bytes and `MARGIN` left.
 
     Raises
     ------
-    NearlyFull
-        If less than that and `MARGIN` is left.
+    DiskNearlyFull
+        If it has less.
 
     """
     if free_space(path) < needed + MARGIN:
@@ -88,7 +81,7 @@ def check_room(path: Path, needed: int) -> None:
 
 
 def sync_file(path: Path) -> None:
-    """Make a file that has been closed safe from a power cut."""
+    """Sync a closed file to the disk, so that it survives a power cut."""
     try:
         fd = os.open(path, os.O_RDONLY | os.O_CLOEXEC)
         try:
@@ -102,20 +95,15 @@ def sync_file(path: Path) -> None:
 @final
 class RecordFile:
     """
-    Append-only file; each append is whole or leaves no trace.
+    Append-only file with atomic appends.
 
-    Writes go straight to the operating system: what `append` returned from survives the
-    process, though not a power cut before `close`.
-
-    Parameters
-    ----------
-    path : Path
-        File to create; it must not exist.
+    Writes are unbuffered: once `append` has returned, the data survive the death of the process,
+    but not a power cut before `close`.
 
     Raises
     ------
     StorageFault
-        If it cannot be created.
+        If the file exists already or cannot be created.
 
     """
 
@@ -134,7 +122,7 @@ class RecordFile:
         Raises
         ------
         StorageFault
-            If not all of it could be written; the file ends where it ended before.
+            If not all of it could be written; the file then ends where it ended before.
 
         """
         start = self.size
@@ -146,17 +134,17 @@ class RecordFile:
         except OSError as error:
             raise to_storage_fault(error, self.path) from error
         finally:
-            if self.size == start:  # Ctrl-C tears a record as a full disk does.
+            if self.size == start:  # Ctrl-C can interrupt a write as a full disk does.
                 self._truncate_torn_record()
         return start
 
     def _truncate_torn_record(self) -> None:
-        """End the file on its last whole record."""
-        with suppress(OSError):  # Where even that fails, the next append overwrites the rest.
+        """Truncate the file to its last whole record."""
+        with suppress(OSError):  # If this fails, the next append overwrites the torn record.
             os.ftruncate(self._fd, self.size)
 
     def close(self, *, sync: bool = True) -> None:
-        """Close the file; where `sync`, only once it is safe from a power cut."""
+        """Close the file; with `sync`, wait until it survives a power cut."""
         try:
             if sync:
                 os.fsync(self._fd)

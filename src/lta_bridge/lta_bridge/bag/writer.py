@@ -1,10 +1,9 @@
 """
-The bag a flight is recorded into.
+Write a rosbag2 bag that stays readable after a crash or a full disk.
 
-A rosbag2 folder (metadata.yaml version 9) with one MCAP file, or several that can each be read
-alone: profile ros2, messages as CDR, definitions inside, zstd chunks with CRC, chunk and message
-indexes. Everything up to the last `flush` survives the death of the process; a full or broken disk
-ends the recording, not the bag.
+The bag is a folder with metadata.yaml (version 9) and one or more MCAP files, each readable on
+its own: profile ros2, CDR messages, message definitions, zstd chunks with CRC, chunk and message
+indexes. Everything up to the last `flush` survives the death of the process.
 """
 
 from collections import Counter
@@ -28,12 +27,12 @@ LIBRARY = 'lta'
 
 def prepare_empty_folder(path: Path) -> Path:
     """
-    Return `path` as an empty folder, made if it was not there.
+    Create the folder if it is missing, and return it.
 
     Raises
     ------
     BadInput
-        If it holds something or cannot be made.
+        If it is not empty or cannot be created.
 
     """
     try:
@@ -41,7 +40,7 @@ def prepare_empty_folder(path: Path) -> Path:
         busy = any(path.iterdir())
     except OSError as error:
         raise BadInput(
-            f"Folder '{path}' cannot be made ({error.strerror}); choose another place."
+            f"Folder '{path}' cannot be created ({error.strerror}); choose another place."
         ) from error
     if busy:
         raise BadInput(f"'{path}' is not empty; choose another folder.")
@@ -51,23 +50,23 @@ def prepare_empty_folder(path: Path) -> Path:
 @final
 class BagWriter:
     """
-    Writes one bag; use it as a context manager, or call `close`.
+    Write one bag; use it as a context manager, or call `close`.
 
     Parameters
     ----------
     path : Path
-        Folder of the bag; made if missing, refused if it holds anything.
+        Folder of the bag; created if missing, must be empty.
     provenance : mapping of str to str
-        Where the data come from (commit, seed, scenario); kept in metadata.yaml and in each MCAP.
-    split : Split
-        When the next file begins: never, unless it says so.
+        Origin of the data (commit, seed, scenario); stored in metadata.yaml and each MCAP file.
+    split : SplitLimits
+        When to start the next file; by default never.
 
     Raises
     ------
     BadInput
         If the folder cannot be used.
     StorageFault
-        If the disk cannot even take the beginning.
+        If the disk is full or broken.
 
     """
 
@@ -88,7 +87,8 @@ class BagWriter:
 
     @property
     def closing_size(self) -> int:
-        """Space that `close` still needs: stop recording before less is left. [bytes]"""
+        """Space that `close` needs: stop recording before less is left. [bytes]"""
+        # Upper bound of metadata.yaml: head and topics, then the list of files.
         described = 1024 * (4 + len(self._topics)) + 256 * len(self._parts)
         return self._mcap.summary_size + described
 
@@ -96,39 +96,39 @@ class BagWriter:
         self, name: str, type_name: str | MessageDefinition, qos: Sequence[OfferedQos]
     ) -> None:
         """
-        Announce a topic; it appears in the bag even if no message ever comes.
+        Add a topic; the bag lists it even if it has no message.
 
         Parameters
         ----------
         name : str
             Absolute name, for example '/lta1/odom'.
-        type_name : str or Definition
-            For example 'nav_msgs/msg/Odometry'; a type that ROS 2 Jazzy does not have comes with
-            its definition.
-        qos : sequence of Profile
-            What its publishers offer; see `offered_qos`.
+        type_name : str or MessageDefinition
+            For example 'nav_msgs/msg/Odometry'; a definition for a type that is not part of ROS 2
+            Jazzy.
+        qos : sequence of OfferedQos
+            QoS profiles of the publishers; see `build_offered_qos`.
 
         Raises
         ------
         BadInput
-            If the type is unknown or the topic is announced already.
+            If the type is unknown or the topic was added before.
         StorageFault
             If the disk is full or broken.
 
         """
         if name in self._topics:
-            raise BadInput(f"Topic '{name}' is in the bag already; announce each topic once.")
-        found = generate_definition(type_name) if isinstance(type_name, str) else type_name
+            raise BadInput(f"Topic '{name}' is in the bag already; add each topic once.")
+        definition = generate_definition(type_name) if isinstance(type_name, str) else type_name
         self._check_fault()
         try:
-            channel = self._mcap.add_channel(name, found, format_offered_qos(qos))
+            channel = self._mcap.add_channel(name, definition, format_offered_qos(qos))
         except StorageFault as fault:
             self._fault = fault
             raise
-        self._topics[name] = TopicRecord(name, found, list(qos), channel)
+        self._topics[name] = TopicRecord(name, definition, list(qos), channel)
 
     def update_qos(self, name: str, qos: Sequence[OfferedQos]) -> None:
-        """Tell what a topic's publishers offer by now, for metadata.yaml and the next file."""
+        """Update a topic's offered QoS profiles, for metadata.yaml and the next file."""
         self._topics[name].qos = list(qos)
 
     def write(
@@ -140,19 +140,21 @@ class BagWriter:
         Parameters
         ----------
         topic : str
-            An announced topic; another one is a KeyError.
+            Name of an added topic.
         data : bytes
             The message as CDR with its encapsulation header.
         log_time_ns : int
-            When it was received, not negative. [ns]
+            Time of reception, not negative. [ns]
         publish_time_ns : int, optional
-            When it was published, if that is known to be another time. [ns]
+            Time of publication if known; by default the log time. [ns]
 
         Raises
         ------
+        KeyError
+            If the topic was not added.
         StorageFault
             If the disk is full or broken: messages since the last whole chunk are lost, and
-            nothing more is taken.
+            every later call raises the same fault.
 
         """
         if self._fault is not None:
@@ -170,8 +172,12 @@ class BagWriter:
             raise
 
     def add_chunk(self, compressed: CompressedChunk) -> None:
-        """Record packed messages, channels numbered as the topics here; raises as `write` does."""
-        self.flush()
+        """
+        Record a compressed chunk; raises as `write` does.
+
+        Its channel numbers must be those of this bag's topics.
+        """
+        self.flush()  # keeps the messages in order
         for record in self._topics.values():
             record.written += compressed.message_counts.get(record.channel, 0)
         try:
@@ -200,58 +206,59 @@ class BagWriter:
             raise
 
     def update_metadata(self) -> None:
-        """Bring metadata.yaml up to date, for whoever finds the bag after a SIGKILL."""
+        """Update metadata.yaml, so that it is right even after a SIGKILL."""
         self._write_metadata()
 
     def check_room(self) -> None:
-        """Raise `NearlyFull` when the disk has little more room than closing needs."""
+        """Raise `DiskNearlyFull` if the disk has little more room than closing needs."""
         check_room(self.path, self.closing_size)
 
     def close(self) -> None:
         """
-        Finish the bag; closing twice does nothing.
+        Finish the bag; a second call does nothing.
 
         Raises
         ------
         StorageFault
-            If the bag could not be finished and no earlier call has said so.
+            If the bag could not be finished and no earlier call raised the fault.
 
         """
         if not self._open:
             return
         self._open = False
-        told = self._fault
+        earlier_fault = self._fault
+        # Try every step even after a fault: each makes the bag more complete.
         for step in (self._mcap.flush, self._mcap.close, self._write_metadata, self._sync_files):
             try:
                 step()
             except StorageFault as fault:
                 self._fault = self._fault or fault
-        if told is None and self._fault is not None:
+        if earlier_fault is None and self._fault is not None:
             raise self._fault
 
     @property
     def message_count(self) -> int:
-        """Messages in the files."""
+        """Number of messages in the files."""
         return sum(part.message_count for part in self._parts) + self._mcap.counts.total()
 
     @property
     def lost_count(self) -> int:
-        """Messages that were accepted and are neither in a file nor waiting for a flush."""
+        """Number of accepted messages that are neither in a file nor waiting for a flush."""
         accepted = sum(record.written for record in self._topics.values())
         return accepted - self.message_count - self._mcap.pending_count
 
     def _check_fault(self) -> None:
-        """Refuse to go on after a fault."""
+        """Raise the earlier fault, if any."""
         if self._fault is not None:
             raise self._fault
 
     def _create_file(self, number: int) -> McapFile:
-        """Return a file, with everything in it that reading it alone takes."""
+        """Create a file with all metadata and channels, so that it can be read on its own."""
         name = f'{self.path.resolve().name}_{number}.mcap'
         mcap = McapFile(self.path / name, LIBRARY)
         try:
             mcap.add_metadata(PROVENANCE, self._provenance)
-            for record in self._topics.values():  # in the order of their channels' numbers
+            for record in self._topics.values():  # in the order of the channel numbers
                 mcap.add_channel(record.name, record.definition, format_offered_qos(record.qos))
         except BaseException:
             mcap.discard()
@@ -259,31 +266,31 @@ class BagWriter:
         return mcap
 
     def _split_if_due(self, log_time_ns: int) -> None:
-        """Go on in the next file before a message, if that is due. [ns]"""
+        """Start the next file before a message of this log time, if a limit is exceeded."""
         self._first = log_time_ns if self._first is None else self._first
-        size = self._mcap.size if self._mcap.counts else 0  # what all files begin with fills none
+        size = self._mcap.size if self._mcap.counts else 0  # the file's head alone never splits
         if self._split.is_exceeded(size, log_time_ns - self._first):
             self._mcap.flush()
-            # The old file is closed once the next one stands, and no message is in a file that
-            # metadata.yaml does not list: whenever the process dies, the bag is whole.
+            # Create the next file before closing the old one, and list it in metadata.yaml before
+            # it gets a message: whenever the process dies, the bag is complete.
             following, full = self._create_file(len(self._parts) + 1), self._mcap
             self._parts.append(self._describe_file(full))
             self._mcap = following
             self._first = log_time_ns
-            full.close(sync=False)  # a slow disk must not keep the next messages waiting
+            full.close(sync=False)  # a sync on a slow disk would delay the next messages
             self._write_metadata()
 
     def _describe_file(self, mcap: McapFile) -> BagFileEntry:
-        """Return what metadata.yaml tells of a file as it stands."""
+        """Return the metadata.yaml entry of a file."""
         return BagFileEntry(mcap.path.name, mcap.start, mcap.end, Counter(mcap.counts))
 
     def _sync_files(self) -> None:
-        """Make the whole bag safe from a power cut; a slow disk may take long."""
+        """Sync all files, so that the bag survives a power cut; slow on a slow disk."""
         for name in (*(part.name for part in self._parts), NAME):
             sync_file(self.path / name)
 
     def _write_metadata(self) -> None:
-        """Write metadata.yaml as things stand."""
+        """Write metadata.yaml with the present topics and files."""
         topics = list(self._topics.values())
         parts = [*self._parts, self._describe_file(self._mcap)]
         write_metadata(self.path, build_metadata(parts, topics, self._provenance))
@@ -299,5 +306,5 @@ class BagWriter:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        """Finish the bag, whatever happened."""
+        """Finish the bag, also after an error."""
         self.close()

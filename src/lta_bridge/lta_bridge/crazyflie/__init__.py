@@ -1,6 +1,6 @@
 """
-The bridge to a Crazyflie: what is read of it, how it is told, and when its motors may turn.
+The bridge to a Crazyflie: telemetry, commands and the safety state machine.
 
-Every module is a core but `cflib_link`, the one place that imports cflib; `links` knows the links
-by name.
+Only `cflib_link` imports cflib, and only `messages` imports ROS. `links` selects the link by the
+scheme of the URI.
 """

@@ -1,7 +1,7 @@
 """
-The Crazyflie bridge without ROS and cflib: packets to readings, commands to orders.
+Core of the Crazyflie bridge, without ROS and cflib: convert packets to readings, send commands.
 
-Two threads meet here: one hands in what the link tells, the other ticks. A lock keeps them apart.
+Two threads use it, one for the link's packets and one for the ticks; a lock protects the state.
 """
 
 from collections.abc import Sequence
@@ -20,21 +20,21 @@ from lta_config.schema.crazyflie_file import CrazyflieFile
 from lta_graph.age import stamp_age
 from lta_graph.rejections import RejectionCount
 
-RATE: Final = 50.0  # Hz of ticks; the firmware wants setpoints at 10 Hz or more
-GUARD: Final = 7  # ticks between two words to the emergency-stop watchdog: 7 a second
-HOLD_MS: Final = 200  # for which duties hold aboard without newer ones
-LETTING_GO: Final = 10  # times that the override is taken off: nobody confirms it
-TURN_GAIN: Final = 1.5  # 1/s from heading error to yaw rate: about 0.7 s to turn in
+RATE: Final = 50.0  # Hz, tick rate; the firmware needs setpoints at 10 Hz or more
+GUARD: Final = 7  # ticks between two messages to the emergency-stop watchdog: 7 Hz
+HOLD_MS: Final = 200  # ms; the drone stops its motors without newer duties after this time
+LETTING_GO: Final = 10  # times that the override is released: the drone does not confirm it
+TURN_GAIN: Final = 1.5  # 1/s from heading error to yaw rate: time constant of about 0.7 s
 FASTEST_TURN: Final = 1.0  # rad/s
-UNTOLD: Final = 2.0  # s after which the voltage that was told last says nothing any more
-POWER_OFF: Final = 3  # pm.state from which the firmware itself calls the cell low
+UNTOLD: Final = 2.0  # s; an older voltage counts as unknown
+POWER_OFF: Final = 3  # pm.state of the firmware from which on the cell is low
 
 
 class CrazyflieCommand(NamedTuple):
     """
-    What the graph commands: duties by rotor, or speed [m/s], turn [rad] and height [m].
+    A command of the graph: duties by rotor, or speed [m/s], turn [rad] and height [m].
 
-    `turn` is how far the heading that is wanted lies to the left of the present one.
+    `turn` is the heading error: the desired minus the present heading, positive to the left.
     """
 
     stamp_ns: int
@@ -45,11 +45,11 @@ class CrazyflieCommand(NamedTuple):
 
 
 class PositionEstimate(NamedTuple):
-    """Where the estimator takes the drone to be, and when: height and way from the start. [m]"""
+    """Height and distance from the start by the estimator [m], with their graph time."""
 
     height: float = math.nan
     distance: float = math.nan
-    stamp_ns: int | None = None  # None before any was told
+    stamp_ns: int | None = None  # None before the first estimate
 
 
 class StampedReading(NamedTuple):
@@ -68,36 +68,30 @@ class StampedReading(NamedTuple):
 @final
 class BridgeCore:
     """
-    One Crazyflie's side of the graph.
+    Bridge between one Crazyflie and the graph.
 
     Parameters
     ----------
-    link : Link
-        Where orders go.
+    link : CrazyflieLink
+        Link to send commands over.
     file : CrazyflieFile
-        Command, wiring and limits.
+        Command mode, wiring and limits.
     rotors : sequence of str
-        The vehicle's, in the order of `motors`.
+        Rotor names of the vehicle, in the order of duties in a command.
     command : str
-        'setpoint', 'motors' or 'override'; the file's where empty.
+        'setpoint', 'motors' or 'override'; empty for the mode of the file.
     watchdog : bool
-        Whether to start the firmware's emergency-stop watchdog with the first arming. It then cuts
-        the motors and locks 1 s after the last word, and nothing but a restart ends it.
+        Whether to start the firmware's emergency-stop watchdog with the first arming. It stops
+        the motors and locks the drone 1 s after the last message; only a restart unlocks it.
 
     Attributes
     ----------
-    clock : DeviceClock
-        Of the drone.
-    state : safety.State
-        Where the bridge stands.
     attitude : tuple or None
-        The firmware's own, x y z w; None before it came.
-    power, motors : Power, Motors or None
-        The newest.
-    trips : RoundTrips
-        Of pings.
-    malformed, unasked : Refused
-        Packets that cannot be read, and commands that are none.
+        The firmware's attitude quaternion, x y z w; None before the first packet.
+    power, motors : PowerReading, MotorsReading or None
+        The newest readings.
+    malformed, unasked : RejectionCount
+        Unreadable packets and invalid commands.
 
     """
 
@@ -131,16 +125,16 @@ class BridgeCore:
         self._sequence = 0
         self.packets = 0
         self._watchdog, self._guarded, self._ticks = watchdog, False, 0
-        self._held = 0  # how often the override is still to be taken off
+        self._held = 0  # how many times the override must still be released
 
     @property
     def sends_duties(self) -> bool:
-        """Whether our own allocation's duties go to the motors."""
+        """Whether the bridge sends motor duties rather than setpoints."""
         return self.command in ('motors', 'override')
 
     @property
     def is_busy(self) -> bool:
-        """Whether motors may turn, or stops are still to be sent."""
+        """Whether motors may turn, or emergency stops are still to be sent."""
         return (
             self.state.stage not in (SafetyStage.DISARMED, SafetyStage.STOPPED)
             or self.state.stops > 0
@@ -148,25 +142,25 @@ class BridgeCore:
 
     @property
     def is_armed(self) -> bool:
-        """Whether the drone's newest word says that it is armed, and not because it always is."""
+        """Whether the drone reports that it was armed, not counting automatic arming."""
         word = 0 if self.motors is None else self.motors.word
         return bool(word & SupervisorBit.ARMED) and not word & SupervisorBit.AUTO_ARM
 
     def reset(self) -> None:
-        """Begin anew with a new connection: nothing of the old one counts."""
+        """Discard everything that came over the previous connection."""
         with self._lock:
             self.clock, self.trips = DeviceClock(), RoundTrips()
             self.attitude, self.power, self.motors, self._word_ns = None, None, None, None
             self._asked = None
 
     def add_round_trip(self, round_trip: float) -> None:
-        """Take a round trip: stamps are set back by what the quickest message takes. [s]"""
+        """Add a ping's round trip [s]; half of the shortest one corrects the packets' stamps."""
         with self._lock:
             self.trips.add(round_trip)
             self.clock.line.one_way_ns = self.trips.one_way_ns
 
     def receive_packet(self, packet: LogPacket) -> StampedReading:
-        """Return what a log packet says, with its graph time."""
+        """Convert a log packet to a reading with its graph time."""
         with self._lock:
             self.packets += 1
             stamp = self.clock.stamp_packet(packet.stamp_ms, packet.arrival_ns)
@@ -191,7 +185,7 @@ class BridgeCore:
             return StampedReading(stamp, None)
 
     def accept_command(self, command: CrazyflieCommand) -> None:
-        """Take a command of the graph; one that is no number or of other rotors is none."""
+        """Store a command of the graph; reject non-finite values and a wrong rotor count."""
         numbers = (*command.duties, command.speed, command.turn, command.height)
         if self.sends_duties and len(command.duties) != self._rotors:
             self.unasked.add(f'duties that are not those of the {self._rotors} rotors')
@@ -201,13 +195,13 @@ class BridgeCore:
             self._asked = command
 
     def update_position(self, where: PositionEstimate) -> None:
-        """Take where the estimator takes the drone to be."""
+        """Store the newest position estimate."""
         self._where = where
 
     def collect_inputs(self, now_ns: int, linked: bool, active: bool) -> safety.SafetyInputs:
-        """Return what is known. [ns]"""
-        asked, motors, where = self._asked, self.motors, self._where
-        since = None if asked is None else asked.stamp_ns
+        """Return the inputs of the safety state machine at a graph time. [ns]"""
+        command, motors, where = self._asked, self.motors, self._where
+        since = None if command is None else command.stamp_ns
         return safety.SafetyInputs(
             linked=linked,
             active=active,
@@ -221,7 +215,7 @@ class BridgeCore:
         )
 
     def _safety_voltage(self, now_ns: int) -> float:
-        """Return the voltage to judge by: none where the firmware calls it low, NaN if unknown."""
+        """Return the cell voltage: 0 if the firmware calls it low, NaN if unknown. [V]"""
         if self.power is None or stamp_age(self._power_ns, now_ns) > UNTOLD:
             return math.nan
         return 0.0 if self.power.state >= POWER_OFF else self.power.voltage
@@ -230,28 +224,28 @@ class BridgeCore:
         self, now: float, now_ns: int, linked: bool, active: bool, request: safety.SafetyRequest
     ) -> safety.SafetyOutputs:
         """
-        Decide, and send.
+        Step the safety state machine and send its outputs.
 
         Parameters
         ----------
         now : float
-            On a clock that only goes on. [s]
+            Monotonic time. [s]
         now_ns : int
             Graph time. [ns]
         linked, active : bool
             Whether the link is up and the node active.
-        asked : safety.Asked
-            By people, since the last tick.
+        request : safety.SafetyRequest
+            The operator's requests since the last tick.
 
         """
         with self._lock:
-            seen = self.collect_inputs(now_ns, linked, active)
-            self.state, order = safety.step_state(self.state, now, seen, request, self.limits)
+            inputs = self.collect_inputs(now_ns, linked, active)
+            self.state, order = safety.step_state(self.state, now, inputs, request, self.limits)
             self._send_outputs(order)
             return order
 
     def find_arming_refusal(self, now_ns: int, linked: bool, active: bool) -> str:
-        """Return why arming would be refused now; empty where it would not."""
+        """Return why arming would be refused now; empty if it would be accepted."""
         return safety.find_arming_refusal(
             self.state, self.collect_inputs(now_ns, linked, active), self.limits
         )
@@ -262,6 +256,7 @@ class BridgeCore:
         self._guarded |= self._watchdog and bool(order.arm)
         self._ticks += 1
         stopped = self.state.stage is SafetyStage.STOPPED
+        # After an emergency stop the watchdog is left to expire: it locks the drone as well.
         if self._guarded and not stopped and self._ticks % GUARD == 0:
             self._link.feed_watchdog()
         if order.arm is not None:
@@ -271,23 +266,23 @@ class BridgeCore:
         elif self.command == 'motors':
             self._send_duties(order)
         elif order.drive and self._asked is not None:
-            asked = self._asked
-            rate = max(-FASTEST_TURN, min(FASTEST_TURN, TURN_GAIN * asked.turn))
+            command = self._asked
+            rate = max(-FASTEST_TURN, min(FASTEST_TURN, TURN_GAIN * command.turn))
             self._link.send_hover_setpoint(
-                order.drive * asked.speed, order.drive * rate, asked.height
+                order.drive * command.speed, order.drive * rate, command.height
             )
         if order.hand_over:
             self._link.hand_over(land=self.command == 'setpoint')
 
     def _motor_duties(self, order: safety.SafetyOutputs) -> tuple[float, ...]:
-        """Return the duties of M1 to M4 that are in force; empty where none are."""
+        """Return the duties of M1 to M4 to send now; empty if no command is flown."""
         if not order.drive or self._asked is None:
             return ()
         duties = (self._asked.duties[place] for place in self._order)
         return tuple(order.drive * min(1.0, max(-1.0, duty)) for duty in duties)
 
     def _send_override(self, order: safety.SafetyOutputs) -> None:
-        """Turn the motors while commands are flown, and let go of them in every other state."""
+        """Override the motors while a command is flown; otherwise release them."""
         duties = self._motor_duties(order)
         if duties:
             self._held = LETTING_GO
@@ -298,7 +293,7 @@ class BridgeCore:
         self._link.override_motors(duties)
 
     def _send_duties(self, order: safety.SafetyOutputs) -> None:
-        """Send duties while commands stream, and none that hold for no time when handing over."""
+        """Send duties while streaming; on hand-over, send zero duties that expire at once."""
         if not (order.stream or order.hand_over):
             return
         duties = self._motor_duties(order) or (0.0,) * len(self._order)

@@ -1,10 +1,11 @@
 """
-The link by Bitcraze's cflib (GPL, an optional extra): the one place that imports it.
+Link to a Crazyflie through Bitcraze's cflib (GPL, an optional extra).
 
-cflib waits for ever where a datagram is lost while it connects, says nothing when a peer falls
-silent, blocks while it closes, and parts with a thrust of zero. So every wait here has a deadline,
-each attempt has an object of its own, which says nothing as it goes, and liveness is judged
-elsewhere, by what arrives (docs/hardware.md).
+Only this module imports cflib. Its workarounds answer four properties of cflib: it waits forever
+if a datagram is lost while it connects, does not report a silent peer, blocks in `close_link`, and
+sends a zero thrust there. So every wait here has a deadline, each attempt uses a new cflib object
+that sends nothing as it closes, and the bridge judges liveness by received packets
+(docs/hardware.md).
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -36,7 +37,7 @@ try:
     import cflib.crazyflie
     import cflib.crazyflie.log
     import cflib.crtp
-except ImportError:  # told when a link is made, with the remedy
+except ImportError:  # reported when a link is created
     CFLIB = False
 else:
     CFLIB = True
@@ -44,68 +45,63 @@ else:
 PLACE: Final = r'[^/:\s]+:\d{1,5}'
 RATE: Final = r'(250K|1M|2M)'
 ADDRESS: Final = r'[0-9A-Fa-f]{1,10}'
-SCHEMES: Final = {  # what comes behind ://, as cflib reads it
+SCHEMES: Final = {  # URI scheme to a pattern of the rest, as cflib parses it
     'radio': rf'(\d+|{ADDRESS})/\d{{1,3}}(/{RATE}(/{ADDRESS})?)?(\?rate_limit=\d+)?',
     'usb': r'\d+',
     'udp': PLACE,
     'tcp': PLACE,
     'serial': r'\S+',
 }
-LANDING: Final = 3.0  # s for the firmware's own landing
-U8, U16 = 0x08, 0x09  # the firmware's numbers for types of parameters
-FULL_RATIO: Final = 65535
-ECHO: Final = (15, 0)  # port and channel whose packets come back
-CLOSING: Final = 3.0  # s; cflib takes two at most, or for ever where its driver has failed
-PARTING: Final = 3  # times that motors are let go of before a link is closed
+LANDING: Final = 3.0  # s, duration of the firmware's landing
+U8, U16 = 0x08, 0x09  # parameter type codes of the firmware
+FULL_RATIO: Final = 65535  # motor ratio at full duty
+ECHO: Final = (15, 0)  # CRTP port and channel whose packets are echoed
+CLOSING: Final = 3.0  # s; cflib needs two at most, but blocks forever if its driver has failed
+PARTING: Final = 3  # times that the override is released before a link is closed
 DRIVERS = threading.Lock()
 
 
 def _register_drivers() -> None:
-    """Register cflib's link drivers once, in whatever thread comes first."""
+    """Register cflib's link drivers once; safe to call from any thread."""
     with DRIVERS:
         if not cflib.crtp.CLASSES:
             cflib.crtp.init_drivers(enable_serial_driver=True)
-            # What goes wrong is told in one sentence by who asked; cflib logs whole tracebacks.
+            # The bridge reports faults itself, in one sentence; cflib would log tracebacks.
             logging.getLogger('cflib').setLevel(logging.CRITICAL)
 
 
 def scan_crazyflies(radio: bool, usb: bool) -> Iterator[str]:
     """
-    Yield the URIs of Crazyflies that answer, by radio and on a cable.
+    Yield the URIs of Crazyflies that answer by radio or USB; cflib fails without such a device.
 
-    UDP is not asked: an emulated drone answers whoever spoke last, and may be flying for another.
-
-    Parameters
-    ----------
-    radio, usb : bool
-        Whether to ask a Crazyradio, and the USB ports; cflib fails without them.
-
+    UDP is not scanned: an emulated drone answers the last sender, which would take its packets
+    away from another bridge.
     """
     _register_drivers()
     wanted = {'RadioDriver': radio, 'UsbDriver': usb}
     for driver in cflib.crtp.CLASSES:
         if wanted.get(driver.__name__):
-            # cflib's own scan of all drivers ends at the first that cannot.
+            # cflib's own scan of all drivers ends at the first one that fails.
             try:
-                found = driver().scan_interface(None)
-            except Exception:  # whatever a dongle's library raises
+                interfaces = driver().scan_interface(None)
+            except Exception:  # the USB libraries raise various types
                 continue
-            yield from (uri for uri, _ in found)
+            yield from (uri for uri, _ in interfaces)
 
 
 @final
 class CflibLink:
     """
-    One Crazyflie by cflib; see `lta_bridge.crazyflie.link.CrazyflieLink`.
+    Link to one Crazyflie; see `lta_bridge.crazyflie.link.CrazyflieLink`.
 
     Parameters
     ----------
     uri : str
-        Where it is, one of `SCHEMES`.
-    blocks : sequence of Block
-        What to log.
+        URI with one of `SCHEMES`.
+    blocks : sequence of LogBlock
+        Log blocks to start.
     clock : callable
-        Graph time. [ns]
+        Returns the graph time. [ns]
 
     Raises
     ------
@@ -122,15 +118,16 @@ class CflibLink:
             )
         _register_drivers()
         self._uri, self._blocks, self._clock = uri, blocks, clock
-        self._drone: Any = None  # that is spoken to
-        self._opened: Any = None  # that is to be closed
-        self._sizes: dict[int, int] = {}  # bytes of values, by the number of a log block
+        self._drone: Any = None  # the cflib object in use
+        self._opened: Any = None  # the cflib object to close
+        self._sizes: dict[int, int] = {}  # bytes of values by log block number
         self._overrides = False  # whether motors were turned past the firmware's supervisor
         self.events: SimpleQueue[Event] = SimpleQueue()
-        self._fault, self.protocol = '', -1  # of the packet that is read now; of the firmware
+        self._fault = ''  # of the packet that cflib is about to read
+        self.protocol = -1
 
     def open(self, deadline: float) -> None:
-        """Connect, and ask for all log blocks, until a deadline from now. [s]"""
+        """Connect and start all log blocks within a time. [s]"""
         until = time.monotonic() + deadline
         drone = self._opened = self._drone = cflib.crazyflie.Crazyflie()
         outcome: SimpleQueue[str] = SimpleQueue()
@@ -157,7 +154,7 @@ class CflibLink:
             raise
 
     def _guard_callback(self, drone: object, callback: Callable[..., None]) -> Callable[..., None]:
-        """Return a callback that is deaf to every drone object but the present one."""
+        """Return a callback that ignores calls of a cflib object no longer in use."""
 
         def call_if_current(*words: object) -> None:
             if self._drone is drone:
@@ -169,7 +166,7 @@ class CflibLink:
         self.events.put(LinkLost(suggest_remedy(str(why))))
 
     def _check_packet(self, packet: Any) -> None:  # noqa: ANN401 - untyped library
-        """Look at a packet before cflib reads it, in the same thread."""
+        """Check a packet; cflib reads it next, in the same thread."""
         self._fault = find_packet_fault(
             packet.port, packet.channel, bytes(packet.data), self._sizes
         )
@@ -177,12 +174,12 @@ class CflibLink:
             self.events.put(MalformedPacket(self._fault))
 
     def _on_ping(self, echo: Any) -> None:  # noqa: ANN401 - untyped library
-        """Take back what cflib sends ten times a second: when it did so."""
+        """Measure the round trip of cflib's ping, which carries its send time."""
         if (sent := parse_ping_time(echo.data)) is not None:
             self.events.put(Ping(time.time() - sent))
 
     def _start_logging(self, drone: Any, until: float) -> None:  # noqa: ANN401 - untyped library
-        """Start every block; all must be confirmed by a deadline."""
+        """Start every log block; wait for all confirmations until a monotonic time."""
         outcomes: SimpleQueue[tuple[str, str]] = SimpleQueue()
         for block in self._blocks:
             config = cflib.crazyflie.log.LogConfig(block.name, block.period_ms)
@@ -197,7 +194,7 @@ class CflibLink:
                 self._sizes[config.id] = block_size(block)
                 config.start()
             except (KeyError, AttributeError) as error:
-                raise LinkFailed(f'log block {block.name} cannot be had: {error}') from None
+                raise LinkFailed(f'log block {block.name} is not available: {error}') from None
         waiting = {block.name for block in self._blocks}
         while waiting:
             try:
@@ -212,34 +209,34 @@ class CflibLink:
     def _on_log_packet(
         self, name: str, stamp_ms: int, values: Mapping[str, float], _: object
     ) -> None:
-        if not self._fault:
+        if not self._fault:  # set for this packet by _check_packet just before
             self.events.put(LogPacket(name, stamp_ms, values, self._clock()))
 
     def close(self) -> None:
-        """Disconnect, which takes up to two seconds; what still flies or lands goes on with it."""
+        """Disconnect; takes up to two seconds. A flying or landing drone continues."""
         if self._overrides:
             for _ in range(PARTING):
                 self.override_motors(())
         drone, self._drone, self._opened = self._opened, None, None
         self._overrides, self._sizes = False, {}
         if drone is not None:
-            # cflib's last word is a thrust of zero: it would drop a drone that lands by itself.
-            # Its threads send on meanwhile, and end in a traceback on the socket that is gone.
+            # cflib sends a zero thrust as it closes, which would drop a drone that is landing.
+            # Its threads also keep sending, and would print a traceback on the closed socket.
             drone.send_packet = lambda *_, **__: None
-            # Stop the reader while packets still come: afterwards it would wait 1 s for the next.
+            # Stop the reader while packets still arrive: later it would wait 1 s for the next.
             drone.incoming.stop()
-            leaving = threading.Thread(target=drone.close_link, name='cflib_close', daemon=True)
-            leaving.start()
-            leaving.join(CLOSING)
+            closer = threading.Thread(target=drone.close_link, name='cflib_close', daemon=True)
+            closer.start()
+            closer.join(CLOSING)
 
     def read_parameter(self, name: str) -> float | None:
-        """Return the value read when the link came up, or since, in the firmware's unit."""
+        """Return the last value received, in the firmware's unit."""
         group, _, word = name.partition('.')
         text = self._drone.param.values.get(group, {}).get(word)
         return None if text is None else float(text)
 
     def write_parameter(self, name: str, value: float, deadline: float) -> None:
-        """Set a parameter and wait for the value to come back, until a deadline from now. [s]"""
+        """Set a parameter and wait for its confirmation within a time. [s]"""
         group, _, word = name.partition('.')
         echoes: SimpleQueue[float] = SimpleQueue()
         param = self._drone.param
@@ -249,15 +246,17 @@ class CflibLink:
             param.set_value(name, value if value % 1.0 else int(value))
             if echoes.get(timeout=deadline) != value:
                 raise LinkFailed(f'parameter {name} did not become {value:g}')
-        except AttributeError:  # cflib's word for one that is read-only
+        except AttributeError:  # cflib raises it for a read-only parameter
             raise LinkFailed(f'parameter {name} cannot be written') from None
         except Empty:
-            raise LinkFailed(f'parameter {name} was not confirmed in {deadline:.0f} s') from None
+            raise LinkFailed(
+                f'parameter {name} was not confirmed within {deadline:.0f} s'
+            ) from None
         finally:
             param.remove_update_callback(group, word, callback)
 
     def request_arming(self, on: bool) -> None:
-        """Ask to arm or disarm; firmware before protocol 12 is asked on its own port."""
+        """Request arming or disarming; cflib picks the port that the firmware's protocol needs."""
         with warnings.catch_warnings(action='ignore'):
             self._call_cflib('supervisor', 'send_arming_request', on)
 
@@ -265,16 +264,16 @@ class CflibLink:
         """Send one emergency stop."""
         with warnings.catch_warnings(action='ignore'):
             self._call_cflib('supervisor', 'send_emergency_stop')
-        # Whoever turned the override on: a stop does not reach motors through it.
+        # An emergency stop does not stop motors under an override, whoever enabled it.
         self._call_cflib('param', 'set_value_raw', 'motorPowerSet.enable', U8, 0)
 
     def feed_watchdog(self) -> None:
-        """Keep the firmware's emergency-stop watchdog quiet for another second."""
+        """Reset the firmware's emergency-stop watchdog for another second."""
         with warnings.catch_warnings(action='ignore'):
             self._call_cflib('supervisor', 'send_emergency_stop_watchdog')
 
     def send_hover_setpoint(self, forward: float, yaw_rate: float, height: float) -> None:
-        """Send speed [m/s], yaw rate [rad/s] and height [m]; cflib takes degrees a second."""
+        """Send speed [m/s], yaw rate [rad/s] and height [m]."""
         self._call_cflib(
             'commander', 'send_hover_setpoint', forward, 0.0, math.degrees(yaw_rate), height
         )
@@ -285,9 +284,9 @@ class CflibLink:
 
     def override_motors(self, duties: Sequence[float]) -> None:
         """
-        Set `motorPowerSet`, without waiting for an answer: the next one comes soon.
+        Set `motorPowerSet` without waiting for a confirmation; no duties release the motors.
 
-        Enabled last and disabled first, so that no motor turns by what an earlier one left.
+        It is enabled last and disabled first, so that no motor turns at a previous ratio.
         """
         self._overrides |= bool(duties)
         ratios = [round(FULL_RATIO * min(1.0, max(0.0, duty))) for duty in duties] or [0] * 4
@@ -297,19 +296,19 @@ class CflibLink:
             self._call_cflib('param', 'set_value_raw', *words)
 
     def hand_over(self, land: bool) -> None:
-        """Let go of the commander, and have the high-level one land."""
+        """Release the commander, and where `land`, let the high-level commander land."""
         self._call_cflib('commander', 'send_notify_setpoint_stop')
         if land:
             self._call_cflib('high_level_commander', 'land', 0.0, LANDING)
 
     def _call_cflib(self, part: str, method: str, *words: object) -> None:
-        """Send where there is a link; it may go at any moment, in the middle of this too."""
+        """Call a method of cflib if there is a link; the link may fail at any moment."""
         drone = self._drone
         if drone is None:
             return
         try:
             getattr(getattr(drone, part), method)(*words)
-        except Exception as error:  # whatever a driver raises, and cflib's lock stays taken then
+        except Exception as error:  # drivers raise various types, and cflib's lock stays taken
             self._drone = None
             self._on_link_lost('', f'{type(error).__name__}: {error}')
 

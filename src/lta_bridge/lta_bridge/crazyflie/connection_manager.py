@@ -1,8 +1,8 @@
 """
-Keep a link up from a thread of its own: connect, check, wait for the loss, and again.
+Keep a link connected from a separate thread: connect, check the parameters, reconnect on loss.
 
-Opening and closing block, so they never happen in a callback of the node. Each failure is told
-once and followed by a pause that doubles.
+Opening and closing block, so they must not happen in a callback of the node. The pause after a
+failed attempt doubles each time.
 """
 
 from collections.abc import Callable, Mapping
@@ -14,36 +14,37 @@ from lta_bridge.crazyflie.link import CrazyflieLink, LinkFailed
 from lta_bridge.crazyflie.remedies import suggest_remedy
 from lta_config.schema.crazyflie_file import ExpectedParameter
 
-DEADLINE: Final = 8.0  # s for one attempt; a TOC of 700 entries over the radio takes about five
+DEADLINE: Final = 8.0  # s for one attempt; a TOC of 700 entries takes about 5 s by radio
 CONFIRM: Final = 2.0  # s for one parameter
-TURNING: Final = ('motorPowerSet.enable', 'powerDist.idleThrust')  # without any command
-FIRST, LONGEST = 0.5, 8.0  # s of pause after a failure
+# Parameters that let motors turn without a command.
+TURNING: Final = ('motorPowerSet.enable', 'powerDist.idleThrust')
+FIRST, LONGEST = 0.5, 8.0  # s of pause after a failed attempt
 
 
 def apply_parameters(
     link: CrazyflieLink, expected: Mapping[str, ExpectedParameter], compensated: bool | None = None
 ) -> None:
     """
-    Bring parameters to what the vehicle needs.
+    Check the firmware's parameters and set those that may be written.
 
-    What turns motors without a command is switched off first, on a drone that is then refused as
-    well. Nothing else is written to one that is refused.
+    Parameters that turn motors without a command are switched off first, on every drone. Nothing
+    else is written unless all checks pass.
 
     Parameters
     ----------
-    link : Link
-        Open.
+    link : CrazyflieLink
+        An open link.
     expected : mapping
-        Parameters by name.
+        Expected parameters by name.
     compensated : bool or None
-        Whether the vehicle counts on firmware that corrects duties for the battery's voltage;
-        None where that does not matter.
+        Whether the vehicle model assumes firmware that corrects duties for the battery's voltage;
+        None to skip this check.
 
     Raises
     ------
     LinkFailed
-        If one is missing, or differs and may not or cannot be written; or if the firmware corrects
-        duties and the vehicle does not count on it, or the other way round.
+        If a parameter is missing, or differs and may not or cannot be written; or if firmware and
+        vehicle disagree on the voltage compensation.
 
     """
     for name in TURNING:
@@ -65,23 +66,24 @@ def apply_parameters(
 
 
 def has_voltage_compensation(link: CrazyflieLink) -> bool:
-    """Tell whether the firmware corrects duties for the battery's voltage; stock firmware does."""
+    """Return whether the firmware corrects duties for the battery's voltage."""
+    # Stock firmware lacks the parameter (None) and does compensate.
     return link.read_parameter('lta.compensated') != 0.0
 
 
 def explain_mismatch(firmware: bool, vehicle: bool) -> str:
-    """Return why a drone that compensates, or not, cannot fly a vehicle; empty where it can."""
+    """Return why firmware and vehicle disagree on voltage compensation; empty if they agree."""
     if firmware and not vehicle:
         return (
-            "the firmware corrects duties for the battery's voltage, and the vehicle file has no "
-            'effect battery_compensation: flash the build of firmware/crazyflie, or add the '
+            "the firmware corrects duties for the battery's voltage, and the vehicle file lacks "
+            'the effect battery_compensation: flash the build of firmware/crazyflie, or add the '
             'effect to the vehicle file'
         )
     if vehicle and not firmware:
         return (
-            'the firmware takes duties as they are, and the vehicle file has the effect '
-            'battery_compensation: flash stock firmware, or remove the effect from the vehicle '
-            'file'
+            "the firmware does not correct duties for the battery's voltage, and the vehicle file "
+            'has the effect battery_compensation: flash stock firmware, or remove the effect from '
+            'the vehicle file'
         )
     return ''
 
@@ -89,27 +91,25 @@ def explain_mismatch(firmware: bool, vehicle: bool) -> str:
 @final
 class ConnectionManager:
     """
-    Hold one link open until told to let go.
+    Keep one link open until `close` is called.
 
     Parameters
     ----------
-    link : Link
-        Opened and closed from here alone.
-    expected : mapping
-        Parameters by name.
-    given_back : callable
-        Called, from the thread, when the link is closed for good.
-    compensated : bool or None
-        As for `apply_parameters`.
+    link : CrazyflieLink
+        Only the manager may open and close it.
+    expected, compensated
+        See `apply_parameters`.
+    on_closed : callable
+        Called from the manager's thread when the link is closed for good.
 
     Attributes
     ----------
     up : bool
         Whether the link is open and its parameters are as expected.
     why : str
-        Why it is not.
+        Why the link is not up.
     attempts : int
-        How often it was tried.
+        Number of connection attempts.
 
     """
 
@@ -129,12 +129,12 @@ class ConnectionManager:
         self._thread.start()
 
     def reconnect(self, why: str) -> None:
-        """Give this connection up and make a new one."""
+        """Close the connection and open a new one."""
         self.up, self.why = False, why
         self._again.set()
 
     def close(self, deadline: float = 5.0) -> bool:
-        """Let go; return whether that was done within a deadline. [s]"""
+        """Close the link; return whether the thread ended within a time. [s]"""
         self.up = False
         self._leave.set()
         self._again.set()
@@ -148,7 +148,7 @@ class ConnectionManager:
             self.attempts += 1
             failed = self._hold_connection()
             self.up = False
-            with suppress(Exception):  # whatever a dongle says that was pulled out
+            with suppress(Exception):  # an unplugged dongle raises various types
                 self._link.close()
             if not failed:
                 pause = FIRST
@@ -159,14 +159,14 @@ class ConnectionManager:
         self._given_back()
 
     def _hold_connection(self) -> str:
-        """Connect, and hold it until told otherwise; return why it did not come up, if so."""
+        """Connect and wait for `reconnect` or `close`; return why connecting failed, or ''."""
         try:
             self._link.open(DEADLINE)
             if not self._leave.is_set():
                 apply_parameters(self._link, self._expected, self._compensated)
         except LinkFailed as error:
             return str(error)
-        except Exception as error:  # a driver's own: without this thread there is no other try
+        except Exception as error:  # drivers raise various types; the thread must survive them
             return suggest_remedy(f'{type(error).__name__}: {error}')
         if not (self._again.is_set() or self._leave.is_set()):
             self.up, self.why = True, ''

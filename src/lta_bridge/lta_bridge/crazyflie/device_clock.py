@@ -1,4 +1,4 @@
-"""The Crazyflie's clock in graph time: 24-bit milliseconds, unwrapped, with offset and drift."""
+"""Convert the Crazyflie's 24-bit millisecond stamps to graph time."""
 
 from typing import Final, final
 
@@ -11,13 +11,9 @@ BACK_MS: Final = BACK_NS // 1_000_000
 @final
 class DeviceClock:
     """
-    Map log stamps to graph time.
+    Unwrap log stamps and map them to graph time.
 
-    Attributes
-    ----------
-    line : OneWayClock
-        Offset and drift.
-
+    `line` estimates the clock's offset and drift.
     """
 
     def __init__(self) -> None:
@@ -26,7 +22,7 @@ class DeviceClock:
 
     @property
     def drift(self) -> float:
-        """By how much the drone's clock runs fast. [1]."""
+        """Relative rate error of the drone's clock, positive if it runs fast. [1]"""
         return self.line.drift
 
     def stamp_packet(self, stamp_ms: int, arrival_ns: int) -> int:
@@ -36,20 +32,21 @@ class DeviceClock:
         Parameters
         ----------
         stamp_ms : int
-            24 bits of milliseconds since the boot.
+            Milliseconds since boot, modulo 2^24.
         arrival_ns : int
-            When it arrived, graph time. [ns]
+            Graph time of arrival. [ns]
 
         """
         return self.line.stamp_arrival(1_000_000 * self._unwrap_stamp(stamp_ms), arrival_ns)
 
     def _unwrap_stamp(self, stamp_ms: int) -> int:
-        """Return milliseconds since the first wrap, late packets included."""
+        """Return a stamp that does not wrap; late packets are allowed. [ms]"""
         if self._newest is None:
             self._newest = stamp_ms
             return stamp_ms
+        # Shortest signed distance on the circle of 2^24 ms.
         ahead = (stamp_ms - self._newest + WRAP // 2) % WRAP - WRAP // 2
-        if ahead < -BACK_MS:  # it started anew, and has not been up for long
+        if ahead < -BACK_MS:  # too far back for a late packet: the drone has restarted
             self.line.restart()
             self._newest = stamp_ms
             return stamp_ms

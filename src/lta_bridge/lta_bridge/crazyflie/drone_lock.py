@@ -1,4 +1,4 @@
-"""One bridge to a drone: who has it holds a lock that ends with its process."""
+"""Lock a drone, so that only one process of this machine commands it."""
 
 from contextlib import suppress
 import fcntl
@@ -11,11 +11,11 @@ from typing import Final, final, IO
 
 from lta_config.errors import BadInput
 
-AS_SOLD: Final = ('2M', 'E7E7E7E7E7')  # rate and address, where a URI leaves them out
+AS_SOLD: Final = ('2M', 'E7E7E7E7E7')  # default rate and address of a radio URI
 
 
 def normalize_uri(uri: str) -> str:
-    """Return one name for a drone, however its URI is written and whichever radio reaches it."""
+    """Return a canonical URI of a drone, without the number of the radio."""
     scheme, _, rest = uri.partition('://')
     rest = rest.partition('?')[0]
     if scheme == 'radio':
@@ -24,7 +24,7 @@ def normalize_uri(uri: str) -> str:
         return f'radio://{int(channel)}/{rate}/{address.upper():0>10}'
     if scheme in ('udp', 'tcp'):
         host, _, port = rest.rpartition(':')
-        with suppress(OSError):  # whoever connects says that there is no such host
+        with suppress(OSError):  # an unknown host is reported when the link connects
             host = socket.gethostbyname(host)
         return f'{scheme}://{host}:{int(port)}'
     return uri
@@ -33,17 +33,12 @@ def normalize_uri(uri: str) -> str:
 @final
 class DroneLock:
     """
-    The right to command one drone from this machine, whoever else has logged in.
-
-    Parameters
-    ----------
-    uri : str
-        Which.
+    Exclusive lock on one drone, shared by all users of this machine; it ends with the process.
 
     Raises
     ------
     BadInput
-        If another process has it, or it cannot be known.
+        If another process holds the lock, or the lock file cannot be opened.
 
     """
 
@@ -51,14 +46,14 @@ class DroneLock:
         name = hashlib.sha256(normalize_uri(uri).encode()).hexdigest()[:16]
         path = Path(tempfile.gettempdir()) / f'lta-crazyflie-{name}.lock'
         try:
-            # Through no link that somebody may have laid here: the file is written to.
+            # O_NOFOLLOW: another user could have placed a symbolic link here.
             descriptor = os.open(
                 path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC, 0o666
             )
         except OSError as error:
             raise BadInput(
-                f'{path}, which says who commands {uri}, cannot be opened ({error.strerror}); '
-                'have whoever made it end their bridge, and delete that file.'
+                f'The lock file {path} of {uri} cannot be opened ({error.strerror}). Have its '
+                'owner stop their bridge and delete the file.'
             ) from None
         self._file: IO[str] | None = os.fdopen(descriptor, 'r+')
         try:
@@ -68,15 +63,15 @@ class DroneLock:
             holder = self._file.read().strip() or 'unknown'
             self._file.close()
             raise BadInput(
-                f'{uri} is commanded by another program (process {holder}); end that one, since a '
-                'drone obeys whoever spoke last.'
+                f'{uri} is commanded by another program (process {holder}); stop that one first, '
+                'since a drone obeys every sender.'
             ) from None
         self._file.truncate(0)
         self._file.write(str(os.getpid()))
         self._file.flush()
 
     def close(self) -> None:
-        """Give the drone free; again is harmless."""
+        """Release the drone; a second call does nothing."""
         if self._file is not None:
             self._file.close()
             self._file = None

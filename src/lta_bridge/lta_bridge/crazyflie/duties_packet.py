@@ -1,21 +1,21 @@
 """
-The packet that carries our allocation's duties to the app aboard (port 13, channel 2).
+Encode and decode the packet with motor duties for the app on the drone (port 13, channel 2).
 
 `<BB4hH`: 0x4C, sequence, four duties of M1 to M4 in 1/32767, time-out in ms. The app stops the
-motors when no newer packet has come within the time-out; `firmware/crazyflie/` reads the same.
+motors if no newer packet arrives within the time-out. `firmware/crazyflie/` parses it.
 """
 
 from collections.abc import Sequence
 import struct
 from typing import NamedTuple
 
-MARK = 0x4C
-FULL = 32767
+MARK = 0x4C  # first byte of every packet
+FULL = 32767  # integer of full duty
 FORM = struct.Struct('<BB4hH')
 
 
 class DutiesPacket(NamedTuple):
-    """Sequence 0 to 255, duty -1 to 1 of M1 to M4, and for how long they hold. [ms]"""
+    """Sequence number 0 to 255, duties -1 to 1 of M1 to M4, and their time-out. [ms]"""
 
     sequence: int
     duties: tuple[float, ...]
@@ -24,24 +24,25 @@ class DutiesPacket(NamedTuple):
 
 def pack_duties(sequence: int, duties: Sequence[float], timeout_ms: int) -> bytes:
     """
-    Return the payload.
+    Return the payload of a packet.
 
     Parameters
     ----------
     sequence : int
-        Any count; it is told modulo 256.
+        Any count; sent modulo 256.
     duties : sequence of 4 floats
-        Clipped to -1 to 1; what is no number is 0.
+        Clipped to -1 to 1; NaN is sent as 0.
     timeout_ms : int
         0 to 65535.
 
     """
+    # duty == duty is false for NaN only.
     steps = [round(FULL * max(-1.0, min(1.0, duty))) if duty == duty else 0 for duty in duties]
     return FORM.pack(MARK, sequence & 0xFF, *steps, timeout_ms)
 
 
 def unpack_duties(data: bytes) -> DutiesPacket | None:
-    """Return what a payload says; None where it is none of ours."""
+    """Return the decoded payload; None if it is not a duties packet."""
     if len(data) != FORM.size or data[0] != MARK:
         return None
     _, sequence, *steps, timeout_ms = FORM.unpack(data)
@@ -49,5 +50,5 @@ def unpack_duties(data: bytes) -> DutiesPacket | None:
 
 
 def is_newer(sequence: int, than: int) -> bool:
-    """Tell whether a sequence number is ahead of another by less than half of the circle."""
+    """Return whether a sequence number follows another, modulo 256."""
     return 0 < (sequence - than) & 0xFF < 128

@@ -1,4 +1,4 @@
-"""How the link and the drone are, as two facts with the figures behind them."""
+"""Describe the health of the link and the drone for diagnostics."""
 
 from collections.abc import Iterator
 
@@ -13,7 +13,7 @@ NOT_CONFIGURED = 'not configured'
 def describe_health(
     bridge: BridgeCore, why: str, attempts: int, protocol: int, inputs: SafetyInputs
 ) -> Iterator[HealthFact]:
-    """Yield how link and drone are by what is known, and by why there is no link."""
+    """Yield the health of link, safety, packets and commands; `why` explains a missing link."""
     yield _describe_link(bridge, why, attempts, protocol, inputs)
     yield _describe_safety(bridge, inputs)
     yield bridge.malformed.build_fact('packets', 'all can be read')
@@ -21,7 +21,7 @@ def describe_health(
 
 
 def describe_connection(keeper: ConnectionManager | None) -> tuple[str, int]:
-    """Return why there is no link, empty where there is one, and how often it was tried."""
+    """Return why there is no link, empty if there is one, and the number of attempts."""
     return (NOT_CONFIGURED, 0) if keeper is None else (keeper.why, keeper.attempts)
 
 
@@ -38,9 +38,9 @@ def _describe_link(
         'packets': bridge.packets,
         'attempts': attempts,
     }
-    heard = inputs.linked and inputs.silence < SILENT
+    alive = inputs.linked and inputs.silence < SILENT
     silent = f'silent for {inputs.silence:.1f} s' if inputs.linked else why
-    level, message = (HealthLevel.OK, 'connected') if heard else (HealthLevel.ERROR, silent)
+    level, message = (HealthLevel.OK, 'connected') if alive else (HealthLevel.ERROR, silent)
     return HealthFact('link', level, message, {key: str(value) for key, value in figures.items()})
 
 

@@ -1,4 +1,4 @@
-"""What a bridge needs of a link to a Crazyflie, and what a link tells; no library named."""
+"""Interface of a link to a Crazyflie and the events that it reports, for any library."""
 
 from collections.abc import Mapping, Sequence
 from queue import SimpleQueue
@@ -8,7 +8,7 @@ OLDEST = 9  # protocol: the first with today's setpoint packets (cflib, commande
 
 
 class LogPacket(NamedTuple):
-    """Block name, stamp of 24 bits [ms], values by `group.name`, arrival in graph time [ns]."""
+    """Block name, 24-bit stamp [ms], values by `group.name`, graph time of arrival [ns]."""
 
     block: str
     stamp_ms: int
@@ -17,19 +17,19 @@ class LogPacket(NamedTuple):
 
 
 class Ping(NamedTuple):
-    """What one way to the drone and back took. [s]"""
+    """Round-trip time of one ping. [s]"""
 
     round_trip: float
 
 
 class MalformedPacket(NamedTuple):
-    """A packet came that cannot be read, and why."""
+    """A packet could not be read; `why` is the reason."""
 
     why: str
 
 
 class LinkLost(NamedTuple):
-    """The link is gone, and why."""
+    """The link was lost; `why` is the reason."""
 
     why: str
 
@@ -38,19 +38,21 @@ Event = LogPacket | Ping | MalformedPacket | LinkLost
 
 
 class LinkFailed(RuntimeError):
-    """A link did not come up, or a parameter did not do as told; worth another try."""
+    """Connecting failed, or a parameter could not be set; another attempt may succeed."""
 
 
 class CrazyflieLink(Protocol):
     """
-    One connection at a time; `open` and `close` block and are called from one thread.
+    A link with one connection at a time.
+
+    `open` and `close` block and must be called from the same thread.
 
     Attributes
     ----------
     events : SimpleQueue of Event
-        What it tells, from whatever thread.
+        Filled from any thread.
     protocol : int
-        The firmware's version of CRTP; -1 while unknown.
+        Version of the firmware's CRTP; -1 while unknown.
 
     """
 
@@ -58,7 +60,7 @@ class CrazyflieLink(Protocol):
     protocol: int
 
     def open(self, deadline: float) -> None:
-        """Connect, and ask for all log blocks; `LinkFailed` after a deadline. [s]"""
+        """Connect and start all log blocks; raise `LinkFailed` after a time. [s]"""
         ...
 
     def close(self) -> None:
@@ -66,15 +68,15 @@ class CrazyflieLink(Protocol):
         ...
 
     def read_parameter(self, name: str) -> float | None:
-        """Return a parameter in the firmware's unit; None where it has none of that name."""
+        """Return a parameter in the firmware's unit; None if the firmware lacks it."""
         ...
 
     def write_parameter(self, name: str, value: float, deadline: float) -> None:
-        """Set a parameter, confirmed by the Crazyflie's own word; `LinkFailed` otherwise. [s]"""
+        """Set a parameter; raise `LinkFailed` if it is not confirmed within a time. [s]"""
         ...
 
     def request_arming(self, on: bool) -> None:
-        """Ask to arm or disarm."""
+        """Request arming or disarming."""
         ...
 
     def send_emergency_stop(self) -> None:
@@ -82,7 +84,7 @@ class CrazyflieLink(Protocol):
         ...
 
     def feed_watchdog(self) -> None:
-        """Keep the firmware's emergency-stop watchdog quiet; the first word starts it."""
+        """Reset the firmware's emergency-stop watchdog; the first call starts it."""
         ...
 
     def send_hover_setpoint(self, forward: float, yaw_rate: float, height: float) -> None:
@@ -90,13 +92,13 @@ class CrazyflieLink(Protocol):
         ...
 
     def send_duties(self, payload: bytes) -> None:
-        """Send a packet to the app aboard."""
+        """Send a packet to the app on the drone."""
         ...
 
     def override_motors(self, duties: Sequence[float]) -> None:
-        """Turn M1 to M4 by duties 0 to 1 whatever the supervisor says; none lets go of them."""
+        """Set duties 0 to 1 of M1 to M4, bypassing the supervisor; empty duties release them."""
         ...
 
     def hand_over(self, land: bool) -> None:
-        """Say that no more setpoints come; where asked, land."""
+        """Announce that no more setpoints follow; land if requested."""
         ...

@@ -1,8 +1,8 @@
 """
-The links to a Crazyflie, by the scheme of its URI.
+Select the link to a Crazyflie by the scheme of its URI.
 
-A link is one file that follows `link.py`, and one line in `FILES`: its `SCHEMES` say which URIs
-are its own, its `LINK` is the class.
+To add a link, write a module that implements `link.py` and add its name to `FILES`. The module
+defines `SCHEMES`, the URIs that it serves, and `LINK`, its class.
 """
 
 from collections.abc import Callable, Sequence
@@ -14,21 +14,22 @@ from lta_bridge.crazyflie.link import CrazyflieLink
 from lta_bridge.crazyflie.log_table import LogBlock
 from lta_config.errors import BadInput
 
-FILES: Final = (  # each is the file of this name
+FILES: Final = (  # module names
     'cflib_link',
 )
 
 
 class LinkScheme(NamedTuple):
     """
-    How the URIs of one scheme are used.
+    Link of one URI scheme.
 
     Attributes
     ----------
     rest : str
-        What comes behind ://, as a regular expression.
+        Regular expression of the part after ://.
     link : callable
-        `link(uri, blocks, clock) -> Link`, closed; `BadInput` where it cannot be had here.
+        `link(uri, blocks, clock)` returns a closed link; raises `BadInput` if the link's library
+        is not installed.
 
     """
 
@@ -45,27 +46,20 @@ LINKS: Final[dict[str, LinkScheme]] = {
 
 def create_link(uri: str, blocks: Sequence[LogBlock], clock: Callable[[], int]) -> CrazyflieLink:
     """
-    Return the link to a Crazyflie, closed.
+    Create a link to a Crazyflie, not yet open.
 
-    Parameters
-    ----------
-    uri : str
-        Where it is.
-    blocks : sequence of Block
-        What to log.
-    clock : callable
-        Graph time. [ns]
+    `clock` returns the graph time. [ns]
 
     Raises
     ------
     BadInput
-        If the URI names no Crazyflie, or what its link needs is not installed.
+        If the URI is invalid, or a library is not installed.
 
     """
     scheme, _, rest = uri.partition('://')
     if scheme not in LINKS or not re.fullmatch(LINKS[scheme].rest, rest):
         raise BadInput(
-            f"The URI '{uri}' names no Crazyflie; give one such as radio://0/80/2M/E7E7E7E7E7, "
+            f"'{uri}' is not a valid Crazyflie URI; give one such as radio://0/80/2M/E7E7E7E7E7, "
             'usb://0 or udp://127.0.0.1:19850.'
         )
     return LINKS[scheme].link(uri, blocks, clock)

@@ -1,8 +1,8 @@
 """
-What is read of a Crazyflie, how often, and in which packets: the one table.
+Table of the log blocks that the bridge reads from a Crazyflie.
 
-Names, types and units are the firmware's. A block is one packet: at most 26 bytes of values every
-10 to 2540 ms in steps of 10, 16 blocks and 128 variables in all (firmware, log.c).
+Names, types and units are the firmware's. Limits (firmware, log.c): 26 bytes of values per block,
+periods of 10 to 2540 ms in steps of 10, 16 blocks and 128 variables in total.
 """
 
 from typing import Final, NamedTuple
@@ -17,19 +17,7 @@ SHORTEST_MS, LONGEST_MS, STEP_MS = 10, 2540, 10
 
 
 class LogBlock(NamedTuple):
-    """
-    One packet.
-
-    Attributes
-    ----------
-    name : str
-        Unique.
-    period_ms : int
-        Time between two. [ms]
-    variables : dict
-        `group.name` to the type it is fetched as.
-
-    """
+    """A log block, sent as one packet per period; `variables` maps `group.name` to its type."""
 
     name: str
     period_ms: int
@@ -67,29 +55,29 @@ BLOCKS: Final = (
 
 def check_log_table(blocks: tuple[LogBlock, ...]) -> None:
     """
-    Refuse a table that no Crazyflie can serve.
+    Check a table against the limits of the firmware.
 
     Raises
     ------
     BadInput
-        If a block is too large, its period cannot be told, or there are too many.
+        If a block is too large, its period is invalid, or there are too many.
 
     """
     for block in blocks:
         size = sum(SIZES[kind] for kind in block.variables.values())
         if size > MOST_BYTES:
             raise BadInput(
-                f'Log block {block.name} has {size} bytes and a packet carries {MOST_BYTES}: '
-                'split it.'
+                f'Log block {block.name} has {size} bytes, above the limit of {MOST_BYTES} per '
+                'packet; split it.'
             )
         if block.period_ms % STEP_MS or not SHORTEST_MS <= block.period_ms <= LONGEST_MS:
             raise BadInput(
-                f'Log block {block.name} has a period of {block.period_ms} ms: choose a multiple '
+                f'Log block {block.name} has a period of {block.period_ms} ms; choose a multiple '
                 f'of {STEP_MS} from {SHORTEST_MS} to {LONGEST_MS}.'
             )
     count = sum(len(block.variables) for block in blocks)
     if len(blocks) > MOST_BLOCKS or count > MOST_VARIABLES:
         raise BadInput(
-            f'{len(blocks)} log blocks with {count} variables: a Crazyflie serves {MOST_BLOCKS} '
-            f'and {MOST_VARIABLES}; leave some out.'
+            f'{len(blocks)} log blocks with {count} variables exceed the limits of a Crazyflie, '
+            f'{MOST_BLOCKS} and {MOST_VARIABLES}; leave some out.'
         )

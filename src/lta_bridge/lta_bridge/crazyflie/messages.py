@@ -1,4 +1,4 @@
-"""Readings of a Crazyflie as ROS messages, and commands of the graph as the bridge takes them."""
+"""Convert Crazyflie readings to ROS messages, and ROS messages to bridge commands."""
 
 import math
 
@@ -17,7 +17,7 @@ from lta_model.sensors.range import RangeSettings
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import BatteryState, FluidPressure, Imu, JointState, Range
 
-ATTITUDE_SIGMA = 0.05  # rad, of the firmware's own attitude: an assumption
+ATTITUDE_SIGMA = 0.05  # rad, assumed for the firmware's attitude: it reports no covariance
 IMU_NOISE = error_bounds(ImuSettings()).noise
 RANGE = RangeSettings()
 
@@ -25,7 +25,7 @@ RANGE = RangeSettings()
 def to_imu(
     stamp: Time, motion: ImuReading, attitude: tuple[float, float, float, float] | None
 ) -> Imu:
-    """Return specific force and rates, and the attitude (x y z w) where it has come."""
+    """Return the IMU message, with the attitude (x y z w) if it is known."""
     message = messages.build_imu(stamp, motion.force, motion.rates, IMU_NOISE)
     if attitude is not None:
         q = message.orientation
@@ -36,7 +36,7 @@ def to_imu(
 
 
 def to_range_pressure(stamp: Time, felt: AirReading) -> tuple[Range, FluidPressure]:
-    """Return distance and pressure."""
+    """Return the range and the pressure message."""
     return (
         messages.build_range(stamp, felt.distance, RANGE),
         messages.build_pressure(stamp, felt.pressure, PressureSettings().noise),
@@ -44,12 +44,12 @@ def to_range_pressure(stamp: Time, felt: AirReading) -> tuple[Range, FluidPressu
 
 
 def to_battery(stamp: Time, voltage: float, current: float) -> BatteryState:
-    """Return the cell's measured voltage and its current, which a model gives. [V, A]"""
+    """Return the battery message from the measured voltage [V] and the modeled current [A]."""
     return messages.build_battery_state(stamp, voltage, current, 'battery')
 
 
 def to_duties_command(message: JointState, names: list[str], stamp_ns: int) -> CrazyflieCommand:
-    """Return duties by rotor; none where they are for other rotors."""
+    """Return the duties by rotor; empty if the rotor names differ."""
     fits = list(message.name) == names and len(message.effort) == len(names)
     return CrazyflieCommand(stamp_ns, duties=tuple(message.effort) if fits else ())
 
@@ -57,13 +57,13 @@ def to_duties_command(message: JointState, names: list[str], stamp_ns: int) -> C
 def to_hover_command(
     pose: PoseStamped, velocity: TwistStamped, odom: Odometry, stamp_ns: int
 ) -> CrazyflieCommand:
-    """Return speed, height, and how far to turn from where the estimator sees the nose."""
-    asked = to_setpoint(pose, velocity)
-    turn = wrap_angle(asked.heading - yaw_from_quaternion(to_attitude(odom)))
-    return CrazyflieCommand(stamp_ns, speed=asked.speed, turn=turn, height=asked.altitude)
+    """Return speed, height and the heading error against the estimator's heading."""
+    setpoint = to_setpoint(pose, velocity)
+    turn = wrap_angle(setpoint.heading - yaw_from_quaternion(to_attitude(odom)))
+    return CrazyflieCommand(stamp_ns, speed=setpoint.speed, turn=turn, height=setpoint.altitude)
 
 
 def to_position(odom: Odometry) -> PositionEstimate:
-    """Return height and way from the start by the estimate, and of when it is."""
+    """Return height and horizontal distance from the start, with the stamp of the estimate."""
     p = odom.pose.pose.position
     return PositionEstimate(p.z, math.hypot(p.x, p.y), from_stamp(odom.header.stamp))

@@ -1,9 +1,9 @@
 """
-The current of a cell that nobody measures, from the duties that the drone reports.
+Model the cell current from the reported duties, because a Crazyflie does not measure it.
 
-A Crazyflie measures its cell's voltage and not its current. The rotors' power by duty and voltage
-is that of Bitcraze's bench table (`lta_energy.rotor`), the electronics' that of the vehicle file;
-so the current is a model's, and what the energy monitor makes of it is as good as the model.
+The rotors' power by duty and voltage comes from Bitcraze's bench table (`lta_energy.rotor`), the
+power of the electronics from the vehicle file. The energy monitor is only as accurate as this
+model.
 """
 
 from collections.abc import Sequence
@@ -15,7 +15,7 @@ from lta_model.electrical.loads import LoadModel
 
 
 class CrazyfliePowerModel(NamedTuple):
-    """Power of the electronics [W]; of a rotor: at vanishing thrust [W], and by thrust [W/N]."""
+    """Power of the electronics [W]; of a rotor: offset at zero thrust [W], slope [W/N]."""
 
     electronics: float
     offset: float
@@ -23,7 +23,7 @@ class CrazyfliePowerModel(NamedTuple):
 
     @classmethod
     def from_energy(cls, energy: EnergyBlock) -> Self:
-        """Return that of a vehicle file: radio on, light board on."""
+        """Return the model of a vehicle file, with radio and light board on."""
         loads, sensing = LoadModel.from_energy(energy), energy.loads.sensing
         board = 0.0 if sensing is None else sensing.si
         return cls(loads.idle + loads.transmitting + board, loads.rotor_offset, loads.rotor_slope)
@@ -35,9 +35,9 @@ class CrazyfliePowerModel(NamedTuple):
         Parameters
         ----------
         duties : sequence of float
-            Of each motor, 0 to 1.
+            Duty of each motor, 0 to 1.
         voltage : float
-            Of the cell under this load, above 0. [V]
+            Cell voltage under this load, above 0. [V]
 
         """
         rotors = sum(power_at_duty(duty, voltage, self.offset, self.slope) for duty in duties)

@@ -1,8 +1,8 @@
 """
-What log packets mean: the firmware's units and signs to ours (SI, FLU body).
+Convert log packets from the firmware's units and signs to SI units in the FLU body frame.
 
-The firmware's accelerometer and gyroscope are FLU; its `stateEstimate.pitch` counts nose up
-positive, so it changes sign for FLU (crazyflie-firmware, stabilizer_types.h: "pitch is inverted").
+The firmware's accelerometer and gyroscope are FLU. Its `stateEstimate.pitch` is positive nose up,
+so it changes sign for FLU (crazyflie-firmware, stabilizer_types.h: "pitch is inverted").
 """
 
 from collections.abc import Mapping
@@ -16,10 +16,10 @@ from scipy.spatial.transform import Rotation
 MILLIBAR: Final = 100.0  # Pa
 MILLIMETRE: Final = 1e-3  # m
 FULL_RATIO: Final = 65535.0
-NO_RETURN: Final = 5.0  # m: the firmware takes more for an outlier (zranger2.c)
+NO_RETURN: Final = 5.0  # m; the firmware treats a longer distance as an outlier (zranger2.c)
 
-# What a drone can measure at most, with room for its own calibration; what lies beyond was not
-# measured (BMI088: 24 g, 2000 deg/s; BMP388: 300 to 1250 mbar; decks take up to 17 V).
+# Plausible ranges in the firmware's units: the sensors' limits with a margin for calibration
+# (BMI088: 24 g, 2000 deg/s; BMP388: 300 to 1250 mbar; decks take up to 17 V).
 REACH: Final = {
     'acc': (-40.0, 40.0),
     'gyro': (-3000.0, 3000.0),
@@ -39,46 +39,46 @@ class ImuReading(NamedTuple):
 
 
 class AirReading(NamedTuple):
-    """Pressure [Pa] and downward distance [m]; infinite where nothing returned."""
+    """Pressure [Pa] and downward distance [m]; infinite without an echo."""
 
     pressure: float
     distance: float
 
 
 class MotorsReading(NamedTuple):
-    """Duty of M1 to M4, 0 to 1, and the supervisor's word."""
+    """Duties of M1 to M4, 0 to 1, and the supervisor's status word."""
 
     duties: tuple[float, ...]
     word: int
 
 
 class PowerReading(NamedTuple):
-    """Cell voltage [V] and the firmware's power state by its number."""
+    """Cell voltage [V] and the number of the firmware's power state."""
 
     voltage: float
     state: int
 
 
 def find_value_fault(block: str, values: Values) -> str:
-    """Return why the values of a log block cannot be used; empty where they can."""
+    """Return why the values of a log block cannot be used; empty if they can."""
     if values.keys() != WHOLE.get(block, ()):
-        return f'log block {block} has other values than it should'
+        return f'log block {block} does not have the expected variables'
     for name, value in values.items():
         least, most = REACH.get(name.partition('.')[0], (-math.inf, math.inf))
         if not (math.isfinite(value) and least <= value <= most):
-            return f'{name} is {value:g}, which no Crazyflie measures'
+            return f'{name} is {value:g}, outside of what a Crazyflie can measure'
     return ''
 
 
 def convert_imu(values: Values) -> ImuReading:
-    """Return an IMU block: g to m/s2, deg/s to rad/s."""
+    """Convert an IMU block: g to m/s2, deg/s to rad/s."""
     fx, fy, fz = (STANDARD_GRAVITY * values[f'acc.{axis}'] for axis in 'xyz')
     wx, wy, wz = (math.radians(values[f'gyro.{axis}']) for axis in 'xyz')
     return ImuReading((fx, fy, fz), (wx, wy, wz))
 
 
 def convert_air(values: Values) -> AirReading:
-    """Return a block of pressure and range: mbar to Pa, mm to m."""
+    """Convert a block of pressure and range: mbar to Pa, mm to m."""
     distance = MILLIMETRE * values['range.zrange']
     return AirReading(
         MILLIBAR * values['baro.pressure'], math.inf if distance >= NO_RETURN else distance
@@ -86,18 +86,18 @@ def convert_air(values: Values) -> AirReading:
 
 
 def convert_attitude(values: Values) -> tuple[float, float, float, float]:
-    """Return the firmware's attitude as a quaternion x y z w, body FLU to its start frame."""
+    """Return the firmware's attitude as a quaternion x y z w, body FLU to the start frame."""
     roll, pitch, yaw = (values[f'stateEstimate.{angle}'] for angle in ('roll', 'pitch', 'yaw'))
     x, y, z, w = Rotation.from_euler('ZYX', [yaw, -pitch, roll], degrees=True).as_quat().tolist()
     return x, y, z, w
 
 
 def convert_motors(values: Values) -> MotorsReading:
-    """Return a motor block: ratios to duties."""
+    """Convert a motor block: ratios to duties."""
     duties = tuple(values[f'motor.m{number}'] / FULL_RATIO for number in range(1, 5))
     return MotorsReading(duties, int(values['supervisor.info']))
 
 
 def convert_power(values: Values) -> PowerReading:
-    """Return a power block."""
+    """Convert a power block."""
     return PowerReading(values['pm.vbat'], int(values['pm.state']))

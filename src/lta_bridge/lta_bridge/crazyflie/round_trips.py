@@ -1,9 +1,9 @@
 """
-How long the way to the drone and back takes, ping by ping.
+Measure the latency of the link by pings.
 
-A message takes half of the quickest, if both ways take equally long: no ping can tell how the two
-differ. The quickest is sought among as many as the clock's line is drawn under, so that a link
-that becomes slower shifts no stamp.
+The one-way delay is taken as half of the shortest round trip; pings cannot show an asymmetry. The
+shortest one is taken over the same time as the clock's fit (`one_way_clock.WINDOWS`), so that a
+link that becomes slower does not shift the stamps.
 """
 
 from collections import deque
@@ -14,14 +14,14 @@ from typing import Final, final
 from lta_bridge.one_way_clock import WINDOWS
 import numpy as np
 
-PINGS: Final = 10  # a second, of cflib
-NEWEST: Final = 10 * PINGS  # those that tell how the link is now
-MARK, SENT = 0, struct.Struct('<Bd')  # mark of cflib's ping, and how it tells when it was sent [s]
-LONGEST: Final = 10.0  # s; what takes longer was no trip: the computer's clock was set meanwhile
+PINGS: Final = 10  # Hz, rate of cflib's pings
+NEWEST: Final = 10 * PINGS  # pings for the present latency: the last 10 s
+MARK, SENT = 0, struct.Struct('<Bd')  # first byte of cflib's ping; its layout with send time [s]
+LONGEST: Final = 10.0  # s; a longer round trip means that the computer's clock was set meanwhile
 
 
 def parse_ping_time(echo: bytes | bytearray) -> float | None:
-    """Return when cflib sent the ping that comes back; None where it is none. [s]"""
+    """Return the send time of an echoed ping; None if the packet is not a ping. [s]"""
     if len(echo) != SENT.size:
         return None
     mark, sent = SENT.unpack(echo)
@@ -36,17 +36,17 @@ class RoundTrips:
         self._kept: deque[float] = deque(maxlen=WINDOWS * PINGS)
 
     def add(self, seconds: float) -> None:
-        """Take one; what cannot be one is left out. [s]"""
+        """Add one round trip; ignore implausible values. [s]"""
         if 0.0 < seconds < LONGEST:
             self._kept.append(seconds)
 
     @property
     def latency(self) -> float:
-        """What 95 % of the newest take at most; NaN before the first. [s]"""
+        """95th percentile of the newest round trips; NaN before the first. [s]"""
         newest = list(self._kept)[-NEWEST:]
         return float(np.percentile(newest, 95)) if newest else math.nan
 
     @property
     def one_way_ns(self) -> int:
-        """Half of the quickest; 0 before the first. [ns]"""
+        """Half of the shortest round trip; 0 before the first. [ns]"""
         return round(0.5e9 * min(self._kept, default=0.0))

@@ -1,11 +1,10 @@
 """
-When the motors may turn: the one state machine of the Crazyflie bridge.
+Safety state machine of the Crazyflie bridge: it decides when the motors may turn.
 
-`step_state` is called at a steady rhythm with what is known and what was asked, and says what to
-send.
-Motors turn in FLYING and for `RAMP` into LANDING, nowhere else. Whatever goes wrong in the air
-comes down in order: a ramp, then the hand-over to the firmware, then disarmed. Silence is never
-an answer, because the firmware locks itself after 2 s of it.
+`step_state` is called at a constant rate and returns the outputs to send. Motors turn only in
+FLYING and during the first `RAMP` seconds of LANDING. Every fault in flight leads to the same
+sequence: ramp down, hand over to the firmware, disarm. The bridge never just stops sending: the
+firmware locks itself after 2 s without setpoints.
 """
 
 from enum import StrEnum
@@ -14,21 +13,21 @@ from typing import Final, NamedTuple
 
 from lta_bridge.crazyflie.supervisor_word import explain_fault, SupervisorBit
 
-STALE: Final = 0.3  # s: age from which a command is not flown; the firmware levels out at 0.5
-SILENT: Final = 0.5  # s: age of the newest log packet from which the link counts as lost
-LOST: Final = 0.5  # s: age of the newest place from which height and way count as unknown
-LOW: Final = 0.3  # s for which a cell must be told low: one sample of ten a second may be wrong
+STALE: Final = 0.3  # s; an older command is not flown; the firmware levels out at 0.5
+SILENT: Final = 0.5  # s; if the newest log packet is older, the link counts as lost
+LOST: Final = 0.5  # s; an older position estimate counts as unknown
+LOW: Final = 0.3  # s that a low voltage must last: a single sample (10 Hz) may be wrong
 RAMP: Final = 0.5  # s from full command to none
 ASKING: Final = 1.0  # s for the supervisor to confirm that it is armed
-AGAIN: Final = 0.1  # s between two requests without answer
-HANDING: Final = 0.3  # s in which the hand-over is told again: no answer says that it came
-SETTLING: Final = 10.0  # s for the firmware to land what was handed over
-LEAVE: Final = 15.0  # s at most to land and to hear that it is disarmed, before the link is let go
-STOPS: Final = 10  # emergency stops that are sent: nobody confirms one
+AGAIN: Final = 0.1  # s between two unconfirmed requests
+HANDING: Final = 0.3  # s during which the hand-over is repeated: it is not confirmed
+SETTLING: Final = 10.0  # s for the firmware to land after the hand-over
+LEAVE: Final = 15.0  # s at most to land and to confirm disarming before the link is closed
+STOPS: Final = 10  # emergency stops sent in a row: they are not confirmed
 
 
 class SafetyStage(StrEnum):
-    """Where the bridge stands."""
+    """States of the state machine."""
 
     DISARMED = 'disarmed'
     ARMING = 'arming'
@@ -39,7 +38,7 @@ class SafetyStage(StrEnum):
 
 
 class SafetyLimits(NamedTuple):
-    """What ends a flight: cell voltage [V], time [s], height [m] and way through the air [m]."""
+    """Limits of a flight: cell voltage [V], time [s], height [m], distance from the start [m]."""
 
     voltage: float
     time: float
@@ -49,26 +48,27 @@ class SafetyLimits(NamedTuple):
 
 class SafetyInputs(NamedTuple):
     """
-    What is known at a tick.
+    Inputs at a tick.
 
     Attributes
     ----------
     linked : bool
-        Whether a Crazyflie is connected, its parameters as expected.
+        Whether a Crazyflie is connected and its parameters are as expected.
     active : bool
         Whether the node is active.
     word : int
-        The supervisor's newest word.
+        The supervisor's newest status word.
     silence : float
         Age of the newest packet with that word. [s]
     command_age : float
-        Of the newest usable command; infinite without one. [s]
+        Age of the newest usable command; infinite without one. [s]
     voltage : float
-        Of the cell; NaN where unknown. [V]
+        Cell voltage; NaN if unknown. [V]
     height, distance : float
-        Above and from the start; NaN where unknown. [m]
+        Above and from the start; NaN if unknown. [m]
     place_age : float
-        Of these two; 0 where nobody has told any, as to one who flies without an estimator. [s]
+        Age of these two; 0 if there never was an estimate, so that a flight without an estimator
+        is possible. [s]
 
     """
 
@@ -84,7 +84,7 @@ class SafetyInputs(NamedTuple):
 
 
 class SafetyRequest(NamedTuple):
-    """What people asked since the last tick: to arm or disarm, to stop at once."""
+    """Requests of the operator since the last tick: arm or disarm, emergency stop."""
 
     arm: bool | None = None
     stop: bool = False
@@ -92,24 +92,22 @@ class SafetyRequest(NamedTuple):
 
 class SafetyState(NamedTuple):
     """
-    The memory.
+    Memory of the state machine.
 
     Attributes
     ----------
-    stage : Stage
-        Where the bridge stands.
     since, began : float
-        Since when, and when the flight began. [s]
+        Start of the stage and of the flight. [s]
     why : str
-        Why it stands there.
+        Reason for the stage.
     stops : int
         Emergency stops that are still to be sent.
     asked_at : float
-        When the newest request without answer was sent. [s]
+        When the newest unconfirmed request was sent. [s]
     curable : bool
         Whether a fresh command ends this landing.
     low_since : float
-        Since when the cell has been told low, or nothing; infinite where it is well. [s]
+        Since when the cell voltage has been low or unknown; infinite if it is fine. [s]
 
     """
 
@@ -125,20 +123,20 @@ class SafetyState(NamedTuple):
 
 class SafetyOutputs(NamedTuple):
     """
-    What to send at this tick.
+    Outputs to send at a tick.
 
     Attributes
     ----------
     arm : bool or None
-        A request to arm or to disarm.
+        Request to arm or disarm.
     drive : float
-        Share of the newest usable command that is flown, 0 to 1.
+        Fraction of the newest usable command to fly, 0 to 1.
     stream : bool
-        Whether a command goes out at all.
+        Whether to send a command at all.
     hand_over : bool
-        Whether to tell the firmware that no more setpoints come, and to land.
+        Whether to announce that no more setpoints follow, and to land.
     stop : bool
-        An emergency stop.
+        Whether to send an emergency stop.
 
     """
 
@@ -153,7 +151,7 @@ QUIET: Final = SafetyOutputs()
 
 
 def find_arming_refusal(state: SafetyState, inputs: SafetyInputs, limits: SafetyLimits) -> str:
-    """Return why a request to arm is refused; empty where it is not."""
+    """Return why a request to arm is refused; empty if it is accepted."""
     if state.stage is SafetyStage.STOPPED:
         return 'stopped by an emergency stop: switch the Crazyflie off and on, restart the bridge'
     if not inputs.linked:
@@ -161,11 +159,11 @@ def find_arming_refusal(state: SafetyState, inputs: SafetyInputs, limits: Safety
     if not inputs.active:
         return 'the bridge is not active: activate it first'
     if math.isinf(inputs.silence):
-        return 'the Crazyflie has not told how it is yet: ask again'
+        return 'the Crazyflie has not reported its state yet: try again'
     if inputs.silence > SILENT:
-        return f'the Crazyflie has said nothing for {inputs.silence:.1f} s'
+        return f'the Crazyflie has sent nothing for {inputs.silence:.1f} s'
     if math.isnan(inputs.voltage):
-        return 'the Crazyflie has not told the voltage of its cell yet: ask again'
+        return 'the Crazyflie has not reported its cell voltage yet: try again'
     if inputs.voltage < limits.voltage:
         return f'the cell has {inputs.voltage:.2f} V, less than {limits.voltage:.2f} V: charge it'
     return explain_fault(inputs.word)
@@ -174,17 +172,17 @@ def find_arming_refusal(state: SafetyState, inputs: SafetyInputs, limits: Safety
 def find_landing_reason(
     state: SafetyState, now: float, inputs: SafetyInputs, limits: SafetyLimits
 ) -> str:
-    """Return why a flight must end at a time [s] although commands are fresh; empty: go on."""
+    """Return why a flight must end at a time [s] despite fresh commands; empty to continue."""
     if not inputs.active:
         return 'deactivated'
     if inputs.silence > SILENT:
-        return f'the Crazyflie has said nothing for {inputs.silence:.1f} s'
+        return f'the Crazyflie has sent nothing for {inputs.silence:.1f} s'
     if now - state.low_since >= LOW:
         known = not math.isnan(inputs.voltage)
         return (
             f'the cell has {inputs.voltage:.2f} V'
             if known
-            else 'nobody tells its voltage any more'
+            else 'the cell voltage is not reported any more'
         )
     if now - state.began > limits.time:
         return f'the flight has lasted {limits.time:.0f} s'
@@ -196,11 +194,11 @@ def find_landing_reason(
 
 
 def find_stale_input(inputs: SafetyInputs) -> str:
-    """Return why commands cannot be flown for their age, or that of the place; empty: they can."""
+    """Return which input is too old to fly by; empty if none is."""
     if inputs.command_age > STALE:
         return f'the newest command is {inputs.command_age:.2f} s old'
     if inputs.place_age > LOST:
-        return f'the newest place by the estimator is {inputs.place_age:.2f} s old'
+        return f'the newest position estimate is {inputs.place_age:.2f} s old'
     return ''
 
 
@@ -211,31 +209,15 @@ def step_state(
     request: SafetyRequest,
     limits: SafetyLimits,
 ) -> tuple[SafetyState, SafetyOutputs]:
-    """
-    Return the next state and what to send.
-
-    Parameters
-    ----------
-    state : State
-        Of the last tick.
-    now : float
-        On a clock that only goes on. [s]
-    seen : Seen
-        What is known.
-    asked : Asked
-        What was asked since the last tick.
-    limits : Limits
-        What ends a flight.
-
-    """
-    low = not inputs.voltage >= limits.voltage  # nor may it fly on where nobody knows
+    """Return the next state and the outputs to send; `now` is a monotonic time. [s]"""
+    low = not inputs.voltage >= limits.voltage  # true for NaN too: an unknown voltage is low
     state = state._replace(low_since=min(state.low_since, now) if low else math.inf)
     if request.stop:
         state = SafetyState(SafetyStage.STOPPED, now, state.began, 'emergency stop', STOPS)
     if state.stage is SafetyStage.STOPPED:
-        # Nobody answers a stop; who still says that it is armed has not heard one.
-        unheard = inputs.linked and bool(inputs.word & SupervisorBit.ARMED)
-        stop = state.stops > 0 or unheard
+        # A stop is not confirmed: a drone that still reports to be armed has not received one.
+        missed = inputs.linked and bool(inputs.word & SupervisorBit.ARMED)
+        stop = state.stops > 0 or missed
         return state._replace(stops=max(0, state.stops - 1)), SafetyOutputs(stop=stop)
     if not inputs.linked:
         return _enter_disarmed(state, now, 'no link'), QUIET
@@ -245,7 +227,7 @@ def step_state(
 
 
 def _enter_disarmed(state: SafetyState, now: float, why: str) -> SafetyState:
-    """Return the state of rest, for this reason; its time is that of the change."""
+    """Return the disarmed state; `since` stays if it was disarmed already."""
     if state.stage is SafetyStage.DISARMED:
         return state._replace(why=why)
     return SafetyState(SafetyStage.DISARMED, now, why=why)
@@ -271,7 +253,7 @@ def _step_disarmed(
         return _enter_stage(state, SafetyStage.ARMING, now)._replace(asked_at=now), SafetyOutputs(
             arm=True
         )
-    # Found armed, by whoever flew before or by a request that was never confirmed.
+    # Armed by an earlier program, or by a request that was never confirmed: disarm it.
     armed = inputs.word & SupervisorBit.ARMED and not inputs.word & (
         SupervisorBit.FLYING | SupervisorBit.AUTO_ARM
     )
@@ -287,10 +269,11 @@ def _step_arming(
     request: SafetyRequest,
     limits: SafetyLimits,
 ) -> tuple[SafetyState, SafetyOutputs]:
-    why = 'asked to' if request.arm is False else find_arming_refusal(state, inputs, limits)
+    why = 'on request' if request.arm is False else find_arming_refusal(state, inputs, limits)
     if why or now - state.since > ASKING:
         why = why or f'the supervisor did not confirm within {ASKING:.0f} s'
         return _enter_disarmed(state, now, why), SafetyOutputs(arm=False)
+    # Only a word that was sent after the request counts.
     if inputs.word & SupervisorBit.ARMED and now - state.since > inputs.silence:
         return _enter_stage(state, SafetyStage.READY, now), QUIET
     if now - state.asked_at >= AGAIN:
@@ -307,11 +290,12 @@ def _step_ready(
 ) -> tuple[SafetyState, SafetyOutputs]:
     if not inputs.word & SupervisorBit.ARMED:
         return _enter_disarmed(
-            state, now, 'the Crazyflie disarmed itself, as one does that stands'
+            state, now, 'the Crazyflie disarmed itself, as it does when it stands still'
         ), QUIET
     why = (
-        'asked to'
+        'on request'
         if request.arm is False
+        # The flight time does not count yet.
         else find_landing_reason(state._replace(began=now), now, inputs, limits)
     )
     if why:
@@ -332,9 +316,9 @@ def _step_flying(
 ) -> tuple[SafetyState, SafetyOutputs]:
     if not inputs.word & SupervisorBit.ARMED:
         return _enter_disarmed(
-            state, now, 'the Crazyflie disarmed itself, as one does that coasts'
+            state, now, 'the Crazyflie disarmed itself, as it does with idle motors'
         ), QUIET
-    why = 'asked to' if request.arm is False else find_landing_reason(state, now, inputs, limits)
+    why = 'on request' if request.arm is False else find_landing_reason(state, now, inputs, limits)
     stale = find_stale_input(inputs)
     if why or stale:
         landing = _enter_stage(state, SafetyStage.LANDING, now, why or stale, curable=bool(stale))
@@ -351,6 +335,7 @@ def _step_landing(
 ) -> tuple[SafetyState, SafetyOutputs]:
     gone = now - state.since
     if gone < RAMP:
+        # A landing for stale inputs may return to FLYING; any other reason makes it final.
         fit = request.arm is not False and not find_landing_reason(state, now, inputs, limits)
         if (
             state.curable
@@ -363,6 +348,7 @@ def _step_landing(
             )
         curable = state.curable and fit
         return state._replace(curable=curable), SafetyOutputs(drive=1.0 - gone / RAMP, stream=True)
+    # The firmware needs AGAIN to receive the hand-over before its FLYING bit means anything.
     landed = not inputs.word & SupervisorBit.FLYING
     if (landed and gone > RAMP + AGAIN) or gone > RAMP + SETTLING:
         return _enter_disarmed(state, now, state.why), SafetyOutputs(arm=False)

@@ -1,4 +1,4 @@
-"""What the Crazyflie bridge is told: which drone, and how to command it."""
+"""Parameters of the Crazyflie bridge."""
 
 from typing import Literal
 
@@ -6,25 +6,28 @@ from lta_config.settings import setting, Settings
 
 
 class CrazyflieBridgeSettings(Settings):
-    """Which Crazyflie, and how it is commanded."""
+    """Which Crazyflie to connect to, and how to command it."""
 
-    uri: str = setting('radio://0/80/2M/E7E7E7E7E7', 'Where the Crazyflie is.', fixed=True)
+    uri: str = setting('radio://0/80/2M/E7E7E7E7E7', 'URI of the Crazyflie.', fixed=True)
     vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
-    crazyflie: str = setting('', "Crazyflie file; the vehicle's where empty.", fixed=True)
+    crazyflie: str = setting('', "Crazyflie file; empty for the vehicle's.", fixed=True)
     command: Literal['', 'setpoint', 'motors', 'override'] = setting(
         '',
-        "What is sent: setpoints, or duties for the app; the file's where empty. On a tether also "
-        "override: duties past the firmware's watchdog, lock and disarming.",
+        'Command mode: setpoint, or motors (duties for the app); empty for that of the file. On a '
+        "tether also override: duties that bypass the firmware's watchdog, lock and disarming.",
         fixed=True,
     )
     tethered: bool = setting(
-        False, 'Whether the drone is tethered to a bench, which override wants.', fixed=True
+        False, 'Whether the drone is tethered to a bench, as override requires.', fixed=True
     )
     watchdog: bool = setting(
         False,
-        'Whether the firmware stops for good 1 s after it last heard of the bridge, once armed.',
+        'Whether the firmware, once armed, stops the motors and locks 1 s after the last message '
+        'of the bridge.',
         fixed=True,
     )
     autostart: bool = setting(
-        True, 'Whether to configure and activate by itself; it never arms.', fixed=True
+        True,
+        'Whether to configure and activate at the start; arming is never automatic.',
+        fixed=True,
     )

@@ -1,10 +1,10 @@
-"""The supervisor's own word: 16 bits, in `supervisor.info` and on port 9."""
+"""Decode the supervisor's 16-bit status word, sent in `supervisor.info` and on port 9."""
 
 from enum import IntFlag
 
 
 class SupervisorBit(IntFlag):
-    """Bits of the word (crazyflie-firmware, supervisor.c, 2026.08)."""
+    """Bits of the status word (crazyflie-firmware, supervisor.c, 2026.08)."""
 
     CAN_BE_ARMED = 1 << 0
     ARMED = 1 << 1
@@ -25,11 +25,11 @@ TROUBLE: dict[SupervisorBit, str] = {
     SupervisorBit.CRASHED: 'crashed: set it upright and ask it to recover, or switch it off and '
     'on',
     SupervisorBit.TUMBLED: 'tumbled: set it upright',
-    SupervisorBit.DECK_FAULT: 'a deck failed its test: check that it sits right, and switch off '
-    'and on',
+    SupervisorBit.DECK_FAULT: 'a deck failed its test: check its seat, and switch the Crazyflie '
+    'off and on',
 }
 
 
 def explain_fault(word: int) -> str:
-    """Return why the motors may not turn, with the remedy; empty where nothing hinders."""
+    """Return why the motors may not turn, with the remedy; empty if they may."""
     return next((text for bit, text in TROUBLE.items() if word & bit), '')

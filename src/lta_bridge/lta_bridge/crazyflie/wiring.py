@@ -1,4 +1,4 @@
-"""Which rotor of the vehicle each motor of the Crazyflie turns."""
+"""Map the motors of the Crazyflie to the rotors of the vehicle."""
 
 from collections.abc import Mapping, Sequence
 
@@ -7,7 +7,7 @@ from lta_config.errors import BadInput
 
 def find_rotor_indices(motors: Mapping[str, str], names: Sequence[str]) -> tuple[int, ...]:
     """
-    Return for M1 to M4 the place of its rotor among the vehicle's.
+    Return the index of the rotor of each motor, M1 to M4.
 
     Raises
     ------
@@ -18,7 +18,7 @@ def find_rotor_indices(motors: Mapping[str, str], names: Sequence[str]) -> tuple
     for motor, rotor in motors.items():
         if rotor not in names:
             raise BadInput(
-                f'Motor {motor} is wired to {rotor}, which the vehicle lacks; it has '
-                f'{", ".join(names)}.'
+                f'Motor {motor} is wired to {rotor}, which the vehicle does not have; choose one '
+                f'of {", ".join(names)}.'
             )
     return tuple(names.index(rotor) for rotor in motors.values())

@@ -1,4 +1,4 @@
-"""Listen to a light board for a while: the link, its clock, and each diode."""
+"""Measure and judge a light board: its link, clock and diodes."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -15,13 +15,13 @@ from lta_vlc.faults import SPOILT
 from lta_vlc.spectral.bins import BeaconBins
 import numpy as np
 
-PAUSE: Final = 0.05  # s between two looks at the clock
+PAUSE: Final = 0.05  # s between two progress updates
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class DiodeMeasurement:
-    """One diode: mean, least and largest reading [counts], SNR of the beacon, and its faults."""
+    """One diode: mean, smallest and largest reading [counts], SNR of the beacon, and faults."""
 
     mean: float
     least: int
@@ -35,25 +35,23 @@ class DiodeMeasurement:
 @dataclass(frozen=True, slots=True)
 class BoardMeasurement:
     """
-    What a light board told.
+    Measurements of a light board.
 
     Attributes
     ----------
-    port : str
-        Where it hangs.
     rate : float
-        Rows a second that came. [Hz]
+        Rate of received rows. [Hz]
     rows, lost, overruns : int
-        Rows that came, that the link lost, and that the board itself had to leave.
+        Rows received, lost on the link, and dropped by the board.
     frames, crc_errors, unknown : int
-        Messages that came whole, torn, and of no kind that we know.
+        Messages received whole, damaged, and of unknown type.
     round_trip, drift, uncertainty : float or None
-        Of its clock [s, 1, s]; None before it has answered.
+        Of the board's clock [s, 1, s]; None before its first answer.
     wrong : str
-        Why its blocks cannot be used; empty where they can.
+        Why the blocks cannot be used; empty if they can.
     trouble : str
-        Why the link is gone; empty where it is not.
-    diodes : tuple of DiodeHeard
+        Why the link is down; empty if it is up.
+    diodes : tuple of DiodeMeasurement
         Counter-clockwise from the nose.
 
     """
@@ -83,22 +81,22 @@ def measure_board(
     tick: Callable[[float], None],
 ) -> BoardMeasurement:
     """
-    Return what a board tells.
+    Read a board for some time and return the measurements.
 
     Parameters
     ----------
     port : str
-        As for `open_port`.
-    light : Light
-        What a block is.
-    diodes : Diodes
-        Those of the vehicle file.
-    bins : Bins
-        Where the beacon stands in a block.
+        See `open_port`.
+    light : AdcBlockShape
+        Layout of a block.
+    diodes : DiodesBlock
+        Diodes of the vehicle file.
+    bins : BeaconBins
+        Frequency bins of the beacon in a block.
     seconds : float
-        How long to listen. [s]
+        Duration. [s]
     tick : callable
-        Told how long it has been. [s]
+        Called with the elapsed time. [s]
 
     Raises
     ------
@@ -116,9 +114,9 @@ def measure_board(
     reader = BoardReader(port, board, keep_block, time.time_ns)
     began = time.monotonic()
     try:
-        while (been := time.monotonic() - began) < seconds:
-            tick(been)
-            time.sleep(min(PAUSE, seconds - been))
+        while (elapsed := time.monotonic() - began) < seconds:
+            tick(elapsed)
+            time.sleep(min(PAUSE, seconds - elapsed))
     finally:
         reader.close()
     clock, framing, rows = board.clock, board.framing, board.blocks
@@ -144,25 +142,17 @@ def measure_diodes(
     blocks: Sequence[LightBlock], bins: BeaconBins, top: float
 ) -> Iterator[DiodeMeasurement]:
     """
-    Yield what blocks say of each diode: extremes over all, the median SNR, every fault.
+    Yield mean, extremes, median SNR and all faults of each diode over the blocks.
 
-    Parameters
-    ----------
-    blocks : sequence of LightBlock
-        What the board sent.
-    bins : Bins
-        Where the beacon stands in a block.
-    top : float
-        Largest reading of the converter. [counts]
-
+    `top` is the largest reading of the converter. [counts]
     """
     if not blocks:
         return
-    heard = [demodulate_block(block.samples, (bins,), top) for block in blocks]
+    results = [demodulate_block(block.samples, (bins,), top) for block in blocks]
     samples = np.stack([block.samples for block in blocks])
-    snr = np.median([each.peaks[0].snr for each in heard], axis=0)
+    snr = np.median([each.peaks[0].snr for each in results], axis=0)
     for k in range(samples.shape[2]):
-        faults = [each.faults[k] for each in heard]
+        faults = [each.faults[k] for each in results]
         named = {flag.name for fault in faults for flag in fault if flag.name}
         one = samples[:, :, k]
         yield DiodeMeasurement(
@@ -175,10 +165,10 @@ def measure_diodes(
 def judge_board(
     measurement: BoardMeasurement, light: AdcBlockShape, threshold: float
 ) -> Iterator[HardwareCheck]:
-    """Yield what is to be said of a light board, the most fundamental first."""
+    """Yield the checks of a light board, the most fundamental first."""
     if not measurement.frames:
-        why = measurement.trouble or 'nothing came'
-        remedy = 'Flash firmware/light_board, and see that the port is that of the board.'
+        why = measurement.trouble or 'no data received'
+        remedy = 'Flash firmware/light_board, and check that the port is that of the board.'
         yield HardwareCheck('light board', 'fail', f'{measurement.port}: {why}', remedy)
         return
     if measurement.wrong:
@@ -189,14 +179,14 @@ def judge_board(
 
 
 def _judge_rows(measurement: BoardMeasurement, nominal_rate: float) -> HardwareCheck:
-    found = (
-        f'{measurement.rate:.0f} rows a second of {nominal_rate:.0f}, {measurement.lost} lost on '
-        f'the way, '
-        f'{measurement.overruns} on the board, {measurement.crc_errors} torn frames'
+    finding = (
+        f'{measurement.rate:.0f} of {nominal_rate:.0f} rows a second, {measurement.lost} lost on '
+        f'the link, '
+        f'{measurement.overruns} on the board, {measurement.crc_errors} damaged frames'
     )
     if measurement.lost or measurement.overruns or measurement.crc_errors:
-        return HardwareCheck('light', 'warn', found, 'Try a shorter cable, or another USB port.')
-    return HardwareCheck('light', 'ok', found)
+        return HardwareCheck('light', 'warn', finding, 'Try a shorter cable, or another USB port.')
+    return HardwareCheck('light', 'ok', finding)
 
 
 def _judge_clock(measurement: BoardMeasurement) -> HardwareCheck:
@@ -205,30 +195,30 @@ def _judge_clock(measurement: BoardMeasurement) -> HardwareCheck:
         or measurement.drift is None
         or measurement.uncertainty is None
     ):
-        return HardwareCheck("board's clock", 'fail', 'it answers no question', 'Flash it anew.')
+        return HardwareCheck(
+            "board's clock", 'fail', 'no answer to time requests', 'Flash the board again.'
+        )
     return HardwareCheck(
         "board's clock", 'ok',
-        f'{1e6 * measurement.drift:.0f} ppm slow, known to {1e6 * measurement.uncertainty:.0f} '
-        f'us; '
-        f'{1e3 * measurement.round_trip:.2f} ms there and back',
+        f'{1e6 * measurement.drift:.0f} ppm slow, uncertainty '
+        f'{1e6 * measurement.uncertainty:.0f} us; '
+        f'round trip {1e3 * measurement.round_trip:.2f} ms',
     )  # fmt: skip
 
 
 def _judge_diodes(diodes: Sequence[DiodeMeasurement], threshold: float) -> HardwareCheck:
     if not diodes:
-        return HardwareCheck('diodes', 'fail', 'no whole block came', 'Check again for longer.')
+        return HardwareCheck('diodes', 'fail', 'no complete block received', 'Check for longer.')
     spoilt = [str(k + 1) for k, each in enumerate(diodes) if each.spoilt]
     if spoilt:
-        remedy = 'Flat: look at its wires. Saturated: shade it, or choose a smaller resistor.'
+        remedy = 'Flat: check its wires. Saturated: shade it, or choose a smaller resistor.'
         return HardwareCheck(
-            'diodes', 'fail', f'{", ".join(spoilt)} of {len(diodes)} are spoilt', remedy
+            'diodes', 'fail', f'{", ".join(spoilt)} of {len(diodes)} cannot be used', remedy
         )
     best = max(each.snr for each in diodes)
     if best < threshold:
         return HardwareCheck(
-            'diodes', 'warn', f'all {len(diodes)} read light, none hears the lamp',
+            'diodes', 'warn', f'all {len(diodes)} read light, none detects the beacon',
             'Switch the lamp on, and give its --frequency.',
         )  # fmt: skip
-    return HardwareCheck(
-        'diodes', 'ok', f'all {len(diodes)} read light, SNR of the best {best:.0f}'
-    )
+    return HardwareCheck('diodes', 'ok', f'all {len(diodes)} read light, best SNR {best:.0f}')

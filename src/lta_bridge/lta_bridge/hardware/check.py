@@ -1,4 +1,4 @@
-"""What `lta hardware check` looks at, in order: what hangs here, who may open it, how it is."""
+"""Check the connected hardware for `lta hardware check`: devices, access rights, measurements."""
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
@@ -39,34 +39,35 @@ INSTALL = '.venv/bin/pip install -c constraints.txt -r requirements-hardware.txt
 def judge_devices(
     usb_devices: Sequence[UsbDevice], serial: Sequence[SerialPortInfo]
 ) -> Iterator[HardwareCheck]:
-    """Yield each device with its rights."""
-    offered = f'{format_lta_command("hardware", "check", "--udev")} says how, once and for all.'
+    """Yield a check of the access rights of each device."""
+    command = format_lta_command('hardware', 'check', '--udev')
+    remedy = f'{command} prints the udev rules that allow it.'
     for device in usb_devices:
         if device.kind is BOARD:
-            continue  # told as a serial port
+            continue  # listed as a serial port
         name = device.kind.name
         if device.usable:
             yield HardwareCheck(name, 'ok', f'{device.path}')
         else:
-            yield HardwareCheck(name, 'fail', f'{device.path}: you may not open it', offered)
+            yield HardwareCheck(name, 'fail', f'{device.path}: you may not open it', remedy)
     for port in serial:
         name = 'Teensy' if port.teensy else 'serial port'
         if port.usable:
             yield HardwareCheck(name, 'ok', f'{port.path} ({port.about})')
         else:
             state: State = 'fail' if port.teensy else 'warn'
-            yield HardwareCheck(name, state, f'{port.path}: you may not open it', offered)
+            yield HardwareCheck(name, state, f'{port.path}: you may not open it', remedy)
     if any(device.kind is not BOARD for device in usb_devices) and not CFLIB:
         yield HardwareCheck(
-            'cflib', 'fail', 'not installed, so no Crazyflie can be heard', INSTALL
+            'cflib', 'fail', 'not installed, so no Crazyflie can be checked', INSTALL
         )
 
 
 def find_drone(uri: str, usb_devices: Sequence[UsbDevice]) -> str:
     """
-    Return where a Crazyflie is: as asked for, or the first that answers a scan; empty if none.
+    Return the given URI, or that of the first Crazyflie that answers a scan; empty if none does.
 
-    A scan of the radio asks every channel at the address that a Crazyflie is sold with.
+    A radio scan tries every channel at the factory address of a Crazyflie.
     """
     if uri or not CFLIB:
         return uri
@@ -75,7 +76,7 @@ def find_drone(uri: str, usb_devices: Sequence[UsbDevice]) -> str:
 
 
 def find_board(port: str, serial: Sequence[SerialPortInfo]) -> str:
-    """Return where a light board hangs: as asked for, or the first Teensy; empty if none."""
+    """Return the given port, or that of the first usable Teensy; empty if there is none."""
     return port or next((each.path for each in serial if each.teensy and each.usable), '')
 
 
@@ -83,12 +84,12 @@ def check_any_hardware(
     usb_devices: Sequence[UsbDevice], serial: Sequence[SerialPortInfo], drone: str, board: str
 ) -> None:
     """
-    Refuse to check what is not there.
+    Check that there is any hardware.
 
     Raises
     ------
     BadInput
-        If there is no radio, no drone and no board, with what to do.
+        If there is no radio, drone or board.
 
     """
     if drone or board or usb_devices:
@@ -96,8 +97,8 @@ def check_any_hardware(
     others = ', '.join(port.path for port in serial)
     aside = f' (serial ports: {others})' if others else ''
     raise BadInput(
-        f'No Crazyradio, no Crazyflie and no light board hangs on this machine{aside}; plug one '
-        'in, or say where it is: --uri udp://127.0.0.1:19850, --port /dev/ttyACM0.'
+        f'No Crazyradio, Crazyflie or light board is connected to this machine{aside}; plug one '
+        'in, or give its address: --uri udp://127.0.0.1:19850, --port /dev/ttyACM0.'
     )
 
 
@@ -105,18 +106,18 @@ def check_any_hardware(
 @dataclass(frozen=True, slots=True)
 class HardwareCheckRequest:
     """
-    What to look at.
+    What to check.
 
     Attributes
     ----------
     uri, port : str
-        Where drone and light board are; looked for where empty.
+        Addresses of drone and light board; searched for if empty.
     vehicle : str
-        Name or file.
+        Vehicle name or file.
     frequency : float
-        At which the lamp flickers. [Hz]
+        Modulation frequency of the lamp. [Hz]
     seconds : float
-        How long to listen to each. [s]
+        Duration of each measurement. [s]
 
     """
 
@@ -130,7 +131,7 @@ class HardwareCheckRequest:
 @final
 @dataclass(frozen=True, slots=True)
 class HardwareCheckReport:
-    """What is to be said, and the figures behind it, of what was heard."""
+    """All checks, and the measurements of drone and board if there were any."""
 
     checks: tuple[HardwareCheck, ...]
     drone: DroneMeasurement | None
@@ -141,53 +142,50 @@ def run_check(
     request: HardwareCheckRequest, tell: Callable[[str, float], None]
 ) -> HardwareCheckReport:
     """
-    Look at all that hangs here.
+    Check all connected hardware.
 
-    Parameters
-    ----------
-    asked : Asked
-        What to look at.
-    tell : callable
-        Told what is done, and how much of it: 0 to 1.
+    `tell` is called with the present activity and its progress, 0 to 1.
 
     Raises
     ------
     BadInput
-        If nothing is there, what was named cannot be opened, or another program commands it.
+        If nothing is connected, a given device cannot be opened, or another program commands the
+        drone.
 
     """
-    tell('looking around', 0.0)
-    found, serial = list(find_devices()), list_serial_ports()
-    uri, port = find_drone(request.uri, found), find_board(request.port, serial)
-    check_any_hardware(found, serial, uri, port)
-    checks, drone_heard, board_heard = list(judge_devices(found, serial)), None, None
+    tell('searching for devices', 0.0)
+    devices, serial = list(find_devices()), list_serial_ports()
+    uri, port = find_drone(request.uri, devices), find_board(request.port, serial)
+    check_any_hardware(devices, serial, uri, port)
+    checks, drone_result, board_result = list(judge_devices(devices, serial)), None, None
     if uri:
-        drone_heard, said = _check_drone(request, uri, tell)
-        checks += said
+        drone_result, more = _check_drone(request, uri, tell)
+        checks += more
     if port:
-        board_heard, said = _check_board(request, port, tell)
-        checks += said
-    return HardwareCheckReport(tuple(checks), drone_heard, board_heard)
+        board_result, more = _check_board(request, port, tell)
+        checks += more
+    return HardwareCheckReport(tuple(checks), drone_result, board_result)
 
 
 def _check_drone(
     request: HardwareCheckRequest, uri: str, tell: Callable[[str, float], None]
 ) -> tuple[DroneMeasurement | None, list[HardwareCheck]]:
-    craft = load_vehicle(request.vehicle)
-    file = find_crazyflie(request.vehicle, craft.file.name)
+    vehicle = load_vehicle(request.vehicle)
+    file = find_crazyflie(request.vehicle, vehicle.file.name)
     link = create_link(uri, BLOCKS, time.time_ns)
     tell(f'connecting to {uri}', 0.0)
-    with closing(DroneLock(uri)), closing(link):  # two would take each other's answers
+    # Without the lock two programs would take each other's packets.
+    with closing(DroneLock(uri)), closing(link):
         try:
             link.open(drone.DEADLINE)
         except LinkFailed as error:
-            remedy = 'Switch it on, bring it near, and see that no other program has the link.'
+            remedy = 'Switch it on, bring it near, and check that no other program uses the link.'
             return None, [HardwareCheck('link', 'fail', f'{uri}: {error}', remedy)]
-        heard = drone.measure_drone(
+        result = drone.measure_drone(
             link, uri, file, request.seconds,
-            lambda been: tell('listening to the Crazyflie', been / request.seconds),
+            lambda elapsed: tell('listening to the Crazyflie', elapsed / request.seconds),
         )  # fmt: skip
-    return heard, list(drone.judge_drone(heard, file, craft.battery_compensated))
+    return result, list(drone.judge_drone(result, file, vehicle.battery_compensated))
 
 
 def _check_board(
@@ -197,8 +195,8 @@ def _check_board(
     diodes = load_vehicle_file(request.vehicle).sensors.diodes
     settings = DemodulationSettings(frequency=request.frequency)
     bins = plan_bins(settings, light.sample_rate.si, light.samples)
-    heard = board.measure_board(
+    result = board.measure_board(
         port, light, diodes, bins, request.seconds,
-        lambda been: tell('listening to the light board', been / request.seconds),
+        lambda elapsed: tell('listening to the light board', elapsed / request.seconds),
     )  # fmt: skip
-    return heard, list(board.judge_board(heard, light, settings.threshold))
+    return result, list(board.judge_board(result, light, settings.threshold))

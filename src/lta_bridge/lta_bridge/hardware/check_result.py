@@ -1,4 +1,4 @@
-"""What one look at the machine found."""
+"""Results of hardware and system checks."""
 
 from dataclasses import dataclass
 from typing import final, Literal
@@ -16,13 +16,13 @@ class HardwareCheck:
     Parameters
     ----------
     name : str
-        What was looked at.
+        Subject of the check.
     state : {'ok', 'warn', 'fail'}
         `fail`: LTA cannot fly like this. `warn`: something will be slow or left out.
     found : str
-        What was found, with its figures.
+        The finding, with its figures.
     remedy : str
-        One sentence on what to do; empty if nothing needs doing.
+        What to do, in one sentence; empty if nothing needs doing.
 
     """
 
@@ -35,6 +35,6 @@ class HardwareCheck:
 def grade_figure(
     name: str, figure: float, warn: float, fail: float, finding: str, remedy: str
 ) -> HardwareCheck:
-    """Return a check whose state follows from a figure that should not be below two limits."""
+    """Return a check that warns or fails if the figure is below the respective limit."""
     state: State = 'ok' if figure >= warn else 'warn' if figure >= fail else 'fail'
     return HardwareCheck(name, state, finding, '' if state == 'ok' else remedy)

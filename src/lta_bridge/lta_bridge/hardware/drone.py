@@ -1,4 +1,4 @@
-"""Listen to a Crazyflie for a while: nothing is written, armed or turned."""
+"""Measure and judge a Crazyflie from its telemetry; nothing is written, armed or turned."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -18,9 +18,9 @@ from lta_bridge.hardware.check_result import HardwareCheck
 from lta_bridge.hardware.stream import measure_stream, StreamStatistics
 from lta_config.schema.crazyflie_file import CrazyflieFile, ExpectedParameter
 
-DEADLINE: Final = 8.0  # s for the connection, as the bridge has it
-LOSSY: Final = 0.01  # part of the packets whose loss is worth a word
-SLOW: Final = 0.05  # s of round trip from which the bridge's 300 ms for a command get short
+DEADLINE: Final = 8.0  # s for the connection, as in the bridge
+LOSSY: Final = 0.01  # packet loss above which to warn
+SLOW: Final = 0.05  # s of round trip; beyond it the bridge's limit of 300 ms for commands is tight
 RELEASE: Final = ('firmware.revision0', 'firmware.revision1')
 
 
@@ -28,32 +28,30 @@ RELEASE: Final = ('firmware.revision0', 'firmware.revision1')
 @dataclass(frozen=True, slots=True)
 class DroneMeasurement:
     """
-    What a Crazyflie told.
+    Measurements of a Crazyflie.
 
     Attributes
     ----------
-    uri : str
-        Where it is.
     protocol : int
         Version of CRTP.
     revision : str
-        Of the firmware, its own hexadecimal number.
-    streams : tuple of Streamed
-        Log blocks.
+        Revision of the firmware, hexadecimal.
+    streams : tuple of StreamStatistics
+        Statistics of the log blocks.
     latency : float
-        95th percentile of the round trip; NaN where no answer came. [s]
+        95th percentile of the round trip; NaN without an answer. [s]
     drift : float
-        By how much its clock runs fast. [1]
+        Relative rate error of its clock, positive if it runs fast. [1]
     voltage : float
-        Of the cell; NaN where unknown. [V]
+        Cell voltage; NaN if unknown. [V]
     word : int or None
-        The supervisor's; None where it said nothing.
+        The supervisor's status word; None if it did not arrive.
     parameters : mapping of str to float or None
-        Those that its vehicle needs; None for one that the firmware lacks.
+        Parameters that the vehicle needs; None for one that the firmware lacks.
     compensates : bool
         Whether the firmware corrects duties for the battery's voltage.
     lost : str
-        Why the link went; empty where it did not.
+        Why the link was lost; empty if it was not.
 
     """
 
@@ -78,46 +76,35 @@ def measure_drone(
     tick: Callable[[float], None],
 ) -> DroneMeasurement:
     """
-    Return what a Crazyflie tells.
+    Record the telemetry of a Crazyflie for some seconds and return the measurements.
 
-    Parameters
-    ----------
-    link : Link
-        Open; stays open.
-    uri : str
-        Where it leads.
-    file : CrazyflieFile
-        Names the parameters that matter.
-    seconds : float
-        How long to listen. [s]
-    tick : callable
-        Told how long it has been. [s]
-
+    The link must be open, and stays open. `file` names the parameters to read. `tick` is called
+    with the elapsed time. [s]
     """
-    heard: dict[str, list[LogPacket]] = {block.name: [] for block in BLOCKS}
+    received: dict[str, list[LogPacket]] = {block.name: [] for block in BLOCKS}
     clock, trips, lost = DeviceClock(), RoundTrips(), ''
     began = time.monotonic()
-    while (been := time.monotonic() - began) < seconds and not lost:
-        tick(been)
+    while (elapsed := time.monotonic() - began) < seconds and not lost:
+        tick(elapsed)
         try:
-            event = link.events.get(timeout=min(0.1, seconds - been))
+            event = link.events.get(timeout=min(0.1, seconds - elapsed))
         except Empty:
             continue
         match event:
             case LogPacket() as packet:
-                heard[packet.block].append(packet)
+                received[packet.block].append(packet)
                 clock.stamp_packet(packet.stamp_ms, packet.arrival_ns)
             case Ping(took):
                 trips.add(took)
             case LinkLost(why):
                 lost = why
-    power = [readings.convert_power(packet.values) for packet in heard['power'][-1:]]
-    words = [readings.convert_motors(packet.values).word for packet in heard['motors'][-1:]]
+    power = [readings.convert_power(packet.values) for packet in received['power'][-1:]]
+    words = [readings.convert_motors(packet.values).word for packet in received['motors'][-1:]]
     return DroneMeasurement(
         uri=uri,
         protocol=int(getattr(link, 'protocol', -1)),
         revision=format_revision({name: link.read_parameter(name) for name in RELEASE}),
-        streams=tuple(measure_stream(block, heard[block.name]) for block in BLOCKS),
+        streams=tuple(measure_stream(block, received[block.name]) for block in BLOCKS),
         latency=trips.latency,
         drift=clock.drift,
         voltage=power[0].voltage if power else math.nan,
@@ -129,7 +116,7 @@ def measure_drone(
 
 
 def format_revision(parameters: Mapping[str, float | None]) -> str:
-    """Return the firmware's revision, of which a Crazyflie tells 32 and 16 bits."""
+    """Return the firmware's revision as hexadecimal text, from its 32-bit and 16-bit parts."""
     high, low = (parameters[name] for name in RELEASE)
     if high is None:
         return 'unknown'
@@ -140,17 +127,9 @@ def judge_drone(
     measurement: DroneMeasurement, file: CrazyflieFile, compensated: bool
 ) -> Iterator[HardwareCheck]:
     """
-    Yield what is to be said of a Crazyflie, the most fundamental first.
+    Yield the checks of a Crazyflie, the most fundamental first.
 
-    Parameters
-    ----------
-    heard : DroneHeard
-        What it told.
-    file : CrazyflieFile
-        What it should be like.
-    compensated : bool
-        Whether the vehicle counts on firmware that corrects duties.
-
+    `compensated` states whether the vehicle model assumes firmware that corrects duties.
     """
     if measurement.lost:
         yield HardwareCheck(
@@ -176,54 +155,58 @@ def _judge_streams(measurement: DroneMeasurement) -> HardwareCheck:
     silent = [each.name for each in measurement.streams if not each.packets]
     if silent:
         remedy = 'Switch the Crazyflie off and on; update its firmware if that does not help.'
-        return HardwareCheck('telemetry', 'fail', f'nothing came of {", ".join(silent)}', remedy)
+        return HardwareCheck(
+            'telemetry', 'fail', f'no packets of log block {", ".join(silent)}', remedy
+        )
     worst = max(measurement.streams, key=lambda each: each.loss)
-    found = f'{len(measurement.streams)} log blocks, {worst.loss:.1%} lost of {worst.name} at most'
+    finding = (
+        f'{len(measurement.streams)} log blocks, at most {worst.loss:.1%} lost ({worst.name})'
+    )
     if worst.loss > LOSSY:
         return HardwareCheck(
-            'telemetry', 'warn', found, 'Bring it nearer, or choose a free channel.'
+            'telemetry', 'warn', finding, 'Bring it nearer, or choose a free channel.'
         )
-    return HardwareCheck('telemetry', 'ok', found)
+    return HardwareCheck('telemetry', 'ok', finding)
 
 
 def _judge_latency(latency: float) -> HardwareCheck:
     if math.isnan(latency):
-        return HardwareCheck('latency', 'warn', 'no answer to a ping', 'Check again for longer.')
-    found = f'{1e3 * latency:.1f} ms there and back, 95 % of the time'
+        return HardwareCheck('latency', 'warn', 'no answer to a ping', 'Check for longer.')
+    finding = f'round trip {1e3 * latency:.1f} ms (95th percentile)'
     if latency > SLOW:
         return HardwareCheck(
-            'latency', 'warn', found, 'Bring it nearer, or choose a free channel.'
+            'latency', 'warn', finding, 'Bring it nearer, or choose a free channel.'
         )
-    return HardwareCheck('latency', 'ok', found)
+    return HardwareCheck('latency', 'ok', finding)
 
 
 def _judge_battery(voltage: float, least: float) -> HardwareCheck:
     if math.isnan(voltage):
-        return HardwareCheck('battery', 'warn', 'no voltage came', 'Check again for longer.')
+        return HardwareCheck('battery', 'warn', 'no voltage received', 'Check for longer.')
     if voltage < least:
-        found = f'{voltage:.2f} V, and below {least:.2f} V it does not arm'
-        return HardwareCheck('battery', 'fail', found, 'Charge the cell.')
+        finding = f'{voltage:.2f} V, too low to arm (limit {least:.2f} V)'
+        return HardwareCheck('battery', 'fail', finding, 'Charge the cell.')
     return HardwareCheck('battery', 'ok', f'{voltage:.2f} V')
 
 
 def _judge_supervisor(word: int | None) -> HardwareCheck:
     if word is None:
-        return HardwareCheck('supervisor', 'fail', 'no word came', 'Update the firmware.')
+        return HardwareCheck('supervisor', 'fail', 'no status received', 'Update the firmware.')
     if why := explain_fault(word):
-        return HardwareCheck('supervisor', 'fail', why, 'It does not fly until that is done.')
+        return HardwareCheck('supervisor', 'fail', why, 'It cannot fly before that.')
     if word & SupervisorBit.ARMED:
         return HardwareCheck(
-            'supervisor', 'warn', 'armed by somebody', 'Disarm it before you touch it.'
+            'supervisor', 'warn', 'armed by another program', 'Disarm it before you touch it.'
         )
     ready = bool(word & SupervisorBit.CAN_BE_ARMED)
     return HardwareCheck('supervisor', 'ok', 'disarmed, and can be armed' if ready else 'disarmed')
 
 
 def _judge_duties(measurement: DroneMeasurement, compensated: bool) -> HardwareCheck:
-    """Return what becomes of a duty on its way to a motor."""
+    """Check how the firmware changes a duty before it reaches a motor."""
     if why := explain_mismatch(measurement.compensates, compensated):
-        found, _, remedy = why.partition(': ')
-        return HardwareCheck('duties', 'fail', found, f'{remedy[0].upper()}{remedy[1:]}.')
+        finding, _, remedy = why.partition(': ')
+        return HardwareCheck('duties', 'fail', finding, f'{remedy[0].upper()}{remedy[1:]}.')
     idle = measurement.parameters['powerDist.idleThrust']
     thrust = 'unknown' if idle is None else f'{idle:g} of 65535'
     corrected = '' if measurement.compensates else 'not '
@@ -235,18 +218,18 @@ def _judge_duties(measurement: DroneMeasurement, compensated: bool) -> HardwareC
 def _judge_parameter(
     name: str, value: float | None, want: ExpectedParameter
 ) -> HardwareCheck | None:
-    """Return what is to be said of a parameter; nothing where it is as expected."""
+    """Check a parameter; return None if it is as expected."""
     if value is None:
         return HardwareCheck(
             name, 'fail', f'the firmware lacks it ({want.why})', 'Flash the firmware.'
         )
     if value == want.value:
         return None
-    found = f'{value:g}, not {want.value:g} ({want.why})'
+    finding = f'{value:g}, not {want.value:g} ({want.why})'
     if name == 'motorPowerSet.enable':
         return HardwareCheck(
-            name, 'fail', found, 'Switch the drone off and on: its motors may turn.'
+            name, 'fail', finding, 'Switch the drone off and on: its motors may turn.'
         )
     if want.write:
-        return HardwareCheck(name, 'ok', f'{found}; the bridge sets it before it flies')
-    return HardwareCheck(name, 'fail', found, 'Flash the firmware that the vehicle needs.')
+        return HardwareCheck(name, 'ok', f'{finding}; the bridge sets it before a flight')
+    return HardwareCheck(name, 'fail', finding, 'Flash the firmware that the vehicle needs.')

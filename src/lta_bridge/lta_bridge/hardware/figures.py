@@ -1,4 +1,4 @@
-"""The figures of a check as rows for people and as JSON for programs."""
+"""Format the results of a hardware check as tables and as JSON."""
 
 from collections.abc import Sequence
 from dataclasses import asdict
@@ -11,7 +11,7 @@ from lta_bridge.hardware.stream import StreamStatistics
 
 
 def format_stream_rows(streams: Sequence[StreamStatistics]) -> list[tuple[str, ...]]:
-    """Return log blocks as text, the first row their head."""
+    """Return the table of log blocks; the first row is the header."""
     head: tuple[str, ...] = ('block', 'rate [Hz]', 'wanted [Hz]', 'lost [%]', 'jitter [ms]')
     return [head, *(
         (
@@ -23,7 +23,7 @@ def format_stream_rows(streams: Sequence[StreamStatistics]) -> list[tuple[str, .
 
 
 def format_diode_rows(diodes: Sequence[DiodeMeasurement]) -> list[tuple[str, ...]]:
-    """Return diodes as text, the first row their head."""
+    """Return the table of diodes; the first row is the header."""
     head: tuple[str, ...] = ('diode', 'mean', 'least', 'largest', 'SNR', 'fault')
     return [head, *(
         (
@@ -35,7 +35,7 @@ def format_diode_rows(diodes: Sequence[DiodeMeasurement]) -> list[tuple[str, ...
 
 
 def to_json(outcome: HardwareCheckReport) -> dict[str, Any]:
-    """Return everything; what is unknown is null, as JSON has no NaN."""
+    """Return the report for JSON; NaN and infinity become null."""
     return {
         'checks': [asdict(check) for check in outcome.checks],
         'drone': None if outcome.drone is None else _to_json_value(asdict(outcome.drone)),

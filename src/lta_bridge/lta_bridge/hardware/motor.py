@@ -1,9 +1,9 @@
 """
-Turn one motor of a tethered drone for a moment, by the same state machine that flies it.
+Turn one motor of a tethered drone briefly, with the same state machine as in flight.
 
-The duty goes to the app aboard, which holds it for 200 ms: what ends this program, SIGKILL and a
-pulled cable included, ends the motor with it. The firmware's own override (`motorPowerSet`) knows
-no such end, and is not used.
+The duty is sent to the app on the drone, which stops the motor 200 ms after the last packet. So
+the motor stops however this program ends, even by SIGKILL or a pulled cable. The firmware's
+override (`motorPowerSet`) has no such time-out and is not used.
 """
 
 from collections.abc import Callable, Iterator
@@ -25,25 +25,25 @@ from lta_config.schema.crazyflie_file import CrazyflieFile, MOTORS
 from lta_graph.interrupts import hold_interrupts
 from lta_model.vehicle import Vehicle
 
-STARTING: Final = 3.0  # s for telemetry to come, and again for the supervisor to arm
-CONFIRMING: Final = 1.0  # s for the supervisor to say that it is disarmed
-STOPS: Final = 10  # emergency stops where it does not say so
+STARTING: Final = 3.0  # s for telemetry to arrive, and again for the supervisor to arm
+CONFIRMING: Final = 1.0  # s for the supervisor to confirm disarming
+STOPS: Final = 10  # emergency stops to send without that confirmation
 NOTHING: Final = Wish()
 
 
 @final
 class MotorTurnResult(NamedTuple):
     """
-    What the drone itself logged.
+    Values logged by the drone.
 
     Attributes
     ----------
     duty : float
-        Largest of the motor that was asked for, 0 to 1.
+        Largest duty of the tested motor, 0 to 1.
     others : float
-        Largest of any other.
+        Largest duty of any other motor.
     voltage : float
-        Least of the cell; NaN where none came. [V]
+        Lowest cell voltage; NaN if none was received. [V]
 
     """
 
@@ -55,19 +55,9 @@ class MotorTurnResult(NamedTuple):
 @final
 class MotorBench:
     """
-    One motor of one drone.
+    Turn one motor of one drone, 'm1' to 'm4'; the link must be open.
 
-    Parameters
-    ----------
-    link : Link
-        Open.
-    file : CrazyflieFile
-        Parameters, wiring and limits.
-    vehicle : Vehicle
-        What flies with it.
-    motor : str
-        'm1' to 'm4'.
-
+    `file` has the parameters, wiring and limits of the drone.
     """
 
     def __init__(
@@ -86,21 +76,21 @@ class MotorBench:
         self, duty: float, seconds: float, tick: Callable[[float], None]
     ) -> MotorTurnResult:
         """
-        Arm, turn, disarm; whatever happens, the motor stands afterwards.
+        Arm, turn the motor and disarm, also after an error.
 
         Parameters
         ----------
         duty : float
             0 to 1.
         seconds : float
-            For how long. [s]
+            Duration. [s]
         tick : callable
-            Told how long it has turned. [s]
+            Called with the elapsed time. [s]
 
         Raises
         ------
         LinkFailed
-            If the drone refuses, disarms itself, or falls silent.
+            If the drone refuses, disarms itself, or stops sending.
 
         """
         apply_parameters(self._link, self._file.expected, self._vehicle.battery_compensated)
@@ -117,7 +107,7 @@ class MotorBench:
         )  # fmt: skip
 
     def _arm(self) -> None:
-        """Wait for telemetry, and for the supervisor's word that it is armed."""
+        """Wait for telemetry, then arm and wait for the supervisor's confirmation."""
         until = time.monotonic() + STARTING
         while (
             self._bridge.find_arming_refusal(time.time_ns(), True, True)
@@ -135,15 +125,15 @@ class MotorBench:
     def _drive(self, duty: float, seconds: float, tick: Callable[[float], None]) -> None:
         duties = tuple(duty if k == self._place else 0.0 for k in range(self._rotors))
         began = time.monotonic()
-        while (been := time.monotonic() - began) < seconds:
+        while (elapsed := time.monotonic() - began) < seconds:
             self._bridge.accept_command(CrazyflieCommand(time.time_ns(), duties=duties))
             self._step(NOTHING)
-            tick(been)
+            tick(elapsed)
             if self._bridge.state.stage is not SafetyStage.FLYING:
                 raise LinkFailed(self._bridge.state.why)
 
     def _step(self, wish: Wish) -> None:
-        """Hear what has come, decide and send once, and wait for the next turn."""
+        """Handle the received packets, run one tick, and wait for the next."""
         for packet in self._drain_packets():
             self._bridge.receive_packet(packet)
         self._bridge.tick(time.monotonic(), time.time_ns(), True, True, wish)
@@ -154,7 +144,7 @@ class MotorBench:
             while True:
                 match self._link.events.get_nowait():
                     case LinkLost(why):
-                        raise LinkFailed(f'{why}; the app aboard stops after {HOLD_MS} ms')
+                        raise LinkFailed(f'{why}; the motor stops after {HOLD_MS} ms')
                     case LogPacket() as packet:
                         self._store_reading(packet)
                         yield packet
@@ -166,15 +156,16 @@ class MotorBench:
             self._volts.append(readings.convert_power(packet.values).voltage)
 
     def _disarm(self) -> None:
-        """Disarm, which stops motors at once, until the supervisor confirms it; else for good."""
+        """Disarm until the supervisor confirms it; otherwise send emergency stops."""
         with hold_interrupts(), suppress(LinkFailed):
-            asked = time.monotonic()
+            began = time.monotonic()
             known = len(self._logged)
-            while time.monotonic() - asked < CONFIRMING:
+            while time.monotonic() - began < CONFIRMING:
                 self._link.request_arming(False)
                 time.sleep(1.0 / RATE)
                 for _ in self._drain_packets():
                     pass
+                # The first new packet may have been sent before the request.
                 if (
                     len(self._logged) > known + 1
                     and not self._logged[-1].word & SupervisorBit.ARMED
@@ -187,7 +178,7 @@ class MotorBench:
 
 @contextmanager
 def interrupt_on_signals() -> Iterator[None]:
-    """Make SIGTERM and a closed terminal end things as Ctrl-C does: through every `finally`."""
+    """Raise KeyboardInterrupt on SIGTERM and SIGHUP, so that every `finally` runs."""
 
     def raise_interrupt(*_: object) -> NoReturn:
         raise KeyboardInterrupt

@@ -1,4 +1,4 @@
-"""What a stream of log packets comes to: rate, loss and jitter by the drone's own stamps."""
+"""Compute rate, loss and jitter of a stream of log packets from the drone's stamps."""
 
 from collections.abc import Sequence
 from typing import final, NamedTuple
@@ -12,21 +12,18 @@ import numpy as np
 @final
 class StreamStatistics(NamedTuple):
     """
-    One log block over a while.
+    Statistics of one log block.
 
     Attributes
     ----------
-    name : str
-        Of the block.
     wanted, rate : float
-        Packets a second: as asked for, and between the first and the last that came. [Hz]
+        Requested rate, and mean rate between the first and the last packet. [Hz]
     packets : int
-        That came.
+        Number of received packets.
     loss : float
-        Part of those sent between the first and the last that never came.
+        Lost fraction of the packets between the first and the last one.
     jitter : float
-        95th percentile of how far the time between two arrivals was from that between their
-        stamps. [s]
+        95th percentile of the difference between arrival interval and stamp interval. [s]
 
     """
 
@@ -39,23 +36,13 @@ class StreamStatistics(NamedTuple):
 
 
 def measure_stream(block: LogBlock, packets: Sequence[LogPacket]) -> StreamStatistics:
-    """
-    Return what the packets of one block come to.
-
-    Parameters
-    ----------
-    block : Block
-        As it was asked for.
-    packets : sequence of LogPacket
-        In the order of arrival.
-
-    """
+    """Return the statistics of one block; the packets must be in the order of arrival."""
     wanted = 1e3 / block.period_ms
     if len(packets) < 2:
         return StreamStatistics(block.name, wanted, 0.0, len(packets), float(not packets), 0.0)
     stamps = np.array([packet.stamp_ms for packet in packets])
     arrivals = np.array([packet.arrival_ns for packet in packets])
-    gaps = (np.diff(stamps) + WRAP // 2) % WRAP - WRAP // 2  # 24 bits, that may have wrapped
+    gaps = (np.diff(stamps) + WRAP // 2) % WRAP - WRAP // 2  # the 24-bit stamps may wrap
     span = max(int(gaps.sum()), 1)
     sent = 1 + round(span / block.period_ms)
     uneven = np.abs(1e-9 * np.diff(arrivals) - 1e-3 * gaps)

@@ -1,9 +1,9 @@
 """
-The Crazyflie bridge node: plays the vehicle with a real one.
+The Crazyflie bridge node: it takes the simulator's place with a real drone.
 
-A lifecycle node. Configure opens the link and keeps it up, activate accepts commands, deactivate
-lands and disarms, and nothing arms but the service `crazyflie_bridge/arm`. What may turn when is
-decided in `lta_bridge.crazyflie.safety`; this node converts, publishes and tells.
+It is a lifecycle node: `configure` opens the link, `activate` accepts commands, `deactivate` lands
+and disarms. Only the service `crazyflie_bridge/arm` arms. `lta_bridge.crazyflie.safety` decides
+when motors may turn; this node converts and publishes.
 """
 
 import threading
@@ -37,14 +37,14 @@ from rclpy.clock import Clock, ClockType
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from std_srvs.srv import SetBool, Trigger
 
-HEARING = 5.0  # s at most until all nodes hear each other: what a user runs beside may never fit
-CONFIRMING = 1.0  # s of LEAVE for the drone to say that it is disarmed
+HEARING = 5.0  # s to wait for all readers before arming; a user's own node may never match
+CONFIRMING = 1.0  # s of LEAVE for the drone to confirm disarming
 ALOFT = (SafetyStage.READY, SafetyStage.FLYING, SafetyStage.LANDING)
-DEAD = 2.0  # s of silence after which the link is made anew: blocks may be gone (firmware #428)
+DEAD = 2.0  # s of silence before reconnecting: log blocks may be gone (firmware #428)
 
 
 class CrazyflieBridge(DeviceNode):
-    """Publish what a Crazyflie senses, and send it what the graph commands."""
+    """Publish the sensor data of a Crazyflie, and send it the graph's commands."""
 
     def __init__(self) -> None:
         super().__init__('crazyflie_bridge', 'Crazyflie')
@@ -64,7 +64,7 @@ class CrazyflieBridge(DeviceNode):
         file = self._file = find_crazyflie(settings.vehicle, vehicle.file.name, settings.crazyflie)
         self._bridge = BridgeCore(link, file, self._names, settings.command, settings.watchdog)
         self._keeper: ConnectionManager | None = None
-        self._former: ConnectionManager | None = None  # whose connection may still be closing
+        self._former: ConnectionManager | None = None  # its connection may still be closing
         self.autostart = settings.autostart
         self._asked = SafetyRequest()
         self._was_up, self._connected, self._complained = False, 0.0, ''
@@ -72,10 +72,11 @@ class CrazyflieBridge(DeviceNode):
         self._velocity: Any = None
         self._odom: Any = None
         self._controller = self.create_client(SetBool, 'arm')
-        self._told = False  # whether the controller was told to be armed
+        self._told = False  # whether the controller was armed
         self.create_service(SetBool, '~/arm', self._on_arm)
         self._stop = self.create_service(Trigger, '~/emergency_stop', self._on_emergency_stop)
         self._subscribe_inputs()
+        # Ticks follow the wall clock, even if graph time stops.
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(1.0 / RATE, self._tick, clock=steady)
         threading.Thread(target=self._publish_events, name='crazyflie_pump', daemon=True).start()
@@ -106,15 +107,13 @@ class CrazyflieBridge(DeviceNode):
         """Open the link, and keep it open."""
         try:
             if self._former is not None and not self._former.close(0.0):
-                raise BadInput(
-                    'The last connection is still being closed; try again in some seconds.'
-                )
+                raise BadInput('The last connection is still closing; try again in a few seconds.')
             claim = DroneLock(self._settings.uri)
         except BadInput as error:
             self.refusal = str(error)
             self.get_logger().error(self.refusal)
             return TransitionCallbackReturn.FAILURE
-        # A connection that is still being made outlives its keeper by seconds; so does the claim.
+        # The manager releases the lock, because its connection may outlive this node's interest.
         command = self._bridge.command
         self._keeper = ConnectionManager(
             self._link,
@@ -125,26 +124,26 @@ class CrazyflieBridge(DeviceNode):
         return super().on_configure(state)
 
     def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Land where it flies, and disarm."""
+        """Land if it flies, and disarm."""
         self.active = False
         self._wait_until_stopped()
         return super().on_deactivate(state)
 
     def _wait_until_stopped(self) -> None:
-        """Tick until nothing turns: landing is the state machine's own way down."""
+        """Tick until no motor turns; the state machine lands the drone."""
         until = time.monotonic() + LEAVE
         flew = self._bridge.is_busy
         while self._bridge.is_busy and time.monotonic() < until:
             self._tick_and_wait()
-        # A request to disarm may be lost: until the supervisor's own word says that it came.
+        # A request to disarm may be lost: go on until the supervisor confirms it.
         until = min(until, time.monotonic() + CONFIRMING)
         while flew and self._is_linked and self._bridge.is_armed and time.monotonic() < until:
             self._tick_and_wait()
-        if flew:  # the last word: who records must hear why before this node is gone
+        if flew:  # let a recorder receive the reason before this node shuts down
             self.publish_health()
 
     def _tick_and_wait(self) -> None:
-        """Go on for a tick within a callback, while which no other is served but a stop."""
+        """Run a tick within a callback, serving only the emergency stop meanwhile."""
         with self._stop.handle:
             request, header = self._stop.handle.service_take_request(Trigger.Request)
         if header is not None:
@@ -163,10 +162,10 @@ class CrazyflieBridge(DeviceNode):
             self._keeper.close()
             self._former, self._keeper = self._keeper, None
 
-    # What people ask.
+    # Services.
 
     def _on_arm(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
-        """Arm or disarm, and answer with what the supervisor's own word says."""
+        """Arm or disarm, and answer with the confirmed state."""
         why = self._bridge.find_arming_refusal(self._now_ns(), self._is_linked, self.active)
         if not (request.data and why):
             if request.data and self._bridge.state.stage is SafetyStage.DISARMED:
@@ -183,7 +182,7 @@ class CrazyflieBridge(DeviceNode):
         return response
 
     def _wait_for_links(self) -> None:
-        """Wait until all that the nodes say is heard: a flight begins with arming."""
+        """Wait until all topics have their readers, so that no message of a flight is lost."""
         until = time.monotonic() + HEARING
         while (
             short := self._links.find_unmatched_topics(self.count_readers())
@@ -202,7 +201,7 @@ class CrazyflieBridge(DeviceNode):
         response.success, response.message = True, self._bridge.state.why
         return response
 
-    # What the graph commands.
+    # Commands of the graph.
 
     def _on_motors(self, step: Any) -> None:  # noqa: ANN401 - a Step of ROS messages
         if self._bridge.sends_duties:
@@ -211,7 +210,7 @@ class CrazyflieBridge(DeviceNode):
             self._bridge.accept_command(messages.to_duties_command(newest, self._names, stamp))
 
     def _on_odom(self, odom: Any) -> None:  # noqa: ANN401 - a generated class
-        if find_fault(odom):  # no place: the one before counts on, and ages
+        if find_fault(odom):  # invalid: the previous estimate stays, and ages
             return
         self._odom = odom
         self._bridge.update_position(messages.to_position(odom))
@@ -224,7 +223,7 @@ class CrazyflieBridge(DeviceNode):
         self._accept_setpoint()
 
     def _accept_setpoint(self) -> None:
-        """Take a setpoint; the navigator's counts from when its light block ended."""
+        """Send a setpoint to the core; the navigator's age counts from the end of its block."""
         pose, velocity = self._helm.select_setpoint(self._pose, self._velocity)
         known = all(part is not None for part in (pose, velocity, self._odom))
         if self._bridge.command == 'setpoint' and known:
@@ -234,7 +233,7 @@ class CrazyflieBridge(DeviceNode):
                 messages.to_hover_command(pose, velocity, self._odom, oldest + late)
             )
 
-    # The steady work.
+    # Periodic work.
 
     def _tick(self) -> None:
         up, now_ns = self._is_linked, self._now_ns()
@@ -248,10 +247,10 @@ class CrazyflieBridge(DeviceNode):
         if up and time.monotonic() - self._connected > DEAD:
             silence = self._bridge.collect_inputs(now_ns, up, self.active).silence
             if silence > DEAD and self._keeper is not None:
-                self._keeper.reconnect(f'nothing was heard for {silence:.1f} s')
+                self._keeper.reconnect(f'no packets for {silence:.1f} s')
 
     def _arm_controller(self) -> None:
-        """Arm the controller with the drone, so that its loops wind up only where they act."""
+        """Arm the controller with the drone, so that its integrators do not wind up before."""
         stage = self._bridge.state.stage
         wanted = stage in ALOFT and self._bridge.sends_duties
         if wanted != self._told and self._controller.service_is_ready():
@@ -259,7 +258,7 @@ class CrazyflieBridge(DeviceNode):
             self._told = wanted
 
     def _publish_events(self) -> None:
-        """Publish what the link tells as it comes."""
+        """Handle the events of the link as they arrive."""
         while True:
             event = self._link.events.get()
             if isinstance(event, LinkLost):
@@ -289,18 +288,18 @@ class CrazyflieBridge(DeviceNode):
                     out['battery'].publish(messages.to_battery(stamp, power.voltage, current))
 
     def publish_health(self) -> None:
-        """Tell how the link and the drone stand."""
-        # Read once: it changes in the keeper's thread, and what is shown is to be said as well.
+        """Report the health of the link and the drone."""
+        # Read once: another thread changes it, and log and diagnostics must agree.
         why, attempts = describe_connection(self._keeper)
         if why not in (self._complained, ''):
             self._complained = why
             self.get_logger().warning(f'no link: {why}')
-        seen = self._bridge.collect_inputs(self._now_ns(), self._is_linked, self.active)
-        for fact in describe_health(self._bridge, why, attempts, self._link.protocol, seen):
+        inputs = self._bridge.collect_inputs(self._now_ns(), self._is_linked, self.active)
+        for fact in describe_health(self._bridge, why, attempts, self._link.protocol, inputs):
             self.health.report(fact.task, fact.level, fact.message, **fact.values)
         super().publish_health()
 
 
 def main(args: list[str] | None = None) -> None:
-    """Run the node until it is told to stop."""
+    """Run the node until it is stopped."""
     run_node(CrazyflieBridge, args)

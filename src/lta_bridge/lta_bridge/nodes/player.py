@@ -1,10 +1,10 @@
 """
-The player node: a recording in the simulator's place.
+The player node: it replays a recording in the simulator's place.
 
-It publishes a bag's sensor topics as they were recorded, byte for byte, and tells the bag's clock.
-In real time it keeps to the wall clock, at any rate, and can be paused, stepped and looped. In
-lockstep it plays as fast as the nodes answer and never gets further ahead of them than their
-queues hold, so that nothing is lost and a replay repeats itself. Nothing it hears steers anything.
+It publishes a bag's sensor topics byte for byte, and the bag's time on `/clock`. In real time it
+follows the wall clock at any rate, and can be paused, stepped and looped. In lockstep it plays as
+fast as the nodes answer, and never further ahead than their queues hold, so that no message is
+lost and a replay is reproducible. The nodes' answers do not influence what is played.
 """
 
 from collections.abc import Callable, Iterable
@@ -39,15 +39,15 @@ from rclpy.subscription import Subscription
 from rosgraph_msgs.msg import Clock as ClockMessage
 from std_srvs.srv import SetBool, Trigger
 
-AHEAD_NS = 1_000_000_000  # by which a node may be behind in lockstep; queues hold 20 s
-CLOCK_PERIOD = 0.02  # wall seconds between two /clock
-TICK = 0.002  # wall seconds between looks at the wall clock
-MOST = 2000  # messages at one tick, so that services are answered
-QUIET = 0.5  # wall seconds behind the last message in which nodes answer, in real time
+AHEAD_NS = 1_000_000_000  # largest lag of a node in lockstep; queues hold 20 s
+CLOCK_PERIOD = 0.02  # wall seconds between two /clock messages
+TICK = 0.002  # wall seconds between two ticks in real time
+MOST = 2000  # messages per tick at most, so that services are answered
+QUIET = 0.5  # wall seconds to wait for answers after the last message in real time
 
 
 class Player(GraphNode):
-    """Publish a recording, and hear what the nodes make of it."""
+    """Publish a recording, and receive the nodes' answers."""
 
     def __init__(self) -> None:
         super().__init__('player', role='vehicle')
@@ -55,7 +55,7 @@ class Player(GraphNode):
         if not settings.bag:
             raise BadInput('The player has no bag; give one, as in bag:=runs/flight/bag.')
         if settings.loop and self.lockstep:
-            raise BadInput('A loop in lockstep has no end; play it with time:=realtime.')
+            raise BadInput('Looping in lockstep would never end; use time:=realtime.')
         own = self.get_namespace().strip('/')
         self._recording = open_recording(Path(settings.bag), settings.robot, self.table, own)
         self._cast = select_nodes(self.table, settings.nodes.split(), settings.roles.split())
@@ -88,15 +88,15 @@ class Player(GraphNode):
         self.create_timer(0.1 if self.lockstep else TICK, self._tick, clock=steady)
 
     def _plan_answers(self) -> dict[str, list[int]]:
-        """Tell the nodes when what they read is due, and return when their answers are. [ns]"""
+        """Publish the due times of the nodes' inputs; return those of their answers. [ns]"""
         read = {name for node in self._cast.nodes for name in self.table.read_by(node)}
         wanted = read | {self.table.trigger_topic(node) for node in self._cast.nodes}
         played = compute_due_times(
             (item for item in self._reel.iterate_section() if item.topic in wanted), self.table
         )
         answers = compute_answer_times(played, self.table, self._cast)
-        told = {name: times.due for name, times in (played | answers).items() if name in read}
-        self._due.publish(from_due(told))
+        inputs = {name: times.due for name, times in (played | answers).items() if name in read}
+        self._due.publish(from_due(inputs))
         return {name: times.due for name, times in answers.items()}
 
     def _open_answer_bag(self) -> AnswerBag | None:
@@ -104,10 +104,10 @@ class Player(GraphNode):
             return None
 
         def build_qos(name: str) -> list[OfferedQos]:
-            told = select_profile(self.table[name], self.lockstep)
+            qos = select_profile(self.table[name], self.lockstep)
             return [
                 build_offered_qos(
-                    told.reliability.name.lower(), told.durability.name.lower(), told.depth
+                    qos.reliability.name.lower(), qos.durability.name.lower(), qos.depth
                 )
             ]
 
@@ -117,7 +117,7 @@ class Player(GraphNode):
         )
 
     def run(self) -> None:
-        """Wait for the graph, then play; exit status 1 where the nodes do not answer."""
+        """Wait for the graph, then play; exit with status 1 if the nodes do not answer."""
         wait_until_complete(self, self._list_missing_nodes, self._settings.patience)
         self._began = self._news = time.monotonic()
         self.begun = True
@@ -129,11 +129,11 @@ class Player(GraphNode):
             late = ', '.join(
                 f'{n} from {self.find_source(n)}' for n in self._owed.list_oldest_topics()
             )
-            sys.stderr.write(f'In {self._settings.patience:g} s no answer came: {late}.\n')
+            sys.stderr.write(f'No answer within {self._settings.patience:g} s: {late}.\n')
             sys.exit(1)
 
     def _report_missing_topics(self) -> None:
-        """Say what the recording lacks."""
+        """Report topics that the recording lacks."""
         absent = self._cast.find_missing_topics(self.table, self._recording.topics)
         words = [*self._recording.strange]
         if absent:
@@ -142,7 +142,7 @@ class Player(GraphNode):
         self.health.report('recording', level, '; '.join(words) or 'whole')
 
     def _list_missing_nodes(self) -> list[str]:
-        """Return whom the player still waits for."""
+        """Return the nodes that are not connected yet."""
         waiting: set[str] = set()
         for name, publisher in self._outputs.items():
             readers = set(self.table[name].subscribers) & set(self._cast.nodes)
@@ -153,17 +153,17 @@ class Player(GraphNode):
         waiting |= {
             self.find_source(n) for n in self._cast.answers if not self.count_publishers(n)
         }
-        if self.lockstep and self._settings.record:  # it dates by that what has no stamp
-            told = self.get_subscriptions_info_by_topic(self._due.topic_name)
-            waiting |= {'recorder'} - {each.node_name for each in told}
+        if self.lockstep and self._settings.record:  # it needs the due times of unstamped topics
+            readers_of_due = self.get_subscriptions_info_by_topic(self._due.topic_name)
+            waiting |= {'recorder'} - {each.node_name for each in readers_of_due}
         return sorted(waiting)
 
     def list_wakeups(self) -> Iterable[Subscription]:
-        """Return what to wake up for: the answers."""
+        """Return the subscriptions to wake up for: the answers."""
         return self._heard_answers
 
     def list_missing(self) -> list[str]:
-        """Return the answers that keep the player from going on."""
+        """Return the answers that the player waits for."""
         if not self.lockstep or not self.begun or self._pace.paused or self._ended:
             return []
         return self._owed.list_oldest_topics()
@@ -180,7 +180,7 @@ class Player(GraphNode):
         return take
 
     def _tick(self) -> None:
-        """Follow the wall clock; in lockstep, give up on answers that do not come."""
+        """Publish due messages; in lockstep, end the replay if answers are overdue."""
         self._publish_due()
         if self._kept is not None:
             self._kept.flush()
@@ -198,7 +198,7 @@ class Player(GraphNode):
         self._ended, self.running = 'unanswered', False
 
     def _publish_due(self) -> None:
-        """Publish what is due now."""
+        """Publish the messages that are due now."""
         if not self.begun or self._ended:
             return
         until = min(self._pace.now(time.monotonic()), self._owed.play_horizon(AHEAD_NS))
@@ -221,7 +221,7 @@ class Player(GraphNode):
         self._news = time.monotonic() if not self.lockstep else self._news
 
     def _publish_clock(self) -> None:
-        """Publish the bag's time, if that is due."""
+        """Publish the bag's time once per `CLOCK_PERIOD`."""
         wall = time.monotonic()
         if wall - self._clocked >= CLOCK_PERIOD:
             self._clocked = wall
@@ -249,12 +249,12 @@ class Player(GraphNode):
         return response
 
     def _format_position(self) -> str:
-        """Return where the player is, for people."""
+        """Return state and position of the player as text."""
         state = 'paused' if self._pace.paused else 'playing'
         return f'{state} at {(self._now - self._reel.begin_ns) * 1e-9:.3f} s'
 
     def _collect_progress(self) -> dict[str, str]:
-        """Return how the replay stands, in figures."""
+        """Return the progress of the replay in figures."""
         elapsed = (self._now - self._reel.begin_ns) * 1e-9
         wall = time.monotonic() - self._began if self._began else 0.0
         return {
@@ -269,7 +269,7 @@ class Player(GraphNode):
         }
 
     def _monitor_inputs(self) -> None:
-        """Tell how the replay stands at every look, for progress bars."""
+        """Report the progress each time, for progress bars."""
         over = {OVER: self._ended == 'played'}
         self.health.report(
             'playback', HealthLevel.OK, self._format_position(), **self._collect_progress(), **over
@@ -278,7 +278,7 @@ class Player(GraphNode):
         super()._monitor_inputs()
 
     def close(self) -> None:
-        """Say how the replay ended, finish the bag of answers, and let the last messages out."""
+        """Print the outcome, finish the bag of answers, and send the last messages."""
         self._monitor_inputs()
         if self._kept is not None:
             self._kept.close()
@@ -290,6 +290,6 @@ class Player(GraphNode):
 
 
 def main(args: list[str] | None = None) -> None:
-    """Run the node until the recording ends or it is told to stop."""
+    """Run the node until the recording ends or it is stopped."""
     with limit_memory():
         run_node(Player, args)

@@ -32,7 +32,7 @@ class AnswerBag:
         Folder of the bag; it must not exist yet or be empty.
     recording : Recording
         What is played; its origin becomes that of the answers.
-    cast : Cast
+    selection : NodeSelection
         Whose answers.
     table : TopicTable
         Types and latencies.
@@ -57,17 +57,19 @@ class AnswerBag:
         self,
         path: Path,
         recording: BagRecording,
-        cast: NodeSelection,
+        selection: NodeSelection,
         table: TopicTable,
         robot: str,
         offered: Callable[[str], Sequence[OfferedQos]],
     ) -> None:
         self._table = table
-        self._names: Mapping[str, str] = {name: robot_topic(robot, name) for name in cast.answers}
+        self._names: Mapping[str, str] = {
+            name: robot_topic(robot, name) for name in selection.answers
+        }
         self.fault = ''
         self._flushed = time.monotonic()
         try:
-            self._writer = BagWriter(path, build_answers_origin(recording, cast.nodes))
+            self._writer = BagWriter(path, build_answers_origin(recording, selection.nodes))
             for name, full in self._names.items():
                 self._writer.add_topic(full, table[name].type, offered(name))
         except StorageFault as fault:

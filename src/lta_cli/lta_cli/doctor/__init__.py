@@ -1,8 +1,8 @@
 """
-Look at the machine and say what keeps LTA from flying: the core of `lta doctor`.
+Check that LTA can run on this machine: the core of `lta doctor`.
 
-Each check is a function that returns a `HardwareCheck`; they run in the order of `CHECKS`, what is
-most fundamental first, and none of them changes anything.
+Each check is a function that returns a `HardwareCheck`. Checks run in the order of `CHECKS`, the
+most fundamental first, and are read-only.
 """
 
 from collections.abc import Callable, Iterable, Iterator
@@ -48,13 +48,13 @@ __all__ = [
 
 
 def iterate_checks() -> Iterator[HardwareCheck]:
-    """Yield the result of each check as soon as it is there."""
+    """Run the checks and yield each result as soon as it is available."""
     for name, check in CHECKS.items():
         try:
             yield check()
-        except Exception as error:  # the doctor itself must not fall ill
-            found = f'the check itself failed: {type(error).__name__}: {error}'
-            yield HardwareCheck(name, 'fail', found, 'Report this line as a defect of LTA.')
+        except Exception as error:  # a defect in one check must not hide the others
+            text = f'the check itself failed: {type(error).__name__}: {error}'
+            yield HardwareCheck(name, 'fail', text, 'Report this line as a defect of LTA.')
 
 
 def run_checks() -> list[HardwareCheck]:
@@ -63,12 +63,12 @@ def run_checks() -> list[HardwareCheck]:
 
 
 def exit_status(results: Iterable[HardwareCheck]) -> int:
-    """Return the exit status: 0 if nothing failed (warnings are no failure), else 1."""
+    """Return 1 if a check failed, else 0; warnings are not failures."""
     return int(any(check.state == 'fail' for check in results))
 
 
 def print_checks(results: Iterable[HardwareCheck], console: Console) -> None:
-    """Print one row for each result, with the remedy below what is not in order."""
+    """Print one row for each result, with the remedy below a problem."""
     table = Table.grid(padding=(0, 2))
     for check in results:
         colour = COLOURS[check.state]

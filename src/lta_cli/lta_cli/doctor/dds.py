@@ -1,4 +1,4 @@
-"""Can nodes talk: one conversation between two processes over DDS, and the ports of the domain."""
+"""Check DDS: a message exchange between two processes, and the UDP ports of the domain."""
 
 import json
 import os
@@ -9,30 +9,30 @@ import time
 
 from lta_bridge.hardware.check_result import HardwareCheck
 
-DEADLINE = 10.0  # s for everything; two processes start and find each other in about 1 s
+DEADLINE = 10.0  # s for the whole check; starting and discovery usually take about 1 s
 SLOW = 3.0  # s; discovery that takes this long makes a launch look stuck
 PARTICIPANTS = 8  # a graph of seven nodes and one more
 FIREWALL = (
-    'Let UDP through between processes of this machine (firewall, container network) and see'
+    'Allow UDP between processes of this machine (firewall, container network) and check'
     " that the interface 'lo' is up."
 )
 
-FAULT = 'A process could not join the graph at all; its own sentence says what to mend.'
+FAULT = 'A process could not join the graph; fix what its message above names.'
 
 
 def domain_ports(domain: int) -> list[int]:
     """
-    Return the UDP ports on which the participants of a domain listen, on one machine.
+    Return the unicast UDP ports of the participants of a domain on one machine.
 
-    7400 + 250 d is the multicast port of discovery, 7410 + 250 d + 2 i and 7411 + 250 d + 2 i
-    the unicast ports of participant i (DDSI-RTPS 2.3, section 9.6.1.1).
+    Port 7400 + 250 d is the discovery multicast port; 7410 + 250 d + 2 i and 7411 + 250 d + 2 i
+    are the unicast ports of participant i (DDSI-RTPS 2.3, section 9.6.1.1).
     """
     base = 7400 + 250 * domain
     return [base + 10 + offset for offset in range(2 * PARTICIPANTS)]
 
 
 def find_busy_ports(ports: list[int]) -> list[int]:
-    """Return those ports that somebody listens on."""
+    """Return the ports that are in use."""
     busy = []
     for port in ports:
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
@@ -44,14 +44,14 @@ def find_busy_ports(ports: list[int]) -> list[int]:
 
 
 def find_free_domain() -> int:
-    """Return a domain in which nobody listens (above 101 the ports meet Linux's own)."""
+    """Return an unused domain; above 101 the ports overlap Linux's ephemeral range."""
     return next(
         domain for domain in range(101, 0, -1) if not find_busy_ports(domain_ports(domain))
     )
 
 
 def check_conversation() -> HardwareCheck:
-    """Check that two processes find each other and exchange messages, and how fast."""
+    """Check that two processes discover each other and exchange messages, and time it."""
     environment = {**os.environ, 'ROS_DOMAIN_ID': str(find_free_domain())}
     command = [sys.executable, '-m', 'lta_graph.ros.echo', '--seconds', str(DEADLINE - 2.0)]
     began = time.monotonic()
@@ -85,9 +85,9 @@ def check_conversation() -> HardwareCheck:
 
 
 def check_ports() -> HardwareCheck:
-    """Check that nobody else is in the domain that a flight would use."""
+    """Check that no other graph uses the domain of a flight."""
     text = os.environ.get('ROS_DOMAIN_ID') or '0'
-    if not text.isdecimal() or int(text) > 232:
+    if not text.isdecimal() or int(text) > 232:  # the ports of domain 233 exceed 65535
         found = f'ROS_DOMAIN_ID is {text!r}'
         return HardwareCheck(
             'ports', 'fail', found, 'Set it to a number from 0 to 101, or unset it.'
@@ -96,7 +96,7 @@ def check_ports() -> HardwareCheck:
     busy = find_busy_ports(domain_ports(domain))
     if busy:
         found = f'domain {domain}: in use on UDP port {", ".join(map(str, busy))}'
-        remedy = 'Another graph runs here; end it, or fly in a domain of your own: ROS_DOMAIN_ID=7'
+        remedy = 'Another graph runs here; stop it or choose another domain: ROS_DOMAIN_ID=7'
         return HardwareCheck('ports', 'warn', found, f'{remedy}.')
     listened = domain_ports(domain)
     return HardwareCheck(

@@ -1,4 +1,4 @@
-"""Is the machine fit: Python, platform, disk, cores, memory."""
+"""Check the machine: Python, platform, disk, cores, memory."""
 
 import os
 from pathlib import Path
@@ -8,11 +8,11 @@ import sys
 
 from lta_bridge.hardware.check_result import grade_figure, HardwareCheck, MEGABYTE
 
-OLDEST_PYTHON, NEWEST_PYTHON = (3, 11), (3, 14)  # which `make` takes; a test compares
+OLDEST_PYTHON, NEWEST_PYTHON = (3, 11), (3, 14)  # as in the Makefile; a test compares
 
 
 def check_python(version: tuple[int, int] = sys.version_info[:2]) -> HardwareCheck:
-    """Check the interpreter that runs this."""
+    """Check the version of the running interpreter."""
     found = f'{host.python_version()} ({sys.executable})'
     if not OLDEST_PYTHON <= version <= NEWEST_PYTHON:
         oldest, newest = ('.'.join(map(str, bound)) for bound in (OLDEST_PYTHON, NEWEST_PYTHON))
@@ -31,13 +31,13 @@ def check_platform() -> HardwareCheck:
 
 
 def check_disk(runs: Path = Path('runs')) -> HardwareCheck:
-    """Check the room for recordings; a flight takes some tens of megabytes."""
+    """Check the disk space for recordings; a flight takes some tens of megabytes."""
     folder = next(path for path in (runs.absolute(), *runs.absolute().parents) if path.is_dir())
     free = shutil.disk_usage(folder).free / MEGABYTE
     found = f'{free:.0f} MB free for {runs.absolute()}'
     if not os.access(folder, os.W_OK):
         return HardwareCheck(
-            'disk', 'fail', f'{folder} cannot be written', 'Change to a folder of yours.'
+            'disk', 'fail', f'{folder} is not writable', 'Change to a folder that you own.'
         )
     return grade_figure(
         'disk', free, 2000.0, 200.0, found, 'Remove old runs or choose another folder.'

@@ -1,4 +1,4 @@
-"""Is the software whole: wheels, their versions, the workspace, a browser."""
+"""Check the software: wheels, their versions, the workspace, a browser."""
 
 from importlib import metadata
 import os
@@ -13,12 +13,12 @@ from lta_bridge.hardware.check_result import HardwareCheck
 MODULES = ('rclpy', 'sensor_msgs', 'numpy', 'scipy', 'numba', 'pydantic', 'yaml', 'mcap', 'plotly')
 PACKAGES = ('analysis', 'bridge', 'config', 'control', 'energy', 'graph', 'sim', 'vlc')
 BROWSERS = ('chromium', 'chromium-browser', 'google-chrome', 'google-chrome-stable')
-PATIENCE = 60.0  # s; the first import after an installation reads from a cold disk
+PATIENCE = 60.0  # s; the first import after an installation reads from a cold disk cache
 MAKE_AGAIN = "Run 'make build'; if that changes nothing, 'make clean' and 'make build'."
 
 
 def check_wheels() -> HardwareCheck:
-    """Check that what LTA runs on can be imported, in a process that a bad library may end."""
+    """Check that the dependencies can be imported; a subprocess survives a crashing library."""
     script = '; '.join(f'print({module!r}, flush=True); import {module}' for module in MODULES)
     result = subprocess.run(
         [sys.executable, '-c', script], capture_output=True, text=True, timeout=PATIENCE
@@ -31,7 +31,7 @@ def check_wheels() -> HardwareCheck:
 
 
 def read_pins(constraints: Path) -> dict[str, str]:
-    """Return the version that a constraints file asks for, by normalised name."""
+    """Return the versions that a constraints file pins, by normalised name."""
     lines = (line.split('#')[0].strip() for line in constraints.read_text().splitlines())
     pairs = (line.split('==') for line in lines if '==' in line)
     return {_normalize_name(name): version for name, version in pairs}
@@ -46,11 +46,11 @@ def check_versions(
 ) -> HardwareCheck:
     """Check that the installed versions are the ones that LTA was tested with."""
     if not constraints.is_file():
-        found = f'not compared: {sys.prefix} is no environment made by make'
+        found = f'not compared: {sys.prefix} is not an environment made by make'
         return HardwareCheck('versions', 'ok', found)
     wanted = read_pins(constraints)
-    # Pinned and not installed is fine: only the tests need it. The wheels carry records that pip
-    # did not write and that tell other versions.
+    # A pinned package that is not installed is fine: only the tests need it. Records without
+    # INSTALLER come from inside the ROS wheels, not from pip, and report other versions.
     installed = {
         _normalize_name(item.name): item.version
         for item in metadata.distributions()
@@ -67,7 +67,7 @@ def check_versions(
 
 
 def check_packages() -> HardwareCheck:
-    """Check that the workspace is built and in the ament index."""
+    """Check that the workspace is built and its packages are in the ament index."""
     prefixes = [Path(path) for path in os.environ.get('AMENT_PREFIX_PATH', '').split(':') if path]
     index = Path('share/ament_index/resource_index/packages')
     missing = [
@@ -84,13 +84,13 @@ def check_packages() -> HardwareCheck:
 
 
 def check_browser() -> HardwareCheck:
-    """Check for the Chromium that turns the page of a flight into pictures."""
+    """Check for Chromium, which renders the figures of a page as PNG."""
     for name in BROWSERS:
         if (path := shutil.which(name)) is not None:
             return HardwareCheck('browser', 'ok', path)
     return HardwareCheck(
         'browser',
         'warn',
-        'no Chromium; pages are written, pictures of them are not',
+        'no Chromium; pages can be written, their pictures cannot',
         'Install one (Debian, Ubuntu: sudo apt install chromium).',
     )

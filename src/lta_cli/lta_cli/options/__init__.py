@@ -1,1 +1,1 @@
-"""Options that many commands share, and the console that they print on."""
+"""Define options and the console that many verbs share."""

@@ -1,4 +1,4 @@
-"""The option --json, which prints the results for programs; the tables then go to stderr."""
+"""Define the option --json: JSON goes to stdout, tables then go to stderr."""
 
 import json
 from pathlib import Path
@@ -11,11 +11,11 @@ Json = Annotated[bool, typer.Option('--json', help='Print the results as JSON.')
 
 
 def print_json(content: Any, page: Path | None = None) -> None:  # noqa: ANN401 - plain data
-    """Print results, and where their page is."""
-    told = content if page is None else {**content, 'page': str(page)}
-    sys.stdout.write(json.dumps(told, indent=1) + '\n')
+    """Print results, with the path of their page."""
+    shown = content if page is None else {**content, 'page': str(page)}
+    sys.stdout.write(json.dumps(shown, indent=1) + '\n')
 
 
 def print_json_text(text: str, page: Path) -> None:
-    """Print the results that a file holds as JSON, and where their page is."""
+    """Print results that are already JSON text, with the path of their page."""
     print_json(json.loads(text), page)

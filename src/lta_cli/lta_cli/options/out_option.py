@@ -1,4 +1,4 @@
-"""The option --out, which says where the results of a verb go."""
+"""Define the option --out, the folder of a verb's results."""
 
 from pathlib import Path
 from typing import Annotated
@@ -7,7 +7,7 @@ import typer
 
 
 def parse_folder(text: str) -> Path:
-    """Return a folder; the empty text of a variable that is not set would be the present one."""
+    """Return a folder; refuse empty text (an unset shell variable), which would mean '.'."""
     if not text.strip():
         raise typer.BadParameter('it is empty; give a folder')
     return Path(text)

@@ -1,4 +1,4 @@
-"""The option --pictures, which says where each picture of a page goes as PNG."""
+"""Define the option --pictures, the folder for a page's figures as PNG files."""
 
 from pathlib import Path
 from typing import Annotated
@@ -9,12 +9,14 @@ import typer
 
 Pictures = Annotated[
     Path | None,
-    typer.Option(help='Folder for each picture as PNG; needs a Chromium.', metavar='FOLDER'),
+    typer.Option(
+        help='Write each figure as PNG to this folder; needs Chromium.', metavar='FOLDER'
+    ),
 ]
 
 
 def check_pictures(folder: Path | None) -> None:
-    """Refuse, before any work, pictures that could not be taken or written."""
+    """Check, before any work, that pictures can be taken and written."""
     if folder is not None:
-        find_chromium()  # says what is missing
+        find_chromium()  # raises BadInput if there is none
         prepare_empty_folder(folder)

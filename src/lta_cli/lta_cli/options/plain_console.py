@@ -1,13 +1,13 @@
-"""The console of every verb: what it is given it prints as it stands."""
+"""Create the console on which all verbs print."""
 
 from rich.console import Console
 
 
 def plain_console(stderr: bool = False) -> Console:
     """
-    Return a console to which no name is markup.
+    Return a console that does not interpret markup.
 
-    Names in the recordings and files of others may hold what rich takes for a style, and an
-    unknown one would end the command.
+    Names in recordings and files may contain text that rich takes for a style, and an unknown
+    style raises an error.
     """
     return Console(stderr=stderr, markup=False, emoji=False)

@@ -14,10 +14,10 @@ PARTS: Final = {
     'model': 'What can be turned',
     'replay': 'How finely a flight is replayed',
     'fit': 'Fitting',
-    'naming': 'Naming',
-    'outside': 'What has no name',
+    'selection': 'Naming',
+    'unmodeled': 'Unexplained forces',
     'forecast': 'Forecasts',
-    'carrying': 'Names by forecasts, on real flights',
+    'transfer': 'Names by forecasts, on real flights',
     'conclusion': 'The conclusion',
     'study': 'The whole study',
 }
@@ -50,7 +50,7 @@ class Threshold(NamedTuple):
     Attributes
     ----------
     module, name : str
-        Where it is declared, below the package: 'naming.accept', 'GAIN'.
+        Where it is declared, below the package: 'selection.acceptance', 'GAIN'.
     value : str
         As the source has it.
     about : str

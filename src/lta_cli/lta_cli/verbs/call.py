@@ -1,4 +1,4 @@
-"""lta call: ask a service of a running graph."""
+"""lta call: call a service of a running graph."""
 
 from typing import Annotated
 
@@ -10,18 +10,19 @@ import typer
 
 def call(
     service: Annotated[str, typer.Argument(help='Relative to the robot, or absolute.')],
-    data: Annotated[bool | None, typer.Argument(help='true or false, where it wants one.')] = None,
+    data: Annotated[
+        bool | None, typer.Argument(help='true or false, for a SetBool service.')
+    ] = None,
     robot: Annotated[str, typer.Option(help='Namespace of the robot.')] = 'lta1',
 ) -> None:
     """
-    Ask a service of a running graph once, and say what it answers.
+    Call a service of a running graph and print its response.
 
-    recorder/snapshot writes what the recorder keeps in memory; player/pause true|false and
-    player/step hold a replay and let it go on. What `ros2 service call` does where there is a
-    ROS 2; the graph is that of ROS_DOMAIN_ID.
+    recorder/snapshot writes the recorder's memory buffer to disk. player/pause true|false and
+    player/step pause, resume and single-step a replay. Works like "ros2 service call" in the
+    domain ROS_DOMAIN_ID.
 
-    Exit status 0: it was done. 1: the service says that it was not. 2: there is no such service,
-    or it does not answer.
+    Exit status 0: success. 1: the service reports a failure. 2: no such service, or no response.
 
     Example: lta call recorder/snapshot
 

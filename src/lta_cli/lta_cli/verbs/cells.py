@@ -1,4 +1,4 @@
-"""lta cells: solar cells beside each other, and arrays of them under a weight budget."""
+"""lta cells: compare solar cells, and arrays of them within a weight budget."""
 
 from typing import Annotated
 
@@ -29,22 +29,23 @@ import typer
 def cells(
     table: Annotated[str, typer.Argument(help='Shipped name or file of a table.')] = 'seed_paper',
     budget: Annotated[
-        str, typer.Option(help='What an array may weigh, panels alone, as in "50 g".')
+        str, typer.Option(help='Largest mass of an array, panels only, such as "50 g".')
     ] = '50 g',
     vehicle: Annotated[
-        str, typer.Option(help='Whose charger and loads the arrays serve.')
+        str, typer.Option(help='Vehicle whose charger and loads are used.')
     ] = 'gtmab',
     out: Out = None,
     pictures: Pictures = None,
     json: Json = False,
 ) -> None:
     """
-    Compare solar cells: the seed paper's figure, the fair one, and arrays within a weight.
+    Compare solar cells by charging time, and the arrays that fit into a weight budget.
 
-    Which cells are light and quick to charge a capacitor, by the paper's charging time by area and
-    by time times area; what the paper's arrays leave of their harvest in stand-by and while
-    transmitting, in white LED light and in sunlight of as many lux; and the largest array of each
-    cell within a weight. Panels are files in config/cells, the table one in config/cell_tables.
+    Ranks cells by the paper's figure (charging time of a capacitor divided by area) and by a
+    fairer one (time multiplied by area). Reports the surplus of the paper's arrays in stand-by and
+    while transmitting, under white LED light and sunlight of equal illuminance, and the largest
+    array of each cell within the budget. Panels are files in config/cells, tables are in
+    config/cell_tables.
 
     The results are a page and cells.json (SI units).
 
@@ -56,7 +57,7 @@ def cells(
     check_pictures(pictures)
     mass, energy = parse_mass(budget), load_vehicle_file(vehicle).energy
     if energy.charger is None:
-        raise BadInput(f'{vehicle} has no charger that panels could feed; take another --vehicle.')
+        raise BadInput(f'{vehicle} has no charger for solar panels; choose another --vehicle.')
     read = load_cell_table(table)
     target = prepare_empty_folder(resolve_folder(out, 'cells'))
     content = write_json(to_json(read, energy, mass), target / 'cells.json')
@@ -78,7 +79,7 @@ def cells(
 
 
 def parse_mass(text: str) -> float:
-    """Return a mass that somebody typed [kg]; `BadInput` if it is none."""
+    """Parse a mass in kg; raise `BadInput` for any other text."""
     try:
         given = Quantity.model_validate(text)
     except ValidationError as error:

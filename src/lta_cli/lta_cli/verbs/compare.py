@@ -1,4 +1,4 @@
-"""lta compare: two flights beside each other."""
+"""lta compare: compare two recorded flights."""
 
 from collections.abc import Sequence
 from fnmatch import fnmatchcase
@@ -33,12 +33,12 @@ QUANTITY = re.compile(r'\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S.*?)
 
 def compare(
     a: Annotated[Path, typer.Argument(help='Bag folder, results folder or .mcap file.')],
-    b: Annotated[Path, typer.Argument(help='The other; perhaps the same.')],
+    b: Annotated[Path, typer.Argument(help='The other bag; may be the same one.')],
     pair: Annotated[
         list[str] | None,
         typer.Option(
-            help="Topics or channels that belong together, A's first, as in "
-            'odom=ground_truth/odom; repeatable. Without it: those of the same name.'
+            help='Topics or channels to compare, as A=B, such as odom=ground_truth/odom; '
+            'repeatable. By default those of the same name.'
         ),
     ] = None,
     topic: Annotated[
@@ -46,32 +46,34 @@ def compare(
     ] = None,
     robot: Annotated[
         str | None,
-        typer.Option(help='Robot of both, or A:B; needed where a bag holds several.'),
+        typer.Option(help='Robot in both bags, or A:B; needed if a bag has several.'),
     ] = None,
     align: Annotated[
         Align,
         typer.Option(
-            help='clock: one run, two clocks. motion: two runs, by their start. none: the stamps '
-            'as they are. auto: by the data.'
+            help='How to align time. clock: one run, two clocks. motion: two runs, by the start '
+            'of motion. none: keep the stamps. auto: choose from the data.'
         ),
     ] = 'auto',
     offset: Annotated[
         str | None,
-        typer.Option(help="What B's clock shows more than A's, as in 0.12s; set by hand."),
+        typer.Option(help="Time offset of B's clock ahead of A's, such as 0.12s."),
     ] = None,
     frames: Annotated[
         Frames,
-        typer.Option(help="given: as they are. fit: lay B's path on A's. auto: by the data."),
+        typer.Option(
+            help="World frames. given: unchanged. fit: fit B's path to A's. auto: from the data."
+        ),
     ] = 'auto',
     tolerance: Annotated[
         list[str] | None,
         typer.Option(
-            help="CHANNEL=VALUE: the band of a channel, instead of its noise's; CHANNEL may be a "
-            'pattern, as in "odom/*position*=0.05 m"; repeatable.'
+            help='CHANNEL=VALUE: tolerance of a channel, instead of its noise band; CHANNEL may '
+            'be a pattern, such as "odom/*position*=0.05 m"; repeatable.'
         ),
     ] = None,
     same: Annotated[
-        bool, typer.Option('--same', help='Exit status 1 where the flights differ.')
+        bool, typer.Option('--same', help='Exit with status 1 if the flights differ.')
     ] = False,
     out: Annotated[
         Path | None,
@@ -86,13 +88,13 @@ def compare(
     json: Annotated[bool, typer.Option('--json', help='Print everything as JSON.')] = False,
 ) -> None:
     """
-    Compare two flights, simulated or measured: where and when they part, and by how much.
+    Compare two flights, simulated or measured: where, when and by how much they differ.
 
-    Their clocks and world frames are laid on each other, and what was done is said. Differences
-    are B minus A, on A's clock. A channel parts where its difference stays outside what the noise
-    of both explains, or outside a tolerance.
+    Clocks and world frames are aligned, and the alignment is reported. Differences are B minus A,
+    on A's clock. Two channels diverge where their difference stays outside the noise of both, or
+    outside a tolerance.
 
-    Exit status 0: compared, whatever came out. 1: they differ, and --same was given. 2: bad input.
+    Exit status 0: compared. 1: the flights differ and --same was given. 2: bad input.
 
     Example: lta compare runs/one runs/two
 
@@ -108,10 +110,10 @@ def compare(
     one = open_side(a, robots[0], 'A')
     other = open_side(b, robots[2] or robots[0], 'B')
     if pictures is not None and not page:
-        raise BadInput('--pictures are taken of the page; leave --no-page out.')
+        raise BadInput('--pictures needs the page; leave out --no-page.')
     check_pictures(pictures)
     if out is not None and out.exists():
-        prepare_empty_folder(out.absolute())  # refused before the work, not after
+        prepare_empty_folder(out.absolute())  # fail before the work, not after
     with CompareProgress(console, count_ticks(one, other, asked)) as progress:
         found = compare_flights(one, other, asked, progress.tick)
     check_units(tolerance or (), found.channels)
@@ -132,21 +134,24 @@ def compare(
 
 
 def open_side(path: Path, robot: str, label: str) -> RecordedFlight:
-    """Return a flight; which of both is meant is said where several robots are in it."""
+    """Open a flight; an error about several robots names the side (A or B)."""
     try:
         return open_flight(find_bag(path), robot or None)
     except BadInput as error:
         if 'several robots' in str(error):
-            raise BadInput(f'{label}: {error} For different ones: --robot lta1:lta2.') from error
+            raise BadInput(
+                f'{label}: {error} For two different robots: --robot lta1:lta2.'
+            ) from error
         raise
 
 
 def parse_tolerance(text: str) -> tuple[str, float]:
-    """Return channel and band of a text as 'odom/pose.pose.position.z=0.05 m'."""
+    """Return channel and tolerance of a text such as 'odom/pose.pose.position.z=0.05 m'."""
     name, equals, value = text.rpartition('=')
     if not equals or not name:
         raise BadInput(
-            f"'{text}' is no tolerance; write CHANNEL=VALUE, as in odom/pose.pose.position.z=0.05."
+            f"'{text}' is not a tolerance; write CHANNEL=VALUE, such as "
+            'odom/pose.pose.position.z=0.05.'
         )
     band = parse_quantity(value, f'The tolerance of {name}')
     if band < 0.0:
@@ -155,7 +160,7 @@ def parse_tolerance(text: str) -> tuple[str, float]:
 
 
 def check_units(tolerances: Sequence[str], channels: Sequence[ChannelComparison]) -> None:
-    """Raise BadInput where none of the channels of a tolerance is in such a unit."""
+    """Raise `BadInput` if the unit of a tolerance fits none of its channels."""
     for name, _, value in (text.rpartition('=') for text in tolerances):
         found = QUANTITY.fullmatch(value)
         if found is None or not found[2]:
@@ -171,13 +176,13 @@ def check_units(tolerances: Sequence[str], channels: Sequence[ChannelComparison]
 
 
 def parse_quantity(text: str, what: str, unit: str | None = None) -> float:
-    """Return a number with or without its unit, in SI; `BadInput` where it is none."""
+    """Parse a number with an optional unit and return it in SI units, or raise `BadInput`."""
     found = QUANTITY.fullmatch(text)
     own = found and found[2]
     kind, factor = UNITS.get(own or '', (unit, 1.0))
     if found is None or (own and own not in UNITS) or (unit and kind != unit):
         known = ', '.join(sorted(name for name, (si, _) in UNITS.items() if unit in (None, si)))
-        raise BadInput(f"{what} is '{text}'; give a number, perhaps with a unit ({known}).")
+        raise BadInput(f"{what} is '{text}'; give a number with an optional unit ({known}).")
     value = float(found[1]) * factor
     if not math.isfinite(value):
         raise BadInput(f"{what} is '{text}'; give a finite number.")

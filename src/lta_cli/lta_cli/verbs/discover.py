@@ -1,4 +1,4 @@
-"""lta discover: which effect a vehicle file lacks, by measured flights."""
+"""lta discover: find the effect that a vehicle file lacks, from measured flights."""
 
 from pathlib import Path
 from typing import Annotated
@@ -17,8 +17,7 @@ from lta_discovery.planning.next_flight import FILE, NextFlight, SCENE
 from lta_discovery.planning.next_flight import plan_between as plan_between
 from lta_discovery.progress import DiscoverProgress
 from lta_discovery.results.terminal import format_result, print_finding
-from lta_discovery.run import discover_effects as discovered
-from lta_discovery.run import DiscoveryRequest, DiscoveryResult
+from lta_discovery.run import discover_effects, DiscoveryRequest, DiscoveryResult
 from lta_report.results_folder import check_creatable, format_page_line, resolve_folder
 from lta_report.screenshots import write_pictures
 from rich.console import Console
@@ -29,58 +28,63 @@ BAG = 'Bag folders, results folders or .mcap files'
 
 def discover(
     vehicle: Annotated[
-        str | None, typer.Option(help='What flew: vehicle name or file, as far as it is known.')
+        str | None, typer.Option(help='Nominal model of the flown vehicle, name or file.')
     ] = None,
     train: Annotated[
-        list[Path] | None, typer.Option(metavar='BAG...', help=f'To learn from. {BAG}.')
+        list[Path] | None, typer.Option(metavar='BAG...', help=f'Training flights. {BAG}.')
     ] = None,
     confirm: Annotated[
         list[Path] | None,
-        typer.Option(metavar='BAG...', help='To confirm by: other flights of the vehicle.'),
+        typer.Option(
+            metavar='BAG...', help='Other flights of the vehicle, to confirm the result.'
+        ),
     ] = None,
     holdout: Annotated[
         list[Path] | None,
-        typer.Option(metavar='BAG...', help='To show on: nothing is fitted to these.'),
+        typer.Option(
+            metavar='BAG...', help='Flights to report errors on; nothing is fitted to them.'
+        ),
     ] = None,
-    robot: Annotated[str | None, typer.Option(help='Whose data, if a bag has several.')] = None,
+    robot: Annotated[str | None, typer.Option(help='Robot, if a bag has several.')] = None,
     demo: Annotated[
-        bool, typer.Option('--demo', help='Hide an effect, fly with it, find it, show it.')
+        bool, typer.Option('--demo', help='Run a demonstration: hide an effect, fly, discover it.')
     ] = False,
     plan: Annotated[
-        bool, typer.Option('--plan', help='Write the next flight, that decides between names.')
+        bool,
+        typer.Option('--plan', help='Plan the flight that best separates the candidates.'),
     ] = False,
     between: Annotated[
         tuple[str, str] | None,
-        typer.Option(metavar='EFFECT EFFECT', help='Plan without flights: tell these two apart.'),
+        typer.Option(
+            metavar='EFFECT EFFECT', help='Plan a flight that separates these two effects.'
+        ),
     ] = None,
     scenario: Annotated[
-        str, typer.Option(help='With --between, where to fly: scenario name or file.')
+        str, typer.Option(help='With --between: scenario to fly in, name or file.')
     ] = SCENE,
-    seed: Annotated[int, typer.Option(help='Seed of all chance.', min=0, max=2**31 - 1)] = 1,
+    seed: Annotated[int, typer.Option(help='Random seed.', min=0, max=2**31 - 1)] = 1,
     out: Out = None,
     pictures: Pictures = None,
-    json: Annotated[bool, typer.Option('--json', help='Print discovery.json, alone.')] = False,
+    json: Annotated[bool, typer.Option('--json', help='Print only discovery.json.')] = False,
 ) -> None:
     """
-    Find where a vehicle's model disagrees with its flights, and name the effect that is missing.
+    Find where a vehicle's model disagrees with its flights, and name the missing effect.
 
-    The commands of the flights are replayed through the model of the vehicle file. Each effect of
-    the library is a candidate; named is what explains the training flights, is confirmed by
-    others, and is not explained as well by something that no library has. That nothing is missing
-    is an answer, too, and so is that these flights cannot tell.
+    Replays the recorded commands through the model of the vehicle file. Each effect of the library
+    is a candidate. An effect is named if it explains the training flights, if other flights
+    confirm it, and if an effect outside the library does not explain them as well. The result may
+    also be that nothing is missing, or that the flights do not decide.
 
-    The folder then holds report.html (all on one page), vehicle.yaml (the same file with what was
-    learned, to be flown or studied again), overlay.mcap (measured, before and after, for
-    Foxglove) and discovery.json.
+    Writes report.html, vehicle.yaml (the vehicle file with the identified effect), overlay.mcap
+    (measured, before and after, for Foxglove) and discovery.json.
 
-    With --plan there is next_flight.yaml as well where a name is not the only one: a scenario, for
-    lta fly, of the flight that tells it from the others. What no flight tells apart, it says.
+    If several effects fit, --plan also writes next_flight.yaml, a scenario for "lta fly" that
+    separates them. It reports pairs that no flight can distinguish.
 
-    One flight alone is split in time, which is weaker. How it decides, and how good it is at
-    it: docs/discovery.md.
+    A single flight is split in time, which gives weaker evidence. Method and accuracy:
+    docs/discovery.md.
 
-    Exit status 0: studied, whatever came out. 2: bad input; flights from which no honest answer
-    can come are that, too.
+    Exit status 0: done, whatever the result. 2: bad input, or flights too poor to analyse.
 
     Example: lta discover --vehicle gtmab --train A B --confirm C --holdout D
 
@@ -94,7 +98,7 @@ def discover(
     }  # fmt: skip
     _check_options(vehicle, any(bags.values()), demo, between is not None)
     if pictures is not None and between is not None:
-        raise BadInput('--between writes no page to take pictures of; leave --pictures out.')
+        raise BadInput('--between writes no page; leave out --pictures.')
     check_pictures(pictures)
     folder = resolve_folder(out, 'discover-demo' if demo else 'discover')
     check_creatable(folder)
@@ -109,7 +113,7 @@ def discover(
             hidden, found = demonstrate_discovery(seed, folder, progress.show_stage)
         else:
             asked = DiscoveryRequest(vehicle, bags, seed, robot, plan)
-            found = discovered(asked, folder, progress.show_stage)
+            found = discover_effects(asked, folder, progress.show_stage)
     if pictures is not None:
         write_pictures(found.page, pictures)
     if json:
@@ -119,20 +123,20 @@ def discover(
 
 
 def _check_options(vehicle: str | None, bags: bool, demo: bool, between: bool) -> None:
-    """Refuse options that do not go together."""
+    """Refuse options that exclude each other."""
     if demo and (bags or vehicle):
-        raise BadInput('--demo flies flights of its own; leave the vehicle and the bags out.')
+        raise BadInput('--demo makes its own flights; leave out the vehicle and the bags.')
     if not demo and vehicle is None:
         raise BadInput(
-            'There is no vehicle file to hold the flights against; name it with --vehicle, or '
-            'see how all this goes with --demo.'
+            'There is no vehicle file to compare the flights with; name one with --vehicle, or '
+            'try --demo.'
         )
     if between and (bags or demo):
-        raise BadInput('--between plans without flights; leave the bags out, or take --plan.')
+        raise BadInput('--between plans without flights; leave out the bags, or use --plan.')
 
 
 def print_result_json(result: DiscoveryResult, hidden: DemoEffect | None) -> None:
-    """Print discovery.json with the page, and what a demonstration hid."""
+    """Print discovery.json with the path of the page and the hidden effect of a demo."""
     content = {**result.told, 'page': str(result.page)}
     if hidden is not None:
         content['hidden'] = {'name': hidden.name, 'value': hidden.value, 'unit': hidden.unit}
@@ -142,11 +146,11 @@ def print_result_json(result: DiscoveryResult, hidden: DemoEffect | None) -> Non
 def print_result(
     result: DiscoveryResult, hidden: DemoEffect | None, folder: Path, console: Console
 ) -> None:
-    """Print what was found, what a demonstration hid, and what can be done with it."""
+    """Print the finding, the hidden effect of a demo, and commands to continue with."""
     finding = result.study.finding
     print_finding(finding, console)
     if hidden is not None:
-        both = f'Hidden was {hidden}; found was {format_result(finding)}.'
+        both = f'Hidden: {hidden}. Result: {format_result(finding)}.'
         console.print(both, style='bold', highlight=False, soft_wrap=True)
     if (folder / FILE).exists():
         print_flight_command(finding.vehicle, folder / FILE, console)
@@ -158,7 +162,7 @@ def print_result(
 def write_next_flight(
     planned: NextFlight, vehicle: str, folder: Path, json: bool, console: Console
 ) -> None:
-    """Write the next flight and say what it is."""
+    """Write the planned flight and describe it."""
     if planned.scenario is not None:
         folder.mkdir(parents=True, exist_ok=True)
     path = planned.write(folder)
@@ -175,6 +179,6 @@ def write_next_flight(
 
 
 def print_flight_command(vehicle: str, path: Path, console: Console) -> None:
-    """Print how a planned flight is flown."""
+    """Print the command that flies a planned flight."""
     line = format_lta_command('fly', '--vehicle', vehicle, '--scenario', relative_path(path))
     console.print(line, style='dim', highlight=False, markup=False, soft_wrap=True)

@@ -1,4 +1,4 @@
-"""lta doctor: look at this machine."""
+"""lta doctor: check this machine."""
 
 from contextlib import nullcontext
 from dataclasses import asdict
@@ -14,12 +14,12 @@ def doctor(
     json: Annotated[bool, typer.Option('--json', help='Print JSON instead of a table.')] = False,
 ) -> None:
     """
-    Check Python, wheels, discovery between two processes, ports, disk, and say what to do.
+    Check Python, wheels, DDS discovery, ports and disk, and suggest fixes.
 
-    Exit status 1 if something keeps LTA from flying; warnings do not.
+    Exit status 1 if a check fails; warnings give 0.
     """
     console = plain_console()
-    waiting = console.status('looking at this machine ...')
+    waiting = console.status('checking this machine ...')
     with waiting if console.is_terminal else nullcontext():
         results = list(iterate_checks())
     if json:

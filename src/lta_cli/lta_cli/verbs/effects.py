@@ -1,4 +1,4 @@
-"""lta effects: what the model is the sum of."""
+"""lta effects: list the effects of the model."""
 
 import sys
 from typing import Annotated
@@ -18,10 +18,10 @@ def effects(
     ] = False,
 ) -> None:
     """
-    Tell what effects the model knows: unit, bounds and source of every parameter.
+    List the effects of the model: unit, bounds and source of every parameter.
 
-    A vehicle file switches an effect on under `effects:`. Its equations stand at the top of its
-    file in src/lta_model/lta_model/effects/.
+    A vehicle file enables an effect under `effects:`. Its equations are at the top of its file in
+    src/lta_model/lta_model/effects/.
 
     Example: lta effects ground_effect
     """
@@ -34,7 +34,7 @@ def effects(
 
 
 def print_all_effects() -> None:
-    """Print a line for each effect, kind by kind."""
+    """Print one line for each effect, grouped by kind."""
     console = plain_console()
     for kind, (title, about) in KINDS.items():
         table = Table(title=f'{title}: {about}', title_justify='left', box=None)

@@ -1,4 +1,4 @@
-"""lta fly: a whole flight, recorded and reported."""
+"""lta fly: fly once with the ROS graph, record it and write its report."""
 
 from pathlib import Path
 from typing import Annotated, Literal
@@ -28,18 +28,16 @@ def fly(
     vehicle: Annotated[str, typer.Option(help='Vehicle name or file.')] = 'gtmab',
     scenario: Annotated[str, typer.Option(help='Scenario name or file.')] = 'lamp_room',
     strategy: Annotated[str, typer.Option(help=f'Navigation strategy: {KNOWN}.')] = 'bag',
-    seed: Annotated[int, typer.Option(help='Seed of all chance.', min=0, max=2**31 - 1)] = 1,
+    seed: Annotated[int, typer.Option(help='Random seed.', min=0, max=2**31 - 1)] = 1,
     time: Annotated[
         Literal['lockstep', 'realtime'] | None,
         typer.Option(
-            help='As fast as the graph answers, or at the pace of the wall clock.',
+            help='lockstep: as fast as the nodes respond. realtime: at wall-clock speed.',
             show_default='lockstep; realtime with --live',
         ),
     ] = None,
     out: Out = None,
-    live: Annotated[
-        bool, typer.Option('--live', help='Show the flight to Foxglove while it lasts.')
-    ] = False,
+    live: Annotated[bool, typer.Option('--live', help='Stream the flight to Foxglove.')] = False,
     live_port: Annotated[
         int, typer.Option(help='Port of the live view.', min=1, max=65535)
     ] = PORT,
@@ -47,11 +45,11 @@ def fly(
     json: Json = False,
 ) -> None:
     """
-    Fly: the whole graph, one process a node, recorded to MCAP and reported as a page.
+    Fly with the full ROS graph, one process per node; record to MCAP and write a report page.
 
-    In lockstep a seed gives the same flight every time, byte for byte.
+    In lockstep the same seed gives the same flight, byte for byte.
 
-    With --live Foxglove can look on, without ROS; nobody is waited for.
+    With --live, Foxglove can watch without ROS; a slow viewer never blocks the flight.
 
     Exit status 0: the drone reached its goal. 1: it did not, or a node died. 2: bad input,
     nothing was started. 130: Ctrl-C (143: SIGTERM, 129: SIGHUP).
@@ -77,7 +75,7 @@ def fly(
 
 
 def write_report(flight: FlightRun, page: Path | None) -> FlightResults | None:
-    """Return the results, and write the page; None for a broken flight without a recording."""
+    """Write the page and return the results; None if a failed flight left no recording."""
     try:
         if page is not None:
             return write_page(flight.bag, page)
@@ -91,7 +89,7 @@ def write_report(flight: FlightRun, page: Path | None) -> FlightResults | None:
 def flight_to_dict(
     flight: FlightRun, figures: FlightResults | None, page: Path | None
 ) -> dict[str, object]:
-    """Return what --json prints."""
+    """Return the content of --json."""
     pages = {} if page is None or figures is None else {'page': str(page)}
     return {
         'outcome': flight.outcome,
@@ -104,7 +102,7 @@ def flight_to_dict(
 
 
 def format_outcome(flight: FlightRun, figures: FlightResults | None) -> str:
-    """Return the outcome in one sentence: the page's own, and what else the simulator knows."""
+    """Return the outcome in one sentence, from the page and the simulator's verdict."""
     on_course = flight.outcome == 'reached' and figures is not None and figures.success is None
     if figures is None or flight.outcome == 'failed' or on_course:
         return f'The drone {flight.sentence}.'
@@ -114,7 +112,7 @@ def format_outcome(flight: FlightRun, figures: FlightResults | None) -> str:
 
 
 def print_files(bag: Path, page: Path | None, console: Console) -> None:
-    """Print where the results are and how to look at them."""
+    """Print the paths of the results and how to open them."""
     lines = [
         f'Bag  {bag}  (drop it into Foxglove, or: '
         f'{format_lta_command("bag", "info", relative_path(bag))})'

@@ -1,4 +1,4 @@
-"""lta import: other people's logs as bags."""
+"""lta import: convert logs of other systems to bags."""
 
 from dataclasses import asdict
 from pathlib import Path
@@ -27,33 +27,32 @@ def import_(
     mapping: Annotated[
         str | None,
         typer.Option(
-            help=f'What the columns are: a file, or one of {", ".join(list_shipped("imports"))}. '
-            f'Found '
-            'from the columns where just one shipped mapping fits.'
+            help='Meaning of the columns: a file, or one of '
+            f'{", ".join(list_shipped("imports"))}. Detected from the columns if only one shipped '
+            'mapping fits.'
         ),
     ] = None,
     format: Annotated[
         str | None,
-        typer.Option(help=f'{", ".join(get_args(Format))}; found from the content if left out.'),
+        typer.Option(help=f'{", ".join(get_args(Format))}; detected by default.'),
     ] = None,
     out: Out = None,
     robot: Annotated[str, typer.Option(help='Namespace of the topics.')] = 'lta1',
     vehicle: Annotated[
-        str | None, typer.Option(help='Vehicle that flew, name or file; goes into the bag.')
+        str | None, typer.Option(help='Flown vehicle, name or file; stored in the bag.')
     ] = None,
     json: Json = False,
 ) -> None:
     """
-    Make bags of other people's logs: CSV, ROS 1 and 2 bags, Crazyflie uSD logs, PX4 ULogs.
+    Convert logs to bags: CSV, ROS 1 and 2 bags, Crazyflie uSD logs, PX4 ULogs.
 
-    Values are converted in unit and axes and are otherwise those of the log: nothing is
-    smoothed, resampled or invented. What is odd (time that goes back or stands still, cells
-    without a number) is kept and named. The bag carries the name and SHA-256 of its source and
-    the whole mapping, and says whether the data are measured or simulated.
+    Only units and axes are converted: nothing is smoothed, resampled or filled in. Anomalies (time
+    that stops or runs backwards, cells without a number) are kept and reported. The bag stores the
+    name and SHA-256 of its source, the whole mapping, and whether the data are measured or
+    simulated.
 
-    A mapping says which column is what, in which unit and in whose axes: docs/import.md. One
-    source becomes FOLDER/bag, several become FOLDER/NAME/bag; if one of them cannot be
-    imported, none is.
+    A mapping defines the meaning, unit and axes of each column: docs/import.md. One source becomes
+    FOLDER/bag, several become FOLDER/NAME/bag; if one cannot be imported, none is.
 
     Example: lta import data_1.csv --vehicle rgblimp
 
@@ -61,13 +60,13 @@ def import_(
 
     Example: lta import log00 log01 --json
     """
-    # The readers of all formats take a while to load, which no other verb should wait for.
+    # Import here: the format readers load slowly, and building the help does not need them.
     from lta_data.importers.progress import ImportProgress
     from lta_data.importers.run import import_logs, ImportRequest
 
     console = plain_console(stderr=json)
     if not is_name(robot):
-        raise BadInput(f"Robot '{robot}' is no name for topics; use letters and digits.")
+        raise BadInput(f"Robot '{robot}' is not a valid namespace; use letters and digits.")
     name = sources[0].name.split('.')[0] or 'log'
     target = resolve_folder(out, name)
     order = ImportRequest(sources, mapping, format, robot, vehicle)
@@ -81,10 +80,10 @@ def import_(
 
 
 def _print_import(one: 'ImportedLog', console: Console) -> None:
-    """Print what became of one log."""
-    told = f'{one.format}, mapping {one.mapping}' if one.mapping else one.format
+    """Print a summary of one imported log."""
+    form = f'{one.format}, mapping {one.mapping}' if one.mapping else one.format
     console.print(
-        f'{one.source} ({told}; {one.data})', style='bold', highlight=False, markup=False
+        f'{one.source} ({form}; {one.data})', style='bold', highlight=False, markup=False
     )
     for topic, count in one.topics.items():
         console.print(f'  {topic}: {count} messages', highlight=False, markup=False)

@@ -1,4 +1,4 @@
-"""lta launch: a launch file, as `ros2 launch` would."""
+"""lta launch: run a launch file like `ros2 launch`."""
 
 import os
 from pathlib import Path
@@ -17,25 +17,24 @@ from rich.table import Table
 import typer
 
 SUFFIX = '.launch.yaml'
-WHEELS = 'wheels'  # what tools/workspace.sh calls an underlay that has no ros2 of its own
+WHEELS = 'wheels'  # tools/workspace.sh: the underlay is pip wheels, without a ros2 command
 
 
 def launch(
-    file: Annotated[str, typer.Argument(help='A shipped name (fly) or a *.launch.yaml.')],
+    file: Annotated[str, typer.Argument(help='Shipped launch file (fly) or a *.launch.yaml.')],
     given: Annotated[
         list[str] | None, typer.Argument(metavar='[NAME:=VALUE]...', help='Launch arguments.')
     ] = None,
     show_args: Annotated[
-        bool, typer.Option('--show-args', help='List the arguments and leave.')
+        bool, typer.Option('--show-args', help='List the arguments and exit.')
     ] = False,
 ) -> None:
     """
-    Start a graph from a ROS 2 YAML launch file and watch it.
+    Start a graph from a ROS 2 YAML launch file and monitor it.
 
-    The end of a node is named, and so is one that hangs; if an end was not the planned one, all
-    others are stopped and the exit status is 1, or 2 if the node refused its input. Called over
-    an installed ROS 2 (ros2 run lta_cli lta launch ...), it hands over to the genuine
-    "ros2 launch"; ./lta never does.
+    Reports nodes that exit or hang. If a node exits unexpectedly, all others are stopped and the
+    exit status is 1, or 2 if the node rejected its input. With an installed ROS 2 (ros2 run
+    lta_cli lta launch ...) this runs the real "ros2 launch"; ./lta never does.
 
     Example: lta launch fly seed:=2 time:=lockstep bag:=/tmp/flight
     """
@@ -56,22 +55,22 @@ def launch(
 
 
 def print_event(sentence: str) -> None:
-    """Print what happened to the graph."""
+    """Print an event of the graph to stderr."""
     sys.stderr.write(f'{sentence}\n')
 
 
 def print_node_line(node: str, line: str) -> None:
-    """Print one line of a node under its name."""
+    """Print one output line of a node, prefixed with its name."""
     sys.stdout.write(f'[{node}] {line}\n')
 
 
 def parse_arguments(texts: list[str]) -> dict[str, str]:
-    """Return launch arguments by name; each is written NAME:=VALUE."""
+    """Parse launch arguments of the form NAME:=VALUE."""
     pairs = {}
     for item in texts:
         name, mark, value = item.partition(':=')
         if not mark or not name:
-            raise BadInput(f"'{item}' is no launch argument; write NAME:=VALUE.")
+            raise BadInput(f"'{item}' is not a launch argument; write NAME:=VALUE.")
         pairs[name] = value
     return pairs
 

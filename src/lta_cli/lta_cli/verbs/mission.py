@@ -1,4 +1,4 @@
-"""lta mission: live on light for days."""
+"""lta mission: simulate a solar-powered mission over days."""
 
 from dataclasses import asdict
 from typing import Annotated, Literal
@@ -22,29 +22,29 @@ DAY = 86400.0
 
 def mission(
     name: Annotated[str, typer.Argument(help='Mission, shipped name or file.')] = 'greenhouse',
-    days: Annotated[int, typer.Option(help='Days to live.', min=1, max=365)] = 1,
+    days: Annotated[int, typer.Option(help='Days to simulate.', min=1, max=365)] = 1,
     seeds: Annotated[
-        int, typer.Option(help='How often, each with its own clouds.', min=1, max=1000)
+        int, typer.Option(help='Number of runs, each with its own clouds.', min=1, max=1000)
     ] = 1,
     seed: Annotated[int, typer.Option(help='The first seed.', min=0)] = 1,
     schedule: Annotated[
         Literal['all', 'by light', 'duty cycle', 'duty cycle, asleep'],
-        typer.Option(help='Ours, which looks at the light, a naive one, or all.'),
+        typer.Option(help='by light: ours. duty cycle: a fixed baseline. Or all of them.'),
     ] = 'all',
     out: Out = None,
     pictures: Pictures = None,
     json: Json = False,
 ) -> None:
     """
-    Live on light: perch and charge, fly when reserve and light allow, be back before dark.
+    Simulate a solar-powered mission: perch and charge, fly if energy allows, return before dark.
 
-    A mission file says which beacons the drone visits, in which light it charges, and what it
-    keeps. Each flight is flown by the compiled model and control; the time between goes in steps
-    of half a minute. Three schedules live the same days: ours, which looks at the light to come
-    and at its own count of the charge, and a fixed duty cycle that stays awake or sleeps between.
+    A mission file defines the beacons to visit, the light in which to charge, and the reserve.
+    Flights use the compiled model and controller; perching is simulated in steps of 30 s. Three
+    schedules run on the same days: ours, which uses the light forecast and the estimated charge,
+    and a fixed duty cycle that either stays awake or sleeps between flights.
 
-    The results are a page, mission.json (SI units), and the diary of each life. The same command
-    with the same --out goes on where it was stopped.
+    Writes a page, mission.json (SI units) and a log of each run. To resume a stopped run, repeat
+    the command with the same --out.
 
     Exit status 0: done. 2: bad input. 130: Ctrl-C.
 
@@ -57,7 +57,7 @@ def mission(
     folder = resolve_folder(out, f'mission-{order.mission.name}')
     columns = (TextColumn('{task.description}'), BarColumn(), TimeRemainingColumn())
     total = DAY * days * seeds * len(schedules)
-    with ProgressBar(console, *columns, begin='living', total=total) as bar:
+    with ProgressBar(console, *columns, begin='simulating', total=total) as bar:
         lives = run_missions(order, folder, lambda gone: bar.update_bar(advance=gone))
     content = {
         'mission': order.mission.name,
@@ -74,7 +74,7 @@ def mission(
         '--schedule', schedule,
     )  # fmt: skip
     commands = {
-        'Live it again': again,
+        'Run it again': again,
         'Fly between its beacons': format_lta_command(
             'simulate', '--scenario', order.mission.scene, '--strategy', 'homing',
         ),

@@ -1,4 +1,4 @@
-"""lta platforms: the same manoeuvres, each platform by its own control law."""
+"""lta platforms: compare platforms in the same manoeuvres, each with its own control law."""
 
 from datetime import datetime
 from pathlib import Path
@@ -31,39 +31,41 @@ import typer
 
 def platforms(
     file: Annotated[
-        str, typer.Argument(help='A shipped name (platforms) or a comparison file.')
+        str, typer.Argument(help='Shipped comparison (platforms) or a comparison file.')
     ] = 'platforms',
     seeds: Annotated[
-        int | None, typer.Option(help='Flights of each; as the file says by default.', min=1)
+        int | None, typer.Option(help='Flights of each; as in the file by default.', min=1)
     ] = None,
     workers: Annotated[
-        int | None, typer.Option(help='Processes; as many as processors by default.', min=1)
+        int | None, typer.Option(help='Worker processes; one per processor by default.', min=1)
     ] = None,
     out: Out = None,
     pictures: Annotated[
         Path | None,
-        typer.Option(help='Folder for each picture as PNG; needs a Chromium.', metavar='FOLDER'),
+        typer.Option(
+            help='Write each figure as PNG to this folder; needs Chromium.', metavar='FOLDER'
+        ),
     ] = None,
     json: Annotated[bool, typer.Option('--json', help='Print every flight as JSON.')] = False,
 ) -> None:
     """
-    Compare platforms: climb, turn, follow a heading, cruise; each by its own control law.
+    Compare platforms in climb, turn, heading and cruise, each with its own control law.
 
-    A comparison file names contestants (vehicle, law, gains, what is set otherwise), ablations
-    (one thing of a contestant changed, with the reason), and limits (ever more speed). A
-    manoeuvre is a file of setpoints over time, with the band within which it counts as held.
-    All is checked before the first flight.
+    A comparison file names contestants (vehicle, control law, gains, changed parameters),
+    ablations (one change to a contestant, with its reason) and speed-limit tests. A manoeuvre is a
+    file of setpoints over time with a tolerance band. Everything is checked before the first
+    flight.
 
-    The results are flights.json, SI units, and a page: pictures, figures with their spread over
-    the seeds, what each change turns, and each platform's static margin.
+    Writes flights.json (SI units) and a page: plots, metrics with their spread over the seeds,
+    the effect of each ablation, and each platform's static margin.
 
-    Exit status 0: all was flown, whoever held. 2: bad input, nothing was flown. 130: Ctrl-C.
+    Exit status 0: all flown, whatever the results. 2: bad input, nothing flown. 130: Ctrl-C.
 
     Example: lta platforms --seeds 3
     """
     console = plain_console(stderr=json)
     if pictures is not None:
-        find_chromium()  # says what is missing before anything flies
+        find_chromium()  # raises BadInput before anything is flown
         prepare_empty_folder(pictures)
     comparison = load_comparison(file)
     check_comparison(file, comparison)

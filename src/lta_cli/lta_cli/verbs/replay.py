@@ -1,4 +1,4 @@
-"""lta replay: nodes run again on what was recorded, and compared with it."""
+"""lta replay: rerun nodes on a recording and compare their outputs with it."""
 
 from pathlib import Path
 import sys
@@ -15,8 +15,7 @@ from lta_flight.replay.node_settings import parse_settings
 from lta_flight.replay.page import format_largest_change, format_value, write_page
 from lta_flight.replay.progress import ReplayProgress
 from lta_flight.replay.request import parse_nodes, ReplayRequest
-from lta_flight.replay.run import ReplayRun
-from lta_flight.replay.run import run_replay as run_again
+from lta_flight.replay.run import ReplayRun, run_replay
 from lta_flight.replay.verdict import compare_flights, ReplayVerdict
 from lta_report.results_folder import format_page_line, resolve_folder, write_json
 from rich.console import Console
@@ -29,28 +28,30 @@ WORST = 3  # channels of a topic on the terminal
 def replay(
     bag: Annotated[Path, typer.Argument(help='Bag folder, results folder or .mcap file.')],
     nodes: Annotated[
-        str, typer.Option(help='Nodes to run again, with commas between.')
+        str, typer.Option(help='Nodes to rerun, separated by commas.')
     ] = 'demodulator,navigator',
     against: Annotated[
-        bool, typer.Option('--against', help='Compare every answer with the recorded one.')
+        bool, typer.Option('--against', help='Compare every output with the recorded one.')
     ] = False,
     set_: Annotated[
         list[str] | None,
-        typer.Option('--set', help='NODE.PARAMETER=VALUE of a node that is run; repeatable.'),
+        typer.Option('--set', help='NODE.PARAMETER=VALUE of a rerun node; repeatable.'),
     ] = None,
     strategy: Annotated[str | None, typer.Option(help='Another navigation strategy.')] = None,
     vehicle: Annotated[str | None, typer.Option(help='Another vehicle, name or file.')] = None,
     gains: Annotated[str | None, typer.Option(help='Other gains, name or file.')] = None,
-    robot: Annotated[str | None, typer.Option(help='Robot in a bag of several.')] = None,
+    robot: Annotated[str | None, typer.Option(help='Robot, if the bag has several.')] = None,
     rate: Annotated[
         float | None,
         typer.Option(
-            help='Bag seconds a wall second; without it, in lockstep.', min=1e-3, max=1e6
+            help='Playback speed relative to real time; lockstep by default.', min=1e-3, max=1e6
         ),
     ] = None,
-    start: Annotated[float, typer.Option(help='Begin so many seconds later.', min=0.0)] = 0.0,
+    start: Annotated[
+        float, typer.Option(help='Start this many seconds into the bag.', min=0.0)
+    ] = 0.0,
     end: Annotated[
-        float | None, typer.Option(help='End so many seconds after the first message.', min=0.0)
+        float | None, typer.Option(help='End this many seconds after the first message.', min=0.0)
     ] = None,
     out: Annotated[
         Path | None,
@@ -63,15 +64,15 @@ def replay(
     json: Json = False,
 ) -> None:
     """
-    Run nodes again on a recording, and tell whether they decide as they did.
+    Rerun nodes on a recording and check whether they decide as before.
 
-    The player publishes what was recorded, the nodes answer as fast as they can, and nothing is
-    lost on the way. Vehicle, gains and strategy are those that the bag carries, unless others are
-    given. What the other nodes of the graph sent is played from the bag as well.
+    The player publishes the recorded inputs, including those of nodes that are not rerun; the
+    nodes respond as fast as they can, and no message is lost. Vehicle, gains and strategy come
+    from the bag unless given.
 
-    Exit status 0: done; with --against, identical to the last bit, or within 1e-9 and with the
-    same decisions where the bag was made with other versions or on another machine. 1: different,
-    or a node did not answer. 2: bad input. 130: Ctrl-C.
+    Exit status 0: done; with --against, bit-identical, or within 1e-9 with the same decisions if
+    the bag comes from other versions or another machine. 1: different, or a node did not respond.
+    2: bad input. 130: Ctrl-C.
 
     Example: lta replay runs/flight --nodes demodulator,navigator --against --set
     demodulator.window=4
@@ -86,7 +87,7 @@ def replay(
     target = resolve_folder(out, 'replay')
     span = ((flight.bag.end or 0) - (flight.bag.start or 0)) * 1e-9
     with ReplayProgress(console, max(0.0, min(span, order.end) - start)) as progress:
-        played = run_again(order, flight, target, progress)
+        played = run_replay(order, flight, target, progress)
     verdict = (
         compare_flights(flight, open_flight(played.bag), order.node_selection.answers)
         if against
@@ -106,7 +107,7 @@ def write_results(
     console: Console,
     json: bool,
 ) -> None:
-    """Write the results, and say what came out and where it is."""
+    """Write the results, and print a summary and their paths."""
     content = {
         'bag': str(played.bag),
         'whole': played.is_complete,
@@ -122,12 +123,12 @@ def write_results(
     if json:
         sys.stdout.write(written)
     if not played.is_complete:
-        console.print('The replay did not come to its end.', highlight=False)
+        console.print('The replay did not finish.', highlight=False)
     elif played.standing is not None:
-        said = played.standing
+        status = played.standing
         console.print(
-            f'Replayed {said["time_s"]} s at {said["pace"]} x real time: {said["messages"]} '
-            f'messages played, {said["answers"]} answers.',
+            f'Replayed {status["time_s"]} s at {status["pace"]} x real time: '
+            f'{status["messages"]} messages played, {status["answers"]} outputs.',
             highlight=False,
         )
     if verdict is not None:
@@ -142,7 +143,7 @@ def write_results(
 
 
 def print_verdict(verdict: ReplayVerdict, console: Console) -> None:
-    """Print the verdict, what differs, and which decisions changed."""
+    """Print the verdict, the differing fields and the changed decisions."""
     console.print(f'{verdict.sentence}.', highlight=False, soft_wrap=True)
     printed = Table(
         Column('topic', overflow='fold'), Column('field', overflow='fold'),
@@ -170,7 +171,7 @@ def print_verdict(verdict: ReplayVerdict, console: Console) -> None:
     for topic in verdict.topics:
         if any(topic.unmatched):
             console.print(
-                f'{topic.topic}: not compared are {topic.unmatched[0]} recorded and '
-                f'{topic.unmatched[1]} replayed messages without a partner.',
+                f'{topic.topic}: {topic.unmatched[0]} recorded and {topic.unmatched[1]} replayed '
+                'messages have no counterpart and were not compared.',
                 highlight=False,
             )

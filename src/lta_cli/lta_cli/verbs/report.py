@@ -1,4 +1,4 @@
-"""lta report: the page of a recorded flight, once more."""
+"""lta report: write the page of a recorded flight."""
 
 from pathlib import Path
 from typing import Annotated
@@ -18,25 +18,25 @@ def report(
     out: Annotated[
         Path | None,
         typer.Option(
-            help='HTML file of the page; report.html, or report-ROBOT.html, beside the bag.'
+            help='HTML file; by default report.html or report-ROBOT.html next to the bag.'
         ),
     ] = None,
     robot: Annotated[
-        str | None, typer.Option(help='Robot to report on; needed where the bag holds several.')
+        str | None, typer.Option(help='Robot to report on; needed if the bag has several.')
     ] = None,
     pictures: Annotated[
-        Path | None, typer.Option(help='Folder for each picture as PNG; needs a Chromium.')
+        Path | None, typer.Option(help='Write each figure as PNG to this folder; needs Chromium.')
     ] = None,
 ) -> None:
     """
-    Write the page of a recorded flight, and its pictures if a folder for them is given.
+    Write the page of a recorded flight, and with --pictures its figures.
 
     Example: lta report runs/20261120-lamp_room-1/bag --pictures thesis/figures
 
     Example: lta report pair/bag --robot lta2
     """
     bag = find_bag(bag)
-    select_robot(read_bag(bag), robot)  # nothing is made where there is nothing to report on
+    select_robot(read_bag(bag), robot)  # raises BadInput before any folder is created
     name = 'report.html' if robot is None else f'report-{robot}.html'
     page = (out or bag.absolute().parent / name).absolute()
     if pictures is not None:

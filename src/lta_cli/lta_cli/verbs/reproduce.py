@@ -48,7 +48,7 @@ def reproduce(
         ),
     ] = None,
     workers: Annotated[
-        int | None, typer.Option(help='Processes; as many as processors by default.', min=1)
+        int | None, typer.Option(help='Worker processes; one per processor by default.', min=1)
     ] = None,
     pictures: Pictures = None,
     as_markdown: Annotated[bool, typer.Option('--markdown', help='Print docs/paper.md.')] = False,

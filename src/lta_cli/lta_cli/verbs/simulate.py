@@ -24,7 +24,7 @@ def simulate(
     gains: Annotated[
         str, typer.Option(help="Controller's gains, name or file; the vehicle's own by default.")
     ] = '',
-    seed: Annotated[int, typer.Option(help='Seed of all chance.', min=0, max=2**31 - 1)] = 1,
+    seed: Annotated[int, typer.Option(help='Random seed.', min=0, max=2**31 - 1)] = 1,
     changes: Annotated[
         list[str] | None,
         typer.Option('--set', metavar='PATH=VALUE', help='Fly with another value; repeatable.'),

@@ -30,7 +30,7 @@ def sweep(
         ),
     ] = None,
     workers: Annotated[
-        int | None, typer.Option(help='Processes; as many as processors by default.', min=1)
+        int | None, typer.Option(help='Worker processes; one per processor by default.', min=1)
     ] = None,
     scheduler: Annotated[
         str | None,

@@ -76,7 +76,7 @@ def tune(
             '--number', metavar='PATH', help='What to turn, as climb.kp; repeatable. All gains.'
         ),
     ] = None,
-    seed: Annotated[int, typer.Option(help='Seed of all chance.', min=0, max=2**31 - 1)] = 1,
+    seed: Annotated[int, typer.Option(help='Random seed.', min=0, max=2**31 - 1)] = 1,
     workers: Annotated[int, typer.Option(help='Processes.', min=1)] = 2,
     out: Annotated[
         Path | None,

@@ -1,4 +1,4 @@
-"""Control laws by name."""
+"""Registry of the control laws."""
 
 from lta_config.errors import unknown_name
 from lta_control.laws import (
@@ -24,7 +24,7 @@ LAWS: dict[str, ControlLaw] = {
 
 
 def find_law(name: str) -> ControlLaw:
-    """Return a control law; an unknown name is a `BadInput` that lists the known ones."""
+    """Return a control law by name; raise `BadInput` with the known names for an unknown one."""
     if name not in LAWS:
         raise unknown_name('control law', name, list(LAWS))
     return LAWS[name]

@@ -1,8 +1,8 @@
 """
-The paper's cascade (`lta_control.cascade`), as a law among others.
+The paper's cascade (`lta_control.cascade`) as a control law.
 
-In one process it runs together with the estimator (`lta_control.onboard`), which gives the same
-to the last bit.
+The one-process loop runs it together with the estimator (`lta_control.onboard`), with
+bit-identical results.
 """
 
 from typing import NamedTuple
@@ -25,14 +25,14 @@ class CascadeLawConstants(NamedTuple):
 
 
 class CascadeLawMemory(NamedTuple):
-    """The newest command and what control remembers."""
+    """The latest command and the controller state."""
 
     command: LawCommand = LawCommand()
     control: ControlMemory = ControlMemory()
 
 
 def build_constants(gains: CascadeGains, vehicle: Vehicle) -> CascadeLawConstants:
-    """Return what stays the same during a flight."""
+    """Return the values that stay constant during a flight."""
     return CascadeLawConstants(gains, build_rotors(vehicle), surge_drag_coefficients(vehicle))
 
 

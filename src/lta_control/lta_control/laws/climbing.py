@@ -1,4 +1,4 @@
-"""Altitude, as most of the laws hold it: a climb rate from the error, a force from the rate."""
+"""Altitude control for most of the laws: altitude error to climb rate to vertical force."""
 
 from lta_config.settings import setting, Settings
 from lta_control.cascade import pid_gains
@@ -10,7 +10,7 @@ class ClimbGains(Settings):
     """Gains from altitude to vertical force."""
 
     altitude_kp: float = setting(
-        ..., 'Climb rate asked for each metre below.', unit='1/s', low=0.0, high=10.0
+        ..., 'Climb rate per metre of altitude error.', unit='1/s', low=0.0, high=10.0
     )
     climb_limit: float = setting(..., 'Largest climb rate.', unit='m/s', low=0.01, high=2.0)
     climb: PidGains = setting(..., 'Climb rate to vertical force, N per m/s.')
@@ -20,23 +20,11 @@ def lift_step(
     gains: ClimbGains, integral: float, error: float, climb: float, missing: float, dt: float
 ) -> tuple[float, float]:
     """
-    Return the vertical force beyond the weight, and the new integral.
+    Return the vertical force beyond the weight, and the new integral. [N]
 
-    Parameters
-    ----------
-    gains : ClimbGains
-        Of both loops; the derivative is not used.
-    integral : float
-        Of the last step. [N]
-    error : float
-        Altitude asked for, less where it is. [m]
-    climb : float
-        Upward velocity. [m/s]
-    missing : float
-        What the rotors gave beyond the last demand. [N]
-    dt : float
-        Time since the last step. [s]
-
+    `error` is the altitude setpoint minus the altitude [m], `climb` the upward velocity [m/s],
+    and `missing` the delivered minus the demanded force of the last step [N]. The derivative gain
+    is not used.
     """
     wanted = clamp_symmetric(gains.altitude_kp * error, gains.climb_limit)
     return pid_step(pid_gains(gains.climb), integral, wanted - climb, 0.0, missing, dt)

@@ -1,4 +1,4 @@
-"""Turn vectors between body, world, and the level frame of a heading."""
+"""Rotate vectors between body, world, and the level frame of a heading."""
 
 import math
 
@@ -6,7 +6,7 @@ from lta_control.attitude import Quaternion, Vector
 
 
 def to_world(q: Quaternion, v: Vector) -> Vector:
-    """Return a body vector in the world frame of a body-to-world quaternion."""
+    """Return a body vector in the world frame; `q` is body to world."""
     x, y, z, w = q
     tx, ty, tz = (
         2.0 * (y * v[2] - z * v[1]),
@@ -26,13 +26,13 @@ def to_body(q: Quaternion, v: Vector) -> Vector:
 
 
 def rotate_level(yaw: float, forward: float, left: float) -> tuple[float, float]:
-    """Return the x and y of a level vector given along a heading and to its left."""
+    """Return world x and y of a level vector given along a heading and to its left."""
     cos, sin = math.cos(yaw), math.sin(yaw)
     return cos * forward - sin * left, sin * forward + cos * left
 
 
 def quaternion_from_angles(roll: float, pitch: float, yaw: float) -> Quaternion:
-    """Return the quaternion of yaw, then pitch (nose down), then roll; REP-103. [rad]"""
+    """Return the quaternion of yaw, then pitch (positive nose down), then roll; REP-103. [rad]"""
     cr, sr = math.cos(0.5 * roll), math.sin(0.5 * roll)
     cp, sp = math.cos(0.5 * pitch), math.sin(0.5 * pitch)
     cy, sy = math.cos(0.5 * yaw), math.sin(0.5 * yaw)
@@ -46,9 +46,10 @@ def quaternion_from_angles(roll: float, pitch: float, yaw: float) -> Quaternion:
 
 def rotation_between(here: Quaternion, there: Quaternion) -> Vector:
     """
-    Return the turn from one attitude to another, in the body frame of the first.
+    Return the rotation from one attitude to another, in the body frame of the first.
 
-    Twice the vector of the short way's quaternion: the rotation vector where it is small. [rad]
+    Twice the vector part of the shorter rotation's quaternion: the rotation vector for small
+    angles. [rad]
     """
     x, y, z, w = -here[0], -here[1], -here[2], here[3]
     p, q, r, s = there
@@ -62,5 +63,5 @@ def rotation_between(here: Quaternion, there: Quaternion) -> Vector:
 
 
 def clamp_symmetric(value: float, limit: float) -> float:
-    """Return a value held within plus and minus a limit."""
+    """Return a value clamped to plus and minus a limit."""
     return min(max(value, -limit), limit)

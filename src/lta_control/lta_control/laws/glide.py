@@ -1,14 +1,14 @@
 """
 RGBlimp: the moving mass sets the pitch, both propellers the speed, their difference the yaw.
 
-Cheng 2023 (arXiv:2306.04079) shifts a mass to glide and turns by differential thrust, in open loop
-in the published flights; the loops are ours (assumed). Wings carry what the gas does not only
-while it flies, so below
+Cheng 2023 (arXiv:2306.04079) shifts a mass to glide and turns by differential thrust, in open
+loop in the published flights; the loops here are our own (assumed). The wings carry the weight
+that the gas does not, but only in flight. Below
 
     v^2 = 2 weight / (rho A C_L)
 
-no pitch that the mass can reach holds its altitude; it is no defect of the loops. Velocity comes
-from a tracker, as theirs did.
+no reachable pitch holds the altitude; this is a limit of the vehicle, not of the loops. Velocity
+comes from a tracker, as in the publication.
 """
 
 import math
@@ -32,21 +32,21 @@ class GlideGains(Settings):
     """Gains of altitude, pitch, speed and yaw."""
 
     altitude_kp: float = setting(
-        ..., 'Climb rate asked for each metre below.', unit='1/s', low=0.0, high=10.0
+        ..., 'Climb rate per metre of altitude error.', unit='1/s', low=0.0, high=10.0
     )
     climb_limit: float = setting(..., 'Largest climb rate.', unit='m/s', low=0.01, high=2.0)
     climb: PidGains = setting(..., 'Climb rate to nose-up pitch, rad per m/s.')
-    pitch: PidGains = setting(..., 'Pitch to place of the mass, m backwards per rad.')
+    pitch: PidGains = setting(..., 'Pitch to position of the mass, m backwards per rad.')
     speed: PidGains = setting(..., 'Speed to thrust, N per m/s.')
     heading_kp: float = setting(
-        ..., 'Yaw rate asked for each radian of error.', unit='1/s', low=0.0, high=10.0
+        ..., 'Yaw rate per radian of heading error.', unit='1/s', low=0.0, high=10.0
     )
     yaw_rate_limit: float = setting(..., 'Largest yaw rate.', unit='rad/s', low=0.01, high=6.0)
     yaw_rate: PidGains = setting(..., 'Yaw rate to yaw moment, N m per rad/s.')
 
 
 class GlideLawConstants(NamedTuple):
-    """Gains, rotors, lever of the differential thrust [m], and where the mass rests and ends."""
+    """Gains, rotors, lever of the differential thrust [m], rest and limits of the mass [m]."""
 
     gains: GlideGains
     rotors: Rotors
@@ -57,23 +57,23 @@ class GlideLawConstants(NamedTuple):
 
 
 class GlideLawMemory(NamedTuple):
-    """The newest command and the integrals."""
+    """The latest command, integrals, and the delivered minus demanded outputs."""
 
     command: LawCommand = LawCommand()
     climb: float = 0.0  # [rad]
     pitch: float = 0.0  # [m]
     speed: float = 0.0  # [N]
     yaw_rate: float = 0.0  # [N m]
-    missing: Vector = (0.0, 0.0, 0.0)  # place [m], thrust [N], yaw moment [N m]
+    missing: Vector = (0.0, 0.0, 0.0)  # mass position [m], thrust [N], yaw moment [N m]
 
 
 def build_constants(gains: GlideGains, vehicle: Vehicle) -> GlideLawConstants:
-    """Return what stays the same during a flight; a vehicle of another kind is a `BadInput`."""
+    """Return the constants of a flight; raise `BadInput` for an unsuitable vehicle."""
     mass, columns = vehicle.file.moving_mass, vehicle.allocation
     if mass is None or mass.low is None or mass.high is None or len(columns) != TWO:
         raise BadInput(
-            f'{vehicle.file.name} has no moving mass with two ends, or not two propellers, which '
-            'the law glide flies by; take another law.'
+            f'{vehicle.file.name} needs a moving mass with two limits and two propellers for the '
+            'law glide; choose another law.'
         )
     x, y, z = mass.position.vector
     lever = 0.5 * (columns[1][5] - columns[0][5])
@@ -106,7 +106,7 @@ def step(
     turn, yaw_rate = pid_step(
         pid_gains(gains.yaw_rate), memory.yaw_rate, rate - motion.rates[2], 0.0, gap[2], dt
     )
-    # The turn comes first: each propeller gives 0 to full.
+    # The turn has priority; each propeller gives 0 to full thrust.
     full = constants.rotors.high[0]
     half = clamp_symmetric(0.5 * turn / constants.lever, 0.5 * full)
     middle = min(max(0.5 * thrust, abs(half)), full - abs(half))

@@ -1,20 +1,22 @@
 """
-BEAVIS: four rotors round the hull that push outwards, and lift only by how their jets collide.
+BEAVIS: four rotors around the hull push outwards; lift comes only from colliding jets.
 
-Its authors (Sharma 2023, arXiv:2308.01385) say that a nonlinear controller regulates the pressure
-below the hull and commands all three translations and yaw; equations and gains we could not read.
-This is ours (assumed): the thrusts are a collective T plus offsets o that sum to nothing,
+The authors (Sharma 2023, arXiv:2308.01385) report a nonlinear controller that regulates the
+pressure below the hull and commands all three translations and yaw; their equations and gains
+were not available. This law is our own (assumed): the thrusts are a collective T plus offsets o
+that sum to zero,
 
     t_i = T + o_i,   (fx, fy, mz) = A o,   lift = e T + c min_i t_i
 
-A from the columns of the rotors, e the lift of one newton of each without the collision (it sinks
-the hull), c that of the collision. Each offset takes lift away, because the weakest jet counts, so
+where A follows from the rotor columns, e is the lift per newton on every rotor without the
+collision (negative: it pulls the hull down), and c that of the collision. Each offset reduces the
+lift, because the weakest jet counts, so
 
     T = (lift - c min(o) * compensation) / (e + c)
 
-gives it back: `compensation` 1 knows the collision, 0 is a mixer that knows only full collective.
-Altitude comes first: the offsets are scaled down until every rotor stays below full thrust.
-It does not turn first: it pushes along its course whatever its heading.
+restores it. With `compensation` 1 the mixer accounts for the collision; with 0 it assumes full
+collective. Altitude has priority: the offsets are scaled down until every rotor stays below full
+thrust. The vehicle does not turn first: it pushes along its course at any heading.
 """
 
 from typing import cast, NamedTuple
@@ -45,18 +47,21 @@ class LateralGains(ClimbGains):
     """Gains of the altitude, heading and velocity loops."""
 
     heading_kp: float = setting(
-        ..., 'Yaw rate asked for each radian of error.', unit='1/s', low=0.0, high=10.0
+        ..., 'Yaw rate per radian of heading error.', unit='1/s', low=0.0, high=10.0
     )
     yaw_rate_limit: float = setting(..., 'Largest yaw rate.', unit='rad/s', low=0.01, high=6.0)
     yaw_rate: PidGains = setting(..., 'Yaw rate to yaw moment, N m per rad/s.')
     velocity: PidGains = setting(..., 'Velocity to force along x and y, N per m/s.')
     compensation: float = setting(
-        ..., 'Share of the lift lost by offsets that the collective gives back.', low=0.0, high=1.0
+        ...,
+        'Share of the lift lost by the offsets that the collective restores.',
+        low=0.0,
+        high=1.0,
     )
 
 
 class LateralLawConstants(NamedTuple):
-    """Gains, rotors, offsets by surge, sway and yaw, lift alone and by collision, weight [N]."""
+    """Gains, rotors, offsets by surge, sway and yaw, lift without and by collision, weight [N]."""
 
     gains: LateralGains
     rotors: Rotors
@@ -69,7 +74,7 @@ class LateralLawConstants(NamedTuple):
 
 
 class LateralLawMemory(NamedTuple):
-    """The newest command, integrals, and what the rotors gave beyond the last demand."""
+    """The latest command, integrals, and delivered minus demanded outputs."""
 
     command: LawCommand = LawCommand()
     climb: float = 0.0  # [N]
@@ -80,19 +85,20 @@ class LateralLawMemory(NamedTuple):
 
 
 def build_constants(gains: LateralGains, vehicle: Vehicle) -> LateralLawConstants:
-    """Return what stays the same during a flight; a vehicle of another kind is a `BadInput`."""
+    """Return the constants of a flight; raise `BadInput` for an unsuitable vehicle."""
     coupling, columns = vehicle.file.aero.coupling, vehicle.allocation
     if coupling is None or len(columns) != FOUR or len(coupling.rotors) != FOUR:
         raise BadInput(
-            f'{vehicle.file.name} has no four rotors whose jets collide, which the law lateral '
-            'flies by; take another law, or give it a coupling of four rotors in aero.'
+            f'{vehicle.file.name} needs four rotors whose jets collide for the law lateral; '
+            'choose another law, or give it a coupling of four rotors in aero.'
         )
     planar = [[column[axis] for column in columns] for axis in PLANAR]
     matrix = np.array([*planar, [1.0] * FOUR])
+    # A singular matrix: the rotor axes do not span surge, sway and yaw.
     if np.linalg.cond(matrix) > 1e6:
         raise BadInput(
-            f'{vehicle.file.name} cannot push along x, along y and turn with its four rotors '
-            'independently; turn their axes, or take another law.'
+            f'{vehicle.file.name} cannot push along x and y and turn independently with its '
+            'four rotors; turn their axes, or choose another law.'
         )
     surge, sway, yaw = (cast('Four', tuple(part.tolist())) for part in np.linalg.inv(matrix).T[:3])
     return LateralLawConstants(
@@ -137,7 +143,7 @@ def step(
 def mix_thrusts(
     constants: LateralLawConstants, lift: float, fx: float, fy: float, turn: float
 ) -> tuple[PerRotor, float, float]:
-    """Return the thrusts [N], the share of the offsets that fitted, and the lift meant [N]."""
+    """Return the thrusts [N], the feasible share of the offsets, and the intended lift [N]."""
     k, p, q = constants.surge, constants.sway, constants.yaw
     o0 = k[0] * fx + p[0] * fy + q[0] * turn
     o1 = k[1] * fx + p[1] * fy + q[1] * turn
@@ -161,7 +167,7 @@ def mix_thrusts(
 
 
 def clamp_thrust(thrust: float, full: float) -> float:
-    """Return a thrust that a rotor can give that does not reverse. [N]"""
+    """Return the thrust clamped to a rotor that does not reverse. [N]"""
     return min(max(thrust, 0.0), full)
 
 

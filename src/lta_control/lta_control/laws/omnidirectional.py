@@ -1,11 +1,11 @@
 """
-Skye: position and attitude in all six degrees of freedom, each by its own PID.
+Skye: position and attitude in all six degrees of freedom, each with its own PID.
 
-Burri 2013 holds the attitude of a nearly neutral sphere that its four turning thrusters push
-anywhere; its gains and its mixer are not in front of us, so both are ours (assumed): PID on
-position with weight and drag fed forward, PD on attitude, and the weighted least-squares
-allocation over the eight rotors that stand for the units, within their limits. The goal is a point
-that moves with the setpoint's velocity. The pose comes from a tracker (assumed).
+Burri 2013 holds the attitude of a nearly neutral sphere that four swivelling thrusters push in
+any direction. Its gains and its mixer were not available, so both are our own (assumed): PID on
+position with weight and drag fed forward, PD on attitude, and weighted least-squares allocation
+within the limits of the eight rotors that represent the thrusters. The goal is a point that moves
+with the commanded velocity. The pose comes from a tracker (assumed).
 """
 
 from typing import NamedTuple
@@ -28,7 +28,14 @@ from lta_control.per_rotor import NONE, PerRotor
 from lta_control.vehicle_parameters import build_rotors, surge_drag_coefficients
 from lta_model.vehicle import Vehicle
 
-ALL_ALIKE = (1.0, 1.0, 1.0, 1.0, 1.0, 1.0)  # its lever is near 1 m: N and N m compare
+ALL_ALIKE = (
+    1.0,
+    1.0,
+    1.0,
+    1.0,
+    1.0,
+    1.0,
+)  # equal weights: the lever is near 1 m, so N and N m are comparable
 
 
 class OmnidirectionalGains(Settings):
@@ -37,9 +44,11 @@ class OmnidirectionalGains(Settings):
     position_kp: float = setting(..., 'Force by position error.', unit='N/m', low=0.0, high=1e3)
     position_ki: float = setting(..., 'Its integral.', unit='N/(m s)', low=0.0, high=1e3)
     position_kd: float = setting(..., 'Force by velocity error.', unit='N s/m', low=0.0, high=1e3)
-    reach: float = setting(..., 'Largest position error heeded.', unit='m', low=0.01, high=100.0)
+    reach: float = setting(
+        ..., 'Largest position error that the loop acts on.', unit='m', low=0.01, high=100.0
+    )
     integral_limit: float = setting(..., 'Largest integral.', unit='N', low=0.0, high=1e3)
-    attitude_kp: float = setting(..., 'Moment by turn.', unit='N m', low=0.0, high=1e3)
+    attitude_kp: float = setting(..., 'Moment by attitude error.', unit='N m', low=0.0, high=1e3)
     attitude_kd: float = setting(..., 'Moment by rate.', unit='N m s', low=0.0, high=1e3)
 
 
@@ -53,7 +62,7 @@ class OmnidirectionalLawConstants(NamedTuple):
 
 
 class OmnidirectionalLawMemory(NamedTuple):
-    """The newest command, the moving goal, and the integrals."""
+    """The latest command, the moving goal, and the integrals."""
 
     command: LawCommand = LawCommand()
     begun: bool = False
@@ -63,7 +72,7 @@ class OmnidirectionalLawMemory(NamedTuple):
 
 
 def build_constants(gains: OmnidirectionalGains, vehicle: Vehicle) -> OmnidirectionalLawConstants:
-    """Return what stays the same during a flight."""
+    """Return the values that stay constant during a flight."""
     weight = vehicle.heaviness * STANDARD_GRAVITY
     return OmnidirectionalLawConstants(
         gains, build_rotors(vehicle, ALL_ALIKE), surge_drag_coefficients(vehicle), weight
@@ -80,11 +89,13 @@ def step(
     gains, motion, setpoint, dt = constants.gains, inputs.motion, inputs.setpoint, inputs.dt
     px, py, pz = motion.position
     vx, vy, vz = to_world(motion.attitude, motion.velocity)
+    # The goal starts at the drone's own position.
     gx, gy = memory.goal if memory.begun else (px, py)
     wx, wy = rotate_level(setpoint.heading, setpoint.speed, 0.0)
     gx, gy = gx + dt * wx, gy + dt * wy
     ex, ey = clamp_symmetric(gx - px, gains.reach), clamp_symmetric(gy - py, gains.reach)
     ez = clamp_symmetric(setpoint.altitude - pz, gains.reach)
+    # Clamped integrals prevent wind-up while the error is limited by `reach`.
     ix = clamp_symmetric(memory.integral[0] + dt * gains.position_ki * ex, gains.integral_limit)
     iy = clamp_symmetric(memory.integral[1] + dt * gains.position_ki * ey, gains.integral_limit)
     iz = clamp_symmetric(memory.integral[2] + dt * gains.position_ki * ez, gains.integral_limit)

@@ -1,4 +1,4 @@
-"""A control law aboard a vehicle, as the controller node calls it: by the drone's own sensors."""
+"""Run a control law on board, as the controller node calls it, on the drone's own sensors."""
 
 from typing import Any, final
 
@@ -14,12 +14,12 @@ CASCADE = 'cascade'
 
 
 def law_name(vehicle: Vehicle) -> str:
-    """Return the law that a vehicle's file names; the cascade where it names none."""
+    """Return the law in the vehicle's file; the cascade if there is none."""
     return vehicle.file.control.law if vehicle.file.control else CASCADE
 
 
 def check_onboard_law(vehicle: Vehicle) -> None:
-    """Refuse a vehicle whose law cannot fly it by the drone's own sensors; see `OnboardLaw`."""
+    """Raise `BadInput` if a vehicle's law cannot run on onboard sensors; see `OnboardLaw`."""
     if (name := law_name(vehicle)) != CASCADE:
         OnboardLaw(name, vehicle)
 
@@ -27,14 +27,9 @@ def check_onboard_law(vehicle: Vehicle) -> None:
 @final
 class OnboardLaw:
     """
-    Step a law, memory kept.
+    Step a control law and keep its memory.
 
-    Parameters
-    ----------
-    name : str
-        Of the law.
-    vehicle : Vehicle
-        Its gains are those that the vehicle's file names.
+    The gains are those of the vehicle's file.
 
     Raises
     ------
@@ -47,9 +42,9 @@ class OnboardLaw:
         self._law = find_law(name)
         if self._law.feedback is Feedback.TRACKER:
             raise BadInput(
-                f'{vehicle.file.name} flies by the law {name}, which needs a tracker, and the '
-                'controller has the drone\'s own sensors alone; compare it with "lta platforms", '
-                'or name another law.'
+                f'{vehicle.file.name} uses the law {name}, which needs a tracker, but the '
+                'controller has only the onboard sensors; fly it with "lta platforms", '
+                'or choose another law.'
             )
         control = vehicle.file.control
         if control is None or control.gains is None:
@@ -63,12 +58,12 @@ class OnboardLaw:
         self._scratch = create_scratch()
 
     def step(self, motion: ControlMotion, setpoint: Setpoint, dt: float) -> LawCommand:
-        """Return the command after one more period. [s]"""
-        heard = LawInputs(motion, setpoint, dt)
-        self._memory = self._law.step(self._known, self._memory, heard, self._scratch)
+        """Return the command after one more period of `dt`. [s]"""
+        inputs = LawInputs(motion, setpoint, dt)
+        self._memory = self._law.step(self._known, self._memory, inputs, self._scratch)
         command: LawCommand = self._memory.command
         return command
 
     def reset(self) -> None:
-        """Forget what the loops had wound up."""
+        """Reset the integrals."""
         self._memory = self._law.start

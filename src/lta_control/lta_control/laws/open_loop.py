@@ -1,14 +1,14 @@
 """
-No feedback at all: the duties that would hold the setpoint if nothing ever lagged behind.
+Open-loop control: the duties that would hold the setpoint in steady motion.
 
-The seed paper flies Zufferey's model by inputs that it does not print. Here they follow from the
-vehicle's own drag and weight, at rest in the wanted motion:
+The seed paper flies Zufferey's model with inputs that it does not print. Here they follow from
+the vehicle's own drag and weight, in equilibrium at the wanted motion:
 
     surge = (d_x + q_x |v|) v,   heave = weight + (d_z + q_z |c|) c,   yaw = (d_r + q_r |r|) r
 
-v is the forward speed asked for; altitude and heading are asked for as a climb rate c and a turn
-rate r for as long as they would take. Inertia is left out, and so is all that is measured: it
-arrives late, coasts on, and never learns where it is.
+v is the commanded forward speed. Altitude and heading are commanded as a climb rate c and a turn
+rate r for the time that the change takes. Inertia and all measurements are ignored: the vehicle
+lags, coasts on, and never corrects its position.
 """
 
 from typing import NamedTuple
@@ -25,7 +25,7 @@ from lta_model.vehicle import Vehicle
 
 
 class OpenLoopGains(Settings):
-    """Rates at which altitude and heading are asked to change."""
+    """Commanded rates of altitude and heading."""
 
     climb_rate: float = setting(..., 'Climb or sink rate.', unit='m/s', low=0.001, high=2.0)
     turn_rate: float = setting(..., 'Turn rate.', unit='rad/s', low=0.001, high=6.0)
@@ -44,7 +44,7 @@ class OpenLoopLawConstants(NamedTuple):
 
 
 class OpenLoopLawMemory(NamedTuple):
-    """The newest command, and where the vehicle would be if it were prompt."""
+    """The latest command, and the altitude and heading of an ideal vehicle without lag."""
 
     command: LawCommand = LawCommand()
     begun: bool = False
@@ -54,7 +54,7 @@ class OpenLoopLawMemory(NamedTuple):
 
 
 def build_constants(gains: OpenLoopGains, vehicle: Vehicle) -> OpenLoopLawConstants:
-    """Return what stays the same during a flight."""
+    """Return the values that stay constant during a flight."""
     linear, quadratic = vehicle.file.aero.linear_drag, vehicle.file.aero.quadratic_drag
     return OpenLoopLawConstants(
         gains,
@@ -70,7 +70,7 @@ def build_constants(gains: OpenLoopGains, vehicle: Vehicle) -> OpenLoopLawConsta
 def step(
     constants: OpenLoopLawConstants, memory: OpenLoopLawMemory, inputs: LawInputs, scratch: Scratch
 ) -> OpenLoopLawMemory:
-    """Return the memory one step later, with the new command in it; motion is not looked at."""
+    """Return the memory one step later, with the new command in it; the motion is not used."""
     gains, setpoint, dt = constants.gains, inputs.setpoint, inputs.dt
     altitude = memory.altitude if memory.begun else constants.standing
     heading = memory.heading

@@ -1,8 +1,8 @@
 """
-What a control law is: from where the vehicle is and should be to what its rotors do.
+Interface of a control law: from motion and setpoint to rotor commands.
 
-A law is plain functions of scalars and tuples, memory handed in and out, so that it runs as it
-stands in a node and compiled in a loop (`lta_config.compilation.flat`).
+A law consists of plain functions of scalars and tuples with memory in and out, so that the same
+code runs in a node and compiled in a loop (`lta_config.compilation.flat`).
 """
 
 from collections.abc import Callable
@@ -20,25 +20,24 @@ UNMOVED: Vector = (0.0, 0.0, 0.0)
 
 
 class Feedback(StrEnum):
-    """What a law flies by."""
+    """Source of a law's feedback."""
 
-    ESTIMATOR = 'estimator'  # the drone's own sensors
-    TRACKER = 'tracker'  # an outside tracker's pose and velocity, and the drone's own gyroscope
+    ESTIMATOR = 'estimator'  # onboard sensors
+    TRACKER = 'tracker'  # pose and velocity of an external tracker, rates of the onboard gyroscope
 
 
 class ControlMotion(NamedTuple):
     """
-    Where the vehicle is, as its law sees it; the frame begins with the vehicle's start.
+    Motion of the vehicle as input of a law; the frame begins at the vehicle's start.
 
     Attributes
     ----------
     position : tuple
-        Of the hull centre; z above the floor. x and y are dead reckoning where no tracker looks.
-        [m]
+        Of the hull centre; z above the floor. Without a tracker, x and y are dead reckoning. [m]
     attitude : tuple
         Body to that frame, x y z w.
     velocity : tuple
-        Body frame: over ground by a tracker, through the air by the estimator. [m/s]
+        Body frame: over ground from a tracker, through the air from the estimator. [m/s]
     rates : tuple
         Body frame. [rad/s]
 
@@ -51,7 +50,7 @@ class ControlMotion(NamedTuple):
 
 
 class LawInputs(NamedTuple):
-    """What a law is given at each step: motion, setpoint, and the time since the last. [s]"""
+    """Input of a law at each step: motion, setpoint, and the time since the last step. [s]"""
 
     motion: ControlMotion = ControlMotion()
     setpoint: Setpoint = Setpoint(0.0, 0.0, 0.0)
@@ -59,7 +58,7 @@ class LawInputs(NamedTuple):
 
 
 class LawCommand(NamedTuple):
-    """What a law asks for: duties by slot, and the place of a moving mass where there is one."""
+    """Output of a law: duties by slot, and the position of the moving mass if there is one."""
 
     duties: PerRotor = NONE
     mass_place: Vector = UNMOVED  # body frame [m]
@@ -69,23 +68,23 @@ class LawCommand(NamedTuple):
 @dataclass(frozen=True, slots=True)
 class ControlLaw:
     """
-    A control law. A new one is one file with its functions and a `LAW`, and one registry line.
+    A control law; a new one needs one file with its functions and a `LAW`, and a registry line.
 
     Parameters
     ----------
     name : str
-        As vehicle files call it.
+        Name in vehicle files.
     gains : type of Settings
-        What can be tuned; a vehicle's values are in `config/control/`.
+        Tunable gains; the values of each vehicle are in `config/control/`.
     feedback : Feedback
-        What it needs to see; a law that needs a tracker says so here.
+        Source of the feedback.
     known : callable
-        `known(gains, vehicle) -> constants`, a named tuple of numbers, the gains as `gains` among
-        them; a `BadInput` for a vehicle that it cannot fly.
+        `known(gains, vehicle) -> constants`, a named tuple of numbers with the gains as `gains`;
+        raises `BadInput` for a vehicle that it cannot fly.
     start : tuple
         The memory before the first step, a named tuple with a `LawCommand` as `command`.
     step : callable
-        `step(constants, memory, heard, scratch) -> memory`.
+        `step(constants, memory, inputs, scratch) -> memory`.
 
     """
 

@@ -1,10 +1,10 @@
 """
-The multirotor: velocity to tilt, tilt to rates, rates to moments, moments to the quad mixer.
+Multirotor control: velocity to tilt, tilt to rates, rates to moments, moments to thrusts.
 
-The structure is that of the Crazyflie firmware's PID controller (velocity, attitude and rate loops
-in cascade, then power distribution); gains and equations are ours (assumed), because ours commands
-newtons and runs once a control period, where the firmware's rate loop runs at 500 Hz in its own
-units. The lag of the motors is met by a derivative of the measured rates. Velocity in the world
+The structure is that of the Crazyflie firmware's PID controller (cascaded velocity, attitude and
+rate loops, then power distribution). Gains and equations are our own (assumed), because this law
+commands newtons and runs once per control period, where the firmware's rate loop runs at 500 Hz
+in its own units. A derivative of the measured rates compensates the motor lag. World velocity
 needs a tracker, as a Crazyflie needs one or a flow deck.
 """
 
@@ -30,9 +30,9 @@ from lta_control.pid import pid_step, PidGains
 from lta_control.vehicle_parameters import build_rotors
 from lta_model.vehicle import Vehicle
 
-# Upright before high before heading: a moment counts by an arm of 1 cm, in yaw of 10 cm.
+# Priority: tilt, altitude, heading. Moments are scaled by an arm of 1 cm, in yaw of 10 cm.
 MIXER = (0.0, 0.0, 1.0, 1e4, 1e4, 1e2)
-STEEP = 0.5  # least cosine of the tilt by which thrust makes up for it
+STEEP = 0.5  # smallest cosine of the tilt for which thrust is increased
 
 
 class QuadrotorGains(ClimbGains):
@@ -40,21 +40,21 @@ class QuadrotorGains(ClimbGains):
 
     velocity: PidGains = setting(..., 'Velocity to level acceleration, m/s2 per m/s.')
     attitude_kp: float = setting(
-        ..., 'Rate asked for each radian of tilt error.', unit='1/s', low=0.0, high=50.0
+        ..., 'Rate per radian of tilt error.', unit='1/s', low=0.0, high=50.0
     )
     heading_kp: float = setting(
-        ..., 'Yaw rate asked for each radian of error.', unit='1/s', low=0.0, high=50.0
+        ..., 'Yaw rate per radian of heading error.', unit='1/s', low=0.0, high=50.0
     )
     rate_limit: float = setting(..., 'Largest rate.', unit='rad/s', low=0.01, high=50.0)
     rate_kp: float = setting(..., 'Angular acceleration by rate.', unit='1/s', low=0.0, high=500.0)
     rate_kd: float = setting(
-        ..., 'Angular acceleration by the slope of the rate.', unit='1', low=0.0, high=10.0
+        ..., 'Angular acceleration by the derivative of the rate.', unit='1', low=0.0, high=10.0
     )
     yaw_rate_kp: float = setting(
         ..., 'Angular acceleration by yaw rate.', unit='1/s', low=0.0, high=500.0
     )
     slope_time: float = setting(
-        ..., 'Smoothing of the slope of the rates.', unit='s', low=0.0, high=1.0
+        ..., 'Time constant of the rate derivative filter.', unit='s', low=0.0, high=1.0
     )
 
 
@@ -68,7 +68,7 @@ class QuadrotorLawConstants(NamedTuple):
 
 
 class QuadrotorLawMemory(NamedTuple):
-    """The newest command, integrals, and the slopes of the rates."""
+    """The latest command, integrals, and the filtered derivatives of the rates."""
 
     command: LawCommand = LawCommand()
     begun: bool = False
@@ -82,7 +82,7 @@ class QuadrotorLawMemory(NamedTuple):
 
 
 def build_constants(gains: QuadrotorGains, vehicle: Vehicle) -> QuadrotorLawConstants:
-    """Return what stays the same during a flight."""
+    """Return the values that stay constant during a flight."""
     x, y, z = (float(vehicle.inertia[axis, axis]) for axis in range(3))
     weight = vehicle.heaviness * STANDARD_GRAVITY
     return QuadrotorLawConstants(gains, build_rotors(vehicle, MIXER), (x, y, z), weight)
@@ -128,7 +128,7 @@ def step(
 def tilt_moments(
     constants: QuadrotorLawConstants, memory: QuadrotorLawMemory, turn: Vector, inputs: LawInputs
 ) -> tuple[float, float, tuple[float, float]]:
-    """Return the moments that tilt it by a turn [N m], and the slopes of the rates [rad/s2]."""
+    """Return the moments that rotate the vehicle by `turn` [N m], and the rate slopes [rad/s2]."""
     gains, dt = constants.gains, inputs.dt
     p, q, _ = inputs.motion.rates
     before = memory.rates if memory.begun else inputs.motion.rates

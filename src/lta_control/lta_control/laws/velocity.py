@@ -1,14 +1,14 @@
 """
-SBlimp: push the way the velocity should change, whatever the heading; the hull swings.
+SBlimp: push along the wanted velocity change at any heading, and let the hull swing.
 
-Its authors (Xu 2023) command linear velocity directly, without a loop on attitude, and let the
-balloon right the vehicle; that much their abstract says. Gains and mixer are ours (assumed): a PI
-loop on each axis of the world, the weight fed forward, and the force turned into the body frame
-and allocated over the tilted rotors. Yaw is only damped. Velocity in the world needs a tracker, as
-theirs had.
+The authors (Xu 2023) command linear velocity directly, without an attitude loop, and rely on the
+balloon to keep the vehicle upright, according to their abstract. Gains and mixer are our own
+(assumed): a PI loop on each world axis with the weight fed forward; the force is rotated into the
+body frame and allocated to the tilted rotors. Yaw is only damped. World velocity needs a tracker,
+as in the publication.
 
-The rotors push sideways only by the tilt of what they lift: `height_weight` says how much dearer
-vertical force is than lateral when both cannot be had.
+The rotors push sideways only by the tilt of their lift. `height_weight` sets the priority of
+vertical over lateral force when both cannot be delivered.
 """
 
 from typing import NamedTuple
@@ -26,7 +26,7 @@ from lta_control.pid import pid_step, PidGains
 from lta_control.vehicle_parameters import build_rotors, surge_drag_coefficients
 from lta_model.vehicle import Vehicle
 
-YAW_WEIGHT = 1000.0  # N m against N, by an arm of 3 cm; only to share thrust evenly
+YAW_WEIGHT = 1000.0  # N m against N, with an arm of 3 cm; only shares thrust evenly
 
 
 class VelocityGains(ClimbGains):
@@ -54,7 +54,7 @@ class VelocityLawConstants(NamedTuple):
 
 
 class VelocityLawMemory(NamedTuple):
-    """The newest command, integrals by axis, and what the rotors gave beyond the last demand."""
+    """The latest command, integrals by axis, and delivered minus demanded force."""
 
     command: LawCommand = LawCommand()
     climb: float = 0.0  # [N]
@@ -65,7 +65,7 @@ class VelocityLawMemory(NamedTuple):
 
 
 def build_constants(gains: VelocityGains, vehicle: Vehicle) -> VelocityLawConstants:
-    """Return what stays the same during a flight."""
+    """Return the values that stay constant during a flight."""
     weights = (1.0, 1.0, gains.height_weight, 0.0, 0.0, YAW_WEIGHT)
     weight = vehicle.heaviness * STANDARD_GRAVITY
     return VelocityLawConstants(

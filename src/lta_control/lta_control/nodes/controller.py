@@ -1,9 +1,9 @@
 """
-The controller node: from estimate and setpoint to duties.
+Controller node: convert estimate and setpoint to duties.
 
-It fails safe: no duty before it is armed and the estimate is known, level hold and then a descent
-when setpoints go stale, and nothing at all after an emergency stop or when the vehicle has turned
-over.
+The node fails safe. The duties are zero until it is armed and the estimate is known. When
+setpoints go stale it holds level and then descends. After an emergency stop, or when the vehicle
+has overturned, the duties stay zero.
 """
 
 import math
@@ -30,34 +30,40 @@ from lta_model.vehicle import load_vehicle
 from nav_msgs.msg import Odometry
 from std_srvs.srv import SetBool, Trigger
 
-DESCENT = 0.2  # m below itself, for a drone that comes down on its own: an unhurried climb rate
+DESCENT = 0.2  # m below the current altitude: the setpoint of a slow automatic descent
 
 
 class ControllerSettings(Settings):
-    """The vehicle, the gains and when to give up."""
+    """The vehicle, the gains and the time limits of stale setpoints."""
 
     vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
-    law: str = setting('', 'Control law; that of the vehicle where empty.', fixed=True)
-    scenario: str = setting('', 'Scenario whose course may shake the motors.', fixed=True)
+    law: str = setting('', 'Control law; empty: that of the vehicle.', fixed=True)
+    scenario: str = setting('', 'Scenario whose course may excite the motors.', fixed=True)
     armed: bool = setting(False, 'Whether the motors may run from the start.', fixed=True)
     hold_after: float = setting(
         0.5,
-        'Age of a setpoint, by its stamp, from which the drone holds.',
+        'Age of a setpoint, by its stamp, at which the drone starts to hold.',
         unit='s',
         low=0.05,
         high=60.0,
     )
     land_after: float = setting(
-        3.0, 'Age of a setpoint from which the drone comes down.', unit='s', low=0.05, high=600.0
+        3.0,
+        'Age of a setpoint at which the drone starts to descend.',
+        unit='s',
+        low=0.05,
+        high=600.0,
     )
     tilt_limit: float = setting(
         TILT_LIMIT, 'Tilt beyond which the motors stop.', unit='rad', low=0.1, high=3.2
     )
-    gains: CascadeGains = setting(load_gains('gtmab'), 'The cascade; other laws read their own.')
+    gains: CascadeGains = setting(
+        load_gains('gtmab'), 'Gains of the cascade; other laws load their own.'
+    )
 
 
 class Controller(GraphNode):
-    """Answer each estimate with duties."""
+    """Publish duties for each estimate."""
 
     def __init__(self) -> None:
         super().__init__('controller')
@@ -147,7 +153,7 @@ class Controller(GraphNode):
         return duties
 
     def _excite_duties(self, now_ns: int, duties: tuple[float, ...]) -> tuple[float, ...]:
-        """Return duties with what the course of the scenario shakes them by."""
+        """Return the duties with the excitation of the scenario's course."""
         if self._course is None:
             return duties
         self._begun_ns = now_ns if self._begun_ns is None else self._begun_ns
@@ -156,7 +162,7 @@ class Controller(GraphNode):
         )
 
     def _reset_to_zero(self, text: str = '') -> tuple[float, ...]:
-        """Return no duty at all, and forget what the loops had wound up."""
+        """Return zero duties, and reset the integrals."""
         self._memory = ControlMemory()
         if self._law is not None:
             self._law.reset()
@@ -167,7 +173,7 @@ class Controller(GraphNode):
     def _current_setpoint(
         self, now_ns: int, measured: CascadeMeasurement, pose: PoseStamped, velocity: TwistStamped
     ) -> Setpoint:
-        """Return the setpoint, or what replaces one that is too old: hold, then come down."""
+        """Return the setpoint, or its replacement if it is too old: hold, then descend."""
         setpoint, settings = to_setpoint(pose, velocity), self._settings.value
         oldest = max(stamp_age(from_stamp(half.header.stamp), now_ns) for half in (pose, velocity))
         if oldest <= settings.hold_after:
@@ -186,5 +192,5 @@ class Controller(GraphNode):
 
 
 def main(args: list[str] | None = None) -> None:
-    """Run the node until it is told to stop."""
+    """Run the node until it is shut down."""
     run_node(Controller, args)

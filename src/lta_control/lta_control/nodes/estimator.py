@@ -1,4 +1,4 @@
-"""The estimator node: from the drone's own sensors and commands to its motion."""
+"""Estimator node: estimate the motion from the drone's own sensors and commands."""
 
 import math
 
@@ -23,13 +23,13 @@ from lta_model.vehicle import load_vehicle
 
 
 class EstimatorParameters(EstimatorSettings):
-    """The filters, and the vehicle they are for."""
+    """Settings of the filters, and the vehicle."""
 
     vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
 
 
 class Estimator(GraphNode):
-    """Answer each IMU sample with an estimate."""
+    """Publish an estimate for each IMU sample."""
 
     def __init__(self) -> None:
         super().__init__('estimator')
@@ -68,7 +68,7 @@ class Estimator(GraphNode):
 
 
 def describe_biases(estimate: MotionEstimate, body: EstimatorModel) -> tuple[HealthLevel, str]:
-    """Return how well the biases are known, as level and sentence."""
+    """Return the state of the bias calibration, as level and sentence."""
     if not estimate.ready and is_turning(estimate.biases, body.rate_bias):
         off = math.degrees(largest_deviation(estimate.biases.rates, body.rate_bias))
         return HealthLevel.ERROR, (
@@ -87,5 +87,5 @@ def describe_biases(estimate: MotionEstimate, body: EstimatorModel) -> tuple[Hea
 
 
 def main(args: list[str] | None = None) -> None:
-    """Run the node until it is told to stop."""
+    """Run the node until it is shut down."""
     run_node(Estimator, args)

@@ -1,4 +1,4 @@
-"""The navigator node: from what the light says to heading, altitude and speed."""
+"""Navigator node: convert the light estimate to heading, altitude and speed."""
 
 from collections import deque
 
@@ -48,12 +48,12 @@ class NavigatorParameters(MissionSettings):
         '', 'Scenario whose course or route is flown, if it has one.', fixed=True
     )
     reserve: ReserveActionSettings = setting(
-        ReserveActionSettings(), 'What the energy makes of it.'
+        ReserveActionSettings(), 'Action at the energy reserve.'
     )
 
 
 class Navigator(GraphNode):
-    """Answer each light estimate with setpoints."""
+    """Publish setpoints for each light estimate."""
 
     def __init__(self) -> None:
         super().__init__('navigator')
@@ -73,7 +73,7 @@ class Navigator(GraphNode):
         self._begun_ns: int | None = None
         self._mission = Mission()
         check_reserve(self._settings.value.reserve, self._strategy)
-        self._word: ReserveReport | None = None  # of the energy; unknown: stay down
+        self._word: ReserveReport | None = None  # latest energy report; None: stay on the ground
         light = self.table['photodiodes']
         self._block_ns = light.period_ns
         self._history: deque[Odometry] = deque(maxlen=3 * self._block_ns // self.table.control_ns)
@@ -84,7 +84,7 @@ class Navigator(GraphNode):
         self._history.extend(odom for odom in step.messages['odom'] if not find_fault(odom))
         self._word = update_reserve_report(self._word, step)
         if not self._history and not self.lockstep:
-            return  # the first light may come before the first estimate; in lockstep all answer
+            return  # light may arrive before the first estimate; in lockstep every node must answer
         estimate = step.last_message('light/estimate')
         measured = to_measurement(self._history[-1]) if self._history else None
         altitude = None if measured is None or self._word is None else measured.altitude
@@ -96,11 +96,11 @@ class Navigator(GraphNode):
 
     @property
     def _requested_frequency(self) -> float:
-        """The frequency to listen for next. [Hz]"""
+        """The beacon frequency to listen for next. [Hz]"""
         return self._route[self._mission.asked][1] if self._route else NO_WISH
 
     def _compute_setpoint(self, step: InboxStep, altitude: float | None) -> Setpoint:
-        """Return what to hold, and say what for."""
+        """Return the setpoint, and report the mission's state."""
         sight, settings = self._build_sight(step), self._settings.value
         order = decide_permission(settings.reserve, self._word, step.stamp_ns)
         if self._course is not None:
@@ -116,7 +116,7 @@ class Navigator(GraphNode):
         return setpoint
 
     def _report_mission(self, doing: str, order: FlightPermission, now_ns: int) -> None:
-        """Say what the drone is doing, and where the energy forbids more, why."""
+        """Report what the drone is doing, and why the energy restricts it."""
         if order is FlightPermission.FLY:
             self.health.report('mission', HealthLevel.OK, doing)
             return
@@ -127,7 +127,7 @@ class Navigator(GraphNode):
         self.health.report('mission', level, text)
 
     def _report_lamp(self, order: FlightPermission, now_ns: int) -> None:
-        """Say what the drone is doing, and which lamp it is about."""
+        """Report what the drone is doing, and at which lamp."""
         mission = self._mission
         if not self._route or order is not FlightPermission.FLY:
             self._report_mission(str(mission.phase), order, now_ns)
@@ -162,5 +162,5 @@ class Navigator(GraphNode):
 
 
 def main(args: list[str] | None = None) -> None:
-    """Run the node until it is told to stop."""
+    """Run the node until it is shut down."""
     run_node(Navigator, args)

@@ -1,4 +1,4 @@
-"""Navigation strategies by name."""
+"""Registry of the navigation strategies."""
 
 from importlib import import_module
 
@@ -17,17 +17,17 @@ STRATEGIES: dict[str, NavigationStrategy] = {
 
 
 def check_route(strategy: NavigationStrategy, lamps: int) -> None:
-    """Refuse a strategy on a route of several lamps that never says that it has arrived."""
+    """Raise `BadInput` for a strategy that cannot fly a route of several lamps."""
     if lamps > 1 and not strategy.arrives:
         able = [name for name, known in STRATEGIES.items() if known.arrives]
         raise BadInput(
-            f'The strategy {strategy.name} never says that it has arrived, and the route has '
-            f'{lamps} lamps; take {" or ".join(able)}.'
+            f'The strategy {strategy.name} never reports an arrival, but the route has '
+            f'{lamps} lamps; choose {" or ".join(able)}.'
         )
 
 
 def find_strategy(name: str) -> NavigationStrategy:
-    """Return a strategy; an unknown name is a `BadInput` that lists the known ones."""
+    """Return a strategy by name; raise `BadInput` with the known names for an unknown one."""
     if name not in STRATEGIES:
         raise unknown_name('strategy', name, list(STRATEGIES))
     return STRATEGIES[name]

@@ -1,8 +1,8 @@
 """
-BAG, bearing angle guidance: the heading is the bearing of the lamp (the paper's first strategy).
+BAG, bearing angle guidance: head along the lamp's bearing (the paper's first strategy).
 
-With no lamp in sight it stops and turns, so that the light is found from any start. The memory is
-the last heading asked for.
+With no lamp in sight the drone stops and turns, so that it sees the light from any start. The
+memory is the last commanded heading.
 """
 
 from typing import TYPE_CHECKING
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def start(heading: float) -> Memory:
-    """Return the memory before the first sight: keep the heading."""
+    """Return the memory before the first sight: hold the heading."""
     return (heading,)
 
 

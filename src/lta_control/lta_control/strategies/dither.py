@@ -1,23 +1,23 @@
 r"""
 DES, dither extremum seeking: one diode, and a heading that swings about an estimate.
 
-The heading is :math:`\hat\theta + a \cos \omega t` (the paper; omega = 0.3 and a = 90 degrees
-stand in its source, without the unit of the first: rad/s here, 21 s a swing). What the diode that
-looks forward reads, J, is demodulated with the swing that the drone really makes,
-:math:`\delta = \psi - \hat\theta`, because the hull follows its command late (Zhang, Arnold,
-Ghods, Siranosian and Krstic, Systems and Control Letters 56, 2007, seek a source by such a loop):
+The heading is :math:`\hat\theta + a \cos \omega t` (the paper; omega = 0.3 and a = 90 degrees are
+in its source, without the unit of the first: rad/s here, 21 s per swing). The amplitude J of the
+forward diode is demodulated with the swing that the drone really makes, :math:`\delta = \psi -
+\hat\theta`, because the hull lags its command (Zhang, Arnold, Ghods, Siranosian and Krstic,
+Systems and Control Letters 56, 2007, seek a source with such a loop):
 
 .. math::
 
     \dot{\hat\theta} = k_s\,\xi \sin\delta + k_g\,\dot{\ell} \sin\delta,
     \qquad \ell = \ln(J + J_0), \qquad \xi = \ell - \bar\ell
 
-with :math:`\bar\ell` the running mean of l. The two terms tell apart what lets the paper's drone
-find its way. A diode has a direction: when the nose swings across the lamp, l itself rises and
-falls with delta, and that is the first term, a *scan* for the bearing with one diode. And light
-changes from place to place: on the way to the side where it is brighter, l *rises*, so that its
-rate goes with delta. That is the second term, the *gradient*. By each other's quarter of a swing
-they hardly mix. Set one of both gains to 0 to see what the other is worth.
+with :math:`\bar\ell` the running mean of l. The two terms separate two effects that lead the
+paper's drone to the lamp. The first is a *scan* for the bearing: a diode is directional, so l
+itself rises and falls with delta when the nose swings across the lamp. The second is the
+*gradient*: light differs between places, so l *rises* on the way to the brighter side and its
+rate follows delta. The two are a quarter of a swing apart and hardly mix. Set one gain to 0 to
+see the effect of the other.
 """
 
 import math
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 
 class DitherSettings(Settings):
-    """The swing, and how its echo in the light steers."""
+    """Swing of the heading, and gains from the light to the turn rate."""
 
     amplitude: float = setting(
         0.5 * math.pi, 'Half width of the swing.', unit='rad', low=0.0, high=math.pi
@@ -41,23 +41,31 @@ class DitherSettings(Settings):
         0.3, 'Angular frequency of the swing.', unit='rad/s', low=0.01, high=10.0
     )
     scan: float = setting(
-        0.3, 'Turn rate for light that goes with the swing.', unit='rad/s', low=0.0, high=20.0
+        0.3, 'Turn rate for light in phase with the swing.', unit='rad/s', low=0.0, high=20.0
     )
     gradient: float = setting(
-        0.0, 'Turn for light whose rate goes with the swing.', unit='rad', low=0.0, high=50.0
+        0.0,
+        'Turn for light whose rate is in phase with the swing.',
+        unit='rad',
+        low=0.0,
+        high=50.0,
     )
     washout: float = setting(
         15.0, 'Time over which the mean light is taken.', unit='s', low=0.1, high=600.0
     )
     floor: float = setting(
-        5.0, 'Light added, so that darkness has a logarithm.', unit='counts', low=0.01, high=1e6
+        5.0,
+        'Light added before the logarithm, so that darkness is finite.',
+        unit='counts',
+        low=0.01,
+        high=1e6,
     )
 
 
 class DitherMemory(NamedTuple):
-    """What DES remembers."""
+    """State of DES."""
 
-    heading: float  # asked for last [rad]
+    heading: float  # last commanded [rad]
     estimate: float  # of the heading towards more light [rad]
     time: float  # of the swing [s]
     begun: bool

@@ -1,22 +1,21 @@
 r"""
-DGA, dither-free gradient ascent: one diode, dead reckoning, and a plane through the light.
+DGA, dither-free gradient ascent: one diode, dead reckoning, and a plane fitted to the light.
 
-The drone reckons its place from the speed that it commands, as the paper does,
+The drone dead-reckons its position from the speed that it commands, as in the paper,
 
 .. math::
 
     x_k = x_{k-1} + v_k (\cos\theta_{k-1}, \sin\theta_{k-1})\,\Delta t
 
-keeps the newest pairs of place and light of its forward diode on a map of 2 cm cells, fits a plane
-J = a x + b y by least squares, and turns to atan2(b, a). The paper's plane goes through the
-origin, where J is not 0: its slope is then mostly the way from there to the mean of the places.
-`centred` fits through the mean of the pairs instead, which is the same as a constant term.
+keeps the latest pairs of position and forward-diode light on a map of 2 cm cells, fits a plane J
+= a x + b y by least squares, and turns to atan2(b, a). The paper's plane goes through the origin,
+where J is not 0: its slope then points mostly from there to the mean position. `centred` fits
+through the mean of the pairs instead, which equals a constant term.
 
-Places along a straight line say nothing about the light beside it. A small `ridge` then gives the
-least slope that fits, which lies along the line; and the first pairs are taken on an arc (`arc`).
-
-What makes the paper's DGA late is modelled openly: a heading is used `computing` seconds after its
-pairs were taken, and for a turn of more than `stop_beyond` the drone stops first and flies on when
+Positions along a straight line do not determine the slope across it. A small `ridge` then selects
+the smallest slope that fits, which lies along the line, and the first pairs are taken on an arc
+(`arc`). The delays of the paper's DGA are explicit: a heading is used `computing` seconds after
+its pairs were taken, and for a turn of more than `stop_beyond` the drone stops and resumes when
 it is within `go_within`.
 """
 
@@ -37,18 +36,22 @@ Pair = tuple[float, float, float]
 
 
 class GradientSettings(Settings):
-    """The map, the plane, and what takes time."""
+    """Settings of the map, the plane fit and the delays."""
 
     cell: float = setting(0.02, 'Side of a cell of the map.', unit='m', low=1e-3, high=10.0)
     least: float = setting(
-        30.0, 'Pairs that the first plane needs.', unit='1', low=3.0, high=float(PAIRS)
+        30.0, 'Number of pairs for the first plane.', unit='1', low=3.0, high=float(PAIRS)
     )
     arc: float = setting(
         0.5, 'Turn rate while the first pairs are taken.', unit='rad/s', low=-2.0, high=2.0
     )
     centred: bool = setting(True, 'Whether the plane goes through the mean of the pairs.')
     ridge: float = setting(
-        1e-3, 'Mean square of places added to those there are.', unit='m2', low=1e-9, high=10.0
+        1e-3,
+        'Regularisation: mean square of positions added to the data.',
+        unit='m2',
+        low=1e-9,
+        high=10.0,
     )
     computing: float = setting(1.0, 'Time to compute a heading.', unit='s', low=0.0, high=60.0)
     stop_beyond: float = setting(
@@ -60,17 +63,17 @@ class GradientSettings(Settings):
 
 
 class GradientMemory(NamedTuple):
-    """What DGA remembers."""
+    """State of DGA."""
 
-    heading: float  # asked for last [rad]
-    x: float  # reckoned [m, odom]
+    heading: float  # last commanded [rad]
+    x: float  # dead reckoned [m, odom]
     y: float
     speed: float  # commanded last [m/s]
     target: float  # heading that has been computed [rad]
     next: float  # heading that is being computed [rad]
     computed: float  # time for which it has been [s]
     turning: bool
-    filled: float  # pairs there are
+    filled: float  # number of pairs so far
     pairs: tuple[Pair, ...]  # place [m, odom] and light [counts], the newest last
 
 
@@ -84,7 +87,7 @@ def start(heading: float) -> GradientMemory:
 def steer(
     settings: 'StrategySettings', memory: GradientMemory, sight: LightSight
 ) -> tuple[SteeringCommand, GradientMemory]:
-    """Return the heading of the newest plane, at cruise speed or standing to turn."""
+    """Return the heading of the latest plane, at cruise speed or stopped for a turn."""
     own, m, dt = settings.dga, memory, sight.interval
     x = m.x + m.speed * math.cos(m.heading) * dt
     y = m.y + m.speed * math.sin(m.heading) * dt
@@ -95,7 +98,7 @@ def steer(
         target = coming = m.heading + own.arc * dt
         computed = own.computing
     elif computed >= own.computing:
-        # A first heading is not waited for in flight along the arc: its time counts from here.
+        # The computing time of the first heading starts after the arc is complete.
         target, coming, computed = coming, steepest_heading(own, pairs, count, m.heading), 0.0
     off = abs(wrap_angle(target - sight.heading))
     arcing = count < own.least
@@ -108,7 +111,7 @@ def steer(
 def add_pair(
     pairs: tuple[Pair, ...], count: float, new: Pair, cell: float
 ) -> tuple[tuple[Pair, ...], float]:
-    """Return the pairs with a new one, and by how many they are more: a cell keeps its mean."""
+    """Return the pairs with a new one, and the change in number; a cell keeps its mean."""
     x, y, light = pairs[-1]
     same = math.floor(x / cell) == math.floor(new[0] / cell)
     if count > 0.0 and same and math.floor(y / cell) == math.floor(new[1] / cell):
@@ -119,7 +122,7 @@ def add_pair(
 def steepest_heading(
     own: GradientSettings, pairs: tuple[Pair, ...], count: float, heading: float
 ) -> float:
-    """Return the heading up the plane through the newest pairs; the old one of a flat plane."""
+    """Return the heading up the plane through the latest pairs; the old one for a flat plane."""
     first = PAIRS - int(count)
     mean_x = mean_y = mean_j = 0.0
     if own.centred:

@@ -1,22 +1,21 @@
 r"""
-Homing, LTA's own strategy: fly along the line to the lamp whatever the wind.
+Homing, LTA's own strategy: fly along the line to the lamp in any wind.
 
-`lamp_filter` fuses bearings and strengths with dead reckoning into where the lamp is and how the
-drone drifts. Its way through the air is that of the wind triangle (`wind_triangle`):
-a drone in a cross wind holds its bearing instead of being bent into a dog's curve, and in a head
-wind it flies faster. Near the lamp the speed over the ground falls with the range, `approach` a
-second; inside `arrival` the drone has arrived, and it holds its place against the wind at half of
-that, since what it takes for the range may be somewhat less than it is.
+`lamp_ekf` fuses bearings and strengths with dead reckoning into the lamp's position and the
+drone's drift. The course through the air follows from the wind triangle (`wind_triangle`): a
+drone in a cross wind stays on the line instead of a curve of pursuit, and in a head wind it flies
+faster. Near the lamp the ground speed falls with the range by `approach` per second. Inside
+`arrival` the drone has arrived; it holds its position against the wind at half that range,
+because the range may be underestimated.
 
-What does not fit is not followed: a bearing that is itself uncertain, one that is far off the
-filter's, and one that is much weaker than the lamp would be from there, as an echo is whose lamp
-is hidden. While there is no light that fits, the filter goes on by dead reckoning for `hold`; then
-the drone searches, by a turn on the spot and then in circles that widen. A light that is no weaker
-than the lamp but elsewhere, or far stronger, for `doubt` is taken for the lamp: the filter was
-wrong. So is any light that is found after a search of a whole turn.
+Outliers are ignored: an uncertain bearing, one far from the filter's, and one much weaker than
+the lamp would be, such as a reflection of a hidden lamp. Without accepted light the filter
+continues by dead reckoning for `hold`; then the drone searches, with a turn on the spot and then
+widening circles. A light elsewhere that is as strong as the lamp, or much stronger, is accepted
+as the lamp after `doubt`: the filter was wrong. So is any light after a search of a full turn.
 
-Near a lamp that stands higher than the diodes the drone's own hull hides it. It flies on by dead
-reckoning as before, against the wind as before: the last metre is flown blind.
+The drone's own hull hides a lamp that is near and higher than the diodes. The drone then
+continues by dead reckoning and wind correction: it flies the last metre without light.
 """
 
 import math
@@ -39,15 +38,15 @@ from lta_control.strategies.wind_triangle import solve_wind_triangle
 if TYPE_CHECKING:
     from lta_control.strategies.settings import StrategySettings
 
-LEAST_PUSH = 0.1  # m/s forward on the way, where the wind carries the drone there by itself
-STAY = 2.0  # of the arrival range: who has arrived may be blown so far off and has still arrived
+LEAST_PUSH = 0.1  # m/s; least forward airspeed on the way, even where the wind alone would suffice
+STAY = 2.0  # of the arrival range: hysteresis, so that wind does not undo an arrival
 
 
 class HomingSettings(Settings):
-    """What homing knows of lamp, wind and drone beforehand, and how patient it is."""
+    """Prior knowledge of lamp, wind and drone, and the time limits of homing."""
 
     top_speed: float = setting(
-        1.05, 'Fastest airspeed to ask for.', unit='m/s', low=0.05, high=20.0
+        1.05, 'Highest airspeed to command.', unit='m/s', low=0.05, high=20.0
     )
     brightness: float = setting(
         2100.0,
@@ -57,58 +56,70 @@ class HomingSettings(Settings):
         high=1e9,
     )
     unsure: float = setting(
-        0.5, 'Standard deviation of its logarithm.', unit='1', low=0.01, high=5.0
+        0.5, 'Standard deviation of the logarithm of the brightness.', unit='1', low=0.01, high=5.0
     )
     bearing_noise: float = setting(
-        0.03, 'Standard deviation of one bearing beyond its own.', unit='rad', low=1e-4, high=1.0
+        0.03,
+        'Standard deviation of one bearing, in addition to its own.',
+        unit='rad',
+        low=1e-4,
+        high=1.0,
     )
     strength_noise: float = setting(
         0.15, "Standard deviation of one strength's logarithm.", unit='1', low=0.01, high=5.0
     )
     wind: float = setting(
-        0.4, 'Standard deviation of the drift to expect.', unit='m/s', low=0.0, high=10.0
+        0.4, 'Standard deviation of the expected drift.', unit='m/s', low=0.0, high=10.0
     )
     gusts: float = setting(
-        0.03, 'How much the drift changes in a second.', unit='m/s', low=0.0, high=5.0
+        0.03, 'Change of the drift in one second.', unit='m/s', low=0.0, high=5.0
     )
     settling: float = setting(
         6.0,
-        'Time in which the drone learns its airspeed once it flies: gusts seem larger till then.',
+        'Settling time of the airspeed estimate after take-off; gusts seem larger until then.',
         unit='s',
         low=0.1,
         high=60.0,
     )
     unsettled: float = setting(
-        0.6, 'How much the drift changes in a second at first.', unit='m/s', low=0.0, high=5.0
+        0.6, 'Change of the drift in one second at the start.', unit='m/s', low=0.0, high=5.0
     )
     gate: float = setting(
-        4.0, 'Standard deviations beyond which a sight does not fit.', unit='1', low=1.0, high=20.0
+        4.0,
+        'Standard deviations beyond which a sight is an outlier.',
+        unit='1',
+        low=1.0,
+        high=20.0,
     )
     echo: float = setting(
         0.25,
-        'Share of the strength that fits, below which a light is an echo; one over it: too much.',
+        'Share of the expected strength: below, a reflection; above 1/share, too strong.',
         unit='1',
         low=0.0,
         high=1.0,
     )
     trusted: float = setting(
-        0.5, 'Deviation beyond which a bearing is not looked at.', unit='rad', low=0.01, high=3.2
+        0.5, 'Deviation beyond which a bearing is ignored.', unit='rad', low=0.01, high=3.2
     )
     doubt: float = setting(
-        1.5, 'Time after which a light elsewhere is the lamp.', unit='s', low=0.1, high=60.0
+        1.5,
+        'Time after which a light elsewhere is accepted as the lamp.',
+        unit='s',
+        low=0.1,
+        high=60.0,
     )
     hold: float = setting(
         8.0, 'Time to fly by dead reckoning without light.', unit='s', low=0.0, high=600.0
     )
     certain: float = setting(
-        0.8, 'Deviation of its bearing up to which so.', unit='rad', low=0.05, high=3.2
+        0.8, 'Largest deviation of the bearing for dead reckoning.', unit='rad', low=0.05, high=3.2
     )
     arrival: float = setting(
-        0.8, 'Horizontal range at which it has arrived.', unit='m', low=0.1, high=100.0
+        0.8, 'Horizontal range that counts as arrival.', unit='m', low=0.1, high=100.0
     )
     approach: float = setting(
         0.5,
-        'Speed over the ground per metre to go, near the lamp.',
+        'Ground speed per metre of remaining range, near the lamp.',
         unit='1/s',
         low=0.05,
         high=5.0,
@@ -116,29 +127,29 @@ class HomingSettings(Settings):
 
 
 class HomingMemory(NamedTuple):
-    """What homing remembers."""
+    """State of homing."""
 
-    heading: float  # asked for last [rad]
+    heading: float  # last commanded [rad]
     known: bool  # whether there is a fix
     fix: LampFix
     begun: bool  # whether `place` is known
     place: tuple[float, float]  # dead reckoned, at the last sight [m]
     flown: float  # time since the first sight [s]
-    lost: float  # time without light that fits [s]
+    lost: float  # time without accepted light [s]
     doubted: float  # time with a strong light elsewhere [s]
     searched: float  # time of search [s]
     arrived: bool
 
 
 def start(heading: float) -> HomingMemory:
-    """Return the memory before the first sight: nothing is known."""
+    """Return the memory before the first sight."""
     none = (0.0, 0.0, 0.0, 0.0, 0.0)
     fix = LampFix(0.0, 0.0, 0.0, 0.0, 0.0, (none, none, none, none, none))
     return HomingMemory(heading, False, fix, False, (0.0, 0.0), 0.0, 0.0, 0.0, 0.0, False)
 
 
 def reset_for_next_lamp(memory: HomingMemory) -> HomingMemory:
-    """Return the memory on the way to another lamp: the wind is the same."""
+    """Return the memory for the way to another lamp; the wind estimate is kept."""
     return HomingMemory(
         memory.heading, False, memory.fix, memory.begun, memory.place, memory.flown, 0.0, 0.0, 0.0,
         False,
@@ -146,14 +157,14 @@ def reset_for_next_lamp(memory: HomingMemory) -> HomingMemory:
 
 
 def watch(settings: 'StrategySettings', memory: HomingMemory, sight: LightSight) -> HomingMemory:
-    """Return the memory after a sight from a drone that climbs: wind is felt at once."""
+    """Return the memory after a sight during the climb, so that the wind estimate starts early."""
     return follow_sight(settings, memory, sight)
 
 
 def steer(
     settings: 'StrategySettings', memory: HomingMemory, sight: LightSight
 ) -> tuple[SteeringCommand, HomingMemory]:
-    """Return the course through the air that leads along the line to the lamp."""
+    """Return the course through the air along the line to the lamp."""
     own = settings.homing
     memory = follow_sight(settings, memory, sight)
     unsure = memory.searched > 0.0 or bearing_deviation(memory.fix) > own.certain
@@ -168,7 +179,7 @@ def steer(
 
 
 def _update_search(m: HomingMemory, heading: float, searched: float) -> HomingMemory:
-    """Return a memory with what was asked for."""
+    """Return the memory with the commanded heading and the search time."""
     arrived = m.arrived and searched <= 0.0
     return HomingMemory(
         heading, m.known, m.fix, m.begun, m.place, m.flown, m.lost, m.doubted, searched, arrived
@@ -176,7 +187,7 @@ def _update_search(m: HomingMemory, heading: float, searched: float) -> HomingMe
 
 
 def build_optics(own: HomingSettings, flight_time: float) -> LampFilterPrior:
-    """Return what the filter knows beforehand, some time after the first sight. [s]"""
+    """Return the filter's prior some time after the first sight. [s]"""
     gusts = math.hypot(own.gusts, own.unsettled * math.exp(-flight_time / own.settling))
     return LampFilterPrior(
         math.log(own.brightness),
@@ -189,7 +200,7 @@ def build_optics(own: HomingSettings, flight_time: float) -> LampFilterPrior:
 
 
 def follow_sight(settings: 'StrategySettings', m: HomingMemory, sight: LightSight) -> HomingMemory:
-    """Return the memory with what one more sight tells, if it fits."""
+    """Return the memory after one more sight; an outlier is ignored."""
     own, dt = settings.homing, sight.interval
     optics = build_optics(own, m.flown)
     fix, known, lost, doubted = m.fix, m.known, m.lost + dt, m.doubted
@@ -202,6 +213,7 @@ def follow_sight(settings: 'StrategySettings', m: HomingMemory, sight: LightSigh
         share = strength / expected_strength(fix) if known else 1.0
         fits = there and own.echo <= share <= 1.0 / own.echo
         doubted = 0.0 if fits or share < own.echo else doubted + dt
+        # After a full turn without success any light is better than the old fix.
         sought = m.searched > full_turn_time(settings)
         if not known or doubted > own.doubt or (sought and not fits):
             drift = fix.wind_x, fix.wind_y
@@ -235,14 +247,14 @@ def steer_to_lamp(settings: 'StrategySettings', m: HomingMemory) -> tuple[float,
 
 
 def full_turn_time(settings: 'StrategySettings') -> float:
-    """Return how long a turn on the spot takes. [s]"""
+    """Return the duration of a turn on the spot. [s]"""
     return 2.0 * math.pi / max(settings.search_rate, 1e-3)
 
 
 def steer_search(
     settings: 'StrategySettings', m: HomingMemory, interval: float
 ) -> tuple[float, float]:
-    """Return heading [rad] and airspeed [m/s] of a search: a turn, then circles that widen."""
+    """Return heading [rad] and airspeed [m/s] of a search: a turn, then widening circles."""
     turn = full_turn_time(settings)
     if m.searched < turn:
         return m.heading + settings.search_rate * interval, 0.0

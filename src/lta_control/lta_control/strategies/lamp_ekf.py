@@ -1,9 +1,9 @@
 r"""
-Where a lamp is and how the drone drifts, from bearings and strengths over time.
+Estimate the lamp's position and the drone's drift from bearings and strengths over time.
 
-An extended Kalman filter (Bar-Shalom, Li and Kirubarajan, Estimation with applications to tracking
-and navigation, 2001, ch. 10) of five numbers: the lamp relative to the drone p, the drift w of the
-drone beyond its own dead reckoning, and the brightness c of the lamp:
+An extended Kalman filter (Bar-Shalom, Li and Kirubarajan, Estimation with applications to
+tracking and navigation, 2001, ch. 10) with five states: the lamp relative to the drone p, the
+drift w of the drone beyond its own dead reckoning, and the brightness c of the lamp:
 
 .. math::
 
@@ -11,12 +11,12 @@ drone beyond its own dead reckoning, and the brightness c of the lamp:
     \quad \varphi = \operatorname{atan2}(p_y, p_x), \quad \ln S = c - 2 \ln r
 
 with v the velocity through the air, r the length of p, :math:`\varphi` the bearing in odom and S
-the strength. The drift is the wind, and whatever the airspeed estimate is wrong by: after a hand
-lets go in wind that is all of the wind, for some seconds.
+the strength. The drift contains the wind and the error of the airspeed estimate: for some seconds
+after a hand launch in wind that is the whole wind.
 
-Across the line to the lamp the bearings tell the drift. Along it they tell nothing, and strengths
-tell the time to go, r / (v + w), alone: what r itself is comes from the brightness, which the
-drone knows beforehand within a factor (`Optics`).
+Bearings determine the drift across the line to the lamp, but not along it. Strengths determine
+only the time to go, r / (v + w). The range r itself follows from the brightness, which is known
+in advance within a factor (`LampFilterPrior`).
 """
 
 import math
@@ -26,23 +26,23 @@ from lta_control.cascade import wrap_angle
 
 Row = tuple[float, float, float, float, float]
 
-NEAREST = 0.4  # m; nearer, a bearing says nothing about where the drone is
-FARTHEST = 50.0  # m; farther, no lamp is seen
-ASIDE = 0.1  # m by which a lamp seems to stand elsewhere: it and the diodes are no points
-OVER = 0.8  # m by which it may stand higher or lower than the diodes
-SLIP = 0.01  # m, of dead reckoning in a second
-FADING = 0.15  # of the logarithm of the brightness in a second: a lamp seen from another side
+NEAREST = 0.4  # m; at shorter range a bearing carries no position information
+FARTHEST = 50.0  # m; no lamp is seen from farther away
+ASIDE = 0.1  # m; apparent displacement, because lamp and diode ring have an extent
+OVER = 0.8  # m; assumed height of the lamp above or below the diodes
+SLIP = 0.01  # m; error of dead reckoning in one second
+FADING = 0.15  # of ln(brightness) in one second: the lamp is seen from another side
 
 
 class LampFilterPrior(NamedTuple):
-    """What is known of the lamp and of the light beforehand."""
+    """Prior knowledge of the lamp and the light."""
 
     brightness: float  # logarithm of the strength at one metre [ln counts]
     unsure: float  # its standard deviation
-    bearing_noise: float  # of one bearing beyond its own deviation [rad]
+    bearing_noise: float  # of one bearing, in addition to its own deviation [rad]
     strength_noise: float  # of the logarithm of one strength
-    wind: float  # standard deviation of the drift before anything is seen [m/s]
-    gusts: float  # how much the drift changes in a second [m/s]
+    wind: float  # standard deviation of the drift before the first sight [m/s]
+    gusts: float  # change of the drift in one second [m/s]
 
 
 class LampFix(NamedTuple):
@@ -64,24 +64,15 @@ def initialize_fix(
     drift: tuple[float, float],
 ) -> LampFix:
     """
-    Return what a first sight tells.
+    Return the fix from a first sight.
 
-    Parameters
-    ----------
-    optics : Optics
-        What is known beforehand.
-    bearing, deviation : float
-        Of the lamp, odom frame. [rad]
-    strength : float
-        Above 0. [counts]
-    drift : tuple of float
-        As far as it is known. [m/s, odom]
-
+    `bearing` and its `deviation` are in the odom frame [rad], `strength` is above 0 [counts], and
+    `drift` is the prior drift [m/s, odom].
     """
     away = math.exp(0.5 * (optics.brightness - math.log(strength)))
     away = min(max(away, NEAREST), FARTHEST)
     cos, sin = math.cos(bearing), math.sin(bearing)
-    slope = 0.5 * away  # of the range by the brightness
+    slope = 0.5 * away  # derivative of the range by ln(brightness)
     variance = optics.unsure * optics.unsure
     along = slope * slope * (variance + optics.strength_noise**2)
     across = (away * math.hypot(deviation, optics.bearing_noise)) ** 2
@@ -107,7 +98,7 @@ def initialize_fix(
 def predict_fix(
     optics: LampFilterPrior, fix: LampFix, moved_x: float, moved_y: float, dt: float
 ) -> LampFix:
-    """Return a fix after a way through the air [m, odom] in a time [s]."""
+    """Return a fix after a movement through the air [m, odom] in a time [s]."""
     r, s = fix.rows, dt
     a, b = (
         _propagate_row(_subtract_scaled(r[0], s, r[2]), s),
@@ -136,21 +127,21 @@ def predict_fix(
 def normalized_innovation(
     fix: LampFix, optics: LampFilterPrior, bearing: float, deviation: float
 ) -> float:
-    """Return how many standard deviations a bearing is off what the fix says. [1]"""
+    """Return the difference of a bearing from the fix in standard deviations. [1]"""
     slopes, error = _linearize_bearing(fix, bearing)
     noise = _bearing_noise(fix, optics, deviation)
     return abs(error) / math.sqrt(_dot_product(slopes, _multiply_rows(fix.rows, slopes)) + noise)
 
 
 def expected_strength(fix: LampFix) -> float:
-    """Return the strength that the fix says, of a lamp somewhat higher or lower. [counts]"""
+    """Return the strength that the fix predicts for a lamp at height `OVER`. [counts]"""
     return math.exp(fix.brightness) / (fix.x * fix.x + fix.y * fix.y + OVER * OVER)
 
 
 def update_fix(
     fix: LampFix, optics: LampFilterPrior, bearing: float, deviation: float, strength: float
 ) -> LampFix:
-    """Return a fix after one more sight; arguments as of `initialize_fix`."""
+    """Return a fix after one more sight; arguments as in `initialize_fix`."""
     slopes, error = _linearize_bearing(fix, bearing)
     fix = _kalman_update(fix, slopes, error, _bearing_noise(fix, optics, deviation))
     slopes, error = _linearize_strength(fix, strength)
@@ -158,7 +149,7 @@ def update_fix(
 
 
 def bearing_deviation(fix: LampFix) -> float:
-    """Return the standard deviation of the bearing that the fix says. [rad]"""
+    """Return the standard deviation of the fix's bearing. [rad]"""
     slopes, _ = _linearize_bearing(fix, 0.0)
     return math.sqrt(max(_dot_product(slopes, _multiply_rows(fix.rows, slopes)), 0.0))
 
@@ -174,26 +165,26 @@ def _bearing_noise(fix: LampFix, optics: LampFilterPrior, deviation: float) -> f
 
 
 def _strength_noise(fix: LampFix, optics: LampFilterPrior) -> float:
-    """Return the variance of a strength's logarithm: near a lamp its height counts."""
+    """Return the variance of ln(strength); near a lamp its unknown height adds to it."""
     return optics.strength_noise**2 + (OVER * OVER / _squared_range(fix)) ** 2
 
 
 def _linearize_bearing(fix: LampFix, bearing: float) -> tuple[Row, float]:
-    """Return the slopes of the bearing and what it is beyond the fix's own. [rad]"""
+    """Return the Jacobian of the bearing, and the innovation. [rad]"""
     squared = _squared_range(fix)
     error = wrap_angle(bearing - math.atan2(fix.y, fix.x))
     return (-fix.y / squared, fix.x / squared, 0.0, 0.0, 0.0), error
 
 
 def _linearize_strength(fix: LampFix, strength: float) -> tuple[Row, float]:
-    """Return the slopes of the strength's logarithm and what it is beyond the fix's own."""
+    """Return the Jacobian of ln(strength), and the innovation."""
     squared = _squared_range(fix)
     error = math.log(strength) - (fix.brightness - math.log(squared))
     return (-2.0 * fix.x / squared, -2.0 * fix.y / squared, 0.0, 0.0, 1.0), error
 
 
 def _kalman_update(fix: LampFix, slopes: Row, error: float, noise: float) -> LampFix:
-    """Return a fix after one measured number."""
+    """Return a fix after one scalar measurement."""
     r = fix.rows
     g = _multiply_rows(r, slopes)
     spread = _dot_product(slopes, g) + noise
@@ -215,12 +206,12 @@ def _kalman_update(fix: LampFix, slopes: Row, error: float, noise: float) -> Lam
 
 
 def _propagate_row(row: Row, dt: float) -> Row:
-    """Return a row of the covariance with its columns moved on."""
+    """Return a covariance row multiplied by the transposed transition matrix."""
     return row[0] - dt * row[2], row[1] - dt * row[3], row[2], row[3], row[4]
 
 
 def _subtract_scaled(row: Row, share: float, other: Row) -> Row:
-    """Return a row less a share of another."""
+    """Return a row minus a multiple of another."""
     return (
         row[0] - share * other[0],
         row[1] - share * other[1],

@@ -1,4 +1,4 @@
-"""What a navigation strategy is: from what the light says to where to go."""
+"""Interface of a navigation strategy: from the light to a course."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -9,17 +9,17 @@ from lta_config.settings import setting, Settings
 if TYPE_CHECKING:
     from lta_control.strategies.settings import StrategySettings
 
-Memory = tuple[Any, ...]  # numbers and tuples of such; the first is the heading asked for last
+Memory = tuple[Any, ...]  # numbers and tuples of numbers; the first is the last commanded heading
 
 
 class LightSight(NamedTuple):
     """
-    What the light of one block says, at the middle of the block.
+    Light of one block, at the middle of the block.
 
     Attributes
     ----------
     seen : bool
-        Whether any diode is trusted.
+        Whether the lamp is seen.
     bearing : float
         Of the lamp in the body frame, counter-clockwise; 0 where it is not seen. [rad]
     heading : float
@@ -31,12 +31,12 @@ class LightSight(NamedTuple):
     deviation : float
         Standard deviation of the bearing. [rad]
     strength : float
-        Light on a diode that faces the lamp, without the pedestal, whichever resistor is selected;
-        0 where it is not seen. [ADC counts by the largest resistor]
+        Light on a diode that faces the lamp, without the pedestal, scaled to the largest
+        resistor; 0 where it is not seen. [ADC counts]
     elevation : float
-        Of the lamp over the horizon of the body; 0 where it is not known. [rad]
+        Of the lamp over the body's horizon; 0 where it is unknown. [rad]
     position : tuple of float
-        x and y by dead reckoning through the air: wind does not show in it. [m, odom]
+        x and y by dead reckoning through the air, without the wind. [m, odom]
     drift : tuple of float
         Estimated airspeed forward and to the left. [m/s, body]
 
@@ -56,7 +56,7 @@ class LightSight(NamedTuple):
 
 class SteeringCommand(NamedTuple):
     """
-    Where to go.
+    Course of the strategy.
 
     Attributes
     ----------
@@ -65,7 +65,7 @@ class SteeringCommand(NamedTuple):
     speed : float
         Forward airspeed. [m/s]
     arrived : bool
-        Whether the strategy takes itself to be at the lamp.
+        Whether the strategy considers itself at the lamp.
 
     """
 
@@ -75,7 +75,7 @@ class SteeringCommand(NamedTuple):
 
 
 class CruiseSettings(Settings):
-    """What every strategy needs to know."""
+    """Settings of every strategy."""
 
     speed: float = setting(0.5, 'Forward airspeed.', unit='m/s', low=0.0, high=3.0)
     search_rate: float = setting(
@@ -87,9 +87,9 @@ class CruiseSettings(Settings):
 @dataclass(frozen=True, slots=True)
 class NavigationStrategy:
     """
-    A navigation strategy: two plain functions of scalars and tuples, memory handed in and out.
+    A navigation strategy: plain functions of scalars and tuples with memory in and out.
 
-    A new one is one file with its functions and a `STRATEGY`, and one line in the registry.
+    A new one needs one file with its functions and a `STRATEGY`, and one line in the registry.
 
     Parameters
     ----------
@@ -100,13 +100,13 @@ class NavigationStrategy:
     steer : callable
         `steer(settings, memory, sight) -> (course, memory)`.
     watch : callable, optional
-        `watch(settings, memory, sight) -> memory` while the drone climbs: what it learns before it
-        may steer. It keeps the heading.
+        `watch(settings, memory, sight) -> memory` during the climb, before it may steer; keeps
+        the heading.
     onward : callable, optional
-        `onward(memory) -> memory` when the drone has arrived and is to go to another lamp; only
-        who ever says that it has arrived has it, and can fly a route.
+        `onward(memory) -> memory` when the drone has arrived and continues to another lamp.
+        Required for a route of several lamps.
     ranges : bool
-        Whether it looks at `LightSight.strength`, for which the selected resistor must be known.
+        Whether it uses `LightSight.strength`, which needs the selected resistor.
 
     """
 
@@ -119,5 +119,5 @@ class NavigationStrategy:
 
     @property
     def arrives(self) -> bool:
-        """Whether it ever says that it has arrived."""
+        """Whether it ever reports an arrival."""
         return self.onward is not None

@@ -1,4 +1,4 @@
-"""What can be set of the strategies: one line each, beside what all of them share."""
+"""Settings of the strategies: one line each, in addition to the shared ones."""
 
 from lta_config.settings import setting
 from lta_control.strategies.dither import DitherSettings
@@ -8,7 +8,7 @@ from lta_control.strategies.protocol import CruiseSettings
 
 
 class StrategySettings(CruiseSettings):
-    """The cruise, and what each strategy has of its own."""
+    """The cruise settings, and those of each strategy."""
 
     des: DitherSettings = setting(DitherSettings(), 'DES, dither extremum seeking.')
     dga: GradientSettings = setting(GradientSettings(), 'DGA, dither-free gradient ascent.')

@@ -1,22 +1,21 @@
 r"""
-The wind triangle: how to fly through the air to go along a line over the ground.
+Solve the wind triangle: the course through the air that follows a line over the ground.
 
-With the wind w along and across the line, the wanted speed over the ground g and the fastest
-airspeed V,
+With the wind w along and across the line, the wanted ground speed g and the highest airspeed V,
 
 .. math::
 
     a_\perp = -w_\perp, \qquad
     a_\parallel = \min\left(g - w_\parallel, \sqrt{V^2 - a_\perp^2}\right)
 
-Where the wind across is more than V can hold, the drone turns into it as far as leaves it some
-speed along the line.
+Where the cross wind exceeds V, the drone turns into it as far as some speed along the line
+remains.
 """
 
 import math
 
-MOST_ACROSS = 0.95  # of the airspeed, against a wind across that is stronger
-STEERAGE = 0.1  # m/s of airspeed below which a heading means nothing
+MOST_ACROSS = 0.95  # largest share of the airspeed used against a cross wind
+STEERAGE = 0.1  # m/s; below this airspeed a heading is meaningless
 
 
 def solve_wind_triangle(
@@ -32,16 +31,15 @@ def solve_wind_triangle(
     Parameters
     ----------
     line : tuple of float
-        Where to go, of any length above 0.
+        Direction to fly, of any length above 0.
     wind : tuple of float
-        Where the air goes to, in the same axes. [m/s]
+        Velocity of the air, in the same axes. [m/s]
     over_ground : float
         Wanted speed along the line. [m/s]
     top_speed : float
-        Fastest airspeed. [m/s]
+        Highest airspeed. [m/s]
     least : float
-        Least airspeed along the line; negative where the drone may turn away from it to brake.
-        [m/s]
+        Least airspeed along the line; negative where the drone may turn around to brake. [m/s]
 
     """
     away = math.hypot(line[0], line[1])

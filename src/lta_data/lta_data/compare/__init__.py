@@ -1,1 +1,1 @@
-"""Two flights beside each other: their clocks, their frames, and where and when they part."""
+"""Compare two flights: align their clocks and frames, and find where and when they diverge."""

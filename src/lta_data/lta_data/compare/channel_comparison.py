@@ -1,4 +1,4 @@
-"""One channel of both flights: how far apart, by frequency, and when they part."""
+"""Compare one channel of two flights: size, spectrum and time of the difference."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -24,7 +24,7 @@ from lta_data.compare.spectra import (
 )
 import numpy as np
 
-STRAY: Final = 0.01  # share of instants that noise may put outside a band of its own
+STRAY: Final = 0.01  # share of samples that noise alone may put outside the band
 
 
 @final
@@ -38,30 +38,30 @@ class ChannelComparison:
     name, other : str
         The channel's name in A and in B.
     unit : str
-        Of the values.
+        Unit of the values.
     angular : bool
-        Whether values 2 pi apart mean the same.
+        Whether values 2 pi apart are equal.
     verdict : str
         'parted': outside the band to the end. 'apart at times': outside it for longer than a
-        moment, or at more than 1 % of the instants. 'together'. 'identical': every instant and
-        value is the same. 'unknown': never known together.
-    a, b : Line
+        moment, or at more than 1 % of the samples. 'together'. 'identical': all times and
+        values are equal. 'unknown': no common valid sample.
+    a, b : SampledSignal
         Both as recorded, on A's time, B in A's frame.
-    both : Aligned
-        Both at the same instants.
+    both : AlignedSignals
+        Both at the same times.
     periods : tuple of float
-        Of A and B. [s]
-    measures : Measures or None
-        None where they are never known together.
-    parting : Parting
-        When they are apart.
-    spectra : Spectra or None
-        None where too few instants follow each other.
-    peak : Peak or None
-        None where one of them stands still.
+        Median periods of A and B. [s]
+    measures : DifferenceMeasures or None
+        None if there is no common valid sample.
+    parting : Divergence
+        When they differ.
+    spectra : ChannelSpectra or None
+        None if there are too few consecutive samples.
+    peak : CorrelationPeak or None
+        None if one side is constant.
     score : float
-        By how much and how early they part: RMS over the greater of both spreads and the band,
-        times the share of the common span for which they are apart.
+        Rank of the divergence: RMS over the larger of both spreads and the band, times the share
+        of the common span during which they differ.
 
     """
 
@@ -82,7 +82,7 @@ class ChannelComparison:
 
     @property
     def is_still(self) -> bool:
-        """Whether neither side moves."""
+        """Whether both sides are constant."""
         return all(
             not np.isfinite(line.values).any() or np.nanmax(line.values) == np.nanmin(line.values)
             for line in (self.a, self.b)
@@ -98,19 +98,10 @@ def compare_channels(
     doubt: float = 0.0,
 ) -> ChannelComparison:
     """
-    Return how far two channels are apart.
+    Compare two channels that are both on A's time.
 
-    Parameters
-    ----------
-    pair : Pair
-        Their names and units.
-    a, b : Line
-        Both on A's time.
-    tolerance : float, optional
-        Band set by hand. [unit]
-    doubt : float
-        Standard deviation of the offset between their clocks. [s]
-
+    `tolerance` replaces the noise band [unit of the channel]; `doubt` is the standard deviation
+    of the clock offset [s].
     """
     angular = pair.angular
     both = align_signals(a, b, angular=angular)
@@ -138,7 +129,7 @@ def compare_channels(
 
 
 def classify_difference(difference: DifferenceMeasures | None, when: Divergence) -> str:
-    """Return in one or three words how two channels stand."""
+    """Return the verdict on a channel that is not identical."""
     if difference is None:
         return 'unknown'
     if when.at is not None:
@@ -150,7 +141,7 @@ def classify_difference(difference: DifferenceMeasures | None, when: Divergence)
 def score_difference(
     both: AlignedSignals, difference: DifferenceMeasures, when: Divergence, angular: bool
 ) -> float:
-    """Return by how much and how early two channels part. [1]"""
+    """Return the rank of a divergence by its size and duration. [1]"""
     known = both.both_valid
     spread = max(standard_deviation(part[known], angular) for part in (both.a, both.b))
     scale = max(spread, when.band)
@@ -159,29 +150,25 @@ def score_difference(
         return size * when.outside
     time = both.time[known]
     length = float(time[-1] - time[0])
+    # The earlier the divergence, the larger the share of the span.
     return size * (float(time[-1]) - when.at) / length if length > 0.0 else size
 
 
 def build_pair_signals(pair: ChannelPair) -> tuple[SampledSignal, SampledSignal]:
-    """Return both channels of a pair in the order of their time."""
+    """Return both channels of a pair, sorted by time."""
     return sort_samples(pair.a.time, pair.a.values), sort_samples(pair.b.time, pair.b.values)
 
 
 def match_tolerances(texts: Mapping[str, float], names: list[str]) -> dict[str, float]:
     """
-    Return the band of each channel that was given one by hand.
+    Return the tolerance of each channel that has one.
 
-    Parameters
-    ----------
-    texts : mapping of str to float
-        By the channel's name, or a pattern such as 'odom/*position*'; the first that fits holds.
-    names : list of str
-        The channels that are compared.
+    The keys of `texts` are names or patterns such as 'odom/*position*'; the first match applies.
 
     Raises
     ------
     BadInput
-        If a name or pattern fits none.
+        If a name or pattern matches no channel.
 
     """
     found: dict[str, float] = {}
@@ -189,8 +176,8 @@ def match_tolerances(texts: Mapping[str, float], names: list[str]) -> dict[str, 
         fitting = [name for name in names if name == pattern or fnmatchcase(name, pattern)]
         if not fitting:
             raise BadInput(
-                f"No channel that both flights have is called '{pattern}', or like it; without "
-                '--tolerance the table lists them.'
+                f"No channel that both flights have is called '{pattern}' or matches it; run "
+                'without --tolerance to list the channels.'
             )
         for name in fitting:
             found.setdefault(name, value)

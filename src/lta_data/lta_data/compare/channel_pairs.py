@@ -1,4 +1,4 @@
-"""Which channel of A is compared with which of B: by name, or as told."""
+"""Pair the channels of A and B, by name or as requested."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
@@ -12,7 +12,7 @@ AS: Final = '--pair odom=ground_truth/odom'
 
 
 class TopicPair(NamedTuple):
-    """Two topics to be compared, and the field of each where it is a single channel."""
+    """Two topics to compare, and the field of each if only one channel is meant."""
 
     topic_a: str
     topic_b: str
@@ -29,7 +29,7 @@ class ChannelPair(NamedTuple):
 
     @property
     def angular(self) -> bool:
-        """Whether values 2 pi apart mean the same."""
+        """Whether values 2 pi apart are equal."""
         return self.a.angular and self.b.angular
 
 
@@ -41,17 +41,15 @@ def select_topic_pairs(
 
     Parameters
     ----------
-    asked : sequence of str
+    pair_texts : sequence of str
         'odom=ground_truth/odom', of topics or of channels; empty for all of the same name.
     only : collection of str
-        Names to keep, of topics of A; empty for all.
-    of_a, of_b : sequence of str
-        Topics of the flights.
+        Topics of A to keep; empty for all.
 
     Raises
     ------
     BadInput
-        If a pair cannot be read or a topic is not there, or nothing is common.
+        If a pair is malformed, a topic is missing, or there is none in common.
 
     """
     if pair_texts:
@@ -66,15 +64,15 @@ def select_topic_pairs(
     for name in only:
         if name not in {each.topic_a for each in found}:
             common = ', '.join(sorted({each.topic_a for each in found}))
-            raise BadInput(f"Topic '{name}' is not compared; those that are: {common}.")
+            raise BadInput(f"Topic '{name}' is not compared; choose from: {common}.")
     return [each for each in found if not only or each.topic_a in only]
 
 
 def parse_pair(text: str, of_a: Sequence[str], of_b: Sequence[str]) -> TopicPair:
-    """Return two topics or channels that somebody wrote as 'a=b'."""
+    """Parse two topics or channels from the form 'a=b'."""
     first, equals, second = text.partition('=')
     if not equals or not first or not second:
-        raise BadInput(f"'{text}' is no pair; write A's topic, '=' and B's, as in {AS}.")
+        raise BadInput(f"Invalid pair '{text}'; write A's topic, '=' and B's, as in {AS}.")
     topic_a, field_a = split_channel_name(first, of_a, 'A')
     topic_b, field_b = split_channel_name(second, of_b, 'B')
     if bool(field_a) != bool(field_b):
@@ -83,7 +81,7 @@ def parse_pair(text: str, of_a: Sequence[str], of_b: Sequence[str]) -> TopicPair
 
 
 def split_channel_name(name: str, topics: Sequence[str], label: str) -> tuple[str, str]:
-    """Return topic and field of a name; the field is '' where the name is a topic's."""
+    """Return topic and field of a name; the field is '' if the name is a topic."""
     name = name.removeprefix('/') if name not in topics else name
     if name in topics:
         return name, ''
@@ -95,7 +93,7 @@ def split_channel_name(name: str, topics: Sequence[str], label: str) -> tuple[st
 
 
 class PairingResult(NamedTuple):
-    """The pairs, and a sentence for each that cannot be compared."""
+    """The pairs, and a remark for each that cannot be compared."""
 
     pairs: list[ChannelPair]
     remarks: list[str]
@@ -107,15 +105,15 @@ def pair_channels(
     b: Mapping[str, SignalChannel],
 ) -> PairingResult:
     """
-    Return the channels that belong together.
+    Return the pairs of corresponding channels.
 
-    Fields belong together where they are the same, or one ends with the other: what a PoseStamped
-    calls `pose.position.x` an Odometry calls `pose.pose.position.x`.
+    Fields correspond if they are equal or one ends with the other: `pose.position.x` of a
+    PoseStamped is `pose.pose.position.x` of an Odometry.
 
     Raises
     ------
     BadInput
-        If a channel that was asked for is not there, or none is common.
+        If a requested channel is missing, or there is none in common.
 
     """
     found = PairingResult([], [])
@@ -141,14 +139,14 @@ def pair_channels(
 
 
 def mask_non_numbers(channel: SignalChannel) -> SignalChannel:
-    """Return a channel with NaN for all that is no number."""
+    """Return a channel with NaN for all non-finite values."""
     return replace(channel, values=mask_unknown(channel.values))
 
 
 def match_fields(
     topic_pair: TopicPair, of_a: Sequence[str], of_b: Sequence[str]
 ) -> list[tuple[str, str]]:
-    """Return the fields of two topics that belong together."""
+    """Return the corresponding fields of two topics."""
     if topic_pair.field_a:
         for topic, field, known in (
             (topic_pair.topic_a, topic_pair.field_a, of_a),

@@ -1,4 +1,4 @@
-"""Which channels matter most to people: those with a place of their own on the page."""
+"""Select the channels that get their own panel on the page."""
 
 from collections.abc import Sequence
 from fnmatch import fnmatchcase
@@ -6,11 +6,11 @@ from typing import Final, NamedTuple
 
 from lta_data.compare.channel_comparison import ChannelComparison
 
-POSES: Final = ('ground_truth/odom', 'odom')  # whose position is drawn, in this order
+POSES: Final = ('ground_truth/odom', 'odom')  # topics whose position is plotted, by priority
 
 
 class PageRole(NamedTuple):
-    """A place on the page: name, title, and patterns of the channels that fit, the best first."""
+    """A panel of the page: name, title, and patterns of matching channels, the best first."""
 
     name: str
     title: str
@@ -29,7 +29,7 @@ ROLES: Final = (
     PageRole('battery', 'Battery', ('battery/voltage', '*battery*/voltage', 'battery/current')),
     PageRole('light', 'Light', ('light/peaks/snr*', 'light/*', 'illuminance/*', 'photodiodes/*')),
 )
-FIELDS: Final = {  # how a field ends, and what people call it
+FIELDS: Final = {  # ending of a field -> common name
     'position.x': 'x',
     'position.y': 'y',
     'position.z': 'altitude',
@@ -42,12 +42,12 @@ FIELDS: Final = {  # how a field ends, and what people call it
     'angular.z': 'yaw rate',
 }
 ENDS: Final = tuple(FIELDS)
-MANY: Final = ('motors', 'light')  # roles that several channels fill
+MANY: Final = ('motors', 'light')  # roles with several channels
 MOTION: Final = ('x', 'y', 'altitude', 'heading', 'speed', 'pitch', 'roll', 'motors')
 
 
 class RoleChannel(NamedTuple):
-    """A channel in its place, and of how many it is the one that parts most."""
+    """The channel shown for a role: the most divergent of `among` channels."""
 
     role: PageRole
     channel: ChannelComparison
@@ -55,24 +55,24 @@ class RoleChannel(NamedTuple):
 
 
 def find_pose_prefix(channels: Sequence[ChannelComparison]) -> str:
-    """Return where the fields of the pose to draw begin: 'odom/pose.pose.'; '' without one."""
+    """Return the prefix of the plotted pose's fields, such as 'odom/pose.pose.', or ''."""
     found = [each.name.removesuffix('position.x') for each in channels if is_x_position(each)]
     for topic in POSES:
         for start in found:
             if start.startswith(f'{topic}/'):
                 return start
-    # A setpoint or a lamp has a place as well, but does not move as the hull does.
+    # Setpoints and lamps have positions too, but are not the vehicle's.
     free = [start for start in found if not start.startswith(('setpoint', 'light'))]
     return (free or found or [''])[0]
 
 
 def is_x_position(each: ChannelComparison) -> bool:
-    """Tell whether a channel is the x of a position."""
+    """Return whether a channel is the x coordinate of a position."""
     return each.name.endswith('position.x')
 
 
 def select_main_channels(channels: Sequence[ChannelComparison]) -> list[RoleChannel]:
-    """Return the channels that have a place of their own on the page."""
+    """Return the channels that get their own panel."""
     pose = find_pose_prefix(channels)
     found = []
     for role in ROLES:
@@ -95,7 +95,7 @@ def select_main_channels(channels: Sequence[ChannelComparison]) -> list[RoleChan
 
 
 def select_headline_channels(channels: Sequence[ChannelComparison]) -> list[ChannelComparison]:
-    """Return what a sentence speaks of: the hull's motion and the commands, else all."""
+    """Return the channels for the headline: motion and commands, otherwise all."""
     moving = [
         shown.channel for shown in select_main_channels(channels) if shown.role.name in MOTION
     ]

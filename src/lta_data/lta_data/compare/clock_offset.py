@@ -1,11 +1,11 @@
 """
-The offset between two clocks that timed the same motion.
+Estimate the offset between two clocks that timed the same motion.
 
-Coarse: normalised cross-correlation of the rates of change of several channels at once, over all
-lags with enough overlap. Fine: Gauss-Newton on the channels themselves, for offset and drift
-together, with a level of each channel in each stretch of ten seconds left free (an estimate that
-drifts slowly away says nothing about its clock), outliers held down (Huber), and the uncertainty
-from the scatter of whole blocks, so that neighbours that resemble each other count once.
+Coarse step: normalised cross-correlation of the rates of change of several channels at once,
+over all lags with enough overlap. Fine step: Gauss-Newton on the channels themselves, for offset
+and drift together, with Huber weights. The level of each channel is free in each stretch of ten
+seconds, so that a slowly drifting estimate does not bias the clock. The uncertainty comes from
+the scatter of whole blocks, so it accounts for autocorrelation.
 """
 
 from collections.abc import Sequence
@@ -28,43 +28,43 @@ from scipy.interpolate import Akima1DInterpolator, CubicSpline
 from scipy.ndimage import gaussian_filter1d
 from scipy.special import stdtrit
 
-LIKE: Final = 0.5  # correlation of a channel that is used for the fine step
-MOST: Final = 12  # channels of the fine step
+LIKE: Final = 0.5  # least correlation of a channel that the fine step uses
+MOST: Final = 12  # channels of the fine step, at most
 LEVEL: Final = 10.0  # s over which a channel's level is free
-HUBER: Final = 1.5
-RESTING: Final = 0.1  # of the RMS misfit, that the scale of a channel's misfit is at least
-BLOCKS: Final = 16
-ROUNDS: Final = 30
-EXACT: Final = 1e-3  # of a period, for the interpolation
-TELLING: Final = 30.0  # s of common time without which drift is not asked for
-SURE: Final = 3.0  # standard deviations of a drift that is applied
-QUARTZ: Final = 2e-3  # more is no clock's: another pace of the motion
-AMBIGUOUS: Final = 0.9  # of the best peak, that a peak elsewhere must stay below
+HUBER: Final = 1.5  # scaled misfits; usual tuning near 95 % efficiency (1.345)
+RESTING: Final = 0.1  # least scale of a channel's misfit, relative to its RMS
+BLOCKS: Final = 16  # for the uncertainty
+ROUNDS: Final = 30  # Gauss-Newton iterations, at most
+EXACT: Final = 1e-3  # periods of uncertainty, for the interpolation error
+TELLING: Final = 30.0  # s of common time needed to estimate drift
+SURE: Final = 3.0  # standard deviations above which a drift is applied
+QUARTZ: Final = 2e-3  # largest drift of a real clock; more means a different motion
+AMBIGUOUS: Final = 0.9  # relative height of a second peak that makes it ambiguous
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class ClockOffset:
     """
-    What B's clock shows more than A's at the same event.
+    Reading of B's clock minus that of A's at the same event.
 
     Attributes
     ----------
     value, sigma : float
         Offset in the middle of the common span, and its standard deviation. [s]
     drift, drift_sigma : float
-        Rate at which it grows; applied only where `drifts`. Zero and infinite where the common
-        span is too short to tell. [1]
+        Rate of growth of the offset; applied only if `drifts`. Zero and infinite if the common
+        span is too short to estimate it. [1]
     drifts : bool
-        Whether the drift is clear of zero, and such as clocks have.
+        Whether the drift is significant and plausible for a clock.
     middle : float
-        The instant of `value` on A's clock. [s]
+        Time of `value` on A's clock. [s]
     correlation : float
         Median correlation of the rates of the channels in `used`, at this offset.
     rival : float
-        Height of the highest peak elsewhere, as a share of the best.
+        Height of the highest other peak, relative to the best.
     used : tuple of str
-        The channels that the fine step rests on.
+        The channels of the fine step.
 
     """
 
@@ -80,19 +80,15 @@ class ClockOffset:
 
     @property
     def is_ambiguous(self) -> bool:
-        """Whether another offset fits nearly as well, as with a motion that repeats itself."""
+        """Whether another offset fits nearly as well, as with a periodic motion."""
         return self.rival > AMBIGUOUS
 
 
 def estimate_clock_offset(shared: Sequence[SharedQuantity]) -> ClockOffset | None:
     """
-    Return the offset between two clocks; None where nothing in the data ties them.
+    Return the offset between two clocks; None if no channel determines it.
 
-    Parameters
-    ----------
-    shared : sequence of Shared
-        Quantities that do not depend on a world frame.
-
+    The quantities must not depend on a world frame.
     """
     found = estimate_coarse_lag(shared)
     if found is None:
@@ -108,7 +104,7 @@ def estimate_clock_offset(shared: Sequence[SharedQuantity]) -> ClockOffset | Non
 
 
 class PreparedChannel(NamedTuple):
-    """One channel for the fine step: A at even instants, B as a curve; how far smoothed. [s]"""
+    """One channel for the fine step: A sampled, B as a spline, and the smoothing width in s."""
 
     time: Array
     a: Array
@@ -118,7 +114,7 @@ class PreparedChannel(NamedTuple):
 
 
 def prepare_channel(each: SharedQuantity) -> PreparedChannel:
-    """Return a channel ready to be shifted, both sides smoothed alike."""
+    """Resample and smooth both sides of a channel equally, and fit a spline to B."""
     lines = [unwrap_finite(line, each.angular) for line in both_sides(each)]
     periods = [median_period(line.time) for line in lines]
     step, width = min(periods), 1.5 * max(periods)
@@ -127,7 +123,7 @@ def prepare_channel(each: SharedQuantity) -> PreparedChannel:
         count = 2 + int((line.time[-1] - line.time[0]) / step)
         grid = line.time[0] + step * np.arange(count)
         seen = interpolate_signal(line, grid)
-        # By straight lines, the slower recorder would cut every bend short.
+        # Linear interpolation would cut the bends of the slower recording.
         curve = Akima1DInterpolator(line.time, line.values)(np.minimum(grid, line.time[-1]))
         smooth = gaussian_filter1d(curve, width / step)
         found.append((grid, smooth, seen))
@@ -141,7 +137,7 @@ def prepare_channel(each: SharedQuantity) -> PreparedChannel:
 def refine_offset(
     used: Sequence[SharedQuantity], start: CoarseLag, correlation: float
 ) -> ClockOffset:
-    """Return the offset [s] and drift [1] of least misfit, with their uncertainty."""
+    """Return the offset [s] and drift [1] with the smallest misfit, and their uncertainty."""
     channels = [prepare_channel(each) for each in used]
     shift = start.lag
     begin = min(float(each.time[0]) for each in channels)
@@ -185,7 +181,7 @@ def fit_offset(
     step: float,
     free: int,
 ) -> OffsetFit:
-    """Return the offset [s], and the drift [1] where two numbers are free, by Gauss-Newton."""
+    """Fit the offset [s], and the drift [1] if `free` is 2, by Gauss-Newton."""
     edges = np.linspace(middle - span / 2, middle + span / 2, BLOCKS + 1)[1:-1]
     for _ in range(ROUNDS):
         normal, blocks = np.zeros((free, free)), np.zeros((BLOCKS, free))
@@ -197,10 +193,12 @@ def fit_offset(
             break
         change = np.linalg.solve(normal, blocks.sum(axis=0))
         at = at + np.pad(change, (0, 2 - free))
+        # Far below the interpolation error: converged.
         if abs(change[0]) < 1e-7 * step:
             break
     covariance = np.full((2, 2), math.inf)
     if np.linalg.matrix_rank(normal) == free:
+        # Sandwich estimator over blocks: valid for autocorrelated misfits.
         inverse = np.linalg.inv(normal)
         spread = blocks.T @ blocks * (BLOCKS / (BLOCKS - free))
         covariance[:free, :free] = inverse @ spread @ inverse * variance_inflation(channels, span)
@@ -209,11 +207,11 @@ def fit_offset(
 
 def variance_inflation(channels: Sequence[PreparedChannel], span: float) -> float:
     """
-    Return what a variance from the scatter of blocks must be multiplied by.
+    Return the factor that corrects a variance estimated from the scatter of blocks.
 
-    Two misfits lag s apart, both smoothed by a Gaussian of w, resemble each other by
-    exp(-s^2 / 4 w^2); of their sum, blocks of length L lose 2 w / (sqrt(pi) L) at their edges.
-    And few blocks tell their own scatter badly: Student's t beside the normal distribution.
+    Two misfits a lag s apart, both smoothed by a Gaussian of width w, correlate by
+    exp(-s^2 / 4 w^2). Blocks of length L lose 2 w / (sqrt(pi) L) of the sum at their edges.
+    Student's t corrects for the small number of blocks.
     """
     width = max(each.width for each in channels)
     lost = min(0.5, 2.0 * width * BLOCKS / (math.sqrt(math.pi) * span)) if span > 0.0 else 0.5
@@ -224,7 +222,7 @@ def variance_inflation(channels: Sequence[PreparedChannel], span: float) -> floa
 def build_normal_equations(
     each: PreparedChannel, at: Array, middle: float, edges: Array, free: int
 ) -> tuple[Array, Array]:
-    """Return one channel's normal matrix, and its pull on the numbers in each block."""
+    """Return one channel's normal matrix, and its gradient in each block."""
     moved = each.time + at[0] + at[1] * (each.time - middle)
     known = np.isfinite(interpolate_signal(each.known, moved))
     time, moved = each.time[known], moved[known]
@@ -234,7 +232,7 @@ def build_normal_equations(
     misfit = subtract_block_means(each.a[known] - each.b(moved), stretch)
     slope = subtract_block_means(each.b(moved, 1), stretch)
     scale = 1.4826 * float(np.median(np.abs(misfit)))
-    # A channel that rests for most of the time has a median of zero, and is not perfect for that.
+    # A channel that is at rest most of the time has a median misfit of zero, but is not exact.
     scale = max(scale, RESTING * math.sqrt(float(np.mean(misfit**2))))
     scale = max(scale, 1e-9 * float(np.ptp(each.a[known])), 1e-150)
     size = np.abs(misfit) / scale
@@ -243,13 +241,13 @@ def build_normal_equations(
     pulls = slopes * (weight * misfit)[:, None]
     index = np.searchsorted(edges, time)
     blocks: Array = np.stack([np.bincount(index, pull, BLOCKS) for pull in pulls.T], axis=1)
-    # Of Huber's pull only what is not held down grows with the misfit.
+    # Only residuals within the Huber limit contribute to the curvature.
     free_to_pull = (size <= HUBER)[:, None] / scale**2
     return slopes.T @ (slopes * free_to_pull), blocks.astype(np.float64)
 
 
 def subtract_block_means(values: Array, stretch: NDArray[np.int64]) -> Array:
-    """Return values less their mean in each stretch, shape (n,)."""
+    """Return values minus their mean in each stretch, shape (n,)."""
     counts = np.maximum(np.bincount(stretch), 1)
     means = np.bincount(stretch, values) / counts
     return np.asarray(values - means[stretch])

@@ -1,4 +1,4 @@
-"""At which lag two recordings of many channels resemble each other most: the coarse step."""
+"""Find the lag of highest correlation between two recordings of many channels (coarse step)."""
 
 from collections.abc import Sequence
 import math
@@ -10,15 +10,15 @@ from lta_data.compare.spectra import fit_parabola_peak
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
-STEPS: Final = (0.02, 0.5)  # s; the grid's step is the finest of the channels within these
-SMOOTH: Final = 0.15  # s, or two steps
-LIVELY: Final = 3.0  # times what noise alone would do to a rate
-OVERLAP: Final = 0.3  # of the shorter recording
-ASIDE: Final = 1.0  # s that another peak lies away at least
+STEPS: Final = (0.02, 0.5)  # s; limits of the grid step, which follows the fastest channel
+SMOOTH: Final = 0.15  # s of smoothing, or two steps if longer
+LIVELY: Final = 3.0  # least ratio of a rate's RMS to that of noise alone
+OVERLAP: Final = 0.3  # least overlap, of the shorter recording
+ASIDE: Final = 1.0  # s; least distance of a second peak
 
 
 class SharedQuantity(NamedTuple):
-    """One quantity as both flights have it, each on its own clock."""
+    """One quantity of both flights, each on its own clock."""
 
     name: str
     a: SampledSignal
@@ -27,7 +27,7 @@ class SharedQuantity(NamedTuple):
 
 
 class CoarseLag(NamedTuple):
-    """Lag, the height of the second peak over the first, and each channel's correlation there."""
+    """Lag [s], height of the second peak over the first, and the correlation of each channel."""
 
     lag: float
     rival: float
@@ -35,7 +35,7 @@ class CoarseLag(NamedTuple):
 
 
 def estimate_coarse_lag(shared: Sequence[SharedQuantity]) -> CoarseLag | None:
-    """Return the lag at which the rates of change of all channels resemble each other most."""
+    """Return the lag at which the rates of change correlate best; None if none do."""
     able = [each for each in shared if len(each.a.time) > 8 and len(each.b.time) > 8]
     if not able:
         return None
@@ -59,6 +59,7 @@ def estimate_coarse_lag(shared: Sequence[SharedQuantity]) -> CoarseLag | None:
             share = np.maximum(share, common / min(counts))
     if not scores:
         return None
+    # The fourth root favours long overlaps only mildly.
     total = np.mean(list(scores.values()), axis=0) * np.minimum(share, 1.0) ** 0.25
     best = int(total.argmax())
     if total[best] <= 0.0:
@@ -72,12 +73,12 @@ def estimate_coarse_lag(shared: Sequence[SharedQuantity]) -> CoarseLag | None:
 
 
 def both_sides(each: SharedQuantity) -> tuple[SampledSignal, SampledSignal]:
-    """Return the quantity as A has it, and as B has it."""
+    """Return A's and B's signal."""
     return each.a, each.b
 
 
 def unwrap_finite(line: SampledSignal, angular: bool) -> SampledSignal:
-    """Return what is known of a line, angles without jumps."""
+    """Return the finite samples of a signal, angles unwrapped."""
     known = np.isfinite(line.values)
     values = line.values[known]
     return SampledSignal(line.time[known], np.unwrap(values) if angular else values)
@@ -86,7 +87,7 @@ def unwrap_finite(line: SampledSignal, angular: bool) -> SampledSignal:
 def smoothed_rate(
     line: SampledSignal, begin: float, step: float, count: int, angular: bool
 ) -> Array | None:
-    """Return a line's smoothed rate on a grid, a second; None where noise alone would do that."""
+    """Return the smoothed rate of a signal on a grid, per second; None if it is only noise."""
     grid = np.asarray(begin + step * np.arange(count), dtype=np.float64)
     values = interpolate_signal(unwrap_finite(line, angular), grid)
     known = np.isfinite(values)
@@ -97,7 +98,7 @@ def smoothed_rate(
     width = max(SMOOTH, 2.0 * step)
     found = gaussian_filter1d(held, width / step, order=1) / step
     found[~known] = np.nan
-    # White noise through the derivative of a Gaussian: variance h / (4 sqrt(pi) w^3).
+    # Noise of the rate, from white noise through the derivative of a Gaussian: variance h / (4 sqrt(pi) w^3).
     usual = max(median_period(line.time), step)
     alone = noise_deviation(line.values) * math.sqrt(usual / (4.0 * math.sqrt(math.pi) * width**3))
     size = math.sqrt(float(np.nanmean(found**2)))
@@ -106,10 +107,10 @@ def smoothed_rate(
 
 def masked_correlation(a: Array, b: Array, size: int, least: float) -> tuple[Array, Array]:
     """
-    Return the correlation of two rates at each circular lag of b, and how much overlaps there.
+    Return the correlation of two rates at each circular lag of b, and the overlap there.
 
-    At each lag only what both know counts (Padfield 2012, "Masked object registration in the
-    Fourier domain", without taking off the mean, since a rate is near zero at rest).
+    At each lag only samples known in both count (Padfield 2012, "Masked object registration in
+    the Fourier domain"). The mean is not subtracted, because a rate is near zero at rest.
     """
     parts = []
     for values in (a, b):

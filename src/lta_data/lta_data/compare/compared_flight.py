@@ -1,4 +1,4 @@
-"""One of the two flights: its channels on its own clock, and what is known of each topic."""
+"""Represent one side of a comparison: its channels and the facts of its topics."""
 
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field
@@ -20,16 +20,16 @@ class ComparedTopic:
 
     Attributes
     ----------
-    name, type_name : str
-        Relative to the robot; the message type.
+    name : str
+        Relative to the robot.
     frame : str
-        `frame_id` of its first message; '' where it has none.
+        `frame_id` of its first message; '' if it has none.
     time : ndarray, shape (n,)
         In the order of recording, since the start of the flight. [s]
     digest : str
-        Of all its messages, byte for byte; '' where they are not at hand.
+        Hash of all its messages; '' if the raw bytes are not available.
     repeated : int
-        Messages that are the one before once more, at the same time.
+        Messages that repeat the previous one at the same time.
 
     """
 
@@ -52,17 +52,17 @@ class ComparedFlight:
     label : str
         'A' or 'B'.
     path, robot : str
-        Where it comes from.
+        Its origin.
     start : int
-        Time 0 of its channels, on the clock of its stamps. [ns]
-    channels : dict of str to Channel
+        Time 0 of its channels, on the clock of the stamps. [ns]
+    channels : dict of str to SignalChannel
         By name.
-    topics : dict of str to Recorded
+    topics : dict of str to ComparedTopic
         By name, relative to the robot.
     remarks : tuple of str
         What could not be read.
     provenance : dict of str to str
-        What the recorder was told.
+        As the recorder stored it.
 
     """
 
@@ -77,7 +77,7 @@ class ComparedFlight:
 
     @property
     def span(self) -> tuple[float, float]:
-        """First and last instant of any channel. [s]"""
+        """First and last time of any topic. [s]"""
         times = [topic.time for topic in self.topics.values() if len(topic.time)]
         if not times:
             return 0.0, 0.0
@@ -91,18 +91,16 @@ def read_compared_flight(
     tick: Callable[[], None] = lambda: None,
 ) -> ComparedFlight:
     """
-    Return a recorded flight as a side.
+    Read one side of a comparison from a recording of one robot.
 
     Parameters
     ----------
-    flight : Flight
-        The recording of one robot.
     label : str
         'A' or 'B'.
-    wanted : collection of str
+    selection : collection of str
         Topics to read, relative to the robot.
     tick : callable
-        Called once for each topic, and once for all their raw bytes.
+        Called once for the raw bytes, then once for each topic.
 
     """
     found: dict[str, SignalChannel] = {}
@@ -127,7 +125,7 @@ def read_compared_flight(
             topic, flight.message_type(topic), frame, time, digest, twice
         )
         tick()
-    remarks = [*flight.bag.losses, *remarks]  # some damage shows only where it is read
+    remarks = [*flight.bag.losses, *remarks]  # some damage is detected only while reading
     where = str(flight.bag.path)
     return ComparedFlight(
         label, where, flight.robot, flight.start, found, topics, tuple(remarks), flight.provenance
@@ -147,6 +145,7 @@ def read_raw_facts(
     for name, log_time, data in flight.bag.iterate_messages(names):
         if name not in frames:
             frames[name] = read_frame(flight, name, data)
+        # The length separates messages: 'ab' + 'c' must not hash like 'a' + 'bc'.
         digests[name].update(len(data).to_bytes(8, 'little'))
         digests[name].update(data)
         twice[name] += before.get(name) == (log_time, data)
@@ -159,7 +158,7 @@ def read_raw_facts(
 
 
 def read_frame(flight: RecordedFlight, name: str, data: bytes) -> str:
-    """Return the frame of a message; '' where it has none or cannot be read."""
+    """Return the frame of a message; '' if it has none or cannot be decoded."""
     try:
         header = getattr(flight.bag.decode(name, data), 'header', None)
     except (BadInput, KeyError):
@@ -171,19 +170,9 @@ def build_compared_flight(
     signals: Iterable[SignalChannel], label: str, start: int = 0, frame: str = ''
 ) -> ComparedFlight:
     """
-    Return channels that come from no bag as a side.
+    Build one side of a comparison from channels that come from no bag.
 
-    Parameters
-    ----------
-    found : iterable of Channel
-        Whatever there is.
-    label : str
-        'A' or 'B'.
-    start : int
-        Time 0 of the channels on the clock of the stamps. [ns]
-    frame : str
-        Of all topics.
-
+    `start` is time 0 of the channels on the clock of the stamps [ns]; all topics get `frame`.
     """
     by_name = {each.name: each for each in signals}
     topics: dict[str, ComparedTopic] = {}

@@ -1,4 +1,4 @@
-"""Two flights beside each other: what a comparison is told, what it finds, and how."""
+"""Compare two flights: request, result and procedure."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -31,7 +31,7 @@ ORDER: Final = {'parted': 0, 'apart at times': 1, 'together': 2, 'identical': 3,
 @final
 @dataclass(frozen=True, slots=True)
 class ComparisonRequest:
-    """What a comparison is told; see `lta compare --help`."""
+    """Options of a comparison; see `lta compare --help`."""
 
     pairs: tuple[str, ...] = ()
     topics: tuple[str, ...] = ()
@@ -45,32 +45,32 @@ class ComparisonRequest:
 @dataclass(frozen=True, slots=True)
 class ComparisonResult:
     """
-    What a comparison found.
+    Result of a comparison.
 
     Attributes
     ----------
-    asked : Asked
-        What it was told.
-    a, b : Side
+    asked : ComparisonRequest
+        The request.
+    a, b : ComparedFlight
         The flights.
-    timing : Timing
-        How B's time was laid on A's.
-    frames : tuple of Placed
+    timing : TimeAlignment
+        How B's time was mapped to A's.
+    frames : tuple of FrameAlignment
         What was done about each pair of world frames.
     span : tuple of float
         Common time on A's clock. [s]
-    channels : tuple of Apart
-        Those that part most and earliest first.
-    faults_a, faults_b : dict of str to Faults
+    channels : tuple of ChannelComparison
+        Those that diverge most and earliest first.
+    faults_a, faults_b : dict of str to TopicFaults
         By topic.
     only_a, only_b : tuple of str
-        Topics that the other lacks.
+        Topics missing in the other flight.
     topics : dict of str to str
-        What was compared: B's topic by A's.
+        Compared topics: B's by A's.
     identical_topics : tuple of str
-        Those whose messages are the same byte for byte.
+        Topics whose messages are identical byte for byte.
     remarks : tuple of str
-        What else a reader should know.
+        Further remarks for the user.
 
     """
 
@@ -91,7 +91,7 @@ class ComparisonResult:
 
     @property
     def is_identical(self) -> bool:
-        """Whether all is the same: topics, instants, values and, where they are at hand, bytes."""
+        """Whether topics, times, values and, if available, bytes are all equal."""
         lacking = self.only_a or self.only_b
         digests = any(topic.digest for topic in self.a.topics.values())
         bytes_too = not digests or len(self.identical_topics) == len(self.a.topics)
@@ -119,21 +119,14 @@ def compare_flights(
     tick: Told = lambda _: None,
 ) -> ComparisonResult:
     """
-    Return what two recorded flights have in common, and what not.
+    Compare two recorded flights.
 
-    Parameters
-    ----------
-    one, other : Flight
-        A and B.
-    asked : Asked
-        How.
-    tick : callable
-        Told what is being done, each time something is done; see `count_ticks`.
+    `tick` is called with the current step; see `count_ticks`.
 
     Raises
     ------
     BadInput
-        If they have no channel or no time in common, or what is asked for is not there.
+        If they have no channel or no time in common, or a requested item is missing.
 
     """
     wanted = select_topic_pairs(request.pairs, request.topics, one.topics, other.topics)
@@ -154,7 +147,7 @@ def compare_flights(
 
 
 def count_ticks(one: RecordedFlight, other: RecordedFlight, request: ComparisonRequest) -> int:
-    """Return how often `compare_flights` calls its tick, about: a channel is a small part."""
+    """Return about how often `compare_flights` calls its tick."""
     wanted = select_topic_pairs(request.pairs, request.topics, one.topics, other.topics)
     return 4 * len(wanted) + 4
 
@@ -166,21 +159,7 @@ def compare_sides(
     request: ComparisonRequest,
     tick: Told = lambda _: None,
 ) -> ComparisonResult:
-    """
-    Return what two flights have in common; as `compare_flights`, without bags.
-
-    Parameters
-    ----------
-    a, b : Side
-        The flights.
-    wanted : sequence of Wanted
-        Topics that belong together.
-    asked : Asked
-        How.
-    tick : callable
-        Told what is being done.
-
-    """
+    """Compare two flights that may come from no bag; see `compare_flights`."""
     matched, remarks = pair_channels(topic_pairs, a.channels, b.channels)
     tick('aligning')
     when = align_times(a, b, matched, request.align, request.offset)
@@ -216,7 +195,7 @@ def compare_sides(
 def compare_pairs(
     pairs: Sequence[ChannelPair], request: ComparisonRequest, when: TimeAlignment, tick: Told
 ) -> tuple[ChannelComparison, ...]:
-    """Return all channels, those that part most and earliest first."""
+    """Compare all pairs; those that diverge most and earliest come first."""
     bands = match_tolerances(request.tolerances, [pair.name for pair in pairs])
     found = []
     topic = ''
@@ -226,7 +205,7 @@ def compare_pairs(
             tick('comparing')
         a, b = build_pair_signals(pair)
         if not np.isfinite(a.values).any() and not np.isfinite(b.values).any():
-            continue  # nobody measured it
+            continue  # never measured, in neither flight
         found.append(
             compare_channels(pair, a, b, tolerance=bands.get(pair.name), doubt=when.sigma)
         )
@@ -234,7 +213,7 @@ def compare_pairs(
 
 
 def find_common_span(pairs: Sequence[ChannelPair]) -> tuple[float, float]:
-    """Return the time that both flights cover, on A's clock [s], or `BadInput` of none."""
+    """Return the time that both flights cover, on A's clock; raise `BadInput` if none. [s]"""
     ends = [
         find_time_extent([pair.a.time for pair in pairs]),
         find_time_extent([pair.b.time for pair in pairs]),
@@ -250,17 +229,19 @@ def find_common_span(pairs: Sequence[ChannelPair]) -> tuple[float, float]:
 
 
 def find_time_extent(times: Sequence[Array]) -> tuple[float, float]:
-    """Return the first and the last of all instants [s]; `BadInput` where there are none."""
+    """Return the first and last of all times; raise `BadInput` if there are none. [s]"""
     known = [time for time in times if len(time)]
     if not known:
-        raise BadInput('One of the flights has no message on what is compared; nothing to do.')
+        raise BadInput(
+            'One of the flights has no message on the compared topics; choose other topics.'
+        )
     return min(float(time.min()) for time in known), max(float(time.max()) for time in known)
 
 
 def find_rate_differences(
     comparison: ComparisonResult,
 ) -> list[tuple[str, TopicFaults, TopicFaults]]:
-    """Return the topics that come at different rates in both flights, and their faults."""
+    """Return the topics with different rates in both flights, and their faults."""
     both = [
         (name, comparison.faults_a[name], comparison.faults_b[other])
         for name, other in comparison.topics.items()
@@ -273,7 +254,7 @@ def find_rate_differences(
 
 
 def find_side_faults(side: ComparedFlight) -> dict[str, TopicFaults]:
-    """Return what is wrong with each topic of a flight."""
+    """Find the faults of each topic of a flight."""
     found = {}
     for name, topic in side.topics.items():
         own = [each for each in side.channels.values() if each.topic == name]
@@ -282,7 +263,7 @@ def find_side_faults(side: ComparedFlight) -> dict[str, TopicFaults]:
             for each in own
             if len(each.values)
         }
-        # What is never known was not measured, by ROS's own convention; no fault.
+        # By ROS convention NaN marks an unmeasured field: a channel of NaN only is no fault.
         partly = {name: share for name, share in shares.items() if share < 1.0}
         found[name] = find_topic_faults(topic.time, partly, topic.repeated)
     return found

@@ -1,4 +1,4 @@
-"""When two channels part: from where on their difference stays outside what noise explains."""
+"""Find when two channels diverge: from when on their difference exceeds the noise band."""
 
 from dataclasses import dataclass
 import math
@@ -8,34 +8,34 @@ from lta_data.compare.measures import standard_deviation
 from lta_data.compare.sampling import AlignedSignals, Array
 import numpy as np
 
-SIGMAS: Final = 4.0  # of both noises together; 6 of 100 000 samples of a normal one lie outside
-FLOOR: Final = 1e-3  # of the spread: what nobody would call a difference
-NORMAL: Final = 1.4826  # standard deviation of a normal distribution by its median deviation
-LEVELS: Final = 6  # different values that tell steps of a measurement from those of a command
-SECOND: Final = math.sqrt(6.0)  # white noise of 1 has second differences of that
-SHORTEST: Final = 1.0  # s that a departure lasts, or 2 % of the span
+SIGMAS: Final = 4.0  # of the combined noise; 6 of 100 000 normal samples lie outside
+FLOOR: Final = 1e-3  # of the spread; smaller differences are irrelevant
+NORMAL: Final = 1.4826  # standard deviation over median absolute deviation
+LEVELS: Final = 6  # least distinct values of a quantised measurement; fewer: a command
+SECOND: Final = math.sqrt(6.0)  # standard deviation of second differences of unit white noise
+SHORTEST: Final = 1.0  # s that a divergence must last, or 2 % of the span
 SHARE: Final = 0.02
-FEWEST: Final = 10  # samples that a departure lasts
+FEWEST: Final = 10  # samples that a divergence must last
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class Divergence:
     """
-    When two channels are apart.
+    When two channels differ.
 
     Attributes
     ----------
     band : float
-        Differences up to here are within the noise, or within the tolerance. [unit]
+        Largest difference explained by noise, or the tolerance. [unit]
     given : bool
-        Whether the band is a tolerance set by hand.
+        Whether the band is a tolerance set by the user.
     at : float or None
-        From here to the end they are apart; None where they are together at the end. [s]
+        Time from which they differ to the end; None if they agree at the end. [s]
     first : float or None
-        When they are first apart for longer than a moment, perhaps to meet again. [s]
+        Time when they first differ for longer than a moment. [s]
     outside : float
-        Share of the instants outside the band.
+        Share of the samples outside the band.
 
     """
 
@@ -48,18 +48,11 @@ class Divergence:
 
 def noise_deviation(values: Array) -> float:
     """
-    Return the standard deviation of the noise on a signal that is smooth otherwise.
+    Return the standard deviation of the noise on an otherwise smooth signal.
 
-    White noise as `white_noise_deviation` finds it; where there is none, and the values keep to
-    many steps as
-    those of an ADC do, the smallest step over sqrt(12). Few steps are commands, which have none.
-    Noise that was filtered away before recording is not seen.
-
-    Parameters
-    ----------
-    values : ndarray, shape (n,)
-        In the order of time; NaN is left out.
-
+    Without white noise, a signal with many distinct levels, such as an ADC's, has quantisation
+    noise: the smallest step over sqrt(12). Few levels mean a command, which has no noise. Noise
+    that was filtered out before recording is not detected. NaN values are ignored.
     """
     found = white_noise_deviation(values)
     levels = np.unique(values[np.isfinite(values)]) if found == 0.0 else np.empty(0)
@@ -70,8 +63,8 @@ def white_noise_deviation(values: Array) -> float:
     """
     Return the standard deviation of the white noise on a signal.
 
-    From the median size of second differences, which a straight line does not touch and a few
-    outliers do not move.
+    It comes from the median magnitude of second differences, which ignores linear trends and
+    single outliers.
     """
     seconds = np.diff(values, 2)
     seconds = seconds[np.isfinite(seconds)]
@@ -82,18 +75,10 @@ def white_noise_deviation(values: Array) -> float:
 
 def noise_band(pair: AlignedSignals, *, angular: bool = False, doubt: float = 0.0) -> float:
     """
-    Return the difference that the noise of two channels explains.
+    Return the difference that the noise of two channels explains. [unit of the channels]
 
-    Parameters
-    ----------
-    pair : Aligned
-        The channels.
-    angular : bool
-        Whether values 2 pi apart mean the same.
-    doubt : float
-        Standard deviation of the offset between their clocks; what moves fast may differ by as
-        much as it moves in that time. [s]
-
+    `doubt` is the standard deviation of the clock offset [s]; it widens the band by the change of
+    the signal in that time.
     """
     a, b = (np.unwrap(part) if angular else part for part in prepare_pair(pair, angular))
     both = math.hypot(noise_deviation(a), noise_deviation(b))
@@ -108,27 +93,17 @@ def noise_band(pair: AlignedSignals, *, angular: bool = False, doubt: float = 0.
 
 
 def prepare_pair(pair: AlignedSignals, angular: bool) -> tuple[Array, Array]:
-    """Return both; of angles only what is known, since one NaN would spoil all that follows."""
+    """Return both value arrays; for angles without NaN, because NaN breaks unwrapping."""
     return (pair.a[pair.both_valid], pair.b[pair.both_valid]) if angular else (pair.a, pair.b)
 
 
 def find_divergence(pair: AlignedSignals, band: float, *, by_hand: bool = False) -> Divergence:
     """
-    Return when two channels part.
+    Find when two channels diverge.
 
-    They are apart at an instant when their difference is outside the band then, and for most of a
-    window that begins there: 1 s, ten samples or 2 % of the span, whichever is longest. They have
-    parted at the first such instant after which no window says otherwise.
-
-    Parameters
-    ----------
-    pair : Aligned
-        The two channels.
-    band : float
-        Half its width. [unit]
-    given : bool
-        Whether it was set by hand.
-
+    They differ at a time if the difference exceeds the band then and for most of a window that
+    begins there: 1 s, ten samples or 2 % of the span, whichever is longest. They diverge at the
+    first such time that no window in agreement follows. `band` is half the width. [unit]
     """
     known = pair.both_valid
     time = pair.time[known]
@@ -144,6 +119,7 @@ def find_divergence(pair: AlignedSignals, band: float, *, by_hand: bool = False)
     total = np.concatenate([[0], np.cumsum(outside)])
     here = np.arange(len(time))
     most = (total[ends] - total[here]) * 2 >= ends - here
+    # Windows cut off by the end of the recording do not count; half a step covers rounding.
     whole = time + window <= time[-1] + 0.5 * step
     if not whole.any():  # shorter than one window
         whole[0] = True

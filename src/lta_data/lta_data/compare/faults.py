@@ -1,4 +1,4 @@
-"""What is wrong with the messages of a topic: gaps, duplicates, time that runs backwards."""
+"""Find faults in the timing of a topic: gaps, duplicates, and time that runs backwards."""
 
 from dataclasses import dataclass
 from typing import Final, final, NamedTuple
@@ -6,13 +6,13 @@ from typing import Final, final, NamedTuple
 from lta_data.compare.sampling import Array, GAP
 import numpy as np
 
-RHYTHM: Final = 3.0  # ratio of the quartiles of the steps of a topic that still has a rhythm
-SLOWER: Final = 1.02  # ratio of two periods that count as different
-LISTED: Final = 50  # intervals that are kept; all are counted
+RHYTHM: Final = 3.0  # largest quartile ratio of the periods of a regular topic
+SLOWER: Final = 1.02  # ratio of two periods from which rates count as different
+LISTED: Final = 50  # intervals that are stored; all are counted
 
 
 class FaultInterval(NamedTuple):
-    """From one instant to another. [s]"""
+    """An interval of time. [s]"""
 
     begin: float
     end: float
@@ -22,32 +22,32 @@ class FaultInterval(NamedTuple):
 @dataclass(frozen=True, slots=True)
 class TopicFaults:
     """
-    What is wrong with one topic of one flight.
+    The faults of one topic of one flight.
 
     Attributes
     ----------
     count : int
         Messages.
     period : float or None
-        Usual time between them; None where there are fewer than two. [s]
+        Median period; None for fewer than two messages. [s]
     rhythm : bool
-        Whether they come evenly enough for a gap to mean something.
-    gaps : tuple of Interval
+        Whether messages come regularly enough to define a gap.
+    gaps : tuple of FaultInterval
         Without a message for longer than 2.5 periods; the first 50.
     missing : float
-        Length of all gaps together. [s]
+        Total length of the gaps. [s]
     gap_count : int
-        How many gaps there are.
+        Number of gaps.
     same_stamp : int
         Messages with the time of an earlier one.
     repeated : int
-        Of these, those that are the message before once more, byte for byte.
-    backwards : tuple of Interval
-        Where time falls: from the later time to the earlier one that follows it; the first 50.
+        Of these, those with the same bytes as the previous message.
+    backwards : tuple of FaultInterval
+        Where time decreases: from the later time to the earlier one that follows; the first 50.
     backwards_count : int
-        How often it does.
+        Number of decreases.
     unknown : dict of str to float
-        Share of values that are no finite numbers, by channel, where there are any.
+        Share of non-finite values, by channel, if any.
 
     """
 
@@ -65,7 +65,7 @@ class TopicFaults:
 
     @property
     def is_clean(self) -> bool:
-        """Whether nothing is wrong."""
+        """Whether there is no fault."""
         found = self.gap_count + self.same_stamp + self.backwards_count
         return found == 0 and not self.unknown
 
@@ -74,7 +74,7 @@ def find_topic_faults(
     time: Array, unknown: dict[str, float] | None = None, repeated: int = 0, gap: float = GAP
 ) -> TopicFaults:
     """
-    Return what is wrong with the times of a topic's messages.
+    Find the faults in the times of a topic's messages.
 
     Parameters
     ----------
@@ -83,9 +83,9 @@ def find_topic_faults(
     unknown : dict of str to float, optional
         Shares of unknown values by channel.
     repeated : int
-        Messages that are the one before once more, byte for byte, at the same time.
+        Messages that repeat the previous one byte for byte, at the same time.
     gap : float
-        Periods without a message that make a gap.
+        Length of a gap in periods.
 
     """
     steps = np.diff(time)

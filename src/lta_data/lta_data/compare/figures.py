@@ -1,4 +1,4 @@
-"""The pictures of a comparison: overlays with their difference, paths from above, spectra."""
+"""Plot a comparison: overlays with their difference, paths from above, and spectra."""
 
 from collections.abc import Sequence
 from typing import Final
@@ -14,11 +14,11 @@ import numpy as np
 from plotly.graph_objects import Figure, Scatter
 
 A, B, DIFFERENCE = TRUTH, ESTIMATE, SETPOINT
-WIDE, NARROW = 3.0, 1.2  # px: A shows behind B where they are the same
+WIDE, NARROW = 3.0, 1.2  # px: A stays visible behind B where they agree
 
 
 def plot_overlay(each: ChannelComparison, time: tuple[float, float]) -> Figure:
-    """Return A and B over a time above their difference, with band and parting."""
+    """Plot A and B above their difference, with band and divergence."""
     shown = build_channel_trace(each)
     figure = create_figure(2, [0.66, 0.34])
     for line, name, colour, width, row in (
@@ -43,7 +43,7 @@ def plot_overlay(each: ChannelComparison, time: tuple[float, float]) -> Figure:
         visible=at is not None, layer='below', line={'color': WALL, 'width': 1, 'dash': '2px,3px'},
     )  # fmt: skip
     figure.add_annotation(
-        x=at or 0.0, xref='x', y=1.0, yref='paper', yanchor='bottom', text='they part',
+        x=at or 0.0, xref='x', y=1.0, yref='paper', yanchor='bottom', text='they diverge',
         xanchor='left', font={'size': 10, 'color': SOFT}, visible=at is not None,
     )  # fmt: skip
     unit = f' [{shown.unit}]' if shown.unit not in ('', '1') else ''
@@ -55,7 +55,7 @@ def plot_overlay(each: ChannelComparison, time: tuple[float, float]) -> Figure:
 
 
 def plot_path(channels: Sequence[ChannelComparison]) -> Figure | None:
-    """Return both paths from above in A's frame; None where there are none."""
+    """Plot both paths from above in A's frame; None without positions."""
     pose = find_pose_prefix(channels)
     by_name = {each.name: each for each in channels}
     both = by_name.get(f'{pose}position.x'), by_name.get(f'{pose}position.y')
@@ -93,7 +93,7 @@ def plot_path(channels: Sequence[ChannelComparison]) -> Figure | None:
 
 
 def thin_path(time: np.ndarray, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return a path in few points; kept are the extremes of both coordinates, and the gaps."""
+    """Thin a path, keeping the extremes of both coordinates and the gaps."""
     lines = [break_at_gaps(SampledSignal(time, values)) for values in (x, y)]
     keep = np.unique(np.concatenate([thin_signal(line).time for line in lines]))
     index = np.searchsorted(lines[0].time, keep)
@@ -104,7 +104,7 @@ SPECTRUM: Final = (('A', A), ('B', B), ('B - A', DIFFERENCE))
 
 
 def plot_spectrum(each: ChannelComparison) -> Figure:
-    """Return the power of A, B and their difference by frequency, above their coherence."""
+    """Plot the power spectra of A, B and their difference above their coherence."""
     figure = create_figure(2, [0.66, 0.34])
     found = None if each.spectra is None else thin_spectra(each.spectra)
     frequency = np.empty(0) if found is None else found.frequency
@@ -131,7 +131,7 @@ def plot_spectrum(each: ChannelComparison) -> Figure:
 
 
 def positive_powers(thinned: ChannelSpectra | None) -> list[np.ndarray]:
-    """Return the three powers, what is zero left out since a logarithm cannot show it."""
+    """Return the three spectra with NaN for zero, which a logarithmic axis cannot show."""
     if thinned is None:
         return [np.empty(0)] * 3
     return [

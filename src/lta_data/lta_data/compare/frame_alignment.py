@@ -1,4 +1,4 @@
-"""B's positions, headings and vectors in A's frames, where the frames are not the same."""
+"""Transform B's positions, headings and vectors to A's frames if the frames differ."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -15,12 +15,12 @@ import numpy as np
 Frames = Literal['auto', 'given', 'fit']
 BODY: Final = 'link'  # frames that move with the robot end in it, after REP-105
 ODOMETRY: Final = 'nav_msgs/msg/Odometry'
-BETTER: Final = 0.2  # of the distance that is left when a frame is found to be another
+BETTER: Final = 0.2  # remaining share of the distance from which frames count as different
 AXES: Final = ('x', 'y', 'z')
 
 
 class PositionPair(NamedTuple):
-    """A position that both flights have: where its field begins, and the two frames."""
+    """A position that both flights have: prefix of its fields, topic, frames and priority."""
 
     field: str
     topic: str
@@ -39,13 +39,13 @@ class FrameAlignment:
     frames : tuple of str
         A's and B's.
     topic : str
-        A's topic whose positions tell.
-    fit : Placement or None
-        What lays B on A; None where positions tell nothing.
+        A's topic whose positions were used.
+    fit : FramePlacement or None
+        Transformation from B to A; None with too few positions.
     applied : bool
         Whether it was applied.
     reason : str
-        Why, in a sentence.
+        One sentence.
 
     """
 
@@ -66,18 +66,8 @@ def align_frames(
     """
     Return the pairs with B in A's frames, and what was done.
 
-    Parameters
-    ----------
-    a, b : Side
-        The flights.
-    pairs : sequence of Pair
-        What both have.
-    timing : Timing
-        How B's time lies on A's.
-    frames : str
-        'given': as they are. 'fit': each world frame of B laid on A's. 'auto': where they have
-        different names, or where one run recorded twice shows that they differ.
-
+    `frames` is 'given': unchanged; 'fit': fit each world frame of B to A's; 'auto': fit only if
+    the frames have different names, or if the data of one run recorded twice show a difference.
     """
     by_name = {pair.name: pair for pair in pairs}
     best: dict[tuple[str, str], PositionPair] = {}
@@ -102,7 +92,7 @@ def find_frames(a: ComparedFlight, b: ComparedFlight, pair: ChannelPair) -> tupl
 def find_world_positions(
     a: ComparedFlight, b: ComparedFlight, pairs: Sequence[ChannelPair]
 ) -> list[PositionPair]:
-    """Return the positions in a world frame."""
+    """Return the positions that are in a world frame."""
     names = {pair.name for pair in pairs}
     found = []
     for pair in pairs:
@@ -121,7 +111,7 @@ def find_world_positions(
 def fit_frame_alignment(
     pose: PositionPair, pairs: Mapping[str, ChannelPair], timing: TimeAlignment, frames: Frames
 ) -> FrameAlignment:
-    """Return what to do about a pair of frames."""
+    """Fit the transformation of one pair of frames and decide whether to apply it."""
     both = [pairs[f'{pose.field}position.{axis}'] for axis in AXES]
     joined = [
         align_signals(
@@ -152,23 +142,26 @@ def fit_frame_alignment(
 def decide_alignment(
     names: tuple[str, str], fit: FramePlacement | None, timing: TimeAlignment, frames: Frames
 ) -> tuple[bool, str]:
-    """Return whether to apply a placement, and why."""
+    """Return whether to apply a transformation, and why."""
     if fit is None:
-        return False, 'Too few positions are common to tell.'
+        return False, 'The flights have too few positions in common to compare the frames.'
     if frames != 'auto':
-        return frames == 'fit', 'It was asked for.'
+        return frames == 'fit', 'As requested.'
     spoken = [f"'{name}'" if name else 'an unnamed frame' for name in names]
     if names[0] != names[1]:
-        return True, f'A counts in {spoken[0]} and B in {spoken[1]}.'
+        return True, f'A uses {spoken[0]} and B {spoken[1]}.'
     better = fit.after < BETTER * fit.before
     if better and timing.how == 'clock':
-        return True, f'One run, yet {fit.before:.2f} m apart as given and {fit.after:.2f} m so.'
+        return True, (
+            f'One run, but the paths are {fit.before:.2f} m apart without the transformation and '
+            f'{fit.after:.2f} m with it.'
+        )
     if better:
         return False, (
-            f'Both count in {spoken[0]}. The paths would agree to {fit.after:.2f} m instead of '
-            f'{fit.before:.2f} m if B were turned and shifted: --frames fit.'
+            f'Both use {spoken[0]}. Rotating and shifting B would reduce the distance of the '
+            f'paths from {fit.before:.2f} m to {fit.after:.2f} m: --frames fit.'
         )
-    return False, f'Both count in {spoken[0]}.'
+    return False, f'Both use {spoken[0]}.'
 
 
 def transform_pairs(
@@ -178,7 +171,7 @@ def transform_pairs(
     frames: tuple[str, str],
     fit: FramePlacement,
 ) -> dict[str, ChannelPair]:
-    """Return the pairs that count in these frames, with B's side moved."""
+    """Return the pairs in these frames, with B transformed."""
     found: dict[str, ChannelPair] = {}
     for name, pair in pairs.items():
         if find_frames(a, b, pair) != frames:
@@ -199,7 +192,7 @@ def transform_pairs(
 def transform_triple(
     parts: Sequence[ChannelPair], fit: FramePlacement, position: bool
 ) -> dict[str, ChannelPair]:
-    """Return x, y and z of B, turned, and of a position shifted."""
+    """Return x, y and z of B, rotated, and for a position also shifted."""
     given = np.stack([pair.b.values for pair in parts], axis=1)
     if position:
         values = fit.transform_positions(given)

@@ -1,4 +1,4 @@
-"""The turn about the vertical and the shift that lay one flight's world frame on another's."""
+"""Fit the yaw rotation and the shift that map one flight's world frame to another's."""
 
 from dataclasses import dataclass
 import math
@@ -7,28 +7,28 @@ from typing import Final, final
 from lta_data.compare.sampling import Array, wrap_angle
 import numpy as np
 
-ROUNDS: Final = 50
-TUKEY: Final = 4.685  # deviations beyond which a point counts nothing
-LEAST: Final = 0.05  # m of way in the plane without which positions tell no turn
-TELLING: Final = 3.0  # times the misfit, that the way must be long
+ROUNDS: Final = 50  # iterations, at most
+TUKEY: Final = 4.685  # scaled residuals of zero weight; 95 % efficiency for normal noise
+LEAST: Final = 0.05  # m of horizontal spread needed to estimate the rotation
+TELLING: Final = 3.0  # least ratio of that spread to the misfit
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class FramePlacement:
     """
-    How positions of B come into A's frame: turned by `yaw` about z, then shifted.
+    Transformation of positions of B into A's frame: rotation about z, then a shift.
 
     Attributes
     ----------
     yaw : float
         [rad]
     x, y, z : float
-        Shift, after the turn. [m]
+        Shift after the rotation. [m]
     before, after : float
-        RMS distance of the paths without and with it. [m]
+        RMS distance of the paths without and with the transformation. [m]
     by_heading : bool
-        Whether the turn is that of the headings, because the way is too short to tell.
+        Whether the rotation comes from the headings because the path is too short.
 
     """
 
@@ -46,7 +46,7 @@ class FramePlacement:
         return np.stack([x + self.x, y + self.y, xyz[:, 2] + self.z], axis=1)
 
     def rotate_vectors(self, x: Array, y: Array) -> tuple[Array, Array]:
-        """Return vectors in the plane of B's frame, x and y of shape (n,), in A's."""
+        """Return horizontal vectors of B, x and y of shape (n,), in A's frame."""
         c, s = math.cos(self.yaw), math.sin(self.yaw)
         return c * x - s * y, s * x + c * y
 
@@ -55,24 +55,19 @@ def fit_placement(
     a: Array, b: Array, heading_a: Array | None = None, heading_b: Array | None = None
 ) -> FramePlacement | None:
     """
-    Return what lays B's path on A's best.
+    Fit the transformation of B's path to A's; None for fewer than three common positions.
 
-    Least squares of the horizontal distance over turn and shift (Umeyama 1991, "Least-squares
-    estimation of transformation parameters between two point patterns", for a turn about z), with
-    Tukey's weights, so that a stretch in which the flights part does not bend the rest; the
-    height apart, likewise.
+    Least squares of the horizontal distance over rotation and shift (Umeyama 1991, "Least-squares
+    estimation of transformation parameters between two point patterns", for a rotation about z).
+    Tukey weights keep a stretch in which the flights diverge from biasing the rest. The height
+    offset is estimated in the same way.
 
     Parameters
     ----------
     a, b : ndarray, shape (n, 3)
-        Positions at the same instants. [m]
+        Positions at the same times. [m]
     heading_a, heading_b : ndarray, shape (n,), optional
-        Yaw at the same instants, for when the way is too short. [rad]
-
-    Returns
-    -------
-    Placement or None
-        None where fewer than three instants are known.
+        Yaw at the same times, used if the path is too short. [rad]
 
     """
     known = np.isfinite(a).all(axis=1) & np.isfinite(b).all(axis=1)
@@ -84,6 +79,7 @@ def fit_placement(
     yaw, shift = fit_rotation(a, b, weight)
     for _ in range(ROUNDS):
         apart = horizontal_distances(a, b, yaw, shift)
+        # 1.4826: standard deviation from the median absolute deviation of normal noise.
         scale = 1.4826 * float(np.median(apart))
         if scale <= 1e-12:
             break
@@ -105,7 +101,7 @@ def fit_placement(
 
 
 def robust_center(values: Array) -> float:
-    """Return the middle of values of which a part may lie elsewhere: Tukey's, from the median."""
+    """Return the centre of values with outliers: Tukey's M-estimate, started from the median."""
     middle = float(np.median(values))
     for _ in range(ROUNDS):
         scale = 1.4826 * float(np.median(np.abs(values - middle)))
@@ -124,7 +120,7 @@ def rms_distance(a: Array, b: Array) -> float:
 
 
 def fit_rotation(a: Array, b: Array, weight: Array) -> tuple[float, Array]:
-    """Return the turn [rad] and shift [m] of least weighted squares, in the plane of (n, 3)."""
+    """Fit yaw [rad] and shift [m] in the plane by weighted least squares."""
     of_a, of_b = (np.average(part[:, :2], axis=0, weights=weight) for part in (a, b))
     ca, cb = a[:, :2] - of_a, b[:, :2] - of_b
     along = float(np.sum(weight * np.sum(ca * cb, axis=1)))
@@ -134,7 +130,7 @@ def fit_rotation(a: Array, b: Array, weight: Array) -> tuple[float, Array]:
 
 
 def fit_shift(a: Array, b: Array, yaw: float, weight: Array) -> Array:
-    """Return the shift [m] that a turn [rad] leaves to be made, shape (2,)."""
+    """Return the shift [m] that remains after a rotation by `yaw` [rad], shape (2,)."""
     of_a, of_b = (np.average(part[:, :2], axis=0, weights=weight) for part in (a, b))
     c, s = math.cos(yaw), math.sin(yaw)
     return np.asarray(of_a - np.array([c * of_b[0] - s * of_b[1], s * of_b[0] + c * of_b[1]]))
@@ -149,7 +145,7 @@ def horizontal_distances(a: Array, b: Array, yaw: float, shift: Array) -> Array:
 
 
 def mean_heading_difference(a: Array | None, b: Array | None) -> float:
-    """Return the turn by which headings differ in the mean; zero where there are none. [rad]"""
+    """Return the circular mean of the difference of headings; zero without headings. [rad]"""
     if a is None or b is None:
         return 0.0
     turn = a - b

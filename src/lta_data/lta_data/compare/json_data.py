@@ -1,4 +1,4 @@
-"""A comparison as plain data, for --json and compare.json, with units."""
+"""Convert a comparison to plain data for --json and compare.json, with units."""
 
 from collections.abc import Mapping
 from dataclasses import asdict, is_dataclass
@@ -24,7 +24,7 @@ UNITS = {
 
 
 def comparison_to_dict(comparison: ComparisonResult) -> dict[str, Any]:
-    """Return everything that was found; what is not known is null."""
+    """Return the whole comparison; unknown values are null."""
     content = {
         'verdict': comparison.verdict,
         'sentence': format_verdict(comparison),
@@ -46,7 +46,7 @@ def comparison_to_dict(comparison: ComparisonResult) -> dict[str, Any]:
 def side_to_dict(
     side: ComparedFlight, faults: Mapping[str, TopicFaults], only: tuple[str, ...]
 ) -> dict[str, Any]:
-    """Return a flight: where it comes from, and what is wrong with it."""
+    """Return the origin and the faults of one flight."""
     return {
         'path': side.path,
         'robot': side.robot,
@@ -59,7 +59,7 @@ def side_to_dict(
 
 
 def channel_to_dict(each: ChannelComparison) -> dict[str, Any]:
-    """Return a channel, its spectra at up to 96 frequencies."""
+    """Return a channel with its spectra at up to 96 frequencies."""
     return {
         'name': each.name,
         'other': each.other,
@@ -76,12 +76,13 @@ def channel_to_dict(each: ChannelComparison) -> dict[str, Any]:
 
 
 def to_json_value(value: Any) -> Any:  # noqa: ANN401 - what JSON holds
-    """Return a value as JSON can hold it: no NaN, no infinity, no classes."""
+    """Convert a value to what JSON can hold: no NaN, infinity or classes."""
     if is_dataclass(value) and not isinstance(value, type):
         value = asdict(value)
     if isinstance(value, Mapping):
         return {str(key): to_json_value(part) for key, part in value.items()}
     if isinstance(value, np.ndarray):
+        # Six digits are enough for spectra and keep the file small.
         value = [float(f'{part:.6g}') for part in value]
     if isinstance(value, list | tuple):
         return [to_json_value(part) for part in value]

@@ -1,4 +1,4 @@
-"""How far two channels are apart: bias, RMS with its interval, and the RMS beside the spread."""
+"""Measure the difference of two channels: bias, RMS with a confidence interval, and NRMSE."""
 
 from dataclasses import dataclass
 import math
@@ -8,11 +8,11 @@ from lta_data.compare.sampling import AlignedSignals, Array, wrap_angle
 import numpy as np
 from scipy.special import stdtrit
 
-DRAWS: Final = 400
+DRAWS: Final = 400  # bootstrap samples
 TAIL: Final = 2.5  # percent left on either side of an interval
-LONGEST_LAG: Final = 20_000
-FEWEST: Final = 4  # blocks
-NORMAL: Final = 1.959964  # the same tail of a normal distribution
+LONGEST_LAG: Final = 20_000  # samples; bounds the autocorrelation of long recordings
+FEWEST: Final = 4  # blocks of the bootstrap, at least
+NORMAL: Final = 1.959964  # quantile of the normal distribution for the same tail
 
 
 @final
@@ -24,17 +24,17 @@ class DifferenceMeasures:
     Attributes
     ----------
     count : int
-        Instants at which both are known.
+        Instants at which both values are known.
     bias, rms : float
         Mean and root mean square. [unit of the channel]
     rms_low, rms_high : float
         95 % interval of `rms` by block bootstrap.
     greatest, greatest_at : float
-        The difference of most size, and when. [unit; s]
+        The largest difference in magnitude, and its time. [unit; s]
     spread : float
         Standard deviation of A at the same instants.
     nrmse : float or None
-        rms / spread; None where A stands still.
+        rms / spread; None if A is constant.
 
     """
 
@@ -53,18 +53,10 @@ def measure_difference(
     pair: AlignedSignals, *, angular: bool = False, seed: int = 0
 ) -> DifferenceMeasures | None:
     """
-    Return how far two channels are apart; None where they are never known together.
+    Return the measures of two channels; None if they have no common valid sample.
 
-    Parameters
-    ----------
-    pair : Aligned
-        The two channels.
-    angular : bool
-        Whether values 2 pi apart mean the same; the spread of A is then that about its mean
-        direction.
-    seed : int
-        Of the bootstrap's draws.
-
+    For angular channels, the spread of A is taken about its mean direction. `seed` is the random
+    seed of the bootstrap.
     """
     known = pair.both_valid
     if not known.any():
@@ -88,10 +80,12 @@ def measure_difference(
 
 
 def standard_deviation(values: Array, angular: bool) -> float:
-    """Return the standard deviation of finite values, in their unit; zero where all are equal."""
+    """Return the standard deviation of finite values, in their unit; zero if all are equal."""
+    # np.std of equal numbers can round to slightly more than zero.
     if not len(values) or np.ptp(values) == 0.0:
         return 0.0
     if angular:
+        # Circular mean: angles near +pi and -pi belong together.
         middle = math.atan2(float(np.mean(np.sin(values))), float(np.mean(np.cos(values))))
         return float(np.std(wrap_angle(values - middle)))
     return float(np.std(values))
@@ -101,14 +95,15 @@ def autocorrelation_time(values: Array) -> float:
     """
     Return the integrated autocorrelation time in samples: 1 for white noise.
 
-    Summed until the sum's own window of five times it is reached (Sokal 1997, "Monte Carlo
-    methods in statistical mechanics").
+    The sum is cut off at five times its own value (Sokal 1997, "Monte Carlo methods in
+    statistical mechanics").
     """
     centred = values - values.mean()
     count = len(centred)
     power = float(np.dot(centred, centred))
     if count < 4 or power == 0.0:
         return 1.0
+    # Zero padding, so that the circular correlation of the FFT does not wrap around.
     spectrum = np.fft.rfft(centred, 1 << (2 * count - 1).bit_length())
     correlation = np.fft.irfft(np.abs(spectrum) ** 2)[: min(count, LONGEST_LAG)] / power
     total = 2.0 * np.cumsum(correlation) - 1.0
@@ -120,21 +115,12 @@ def rms_interval(
     difference: Array, chance: np.random.Generator, draws: int = DRAWS
 ) -> tuple[float, float]:
     """
-    Return the 95 % interval of the RMS of a series whose neighbours resemble each other.
+    Return the 95 % interval of the RMS of an autocorrelated series.
 
-    Circular block bootstrap (Politis and Romano 1992): whole blocks of the squares, several times
-    as long as their memory, are drawn with replacement; percentiles of the draws' logarithm,
-    widened for what blocks lose at their ends and for how few they are (Student's t).
-
-    Parameters
-    ----------
-    difference : ndarray, shape (n,)
-        Finite.
-    chance : Generator
-        The draws.
-    draws : int
-        How many.
-
+    Circular block bootstrap (Politis and Romano 1992): blocks of the squares, five times as long
+    as their autocorrelation time, are drawn with replacement. The percentiles are those of the
+    logarithm of the draws. They are widened for the correlation lost at the block ends, and by
+    Student's t for the small number of blocks.
     """
     squares = difference**2
     count, mean = len(squares), float(np.mean(squares))
@@ -144,15 +130,16 @@ def rms_interval(
     most = max(1, count // FEWEST)
     length = min(math.ceil(max(5.0 * alike, count ** (1 / 3))), most)
     blocks = -(-count // length)
+    # Cumulative sums of the wrapped series: the sum of any block is one subtraction.
     around = np.concatenate([[0.0], np.cumsum(np.concatenate([squares, squares[:length]]))])
     starts = chance.integers(0, count, size=(draws, blocks))
     means = (around[starts + length] - around[starts]).sum(axis=1) / (blocks * length)
     apart = np.log(np.maximum(means, 1e-300) / mean)
-    # Cut at the ends of blocks, resemblance is lost; and few blocks tell their own scatter badly.
+    # Correlation across the block ends is lost, and few blocks estimate their scatter poorly.
     lost = math.sqrt(1.0 / (1.0 - min(0.5, alike / length)))
     few = float(stdtrit(max(blocks - 1, 1), 1.0 - TAIL / 100.0) / NORMAL)
     low, high = np.percentile(apart, [TAIL, 100.0 - TAIL]) * lost * few
-    # No mean lies beyond what was averaged.
+    # A mean cannot lie outside the range of the averaged values.
     lowest, highest = math.sqrt(float(squares.min())), math.sqrt(float(squares.max()))
     ends = (math.sqrt(mean) * math.exp(0.5 * end) for end in (min(low, 0.0), max(high, 0.0)))
     first, last = ends

@@ -1,4 +1,4 @@
-"""When a flight begins to move, by its own channels: what separate runs of one plan share."""
+"""Find when a flight starts to move, to align separate runs of one plan."""
 
 from collections.abc import Sequence
 import math
@@ -9,16 +9,16 @@ from lta_data.compare.divergence import white_noise_deviation
 from lta_data.compare.sampling import median_period, SampledSignal
 import numpy as np
 
-QUIET: Final = 0.3  # s of rest that a start must be preceded by
-CLEAR: Final = 8.0  # times the noise
-PART: Final = 0.02  # of the range
-FEWEST: Final = 3  # channels of motion that tell a start, and by their scatter how well
-CREEP: Final = 0.5  # of the limit, that a channel at rest may change in the first moment
+QUIET: Final = 0.3  # s of rest needed before a start
+CLEAR: Final = 8.0  # least deviation from rest, in noise deviations
+PART: Final = 0.02  # least deviation from rest, of the channel's range
+FEWEST: Final = 3  # channels of motion needed for a start and its uncertainty
+CREEP: Final = 0.5  # of the limit; largest drift of a channel at rest
 COMMANDS: Final = ('motors', 'wrench_command', 'setpoint/velocity', 'setpoint/pose')
 
 
 class CommonStart(NamedTuple):
-    """B's start less A's and its deviation in s; of which channels, and whether commands."""
+    """B's start minus A's and its standard deviation [s]; channels used; whether commands."""
 
     offset: float
     sigma: float
@@ -27,17 +27,7 @@ class CommonStart(NamedTuple):
 
 
 def find_motion_start(line: SampledSignal, angular: bool = False) -> float | None:
-    """
-    Return when a channel first leaves its level of the beginning; None where it never rested.
-
-    Parameters
-    ----------
-    line : Line
-        The channel.
-    angular : bool
-        Whether values 2 pi apart mean the same.
-
-    """
+    """Return when a channel first leaves its initial level; None if it never rested. [s]"""
     time, values = unwrap_finite(line, angular)
     if len(time) < 8 or np.ptp(values) == 0.0:
         return None
@@ -59,10 +49,10 @@ def find_motion_start(line: SampledSignal, angular: bool = False) -> float | Non
 
 def find_common_start(shared: Sequence[SharedQuantity]) -> CommonStart | None:
     """
-    Return the offset between two flights' starts; None where they show none that both share.
+    Return the offset between the starts of two flights; None without a common start.
 
-    The commands count where they start, else the motion, if enough channels of it do; the median
-    over the channels, and its deviation from their scatter and their periods.
+    Commands are used if they start, otherwise the motion, if enough channels show it. The offset
+    is the median over the channels; its uncertainty comes from their scatter and periods.
     """
     for by_command in (True, False):
         found = {}
@@ -80,6 +70,7 @@ def find_common_start(shared: Sequence[SharedQuantity]) -> CommonStart | None:
             offsets = np.array([offset for offset, _ in found.values()])
             middle = float(np.median(offsets))
             scatter = 1.4826 * float(np.median(np.abs(offsets - middle))) / math.sqrt(len(offsets))
+            # Sampling makes a start uncertain by a uniform distribution of one period.
             step = min(step for _, step in found.values()) / math.sqrt(12.0)
             return CommonStart(middle, math.hypot(scatter, step), tuple(found), by_command)
     return None

@@ -1,4 +1,4 @@
-"""A comparison as one self-contained HTML file, in the look of a flight's page."""
+"""Write a comparison as one self-contained HTML page."""
 
 from collections.abc import Mapping
 from html import escape
@@ -41,22 +41,22 @@ from lta_report.page_parts import embed_data, render_section, render_terms, rend
 import numpy as np
 
 NAME: Final = 'compare.html'
-PICKED: Final = 320  # points of a line that somebody may pick
+PICKED: Final = 320  # points of a line in the channel picker; limits the page's size
 LEGEND: Final = (
     '<b class="key-a">Blue: A</b>, <b class="key-b">orange: B</b>, '
-    '<b class="key-d">grey: B - A</b>. Shaded: the band that '
-    'noise explains, or the tolerance. Nothing is drawn across a gap.'
+    '<b class="key-d">grey: B - A</b>. Shaded: the noise band '
+    'or the tolerance. Gaps are not bridged.'
 )
 ABOVE: Final = "Both paths in A's frame. Ring: start. Dot: end."
 
 
 def write_page(comparison: ComparisonResult, out: Path) -> Path:
-    """Write the page and return where it is; `BadInput` where it cannot be written."""
+    """Write the page and return its path; raise `BadInput` if it cannot be written."""
     return write_file(render_page(comparison), out)
 
 
 def render_page(comparison: ComparisonResult) -> str:
-    """Return the whole page."""
+    """Return the page's HTML."""
     shown, time = select_main_channels(comparison.channels), find_total_span(comparison)
     first = next((each for each in comparison.channels if is_pickable(each)), None)
     return assemble_page(
@@ -93,7 +93,7 @@ def find_total_span(comparison: ComparisonResult) -> tuple[float, float]:
 
 
 def shorten_path(path: str) -> str:
-    """Return what tells a bag from another: its folder's name, or the folder above `bag`."""
+    """Return a short name of a bag: its folder's name, or that of the folder above `bag`."""
     given = Path(path)
     return given.parent.name if given.name == 'bag' and given.parent.name else given.stem
 
@@ -103,26 +103,26 @@ def format_title(entry: RoleChannel) -> str:
     if entry.among == 1:
         return entry.role.title
     field = entry.channel.name.rpartition('/')[2]
-    return f'{entry.role.title}: {field}, which parts most of {entry.among}'
+    return f'{entry.role.title}: {field}, with the largest divergence of {entry.among}'
 
 
 def summarize_channel(each: ChannelComparison) -> str:
-    """Return how a channel stands, in a sentence."""
+    """Return one sentence on a channel's difference."""
     found, when = each.measures, each.parting
     if each.verdict == 'identical':
         return 'Identical.'
     if found is None:
-        return 'Never known in both.'
+        return 'No common data.'
     rms = f'RMS {format_quantity(found.rms, each.unit)}'
     share = '' if found.nrmse is None else f", {found.nrmse:.2g} of A's standard deviation"
-    parts = 'They do not part' if when.at is None else f'They part at {when.at:.2f} s'
+    parts = 'No divergence' if when.at is None else f'They diverge at {when.at:.2f} s'
     if when.at is None and each.verdict == 'apart at times':
-        parts = f'They are apart at times, {100.0 * when.outside:.0f} % of the instants'
+        parts = f'They differ at times, {100.0 * when.outside:.0f} % of the samples'
     return f'{parts}; {rms}{share}.'
 
 
 def build_tiles(comparison: ComparisonResult) -> list[Tile]:
-    """Return the figures that matter most."""
+    """Return the tiles with the main results."""
     timing, (begin, end) = comparison.timing, comparison.span
     parted = [each for each in comparison.channels if each.verdict == 'parted']
     moving = [
@@ -138,59 +138,59 @@ def build_tiles(comparison: ComparisonResult) -> list[Tile]:
     offset, doubt, unit = format_offset_parts(timing)
     doubt = f'± {doubt} {unit}; ' if doubt else ''
     how = {
-        'clock': 'by what both measured', 'motion': 'by the start of motion',
-        'given': 'by hand',
-        'none': 'stamps as they are' if timing.on_stamps else 'each from its own start',
+        'clock': 'from channels of both', 'motion': 'from the start of motion',
+        'given': 'set by hand',
+        'none': 'stamps unchanged' if timing.on_stamps else 'each from its own start',
     }[timing.how]  # fmt: skip
     made = [
-        Tile('Offset of B\'s time', offset, unit, f'{doubt}{how}'),
-        Tile('In common', f'{end - begin:.1f}', 's', f'{begin:.1f} to {end:.1f} s of A'),
+        Tile('Offset of B\'s clock', offset, unit, f'{doubt}{how}'),
+        Tile('Common time', f'{end - begin:.1f}', 's', f'{begin:.1f} to {end:.1f} s of A'),
         Tile(
-            'Channels that part', str(len(parted)), f'of {len(comparison.channels)}',
+            'Diverging channels', str(len(parted)), f'of {len(comparison.channels)}',
             f'{sum(each.verdict == "identical" for each in comparison.channels)} identical',
         ),
     ]  # fmt: skip
     if moving:
         first, worst = find_earliest(moving), moving[0]
         made.append(
-            Tile('First parting', f'{first.parting.at:.2f}', 's', format_channel_name(first))
+            Tile('First divergence', f'{first.parting.at:.2f}', 's', format_channel_name(first))
         )
         rms = worst.measures
         share = MISSING if rms is None or rms.nrmse is None else f'{rms.nrmse:.2g}'
-        made.append(Tile('NRMSE of what parts most', share, '', format_channel_name(worst)))
+        made.append(Tile('NRMSE of the largest divergence', share, '', format_channel_name(worst)))
     else:
-        made.append(Tile('First parting', MISSING, '', 'no channel parts'))
-    made.append(Tile('Topics with faults', str(wrong), '', 'gaps, duplicates, lost values'))
+        made.append(Tile('First divergence', MISSING, '', 'no channel diverges'))
+    made.append(Tile('Topics with faults', str(wrong), '', 'gaps, duplicates, missing values'))
     return made
 
 
 def render_overview(comparison: ComparisonResult) -> str:
-    """Return the path from above, where there is one, beside the first of the ranking."""
+    """Return the path seen from above, if there is one, and the top of the ranking."""
     above = figures.plot_path(comparison.channels)
     drawn = '' if above is None else render_section('path', 'From above', ABOVE, above)
     heads = ''.join(
-        f'<th scope="col">{head}</th>' for head in ('channel', 'parts at', 'RMS', 'NRMSE')
+        f'<th scope="col">{head}</th>' for head in ('channel', 'diverges at', 'RMS', 'NRMSE')
     )
     moving = [each for each in comparison.channels if is_pickable(each)][:12]
     rows = ''.join(format_short_row(each) for each in moving)
     return (
         f'{drawn}<section class="panel ranking" aria-labelledby="title-ranking">'
-        '<h2 id="title-ranking">What parts most and earliest</h2><table><thead><tr>'
+        '<h2 id="title-ranking">Largest and earliest divergences</h2><table><thead><tr>'
         f'{heads}</tr></thead><tbody>{rows}</tbody></table>'
-        f'<p class="note">{LEGEND} Times are A\'s. NRMSE is RMS over the standard deviation of A '
-        'at the same instants.</p></section>'
+        f'<p class="note">{LEGEND} Times are on A\'s clock. NRMSE is RMS over the standard '
+        'deviation of A at the same times.</p></section>'
     )
 
 
 def render_picker(comparison: ComparisonResult, first: ChannelComparison) -> str:
-    """Return the choice of any channel, with its overlay and spectra."""
+    """Return the channel picker with the overlay and spectra of the chosen channel."""
     known = [each for each in comparison.channels if is_pickable(each)]
     options = ''.join(f'<option>{escape(each.name)}</option>' for each in known)
     content = {each.name: build_picker_data(each) for each in known}
     about = f'{first.name}. {summarize_channel(first)}'
     by_frequency = (
         "Power spectral density by Welch's method, in the channel's unit squared per hertz; "
-        "coherence is the share of B's power that answers A's."
+        "coherence is the share of B's power that is linear in A."
     )
     return (
         '<p class="choice"><label for="channel">Any channel</label> '
@@ -208,7 +208,7 @@ def render_picker(comparison: ComparisonResult, first: ChannelComparison) -> str
 
 
 def build_picker_data(each: ChannelComparison) -> dict[str, object]:
-    """Return what the page's script needs of a channel."""
+    """Return the data that the page's script needs for a channel."""
     content = {
         **encode_channel(each, PICKED),
         'summary': f'{each.name}. {summarize_channel(each)}',
@@ -223,49 +223,49 @@ def build_picker_data(each: ChannelComparison) -> dict[str, object]:
 
 
 def describe_alignment(comparison: ComparisonResult) -> Mapping[str, str]:
-    """Return what was done to time and frames."""
+    """Return how time and frames were aligned."""
     timing = comparison.timing
-    told = {'time': timing.reason}
+    terms = {'time': timing.reason}
     if timing.how != 'none':
-        told['offset'] = f"B's time {format_offset(timing)}"
-        told['resting on'] = ', '.join(timing.used) or 'what was given'
+        terms['offset'] = f"B's time {format_offset(timing)}"
+        terms['estimated from'] = ', '.join(timing.used) or 'the given value'
     if timing.found is not None and timing.found.drift_sigma < 1.0:
         low, high = (
             BASIS * (timing.found.drift + s * 1.96 * timing.found.drift_sigma) for s in (-1, 1)
         )
         what = 'applied' if timing.drift else 'not applied'
-        told["drift of B's clock"] = f'{low:+.0f} to {high:+.0f} ppm (95 %); {what}'
-    told['clock of offsets'] = (
-        'that of the stamps'
+        terms["drift of B's clock"] = f'{low:+.0f} to {high:+.0f} ppm (95 %); {what}'
+    terms['reference of offsets'] = (
+        'the clock of the stamps'
         if timing.on_stamps
-        else 'time since each start; the stamps have nothing in common'
+        else 'time since the start of each flight; the stamps do not overlap'
     )
     for each in comparison.frames:
-        told[f'{each.topic}'] = describe_frames(each)
-    return told
+        terms[f'{each.topic}'] = describe_frames(each)
+    return terms
 
 
 def describe_sources(comparison: ComparisonResult) -> dict[str, str]:
-    """Return where the flights come from."""
-    told = {}
+    """Return the origin of both flights."""
+    terms = {}
     for label, side, only in (
         ('A', comparison.a, comparison.only_a),
         ('B', comparison.b, comparison.only_b),
     ):
         begin, end = side.span
-        told[label] = str(relative_path(Path(side.path)))
-        told[f'{label}, length'] = f'{end - begin:.2f} s'
+        terms[label] = str(relative_path(Path(side.path)))
+        terms[f'{label}, length'] = f'{end - begin:.2f} s'
         if side.robot:
-            told[f'{label}, robot'] = side.robot
+            terms[f'{label}, robot'] = side.robot
         if only:
-            told[f'only in {label}'] = ', '.join(only)
-    told['the same byte for byte'] = ', '.join(comparison.identical_topics) or 'no topic'
-    told['commit'] = read_commit()
-    return told
+            terms[f'only in {label}'] = ', '.join(only)
+    terms['identical byte for byte'] = ', '.join(comparison.identical_topics) or 'no topic'
+    terms['commit'] = read_commit()
+    return terms
 
 
 def suggest_commands(comparison: ComparisonResult) -> dict[str, str]:
-    """Return how to go on."""
+    """Return commands for further analysis."""
     a, b = relative_path(Path(comparison.a.path)), relative_path(Path(comparison.b.path))
     return {
         'Compare again': format_lta_command('compare', a, b),

@@ -1,4 +1,4 @@
-"""The progress bar of a comparison."""
+"""Show the progress of a comparison."""
 
 from typing import final
 
@@ -9,17 +9,7 @@ from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
 
 @final
 class CompareProgress(ProgressBar):
-    """
-    Show a comparison while it lasts.
-
-    Parameters
-    ----------
-    console : Console
-        Where to; nothing moves where it is no terminal.
-    total : int
-        How often `tick` will be called.
-
-    """
+    """Progress bar of a comparison; `total` is the number of calls of `tick`."""
 
     def __init__(self, console: Console, total: int) -> None:
         columns = (
@@ -30,5 +20,5 @@ class CompareProgress(ProgressBar):
         super().__init__(console, *columns, begin='opening', total=total)
 
     def tick(self, doing: str) -> None:
-        """Say what is being done, and go on."""
+        """Show the current step and advance the bar."""
         self.update_bar(description=doing, advance=1)

@@ -1,38 +1,34 @@
-"""One quantity over time, put in order, and its values at other instants: gaps stay gaps."""
+"""Sort and resample signals; gaps stay gaps."""
 
 from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-GAP: Final = 2.5  # periods of a channel without a message: nothing is known of the time between
+GAP: Final = 2.5  # periods without a message that count as a gap
 TURN: Final = 2.0 * np.pi
-ABSURD: Final = 1e30  # beyond any quantity: what some drivers write for 'unknown'
+ABSURD: Final = 1e30  # larger than any real value: some drivers write it for 'unknown'
 Array = NDArray[np.float64]
 
 
 class SampledSignal(NamedTuple):
-    """Instants in s, rising, and values there, both of shape (n,); NaN where nothing is known."""
+    """Times [s], increasing, and values, both of shape (n,); NaN marks an unknown value."""
 
     time: Array
     values: Array
 
 
 def mask_unknown(values: ArrayLike) -> Array:
-    """Return values with NaN for what is infinite, or so large that it stands for 'unknown'."""
+    """Replace infinite and absurdly large values by NaN."""
     given = np.asarray(values, dtype=np.float64)
     return np.where(np.abs(given) < ABSURD, given, np.nan)
 
 
 def sort_samples(time: ArrayLike, values: ArrayLike) -> SampledSignal:
     """
-    Return a line in the order of time, the first of several values at one instant.
+    Return a signal sorted by time; of several values at one time, the first.
 
-    Parameters
-    ----------
-    time, values : array_like, shape (n,)
-        In any order; an instant that is no number is left out, a value that is none becomes NaN.
-
+    Samples with a non-finite time are dropped.
     """
     when = np.asarray(time, dtype=np.float64).ravel()
     what = np.asarray(values, dtype=np.float64).ravel()
@@ -43,7 +39,7 @@ def sort_samples(time: ArrayLike, values: ArrayLike) -> SampledSignal:
 
 
 def median_period(time: Array) -> float:
-    """Return the usual time from one instant to the next; NaN of fewer than two. [s]"""
+    """Return the median time between samples, NaN for fewer than two. [s]"""
     return float(np.median(np.diff(time))) if len(time) > 1 else float('nan')
 
 
@@ -56,29 +52,16 @@ def interpolate_signal(
     line: SampledSignal, at: Array, *, angular: bool = False, gap: float = GAP
 ) -> Array:
     """
-    Return a line's values at other instants, between two messages by the straight line.
+    Interpolate a signal linearly at the times `at`. [s]
 
-    Parameters
-    ----------
-    line : Line
-        What is known.
-    at : ndarray, shape (m,)
-        Instants. [s]
-    angular : bool
-        Go from one value to the next the shorter way around.
-    gap : float
-        Periods of the line; between messages further apart nothing is known.
-
-    Returns
-    -------
-    ndarray, shape (m,)
-        NaN outside the line, in its gaps and beside its NaN.
-
+    Angular values take the shorter way around. The result is NaN outside the signal, next to
+    NaN values, and between samples more than `gap` median periods apart.
     """
     found = np.full(len(at), np.nan)
     if not len(line.time):
         return found
     right = np.searchsorted(line.time, at)
+    # A sample at exactly the requested time counts even next to a gap or a NaN.
     exact = right < len(line.time)
     exact[exact] = line.time[right[exact]] == at[exact]
     found[exact] = line.values[right[exact]]
@@ -95,16 +78,16 @@ def interpolate_signal(
 
 class AlignedSignals(NamedTuple):
     """
-    Two lines at the same instants.
+    Two signals at the same times.
 
     Attributes
     ----------
     time : ndarray, shape (n,)
-        Instants of the slower of both. [s]
+        Times of the slower signal. [s]
     a, b : ndarray, shape (n,)
-        Values; NaN where nothing is known.
+        Values; NaN where unknown.
     difference : ndarray, shape (n,)
-        b minus a, of angles the shorter way around.
+        b minus a; for angles, the shorter way around.
 
     """
 
@@ -115,7 +98,7 @@ class AlignedSignals(NamedTuple):
 
     @property
     def both_valid(self) -> NDArray[np.bool_]:
-        """Where both are known."""
+        """Mask of the times at which both are known."""
         return np.isfinite(self.difference)
 
 
@@ -123,13 +106,14 @@ def align_signals(
     a: SampledSignal, b: SampledSignal, *, angular: bool = False, gap: float = GAP
 ) -> AlignedSignals:
     """
-    Return two lines at the instants of the slower, on their common span.
+    Return two signals at the times of the slower one, on their common span.
 
-    The faster is interpolated, never across a gap. Of equal rates those of `a` count.
+    The faster one is interpolated, never across a gap. At equal rates the times of `a` are used.
     """
     if not len(a.time) or not len(b.time):
         nothing = np.empty(0)
         return AlignedSignals(nothing, nothing, nothing, nothing)
+    # The 0.1 % margin keeps the choice stable when both rates are nominally equal.
     by_a = not median_period(b.time) > median_period(a.time) * (1.0 + 1e-3)
     at = a.time if by_a else b.time
     begin, end = max(a.time[0], b.time[0]), min(a.time[-1], b.time[-1])

@@ -1,4 +1,4 @@
-"""Two channels by frequency, and the lag at which they resemble each other most."""
+"""Compute the spectra of two channels, and the lag of their highest correlation."""
 
 from dataclasses import dataclass
 from typing import Final, final, NamedTuple
@@ -7,30 +7,29 @@ from lta_data.compare.sampling import AlignedSignals, Array
 import numpy as np
 from scipy import signal
 
-SEGMENT: Final = 1024  # samples, at most
-SEGMENTS: Final = 4  # at least, each overlapping its neighbour by half
-FEWEST: Final = 32  # samples of which a spectrum can be made
+SEGMENT: Final = 1024  # samples per segment, at most
+SEGMENTS: Final = 4  # at least, with half overlap
+FEWEST: Final = 32  # samples needed for a spectrum
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class ChannelSpectra:
     """
-    Power of both channels and of their difference by frequency.
+    Power spectra of both channels and of their difference.
 
     Attributes
     ----------
     frequency : ndarray, shape (n,)
-        From the first above zero. [Hz]
+        Without zero. [Hz]
     a, b, difference : ndarray, shape (n,)
         One-sided power spectral density. [unit squared over Hz]
     coherence : ndarray, shape (n,)
-        Share of B's power that is a linear answer to A's, 0 to 1.
+        Share of B's power that is linear in A, 0 to 1.
     segments : int
-        That were averaged; two channels that share nothing have a coherence of about
-        1 / segments.
+        Number of averaged segments; unrelated channels have a coherence of about 1 / segments.
     span : tuple of float
-        The longest stretch without a gap, of which they are made. [s]
+        The longest stretch without a gap, from which they are computed. [s]
 
     """
 
@@ -44,7 +43,7 @@ class ChannelSpectra:
 
 
 class CorrelationPeak(NamedTuple):
-    """The most that two channels resemble each other: correlation, and B's lag behind A. [1, s]"""
+    """Highest correlation of two channels, and the lag of B behind A there. [1, s]"""
 
     value: float
     lag: float
@@ -52,9 +51,9 @@ class CorrelationPeak(NamedTuple):
 
 def resample_evenly(pair: AlignedSignals, *, angular: bool = False) -> tuple[Array, Array, Array]:
     """
-    Return instants and both channels at even steps, over the longest stretch without a gap.
+    Return times and both channels on an even grid over the longest stretch without a gap.
 
-    Angles come without jumps.
+    Angles are unwrapped.
     """
     known = pair.both_valid
     edges = np.diff(np.concatenate([[0], known.astype(np.int8), [0]]))
@@ -76,25 +75,15 @@ def resample_evenly(pair: AlignedSignals, *, angular: bool = False) -> tuple[Arr
 
 def compute_spectra(pair: AlignedSignals, *, angular: bool = False) -> ChannelSpectra | None:
     """
-    Return the spectra by Welch's method: Hann windows, half overlapping, each without its mean.
+    Compute the spectra by Welch's method: Hann windows, half overlapping, mean removed.
 
-    Parameters
-    ----------
-    pair : Aligned
-        The two channels.
-    angular : bool
-        Whether values 2 pi apart mean the same.
-
-    Returns
-    -------
-    Spectra or None
-        None where fewer than 32 instants follow each other without a gap.
-
+    None for fewer than 32 consecutive samples without a gap.
     """
     time, a, b = resample_evenly(pair, angular=angular)
     count = len(time)
     if count < FEWEST:
         return None
+    # With half overlap, n segments of length L cover (n + 1) L / 2 samples.
     length = min(SEGMENT, 2 * count // (SEGMENTS + 1))
     rate = (count - 1) / float(time[-1] - time[0])
 
@@ -108,6 +97,7 @@ def compute_spectra(pair: AlignedSignals, *, angular: bool = False) -> ChannelSp
     power = of_a * of_b
     coherence = np.divide(across, power, out=np.zeros_like(power), where=power > 0.0)
     return ChannelSpectra(
+        # The mean was removed, so the value at zero frequency means nothing.
         frequency[1:], of_a[1:], of_b[1:], of_difference[1:],
         np.clip(coherence[1:], 0.0, 1.0), (count - length // 2) // (length - length // 2),
         (float(time[0]), float(time[-1])),
@@ -118,26 +108,11 @@ def find_correlation_peak(
     pair: AlignedSignals, *, angular: bool = False, longest: float = 5.0
 ) -> CorrelationPeak | None:
     """
-    Return the greatest cross-correlation and the lag of B behind A there.
+    Return the highest cross-correlation and the lag of B behind A there.
 
-    At each lag that of what overlaps, without its means; between two steps by the parabola through
-    three.
-
-    Parameters
-    ----------
-    pair : Aligned
-        The two channels.
-    angular : bool
-        Whether values 2 pi apart mean the same.
-    longest : float
-        Lags to look at, but no more than a quarter of the stretch. [s]
-
-    Returns
-    -------
-    Peak or None
-        None where one of them stands still, too few instants follow each other, or the greatest
-        is at the last lag looked at.
-
+    At each lag only the overlap counts, without its mean; a parabola interpolates between lags.
+    The search covers `longest` [s], but at most a quarter of the stretch. None if one channel is
+    constant, if there are too few consecutive samples, or if the maximum is at the last lag.
     """
     time, a, b = resample_evenly(pair, angular=angular)
     count = len(time)
@@ -157,7 +132,7 @@ def find_correlation_peak(
 
 
 def lagged_correlation(a: Array, b: Array, most: int) -> Array:
-    """Return the correlation of what overlaps at each lag of b, shape (2 most + 1,). [1]"""
+    """Return the correlation of the overlap at each lag of b, shape (2 most + 1,). [1]"""
     count = len(a)
     lags = np.arange(-most, most + 1)
     product = signal.correlate(b, a, mode='full', method='fft')[count - 1 + lags]
@@ -178,7 +153,7 @@ def lagged_correlation(a: Array, b: Array, most: int) -> Array:
 
 
 def fit_parabola_peak(values: Array, best: int) -> tuple[float, float]:
-    """Return where, from the greatest of values at even steps, their peak is, and how high."""
+    """Return position, relative to `best`, and height of the peak of evenly spaced values."""
     if not 0 < best < len(values) - 1:
         return 0.0, float(values[best])
     before, here, after = (float(value) for value in values[best - 1 : best + 2])
@@ -190,7 +165,7 @@ def fit_parabola_peak(values: Array, best: int) -> tuple[float, float]:
 
 
 def thin_spectra(full: ChannelSpectra, points: int = 96) -> ChannelSpectra:
-    """Return spectra at frequencies spaced evenly in logarithm, each the mean of its stretch."""
+    """Average spectra over logarithmically spaced bands."""
     if len(full.frequency) <= points:
         return full
     edges = np.geomspace(1, len(full.frequency), points + 1)

@@ -1,4 +1,4 @@
-"""The tables of a comparison's page: channels, and what is wrong with the data."""
+"""Render the tables of the comparison page: channels and data faults."""
 
 from html import escape
 from typing import Final
@@ -9,24 +9,24 @@ from lta_data.compare.sentences import describe_faults, format_rate
 from lta_data.compare.terminal import format_ranking_row
 
 HEADS: Final = (
-    'channel', 'parts at', 'bias', 'RMS', '95 % of RMS', 'NRMSE', 'most', 'at', 'lag',
+    'channel', 'diverges at', 'bias', 'RMS', '95 % of RMS', 'NRMSE', 'maximum', 'at', 'lag',
 )  # fmt: skip
 
 
 def is_pickable(each: ChannelComparison) -> bool:
-    """Tell whether a channel is worth a picture."""
+    """Return whether a channel is worth plotting."""
     return each.measures is not None and not each.is_still
 
 
 def format_short_row(each: ChannelComparison) -> str:
-    """Return a line of the short ranking."""
+    """Return one row of the short ranking."""
     parts, _, rms, _, nrmse, *_ = format_ranking_row(each)
     own = ''.join(f'<td>{escape(cell)}</td>' for cell in (parts, rms, nrmse))
     return f'<tr><th scope="row">{format_pick_button(each)}</th>{own}</tr>'
 
 
 def format_pick_button(each: ChannelComparison) -> str:
-    """Return a channel's name as a button that shows it, where it can be shown."""
+    """Return a channel's name, as a button if the channel can be plotted."""
     name = escape(each.name)
     if not is_pickable(each):
         return name
@@ -35,7 +35,7 @@ def format_pick_button(each: ChannelComparison) -> str:
 
 
 def format_channel_table(comparison: ComparisonResult) -> str:
-    """Return all channels."""
+    """Return the table of all channels."""
     heads = ''.join(f'<th scope="col">{head}</th>' for head in HEADS)
     rows = ''.join(
         f'<tr><th scope="row">{format_pick_button(each)}</th>'
@@ -50,7 +50,7 @@ def format_channel_table(comparison: ComparisonResult) -> str:
 
 
 def format_fault_table(comparison: ComparisonResult) -> str:
-    """Return what is wrong with the data, and which topics differ in rate."""
+    """Return the table of data faults and of topics with different rates."""
     rows = []
     for label, faults in (('A', comparison.faults_a), ('B', comparison.faults_b)):
         for topic, each in faults.items():
@@ -61,8 +61,10 @@ def format_fault_table(comparison: ComparisonResult) -> str:
             ('A, B', topic, f'{format_rate(each)}, {format_rate(other)}', 'different rates')
         )
     if not rows:
-        return '<p class="note">No gap, duplicate, lost value or backward step of time.</p>'
-    heads = ''.join(f'<th scope="col">{head}</th>' for head in ('flight', 'topic', 'rate', 'what'))
+        return '<p class="note">No gaps, duplicates, missing values or backward steps of time.</p>'
+    heads = ''.join(
+        f'<th scope="col">{head}</th>' for head in ('flight', 'topic', 'rate', 'fault')
+    )
     body = ''.join(
         f'<tr>{"".join(f"<td>{escape(cell)}</td>" for cell in row)}</tr>' for row in rows
     )

@@ -1,4 +1,4 @@
-"""A comparison for the terminal: the verdict, what was applied, and the ranking."""
+"""Print a comparison on the terminal: the verdict, the alignment and the ranking."""
 
 from typing import Final
 
@@ -21,14 +21,14 @@ DASH: Final = '-'
 
 
 def print_comparison(comparison: ComparisonResult, console: Console, rows: int = ROWS) -> None:
-    """Print a comparison."""
+    """Print the summary sentences and, unless the flights are identical, the ranking."""
     lines = [format_verdict(comparison), f'Time: {describe_timing(comparison.timing)}']
     lines += [f'Frames of {each.topic}: {describe_frames(each)}' for each in comparison.frames]
     for label, only in (('A', comparison.only_a), ('B', comparison.only_b)):
         if only:
             lines.append(f'Only in {label}: {", ".join(only)}.')
     if comparison.identical_topics and not comparison.is_identical:
-        lines.append(f'Byte for byte the same: {", ".join(comparison.identical_topics)}.')
+        lines.append(f'Identical byte for byte: {", ".join(comparison.identical_topics)}.')
     for label, faults in (('A', comparison.faults_a), ('B', comparison.faults_b)):
         for topic, each in faults.items():
             if not each.is_clean:
@@ -47,15 +47,15 @@ def print_comparison(comparison: ComparisonResult, console: Console, rows: int =
 
 
 def build_ranking(comparison: ComparisonResult, rows: int) -> Table:
-    """Return the channels that part most and earliest."""
+    """Return the table of channels, those that diverge most and earliest first."""
     count = len(comparison.channels)
     more = f', the first {rows} of {count}' if count > rows else ''
     table = Table(
-        title=f'Channels by how much and how early they part{more}', title_justify='left',
+        title=f'Channels by size and time of their divergence{more}', title_justify='left',
         box=None, pad_edge=False,
     )  # fmt: skip
     table.add_column('channel', overflow='fold')
-    for head in ('parts at', 'bias', 'RMS', 'NRMSE'):
+    for head in ('diverges at', 'bias', 'RMS', 'NRMSE'):
         table.add_column(head, justify='right', no_wrap=True)
     for each in comparison.channels[:rows]:
         parts, bias, rms, _, nrmse, *_ = format_ranking_row(each)
@@ -64,10 +64,10 @@ def build_ranking(comparison: ComparisonResult, rows: int) -> Table:
 
 
 def format_ranking_row(each: ChannelComparison) -> list[str]:
-    """Return a line of the ranking."""
+    """Return the cells of one channel in the ranking."""
     found, when = each.measures, each.parting
     if found is None:
-        return ['never both', *[DASH] * 7]
+        return ['no common data', *[DASH] * 7]
     parts = each.verdict if when.at is None else f'{when.at:.2f} s'
     low, high = (format_quantity(value, each.unit) for value in (found.rms_low, found.rms_high))
     return [

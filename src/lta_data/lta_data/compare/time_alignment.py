@@ -1,4 +1,4 @@
-"""How B's time is laid on A's: by a common clock, by the start of motion, as given, or not."""
+"""Map B's time to A's: by the common clock, by the start of motion, by a given offset, or not."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -15,9 +15,9 @@ from lta_data.importers.clocks import have_own_clocks
 import numpy as np
 
 Align = Literal['auto', 'clock', 'motion', 'none']
-SAME_RUN: Final = 0.9  # correlation of rates that one run recorded twice has, and two runs do not
-SAME_COUNT: Final = 0.98  # the same of logs that are both without a clock: repeats reach 0.961
-TELLING: Final = 3  # deviations of an offset that is remarked on
+SAME_RUN: Final = 0.9  # least correlation of the rates of one run recorded twice
+SAME_COUNT: Final = 0.98  # the same for two logs without a clock: repeated runs reach 0.961
+TELLING: Final = 3  # standard deviations from which an offset is mentioned
 PLACES: Final = ('position.x', 'position.y')
 
 
@@ -25,31 +25,31 @@ PLACES: Final = ('position.x', 'position.y')
 @dataclass(frozen=True, slots=True)
 class TimeAlignment:
     """
-    Where B's time lies on A's.
+    Mapping of B's time to A's.
 
     Attributes
     ----------
     how : str
         'clock', 'motion', 'given' or 'none'.
     reason : str
-        Why, in a sentence.
+        One sentence.
     on_stamps : bool
-        Whether offsets count between the clocks of the stamps; else between the times since each
-        flight's own start, because the clocks have nothing in common.
+        Whether offsets refer to the clocks of the stamps; otherwise to the times since each
+        flight's start, because the stamps do not overlap.
     lead : float
-        A's start after B's, on the clock of the stamps; zero where they do not count. [s]
+        A's start minus B's, on the clock of the stamps; zero if not `on_stamps`. [s]
     offset, sigma : float
-        What B's clock shows more than A's at the same event, and its standard deviation. [s]
+        Reading of B's clock minus A's at the same event, and its standard deviation. [s]
     drift : float
-        What the offset grows by, in s a second, as applied.
+        Applied rate of growth of the offset. [1]
     middle : float
-        The instant of `offset` on A's time. [s]
-    found : Offset or None
-        What the data say of the clocks, whether applied or not.
+        Time of `offset` on A's clock. [s]
+    found : ClockOffset or None
+        Offset estimated from the data, applied or not.
     used : tuple of str
-        Channels that the offset rests on.
+        Channels from which the offset was estimated.
     remarks : tuple of str
-        What else a reader should know.
+        Further remarks for the user.
 
     """
 
@@ -66,7 +66,7 @@ class TimeAlignment:
     remarks: tuple[str, ...] = ()
 
     def map_to_a(self, time: Array) -> Array:
-        """Return times of B, since its start, as times since A's start. [s]"""
+        """Convert times of B, since its start, to times since A's start. [s]"""
         shifted = time - self.lead - self.offset + self.drift * self.middle
         return np.asarray(shifted / (1.0 + self.drift))
 
@@ -79,48 +79,39 @@ def align_times(
     manual_offset: float | None = None,
 ) -> TimeAlignment:
     """
-    Return how to lay B's time on A's.
+    Determine how to map B's time to A's.
 
-    Parameters
-    ----------
-    a, b : Side
-        The flights.
-    pairs : sequence of Pair
-        What both have.
-    align : str
-        'clock': the same run, timed by two clocks; the offset is estimated. 'motion': separate
-        runs; their starts are laid on each other. 'none': the stamps as they are. 'auto': what
-        the data say.
-    given : float, optional
-        Offset set by hand. [s]
+    `align` is 'clock': one run timed by two clocks, whose offset is estimated; 'motion': separate
+    runs, aligned at their starts; 'none': the stamps unchanged; 'auto': decided by the data.
+    `manual_offset` [s] overrides it.
 
     Raises
     ------
     BadInput
-        If what is asked for cannot be found in the data.
+        If the requested alignment cannot be determined from the data.
 
     """
     bare = align_by_stamps(a, b)
     if manual_offset is not None:
         return replace(
-            bare, how='given', offset=manual_offset, reason='The offset was given by hand.'
+            bare, how='given', offset=manual_offset, reason='The offset was set by hand.'
         )
     if align == 'none':
-        return replace(bare, reason='The stamps were asked to be taken as they are.')
+        return replace(bare, reason='As requested.')
     if have_own_clocks(a.provenance, b.provenance):
         bare = replace(bare, on_stamps=False, lead=0.0)
     shared = select_invariants(pairs, bare)
     if align == 'motion':
-        return align_by_start(bare, shared, 'It was asked for.')
+        return align_by_start(bare, shared, 'As requested.')
     found = estimate_clock_offset(shared)
     bare = replace(bare, found=found)
     if align == 'clock':
         if found is None:
             raise BadInput(
-                'No channel that both flights have moves alike in both, so their clocks cannot be '
-                'told apart; give --offset, or --align none.'
+                'No common channel correlates between the flights, so the offset of their clocks '
+                'cannot be estimated; give --offset, or --align none.'
             )
-        return align_by_clock(bare, found, 'It was asked for.')
+        return align_by_clock(bare, found, 'As requested.')
     return detect_alignment(a, b, pairs, bare, shared)
 
 
@@ -131,34 +122,34 @@ def detect_alignment(
     bare: TimeAlignment,
     shared: Sequence[SharedQuantity],
 ) -> TimeAlignment:
-    """Return what the data say."""
+    """Choose the alignment from the data."""
     found = bare.found
     if bare.on_stamps and have_same_stamps(a, b, pairs):
-        reason = 'Both carry the same stamps: they were timed by one clock, or count alike.'
+        reason = 'Both have the same stamps: one clock, or the same counting.'
         return replace(bare, reason=reason, remarks=describe_doubts(found))
     counted = have_own_clocks(a.provenance, b.provenance)
     if found is not None and found.correlation >= (SAME_COUNT if counted else SAME_RUN):
         reason = (
-            f'Rates of change agree (correlation {found.correlation:.2f}) at this offset, as of '
-            'one run recorded twice.'
+            f'Rates of change agree at this offset (correlation {found.correlation:.2f}), so this '
+            'is one run recorded twice.'
         )
         return align_by_clock(bare, found, reason)
     if bare.on_stamps:
-        reason = 'The stamps overlap, and nothing in the data ties the clocks more closely.'
+        reason = 'The stamps overlap, and the data give no better offset.'
         return replace(bare, reason=reason)
     try:
-        reason = 'The clocks have nothing in common, and the motions differ: separate runs.'
+        reason = 'The stamps do not overlap and the motions differ: separate runs.'
         return align_by_start(bare, shared, reason)
     except BadInput:
         reason = (
-            'Their clocks have nothing in common, and they show no start of motion or commands '
-            'that both share.'
+            'The stamps do not overlap, and the flights have no common start of motion or '
+            'commands.'
         )
         return replace(bare, reason=reason, remarks=describe_doubts(found))
 
 
 def align_by_stamps(a: ComparedFlight, b: ComparedFlight) -> TimeAlignment:
-    """Return the stamps as they are, or times from each start where the stamps do not overlap."""
+    """Return the alignment by stamps, or by each flight's start if the stamps do not overlap."""
     lead = (a.start - b.start) * 1e-9
     (begin_a, end_a), (begin_b, end_b) = a.span, b.span
     overlap = min(end_a, end_b - lead) - max(begin_a, begin_b - lead)
@@ -167,7 +158,7 @@ def align_by_stamps(a: ComparedFlight, b: ComparedFlight) -> TimeAlignment:
 
 
 def have_same_stamps(a: ComparedFlight, b: ComparedFlight, pairs: Sequence[ChannelPair]) -> bool:
-    """Tell whether the flights begin at the same stamp and share most stamps to the nanosecond."""
+    """Return whether the flights start at the same stamp and share most stamps exactly."""
     if a.start != b.start:
         return False
     shared = total = 0
@@ -180,12 +171,12 @@ def have_same_stamps(a: ComparedFlight, b: ComparedFlight, pairs: Sequence[Chann
 
 
 def align_by_clock(bare: TimeAlignment, estimate: ClockOffset, reason: str) -> TimeAlignment:
-    """Return the offset that the data tell, applied."""
+    """Return the alignment with the estimated offset applied."""
     remarks = []
     if estimate.is_ambiguous:
         remarks.append(
-            'Another offset fits nearly as well, since the motion repeats itself; check it, and '
-            'give --offset if it is wrong.'
+            'Another offset fits nearly as well because the motion is periodic; check the offset '
+            'and correct it with --offset if needed.'
         )
     return replace(
         bare, how='clock', reason=reason, offset=estimate.value, sigma=estimate.sigma,
@@ -197,36 +188,39 @@ def align_by_clock(bare: TimeAlignment, estimate: ClockOffset, reason: str) -> T
 def align_by_start(
     bare: TimeAlignment, shared: Sequence[SharedQuantity], reason: str
 ) -> TimeAlignment:
-    """Return the starts laid on each other; `BadInput` where there are none."""
+    """Align the starts of both flights; raise `BadInput` if there is no common start."""
     start = find_common_start(shared)
     if start is None:
         raise BadInput(
-            'The flights show no start of motion or commands that both share; give --offset, or '
+            'The flights have no common start of motion or commands; give --offset, or '
             '--align none.'
         )
     what = 'commands' if start.by_command else 'motion'
     return replace(
-        bare, how='motion', reason=f'{reason} The start of the {what} is laid on itself.',
+        bare, how='motion', reason=f'{reason} The flights are aligned at the start of the {what}.',
         offset=start.offset, sigma=start.sigma, used=start.used,
     )  # fmt: skip
 
 
 def describe_doubts(estimate: ClockOffset | None) -> tuple[str, ...]:
-    """Return a remark where the data agree better with another offset than zero."""
+    """Return a remark if the data fit clearly better with an offset other than zero."""
     if estimate is None or estimate.correlation < SAME_RUN or estimate.is_ambiguous:
         return ()
     if abs(estimate.value) <= max(TELLING * estimate.sigma, 1e-3):
         return ()
     return (
-        f'The motions themselves agree best {1e3 * estimate.value:+.1f} ms apart (deviation '
-        f'{1e3 * estimate.sigma:.1f} ms): a lag of one flight, or of its clock; --align clock '
-        f'takes '
-        'it away.',
+        f'The motions agree best at an offset of {1e3 * estimate.value:+.1f} ms (standard '
+        f'deviation {1e3 * estimate.sigma:.1f} ms): a lag of one flight or of its clock. Remove '
+        'it with --align clock.',
     )
 
 
 def select_invariants(pairs: Sequence[ChannelPair], bare: TimeAlignment) -> list[SharedQuantity]:
-    """Return what both flights measure and no world frame changes: places become ground speed."""
+    """
+    Return the shared quantities that do not depend on a world frame.
+
+    Positions are replaced by ground speed.
+    """
     found = []
     for pair in pairs:
         a = sort_samples(pair.a.time, pair.a.values)
@@ -244,7 +238,7 @@ def select_invariants(pairs: Sequence[ChannelPair], bare: TimeAlignment) -> list
 
 
 def ground_speed(time: Array, x: Array, y: Array) -> SampledSignal:
-    """Return the speed over ground in the plane, of places smoothed over 0.25 s. [m/s]"""
+    """Return the horizontal speed, from positions smoothed over 0.25 s. [m/s]"""
     of_x, of_y = sort_samples(time, x), sort_samples(time, y)
     count = len(of_x.time)
     if count < 8 or len(of_y.time) != count:
@@ -256,5 +250,6 @@ def ground_speed(time: Array, x: Array, y: Array) -> SampledSignal:
     rates = []
     for line in (of_x, of_y):
         near = np.stack([interpolate_signal(line, inner + lag) for lag in lags])
+        # Least-squares slope of six values over the window.
         rates.append(lags @ near / float(lags @ lags))
     return SampledSignal(inner, np.hypot(*rates))

@@ -1,4 +1,4 @@
-"""Lines for a screen: as many points as anyone can see, the extremes and the gaps among them."""
+"""Reduce lines to what a screen can show, keeping extremes and gaps."""
 
 from base64 import b64encode
 import math
@@ -9,22 +9,12 @@ from lta_data.compare.sampling import break_at_gaps, SampledSignal
 import numpy as np
 from numpy.typing import NDArray
 
-POINTS: Final = 1200
+POINTS: Final = 1200  # per line; a plot is at most about that wide in pixels
 DEGREES: Final = 180.0 / math.pi
 
 
 def thin_signal(line: SampledSignal, points: int = POINTS) -> SampledSignal:
-    """
-    Return a line in few points: the least and the greatest of each stretch, and its gaps.
-
-    Parameters
-    ----------
-    line : Line
-        With NaN where nothing may be drawn.
-    points : int
-        About how many to keep.
-
-    """
+    """Thin a signal to about `points` samples: minimum, maximum and gaps of each stretch."""
     count = len(line.time)
     if count <= points:
         return line
@@ -45,7 +35,7 @@ def thin_signal(line: SampledSignal, points: int = POINTS) -> SampledSignal:
 
 
 class ChannelTrace(NamedTuple):
-    """A channel as it is drawn: the unit there, A, B and the difference, and the band."""
+    """A channel as drawn: its unit, A, B, the difference, and the band."""
 
     unit: str
     a: SampledSignal
@@ -55,7 +45,7 @@ class ChannelTrace(NamedTuple):
 
 
 def build_channel_trace(each: ChannelComparison, points: int = POINTS) -> ChannelTrace:
-    """Return a channel as it is drawn: angles in degrees and without jumps."""
+    """Return a channel as drawn: angles in degrees and unwrapped."""
     unit, factor = each.unit, 1.0
     if unit in ('rad', 'rad/s'):
         unit, factor = unit.replace('rad', '°'), DEGREES
@@ -71,7 +61,7 @@ def build_channel_trace(each: ChannelComparison, points: int = POINTS) -> Channe
 
 
 def unwrap_pair(each: ChannelComparison) -> tuple[SampledSignal, SampledSignal]:
-    """Return both angles at their common instants, the second near the first."""
+    """Unwrap both angles at their common times, B near A."""
     time, difference = each.both.time, each.both.difference
     known = np.isfinite(each.both.a)
     a = np.full(len(time), np.nan)
@@ -82,12 +72,12 @@ def unwrap_pair(each: ChannelComparison) -> tuple[SampledSignal, SampledSignal]:
 
 
 def encode_floats(values: NDArray[np.float64]) -> dict[str, str]:
-    """Return numbers as plotly takes them in binary: single precision, base 64."""
+    """Return numbers in plotly's binary form: single precision, base 64."""
     return {'dtype': 'f4', 'bdata': b64encode(values.astype('<f4').tobytes()).decode()}
 
 
 def encode_channel(each: ChannelComparison, points: int) -> dict[str, object]:
-    """Return what the page needs to draw a channel that somebody picks."""
+    """Return the data that the page needs to draw a picked channel."""
     shown = build_channel_trace(each, points)
     found: dict[str, object] = {
         'unit': shown.unit,

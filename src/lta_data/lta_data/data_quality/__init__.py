@@ -1,1 +1,1 @@
-"""Whether a recording can be believed: checks that name channel, interval and evidence."""
+"""Check the quality of a recording; findings name channel, interval and evidence."""

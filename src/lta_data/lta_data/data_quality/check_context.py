@@ -1,4 +1,4 @@
-"""What several checks share of one recording, worked out once and only when asked for."""
+"""Share data between the checks of one recording, computed on first use."""
 
 from functools import cached_property
 from typing import final
@@ -20,17 +20,7 @@ from lta_data.scene import parse_provenance_file
 
 @final
 class CheckContext:
-    """
-    A recording as the checks see it.
-
-    Parameters
-    ----------
-    recording : Recording
-        The data.
-    limits : Limits
-        The thresholds.
-
-    """
+    """A recording with the derived data that several checks use."""
 
     def __init__(self, recording: ChannelRecording, limits: QualityLimits) -> None:
         self.recording = recording
@@ -38,7 +28,7 @@ class CheckContext:
 
     @cached_property
     def poses(self) -> list[PoseSeries]:
-        """Topics that tell a motion of the vehicle, trackers first."""
+        """Topics with the motion of the vehicle, trackers first."""
         return collect_poses(self.recording.channels)
 
     @cached_property
@@ -48,15 +38,15 @@ class CheckContext:
 
     @cached_property
     def adc_maximum(self) -> float | None:
-        """Largest reading of the diodes' converter; None where no vehicle file tells. [counts]"""
+        """Largest reading of the diodes' ADC; None without a vehicle file. [counts]"""
         try:
             vehicle = parse_provenance_file(VehicleFile, self.recording.provenance, 'vehicle_file')
-        except BadInput:  # of another version: its flight can still be checked
+        except BadInput:  # file of another version; the other checks still work
             return None
         return vehicle.sensors.diodes.largest_reading if vehicle else None
 
     @cached_property
     def similarities(self) -> list[tuple[MotionPair, PairSimilarity | None]]:
-        """Motions known twice, and how their sides are alike."""
+        """Pairs of sources for the same motion, with their similarity."""
         found = find_motion_pairs(self.recording, self.limits)
         return [(pair, measure_similarity(pair, self.limits)) for pair in found]

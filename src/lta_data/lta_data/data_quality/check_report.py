@@ -1,4 +1,4 @@
-"""Bags put to the checks, and what they come to, for people and for programs."""
+"""Check bags and report the findings on the terminal and as JSON."""
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
@@ -33,18 +33,18 @@ INDENT: Final = 4  # characters before the evidence
 @dataclass(frozen=True, slots=True)
 class CheckedRecording:
     """
-    One robot's part of one bag, checked.
+    The checked data of one robot in one bag.
 
     Attributes
     ----------
     path, robot : str
-        What was opened, and whose data it is; '' where no robot is named.
+        The bag and its robot; '' without one.
     simulated : bool
-        Whether it says that it was simulated.
-    report : Report
-        What the checks say.
+        Whether the recording declares itself simulated.
+    report : QualityReport
+        The findings.
     losses : tuple of str
-        What is missing or could not be read, a sentence each.
+        What is missing or unreadable, one sentence each.
 
     """
 
@@ -56,7 +56,7 @@ class CheckedRecording:
 
     @property
     def is_grave(self) -> bool:
-        """Whether anything is suspicious or cannot be true."""
+        """Whether any finding is suspicious or an error."""
         return self.report.is_grave
 
 
@@ -64,12 +64,12 @@ def check_bags(
     paths: Sequence[Path], robot: str | None, console: Console
 ) -> list[CheckedRecording]:
     """
-    Check bags one after the other and then against each other.
+    Check bags separately, then against each other.
 
     Raises
     ------
     BadInput
-        If one of them is no bag, or has no such robot.
+        If one of them is not a bag, or lacks the robot.
 
     """
     done: list[CheckedRecording] = []
@@ -90,7 +90,7 @@ def check_bags(
 
 
 def _check_bag(path: Path, robot: str | None) -> list[tuple[CheckedRecording, ChannelRecording]]:
-    """Check each robot's part of a bag."""
+    """Check the data of each robot in a bag."""
     bag = read_bag(find_bag(path))
     robots: list[str | None] = [robot] if robot is not None else [*list_robots(bag)] or [None]
     found = []
@@ -105,13 +105,13 @@ def _check_bag(path: Path, robot: str | None) -> list[tuple[CheckedRecording, Ch
 
 
 def _add_findings(one: CheckedRecording, more: list[QualityFinding]) -> CheckedRecording:
-    """Return what was checked with further findings."""
+    """Return a checked recording with additional findings."""
     report = QualityReport((*one.report.findings, *more), one.report.unjudged)
     return CheckedRecording(one.path, one.robot, one.simulated, report, one.losses)
 
 
 def findings_to_json(done: Sequence[CheckedRecording]) -> str:
-    """Return what was found as JSON; a list with an entry a robot and bag."""
+    """Return the results as a JSON list with one entry per robot and bag."""
     return json.dumps(
         [
             {
@@ -131,7 +131,7 @@ def findings_to_json(done: Sequence[CheckedRecording]) -> str:
 
 
 def print_findings(one: CheckedRecording, console: Console) -> None:
-    """Print what was found in one recording."""
+    """Print the findings of one recording."""
     whose = f' ({one.robot})' if one.robot else ''
     kind = ', declared as simulated' if one.simulated else ''
     console.print(f'{one.path}{whose}{kind}', style='bold', highlight=False, markup=False)

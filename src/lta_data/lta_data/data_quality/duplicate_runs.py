@@ -1,9 +1,9 @@
 """
-The same run in two recordings, whatever was trimmed, rounded, shifted or sampled again.
+Detect one run in two recordings, even if it was cropped, rounded, shifted or resampled.
 
-What two flights have in common is slow; what is quick, gusts, corrections and noise, happens once.
-So the quick part of every shared channel of an instrument is laid over the other recording's at
-each offset, all channels at one; one run agrees almost wholly somewhere, two runs nowhere.
+Two flights may share slow motion, but fast motion (gusts, corrections, noise) is unique. So the
+high-pass part of all shared instrument channels is correlated with that of the other recording at
+each offset. One run correlates almost fully at some offset; two runs never do.
 """
 
 from collections.abc import Sequence
@@ -26,12 +26,12 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 KIND = 'twin'
-STEP = 0.01  # of the grid on which recordings are compared [s]
-COARSE = 0.08  # a slower channel is no print [s]
-FINE = 0.25  # smoothing, so that sampling again changes little [s]
-TREND = 2.0  # what is slower says little [s]
-SHARE = 0.3  # of what happens in one of the two must be in what they share
-ABSURD: Final = 1e12  # in any unit; no instrument reads as much
+STEP = 0.01  # of the common grid [s]
+COARSE = 0.08  # largest usable period of a channel [s]
+FINE = 0.25  # smoothing, which makes the result robust to resampling [s]
+TREND = 2.0  # slower changes are removed as trend [s]
+SHARE = 0.3  # least part of a recording's energy in the overlap
+ABSURD: Final = 1e12  # in any unit; larger readings are invalid
 KINDS: Final = ('position', 'rates', 'turning', 'force', 'velocity')
 
 
@@ -39,18 +39,11 @@ def find_duplicate_runs(
     recordings: Sequence[tuple[str, ChannelRecording]], limits: QualityLimits | None = None
 ) -> dict[str, list[QualityFinding]]:
     """
-    Compare all pairs of recordings.
-
-    Parameters
-    ----------
-    recordings : sequence of (str, Recording)
-        With the names that the sentences use.
-    limits : Limits, optional
-        Thresholds.
+    Compare all pairs of recordings, given with their display names.
 
     Returns
     -------
-    dict of str to list of Finding
+    dict of str to list of QualityFinding
         By the name of the later recording of each pair.
 
     """
@@ -73,13 +66,13 @@ def simulation_seed(recording: ChannelRecording) -> str:
     """
     Return the seed of a simulated flight; '' for any other.
 
-    In still air two flights of one plan are alike but for their noise, and yet are two.
+    Simulated flights of one plan in still air differ only in noise, but are separate runs.
     """
     return recording.provenance.get('seed', '') if recording.is_simulated else ''
 
 
 def extract_fingerprints(recording: ChannelRecording) -> dict[str, Array]:
-    """Return the quick part of each channel on the grid, all from one time to one time."""
+    """Return the high-pass part of each channel on a grid over the common span."""
     some = {
         channel.name: sort_samples(channel.time, _mask_absurd(channel.values)[:, None])
         for channel in recording.channels.values()
@@ -99,14 +92,14 @@ def extract_fingerprints(recording: ChannelRecording) -> dict[str, Array]:
         return {}
     table = np.stack([interpolate_on_grid(*part, grid)[0][:, 0] for part in some.values()], axis=1)
     calm = smooth_columns(table, hann_kernel(FINE, STEP))
-    # Near an end the trend is a guess, another one in each recording.
+    # Near the ends the trend depends on where the recording was cut.
     end = round(TREND / STEP / 2) + 1
     quick = (calm - smooth_columns(calm, hann_kernel(TREND, STEP)))[end:-end].T
     return {n: row for n, row in zip(some, quick, strict=True) if float(np.std(row)) > 0.0}
 
 
 def _mask_absurd(values: Array) -> Array:
-    """Return readings, NaN for those beside which all others would vanish."""
+    """Return readings with NaN for those so large that all others would vanish."""
     return np.where(np.abs(values) < ABSURD, values, np.nan)
 
 
@@ -116,7 +109,7 @@ def compare_fingerprints(
     name: str,
     limits: QualityLimits,
 ) -> QualityFinding | None:
-    """Return what two recordings share; None where they are two runs."""
+    """Return a finding if two recordings contain the same run, otherwise None."""
     shared = sorted(first.keys() & second.keys())
     least = round(limits.twin_time / STEP)
     if not shared or any(min(len(first[c]), len(second[c])) < least for c in shared):
@@ -131,7 +124,7 @@ def compare_fingerprints(
     return QualityFinding(
         KIND, topics, begin, begin + count * STEP,
         f"The same run as '{name}' from {max(0.0, offset * STEP):.1f} s on, for "
-        f'{count * STEP:.1f} s: what is quick in {len(shared)} channels agrees by '
+        f'{count * STEP:.1f} s: the fast motion in {len(shared)} channels correlates by '
         f'{100 * score:.1f} %.',
         Severity.SUSPICIOUS,
         {'agreement': score, 'offset_s': offset * STEP, 'length_s': count * STEP},
@@ -142,10 +135,10 @@ def find_best_alignment(
     first: list[Array], second: list[Array], least: int
 ) -> tuple[float, int, int]:
     """
-    Return the best agreement, its offset and overlap in grid steps.
+    Return the best agreement with its offset and overlap in grid steps.
 
-    The agreement at an offset is the correlation over the overlap of all channels together, each
-    scaled to one.
+    The agreement at an offset is the correlation of all channels over the overlap, each channel
+    scaled to unit variance.
     """
     most = max(len(x) for x in first), max(len(x) for x in second)
     size = 1 << int(sum(most)).bit_length()
@@ -166,7 +159,7 @@ def find_best_alignment(
     lags = np.where(lags < size // 2, lags, lags - size)
     overlap = np.minimum(most[0], most[1] + lags) - np.maximum(0, lags)
     both = np.sqrt(np.maximum(energy_first * energy_second, 1e-12))
-    # A stretch in which next to nothing happens agrees by chance.
+    # A stretch with hardly any motion correlates by chance.
     lasting = overlap >= least
     eventful = (energy_first > SHARE * total_first) | (energy_second > SHARE * total_second)
     agreement = np.where(lasting & eventful, products / both, -1.0)

@@ -1,4 +1,4 @@
-"""What a check says of a recording: a finding with its evidence, or why it cannot judge."""
+"""Define findings and verdicts of the checks."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -8,10 +8,10 @@ from typing import final, NamedTuple
 
 class Severity(StrEnum):
     """
-    How much a finding says against a recording.
+    How serious a finding is.
 
-    A note is a fact to know; a warning limits what can be concluded from the data, which may be
-    sound; what is suspicious is most likely wrong; an error cannot be true.
+    A note is information. A warning limits what the data can show, though they may be correct.
+    Suspicious data are most likely wrong. An error is impossible data.
     """
 
     NOTE = 'note'
@@ -27,22 +27,20 @@ GRAVE = frozenset((Severity.SUSPICIOUS, Severity.ERROR))
 @dataclass(frozen=True, slots=True)
 class QualityFinding:
     """
-    One thing that is not as it should be.
+    One problem in a recording.
 
     Attributes
     ----------
     kind : str
         Name of the check in `CHECKS`.
     channel : str
-        The channel, or a topic or part of one ('imu/angular_velocity') where all of it is meant.
+        The channel, or a topic or part of one ('imu/angular_velocity') if all of it is affected.
     from_s, to_s : float
-        Where it is, since the start of the flight. [s]
+        Interval since the start of the flight. [s]
     evidence : str
         One sentence with the figures.
-    severity : Severity
-        How much it weighs.
     values : mapping of str to float
-        The figures of the sentence, SI units.
+        The figures of the sentence, in SI units.
 
     """
 
@@ -61,14 +59,14 @@ class QualityFinding:
 
 
 class CheckVerdict(NamedTuple):
-    """What one check found, and a sentence for each thing that it could not judge."""
+    """Findings of one check, and a sentence for each thing that it could not judge."""
 
     findings: tuple[QualityFinding, ...] = ()
     unjudged: tuple[str, ...] = ()
 
 
 def select_first_findings(findings: Iterable[QualityFinding]) -> tuple[QualityFinding, ...]:
-    """Return the first finding of each channel: what follows from it need not be told again."""
+    """Return the first finding of each channel; later ones usually follow from it."""
     one: dict[str, QualityFinding] = {}
     for finding in findings:
         one.setdefault(finding.channel, finding)

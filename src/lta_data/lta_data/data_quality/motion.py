@@ -1,4 +1,4 @@
-"""The motion that a pose topic or an inertial sensor tells, put together from its channels."""
+"""Assemble the motion in pose topics and inertial sensors from their channels."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -26,8 +26,8 @@ class VectorSeries:
     name : str
         Topic and path without the axis: 'imu/angular_velocity'.
     time : ndarray, shape (n,)
-        Rising. [s]
-    values : ndarray, shape (n, 3), or (n, 4) for quaternions x y z w that keep their sign
+        Increasing. [s]
+    values : ndarray, shape (n, 3), or (n, 4) for quaternions x y z w without sign jumps
 
     """
 
@@ -39,7 +39,7 @@ class VectorSeries:
 @final
 @dataclass(frozen=True, slots=True)
 class PoseSeries:
-    """What a topic says of the vehicle's motion; None for what it does not say."""
+    """The vehicle's motion in one topic; None for missing quantities."""
 
     topic: str
     tracked: bool
@@ -52,7 +52,7 @@ class PoseSeries:
 @final
 @dataclass(frozen=True, slots=True)
 class InertialSeries:
-    """What an inertial sensor says."""
+    """The data of an inertial sensor."""
 
     topic: str
     rates: VectorSeries | None
@@ -62,7 +62,7 @@ class InertialSeries:
 def collect_vectors(
     channels: Mapping[str, SignalChannel], rule: re.Pattern[str], parts: str
 ) -> dict[str, VectorSeries]:
-    """Return whole vectors by topic, the first of each topic that a rule finds."""
+    """Return complete vectors by topic, the first of each topic that matches the rule."""
     paths: dict[str, str] = {}
     for channel in channels.values():
         match = rule.match(channel.field)
@@ -80,10 +80,11 @@ def collect_vectors(
 
 
 def collect_attitudes(channels: Mapping[str, SignalChannel]) -> dict[str, VectorSeries]:
-    """Return attitudes as quaternions by topic, from their parts or from angles."""
+    """Return attitudes as quaternions by topic, from quaternions or Euler angles."""
     found = {}
     for topic, vector in collect_vectors(channels, roles.QUATERNION, 'xyzw').items():
         length = np.linalg.norm(vector.values, axis=1)
+        # An unfilled quaternion is zero.
         good = length > 1e-6
         if good.sum() > 3:
             turns = vector.values[good] / length[good, None]
@@ -103,13 +104,13 @@ def collect_attitudes(channels: Mapping[str, SignalChannel]) -> dict[str, Vector
 
 
 def remove_sign_jumps(turns: Array) -> Array:
-    """Return quaternions without the jumps between the two signs of one attitude."""
+    """Return quaternions without sign jumps; q and -q are the same attitude."""
     flips = np.where((turns[1:] * turns[:-1]).sum(axis=1) < 0.0, -1.0, 1.0)
     return np.asarray(turns * np.concatenate(([1.0], np.cumprod(flips)))[:, None])
 
 
 def collect_poses(channels: Mapping[str, SignalChannel]) -> list[PoseSeries]:
-    """Return the topics that tell a motion of the vehicle, trackers first."""
+    """Return the topics with the motion of the vehicle, trackers first."""
     place = collect_vectors(channels, roles.POSITION, 'xyz')
     attitude = collect_attitudes(channels)
     speed = collect_vectors(channels, roles.SPEED, 'xyz')
@@ -135,7 +136,7 @@ def collect_inertials(channels: Mapping[str, SignalChannel]) -> list[InertialSer
 
 
 def compute_body_rates(attitude: VectorSeries) -> tuple[Array, Array]:
-    """Return body rates between attitudes [rad/s] and their times, half way between. [s]"""
+    """Return body rates between attitudes [rad/s] and their times, in the middle. [s]"""
     turn = Rotation.from_quat(attitude.values)
     step = np.diff(attitude.time)
     rates = (turn[:-1].inv() * turn[1:]).as_rotvec() / step[:, None]

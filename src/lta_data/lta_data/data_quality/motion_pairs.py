@@ -1,8 +1,8 @@
 """
-Two ways of knowing one motion: what a sensor says beside what a pose makes of it.
+Pair two sources of the same motion: a sensor, and what a pose implies for it.
 
-Each pair is on one even grid with both sides smoothed by one kernel, so that noise and the
-derivative weigh alike; where they part, a unit, a sign, an axis or a clock is wrong.
+Both sides are on one even grid and smoothed with one kernel, so that noise and differentiation
+affect them equally. A mismatch means a wrong unit, sign, axis or clock.
 """
 
 from collections.abc import Iterator
@@ -36,34 +36,34 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 Array = NDArray[np.float64]
-AIR: float = 1.2 * STANDARD_GRAVITY  # pressure lost a metre of height [Pa/m]
-FINEST = 0.01
+AIR: float = 1.2 * STANDARD_GRAVITY  # pressure drop per metre of height, at 1.2 kg/m3 [Pa/m]
+FINEST = 0.01  # smallest step of the grid [s]
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class MotionPair:
     """
-    One motion known twice.
+    Two sources of the same motion.
 
     Attributes
     ----------
     what : str
         'rates', 'velocity', 'force', 'range' or 'pressure'.
     told, made : str
-        Names of what a sensor says and of what the other side is made of.
+        Name of the sensor's vector, and of the pose's from which the other side is derived.
     unit : str
         Of both sides.
     least : float
-        Smallest standard deviation of `right` that is a motion at all.
+        Smallest standard deviation of `right` that counts as motion.
     grid : ndarray, shape (n,)
         [s]
     left, right : ndarray, shape (n, k)
-        What is said, and what it should be; an axis a column.
+        Measured and derived values, one axis per column.
     known : ndarray of bool, shape (n,)
-        Where both are.
+        Where both are known.
     axes : tuple of str
-        What the columns are called.
+        Names of the columns.
 
     """
 
@@ -80,22 +80,22 @@ class MotionPair:
 
     @property
     def step(self) -> float:
-        """Of the grid. [s]"""
+        """Step of the grid. [s]"""
         return float(self.grid[1] - self.grid[0])
 
     @property
     def span(self) -> tuple[float, float]:
-        """Where both are known. [s]"""
+        """First and last time at which both are known. [s]"""
         times = self.grid[self.known]
         return float(times[0]), float(times[-1])
 
     def channel_name(self, axis: int) -> str:
-        """Return the channel of a column of the left side."""
+        """Return the channel name of a column of the left side."""
         return f'{self.told}.{self.axes[axis]}' if len(self.axes) > 1 else self.told
 
 
 def find_motion_pairs(recording: ChannelRecording, limits: QualityLimits) -> list[MotionPair]:
-    """Return every motion of a recording that is known twice."""
+    """Return all pairs of sources for the same motion."""
     known, sensors = collect_poses(recording.channels), collect_inertials(recording.channels)
     found: list[MotionPair | None] = []
     for pose in known:
@@ -110,7 +110,7 @@ def find_motion_pairs(recording: ChannelRecording, limits: QualityLimits) -> lis
 
 
 def _pair_pose(pose: PoseSeries, limits: QualityLimits) -> Iterator[MotionPair | None]:
-    """Compare a pose with the speeds in the same message."""
+    """Pair a pose with the velocities in the same message."""
     if pose.attitude is None:
         return
     if pose.turning is not None:
@@ -122,7 +122,7 @@ def _pair_pose(pose: PoseSeries, limits: QualityLimits) -> Iterator[MotionPair |
 def pair_rates(
     measured: VectorSeries, attitude: VectorSeries, limits: QualityLimits
 ) -> MotionPair | None:
-    """Compare rates with the derivative of an attitude."""
+    """Pair angular rates with the derivative of an attitude."""
     times, rates = compute_body_rates(attitude)
     return _build_pair('rates', measured, attitude.name, times, rates, limits)
 
@@ -130,7 +130,7 @@ def pair_rates(
 def pair_velocity(
     place: VectorSeries, attitude: VectorSeries, measured: VectorSeries, limits: QualityLimits
 ) -> MotionPair | None:
-    """Compare a velocity with the derivative of position, in the body frame."""
+    """Pair a velocity with the derivative of position, in the body frame."""
     times, speeds = _differentiate(place)
     turn = _interpolate_attitude(attitude, times)
     return _build_pair('velocity', measured, place.name, times, turn.inv().apply(speeds), limits)
@@ -139,7 +139,7 @@ def pair_velocity(
 def _pair_inertial(
     pose: PoseSeries, sensor: InertialSeries, limits: QualityLimits
 ) -> Iterator[MotionPair | None]:
-    """Compare a pose with an inertial sensor."""
+    """Pair a pose with an inertial sensor."""
     if pose.attitude is None:
         return
     if sensor.rates is not None:
@@ -151,13 +151,14 @@ def _pair_inertial(
 def _pair_force(
     place: VectorSeries, attitude: VectorSeries, measured: VectorSeries, limits: QualityLimits
 ) -> MotionPair | None:
-    """Compare specific force with acceleration and gravity."""
+    """Pair a specific force with acceleration plus gravity."""
     step = max(median_period(place.time), FINEST)
     grid = build_even_grid(place.time[0], place.time[-1], step, len(place.time))
     if len(grid) * step < limits.pair_time:
         return None
     table, _ = interpolate_on_grid(place.time, place.values, grid)
     smooth = smooth_columns(table, hann_kernel(limits.kernel, step))
+    # Smooth before differentiating twice, which amplifies noise.
     pull = np.gradient(np.gradient(smooth, step, axis=0), step, axis=0)
     pull[:, 2] += STANDARD_GRAVITY
     force = _interpolate_attitude(attitude, grid).inv().apply(pull)
@@ -167,7 +168,7 @@ def _pair_force(
 def _pair_height(
     pose: PoseSeries, channel: SignalChannel, limits: QualityLimits
 ) -> MotionPair | None:
-    """Compare a downward range or an air pressure with the height of a pose."""
+    """Pair a downward range or an air pressure with the height of a pose."""
     is_range = channel.field == 'range'
     if pose.position is None or not (is_range or roles.PRESSURE.match(channel.field)):
         return None
@@ -188,7 +189,7 @@ def _differentiate(vector: VectorSeries) -> tuple[Array, Array]:
 
 
 def _interpolate_attitude(attitude: VectorSeries, times: Array) -> Rotation:
-    """Return attitudes at other times, between the samples linear in the quaternion."""
+    """Return attitudes at other times, linear in the quaternion between samples."""
     table, _ = interpolate_on_grid(attitude.time, attitude.values, times)
     return Rotation.from_quat(table)
 
@@ -210,7 +211,7 @@ def _build_pair(
     derived: Array,
     limits: QualityLimits,
 ) -> MotionPair | None:
-    """Put two sides on one grid; None where they do not overlap for long enough."""
+    """Resample two sides to one grid; None if they overlap too briefly."""
     if len(time) < limits.least_samples or len(measured.time) < limits.least_samples:
         return None
     step = max(median_period(time), median_period(measured.time), FINEST)

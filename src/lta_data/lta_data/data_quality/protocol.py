@@ -1,4 +1,4 @@
-"""What a check is."""
+"""Define the interface of a check."""
 
 from typing import Protocol
 
@@ -8,11 +8,11 @@ from lta_data.data_quality.finding import CheckVerdict
 
 class QualityCheck(Protocol):
     """
-    One question put to a recording.
+    One check of a recording.
 
-    A check is pure: it changes nothing, reads no file, and says of what it cannot judge why.
+    A check is pure: it changes nothing, reads no file, and reports what it cannot judge.
     """
 
     def __call__(self, evidence: CheckContext) -> CheckVerdict:
-        """Return what was found and what could not be judged."""
+        """Return the findings and what could not be judged."""
         ...

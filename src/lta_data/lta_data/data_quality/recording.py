@@ -1,4 +1,4 @@
-"""What the checks look at: the channels of one flight, and where they say they come from."""
+"""Represent the data of one flight for the checks: channels, provenance and log times."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -14,25 +14,25 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 TURNED: Final = re.compile(r'(.*orientation|.*rotation|quaternion)\.yaw$')
-FLOWN: Final = ('seed', 'scenario')  # what only a simulator can tell of a flight
+FLOWN: Final = ('seed', 'scenario')  # provenance keys that only a simulator writes
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class ChannelRecording:
     """
-    The data to judge; any subset of topics will do.
+    The data to check; any subset of topics will do.
 
     Attributes
     ----------
-    channels : mapping of str to Channel
-        By name, as `lta_data.bag.channels` names them. A quaternion may be there as yaw, pitch
-        and roll, as x, y, z and w, or as both.
+    channels : mapping of str to SignalChannel
+        By name, as in `lta_data.bag.channels`. A quaternion may be given as yaw, pitch and roll,
+        as x, y, z and w, or as both.
     provenance : mapping of str to str
-        What the recording says of its origin.
+        As stored in the recording.
     arrivals : mapping of str to ndarray
-        Log time of each message by topic, on the channels' clock; what is left out is not judged.
-        [s]
+        Log time of each message by topic, since the topic's first; missing topics are not
+        judged. [s]
 
     """
 
@@ -42,14 +42,14 @@ class ChannelRecording:
 
     @property
     def is_simulated(self) -> bool:
-        """Whether the recording says that it was simulated."""
+        """Whether the recording declares itself simulated."""
         told = self.provenance
-        declared = told.get('data')  # what an import says of its source
+        declared = told.get('data')  # set by an import
         return declared == 'simulated' or (declared is None and all(map(told.__contains__, FLOWN)))
 
 
 def read_recording(flight: RecordedFlight) -> tuple[ChannelRecording, list[str]]:
-    """Return a flight as the checks want it, and what could not be decoded."""
+    """Return a flight for the checks, and what could not be decoded."""
     found = read_all_channels(flight)
     channels = dict(found.channels)
     topics = dict.fromkeys(channel.topic for channel in found.channels.values())
@@ -78,7 +78,7 @@ def read_log_times(flight: RecordedFlight, topics: list[str]) -> dict[str, Array
 def read_quaternions(
     flight: RecordedFlight, topic: str, channels: Mapping[str, SignalChannel]
 ) -> dict[str, SignalChannel]:
-    """Return the raw parts of a topic's quaternions, which its channels tell as angles."""
+    """Return the raw components of a topic's quaternions, whose channels are Euler angles."""
     paths = [
         match[1]
         for channel in channels.values()

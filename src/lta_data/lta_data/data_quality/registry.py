@@ -1,4 +1,4 @@
-"""The checks by the kind of their findings, and how they are put to a recording."""
+"""Register the checks by kind of finding, and run them."""
 
 from dataclasses import dataclass
 from typing import Final, final
@@ -43,11 +43,11 @@ CHECKS: Final[dict[str, QualityCheck]] = {
 @dataclass(frozen=True, slots=True)
 class QualityReport:
     """
-    What the checks say of a recording.
+    Result of all checks of a recording.
 
     Attributes
     ----------
-    findings : tuple of Finding
+    findings : tuple of QualityFinding
         By time.
     unjudged : tuple of str
         What could not be judged, and why.
@@ -59,23 +59,13 @@ class QualityReport:
 
     @property
     def is_grave(self) -> bool:
-        """Whether anything is suspicious or cannot be true."""
+        """Whether any finding is suspicious or an error."""
         return any(finding.is_grave for finding in self.findings)
 
 
-@np.errstate(over='ignore', invalid='ignore', divide='ignore')  # of absurd readings
+@np.errstate(over='ignore', invalid='ignore', divide='ignore')  # damaged readings may overflow
 def run_checks(recording: ChannelRecording, limits: QualityLimits | None = None) -> QualityReport:
-    """
-    Put every check to a recording.
-
-    Parameters
-    ----------
-    recording : Recording
-        The data; any subset of topics.
-    limits : Limits, optional
-        Thresholds.
-
-    """
+    """Run all checks on a recording."""
     evidence = CheckContext(recording, limits or QualityLimits())
     with np.errstate(invalid='ignore'):  # infinity is data: a range without a return
         verdicts = [check(evidence) for check in CHECKS.values()]
@@ -89,7 +79,7 @@ def run_checks(recording: ChannelRecording, limits: QualityLimits | None = None)
 
 
 def remove_implied_findings(findings: list[QualityFinding]) -> list[QualityFinding]:
-    """Leave out what another finding explains: a wrong unit makes values impossible, too."""
+    """Drop findings that another one explains: a wrong unit also makes values impossible."""
     other_unit = {
         vector_name(finding.channel) for finding in findings if finding.kind == units.KIND
     }

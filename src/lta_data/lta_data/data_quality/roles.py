@@ -1,17 +1,17 @@
-"""What a channel is: an instrument's reading, a command, or what was made of readings."""
+"""Classify channels: measurements, commands, or derived quantities."""
 
 import re
 from typing import Final
 
 from lta_data.bag.channels import SignalChannel
 
-# Of no instrument: constant, held and limited as they should be.
+# Commands: constant, held and limited values are normal.
 COMMANDS: Final = re.compile(r'^(motors|wrench_command|setpoint/|cmd_|joy|/)')
-# What drives the rotors.
+# Commands to the rotors.
 DRIVES: Final = re.compile(r'^(motors/effort|wrench_command/.*force)')
-# Made of readings by the vehicle's own programs.
+# Estimates of the vehicle's own programs.
 DERIVED: Final = re.compile(r'^(odom$|light/|energy/|wind$)')
-# Poses of the vehicle: a tracker's, then its own belief, whose place is dead reckoning.
+# External tracking; the vehicle's own odometry is dead reckoning and does not match.
 TRACKED: Final = re.compile(r'^(ground_truth/|vicon|mocap|optitrack|qualisys|tracker|pose$)')
 
 POSITION: Final = re.compile(r'(.*position|.*translation|point)\.([xyz])$')
@@ -24,7 +24,7 @@ FORCE: Final = re.compile(r'(linear_acceleration)\.([xyz])$')
 PRESSURE: Final = re.compile(r'(fluid_pressure)()$')
 SHINE: Final = re.compile(r'(mean|std)\[(\d+)\]$')
 
-# Quantities in which an instrument never says the same for long.
+# Quantities whose measured values never repeat for long.
 RESTLESS: Final = {
     'position': POSITION,
     'attitude': ANGLE,
@@ -37,12 +37,12 @@ RESTLESS: Final = {
 
 
 def is_instrument_topic(topic: str) -> bool:
-    """Whether a topic is an instrument's."""
+    """Return whether a topic holds measurements."""
     return not COMMANDS.match(topic) and not DERIVED.match(topic)
 
 
 def is_measured(channel: SignalChannel) -> bool:
-    """Whether an instrument says it."""
+    """Return whether a channel is a measurement."""
     return is_instrument_topic(channel.topic)
 
 
@@ -55,6 +55,6 @@ def find_restless_kind(channel: SignalChannel) -> str | None:
 
 
 def vector_name(channel: str) -> str:
-    """Return the vector that a channel is part of: its name without the last part."""
+    """Return the vector of a channel: its name without the last part."""
     head, dot, tail = channel.rpartition('.')
     return head if dot and '/' not in tail else channel

@@ -1,4 +1,4 @@
-"""Runs of samples for which something holds."""
+"""Find runs of samples that fulfil a condition."""
 
 from collections.abc import Iterator
 
@@ -7,13 +7,13 @@ from numpy.typing import NDArray
 
 
 def find_runs(true: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """Return first and one-past-last index of each run of true, shape (n, 2)."""
+    """Return first and one-past-last index of each run of True, shape (n, 2)."""
     edges = np.flatnonzero(np.diff(np.concatenate(([False], true, [False])).astype(np.int8)))
     return edges.reshape(-1, 2)
 
 
 def merge_runs(bounds: NDArray[np.int64], apart: int) -> Iterator[tuple[int, int]]:
-    """Yield runs with those put together that are at most so many samples apart."""
+    """Yield runs, merging those at most `apart` samples apart."""
     held: tuple[int, int] | None = None
     for begin, end in bounds.tolist():
         if held is not None and begin - held[1] <= apart:

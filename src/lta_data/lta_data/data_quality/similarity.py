@@ -1,4 +1,4 @@
-"""How two sides of a pair are alike: lag, correlation and factor, axis by axis."""
+"""Measure the similarity of a pair: lag, correlation and ratio of each axis."""
 
 from dataclasses import dataclass
 from typing import final
@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-SLOW = 3.0  # what takes longer is a trend [s]
-QUICK = 0.5  # of the least motion, that the quick part must have
-FINE = 0.5  # match of each moving axis with its own, above which nothing is asked
+SLOW = 3.0  # slower changes are removed as trend [s]
+QUICK = 0.5  # least fast motion, relative to the least motion
+FINE = 0.5  # match of each moving axis from which axes count as correct
 
 
 @final
@@ -24,19 +24,18 @@ class PairSimilarity:
     Attributes
     ----------
     lag : float
-        By how much the left side is late. [s]
+        Delay of the left side. [s]
     correlation : ndarray, shape (k, k)
-        Of left axis i with right axis j at that lag; 0 where an axis does not move.
+        Of left axis i with right axis j at that lag; 0 for an axis without motion.
     ratio : ndarray, shape (k, k)
         Standard deviation of left axis i over that of right axis j.
     match : ndarray, shape (k, k)
         Concordance of left axis i with right axis j, which takes size into account (Lin 1989,
         doi:10.2307/2532051, without means), after one common factor for all axes.
     moving : ndarray of bool, shape (k,)
-        Which axes of the right side move enough to judge.
+        Axes of the right side that move enough to judge.
     quick_at_lag, quick_at_zero : ndarray, shape (k,)
-        Correlation of what is quick in each axis with its own, at the lag and at none; 0 where
-        nothing is.
+        Correlation of the fast motion of each axis, at the lag and at zero lag; 0 without any.
 
     """
 
@@ -50,14 +49,14 @@ class PairSimilarity:
 
     @property
     def axes_agree(self) -> bool:
-        """Whether each moving axis follows its own well enough to ask nothing."""
+        """Whether each moving axis matches well enough to need no explanation."""
         return bool((np.diag(self.match)[self.moving] > FINE).all())
 
 
 def robust_deviations(table: Array, valid: NDArray[np.bool_]) -> tuple[Array, Array]:
-    """Return columns less their means where known, 0 elsewhere, and their spreads."""
+    """Return columns minus their means, 0 where unknown, and their standard deviations."""
     inside = table[valid]
-    # The loudest hundredth does not decide: one glitch of a tracker has more power than a flight.
+    # Clip outliers: one glitch of a tracker can have more power than the whole flight.
     low, high = np.percentile(inside, [0.5, 99.5], axis=0)
     margin = 0.5 * (high - low)
     kept = np.clip(table, low - margin, high + margin)
@@ -67,12 +66,12 @@ def robust_deviations(table: Array, valid: NDArray[np.bool_]) -> tuple[Array, Ar
 
 def high_pass_pair(pair: MotionPair) -> tuple[Array, Array, Array, Array]:
     """
-    Return the quick part of both sides, each axis scaled to one, and its spreads.
+    Return the fast part of both sides, each axis scaled to unit variance, and its spreads.
 
-    What changes within seconds carries the time; a trend correlates at any lag.
+    Changes within seconds determine the lag; a trend correlates at any lag.
     """
     weights = hann_kernel(SLOW, pair.step)
-    # Near an end the trend is a guess, and the same wrong one on both sides.
+    # Near the ends the trend is wrong, and equally wrong on both sides.
     inside = narrow_mask(pair.known, weights)
     known = inside if inside.sum() * pair.step > SLOW else pair.known
     left, right = (
@@ -84,7 +83,7 @@ def high_pass_pair(pair: MotionPair) -> tuple[Array, Array, Array, Array]:
 
 
 def lagged_products(left: Array, right: Array, most: int) -> Array:
-    """Return sums of left_i[t + lag] right_j[t] over t by lag -most..most, shape (2m+1, i, j)."""
+    """Return the sums of left_i[t + lag] right_j[t] over t, for lags -most..most: (2m+1, i, j)."""
     size = 1 << int(len(left) + most).bit_length()
     ahead = np.fft.rfft(left, size, axis=0)[:, :, None]
     behind = np.conj(np.fft.rfft(right, size, axis=0))[:, None, :]
@@ -94,16 +93,16 @@ def lagged_products(left: Array, right: Array, most: int) -> Array:
 
 def estimate_lag(left: Array, right: Array, step: float, search: float) -> float:
     """
-    Return by how much the left side is late, by the largest correlation of either sign. [s]
+    Return the delay of the left side, by the largest correlation of either sign. [s]
 
-    An axis of the right side may be found in any axis of the left one.
+    Any left axis may correspond to a right axis, so that swapped axes do not matter.
 
     Parameters
     ----------
     left, right : ndarray, shape (n, k)
-        Deviations, 0 where unknown, each column scaled to what it shall weigh.
+        Deviations, 0 where unknown, each column scaled by its weight.
     step, search : float
-        Of the grid, and furthest lag. [s]
+        Step of the grid, and largest lag. [s]
 
     """
     most = max(1, min(round(search / step), len(left) // 2))
@@ -118,7 +117,7 @@ def estimate_lag(left: Array, right: Array, step: float, search: float) -> float
 
 
 def measure_similarity(pair: MotionPair, limits: QualityLimits) -> PairSimilarity | None:
-    """Return how the sides are alike; None where the right side hardly moves."""
+    """Measure the similarity of a pair; None if the right side hardly moves."""
     left, left_size = robust_deviations(pair.left, pair.known)
     right, right_size = robust_deviations(pair.right, pair.known)
     moving = (right_size > pair.least) & (left_size > 0.0)
@@ -127,10 +126,10 @@ def measure_similarity(pair: MotionPair, limits: QualityLimits) -> PairSimilarit
     unit_left = left / np.where(left_size > 0.0, left_size, 1.0)
     unit_right = right / np.where(right_size > 0.0, right_size, 1.0)
     quick_left, quick_right, _, quick_size = high_pass_pair(pair)
-    heard = moving & (quick_size > QUICK * pair.least)
+    quick = moving & (quick_size > QUICK * pair.least)
     lag = 0.0
-    if heard.any():
-        lag = estimate_lag(quick_left, quick_right[:, heard], pair.step, limits.clock_search)
+    if quick.any():
+        lag = estimate_lag(quick_left, quick_right[:, quick], pair.step, limits.clock_search)
     count = max(1, int(pair.known.sum()))
     moved = round(lag / pair.step)
     correlation = np.roll(unit_left, -moved, axis=0).T @ unit_right / count
@@ -140,13 +139,13 @@ def measure_similarity(pair: MotionPair, limits: QualityLimits) -> PairSimilarit
     match = 2.0 * correlation * relative / (1.0 + relative**2)
     return PairSimilarity(
         lag, correlation, ratio, match, moving,
-        quick_at_lag=_axis_correlation(np.roll(quick_left, -moved, axis=0), quick_right, heard),
-        quick_at_zero=_axis_correlation(quick_left, quick_right, heard),
+        quick_at_lag=_axis_correlation(np.roll(quick_left, -moved, axis=0), quick_right, quick),
+        quick_at_zero=_axis_correlation(quick_left, quick_right, quick),
     )  # fmt: skip
 
 
 def _axis_correlation(left: Array, right: Array, active: NDArray[np.bool_]) -> Array:
-    """Return the correlation of each axis with its own; 0 where it is not heard."""
+    """Return the correlation of each axis with its counterpart; 0 for inactive axes."""
     size = np.linalg.norm(left, axis=0) * np.linalg.norm(right, axis=0)
     return np.where(
         active & (size > 0.0), (left * right).sum(axis=0) / np.maximum(size, 1e-300), 0.0

@@ -1,14 +1,14 @@
-"""Channels on one even grid, smoothed alike, so that derivatives can be compared."""
+"""Resample channels to an even grid and smooth them, so that derivatives can be compared."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-HOLE = 4.0  # periods without a sample, from which on nothing is known
+HOLE = 4.0  # periods without a sample that count as a gap
 
 
 def sort_samples(time: Array, values: Array) -> tuple[Array, Array]:
-    """Return samples with rising time and finite values only; values may have columns."""
+    """Return finite samples with strictly increasing time; values may have columns."""
     good = np.isfinite(time) & np.isfinite(values.reshape(len(values), -1)).all(axis=1)
     time, values = time[good], values[good]
     if len(time) > 1 and (np.diff(time) <= 0.0).any():
@@ -18,7 +18,7 @@ def sort_samples(time: Array, values: Array) -> tuple[Array, Array]:
 
 
 def median_period(time: Array) -> float:
-    """Return the usual time between samples; NaN for fewer than two. [s]"""
+    """Return the median time between samples; NaN for fewer than two. [s]"""
     return float(np.median(np.diff(time))) if len(time) > 1 else float('nan')
 
 
@@ -26,12 +26,12 @@ def interpolate_on_grid(
     time: Array, values: Array, grid: Array
 ) -> tuple[Array, NDArray[np.bool_]]:
     """
-    Return values on a grid, linearly between samples, and where they are known.
+    Interpolate values linearly on a grid, with a mask of valid points.
 
     Parameters
     ----------
     time : ndarray, shape (n,)
-        Rising. [s]
+        Increasing. [s]
     values : ndarray, shape (n, k)
     grid : ndarray, shape (m,)
         [s]
@@ -45,21 +45,21 @@ def interpolate_on_grid(
 
 
 def hann_kernel(width: float, step: float) -> Array:
-    """Return a Hann window of a width, which sums to one; odd, at least three long."""
+    """Return a Hann window of a width, normalised to one; of odd length, at least three."""
     half = max(1, round(width / step / 2))
     window = np.hanning(2 * half + 3)[1:-1]
     return np.asarray(window / window.sum(), dtype=np.float64)
 
 
 def smooth_columns(table: Array, weights: Array) -> Array:
-    """Return columns convolved with a kernel; the ends repeat the last value."""
+    """Convolve columns with a kernel; the ends are padded with the edge values."""
     half = len(weights) // 2
     wide = np.pad(table, ((half, half), (0, 0)), mode='edge')
     return np.stack([np.convolve(column, weights, mode='valid') for column in wide.T], axis=1)
 
 
 def narrow_mask(valid: NDArray[np.bool_], weights: Array, times: int = 1) -> NDArray[np.bool_]:
-    """Return where a smoothed value is made of known ones only."""
+    """Return where a smoothed value depends only on valid samples."""
     reach = times * (len(weights) // 2) + 1
     bad = np.convolve(~valid, np.ones(2 * reach + 1), mode='same') > 0.5
     bad[:reach] = bad[-reach:] = True

@@ -1,11 +1,11 @@
-"""Which values a quantity can have at all: declared by channel, with the reason."""
+"""Declare the possible values of each quantity, with the reason."""
 
 import re
 from typing import Final, NamedTuple
 
 
 class ValidRange(NamedTuple):
-    """The values that a channel can have; a value outside cannot be, whatever the flight."""
+    """The possible values of a channel, whatever the flight."""
 
     names: re.Pattern[str]
     low: float
@@ -29,9 +29,9 @@ RANGES: Final = (
         re.compile(r'linear_acceleration\.[xyz]$'), -320.0, 320.0, 'no such sensor goes past 32 g'
     ),
     ValidRange(
-        re.compile(r'angular(_velocity)?\.[xyz]$'), -70.0, 70.0, 'no gyroscope tells 4000 deg/s'
+        re.compile(r'angular(_velocity)?\.[xyz]$'), -70.0, 70.0, 'no gyroscope measures 4000 deg/s'
     ),
-    ValidRange(re.compile(r'linear\.[xyz]$'), -60.0, 60.0, 'no craft flown in a room is so fast'),
+    ValidRange(re.compile(r'linear\.[xyz]$'), -60.0, 60.0, 'no indoor vehicle is so fast'),
     ValidRange(
         re.compile(r'\.(yaw|pitch|roll)$'), -7.0, 7.0, 'an angle in radians within one turn'
     ),
@@ -40,20 +40,15 @@ RANGES: Final = (
 )
 COUNTS: Final = re.compile(r'^photodiodes/(min|max|mean)\[|^light/peaks/amplitude\[')
 SPREAD: Final = re.compile(r'^photodiodes/std\[')
-# Of one cell and of packs; between 4.4 and 5 V and below 2.5 V there is none. [V]
+# Single cells and packs; no battery has less than 2.5 V or 4.4 to 5 V. [V]
 CELLS: Final = ((2.5, 4.4), (5.0, 61.0))
 
 
 def build_light_ranges(top: float | None) -> tuple[ValidRange, ...]:
     """
-    Return what readings of light can be.
+    Return the possible readings of light.
 
-    Parameters
-    ----------
-    top : float or None
-        Largest reading of the converter, which the vehicle file tells; None where nobody does.
-        [counts]
-
+    `top` is the largest reading of the ADC [counts]; None if unknown.
     """
     if top is None:
         return tuple(

@@ -1,1 +1,1 @@
-"""Recordings as files of other programs: Parquet, CSV, MATLAB."""
+"""Export recordings as Parquet, CSV or MATLAB files."""

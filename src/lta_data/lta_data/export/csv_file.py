@@ -1,4 +1,4 @@
-"""A topic as CSV: one line of names, no comments; the units of all files stand in units.csv."""
+"""Write a topic as CSV: one header line, no comments; the units of all files are in units.csv."""
 
 from collections.abc import Iterable, Iterator
 import csv
@@ -14,7 +14,7 @@ UNITS: Final = 'units.csv'
 
 
 def write_csv(source: ExportSource, path: Path) -> Iterator[int]:
-    """Write a file and yield the number of rows of each stretch that is in it."""
+    """Write a file and yield the number of rows after each part."""
     fields = [
         build_arrow_field(name, kind, source.units) for name, kind in source.declared.items()
     ]
@@ -27,7 +27,7 @@ def write_csv(source: ExportSource, path: Path) -> Iterator[int]:
 
 
 def write_units(files: Iterable[tuple[str, ExportSource]], folder: Path) -> None:
-    """Write the unit of each column of each file; '' where nobody says."""
+    """Write the unit of each column of each file; '' if unknown."""
     with (folder / UNITS).open('w', newline='', encoding='utf-8') as file:
         writer = csv.writer(file)
         writer.writerow(['file', 'topic', 'column', 'unit'])

@@ -1,9 +1,9 @@
 """
-A topic as a MATLAB file (version 5): one struct, its fields as the message's.
+Write a topic as a MATLAB file (version 5): one struct with the fields of the message.
 
-`odom.pose.pose.position.x` is a column, `odom.pose.covariance` a matrix with a row a message, and
-`units.pose.pose.position.x` is 'm'. MATLAB wants a whole variable at once: the topic has to fit
-into the memory, and into 2 GB.
+`odom.pose.pose.position.x` is a column, `odom.pose.covariance` a matrix with a row per message,
+and `units.pose.pose.position.x` is 'm'. A MATLAB variable is written at once, so the topic must
+fit into memory and into 2 GB.
 """
 
 from collections.abc import Iterator, Mapping
@@ -16,8 +16,8 @@ from lta_data.export.source import ExportSource
 import numpy as np
 from scipy.io import savemat
 
-LARGEST: Final = 2**31 - 1  # bytes of a variable
-LONGEST: Final = 63  # letters of a name
+LARGEST: Final = 2**31 - 1  # bytes of a variable in version 5
+LONGEST: Final = 63  # characters of a name, namelengthmax of MATLAB
 UNITS: Final = 'units'
 _INDEX: Final = re.compile(r'\[(\d+)\]')
 _LAST: Final = re.compile(r'(.*)\[(\d+)\]')
@@ -51,6 +51,7 @@ def write_mat(source: ExportSource, path: Path) -> Iterator[int]:
     values: Struct = {}
     units: Struct = {}
     for name, column in join_array_columns(columns).items():
+        # savemat writes object arrays as cell arrays, which hold texts of any length.
         shown = column.astype(object) if column.dtype.kind == 'U' else column
         unit = source.units.get(name, source.units.get(f'{name}[0]', ''))
         set_nested_value(values, name, shown if shown.ndim == 2 else shown[:, None])
@@ -63,7 +64,7 @@ def write_mat(source: ExportSource, path: Path) -> Iterator[int]:
 def join_array_columns(
     columns: Mapping[str, np.ndarray[Any, Any]],
 ) -> dict[str, np.ndarray[Any, Any]]:
-    """Return columns with the elements of each array of numbers together, shape (n, elements)."""
+    """Join the elements of each numeric array into one matrix, shape (n, elements)."""
     found: dict[str, Any] = {}
     for name, values in columns.items():
         element = _LAST.fullmatch(name)
@@ -78,11 +79,11 @@ def join_array_columns(
 
 
 def set_nested_value(struct: Struct, path: str, value: object) -> None:
-    """Put a value into a struct of structs."""
+    """Set a value in a struct of structs."""
     *outer, last = [format_matlab_name(part) for part in re.split('[./]', path)]
     for name in outer:
         inside = struct.setdefault(name, {})
-        if not isinstance(inside, dict):  # a name that is a value already
+        if not isinstance(inside, dict):  # the name already holds a value
             inside = struct.setdefault(f'{name}_'[:LONGEST], {})
         struct = inside
     while last in struct:
@@ -91,6 +92,6 @@ def set_nested_value(struct: Struct, path: str, value: object) -> None:
 
 
 def format_matlab_name(name: str) -> str:
-    """Return a name as MATLAB takes it: letters, digits and underscores, a letter in front."""
+    """Return a valid MATLAB name: letters, digits and underscores, starting with a letter."""
     plain = re.sub(r'\W', '_', _INDEX.sub(r'_\1', name), flags=re.ASCII).strip('_')
     return (plain if plain[:1].isalpha() else f'x{plain}')[:LONGEST]

@@ -1,4 +1,4 @@
-"""A topic as Parquet: a row group a stretch, units in the fields' metadata."""
+"""Write a topic as Parquet: one row group per part, units in the metadata of the fields."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -10,7 +10,7 @@ from pyarrow import parquet
 
 
 def write_parquet(source: ExportSource, path: Path) -> Iterator[int]:
-    """Write a file and yield the number of rows of each stretch that is in it."""
+    """Write a file and yield the number of rows after each part."""
     fields = [
         build_arrow_field(name, kind, source.units) for name, kind in source.declared.items()
     ]

@@ -1,4 +1,4 @@
-"""The progress bar of an export: which topic, how many still."""
+"""Show the progress of an export."""
 
 from typing import final
 
@@ -9,15 +9,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, TextColumn
 
 @final
 class ExportProgress(ProgressBar):
-    """
-    Show an export while it lasts.
-
-    Parameters
-    ----------
-    console : Console
-        Where to; nothing moves where it is no terminal.
-
-    """
+    """Progress bar of an export, with the current topic."""
 
     def __init__(self, console: Console) -> None:
         columns = (
@@ -28,5 +20,5 @@ class ExportProgress(ProgressBar):
         super().__init__(console, *columns, begin='reading')
 
     def show_topic(self, topic: str, done: int, total: int) -> None:
-        """Show the topic that is written."""
+        """Show the topic that is being written."""
         self.update_bar(description=topic, completed=done, total=total)

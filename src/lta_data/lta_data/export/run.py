@@ -1,4 +1,4 @@
-"""One recording into files of one format, a file a topic or one for all on one clock."""
+"""Export a recording to one format, as one file per topic or one aligned file."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -24,10 +24,10 @@ ALIGNED: Final = 'aligned'
 
 
 class ExportWatcher(Protocol):
-    """Whoever looks on."""
+    """Observer of an export."""
 
     def show_topic(self, topic: str, done: int, total: int) -> None:
-        """Tell which topic is written, and how many are done."""
+        """Report the topic being written, and how many are done."""
         ...
 
 
@@ -35,7 +35,7 @@ class ExportWatcher(Protocol):
 @dataclass(frozen=True, slots=True)
 class ExportRequest:
     """
-    What to export.
+    Options of an export.
 
     Attributes
     ----------
@@ -44,9 +44,9 @@ class ExportRequest:
     topics : tuple of str
         Names; all if empty.
     rate : float or None
-        Of one clock for all in one file; None for a file a topic. [Hz]
+        Rate of the common clock, for one aligned file; None for a file per topic. [Hz]
     method : str
-        How columns get values on that clock; see `lta_data.bag.align`.
+        How columns are resampled to that clock; see `lta_data.bag.align`.
 
     """
 
@@ -59,7 +59,7 @@ class ExportRequest:
 @final
 @dataclass(frozen=True, slots=True)
 class ExportedFile:
-    """One file: topic, place, and size of its table."""
+    """One file: topic, path and size of its table."""
 
     topic: str
     file: Path
@@ -70,7 +70,7 @@ class ExportedFile:
 @final
 @dataclass(frozen=True, slots=True)
 class ExportResult:
-    """The files, and a sentence for all that is left out."""
+    """The files, and a remark for everything left out."""
 
     files: list[ExportedFile]
     remarks: list[str]
@@ -80,13 +80,13 @@ def export_recording(
     recording: RobotRecording, order: ExportRequest, folder: Path, watcher: ExportWatcher
 ) -> ExportResult:
     """
-    Write a recording into a folder.
+    Write a recording to a folder.
 
     Raises
     ------
     BadInput
         If the format or a named topic is unknown, the topic cannot be decoded, the folder is not
-        empty, or the disk cannot take the files.
+        empty, or the files cannot be written.
 
     """
     if order.form not in FORMATS:
@@ -113,7 +113,7 @@ def export_recording(
                 written.append(save_source(source, folder, order.form, done))
         if order.form == 'csv':
             write_units(written, folder)
-        done.remarks.extend(recording.losses)  # some damage shows only where it is read
+        done.remarks.extend(recording.losses)  # some damage is detected only while reading
     except OSError as error:
         raise BadInput(
             f"The files cannot be written to '{folder}' ({error.strerror or error}); make room, "
@@ -123,11 +123,12 @@ def export_recording(
 
 
 def select_topics(recording: RobotRecording, topics: Sequence[str]) -> list[str]:
-    """Return the topics to write: those that are named, or the robot's and those of no robot."""
+    """Return the named topics, or all of the robot and the global ones."""
     for topic in topics:
         recording.flight.message_type(topic)
     if topics:
         return list(dict.fromkeys(topics))
+    # A topic with one slash, such as /tf, belongs to no robot.
     shared = [name for name in recording.flight.bag.topics if name.count('/') == 1]
     return recording.topics + (shared if recording.robot else [])
 
@@ -135,12 +136,12 @@ def select_topics(recording: RobotRecording, topics: Sequence[str]) -> list[str]
 def align_export_topics(
     recording: RobotRecording, topics: Sequence[str], order: ExportRequest, done: ExportResult
 ) -> ExportSource:
-    """Return all topics on one clock; images and what cannot be decoded are left out."""
+    """Align all topics; images and topics that cannot be decoded are left out."""
     usable = []
     for topic in topics:
         try:
             if recording.flight.message_type(topic) == IMAGE:
-                raise BadInput('samples have a clock of their own; export it without --rate.')
+                raise BadInput('image samples have their own clock; export it without --rate.')
             recording[topic]
         except BadInput as fault:
             if order.topics:
@@ -155,7 +156,7 @@ def align_export_topics(
 def save_source(
     source: ExportSource, folder: Path, form: str, done: ExportResult
 ) -> tuple[str, ExportSource]:
-    """Write one file, whole or not at all."""
+    """Write one file atomically."""
     name = re.sub(r'\W+', '_', source.name).strip('_') or 'topic'
     taken = {exported.file.stem for exported in done.files}
     while name in taken:

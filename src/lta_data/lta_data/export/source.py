@@ -1,11 +1,11 @@
 """
-What goes into a file: the columns of a topic, a stretch at a time.
+Prepare the columns of a topic for a file, one part at a time.
 
-A topic larger than a stretch is gone through twice: once to learn which columns its messages have
-in all, once to write them. So the memory holds one stretch, whatever the size of the bag.
+A topic larger than one part is read twice: once to collect the columns of all messages, once to
+write them. So memory holds one part, whatever the size of the bag.
 
-Blocks of the photodiodes become one row a sampling instant, point clouds one row a point; pixels
-of other images are left out.
+Blocks of the photodiodes become one row per sample, point clouds one row per point. Pixels of
+other images are left out.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -21,11 +21,11 @@ from lta_data.bag.units import find_unit
 import numpy as np
 from numpy.typing import NDArray
 
-ROWS: Final = 16384  # messages in a stretch
+ROWS: Final = 16384  # messages per part
 BLOCKS: Final = 512  # of the photodiodes, 16 kB each
-CLOUDS: Final = 1024
+CLOUDS: Final = 1024  # point clouds per part
 DIODES: Final = 'photodiodes'
-FIXED: Final = {STAMP: 'ns', TIME: 's'}  # columns that every file has, with their units
+FIXED: Final = {STAMP: 'ns', TIME: 's'}  # columns of every file, with their units
 
 
 @final
@@ -38,15 +38,15 @@ class ExportSource(NamedTuple):
     name : str
         The topic, or what else the file holds.
     kind : str
-        Message type; '' where there is none.
+        Message type; '' if none.
     declared : dict of str to dtype
         All columns in order; text columns are of kind U.
     units : dict of str to str
         Unit of the columns that have one.
     parts : callable
-        Returns an iterator over the rows, a stretch at a time; each stretch has all columns.
+        Returns an iterator over the parts; each part has all columns.
     remark : str
-        A sentence on what is left out; '' where nothing is.
+        What is left out; '' if nothing.
 
     """
 
@@ -59,7 +59,7 @@ class ExportSource(NamedTuple):
 
 
 def build_topic_source(flight: RecordedFlight, topic: str) -> ExportSource:
-    """Return what the file of a topic holds; `BadInput` if the topic cannot be decoded."""
+    """Return the source of a topic; raise `BadInput` if the topic cannot be decoded."""
     kind = flight.message_type(topic)
     if kind == CLOUD:
         units = partial(find_unit, kind, topic=topic)
@@ -71,7 +71,7 @@ def build_topic_source(flight: RecordedFlight, topic: str) -> ExportSource:
 
 
 def build_table_source(table: RecordingTable, name: str) -> ExportSource:
-    """Return what the file of a table holds."""
+    """Return the source of a table."""
     columns = {STAMP: table.stamp_ns, TIME: table.time} | {each: table[each] for each in table}
     declared = {column: values.dtype for column, values in columns.items()}
     return ExportSource(name, '', declared, FIXED | table.units, lambda: iter([columns]))
@@ -80,7 +80,7 @@ def build_table_source(table: RecordingTable, name: str) -> ExportSource:
 def build_source(
     topic: str, kind: str, rows: Callable[[], Iterator[Columns]], unit: Callable[[str], str]
 ) -> ExportSource:
-    """Return a source of columns that need no names from elsewhere."""
+    """Return a source of columns that need no renaming."""
     declared: dict[str, np.dtype[Any]] = {}
     for part in rows():
         widen_columns(declared, part)
@@ -90,7 +90,7 @@ def build_source(
 
 
 def build_series_source(flight: RecordedFlight, topic: str, kind: str) -> ExportSource:
-    """Return a source of messages of numbers; joints are called by their names."""
+    """Return a source of numeric messages; joint columns get the names of the joints."""
     parts = partial(flight.iterate_series, topic, ROWS)
     if flight.bag.topics[flight.absolute_name(topic)].count <= ROWS:
         kept = list(parts())
@@ -100,6 +100,7 @@ def build_series_source(flight: RecordedFlight, topic: str, kind: str) -> Export
     units: dict[str, str] = {}
     for series in parts():
         found = map_joint_names(series)
+        # Names apply only if they are the same in all parts.
         joints = found if joints is None or joints == found else {}
         table = build_table(flight, topic, series, {})
         units |= table.units
@@ -117,12 +118,12 @@ def build_series_source(flight: RecordedFlight, topic: str, kind: str) -> Export
 
 
 def add_clock_columns(declared: Mapping[str, np.dtype[Any]]) -> dict[str, np.dtype[Any]]:
-    """Return columns with those of the time in front."""
+    """Return the columns with those of the time first."""
     return {STAMP: np.dtype(np.int64), TIME: np.dtype(np.float64), **declared}
 
 
 def widen_columns(declared: dict[str, np.dtype[Any]], part: Columns) -> None:
-    """Take note of the columns of a stretch: types that hold what all stretches have."""
+    """Update the declared columns to types that fit all parts so far."""
     for column in declared.keys() - part.keys():
         if declared[column].kind not in 'fU':
             declared[column] = np.dtype(np.float64)  # NaN where it is missing
@@ -139,7 +140,7 @@ def widen_columns(declared: dict[str, np.dtype[Any]], part: Columns) -> None:
 def complete_rows(
     rows: Callable[[], Iterator[Columns]], declared: Mapping[str, np.dtype[Any]]
 ) -> Iterator[Columns]:
-    """Yield stretches with all columns, NaN or '' where a stretch lacks one."""
+    """Yield parts with all columns; missing ones are NaN or ''."""
     for part in rows():
         count = len(part[STAMP])
         yield {
@@ -151,7 +152,7 @@ def complete_rows(
 
 
 def iterate_sample_rows(flight: RecordedFlight) -> Iterator[Columns]:
-    """Yield the samples of the photodiodes, one row a sampling instant."""
+    """Yield the samples of the photodiodes, one row per sample."""
     period = round(1e9 / load_topic_table().light.sample_rate.si)
     for time, samples in flight.iterate_blocks(DIODES, BLOCKS):
         count = samples.shape[1]
@@ -168,7 +169,7 @@ def find_sample_unit(column: str) -> str:
 
 
 def iterate_point_rows(flight: RecordedFlight, topic: str) -> Iterator[Columns]:
-    """Yield the points of clouds, one row a point; a cloud with fewer has fewer rows."""
+    """Yield the points of clouds, one row per point; padding is dropped."""
     for time, fields in flight.iterate_points(topic, CLOUDS):
         if not fields:
             continue
@@ -187,5 +188,5 @@ def build_clock_columns(flight: RecordedFlight, stamps: NDArray[np.int64]) -> Co
 
 
 def compute_stamps(flight: RecordedFlight, time: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Return the stamps of times since the start. [ns]"""
+    """Convert times since the start to stamps. [ns]"""
     return flight.start + np.rint(time * 1e9).astype(np.int64)

@@ -1,4 +1,4 @@
-"""Attitudes in all the forms that people log, as quaternions x, y, z, w."""
+"""Convert logged attitudes of any convention to quaternions x, y, z, w."""
 
 from collections.abc import Callable, Sequence
 
@@ -11,20 +11,15 @@ from scipy.spatial.transform import Rotation
 
 def compute_quaternions(convention: OrientationField, table: LogTable) -> Numbers:
     """
-    Return the attitude of each row from their body to their world.
+    Return the attitude of each row, from the log's body frame to its world frame.
 
-    Parameters
-    ----------
-    given : Orientation
-        Which columns, and by what convention.
-    table : Table
-        The rows.
+    Quaternions stay as logged, not normalised. In the other forms a row with a NaN becomes NaN,
+    and a matrix that is not a rotation becomes the nearest rotation.
 
     Returns
     -------
     ndarray, shape (n, 4)
-        x, y, z, w. A quaternion's numbers are those of the log, not normalised; another form is
-        NaN where one of its numbers is, and a matrix that is no rotation becomes the nearest one.
+        x, y, z, w.
 
     """
     numbers = np.stack([table.columns[name] for name in convention.columns], axis=1)
@@ -47,6 +42,7 @@ def compute_quaternions(convention: OrientationField, table: LogTable) -> Number
             numbers, lambda rows: Rotation.from_matrix(rows.reshape(-1, 3, 3))
         )
     if convention.direction == 'world to body':
+        # The inverse rotation is the conjugate.
         found = found * np.array([-1.0, -1.0, -1.0, 1.0])
     return found
 
@@ -54,14 +50,14 @@ def compute_quaternions(convention: OrientationField, table: LogTable) -> Number
 def convert_attitude(
     attitude: Numbers, world: Sequence[str] | None, body: Sequence[str] | None
 ) -> Numbers:
-    """Return attitudes between their axes as attitudes from FLU to ENU, shape (n, 4)."""
+    """Convert attitudes between the log's axes to attitudes from FLU to ENU, shape (n, 4)."""
     if world is None and body is None:
         return attitude
     return apply_matrix(attitude, attitude_matrix(world, body))
 
 
 def apply_matrix(vectors: Numbers, by: Numbers) -> Numbers:
-    """Return rows times a matrix; what is picked alone stays as it is, to the last bit."""
+    """Multiply rows by a matrix; entries that are only selected keep every bit."""
     result = np.zeros((len(vectors), len(by)))
     for row, weights in enumerate(by):
         for column in np.flatnonzero(weights):
@@ -71,12 +67,11 @@ def apply_matrix(vectors: Numbers, by: Numbers) -> Numbers:
 
 def rotate_into_body(vectors: Numbers, attitude: Numbers) -> Numbers:
     """
-    Return vectors of the world in the body.
+    Rotate world vectors into the body frame.
 
     Parameters
     ----------
     vectors : ndarray, shape (n, 3)
-        In the world.
     attitude : ndarray, shape (n, 4)
         Body to world; NaN or zero gives NaN.
 
@@ -90,7 +85,7 @@ def rotate_into_body(vectors: Numbers, attitude: Numbers) -> Numbers:
 
 
 def _finite_quaternions(numbers: Numbers, rotations: Callable[[Numbers], Rotation]) -> Numbers:
-    """Return the quaternions of the rows that are whole, NaN for the others."""
+    """Return the quaternions of complete rows, NaN for the others."""
     result = np.full((len(numbers), 4), np.nan)
     whole = np.isfinite(numbers).all(axis=1)
     if whole.any():

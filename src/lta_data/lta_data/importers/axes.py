@@ -1,10 +1,10 @@
 """
-Other people's axes, turned into ours exactly: signs and permutations, never a product that rounds.
+Convert vectors and attitudes between axis conventions exactly, without rounding.
 
-A vector's numbers are only picked and negated. Axial vectors (angular rates, torques) keep their
-sense when axes are mirrored, so that they get the sign of the mirror as well. An attitude q from
-their body to their world becomes W q B^-1, which is linear in q: one 4 x 4 matrix, no
-normalisation; with the same turn on both sides it only picks and negates, too.
+The numbers of a vector are only permuted and negated. Axial vectors (angular rates, torques) also
+get the sign of the determinant if axes are mirrored. An attitude q from the log's body to its
+world becomes W q B^-1, which is linear in q: one 4 x 4 matrix, no normalisation. With the same
+rotation on both sides it only permutes and negates, too.
 """
 
 from collections.abc import Sequence
@@ -14,23 +14,14 @@ from lta_data.importers.log_table import Numbers
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-EXACT = 1e-12  # how far from a whole number what should be one can come out of a product
+EXACT = 1e-12  # tolerance of matrix elements that should be whole numbers
 
 
 def signed_permutation(axes: Sequence[str] | None) -> Numbers:
     """
-    Return the signed permutation that `axes` names.
+    Return the signed permutation matrix from the log's axes to LTA's, shape (3, 3).
 
-    Parameters
-    ----------
-    axes : sequence of 3 str or None
-        Our x, y, z in terms of theirs, such as ['x', '-y', '-z']; theirs are ours if None.
-
-    Returns
-    -------
-    ndarray, shape (3, 3)
-        Ours from theirs.
-
+    `axes` are LTA's x, y, z in terms of the log's, such as ['x', '-y', '-z']; None for equal axes.
     """
     turned = np.zeros((3, 3))
     for row, axis in enumerate(axes or ('x', 'y', 'z')):
@@ -42,17 +33,9 @@ def convert_vectors(
     vectors: Numbers, axes: Sequence[str] | None, *, axial: bool = False
 ) -> Numbers:
     """
-    Return vectors in our axes, their numbers picked and negated.
+    Return vectors in LTA's axes, permuted and negated only.
 
-    Parameters
-    ----------
-    vectors : ndarray, shape (n, 3)
-        In their axes.
-    axes : sequence of 3 str or None
-        As `signed_permutation` takes them.
-    axial : bool
-        Whether a mirror keeps the sense of it: angular rates and torques.
-
+    `axes` as in `signed_permutation`; `axial` marks angular rates and torques.
     """
     if axes is None:
         return vectors
@@ -66,7 +49,7 @@ def convert_vectors(
 
 def attitude_matrix(world: Sequence[str] | None, body: Sequence[str] | None) -> Numbers:
     """
-    Return what takes a quaternion from their body to their world into one between ours.
+    Return the matrix that converts quaternions from the log's axes to LTA's.
 
     Returns
     -------
@@ -76,15 +59,15 @@ def attitude_matrix(world: Sequence[str] | None, body: Sequence[str] | None) -> 
     Raises
     ------
     BadInput
-        If one side is mirrored and the other is not: that is no rotation.
+        If exactly one side is mirrored: that is not a rotation.
 
     """
     sides = [signed_permutation(world), signed_permutation(body)]
     mirrors = [np.linalg.det(side) for side in sides]
     if mirrors[0] * mirrors[1] < 0.0:
         raise BadInput(
-            'The axes of world and body are of different handedness, so that no rotation leads '
-            'from one to the other; correct a sign in "world" or "body".'
+            'The axes of world and body have different handedness, so no rotation relates them; '
+            'correct a sign in "world" or "body".'
         )
     to_world, to_body = (
         Rotation.from_matrix(side * mirror) for side, mirror in zip(sides, mirrors, strict=True)

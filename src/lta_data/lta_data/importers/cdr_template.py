@@ -1,9 +1,9 @@
 """
-Many messages of one type at once: where each number stands in the CDR, and whole arrays put there.
+Serialise many messages of one type at once from a CDR template.
 
-Messages of one topic of an import differ in their numbers alone: their texts and the lengths of
-their lists are the same. So one message is laid out, and the others are copies of it with numbers
-written into fixed places. CDR as in `lta_bridge.cdr`.
+Messages of one imported topic differ only in their numbers; texts and list lengths are equal. So
+one message is laid out, and the others are copies of it with numbers written at fixed offsets. CDR
+as in `lta_bridge.cdr`.
 """
 
 from collections.abc import Mapping, Sequence
@@ -16,23 +16,28 @@ import numpy as np
 from numpy.typing import NDArray
 from rosbags.interfaces import Nodetype
 
-TYPES = {'bool': '?', 'byte': 'u1', 'char': 'u1', 'octet': 'u1'}  # numpy knows the others by name
-Given = Mapping[str, Sequence[str] | str | float]
+TYPES = {
+    'bool': '?',
+    'byte': 'u1',
+    'char': 'u1',
+    'octet': 'u1',
+}  # ROS type -> numpy type, where the names differ
+Constants = Mapping[str, Sequence[str] | str | float]
 
 
 @final
 class CdrTemplate:
     """
-    The bytes of one message of a type of ROS 2 Jazzy, and the places of its numbers.
+    The bytes of one message of a ROS 2 Jazzy type, and the offsets of its numbers.
 
     Parameters
     ----------
     type_name : str
         For example 'nav_msgs/msg/Odometry'.
-    given : mapping of str to text, number or list of texts
-        What is the same in all messages, by path: 'header.frame_id', 'name'.
+    constants : mapping of str to text, number or list of texts
+        Values equal in all messages, by path: 'header.frame_id', 'name'.
     lengths : mapping of str to int
-        Lengths of the lists of numbers, by path; 0 where nothing is said.
+        Lengths of numeric lists by path; 0 by default.
 
     Attributes
     ----------
@@ -42,9 +47,9 @@ class CdrTemplate:
     """
 
     def __init__(
-        self, type_name: str, given: Given, lengths: Mapping[str, int] | None = None
+        self, type_name: str, constants: Constants, lengths: Mapping[str, int] | None = None
     ) -> None:
-        self._given = given
+        self._constants = constants
         self._lengths = lengths or {}
         self._bytes = bytearray(ENCAPSULATION)
         self.places: dict[str, tuple[int, np.dtype[Any]]] = {}
@@ -58,20 +63,9 @@ class CdrTemplate:
 
     def fill_messages(self, count: int, numbers: Mapping[str, Any]) -> bytes:
         """
-        Return messages one after the other.
+        Return `count` messages, one after the other.
 
-        Parameters
-        ----------
-        count : int
-            How many.
-        numbers : mapping of str to array_like, shape (count,) or ()
-            By path; what is not named is as in the first layout.
-
-        Returns
-        -------
-        bytes
-            `count` times `size` of them.
-
+        `numbers` are arrays of shape (count,) or () by path; other fields are as in the template.
         """
         kind = np.dtype(
             {
@@ -88,7 +82,7 @@ class CdrTemplate:
         return raw.tobytes()
 
     def _lay_message(self, type_name: str, prefix: str) -> None:
-        """Lay out all fields of a message, one behind the other."""
+        """Lay out all fields of a message."""
         for name, (node, told) in load_jazzy_types().fielddefs[type_name][1]:
             path = f'{prefix}{name}'
             if node == Nodetype.NAME:
@@ -102,16 +96,16 @@ class CdrTemplate:
     def _lay_base(self, kind: str, path: str) -> None:
         """Lay out one text or number."""
         if kind == 'string':
-            self._lay_text(str(self._given.get(path, '')))
+            self._lay_text(str(self._constants.get(path, '')))
             return
         number = np.dtype(TYPES.get(kind, kind)).newbyteorder('<')
         self._align(number.itemsize)
         self.places[path] = (len(self._bytes), number)
-        self._bytes += np.array(self._given.get(path, 0), dtype=number).tobytes()
+        self._bytes += np.array(self._constants.get(path, 0), dtype=number).tobytes()
 
     def _lay_items(self, kind: str, path: str, fixed: bool, length: int) -> None:
-        """Lay out an array, or the length of a list and its items."""
-        texts = self._given.get(path, ())
+        """Lay out an array, or the length and items of a sequence."""
+        texts = self._constants.get(path, ())
         if not fixed:
             length = len(texts) if isinstance(texts, Sequence) and texts else 0
             length = length or self._lengths.get(path, 0)
@@ -129,5 +123,5 @@ class CdrTemplate:
         self._bytes += struct.pack('<I', len(data) + 1) + data + b'\0'
 
     def _align(self, size: int) -> None:
-        """Fill up with zeros to a multiple of a size, counted from behind the encapsulation."""
+        """Pad with zeros to a multiple of `size`, counted from the end of the encapsulation."""
         self._bytes += bytes(-(len(self._bytes) - BASE) % size)

@@ -1,20 +1,16 @@
-"""What a recording says of the clock of its stamps: two that count alike share no clock by it."""
+"""Determine whether the stamps of two recordings come from a shared clock."""
 
 from collections.abc import Mapping
 from typing import Final
 
-CLOCK: Final = 'clock'  # in the provenance, where stamps tell no time that another log shares
+CLOCK: Final = 'clock'  # provenance key of logs whose stamps share no clock with others
 
 
 def have_own_clocks(a: Mapping[str, str], b: Mapping[str, str]) -> bool:
     """
-    Tell whether two recordings' stamps are alike by counting, not by a clock they share.
+    Return whether two recordings have separate clocks, so that equal stamps mean nothing.
 
-    Parameters
-    ----------
-    a, b : mapping of str to str
-        Their provenance. One source imported twice is one clock.
-
+    One source imported twice counts as one clock.
     """
     sources = a.get('source_sha256'), b.get('source_sha256')
     return CLOCK in a and CLOCK in b and sources[0] != sources[1]

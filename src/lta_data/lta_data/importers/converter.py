@@ -1,4 +1,4 @@
-"""Rows of a log as the messages of one topic: units, axes and places, and nothing else changed."""
+"""Convert rows of a log to messages of one topic: units, axes and fields."""
 
 from collections.abc import Sequence
 from typing import Any, final, NamedTuple
@@ -14,17 +14,17 @@ from lta_data.importers.log_table import LogTable, Numbers, Times
 from lta_data.importers.message_parts import CHILD, JOINT_DIMENSIONS, JOINTS, MessagePart
 import numpy as np
 
-UNKNOWN = -1.0
+UNKNOWN = -1.0  # first covariance element of an unknown quantity, as in sensor_msgs/Imu
 LATEST = 2**31 * 1_000_000_000  # ROS counts the seconds of a stamp in 32 bits [ns]
-CONSTANT = {  # what a message says of itself beside its numbers
+CONSTANT = {  # constant fields by message type
     'sensor_msgs/msg/BatteryState': {'present': 1},
-    'sensor_msgs/msg/Range': {'radiation_type': 1},  # infrared, as all that is on our topic
+    'sensor_msgs/msg/Range': {'radiation_type': 1},  # infrared, as all sensors on this topic
 }
-NOBODY = {'sensor_msgs/msg/BatteryState': ('design_capacity',)}  # NaN where nobody knows
+NOBODY = {'sensor_msgs/msg/BatteryState': ('design_capacity',)}  # NaN, since no log has it
 
 
 class ValueOutOfBounds(BadInput):
-    """A number of the log lies where the mapping says that none can."""
+    """A value of the log is outside the bounds that the mapping gives."""
 
 
 @final
@@ -32,8 +32,8 @@ class ConvertedMessages(NamedTuple):
     """
     Messages of one topic.
 
-    `order` and `log_times` have one number a message; `data` has their bytes, `size` each; `rows`
-    says from which rows of the table they are.
+    `order` and `log_times` have one number per message, `data` their bytes, `size` each, and
+    `rows` the rows of the table that they come from.
     """
 
     topic: str
@@ -47,21 +47,16 @@ class ConvertedMessages(NamedTuple):
 @final
 class TopicConverter:
     """
-    Turns tables into the messages of one topic.
-
-    Parameters
-    ----------
-    plan : Plan
-        What is asked for.
+    Converts tables to the messages of one topic.
 
     Attributes
     ----------
     without : int
-        Rows left out so far because no cell of the topic's columns held anything.
+        Rows left out so far because all cells of the topic's columns were empty.
     excluded : int
         Rows left out so far by the mapping's `where`.
     silent : list of str
-        Actuators left out because they never had a number.
+        Actuators left out because they have no values.
 
     """
 
@@ -73,12 +68,12 @@ class TopicConverter:
 
     def convert(self, table: LogTable) -> ConvertedMessages:
         """
-        Return the messages of some rows.
+        Convert the rows of a table.
 
         Raises
         ------
         BadInput
-            If a time cannot be a stamp, or a number is out of the mapping's bounds.
+            If a time cannot be a stamp, or a value is outside the mapping's bounds.
 
         """
         rows = self._select_rows(table)
@@ -113,7 +108,7 @@ class TopicConverter:
         return fits & ~nothing
 
     def _ensure_layout(self) -> CdrTemplate:
-        """Return the layout of the messages, made once the actuators are known."""
+        """Return the template of the messages, created once the actuators are known."""
         if self._layout is None:
             type_name, frame = self.plan.target
             given: dict[str, Any] = {'header.frame_id': frame, **CHILD.get(type_name, {})}
@@ -131,14 +126,14 @@ class TopicConverter:
         return [name for name in self.plan.entry.actuators or {} if name not in self.silent]
 
     def _convert_joints(self, table: LogTable) -> dict[str, Any]:
-        """Return the numbers of the actuators; what one of them is not told is NaN."""
+        """Return the numbers of the actuators; fields without a source are NaN."""
         told = {
             (name, field): _convert_number(given, table, 1.0)
             for name, field, given in self.plan.iterate_joints()
         }
         if self.plan.entry.drop_empty and self._layout is None:
-            heard = {name for (name, _), values in told.items() if not np.isnan(values).all()}
-            self.silent = [name for name in self._list_actuators() if name not in heard]
+            valued = {name for (name, _), values in told.items() if not np.isnan(values).all()}
+            self.silent = [name for name in self._list_actuators() if name not in valued]
         names = self._list_actuators()
         fields = {field for name, field in told if name in names}
         return {
@@ -149,7 +144,7 @@ class TopicConverter:
         }
 
     def _convert_parts(self, table: LogTable) -> dict[str, Any]:
-        """Return the numbers of a message's parts by path."""
+        """Return the numbers of a message by path."""
         plan, parts = self.plan, self.plan.entry.parts
         numbers: dict[str, Any] = {}
         attitude = None
@@ -172,7 +167,7 @@ class TopicConverter:
 
 
 def _fill_unknown(part: MessagePart) -> dict[str, Any]:
-    """Return a part that nobody told: NaN, and -1 in its covariance; an attitude of zeros."""
+    """Return an unknown part: NaN with -1 in its covariance; an unknown attitude is zero."""
     found: dict[str, Any] = {part.unknown: UNKNOWN} if part.unknown else {}
     if part.kind == 'number':
         return found | {part.place: np.nan}
@@ -189,7 +184,7 @@ def _split_columns(part: MessagePart, values: Numbers | None, axes: str) -> dict
 
 
 def _convert_number(scalar: ScalarField, table: LogTable, share: float) -> Numbers:
-    """Return one number a row, in the message's unit."""
+    """Return one number per row, in the message's unit."""
     if scalar.value is not None or scalar.column is None:
         constant = scalar.value.si if scalar.value is not None else np.nan
         return np.full(len(table), constant * share)
@@ -203,7 +198,7 @@ def _convert_vector(
     table: LogTable,
     attitude: Numbers | None,
 ) -> Numbers:
-    """Return three numbers a row, in our axes."""
+    """Return three numbers per row, in LTA's axes."""
     frame = vector.frame or part.frame
     if vector.value is not None or vector.columns is None:
         constant = vector.value.vector if vector.value is not None else (np.nan,) * 3
@@ -223,23 +218,14 @@ def scale_column(
     source: ScalarField | VectorField, raw: Numbers, column: str, first: int
 ) -> Numbers:
     """
-    Return a column in SI: (number + offset) * scale / over, in its unit.
+    Convert a column to SI: (number + offset) * scale / over, times its unit.
 
-    Parameters
-    ----------
-    given : Scalar or Vector
-        How the log has it.
-    raw : ndarray, shape (n,)
-        The log's numbers.
-    column : str
-        Its name, for messages.
-    first : int
-        Rows of the log before these.
+    `first` is the number of rows before these, for error messages.
 
     Raises
     ------
-    OutOfBounds
-        If a number lies where the mapping says that none can.
+    ValueOutOfBounds
+        If a value is outside the bounds that the mapping gives.
 
     """
     values = raw if source.missing is None else np.where(raw == source.missing, np.nan, raw)
@@ -249,18 +235,19 @@ def scale_column(
         if len(wrong):
             raise ValueOutOfBounds(
                 f"Column '{column}' has {values[wrong[0]]:.6g} in row {first + wrong[0] + 1}, but "
-                f'the mapping says that it lies from {low:g} to {high:g}; correct its unit.'
+                f'the mapping allows {low:g} to {high:g}; correct the unit in the mapping.'
             )
     if source.offset:
         values = values + source.offset
     factor = source.scale * UNITS[source.unit][1]
+    # Skipping a factor of one keeps every bit and saves a copy.
     if factor != 1.0:
         values = values * factor
     return values if source.over == 1.0 else values / source.over
 
 
 def _check_stamps(table: LogTable, topic: str) -> None:
-    """Refuse times that ROS cannot write down."""
+    """Raise BadInput for times that a ROS stamp cannot hold."""
     stamps: Sequence[Times] = (table.stamps, table.log_times)
     for times in stamps:
         wrong = np.flatnonzero((times < 0) | (times >= LATEST))
@@ -268,5 +255,5 @@ def _check_stamps(table: LogTable, topic: str) -> None:
             seconds = times[wrong[0]] * 1e-9
             raise BadInput(
                 f"Row {table.first + wrong[0] + 1} of '{topic}' is at {seconds:.6g} s, which ROS "
-                'cannot stamp; correct the unit of the time, or give a "start" that is added.'
+                'cannot represent; correct the unit of the time, or add a "start" to the mapping.'
             )

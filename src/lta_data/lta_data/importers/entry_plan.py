@@ -1,8 +1,8 @@
 """
-One entry of a mapping, checked against the message it is to become.
+Check an entry of a mapping against its target message.
 
-Everything that can be wrong without looking at a number is said here: unknown topics and parts,
-units of the wrong dimension, a velocity of the world without an attitude.
+All errors that need no data are detected here: unknown topics and parts, units of the wrong
+dimension, a world-frame velocity without an attitude.
 """
 
 from collections.abc import Iterator, Sequence
@@ -36,20 +36,16 @@ Axes = tuple[str, ...]
 @dataclass(frozen=True, slots=True)
 class EntryPlan:
     """
-    What becomes of an entry.
+    A checked entry.
 
     Attributes
     ----------
-    entry : Entry
-        As the mapping has it.
+    entry : TopicMapping
+        As in the mapping.
     topic : str
         Absolute name.
-    target : Target
-        Its type and frame.
     world, body : tuple of 3 str or None
-        Their axes; ours if None.
-    vehicle : str
-        The drone that the actuators are of, for messages.
+        Axes of the log; None if they are LTA's.
 
     """
 
@@ -61,7 +57,7 @@ class EntryPlan:
 
     @property
     def parts(self) -> dict[str, MessagePart]:
-        """The parts that the message has."""
+        """The parts of the target message."""
         return dict(SHAPES[self.target.type_name])
 
     def find_axes(self, frame: str) -> Axes | None:
@@ -69,7 +65,7 @@ class EntryPlan:
         return self.world if frame == 'world' else self.body
 
     def iterate_joints(self) -> Iterator[tuple[str, str, ScalarField]]:
-        """Yield actuator, field of the message and what is told, in the order of the mapping."""
+        """Yield actuator, message field and source, in the order of the mapping."""
         for name, actuator in (self.entry.actuators or {}).items():
             for field in JOINT_DIMENSIONS:
                 told = getattr(actuator, field)
@@ -79,12 +75,12 @@ class EntryPlan:
 
 def plan_entry(entry: TopicMapping, mapping: ImportMapping, robot: str) -> EntryPlan:
     """
-    Return what becomes of an entry of a mapping.
+    Check an entry of a mapping and return its plan.
 
     Raises
     ------
     BadInput
-        If the topic cannot have what the entry tells.
+        If the target topic does not have what the entry gives.
 
     """
     found = EntryPlan(
@@ -97,13 +93,13 @@ def plan_entry(entry: TopicMapping, mapping: ImportMapping, robot: str) -> Entry
     if found.target.type_name == JOINTS:
         _check_joints(found)
     elif entry.actuators is not None:
-        raise BadInput(f"Topic '{entry.topic}' has no actuators; only motors has.")
+        raise BadInput(f"Topic '{entry.topic}' has no actuators; only motors has them.")
     _check_parts(found)
     return found
 
 
 def _check_parts(candidate: EntryPlan) -> None:
-    """Refuse parts that the message does not have, and units that do not fit."""
+    """Raise BadInput for parts that the message lacks, and for wrong units."""
     entry, shape = candidate.entry, candidate.parts
     for name, given in entry.parts.items():
         if name not in shape:
@@ -117,18 +113,17 @@ def _check_parts(candidate: EntryPlan) -> None:
 
 
 def _check_frame(candidate: EntryPlan, name: str, vector: VectorField) -> None:
-    """Refuse a vector in axes from which there is no way into those of the message."""
+    """Raise BadInput for a vector that cannot be rotated to the frame of the message."""
     if vector.frame != 'world' or candidate.entry.orientation is None:
         raise BadInput(
-            f'{candidate.entry.topic}: {name} is given in the axes of the {vector.frame}, but the '
-            f'message wants those of the {candidate.parts[name].frame}; give the orientation '
-            f'beside '
-            'it, or leave it out.'
+            f'{candidate.entry.topic}: {name} is given in the {vector.frame} frame, but the '
+            f'message needs the {candidate.parts[name].frame} frame; give the orientation as '
+            f'well, or leave {name} out.'
         )
 
 
 def _check_joints(candidate: EntryPlan) -> None:
-    """Refuse an entry without actuators, and units that do not fit."""
+    """Raise BadInput for an entry without actuators, and for wrong units."""
     told = list(candidate.iterate_joints())
     if not told and candidate.entry.table is None:
         raise BadInput(f"Topic '{candidate.entry.topic}' needs the key actuators: effort by name.")
@@ -137,7 +132,7 @@ def _check_joints(candidate: EntryPlan) -> None:
 
 
 def _check_unit(what: str, quantity: ScalarField | VectorField, fitting: Sequence[str]) -> None:
-    """Refuse a unit of another dimension, of a column or of a constant."""
+    """Raise BadInput for a unit of another dimension."""
     unit = quantity.unit if quantity.value is None else quantity.value.unit
     if UNITS[unit][0] not in fitting:
         wanted = ' or '.join(fitting)

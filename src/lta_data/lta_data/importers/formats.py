@@ -1,4 +1,4 @@
-"""The formats that can be imported, and how a file is recognised: by what is in it."""
+"""List the formats that can be imported, and detect the format of a file from its content."""
 
 from collections.abc import Callable
 import gzip
@@ -13,7 +13,7 @@ from lta_data.importers.protocol import LogReader
 from lta_data.importers.readers import crazyflie_usd, csv_text, mcap_bag, px4_ulog, rosbags_bag
 from lta_data.importers.readers.line_stream import GZIP
 
-HEAD = 4096  # bytes looked at
+HEAD = 4096  # bytes read to detect the format
 ULOG = b'ULog\x01\x12\x35'
 SQLITE = b'SQLite format 3\0'
 ROS1 = b'#ROSBAG V'
@@ -28,12 +28,12 @@ class LogFormat(NamedTuple):
     Attributes
     ----------
     about : str
-        What it is, for people.
+        Description for users.
     mapping : str or None
-        The shipped mapping for logs in which every maker uses the same names.
+        The shipped mapping of a format with fixed names.
     opened : callable
-        Returns an opened log; `BadInput` if the file is none of this format. Without a mapping
-        only bags can be opened, whose messages have names and units.
+        Opens a log; raises `BadInput` if the file has another format. Without a mapping only
+        bags can be opened, whose messages have names and units.
 
     """
 
@@ -43,7 +43,7 @@ class LogFormat(NamedTuple):
 
 
 def _open_csv(path: Path, mapping: MappingFile | None) -> LogReader:
-    assert mapping is not None  # `choice` has found or refused one
+    assert mapping is not None  # select_mapping has found one or raised
     return csv_text.CsvLog(path, mapping)
 
 
@@ -65,12 +65,12 @@ FORMATS: dict[str, LogFormat] = {
 
 def detect_format(path: Path) -> str:
     """
-    Return the format of a file or folder, found from its content.
+    Detect the format of a file or folder from its content.
 
     Raises
     ------
     BadInput
-        If it is not there, is empty, or is none of the formats.
+        If it is missing, empty, or of no known format.
 
     """
     if not path.exists():
@@ -78,12 +78,12 @@ def detect_format(path: Path) -> str:
     if path.is_dir():
         if any(path.glob('*.mcap')) or any(path.glob('*.db3')):
             return 'bag'
-        raise BadInput(f"Folder '{path}' holds no bag; give the files in it one by one.")
+        raise BadInput(f"Folder '{path}' contains no bag; give its files one by one.")
     if not path.is_file():
-        raise BadInput(f"'{path}' is no plain file; give a file or a bag's folder.")
+        raise BadInput(f"'{path}' is not a regular file; give a file or a bag's folder.")
     head = _read_head(path)
     if not head:
-        raise BadInput(f"'{path}' is empty; nothing to import.")
+        raise BadInput(f"'{path}' is empty; give a log with data.")
     if head.startswith((MCAP, SQLITE, ROS1)):
         return 'bag'
     if head.startswith(ULOG):
@@ -93,18 +93,18 @@ def detect_format(path: Path) -> str:
     if _is_text(head):
         return 'csv'
     known = '; '.join(f'{name}: {format_.about}' for name, format_ in FORMATS.items())
-    raise BadInput(f"'{path}' is of no known format ({known}); convert it to one.")
+    raise BadInput(f"'{path}' is of no known format ({known}); convert it to one of these.")
 
 
 def find_format(name: str) -> LogFormat:
-    """Return a format; an unknown name is a `BadInput` that lists the known ones."""
+    """Return a format; raise `BadInput` with the known names if it is unknown."""
     if name not in FORMATS:
         raise unknown_name('format', name, list(FORMATS))
     return FORMATS[name]
 
 
 def _read_head(path: Path) -> bytes:
-    """Return the beginning of a file, decompressed."""
+    """Return the first bytes of a file, decompressed."""
     try:
         with path.open('rb') as stream:
             head = stream.read(HEAD)
@@ -112,12 +112,12 @@ def _read_head(path: Path) -> bytes:
             with gzip.open(path) as unpacked:
                 return unpacked.read(HEAD)
     except (OSError, EOFError, zlib.error) as error:
-        raise BadInput(f"'{path}' cannot be read ({error}).") from None
+        raise BadInput(f"'{path}' cannot be read ({error}); copy it again.") from None
     return head
 
 
 def _is_text(head: bytes) -> bool:
-    """Tell whether bytes are text; the last character may be cut in two."""
+    """Return whether bytes are UTF-8 text; the last character may be cut off."""
     if b'\0' in head:
         return False
     try:

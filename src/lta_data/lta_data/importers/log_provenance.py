@@ -1,4 +1,4 @@
-"""What an imported bag says of its origin: the file, how it was read, and what it is."""
+"""Describe the origin of an imported bag: source file, mapping and kind of data."""
 
 from datetime import datetime, UTC
 import hashlib
@@ -18,21 +18,9 @@ def build_provenance(
     """
     Return the provenance of an imported bag.
 
-    Parameters
-    ----------
-    source : Path
-        What was imported.
-    format_ : str
-        Its format.
-    mapping : Mapping or None
-        How it was read.
-    text : str
-        The whole mapping file.
-    vehicle : str or None
-        The vehicle that flew, by name or file.
-
+    `text` is the whole mapping file; `vehicle` is the flown vehicle, by name or file.
     """
-    told = {
+    facts = {
         'source': source.name,
         'source_sha256': source_digest(source),
         'source_size': str(source_size(source)),
@@ -43,15 +31,15 @@ def build_provenance(
         'created': datetime.now(UTC).isoformat(timespec='seconds'),
     }
     if mapping is not None:
-        told |= {'mapping': mapping.name, 'mapping_file': text}
+        facts |= {'mapping': mapping.name, 'mapping_file': text}
     if vehicle is not None:
         path = find_file('vehicle', vehicle)
-        told |= {'vehicle': vehicle, 'vehicle_file': path.read_text(encoding='utf-8')}
-    return told
+        facts |= {'vehicle': vehicle, 'vehicle_file': path.read_text(encoding='utf-8')}
+    return facts
 
 
 def list_source_files(source: Path) -> list[Path]:
-    """Return the files that a source is made of."""
+    """Return the files of a source."""
     if not source.is_dir():
         return [source]
     return sorted(path for path in source.rglob('*') if path.is_file())
@@ -63,7 +51,7 @@ def source_size(source: Path) -> int:
 
 
 def source_digest(source: Path) -> str:
-    """Return the SHA-256 of a file; of a folder, one line a file as `sha256sum` writes them."""
+    """Return the SHA-256 of a file; for a folder, one line per file as `sha256sum` writes them."""
     if not source.is_dir():
         return _hash_file(source)
     return '\n'.join(

@@ -1,4 +1,4 @@
-"""What every format comes down to: columns of numbers over time."""
+"""Represent a log as columns of numbers over time, whatever its format."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -20,16 +20,15 @@ class LogTable:
     Attributes
     ----------
     stamps, log_times : ndarray of int64, shape (n,)
-        When a row was measured, and when it was logged. [ns]
+        Time of measurement and time of logging. [ns]
     order : ndarray of int64, shape (n,)
-        Place of a row in the log, or its time where the log does not tell: what decides which of
-        several tables' rows comes first.
+        Position of a row in the log, or its time if unknown; orders the rows of several tables.
     columns : dict of str to ndarray, shape (n,)
-        Numbers as the log has them; NaN where it has none.
+        Numbers as logged; NaN if missing.
     first : int
-        Rows of the log before the first one here, where a log comes in parts.
+        Number of rows in the earlier parts of the log.
     empty : dict of str to ndarray of bool, shape (n,)
-        Where a cell holds nothing at all, for the columns that have such cells.
+        Mask of the empty cells, for columns that have some.
 
     """
 
@@ -60,24 +59,16 @@ class LogTable:
 
 def join_tables(table: LogTable, others: Mapping[str, LogTable]) -> tuple[LogTable, int]:
     """
-    Return a table with the columns of others as `other.column`, each row the newest before it.
+    Add the columns of other tables as `other.column`, with the latest values before each row.
 
-    Nothing is interpolated: a row has the other's numbers as they were logged, and NaN before the
-    other's first row.
-
-    Parameters
-    ----------
-    table : Table
-        The rows to stay.
-    others : mapping of str to Table
-        What is looked up, by name.
+    Values are not interpolated; before the other's first row they are NaN.
 
     Returns
     -------
-    Table
+    LogTable
         With as many rows as `table`.
     int
-        The largest age of what was looked up. [ns]
+        The largest age of a joined value. [ns]
 
     """
     columns = dict(table.columns)

@@ -1,4 +1,4 @@
-"""A log as a bag: its tables converted, its own messages passed on, all in the log's order."""
+"""Write a log as a bag: convert its tables, pass its messages on, all in the log's order."""
 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
@@ -15,41 +15,28 @@ from lta_data.importers.protocol import LogReader, Reached
 from lta_data.importers.remarks import LogRemarks
 import numpy as np
 
-Message = tuple[int, str, int, bytes]  # place in the log, topic, log time in ns, CDR
-QOS = [build_offered_qos('reliable', 'volatile', 10)]  # of what nobody published
+Message = tuple[int, str, int, bytes]  # position in the log, topic, log time in ns, CDR
+QOS = [build_offered_qos('reliable', 'volatile', 10)]  # for topics that no publisher offered
 
 
 def write_log_bag(
     log: LogReader, chosen: MappingChoice, bag: Path, provenance: dict[str, str], reached: Reached
 ) -> tuple[dict[str, int], list[str]]:
     """
-    Write the bag of an opened log.
-
-    Parameters
-    ----------
-    log : Log
-        What to read.
-    chosen : Chosen
-        What to make of it.
-    bag : Path
-        Folder of the bag.
-    told : dict of str to str
-        Its provenance, to which the log's own facts are added.
-    reached : callable
-        Told how much has been read.
+    Write an opened log as a bag.
 
     Returns
     -------
     dict of str to int
         Messages by topic.
     list of str
-        What is odd, missing or was left out, one sentence each.
+        Remarks on odd, missing or omitted data, one sentence each.
 
     """
     remarks, notes = LogRemarks(), list[str]()
     converters = [TopicConverter(plan) for plan in chosen.plans]
     parts = _iterate_converted(log, converters, remarks, notes, reached)
-    first = next(parts, [])  # what a log tells of its times is known from then on
+    first = next(parts, [])  # reading the first part completes log.facts
     counts: Counter[str] = Counter()
     with BagWriter(bag, provenance | log.facts) as writer:
         names = _announce_topics(writer, log, converters, chosen)
@@ -69,7 +56,7 @@ def _iterate_runs(
     parts: Iterable[list[ConvertedMessages]],
     reached: Reached,
 ) -> Iterator[Iterator[Message]]:
-    """Yield runs of messages: a bag's in one with what was converted, or part after part."""
+    """Yield runs of messages: one merged run for a bag, otherwise one run per part."""
     if log.raw:
         passed = (
             (one.order, names[one.topic], one.log_time, one.data)
@@ -85,7 +72,7 @@ def _iterate_runs(
 def _announce_topics(
     writer: BagWriter, log: LogReader, converters: list[TopicConverter], chosen: MappingChoice
 ) -> dict[str, str]:
-    """Announce all topics; return our names of those that are passed on."""
+    """Add all topics to the bag; return the new names of those that are passed on."""
     converted = {converter.plan.entry.table for converter in converters}
     names = {name: chosen.renamed.get(name, name) for name in log.raw if name not in converted}
     for name, ours in names.items():
@@ -102,7 +89,7 @@ def _iterate_converted(
     notes: list[str],
     reached: Reached,
 ) -> Iterator[list[ConvertedMessages]]:
-    """Yield the converted messages part by part of the log."""
+    """Yield the converted messages, one part of the log at a time."""
     wanted: dict[str, set[str]] = {}
     for converter in converters:
         entry = converter.plan.entry
@@ -128,7 +115,7 @@ def _iterate_converted(
 def _convert_topic(
     converter: TopicConverter, tables: Mapping[str, LogTable], notes: list[str]
 ) -> ConvertedMessages | None:
-    """Return the messages of one topic; None where it is optional and its numbers are not its."""
+    """Convert one topic; None if it is optional and its values are out of bounds."""
     entry = converter.plan.entry
     table, age = join_tables(
         tables[entry.table or ''], {name: tables[name] for name in entry.join}
@@ -143,8 +130,8 @@ def _convert_topic(
     if entry.join:
         others = ' and '.join(entry.join)
         notes.append(
-            f'{entry.topic} has the times of {entry.table} and the newest of {others}, each as it '
-            f'was logged, at most {age * 1e-9:.3g} s before.'
+            f'{entry.topic} has the times of {entry.table} and the latest values of {others} as '
+            f'logged, at most {age * 1e-9:.3g} s old.'
         )
     return found
 
@@ -154,7 +141,7 @@ def _merge_in_order(converted: list[ConvertedMessages]) -> Iterator[Message]:
     keys = np.concatenate([np.empty(0, dtype=np.int64), *(one.order for one in converted)])
     which = np.repeat(np.arange(len(converted)), [len(one.order) for one in converted])
     starts = np.cumsum([0, *(len(one.order) for one in converted)])
-    # The sort is stable: at one place of the log the topics keep the mapping's order.
+    # `which` is the second key: at equal positions the topics keep the mapping's order.
     ranks = np.lexsort((which, keys))
     owners = which[ranks].tolist()
     inside = (ranks - starts[which[ranks]] if len(ranks) else ranks).tolist()
@@ -169,17 +156,17 @@ def _merge_in_order(converted: list[ConvertedMessages]) -> Iterator[Message]:
 def _describe_unused(
     converters: list[TopicConverter], chosen: MappingChoice, log: LogReader
 ) -> Iterator[str]:
-    """Yield what of the log is not in the bag."""
+    """Yield a remark on everything in the log that is not in the bag."""
     for converter in converters:
         topic = converter.plan.topic
         if converter.without:
-            yield f'{converter.without} rows have nothing for {topic} and give no message there.'
+            yield f'{converter.without} rows have no values for {topic} and give no message.'
         if converter.excluded:
-            yield f'{converter.excluded} rows are not for {topic}, by the mapping.'
+            yield f'{converter.excluded} rows are excluded from {topic} by the mapping.'
         if converter.silent:
-            yield f'{", ".join(converter.silent)} of {topic} never had a number and are left out.'
+            yield f'{", ".join(converter.silent)} of {topic} have no values and are left out.'
     if chosen.absent:
-        yield f'The log has nothing for {", ".join(chosen.absent)}.'
+        yield f'The log has no data for {", ".join(chosen.absent)}.'
     used: dict[str, set[str]] = {}
     for converter in converters:
         entry = converter.plan.entry
@@ -194,6 +181,6 @@ def _describe_unused(
         unread = [c for c in columns_ if c not in used.get(name, set()) and c not in log.timed]
         where = f" of '{name}'" if name else ''
         if name and name not in used:
-            yield f"Nothing of '{name}' is taken by the mapping."
+            yield f"The mapping does not use '{name}'."
         elif unread:
-            yield f'Not taken by the mapping{where}: {", ".join(unread)}.'
+            yield f'The mapping does not use these columns{where}: {", ".join(unread)}.'

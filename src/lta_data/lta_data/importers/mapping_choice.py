@@ -1,4 +1,4 @@
-"""Which mapping a log is read by, and which of its entries the log can fill."""
+"""Choose the mapping of a log, and the entries that the log can fill."""
 
 from collections.abc import Collection, Sequence
 from pathlib import Path
@@ -14,22 +14,22 @@ from lta_data.importers.protocol import LogReader
 from lta_data.importers.readers.bag_tables import can_pass_unchanged, complete_entry
 from lta_data.importers.readers.csv_text import missing_columns_error, read_header
 
-MASS = 'moving_mass'  # its place is told as three actuators, moving_mass_x and so on
+MASS = 'moving_mass'  # its position is logged as actuators moving_mass_x, _y and _z
 
 
 @final
 class MappingChoice(NamedTuple):
     """
-    What is to be done with a log.
+    What to do with a log.
 
     Attributes
     ----------
-    plans : list of Plan
+    plans : list of EntryPlan
         The entries that its columns can fill.
     renamed : dict of str to str
-        Topics of a bag that are taken as they are, under our names.
+        Topics of a bag that are passed on unchanged -> their new names.
     absent : list of str
-        Our topics that the mapping has and this log cannot fill.
+        Topics of the mapping that this log cannot fill.
 
     """
 
@@ -42,12 +42,12 @@ def select_mapping(
     path: Path, format_: str, requested: str | None
 ) -> tuple[ImportMapping | None, str]:
     """
-    Return the mapping of a log, and its text; None where a bag is taken as it is.
+    Return the mapping of a log and its text; None if a bag needs no mapping.
 
     Raises
     ------
     BadInput
-        If the mapping is for another format, or none is named and none can be found.
+        If the mapping is for another format, or none is named and none fits.
 
     """
     name = requested or FORMATS[format_].mapping
@@ -58,14 +58,14 @@ def select_mapping(
     mapping, text = load_mapping(name)
     if mapping.format != format_:
         raise BadInput(
-            f"Mapping '{name}' is for {mapping.format}, but '{path}' is {format_}; name another "
+            f"Mapping '{name}' is for {mapping.format}, but '{path}' is {format_}; choose another "
             'mapping.'
         )
     return mapping, text
 
 
 def _detect_mapping(path: Path) -> str:
-    """Return the shipped mapping whose columns a text has, all of them."""
+    """Return the only shipped mapping whose columns are all in the text."""
     there = set(read_header(path))
     fitting = []
     for name in list_shipped('imports'):
@@ -76,10 +76,12 @@ def _detect_mapping(path: Path) -> str:
                 fitting.append(name)
     if len(fitting) == 1:
         return fitting[0]
-    told = f'several fit: {", ".join(fitting)}' if fitting else 'no shipped one fits its columns'
+    told = (
+        f'several fit: {", ".join(fitting)}' if fitting else 'no shipped mapping fits its columns'
+    )
     raise BadInput(
-        f"'{path}' needs a mapping ({told}); write one as docs/import.md says and name it with "
-        '--mapping.'
+        f"'{path}' needs a mapping ({told}); write one as described in docs/import.md and give it "
+        'with --mapping.'
     )
 
 
@@ -87,12 +89,12 @@ def choose_entries(
     path: Path, mapping: ImportMapping | None, log: LogReader, robot: str
 ) -> MappingChoice:
     """
-    Return which entries of a mapping a log fills; of several for one topic the first that fits.
+    Return the entries of a mapping that a log fills; of several for one topic, the first.
 
     Raises
     ------
     BadInput
-        If a column is missing that is not optional, or no entry can be filled at all.
+        If a required column is missing, or no entry can be filled.
 
     """
     found = MappingChoice([], {}, [])
@@ -114,19 +116,20 @@ def choose_entries(
     if mapping is not None and not filled:
         there = ', '.join(list(dict.fromkeys(_list_contents(log)))[:30])
         raise BadInput(
-            f"'{path}' has nothing that the mapping '{mapping.name}' asks for; it has {there}."
+            f"'{path}' has no data that the mapping '{mapping.name}' uses; it has {there}. Choose "
+            'another mapping.'
         )
     return found._replace(absent=absent)
 
 
 def describe_unknown_actuators(vehicle: str, chosen: MappingChoice) -> list[str]:
     """
-    Return a sentence where the actuators of a log are not those of the vehicle that flew.
+    Return a remark if the log has actuators that the vehicle lacks.
 
     Raises
     ------
     BadInput
-        If there is no such vehicle, or its file is wrong.
+        If the vehicle is unknown or its file is invalid.
 
     """
     file = load_vehicle_file(vehicle)
@@ -141,7 +144,7 @@ def describe_unknown_actuators(vehicle: str, chosen: MappingChoice) -> list[str]
 def _plan_entry(
     path: Path, mapping: ImportMapping, log: LogReader, entry: TopicMapping, robot: str
 ) -> EntryPlan | None:
-    """Return the plan of an entry; None where it is optional and cannot be filled."""
+    """Return the plan of an entry; None if it is optional and cannot be filled."""
     made = plan_entry(entry, mapping, robot)
     table = entry.table or ''
     if not table and '' not in log.columns:
@@ -168,13 +171,13 @@ def _plan_entry(
 
 
 def _find_only_table(log: LogReader, entry: TopicMapping) -> str:
-    """Return the table that an entry without one means: the one that has its columns."""
+    """Return the table of an entry that names none: the one with its columns."""
     fitting = [name for name, columns in log.columns.items() if {*entry.columns} <= {*columns}]
     return fitting[0] if fitting else next(iter(log.columns))
 
 
 def list_columns(log: LogReader, table: str, join: Collection[str]) -> set[str]:
-    """Return the columns of a table and of those that are joined to it."""
+    """Return the columns of a table and of the tables joined to it."""
     there = set(log.columns[table])
     for name in join:
         there |= {f'{name}.{column}' for column in log.columns[name]}
@@ -182,7 +185,7 @@ def list_columns(log: LogReader, table: str, join: Collection[str]) -> set[str]:
 
 
 def _is_renamed(candidate: EntryPlan, mapping: ImportMapping, log: LogReader) -> bool:
-    """Tell whether a topic of a bag is taken as it is."""
+    """Return whether a topic of a bag is passed on unchanged."""
     raw = log.raw.get(candidate.entry.table or '')
     return raw is not None and can_pass_unchanged(
         candidate.entry, mapping, raw.definition.type_name, candidate.target.type_name
@@ -190,7 +193,7 @@ def _is_renamed(candidate: EntryPlan, mapping: ImportMapping, log: LogReader) ->
 
 
 def _list_contents(log: LogReader) -> Sequence[str]:
-    """Return what a log has, by table and column."""
+    """Return the contents of a log, by table and column."""
     return list(log.raw) or [
         f'{table}: {column}' if table else column
         for table, columns in log.columns.items()

@@ -1,9 +1,9 @@
 """
-What a message of each type can be told by an import: its parts, their units, axes and places.
+Define which parts of each message type an import can fill: units, axes and paths.
 
-The topics are those of the topic table, and `wrench_command` for vehicles that are driven by body
-forces instead of actuators. What nobody tells is NaN, and where the message has a covariance its
-first element is -1 (REP-145's habit).
+The topics are those of the topic table, and `wrench_command` for vehicles driven by body forces
+instead of actuators. An unknown part is NaN, and the first element of its covariance is -1, as
+sensor_msgs/Imu defines it.
 """
 
 from collections.abc import Mapping
@@ -23,17 +23,17 @@ class MessagePart(NamedTuple):
     Attributes
     ----------
     place : str
-        Path of the number, or of what has x, y, z (and w).
+        Path of the number, or of the parent of x, y, z (and w).
     dimension : str
-        SI unit of it; '' for an attitude.
+        Its SI unit; '' for an attitude.
     kind : str
-        'axial' is a vector that keeps its sense in a mirror.
+        'axial' for an axial vector, which a reflection leaves unchanged up to sign.
     frame : str
-        'world' or 'body', whose axes a vector is in.
+        Frame of a vector: 'world' or 'body'.
     unknown : str
-        Path of what is -1 where this part is not known; '' where the message has none.
+        Path of the element that is -1 if the part is unknown; '' if there is none.
     share : float
-        Message units to one SI unit.
+        Message units per SI unit.
 
     """
 
@@ -47,14 +47,14 @@ class MessagePart(NamedTuple):
 
 @final
 class ImportTarget(NamedTuple):
-    """A topic that can be imported: message type and frame of its header."""
+    """A topic that can be imported: message type and frame_id."""
 
     type_name: str
     frame: str
 
 
 WRENCH = ImportTarget('geometry_msgs/msg/WrenchStamped', 'base_link')
-EXTRA = {'wrench_command': WRENCH}  # recorded where a vehicle is driven by body forces
+EXTRA = {'wrench_command': WRENCH}  # for vehicles driven by body forces
 JOINTS = 'sensor_msgs/msg/JointState'
 JOINT_DIMENSIONS: Mapping[str, tuple[str, ...]] = {
     'effort': ('1', 'N', 'N m'),
@@ -135,7 +135,7 @@ def list_targets() -> dict[str, ImportTarget]:
 
 
 def find_target(name: str) -> ImportTarget:
-    """Return one of them; an unknown name is a `BadInput` that lists the known ones."""
+    """Return one target; raise `BadInput` with the known names if it is unknown."""
     found = list_targets()
     if name not in found:
         raise unknown_name('topic to import into', name, list(found))

@@ -1,4 +1,4 @@
-"""The progress bar of an import: how much of which log has been read."""
+"""Show the progress of an import."""
 
 import time
 from typing import final
@@ -7,22 +7,12 @@ from lta_report.progress_bar import ProgressBar
 from rich.console import Console
 from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
 
-LOOK = 0.1  # wall s between two movements of the bar
+LOOK = 0.1  # s of wall time between two updates of the bar
 
 
 @final
 class ImportProgress(ProgressBar):
-    """
-    Show an import while it lasts.
-
-    Parameters
-    ----------
-    console : Console
-        Where to; nothing moves where it is no terminal.
-    total : int
-        Logs to import.
-
-    """
+    """Progress bar of an import; `total` is the number of logs."""
 
     def __init__(self, console: Console, total: int) -> None:
         columns = (TextColumn('{task.description}'), BarColumn(), TimeRemainingColumn())
@@ -31,17 +21,17 @@ class ImportProgress(ProgressBar):
         self._shown = -LOOK
 
     def begin_log(self, name: str) -> None:
-        """Show which log is read now."""
+        """Show which log is being read."""
         self.update_bar(description=name)
 
     def show_fraction(self, part: float) -> None:
-        """Show how much of it has been read, from 0 to 1."""
+        """Show the fraction of it that has been read, 0 to 1."""
         now = time.monotonic()
         if now - self._shown >= LOOK:
             self._shown = now
             self.update_bar(completed=self._done + part)
 
     def end_log(self) -> None:
-        """Show that it is done."""
+        """Mark the log as done."""
         self._done += 1
         self.update_bar(completed=float(self._done))

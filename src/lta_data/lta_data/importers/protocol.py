@@ -1,4 +1,4 @@
-"""What a reader of one format gives: tables of numbers, or messages to be passed on."""
+"""Define the interface of log readers: tables of numbers, and messages to pass on unchanged."""
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -8,12 +8,12 @@ from lta_bridge.bag.qos import OfferedQos
 from lta_bridge.bag.schemas import MessageDefinition
 from lta_data.importers.log_table import LogTable
 
-Reached = Callable[[float], None]  # told how much of a log has been read, from 0 to 1
+Reached = Callable[[float], None]  # called with the fraction of the log read so far, 0 to 1
 
 
 @final
 class PassedMessage(NamedTuple):
-    """A message that is passed on: its place in the log, topic there, log time in ns, and CDR."""
+    """A message passed on unchanged: position in the log, its topic, log time in ns, and CDR."""
 
     order: int
     topic: str
@@ -24,7 +24,7 @@ class PassedMessage(NamedTuple):
 @final
 @dataclass(frozen=True, slots=True)
 class RawTopic:
-    """A topic of a bag: its definition, and the quality of service that was offered."""
+    """A topic of a bag: its definition and the offered quality of service."""
 
     definition: MessageDefinition
     qos: Sequence[OfferedQos] = ()
@@ -35,33 +35,33 @@ class LogReader(Protocol):
 
     @property
     def columns(self) -> Mapping[str, Sequence[str]]:
-        """The columns of each table; a format with one table calls it ''."""
+        """The columns of each table; a format with a single table names it ''."""
         ...
 
     @property
     def raw(self) -> Mapping[str, RawTopic]:
-        """Topics that can be passed on as they are; empty where a format has none."""
+        """Topics whose messages can be passed on unchanged; empty if a format has none."""
         ...
 
     @property
     def notes(self) -> list[str]:
-        """What is missing or odd, one sentence each; grows while it is read."""
+        """Remarks on missing or odd data, one sentence each; grows while the log is read."""
         ...
 
     @property
     def facts(self) -> dict[str, str]:
-        """What the log says of its own origin."""
+        """The log's own provenance."""
         ...
 
     @property
     def timed(self) -> Sequence[str]:
-        """Columns that became the times."""
+        """Columns that were used as times."""
         ...
 
     def iterate_tables(
         self, selection: Mapping[str, Collection[str]], reached: Reached
     ) -> Iterator[Mapping[str, LogTable]]:
-        """Yield the wanted columns of the wanted tables, part by part of the log."""
+        """Yield the selected columns of the selected tables, one part of the log at a time."""
         ...
 
     def iterate_messages(self, reached: Reached) -> Iterator[PassedMessage]:
@@ -72,7 +72,7 @@ class LogReader(Protocol):
 @final
 @dataclass(slots=True)
 class TableLog:
-    """A log that was read whole: every format but text and bags."""
+    """A log that is read at once: all formats except text and bags."""
 
     content: Mapping[str, LogTable]
     notes: list[str]
@@ -88,10 +88,10 @@ class TableLog:
     def iterate_tables(
         self, selection: Mapping[str, Collection[str]], reached: Reached
     ) -> Iterator[Mapping[str, LogTable]]:
-        """Yield the wanted tables at once."""
+        """Yield all selected tables at once."""
         reached(0.5)
         yield {name: self.content[name] for name in selection}
 
     def iterate_messages(self, reached: Reached) -> Iterator[PassedMessage]:
-        """Yield nothing: these logs have no messages of ROS."""
+        """Yield nothing: these logs contain no ROS messages."""
         yield from ()

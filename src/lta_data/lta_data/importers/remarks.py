@@ -1,4 +1,4 @@
-"""What is odd in a log and was kept as it is, counted while it is written."""
+"""Count the oddities of a log while it is imported."""
 
 from collections import Counter
 from collections.abc import Mapping
@@ -10,7 +10,7 @@ import numpy as np
 
 @final
 class LogRemarks:
-    """Counts, over all parts of a log, what a reader should know of it; nothing is mended."""
+    """Counts irregular times and missing numbers over all parts of a log; data stay unchanged."""
 
     def __init__(self) -> None:
         self._rows: Counter[str] = Counter()
@@ -21,7 +21,7 @@ class LogRemarks:
         self._where: dict[str, int] = {}
 
     def note_rows(self, name: str, stamps: Times, columns: Mapping[str, Numbers]) -> None:
-        """Take note of the next rows of a table: their times, and the columns that are used."""
+        """Count the next rows of a table: their times, and the columns in use."""
         if not len(stamps):
             return
         before = self._last.get(name, int(stamps[0]) - 1)
@@ -38,7 +38,7 @@ class LogRemarks:
                 self._nan[f'{name}.{column}' if name else column] += holes
 
     def format_sentences(self) -> list[str]:
-        """Return what was met, one sentence each."""
+        """Return the remarks, one sentence each."""
         told = []
         for name, count in sorted(self._back.items()):
             if count:

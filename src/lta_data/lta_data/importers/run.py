@@ -1,4 +1,4 @@
-"""An import from the first look at the files to the bags; all of it stays, or nothing."""
+"""Import logs as bags, all of them or none."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -21,13 +21,13 @@ from lta_data.importers.progress import ImportProgress
 from lta_data.importers.protocol import Reached
 from lta_report.results_folder import stage_results
 
-BAG = 'bag'  # as a flight's results folder has it
+BAG = 'bag'  # as in a flight's results folder
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class ImportRequest:
-    """What to import, how it is to be read, and whose topics it becomes."""
+    """Logs to import, how to read them, and the target robot."""
 
     sources: Sequence[Path]
     mapping: str | None = None
@@ -45,15 +45,15 @@ class ImportedLog:
     Attributes
     ----------
     source, bag : str
-        What was read, and the bag that was made of it.
+        The log and the new bag.
     format, mapping : str
-        How it was read; no mapping is ''.
+        How it was read; '' without a mapping.
     data : str
-        'measured' or 'simulated', as the mapping says.
+        'measured' or 'simulated', as the mapping declares.
     topics : dict of str to int
         Messages by topic.
     notes : list of str
-        What is odd, missing or was left out, one sentence each.
+        Remarks on odd, missing or omitted data, one sentence each.
 
     """
 
@@ -68,12 +68,12 @@ class ImportedLog:
 
 def import_logs(order: ImportRequest, out: Path, progress: ImportProgress) -> list[ImportedLog]:
     """
-    Import logs into a folder: `out/bag` of one, `out/NAME/bag` of each of several.
+    Import logs to a folder: `out/bag` for one, `out/NAME/bag` for each of several.
 
     Raises
     ------
     BadInput
-        If one of them cannot be imported: then there is no bag of any.
+        If one of them cannot be imported; then no bag is written.
 
     """
     done = []
@@ -91,7 +91,7 @@ def import_logs(order: ImportRequest, out: Path, progress: ImportProgress) -> li
 
 
 def _name_folders(sources: Sequence[Path]) -> list[str]:
-    """Return a folder's name for each source: its own without suffixes, each once."""
+    """Return a unique folder name for each source: its name without suffixes."""
     found: list[str] = []
     for source in sources:
         stem = source.name.split('.')[0] or 'log'

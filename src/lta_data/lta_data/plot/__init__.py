@@ -1,1 +1,1 @@
-"""Quick looks at a recording: on the terminal, as PNG, as a page."""
+"""Plot recordings on the terminal, as PNG, or as a page."""

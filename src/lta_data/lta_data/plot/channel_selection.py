@@ -1,4 +1,4 @@
-"""Which channels of a flight a person means, and how they share axes."""
+"""Select channels of a flight by pattern, and group them by axis."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -12,8 +12,8 @@ from lta_data.bag.channels import iterate_channels, read_all_channels, SignalCha
 from lta_data.bag.recorded_flight import RecordedFlight
 import numpy as np
 
-MOST: Final = 24  # lines in one look
-NEAR: Final = 4  # names offered for one that is not there
+MOST: Final = 24  # lines in one plot, at most
+NEAR: Final = 4  # names suggested for an unknown one
 DEGREE: Final = math.pi / 180.0
 
 
@@ -55,29 +55,29 @@ def select_channels(flight: RecordedFlight, patterns: Sequence[str]) -> list[Sig
 
 
 def can_match(pattern: str, topic: str) -> bool:
-    """Tell whether a channel of a topic can match a pattern."""
+    """Return whether a channel of a topic can match a pattern."""
     return fnmatchcase(topic, pattern) or fnmatchcase(topic, pattern.rpartition('/')[0])
 
 
 def matches_channel(pattern: str, channel: SignalChannel) -> bool:
-    """Tell whether a pattern names a channel or its topic."""
-    # fnmatch reads [0] as a choice of letters; a person means the first element.
+    """Return whether a pattern matches a channel or its topic."""
+    # fnmatch takes [0] as a character class; here it is an array index.
     escaped = pattern.replace('[', '[[]')
     return fnmatchcase(channel.topic, pattern) or fnmatchcase(channel.name, escaped)
 
 
 def no_match_error(flight: RecordedFlight, pattern: str) -> BadInput:
-    """Return the error for a pattern that means nothing, with what is near it."""
+    """Return the error for a pattern without a match, with similar names."""
     known = [*flight.topics, *read_all_channels(flight).channels]
     near = get_close_matches(pattern, known, NEAR, 0.4) or flight.topics[:NEAR]
     return BadInput(
-        f"No channel matches '{pattern}'; near it: {', '.join(near)}. Without a name, all are "
-        'listed.'
+        f"No channel matches '{pattern}'; similar: {', '.join(near)}. Give no name to list all "
+        'channels.'
     )
 
 
 def make_readable(channel: SignalChannel) -> SignalChannel:
-    """Return an angle in degrees without jumps; anything else as it is."""
+    """Return an angle in degrees and unwrapped; any other channel unchanged."""
     if not channel.angular:
         return channel
     values = channel.values.copy()
@@ -87,12 +87,12 @@ def make_readable(channel: SignalChannel) -> SignalChannel:
 
 
 def crop_channel(channel: SignalChannel, begin: float, end: float) -> SignalChannel:
-    """Return the part of a channel in a closed stretch of time. [s]"""
+    """Return the part of a channel in a closed time interval. [s]"""
     inside = (channel.time >= begin) & (channel.time <= end)
     return replace(channel, time=channel.time[inside], values=channel.values[inside])
 
 
 def group_by_unit(channels: Sequence[SignalChannel]) -> Iterator[tuple[str, list[SignalChannel]]]:
-    """Yield unit and channels of each axis: what has one unit shares one."""
+    """Yield unit and channels of each axis; channels of one unit share an axis."""
     for unit in dict.fromkeys(channel.unit for channel in channels):
         yield unit, [channel for channel in channels if channel.unit == unit]

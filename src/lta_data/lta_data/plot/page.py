@@ -1,4 +1,4 @@
-"""Channels as one picture: a page, or a PNG of it."""
+"""Plot channels as a page, or as a PNG of it."""
 
 from collections.abc import Sequence
 from html import escape
@@ -17,7 +17,7 @@ import numpy as np
 from plotly.graph_objects import Figure, Scatter
 
 COLOURS: Final = (TRUTH, ESTIMATE, GOOD, LAMP, TIME[0], SETPOINT, TIME[2])
-LINE: Final = 20  # px of a line of the legend
+LINE: Final = 20  # px per line of the legend
 TILES: Final = 8
 NAME: Final = 'channels'
 Panels = Sequence[tuple[str, list[SignalChannel]]]
@@ -26,7 +26,7 @@ Panels = Sequence[tuple[str, list[SignalChannel]]]
 def plot_channels(
     unit: str, channels: Sequence[SignalChannel], span: tuple[float, float]
 ) -> Figure:
-    """Return channels of one unit over time."""
+    """Plot channels of one unit over time."""
     figure = create_figure()
     for k, channel in enumerate(channels):
         time, values = decimate_line(channel.time, channel.values)
@@ -51,7 +51,7 @@ def plot_channels(
 def render_page(
     title: str, panels: Panels, span: tuple[float, float], facts: dict[str, str]
 ) -> str:
-    """Return the whole page."""
+    """Return the page's HTML."""
     every = [channel for _, shown in panels for channel in shown]
     pictures = [
         render_section(
@@ -65,7 +65,7 @@ def render_page(
         kicker=escape(
             f'{len(every)} channels, {format_number(span[0], 1)} to {format_number(span[1], 1)} s'
         ),
-        about='As recorded; angles in degrees, without jumps.',
+        about='As recorded; angles in degrees, unwrapped.',
         tiles='\n'.join(render_tile(*build_tile(channel)) for channel in every[:TILES]),
         pictures='\n'.join(pictures),
         facts=facts,
@@ -73,12 +73,12 @@ def render_page(
 
 
 def format_heading(channels: Sequence[SignalChannel]) -> str:
-    """Return the topics of some channels."""
+    """Return the topics of the channels."""
     return ', '.join(dict.fromkeys(channel.topic for channel in channels))
 
 
 def build_tile(channel: SignalChannel) -> Tile:
-    """Return the mean of a channel with its range."""
+    """Return a tile with the mean and range of a channel."""
     finite = channel.values[np.isfinite(channel.values)]
     if not len(finite):
         return Tile(channel.name, format_number(None), channel.unit, 'no value')
@@ -87,7 +87,7 @@ def build_tile(channel: SignalChannel) -> Tile:
 
 
 def write_png(text: str, out: Path) -> Path:
-    """Write the page's picture as PNG; `BadInput` without a browser or where it cannot be."""
+    """Write the page's plot as PNG; raise `BadInput` without a browser or a writable path."""
     with tempfile.TemporaryDirectory() as folder:
         made = write_file(text, Path(folder) / 'plot.html')
         shot = Path(folder) / 'plot.png'

@@ -1,4 +1,4 @@
-"""Channels on a terminal: a line of blocks each, or curves in braille dots."""
+"""Plot channels on a terminal: sparklines, or curves in braille dots."""
 
 from collections.abc import Iterable, Sequence
 from typing import Final
@@ -12,30 +12,24 @@ from rich.table import Table
 from rich.text import Text
 
 BLOCKS: Final = '▁▂▃▄▅▆▇█'
-SPARK: Final = 32  # characters of a line of blocks
-FIGURES: Final = 36  # characters of the unit and the extremes with the blanks between
-FEW: Final = 8  # the least, where long names leave no room
+SPARK: Final = 32  # characters of a sparkline
+FIGURES: Final = 36  # characters of unit, minimum and maximum with spaces
+FEW: Final = 8  # least width of a sparkline if names are long
 HEIGHT: Final = 10  # characters of a panel
 MARGIN: Final = 12  # characters left of it
 STYLES: Final = ('cyan', 'yellow', 'magenta', 'green', 'red', 'blue', 'white')
 
 
 def format_number(value: float) -> str:
-    """Return a number in few characters."""
+    """Format a number in few characters."""
     return f'{value:.4g}' if np.isfinite(value) else ''
 
 
 def draw_sparkline(values: NDArray[np.float64], width: int = SPARK) -> str:
     """
-    Return means of even stretches as blocks of eight heights, or a word where nothing changes.
+    Draw means of even stretches as blocks of eight heights, or a word for a constant signal.
 
-    Parameters
-    ----------
-    values : ndarray, shape (n,)
-        In order; a stretch without finite ones is blank.
-    width : int
-        Characters.
-
+    Stretches without finite values are blank.
     """
     finite = values[np.isfinite(values)]
     if not len(finite):
@@ -52,14 +46,14 @@ def draw_sparkline(values: NDArray[np.float64], width: int = SPARK) -> str:
 
 
 def build_channel_listing(channels: Iterable[SignalChannel], width: int) -> Table:
-    """Return every channel with its range and its course in a line, in so many characters."""
+    """Return a table of all channels with range and sparkline, in `width` characters."""
     channels = list(channels)
     longest = max((len(channel.name) for channel in channels), default=0)
-    # Names are for copying, so they come whole if they can.
+    # Keep names whole, so that users can copy them.
     spark = max(FEW, min(SPARK, width - longest - FIGURES))
     table = Table(box=None, pad_edge=False)
     table.add_column('channel', overflow='fold')
-    for name in ('unit', 'least', 'most'):
+    for name in ('unit', 'min', 'max'):
         table.add_column(name, justify='right', no_wrap=True)
     table.add_column('over time', no_wrap=True)
     for channel in channels:
@@ -76,21 +70,7 @@ def build_channel_listing(channels: Iterable[SignalChannel], width: int) -> Tabl
 def draw_curves(
     unit: str, channels: Sequence[SignalChannel], span: tuple[float, float], width: int
 ) -> Text:
-    """
-    Return channels of one unit as curves over time.
-
-    Parameters
-    ----------
-    unit : str
-        Of the axis.
-    shown : sequence of Channel
-        What to draw.
-    span : tuple of float
-        First and last instant. [s]
-    width : int
-        Characters.
-
-    """
+    """Draw channels of one unit as curves over time, in `width` characters."""
     canvas = BrailleCanvas(max(8, width - MARGIN), HEIGHT)
     every = np.concatenate([channel.values for channel in channels])
     every = every[np.isfinite(every)]
@@ -125,6 +105,7 @@ def draw_curve(
     known = np.isfinite(channel.values)
     time, values = channel.time[known], channel.values[known]
     length, height = span[1] - span[0], ends[1] - ends[0]
+    # A braille character has two columns and four rows of dots.
     columns, rows = 2 * canvas.width, 4 * canvas.height
     across = np.floor((time - span[0]) / (length or 1.0) * (columns - 1)).astype(int)
     share = (values - ends[0]) / height if height else np.full(len(values), 0.5)

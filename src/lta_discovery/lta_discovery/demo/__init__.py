@@ -1,1 +1,1 @@
-"""Something is hidden, flown, found, added and shown."""
+"""Demonstrate discovery: hide an effect, fly with it, and find it."""

@@ -1,4 +1,4 @@
-"""The demonstration: something is hidden, flown, found, added and shown."""
+"""Run the demonstration: hide an effect, fly with it, and find it."""
 
 from pathlib import Path
 import shutil
@@ -12,32 +12,32 @@ SECONDS: Final = 48.0  # of each flight
 FLIGHTS: Final[tuple[tuple[str, Role], ...]] = (
     ('A', 'train'), ('B', 'confirm'), ('C', 'holdout'),
 )  # fmt: skip
-APART: Final = 1000  # between the seeds of two demonstrations: no two flights are alike
+APART: Final = 1000  # between the seeds of two demonstrations, so that their flights differ
 
 
 def demonstrate_discovery(
     seed: int, folder: Path, tell: Tell
 ) -> tuple[DemoEffect, DiscoveryResult]:
     """
-    Hide an effect, fly three flights with it, and look for it.
+    Hide an effect, fly three flights with it, and search for it.
 
     Parameters
     ----------
     seed : int
-        Decides what is hidden, how large it is, and how it is flown.
+        Selects the hidden effect, its size, and the flights.
     folder : Path
         Empty; the flights go into `flights`.
     tell : callable
-        Told what is being done.
+        Receives the stage and its share.
 
     """
     hidden, bags = draw_demo_effect(seed), {}
     try:
         for k, (name, role) in enumerate(FLIGHTS):
-            tell(f'flying {name} with something hidden', None)
+            tell(f'flying {name} with a hidden effect', None)
             place = folder / 'flights' / name
             bags[role] = [fly_hidden(hidden, APART * seed + k, SECONDS, place)]
         return hidden, discover_effects(DiscoveryRequest(VEHICLE, bags, seed), folder, tell)
     except BaseException:
-        shutil.rmtree(folder)  # flights of a demonstration that nobody saw through
+        shutil.rmtree(folder)  # remove the flights of an aborted demonstration
         raise

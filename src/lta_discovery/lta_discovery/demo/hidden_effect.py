@@ -1,9 +1,9 @@
 """
-Flights in which something is hidden, for the demonstration: drawn, flown in process, recorded.
+Simulate and record flights with a hidden effect, for the demonstration.
 
-The pilot knows the vehicle file and nothing of what is hidden. On top of its commands comes a
-dither, which tells one rotor from the other; a noisy tracker sees the pose. Recorded is what a
-real flight would have; what was hidden stands in no bag.
+The controller uses the vehicle file, without the hidden effect. A dither on its commands makes the
+rotors distinguishable. The bag holds what a real flight would record, with a noisy tracker, and no
+trace of the effect.
 """
 
 from collections.abc import Callable, Mapping
@@ -29,13 +29,13 @@ Array = NDArray[np.float64]
 VEHICLE: Final = 'gtmab'
 SCENARIO: Final = 'lamp_room'
 STRATEGY: Final = 'bag'
-SETTLED: Final = 4.0  # s; from then on dither
-DITHER: Final = 0.15  # of a duty, either way; rotors that cannot reverse climb with more
-EACH: Final = (0.4, 1.2)  # s; a dither lasts
-LEG: Final = 8.0  # s; a setpoint lasts
-POSE: Final = 1e-3  # m; of a tracker of passive markers
+SETTLED: Final = 4.0  # s; start of the dither
+DITHER: Final = 0.15  # duty, either way; with more, vehicles without reversible rotors would climb
+EACH: Final = (0.4, 1.2)  # s; shortest and longest dither step
+LEG: Final = 8.0  # s; duration of a setpoint
+POSE: Final = 1e-3  # m; noise of a tracker of passive markers
 TURN: Final = 2.5e-3  # rad
-# A hall without walls nearby: nothing but the vehicle is to be found.
+# A large hall, so that walls have no influence.
 HALL: Final = {
     'scenario.room.size': {'value': [60.0, 60.0, 12.0], 'unit': 'm'},
     'scenario.start.position': {'value': [0.0, 0.0], 'unit': 'm'},
@@ -46,18 +46,18 @@ HALL: Final = {
 @dataclass(frozen=True, slots=True)
 class DemoCandidate:
     """
-    What can be hidden.
+    An effect that can be hidden.
 
     Attributes
     ----------
     place : str
-        Of the number in the vehicle file.
+        Path of the number in the vehicle file.
     unit : str
         SI.
     low, high : float
-        Between which its size is drawn.
+        Range of its size.
     index : int, optional
-        Which number of a vector it is.
+        Index within a vector.
 
     """
 
@@ -85,7 +85,7 @@ HIDEABLE: Final[dict[str, DemoCandidate]] = {
 @dataclass(frozen=True, slots=True)
 class DemoEffect:
     """
-    What was hidden.
+    The hidden effect.
 
     Attributes
     ----------
@@ -103,7 +103,7 @@ class DemoEffect:
     unit: str
 
     def list_changes(self, made_of: FlightSpec) -> Mapping[str, object]:
-        """Return what changes in the files of a flight."""
+        """Return the changes to the files of a flight."""
         known = HIDEABLE[self.name]
         number: float | list[float] = self.value
         if known.index is not None:
@@ -112,13 +112,13 @@ class DemoEffect:
         return {known.place: {'value': number, 'unit': self.unit}}
 
     def __str__(self) -> str:
-        """Return it as people read it."""
+        """Return the effect as readable text."""
         unit = '' if self.unit == '1' else f' {self.unit}'
         return f'{self.name} = {self.value:.4g}{unit}'
 
 
 def draw_demo_effect(seed: int) -> DemoEffect:
-    """Return what a seed hides."""
+    """Return the hidden effect of a seed."""
     rng = np.random.default_rng([seed, 5])
     name = sorted(HIDEABLE)[int(rng.integers(len(HIDEABLE)))]
     known = HIDEABLE[name]
@@ -138,21 +138,19 @@ def build_course(seed: int) -> Callable[[float], Setpoint]:
 
 def fly_hidden(hidden: DemoEffect, seed: int, seconds: float, folder: Path) -> Path:
     """
-    Fly and record one flight; return its bag.
+    Simulate and record one flight; return its bag.
 
     Parameters
     ----------
-    hidden : Hidden
-        What the vehicle has and its file does not.
     seed : int
-        Of the flight: its course, its dither, its noise.
+        Random seed of course, dither and noise.
     seconds : float
-        How long.
+        Duration. [s]
     folder : Path
         Of the bag.
 
     """
-    # Here, and not above: who studies flights of their own needs no ROS.
+    # Imported here, so that the study of recorded flights does not need ROS.
     from lta_flight.messages import LoopRecorder
 
     made_of = load_spec(VEHICLE, SCENARIO, STRATEGY, '').with_values(HALL)
@@ -184,7 +182,9 @@ def fly_hidden(hidden: DemoEffect, seed: int, seconds: float, folder: Path) -> P
 
 
 def add_tracker_noise(truth: tuple[float, ...], rng: np.random.Generator) -> tuple[float, ...]:
-    """Return a pose as a tracker sees it, without the velocities that it does not see."""
+    """
+    Return a pose with tracker noise, and NaN for the velocities, which a tracker does not measure.
+    """
     place = np.array(truth[:3]) + POSE * rng.standard_normal(3)
     turn = Rotation.from_quat(truth[3:7])
     turn *= Rotation.from_rotvec(TURN * rng.standard_normal(3))

@@ -1,4 +1,4 @@
-"""What a flight is like, second by second, and where a disagreement is largest."""
+"""Describe flight conditions over time, and find the condition with the largest disagreement."""
 
 from collections.abc import Mapping
 from typing import Final, final, NamedTuple
@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-SMOOTH: Final = 13  # points of the grid over which places are differentiated
+SMOOTH: Final = 13  # grid points over which positions are differentiated
 SPLITS: Final = np.linspace(0.2, 0.8, 13)  # shares of the time on one side of a split
-APART: Final = 1.6  # of the root mean squares on either side of one that is worth telling
+APART: Final = 1.6  # smallest ratio of the RMS on both sides of a reported split
 DRAWS: Final = 199
 CHANCE: Final = 0.01
 SECTORS: Final = ('east', 'north', 'west', 'south')  # x of the map is east (REP-103)
@@ -22,14 +22,14 @@ SECTORS: Final = ('east', 'north', 'west', 'south')  # x of the map is east (REP
 @final
 class FlightCondition(NamedTuple):
     """
-    Under what a disagreement is largest.
+    Condition under which a disagreement is largest.
 
     Attributes
     ----------
     name : str
-        'speed above 0.4 m/s'; 'always' where nothing tells more.
+        'speed above 0.4 m/s'; 'always' where no condition stands out.
     holds : ndarray of bool, shape (n,)
-        Where.
+        Whether it holds.
 
     """
 
@@ -38,7 +38,7 @@ class FlightCondition(NamedTuple):
 
 
 def ground_speed(flight: MeasuredFlight) -> Array:
-    """Return the speed over the ground from the tracked places, NaN in gaps. [m/s]"""
+    """Return the ground speed from tracked positions, NaN in gaps. [m/s]"""
     half = SMOOTH // 2
     out = np.full(len(flight.time), np.nan)
     if len(out) > SMOOTH:
@@ -51,20 +51,17 @@ def list_conditions(
     flight: MeasuredFlight, light: Array | None = None
 ) -> dict[str, tuple[Array, str]]:
     """
-    Return what may tell one part of a flight from another: values on the grid, and their unit.
+    Return the quantities that may separate parts of a flight: values on the grid, and unit.
 
     Parameters
     ----------
-    flight : Measured
-        The flight.
     light : ndarray, shape (n,), optional
         Illuminance on the grid. [lx]
 
     Returns
     -------
     dict of str to (ndarray of shape (n,), str)
-        Speed, height, mean duty (or force), and of voltage, light and heading those that are
-        known; NaN where one is not.
+        Speed, height, mean duty (or force), and voltage, light and heading if known; NaN in gaps.
 
     """
     edges = np.append(flight.time, flight.time[-1] + PERIOD)
@@ -84,14 +81,14 @@ def list_conditions(
 
 
 def heading_sector(heading: Array) -> NDArray[np.int64]:
-    """Return the quarter that a heading lies in: 0 is about x of the map; -1 where unknown."""
+    """Return the quadrant of a heading: 0 is about x of the map; -1 where unknown."""
     known = np.where(np.isfinite(heading), heading, 0.0)
     quarter = np.rint(known / (0.5 * np.pi)).astype(np.int64) % 4
     return np.where(np.isfinite(heading), quarter, -1)
 
 
 def build_splits(name: str, values: Array, unit: str) -> list[FlightCondition]:
-    """Return the conditions that one quantity can make."""
+    """Return the conditions of one quantity."""
     if name == 'heading':
         quarter = heading_sector(values)
         return [FlightCondition(f'heading {word}', quarter == k) for k, word in enumerate(SECTORS)]
@@ -111,19 +108,21 @@ def find_largest_condition(
     squares: Array, quantities: Mapping[str, tuple[Array, str]], block: int, seed: int
 ) -> FlightCondition:
     """
-    Return the condition under which squared disagreements are largest, if one tells.
+    Return the condition with the largest squared disagreement, if it is significant.
+
+    Significance follows from a permutation test: the disagreement is shifted in time against the
+    conditions.
 
     Parameters
     ----------
     squares : ndarray, shape (n,)
         Of the disagreement, in the order of time.
-    known : mapping of str to (ndarray of shape (n,), str)
-        What may tell, as `list_conditions` returns it.
+    quantities : mapping of str to (ndarray of shape (n,), str)
+        Of `list_conditions`.
     block : int
-        Rows within which the disagreement remembers.
+        Correlation length of the disagreement, in rows.
     seed : int
-        Of the shifts that say what chance does: the disagreement laid against the conditions of
-        another time.
+        Random seed of the shifts.
 
     """
     n = len(squares)
@@ -150,7 +149,7 @@ def find_largest_condition(
 
 
 def _split_gain(table: Array, squares: Array) -> Array:
-    """Return what splitting by each row of a table gains, column by column; 0 if it is lower."""
+    """Return the log-likelihood gain of splitting by each row of a table; 0 for a lower side."""
     n, inside = squares.shape[0], table.sum(axis=1)[:, None]
     total = squares.sum(axis=0)
     within = table @ squares

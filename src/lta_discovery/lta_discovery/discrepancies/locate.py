@@ -1,11 +1,10 @@
 """
-Where and when the model of the vehicle file disagrees: by channel and by axis of force.
+Locate where and when the model of the vehicle file disagrees, by channel and by axis of force.
 
-By channel it is the error of predictions over some seconds that begin as suits them best, by the
-noise of the channel; by axis
-the force and moment that a fit without any effect leaves unexplained, by the floor. Each is told
-once, of the flight where it is worst, with the condition under which it is largest; a change for
-good comes beside it.
+For a channel, the disagreement is the prediction error from best-fitting initial states, by the
+noise. For an axis it is the unexplained force or moment of a fit without effects, by the noise
+floor. Each is reported once, for the worst flight, with the condition under which it is largest.
+Permanent changes within a flight are reported separately.
 """
 
 from collections.abc import Sequence
@@ -28,28 +27,28 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-CLEAR: Final = 2.0  # times the noise, or floors: what is worth telling
-ABOARD: Final = 10.0  # the same of an IMU, whose scale is off by as much
+CLEAR: Final = 2.0  # times the noise or noise floor; smallest reported disagreement
+ABOARD: Final = 10.0  # the same for an IMU, because of its scale error
 IMU: Final = ('p', 'q', 'r', 'fx', 'fy', 'fz')
-MOST: Final = 24  # places that are told
-EVERY: Final = 25  # points of the grid for one value of a channel: a second
+MOST: Final = 24  # most reported discrepancies
+EVERY: Final = 25  # grid points per value of a channel: 1 s
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class BaselineFlight:
     """
-    One flight as the model of the vehicle file sees it.
+    One flight under the model of the vehicle file.
 
     Attributes
     ----------
     name : str
         Of its bag.
-    flight : Linearised
+    flight : FlightLinearizer
         The flight.
-    before : Point
+    before : LinearizationPoint
         The vehicle file.
-    fit : Fit or None
+    fit : FlightFit or None
         Its tolerances, fitted without any effect; None if that was not done.
     light : ndarray, shape (n,), or None
         Illuminance on the grid. [lx]
@@ -78,7 +77,7 @@ class DisagreementSeries:
     index : ndarray of int, shape (n,)
         Points of the grid, rising.
     block : int
-        Values within which it remembers.
+        Correlation length, in values.
 
     """
 
@@ -90,14 +89,12 @@ class DisagreementSeries:
 
 def find_discrepancies(flights: Sequence[BaselineFlight], seed: int) -> tuple[Discrepancy, ...]:
     """
-    Return where a model disagrees, the largest first.
+    Return the discrepancies of a model, the largest first.
 
     Parameters
     ----------
-    seen : sequence of Seen
-        Flights.
     seed : int
-        Of what chance does.
+        Random seed of the significance tests.
 
     """
     worst: dict[str, tuple[float, BaselineFlight, DisagreementSeries]] = {}
@@ -115,12 +112,12 @@ def find_discrepancies(flights: Sequence[BaselineFlight], seed: int) -> tuple[Di
 
 
 def _rms(values: Array) -> float:
-    """Return the root mean square; 0 of nothing."""
+    """Return the root mean square; 0 for an empty array."""
     return float(np.sqrt(np.mean(values**2))) if len(values) else 0.0
 
 
 def _channel_series(one: BaselineFlight) -> list[DisagreementSeries]:
-    """Return the errors of predictions by channel, second by second."""
+    """Return the RMS prediction errors by channel, second by second."""
     flight = one.flight
     squares = best_start_residual(flight, one.before) ** 2
     count = squares.shape[1] // EVERY * EVERY
@@ -153,7 +150,7 @@ def _force_series(one: BaselineFlight) -> list[DisagreementSeries]:
 def _locate_discrepancy(
     one: BaselineFlight, quantity: DisagreementSeries, seed: int
 ) -> Discrepancy:
-    """Return where one disagreement is largest."""
+    """Return the condition and the interval where one disagreement is largest."""
     flight = one.flight.replay.flight
     known = {
         name: (values[quantity.index], unit)
@@ -166,7 +163,7 @@ def _locate_discrepancy(
 
 
 def _longest_interval(holds: NDArray[np.bool_], time: Array) -> tuple[float, float]:
-    """Return when a condition holds for the longest time in one piece. [s]"""
+    """Return the longest uninterrupted interval of a condition. [s]"""
     edges = np.flatnonzero(np.diff(np.concatenate([[0], holds.astype(np.int8), [0]])))
     runs = edges.reshape(-1, 2)
     begin, end = max(runs.tolist(), key=lambda run: time[run[1] - 1] - time[run[0]])
@@ -176,7 +173,7 @@ def _longest_interval(holds: NDArray[np.bool_], time: Array) -> tuple[float, flo
 def _find_changes(
     one: BaselineFlight, forces: Sequence[DisagreementSeries], seed: int
 ) -> list[Discrepancy]:
-    """Return what changed for good in a flight, on the axis that disagrees most from then on."""
+    """Return a permanent change within a flight, for the axis that disagrees most afterwards."""
     if one.fit is None:
         return []
     found = find_change_point(_complete_columns(one.fit, one.flight), one.flight.knobs, seed)
@@ -191,7 +188,7 @@ def _find_changes(
 
 
 def _complete_columns(this: FlightFit, flight: FlightLinearizer) -> FlightFit:
-    """Return a fit with the columns of all candidates, also of those that it held."""
+    """Return a fit with the columns of all candidates, including fixed ones."""
     first = this.linear.grams.shape[1] - len(this.linear.names) - 1
     sizes = this.linear.grams.sum(axis=0).diagonal()[first : first + len(flight.knobs)]
     candidates = np.array([knob.typical > 0.0 for knob in flight.knobs])

@@ -1,1 +1,1 @@
-"""The most probable parameters of flights, and what the flights say of each."""
+"""Estimate parameters and their evidence from flights."""

@@ -1,4 +1,4 @@
-"""How far a fit may turn a knob: its bounds, and for a tolerance some standard deviations."""
+"""Bound the parameters of a fit, and tolerances to some standard deviations."""
 
 from collections.abc import Sequence
 import math
@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-# Standard deviations that a fit may take a tolerance from the vehicle file (where it can be an
-# effect too, of both). What wants to go further is left unexplained, and said
+# Standard deviations by which a fit may move a tolerance from the vehicle file (if it can also be
+# an effect, of both combined). Larger deviations stay unexplained and are reported
 # (`find_strained_tolerances`).
 FARTHEST: Final = 6.0
 
@@ -21,7 +21,7 @@ FARTHEST: Final = 6.0
 def apply_parameters(
     nominal: NominalVehicle, knobs: Sequence[FreeParameter], values: Array
 ) -> tuple[NominalVehicle, Array]:
-    """Return the vehicle with its knobs at values, and those values within their bounds."""
+    """Return the vehicle with the parameters set, and the values clipped to their bounds."""
     out = clip_to_bounds(knobs, values)
     for k, knob in enumerate(knobs):
         if out[k] != 0.0:
@@ -31,9 +31,9 @@ def apply_parameters(
 
 def parameter_bounds(knobs: Sequence[FreeParameter], prior: Prior) -> tuple[Array, Array]:
     """
-    Return between which values a fit may put what flights share, two ndarrays of shape (G,).
+    Return lower and upper bounds of the shared parameters, two ndarrays of shape (G,).
 
-    The bounds of each knob, and for a tolerance FARTHEST standard deviations.
+    The bounds of each parameter, and FARTHEST standard deviations for a tolerance.
     """
     spread = np.sqrt(np.diag(prior.covariance))
     far = np.full(len(spread), np.inf)
@@ -49,16 +49,14 @@ def find_strained_tolerances(
     knobs: Sequence[FreeParameter], prior: Prior, mean: Array
 ) -> list[str]:
     """
-    Return the tolerances that the data would put further from the vehicle file than they may be.
+    Return the tolerances that the data want beyond their bounds.
 
     Parameters
     ----------
-    knobs : sequence of Knob
-        All.
     prior : Prior
         Of the fit.
     mean : ndarray, shape (G,)
-        What is most probable, if nothing but the prior held it (`Fitted.mean`).
+        Unbounded posterior mean (`ParameterPosterior.mean`).
 
     """
     low, high = parameter_bounds(knobs, prior)
@@ -71,22 +69,22 @@ def find_strained_tolerances(
 
 
 def format_strained_tolerances(names: Sequence[str]) -> list[str]:
-    """Return a sentence on tolerances that are not enough, if there are any."""
+    """Return a warning about exceeded tolerances, if there are any."""
     if not names:
         return []
     return [
-        f'The flights want more than {FARTHEST:g} standard deviations of tolerance for '
+        f'The flights need more than {FARTHEST:g} standard deviations of tolerance for '
         f'{", ".join(names)}.'
     ]
 
 
 def _is_tolerance(knob: FreeParameter, spread: float) -> bool:
-    """Tell whether a knob is free by its tolerance, and not as an effect that was named."""
+    """Return whether a parameter is free by its tolerance only, not as a named effect."""
     return 0.0 < spread < (1.0 + 1e-9) * knob.tolerance
 
 
 def clip_to_bounds(knobs: Sequence[FreeParameter], values: Array) -> Array:
-    """Return values within their bounds; the last, of SENSORS, have none."""
+    """Clip values to their bounds; the trailing sensor errors have none."""
     out = values.copy()
     for k, knob in enumerate(knobs):
         out[k] = min(max(values[k], knob.low), knob.high)

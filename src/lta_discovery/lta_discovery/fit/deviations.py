@@ -1,8 +1,8 @@
 """
-How much force flights leave unexplained: the most probable deviations of the latent wrench.
+Estimate the standard deviations of the latent wrench by maximum evidence.
 
-A large missing effect can hide behind large deviations; so they are looked for from where they are
-and from small ones, and the better is taken.
+Large deviations can hide a large missing effect. The search therefore starts both from the given
+deviations and from small ones, and the better result is used.
 """
 
 from collections.abc import Callable, Sequence
@@ -16,22 +16,22 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-SMALL: Final = 2.5  # floors; the largest deviations of the second start
-STRIDES: Final = 12  # at most
-HALVES: Final = 4  # of a stride that does not help
-LONGEST: Final = 2.0  # of the logarithm of a deviation; a stride
-STRAIGHT: Final = 0.75  # of what a slope promises; on a parabola a stride gains half
-WORTH: Final = 0.01  # nats; a stride that promises less is not made
-LOWEST: Final = 0.05  # floors; of a deviation
-HIGHEST: Final = 1e3  # floors; of a deviation
+SMALL: Final = 2.5  # noise floors; largest deviations of the second start
+STRIDES: Final = 12  # most steps
+HALVES: Final = 4  # most halvings of a step
+LONGEST: Final = 2.0  # longest step in the logarithm of a deviation
+STRAIGHT: Final = 0.75  # of the gain predicted by the slope; on a parabola a full step gains half
+WORTH: Final = 0.01  # nats; the search ends at a smaller predicted gain
+LOWEST: Final = 0.05  # noise floors; bound of a deviation
+HIGHEST: Final = 1e3  # noise floors; bound of a deviation
 
 
 def newton_strides(gradient: EvidenceGradient) -> Array:
     """
-    Return by how much the logarithms of the deviations should change.
+    Return the Newton step in the logarithms of the deviations.
 
-    The evidence is nearer to a parabola in a variance than in its logarithm: where there is too
-    much, a stride is made longer, where there is too little, shorter.
+    The evidence is closer to a parabola in a variance than in its logarithm. The step is converted
+    accordingly: longer upwards, shorter downwards.
     """
     step = np.linalg.solve(gradient.bend, gradient.slope)
     out: Array = 0.5 * np.log(np.maximum(1.0 + 2.0 * step, np.exp(-2.0 * LONGEST)))
@@ -42,18 +42,16 @@ def maximize_evidence(
     steep: Callable[[Array], EvidenceGradient], start: Array, floor: Array, worth: float = WORTH
 ) -> tuple[Array, float]:
     """
-    Return the deviations of greatest value near a start, and the value.
-
-    Fisher's scoring on the logarithms, halved until it helps.
+    Maximize the evidence over the deviations by damped Fisher scoring on their logarithms.
 
     Parameters
     ----------
     steep : callable
-        Log evidence of deviations, -inf where there is none, with its slope.
+        Log evidence of deviations with its slope; -inf where undefined.
     start, floor : ndarray, shape (6,)
-        Deviations to begin with, and those that are not worth speaking of.
+        Initial deviations, and the noise floor.
     worth : float
-        Log evidence below which a stride is not made. [nats]
+        Predicted gain below which the search ends. [nats]
 
     """
     low, high = np.log(LOWEST * floor), np.log(HIGHEST * floor)
@@ -73,7 +71,7 @@ def maximize_evidence(
             break
         gained, at, now = there.value - now.value, at + step, there
         if gained > STRAIGHT * promised:
-            part *= 2.0  # a hillside that hardly bends
+            part *= 2.0  # little curvature: lengthen the next step
         elif gained < worth:
             break
         else:
@@ -90,18 +88,16 @@ def fit_deviations(
     worth: float = WORTH,
 ) -> tuple[Array, float]:
     """
-    Return the most probable deviations of the latent wrench, and the log evidence with theirs.
+    Return the most probable deviations of the latent wrench, and their log evidence.
 
     Parameters
     ----------
-    group : Group
-        The flights.
     prior : Prior
-        Of what they share.
+        Of the shared parameters.
     start, floor : ndarray, shape (6,)
-        Deviations to begin with, and those that are not worth speaking of.
+        Initial deviations, and the noise floor.
     caps : sequence of float
-        Of further starts. [floors]
+        Upper limits of further starts. [noise floors]
     worth : float
         As for `maximize_evidence`.
 
@@ -113,7 +109,7 @@ def fit_deviations(
         try:
             return compute_evidence_gradient(narrow, own, deviations, floor)
         except np.linalg.LinAlgError:
-            # So far off that nothing is left of a column but rounding.
+            # Extreme deviations leave only rounding errors of a column.
             return EvidenceGradient(-np.inf, np.zeros(len(floor)), np.eye(len(floor)))
 
     starts = [start, *(np.minimum(start, cap * floor) for cap in caps)]

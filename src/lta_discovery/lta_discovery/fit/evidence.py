@@ -1,10 +1,10 @@
 """
-What the data say about knobs, once states, latent forces and tolerances have had their share.
+Compute the evidence of parameters, marginal over states, latent forces and tolerances.
 
-Everything is Gaussian about a point: a piece's own unknowns (states at its beginning, knots of
-the latent wrench, pressure) are eliminated piece by piece, then the nuisances; what is left of a
-candidate's column is its `information`, what is left of its product with the residual its `pull`.
-Where the model is true, pull / sqrt(information) is drawn from N(0, 1).
+The model is linear and Gaussian about a point. The unknowns of each piece (initial state, knots of
+the latent wrench, pressure) are eliminated first, then the nuisance parameters. The remainder of a
+candidate's column is its `information`, that of its product with the residual its `pull`. For a
+true model, pull / sqrt(information) has the distribution N(0, 1).
 """
 
 from collections.abc import Mapping, Sequence
@@ -24,19 +24,21 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-# Of a state from a cubic through half a second of poses: m, rad, m/s, rad/s.
+# Deviations of an initial state from `estimate_state`: m, rad, m/s, rad/s.
 STATE: Final = np.array([0.02] * 3 + [0.035] * 3 + [0.08] * 3 + [0.08] * 3)
 PIECE_PRESSURE: Final = 0.6  # Pa; 5 cm of air
-OWN: Final = np.array([2.4, 0.006, 0.006, 0.006])  # of SENSORS: 20 cm of air; parts of 1
-MEMORY: Final = 1.5  # s; over which a latent force forgets itself
-# Least standard deviation of the latent force [N] and moment [N m] worth speaking of, for a blimp
+OWN: Final = np.array(
+    [2.4, 0.006, 0.006, 0.006]
+)  # of SENSORS: Pa, the pressure of 20 cm of air; then relative
+MEMORY: Final = 1.5  # s; correlation time of the latent force
+# Noise floor: smallest relevant deviation of latent force [N] and moment [N m], for a blimp
 # of this mass [kg] and inertia [kg m2]; it grows with them (`wrench_floor`).
 FLOOR: Final = np.array([4e-4, 4e-4, 4e-4, 8e-5, 8e-5, 4e-5])
-MASS: Final = 0.415  # kg; of the vehicle of which the floor is
+MASS: Final = 0.415  # kg; of the vehicle with that floor
 INERTIA: Final = np.array([0.039, 0.039, 0.028])
 Sizes = Mapping[str, float]
 NO_SIZES: Final[Sizes] = {}
-USUAL: Final = 1.3  # floors; median of the prior of a standard deviation
+USUAL: Final = 1.3  # noise floors; median of the log-normal prior of a deviation
 LOOSE: Final = 0.7  # standard deviation of its logarithm
 
 
@@ -44,7 +46,7 @@ def knot_precision(knots: int, length: float = LENGTH) -> Array:
     """
     Return the inverse covariance of the knots of one axis, for a standard deviation of 1.
 
-    An Ornstein-Uhlenbeck process, evenly sampled: the inverse has three diagonals.
+    That of an evenly sampled Ornstein-Uhlenbeck process, which is tridiagonal.
     """
     kept = np.exp(-length / (knots - 1) / MEMORY)
     out = np.diag(np.full(knots, 1.0 + kept**2))
@@ -56,7 +58,7 @@ def knot_precision(knots: int, length: float = LENGTH) -> Array:
 
 
 def wrench_floor(nominal: NominalVehicle) -> Array:
-    """Return the least latent wrench worth speaking of for a vehicle, shape (6,). [N, N m]"""
+    """Return the noise floor of the latent wrench of a vehicle, shape (6,). [N, N m]"""
     inertia = np.diag(nominal.inertia) / INERTIA
     floor: Array = FLOOR * np.concatenate([np.full(3, nominal.mass / MASS), inertia])
     return floor
@@ -65,14 +67,14 @@ def wrench_floor(nominal: NominalVehicle) -> Array:
 @final
 class Prior(NamedTuple):
     """
-    What is known beforehand of knobs, and then of the errors of the sensors (SENSORS).
+    Prior of the parameters, followed by the sensor errors (SENSORS).
 
     Attributes
     ----------
     mean : ndarray, shape (G,)
-        How far each is turned from the vehicle file.
+        Relative to the vehicle file.
     covariance : ndarray, shape (G, G)
-        Rows and columns of 0 hold a knob.
+        Rows and columns of 0 fix a parameter.
 
     """
 
@@ -81,7 +83,7 @@ class Prior(NamedTuple):
 
     @property
     def free(self) -> NDArray[np.bool_]:
-        """Which knobs can move."""
+        """Mask of the parameters that are not fixed."""
         return np.diag(self.covariance) > 0.0
 
 
@@ -89,16 +91,14 @@ def build_prior(
     knobs: Sequence[FreeParameter], named: Sequence[str] = (), sizes: Sizes = NO_SIZES
 ) -> Prior:
     """
-    Return the prior in which some candidates are there and the others are not.
+    Return the prior in which the named candidates are present and the others are not.
 
     Parameters
     ----------
-    knobs : sequence of Knob
-        All.
     named : sequence of str
-        Candidates that are there; of a vector, any component stands for all.
+        Present candidates; any component of a vector stands for all.
     sizes : mapping of str to float
-        How many typical sizes each may have, where it is not one (`naming.scan.SIZES`).
+        Prior deviations in typical sizes, 1 by default (`selection.candidate_scan.SIZES`).
 
     """
     there = {one: sizes.get(name, 1.0) for name in named for one in vector_components(name)}
@@ -110,7 +110,7 @@ def build_prior(
 
 
 def per_flight_variance(knobs: Sequence[FreeParameter]) -> Array:
-    """Return the variance of what is drawn anew for each flight, 0 for what flights share."""
+    """Return the variance of parameters that differ between flights, 0 for shared ones."""
     trims = [knob.tolerance**2 if knob.per_flight else 0.0 for knob in knobs]
     return np.array([*trims, *OWN**2])
 
@@ -118,23 +118,13 @@ def per_flight_variance(knobs: Sequence[FreeParameter]) -> Array:
 def build_shared_prior(
     knobs: Sequence[FreeParameter], named: Sequence[str] = (), sizes: Sizes = NO_SIZES
 ) -> Prior:
-    """Return the prior of what flights share: `build_prior` less what is each one's own."""
+    """Return the prior of the shared parameters: `build_prior` without per-flight variance."""
     both = build_prior(knobs, named, sizes)
     return Prior(both.mean, both.covariance - np.diag(per_flight_variance(knobs)))
 
 
 def posterior_as_prior(before: 'ParameterPosterior', widened: float = 1.5) -> Prior:
-    """
-    Return what some flights say about the next: their posterior, a little wider.
-
-    Parameters
-    ----------
-    before : Fitted
-        What the other flights share, after them.
-    widened : float
-        Factor on the covariance.
-
-    """
+    """Return the posterior of some flights, widened, as the prior of the next."""
     return Prior(before.mean, widened * before.covariance)
 
 
@@ -147,9 +137,9 @@ class ReducedFlight:
     Attributes
     ----------
     products : ndarray, shape (G + 1, G + 1)
-        Of the columns of the knobs and the residual, in the inverse covariance that is left.
+        Of parameter columns and residual, in the remaining inverse covariance.
     constant : float
-        Of the log evidence: of the pieces' unknowns and the readings, less the noise levels.
+        Of the log evidence: unknowns of the pieces and readings, less the noise levels.
 
     """
 
@@ -160,17 +150,16 @@ class ReducedFlight:
 @final
 class LatentSolution(NamedTuple):
     """
-    The latent wrench of a flight's pieces, solved for some deviations.
+    Latent wrench of a flight's pieces for some deviations.
 
     Attributes
     ----------
-    reduced : Reduced
-        The flight without its pieces' unknowns.
+    reduced : ReducedFlight
+        The flight without the unknowns of its pieces.
     inverse : ndarray, shape (S, L, L)
-        Covariance of the wrench at the knots, all knobs held.
+        Covariance of the wrench at the knots, for fixed parameters.
     answer : ndarray, shape (S, L, G + 1)
-        How the wrench answers to the knobs; the last is how far it moves from the point where they
-        are held.
+        Sensitivity of the wrench to the parameters; the last column is its change for fixed ones.
 
     """
 
@@ -182,11 +171,11 @@ class LatentSolution(NamedTuple):
 @final
 class PieceReducer:
     """
-    The pieces of a flight, ready to be reduced for any deviations of the latent wrench.
+    Eliminate the unknowns of a flight's pieces, for any deviations of the latent wrench.
 
     Parameters
     ----------
-    linear : Linear
+    linear : LinearizedFlight
         The flight about a point.
 
     """
@@ -198,6 +187,7 @@ class PieceReducer:
         out = np.r_[0:WIDTH, random - 1]
         precision = np.concatenate([STATE**-2.0, [PIECE_PRESSURE**-2.0]])
         mean = -linear.point.random[:, out]
+        # Initial states and pressure do not depend on the deviations: eliminate them once.
         self._grams, self._constant = eliminate_columns(
             linear.grams, keep, out, np.diag(precision), mean
         )
@@ -205,7 +195,7 @@ class PieceReducer:
         self._mean = -linear.point.random[:, latent]
 
     def select_columns(self, columns: NDArray[np.int64]) -> 'PieceReducer':
-        """Return the flight with only some columns, for what needs no more than to be reduced."""
+        """Return the flight with some columns only, sufficient for `reduce` and `solve_latent`."""
         out, point = copy(self), self.linear.point
         names = tuple(self.linear.names[k] for k in columns)
         out.linear = replace(
@@ -218,7 +208,7 @@ class PieceReducer:
 
     def reduce(self, deviations: Array) -> ReducedFlight:
         """
-        Return the flight without its pieces' unknowns.
+        Return the flight without the unknowns of its pieces.
 
         Parameters
         ----------
@@ -235,11 +225,11 @@ class PieceReducer:
 
     @property
     def latent_wrench(self) -> Array:
-        """The latent wrench at the knots where the flight stands, shape (S, L)."""
+        """Latent wrench at the knots at the linearization point, shape (S, L)."""
         return -self._mean
 
     def solve_latent(self, deviations: Array) -> LatentSolution:
-        """Return the same as `reduced`, with what it takes to see how it answers to them."""
+        """Reduce the flight as `reduce` does, and return the latent wrench too."""
         precision, count = self._latent_precision(deviations), AXES * self.linear.knots
         inner = self._grams[:, :count, :count] + precision
         cross = self._grams[:, :count, count:].copy()
@@ -260,25 +250,25 @@ class PieceReducer:
         return _expand_precision(deviations, self._knots)
 
     def _sum_pieces(self, products: Array, constant: Array) -> ReducedFlight:
-        """Return what all pieces say together."""
+        """Sum the reduced pieces."""
         rows = -0.5 * np.log(2.0 * np.pi) * self.linear.rows.sum()
         return ReducedFlight(products.sum(axis=0), self._constant.sum() + constant.sum() + rows)
 
     def solve_unknowns(self, deviations: Array, change: Array) -> Array:
         """
-        Return the most probable unknowns of each piece, given how far knobs move from the point.
+        Return the most probable unknowns of each piece, after a change of the parameters.
 
         Parameters
         ----------
         deviations : ndarray, shape (6,)
             Of the latent wrench.
         change : ndarray, shape (G,)
-            Of the knobs, from the point.
+            Of the parameters, from the point.
 
         Returns
         -------
         ndarray, shape (S, R)
-            Themselves, not their change.
+            Absolute values, not changes.
 
         """
         precision = unknown_precision(deviations, self.linear.knots)
@@ -302,14 +292,14 @@ def unknown_precision(deviations: Array, knots: int) -> Array:
 
 
 def _expand_precision(deviations: Array, knots: Array) -> Array:
-    """Return the inverse covariance of the knots of all axes, from that of one of deviation 1."""
+    """Return the inverse covariance of the knots of all axes, from that of one unit axis."""
     return np.asarray(np.kron(np.diag(deviations**-2.0), knots), dtype=np.float64)
 
 
 def eliminate_columns(
     grams: Array, keep: NDArray[np.int64], out: NDArray[np.int64], precision: Array, mean: Array
 ) -> tuple[Array, Array]:
-    """Return products without some columns that have a prior, and the log evidence's constant."""
+    """Marginalize columns with a Gaussian prior; return the products and the evidence constant."""
     inner = grams[:, out[:, None], out] + precision
     cross = grams[:, out[:, None], keep].copy()
     pull = mean @ precision
@@ -324,7 +314,7 @@ def eliminate_columns(
 
 
 class ParameterPosterior(NamedTuple):
-    """The knobs after the data: log evidence, mean from the vehicle file, and covariance."""
+    """Posterior of the parameters: log evidence, mean relative to the vehicle file, covariance."""
 
     log_evidence: float
     mean: Array
@@ -333,16 +323,14 @@ class ParameterPosterior(NamedTuple):
 
 def compute_posterior(reduced: ReducedFlight, at: Array, prior: Prior) -> ParameterPosterior:
     """
-    Return the posterior of the knobs, and the log evidence.
+    Return the posterior of the parameters, and the log evidence.
 
     Parameters
     ----------
-    reduced : Reduced
-        The flight.
     at : ndarray, shape (G,)
-        Where the knobs stand at the point.
+        Parameters at the linearization point.
     prior : Prior
-        What is known of them; those that it holds stay where the point has them.
+        Parameters that it fixes stay at the point.
 
     """
     free = prior.free
@@ -363,7 +351,7 @@ def compute_posterior(reduced: ReducedFlight, at: Array, prior: Prior) -> Parame
 
 
 def unknowns_penalty(point: LinearizationPoint, deviations: Array) -> float:
-    """Return minus twice the log density of the unknowns of a flight's pieces, less a constant."""
+    """Return -2 times the log density of the unknowns of a flight's pieces, up to a constant."""
     inverse, random = knot_precision(point.knots), point.random
     knots = random[:, WIDTH:-1].reshape(-1, AXES, point.knots)
     along = np.einsum('saj,jk,sak->a', knots, inverse, knots) / deviations**2
@@ -372,11 +360,11 @@ def unknowns_penalty(point: LinearizationPoint, deviations: Array) -> float:
 
 
 def log_prior(deviations: Array, floor: Array = FLOOR) -> float:
-    """Return the log density of the deviations' logarithms, less a constant."""
+    """Return the log density of the deviations' logarithms, up to a constant."""
     return float(-0.5 * np.sum((np.log(deviations / (USUAL * floor)) / LOOSE) ** 2))
 
 
 def log_prior_slope(deviations: Array, floor: Array = FLOOR) -> tuple[Array, Array]:
-    """Return the slope of `log_prior` along the logarithms, and minus its bend."""
+    """Return the gradient of `log_prior` in the logarithms, and minus its Hessian."""
     slope: Array = -np.log(deviations / (USUAL * floor)) / LOOSE**2
     return slope, np.eye(len(floor)) / LOOSE**2

@@ -1,10 +1,10 @@
 """
-How the log evidence answers to the deviations of the latent wrench.
+Compute the gradient of the log evidence in the deviations of the latent wrench.
 
-Its slope along the logarithm of a deviation is what the wrench is expected to be, by the data and
-all else that is unknown, less what its prior says that it is (Fisher's identity); its bend is
-expected to be that of variance components (Harville 1977). Both come from what is solved for the
-evidence itself, so that no step aside has to be tried.
+The slope in the logarithm of a deviation is the posterior expectation of the squared wrench less
+its prior expectation (Fisher's identity). The bend is the expected information of variance
+components (Harville 1977). Both follow from the solution for the evidence, without finite
+differences.
 """
 
 from typing import final, NamedTuple
@@ -31,16 +31,16 @@ Array = NDArray[np.float64]
 @final
 class EvidenceGradient(NamedTuple):
     """
-    The log evidence at some deviations.
+    Log evidence at some deviations.
 
     Attributes
     ----------
     value : float
-        Itself, with the prior of the deviations. [nats]
+        Including the prior of the deviations. [nats]
     slope : ndarray, shape (6,)
-        Along the logarithms of the deviations.
+        Gradient in the logarithms of the deviations.
     bend : ndarray, shape (6, 6)
-        Minus its expected second derivative along them.
+        Minus the expected Hessian.
 
     """
 
@@ -53,21 +53,19 @@ def compute_evidence_gradient(
     group: LinearizedGroup, prior: Prior, deviations: Array, floor: Array
 ) -> EvidenceGradient:
     """
-    Return the log evidence, its slope and its bend.
+    Compute the log evidence, its slope and its bend.
 
     Parameters
     ----------
-    group : Group
-        The flights.
     prior : Prior
-        Of what they share.
+        Of the shared parameters.
     deviations, floor : ndarray, shape (6,)
-        Of the latent wrench, and those that are not worth speaking of.
+        Of the latent wrench, and its noise floor.
 
     Raises
     ------
     LinAlgError
-        If the deviations are so far off that nothing is left of a column but rounding.
+        If extreme deviations leave only rounding errors of a column.
 
     """
     solved = map_parallel(lambda pieces: pieces.solve_latent(deviations), group.pieces)
@@ -90,7 +88,7 @@ def compute_evidence_gradient(
 def _flight_gradient(
     pieces: PieceReducer, solved: LatentSolution, own: ParameterPosterior, deviations: Array
 ) -> tuple[Array, Array]:
-    """Return the share of one flight in slope and bend."""
+    """Return the contribution of one flight to slope and bend."""
     change = own.mean - pieces.linear.point.values
     answer = solved.answer[:, :, :-1]
     latent = solved.answer[:, :, -1] - answer @ change + pieces.latent_wrench
@@ -102,7 +100,7 @@ def _flight_gradient(
     spent = np.einsum('saj,jk,sak->a', knots, inverse, knots)
     spent += np.einsum('saiaj,ji->a', blocks, inverse, optimize=True)
     slope = spent / variance - count * len(knots)
-    # What the data leave of the prior's say: I - C K^-1 / variance, by pairs of axes.
+    # Information of the data relative to the prior: I - C K^-1 / variance, by pairs of axes.
     left = -(blocks @ inverse) / variance[:, None]
     for axis in range(AXES):
         left[:, axis, :, axis] += np.eye(count)

@@ -1,9 +1,9 @@
 """
-Flights of one vehicle together: what they share, and what is each one's own.
+Combine flights of one vehicle: shared parameters, and those of each flight.
 
-Knobs are shared; the errors of a flight's sensors and its lift (`own_variance`) are drawn anew for
-each, about what is shared where they are candidates themselves. They are eliminated flight by
-flight, so that the cost grows with the flights and not with its square.
+Sensor errors and lift of a flight (`per_flight_variance`) are drawn for each flight, about the
+shared value if they are candidates too. They are eliminated flight by flight, so that the cost is
+linear in the number of flights.
 """
 
 from collections.abc import Sequence
@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 
 
 class FlightSolution(NamedTuple):
-    """Where a flight goes when the shared knobs move: its values, and its pieces' unknowns."""
+    """A flight's parameters, and the unknowns of its pieces."""
 
     values: Array
     random: Array
@@ -35,17 +35,16 @@ class FlightSolution(NamedTuple):
 @dataclass(frozen=True, slots=True)
 class LinearizedGroup:
     """
-    Flights about a point.
+    Flights, linearized about a common point.
 
     Attributes
     ----------
-    pieces : tuple of Pieces
+    pieces : tuple of PieceReducer
         Of each flight.
     at : ndarray, shape (G,)
-        What the flights share of the knobs. A flight's point may have other values; it is then
-        taken to be as linear as about its own.
+        Shared parameters. If a flight was linearized at others, its linearization is extrapolated.
     variance : ndarray, shape (G,)
-        Of what is a flight's own; 0 where it has nothing of its own.
+        Of each flight's own parameters; 0 for shared ones.
 
     """
 
@@ -60,7 +59,7 @@ class LinearizedGroup:
 
     @property
     def is_aligned(self) -> bool:
-        """Whether all flights stand where the group does, but for what is their own."""
+        """Whether all flights were linearized at the shared parameters of the group."""
         same = self.variance == 0.0
         return all(
             np.allclose(each.point.values[same], self.at[same], rtol=1e-9, atol=1e-12)
@@ -74,7 +73,7 @@ class LinearizedGroup:
     def select_columns(
         self, free: NDArray[np.bool_]
     ) -> tuple['LinearizedGroup', NDArray[np.int64]]:
-        """Return the flights with only such columns as move, and which these are."""
+        """Return the flights with the free columns only, and the indices of these."""
         apart = np.any([each.point.values != self.at for each in self.linears], axis=0)
         kept = np.flatnonzero(free | (self.variance > 0.0) | apart)
         pieces = tuple(each.select_columns(kept) for each in self.pieces)
@@ -82,7 +81,7 @@ class LinearizedGroup:
 
     def reduce(self, deviations: Array) -> ReducedFlight:
         """
-        Return what the flights say of what they share.
+        Return the combined products of the flights for the shared parameters.
 
         Parameters
         ----------
@@ -93,14 +92,14 @@ class LinearizedGroup:
         return self.sum_flights(map_parallel(lambda each: each.reduce(deviations), self.pieces))
 
     def sum_flights(self, reduced: Sequence[ReducedFlight]) -> ReducedFlight:
-        """Return what flights say of what they share, each without its pieces' unknowns."""
+        """Sum flights with eliminated piece unknowns, eliminating their own parameters."""
         both = zip(self.pieces, reduced, strict=True)
         parts = [self._eliminate_own(each, alone) for each, alone in both]
         products = np.sum([part.products for part in parts], axis=0)
         return ReducedFlight(products, sum(part.constant for part in parts))
 
     def _align_products(self, point: LinearizationPoint, reduced: ReducedFlight) -> Array:
-        """Return a flight's products about where the group stands."""
+        """Return a flight's products about the point of the group."""
         off = np.where(self.variance > 0.0, 0.0, self.at - point.values)
         if not off.any():
             return reduced.products
@@ -110,11 +109,11 @@ class LinearizedGroup:
         return there
 
     def _own_columns(self) -> NDArray[np.int64]:
-        """Return the places of what is a flight's own."""
+        """Return the indices of per-flight parameters."""
         return np.flatnonzero(self.variance)
 
     def _eliminate_own(self, pieces: PieceReducer, reduced: ReducedFlight) -> ReducedFlight:
-        """Return a flight's products without what is its own."""
+        """Eliminate a flight's own parameters."""
         own, point = self._own_columns(), pieces.linear.point
         products = self._align_products(point, reduced)
         if not len(own):
@@ -130,14 +129,14 @@ class LinearizedGroup:
 
     def solve_flights(self, deviations: Array, target: Array) -> list[FlightSolution]:
         """
-        Return where each flight is most probable, given what is shared.
+        Return the most probable parameters and unknowns of each flight, for shared values.
 
         Parameters
         ----------
         deviations : ndarray, shape (6,)
             Of the latent wrench.
         target : ndarray, shape (G,)
-            What is shared.
+            Shared values.
 
         """
         out, own = [], self._own_columns()
@@ -151,20 +150,20 @@ class LinearizedGroup:
         return out
 
     def _own_response(self, pieces: PieceReducer, reduced: ReducedFlight) -> tuple[Array, Array]:
-        """Return how a flight's own answers to what is shared, and itself where that stays."""
+        """Return the response of own to shared parameters, and their own change."""
         own, point = self._own_columns(), pieces.linear.point
         products = self._align_products(point, reduced)
         inner = products[np.ix_(own, own)] + np.diag(1.0 / self.variance[own])
         before = (point.values - self.at)[own]
         right = products[own, -1] - before / self.variance[own]
-        # The column of what is shared is that of what is own.
+        # Shared and own part of a parameter have the same column.
         inverse = np.asarray(np.linalg.inv(inner), dtype=np.float64)
         return inverse @ products[own, :-1], before + inverse @ right
 
     def flight_posterior(
         self, pieces: PieceReducer, reduced: ReducedFlight, posterior: ParameterPosterior
     ) -> ParameterPosterior:
-        """Return the knobs of one flight: what is shared, and what is its own."""
+        """Return the posterior of one flight: shared plus own parameters."""
         own = self._own_columns()
         if not len(own):
             return posterior

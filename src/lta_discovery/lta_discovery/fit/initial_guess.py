@@ -1,9 +1,9 @@
 """
-Where the first fit of flights begins: with the beginning of each piece.
+Find the starting point of the first fit, using only the beginning of each piece.
 
-A vehicle file that is off by a large effect is lost within a piece, and no slope that is taken
-where it is lost leads back. It is not lost yet a second after it began; what that second teaches
-carries on to the next ones, and so to the end of the piece.
+If the vehicle file lacks a large effect, the prediction diverges within a piece, and gradients
+there do not lead back. One second after the start it has not diverged yet. A fit to that second
+serves as the start of a fit to longer pieces.
 """
 
 from collections.abc import Sequence
@@ -22,15 +22,15 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-STAGES: Final = (0.8, 2.4)  # s; of each piece
-ROUNDS: Final = 6  # of each stage
-REST: Final = 10.0  # nats; a beginning need not be as good as an end
-CAPPED: Final = 2.5  # floors; of the deviations that the next stage begins with
-LOST: Final = 300.0  # floors; a model that has to be helped by more has not found the flight
+STAGES: Final = (0.8, 2.4)  # s; used length of each piece, by stage
+ROUNDS: Final = 6  # most steps of a stage
+REST: Final = 10.0  # nats; convergence criterion of a stage, which may be loose
+CAPPED: Final = 2.5  # noise floors; largest deviations at the start of a stage
+LOST: Final = 300.0  # noise floors; a stage with larger deviations has failed
 
 
 def shorten_pieces(flight: FlightLinearizer, seconds: float) -> FlightLinearizer:
-    """Return a flight of which only the beginning of each piece counts."""
+    """Return a flight that uses only the beginning of each piece."""
     out, replay = copy(flight), copy(flight.replay)
     inside = replay.cut.inside.copy()
     inside[:, round(seconds / PERIOD) :] = False
@@ -43,21 +43,19 @@ def guess_start(
     fitter: JointFitter, prior: Prior, points: Sequence[LinearizationPoint]
 ) -> tuple[Array, list[LinearizationPoint], Array]:
     """
-    Return where to begin to fit flights of which nothing is known yet.
+    Find where to start the fit of flights.
 
     Parameters
     ----------
-    fitter : Fitter
-        The flights.
     prior : Prior
-        Of what they share.
-    points : sequence of Point
-        Where the vehicle file has them; all at the same values.
+        Of the shared parameters.
+    points : sequence of LinearizationPoint
+        Of the vehicle file; all at the same values.
 
     Returns
     -------
-    ndarray, shape (G,), list of Point, and ndarray, shape (6,)
-        What the flights share, the point of each, and the deviations of the latent wrench.
+    ndarray, shape (G,), list of LinearizationPoint, and ndarray, shape (6,)
+        Shared parameters, point of each flight, and deviations of the latent wrench.
 
     """
     at, deviations = points[0].values, fitter.floor
@@ -68,9 +66,9 @@ def guess_start(
             here = stage.linearize_flights(at, points, prior)
             last = stage.fit(prior, here, deviations, ROUNDS, REST, narrow=True)
         except BadInput:
-            break  # what is known by then may do
+            break  # use the result of the stage before
         if (last.deviations > LOST * fitter.floor).any():
-            break  # where such a stage ends is no place to begin the next
+            break  # a failed stage is a bad start for the next
         at, points = stage.propose_step(last)
         deviations = np.minimum(last.deviations, CAPPED * fitter.floor)
     return at, list(points), deviations

@@ -1,9 +1,8 @@
 """
-The most probable parameters of flights, and how much force they leave unexplained.
+Fit parameters and latent forces to flights by Gauss-Newton.
 
-Gauss-Newton: linearise, find the deviations of the latent wrench that make the data most probable,
-move knobs, states and knots to where they are most probable then, and again, until the evidence
-rests.
+Each iteration linearizes, finds the deviations of the latent wrench with maximum evidence, and
+moves parameters, states and knots to their most probable values, until the evidence converges.
 """
 
 from collections.abc import Sequence
@@ -33,40 +32,40 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-REST: Final = 0.7  # nats; below it the evidence has come to rest
-ROUNDS: Final = 12  # linearisations, at most
-# Factors on the variance of the noise, where the whole step of Gauss-Newton makes things worse.
+REST: Final = 0.7  # nats; convergence criterion of the evidence
+ROUNDS: Final = 12  # most linearisations
+# Factors on the noise variance for damped steps, if the full Gauss-Newton step fails.
 DOUBTS: Final = (4.0, 30.0, 300.0, 3e3, 3e4, 3e5, 3e6)
-# Parts of the whole step, which are tried then as well: the others lead towards what is known
-# beforehand, which is no way back from a point where a large latent wrench flies the flight.
+# Parts of the full step, which are tried as well. Damped steps lead towards the prior, which
+# does not help at a point where a large latent wrench dominates.
 PARTS: Final = (0.5, 0.2, 0.08, 0.03)
-BROKEN: Final = 2.0  # of the misfit that was promised; beyond it shorter steps are looked at too
-LEAP: Final = 1e3  # nats; a step that wins more has yet to arrive, and counts as no round
-RAN_AWAY: Final = 'The model runs away from the flight; begin with a vehicle file nearer to it.'
-WORSE: Final = 1.0  # in minus twice the log density; by which a step may be
-ASTRAY: Final = 3.0  # times the error of unaided forecasts, beyond which no step may take it
+BROKEN: Final = 2.0  # of the predicted misfit; above it shorter steps are tried too
+LEAP: Final = 1e3  # nats; a step with a larger gain does not count as a round
+RAN_AWAY: Final = 'The model diverges from the flight; start with a more accurate vehicle file.'
+WORSE: Final = 1.0  # in -2 log density; tolerated increase of a step
+ASTRAY: Final = 3.0  # times the error of unaided forecasts; a step above it is rejected
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class FlightFit:
     """
-    One flight, fitted, by itself or with others.
+    Fit of one flight, alone or with others.
 
     Attributes
     ----------
-    linear, pieces : Linear, Pieces
+    linear, pieces : LinearizedFlight, PieceReducer
         About the last point.
-    reduced : Reduced
-        Of them, with the deviations.
+    reduced : ReducedFlight
+        For the fitted deviations.
     deviations : ndarray, shape (6,)
         Of the latent force [N] and moment [N m].
-    fitted : Fitted
-        The knobs.
+    fitted : ParameterPosterior
+        Of the parameters.
     evidence : float
-        Log evidence of all flights that were fitted with it, with that of the deviations. [nats]
+        Log evidence of all jointly fitted flights, including the prior of the deviations. [nats]
     rounds : int
-        Linearisations.
+        Number of linearizations.
 
     """
 
@@ -83,18 +82,18 @@ class FlightFit:
 @dataclass(frozen=True, slots=True)
 class JointFit:
     """
-    Flights that share a vehicle, fitted together.
+    Joint fit of flights of one vehicle.
 
     Attributes
     ----------
-    group : Group
+    group : LinearizedGroup
         About the last point.
     prior : Prior
-        Of what they share.
-    reduced : Reduced
-        What they say of that, with the deviations.
+        Of the shared parameters.
+    reduced : ReducedFlight
+        Of the shared parameters, for the fitted deviations.
     deviations, fitted, evidence, rounds
-        As for `FlightFit`; what is fitted is what they share.
+        As for `FlightFit`; fitted are the shared parameters.
 
     """
 
@@ -108,7 +107,7 @@ class JointFit:
 
     @property
     def members(self) -> tuple[FlightFit, ...]:
-        """Each flight, with the errors of its own sensors."""
+        """Each flight, with its own sensor errors."""
         out = []
         for each in self.group.pieces:
             own = each.reduce(self.deviations)
@@ -118,7 +117,7 @@ class JointFit:
         return tuple(out)
 
     def reduce_sides(self, teach: int) -> tuple[ReducedFlight, ReducedFlight]:
-        """Return what the first flights, so many of them, say of what all share, and the rest."""
+        """Return the reduced products of the first `teach` flights, and of the others."""
         pieces = self.group.pieces
         first, second = (
             replace(self.group, pieces=part).reduce(self.deviations)
@@ -130,18 +129,18 @@ class JointFit:
 @final
 class FitStep(NamedTuple):
     """
-    Where to linearise next.
+    Next linearization point.
 
     Attributes
     ----------
     at : ndarray, shape (G,)
-        What the flights share.
-    points : list of Point
+        Shared parameters.
+    points : list of LinearizationPoint
         Of each flight.
     kept : float
-        By how much the misfit there is not what was promised.
+        Difference between actual and predicted misfit.
     whole : bool
-        Whether it is the whole step.
+        Whether it is the full step.
 
     """
 
@@ -155,18 +154,18 @@ class FitStep(NamedTuple):
 @dataclass(frozen=True, slots=True)
 class JointFitter:
     """
-    Flights to be fitted together.
+    Fit flights jointly.
 
     Attributes
     ----------
-    nominal : Nominal
-        The vehicle as its file has it: where all knobs are at 0.
-    flights : sequence of Linearised
-        Of it.
+    nominal : NominalVehicle
+        The vehicle of the file, where all parameters are 0.
+    flights : sequence of FlightLinearizer
+        Of that vehicle.
     variance : ndarray, shape (G,)
-        Of what is each flight's own.
+        Of per-flight parameters.
     floor : ndarray, shape (6,)
-        Deviations of the latent wrench that are not worth speaking of.
+        Noise floor of the latent wrench.
 
     """
 
@@ -179,10 +178,9 @@ class JointFitter:
         self, at: Array, points: Sequence[LinearizationPoint], prior: Prior | None = None
     ) -> LinearizedGroup:
         """
-        Return the flights about points; `BadInput` where no such vehicle can be.
+        Linearize the flights about points; raise `BadInput` for impossible vehicles.
 
-        With a prior they know only the columns of what it leaves free, which is faster where
-        nobody asks what another knob would bring.
+        With a prior, only the columns of its free parameters are computed, which is faster.
         """
         free = None if prior is None else prior.free | (self.variance > 0.0)
 
@@ -210,25 +208,25 @@ class JointFitter:
         narrow: bool = False,
     ) -> JointFit:
         """
-        Fit them.
+        Fit the flights.
 
         Parameters
         ----------
         prior : Prior
-            Of what they share: which knobs are free, and how far.
-        begin : Group
-            The flights about where to begin.
+            Of the shared parameters.
+        begin : LinearizedGroup
+            The flights about the starting point.
         deviations : ndarray, shape (6,)
-            Of the latent wrench, to begin with.
+            Initial deviations of the latent wrench.
         rounds, rest : int, float
-            Linearisations at most; change of the evidence below which it has come to rest. [nats]
+            Most linearizations; change of the evidence at convergence. [nats]
         narrow : bool
-            Whether only the columns of what the prior leaves free are wanted, as of `begin`.
+            Whether to compute only the columns of free parameters, as in `begin`.
 
         Returns
         -------
-        Joint
-            About the last point but one, where flying the last kept what was promised there.
+        JointFit
+            About the last point, or the one before if the last step met its prediction.
 
         """
         last, count = self.fit_deviations(begin, prior, deviations), 1
@@ -241,7 +239,7 @@ class JointFitter:
             except BadInput:
                 if not last.group.is_aligned:
                     raise
-                break  # flights that can be flown there, and not be said how they answer
+                break  # the point can be simulated, but not linearized
             now = self.fit_deviations(there, prior, last.deviations, last.rounds + 1)
             rests = (
                 last.group.is_aligned and step.whole and abs(now.evidence - last.evidence) < rest
@@ -253,13 +251,13 @@ class JointFitter:
         return last
 
     def propose_step(self, last: JointFit) -> tuple[Array, list[LinearizationPoint]]:
-        """Return where flights are most probable after a fit: what they share, and points."""
+        """Return the most probable shared parameters and points after a fit."""
         return self._move_to_mean(last, last.group, last.fitted.mean)
 
     def fit_deviations(
         self, group: LinearizedGroup, prior: Prior, start: Array, count: int = 1
     ) -> JointFit:
-        """Return flights with the deviations most probable, about where they are."""
+        """Fit the deviations of the latent wrench, at the points of the flights."""
         try:
             deviations, evidence = fit_deviations(group, prior, start, self.floor)
             reduced = group.reduce(deviations)
@@ -270,9 +268,9 @@ class JointFitter:
 
     def _choose_step(self, last: JointFit) -> FitStep | None:
         """
-        Return the next point: the whole step, or a shorter one that is better, or None.
+        Return the next point: the full step, a shorter one that is better, or None.
 
-        Flights that do not stand at one point yet are brought there, if nothing is better.
+        Flights with different shared parameters are brought to common ones if nothing is better.
         """
         group = last.group
         here = self._gather_points(group, last.deviations)
@@ -298,14 +296,14 @@ class JointFitter:
         return None if group.is_aligned else FitStep(group.at, here, np.inf, False)
 
     def compute_misfit(self, prior: Prior, group: LinearizedGroup, deviations: Array) -> float:
-        """Return the misfit of flights where what they share is the same for all, flown."""
+        """Return the simulated misfit of flights with common shared parameters."""
         points = self._gather_points(group, deviations)
         return compute_misfit(self.flights, deviations, prior, self.variance, group.at, points)
 
     def _gather_points(
         self, group: LinearizedGroup, deviations: Array
     ) -> list[LinearizationPoint]:
-        """Return the points of flights where what they share is the same for all."""
+        """Return the points of flights with common shared parameters."""
         if group.is_aligned:
             return [each.point for each in group.linears]
         return self._solve_points(group, deviations, group.at)
@@ -318,7 +316,7 @@ class JointFitter:
         to: Array,
         there: Sequence[LinearizationPoint],
     ) -> tuple[Array, list[LinearizationPoint]]:
-        """Return what is shared, and points, a part of the way from here to there."""
+        """Return shared parameters and points on the line from here to there."""
         points = []
         for one, other in zip(here, there, strict=True):
             values = one.values + part * (other.values - one.values)
@@ -330,7 +328,7 @@ class JointFitter:
     def _screen_misfit(
         self, last: JointFit, at: Array, points: Sequence[LinearizationPoint], error: float
     ) -> float:
-        """Return the misfit at a point, inf where its forecasts go astray, by those before."""
+        """Return the misfit at a point, infinite if its forecasts get much worse."""
         misfit = self._point_misfit(last, at, points)
         if np.isfinite(misfit) and forecast_error(self.flights, points) > ASTRAY * error:
             return np.inf
@@ -339,7 +337,7 @@ class JointFitter:
     def _propose_damped_step(
         self, last: JointFit, doubt: float
     ) -> tuple[Array, list[LinearizationPoint]]:
-        """Return where flights would go if their noise were larger: nearer to what is known."""
+        """Return the step for a larger noise variance, closer to the prior."""
         pieces = [
             PieceReducer(replace(each, grams=each.grams / doubt)) for each in last.group.linears
         ]
@@ -350,14 +348,14 @@ class JointFitter:
     def _move_to_mean(
         self, last: JointFit, group: LinearizedGroup, mean: Array
     ) -> tuple[Array, list[LinearizationPoint]]:
-        """Return what is shared, and the points of the flights, where that has a given mean."""
+        """Return clipped shared parameters for a posterior mean, and the points of the flights."""
         at = np.clip(mean, *parameter_bounds(self.flights[0].knobs, last.prior))
         return at, self._solve_points(group, last.deviations, at)
 
     def _solve_points(
         self, group: LinearizedGroup, deviations: Array, at: Array
     ) -> list[LinearizationPoint]:
-        """Return the points of flights that share some values."""
+        """Return the points of flights for shared parameters."""
         points = []
         for move in group.solve_flights(deviations, at):
             vehicle, values = apply_parameters(self.nominal, self.flights[0].knobs, move.values)
@@ -367,7 +365,7 @@ class JointFitter:
     def _point_misfit(
         self, last: JointFit, at: Array, points: Sequence[LinearizationPoint]
     ) -> float:
-        """Return the misfit at a point, flown."""
+        """Return the simulated misfit at a point."""
         return compute_misfit(self.flights, last.deviations, last.prior, self.variance, at, points)
 
 
@@ -380,16 +378,16 @@ def fit_flight(
     rounds: int = ROUNDS,
 ) -> FlightFit:
     """
-    Fit one flight by itself.
+    Fit one flight alone.
 
     Parameters
     ----------
     flight, nominal, deviations, rounds
         As for `JointFitter`.
     prior : Prior
-        Of all knobs, its own and others: `tolerances`.
-    begin : Point
-        Where to begin.
+        Of all parameters, including per-flight ones: `build_prior`.
+    begin : LinearizationPoint
+        Starting point.
 
     """
     alone = JointFitter(nominal, [flight], np.zeros(len(begin.values)), FLOOR)

@@ -1,9 +1,8 @@
 """
-How badly a point fits, flown; and how badly a linearisation elsewhere says that it would.
+Compute the misfit of a point by simulation, and as predicted by a linearization.
 
-Minus twice the log density of the data and of all unknowns, less what does not depend on the
-point: what a step of Gauss-Newton has to make smaller. Flying a point costs a small part of
-linearising about it.
+The misfit is -2 times the log density of data and unknowns, up to a constant. Gauss-Newton steps
+have to reduce it. Simulating a point is much cheaper than linearizing about it.
 """
 
 from collections.abc import Sequence
@@ -22,7 +21,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-AHEAD: Final = 3.0  # s; of a forecast
+AHEAD: Final = 3.0  # s; length of a forecast
 
 
 def compute_misfit(
@@ -34,21 +33,19 @@ def compute_misfit(
     points: Sequence[LinearizationPoint],
 ) -> float:
     """
-    Return the misfit of flights at a point; inf where one ran away or no such vehicle can be.
+    Return the misfit of flights at a point; infinite for divergence or an impossible vehicle.
 
     Parameters
     ----------
-    flights : sequence of Linearised
-        The flights.
     deviations : ndarray, shape (6,)
         Of the latent force [N] and moment [N m].
     prior : Prior
-        Of what the flights share.
+        Of the shared parameters.
     variance : ndarray, shape (G,)
-        Of what is each flight's own.
+        Of per-flight parameters.
     at : ndarray, shape (G,)
-        What they share.
-    points : sequence of Point
+        Shared parameters.
+    points : sequence of LinearizationPoint
         Of each flight.
 
     """
@@ -63,7 +60,7 @@ def _readings_misfit(one: tuple[FlightLinearizer, LinearizationPoint]) -> float:
         try:
             grid = flight.simulate_trajectory(point)[:, ::STEPS]
         except BadInput:
-            return np.inf  # no such vehicle can be
+            return np.inf  # impossible vehicle
         if not np.isfinite(grid).all():
             return np.inf
         left = flight.compute_residual(grid, point, flight.replay.build_rows(point.nominal))
@@ -74,10 +71,10 @@ def forecast_error(
     flights: Sequence[FlightLinearizer], points: Sequence[LinearizationPoint]
 ) -> float:
     """
-    Return the typical error of forecasts that no latent wrench helps, in the tracker's noise.
+    Return the typical error of forecasts without a latent wrench, by the tracker noise.
 
-    The median over pieces of the mean square of the position's error until AHEAD; a few pieces
-    may be lost. Inf where no such vehicle can be.
+    The median over pieces of the RMS position error until AHEAD, robust to a few diverging pieces.
+    Infinite for an impossible vehicle.
     """
     found = map_parallel(_forecast_errors, list(zip(flights, points, strict=True)))
     if any(errors is None for errors in found):
@@ -86,7 +83,7 @@ def forecast_error(
 
 
 def _forecast_errors(one: tuple[FlightLinearizer, LinearizationPoint]) -> Array | None:
-    """Return the errors of the forecasts of each piece of a flight; None of no such vehicle."""
+    """Return the forecast error of each piece of a flight; None for an impossible vehicle."""
     flight, point = one
     here, measured = (slice(None), slice(round(AHEAD / PERIOD))), flight.replay.flight
     with np.errstate(over='ignore', invalid='ignore'):
@@ -94,7 +91,7 @@ def _forecast_errors(one: tuple[FlightLinearizer, LinearizationPoint]) -> Array 
             grid = flight.simulate_forecast(point)[:, ::STEPS]
         except BadInput:
             return None
-        # As the tracker would tell it: its frame and its clock may be among what was fitted.
+        # Compare predicted readings: tracker frame and clock may be among the fitted parameters.
         left = flight.compute_residual(grid, point, flight.replay.build_rows(point.nominal))[here]
         off = left[..., :3] / measured.noise[:3]
         known = np.isfinite(measured.position[flight.index[here]])
@@ -111,7 +108,7 @@ def predict_linear_misfit(
     at: Array,
     points: Sequence[LinearizationPoint],
 ) -> float:
-    """Return the same as flights that are linearised elsewhere would have it."""
+    """Return the misfit at points as predicted by flights linearized elsewhere."""
     total = _unknowns_misfit(deviations, prior, group.variance, at, points)
     for linear, point in zip(group.linears, points, strict=True):
         moved = np.tile(point.values - linear.point.values, (len(linear.grams), 1))
@@ -128,7 +125,7 @@ def _unknowns_misfit(
     at: Array,
     points: Sequence[LinearizationPoint],
 ) -> float:
-    """Return the share of the unknowns: of what is shared, of each flight, of its pieces."""
+    """Return the misfit of the unknowns: shared parameters, each flight, its pieces."""
     free, own = prior.free, variance > 0.0
     off = (at - prior.mean)[free]
     total = float(off @ np.linalg.solve(prior.covariance[np.ix_(free, free)], off))

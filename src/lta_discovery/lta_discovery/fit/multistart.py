@@ -1,8 +1,8 @@
 """
-Where a fit begins with an effect that jumps: no slope at one value tells of another.
+Choose the start of a fit for effects with discontinuous evidence.
 
-A deadband lets a command through or not, so the evidence over its threshold has steps where
-commands lie; a Newton step from 0 goes astray. A few values are tried and the best is the start.
+A motor deadband passes a command or not, so the evidence has steps at the commanded values, and a
+Newton step from 0 fails. Several values are tried, and the best is the start.
 """
 
 from collections.abc import Mapping, Sequence
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-# In typical sizes.
+# Trial values, in typical sizes.
 TRIED: Final[Mapping[str, tuple[float, ...]]] = {
     'motor_deadband.threshold': (0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 7.0)
 }
@@ -33,20 +33,19 @@ def choose_start(
     named: Sequence[str],
 ) -> LinearizedGroup:
     """
-    Return where a fit should begin.
+    Return where a fit should start.
 
     Parameters
     ----------
     fitter, prior, begin, deviations
         As for `JointFitter.fit`.
     named : sequence of str
-        The effects that are in the model now.
+        Effects in the current model.
 
     Returns
     -------
-    Group
-        `begin` itself, unless an effect that jumps is in the model and another value of it is
-        more probable.
+    LinearizedGroup
+        `begin`, unless another value of a discontinuous effect is more probable.
 
     """
     for k, knob in enumerate(fitter.flights[0].knobs):
@@ -64,7 +63,7 @@ def choose_start(
 def _linearize_trials(
     fitter: JointFitter, begin: LinearizedGroup, k: int, prior: Prior
 ) -> list[LinearizedGroup]:
-    """Return the flights with one knob at each value that is tried, columns as `about`."""
+    """Return the flights about each trial value of one parameter."""
     knob, out = fitter.flights[0].knobs[k], []
     for size in TRIED[knob.name]:
         value = size * knob.typical
@@ -84,7 +83,7 @@ def _linearize_trials(
 def _set_parameter(
     fitter: JointFitter, point: LinearizationPoint, k: int, value: float
 ) -> LinearizationPoint:
-    """Return a point with one knob elsewhere."""
+    """Return a point with one parameter changed."""
     values = point.values.copy()
     values[k] = value
     knob = fitter.flights[0].knobs[k]

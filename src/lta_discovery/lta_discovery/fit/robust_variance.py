@@ -1,11 +1,9 @@
 """
-How well values are known, by what the pieces of the flights themselves disagree about.
+Compute robust variances of parameters from the scatter between pieces of the flights.
 
-The posterior takes the noise for white and the model for exact. Where it is not, what one piece
-says of a value has little to do with the next, but each says it too surely. So each piece pulls
-with what it has, and not with what the model expects of it: the sandwich of Huber (1967), a piece
-being left out for what it has itself drawn the values to (MacKinnon and White 1985, HC3). What is
-known beforehand, of the vehicle and of the errors of each flight's sensors, counts as it did.
+The posterior assumes white noise and an exact model, and is overconfident where these fail. The
+sandwich estimator (Huber 1967) uses the actual score of each piece instead, with the leverage
+correction HC3 (MacKinnon and White 1985). Priors of vehicle and sensors count as before.
 """
 
 from typing import Final
@@ -18,11 +16,11 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-DRAWN: Final = 0.9  # of a value, at most, that one piece is taken to have drawn to itself
+DRAWN: Final = 0.9  # largest leverage of one piece in the correction
 
 
 def reduce_each_piece(linear: LinearizedFlight, deviations: Array) -> Array:
-    """Return what each piece says of the knobs, its own unknowns eliminated, (S, G + 1, G + 1)."""
+    """Return the products of each piece without its unknowns, shape (S, G + 1, G + 1)."""
     out = []
     for s in range(len(linear.rows)):
         one = slice(s, s + 1)
@@ -37,15 +35,7 @@ def reduce_each_piece(linear: LinearizedFlight, deviations: Array) -> Array:
 
 
 def sandwich_variance(joint: JointFit) -> Array:
-    """
-    Return the variance of what flights share of the knobs, by their pieces, shape (G,).
-
-    Parameters
-    ----------
-    joint : Joint
-        Flights that were fitted together.
-
-    """
+    """Return the robust variance of the shared parameters, shape (G,)."""
     covariance = joint.fitted.covariance
     free = joint.prior.free
     precision = np.zeros_like(covariance)
@@ -65,7 +55,7 @@ def sandwich_variance(joint: JointFit) -> Array:
 def _flight_scores(
     joint: JointFit, linear: LinearizedFlight, mean: Array
 ) -> tuple[Array, Array, Array]:
-    """Return pull and information of each piece on what is shared, and those of what is own."""
+    """Return score and information of each piece for shared parameters, and the flight's prior."""
     products = reduce_each_piece(linear, joint.deviations)
     own = np.flatnonzero(joint.group.variance)
     inner, right = products[:, :-1, :-1], products[:, :-1, -1]

@@ -1,8 +1,8 @@
 """
-Stacks of lower triangular matrices, as Cholesky leaves them.
+Solve and invert stacks of lower triangular matrices.
 
-NumPy knows no triangular solve for stacks, and its general ones cost three times as much. Halved
-until they are small, nearly all is products of stacks.
+NumPy has no triangular solver for stacks, and its general one takes three times as long. Recursive
+halving turns most of the work into matrix products.
 """
 
 from typing import Any, Final
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Lower = NDArray[np.floating[Any]]
 
-SMALL: Final = 17  # rows; at which a general solve is as good
+SMALL: Final = 17  # rows; up to which a general solver is as fast
 
 
 def solve_lower(lower: Lower, right: Array) -> Array:
@@ -23,9 +23,8 @@ def solve_lower(lower: Lower, right: Array) -> Array:
     Parameters
     ----------
     lower : ndarray, shape (S, n, n)
-        Lower triangular; what is above the diagonal has to be 0.
+        Elements above the diagonal have to be 0.
     right : ndarray, shape (S, n, m)
-        Right sides.
 
     """
     out = np.empty(right.shape)

@@ -1,1 +1,1 @@
-"""Measured flights: read, believed or cut, on one grid, in pieces."""
+"""Prepare measured flights: read, check, resample to one grid, cut into pieces."""

@@ -1,4 +1,4 @@
-"""Bags as a study takes them: read once, each with a name and a role."""
+"""Read the bags of a study, and give each a name and a role."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -27,13 +27,13 @@ class StudyRecording:
     Attributes
     ----------
     name : str
-        Of the bag; no other flight of the study has it.
+        Of the bag; unique within the study.
     role : str
         'train', 'confirm' or 'holdout'.
-    recording : Recording
-        Its channels, and what it says of its origin.
+    recording : ChannelRecording
+        Its channels and provenance.
     losses : tuple of str
-        What is missing or could not be read, a sentence each.
+        Missing or unreadable parts, one sentence each.
 
     """
 
@@ -44,13 +44,13 @@ class StudyRecording:
 
     @property
     def vehicle(self) -> str:
-        """Name of the vehicle that flew; '' where the recording does not say."""
+        """Name of the flown vehicle; '' if the recording does not state it."""
         known = parse_provenance_file(VehicleFile, self.recording.provenance, 'vehicle_file')
         return known.name if known else ''
 
     @property
     def rotor_names(self) -> tuple[str, ...]:
-        """Names of the rotors that were commanded."""
+        """Names of the commanded rotors."""
         found = (n for n in self.recording.channels if n.startswith(COMMAND))
         return tuple(sorted(name.removeprefix(COMMAND) for name in found))
 
@@ -65,21 +65,21 @@ def read_bags(
 
     Parameters
     ----------
-    given : mapping of role to paths
+    paths : mapping of role to paths
         Bag folders, results folders or .mcap files.
     robot : str, optional
-        Whose data, where a bag holds several robots.
+        Robot to read, where a bag holds several.
     tell : callable
-        Told the name of each bag before it is read.
+        Receives the name of each bag before it is read.
 
     Raises
     ------
     BadInput
-        If there is nothing to learn from, one recording is given twice, or one cannot be read.
+        If there is no training flight, a recording occurs twice, or one cannot be read.
 
     """
     if not paths.get('train'):
-        raise BadInput('There is no flight to learn from; name one or more with --train.')
+        raise BadInput('There is no training flight; name one or more with --train.')
     seen: dict[Path, Role] = {}
     for role in ROLES:
         for path in paths.get(role, ()):
@@ -96,17 +96,19 @@ def read_bags(
 
 
 def _register_recording(path: Path, role: Role, roles: dict[Path, Role]) -> None:
-    """Refuse a recording that is there already; note those that are not."""
+    """Register a recording, or raise an error if it is registered already."""
     for file in find_bag_files(find_bag(path)):
         place = file.resolve()
         if place in roles:
             both = f'to {roles[place]} and to {role}' if roles[place] != role else f'to {role}'
-            raise BadInput(f"'{path}' is given twice, {both}; a flight has one role, once.")
+            raise BadInput(
+                f"'{path}' is given twice, {both}; give each flight once, with one role."
+            )
         roles[place] = role
 
 
 def _name_bag(path: Path, names: Sequence[str]) -> str:
-    """Return what a bag is called: its folder's name, or its results folder's."""
+    """Return a unique name of a bag: that of its folder, or of its results folder."""
     place = find_bag(path).resolve()
     if place.is_file():
         name = place.stem
@@ -121,7 +123,7 @@ def _name_bag(path: Path, names: Sequence[str]) -> str:
 
 def check_one_vehicle(flights: Sequence[StudyRecording], vehicle: VehicleFile) -> list[str]:
     """
-    Refuse flights of several vehicles; return what is odd about whose they are.
+    Check that all flights are of one vehicle; return warnings about its name.
 
     Raises
     ------
@@ -141,7 +143,7 @@ def check_one_vehicle(flights: Sequence[StudyRecording], vehicle: VehicleFile) -
             )
     other = [name for name in by_name if name != vehicle.name]
     return [
-        f'The recordings say that {name} flew; the vehicle file is called {vehicle.name}.'
+        f'The recordings are of the vehicle {name}; the vehicle file is called {vehicle.name}.'
         for name in other
     ]
 
@@ -152,7 +154,7 @@ def _format_vehicle(kind: str | tuple[str, ...]) -> str:
 
 
 def check_no_copies(flights: Sequence[StudyRecording]) -> None:
-    """Refuse a run that is there twice, however trimmed or written, with `BadInput`."""
+    """Raise `BadInput` if one run occurs twice, even if trimmed or rewritten."""
     again = (
         find_duplicate_runs([(one.name, one.recording) for one in flights])
         if len(flights) > 1
@@ -160,6 +162,6 @@ def check_no_copies(flights: Sequence[StudyRecording]) -> None:
     )
     for name, found in again.items():
         raise BadInput(
-            f'{name}: {found[0].evidence} A flight that is there twice confirms nothing; leave '
+            f'{name}: {found[0].evidence} A copy of a flight cannot confirm it; leave '
             'one of them out.'
         )

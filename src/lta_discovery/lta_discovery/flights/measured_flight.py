@@ -1,10 +1,9 @@
 """
-One measured flight as arrays on a common grid.
+Resample a measured flight to a common time grid.
 
-Whatever is recorded goes in as streams with their own times; out come a pose, rates, specific
-force, range and pressure on one grid, NaN where a channel says nothing there, with the noise of
-each as the data themselves show it. Commands keep their own times: when one took over matters to
-a few milliseconds.
+Input: sensor streams with their own times. Output: pose, rates, specific force, range and pressure
+on one grid, NaN where a channel has no reading, with the noise of each estimated from the data.
+Commands keep their own times, because the model needs their onset to a few milliseconds.
 """
 
 from collections.abc import Mapping
@@ -20,9 +19,9 @@ Array = NDArray[np.float64]
 
 PERIOD: Final = 0.04  # s; of the grid
 WARM_UP: Final = 2.0  # s; filters and motors settle
-SETTLED: Final = 0.5  # s; the same where there is nothing but a tracker: motors alone
-GAP: Final = 0.12  # s; of a tracker: nothing is interpolated over more
-BRIDGED: Final = 0.5  # s; a shorter gap does not end a piece, it only has no poses
+SETTLED: Final = 0.5  # s; the same for flights with a tracker only: motors settle
+GAP: Final = 0.12  # s; longest gap of a tracker that is interpolated
+BRIDGED: Final = 0.5  # s; a shorter gap does not end a piece, but has no poses
 CHANNELS: Final = (
     'x', 'y', 'z', 'turn_x', 'turn_y', 'turn_z', 'p', 'q', 'r', 'fx', 'fy', 'fz',
     'range', 'pressure',
@@ -34,14 +33,14 @@ FILTERS: Final = ('rates', 'force', 'range', 'pressure')  # sensors that settle
 @dataclass(frozen=True, slots=True)
 class Stream:
     """
-    One sensor, or the commands, as recorded.
+    Samples of one sensor, or of the commands.
 
     Attributes
     ----------
     time : ndarray, shape (n,)
         Since the start of the flight, rising. [s]
     values : ndarray, shape (n, k)
-        NaN or infinite where a reading says nothing.
+        NaN or infinite where a reading is invalid.
 
     """
 
@@ -53,7 +52,7 @@ class Stream:
 @dataclass(frozen=True, slots=True)
 class FlightStreams:
     """
-    All that is known of a flight.
+    All recorded streams of a flight.
 
     Attributes
     ----------
@@ -62,15 +61,15 @@ class FlightStreams:
     commands : Stream
         Duty of each rotor, held until the next.
     others : mapping of str to Stream
-        Of 'rates' [rad/s], 'force' [m/s2], 'range' [m], 'pressure' [Pa], 'voltage' [V] those that
-        are there.
+        Any of 'rates' [rad/s], 'force' [m/s2], 'range' [m], 'pressure' [Pa], 'voltage' [V].
     floor : float
         Height of the hull centre below which the vehicle may touch the floor. [m]
     wrench : Stream, optional
-        Commanded force and moment about the hull centre, body frame, held until the next; of a
-        vehicle that is not told duties. [N, N m]
+        Commanded force and moment about the hull centre, body frame, held until the next; for
+        vehicles
+        without duty commands. [N, N m]
     mass : Stream, optional
-        Where the moving mass is told to be, body frame, held until the next. [m]
+        Commanded place of the moving mass, body frame, held until the next. [m]
 
     """
 
@@ -95,19 +94,19 @@ class MeasuredFlight:
     position, quaternion : ndarray, shape (n, 3) and (n, 4)
         NaN in gaps.
     readings : ndarray, shape (n, 8)
-        Rates, specific force, range, pressure; of the first two the mean until the next point.
+        Rates, specific force, range, pressure; the first two as means until the next point.
     noise : ndarray, shape (14,)
-        Standard deviation by CHANNELS; infinite for a channel that is not there.
+        Standard deviation by CHANNELS; infinite for an absent channel.
     usable : ndarray of bool, shape (n,)
-        Whether the model is to explain what happens here.
+        Whether the point is part of the fit.
     commands : Stream
         As recorded.
     voltage : ndarray, shape (n,)
-        Of the battery, NaN where it is not known. [V]
+        Of the battery, NaN where it is unknown. [V]
     wrench, mass : Stream or None
         As recorded.
     alike : float
-        How many poses say the same: each counts as if its noise were larger by the root of that.
+        Number of successive poses with correlated errors; `noise` is scaled by its root.
 
     """
 
@@ -125,7 +124,7 @@ class MeasuredFlight:
 
     @property
     def has_only_pose(self) -> bool:
-        """Return whether nothing but the pose was measured: no inertial unit, no other sensor."""
+        """Return whether only the pose was measured: no inertial unit, no other sensor."""
         return not np.isfinite(self.noise[6:]).any()
 
     @property
@@ -135,12 +134,12 @@ class MeasuredFlight:
 
 
 def _median_interval(stream: Stream) -> float:
-    """Return the usual time between readings."""
+    """Return the median time between readings. [s]"""
     return float(np.median(np.diff(stream.time)))
 
 
 def _interpolate_stream(grid: Array, stream: Stream, gap: float) -> Array:
-    """Interpolate linearly, NaN where the readings around a point are too far apart."""
+    """Interpolate linearly; NaN where the neighbouring readings are too far apart."""
     good = np.isfinite(stream.values).all(axis=1)
     time, values = stream.time[good], stream.values[good]
     if len(time) < 2:
@@ -153,7 +152,7 @@ def _interpolate_stream(grid: Array, stream: Stream, gap: float) -> Array:
 
 
 def _align_signs(quaternions: Array) -> Array:
-    """Return quaternions that do not change their sign from one to the next."""
+    """Remove sign changes between neighbours: q and -q are the same rotation."""
     dots = np.sum(quaternions[1:] * quaternions[:-1], axis=1)
     signs = np.concatenate([[1.0], np.cumprod(np.where(dots < 0.0, -1.0, 1.0))])
     same: Array = quaternions * signs[:, None]
@@ -161,11 +160,12 @@ def _align_signs(quaternions: Array) -> Array:
 
 
 def _average_periods(grid: Array, stream: Stream) -> Array:
-    """Return the mean of a series drawn straight between readings, from each point to the next."""
+    """Return the mean over each grid period of a series that is linear between readings."""
     apart = np.diff(stream.time)[:, None]
+    # Trapezoidal rule; differences of the running integral give the means.
     pieces = 0.5 * (stream.values[1:] + stream.values[:-1]) * apart
     total = np.vstack([np.zeros((1, stream.values.shape[1])), np.cumsum(pieces, axis=0)])
-    # Between readings the integral is a parabola; the grid falls on readings, or nearly.
+    # The integral is parabolic between readings; linear is close, as the grid is near readings.
     at = np.column_stack([np.interp(grid, stream.time, column) for column in total.T])
     means = np.diff(at, axis=0) / np.diff(grid)[:, None]
     means[(grid[:-1] < stream.time[0]) | (grid[1:] > stream.time[-1])] = np.nan
@@ -178,7 +178,7 @@ def _interpolate_slow_sensor(grid: Array, stream: Stream) -> Array:
 
 
 def _resample_readings(grid: Array, others: Mapping[str, Stream]) -> tuple[Array, Array]:
-    """Return rates, force, range, pressure on the grid and their noise."""
+    """Return rates, force, range, pressure on the grid, and their noise."""
     out, noise = np.full((len(grid), 8), np.nan), np.full(8, np.inf)
     for name, place, width in (
         ('rates', 0, 3),
@@ -187,13 +187,14 @@ def _resample_readings(grid: Array, others: Mapping[str, Stream]) -> tuple[Array
         ('pressure', 7, 1),
     ):
         stream = others.get(name)
+        # Too few readings for a noise estimate.
         if stream is None or len(stream.time) < 16:
             continue
         columns = slice(place, place + width)
         single = np.array([estimate_noise(column) for column in stream.values.T])
         if width == 3:
             out[:, columns] = _average_periods(grid, stream)
-            # What neighbours share of their edges counts once in the sum.
+            # A mean over a grid period has the noise of one reading by the root of their number.
             noise[columns] = single * np.sqrt(min(1.0, _median_interval(stream) / PERIOD))
         else:
             out[:, columns] = _interpolate_slow_sensor(grid, stream)
@@ -202,7 +203,7 @@ def _resample_readings(grid: Array, others: Mapping[str, Stream]) -> tuple[Array
 
 
 def _bridge_gaps(valid: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return what is known, and gaps that are short enough to fly through."""
+    """Mark known points, and gaps that are short enough to continue through."""
     out: NDArray[np.bool_] = valid.copy()
     edges = np.flatnonzero(np.diff(np.concatenate([[1], valid.astype(np.int8), [1]])))
     for begin, end in edges.reshape(-1, 2):
@@ -214,19 +215,10 @@ def _bridge_gaps(valid: NDArray[np.bool_]) -> NDArray[np.bool_]:
 
 def resample_flight(streams: FlightStreams) -> MeasuredFlight:
     """
-    Put a flight on the grid.
+    Resample a flight to the grid, from the first pose to the last.
 
-    Parameters
-    ----------
-    streams : Streams
-        As recorded.
-
-    Returns
-    -------
-    Measured
-        From the first pose to the last; nothing is usable while sensors and motors settle, in
-        longer gaps of the tracker, or near the floor.
-
+    Points are not usable while sensors and motors settle, in longer gaps of the tracker, and near
+    the floor.
     """
     pose = Stream(
         streams.pose.time,
@@ -247,6 +239,7 @@ def resample_flight(streams: FlightStreams) -> MeasuredFlight:
     usable = _bridge_gaps(known) & (grid - grid[0] >= warm)
     usable &= ~(at[:, 2] <= streams.floor)
     voltage = streams.others.get('voltage')
+    # Battery voltage changes slowly: interpolate over up to 5 s.
     volts = (
         np.full(count, np.nan)
         if voltage is None

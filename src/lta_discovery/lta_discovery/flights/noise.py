@@ -1,4 +1,4 @@
-"""How much of a recorded series is noise: from its third differences, which motion hardly has."""
+"""Estimate sensor noise from third differences, in which smooth motion nearly vanishes."""
 
 from typing import Final
 
@@ -7,11 +7,11 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-HALF: Final = 0.6745  # median of the size of white noise, in its deviations
-# What no sensor is better than, by channel: m, rad, rad/s, m/s2, m, Pa.
+HALF: Final = 0.6745  # median of the absolute value of white noise, in standard deviations
+# Smallest credible noise by channel: m, rad, rad/s, m/s2, m, Pa.
 LEAST: Final = np.array([5e-4] * 3 + [1e-3] * 3 + [3e-4] * 3 + [3e-3] * 3 + [1e-3, 0.3])
-# A tracker whose noise seems smaller by that factor was filtered: what the filter did to motion
-# is then its error (assumed: 8 mm, 0.9 degrees), and the poses of half a second say the same.
+# A tracker with noise below this factor was filtered. Its error is then what the filter did to
+# motion (assumed: 8 mm, 0.9 degrees), and is correlated over half a second.
 FILTERED: Final = 0.2
 SMOOTH: Final = 16.0  # of LEAST
 ALIKE: Final = 12.5  # poses
@@ -19,26 +19,21 @@ ALIKE: Final = 12.5  # poses
 
 def estimate_noise(values: Array) -> float:
     """
-    Return the standard deviation of white noise on a smooth series, from its third differences.
+    Estimate the standard deviation of white noise on an evenly sampled, smooth series.
 
-    By the median of their sizes, so that jumps and outliers count little; NaN-safe.
-
-    Parameters
-    ----------
-    values : ndarray, shape (n,)
-        Evenly sampled.
-
+    Uses the median size of third differences, which is robust to jumps and outliers. Ignores NaN.
     """
     third = np.diff(np.where(np.isfinite(values), values, np.nan), n=3)
     third = third[np.isfinite(third)]
     if len(third) < 8:
         return np.inf
+    # 20 = 1 + 9 + 9 + 1: the variance of a third difference of unit white noise.
     return float(np.median(np.abs(third)) / HALF / np.sqrt(20.0))
 
 
 def estimate_pose_noise(poses: Array) -> tuple[Array, float]:
     """
-    Return the noise of a tracker, and how many of its poses say the same.
+    Estimate the noise of a tracker, and the number of poses with correlated errors.
 
     Parameters
     ----------
@@ -48,11 +43,13 @@ def estimate_pose_noise(poses: Array) -> tuple[Array, float]:
     Returns
     -------
     ndarray, shape (6,), and float
-        Of place and rotation vector [m, rad], as large as each pose counts; 1.0 where poses are
-        independent.
+        Of position and rotation vector [m, rad], scaled by the root of the number; 1.0 for
+        independent
+        poses.
 
     """
     own = np.array([estimate_noise(column) for column in poses.T])
+    # A small rotation is twice the vector part of its quaternion; 4 components have 3 freedoms.
     turning = np.full(3, 2.0 * np.sqrt(np.mean(own[3:7] ** 2) * 4.0 / 3.0))
     levels = np.maximum(np.concatenate([own[:3], turning]), LEAST[:6])
     if np.median(own[:3] / LEAST[:3]) >= FILTERED:

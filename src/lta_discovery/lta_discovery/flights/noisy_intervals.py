@@ -1,4 +1,4 @@
-"""Seconds in which a sensor says less than it usually does, and what else is left out."""
+"""Exclude seconds in which a sensor is noisier than usual."""
 
 from dataclasses import dataclass, replace
 from typing import Final, final
@@ -9,8 +9,8 @@ import numpy as np
 
 LOUD: Final = 3.0  # times the usual noise
 SECOND: Final = 25  # points of the grid
-FEW: Final = 6  # readings; of fewer no noise is told
-THIRD: Final = 20.0**0.5  # of third differences by that of the values
+FEW: Final = 6  # readings; fewest for a noise estimate
+THIRD: Final = 20.0**0.5  # noise of third differences by that of the values
 CHANNEL: Final = {6: 12, 7: 13}  # of CHANNELS by column of the readings
 
 
@@ -18,17 +18,18 @@ CHANNEL: Final = {6: 12, 7: 13}  # of CHANNELS by column of the readings
 @dataclass(frozen=True, slots=True)
 class ExcludedInterval:
     """
-    What is left out.
+    An excluded part of a flight.
 
     Attributes
     ----------
     flight, channel : str
-        Of which flight, and what the check was about; the flight is left out where that is the
-        pose, the commands or the whole, else the sensor alone.
+        The flight, and the checked channel. The flight itself is excluded there if the channel is
+        the
+        pose, the commands or the whole; otherwise only that sensor.
     from_s, to_s : float
         Since its start. [s]
     reason : str
-        A sentence of the check.
+        Sentence of the check.
 
     """
 
@@ -42,7 +43,7 @@ class ExcludedInterval:
 def remove_noisy_intervals(
     name: str, flight: MeasuredFlight
 ) -> tuple[MeasuredFlight, list[ExcludedInterval]]:
-    """Leave out seconds in which a sensor is noisier than usual, as near the end of its range."""
+    """Exclude seconds with a noisy sensor, such as a range finder near the end of its range."""
     readings, cuts = flight.readings.copy(), []
     for column, channel in ((6, 'range'), (7, 'pressure')):
         rough = np.full(len(readings), np.nan)
@@ -57,6 +58,6 @@ def remove_noisy_intervals(
                 continue
             readings[here, column] = np.nan
             first, last = (float(flight.time[min(k, len(rough) - 1)]) for k in (begin, here.stop))
-            said = f'It is silent in between, or more than {LOUD:g} times as noisy as usual.'
+            said = f'The sensor has gaps, or is more than {LOUD:g} times as noisy as usual.'
             cuts.append(ExcludedInterval(name, channel, first, last, said))
     return replace(flight, readings=readings), cuts

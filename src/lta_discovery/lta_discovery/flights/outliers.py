@@ -1,10 +1,9 @@
 """
-Single readings that cannot be: left out, since one wild pose outweighs a whole flight.
+Remove single outliers, since one wild pose can outweigh a whole flight.
 
-Where a reading is off the cubic through its neighbours by many times the noise, something near it
-is wild. A cubic through the readings around that place, none of which is in doubt, says which.
-Looked for on the grid, by the noise that is known there; poses that a tracker mistook were left
-out before that (`mistaken`).
+A reading is in doubt if it is off the cubic through its neighbours by many times the noise. A
+second cubic through undoubted readings nearby decides. This runs on the grid; tracker outliers
+were removed before (`tracker_outliers`).
 """
 
 from dataclasses import replace
@@ -17,15 +16,15 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
-WILD: Final = 12.0  # deviations of the noise, off the cubic
-AROUND: Final = 5  # readings on either side, that tell
-SHARE: Final = 0.3  # of the worst; what is less is the cubic's own error
-LONGEST: Final = 9  # readings in doubt; more are no matter of single ones
+WILD: Final = 12.0  # standard deviations of the noise, off the cubic
+AROUND: Final = 5  # readings on either side for the second cubic
+SHARE: Final = 0.3  # of the worst; less is the error of the cubic
+LONGEST: Final = 9  # readings in doubt; more are not single outliers
 
 
 def find_outliers(values: Array, noise: float) -> Flags:
     """
-    Return which readings of an even series are wild.
+    Return a mask of the outliers of an evenly sampled series.
 
     Parameters
     ----------
@@ -39,6 +38,7 @@ def find_outliers(values: Array, noise: float) -> Flags:
     if not np.isfinite(noise) or len(values) < 5:
         return out
     doubt = np.zeros(len(values), dtype=np.bool_)
+    # Cubic through the two neighbours on either side, at the centre: weights -1, 4, 4, -1 by 6.
     through = (4.0 * (values[1:-3] + values[3:-1]) - values[:-4] - values[4:]) / 6.0
     doubt[2:-2] = np.abs(values[2:-2] - through) > WILD * noise
     edges = np.flatnonzero(np.diff(np.concatenate([[0], doubt.astype(np.int8), [0]])))
@@ -55,11 +55,11 @@ def find_outliers(values: Array, noise: float) -> Flags:
 
 def remove_outliers(flight: MeasuredFlight) -> tuple[MeasuredFlight, int]:
     """
-    Return a flight without its wild readings, and how many there were.
+    Remove outliers from a flight; return it and their number.
 
-    A pose is one reading: its place and attitude go together.
+    A pose is one reading: its position and attitude are removed together.
     """
-    # Half the rotation is in a quaternion.
+    # A quaternion changes by half the rotation angle.
     noise = np.concatenate([flight.noise[:3], np.full(4, 0.5 * flight.noise[3:6].max())])
     poses = np.column_stack([flight.position, flight.quaternion])
     lost = np.any([find_outliers(*each) for each in zip(poses.T, noise, strict=True)], axis=0)

@@ -1,8 +1,8 @@
 """
-Stamps that sit on steps, and the regular instants behind them.
+Recover regular sampling times from quantized timestamps.
 
-Stamps of 1 ms at 120 Hz come 8, 8 and 9 ms apart; a line through them by their number is nearer
-to the truth than each of them. What the instants mean is for others to judge (`stamps`).
+Stamps of 1 ms resolution at 120 Hz come 8, 8 and 9 ms apart; a line through them by their number
+is closer to the truth than each stamp. `timestamp_repair` decides how to use the result.
 """
 
 from typing import Final
@@ -12,29 +12,30 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-STEPS: Final = (0.01, 0.005, 0.004, 0.002, 0.001, 5e-4, 2e-4, 1e-4)  # s; on which stamps may sit
-EXACT: Final = 2e-6  # s; off such a step, as floats and conversions leave it
-NEARLY: Final = 0.99  # of the stamps
-ONE: Final = 1.4  # usual intervals; what is longer, and by more than a step, has lost a pose
+STEPS: Final = (
+    0.01,
+    0.005,
+    0.004,
+    0.002,
+    0.001,
+    5e-4,
+    2e-4,
+    1e-4,
+)  # s; possible resolutions of stamps
+EXACT: Final = 2e-6  # s; largest deviation from a step, from floats and conversions
+NEARLY: Final = 0.99  # of the stamps have to be on the step
+ONE: Final = 1.4  # usual intervals; a pose is lost in a longer one (and longer by ONE_STEP)
 ONE_STEP: Final = 1.25  # steps
-APART: Final = 100  # periods of silence, after which a raster begins anew
-FEWEST: Final = 50  # poses that make a raster
+APART: Final = 100  # periods of silence, after which a new raster begins
+FEWEST: Final = 50  # fewest poses of a raster
 KNOTS: Final = 10.0  # s; between changes of the rate, where a clock drifts
-BETTER: Final = 0.9  # of the deviations; a drift that explains less is none
-TURNS: Final = 100  # of fitting into the steps
-NONE: Final = 2e-5  # s; too little to see: 0.02 mm at 1 m/s
+BETTER: Final = 0.9  # of the deviations; a drift is fitted only if it reduces them below this
+TURNS: Final = 100  # iterations of the fit into the steps
+NONE: Final = 2e-5  # s; negligible: 0.02 mm at 1 m/s
 
 
 def find_stamp_step(time: Array) -> float:
-    """
-    Return the step on which stamps sit, 0 where they sit on none.
-
-    Parameters
-    ----------
-    time : ndarray, shape (n,)
-        [s]
-
-    """
+    """Return the resolution of timestamps, 0 where there is none. [s]"""
     since = time - time[:1]
     for step in STEPS if len(time) > 1 else ():
         if np.mean(np.abs(since - step * np.round(since / step)) < EXACT) >= NEARLY:
@@ -44,21 +45,21 @@ def find_stamp_step(time: Array) -> float:
 
 def fit_regular_times(time: Array, step: float) -> Array:
     """
-    Return the regular instants nearest to stamps, poses lost in between or not.
+    Fit regular sampling times to timestamps, with or without lost poses.
 
-    The rate may drift slowly. After a long silence the instants begin anew.
+    The rate may drift slowly. A new raster begins after a long silence.
 
     Parameters
     ----------
     time : ndarray, shape (n,)
         Rising. [s]
     step : float
-        Stamps are off by up to half of it. [s]
+        Resolution of the stamps, which are off by up to half of it. [s]
 
     Returns
     -------
     ndarray, shape (n,)
-        NaN where poses are too few, or do not follow one another at one rate. [s]
+        NaN where there are too few poses, or no constant rate. [s]
 
     """
     out = np.full(len(time), np.nan)
@@ -75,7 +76,7 @@ def fit_regular_times(time: Array, step: float) -> Array:
 
 
 def _fit_line(index: Array, time: Array, step: float) -> Array:
-    """Return a line through stamps by index, with bends only where it is much better with them."""
+    """Fit a line to stamps by index, with bends only where they reduce the error clearly."""
     middle = time[0] + 0.5 * (time[-1] - time[0])
     knots = np.arange(time[0] + KNOTS, time[-1] - 0.5 * KNOTS, KNOTS)
     at = np.interp(knots, time, index)
@@ -91,16 +92,17 @@ def _fit_line(index: Array, time: Array, step: float) -> Array:
 
 
 def _excess_deviation(off: Array, step: float) -> float:
-    """Return how far stamps are off, beyond what rounding can do."""
+    """Return the RMS deviation of stamps beyond rounding. [s]"""
     return NONE + float(np.sqrt(np.mean(np.maximum(np.abs(off) - 0.5 * step, 0.0) ** 2)))
 
 
 def _fit_within_steps(basis: Array, time: Array, step: float) -> Array:
-    """Fit stamps as nearly as they can be: to half a step, and without those that are far off."""
+    """Fit stamps to within half a step each, without those that are far off."""
     off = time - basis @ np.linalg.lstsq(basis, time)[0]
     good = np.abs(off) <= 5.0 * np.median(np.abs(off)) + step
     solve = np.linalg.pinv(basis[good])
     wanted = time
+    # Alternate projections: onto the line, then into the interval that rounds to each stamp.
     for _ in range(TURNS if step else 1):
         line: Array = basis @ (solve @ wanted[good])
         wanted = np.clip(line, time - 0.5 * step, time + 0.5 * step)

@@ -1,4 +1,4 @@
-"""Which flights teach, which confirm and which are held out, where that is not given."""
+"""Assign roles to flights: training, confirming, held out."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -11,18 +11,18 @@ import numpy as np
 Role = tuple[str, str, MeasuredFlight]
 
 ROLES: Final = ('train', 'confirm', 'holdout')
-ONE: Final = (0.4, 0.7)  # of the usable time: where what teaches ends, and what confirms
-TWO: Final = 0.6  # the same, where only what confirms is missing
+ONE: Final = (0.4, 0.7)  # of the usable time: ends of the training part and of the confirming part
+TWO: Final = 0.6  # the same, where there is a held-out flight already
 
 
 def select_part(flight: MeasuredFlight, begin: float, end: float) -> MeasuredFlight:
     """
     Return a flight of which only a part is usable.
 
+    The whole flight is still replayed, because lag, gas and battery have memory.
+
     Parameters
     ----------
-    flight : Measured
-        The whole, which goes on being replayed: lag, gas and battery remember.
     begin, end : float
         Of the usable points, 0 to 1.
 
@@ -33,35 +33,36 @@ def select_part(flight: MeasuredFlight, begin: float, end: float) -> MeasuredFli
 
 def assign_roles(flights: Sequence[Role]) -> tuple[list[Role], list[str]]:
     """
-    Return flights such that some teach and some confirm, and what that makes weaker.
+    Complete the roles of flights, so that some train and some confirm.
 
     Parameters
     ----------
-    flights : sequence of (name, role, Measured)
+    flights : sequence of (name, role, MeasuredFlight)
         Roles as in ROLES.
 
     Returns
     -------
-    list of (name, role, Measured), list of str
-        The same where nothing is missing; one flight alone in three parts; training flights in
-        two, by flights or, if there is one, in time.
+    list of (name, role, MeasuredFlight), list of str
+        The same flights where some confirm; otherwise training flights split in two (a single one
+        in
+        time), or one flight alone split in three. Then warnings about the split.
 
     Raises
     ------
     BadInput
-        If no flight teaches.
+        If there is no training flight.
 
     """
     train = [flight for flight in flights if flight[1] == 'train']
     rest = [flight for flight in flights if flight[1] != 'train']
     if not train:
-        raise BadInput('No flight is there to learn from; name at least one bag to train on.')
+        raise BadInput('There is no training flight; name at least one bag to train on.')
     if any(role == 'confirm' for _, role, _ in rest):
         return list(flights), []
     if len(train) > 1:
         half = (len(train) + 1) // 2
         moved = [(name, 'confirm', flight) for name, _, flight in train[half:]]
-        said = 'No flight was given to confirm by: half of the training flights are held against'
+        said = 'There is no confirming flight: half of the training flights confirm'
         return [*train[:half], *moved, *rest], [f'{said} the other half.']
     name, _, flight = train[0]
     if rest:
@@ -69,11 +70,11 @@ def assign_roles(flights: Sequence[Role]) -> tuple[list[Role], list[str]]:
             (name, 'train', select_part(flight, 0.0, TWO)),
             (name, 'confirm', select_part(flight, TWO, 1)),
         ]
-        said = 'What was found is confirmed by the later part of the flight that taught it, which'
+        said = 'The effects are confirmed by a later part of the training flight, which'
         return [*parts, *rest], [f'{said} is weaker than another flight.']
     first, second = ONE
     edges = zip(ROLES, (0.0, first, second), (first, second, 1.0), strict=True)
-    said = 'One flight teaches, confirms and is held out, part after part, which is weaker than'
+    said = 'One flight is split into training, confirming and held-out parts, which is weaker than'
     return [(name, role, select_part(flight, a, b)) for role, a, b in edges], [
         f'{said} three flights.'
     ]

@@ -1,10 +1,10 @@
-"""What is true of many flights, said once."""
+"""Merge equal remarks about several flights into one sentence."""
 
 from collections.abc import Sequence
 import re
 from typing import Final
 
-TOLD: Final = 3  # flights that a sentence names; more are counted
+TOLD: Final = 3  # most flights that a sentence names; more are counted
 IS: Final = ' is '
 OF: Final = ': '
 NUMBER: Final = re.compile(r'(?<![\w.])\d+(?:\.\d+)?')
@@ -12,33 +12,35 @@ NUMBER: Final = re.compile(r'(?<![\w.])\d+(?:\.\d+)?')
 
 def merge_sentences(sentences: Sequence[str], flights: int = 0) -> list[str]:
     """
-    Return sentences of which those that say the same of several flights have become one.
+    Merge sentences that state the same of several flights.
 
     Parameters
     ----------
     sentences : sequence of str
-        'A is late.', 'B: 3 readings are odd.', 'C: 5 readings are odd.'; what does not begin with
-        a name stays as it is.
+        'A is late.', 'B: 3 readings are odd.', 'C: 5 readings are odd.'; sentences without a name
+        stay
+        as they are.
     flights : int
-        How many flights there are; 0 where that is not to be said.
+        Number of flights; 0 to omit it.
 
     Returns
     -------
     list of str
-        'A is late.', 'In 2 of 9 flights (B, C): 3 to 5 readings are odd.', each where it was said
-        first.
+        'A is late.', 'In 2 of 9 flights (B, C): 3 to 5 readings are odd.', in the order of first
+        occurrence.
 
     """
     same: dict[str, list[tuple[str, str]]] = {}
     for sentence in sentences:
         name, rest = _split_sentence(sentence)
+        # Sentences that differ only in numbers have one key.
         key = NUMBER.sub('#', rest) if rest.startswith(OF) else rest
         same.setdefault(key if name else sentence, []).append((name, rest or sentence))
     return [_merge_group(said, flights) for said in same.values()]
 
 
 def _split_sentence(sentence: str) -> tuple[str, str]:
-    """Return whose name a sentence begins with, and the rest; twice '' where there is none."""
+    """Split a sentence into its flight's name and the rest; '', '' if it has no name."""
     name, verb, rest = sentence.partition(OF)
     if verb and not set(name) & set(' ,:'):
         return name, f'{OF}{rest}'
@@ -49,7 +51,7 @@ def _split_sentence(sentence: str) -> tuple[str, str]:
 
 
 def _merge_group(sentences: Sequence[tuple[str, str]], flights: int) -> str:
-    """Return one sentence for those of several flights that say the same."""
+    """Merge equal sentences of several flights."""
     names, rests = (
         list(dict.fromkeys(name for name, _ in sentences)),
         [rest for _, rest in sentences],
@@ -67,7 +69,7 @@ def _merge_group(sentences: Sequence[tuple[str, str]], flights: int) -> str:
 
 
 def _merge_numbers(rests: Sequence[str]) -> str:
-    """Return what sentences say that differ in numbers alone, those as ranges."""
+    """Merge sentences that differ only in numbers, giving these as ranges."""
     several = iter(zip(*(NUMBER.findall(rest) for rest in rests), strict=True))
 
     def format_range(_: re.Match[str]) -> str:

@@ -1,4 +1,4 @@
-"""What a recording has of a flight, out of its channels, for the model to be held against."""
+"""Extract the streams of a flight from the channels of a recording."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -16,12 +16,12 @@ from scipy.spatial.transform import Rotation
 Array = NDArray[np.float64]
 
 TRACKERS: Final = ('ground_truth/odom', 'ground_truth/pose', 'pose', 'mocap/pose', 'vrpn/pose')
-NO_TRACKER: Final = ('odom', 'setpoint', 'light', 'estimate')  # poses that nobody measured
+NO_TRACKER: Final = ('odom', 'setpoint', 'light', 'estimate')  # poses that are not measurements
 POSITION: Final = 'position.x'
 COMMAND: Final = 'motors/effort.'
 MASS: Final = tuple(f'motors/position.moving_mass_{axis}' for axis in 'xyz')
-NEWTONS: Final = frozenset({'N', 'mN'})  # units of an import that are no duty
-FAINT: Final = 0.1  # N; rotors with less at full duty
+NEWTONS: Final = frozenset({'N', 'mN'})  # units of imported thrust commands
+FAINT: Final = 0.1  # N; small rotors have less at full duty
 WRENCH: Final = tuple(
     f'wrench_command/wrench.{kind}.{axis}' for kind in ('force', 'torque') for axis in 'xyz'
 )
@@ -35,7 +35,7 @@ SENSORS: Final[dict[str, tuple[str, ...]]] = {
 
 
 def _join_channels(channels: Sequence[SignalChannel]) -> Stream:
-    """Return channels of one topic side by side, in the order of time, no instant twice."""
+    """Join the channels of one topic, sorted by time, without duplicate times."""
     time = channels[0].time
     if any(len(channel.time) != len(time) for channel in channels):
         raise BadInput(
@@ -46,7 +46,7 @@ def _join_channels(channels: Sequence[SignalChannel]) -> Stream:
 
 
 def _read_wrench(channels: Mapping[str, SignalChannel]) -> Stream | None:
-    """Return the commanded wrench; an axis that nobody commands, or says nothing, is at 0."""
+    """Return the commanded wrench; axes without a command or a value are 0."""
     known = [channels[name] for name in WRENCH if name in channels]
     if not known:
         return None
@@ -58,7 +58,7 @@ def _read_wrench(channels: Mapping[str, SignalChannel]) -> Stream | None:
 
 
 def _read_moving_mass(channels: Mapping[str, SignalChannel]) -> Stream | None:
-    """Return where the moving mass is told to be, None where nobody tells."""
+    """Return the commanded place of the moving mass, None if it is not recorded."""
     if not all(name in channels for name in MASS):
         return None
     told = _join_channels([channels[name] for name in MASS])
@@ -74,11 +74,11 @@ def _list_dicts(holder: object, name: str) -> list[dict[str, Any]]:
 
 
 def has_newton_commands(provenance: Mapping[str, str]) -> bool | None:
-    """Tell whether an import has the propellers' efforts in newtons; None where it is not said."""
+    """Return whether the commands of an import are in newtons; None if it does not state that."""
     text = provenance.get('mapping_file')
     if not text:
         return None
-    # Not held against today's schema: a recording may be of another version.
+    # Not validated against the current schema: a recording may be of an older version.
     try:
         mapping = parse_yaml(text, 'The mapping')
     except BadInput:
@@ -94,21 +94,22 @@ def convert_to_duties(
     streams: FlightStreams, nominal: NominalVehicle, provenance: Mapping[str, str]
 ) -> FlightStreams:
     """
-    Return streams whose commands are duties, where a recording has the thrusts themselves.
+    Convert commanded thrusts to duties, by inverting the thrust curve; duties stay as they are.
 
     Parameters
     ----------
-    told : Streams
+    streams : FlightStreams
         As recorded.
-    nominal : Nominal
-        The vehicle, whose thrust curve is turned over.
+    nominal : NominalVehicle
+        The vehicle with the thrust curve.
     provenance : mapping of str to str
-        Of the recording. Where it does not say, commands that never exceed what faint rotors
-        give in newtons are taken for newtons: as duties they would hardly turn.
+        Of the recording. If it does not state the unit, commands that never exceed the full thrust
+        of
+        small rotors in newtons are taken for newtons: as duties they would be too small.
 
     """
     if streams.wrench is not None or not np.any(streams.commands.values):
-        return streams  # nothing is told to the rotors
+        return streams  # no rotor commands
     count = streams.commands.values.shape[1]
     a, b = (
         np.array([nominal.parameter_value('thrust_curve', f'{c}_{i + 1}') for i in range(count)])
@@ -121,6 +122,7 @@ def convert_to_duties(
     if not said:
         return streams
     size = np.abs(streams.commands.values)
+    # Invert thrust = a * duty**2 + b * duty; a = 0 is a linear curve.
     curved = np.where(a == 0.0, 1.0, a)
     root = (np.sqrt(b * b + 4.0 * curved * size) - b) / (2.0 * curved)
     duty = np.sign(streams.commands.values) * np.where(a == 0.0, size / b, root)
@@ -129,12 +131,12 @@ def convert_to_duties(
 
 def find_tracker_prefix(channels: Mapping[str, SignalChannel]) -> str:
     """
-    Return where the channels of the tracked pose begin: 'ground_truth/odom/pose.pose.'.
+    Return the prefix of the tracked pose's channels: 'ground_truth/odom/pose.pose.'.
 
     Raises
     ------
     BadInput
-        If no pose was recorded that somebody measured.
+        If no measured pose was recorded.
 
     """
     known = [
@@ -151,7 +153,7 @@ def find_tracker_prefix(channels: Mapping[str, SignalChannel]) -> str:
         return free[0]
     raise BadInput(
         'The recording has no pose from a tracker (ground_truth/odom, pose); '
-        'without one no model can be held against it.'
+        'without one no model can be compared with it. Record the pose too.'
     )
 
 
@@ -159,11 +161,11 @@ def build_streams(
     channels: Mapping[str, SignalChannel], rotors: Sequence[str], floor: float = -np.inf
 ) -> FlightStreams:
     """
-    Return what a recording has of a flight.
+    Build the streams of a flight from the channels of its recording.
 
     Parameters
     ----------
-    channels : mapping of str to Channel
+    channels : mapping of str to SignalChannel
         Of `lta_data.bag.channels.read_all_channels`.
     rotors : sequence of str
         Names of the actuators in the order of the vehicle file.
@@ -189,8 +191,8 @@ def build_streams(
         there = [name.removeprefix(COMMAND) for name in channels if name.startswith(COMMAND)]
         raise BadInput(
             f"The recording has no command of {', '.join(missing)} in 'motors', and no "
-            f"'wrench_command'; it commands {', '.join(sorted(there)) or 'nothing'}. Name the "
-            'vehicle that flew with --vehicle, and its rotors as its file does.'
+            f"'wrench_command'; it has commands of {', '.join(sorted(there)) or 'nothing'}. Give "
+            'the flown vehicle with --vehicle, and use the rotor names of its file.'
         )
     if missing:
         commands = Stream(told.time[:1], np.zeros((1, len(rotors))))

@@ -1,11 +1,10 @@
 """
-Stamps that are rounded, or jitter, of a tracker or an IMU that reads at a regular rate.
+Repair rounded or jittering timestamps of a tracker or an IMU with a regular sampling rate.
 
-A pose with a wrong stamp is wrong by the way the vehicle goes meanwhile. Stamps of 1 ms at 120 Hz
-are wrong in a pattern of three, which on the grid of a study looks like an oscillation. Stamps
-alone do not tell whether they or the instants of the readings are irregular. The readings do,
-since a vehicle moves smoothly: where they follow a raster, it takes the place of the stamps.
-Commands tell nothing of that kind, and slow sensors little: their stamps are left alone.
+A wrong stamp shifts a pose along the motion. Stamps of 1 ms resolution at 120 Hz err in a pattern
+of three, which looks like an oscillation on the grid. The stamps alone do not show whether they or
+the sampling is irregular. The readings do, because a vehicle moves smoothly: if they follow a
+regular raster, it replaces the stamps. Commands and slow sensors keep their stamps.
 """
 
 from dataclasses import replace
@@ -25,34 +24,34 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-SMALL: Final = 0.2  # of a period: deviations that a raster may leave
-SLOW: Final = 0.3  # of the deviations, in means of FEWEST: more is a drift that was not fitted
-AROUND: Final = 0.1  # s; on either side, over which a slope is taken
-PARTS: Final = 20  # of a flight, whose scatter is the error
+SMALL: Final = 0.2  # of a period: largest RMS deviation of stamps from a raster
+SLOW: Final = 0.3  # of the deviations, in means of FEWEST: more is an unmodelled drift
+AROUND: Final = 0.1  # s; on either side, for the slope of the readings
+PARTS: Final = 20  # parts of a flight, whose scatter gives the standard error
 SURE: Final = 3.0  # standard errors
 UNIFORM: Final = 12.0**-0.5  # standard deviation of rounding, in steps
-ROUNDED: Final = 0.55  # steps; what is further off a raster is no rounding alone
-WORTH: Final = 0.3  # of the noise; less need not be said
+ROUNDED: Final = 0.55  # steps; a larger deviation is not rounding alone
+WORTH: Final = 0.3  # of the noise; less is not reported
 
 
 def estimate_stamp_share(values: Array, raster: Array, off: Array) -> tuple[float, float]:
     """
-    Return how far readings follow the stamps, 1, or the raster, 0.
+    Estimate whether readings follow the stamps (1) or the raster (0).
 
-    From one reading to the next they change by their slope times what went by: of the raster, and
-    of that share of the stamps' deviations.
+    Between two readings the change is the slope times the elapsed time: that of the raster, plus
+    the estimated share of the stamps' deviations.
 
     Parameters
     ----------
     values : ndarray, shape (n, 3)
         Three axes of one unit and noise.
     raster, off : ndarray, shape (n,)
-        Regular instants, and by how much the stamps are later. [s]
+        Regular sampling times, and the deviations of the stamps from them. [s]
 
     Returns
     -------
     float and float
-        The share and its standard error, infinite where nothing tells.
+        The share and its standard error, infinite without evidence.
 
     """
     wide = max(2, round(AROUND / float(np.median(np.diff(raster)))))
@@ -68,20 +67,20 @@ def estimate_stamp_share(values: Array, raster: Array, off: Array) -> tuple[floa
     if len(moved) < PARTS:
         return 0.5, np.inf
     usual = np.median(np.abs(moved), axis=0) / HALF
-    moved = np.clip(moved, -4.0 * usual, 4.0 * usual)  # a wild reading is no evidence
+    moved = np.clip(moved, -4.0 * usual, 4.0 * usual)  # limit the influence of outliers
     parts = np.linspace(0, len(moved), PARTS, endpoint=False).astype(int)
     over = np.add.reduceat(np.sum(moved * shifted, axis=1), parts)
     under = np.add.reduceat(np.sum(shifted * shifted, axis=1), parts)
     if not under.sum() > 0.0:
         return 0.5, np.inf
     share = float(over.sum() / under.sum())
-    # The scatter of the parts says little where one of them has all there is.
+    # If one part holds all the motion, the scatter of the parts is too small: use the noise.
     scatter = np.sum((over - share * under) ** 2) / under.sum()
     return share, float(np.sqrt(max(scatter, np.mean(usual**2)) / under.sum()))
 
 
 def _is_regular(raster: Array, off: Array, step: float) -> bool:
-    """Tell whether stamps are on a raster but for small deviations that are not slow."""
+    """Return whether stamps deviate from a raster only a little and without slow drift."""
     there = np.isfinite(off)
     period = float(np.median(np.diff(raster[there])))
     rms = float(np.std(off[there]))
@@ -92,23 +91,16 @@ def _is_regular(raster: Array, off: Array, step: float) -> bool:
 
 def repair_timestamps(name: str, streams: FlightStreams) -> tuple[FlightStreams, float, list[str]]:
     """
-    Return a flight whose tracker and IMU have the stamps of a raster, where they follow one.
-
-    Parameters
-    ----------
-    name : str
-        Of the flight.
-    told : Streams
-        As recorded.
+    Replace the stamps of tracker and IMU by a regular raster, where the readings follow one.
 
     Returns
     -------
-    Streams
-        With other stamps, or as they were.
+    FlightStreams
+        With new stamps, or unchanged.
     float
-        Standard deviation of a tracker's stamps that are rounded and on no raster; else 0. [s]
+        Standard deviation of rounded tracker stamps without a raster; else 0. [s]
     list of str
-        What was done, a sentence each.
+        Applied repairs, one sentence each.
 
     """
     pose, deviation, words = _repair_stream(f"{name}: the tracker's stamps", streams.pose)
@@ -123,7 +115,7 @@ def repair_timestamps(name: str, streams: FlightStreams) -> tuple[FlightStreams,
 
 
 def _repair_stream(who: str, stream: Stream) -> tuple[Stream, float, list[str]]:
-    """Return a stream on its raster, the deviation of stamps without one, and what was done."""
+    """Return a stream on its raster, the deviation of stamps without one, and the repairs."""
     time = stream.time
     if len(time) < FEWEST or np.any(np.diff(time) <= 0.0):
         return stream, 0.0, []
@@ -131,20 +123,20 @@ def _repair_stream(who: str, stream: Stream) -> tuple[Stream, float, list[str]]:
     raster = fit_regular_times(time, step)
     off, there = time - raster, np.isfinite(raster)
     if there.mean() < 0.5 or not _is_regular(raster, off, step):
-        # Where the step is the period itself, readings are missing, and none is known to be wrong.
+        # If the step is the period itself, readings are missing, but no stamp need be wrong.
         fine = np.median(np.diff(time)) >= 3.0 * step
         return stream, UNIFORM * step if fine else 0.0, []
     rms = float(np.std(off[there]))
     share, error = estimate_stamp_share(stream.values[there, :3], raster[there], off[there])
     rounded = bool(np.mean(np.abs(off[there]) <= ROUNDED * step) >= NEARLY)
-    # Stamps within half a step of a raster are rounded, unless the readings follow them: those of
-    # a simulator may be taken on its steps. Jitter may be of either: there the readings decide.
+    # Stamps within half a step of a raster are rounded, unless the readings follow them (as in a
+    # simulator with fixed steps). Other deviations are jitter only if the readings show it.
     doubt = share - SURE * error if rounded else share + SURE * error
     put = np.where(there, raster, time)
     if rms < NONE or doubt > 0.5 or np.any(np.diff(put) <= 0.0):
         return stream, 0.0, []
     rate = 1.0 / float(np.median(np.diff(raster[there])))
-    what = f'are rounded to {1e3 * step:g} ms' if rounded else 'jitter, its readings do not'
+    what = f'are rounded to {1e3 * step:g} ms' if rounded else 'jitter, but its readings do not'
     word = (
         f'{who} {what}; they fit a regular {rate:.1f} Hz raster to {1e3 * rms:.2f} ms and were '
         'put on it.'
@@ -156,28 +148,25 @@ def add_stamp_noise(
     name: str, flight: MeasuredFlight, deviation: float
 ) -> tuple[MeasuredFlight, list[str]]:
     """
-    Return a flight whose poses are as uncertain as their stamps make them.
+    Increase the noise of the poses by the effect of rounded stamps.
 
     Parameters
     ----------
-    name : str
-        Of the flight.
-    flight : Measured
-        On the grid.
     deviation : float
-        Of the stamps. [s]
+        Standard deviation of the stamps. [s]
 
     """
     if deviation == 0.0:
         return flight, []
     apart = float(flight.time[1] - flight.time[0])
     moved = np.sqrt(np.nanmean(np.diff(flight.position, axis=0) ** 2, axis=0))
+    # A small rotation is twice the vector part of its quaternion; 4 components have 3 freedoms.
     turned = 2.0 * np.sqrt(np.nanmean(np.diff(flight.quaternion, axis=0) ** 2) * 4.0 / 3.0)
     more = np.concatenate([moved, [turned] * 3]) / apart * deviation
     noise = flight.noise.copy()
     noise[:6] = np.hypot(noise[:6], more)
     words = [
-        f"{name}: the tracker's stamps are rounded and come at no regular rate; what moves in "
-        f'{1e3 * deviation:.2f} ms is counted as noise of the poses.'
+        f"{name}: the tracker's stamps are rounded and irregular; the motion within "
+        f'{1e3 * deviation:.2f} ms is added to the noise of the poses.'
     ]
     return replace(flight, noise=noise), words if np.any(more > WORTH * flight.noise[:6]) else []

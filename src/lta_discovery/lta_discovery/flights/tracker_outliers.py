@@ -1,9 +1,8 @@
 """
-Poses that a tracker mistook: one, two or three in a row that lie far off those around them.
+Detect tracker outliers: up to three successive poses far off their neighbours.
 
-Looked for among the poses as recorded, before they are put on the grid (`measured`): interpolation
-would spread a wrong pose over its neighbours. What is wild on the grid, and single readings of the
-sensors, is told by `outliers`.
+This runs on the recorded poses, before they are resampled (`measured_flight`), because
+interpolation would spread a wrong pose. `outliers` then treats the grid and the sensors.
 """
 
 from typing import Final
@@ -15,27 +14,21 @@ from scipy.ndimage import median_filter
 
 Array = NDArray[np.float64]
 
-AROUND: Final = 7  # poses; the middle one of so many is where a tracker that is right would be
-CLEAR: Final = 12.0  # times the usual distance from there, which is noise
-LEAST: Final = 0.02  # m, or of a quaternion; what a fast turn comes to between few poses
+AROUND: Final = 7  # poses; width of the median filter
+CLEAR: Final = 12.0  # times the median distance from the filter, which is noise
+LEAST: Final = 0.02  # m, or quaternion component; a fast turn reaches less between few poses
 
 
 def find_tracker_outliers(poses: Array) -> NDArray[np.bool_]:
     """
-    Tell which poses lie far off those around them (Hampel's rule).
+    Return a mask of the poses that are outliers (Hampel filter).
 
-    Motion takes the middle pose along, also over a gap, so that only what goes there and back
-    within three poses is told.
+    The median follows motion, also across a gap: only an excursion of up to three poses is marked.
 
     Parameters
     ----------
     poses : ndarray, shape (n, 7)
-        Position [m] and quaternion, which does not change its sign.
-
-    Returns
-    -------
-    ndarray of bool, shape (n,)
-        True where any number is off.
+        Position [m] and quaternion, without sign changes.
 
     """
     known = np.isfinite(poses).all(axis=1)

@@ -1,10 +1,9 @@
 """
-What of recorded flights can be used: the checks of `lta bag check`, and what follows from them.
+Select the usable parts of recorded flights, by the checks of `lta bag check`.
 
-An interval that is not to be believed is cut out, of the flight or of the one sensor; a sensor of
-which most is not to be believed is done without; where the pose or the commands are so, there is
-no answer and the flight is refused. What an effect of the library could be (a tracker that is
-late, a clock that drifts) is no fault of the recording: it is said and kept.
+Bad intervals of the flight or of one sensor are cut out. A sensor that is bad for most of the
+flight is dropped; a flight with a pose or commands that are, is rejected. Faults that are effects
+of the library (tracker lag, clock drift) are kept, with a warning.
 """
 
 from collections.abc import Mapping, Sequence
@@ -33,17 +32,19 @@ from lta_model.vehicle import Vehicle
 import numpy as np
 from numpy.typing import NDArray
 
-MOST: Final = 0.5  # of a flight; what is bad for longer is bad throughout
-AROUND: Final = 0.2  # s; cut beside an interval
-NEAR_FLOOR: Final = 0.05  # m above standing: swings still touch
+MOST: Final = 0.5  # of a flight; a channel that is bad for longer is dropped
+AROUND: Final = 0.2  # s; margin cut on either side of an interval
+NEAR_FLOOR: Final = (
+    0.05  # m above the standing height; a swinging vehicle may still touch the floor
+)
 SHORTEST: Final = 6.0  # s; of a flight
-LEAST: Final = 20.0  # s; of all training flights
+LEAST: Final = 20.0  # s; of all training flights together
 STILL: Final = 0.005  # of the largest command: standard deviation over all training flights
-FULL: Final = 0.98  # of a duty
-LOST: Final = 0.02  # of the poses, worth a word
+FULL: Final = 0.98  # duty
+LOST: Final = 0.02  # of the poses; more lost poses are reported
 LIGHT: Final = 'illuminance/illuminance'
-LATE: Final = ('lag', 'drift')  # figures of a clock that may be an effect
-# Where each sensor stands among the readings of a Measured, by the beginning of its channels.
+LATE: Final = ('lag', 'drift')  # clock faults that may be an effect of the library
+# Columns of each sensor in MeasuredFlight.readings, by the prefix of its channels.
 SENSORS: Final = {
     'imu/angular_velocity': ('rates', slice(0, 3)),
     'imu/linear_acceleration': ('force', slice(3, 6)),
@@ -58,18 +59,18 @@ SENSORS: Final = {
 @dataclass(frozen=True, slots=True)
 class UsableFlights:
     """
-    Flights that can be used.
+    The usable parts of flights.
 
     Attributes
     ----------
-    flights : tuple of (name, role, Measured)
-        As a study takes them.
-    cuts : tuple of Cut
-        What is left out.
+    flights : tuple of (name, role, MeasuredFlight)
+        Input of a study.
+    cuts : tuple of ExcludedInterval
+        Excluded parts.
     warnings : tuple of str
         A sentence each.
     light : mapping of str to ndarray
-        Illuminance on the grid, of the flights that have it. [lx]
+        Illuminance on the grid, by flight. [lx]
 
     """
 
@@ -81,19 +82,12 @@ class UsableFlights:
 
 def select_usable_flights(flights: Sequence[StudyRecording], vehicle: Vehicle) -> UsableFlights:
     """
-    Return what of some flights can be used.
-
-    Parameters
-    ----------
-    flights : sequence of Recorded
-        Of one vehicle.
-    vehicle : Vehicle
-        As its file has it.
+    Return the usable parts of some flights of one vehicle.
 
     Raises
     ------
     BadInput
-        If no honest answer can come of them: the sentence says why.
+        If the flights are not usable; the message states why.
 
     """
     warnings = check_one_vehicle(flights, vehicle.file)
@@ -101,7 +95,8 @@ def select_usable_flights(flights: Sequence[StudyRecording], vehicle: Vehicle) -
     if made := [one.name for one in flights if one.recording.is_simulated]:
         verb = 'is' if len(made) == 1 else 'are'
         warnings.append(
-            f'{", ".join(made)} {verb} declared as simulated: nothing follows for a real vehicle.'
+            f'{", ".join(made)} {verb} declared as simulated: results do not apply to a real '
+            'vehicle.'
         )
     cuts: list[ExcludedInterval] = []
     usable: list[tuple[str, Role, MeasuredFlight]] = []
@@ -113,9 +108,13 @@ def select_usable_flights(flights: Sequence[StudyRecording], vehicle: Vehicle) -
         warnings += words
         seconds = _usable_seconds(flight)
         if seconds < SHORTEST:
-            warnings.append(f'{one.name}: only {seconds:.0f} s can be used; it is left out.')
+            warnings.append(
+                f'{one.name}: only {seconds:.0f} s are usable; the flight is left out.'
+            )
         elif len(cut_windows(flight).first) < FEWEST:
-            warnings.append(f'{one.name}: what can be used is in shreds; it is left out.')
+            warnings.append(
+                f'{one.name}: the usable intervals are too short; the flight is left out.'
+            )
         else:
             usable.append((one.name, one.role, flight))
     _check_enough_left(flights, usable, cuts)
@@ -133,12 +132,12 @@ def select_usable_flights(flights: Sequence[StudyRecording], vehicle: Vehicle) -
 
 
 def _load_streams(one: StudyRecording, vehicle: Vehicle) -> FlightStreams:
-    """Return what a flight has, or say what it lacks."""
+    """Return the streams of a flight; raise an error if a required one is missing."""
     channels = one.recording.channels
     try:
         height = channels[f'{find_tracker_prefix(channels)}position.z'].values
         floor = vehicle.height_on_floor + NEAR_FLOOR
-        # A tracker that counts heights from elsewhere says nothing of the floor.
+        # A median height below the floor limit means that the tracker's zero is not the floor.
         high = np.median(height[np.isfinite(height)]) if np.isfinite(height).any() else 0.0
         near = floor if high > floor else -np.inf
         recorded = build_streams(channels, vehicle.rotor_names, near)
@@ -148,20 +147,22 @@ def _load_streams(one: StudyRecording, vehicle: Vehicle) -> FlightStreams:
     except BadInput as fault:
         raise BadInput(f'{one.name}: {fault}') from None
     if not np.isfinite(told.pose.values).all(axis=1).any():
-        raise BadInput(f'{one.name}: no pose is whole (NaN, quaternions of 0); record it again.')
+        raise BadInput(
+            f'{one.name}: no pose is valid (NaN, zero quaternions); record the flight again.'
+        )
     apart = np.diff(told.pose.time)
     if len(apart) < 2 or np.median(apart) > GAP:
         rate = 1.0 / float(np.median(apart)) if len(apart) else 0.0
         raise BadInput(
-            f'{one.name}: the pose comes {rate:.3g} times a second, which is too slow to see what '
-            f'forces do; record it at {np.ceil(1.0 / GAP):.0f} Hz or more.'
+            f'{one.name}: the pose rate of {rate:.3g} Hz is too low to observe the forces; '
+            f'record it at {np.ceil(1.0 / GAP):.0f} Hz or more.'
         )
     known = np.isfinite(told.commands.values).all(axis=1)
     return replace(told, commands=Stream(told.commands.time[known], told.commands.values[known]))
 
 
 def _check_commands_move(training: Sequence[FlightStreams]) -> None:
-    """Refuse commands that are the same all the time, in all training flights."""
+    """Raise an error if the commands are constant in all training flights."""
     several = ((told.commands, told.wrench, told.mass) for told in training)
     shares = [0.0]
     for kind in zip(*several, strict=True):
@@ -172,15 +173,15 @@ def _check_commands_move(training: Sequence[FlightStreams]) -> None:
             shares.append(float(tables.std(axis=0).max()) / scale if scale > 0.0 else 0.0)
     if max(shares) < STILL:
         raise BadInput(
-            'The commands do not move in any of the training flights: what the vehicle does '
-            'cannot be held against what it was told; record flights with other commands.'
+            'The commands are constant in all training flights, so the response of the vehicle '
+            'to them is unknown; record flights with varying commands.'
         )
 
 
 def _clean_flight(
     one: StudyRecording, streams: FlightStreams
 ) -> tuple[MeasuredFlight, list[ExcludedInterval], list[str]]:
-    """Return one flight with what is suspicious cut out."""
+    """Return one flight without bad intervals, the exclusions, and warnings."""
     recording, warnings = one.recording, [f'{one.name}: {loss}' for loss in one.losses]
     pose = find_tracker_prefix(recording.channels).rpartition('/')[0]
     cuts: list[ExcludedInterval] = []
@@ -193,14 +194,16 @@ def _clean_flight(
         if finding.kind == noise_floor.KIND:
             smooth.append(finding.channel.rpartition('/')[0])
         elif finding.is_grave and finding.kind == clocks.KIND and set(LATE) & set(finding.values):
-            warnings.append(f'{one.name}: {finding.channel}: {finding.evidence} It is kept.')
+            warnings.append(
+                f'{one.name}: {finding.channel}: {finding.evidence} The data are kept.'
+            )
         elif finding.is_grave:
             cuts.append(_exclude_interval(one.name, finding, end))
     if smooth:
         topics = ', '.join(dict.fromkeys(smooth))
         warnings.append(
-            f'{one.name} is smoother than any instrument ({topics}): filtered heavily, or '
-            'simulated without saying so; lags and fast motion are not to be relied on.'
+            f'{one.name} is smoother than any instrument ({topics}): it is heavily filtered, or '
+            'simulated without a declaration; do not rely on lags and fast motion.'
         )
     streams, cuts = _drop_bad_sensors(streams, cuts, pose, whole, one.name)
     streams, rounding, said = repair_timestamps(one.name, streams)
@@ -213,7 +216,7 @@ def _clean_flight(
 
 
 def _exclude_interval(name: str, finding: QualityFinding, end: float) -> ExcludedInterval:
-    """Return what a finding leaves out: a jump of the clock spoils everything after it."""
+    """Return the interval that a finding excludes; a clock jump excludes everything after it."""
     jumped = finding.kind == stamps.KIND and {'jump', 'back'} & set(finding.values)
     begin, last = finding.from_s - AROUND, finding.to_s + AROUND
     return ExcludedInterval(
@@ -224,7 +227,7 @@ def _exclude_interval(name: str, finding: QualityFinding, end: float) -> Exclude
 def _drop_bad_sensors(
     streams: FlightStreams, cuts: list[ExcludedInterval], pose: str, words: list[str], name: str
 ) -> tuple[FlightStreams, list[ExcludedInterval]]:
-    """Leave out sensors that are bad throughout; refuse a pose or commands that are."""
+    """Drop sensors that are bad throughout; raise an error for such a pose or commands."""
     length = float(streams.pose.time[-1] - streams.pose.time[0])
     kept, others = [], dict(streams.others)
     for cut in cuts:
@@ -233,14 +236,14 @@ def _drop_bad_sensors(
             continue
         if cut.channel.startswith((pose, 'motors', 'wrench_command')):
             raise BadInput(
-                f'{name}: {cut.channel} cannot be believed: {cut.reason} Without it no model can '
-                'be held against the flight; leave it out, or record it again.'
+                f'{name}: {cut.channel} is unreliable: {cut.reason} Without it no model can be '
+                'compared with the flight; leave the flight out, or record it again.'
             )
         for start, (sensor, _) in SENSORS.items():
             if cut.channel.startswith(start):
                 for one in (sensor,) if sensor else ('rates', 'force'):
                     others.pop(one, None)
-                words.append(f'{name}: {cut.channel} is done without: {cut.reason}')
+                words.append(f'{name}: {cut.channel} is not used: {cut.reason}')
                 break
     return replace(streams, others=others), kept
 
@@ -248,12 +251,12 @@ def _drop_bad_sensors(
 def _mask_intervals(
     flight: MeasuredFlight, cuts: Sequence[ExcludedInterval], pose: str
 ) -> MeasuredFlight:
-    """Return a flight without some intervals."""
+    """Exclude intervals from a flight."""
     usable, readings = flight.usable.copy(), flight.readings.copy()
     for cut in cuts:
         inside = (flight.time >= cut.from_s) & (flight.time <= cut.to_s)
         of_all = cut.channel.startswith((pose, 'motors', 'wrench_command'))
-        # A hand that the accelerometer feels holds the whole vehicle.
+        # Handling, detected by the accelerometer, disturbs the whole vehicle.
         if of_all or 'hand' in cut.reason:
             usable &= ~inside
             continue
@@ -265,26 +268,26 @@ def _mask_intervals(
 
 
 def _list_remarks(name: str, flight: MeasuredFlight, streams: FlightStreams) -> list[str]:
-    """Return what else limits a flight: poses that are lost, commands at their limits."""
+    """Return warnings about lost poses and saturated commands."""
     out = []
     lost = ~np.asarray(np.isfinite(flight.position).all(axis=1))
     if lost.mean() > LOST:
         gaps = int(np.sum(np.diff(lost.astype(np.int8)) > 0)) + int(lost[0])
         out.append(
-            f'{name}: the tracker says nothing for {100.0 * lost.mean():.0f} % of the flight, in '
-            f'{gaps} {"gap" if gaps == 1 else "gaps"}; nothing is concluded from there.'
+            f'{name}: the tracker has no pose for {100.0 * lost.mean():.0f} % of the flight, in '
+            f'{gaps} {"gap" if gaps == 1 else "gaps"}; these are not used.'
         )
     full = np.abs(streams.commands.values) > FULL
     if len(full) > 1 and full.all(axis=1).mean() > MOST:
         out.append(
             f'{name}: all rotors are at full duty for {100.0 * full.all(axis=1).mean():.0f} % of '
-            'the time; what they do in between can hardly be told.'
+            'the time; their response at lower duty is poorly known.'
         )
     return out
 
 
 def _usable_seconds(flight: MeasuredFlight) -> float:
-    """Return how much of a flight can be used. [s]"""
+    """Return the usable time of a flight. [s]"""
     return float(np.sum(flight.usable) * (flight.time[1] - flight.time[0]))
 
 
@@ -293,7 +296,7 @@ def _check_enough_left(
     usable: Sequence[tuple[str, Role, MeasuredFlight]],
     cuts: Sequence[ExcludedInterval],
 ) -> None:
-    """Refuse where too little is left of a role that was asked for."""
+    """Raise an error if a requested role has too little usable time."""
     for role in dict.fromkeys(one.role for one in flights):
         seconds = sum(_usable_seconds(flight) for _, own, flight in usable if own == role)
         if seconds == 0.0 or (role == 'train' and seconds < LEAST):
@@ -302,6 +305,6 @@ def _check_enough_left(
                 f'{c.flight}: {c.channel}: {c.reason}' for c in cuts if c.flight in names
             )
             raise BadInput(
-                f'Only {seconds:.0f} s of the flights to {role} can be used, which decides '
-                f'nothing; record {LEAST:.0f} s or more. {" ".join(list(why)[:2])}'.rstrip()
+                f'Only {seconds:.0f} s of the {role} flights are usable, which is too '
+                f'little; record {LEAST:.0f} s or more. {" ".join(list(why)[:2])}'.rstrip()
             )

@@ -1,8 +1,8 @@
 """
-A flight in pieces: where each begins, and in which state.
+Cut a flight into pieces of some seconds, each with its initial state.
 
-A model that is off by a little is lost within a minute of open loop; in pieces of some seconds
-the disagreement stays where it arises.
+In open loop a slightly wrong model diverges within a minute; in short pieces the error stays where
+it arises.
 """
 
 from dataclasses import dataclass
@@ -22,11 +22,11 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 LENGTH: Final = 6.0  # s
-AROUND: Final = 0.5  # s; either side of a beginning, for its state
-ENOUGH: Final = 0.6  # of the poses around a beginning
+AROUND: Final = 0.5  # s; on either side of an initial state, for its estimate
+ENOUGH: Final = 0.6  # of the poses around an initial state have to be known
 SHORTEST: Final = 1.0  # s
-FEWEST: Final = 2  # pieces of a flight: one alone tells nothing of the next
-KNOTS: Final = 9  # of a piece, where nobody knows how fast the vehicle swings
+FEWEST: Final = 2  # pieces of a flight; one alone does not test repeatability
+KNOTS: Final = 9  # of a piece, unless the motion of the vehicle requires more
 
 
 @final
@@ -38,13 +38,13 @@ class Windows:
     Attributes
     ----------
     first : ndarray of int, shape (S,)
-        Grid point at which each begins.
+        Grid point of each beginning.
     length : int
         n; a piece has n + 1 states.
     start : ndarray, shape (S, 13)
-        The state there, from the poses around it.
+        Initial states, from the poses around them.
     inside : ndarray of bool, shape (S, n)
-        Which points count: the last pieces of a stretch may be shorter.
+        Points that belong to the piece: the last piece of a run may be shorter.
     knots : int
         Of the latent wrench of a piece, evenly spaced from its beginning to its end.
 
@@ -65,21 +65,19 @@ def find_usable_runs(usable: NDArray[np.bool_]) -> list[tuple[int, int]]:
 
 def estimate_state(flight: MeasuredFlight, index: int, shift: float = 0.0) -> Array | None:
     """
-    Return the state at a grid point from a cubic through the poses around it.
+    Estimate the state at a grid point by a cubic fit to the poses around it.
 
     Parameters
     ----------
-    flight : Measured
-        The flight.
     index : int
         Of the grid point.
     shift : float
-        How much later than a pose is stamped it was true. [s]
+        Time by which a pose is newer than its stamp. [s]
 
     Returns
     -------
     ndarray, shape (13,), or None
-        Position, quaternion, body velocity and rates; None where too few poses are known.
+        Position, quaternion, body velocity and rates; None with too few known poses.
 
     """
     reach = round(AROUND / PERIOD)
@@ -100,7 +98,7 @@ def estimate_state(flight: MeasuredFlight, index: int, shift: float = 0.0) -> Ar
 
 
 def _piece_spacing(stretches: list[tuple[int, int]], count: int, shortest: int) -> int:
-    """Return how far apart pieces begin: their length, or less in a short flight."""
+    """Return the spacing of pieces in grid points: their length, or less in a short flight."""
     if sum(len(range(begin, end - shortest, count)) for begin, end in stretches) >= FEWEST:
         return count
     longest = max((end - begin for begin, end in stretches), default=0)
@@ -111,12 +109,10 @@ def cut_windows(
     flight: MeasuredFlight, length: float = LENGTH, shift: float = 0.0, knots: int = KNOTS
 ) -> Windows:
     """
-    Cut a flight into pieces; one too short for two whole ones into two shorter ones.
+    Cut a flight into pieces; a flight too short for two full pieces gets two shorter ones.
 
     Parameters
     ----------
-    flight : Measured
-        The flight.
     length : float
         Of each piece. [s]
     shift : float

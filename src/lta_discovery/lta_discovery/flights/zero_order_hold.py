@@ -1,4 +1,4 @@
-"""The mean of what is held until the next, as commands are."""
+"""Average signals that are held until the next sample, such as commands."""
 
 from lta_discovery.flights.measured_flight import Stream
 import numpy as np
@@ -9,19 +9,19 @@ Array = NDArray[np.float64]
 
 def average_held_values(stream: Stream, edges: Array) -> Array:
     """
-    Return the mean of values that are held until the next, between one edge and the next.
+    Return the mean of a held signal over each interval.
 
     Parameters
     ----------
     stream : Stream
-        The values; 0 before the first.
+        Samples; 0 before the first.
     edges : ndarray, shape (n + 1,)
         Rising. [s]
 
     Returns
     -------
     ndarray, shape (n, k)
-        The means.
+        One mean for each interval.
 
     """
     apart = np.diff(stream.time)[:, None] * stream.values[:-1]

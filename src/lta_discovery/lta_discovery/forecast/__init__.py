@@ -1,1 +1,1 @@
-"""Predictions some seconds ahead: how far off they are, and fits to them."""
+"""Compute prediction errors some seconds ahead, and fit parameters to them."""

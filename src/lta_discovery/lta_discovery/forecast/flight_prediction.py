@@ -1,4 +1,4 @@
-"""What one set of parameters makes of a flight, piece by piece, from where each piece begins."""
+"""Predict a flight with one set of parameters, piece by piece from measured initial states."""
 
 from typing import Final, final, NamedTuple
 import warnings
@@ -22,18 +22,18 @@ POSE: Final = slice(0, 6)  # of CHANNELS
 @final
 class ModelPrediction(NamedTuple):
     """
-    A flight as a model has it.
+    Prediction of a flight by a model.
 
     Attributes
     ----------
     time : ndarray, shape (S, n)
         Of each piece. [s]
     position : ndarray, shape (S, n, 3)
-        Predicted; NaN where the flight does not count. [m]
+        NaN outside of the pieces. [m]
     heading : ndarray, shape (S, n)
-        Predicted. [rad]
+        [rad]
     speed, turning : ndarray, shape (S,)
-        Of each piece, how fast it flies and turns on the mean. [m/s, rad/s]
+        Mean speed and mean absolute yaw rate of each piece. [m/s, rad/s]
 
     """
 
@@ -45,12 +45,12 @@ class ModelPrediction(NamedTuple):
 
 
 def build_unaided_point(point: LinearizationPoint) -> LinearizationPoint:
-    """Return a point at which nobody helps the model on its way."""
+    """Return a point without corrections of initial states or latent forces."""
     return LinearizationPoint(point.nominal, point.values, np.zeros_like(point.random))
 
 
 def predict_flight(flight: FlightLinearizer, point: LinearizationPoint) -> ModelPrediction:
-    """Return a flight as a model has it; the states and forces of the point are not used."""
+    """Predict a flight; initial-state corrections and latent forces are ignored."""
     point, rows = build_unaided_point(point), flight.replay.build_rows(point.nominal)
     states = flight.simulate_forecast(point)[:, ::STEPS]
     said = predict_readings(states, flight.time, rows.acting, flight.places)
@@ -63,29 +63,29 @@ def predict_flight(flight: FlightLinearizer, point: LinearizationPoint) -> Model
 
 
 def heading_angle(quaternion: Array) -> Array:
-    """Return where the nose points, shape (...), from shape (..., 4). [rad]"""
+    """Return the heading of the body x axis [rad], shape (...), from quaternions (..., 4)."""
     rotation = rotation_matrix(quaternion)
     heading: Array = np.arctan2(rotation[..., 1, 0], rotation[..., 0, 0])
     return heading
 
 
 def error_to_noise(left: Array) -> Array:
-    """Return the error of each piece by the noise, shape (S, 14): 1 where nothing is missing."""
+    """Return the RMS error of each piece by the noise, shape (S, 14); 1 for a perfect model."""
     known = np.isfinite(left)
     total = np.sum(np.where(known, left, 0.0) ** 2, axis=1)
     count = known.sum(axis=1)
-    # A piece of which a channel knows next to nothing says nothing of it.
+    # A piece needs at least 5 readings of a channel for a meaningful RMS.
     out: Array = np.sqrt(np.where(count > 4, total / np.maximum(count, 1), np.nan))
     return out
 
 
 def best_start_residual(flight: FlightLinearizer, point: LinearizationPoint) -> Array:
     """
-    Return what is left over when each piece begins as suits it best.
+    Return the residuals of a flight with the best-fitting initial state of each piece.
 
-    A start is known to some centimetres a second only, and a sensor has its own error in each
-    flight: both would hide what the model itself leaves over. So each piece may choose its start,
-    by one step of Gauss and Newton, and each sensor its offset.
+    Initial velocities are known to some cm/s only, and sensors have offsets in each flight. Both
+    would hide the error of the model itself. Each piece therefore corrects its initial state, by
+    one Gauss-Newton step, and each sensor its offset.
 
     Returns
     -------
@@ -108,13 +108,13 @@ def best_start_residual(flight: FlightLinearizer, point: LinearizationPoint) -> 
     columns = np.empty((*base.shape, WIDTH))
     for k in range(WIDTH):
         aside = np.broadcast_to(NUDGE * (np.arange(WIDTH) == k), (len(start), WIDTH))
-        # A NaN less a NaN, and an offset less itself: only known differences are left.
+        # NaN entries stay NaN in the difference and are set to 0 below.
         columns[..., k] = (
             base - _remove_offsets(compute_residual(add_change(start, aside)))
         ) / NUDGE[k]
     columns = np.where(known[..., None], columns, 0.0)
     target = np.where(known, base, 0.0)
-    # By the pose alone: a gyroscope's scale would have its way, so little is its noise.
+    # Fit to the pose alone: with its low noise, a gyroscope with a scale error would dominate.
     rows = columns[..., POSE, :].reshape(len(base), -1, WIDTH)
     wanted = target[..., POSE].reshape(len(base), -1, 1)
     across = np.swapaxes(rows, 1, 2)
@@ -124,10 +124,10 @@ def best_start_residual(flight: FlightLinearizer, point: LinearizationPoint) -> 
 
 
 def _remove_offsets(left: Array) -> Array:
-    """Return what is left over without that of each sensor, and of the pressure in each piece."""
+    """Remove the median of each sensor over the flight, and of the pressure in each piece."""
     out = left.copy()
     with warnings.catch_warnings():
-        warnings.simplefilter('ignore', RuntimeWarning)  # a channel that is not there
+        warnings.simplefilter('ignore', RuntimeWarning)  # a channel without readings
         out[..., 6:13] -= np.nanmedian(out[..., 6:13], axis=(0, 1))
         out[..., 13] -= np.nanmedian(out[..., 13], axis=1)[:, None]
     return out

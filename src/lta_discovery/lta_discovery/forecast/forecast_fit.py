@@ -1,10 +1,9 @@
 """
-A few knobs fitted to what is predicted seconds ahead, over many flights at once.
+Fit parameters to forecasts over several seconds, for many flights at once.
 
-Where a model's own error is what counts and not the tracker's noise (smoothed data, long glides),
-a likelihood over every reading is about the wrong thing: it rewards what follows the smoothing.
-Here the error at each horizon counts alike, by how large it is for the vehicle file. Shared knobs
-move together; lift, which differs from flight to flight, is each flight's own.
+Where the model error exceeds the tracker noise (smoothed data, long glides), a likelihood over
+every reading rewards following the smoothing. Here all horizons have equal weight, by the error of
+the vehicle file. Flights share all parameters except net lift, which each flight has of its own.
 """
 
 from collections.abc import Sequence
@@ -29,29 +28,29 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-PLACE: Final = 2.0  # how much more a place counts than an attitude
-ALIKE: Final = 0.1  # of the readings that say something new: horizons of a piece go together
-ROUNDS: Final = 4  # linearisations, at most
-ROBUST: Final = 4.5  # usual sizes; a larger error at a horizon counts by its size, not its square
-SETTLED: Final = 1e-3  # of the cost; a step that gains less is the last
+PLACE: Final = 2.0  # weight of position errors relative to attitude errors
+ALIKE: Final = 0.1  # share of independent readings: the horizons of a piece are correlated
+ROUNDS: Final = 4  # most linearisations
+ROBUST: Final = 4.5  # usual sizes; larger errors have a linear cost instead of a quadratic one
+SETTLED: Final = 1e-3  # of the cost; the fit ends with a step that gains less
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class ForecastInformation:
     """
-    What one flight says of the knobs about a point, its own lift eliminated.
+    Normal equations of one flight about a point, with its own lift eliminated.
 
     Attributes
     ----------
     products : ndarray, shape (K, K)
         Of the columns.
     pull : ndarray, shape (K,)
-        Of the columns with what is left over.
+        Products of the columns with the residuals.
     own : tuple of float, float, ndarray
         Information of the lift, its pull, and its products with the columns.
     cost : float
-        What is left over, squared; beyond `ROBUST` by its size.
+        Squared residuals; linear beyond `ROBUST`.
 
     """
 
@@ -65,15 +64,15 @@ class ForecastInformation:
 @dataclass(frozen=True, slots=True)
 class ForecastFit:
     """
-    Where the knobs stand.
+    Result of a fit to forecasts.
 
     Attributes
     ----------
     values : ndarray, shape (G,)
-        What flights share, from the vehicle file; 0 for what was not asked for.
+        Shared parameters, relative to the vehicle file; 0 if not fitted.
     precision, pull : ndarray, shape (K, K) and (K,)
-        Of those asked for, about `values`, from the flights alone.
-    said : tuple of Said
+        Of the fitted parameters, about `values`, without the prior.
+    said : tuple of ForecastInformation
         By flight.
 
     """
@@ -87,18 +86,18 @@ class ForecastFit:
 @final
 class ForecastFitter:
     """
-    Flights of one vehicle, for what they say of forecasts.
+    Fit parameters to the forecasts of some flights of one vehicle.
 
     Parameters
     ----------
-    nominal : Nominal
-        The vehicle as its file has it.
-    flights : sequence of Linearised
-        In pieces longer than the last horizon, with the same knobs.
+    nominal : NominalVehicle
+        The vehicle of the file.
+    flights : sequence of FlightLinearizer
+        In pieces longer than the last horizon, with the same parameters.
     lift : float
         Standard deviation of a flight's lift. [N]
     place : float
-        How much more a place counts than an attitude.
+        Weight of position errors relative to attitude errors.
 
     """
 
@@ -122,7 +121,7 @@ class ForecastFitter:
     def build_point(
         self, values: Array, lift: float, flight: FlightLinearizer
     ) -> LinearizationPoint:
-        """Return where a flight stands with shared values and a lift of its own."""
+        """Return the linearization point of a flight with shared values and its own lift."""
         own = values.copy()
         own[self._lift] += lift
         nominal, own = apply_parameters(self.nominal, self.knobs, own)
@@ -132,7 +131,7 @@ class ForecastFitter:
     def compute_errors(
         self, values: Array, f: int, which: Sequence[int] = (), lift: float = 0.0
     ) -> HorizonErrors:
-        """Return the errors ahead of one flight, and how they answer to some knobs and lift."""
+        """Return one flight's horizon errors, and their sensitivities to parameters and lift."""
         flight = self.flights[f]
         return compute_horizon_errors(
             flight, self.build_point(values, lift, flight), [*which, self._lift]
@@ -148,22 +147,22 @@ class ForecastFitter:
         relinearize: bool = True,
     ) -> ForecastFit:
         """
-        Fit some knobs to some flights.
+        Fit some parameters to some flights.
 
         Parameters
         ----------
         which : sequence of int
-            Of the knobs.
+            Indices of the parameters.
         spread : ndarray, shape (K,)
-            Standard deviation beforehand of each, about the vehicle file.
+            Prior standard deviations, about the vehicle file.
         flights : sequence of int
-            To be fitted to.
+            Indices of the flights.
         begin : ndarray, shape (G,), optional
-            Where to begin; the vehicle file by default.
+            Initial values; those of the vehicle file by default.
         rounds : int
-            Steps of Levenberg and Marquardt at most, each damped until it helps.
-        told : bool
-            Whether to say at the end what the flights say there; else what they said one step
+            Most Levenberg-Marquardt steps.
+        relinearize : bool
+            Whether to linearize at the result; otherwise the information is that of one step
             before.
 
         """
@@ -198,12 +197,12 @@ class ForecastFitter:
     def leave_out(
         self, fit: ForecastFit, which: Sequence[int], spread: Array, flights: Sequence[int]
     ) -> Array:
-        """Return the values that all but some flights say, one step away from a fit to all."""
+        """Return the values without some flights, by one step from a fit to all."""
         picked, out = np.asarray(which, dtype=np.int64), fit.values.copy()
         gone = [one for f, one in enumerate(fit.said) if f in set(flights)]
         inner = fit.precision + np.diag(spread**-2.0)
         inner = inner - np.sum([one.products for one in gone], axis=0)
-        # Where all of them rest, what these pulled is what the others pull the other way.
+        # The total pull is zero at the optimum, so the others pull opposite to the removed ones.
         right = -np.sum([one.pull for one in gone], axis=0)
         out[picked] = solve_bounded_step(
             inner, right, out[picked], *self._parameter_bounds(picked)
@@ -211,14 +210,14 @@ class ForecastFitter:
         return out
 
     def _parameter_bounds(self, picked: NDArray[np.int64]) -> tuple[Array, Array]:
-        """Return the least and the most of some knobs."""
+        """Return the lower and upper bounds of some parameters."""
         low, high = (
             np.array([getattr(self.knobs[k], side) for k in picked]) for side in ('low', 'high')
         )
         return low, high
 
     def rms_error(self, values: Array, flights: Sequence[int]) -> float:
-        """Return the root mean square of the errors ahead, each flight's lift fitted to it."""
+        """Return the RMS of the weighted horizon errors, with the lift fitted to each flight."""
         total, count = 0.0, 0
         for f in flights:
             seen = self.compute_errors(values, f)
@@ -240,11 +239,12 @@ class ForecastFitter:
         flight_terms: dict[int, ForecastInformation],
         began: tuple[float, float],
     ) -> tuple[Array, Array, float, float] | None:
-        """Return a better point, its cost and the damping that led there, eased; None without."""
+        """Return a better point, its cost and the next damping; None if no step improves it."""
         inner, right = normal
         before, damping = began
         for _ in range(TRIES):
             there, own = values.copy(), lifts.copy()
+            # Marquardt damping: scale the diagonal.
             stiff = inner + damping * np.diag(np.diag(inner))
             there[picked] = solve_bounded_step(
                 stiff, right, values[picked], *self._parameter_bounds(picked)
@@ -263,21 +263,21 @@ class ForecastFitter:
         return None
 
     def _compute_cost(self, values: Array, lifts: Array, f: int) -> float:
-        """Return what is left over of a flight, squared."""
+        """Return the cost of a flight; infinite if the prediction diverges."""
         flight = self.flights[f]
         with np.errstate(all='ignore'):
             left = compute_horizon_errors(
                 flight, self.build_point(values, float(lifts[f]), flight)
             ).left
         if np.isfinite(left).sum() < self._known[f]:
-            return np.inf  # it ran away
+            return np.inf  # the prediction diverged
         cost, _ = _huber_cost(left * self.weights)
         return ALIKE * cost + float(lifts[f] / self.lift) ** 2
 
     def _summarize_flight(
         self, values: Array, lifts: Array, f: int, picked: NDArray[np.int64]
     ) -> ForecastInformation:
-        """Return what a flight says about a point."""
+        """Return the normal equations of a flight about a point."""
         seen = self.compute_errors(values, f, picked.tolist(), float(lifts[f]))
         good = np.isfinite(seen.left)
         cost, share = _huber_cost(seen.left * self.weights)
@@ -289,6 +289,7 @@ class ForecastFitter:
         information = ALIKE * float(b @ b) + self.lift**-2.0
         pull = ALIKE * float(b @ left) - float(lifts[f]) / self.lift**2
         across = ALIKE * (b @ a)
+        # Eliminate the flight's lift by its Schur complement.
         return ForecastInformation(
             ALIKE * (a.T @ a) - np.outer(across, across) / information,
             ALIKE * (a.T @ left) - across * (pull / information),
@@ -298,7 +299,7 @@ class ForecastFitter:
 
 
 def _huber_cost(left: Array) -> tuple[float, Array]:
-    """Return what errors cost (Huber 1964), shape (S, H, 6), and the share of each that pulls."""
+    """Return the Huber (1964) cost of errors, shape (S, H, 6), and the weight of each."""
     size = np.sqrt(np.nansum(left**2, axis=-1) / left.shape[-1])
     share = ROBUST / np.maximum(size, ROBUST)
     cost = np.where(size > ROBUST, 2.0 * ROBUST * size - ROBUST**2, size**2)
@@ -306,7 +307,7 @@ def _huber_cost(left: Array) -> tuple[float, Array]:
 
 
 def _error_weights(left: Array, more: float) -> Array:
-    """Return one over the usual size of errors, shape (H, 6), from (n, H, 6)."""
+    """Return the inverse RMS of errors, shape (H, 6), from (n, H, 6)."""
     size = np.sqrt(np.nanmean(left**2, axis=0))
     place = np.sqrt(np.mean(size[:, :3] ** 2, axis=1, keepdims=True))
     turn = np.sqrt(np.mean(size[:, 3:] ** 2, axis=1, keepdims=True))
@@ -314,5 +315,5 @@ def _error_weights(left: Array, more: float) -> Array:
 
 
 def _prior_penalty(values: Array, spread: Array) -> float:
-    """Return how far knobs are from the vehicle file, squared."""
+    """Return the squared distance of parameters from the vehicle file, in prior deviations."""
     return float(np.sum((values / spread) ** 2))

@@ -1,4 +1,4 @@
-"""What the forecasts of held-out flights warn of, in words."""
+"""Word the warnings that follow from the forecasts of held-out flights."""
 
 from collections.abc import Sequence
 from typing import Final
@@ -6,22 +6,22 @@ from typing import Final
 from lta_discovery.finding import PredictionGap
 
 WHOLE: Final = ('position', 'attitude')
-# Times the error with tolerances alone, above which a name is said to be in vain.
+# Times the error with tolerances alone; above it a named effect counts as useless.
 WORSE: Final = 1.1
 
 
 def find_worse_gaps(gaps: Sequence[PredictionGap]) -> list[PredictionGap]:
-    """Return where what was fitted surely predicts worse than the vehicle file."""
+    """Return the pose errors that are significantly larger than with the vehicle file."""
     return [gap for gap in _select_pose(gaps) if gap.shrink_ci95[1] < 0.0]
 
 
 def should_keep_file(gaps: Sequence[PredictionGap]) -> bool:
     """
-    Tell whether the vehicle file should be kept: what was fitted is no gain.
+    Return whether the vehicle file should be kept because the fit is not an improvement.
 
-    It is none where the position is surely worse furthest ahead, or something is surely worse and
-    nothing surely better. A second ahead, a pose errs by the velocity that it began with more than
-    by any model: that alone decides nothing.
+    It is kept if the position at the longest horizon is significantly worse, or if any error is
+    and none is significantly better. At 1 s the error of the initial velocity dominates that of
+    the model, so this horizon alone decides nothing.
     """
     lost = find_worse_gaps(gaps)
     won = any(gap.shrink_ci95[0] > 0.0 for gap in _select_pose(gaps))
@@ -29,18 +29,18 @@ def should_keep_file(gaps: Sequence[PredictionGap]) -> bool:
 
 
 def find_vain_gaps(gaps: Sequence[PredictionGap]) -> list[PredictionGap]:
-    """Return where, furthest ahead, the names predict worse than tolerances alone."""
+    """Return the errors at the longest horizon that are larger than with tolerances alone."""
     return [gap for gap in _select_furthest(gaps, WHOLE) if gap.after > WORSE * gap.tuned]
 
 
 def list_forecast_warnings(gaps: Sequence[PredictionGap]) -> list[str]:
     """
-    Return sentences: where a fit or a name made forecasts worse, and where no model is of use.
+    Return warnings about fits or names that worsen forecasts, and about useless models.
 
     Parameters
     ----------
-    gaps : sequence of Gap
-        Of flights that nothing was fitted to.
+    gaps : sequence of PredictionGap
+        Of held-out flights.
 
     """
     lost, vain = find_worse_gaps(gaps), find_vain_gaps(gaps)
@@ -48,20 +48,20 @@ def list_forecast_warnings(gaps: Sequence[PredictionGap]) -> list[str]:
     out = []
     if should_keep_file(gaps):
         out.append(
-            f'What was fitted predicts worse than the vehicle file ({_format_gaps(lost)}): '
+            f'The fit predicts worse than the vehicle file ({_format_gaps(lost)}): '
             'keep the vehicle file.'
         )
     elif lost:
-        out.append(f'Not all forecasts get better: worse are {_format_gaps(lost)}.')
+        out.append(f'Some forecasts get worse: {_format_gaps(lost)}.')
     if vain and not should_keep_file(gaps):
         out.append(
-            f'With what was named, forecasts are worse than with tolerances alone '
+            f'With the named effects, forecasts are worse than with tolerances alone '
             f'({_format_gaps(vain)}): the name may be right, but do not trust its value; fly '
             f'again.'
         )
     if idle:
         out.append(
-            f'Keeping velocity and rates predicts better than any model ({_format_gaps(idle)}).'
+            f'Constant velocity and rates predict better than any model ({_format_gaps(idle)}).'
         )
     return out
 
@@ -69,13 +69,13 @@ def list_forecast_warnings(gaps: Sequence[PredictionGap]) -> list[str]:
 def _select_furthest(
     gaps: Sequence[PredictionGap], channels: Sequence[str]
 ) -> list[PredictionGap]:
-    """Return the gap of each channel furthest ahead."""
+    """Return the gap of each channel at its longest horizon."""
     some = [[gap for gap in gaps if gap.channel == channel] for channel in channels]
     return [max(each, key=lambda gap: gap.horizon_s) for each in some if each]
 
 
 def _select_pose(gaps: Sequence[PredictionGap]) -> list[PredictionGap]:
-    """Return the gaps of the pose as a whole."""
+    """Return the gaps of position and attitude."""
     return [gap for gap in gaps if gap.channel in WHOLE]
 
 

@@ -1,10 +1,9 @@
 """
-How far predictions are off on flights that nothing was fitted to, model by model.
+Compute the prediction errors of each model on held-out flights.
 
-Every model gets the same help: where each piece begins, as the poses around its beginning say, and
-the errors of the flight's own sensors and its lift (`per_flight_variance`), most probable by the
-first
-pieces of the flight, which are not scored. Nothing else of the flight is known to any of them.
+All models start each piece at the state estimated from the poses. Sensor errors and lift of the
+flight (`per_flight_variance`) are estimated from its first pieces, which are not scored. Nothing
+else of the flight is known to any model.
 """
 
 from collections.abc import Sequence
@@ -35,8 +34,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-LEARNED: Final = 0.25  # of the pieces of a flight, by which its own errors are known
-LEARNED_MOST: Final = 4  # pieces, of the same
+LEARNED: Final = 0.25  # share of a flight's pieces, to estimate its own errors
+LEARNED_MOST: Final = 4  # pieces; the most for that estimate
 DRAWS: Final = 2000  # of the bootstrap
 _UNITS = (*['m'] * 3, *['rad'] * 3, *['rad/s'] * 3, *['m/s2'] * 3, 'm', 'Pa')
 UNITS: Final = dict(zip(CHANNELS, _UNITS, strict=True))
@@ -52,7 +51,7 @@ class ModelPoints(NamedTuple):
 
 
 def count_learning_pieces(flight: FlightLinearizer) -> int:
-    """Return how many pieces at the beginning of a flight tell of its own errors."""
+    """Return the number of first pieces that serve to estimate a flight's own errors."""
     return min(LEARNED_MOST, int(LEARNED * len(flight.replay.first)))
 
 
@@ -60,15 +59,13 @@ def build_model_points(
     flight: FlightLinearizer, nominal: NominalVehicle, bare: JointFit, full: JointFit
 ) -> ModelPoints:
     """
-    Return a held-out flight under each model, with the errors that are its own.
+    Return a held-out flight under each model, with the flight's own errors.
 
     Parameters
     ----------
-    flight : Linearised
-        The flight.
-    nominal : Nominal
-        The vehicle as its file has it.
-    bare, full : Joint
+    nominal : NominalVehicle
+        The vehicle of the file.
+    bare, full : JointFit
         Of other flights: without effects, and with those named.
 
     """
@@ -99,7 +96,7 @@ def _estimate_own_errors(
     deviations: Array,
     count: int,
 ) -> Array:
-    """Return the errors of a flight's own that its first pieces make most probable."""
+    """Estimate a flight's own errors from its first pieces (maximum a posteriori)."""
     grid = flight.simulate_forecast(point)[:, ::STEPS]
     left = flight.compute_residual(grid, point, flight.replay.build_rows(point.nominal))[:count]
     left /= flight.replay.flight.noise
@@ -122,7 +119,7 @@ def _estimate_own_errors(
 def _compute_residuals(
     flight: FlightLinearizer, point: LinearizationPoint, coast: bool = False
 ) -> Array:
-    """Return measured less predicted at each horizon, shape (S, H, 14); NaN where unknown."""
+    """Return measured minus predicted at each horizon, shape (S, H, 14); NaN where unknown."""
     rows, replay = flight.replay.build_rows(point.nominal), flight.replay
     if coast:
         grid = extrapolate_coast(
@@ -161,19 +158,7 @@ def bootstrap_shrinkage(
 def compute_gaps(
     flights: Sequence[FlightLinearizer], models: Sequence[ModelPoints], seed: int
 ) -> list[PredictionGap]:
-    """
-    Return how far each model is off: position and attitude, then by channel, at each horizon.
-
-    Parameters
-    ----------
-    flights : sequence of Linearised
-        Those that are shown.
-    models : sequence of Models
-        Of each.
-    seed : int
-        Of the bootstrap.
-
-    """
+    """Return the errors of each model: position and attitude, then by channel, at each horizon."""
     kinds = ('before', 'tuned', 'after', 'coast')
     offs: dict[str, Array] = {
         kind: np.concatenate(
@@ -194,6 +179,7 @@ def compute_gaps(
             if not known.any():
                 continue
             mean = {kind: float(np.sqrt(np.mean(each[known]))) for kind, each in square.items()}
+            # A pose error is a distance: the noises of its axes add in quadrature.
             floor = float(np.sqrt(np.sum(noise[columns] ** 2)))
             out.append(
                 PredictionGap(

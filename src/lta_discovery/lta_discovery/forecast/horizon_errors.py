@@ -1,9 +1,8 @@
 """
-How far ahead a model sees, and how that answers to its knobs: errors at a few horizons.
+Compute prediction errors at some horizons, and their sensitivity to parameters.
 
-Each piece begins where the poses around its beginning say, and nothing helps the model on its way:
-no latent force, no freed state. That is what a forecast is worth, and what a few knobs can be
-fitted to where the model's own error, not the tracker's noise, is what counts.
+Each piece starts at the state estimated from the poses and runs without correction: no latent
+force, no free state.
 """
 
 from collections.abc import Sequence
@@ -28,7 +27,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 HORIZONS: Final = (1.0, 2.0, 3.0, 4.0, 5.0)  # s
-CHUNK: Final = 32  # pieces at a time, which bounds the memory
+CHUNK: Final = 32  # pieces at a time, to limit memory
 
 
 @final
@@ -40,10 +39,9 @@ class HorizonErrors:
     Attributes
     ----------
     left : ndarray, shape (S, H, 6)
-        Measured less predicted at each horizon: place, then rotation vector. NaN where the
-        flight does not say. [m, rad]
+        Measured minus predicted: position, then rotation vector; NaN where unknown. [m, rad]
     columns : ndarray, shape (S, H, 6, K)
-        How the prediction answers to each knob asked for; K is 0 where none was.
+        Sensitivity of the prediction to each requested parameter.
 
     """
 
@@ -58,16 +56,16 @@ def compute_horizon_errors(
     horizons: Sequence[float] = HORIZONS,
 ) -> HorizonErrors:
     """
-    Return how far a model is off ahead of each piece's beginning, and how it answers.
+    Compute prediction errors ahead of the beginning of each piece, and their sensitivities.
 
     Parameters
     ----------
-    flight : Linearised
-        The flight, in pieces longer than the last horizon.
-    point : Point
-        The parameters; its states and latent forces of the pieces are not used.
+    flight : FlightLinearizer
+        In pieces longer than the last horizon.
+    point : LinearizationPoint
+        The parameters; its states and latent forces are ignored.
     which : sequence of int
-        Of the flight's knobs.
+        Indices of the flight's parameters.
     horizons : sequence of float
         [s]
 
@@ -92,7 +90,7 @@ def _compute_chunk(
     index: NDArray[np.int64],
     some: slice,
 ) -> tuple[Array, Array]:
-    """Return errors and columns of some pieces."""
+    """Return errors and sensitivities of some pieces."""
     replay, time, acting = flight.replay, flight.time[some], about.rows.acting
     start = transform_to_map(replay.cut.start[some], acting)
     latent = np.zeros((len(time), replay.span, AXES))
@@ -115,7 +113,7 @@ def _compute_chunk(
     for j, k in enumerate(about.moving):
         columns[..., order.index(k)] = answers[..., flight.motion + j]
     for turned, k in zip(about.turned, about.reading, strict=True):
-        # Where the tracker's frame turns, so does the state in which a piece begins.
+        # A rotation of the tracker frame also rotates the initial state of a piece.
         begins = start_sensitivity(replay.cut.start[some], turned)
         columns[..., order.index(k)] = np.einsum('shpb,sb->shp', answers[..., :WIDTH], begins)
     columns[..., :3, :] = tracker_frame(acting)[0] @ columns[..., :3, :]

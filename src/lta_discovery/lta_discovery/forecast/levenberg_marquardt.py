@@ -1,9 +1,9 @@
 """
-A damped step within bounds, for a fit that is far from linear (Levenberg 1944, Marquardt 1963).
+Compute a damped Newton step within bounds (Levenberg 1944, Marquardt 1963).
 
-A full step of Gauss-Newton over many knobs that hardly differ leads out of where the slopes hold.
-Damping in the metric of the information shortens the step where little is known; a knob that
-rests on a bound and is pushed against it is held there, so that the others do not reckon with it.
+With many similar parameters, a full Gauss-Newton step leaves the region where the slopes are
+valid. Damping shortens the step where information is low. A parameter that is pushed against its
+bound is fixed there, so that the others do not rely on it.
 """
 
 from typing import Final
@@ -14,31 +14,32 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 START: Final = 2e-3  # of the information
-LEAST: Final = 1e-5  # of the information; below it a step is as good as undamped
-LESS: Final = 0.2  # times the damping, after a step that helped
-MORE: Final = 5.0  # times the damping, after one that did not
-TRIES: Final = 6  # steps, ever shorter
+LEAST: Final = 1e-5  # of the information; smaller damping has no effect
+LESS: Final = 0.2  # times the damping, after a successful step
+MORE: Final = 5.0  # times the damping, after a failed step
+TRIES: Final = 6  # trial steps, ever shorter
 
 
 def next_damping(damping: float, better: bool) -> float:
-    """Return the damping after a step that made it better, or did not."""
+    """Return the damping after a successful or failed step."""
     return max(damping * LESS, LEAST) if better else damping * MORE
 
 
 def solve_bounded_step(inner: Array, right: Array, at: Array, low: Array, high: Array) -> Array:
     """
-    Return where a step of Newton leads, within bounds.
+    Return the result of a Newton step within bounds.
 
     Parameters
     ----------
     inner, right : ndarray, shape (K, K) and (K,)
         Information, damped or not, and pull.
     at, low, high : ndarray, shape (K,)
-        Where the knobs stand, and their bounds.
+        Current values and their bounds.
 
     """
     free = np.ones(len(at), dtype=np.bool_)
     step = np.zeros(len(at))
+    # Active set: fix the parameters that push against a bound, and solve for the rest again.
     while free.any():
         step[:] = 0.0
         step[free] = np.linalg.solve(inner[np.ix_(free, free)], right[free])

@@ -1,9 +1,9 @@
 """
-Where model and flight part: the error by channel and by how long ago the piece began.
+Compute prediction errors by quantity, horizon, piece and channel.
 
-Against two things that need no model: *coast*, which keeps body velocity and rates as they were at
-the beginning of the piece and ignores the commands, and the noise of the tracker itself. Medians
-stand beside means, since one piece that diverges decides a mean.
+Two references need no model: *coast* keeps the initial body velocity and rates and ignores the
+commands; the other is the tracker noise. Medians complement means, which one diverging piece can
+dominate.
 """
 
 from collections.abc import Mapping
@@ -35,16 +35,16 @@ HORIZONS: Final = (1.0, 2.0, 3.0, 5.0)  # s
 @dataclass(frozen=True, slots=True)
 class ErrorStatistics:
     """
-    How far predictions are off at one horizon.
+    Prediction errors at one horizon.
 
     Attributes
     ----------
     mean : float
-        Root of the mean square of the distance [m] or angle [rad] over all pieces.
+        Root mean square of the distance [m] or angle [rad] over all pieces.
     median : float
         Of the pieces.
     pieces : int
-        How many there are.
+        Number of pieces.
 
     """
 
@@ -57,17 +57,18 @@ class ErrorStatistics:
 @dataclass(frozen=True, slots=True)
 class PredictionErrors:
     """
-    The disagreement of one flight and one set of parameters.
+    Prediction errors of one flight and one set of parameters.
 
     Attributes
     ----------
-    model, coast : mapping of (what, horizon) to Error
+    model, coast : mapping of (what, horizon) to ErrorStatistics
         Of 'position' [m] and 'attitude' [rad], by horizon [s].
     noise : mapping of what to float
-        Of the tracker: the least that any model can be off by.
+        Of the tracker: the lower limit of any model's error.
     over_time : ndarray, shape (S, 2)
-        Of each piece, when it begins [s] and its error by the noise: root mean square over all
-        channels and its whole length; about 1 where nothing is missing.
+        Beginning of each piece [s] and its RMS error by the noise, over all channels; about 1 for
+        a
+        perfect model.
     by_channel : ndarray, shape (14,)
         The same of each channel of CHANNELS over all pieces, NaN where there is none.
 
@@ -82,12 +83,12 @@ class PredictionErrors:
 
 def extrapolate_coast(start: Array, count: int) -> Array:
     """
-    Return states that keep the body velocity and the body rates.
+    Extrapolate states with constant body velocity and body rates.
 
     Parameters
     ----------
     start : ndarray, shape (S, 13)
-        States at the beginning.
+        Initial states.
     count : int
         Grid periods.
 
@@ -100,6 +101,7 @@ def extrapolate_coast(start: Array, count: int) -> Array:
     out = np.repeat(start[:, None], count + 1, axis=1)
     for k in range(count):
         now = out[:, k]
+        # Midpoint rule: move along the attitude in the middle of the period.
         half = quaternion_product(
             now[:, 3:7], quaternion_exponential(0.5 * PERIOD * now[:, 10:13])
         )
@@ -111,7 +113,7 @@ def extrapolate_coast(start: Array, count: int) -> Array:
 
 
 def _summarize_errors(off: Mapping[What, Array]) -> dict[tuple[What, float], ErrorStatistics]:
-    """Return the errors at each horizon from those of each piece and point."""
+    """Return the statistics at each horizon from the errors of each piece and point."""
     out: dict[tuple[What, float], ErrorStatistics] = {}
     for what, sizes in off.items():
         for horizon in HORIZONS:
@@ -128,18 +130,7 @@ def _summarize_errors(off: Mapping[What, Array]) -> dict[tuple[What, float], Err
 def compute_prediction_errors(
     flight: FlightLinearizer, point: LinearizationPoint
 ) -> PredictionErrors:
-    """
-    Return how far a model is off on one flight.
-
-    Parameters
-    ----------
-    flight : Linearised
-        The flight.
-    point : Point
-        The parameters. Its states and latent forces of the pieces are not used: each begins where
-        the poses around its beginning say, and nobody helps it on its way.
-
-    """
+    """Compute the prediction errors of a model on one flight, without corrections on the way."""
     replay = flight.replay
     rows = replay.build_rows(point.nominal)
     still = LinearizationPoint(point.nominal, point.values, np.zeros_like(point.random))
@@ -174,7 +165,7 @@ def compute_prediction_errors(
 
 
 def _mean_square(values: Array, axes: tuple[int, int]) -> Array:
-    """Return the mean square of what is known, NaN where nothing is."""
+    """Return the mean square of the known values, NaN where there are none."""
     known = np.isfinite(values)
     total = np.sum(np.where(known, values, 0.0) ** 2, axis=axes)
     count = known.sum(axis=axes)

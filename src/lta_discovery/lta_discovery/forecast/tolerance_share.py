@@ -1,10 +1,10 @@
 """
-How much of the fitted tolerances to forecast with: as much as makes the forecasts best.
+Scale the fitted tolerances to the share that forecasts best.
 
-A fit is helped by a latent wrench all along; a forecast is not. Where something is missing that
-has no name, the tolerances take up what they can of it, and a model tuned so may forecast worse
-than the vehicle file. So the flights that the fit knows are forecast with all of its tolerances,
-with parts of them and with none, and the best is kept. What was named is never changed.
+A fit has a latent wrench to help it; a forecast has not. Where an effect is missing, tolerances
+absorb part of it, and the tuned model may forecast worse than the vehicle file. Therefore the
+flights of the fit are forecast with all, parts and none of its tolerances, and the best share is
+used. Named effects never change.
 """
 
 from collections.abc import Iterable
@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 SHARES: Final = (1.0, 0.5, 0.25, 0.0)  # of the fitted tolerances
-BETTER: Final = 0.98  # of the error with all of them; what is better by less is no reason
+BETTER: Final = 0.98  # of the error; a smaller share has to be better than this
 
 
 def shrink_tolerances(fitter: JointFitter, joint: JointFit, named: Iterable[int] = ()) -> JointFit:
@@ -30,12 +30,8 @@ def shrink_tolerances(fitter: JointFitter, joint: JointFit, named: Iterable[int]
 
     Parameters
     ----------
-    fitter : Fitter
-        The flights.
-    joint : Joint
-        Their fit.
     named : iterable of int
-        Which knobs are effects that were named.
+        Indices of the named effects' parameters, which keep their values.
 
     """
     mean, held = joint.fitted.mean, np.zeros(len(joint.fitted.mean), dtype=np.bool_)
@@ -50,7 +46,7 @@ def shrink_tolerances(fitter: JointFitter, joint: JointFit, named: Iterable[int]
 
 
 def _build_points(fitter: JointFitter, joint: JointFit, at: Array) -> list[LinearizationPoint]:
-    """Return where each flight's forecasts begin: what is shared, and its own errors."""
+    """Return the point of each flight's forecasts: shared values, and its own errors."""
     out, own = [], fitter.variance > 0.0
     for flight, linear in zip(fitter.flights, joint.group.linears, strict=True):
         values = np.where(own, linear.point.values - joint.group.at + at, at)

@@ -1,1 +1,1 @@
-"""A vehicle as numbers: what can be turned about it, and its effects compiled."""
+"""Represent a vehicle by its parameters and compile its effects for the replay."""

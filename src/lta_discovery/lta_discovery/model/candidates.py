@@ -1,8 +1,8 @@
 """
-Which parameters of the registry of effects are candidates, and which go together.
+Define which parameters of the registry of effects are candidates, and which belong together.
 
-Whatever is declared nowhere here is a candidate by itself, within the bounds of its parameter; but
-for those that stand beside others (`Parameter.beside`).
+A parameter that is not listed here is a candidate of its own, within its bounds, except for
+companions of others (`Parameter.beside`).
 """
 
 from collections.abc import Iterable
@@ -12,9 +12,9 @@ from typing import Final
 from lta_model.effects import EFFECTS
 from lta_model.state import ACTUATORS
 
-# What moves together: one candidate of several parameters.
+# Parameters that change together, as one candidate.
 TOGETHER: Final[dict[str, tuple[str, ...]]] = {'motor_lag': ('up', 'down')}
-# Components of one thing: they are found and fitted together, and each tells its own value.
+# Components of a vector: selected and fitted together, each with its own value.
 VECTORS: Final = (
     ('steady_wind.x', 'steady_wind.y'),
     ('cg_offset.x', 'cg_offset.y'),
@@ -24,9 +24,9 @@ VECTORS: Final = (
         for i in range(1, ACTUATORS + 1)
     ),
 )
-# Where a candidate of an absent effect begins other than at its null value.
+# Initial values of absent effects, where they differ from the null value.
 BEGINS: Final[dict[str, dict[str, float]]] = {'battery_sag': {'sensitivity': 0.0}}
-# These describe what a vehicle was designed to be, or where it flies, not what went missing.
+# Effects that describe the design or the environment, not a defect of the vehicle file.
 DESIGN: Final = frozenset(
     {
         'rotor_thrust', 'thrust_curve', 'thrust_polynomial', 'weight_and_buoyancy', 'walls',
@@ -35,12 +35,12 @@ DESIGN: Final = frozenset(
         'battery_compensation',
     }
 )  # fmt: skip
-# Of those, what may well be off where a vehicle has them: numbers that were fitted to flights.
+# Parameters of those that are uncertain if present, because they were fitted to flights.
 FITTED: Final[dict[str, tuple[str, ...]]] = {
     'hull_lift': tuple(known.name for known in EFFECTS['hull_lift'].parameters[2:]),
     'moving_mass': ('mass', 'x', 'z'),
 }
-# What physics says of the sign of a coefficient: side force and lift act against the flow.
+# Physical signs of coefficients: side force and lift act against the flow.
 SIGNS: Final[dict[str, tuple[float, float]]] = {
     'hull_lift.side_beta': (-math.inf, 0.0),
     'hull_lift.lift_alpha': (0.0, math.inf),
@@ -58,7 +58,7 @@ _VECTOR_OF: Final = {name: vector for vector in VECTORS for name in vector}
 
 
 def vector_components(name: str) -> tuple[str, ...]:
-    """Return the components of the vector that a candidate is one of; of most, itself alone."""
+    """Return the components of a candidate's vector; most candidates have one component."""
     return _VECTOR_OF.get(name, (name,))
 
 
@@ -68,6 +68,6 @@ def expand_vectors(names: Iterable[str]) -> set[str]:
 
 
 def companion_values(effect: str) -> dict[str, float]:
-    """Return what numbers of an effect that a vehicle lacks are taken to be, by name."""
+    """Return the assumed values of an absent effect's companion parameters, by name."""
     beside = {p.name: p.beside for p in EFFECTS[effect].parameters if p.beside is not None}
     return beside | BEGINS.get(effect, {})

@@ -1,4 +1,4 @@
-"""A vehicle as what the model is built from, so that single numbers of it can be changed."""
+"""Represent a vehicle by the inputs of the model, so that single parameters can be changed."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -31,16 +31,16 @@ Given = Mapping[str, Mapping[str, float]]
 @dataclass(frozen=True, slots=True)
 class ReplayRows:
     """
-    What the compiled replay takes of one set of parameters.
+    Inputs of the compiled replay for one set of parameters.
 
     Attributes
     ----------
     actuators, body : ndarray of float64
-        A row of each kernel, all but command, surroundings and motion filled in.
+        Row of each kernel, complete but for command, surroundings and motion.
     actuators_on, body_on : ndarray of uint8
-        The flags of its effects.
+        Flags of the active effects.
     acting : mapping of str to Chain
-        The measurement effects by channel.
+        Measurement effects by channel.
     gains : ndarray, shape (6,)
         Of a commanded wrench, axis by axis.
 
@@ -58,7 +58,7 @@ class ReplayRows:
 @dataclass(frozen=True, slots=True, eq=False)
 class NominalVehicle:
     """
-    A vehicle as what `VehicleModel.build` takes.
+    Inputs of `VehicleModel.build`.
 
     Attributes
     ----------
@@ -73,7 +73,7 @@ class NominalVehicle:
     rotors : tuple of (place, axis)
         As in `VehicleModel.build`.
     gains : tuple of 6 float
-        What arrives of a wrench that is commanded as such, axis by axis.
+        Effective share of a commanded wrench, axis by axis.
 
     """
 
@@ -109,10 +109,10 @@ class NominalVehicle:
 
     def with_mass_at(self, place: Array) -> 'NominalVehicle':
         """
-        Return the vehicle weighed with its moving mass at a place: balance and inertia follow.
+        Return the vehicle with its moving mass at a place, with updated CG and inertia.
 
-        The effect alone moves the mass's weight and leaves out that the CG follows. In a slow
-        spiral the moment of a CG 1 cm off, on its curved path, is as large in yaw as the hull's.
+        The effect itself moves only the weight, not the CG. In a slow spiral, the yaw moment of a
+        CG 1 cm off is as large as that of the hull.
 
         Parameters
         ----------
@@ -126,6 +126,7 @@ class NominalVehicle:
             return self
         rest = np.array([own.get(axis, 0.0) for axis in 'xyz'])
         cg = self.cg + mass / self.mass * (place - rest)
+        # Parallel-axis theorem: to the hull centre, move the mass, and back to the new CG.
         about_hull = self.inertia + self.mass * _point_inertia(self.cg)
         inertia = (
             about_hull
@@ -136,7 +137,7 @@ class NominalVehicle:
         return replace(self, cg=cg, inertia=inertia, given={**self.given, 'moving_mass': there})
 
     def build_model(self) -> VehicleModel:
-        """Return what the kernel takes; `BadInput` where no such vehicle can be."""
+        """Return the kernel's model; raise `BadInput` for an impossible vehicle."""
         return VehicleModel.build(
             self.given,
             mass=self.mass,
@@ -147,7 +148,7 @@ class NominalVehicle:
         )
 
     def build_rows(self) -> ReplayRows:
-        """Return what the compiled replay takes; errors as `model`."""
+        """Return the inputs of the compiled replay; errors as in `build_model`."""
         model = self.build_model()
         actuators = np.zeros(max(part.stop for part in ACTUATOR_PLACES.values()))
         body = np.zeros(max(part.stop for part in BODY_PLACES.values()))
@@ -160,19 +161,19 @@ class NominalVehicle:
 
     def update_rows(self, other: 'NominalVehicle', rows: ReplayRows) -> ReplayRows:
         """
-        Return what `rows` returns, knowing that of a vehicle that differs little.
+        Return what `build_rows` returns, reusing the rows of a similar vehicle.
 
         Parameters
         ----------
-        other : Nominal
-            The vehicle out of which this one was made.
-        rows : Rows
-            Of it.
+        other : NominalVehicle
+            The vehicle that this one was derived from.
+        rows : ReplayRows
+            Of `other`.
 
         Raises
         ------
         BadInput
-            As `model`.
+            As in `build_model`.
 
         """
         changed = [name for name in self.given if self.given[name] is not other.given.get(name)]

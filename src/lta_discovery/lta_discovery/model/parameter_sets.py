@@ -1,4 +1,4 @@
-"""The sets of parameters that the compiled replay goes between, knob by knob."""
+"""Store pairs of parameter sets for finite differences in the compiled replay."""
 
 from typing import final, NamedTuple
 
@@ -11,20 +11,20 @@ Array = NDArray[np.float64]
 @final
 class ParameterSteps(NamedTuple):
     """
-    Knobs, each as two sets of parameters and the step between them.
+    Free parameters, each as two parameter sets and the step between them.
 
     Attributes
     ----------
     rows, on : ndarray, shape (R, W) and (R, F)
-        The sets: rows and flags of the body's kernel.
+        Rows and flags of the body kernel for each set.
     faced : ndarray of int, shape (R,)
-        Which of what there is to meet (Q of them) each set meets.
+        Index of each set's inputs (Q of them).
     commands, memory, wrench : ndarray, shape (Q, G, ...)
-        As in `replay.Ready`, by grid period.
+        As in `replay.BodyInputs`, by grid period.
     before, after : ndarray of int, shape (K,)
-        Which sets each knob goes between.
+        The two sets of each parameter.
     steps : ndarray, shape (K,)
-        How far.
+        Their difference.
 
     """
 

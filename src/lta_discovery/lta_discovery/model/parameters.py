@@ -1,10 +1,9 @@
 """
-What can be turned about a vehicle: tolerances, trims of one flight, and candidates.
+Define the free parameters of a vehicle: tolerances, per-flight errors, and candidates.
 
-A knob moves some parameters together, in units of its own. It counts as *nuisance* by the standard
-deviation with which the nominal model may be off, and as *candidate* by the typical size of the
-effect that it would be; most are one of the two, some both (a thrust that is 3 % off is tolerance,
-10 % is a discovery).
+A free parameter moves some model parameters together, in its own unit. Its tolerance is the
+standard deviation of the nominal model, as a *nuisance*; its typical size is that of the effect,
+as a *candidate*. Some are both: a thrust error of 3 % is tolerance, one of 10 % is a discovery.
 """
 
 from collections.abc import Iterator, Mapping
@@ -28,8 +27,8 @@ from lta_model.effects.protocol import ActuatorEffect, AXES, MeasurementEffect, 
 from lta_model.state import ACTUATORS
 
 GAIN: Final = 'wrench_gain'
-BEYOND: Final = 3.0  # deviations; by which a value may seem to lie beyond its bounds
-STEEP: Final = 2.0  # times too large, that a straight line may take an effect for
+BEYOND: Final = 3.0  # standard deviations; an estimate may exceed its bounds by this
+STEEP: Final = 2.0  # largest factor by which a linear estimate exceeds the true value
 Target = tuple[str, str]
 Reach = Literal['chain', 'wrench', 'body', 'memory', 'reading', 'delay']
 
@@ -38,7 +37,7 @@ Reach = Literal['chain', 'wrench', 'body', 'memory', 'reading', 'delay']
 @dataclass(frozen=True, slots=True)
 class FreeParameter:
     """
-    One direction in which a model can differ.
+    A direction in which a model can differ from the vehicle file.
 
     Attributes
     ----------
@@ -47,23 +46,24 @@ class FreeParameter:
     unit : str
         Of its value.
     moves : mapping of (effect, parameter) to float
-        How much each parameter changes by a unit of the knob. The effect 'vehicle' has `mass`,
-        and `roll`, `pitch`, `yaw` of the inertia, as logarithms of a factor.
+        Change of each model parameter per unit. The effect 'vehicle' has `mass`, and `roll`,
+        `pitch`,
+        `yaw` of the inertia, as logarithms of a factor.
     step : float
-        Of the finite difference where the knob stands at 0.
+        Of the finite difference at 0.
     fine : float
-        The same, anywhere else.
+        Of the finite difference elsewhere.
     tolerance : float
-        Standard deviation of the nominal model's own error; 0 where there is none.
+        Standard deviation of the nominal model's error; 0 where there is none.
     typical : float
-        Standard deviation of the effect where it is there; 0 for what is no candidate.
+        Standard deviation of the effect if present; 0 if it is not a candidate.
     low, high : float
-        Bounds of the knob's value, from those of its parameters.
+        Bounds of the value.
     per_flight : bool
-        Whether its error is drawn anew for each flight.
+        Whether its error differs from flight to flight.
     companions : mapping of (effect, parameter) to float
-        What its effect begins with while the vehicle does not have it: with these, and the knob at
-        0, it changes nothing yet.
+        Initial parameters of an absent effect; with these and a value of 0, the effect changes
+        nothing.
 
     """
 
@@ -80,11 +80,11 @@ class FreeParameter:
     companions: Mapping[Target, float] = field(default_factory=dict)
 
     def apply_to(self, nominal: NominalVehicle, value: float) -> NominalVehicle:
-        """Return the vehicle with this knob moved by a value from where it stands."""
+        """Return the vehicle with this parameter increased by a value."""
         nominal = self.enable_effect(nominal)
         for (effect, parameter), rate in self.moves.items():
             if effect == 'vehicle':
-                # So that a second turn adds to the first, as the columns take for granted.
+                # Logarithmic, so that successive changes add up, as linearization assumes.
                 nominal = _scale_mass_properties(nominal, parameter, math.exp(rate * value))
             elif effect == GAIN:
                 nominal = _add_wrench_gain(nominal, parameter, rate * value)
@@ -94,7 +94,7 @@ class FreeParameter:
         return nominal
 
     def enable_effect(self, nominal: NominalVehicle) -> NominalVehicle:
-        """Return the vehicle with the effect present, though it does nothing yet."""
+        """Return the vehicle with the effect present, but without influence yet."""
         absent = {target[0] for target in self.companions} - set(nominal.given)
         for (effect, parameter), companion in self.companions.items():
             if effect in absent:
@@ -102,36 +102,36 @@ class FreeParameter:
         return nominal
 
     def step_at(self, value: float) -> float:
-        """Return the step of the finite difference, with the knob at a value."""
+        """Return the step of the finite difference at a value, turned around at a bound."""
         step = self.step if value == 0.0 else self.fine
         return step if self.low <= value + step <= self.high else -step
 
     def is_possible(self, value: float, deviation: float) -> bool:
         """
-        Tell whether there can be such a value, for all that is known of it.
+        Return whether an estimate is compatible with the bounds.
 
-        A leak that fills the envelope is none, however well it fits: something else is there.
+        For example, a leak larger than the envelope is rejected, however well it fits.
         """
         near = BEYOND * deviation
         return self.low - near <= value <= self.high + near
 
     def is_promising(self, value: float, deviation: float) -> bool:
         """
-        Tell whether a glance may mean a value that there can be.
+        Return whether a linear estimate may stand for a possible value.
 
-        A glance takes every effect for straight: 0.58 of a Munk moment lost looks like 1.19.
+        It assumes a linear effect: a loss of 0.58 of the Munk moment looks like 1.19.
         """
         return self.is_possible(value / STEEP, deviation / STEEP)
 
     @property
     def channels(self) -> set[str]:
-        """Channels of the measurement effects that it turns; of another effect, ''."""
+        """Channels of the measurement effects that it changes; '' for other effects."""
         kinds = [EFFECTS.get(effect) for effect, _ in self.moves]
         return {kind.channel if isinstance(kind, MeasurementEffect) else '' for kind in kinds}
 
     @property
     def reaches(self) -> Reach:
-        """What has to be computed anew when it is turned."""
+        """Part of the replay that has to be recomputed when it changes."""
         effects = {effect for effect, _ in self.moves}
         if GAIN in effects:
             return 'wrench'
@@ -146,10 +146,10 @@ class FreeParameter:
 
 
 def _scale_mass_properties(nominal: NominalVehicle, what: str, factor: float) -> NominalVehicle:
-    """Return the vehicle with its mass, trim kept, or one axis of its inertia scaled."""
+    """Return the vehicle with its mass (at constant net lift) or one axis of inertia scaled."""
     if what == 'mass':
         more = nominal.mass * (factor - 1.0)
-        # What is heavier than air has no trim to keep.
+        # A vehicle heavier than air has no lift to keep.
         lifted = nominal.displaced + more if nominal.displaced > 0.0 else 0.0
         return replace(nominal, mass=nominal.mass + more, displaced=lifted)
     inertia, axis = nominal.inertia.copy(), ('roll', 'pitch', 'yaw').index(what)
@@ -159,7 +159,7 @@ def _scale_mass_properties(nominal: NominalVehicle, what: str, factor: float) ->
 
 
 def _add_wrench_gain(nominal: NominalVehicle, axis: str, more: float) -> NominalVehicle:
-    """Return the vehicle with more of a commanded wrench on one axis."""
+    """Return the vehicle with a larger gain of the commanded wrench on one axis."""
     k = AXES.index(axis)
     return replace(
         nominal,
@@ -167,7 +167,7 @@ def _add_wrench_gain(nominal: NominalVehicle, axis: str, more: float) -> Nominal
     )
 
 
-# Parts of a parameter's own value by which the nominal model may be off.
+# Relative tolerances of parameters.
 PARTS: Final[dict[str, float]] = {
     'linear_drag': 0.05,
     'quadratic_drag': 0.05,
@@ -175,13 +175,13 @@ PARTS: Final[dict[str, float]] = {
     'added_mass': 0.05,
     'added_inertia': 0.05,
 }
-# Effects of many numbers that are off together: parts of all in which the effect is linear.
+# Relative tolerances of whole effects, for all parameters in which the effect is linear.
 WHOLE: Final[dict[str, float]] = {
     'strip_damping': 0.1,
     'hull_lift': 0.05,
     'rotor_envelope_interaction': 0.2,
 }
-# Standard deviations of what every vehicle may be off by, in the units of the parameter.
+# Tolerances of every vehicle (standard deviations), in the unit of the parameter.
 TOLERANCES: Final[dict[str, float]] = {
     'vehicle.mass': 0.01,
     'vehicle.roll': 0.04,
@@ -195,10 +195,10 @@ TOLERANCES: Final[dict[str, float]] = {
     'command_delay.delay': 0.005,
 }
 ROTOR: Final = 0.02  # of the thrust of each
-GAINS: Final = 0.2  # of each axis of a commanded wrench: rarely is it what arrives
-WITHIN: Final = (-0.5, 1.0)  # of what is a part of a mass, an inertia, a thrust
-TOE: Final = 0.5 * math.pi / 180.0  # rad; of the axis of a rotor
-# Of one flight: biases of its sensors and its lift.
+GAINS: Final = 0.2  # of each axis of a commanded wrench, which is rarely met exactly
+WITHIN: Final = (-0.5, 1.0)  # bounds of relative changes of mass, inertia, thrust
+TOE: Final = 0.5 * math.pi / 180.0  # rad; misalignment of a rotor axis
+# Standard deviations between flights: sensor biases and lift.
 TRIMS: Final[dict[str, float]] = {
     'gyro_bias.x': 0.01,
     'gyro_bias.y': 0.01,
@@ -217,7 +217,7 @@ TRIMS: Final[dict[str, float]] = {
 
 
 def _list_effect_parameters(nominal: NominalVehicle, effect: str) -> Iterator[FreeParameter]:
-    """Yield a knob for each parameter of an effect, or one for those that move together."""
+    """Yield the free parameters of an effect."""
     parameters = {known.name: known for known in EFFECTS[effect].parameters}
     together = TOGETHER.get(effect)
     begun = {} if effect in nominal.given else companion_values(effect)
@@ -228,7 +228,7 @@ def _list_effect_parameters(nominal: NominalVehicle, effect: str) -> Iterator[Fr
             continue
         now = begun.get(known.name, nominal.parameter_value(effect, known.name))
         least, most = SIGNS.get(name, (-math.inf, math.inf))
-        # Between the null value and the lower bound nothing is: what is there stays there.
+        # A present effect stays at or above its lower bound; only absent ones may start at null.
         lowest = known.low if now >= known.low else min(known.low, known.null)
         low, high = max(lowest, least) - now, min(known.high, most) - now
         moves = {(effect, one): 1.0 for one in group}
@@ -250,7 +250,7 @@ def _list_effect_parameters(nominal: NominalVehicle, effect: str) -> Iterator[Fr
 
 
 def _list_vehicle_tolerances(nominal: NominalVehicle) -> Iterator[FreeParameter]:
-    """Yield the tolerances that are no parameter of an effect."""
+    """Yield the tolerances that are not parameters of an effect."""
     for part in ('mass', 'roll', 'pitch', 'yaw'):
         name = f'vehicle.{part}'
         yield FreeParameter(
@@ -271,7 +271,7 @@ def _list_vehicle_tolerances(nominal: NominalVehicle) -> Iterator[FreeParameter]
 
 
 def _list_wrench_gains() -> Iterator[FreeParameter]:
-    """Yield how much of a commanded wrench arrives on each axis: tolerance, no candidate."""
+    """Yield the gain of a commanded wrench on each axis: a tolerance, not a candidate."""
     for axis in AXES:
         moves = {(GAIN, axis): 1.0}
         yield FreeParameter(f'{GAIN}.{axis}', '1', moves, STEP, STEP, GAINS, 0.0, -1.0, 2.0)
@@ -279,17 +279,15 @@ def _list_wrench_gains() -> Iterator[FreeParameter]:
 
 def list_free_parameters(nominal: NominalVehicle, wrench: bool = False) -> list[FreeParameter]:
     """
-    Return all that can be turned about a vehicle, nuisances and candidates.
+    Return the free parameters of a vehicle, nuisances and candidates.
 
-    Effects that describe the design (`DESIGN`) are left out; rotors that the vehicle does not have
-    as well; and what the model refuses to be built with.
+    Left out are design effects (`DESIGN`), rotors that the vehicle does not have, and parameters
+    that the model rejects.
 
     Parameters
     ----------
-    nominal : Nominal
-        The vehicle.
     wrench : bool
-        Whether a flight was told forces and moments instead of duties.
+        Whether a flight was commanded by forces and moments instead of duties.
 
     """
     out = [*_list_vehicle_tolerances(nominal), *(_list_wrench_gains() if wrench else ())]
@@ -312,7 +310,7 @@ def list_free_parameters(nominal: NominalVehicle, wrench: bool = False) -> list[
 
 
 def _is_buildable(nominal: NominalVehicle, knob: FreeParameter) -> bool:
-    """Tell whether a model can be built with a knob turned by its step."""
+    """Return whether the model accepts a step of the parameter."""
     try:
         knob.apply_to(nominal, knob.step_at(0.0)).build_model()
     except BadInput:

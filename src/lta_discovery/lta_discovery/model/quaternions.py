@@ -1,4 +1,4 @@
-"""Quaternions x y z w in rows, and rotation vectors: the few operations that fits need."""
+"""Provide operations on quaternions (x y z w, in rows) and rotation vectors."""
 
 from typing import Final
 
@@ -25,7 +25,7 @@ def quaternion_product(a: Array, b: Array) -> Array:
 
 
 def quaternion_conjugate(q: Array) -> Array:
-    """Return the rotations back."""
+    """Return the inverse rotations of unit quaternions."""
     back: Array = q * np.array([-1.0, -1.0, -1.0, 1.0])
     return back
 
@@ -56,7 +56,7 @@ def rotation_matrix(q: Array) -> Array:
 
 
 def rotate_vectors(q: Array, v: Array) -> Array:
-    """Return vectors turned by unit quaternions."""
+    """Rotate vectors by unit quaternions."""
     axis, scalar = q[..., :3], q[..., 3:]
     turn = 2.0 * np.cross(axis, v)
     return v + scalar * turn + np.cross(axis, turn)

@@ -1,4 +1,4 @@
-"""The functions of the compiled replay, as the source that `replay_kernel` fills in."""
+"""Hold the source of the compiled replay functions, which `replay_kernel` completes."""
 
 from typing import Final
 

@@ -1,12 +1,10 @@
 """
-The project's own effects, compiled for replaying a flight in pieces.
+Compile the registered effects for replaying a flight in pieces.
 
-The way of a command to a thrust does not depend on how the body moves. So it is composed by
-itself (`load_actuators`) and run once over a whole flight; the rest (`load_body`) is composed with
-rotors
-that obey newtons, and with one more wrench, `latent`: the force and moment that nothing explains.
-Both are `lta_sim.kernels.compose` of the registered effects with other entries, so that no
-physics is written again.
+The path from command to thrust does not depend on the motion. It is compiled separately
+(`load_actuators`) and runs once over a whole flight. The other effects (`load_body`) are compiled
+with thrusts as input, and with an additional wrench `latent`: the unexplained force and moment.
+Both reuse the registered effects through `lta_sim.kernels.compose`.
 """
 
 from collections.abc import Mapping
@@ -39,7 +37,7 @@ _UNITS: Final = ('N', 'N', 'N', 'N m', 'N m', 'N m')
 
 
 def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
-    """Return the force and moment themselves, in the body frame."""
+    """Return the parameters as force and moment, in the body frame."""
     fx, fy, fz, tx, ty, tz = p
     return (fx, fy, fz, tx, ty, tz)
 
@@ -70,13 +68,13 @@ BODY_LAYOUT: Final = build_layout(BODY_ONLY)
 ACTUATOR_PLACES: Final = row_places(ACTUATOR_LAYOUT)
 BODY_PLACES: Final = row_places(BODY_LAYOUT)
 RIGID: Final = 13
-# While these run, others can.
+# Release the GIL, so that flights run in parallel.
 FREE: Final = ENTRY.replace('cache=True', 'cache=True, nogil=True')
 
 
 @final
 class _RowOfRotors:
-    """Reach the numbers as in a `RowAccess`, and compute what the rotors do and nothing else."""
+    """Access parameters as `RowAccess` does, but compute only the rotors."""
 
     loops = True
 
@@ -85,13 +83,15 @@ class _RowOfRotors:
         self.format_item, self.format_whole = self._row.format_item, self._row.format_whole
 
     def build_parts(self, stages: list[ModelStage], layout: EffectLayout) -> dict[str, str]:
-        """Return the parts of the text that know the layout."""
-        still = ModelStage(('wind = (0.0, 0.0, 0.0)',))  # which is told, but never asked for
+        """Return the parts of the source that depend on the layout."""
+        still = ModelStage(
+            ('wind = (0.0, 0.0, 0.0)',)
+        )  # required by the source, but not used by rotors
         return self._row.build_parts([*(stage for stage in stages if stage.each), still], layout)
 
 
 def _format_constants(where: Mapping[str, slice], latent: int) -> str:
-    """Return where in a row the entries find things, as source."""
+    """Return the row indices of the entries as source."""
     named = {
         'COMMAND': where['command'].start,
         'COMMAND_SIZE': where['command'].stop - where['command'].start,
@@ -120,7 +120,7 @@ def _build_form(
 
 @cache
 def load_actuators() -> ModuleType:
-    """Return the compiled way of a command to a thrust, with `chain`."""
+    """Return the compiled path from command to thrust, with `chain`."""
     return load_kernel(
         write_kernel_source(ACTUATORS_ONLY, _build_form(CHAIN, ACTUATOR_PLACES, _RowOfRotors()))
     )
@@ -128,7 +128,7 @@ def load_actuators() -> ModuleType:
 
 @cache
 def load_body() -> ModuleType:
-    """Return the motion under given thrusts: `fly`, `jacobians`, `answers`, `remember`."""
+    """Return the compiled motion under given thrusts, with the entries of `FLY`."""
     latent = BODY_PLACES['parameters'].start + BODY_LAYOUT.first[LATENT]
     return load_kernel(
         write_kernel_source(BODY_ONLY, _build_form(FLY, BODY_PLACES, RowAccess(), latent))

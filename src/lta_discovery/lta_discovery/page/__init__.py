@@ -1,4 +1,4 @@
-"""The page of a study: one story, from what is missing to how much better the model is with it."""
+"""Write the HTML page of a study: missing effects, evidence, and gain in prediction accuracy."""
 
 from lta_discovery.page.page import write_page
 

@@ -1,4 +1,4 @@
-"""How far predictions are off under each model, as HTML: whole poses first, then every channel."""
+"""Render prediction errors under each model as HTML: pose first, then every channel."""
 
 from collections.abc import Sequence
 from html import escape
@@ -23,9 +23,9 @@ KEY: Final = (
 
 
 def render_gaps(finding: DiscoveryFinding) -> str:
-    """Return the errors of position and attitude under all models, horizon by horizon."""
+    """Return the errors of position and attitude under all models, by horizon."""
     if not finding.gaps:
-        return '<p class="note">There was no flight to show the gap on.</p>'
+        return '<p class="note">There was no flight to compute prediction errors on.</p>'
     out = [KEY]
     whole = [gap for gap in finding.gaps if gap.channel in WHOLE] or list(finding.gaps)
     for channel in dict.fromkeys(gap.channel for gap in whole):
@@ -42,7 +42,7 @@ def render_gaps(finding: DiscoveryFinding) -> str:
 
 
 def render_channel_errors(finding: DiscoveryFinding) -> str:
-    """Return the same of every single channel; '' where there is none beside the whole."""
+    """Return the errors of the single channels; '' where only the pose was measured."""
     single = [gap for gap in finding.gaps if gap.channel not in WHOLE]
     if not single or len(single) == len(finding.gaps):
         return ''
@@ -59,21 +59,21 @@ def render_channel_errors(finding: DiscoveryFinding) -> str:
 
 
 def _format_scope(finding: DiscoveryFinding) -> str:
-    """Return what the errors are of."""
+    """Describe the flights and columns of the errors."""
     whose = (
         f'on {join_words(finding.bags.get("holdout", ()))}, to which nothing was fitted'
         if finding.held_out
-        else 'on flights that had a say in what was found'
+        else 'on flights that were also used in the search'
     )
     return (
-        f'Root mean square {whose}. Tuned: tolerances of the file fitted, without any effect. '
-        'Coast: velocity and rates kept, commands ignored. Shaded: the noise of the measurement, '
-        'the least that any model can be off by. Intervals by bootstrap over pieces.'
+        f'Root mean square {whose}. Tuned: tolerances of the file fitted, without a new effect. '
+        'Coast: velocity and rates constant, commands ignored. Shaded: the measurement noise, '
+        'which no model can undercut. Intervals by bootstrap over pieces.'
     )
 
 
 def log_scale(of: Sequence[PredictionGap]) -> tuple[float, float]:
-    """Return the ends of a logarithmic scale that shows all errors of a channel."""
+    """Return the limits of a logarithmic scale for all errors of a channel."""
     every = [
         part
         for gap in of
@@ -89,13 +89,13 @@ def _format_horizon(gap: PredictionGap) -> str:
 
 
 def _render_strip(gap: PredictionGap, low: float, high: float) -> str:
-    """Return all models as points on one scale."""
+    """Return the errors of all models as points on one scale."""
     four = {'coast': gap.coast, 'before': gap.before, 'tuned': gap.tuned, 'after': gap.after}
     return strips.render_points(four, low, high, gap.noise_floor)
 
 
 def _format_figures(gap: PredictionGap) -> Row:
-    """Return one channel at one horizon in figures, in the order of HEADS."""
+    """Return the table cells of one channel at one horizon, in the order of HEADS."""
     five = (gap.before, gap.tuned, gap.after, gap.coast, gap.noise_floor)
     a, b = (format_percent(part) for part in gap.shrink_ci95)
     errors = (format_quantity(part, gap.unit) for part in five)

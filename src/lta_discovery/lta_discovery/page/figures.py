@@ -1,4 +1,4 @@
-"""The pictures of a study: where the model is off, overlays, whiteness, what remains."""
+"""Draw the figures of a study: error map, overlays, whiteness, remaining forces."""
 
 from collections.abc import Sequence
 from typing import Final
@@ -17,13 +17,13 @@ from plotly.subplots import make_subplots
 Array = NDArray[np.float64]
 BEFORE, AFTER, MEASURED = ESTIMATE, TRUTH, SETPOINT
 LINES: Final = (('measured', MEASURED, 4.0), ('before', BEFORE, 1.6), ('after', AFTER, 1.6))
-COLUMNS: Final = 150  # of a heat map, at most; more pieces share them
-ALWAYS: Final = 'always'  # the condition of a place that stands out from nothing
-CELLS: Final = 6  # texts below a heat map, at most
+COLUMNS: Final = 150  # of a heat map, at most; more pieces are averaged
+ALWAYS: Final = 'always'  # the condition of a discrepancy that occurs throughout
+CELLS: Final = 6  # time labels below a heat map, at most
 
 
 def plot_error_map(flights: Sequence[StudyFlightView], places: Sequence[Discrepancy]) -> Figure:
-    """Return the error by the noise of each piece and channel, before above after."""
+    """Plot the error-to-noise ratio of each piece and channel, before above after."""
     figure = create_figure(2)
     every = max(1, -(-sum(len(one.before.time) for one in flights) // COLUMNS))
     tables = [
@@ -33,7 +33,7 @@ def plot_error_map(flights: Sequence[StudyFlightView], places: Sequence[Discrepa
     known = [k for k in range(len(CHANNELS)) if np.isfinite(tables[0][:, k]).any()]
     names = [NAMES[CHANNELS[k]] for k in known]
     begun = [one.before.time[::every, 0] for one in flights]
-    # Flights may have one name, columns may not: what tells them apart has no width.
+    # Plotly merges columns of one name, and flights may share theirs: append invisible characters.
     columns = [
         f'{one.flown.name}, {time:.1f} s' + k * '\N{ZERO WIDTH SPACE}'
         for k, (one, times) in enumerate(zip(flights, begun, strict=True))
@@ -41,6 +41,7 @@ def plot_error_map(flights: Sequence[StudyFlightView], places: Sequence[Discrepa
     ]
     for row, values in enumerate(tables, 1):
         shown = values[:, known].T
+        # 100 x log10: the colour scale 0 to 200 spans ratios of 1 to 100, in compact integers.
         logs = np.where(np.isfinite(shown), 100.0 * np.log10(np.maximum(shown, 1.0)), 0.0)
         figure.add_trace(
             Heatmap(
@@ -69,7 +70,7 @@ def plot_error_map(flights: Sequence[StudyFlightView], places: Sequence[Discrepa
 
 
 def average_pieces(errors: Array, every: int) -> Array:
-    """Return the root mean square of each few pieces, shape (ceil(S / every), 14)."""
+    """Return the root mean square over groups of `every` pieces, shape (ceil(S / every), 14)."""
     rows = [errors[k : k + every] for k in range(0, len(errors), every)]
     known = np.array([np.isfinite(part).sum(axis=0) for part in rows]).reshape(-1, len(CHANNELS))
     total = np.array([np.nansum(part**2, axis=0) for part in rows]).reshape(-1, len(CHANNELS))
@@ -77,7 +78,7 @@ def average_pieces(errors: Array, every: int) -> Array:
 
 
 def _draw_borders(figure: Figure, names: Sequence[str], begun: Sequence[Array]) -> None:
-    """Name the flights above the map, part them, and write the time below."""
+    """Label and separate the flights of the map, and write the time below."""
     first, ticks, texts = 0, [], []
     every = max(1, round(sum(map(len, begun)) / CELLS))
     for k, (name, times) in enumerate(zip(names, begun, strict=True)):
@@ -101,9 +102,10 @@ def _draw_borders(figure: Figure, names: Sequence[str], begun: Sequence[Array]) 
 def _frame_discrepancy(
     figure: Figure, place: Discrepancy, row: int, names: Sequence[str], begun: Sequence[Array]
 ) -> None:
-    """Frame a place that the finding speaks of."""
+    """Frame one discrepancy of the finding in the map."""
     first = 0
     for name, times in zip(names, begun, strict=True):
+        # A piece lasts until the next one begins; the last has no end.
         ends = np.append(times[1:], np.inf)
         inside = np.flatnonzero((times < place.to_s) & (ends > place.from_s))
         if name == place.flight and len(inside):
@@ -115,7 +117,7 @@ def _frame_discrepancy(
 
 
 def plot_by_condition(flights: Sequence[StudyFlightView]) -> Figure:
-    """Return the error of the pose of each piece against what it flew like."""
+    """Plot the pose error of each piece against its flight conditions."""
     known = [piece_conditions(one) for one in flights]
     names = list(known[0])
     figure = make_subplots(
@@ -140,7 +142,8 @@ def plot_by_condition(flights: Sequence[StudyFlightView]) -> Figure:
 
 
 def _pose_error(left: Array) -> Array:
-    """Return the error of the pose of each piece by the noise, shape (S,)."""
+    """Return the error-to-noise ratio of the pose of each piece, shape (S,)."""
+    # The first six channels are position and attitude.
     each = error_to_noise(left)[:, :6]
     known = np.isfinite(each)
     total = np.where(known, each, 0.0) ** 2
@@ -150,7 +153,7 @@ def _pose_error(left: Array) -> Array:
 
 
 def plot_path(of: FlightOverlay) -> Figure:
-    """Return measured and predicted paths from above."""
+    """Plot measured and predicted paths from above."""
     figure = create_figure()
     for (name, colour, width), line in zip(LINES, of.lines, strict=True):
         figure.add_trace(
@@ -167,7 +170,7 @@ def plot_path(of: FlightOverlay) -> Figure:
 
 
 def plot_over_time(of: FlightOverlay) -> Figure:
-    """Return height and heading over time."""
+    """Plot height, heading and position error over time."""
     figure = create_figure(3)
     for row, (column, title) in enumerate(
         ((2, 'height [m]'), (3, 'heading [\N{DEGREE SIGN}]')), 1
@@ -199,7 +202,7 @@ def plot_over_time(of: FlightOverlay) -> Figure:
 
 
 def prediction_distances(of: FlightOverlay) -> list[tuple[str, str, Array]]:
-    """Return name, colour and distance from what was measured [m] of both predictions."""
+    """Return name, colour and distance from the measurement [m] of both predictions."""
     truth = of.lines[0][:, :3]
     return [
         (name, colour, np.linalg.norm(line[:, :3] - truth, axis=1).astype(np.float32))
@@ -214,7 +217,7 @@ def plot_lines(
     unit: str,
 ) -> Figure:
     """
-    Return curves in rows that share their x axis.
+    Plot curves in rows that share their x axis.
 
     Parameters
     ----------
@@ -243,7 +246,7 @@ def plot_lines(
 
 
 def mark_level(figure: Figure, level: float) -> Figure:
-    """Mark a level in all rows: what white noise would have."""
+    """Draw a dashed level in all rows, such as that of white noise."""
     figure.add_hline(level, line={'color': WALL, 'width': 1.2, 'dash': '4px,3px'})
     return figure
 
@@ -251,7 +254,7 @@ def mark_level(figure: Figure, level: float) -> Figure:
 def plot_scatter(
     x: Sequence[Array], y: Sequence[Array], names: Sequence[str], titles: tuple[str, str]
 ) -> Figure:
-    """Return points of some flights, each in its colour, about the line where both are equal."""
+    """Plot points of some flights, one colour each, with the line of equality."""
     figure = create_figure()
     ends = np.array(padded_range(*x, pad=0.0))
     figure.add_trace(

@@ -1,4 +1,4 @@
-"""The flights of a study as its pictures need them: each replayed before and after."""
+"""Replay the flights of a study before and after, for the figures of the page."""
 
 from collections.abc import Sequence
 from typing import final, NamedTuple
@@ -19,24 +19,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-SAMPLES = 750  # of all overlays together, which bounds the size of the page
+SAMPLES = 750  # of all overlays together; limits the file size of the page
 
 
 @final
 class StudyFlightView(NamedTuple):
     """
-    One flight before and after.
+    One flight, replayed before and after.
 
     Attributes
     ----------
-    flown : Flown
+    flown : StudyFlight
         The flight.
-    before, after : Replayed
-        As the models have it.
+    before, after : ModelPrediction
+        Predictions of the two models.
     left : tuple of two ndarrays, shape (S, n, 14)
-        What each leaves over when a piece begins as suits it best, by the noise.
+        Residuals by the noise, each piece from its best-fitting initial state.
     shown : bool
-        Whether it is one of those on which the gap is shown.
+        Whether the prediction errors of the finding are of this flight.
 
     """
 
@@ -50,12 +50,12 @@ class StudyFlightView(NamedTuple):
 @final
 class FlightOverlay(NamedTuple):
     """
-    Lines of one flight on common instants, NaN between pieces.
+    Lines of one flight on a common time grid, NaN between pieces.
 
     Attributes
     ----------
     begin, period : float
-        Of the instants. [s]
+        Of the time grid. [s]
     lines : tuple of three ndarrays, shape (m, 4)
         Measured, before, after: x, y, z [m] and heading [deg].
 
@@ -67,13 +67,13 @@ class FlightOverlay(NamedTuple):
 
 
 def list_fit_flights(study: DiscoveryStudy) -> list[tuple[StudyFlight, FlightFit]]:
-    """Return the flights that taught and confirmed, each with its fit to the named effects."""
+    """Return the training and confirming flights, each with its fit to the named effects."""
     flown = [one for role in ('train', 'confirm') for one in study.flights if one.role == role]
     return list(zip(flown, study.full, strict=False))
 
 
 def build_flight_views(study: DiscoveryStudy) -> list[StudyFlightView]:
-    """Return all flights, replayed: those that are shown as they are, the rest as fitted."""
+    """Replay all flights: shown flights with the models of the finding, the others as fitted."""
     points = {
         id(flown.flight): (_build_plain_point(study.nominal, flown.flight), fit.linear.point)
         for flown, fit in list_fit_flights(study)
@@ -95,14 +95,15 @@ def build_flight_views(study: DiscoveryStudy) -> list[StudyFlightView]:
 
 
 def _build_plain_point(nominal: NominalVehicle, flight: FlightLinearizer) -> LinearizationPoint:
-    """Return a vehicle as it is, with nothing turned for this flight."""
+    """Return the linearization point of a vehicle without parameters fitted to this flight."""
     return build_origin(nominal, flight.knobs, flight.replay.cut)
 
 
 def build_overlay(one: StudyFlightView, flights: int = 1) -> FlightOverlay:
-    """Return the lines of one of some flights, few enough points of them."""
+    """Return the overlay of one flight, thinned so that all overlays fit into the page."""
     measured = one.flown.flight.replay.flight
     count = len(measured.time)
+    # At least 5 samples apart, whatever the size: a screen shows no more.
     stride = max(5, int(np.ceil(count * flights / SAMPLES)))
     keep = np.arange(0, count, stride)
     truth = np.column_stack([measured.position, _unwrap_angle(heading_angle(measured.quaternion))])
@@ -115,12 +116,13 @@ def build_overlay(one: StudyFlightView, flights: int = 1) -> FlightOverlay:
 def _join_pieces(
     flight: FlightLinearizer, model: ModelPrediction, truth: Array, stride: int
 ) -> Array:
-    """Return the pieces one after the other; the last sample of each is left out, as a gap."""
+    """Join the pieces of a prediction; the last sample of each is NaN, to draw a gap."""
     out = np.full_like(truth, np.nan)
     inside = flight.replay.cut.inside
     for k, index in enumerate(flight.index):
         here = index[inside[k]]
         out[here, :3] = model.position[k, inside[k]]
+        # The nearest equivalent angle, so that the line stays next to the measured one.
         turn = model.heading[k, inside[k]] - truth[here, 3]
         out[here, 3] = truth[here, 3] + (turn + np.pi) % (2.0 * np.pi) - np.pi
         out[here[-stride:]] = np.nan
@@ -128,14 +130,14 @@ def _join_pieces(
 
 
 def _unwrap_angle(angle: Array) -> Array:
-    """Return an angle without jumps, NaN where it is not known."""
+    """Return an angle without jumps, NaN where it is unknown."""
     out, known = angle.copy(), np.isfinite(angle)
     out[known] = np.unwrap(angle[known])
     return out
 
 
 def piece_conditions(one: StudyFlightView) -> dict[str, Array]:
-    """Return what each piece flew like, shape (S,): what errors may go with."""
+    """Return the flight conditions of each piece, shape (S,), by axis title."""
     return {
         'speed [m/s]': one.before.speed,
         'turning [\N{DEGREE SIGN}/s]': np.degrees(one.before.turning),
@@ -145,12 +147,12 @@ def piece_conditions(one: StudyFlightView) -> dict[str, Array]:
 
 
 def _piece_heights(position: Array) -> Array:
-    """Return the mean height of each piece; NaN where nothing counts."""
+    """Return the mean height of each piece; NaN where no sample is valid."""
     known = np.isfinite(position[..., 2])
     total = np.where(known, position[..., 2], 0.0).sum(axis=1)
     return np.where(known.any(axis=1), total / np.maximum(known.sum(axis=1), 1), np.nan)
 
 
 def select_residuals(flights: Sequence[StudyFlightView], after: bool) -> list[Array]:
-    """Return what is left over on the flights that show the gap."""
+    """Return the residuals of the shown flights."""
     return [one.left[int(after)] for one in flights if one.shown]

@@ -1,4 +1,4 @@
-"""Words and numbers of a study: knobs, effects, values with their intervals, odds."""
+"""Format parameters, effects, values with intervals, and odds."""
 
 from collections.abc import Sequence
 import math
@@ -18,12 +18,12 @@ SHOWN_UNITS: Final = {'rad': (DEGREE, DEGREES), 'rad/s': (f'{DEGREE}/s', DEGREES
 RAISED: Final = str.maketrans(
     '0123456789', '\u2070\u00b9\u00b2\u00b3\u2074\u2075\u2076\u2077\u2078\u2079'
 )
-MANY: Final = 2  # directions of one effect that are not named one by one
+MANY: Final = 2  # most directions of one effect that are listed separately
 FORCES: Final = ('surge', 'sway', 'heave')
 
 
 def format_parameter(knob: str) -> str:
-    """Return a knob's name as people say it: 'linear drag (surge)', 'net lift'."""
+    """Return a parameter's readable name: 'linear drag (surge)', 'net lift'."""
     effect, _, rest = knob.partition('.')
     words, known = effect.replace('_', ' '), EFFECTS.get(effect)
     if not rest or (known is not None and len(known.parameters) == 1):
@@ -32,20 +32,20 @@ def format_parameter(knob: str) -> str:
 
 
 def format_effect(one: NamedEffect) -> str:
-    """Return what an effect is called: by its directions, unless they are many."""
+    """Return an effect's readable name: its directions, or the effect if there are many."""
     if len(one.knobs) > MANY:
         return one.name.replace('_', ' ')
     return join_words([format_parameter(knob) for knob in one.knobs])
 
 
 def explain_effect(effect: str) -> str:
-    """Return what an effect is, in a sentence; '' for one that is not in this registry."""
+    """Describe an effect in a sentence; '' for one that is not in this registry."""
     known = EFFECTS.get(effect)
     return '' if known is None else f'{describe_effect(known)}.'
 
 
 def format_number(value: float, digits: int = 3) -> str:
-    """Return a number in a few digits, without an exponent where that is readable."""
+    """Format a number to a few significant digits, without an exponent where possible."""
     if not math.isfinite(value):
         return MISSING
     text = f'{value:.{digits}g}'
@@ -56,11 +56,12 @@ def format_number(value: float, digits: int = 3) -> str:
 
 
 def format_with_interval(value: float, interval: tuple[float, float]) -> tuple[str, str, str]:
-    """Return a value and its interval, to two digits of the interval's width."""
+    """Format a value and its interval, to two significant digits of the interval's width."""
     width = interval[1] - interval[0]
     if not all(map(math.isfinite, (value, *interval))) or width <= 0.0:
         return format_number(value), format_number(interval[0]), format_number(interval[1])
     places = max(0, 1 - math.floor(math.log10(width)))
+    # Fixed-point notation would be all zeros here.
     if places > 8:
         return (
             format_number(value, 5),
@@ -72,13 +73,13 @@ def format_with_interval(value: float, interval: tuple[float, float]) -> tuple[s
 
 
 def format_with_unit(text: str, unit: str) -> str:
-    """Return a number with its unit; a pure number stays alone."""
+    """Append the unit to a number; a pure number has none."""
     apart = '' if unit.startswith(DEGREE) else ' '
     return text if unit in ('', '1') else f'{text}{apart}{unit}'
 
 
 def format_quantity(value: float, unit: str, digits: int = 3) -> str:
-    """Return an error as people read it: millimetres, centimetres, degrees."""
+    """Format an error in a readable unit: millimetres, centimetres, degrees."""
     if unit == 'm' and math.isfinite(value):
         size = abs(value)
         scale, name = (1e3, 'mm') if size < 0.01 else (100.0, 'cm') if size < 1.0 else (1.0, 'm')
@@ -88,31 +89,31 @@ def format_quantity(value: float, unit: str, digits: int = 3) -> str:
 
 
 def format_percent(share: float) -> str:
-    """Return a share in whole per cent."""
+    """Format a share in whole per cent."""
     return MISSING if not math.isfinite(share) else f'{100 * share:.0f}'.replace('-', MINUS)
 
 
 def join_words(words: Sequence[str], last: str = 'and') -> str:
-    """Return words as a person lists them."""
+    """Join words with commas and a final conjunction."""
     if len(words) < 2:
         return ''.join(words)
     return f'{", ".join(words[:-1])} {last} {words[-1]}'
 
 
 def format_file_value(one: ParameterEstimate) -> str:
-    """Return what the vehicle file has of a parameter: a number, or nothing."""
+    """Describe the vehicle file's value of a parameter."""
     return (
         f'the file has {format_number(one.before)}' if one.in_file else 'the file does not have it'
     )
 
 
 def format_estimate(one: ParameterEstimate) -> str:
-    """Return a parameter with its unit."""
+    """Format an estimate with its unit."""
     return format_with_unit(format_with_interval(one.value, one.ci95)[0], one.unit)
 
 
 def format_assumed(one: NamedEffect) -> str:
-    """Return what the values of an effect take for granted; '' where they take nothing."""
+    """Describe the assumed parameters of an effect; '' if there are none."""
     if not one.assumed:
         return ''
     numbers = [
@@ -123,20 +124,20 @@ def format_assumed(one: NamedEffect) -> str:
 
 
 def format_remainder(one: Remainder) -> str:
-    """Return what remains on an axis: 'a force along surge that follows heading (sine)'."""
+    """Describe a remaining force: 'a force along surge that follows heading (sine)'."""
     kind = f'force along {one.axis}' if one.axis in FORCES else f'{one.axis} moment'
     if not one.follows:
-        return f'a {kind} that follows nothing measured'
+        return f'a {kind} that follows no measured quantity'
     return f'a {kind} that follows {join_words(one.follows)}'
 
 
 def remainder_unit(one: Remainder) -> str:
-    """Return the unit of what remains."""
+    """Return the unit of a remaining force or moment."""
     return 'N' if one.axis in FORCES else 'N m'
 
 
 def format_odds(nats: float) -> str:
-    """Return evidence as odds against chance."""
+    """Format evidence as odds against chance."""
     power = nats / math.log(10.0)
     if power < 1.0:
         return 'no better than chance' if nats <= 0.0 else f'odds of {math.exp(nats):.1f} to 1'
@@ -145,21 +146,19 @@ def format_odds(nats: float) -> str:
 
 def explain_decision(rung: LadderRung, beaten: bool, stands: bool) -> str:
     """
-    Return why a candidate was named, or was not.
+    Explain why a candidate was named or rejected.
 
     Parameters
     ----------
-    rung : Rung
-        The candidate.
     beaten : bool
         Whether its round named another.
     stands : bool
-        Whether it is still named at the end, if it was named.
+        Whether it is in the final result, if it was named.
 
     """
     witness = max(rung.confirm, rung.carried)
     if rung.accepted:
-        return 'named' if stands else 'named; all flights together do not keep it'
+        return 'named' if stands else 'named, then dropped: all flights together do not support it'
     if rung.total <= GAIN or max(rung.train, witness) <= LARGER:
         return 'too little evidence'
     if rung.apart >= APART:
@@ -168,5 +167,5 @@ def explain_decision(rung: LadderRung, beaten: bool, stands: bool) -> str:
         return 'another explains it better'
     alone = rung.confirm > AGAIN and rung.carried > -SPOILT
     if alone or (rung.carried > HOLDS and rung.confirm > -TORN):
-        return 'what no effect explains stands in its place'
+        return 'an unexplained force takes its place'
     return 'the other flights do not confirm it'

@@ -1,4 +1,4 @@
-"""The force and moment that nothing explains, along the flights that teach and confirm."""
+"""Compute the unexplained force and moment along training and confirming flights."""
 
 from collections.abc import Sequence
 from typing import final, NamedTuple
@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 @final
 class LatentWrench(NamedTuple):
     """
-    What remains of one flight.
+    Unexplained wrench of one flight.
 
     Attributes
     ----------
@@ -28,9 +28,9 @@ class LatentWrench(NamedTuple):
     wrench : ndarray, shape (S, K, 6)
         Force [N] and moment [N m], body frame.
     known : ndarray of bool, shape (S, K)
-        Whether the flight counts there: the last piece may end early.
+        Whether the flight has data there: the last piece may end early.
     terms : mapping of str to ndarray, shape (S * K,)
-        What it may follow, of the state there.
+        Candidate terms of the state, at the knots.
 
     """
 
@@ -42,7 +42,7 @@ class LatentWrench(NamedTuple):
 
 
 def collect_latent_wrenches(study: DiscoveryStudy) -> list[LatentWrench]:
-    """Return what remains of a flight that taught and of one that confirmed."""
+    """Return the unexplained wrench of one training and one confirming flight."""
     chosen = {flown.role: (flown, fit) for flown, fit in reversed(list_fit_flights(study))}
     return [
         _compute_latent_wrench(*chosen[role]) for role in ('train', 'confirm') if role in chosen
@@ -50,7 +50,7 @@ def collect_latent_wrenches(study: DiscoveryStudy) -> list[LatentWrench]:
 
 
 def _compute_latent_wrench(study_flight: StudyFlight, fit: FlightFit) -> LatentWrench:
-    """Return what remains of one flight."""
+    """Return the unexplained wrench of one flight."""
     flight, inside = study_flight.flight, study_flight.flight.replay.cut.inside
     count = fit.linear.knots
     at = np.linspace(0.0, 1.0, count)
@@ -62,7 +62,7 @@ def _compute_latent_wrench(study_flight: StudyFlight, fit: FlightFit) -> LatentW
 
 
 def join_pieces(each: LatentWrench, axis: int) -> tuple[Array, Array]:
-    """Return the force or moment on one axis over time, a gap between pieces."""
+    """Return force or moment on one axis over time, with a gap between pieces."""
     gap = np.full((len(each.time), 1), np.nan)
     time = np.hstack([each.time, each.time[:, -1:]]).ravel()
     values = np.where(each.known, each.wrench[..., axis], np.nan)
@@ -71,12 +71,12 @@ def join_pieces(each: LatentWrench, axis: int) -> tuple[Array, Array]:
 
 def fit_terms(flights: Sequence[LatentWrench], axis: int, names: Sequence[str]) -> list[Array]:
     """
-    Return what the terms that a force follows make of it together, for each flight.
+    Return the joint least-squares fit of some terms to a force, for each flight.
 
     Returns
     -------
     list of ndarray, shape (S * K,)
-        By least squares over all flights, in the unit of the force.
+        In the unit of the force.
 
     """
     rows = [

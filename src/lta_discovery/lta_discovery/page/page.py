@@ -1,4 +1,4 @@
-"""A study as one self-contained HTML file, in the look of a flight's page."""
+"""Render a study as one self-contained HTML file."""
 
 from base64 import b64encode
 from collections.abc import Mapping, Sequence
@@ -43,47 +43,45 @@ COLOURS: Final = {
     'evidence': GOOD,
 }  # fmt: skip
 HEAT: Final = (
-    'Each column is a piece of some seconds, each row a channel; the darker, the further the '
-    'model is off in units of the noise. Pale all over is a model that explains the flight. A '
-    'piece begins as suits it best, and the offset of a sensor is taken out. Flights that taught '
-    'or confirmed are shown as fitted.'
+    'Each column is a piece of some seconds, each row a channel; darker means a larger error in '
+    'units of the noise. A model that explains the flight is pale everywhere. Each piece starts '
+    'from its best-fitting state, and sensor offsets are removed. Training and confirming flights '
+    'are shown as fitted.'
 )
 CONDITIONS: Final = (
-    'The error of the pose of each piece against what it flew like: orange as the vehicle file '
-    'has it, blue with what was learned. What rises to one side tells where to look.'
+    'Pose error of each piece against its flight conditions: orange with the vehicle file, blue '
+    'with the learned effects. Errors that rise to one side show where to look.'
 )
 ABOVE: Final = (
-    'Each piece begins where it was measured, and nobody helps it on its way. Broad grey: '
-    'measured; orange: the vehicle file; blue: with what was learned.'
+    'Each piece starts at the measured state and runs without correction. Broad grey: '
+    'measured; orange: the vehicle file; blue: with the learned effects.'
 )
 OVER: Final = (
-    'The same over time; below, how far each prediction is from what was measured, from the '
+    'The same over time; below, the distance of each prediction from the measurement, from the '
     'beginning of its piece on.'
 )
 WHITE: Final = (
-    'How what is left over goes with itself a little later. Noise drops to 0 at once and stays '
+    'Autocorrelation of the residuals. White noise drops to 0 at once and stays '
     'between the dashes; a model that misses something decays slowly.'
 )
 POWER: Final = (
-    'What is left over by frequency, in units of the noise: the dashes are white noise of the '
-    'size that was measured. A rise to the left is motion that the model does not have.'
+    'Spectrum of the residuals, in units of the noise: the dashes are white noise of the '
+    'measured size. A rise to the left is motion that the model does not have.'
 )
 NOBODY: Final = '<p class="absent">There is no flight to draw.</p>'
 
 
 def write_page(study: DiscoveryStudy, folder: Path, bags: Bags = NONE) -> Path:
     """
-    Write the page of a study and return where it is.
+    Write the page of a study and return its path.
 
     Parameters
     ----------
-    study : Study
-        What was found, and the flights.
     folder : Path
-        Where the results of the study are.
+        Folder with the results of the study.
     bags : mapping of role to paths
-        As they were named on the command line, for the command that does it again; the names of
-        the flights by default.
+        As on the command line, for the command that repeats the study; the names of the flights by
+        default.
 
     Raises
     ------
@@ -129,7 +127,7 @@ def render_page(study: DiscoveryStudy, folder: Path, bags: Bags = NONE) -> str:
 
 
 def render_discrepancies(finding: DiscoveryFinding, flights: Sequence[StudyFlightView]) -> str:
-    """Return the pictures of where the model is off."""
+    """Return the figures of where the model is off."""
     if not any(len(one.before.time) for one in flights):
         return NOBODY
     return render_section(
@@ -141,7 +139,7 @@ def render_discrepancies(finding: DiscoveryFinding, flights: Sequence[StudyFligh
 
 
 def render_overlays(names: Sequence[str], lines: Sequence[FlightOverlay]) -> str:
-    """Return the overlay of one flight, and a choice where there are several."""
+    """Return the overlay of the first flight, and a menu if there are several."""
     if not lines:
         return NOBODY
     first, choice = lines[0], ''
@@ -169,7 +167,7 @@ def render_overlays(names: Sequence[str], lines: Sequence[FlightOverlay]) -> str
 
 
 def _pack_overlay(one: FlightOverlay) -> dict[str, object]:
-    """Return what the page's script needs of a flight."""
+    """Return the data that the page's script needs of a flight."""
     return {
         'begin': one.begin,
         'period': one.period,
@@ -178,7 +176,7 @@ def _pack_overlay(one: FlightOverlay) -> dict[str, object]:
 
 
 def pack_column(values: Array) -> dict[str, object]:
-    """Return a line in two bytes a number, to be multiplied by `scale`; the least is NaN."""
+    """Encode a line as 16-bit integers, to be multiplied by `scale`; the minimum means NaN."""
     largest = float(np.nanmax(np.abs(values), initial=0.0)) or 1.0
     factor = largest / 32000.0
     numbers = np.where(np.isfinite(values), np.round(values / factor), -32768.0).astype('<i2')
@@ -186,7 +184,7 @@ def pack_column(values: Array) -> dict[str, object]:
 
 
 def render_whiteness(flights: Sequence[StudyFlightView]) -> str:
-    """Return the pictures of how much like noise what is left over is."""
+    """Return the figures of residual autocorrelation and spectrum."""
     both = [select_residuals(flights, after) for after in (False, True)]
     if not any(len(each) for each in both[0]):
         return NOBODY
@@ -206,17 +204,17 @@ def render_whiteness(flights: Sequence[StudyFlightView]) -> str:
         type='log', exponentformat='power', dtick=1
     )
     figures.mark_level(by_frequency, 1.0)
-    return render_section(
-        'white', 'Is what is left over noise?', WHITE, correlated
-    ) + render_section('power', 'What is left over, by frequency', POWER, by_frequency)
+    return render_section('white', 'Are the residuals noise?', WHITE, correlated) + render_section(
+        'power', 'Residuals by frequency', POWER, by_frequency
+    )
 
 
 def render_remainders(study: DiscoveryStudy) -> str:
-    """Return what no effect explains, drawn; that nothing remains where that is so."""
+    """Return the unexplained forces with their figures, or a note that there are none."""
     found = study.finding
     if not found.remains:
         more = 'else ' if found.draught else ''
-        said = f'Nothing {more}stands clear of the floor on any axis.'
+        said = f'Nothing {more}exceeds the noise floor on any axis.'
         return f'{tables.render_unexplained(found)}<p class="note">{said}</p>'
     return (
         tables.render_unexplained(found)
@@ -226,7 +224,7 @@ def render_remainders(study: DiscoveryStudy) -> str:
 
 
 def _render_latent_wrench(study: DiscoveryStudy) -> str:
-    """Return the latent force over time, and against what it follows."""
+    """Return the figures of the unexplained force: over time, and against its terms."""
     flights, found = collect_latent_wrenches(study), study.finding
     if not flights:
         return ''
@@ -243,7 +241,7 @@ def _render_latent_wrench(study: DiscoveryStudy) -> str:
         [f'{word} {each.name}' for word, each in zip(('blue', 'orange'), flights, strict=False)]
     )
     made = render_section(
-        'latent', 'The force that nothing explains, over time',
+        'latent', 'The unexplained force over time',
         f'As the flights themselves show it, {names}.',
         figures.plot_lines(rows, titles, 'time', 's'),
     )  # fmt: skip
@@ -253,7 +251,7 @@ def _render_latent_wrench(study: DiscoveryStudy) -> str:
         axis, unit = AXES.index(following.axis), remainder_unit(following)
         made += render_section(
             'follows', f'What the {following.axis} part follows',
-            f'{format_remainder(following).capitalize()}. On the dashes, those terms would '
+            f'{format_remainder(following).capitalize()}. On the dashes, these terms would '
             'explain it all.',
             figures.plot_scatter(
                 fit_terms(flights, axis, following.follows),
@@ -267,7 +265,7 @@ def _render_latent_wrench(study: DiscoveryStudy) -> str:
 
 
 def list_facts(finding: DiscoveryFinding) -> Mapping[str, str]:
-    """Return where the page comes from."""
+    """Return the provenance of the page."""
     roles = {'train': 'learned from', 'confirm': 'confirmed by', 'holdout': 'held out'}
     return {
         'vehicle': finding.vehicle,
@@ -282,7 +280,7 @@ def list_facts(finding: DiscoveryFinding) -> Mapping[str, str]:
 
 
 def list_commands(finding: DiscoveryFinding, folder: Path, bags: Bags) -> Mapping[str, str]:
-    """Return how to do it again, and how to go on."""
+    """Return the commands to repeat the study and to use its result."""
     words = ['--vehicle', finding.vehicle]
     for role in ('train', 'confirm', 'holdout'):
         if bags.get(role):

@@ -1,14 +1,14 @@
-"""Small pictures within tables: points, bars and intervals on a scale, as plain HTML."""
+"""Render small inline charts in tables as plain HTML: points, bars and intervals on a scale."""
 
 from collections.abc import Mapping, Sequence
 import math
 from typing import Final
 
-MARGIN: Final = 2.0  # per cent of the strip on either side
+MARGIN: Final = 2.0  # % of the strip on either side
 
 
 def strip_position(value: float, low: float, high: float) -> float:
-    """Return where a value is on a strip. [%]"""
+    """Return the position of a value on a strip. [%]"""
     share = (value - low) / (high - low) if high > low else 0.5
     return MARGIN + (100.0 - 2.0 * MARGIN) * min(max(share, 0.0), 1.0)
 
@@ -22,11 +22,11 @@ def render_points(
     Parameters
     ----------
     values : mapping of str to float
-        By the kind of each, which gives it its colour; what is not positive is left out.
+        By kind, which selects the colour; values that are not positive are left out.
     low, high : float
         Ends of the scale.
     floor : float
-        Below it nobody can tell; shaded.
+        Noise floor, shaded.
 
     """
     ends = math.log(low), math.log(high)
@@ -47,7 +47,7 @@ def render_points(
 
 
 def render_interval(before: float, value: float, ci95: tuple[float, float]) -> str:
-    """Return a value with its interval beside what was there before."""
+    """Return a value with its interval, and the value before."""
     finite = [part for part in (before, value, *ci95) if math.isfinite(part)]
     low, high = min(finite, default=0.0), max(finite, default=1.0)
     a, b = (strip_position(part, low, high) for part in ci95)
@@ -62,10 +62,10 @@ def render_interval(before: float, value: float, ci95: tuple[float, float]) -> s
 
 def render_stacked(first: float, second: float, line: float, most: float) -> str:
     """
-    Return two amounts on top of each other, and a line that they have to pass.
+    Return two stacked amounts and a threshold line, on a square-root scale.
 
-    The scale is a root, so that the line is seen beside what is far beyond it; what is negative
-    takes away from the other.
+    The root keeps the threshold visible next to much larger values. A negative amount is
+    subtracted from the other.
     """
 
     def clipped_position(value: float) -> float:
@@ -84,11 +84,11 @@ def render_stacked(first: float, second: float, line: float, most: float) -> str
 
 
 def render_bar(value: float, most: float) -> str:
-    """Return one amount."""
+    """Return a bar of one amount."""
     share = 100.0 * min(max(value / most, 0.0), 1.0) if most > 0.0 else 0.0
     return _render_strip([f'<i class="bar off" style="left:0;width:{share:.1f}%"></i>'])
 
 
 def _render_strip(parts: Sequence[str]) -> str:
-    """Return a strip; what it shows stands beside it in figures."""
+    """Return a strip, hidden from screen readers: adjacent cells show the same numbers."""
     return f'<div class="strip" aria-hidden="true">{"".join(parts)}</div>'

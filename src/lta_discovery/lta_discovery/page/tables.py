@@ -1,4 +1,4 @@
-"""What a study says, as HTML that needs no script: effects, ladder, gaps, places, remains."""
+"""Render a study's tables as HTML: effects, search rounds, discrepancies, remaining forces."""
 
 from collections.abc import Sequence
 from html import escape
@@ -36,7 +36,7 @@ from lta_discovery.selection.acceptance import GAIN
 from lta_discovery.unmodeled.remainders import Remainder
 
 Row = Sequence[str]
-MOST: Final = 6  # places that are not folded
+MOST: Final = 6  # discrepancies shown unfolded
 BLIND: Final = ' class="blind"'
 
 
@@ -51,9 +51,9 @@ def render_table(heads: Row, rows: Sequence[Row], name: str, caption: str) -> st
     rows : sequence of sequences of str
         HTML.
     name : str
-        Its class.
+        CSS class.
     caption : str
-        For those who listen.
+        For screen readers.
 
     """
     head = ''.join(f'<th scope="col">{escape(each)}</th>' for each in heads)
@@ -69,40 +69,40 @@ def render_table(heads: Row, rows: Sequence[Row], name: str, caption: str) -> st
 
 
 def render_effects(finding: DiscoveryFinding) -> str:
-    """Return what is missing, effect by effect; what it would have taken where nothing is."""
+    """Return the named effects, or why there are none."""
     if finding.effects:
         return ''.join(map(_render_effect, finding.effects))
     return f'<p class="calm">{escape(_format_nothing_named(finding))}</p>'
 
 
 def _format_nothing_named(finding: DiscoveryFinding) -> str:
-    """Return in a few sentences that nothing has a name, and what that means."""
+    """Explain why no effect was named."""
     tried = [rung for step in finding.ladder for rung in step]
     best = max(tried, key=lambda rung: rung.total, default=None)
     near = (
-        'No candidate looked worth a refit.'
+        'No candidate was promising enough for a refit.'
         if best is None
         else f'The best candidate was {format_parameter(best.knob)}, with '
-        f'{format_number(best.total)} nats where '
-        f'{GAIN:g} make a name: {explain_decision(best, beaten=False, stands=False)}.'
+        f'{format_number(best.total)} nats; '
+        f'{GAIN:g} are required: {explain_decision(best, beaten=False, stands=False)}.'
     )
     said = {
         'none': 'The vehicle file explains these flights to within its own tolerances and the '
         'noise.'
         if draw_conclusion(finding).fits
         else 'No candidate was confirmed by all flights.',
-        'not_identifiable': 'What is missing, or whether anything is, cannot be told from these '
-        'flights, so nothing is named.',
+        'not_identifiable': 'These flights do not show what is missing, or whether anything is, '
+        'so no effect is named.',
     }.get(
         finding.verdict,
-        'A force or moment is left over that no effect of the library explains on both flights. '
-        'It is described below, not named.',
+        'A force or moment remains that no effect of the library explains on both flights. '
+        'It is described below without a name.',
     )
     return f'{said} {near}'
 
 
 def render_detection_limits(finding: DiscoveryFinding) -> str:
-    """Return how small an effect could have been seen, the clearest first; '' if nobody asked."""
+    """Return the detection limits of the effects, the lowest first; '' if not computed."""
     if not finding.detectable:
         return ''
     ordered = sorted(finding.detectable, key=lambda one: one.size / (one.typical or math.inf))
@@ -115,12 +115,12 @@ def render_detection_limits(finding: DiscoveryFinding) -> str:
     )
     return (
         '<section class="panel section" aria-labelledby="title-seen">'
-        '<h2 id="title-seen">How small an effect could have been seen</h2>'
+        '<h2 id="title-seen">Detection limits of the effects</h2>'
         f'<details{"" if finding.effects else " open"}><summary>{len(ordered)} '
         f'candidates</summary>'
-        f'<p class="note">From this size on it would have been named, 19 times in 20, if nothing '
-        f'else were missing. {clear} of {len(ordered)} would have been seen below their typical '
-        'size; the others (in italics) only if they were larger than usual.</p>'
+        f'<p class="note">An effect of this size is named in 19 of 20 cases if nothing '
+        f'else is missing. {clear} of {len(ordered)} are detectable below their typical '
+        'size; the others (in italics) only if they are larger than usual.</p>'
         f'<ul class="seen">{rows}</ul></details></section>'
     )
 
@@ -129,11 +129,11 @@ def _render_effect(one: NamedEffect) -> str:
     """Return one named effect."""
     names = format_effect(one)
     alike = (
-        f'<p class="note">These flights cannot tell it from <b>'
+        f'<p class="note">These flights cannot distinguish it from <b>'
         f'{escape(join_words([format_parameter(knob) for knob in one.confusable_with], "or"))}'
         '</b>.</p>'
         if one.confusable_with
-        else '<p class="note">No other effect of the library looks like it on these flights.</p>'
+        else '<p class="note">No other effect of the library fits these flights as well.</p>'
     )
     return (
         f'<div class="effect"><h3>{escape(names[:1].upper() + names[1:])}</h3>'
@@ -141,13 +141,13 @@ def _render_effect(one: NamedEffect) -> str:
         f'{"".join(map(_render_parameter, one.parameters))}{_render_assumed(one)}'
         f'<p class="note">Without it the flights lose <b>{format_number(one.log_evidence)} '
         f'nats</b> of '
-        f'evidence, {format_odds(one.log_evidence)} against that nothing is '
-        f'missing.</p>{alike}</div>'
+        f'evidence, {format_odds(one.log_evidence)} against the file without '
+        f'it.</p>{alike}</div>'
     )
 
 
 def _render_assumed(one: NamedEffect) -> str:
-    """Return on which assumed numbers the values of an effect depend."""
+    """Return the assumed numbers that the values of an effect depend on."""
     said = format_assumed(one).strip()
     return f'<p class="note">Its values hold {escape(said)}.</p>' if said else ''
 
@@ -165,10 +165,11 @@ def _render_parameter(one: ParameterEstimate) -> str:
 
 
 def render_ladder(finding: DiscoveryFinding) -> str:
-    """Return all candidates round by round."""
+    """Return all candidates of the search, by round."""
     rungs = [rung for step in finding.ladder for rung in step]
     if not rungs:
-        return '<p class="absent">No candidate looked worth a refit.</p>'
+        return '<p class="absent">No candidate was promising enough for a refit.</p>'
+    # Leave room to the right of the threshold line, even if no candidate reaches it.
     most = max(GAIN * 1.6, *(rung.total for rung in rungs))
     out = []
     for k, step in enumerate(finding.ladder, 1):
@@ -178,12 +179,12 @@ def render_ladder(finding: DiscoveryFinding) -> str:
             kept = is_still_named(finding, named.knob)
             words = (
                 f'{format_parameter(named.knob)} is named'
-                f'{"" if kept else ", and given up at the end"}'
+                f'{"" if kept else ", but dropped at the end"}'
             )
         out.append(f'<h3>Round {k}: {escape(words)}</h3>')
-        heads = ('candidate', 'evidence', 'train', 'confirm', 'carried', 'apart', 'because')
+        heads = ('candidate', 'evidence', 'train', 'confirm', 'carried', 'apart', 'reason')
         if not step:
-            out.append('<p class="note">No candidate looked worth a refit.</p>')
+            out.append('<p class="note">No candidate was promising enough for a refit.</p>')
             continue
         rows = [
             _format_rung(rung, most, named is not None, is_still_named(finding, rung.knob))
@@ -194,7 +195,7 @@ def render_ladder(finding: DiscoveryFinding) -> str:
 
 
 def _format_rung(rung: LadderRung, most: float, beaten: bool, stands: bool) -> Row:
-    """Return one candidate."""
+    """Return the cells of one candidate."""
     name = escape(format_parameter(rung.knob))
     return (
         f'<b>{name}</b>' if rung.accepted and stands else name,
@@ -208,7 +209,7 @@ def _format_rung(rung: LadderRung, most: float, beaten: bool, stands: bool) -> R
 def render_discrepancies(finding: DiscoveryFinding) -> str:
     """Return where the model disagrees most, the largest first."""
     if not finding.where:
-        return '<p class="absent">Nowhere does the error stand out from the noise.</p>'
+        return '<p class="absent">The error exceeds the noise nowhere.</p>'
     most = max(place.ratio_to_noise for place in finding.where)
     rows = [_format_discrepancy(place, most) for place in finding.where]
     heads = ('when', 'by the noise', '', 'channel', 'flight', 'from', 'to')
@@ -221,7 +222,7 @@ def render_discrepancies(finding: DiscoveryFinding) -> str:
 
 
 def _format_discrepancy(place: Discrepancy, most: float) -> Row:
-    """Return one place."""
+    """Return the cells of one discrepancy."""
     return (
         escape(place.condition),
         format_number(place.ratio_to_noise),
@@ -234,17 +235,17 @@ def _format_discrepancy(place: Discrepancy, most: float) -> Row:
 
 
 def render_remainders(finding: DiscoveryFinding) -> str:
-    """Return what no effect explains, the largest first."""
+    """Return the unexplained forces, the largest first."""
     if not finding.remains:
         return ''
     most = max(one.floors for one in finding.remains)
     rows = [_format_remainder(one, most) for one in finding.remains]
-    heads = ('axis', 'by the floor', '', 'size', 'what it is', 'carries over')
+    heads = ('axis', 'by noise floor', '', 'size', 'description', 'carries over')
     return render_table(heads, rows, 'plain remains', 'What no effect of the library explains')
 
 
 def _format_remainder(one: Remainder, most: float) -> Row:
-    """Return what remains on one axis."""
+    """Return the cells of one axis."""
     said = format_remainder(one)
     return (
         one.axis,
@@ -257,7 +258,7 @@ def _format_remainder(one: Remainder, most: float) -> Row:
 
 
 def render_unexplained(finding: DiscoveryFinding) -> str:
-    """Return in sentences what no effect explains, with lines of the spectrum, and a draught."""
+    """Return the unexplained forces, oscillations and draught in sentences."""
     told = [*finding.unexplained, *([finding.draught.sentence] if finding.draught else [])]
     if not told:
         return ''
@@ -266,7 +267,7 @@ def render_unexplained(finding: DiscoveryFinding) -> str:
 
 
 def render_next_steps(finding: DiscoveryFinding) -> str:
-    """Return what to do with the vehicle file, and what to fly or measure next."""
+    """Return the advice on the vehicle file, and the next flight or measurement."""
     said = f'{format_advice(finding)} {finding.next_flight}'.strip()
     return (
         '<section class="panel" aria-labelledby="title-following">'
@@ -276,7 +277,7 @@ def render_next_steps(finding: DiscoveryFinding) -> str:
 
 
 def render_warnings(finding: DiscoveryFinding) -> str:
-    """Return the warnings as a list, or that there are none."""
+    """Return the warnings as a list, or a note that there are none."""
     if not finding.warnings:
         doubt = (
             '.' if draw_conclusion(finding).is_doubtful else ': the data gave no cause for doubt.'

@@ -1,4 +1,4 @@
-"""What names rest on that forecasts gave, as HTML: what each is worth, and regimes left out."""
+"""Render the evidence of effects identified by forecasts: gain of each, and left-out regimes."""
 
 from html import escape
 import math
@@ -19,7 +19,7 @@ HEADS: Final = ('error', 'vehicle file', 'with the names', 'everything refitted'
 
 
 def render_transfer(finding: DiscoveryFinding) -> str:
-    """Return what carries over, regime by regime; '' where the readings gave the names."""
+    """Return the forecast evidence; '' where the sensor readings identified the effects."""
     told = finding.carried
     if told is None:
         return ''
@@ -52,24 +52,24 @@ def render_transfer(finding: DiscoveryFinding) -> str:
         for gap in whole
     ]
     fitted = (
-        f'<p class="note">With all {told.numbers} numbers fitted that could have a name, '
-        'forecasts between what was flown get this good. None of them is a measurement: they '
-        'trade against each other. They are in refitted.yaml.</p>'
+        f'<p class="note">With all {told.numbers} candidate parameters fitted, forecasts '
+        'within the flown regimes reach this accuracy. None of them is a measurement: they '
+        'compensate each other. They are in refitted.yaml.</p>'
         + render_table(HEADS, rows, 'plain', 'With everything refitted')
         if rows
         else ''
     )
     return (
         '<h3>By forecasts: what carries over</h3>'
-        '<p class="note">What the model misses is so large, or the poses are so smooth, that '
-        'readings decide nothing; a forecast of five seconds does. A name is kept if it makes '
-        'forecasts better in regimes that were left out of its fit, and between the flights that '
-        'taught and those that confirmed, both ways.</p>'
+        '<p class="note">The model error is so large, or the poses are so smooth, that the '
+        'readings do not decide; forecasts of five seconds do. An effect is named if it improves '
+        'forecasts in regimes that were left out of its fit, and from training to confirming '
+        'flights and back.</p>'
         + render_table(
-            ('name', '', 'of the squared error'), names, 'plain', 'What each name is worth'
+            ('name', '', 'of the squared error'), names, 'plain', 'Error removed by each effect'
         )
-        + f'{lost}<p class="note">Each regime by what the others teach, error by that of the '
-        f'vehicle file; in the worst of them it changes by {worst} %.</p>'
+        + f'{lost}<p class="note">Each regime, predicted from the others; error relative to the '
+        f'vehicle file. In the worst regime it changes by {worst} %.</p>'
         + render_table(('left out', 'flights', 'error'), regimes, 'plain', 'Regimes left out')
         + fitted
         + '<h3>By readings</h3>'

@@ -1,4 +1,4 @@
-"""What a study concludes, in sentences: the headline, what to do, the figures on the tiles."""
+"""Word the conclusion of a study: headline, advice, summary tiles."""
 
 from pathlib import Path
 from typing import Final
@@ -36,65 +36,67 @@ def format_headline(finding: DiscoveryFinding) -> str:
     if finding.verdict == 'not_identifiable':
         return _format_unidentifiable(finding, said)
     if finding.verdict == 'unexplained':
-        return f'Something is missing that is in no library{rest}.'
+        return f'Something is missing that no effect of the library describes{rest}.'
     names = join_words([_format_alternatives(one) for one in finding.effects])
     verb = 'are' if _has_several(finding) else 'is'
     text = f'{names[:1].upper()}{names[1:]} {verb} missing{_format_improvement(finding, said)}'
     if finding.verdict == 'named+unexplained':
-        return f'{text}; and something that is in no library{rest}.'
+        return f'{text}; and something that no effect of the library describes{rest}.'
     return f'{text}.'
 
 
 def _format_unidentifiable(finding: DiscoveryFinding, conclusion: Conclusion) -> str:
-    """Return what flights cannot tell."""
+    """Return the headline of a study that does not identify an effect."""
     if conclusion.coasting:
-        return 'These flights cannot tell: ignoring the commands predicts better than the model.'
+        return (
+            'These flights are inconclusive: ignoring the commands predicts better than the model.'
+        )
     if not finding.effects:
-        return 'These flights cannot tell what, if anything, is missing.'
+        return 'These flights do not show what, if anything, is missing.'
     names = join_words([format_effect(one) for one in finding.effects])
     if not conclusion.rivals:
-        return f'It may be {names} that is missing, but these flights cannot tell.'
+        return f'It may be {names} that is missing, but these flights are inconclusive.'
     rivals = join_words([format_parameter(knob) for knob in conclusion.rivals], 'or')
-    return f'These flights cannot tell {names} from {rivals}.'
+    return f'These flights cannot distinguish {names} from {rivals}.'
 
 
 def _has_several(finding: DiscoveryFinding) -> bool:
-    """Tell whether more than one thing was named."""
+    """Return whether more than one parameter was named."""
     return sum(len(one.knobs) for one in finding.effects) > 1
 
 
 def _format_alternatives(one: NamedEffect) -> str:
-    """Return what an effect is called, with what these flights cannot tell from it."""
+    """Return an effect's name, and those of its rivals."""
     return join_words([format_effect(one), *map(format_parameter, one.confusable_with)], 'or')
 
 
 def _format_remainder(finding: DiscoveryFinding) -> str:
-    """Return the largest thing that is unexplained, to be put behind 'in no library'."""
+    """Return the largest unexplained force, to be appended to a headline."""
     if finding.remains:
         return f': {format_remainder(finding.remains[0])}'
     return f': {finding.unexplained[0]}' if finding.unexplained else ''
 
 
 def _format_draught(finding: DiscoveryFinding) -> str:
-    """Return that a draught was there, as a sentence to be put behind another."""
+    """Return a sentence about the draught, to be appended; '' if there is none."""
     return (
-        f' A draught of {format_draught_size(finding.draught)} was there.'
+        f' There was a draught of {format_draught_size(finding.draught)}.'
         if finding.draught
         else ''
     )
 
 
 def format_draught_size(one: DraughtFinding) -> str:
-    """Return how hard a draught pushes."""
+    """Return the force of a draught."""
     return f'{format_number(1e3 * one.force, 2)} mN'
 
 
 def _format_none(conclusion: Conclusion) -> str:
-    """Return that nothing is missing; and that the file is off nevertheless, where it is."""
+    """Return the headline if no effect is missing, with the gain of tuned tolerances if any."""
     gap = conclusion.gain
     if gap is None:
         if conclusion.advice == 'keep':
-            return 'Nothing is missing that these flights could show.'
+            return 'Nothing is missing that these flights could reveal.'
         return 'No effect is confirmed as missing.'
     before, tuned = (format_quantity(part, gap.unit, 2) for part in (gap.before, gap.tuned))
     return (
@@ -104,7 +106,7 @@ def _format_none(conclusion: Conclusion) -> str:
 
 
 def _format_improvement(finding: DiscoveryFinding, conclusion: Conclusion) -> str:
-    """Return by how much the named effects shrink the gap, to be put behind what is missing."""
+    """Return how much the named effects reduce the error, to be appended to a headline."""
     gap = conclusion.gain
     if gap is None:
         return ''
@@ -121,12 +123,12 @@ def _format_improvement(finding: DiscoveryFinding, conclusion: Conclusion) -> st
 def format_advice(finding: DiscoveryFinding) -> str:
     """Return what to do with the vehicle file, in a sentence or two."""
     said = draw_conclusion(finding)
-    which = ' Which of the names is right, it does not tell.' if said.rivals else ''
+    which = ' It does not show which of the names is right.' if said.rivals else ''
     return ADVICE[said.advice] + (which if said.advice == 'use' else '')
 
 
 def list_learned_commands(finding: DiscoveryFinding, folder: Path) -> dict[str, str]:
-    """Return what to type to see what was learned, and to fly it where that is the advice."""
+    """Return the commands to view the learned file and, if that is the advice, to fly it."""
     if not finding.effects:
         return {}
     learned = relative_path(folder / 'vehicle.yaml')
@@ -137,14 +139,14 @@ def list_learned_commands(finding: DiscoveryFinding, folder: Path) -> dict[str, 
 
 
 def summarize_flights(finding: DiscoveryFinding) -> str:
-    """Return which flights there were, and for what."""
+    """Return the flights with their roles."""
     parts = [f'{words} {join_words(finding.bags[role])}' for role, words in ROLES.items()
              if finding.bags.get(role)]  # fmt: skip
     said = ', '.join(parts) or finding.vehicle
     shown = (
-        'Nothing was fitted to the flights on which the gap is shown.'
+        'Nothing was fitted to the flights of the prediction errors.'
         if finding.held_out
-        else 'No flight was held out: the gap is shown on flights that had a say, which is weaker.'
+        else 'No flight was held out: the prediction errors are optimistic.'
     )
     count = len(finding.warnings)
     more = f' {count} {"warning" if count == 1 else "warnings"} below.' if count else ''
@@ -152,11 +154,11 @@ def summarize_flights(finding: DiscoveryFinding) -> str:
 
 
 def build_tiles(finding: DiscoveryFinding) -> list[Tile]:
-    """Return the figures that matter most: what, how sure, how much better, what is left."""
+    """Return the key figures: effects, evidence, improvement, remainder."""
     gap = select_main_gap(finding.gaps)
     made = [_build_verdict_tile(finding), _build_evidence_tile(finding)]
     if gap is None:
-        made.append(Tile('Error', MISSING, '', 'no flight to show it on'))
+        made.append(Tile('Error', MISSING, '', 'no flight to compute it on'))
     else:
         ahead = f'{gap.channel.capitalize()} error after {gap.horizon_s:g} s'
         value, _, unit = format_quantity(gap.after, gap.unit).partition(' ')
@@ -164,10 +166,10 @@ def build_tiles(finding: DiscoveryFinding) -> list[Tile]:
         low, high = (format_percent(part) for part in gap.shrink_ci95)
         floor, coast = (format_quantity(part, gap.unit) for part in (gap.noise_floor, gap.coast))
         made += [
-            Tile(ahead, value, unit, f'before {before}; tuned without any effect {tuned}'),
-            Tile('The gap shrinks by', format_percent(gap.shrink), '%',
+            Tile(ahead, value, unit, f'before {before}; tuned without a new effect {tuned}'),
+            Tile('Error reduced by', format_percent(gap.shrink), '%',
                  f'{low} to {high} % (95 %), {gap.pieces} pieces'),
-            Tile('Noise of the measurement', *floor.partition(' ')[::2],
+            Tile('Measurement noise', *floor.partition(' ')[::2],
                  f'ignoring the commands: {coast}'),
         ]  # fmt: skip
     made.append(_build_remainder_tile(finding))
@@ -175,11 +177,11 @@ def build_tiles(finding: DiscoveryFinding) -> list[Tile]:
 
 
 def _build_remainder_tile(finding: DiscoveryFinding) -> Tile:
-    """Return what is unexplained."""
+    """Return the tile of the unexplained forces."""
     if finding.remains:
         first = finding.remains[0]
         return Tile(
-            'Unexplained', format_number(first.floors, 2), '\N{MULTIPLICATION SIGN} the floor',
+            'Unexplained', format_number(first.floors, 2), '\N{MULTIPLICATION SIGN} noise floor',
             f'on {join_words([one.axis for one in finding.remains])}',
         )  # fmt: skip
     if finding.unexplained:
@@ -187,13 +189,13 @@ def _build_remainder_tile(finding: DiscoveryFinding) -> Tile:
     left = (
         f'a draught of {format_draught_size(finding.draught)}, and no other force or moment'
         if finding.draught
-        else 'no force or moment is left over'
+        else 'no force or moment remains'
     )
     return Tile('Unexplained', '0', 'axes', left)
 
 
 def _build_verdict_tile(finding: DiscoveryFinding) -> Tile:
-    """Return the verdict as a tile."""
+    """Return the tile of the verdict."""
     count = sum(1 if len(one.knobs) > MANY else len(one.knobs) for one in finding.effects)
     values = [
         f'{format_parameter(f"{one.name}.{part.name}")} '
@@ -203,28 +205,26 @@ def _build_verdict_tile(finding: DiscoveryFinding) -> Tile:
     ]
     note = {
         'none': 'every candidate was tried',
-        'unexplained': 'and no effect of the library fits',
-        'not_identifiable': 'another flight would have to',
+        'unexplained': 'no effect of the library fits',
+        'not_identifiable': 'another flight is needed',
     }.get(finding.verdict, '; '.join(values[:3]))
-    value = {'none': 'none', 'unexplained': 'no name', 'not_identifiable': 'cannot tell'}
+    value = {'none': 'none', 'unexplained': 'no name', 'not_identifiable': 'inconclusive'}
     return Tile('Missing', value.get(finding.verdict, str(count)),
                 '' if finding.verdict in value else 'named', note)  # fmt: skip
 
 
 def _build_evidence_tile(finding: DiscoveryFinding) -> Tile:
-    """Return how sure it is."""
+    """Return the tile of the evidence."""
     if finding.effects:
         least = min(one.log_evidence for one in finding.effects)
-        which = 'the weaker of them; ' if len(finding.effects) > 1 else ''
-        against = (
-            '; none against what it may be instead' if draw_conclusion(finding).rivals else ''
-        )
+        which = 'the weakest effect; ' if len(finding.effects) > 1 else ''
+        against = '; none against the alternatives' if draw_conclusion(finding).rivals else ''
         return Tile(
             'Evidence', format_number(least), 'nats', f'{which}{format_odds(least)}{against}'
         )
     tried = [rung for step in finding.ladder for rung in step]
     if not tried:
-        return Tile('Evidence', MISSING, '', 'no candidate was worth a refit')
+        return Tile('Evidence', MISSING, '', 'no candidate was promising enough for a refit')
     best = max(tried, key=lambda rung: rung.total)
     return Tile(
         'Best candidate', format_number(best.total), 'nats',

@@ -1,4 +1,4 @@
-"""Whether what is left over is noise: how it goes with itself a little later, and its spectrum."""
+"""Test residuals for whiteness: autocorrelation and spectrum."""
 
 from collections.abc import Sequence
 from typing import Final
@@ -11,25 +11,25 @@ Array = NDArray[np.float64]
 
 LONGEST: Final = 2.0  # s
 GROUPS: Final = {'position': slice(0, 3), 'attitude': slice(3, 6)}
-SURE: Final = 2.0  # deviations: of the band that white noise keeps to
+SURE: Final = 2.0  # standard deviations; half the width of the band of white noise
 
 
 def autocorrelation(left: Sequence[Array], longest: float = LONGEST) -> tuple[Array, Array, float]:
     """
-    Return the autocorrelation of what is left over.
+    Compute the autocorrelation of residuals within pieces.
 
     Parameters
     ----------
     left : sequence of ndarrays, shape (S, n, k)
-        Of some flights, NaN where nothing was measured; never across pieces.
+        Residuals of some flights, NaN where nothing was measured.
     longest : float
-        Lag. [s]
+        Largest lag. [s]
 
     Returns
     -------
     ndarray, ndarray, float
-        Lags [s], the autocorrelation there, and the band about 0 that white noise of as many
-        values would keep to.
+        Lags [s], the autocorrelation, and the half width of the band of white noise with as many
+        values.
 
     """
     count = round(longest / PERIOD)
@@ -50,10 +50,10 @@ def autocorrelation(left: Sequence[Array], longest: float = LONGEST) -> tuple[Ar
 
 def residual_spectrum(left: Sequence[Array]) -> tuple[Array, Array]:
     """
-    Return the mean power of what is left over by frequency.
+    Compute the mean power spectrum of residuals.
 
-    Whole pieces only, each under a window of Hann: white noise of the size that was measured has
-    1 at every frequency.
+    Only complete pieces count, each under a Hann window. White noise of the measured size has
+    power 1 at every frequency.
 
     Parameters
     ----------
@@ -63,13 +63,14 @@ def residual_spectrum(left: Sequence[Array]) -> tuple[Array, Array]:
     Returns
     -------
     ndarray, ndarray
-        Frequencies above 0 [Hz] and the power there; empty where no piece is whole.
+        Frequencies above 0 [Hz] and their power; empty without a complete piece.
 
     """
     whole = []
     for each in left:
         rows = np.swapaxes(each, 1, 2).reshape(-1, each.shape[1])
         whole.append(rows[np.isfinite(rows).all(axis=1)])
+    # Flights may differ in piece length; a spectrum needs one length.
     rows = np.concatenate(whole) if len({part.shape[1] for part in whole}) == 1 else whole[0]
     if not len(rows):
         return np.empty(0), np.empty(0)

@@ -25,8 +25,12 @@ from lta_discovery.planning.rehearsal import Sensors
 from lta_discovery.planning.separability import PairSeparability
 from lta_discovery.replay.linearized_flight import build_origin
 from lta_discovery.selection.acceptance import TIE
-from lta_discovery.selection.equivalence_classes import classify_data_kind, is_same_class, Kind
-from lta_discovery.selection.equivalence_classes import list_equivalents as alike
+from lta_discovery.selection.equivalence_classes import (
+    classify_data_kind,
+    is_same_class,
+    Kind,
+    list_equivalents,
+)
 from lta_discovery.study import DiscoveryStudy
 from lta_flight.flight_spec import load_spec
 import yaml
@@ -213,7 +217,7 @@ def add_confusable(study: DiscoveryStudy) -> DiscoveryStudy:
     effects = []
     for one in study.finding.effects:
         values = _estimate_changes(one, taught[0].knobs)
-        own = [name for knob in one.knobs for name in alike(knob, kind)]
+        own = [name for knob in one.knobs for name in list_equivalents(knob, kind)]
         near = [
             name for knob in one.knobs for name in pairs.list_confused(knob, values[knob], TIE)
         ]

@@ -1,1 +1,1 @@
-"""Flights through the model: what it predicts, and how that answers to everything."""
+"""Replay flights through the model: predictions and their sensitivities."""

@@ -1,10 +1,10 @@
 """
-How many knots the latent wrench needs: some in the shortest natural period.
+Choose the number of knots of the latent wrench from the shortest natural period.
 
-What is missing from a model moves with the vehicle. A latent wrench whose knots are further apart
-than a quarter of a swing cannot follow what swings, and what it cannot follow looks like something
-else: a heave force, an oscillation. So the knots follow the vehicle's own modes, linearised about
-what it flew, and the swings that its attitude shows.
+Missing effects follow the motion of the vehicle. If knots are further apart than a quarter of a
+period, the latent wrench cannot follow, and the error appears as another effect, such as a heave
+force or an oscillation. The number follows from the modes of the model, linearized along the
+flight, and from the oscillations of the measured attitude.
 """
 
 from collections.abc import Iterator, Sequence
@@ -29,27 +29,17 @@ from scipy.signal import welch
 
 Array = NDArray[np.float64]
 
-PART: Final = 6.0  # knots in a period
+PART: Final = 6.0  # knots per period
 MOST: Final = 37  # knots of a piece: a period of 1 s
-DAMPED: Final = 0.7  # damping ratio above which a mode does not swing
-SLOWEST: Final = 0.2  # Hz; the slowest swing that is looked for in the attitude
-FASTEST: Final = 2.0  # Hz; and the fastest
+DAMPED: Final = 0.7  # damping ratio above which a mode does not count as oscillating
+SLOWEST: Final = 0.2  # Hz; lowest frequency of oscillations in the attitude
+FASTEST: Final = 2.0  # Hz; highest frequency
 AVERAGED: Final = 256  # points of the grid in a spectrum, 10 s
-CLEAR: Final = 10.0  # medians of the spectrum; a peak below it is no swing
+CLEAR: Final = 10.0  # medians of the spectrum; smallest peak of an oscillation
 
 
 def count_needed_knots(flights: Sequence[FlightLinearizer], nominal: NominalVehicle) -> int:
-    """
-    Return how many knots the pieces of some flights need.
-
-    Parameters
-    ----------
-    flights : sequence of Linearised
-        Of one vehicle.
-    nominal : Nominal
-        The vehicle as it is thought to be.
-
-    """
+    """Return the number of knots that the pieces of some flights of a vehicle need."""
     periods = [vehicle_period(flight, nominal) for flight in flights]
     periods += [
         period for flight in flights for period in find_swing_periods(flight.replay.flight)
@@ -59,7 +49,7 @@ def count_needed_knots(flights: Sequence[FlightLinearizer], nominal: NominalVehi
 
 
 def vehicle_period(flight: FlightLinearizer, nominal: NominalVehicle) -> float:
-    """Return the shortest period of a vehicle's modes at what it flew; inf where none swings."""
+    """Return the shortest modal period along a flight; infinite if no mode oscillates. [s]"""
     about = prepare_linearization(
         flight.replay,
         flight.knobs,
@@ -72,16 +62,16 @@ def vehicle_period(flight: FlightLinearizer, nominal: NominalVehicle) -> float:
     none = np.zeros((*states.shape[:2], AXES))
     slopes = flight.replay.state_jacobians(about.turns, states, none)[:, 0]
     if not np.isfinite(slopes).all():
-        return math.inf  # a model that runs away has no period
+        return math.inf  # a diverging model has no period
     modes = np.linalg.eigvals(slopes)
     swinging = (modes.imag > 0.0) & (-modes.real < DAMPED * np.abs(modes))
-    # The beginning of a piece is known from few poses: no single one of them decides.
+    # Initial states are noisy: use the median over pieces.
     fastest = float(np.median(np.max(np.where(swinging, modes.imag, 0.0), axis=1)))
     return 2.0 * math.pi / fastest if fastest > 0.0 else math.inf
 
 
 def find_swing_periods(flight: MeasuredFlight) -> Iterator[float]:
-    """Yield the period of the strongest swing about each axis of the body that has one. [s]"""
+    """Yield the period of the strongest oscillation about each body axis that has one. [s]"""
     turned = quaternion_logarithm(
         quaternion_product(quaternion_conjugate(flight.quaternion[:-1]), flight.quaternion[1:])
     )

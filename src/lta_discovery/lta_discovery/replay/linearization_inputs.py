@@ -1,4 +1,4 @@
-"""What turning each knob by its step makes of a vehicle, and of what its body meets."""
+"""Prepare the parameter sets of a linearization, and the inputs of the body kernel for each."""
 
 from collections.abc import Sequence
 from typing import final, NamedTuple
@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 
 @final
 class SensorStep(NamedTuple):
-    """A knob of the sensors: the rows before and after its step, and the step."""
+    """A sensor parameter: the rows before and after its step, and the step."""
 
     before: ReplayRows
     after: ReplayRows
@@ -26,17 +26,17 @@ class SensorStep(NamedTuple):
 @final
 class LinearizationInputs(NamedTuple):
     """
-    What flying about a point takes.
+    Inputs of a linearization about a point.
 
     Attributes
     ----------
-    rows, ready : Rows, Ready
+    rows, ready : ReplayRows, BodyInputs
         Of the point itself.
     moving, reading : tuple of int
-        The knobs that change the motion, and those that change what is said of it.
-    turns : Turns
+        Parameters that change the motion, and those that change only the readings.
+    turns : ParameterSteps
         Of the former.
-    turned : tuple of Turn
+    turned : tuple of SensorStep
         Of the latter.
 
     """
@@ -51,7 +51,7 @@ class LinearizationInputs(NamedTuple):
 
 @final
 class _ParameterSets:
-    """Sets of parameters and what they meet; the first is the point itself."""
+    """Parameter sets and their inputs; the first is the point itself."""
 
     def __init__(self, replay: ModelReplay, nominal: NominalVehicle) -> None:
         self._replay, self._nominal = replay, nominal
@@ -60,20 +60,20 @@ class _ParameterSets:
         self.faced = [0]
 
     def add_pair(self, knob: FreeParameter, value: float) -> tuple[int, int, float]:
-        """Add what a knob's step goes between; return both places and the step."""
+        """Add the two sets of a parameter's step; return their indices and the step."""
         present, step = knob.enable_effect(self._nominal), knob.step_at(value)
         before = 0 if present is self._nominal else self._add_set(knob, present)
         return before, self._add_set(knob, knob.apply_to(self._nominal, step)), step
 
     def _add_set(self, knob: FreeParameter, nominal: NominalVehicle) -> int:
-        """Add the set of a vehicle with a knob turned."""
+        """Add the set of a vehicle with a changed parameter."""
         rows = self._replay.update_rows(nominal, self._nominal, self.rows[0])
         self.faced.append(self._select_inputs(knob, rows))
         self.rows.append(rows)
         return len(self.rows) - 1
 
     def _select_inputs(self, knob: FreeParameter, rows: ReplayRows) -> int:
-        """Return which of `ready` a set meets; what the knob does not reach is not run again."""
+        """Return the index of a set's inputs, recomputing only what the parameter affects."""
         if knob.reaches == 'body':
             return 0
         if knob.reaches == 'wrench':
@@ -84,7 +84,7 @@ class _ParameterSets:
         return len(self.ready) - 1
 
     def stack_steps(self, pairs: Sequence[tuple[int, int, float]]) -> ParameterSteps:
-        """Return all of it as arrays."""
+        """Return all sets as arrays."""
         before, after, steps = zip(*pairs, strict=True) if pairs else ((), (), ())
         met_by = [ready.average_periods() for ready in self.ready]
         return ParameterSteps(
@@ -107,23 +107,19 @@ def prepare_linearization(
     columns: NDArray[np.bool_] | None = None,
 ) -> LinearizationInputs:
     """
-    Return what flying about a point takes.
+    Prepare a linearization about a point.
 
     Parameters
     ----------
-    replay : Replay
-        The flight.
-    knobs : sequence of Knob
-        What can be turned.
-    point : Point
-        The parameters.
-    wanted : ndarray of bool, shape (G,), optional
-        Which knobs to turn; all if not given.
+    knobs : sequence of FreeParameter
+        All free parameters.
+    columns : ndarray of bool, shape (G,), optional
+        Parameters to include; all by default.
 
     Raises
     ------
     BadInput
-        If no such vehicle can be.
+        For an impossible vehicle.
 
     """
     sets, pairs, turned = _ParameterSets(replay, point.nominal), [], []

@@ -1,4 +1,4 @@
-"""Where a model stands, and a flight about it as products of columns."""
+"""Define linearization points, and flights linearized about them as products of columns."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,17 +14,17 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 AXES: Final = 6
-# Errors of a flight's sensors that no effect has: the pressure, and the scale of each force.
+# Sensor errors without an effect: pressure offset, and the scale of each specific force.
 SENSORS: Final = ('pressure.offset', 'force.scale_x', 'force.scale_y', 'force.scale_z')
 
 
 def count_unknowns(knots: int) -> int:
-    """Return how many unknowns a piece has: state, latent wrench at its knots, pressure."""
+    """Return the number of unknowns of a piece: state, latent wrench at its knots, pressure."""
     return WIDTH + AXES * knots + 1
 
 
 def count_knots(count: int) -> int:
-    """Return how many knots a piece with that many unknowns has; inverse of `count_unknowns`."""
+    """Return the number of knots of a piece from its unknowns; inverse of `count_unknowns`."""
     return (count - WIDTH - 1) // AXES
 
 
@@ -32,14 +32,14 @@ def count_knots(count: int) -> int:
 @dataclass(frozen=True, slots=True)
 class LinearizationPoint:
     """
-    Where a model is linearised.
+    A point to linearize about.
 
     Attributes
     ----------
-    nominal : Nominal
-        The vehicle, with all knobs where they stand.
+    nominal : NominalVehicle
+        The vehicle with all parameters applied.
     values : ndarray, shape (G,)
-        How far each knob has been turned from the vehicle file; the last are those of SENSORS.
+        Parameters relative to the vehicle file, followed by SENSORS.
     random : ndarray, shape (S, R)
         The `count_unknowns` of each piece: state offsets, latent wrench at the knots axis by axis,
         and pressure.
@@ -52,7 +52,7 @@ class LinearizationPoint:
 
     @property
     def knots(self) -> int:
-        """Of a piece, on each axis."""
+        """Number of knots of a piece, on each axis."""
         return count_knots(self.random.shape[1])
 
 
@@ -60,20 +60,20 @@ class LinearizationPoint:
 @dataclass(frozen=True, slots=True)
 class LinearizedFlight:
     """
-    A flight about a point.
+    A flight, linearized about a point.
 
     Attributes
     ----------
     names : tuple of str
-        Of the knobs, and SENSORS.
+        Of the parameters, and SENSORS.
     grams : ndarray, shape (S, N, N)
         Products of whitened columns: the `count_unknowns`, then the names, then the residual.
     rows : ndarray of int, shape (S,)
-        Readings that count.
-    point : Point
+        Number of valid readings.
+    point : LinearizationPoint
         The point.
     residual : ndarray, shape (S, n, 14)
-        Measured less predicted, in units of the noise; NaN where nothing was measured.
+        Measured minus predicted, in units of the noise; NaN where nothing was measured.
 
     """
 
@@ -85,28 +85,28 @@ class LinearizedFlight:
 
     @property
     def knots(self) -> int:
-        """Of a piece, on each axis."""
+        """Number of knots of a piece, on each axis."""
         return self.point.knots
 
     @property
     def unknown_count(self) -> int:
-        """How many unknowns a piece has."""
+        """Number of unknowns of a piece."""
         return int(self.point.random.shape[1])
 
 
 def zero_unknowns(cut: Windows) -> Array:
-    """Return the unknowns of pieces that begin where the poses say, with no latent wrench."""
+    """Return unknowns of 0: initial states from the poses, no latent wrench."""
     return np.zeros((len(cut.first), count_unknowns(cut.knots)))
 
 
 def build_origin(
     nominal: NominalVehicle, knobs: Sequence[FreeParameter], cut: Windows
 ) -> LinearizationPoint:
-    """Return the point at which nothing has been turned."""
+    """Return the point of the unchanged vehicle."""
     return LinearizationPoint(nominal, np.zeros(len(knobs) + len(SENSORS)), zero_unknowns(cut))
 
 
 def hat_functions(span: int, knots: int) -> Array:
-    """Return the share of each knot in the middle of each step, shape (span, knots)."""
+    """Return the weight of each knot in the middle of each step, shape (span, knots)."""
     at = (np.arange(span) + 0.5) * (knots - 1) / span
     return np.maximum(0.0, 1.0 - np.abs(at[:, None] - np.arange(knots)))

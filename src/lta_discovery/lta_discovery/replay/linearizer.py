@@ -1,8 +1,8 @@
 """
-A flight about a set of parameters: what is left over, and how it answers to everything.
+Linearize a flight about a set of parameters: residuals and their sensitivities.
 
-Columns are the state at the beginning of each piece, knots of a latent wrench, its pressure, and
-every knob. Per piece only products of whitened columns are kept: the rest is algebra on them.
+The columns are the initial state of each piece, the knots of a latent wrench, the pressure, and
+every free parameter. Only the products of whitened columns are stored per piece.
 """
 
 from collections.abc import Sequence
@@ -53,30 +53,30 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
-CHUNK: Final = 8  # pieces at a time, which bounds the memory
-POSE: Final = 6  # of CHANNELS, the first
+CHUNK: Final = 8  # pieces at a time, to limit memory
+POSE: Final = 6  # number of pose channels, the first of CHANNELS
 
 
 @final
 class FlightLinearizer:
     """
-    Makes the columns of one flight.
+    Linearize one flight.
 
     Parameters
     ----------
-    replay : Replay
+    replay : ModelReplay
         The flight.
-    knobs : sequence of Knob
-        What can be turned.
-    places : Places
+    knobs : sequence of FreeParameter
+        Parameters that can change.
+    places : SensorPlaces
         Of the sensors.
 
     Attributes
     ----------
     index, time : ndarray, shape (S, n)
-        Of each piece, the points of the grid and their times. [s]
+        Grid points of each piece, and their times. [s]
     random, motion : int
-        Unknowns of a piece; those of them that move the body, which come first.
+        Number of unknowns of a piece, and of those that affect its motion, which come first.
 
     """
 
@@ -91,7 +91,7 @@ class FlightLinearizer:
         self._knots, self.random = cut.knots, count_unknowns(cut.knots)
         self.motion = self.random - 1
         self._hats = hat_functions(replay.span, cut.knots)
-        # Where gyros see the motion as well, the states' own offsets take up a tilt.
+        # With gyros, the offsets of the initial states absorb a tilt of the tracker frame.
         self._seen_only = flight.has_only_pose
         self._sparse = self._hats.reshape(-1, STEPS, self._knots).mean(axis=1)
 
@@ -107,18 +107,9 @@ class FlightLinearizer:
 
     def simulate_forecast(self, point: LinearizationPoint) -> Array:
         """
-        Return the states at each step, begun where the tracker says and helped by nothing.
+        Return the states at each step without corrections, shape (S, span + 1, 13).
 
-        Parameters
-        ----------
-        point : Point
-            The parameters; its states and latent forces of the pieces are not used.
-
-        Returns
-        -------
-        ndarray, shape (S, span + 1, 13)
-            In the map, whatever the tracker's frame is.
-
+        The states start at the measured ones and are in the map frame, whatever the tracker frame.
         """
         rows = self.replay.build_rows(point.nominal)
         start = transform_to_map(self.replay.cut.start, rows.acting)
@@ -145,19 +136,17 @@ class FlightLinearizer:
         self, point: LinearizationPoint, which: slice = slice(None)
     ) -> tuple[Array, Array]:
         """
-        Return the columns about a point, and what is left over, by the noise.
+        Return columns and residuals about a point, by the noise.
 
         Parameters
         ----------
-        point : Point
-            The parameters.
         which : slice
             Of the pieces.
 
         Returns
         -------
         ndarray, shape (S, n, 14, N), and ndarray, shape (S, n, 14)
-            Unknowns of the piece, then the knobs, then SENSORS; measured less predicted.
+            Unknowns of the piece, then parameters, then SENSORS; measured minus predicted.
 
         """
         about = prepare_linearization(self.replay, self.knobs, point)
@@ -170,20 +159,17 @@ class FlightLinearizer:
         self, point: LinearizationPoint, columns: Flags | None = None
     ) -> LinearizedFlight:
         """
-        Return the flight about a point.
+        Linearize the flight about a point.
 
         Parameters
         ----------
-        point : Point
-            The parameters.
-        wanted : ndarray of bool, shape (G,), optional
-            Which columns matter; those of other knobs are 0, which is faster where they are held
-            (`Prior.free`). All are there if not given.
+        columns : ndarray of bool, shape (G,), optional
+            Columns to compute (`Prior.free`); the others are 0, which is faster. All by default.
 
         Raises
         ------
         BadInput
-            If no such vehicle can be.
+            For an impossible vehicle.
 
         """
         about, pieces = (
@@ -209,7 +195,9 @@ class FlightLinearizer:
         return LinearizedFlight(names, grams, counts, point, residual)
 
     def _column_order(self, about: LinearizationInputs) -> NDArray[np.int64]:
-        """Return the place of each column of a table among all; the last is what is left over."""
+        """
+        Return the index of each column of a table among all columns; the last is the residual.
+        """
         first = self.random
         own = first + len(self.knobs)
         moving, reading = ([first + k for k in some] for some in (about.moving, about.reading))
@@ -220,9 +208,9 @@ class FlightLinearizer:
         self, point: LinearizationPoint, about: LinearizationInputs, which: slice
     ) -> tuple[Array, Array]:
         """
-        Return whitened columns in the order of `_column_order`, and what is left over.
+        Return whitened columns in the order of `_column_order`, and residuals.
 
-        The columns are of the pose alone where there is no other sensor.
+        Without another sensor the columns are of the pose alone.
         """
         noise = self.replay.flight.noise
         states = self._simulate_pieces(about.rows, about.ready, point, which)
@@ -252,19 +240,16 @@ class FlightLinearizer:
 
     def compute_residual(self, grid: Array, point: LinearizationPoint, rows: ReplayRows) -> Array:
         """
-        Return measured less predicted, NaN where nothing was measured.
+        Return measured minus predicted, by CHANNELS in SI units; NaN where nothing was measured.
 
         Parameters
         ----------
         grid : ndarray, shape (S, n + 1, 13)
             Predicted states of all pieces.
-        point, rows : Point, Rows
-            The parameters.
 
         Returns
         -------
         ndarray, shape (S, n, 14)
-            By CHANNELS, in SI.
 
         """
         base = predict_readings(grid, self.time, rows.acting, self.places)
@@ -273,7 +258,7 @@ class FlightLinearizer:
     def _subtract_predicted(
         self, base: PredictedReadings, point: LinearizationPoint, which: slice
     ) -> Array:
-        """Return measured less predicted."""
+        """Return measured minus predicted readings."""
         flight, index = self.replay.flight, self.index[which]
         turn = quaternion_logarithm(
             quaternion_product(quaternion_conjugate(base.quaternion), flight.quaternion[index])
@@ -294,32 +279,30 @@ class FlightLinearizer:
         self, point: LinearizationPoint, about: LinearizationInputs, states: Array, which: slice
     ) -> Array:
         """
-        Return how the states at the grid answer.
+        Return the sensitivities of the states on the grid.
 
         Parameters
         ----------
-        point, about : Point, Met
-            The parameters.
         states : ndarray, shape (S, span + 1, 13)
-            Flown with them.
+            Simulated at the point.
         which : slice
             Of the pieces.
 
         Returns
         -------
         ndarray, shape (S, n + 1, 12, motion + moving)
-            To the twelve of the beginning, to the knots, and to the knobs that move the body.
+            To the 12 of the initial state, the knots, and the parameters that affect the motion.
 
         """
-        # Of whole grid periods: columns need not be as exact as what they are columns of.
+        # Whole grid periods suffice: columns need less accuracy than the prediction.
         middle = np.ascontiguousarray(states[:, STEPS // 2 :: STEPS])
         latent = self._interpolate_latent(point, which, self._sparse)
         jacobian = self.replay.state_jacobians(about.turns, middle, latent, which)
-        # Drawn towards 0, a latent wrench falls short: a lighter vehicle would get more out of it.
+        # Without the latent wrench: its prior shrinks it, which would favour a lighter vehicle.
         answers = self.replay.parameter_sensitivities(
             about.turns, middle, np.zeros_like(latent), which
         )
-        # A push accelerates by the inverse of the mass matrix, whatever the motion.
+        # A force accelerates by the inverse of the mass matrix, independent of the motion.
         inverse = about.rows.body[BODY_PLACES['inverse']].reshape(AXES, AXES)
         knots = np.einsum('ia,kj->kiaj', inverse, self._sparse).reshape(
             -1, AXES, AXES * self._knots
@@ -337,7 +320,7 @@ class FlightLinearizer:
         about: LinearizationInputs,
         out: Array,
     ) -> None:
-        """Write how what is said answers, by the noise."""
+        """Write the sensitivities of the readings, by the noise."""
         noise, acting = self.replay.flight.noise[:, None], about.rows.acting
         begin, end = change[:, :-1], change[:, 1:]
         position = (
@@ -354,7 +337,7 @@ class FlightLinearizer:
     def _difference_readings(
         self, grid: Array, time: Array, turn: SensorStep, base: PredictedReadings, exact: Array
     ) -> Array:
-        """Return the difference of what is said under other measurement effects."""
+        """Return the difference of readings under two sets of measurement effects."""
         a, b = (predict_readings(grid, time, rows.acting, self.places, exact) for rows in turn[:2])
         turned = quaternion_logarithm(
             quaternion_product(quaternion_conjugate(a.quaternion), b.quaternion)
@@ -363,7 +346,7 @@ class FlightLinearizer:
 
 
 def start_sensitivity(states: Array, turn: SensorStep) -> Array:
-    """Return how the states that a tracker told answer to its frame, shape (S, 12)."""
+    """Return the sensitivity of measured initial states to the tracker frame, shape (S, 12)."""
     a, b = (transform_to_map(states, rows.acting) for rows in turn[:2])
     out = np.zeros((len(states), WIDTH))
     out[:, :3] = (b[:, :3] - a[:, :3]) / turn.step

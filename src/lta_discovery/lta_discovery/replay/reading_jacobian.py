@@ -1,4 +1,4 @@
-"""How what is said of a trajectory answers to small changes of its states."""
+"""Compute the Jacobian of the sensor readings with respect to the states."""
 
 from collections.abc import Mapping
 from typing import Final
@@ -14,8 +14,12 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-TURN, SPEED, RATES = slice(3, 6), slice(6, 9), slice(9, 12)  # of a change (`tangent`)
-SMALL: Final = np.array([1e-4] * 7 + [1.0])  # of a reading, for the slope of its effects
+TURN, SPEED, RATES = (
+    slice(3, 6),
+    slice(6, 9),
+    slice(9, 12),
+)  # of a state change (`variational_equation`)
+SMALL: Final = np.array([1e-4] * 7 + [1.0])  # step of a reading, to differentiate its effects
 
 
 def cross_matrix(vector: Array) -> Array:
@@ -59,7 +63,7 @@ def _write_height_slopes(begin: Array, first: Array, places: SensorPlaces) -> No
 def _apply_sensor_effects(
     exact: Array, time: Array, acting: Mapping[str, Chain], *slopes: Array
 ) -> None:
-    """Change slopes of exact readings into those of readings under the effects of sensors."""
+    """Apply the chain rule of the sensor effects to slopes of ideal readings."""
     whole = apply_sensor_effects(exact, time, acting)
     for name, part in PARTS.items():
         if not acting[name]:
@@ -79,19 +83,19 @@ def reading_jacobians(
     grid: Array, exact: Array, time: Array, acting: Mapping[str, Chain], places: SensorPlaces
 ) -> tuple[Array, Array]:
     """
-    Return how readings answer to a change at the beginning of their period, and at its end.
+    Return the Jacobians of readings at the beginning and at the end of their period.
 
     Parameters
     ----------
     grid : ndarray, shape (S, n + 1, 13)
         States.
     exact : ndarray, shape (S, n, 8)
-        Of `sensing.plain`.
+        Of `sensing.ideal_readings`.
     time : ndarray, shape (S, n)
         [s]
     acting : mapping of str to Chain
         Measurement effects by channel.
-    places : Places
+    places : SensorPlaces
         Of the sensors.
 
     Returns

@@ -1,4 +1,4 @@
-"""One measured flight, replayed through the model: everything that a set of parameters decides."""
+"""Replay one measured flight through the model, for a set of parameters."""
 
 from dataclasses import dataclass, replace
 from typing import Final, final
@@ -18,11 +18,11 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-STEPS: Final = 2  # of the integrator in a grid period
-LONGEST: Final = 0.01  # s; of a step of the actuators
+STEPS: Final = 2  # integrator steps in a grid period
+LONGEST: Final = 0.01  # s; longest step of the actuators
 ALL: Final = slice(None)
 AXES: Final = 6
-CLOCKS: Final = ('clock', 'pose_time')  # channels that decide when a pose is true
+CLOCKS: Final = ('clock', 'pose_time')  # channels that shift the time of a pose
 REMEMBERING: Final = [
     flag for flag, name in enumerate(BODY_LAYOUT.effects) if BODY_LAYOUT.memory_size(name)
 ]
@@ -32,7 +32,7 @@ REMEMBERING: Final = [
 @dataclass(frozen=True, slots=True)
 class BodyInputs:
     """
-    What the body meets in each step of a flight, under one set of parameters.
+    Inputs of the body in each step of a flight, for one set of parameters.
 
     Attributes
     ----------
@@ -41,7 +41,7 @@ class BodyInputs:
     memory : ndarray, shape (T, M)
         Of the effects of the body.
     wrench : ndarray, shape (T, 6)
-        Commanded as such, body frame. [N, N m]
+        Commanded wrench, body frame. [N, N m]
 
     """
 
@@ -61,16 +61,14 @@ class BodyInputs:
 @final
 class ModelReplay:
     """
-    A flight that can be replayed.
+    Replay a flight.
 
     Parameters
     ----------
-    flight : Measured
-        The flight.
     cut : Windows
         Its pieces.
     still : ndarray, shape (COMMAND,)
-        The command of a vehicle at rest: `Vehicle.command(())`.
+        Command of a vehicle at rest: `Vehicle.pack_command(())`.
 
     """
 
@@ -97,14 +95,17 @@ class ModelReplay:
         return ModelReplay(self.flight, cut, self._still)
 
     def _interpolate_voltage(self, time: Array) -> Array:
-        """Return the voltage, 0 where nobody knows it."""
+        """Return the voltage, 0 where it is unknown."""
         known = np.isfinite(self.flight.voltage)
         if not known.any():
             return np.zeros(len(time))
         return np.interp(time, self.flight.time[known], self.flight.voltage[known])
 
     def _measured_motion(self) -> Array:
-        """Return the measured motion by step, at rest where nobody knows: what memories see."""
+        """
+        Return the measured motion by step, at rest where unknown: the input of effects with
+        memory.
+        """
         states = np.zeros((len(self._steps), RIGID))
         states[:, 6] = 1.0
         good = np.isfinite(self.flight.position).all(axis=1)
@@ -114,7 +115,7 @@ class ModelReplay:
         return states
 
     def _rest_commands(self) -> Array:
-        """Return the command of each step with no rotor turning: where the moving mass is."""
+        """Return the command of each step without rotors: the place of the moving mass."""
         commands = np.tile(self._still, (len(self._steps), 1))
         if self.flight.mass is not None:
             told = self.flight.mass
@@ -123,32 +124,32 @@ class ModelReplay:
         return commands
 
     def build_rows(self, nominal: NominalVehicle) -> ReplayRows:
-        """Return what the compiled replay takes of a vehicle in this flight."""
+        """Return the inputs of the compiled replay for a vehicle in this flight."""
         if self.flight.mass is not None:
-            # About its mean place: where it stands still, as in a glide, nothing is left out.
+            # Use the mean place, which is exact for a constant one, as in a glide.
             nominal = nominal.with_mass_at(self._rest[:, MASS_PLACE:].mean(axis=0))
         return self._delay_by_clocks(nominal.build_rows())
 
     def update_rows(
         self, nominal: NominalVehicle, other: NominalVehicle, rows: ReplayRows
     ) -> ReplayRows:
-        """Return `rows` of a vehicle, knowing those of one that differs little."""
+        """Return `build_rows` of a vehicle, reusing the rows of a similar one."""
         if self.flight.mass is not None:
-            return self.build_rows(nominal)  # its balance and inertia are weighed anew
+            return self.build_rows(nominal)  # CG and inertia change
         return self._delay_by_clocks(nominal.update_rows(other, rows))
 
     def delays_commands(self, knob: FreeParameter) -> bool:
-        """Tell whether a knob of the clocks decides when commands are obeyed in this flight."""
+        """Return whether a clock parameter shifts the commands in this flight."""
         return self.flight.has_only_pose and knob.channels <= set(CLOCKS)
 
     def _delay_by_clocks(self, rows: ReplayRows) -> ReplayRows:
         """
-        Return parameters with what the tracker's stamps are off by as a delay of the commands.
+        Convert an offset of the tracker's clock into a delay of the commands.
 
-        Only where nothing but the tracker saw the flight. The replay then runs by the tracker's
-        clock, and a late pose and a late command are the same, to the last bit. If late poses were
-        read off a replay by the other clock, they would differ: they are read to second order, and
-        each piece begins near where the tracker has the vehicle, not where it is by then.
+        This applies if only the tracker recorded the flight. The replay then uses the tracker's
+        clock, and late poses and late commands become exactly equivalent. Late poses would be
+        interpolated to second order only, with initial states near the measured ones instead of
+        the shifted ones.
         """
         acting = rows.acting
         late = tuple(link for name in CLOCKS for link in acting[name])
@@ -166,7 +167,7 @@ class ModelReplay:
         return average_held_values(late, np.append(self._steps, self._steps[-1] + self.dt))
 
     def _applied_wrench(self, ready: BodyInputs, latent: Array, which: slice) -> Array:
-        """Return the wrench in each step of some pieces: latent, and commanded as such."""
+        """Return the wrench in each step of some pieces: latent plus commanded."""
         steps = self.first[which, None] + np.arange(self.span)
         return np.ascontiguousarray(latent + ready.wrench[steps])
 
@@ -182,14 +183,12 @@ class ModelReplay:
 
     def compute_inputs(self, rows: ReplayRows, before: BodyInputs | None = None) -> BodyInputs:
         """
-        Return what the body meets.
+        Return the inputs of the body.
 
         Parameters
         ----------
-        rows : Rows
-            The parameters.
-        before : Ready, optional
-            Of a set with the same actuators, which need not be run again.
+        before : BodyInputs, optional
+            Of a set with the same actuators, which are not simulated again.
 
         """
         if before is None:
@@ -211,7 +210,7 @@ class ModelReplay:
         return memory
 
     def update_wrench(self, rows: ReplayRows, before: BodyInputs) -> BodyInputs:
-        """Return what the body meets with other gains of the commanded wrench."""
+        """Return the inputs of the body with other gains of the commanded wrench."""
         return replace(before, wrench=self._mean_wrench(rows))
 
     def integrate_pieces(
@@ -222,14 +221,12 @@ class ModelReplay:
 
         Parameters
         ----------
-        rows, ready : Rows, Ready
-            The parameters, and what the body meets under them.
         start : ndarray, shape (S, 13)
-            States at the beginnings.
+            Initial states.
         latent : ndarray, shape (S, span, 6)
-            Force and moment that nothing explains, body frame. [N, N m]
+            Unexplained force and moment, body frame. [N, N m]
         which : slice
-            Of the pieces: those that the arrays are about.
+            Pieces that the arrays are of.
 
         Returns
         -------
@@ -248,23 +245,23 @@ class ModelReplay:
         self, turns: ParameterSteps, states: Array, latent: Array, which: slice = ALL
     ) -> Array:
         """
-        Return how the rates of a change answer to the change, at given states.
+        Return the Jacobians of the state rates, at given states.
 
         Parameters
         ----------
-        turns : Turns
-            The first set of parameters and what it meets count.
+        turns : ParameterSteps
+            Only the first parameter set is used.
         states : ndarray, shape (S, n, 13)
             In the middle of each grid period.
         latent : ndarray, shape (S, n, 6)
-            Mean force and moment that nothing explains. [N, N m]
+            Mean unexplained force and moment. [N, N m]
         which : slice
-            Of the pieces: those that the arrays are about.
+            Pieces that the arrays are of.
 
         Returns
         -------
         ndarray, shape (S, n, 12, 12)
-            F of `tangent`.
+            F of `variational_equation`.
 
         """
         out = np.zeros((*states.shape[:2], WIDTH, WIDTH))
@@ -278,19 +275,19 @@ class ModelReplay:
         self, turns: ParameterSteps, states: Array, latent: Array, which: slice = ALL
     ) -> Array:
         """
-        Return how the accelerations answer to knobs, at given states.
+        Return the sensitivities of the accelerations to parameters, at given states.
 
         Parameters
         ----------
-        turns : Turns
-            The knobs.
+        turns : ParameterSteps
+            The parameters.
         states, latent, which
             As for `state_jacobians`.
 
         Returns
         -------
         ndarray, shape (S, n, 6, K)
-            d/dt of body velocity and body rates by a unit of each knob.
+            Change of d/dt of body velocity and body rates per unit of each parameter.
 
         """
         out = np.zeros((*states.shape[:2], AXES, len(turns.steps)))
@@ -304,5 +301,5 @@ class ModelReplay:
 
 
 def _command_delays(rows: ReplayRows, time: Array) -> Array:
-    """Return how late the commands of some times are obeyed. [s]"""
+    """Return the delay of the commands at some times. [s]"""
     return -transform_readings(rows.acting['command_time'], np.zeros((len(time), 1)), time)[:, 0]

@@ -1,4 +1,4 @@
-"""What tracker and sensors would say of predicted states, many at a time."""
+"""Predict the readings of tracker and sensors from states, vectorized."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
-# Which of the readings each channel of effects acts on.
+# Readings that each channel of effects acts on.
 PARTS: Final = {
     'rates': slice(0, 3),
     'force': slice(3, 6),
@@ -34,7 +34,7 @@ PARTS: Final = {
 @final
 @dataclass(frozen=True, slots=True)
 class SensorPlaces:
-    """Where the sensors are, in the body frame, and the pressure at the floor. [m, Pa]"""
+    """Places of the sensors in the body frame, and pressure at the floor. [m, Pa]"""
 
     imu: tuple[float, float, float]
     range: tuple[float, float, float]
@@ -50,7 +50,7 @@ class SensorPlaces:
 
 
 class PredictedReadings(NamedTuple):
-    """What is said: position, quaternion, and rates, force, range, pressure; shape (..., k)."""
+    """Predicted position, quaternion, and rates, force, range, pressure; shape (..., k)."""
 
     position: Array
     quaternion: Array
@@ -58,7 +58,7 @@ class PredictedReadings(NamedTuple):
 
 
 def transform_readings(chain: Chain, values: Array, time: Array) -> Array:
-    """Return readings after the effects of a channel; `values` has shape (..., k)."""
+    """Apply the effects of a channel to readings, shape (..., k)."""
     if not chain:
         return values
     parts = apply_chain(chain, tuple(np.moveaxis(values, -1, 0)), time)  # type: ignore[arg-type]
@@ -67,17 +67,17 @@ def transform_readings(chain: Chain, values: Array, time: Array) -> Array:
 
 
 def pose_time_shift(acting: Mapping[str, Chain], time: Array) -> Array:
-    """Return how much later than its stamp a tracked pose was true. [s]"""
+    """Return how much newer a tracked pose is than its stamp. [s]"""
     clock = transform_readings(acting['clock'], time[..., None], time)
     return transform_readings(acting['pose_time'], clock, time)[..., 0] - time
 
 
 def _shift_poses(states: Array, shift: Array) -> tuple[Array, Array]:
     """
-    Return the poses a little later or earlier than states on the grid.
+    Return poses at small time shifts from the states on the grid.
 
-    To second order: to the first, a tenth of a second makes swings so much larger that the gyros
-    seem to read too little.
+    To second order: with a linear shift by 0.1 s, oscillations would appear too large, and gyro
+    readings too small.
     """
     velocity = rotate_vectors(states[..., 3:7], states[..., 7:10])
     rates, half = states[..., :-1, 10:13], 0.5 * shift**2
@@ -90,7 +90,7 @@ def _shift_poses(states: Array, shift: Array) -> tuple[Array, Array]:
 
 
 def _predict_pose(states: Array, time: Array, acting: Mapping[str, Chain]) -> tuple[Array, Array]:
-    """Return what the tracker says of all states on the grid but the last."""
+    """Return the predicted tracker poses of all states on the grid but the last."""
     position, quaternion = states[..., :-1, :3], states[..., :-1, 3:7]
     if acting['clock'] or acting['pose_time']:
         position, quaternion = _shift_poses(states, pose_time_shift(acting, time)[..., None])
@@ -103,7 +103,7 @@ def _predict_pose(states: Array, time: Array, acting: Mapping[str, Chain]) -> tu
 
 
 def tracker_frame(acting: Mapping[str, Chain]) -> tuple[Array, Array]:
-    """Return the turn from the map into the tracker's frame: matrix and quaternion."""
+    """Return the rotation from the map into the tracker's frame: matrix and quaternion."""
     chain = acting['pose']
     if not chain:
         return np.eye(3), np.array([0.0, 0.0, 0.0, 1.0])
@@ -114,15 +114,9 @@ def tracker_frame(acting: Mapping[str, Chain]) -> tuple[Array, Array]:
 
 def transform_to_map(states: Array, acting: Mapping[str, Chain]) -> Array:
     """
-    Return states that a tracker told, in the map, where forces are.
+    Transform tracker states, shape (..., 13), into the map frame.
 
-    Parameters
-    ----------
-    states : ndarray, shape (..., 13)
-        In the tracker's frame; body velocity and rates are no matter of it.
-    acting : mapping of str to Chain
-        Measurement effects by channel.
-
+    Body velocity and rates do not depend on the tracker frame.
     """
     if not acting['pose']:
         return states
@@ -135,7 +129,7 @@ def transform_to_map(states: Array, acting: Mapping[str, Chain]) -> Array:
 
 
 def body_vertical(states: Array) -> Array:
-    """Return the map's vertical in the body, shape (..., 3)."""
+    """Return the map's vertical in the body frame, shape (..., 3)."""
     up = np.broadcast_to(np.array([0.0, 0.0, 1.0]), (*states.shape[:-1], 3))
     return rotate_vectors(quaternion_conjugate(states[..., 3:7]), up)
 
@@ -148,23 +142,19 @@ def _specific_force(begin: Array, end: Array, place: tuple[float, float, float])
         tuple(np.moveaxis(part, -1, 0))
         for part in (mean[..., 7:10], mean[..., 10:13], rate[..., 7:10], rate[..., 10:13], up)
     ]
-    # Plain arithmetic, so arrays do as well as numbers.
+    # Plain arithmetic, which works for arrays as well.
     whole: Callable[..., Any] = imu_specific_force
     return np.stack(whole(*across, place, STANDARD_GRAVITY), axis=-1)
 
 
 def ideal_readings(begin: Array, end: Array, places: SensorPlaces) -> Array:
     """
-    Return rates, force, range and pressure of states and those a grid period later.
-
-    As sensors without effects would tell them.
+    Return rates, force, range and pressure of ideal sensors over a grid period.
 
     Parameters
     ----------
     begin, end : ndarray, shape (..., 13)
-        States.
-    places : Places
-        Of the sensors.
+        States at the ends of the period.
 
     Returns
     -------
@@ -174,7 +164,7 @@ def ideal_readings(begin: Array, end: Array, places: SensorPlaces) -> Array:
     """
     vertical = body_vertical(begin)
     distance = (begin[..., 2] + vertical @ np.array(places.range)) / vertical[..., 2]
-    # At the IMU, without its tilt: as the simulated barometer has it.
+    # At the height of the level IMU, as in the simulated barometer.
     height = begin[..., 2] + places.imu[2]
     pressure = places.floor * (1.0 - LAPSE * height / SEA_TEMPERATURE) ** EXPONENT
     rates = 0.5 * (begin[..., 10:13] + end[..., 10:13])
@@ -184,7 +174,7 @@ def ideal_readings(begin: Array, end: Array, places: SensorPlaces) -> Array:
 
 def apply_sensor_effects(exact: Array, time: Array, acting: Mapping[str, Chain]) -> Array:
     """
-    Return what the effects of the sensors make of readings.
+    Apply the sensor effects to ideal readings.
 
     Parameters
     ----------
@@ -211,7 +201,7 @@ def predict_readings(
     exact: Array | None = None,
 ) -> PredictedReadings:
     """
-    Return what is said of trajectories on the grid.
+    Predict the readings along trajectories on the grid.
 
     Parameters
     ----------
@@ -221,10 +211,10 @@ def predict_readings(
         [s]
     acting : mapping of str to Chain
         Measurement effects by channel.
-    places : Places
+    places : SensorPlaces
         Of the sensors.
     exact : ndarray, shape (..., n, 8), optional
-        Of `ideal_readings`, where it is known already.
+        Of `ideal_readings`, if already known.
 
     """
     begin, end = states[..., :-1, :], states[..., 1:, :]
@@ -234,7 +224,9 @@ def predict_readings(
 
 
 def estimate_floor_pressure(flight: MeasuredFlight, places: SensorPlaces) -> float:
-    """Return the pressure at the floor that fits a flight on the whole; 101325 Pa without. [Pa]"""
+    """
+    Return the median pressure at the floor over a flight; 101325 Pa without a barometer. [Pa]
+    """
     ratio = [
         reading / air_pressure(1.0, height + places.imu[2])
         for reading, height in zip(flight.readings[:, 7], flight.position[:, 2], strict=True)

@@ -1,13 +1,13 @@
 """
-How a trajectory answers to small changes, by the variational equation along it.
+Propagate small changes along a trajectory by the variational equation.
 
     d/dt x = F x + g
 
 x is the change of position (map), attitude (rotation vector in the body), body velocity and body
-rates; F and g are finite differences of the model's own rates at the states of the trajectory.
-The rates are differenced, not the trajectories: parameters that can be scaled together without
-any change of motion (thrust, mass, drag, inertia) then cancel to rounding at every step, where
-differences of long trajectories would leave what looks like evidence.
+rates. F and g are finite differences of the model's rates at the states of the trajectory. Because
+rates, not trajectories, are differenced, parameters that can be scaled together without changing
+the motion (thrust, mass, drag, inertia) cancel to rounding at every step. Differences of long
+trajectories would leave spurious evidence.
 """
 
 from typing import Final
@@ -23,7 +23,7 @@ NUDGE: Final = np.array([1e-4] * 3 + [1e-5] * 3 + [1e-5] * 3 + [1e-5] * 3)  # m,
 
 
 def add_change(states: Array, change: Array) -> Array:
-    """Return states, shape (..., 13), after changes, shape (..., 12)."""
+    """Apply changes, shape (..., 12), to states, shape (..., 13)."""
     turned = quaternion_product(states[..., 3:7], quaternion_exponential(change[..., 3:6]))
     return np.concatenate(
         [states[..., :3] + change[..., :3], turned, states[..., 7:13] + change[..., 6:12]],
@@ -43,7 +43,7 @@ def discretize_dynamics(jacobian: Array, dt: float) -> tuple[Array, Array]:
 
 def propagate_changes(a: Array, push: Array) -> Array:
     """
-    Return how states answer to those at the beginning, and to what pushes on the way.
+    Propagate changes of the initial state, and inputs along the way.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def propagate_changes(a: Array, push: Array) -> Array:
     Returns
     -------
     ndarray, shape (S, n + 1, 12, 12 + C)
-        The changes: by each of the twelve at the beginning, then by each input.
+        Changes by the 12 of the initial state, then by each input.
 
     """
     pieces, steps, _, count = push.shape

@@ -1,1 +1,1 @@
-"""What was found, written: for programs, for the vehicle, for Foxglove, on the terminal."""
+"""Write the result of a study: JSON, vehicle file, overlay bag for Foxglove, terminal."""

@@ -1,4 +1,4 @@
-"""What was found, for programs: discovery.json."""
+"""Write the result of a study as discovery.json."""
 
 from collections.abc import Mapping, Sequence
 import math
@@ -10,7 +10,7 @@ from lta_discovery.flights.noisy_intervals import ExcludedInterval
 from lta_discovery.page.verdict_text import format_advice, format_headline
 
 NAME: Final = 'discovery.json'
-WHAT: Final = 'position'  # what the gap as a whole is told of
+WHAT: Final = 'position'  # channel of the overall prediction error
 ERRORS: Final = (
     'before', 'tuned', 'after', 'coast', 'noise_floor', 'refitted', 'shrink', 'shrink_ci95',
 )  # fmt: skip
@@ -18,14 +18,14 @@ ERRORS: Final = (
 
 def to_dict(finding: DiscoveryFinding, cuts: Sequence[ExcludedInterval] = ()) -> dict[str, Any]:
     """
-    Return what was found as JSON holds it: SI units, no number that JSON does not know.
+    Return a finding as JSON: SI units, None for numbers that are not finite.
 
     Parameters
     ----------
-    finding : Finding
-        All of it.
-    cuts : sequence of Cut
-        What of the flights was left out.
+    finding : DiscoveryFinding
+        The finding.
+    cuts : sequence of ExcludedInterval
+        Excluded parts of the flights.
 
     """
     told: dict[str, Any] = {
@@ -59,7 +59,7 @@ def to_dict(finding: DiscoveryFinding, cuts: Sequence[ExcludedInterval] = ()) ->
 
 
 def _encode_conclusion(finding: DiscoveryFinding) -> dict[str, Any]:
-    """Return what may be said, and what to do."""
+    """Return the conclusion and the advice."""
     said = draw_conclusion(finding)
     return {
         'headline': format_headline(finding),
@@ -91,13 +91,13 @@ def _encode_effect(effect: NamedEffect) -> dict[str, Any]:
 
 
 def _encode_draught(finding: DiscoveryFinding) -> dict[str, float] | None:
-    """Return the air that moved by itself; None where none was found."""
+    """Return the draught; None if none was detected."""
     told = finding.draught
     return None if told is None else {'force': told.force, 'speed': told.speed}
 
 
 def _encode_transfer(finding: DiscoveryFinding) -> dict[str, Any] | None:
-    """Return what names by forecasts rest on; None where the readings gave them."""
+    """Return the forecast evidence; None where the sensor readings identified the effects."""
     told = finding.carried
     if told is None:
         return None
@@ -110,14 +110,14 @@ def _encode_transfer(finding: DiscoveryFinding) -> dict[str, Any] | None:
 
 
 def _encode_gap(one: PredictionGap) -> dict[str, Any]:
-    """Return the gap of one channel at one horizon."""
+    """Return the errors of one channel at one horizon."""
     figures = {key: getattr(one, key) for key in ERRORS}
     start = {'channel': one.channel, 'unit': one.unit, 'horizon_s': one.horizon_s}
     return {**start, **figures, 'pieces': one.pieces}
 
 
 def common_horizon(gaps: Sequence[PredictionGap]) -> float | None:
-    """Return the longest horizon that most channels have, the position among them. [s]"""
+    """Return the longest horizon that most channels share, preferring the position's. [s]"""
     mine = {one.horizon_s for one in gaps if one.channel == WHAT} or {
         one.horizon_s for one in gaps
     }
@@ -128,7 +128,7 @@ def common_horizon(gaps: Sequence[PredictionGap]) -> float | None:
 
 
 def summarize_gap(finding: DiscoveryFinding) -> dict[str, Any]:
-    """Return the gap as a whole: of the position, at the longest horizon that all have."""
+    """Return the overall error: of the position, at the longest common horizon."""
     at = common_horizon(finding.gaps)
     here = {one.channel: one for one in finding.gaps if one.horizon_s == at}
     first = here.get(WHAT) or next(iter(here.values()), None)
@@ -145,7 +145,7 @@ def summarize_gap(finding: DiscoveryFinding) -> dict[str, Any]:
 
 
 def to_json_value(value: Any) -> Any:  # noqa: ANN401 - whatever JSON holds
-    """Return a value with None for what is no finite number, lists for tuples."""
+    """Convert a value to JSON types: None for numbers that are not finite, lists for tuples."""
     if isinstance(value, Mapping):
         return {str(key): to_json_value(one) for key, one in value.items()}
     if isinstance(value, str) or value is None or isinstance(value, bool):

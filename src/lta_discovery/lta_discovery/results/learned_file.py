@@ -1,9 +1,8 @@
 """
-A vehicle file with what was learned: the same file, the named effects switched on.
+Write the vehicle file with the learned effects.
 
-Each number goes where the format has it: what follows from hull and aero (drag, the air that moves
-along) is changed there, everything else is an effect that the file switches on. Its source says
-what it rests on: the interval, the flights, and what stood there before. Tolerances that were
+Quantities that have a block of their own (drag, added mass) are changed there; the other effects
+are switched on. Each source states the interval, the flights, and the value before. Tolerances
 fitted on the way are not written: they belong to the flights, not to the vehicle.
 """
 
@@ -24,8 +23,8 @@ from lta_model.effects import EFFECTS
 from lta_model.effects.protocol import AXES
 from lta_model.vehicle import Vehicle
 
-SAME: Final = 1e-12  # relative
-# Effects that follow from other blocks: where the numbers of each stand, in which order.
+SAME: Final = 1e-12  # relative; closer values count as unchanged
+# Effects that derive from other blocks: where their numbers are, and in which order.
 BLOCKS: Final[dict[str, tuple[tuple[str, tuple[str, ...]], ...]]] = {
     'linear_drag': (('aero.linear_drag.force', AXES[:3]),),
     'quadratic_drag': (('aero.quadratic_drag.force', AXES[:3]),),
@@ -54,12 +53,12 @@ class VehicleFileQuantity:
 
     @property
     def as_yaml(self) -> dict[str, Any]:
-        """As YAML has it."""
+        """Content of its YAML node."""
         return {'value': self.value, 'unit': self.unit, 'source': self.source}
 
 
 def format_source(finding: DiscoveryFinding) -> str:
-    """Return what numbers rest on: the flights that taught and confirmed, and the program."""
+    """Return the source of the learned numbers: flights and program."""
     flights = [*finding.bags.get('train', ()), *finding.bags.get('confirm', ())]
     commit = finding.versions.get('commit', 'unknown')
     return f'lta discover from {", ".join(flights)}, commit {commit}'
@@ -73,17 +72,17 @@ def format_learned_vehicle(
     finding: DiscoveryFinding,
 ) -> str:
     """
-    Return the text of a vehicle file with what was learned.
+    Return the text of a vehicle file with the learned values.
 
     Parameters
     ----------
     text : str
-        The vehicle file.
+        Of the vehicle file.
     vehicle : Vehicle
-        The same, read.
-    nominal, learned : Nominal
-        As the file has it, and with the named effects.
-    finding : Finding
+        The same, parsed.
+    nominal, learned : NominalVehicle
+        Of the file, and with the named effects.
+    finding : DiscoveryFinding
         Intervals and flights.
 
     Raises
@@ -112,7 +111,7 @@ def list_changed_quantities(
     notes: Mapping[tuple[str, str], str],
     source: str,
 ) -> Iterator[VehicleFileQuantity]:
-    """Yield what has to change in a file; `known` says what is to be said of each parameter."""
+    """Yield the changed quantities of a file, with a note for each parameter in `notes`."""
     content = parse_yaml(text, vehicle.file.name)
     moved = _find_changed_parameters(nominal.given, learned.given)
     if set(moved) & set(TOGETHER):
@@ -140,7 +139,7 @@ def list_changed_quantities(
 def _find_changed_parameters(
     before: Mapping[str, Mapping[str, float]], after: Mapping[str, Mapping[str, float]]
 ) -> dict[str, Sequence[str]]:
-    """Return the parameters that are new or not the same, by effect."""
+    """Return the new or changed parameters, by effect."""
     out: dict[str, Sequence[str]] = {}
     for effect, given in after.items():
         old = before.get(effect, {})
@@ -163,23 +162,26 @@ def _list_block_quantities(
     notes: Mapping[str, str],
     source: str,
 ) -> Iterator[VehicleFileQuantity]:
-    """Yield the numbers of an effect that follows from a block."""
+    """Yield the quantities of an effect that derives from a block."""
     units = {one.name: one.unit for one in EFFECTS[effect].parameters}
     for place, order in BLOCKS[effect]:
         if not set(order) & set(names) and effect not in TOGETHER:
             continue
         numbers = [learned.parameter_value(effect, name) for name in order]
         if effect == 'quadratic_drag':
+            # The model sums the drag of aero block and parts; the file holds the aero block alone.
             faces = parts_drag(vehicle.file, vehicle.air_density)
             numbers = [all_ - own for all_, own in zip(numbers, faces, strict=True)]
             if min(numbers) < 0.0:
                 raise BadInput(
-                    f'The quadratic drag that was learned is less than that of the parts of '
-                    f'{vehicle.file.name}; mark their drag as in_aero, and study it again.'
+                    f'The learned quadratic drag is below that of the parts of '
+                    f'{vehicle.file.name}; mark their drag as in_aero and run the study again.'
                 )
         words = [f'{name} {notes[name]}' for name in order if name in notes]
         if not set(order) & set(names):
-            yield VehicleFileQuantity(place, numbers, units[order[0]], 'as the hull had it before')
+            yield VehicleFileQuantity(
+                place, numbers, units[order[0]], 'unchanged value of the hull'
+            )
         else:
             held = numbers if len(order) > 1 else numbers[0]
             yield VehicleFileQuantity(
@@ -188,7 +190,7 @@ def _list_block_quantities(
 
 
 def _format_provenance(source: str, notes: Sequence[str], content: Any, place: str) -> str:  # noqa: ANN401 - YAML
-    """Return the source of a number: what was learned, by what, and what it was before."""
+    """Return the source of a number: note, flights, and the value before."""
     try:
         before = get_parameter(content, place, 'vehicle')
     except BadInput:
@@ -200,12 +202,12 @@ def _format_provenance(source: str, notes: Sequence[str], content: Any, place: s
 
 
 def _format_reservations(one: NamedEffect) -> str:
-    """Return what the values of an effect take for granted, and what it may be instead."""
+    """Return the assumptions behind the values of an effect, and its rivals."""
     rivals = join_words(list(one.confusable_with), 'or')
     return format_assumed(one) + (f'; it may be {rivals} instead' if rivals else '')
 
 
 def format_interval(one: ParameterEstimate) -> str:
-    """Return a parameter's interval in words."""
+    """Return a parameter with its interval in words."""
     low, high = one.ci95
     return f'{one.value:.4g} {one.unit}, 95 % {low:.4g} to {high:.4g}'

@@ -1,4 +1,4 @@
-"""Poses of a flight as ROS messages, for the bag that lays models over what was measured."""
+"""Build the ROS messages of the overlay bag: poses and position errors."""
 
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Vector3Stamped
@@ -12,23 +12,21 @@ SECOND = 1_000_000_000
 
 
 def build_stamp(time_ns: int) -> Time:
-    """Return a time. [ns]"""
+    """Return a ROS time from nanoseconds."""
     seconds, rest = divmod(time_ns, SECOND)
     return Time(sec=seconds, nanosec=rest)
 
 
 def build_pose_message(time_ns: int, values: NDArray[np.float64], child: str) -> Odometry:
     """
-    Return a pose in `map` and the velocities in the body.
+    Return the odometry message of a pose in `map` and body velocities.
 
     Parameters
     ----------
-    time_ns : int
-        When. [ns]
     values : ndarray, shape (13,)
         Position, quaternion x y z w, velocity, rates. [m, m/s, rad/s]
     child : str
-        Frame of the body: each model has its own.
+        Body frame: each model has its own.
 
     """
     message = Odometry(
@@ -43,7 +41,7 @@ def build_pose_message(time_ns: int, values: NDArray[np.float64], child: str) ->
 
 
 def build_offset_message(time_ns: int, vector: NDArray[np.float64]) -> Vector3Stamped:
-    """Return how far a prediction is off, in `map`. [m]"""
+    """Return the error of a predicted position, in `map`. [m]"""
     message = Vector3Stamped(header=Header(stamp=build_stamp(time_ns), frame_id=FRAME))
     message.vector.x, message.vector.y, message.vector.z = map(float, vector)
     return message

@@ -1,8 +1,8 @@
 """
-Measured, before and after in one bag: what Foxglove lays over each other.
+Write measured and predicted poses into one bag, to overlay them in Foxglove.
 
-Predictions begin anew with each piece of a flight, where the poses around its beginning say; in
-between nobody helps the model. One topic a flight and model, so that each is a line of its own.
+Each piece of a prediction starts at the measured state and runs without correction. Each flight
+and model has its own topic, so that a viewer draws it as one line.
 """
 
 from collections.abc import Mapping, Sequence
@@ -42,16 +42,16 @@ def write_overlay(
     comparisons: Sequence[StudyComparison], folder: Path, origin: Mapping[str, str]
 ) -> Path:
     """
-    Write the bag of some flights; return its file.
+    Write the overlay bag and return its file.
 
     Parameters
     ----------
-    shown : sequence of Shown
+    comparisons : sequence of StudyComparison
         The flights.
     folder : Path
-        Where `overlay.mcap` goes.
+        Folder of `overlay.mcap`.
     origin : mapping of str to str
-        What the bag says of where it comes from.
+        Provenance to be stored in the bag.
 
     """
     bag = folder / NAME
@@ -68,7 +68,7 @@ def write_overlay(
                 writer.add_topic(f'/{word}/{name}', kind, qos)
         for time_ns, topic, message in sorted(rows, key=lambda row: row[:2]):
             writer.write(topic, encode_cdr(message), time_ns)
-    # One file is all that a viewer takes; the folder around it says nothing more.
+    # Viewers open a single .mcap file; the folder and its metadata are not needed.
     (only,) = bag.glob('*.mcap')
     target = only.rename(folder / FILE)
     (bag / 'metadata.yaml').unlink()
@@ -77,13 +77,13 @@ def write_overlay(
 
 
 def format_topic_name(name: str) -> str:
-    """Return the name of a flight as a part of a topic's name."""
+    """Return a flight's name as a valid part of a topic name."""
     word = re.sub(r'\W+', '_', name, flags=re.ASCII).strip('_')
     return word if word[:1].isalpha() else f'flight_{word}'
 
 
 def format_topic_names(names: Sequence[str]) -> list[str]:
-    """Return the names of flights as parts of topics' names, no two alike."""
+    """Return the flights' names as distinct parts of topic names."""
     out: list[str] = []
     for name in names:
         word, count = format_topic_name(name), 1
@@ -95,7 +95,8 @@ def format_topic_names(names: Sequence[str]) -> list[str]:
 
 
 def predict_tracker_states(flight: FlightLinearizer, point: LinearizationPoint) -> Array:
-    """Return what a tracker would see of a model, and its motion, shape (S, n, 13)."""
+    """Predict the pose that a tracker measures, and the velocities, shape (S, n, 13)."""
+    # Zero the random part: a forecast must not use the initial states fitted to this flight.
     still = LinearizationPoint(point.nominal, point.values, np.zeros_like(point.random))
     states = flight.simulate_forecast(still)[:, ::STEPS]
     acting = flight.replay.build_rows(point.nominal).acting
@@ -134,7 +135,7 @@ def _list_model_messages(
         at = flight.index[piece, index]
         values = states[piece, index]
         if not np.isfinite(values).all() or abs(values).max() > 1e6:
-            continue  # a model that ran away draws nothing
+            continue  # skip a diverged prediction
         time_ns = start + int(at) * round(PERIOD * SECOND)
         rows.append((time_ns, f'{place}/{name}', build_pose_message(time_ns, values, name)))
         off = values[:3] - measured.position[at]

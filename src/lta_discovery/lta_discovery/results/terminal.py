@@ -1,4 +1,4 @@
-"""What was found, on the terminal."""
+"""Print the result of a study to the terminal."""
 
 from collections.abc import Iterator
 import math
@@ -28,15 +28,15 @@ BARS: Final = (
     ('coast', 'ignoring the commands', 'dim'),
     ('before', 'the vehicle file', 'red'),
     ('tuned', 'its tolerances tuned', 'yellow'),
-    ('after', 'with what was found', 'green'),
+    ('after', 'with the named effects', 'green'),
     ('noise_floor', 'the tracker itself', 'dim'),
 )
 WHOLE: Final = ('position', 'attitude')
-MOST: Final = 8  # places that are told
+MOST: Final = 8  # most discrepancies that are printed
 
 
 def print_finding(finding: DiscoveryFinding, console: Console) -> None:
-    """Print the verdict, the effects with their intervals, the gap, and where it was."""
+    """Print verdict, effects with intervals, prediction errors and discrepancies."""
     console.print(Text(format_headline(finding), 'bold'), soft_wrap=True)
     for said in format_effects(finding):
         console.print(Text(said), soft_wrap=True)
@@ -57,7 +57,7 @@ def print_finding(finding: DiscoveryFinding, console: Console) -> None:
 
 
 def format_result(finding: DiscoveryFinding) -> str:
-    """Return what was found as short as what was hidden is told."""
+    """Return the named parameters in one line, as the demonstration words its hidden effect."""
     return join_words(
         [
             f'{effect.name}.{one.name} = {format_with_unit(format_number(one.value), one.unit)}'
@@ -69,13 +69,13 @@ def format_result(finding: DiscoveryFinding) -> str:
 
 
 def format_transfer(carried: TransferEvidence) -> str:
-    """Return what names by forecasts rest on, in a sentence."""
+    """Return the forecast evidence in a sentence."""
     ratios = [one.ratio for one in carried.regimes]
     better = sum(ratio < 1.0 for ratio in ratios)
     return (
         f'Named by forecasts: left out of the fit, {better} of {len(ratios)} regimes are '
         f'predicted better than by the vehicle file (error '
-        f'{min(ratios):.2f} to {max(ratios):.2f} of its).'
+        f'{min(ratios):.2f} to {max(ratios):.2f} of that of the file).'
     )
 
 
@@ -83,13 +83,13 @@ def _build_table(*heads: tuple[str, str]) -> Table:
     """Return an empty table without frames."""
     table = Table(box=None, pad_edge=False, header_style='dim')
     for head, side in heads:
-        # A name that is cut short is no name: it goes on in the next line.
+        # Wrap rather than truncate: a truncated name cannot be looked up.
         table.add_column(head, justify=side, overflow='fold')  # type: ignore[arg-type]
     return table
 
 
 def format_effects(finding: DiscoveryFinding) -> Iterator[str]:
-    """Yield the named effects, a line each, and a line for each parameter: lines are not cut."""
+    """Yield the named effects and their parameters, one line each."""
     for one in finding.effects:
         rivals = join_words(one.confusable_with, 'or')
         instead = f'; it may be {rivals} instead' if rivals else ''
@@ -105,17 +105,17 @@ def format_effects(finding: DiscoveryFinding) -> Iterator[str]:
 
 
 def format_gaps(finding: DiscoveryFinding) -> Iterator[Text]:
-    """Yield headings and bars: how far predictions are off, for each of the models."""
+    """Yield headings and bars of the prediction errors of all models."""
     at = common_horizon(finding.gaps)
     for one in finding.gaps:
         if one.horizon_s == at and one.channel in WHOLE:
-            seen = 'on flights nothing was fitted to' if finding.held_out else 'not held out'
+            seen = 'on held-out flights' if finding.held_out else 'on flights used in the search'
             sign, word = (1.0, 'less') if one.shrink >= 0.0 else (-1.0, 'more')
             low, high = (
                 format_percent(part) for part in sorted(sign * end for end in one.shrink_ci95)
             )
             yield Text(
-                f'Off in {one.channel} after {at:g} s, {seen}: '
+                f'{one.channel.capitalize()} error after {at:g} s, {seen}: '
                 f'{format_percent(sign * one.shrink)} % '
                 f'{word} ({low} to {high} %)'
             )
@@ -124,7 +124,7 @@ def format_gaps(finding: DiscoveryFinding) -> Iterator[Text]:
 
 def _format_bars(one: PredictionGap) -> Iterator[Text]:
     """Yield a bar for each model."""
-    # What ignores the commands may be off by a room; its bar is cut then.
+    # The model that ignores the commands may be far off; its bar is cut at the others' scale.
     most = max(one.before, one.tuned, one.after, 1e-12)
     for key, label, style in BARS:
         size = getattr(one, key)
@@ -134,7 +134,7 @@ def _format_bars(one: PredictionGap) -> Iterator[Text]:
 
 
 def build_discrepancy_table(finding: DiscoveryFinding) -> Table:
-    """Return the places where the model of the vehicle file disagrees most."""
+    """Return the table of the largest discrepancies."""
     table = _build_table(
         ('where', 'left'), ('flight', 'left'), ('from', 'right'), ('to', 'right'),
         ('when', 'left'), ('x noise', 'right'),

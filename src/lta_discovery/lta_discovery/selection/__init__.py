@@ -1,1 +1,1 @@
-"""Which effects are missing: the search, its evidence, and what a name has to stand."""
+"""Select the missing effects: search, evidence, and acceptance."""

@@ -1,17 +1,17 @@
-"""Whether a candidate has earned its name: by two flights, each in its own words."""
+"""Decide whether a candidate is accepted, from its evidence on two groups of flights."""
 
 from typing import Final, final, NamedTuple
 
-GAIN: Final = 11.0  # nats; of the one flight and the better witness of the other together
-LARGER: Final = 5.0  # nats; of the better of the two
-APART: Final = 5.0  # deviations; by which the two values may differ
-PART: Final = 0.1  # of the value; by which they may differ however well each is known
-HOLDS: Final = 1.5  # nats; that the first flight's posterior wins on the other
-AGAIN: Final = 6.0  # nats; of the other flight by itself, where that posterior does not help
-SPOILT: Final = 12.0  # nats; and that the posterior may lose then
-TORN: Final = 3.0  # nats; that a candidate may lose on one flight while it wins on the other
-TIE: Final = 3.0  # nats; nearer than that, names cannot be told apart
-# Typical sizes; what is smaller is not worth a name however well it is known: a wind of less than
+GAIN: Final = 11.0  # nats; training evidence plus the larger confirming evidence
+LARGER: Final = 5.0  # nats; of the larger of the two
+APART: Final = 5.0  # standard deviations; largest difference of the two values
+PART: Final = 0.1  # of the value; a smaller difference is always accepted
+HOLDS: Final = 1.5  # nats; gain of the training posterior on the confirming flights
+AGAIN: Final = 6.0  # nats; gain of the confirming flights alone, if that posterior does not help
+SPOILT: Final = 12.0  # nats; largest loss of that posterior then
+TORN: Final = 3.0  # nats; largest loss on one side despite a gain on the other
+TIE: Final = 3.0  # nats; candidates closer than this are indistinguishable
+# Typical sizes; smaller effects are not named, however significant: a wind of less than
 # 4 mm/s is a draught.
 TRIFLE: Final = 0.04
 
@@ -19,22 +19,22 @@ TRIFLE: Final = 0.04
 @final
 class CandidateTrial(NamedTuple):
     """
-    What two flights say of one candidate.
+    Evidence for one candidate on training and confirming flights.
 
     Attributes
     ----------
     name : str
-        Of the candidate, or of what is tried instead.
+        Of the candidate, or of a generic rival.
     gain : float
-        Log evidence that it wins on the first flight, all refitted. [nats]
+        Gain in log evidence on the training flights, all parameters refitted. [nats]
     replicated : float
-        The same on the other flight, by itself.
+        The same on the confirming flights alone.
     held_out : float
-        What the first flight's posterior with it wins on the other, against that without it.
+        Gain of the training posterior on the confirming flights.
     apart : float
-        Difference of the two values, in deviations.
+        Difference of the two values, in standard deviations.
     part : float
-        The same, as a part of the larger one.
+        The same, relative to the larger value.
 
     """
 
@@ -47,31 +47,31 @@ class CandidateTrial(NamedTuple):
 
     @property
     def total_evidence(self) -> float:
-        """Evidence of both flights, each by itself. [nats]"""
+        """Evidence of both sides, each alone. [nats]"""
         return self.gain + self.replicated
 
     @property
     def joint_evidence(self) -> float:
-        """Evidence of the other flight after the first one, as one. [nats]"""
+        """Evidence of both sides with common values. [nats]"""
         return self.gain + self.held_out
 
     @property
     def is_contradictory(self) -> bool:
-        """Tell whether the flights contradict each other."""
+        """Return whether the two sides contradict each other."""
         return min(self.gain, self.replicated) < -TORN and max(self.gain, self.replicated) > LARGER
 
     @property
     def wins_on_both(self) -> bool:
-        """Tell whether it wins on each flight by itself."""
+        """Return whether each side alone supports the candidate."""
         return min(self.gain, self.replicated) > LARGER
 
     @property
     def is_accepted(self) -> bool:
         """
-        Tell whether it has earned its name.
+        Return whether the candidate is accepted.
 
-        Tolerances may swallow most of an effect on the first flight, so that its posterior does
-        not help the second: then the second must find it by itself.
+        Tolerances may absorb most of an effect on the training flights, so that their posterior
+        does not help the confirming flights. These have to support the effect alone then.
         """
         witness = max(self.replicated, self.held_out)
         strong = self.gain + witness > GAIN and max(self.gain, witness) > LARGER

@@ -1,4 +1,4 @@
-"""Every candidate at a glance: what it would gain beside the nuisances."""
+"""Scan all candidates for their linearized gain in evidence, marginal over the nuisances."""
 
 from collections.abc import Sequence
 from typing import Final, final, NamedTuple
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-# How many typical sizes an effect may have, and what the larger ones cost beforehand [nats]: a
+# Prior deviations in typical sizes, and the prior cost of larger ones [nats]: a
 # prior with heavy tails, three scales of 85, 12 and 3 %.
 SIZES: Final[dict[float, float]] = {1.0: 0.0, 5.0: 2.0, 25.0: 3.5}
 
@@ -18,22 +18,22 @@ SIZES: Final[dict[float, float]] = {1.0: 0.0, 5.0: 2.0, 25.0: 3.5}
 @final
 class CandidateScore(NamedTuple):
     """
-    One candidate.
+    Linearized evidence for one candidate.
 
     Attributes
     ----------
     name : str
-        Of the knob.
+        Of the parameter.
     gain : float
-        Log Bayes factor of its being there against its being only tolerance. [nats]
+        Log Bayes factor of the effect against tolerance alone. [nats]
     score : float
-        Pull over the root of the information: N(0, 1) where nothing is hidden.
+        Pull over the root of the information: N(0, 1) without an effect.
     value, deviation : float
-        Of the knob where the candidate is there, in the unit of the knob.
+        Posterior of the parameter with the effect, in its unit.
     sigma : float
-        |value| over the deviation and the nominal model's own tolerance together.
+        |value| over the combined deviation of estimate and tolerance.
     size : float
-        Of SIZES: how many typical sizes make it most probable.
+        The most probable of SIZES.
 
     """
 
@@ -50,21 +50,21 @@ def evidence_gain(
     pull: float, information: float, tolerance: float, typical: float
 ) -> tuple[float, float]:
     """
-    Return what it gains that a candidate is there, against its being only tolerance, and its size.
+    Return the log Bayes factor of an effect against tolerance alone, and its size.
 
     Parameters
     ----------
     pull, information : float
-        Of its column: the most probable value times the information, and one over its variance.
+        Of its column: maximum likelihood value times information, and inverse variance.
     tolerance : float
-        Variance of the nominal model's own error.
+        Variance of the nominal model's error.
     typical : float
-        Size of the effect where it is there.
+        Typical size of the effect.
 
     Returns
     -------
     float, float
-        Log Bayes factor [nats]; the entry of SIZES that makes it most probable.
+        [nats]; the most probable of SIZES.
 
     """
     gains = {
@@ -76,7 +76,7 @@ def evidence_gain(
 
 
 def _column_evidence(pull: float, information: float, variance: float) -> float:
-    """Return the log evidence of a column with a variance, against 0."""
+    """Return the log evidence of a column with a prior variance, against a value of 0."""
     more = 1.0 + information * variance
     return float(0.5 * pull**2 * variance / more - 0.5 * np.log(more))
 
@@ -85,24 +85,24 @@ def scan_candidates(
     reduced: ReducedFlight, at: Array, prior: Prior, knobs: Sequence[FreeParameter]
 ) -> list[CandidateScore]:
     """
-    Return all candidates that are not in the model yet, the strongest first.
+    Return the scores of all candidates that are not in the model yet, the highest first.
 
     Parameters
     ----------
-    reduced : Reduced
+    reduced : ReducedFlight
         The flight about a point.
     at : ndarray, shape (G,)
-        Where the knobs stand there.
+        Parameters at the point.
     prior : Prior
-        Of the nuisances and of what is in the model already, each by itself (`tolerances`).
-    knobs : sequence of Knob
-        In the order of `at`, which goes on with the errors of the sensors.
+        Of nuisances and present effects, with independent parameters (`build_prior`).
+    knobs : sequence of FreeParameter
+        In the order of `at`, which continues with the sensor errors.
 
     """
     free, deviation = prior.free, np.sqrt(np.diag(prior.covariance))
     count, products = len(at), reduced.products
     precision = np.where(free, np.where(free, deviation, 1.0) ** -2.0, 0.0)
-    # Columns that are held have no share: put out of the way, not left out.
+    # Fixed columns get a unit diagonal, so that the matrix keeps its shape and is invertible.
     inner = np.where(np.outer(free, free), products[:count, :count], 0.0)
     inner[np.diag_indices(count)] += np.where(free, precision, 1.0)
     right = np.where(free, products[:count, -1] + precision * (prior.mean - at), 0.0)
@@ -114,14 +114,14 @@ def scan_candidates(
         column = np.where(free, products[:count, k], 0.0)
         own, others, force = inverse, column, right
         if free[k]:
-            # Without the candidate's own share among the nuisances.
+            # Remove the candidate itself from the nuisances (rank-one downdate of the inverse).
             own = inverse - np.outer(inverse[k], inverse[k]) / inverse[k, k]
             others = column.copy()
             others[k] = 0.0
         information = products[k, k] - others @ own @ others
         pull = products[k, -1] - others @ own @ force
         if information * knob.typical**2 < 1e-6:
-            continue  # this flight says nothing of it
+            continue  # not observable in this flight
         had = prior.covariance[k, k]
         pull -= information * (prior.mean - at)[k]
         won, size = evidence_gain(pull, information, had, knob.typical)
@@ -140,24 +140,23 @@ def column_cosines(
     reduced: ReducedFlight, prior: Prior, names: Sequence[str], parameters: Sequence[FreeParameter]
 ) -> Array:
     """
-    Return how alike candidates look: the cosine between their columns, nuisances marginalised.
+    Return the cosines between the columns of candidates, nuisances marginalized.
 
     Parameters
     ----------
-    reduced : Reduced
+    reduced : ReducedFlight
         The flight about a point.
     prior : Prior
-        Of the nuisances; the candidates' own tolerances are left out.
+        Of the nuisances; the candidates' own tolerances are ignored.
     names : sequence of str
         The candidates.
-    known : sequence of Knob
-        All knobs.
+    parameters : sequence of FreeParameter
+        All parameters.
 
     Returns
     -------
     ndarray, shape (n, n)
-        1 in the diagonal; near 1 or -1 where no such flight can tell two apart; 0 for a candidate
-        that leaves no trace.
+        1 on the diagonal; close to 1 or -1 for indistinguishable pairs; 0 for unobservable ones.
 
     """
     order = [knob.name for knob in parameters]

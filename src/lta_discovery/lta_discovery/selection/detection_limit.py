@@ -1,8 +1,8 @@
 """
-How small an effect flights could have shown: what an answer of 'nothing' is worth.
+Compute detection limits: the smallest size of each effect that the flights could reveal.
 
-The size is the least that naming would accept (`accept`, with the sizes of `scan`), with a margin
-for chance: an effect of that size, if nothing else is missing, gets its name 19 times in 20.
+The limit is the smallest size that `acceptance` would accept, plus a margin for noise: an effect
+of that size, if nothing else is missing, is named in 19 of 20 cases.
 """
 
 from collections.abc import Sequence
@@ -17,14 +17,14 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-MARGIN: Final = 1.645  # deviations; what chance may take away from an effect once in 20 times
-LARGEST: Final = 1e3  # typical sizes; what would have to be larger cannot be seen
+MARGIN: Final = 1.645  # standard deviations; one-sided 95 % margin for noise
+LARGEST: Final = 1e3  # typical sizes; effects with a larger limit are undetectable
 
 
 @final
 class DetectionLimit(NamedTuple):
     """
-    One candidate.
+    Detection limit of one candidate.
 
     Attributes
     ----------
@@ -33,9 +33,9 @@ class DetectionLimit(NamedTuple):
     unit : str
         Of its size.
     size : float
-        From which on it would have been named, 19 times in 20.
+        Smallest size that is named in 19 of 20 cases.
     typical : float
-        Size of the effect where it is there.
+        Typical size of the effect.
 
     """
 
@@ -52,18 +52,18 @@ def compute_detection_limits(
     named: Sequence[str] = (),
 ) -> tuple[DetectionLimit, ...]:
     """
-    Return how small each candidate could have been, the clearest by its typical size first.
+    Return the detection limits of the candidates, the lowest relative to typical sizes first.
 
     Parameters
     ----------
-    sides : pair of Reduced
-        The flights that teach, and those that confirm.
+    sides : pair of ReducedFlight
+        Training flights, and confirming ones.
     prior : Prior
-        Of the nuisances, as `tolerances` or `shared` has it, and of what is named already.
-    knobs : sequence of Knob
+        Of the nuisances and named effects.
+    knobs : sequence of FreeParameter
         All.
     named : sequence of str
-        Those that were found, and are no candidates any more.
+        Named effects, which are not candidates any more.
 
     """
     free, variance = prior.free, np.diag(prior.covariance)
@@ -84,7 +84,7 @@ def compute_detection_limits(
 def _marginal_information(
     products: Array, k: int, others: NDArray[np.int64], variance: Array
 ) -> float:
-    """Return how well flights know a knob, when others are known as their variance says."""
+    """Return the information on a parameter, marginal over others with prior variances."""
     inner = products[np.ix_(others, others)] + np.diag(1.0 / variance)
     cross = products[others, k]
     return float(products[k, k] - cross @ np.linalg.solve(inner, cross))
@@ -92,16 +92,16 @@ def _marginal_information(
 
 def _least_size(informations: Sequence[float], tolerance: float, typical: float) -> float:
     """
-    Return the least size that would be named in spite of chance.
+    Return the smallest size that would be named despite noise.
 
     Parameters
     ----------
-    told : sequence of three floats
-        Information of each side and of both: one over the variance of the knob's value.
+    informations : sequence of three floats
+        Inverse variance of the value from each side, and from both.
     tolerance : float
-        Variance of the nominal model's own error.
+        Variance of the nominal model's error.
     typical : float
-        Size of the effect where it is there.
+        Typical size of the effect.
 
     """
     information = informations[-1]
@@ -123,7 +123,7 @@ def _least_size(informations: Sequence[float], tolerance: float, typical: float)
 def _would_be_named(
     size: float, information: Sequence[float], tolerance: float, typical: float
 ) -> bool:
-    """Tell whether sides that show an effect as it is would give it a name."""
+    """Return whether noise-free flights would name an effect of some size."""
     first, second, both = (
         evidence_gain(each * size, each, tolerance, typical)[0] for each in information
     )

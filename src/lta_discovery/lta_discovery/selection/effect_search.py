@@ -1,10 +1,9 @@
 """
-Name what is missing, one effect at a time, until no candidate is confirmed.
+Search for missing effects one by one, until no candidate is confirmed.
 
-A glance at all candidates (`scan_candidates`) can promise what a refit does not keep, and large
-unexplained
-forces can hide an effect; so the best few are refitted, on the flights that teach and on those
-that confirm, each by themselves, and only that counts.
+A linear scan of all candidates (`scan_candidates`) can overestimate gains, and large unexplained
+forces can hide an effect. The best few candidates are therefore refitted, separately on training
+and confirming flights, and only these refits decide.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -43,38 +42,40 @@ from lta_discovery.selection.rival_test import (
 import numpy as np
 
 Pair = tuple[JointFit, JointFit]
-# Candidates worth a refit: what each promises [nats], and what looks like it.
+# Candidates to refit: predicted gain [nats], and indistinguishable candidates.
 Glance = Mapping[str, tuple[float, tuple[str, ...]]]
 
-QUICK: Final = 5  # of each glance
-REFITTED: Final = 4  # candidates of a round
-CAP: Final = 1.5  # floors; of the deviations in the second glance
-MOST: Final = 4  # effects
-WORTH: Final = 1.0  # nats; a glance below it is not followed
-ROUGHLY: Final = 0.3  # nats; how well a promise need be known
-HOPE: Final = 5.0  # nats; nor is a candidate that promises less on all flights together
-HOPELESS: Final = 0.35  # of what the best has won: who promises less is not refitted
-ALIKE: Final = 0.98  # of the cosine of two columns; beyond it one refit stands for both
-UNLIKE: Final = 0.5  # of the same; below it the failure of the one says nothing of the other
-CHANCES: Final = 1  # further glances, beside what has failed
-EVEN: Final = 0.2  # of what it wins on one side, that a candidate of these wins on the other
-CAPPED: Final = 2.5  # floors; of the deviations that a fit begins with
+QUICK: Final = 5  # best candidates of each scan
+REFITTED: Final = 4  # most refitted candidates of a round
+CAP: Final = 1.5  # noise floors; largest deviations in the second scan
+MOST: Final = 4  # most effects
+WORTH: Final = 1.0  # nats; a candidate with a smaller scan gain is ignored
+ROUGHLY: Final = 0.3  # nats; accuracy of a predicted gain
+HOPE: Final = 5.0  # nats; a candidate with a smaller predicted gain on all flights is ignored
+HOPELESS: Final = (
+    0.35  # of the best gain so far; a candidate with a smaller prediction is not refitted
+)
+ALIKE: Final = 0.98  # cosine of two columns; above it one refit stands for both
+UNLIKE: Final = 0.5  # cosine; below it the failure of one candidate does not affect the other
+CHANCES: Final = 1  # further scans, excluding failed candidates
+EVEN: Final = 0.2  # of the gain on one side; such a candidate needs this much on the other
+CAPPED: Final = 2.5  # noise floors; largest deviations at the start of a fit
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class SelectionRound:
     """
-    One round.
+    One round of the search.
 
     Attributes
     ----------
-    trials : tuple of Trial
-        Those refitted, the best first.
+    trials : tuple of CandidateTrial
+        Refitted candidates, the best first.
     tied : tuple of str
-        Names that nothing tells from the best.
+        Candidates that are indistinguishable from the best.
     named : str
-        '' where none was confirmed.
+        '' if none was confirmed.
 
     """
 
@@ -87,20 +88,20 @@ class SelectionRound:
 @dataclass(frozen=True, slots=True)
 class EffectSearchResult:
     """
-    What was found.
+    Result of the search.
 
     Attributes
     ----------
-    steps : tuple of Step
-        Round by round; the last one named nothing, unless there were too many.
+    steps : tuple of SelectionRound
+        Rounds; the last named nothing unless the limit was reached.
     names : tuple of str
-        Of the effects, in the order in which they were found.
-    fits : pair of Joint
-        Of the flights that teach and of those that confirm, with them.
-    bare : pair of Joint
+        Of the effects, in the order of acceptance.
+    fits : pair of JointFit
+        Of training and confirming flights, with the effects.
+    bare : pair of JointFit
         The same without any.
     sizes : mapping of str to float
-        How many typical sizes each may have, where it is not one.
+        Prior deviations in typical sizes, where not 1.
 
     """
 
@@ -114,14 +115,14 @@ class EffectSearchResult:
 @final
 class EffectSearch:
     """
-    Flights of one vehicle.
+    Search the flights of one vehicle for missing effects.
 
     Parameters
     ----------
-    nominal : Nominal
-        The vehicle as its file has it.
-    flights : pair of sequences of Linearised
-        To learn from, and to confirm by; at least one each.
+    nominal : NominalVehicle
+        The vehicle of the file.
+    flights : pair of sequences of FlightLinearizer
+        Training and confirming flights, at least one each.
 
     """
 
@@ -140,7 +141,7 @@ class EffectSearch:
         self._sizes: dict[str, float] = {}
 
     def run(self, progress: Callable[[float], None] = lambda part: None) -> EffectSearchResult:
-        """Name what is missing, and tell which part is done, as far as anyone can know."""
+        """Search for missing effects, and report an estimate of the progress."""
         named: tuple[str, ...] = ()
         bare = fits = self._fit_bare()
         steps: list[SelectionRound] = []
@@ -183,7 +184,7 @@ class EffectSearch:
         return self.knobs[self._names.index(name)]
 
     def _find_impossible(self, named: Sequence[str], fits: Pair) -> set[str]:
-        """Return those of which a side has a value that no such effect can have."""
+        """Return the effects with an impossible value on one side."""
         out = set[str]()
         for name in named:
             for k in self._component_indices(name):
@@ -194,18 +195,18 @@ class EffectSearch:
         return out
 
     def _component_indices(self, name: str) -> list[int]:
-        """Return which knobs are the components of a candidate."""
+        """Return the indices of a candidate's components."""
         return [self._names.index(one) for one in vector_components(name) if one in self._names]
 
     def _is_trifle(self, name: str, fits: Pair) -> bool:
-        """Tell whether a candidate is too small to be worth a name, on either side."""
+        """Return whether a candidate is too small to be named, on either side."""
         places = self._component_indices(name)
         typical = np.array([self.knobs[k].typical for k in places])
         sizes = [np.max(np.abs(this.fitted.mean[places]) / typical) for this in fits]
         return bool(min(sizes) < TRIFLE)
 
     def _fit_effects(self, named: Sequence[str], before: Pair) -> Pair:
-        """Fit all flights with some effects, from where they stand."""
+        """Fit all flights with some effects, starting from earlier fits."""
         prior = build_shared_prior(self.knobs, named, self._sizes)
 
         def fit_side(one: tuple[JointFitter, JointFit]) -> JointFit:
@@ -221,10 +222,9 @@ class EffectSearch:
         self, named: Sequence[str], fits: Pair, failed: Sequence[str] = ()
     ) -> Glance:
         """
-        Return the few candidates worth a refit: what they promise, and what looks like them.
+        Return the few candidates to refit, with predicted gains and indistinguishable candidates.
 
-        What looks like one that has failed already is left out, and then the words for whatever
-        follows motion, place or time as well.
+        Candidates similar to a failed one are excluded, and then also the generic ones.
         """
         prior = build_shared_prior(self.knobs, named, self._sizes)
         out = {*expand_vectors(named), *self._list_excluded(failed, prior, fits)}
@@ -256,7 +256,7 @@ class EffectSearch:
     def _select_distinct(
         self, ranked: list[str], prior: Prior, fits: Pair
     ) -> dict[str, tuple[str, ...]]:
-        """Return the first few candidates that no flight takes for each other."""
+        """Return the first few candidates that are distinguishable on all flights."""
         alike = np.min(
             [np.abs(column_cosines(this.reduced, prior, ranked, self.knobs)) for this in fits],
             axis=0,
@@ -273,7 +273,7 @@ class EffectSearch:
         return out
 
     def _predict_gain(self, name: str, size: float, named: Sequence[str], fits: Pair) -> float:
-        """Return what a candidate wins with the deviations free, without relinearising."""
+        """Return the gain of a candidate with free deviations, without a new linearization."""
         prior = build_shared_prior(self.knobs, (*named, name), {**self._sizes, name: size})
 
         def evidence_gain(this: JointFit) -> float:
@@ -283,7 +283,7 @@ class EffectSearch:
         return sum(map_parallel(evidence_gain, fits)) - SIZES[size]
 
     def _list_excluded(self, failed: Sequence[str], prior: Prior, fits: Pair) -> set[str]:
-        """Return those that have failed, what some flight takes for one, and vague words."""
+        """Return failed candidates, similar ones, and generic ones."""
         if not failed:
             return set()
         others = [knob.name for knob in self.knobs if knob.typical > 0.0]
@@ -296,11 +296,11 @@ class EffectSearch:
 
     def _run_round(self, named: tuple[str, ...], fits: Pair) -> tuple[SelectionRound, Pair]:
         """
-        Try the best candidates.
+        Run one round of the search.
 
-        What is outside the library fills the glance with what it resembles. Where all that fails,
-        candidates that resemble none of it are tried as well; they must be of another place.
-        Where something still remains, so are those that no glance can judge, since they jump.
+        An effect outside the library raises the scores of similar candidates. If these fail,
+        dissimilar candidates are tried as well. If a force still remains, so are candidates with
+        discontinuous effects, which the linear scan cannot score.
         """
         step, then = self._try_candidates(named, fits, self._shortlist_candidates(named, fits))
         trials = step.trials
@@ -322,7 +322,7 @@ class EffectSearch:
     def _try_candidates(
         self, named: tuple[str, ...], fits: Pair, glance: Glance, failed: Sequence[str] = ()
     ) -> tuple[SelectionRound, Pair]:
-        """Try the best candidates of a glance, which are none of those that have failed."""
+        """Refit the best candidates of a scan, and select one."""
         tried: dict[str, tuple[CandidateTrial, Pair]] = {}
         for name, (promise, _) in glance.items():
             most = max((trial.total_evidence for trial, _ in tried.values()), default=0.0)
@@ -363,7 +363,7 @@ class EffectSearch:
         return SelectionRound(trials, (), ''), fits
 
     def _is_independent(self, trial: CandidateTrial, fits: Pair, then: Pair) -> bool:
-        """Tell whether a candidate is sound, and no part of what remains."""
+        """Return whether a candidate is sound, and not part of the remaining force."""
         least, most = sorted((trial.gain, trial.replicated))
         sound = trial.wins_on_both and least > EVEN * most and trial.apart < AGREED
         return sound and self._displacing.is_independent(trial.name, fits, then)
@@ -377,11 +377,11 @@ class EffectSearch:
         failed: Sequence[str],
     ) -> bool:
         """
-        Tell whether a candidate may be named though others win clearly more.
+        Return whether a candidate may be named although others gain clearly more.
 
-        They have to be about something else, and torn; or, beside what has failed, where it is
-        known that something is outside the library, they may be in any trouble, and need not be
-        about something else where their own flights do not agree on them.
+        The others have to be distinguishable from it and contradictory between the two sides.
+        After failed candidates, the others need only be distinguishable, or disagree on their
+        value.
         """
         above = [one for one in trials if one.total_evidence >= trial.total_evidence + TIE]
         if failed:
@@ -400,7 +400,7 @@ class EffectSearch:
     def _evaluate_candidate(
         self, name: str, named: tuple[str, ...], fits: Pair, then: Pair
     ) -> CandidateTrial:
-        """Return what all flights say of a candidate."""
+        """Return the evidence for a candidate on all flights."""
         places, cost = self._component_indices(name), SIZES[self._sizes.get(name, 1.0)]
         return CandidateTrial(
             name,
@@ -412,6 +412,6 @@ class EffectSearch:
         )
 
     def _carried_evidence(self, fits: Pair) -> float:
-        """Return the evidence of the flights that confirm under what the others have taught."""
+        """Return the evidence of the confirming flights under the training posterior."""
         prior = posterior_as_prior(fits[0].fitted)
         return fit_deviations(fits[1].group, prior, fits[1].deviations, self.floor)[1]

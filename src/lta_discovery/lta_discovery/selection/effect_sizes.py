@@ -1,9 +1,9 @@
 """
-How large what was named is, and how well that is known.
+Estimate the sizes of named effects and their uncertainty.
 
-The flights' own interval takes the model for exact and the noise for white. Neither is quite so.
-What the pieces of the flights show of it counts where it is more (`piecewise`), and what no flight
-of the same vehicle can show is added to it (`interval`).
+The posterior assumes an exact model and white noise. It is widened by the scatter between pieces
+(`robust_variance`) where that is larger, and by model errors that no flight of the same vehicle
+can reveal (`interval`).
 """
 
 from collections.abc import Sequence
@@ -31,7 +31,7 @@ def apply_named_effects(
     parameters: Sequence[FreeParameter],
     named: Sequence[NamedEffect],
 ) -> NominalVehicle:
-    """Return the vehicle file's vehicle with the named effects, and nothing else changed."""
+    """Return the vehicle of the file with the named effects, and nothing else changed."""
     told = {name for one in named for name in one.knobs}
     values = np.where(
         [knob.name in told for knob in parameters], _estimate_values(proven, parameters), 0.0
@@ -40,7 +40,7 @@ def apply_named_effects(
 
 
 def _estimate_values(proven: VerifiedEffects, parameters: Sequence[FreeParameter]) -> Array:
-    """Return the most probable knobs that flights share, within their bounds."""
+    """Return the posterior mean of the shared parameters, clipped to their bounds."""
     mean = proven.measured.fitted.mean[: len(parameters)]
     inside: Array = np.clip(
         mean, [knob.low for knob in parameters], [knob.high for knob in parameters]
@@ -49,7 +49,7 @@ def _estimate_values(proven: VerifiedEffects, parameters: Sequence[FreeParameter
 
 
 def _widen_posterior(measured: JointFit) -> ParameterPosterior:
-    """Return the knobs after the data, each known no better than the pieces agree about it."""
+    """Return the posterior, with variances not below the scatter between pieces."""
     own = np.diag(measured.fitted.covariance)
     return measured.fitted._replace(
         covariance=np.diag(np.maximum(own, sandwich_variance(measured)))
@@ -62,7 +62,7 @@ def build_effects(
     knobs: Sequence[FreeParameter],
     has_remainder: bool = False,
 ) -> tuple[NamedEffect, ...]:
-    """Return the effects that were found missing, the strongest first; `beside` as in `spread`."""
+    """Return the missing effects, the strongest first."""
     seen = _widen_posterior(proven.measured)
     values, deviations = (
         _estimate_values(proven, knobs),
@@ -92,7 +92,7 @@ def build_effects(
 def list_assumed_values(
     nominal: NominalVehicle, effect: str, learned: Sequence[ParameterEstimate]
 ) -> tuple[AssumedValue, ...]:
-    """Return the numbers of an effect that the vehicle file lacks and no flight was asked for."""
+    """Return the parameters of an effect that are neither in the vehicle file nor fitted."""
     if effect in nominal.given:
         return ()
     units = {known.name: known.unit for known in EFFECTS[effect].parameters}
@@ -107,7 +107,7 @@ def list_assumed_values(
 def _estimate_parameters(
     nominal: NominalVehicle, knob: FreeParameter, effect: str, value: float, spread: float
 ) -> list[ParameterEstimate]:
-    """Return the parameters of an effect that a knob moves."""
+    """Return the estimates of the effect parameters that a free parameter moves."""
     units = {known.name: known.unit for known in EFFECTS[effect].parameters}
     begun, out = knob.enable_effect(nominal), []
     for (moved, parameter), rate in knob.moves.items():

@@ -1,12 +1,11 @@
 """
-Names that no data of a kind can tell apart: frozen before anything is scored by them.
+Load the classes of effects that are indistinguishable for a kind of data.
 
-`load_class_map.yaml` beside this file is derived by `make classes` from rich flights of each kind
-(see
-`lta_discovery.planning.class_derivation`): two names are one where what is left of their columns,
-all else marginalised, has a cosine of .98 or more. An effect of z deviations is then told from the
-other by z^2 (1 - .98^2) / 2 nats, which is less than the 3 nats that a name needs over the next
-one until z is 12: more than most effects can reach, given the tolerances of a vehicle.
+`make classes` derives `classes.yaml` from rich flights of each kind (see
+`lta_discovery.planning.class_derivation`), before any scoring. Two effects are equivalent if their
+columns, marginal over all else, have a cosine of 0.98 or more. The evidence between two effects of
+z deviations is z^2 (1 - 0.98^2) / 2 nats, which reaches the required 3 nats only at z = 12: more
+than most effects can have, given the tolerances of a vehicle.
 """
 
 from collections.abc import Mapping, Sequence
@@ -23,25 +22,26 @@ from pydantic import Field
 Kind = Literal['all', 'imu', 'pose', 'wrench', 'hover']
 
 FILE: Final = Path(__file__).with_name('classes.yaml')
-STILL: Final = 0.15  # m/s; of a flight that only hovers, 9 of 10 points are slower
-LEVEL: Final = 0.3  # m; and 8 of 10 within so much height
+STILL: Final = 0.15  # m/s; 90 % of a hover flight is slower
+LEVEL: Final = 0.3  # m; height range of the middle 80 % of a hover flight
 
 
 class DataKindClasses(StrictModel):
     """
-    What one kind of data can tell.
+    Distinguishability of effects for one kind of data.
 
     Attributes
     ----------
     classes : list of list of str
-        Names that are one; those that are one by themselves are left out.
+        Equivalent effects; classes of one effect are omitted.
     unseen : list of str
-        Names of which such data say nothing.
+        Unobservable effects.
     near : mapping of str to float
-        Cosine of pairs below the threshold that are hard to tell apart: 'one, other'.
+        Cosines of pairs just below the threshold: 'one, other'.
     reach : mapping of str to two numbers
-        Deviations that a typical size of each name comes to, its tolerances among them: in the
-        flights it was derived from, and however long they are.
+        Significance of a typical size of each effect in standard deviations, with tolerances: for
+        the
+        flights of the derivation, and for unlimited length.
 
     """
 
@@ -52,7 +52,7 @@ class DataKindClasses(StrictModel):
 
 
 class FrozenClasses(StrictModel):
-    """The whole file."""
+    """Content of the file."""
 
     digest: Annotated[str, Field(pattern='^[0-9a-f]{12}$')]
     vehicle: str
@@ -64,12 +64,12 @@ class FrozenClasses(StrictModel):
 
 @cache
 def load_frozen_classes() -> FrozenClasses:
-    """Return what was derived."""
+    """Load the derived classes."""
     return load_file(FrozenClasses, FILE)
 
 
 def find_kind_classes(kind: Kind) -> DataKindClasses:
-    """Return what a kind of data can tell; `BadInput` for a kind that is not known."""
+    """Return the classes of a kind of data; raise `BadInput` for an unknown kind."""
     known = load_frozen_classes().kinds
     if kind not in known:
         raise unknown_name('kind of data', kind, list(known))
@@ -79,7 +79,7 @@ def find_kind_classes(kind: Kind) -> DataKindClasses:
 @cache
 def load_class_map(kind: Kind) -> Mapping[str, str]:
     """
-    Return the class of each name in a kind of data: the first name of those that are one.
+    Return the class of each effect for a kind of data: the first effect of its class.
 
     Parameters
     ----------
@@ -93,28 +93,22 @@ def load_class_map(kind: Kind) -> Mapping[str, str]:
 
 
 def is_same_class(a: str, b: str, kind: Kind) -> bool:
-    """Tell whether two names are one to a kind of data; a name that is not known is alone."""
+    """
+    Return whether two effects are equivalent; an unknown effect is not equivalent to any other.
+    """
     known = load_class_map(kind)
     return known.get(a, a) == known.get(b, b)
 
 
 def list_equivalents(name: str, kind: Kind) -> tuple[str, ...]:
-    """Return the names that a kind of data takes for this one."""
+    """Return the effects that are equivalent to this one."""
     known = load_class_map(kind)
     own = known.get(name, name)
     return tuple(one for one, group in known.items() if group == own and one != name)
 
 
 def classify_data_kind(flights: Sequence[MeasuredFlight]) -> Kind:
-    """
-    Return the kind of some flights: by what the best of them has.
-
-    Parameters
-    ----------
-    flights : sequence of Measured
-        Of one study.
-
-    """
+    """Return the kind of data of some flights, by the best-instrumented one."""
     if any(flight.wrench is not None for flight in flights):
         return 'wrench'
     if all(_is_hover(flight) for flight in flights):
@@ -126,7 +120,7 @@ def classify_data_kind(flights: Sequence[MeasuredFlight]) -> Kind:
 
 
 def _is_hover(flight: MeasuredFlight) -> bool:
-    """Tell whether a flight stays about where it is, as far as it is to be explained."""
+    """Return whether the usable part of a flight stays near one place."""
     place = flight.position[flight.usable]
     if len(place) < 2:
         return True

@@ -1,10 +1,10 @@
 """
-How well a value is known: what its flights say, and what the model itself may be off by.
+Widen posteriors by model errors that flights of one vehicle cannot reveal.
 
-An integrator, a command that takes over within a few milliseconds, a sensor's filter are off by
-what no flight of the same vehicle can show: by how much (`PART`, `LEAST`) was found on hidden
-truths. What is outside the library follows the motion, and so does not average out over the pieces
-as the latent wrench does that stands for it: beside it every value is known less well.
+Errors of integrator, command timing and sensor filters are the same in all flights. Their size
+(`PART`, `LEAST`) was calibrated on simulated truths. An effect outside the library follows the
+motion, and does not average out over pieces as the latent wrench does; if there is one, all values
+are less certain.
 """
 
 from collections.abc import Mapping, Sequence
@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-NORMAL: Final = 1.96  # deviations, of the 95 % interval
-BESIDE: Final = 1.2  # factor on the deviations, where something outside the library remains
-PART: Final = 0.005  # of the value, that it is off by at least
-# And by so much, whatever the value: over a flight, half a millisecond of a grid of 40.
+NORMAL: Final = 1.96  # standard deviations; half width of a 95 % interval
+BESIDE: Final = 1.2  # factor on the deviations, if an effect outside the library remains
+PART: Final = 0.005  # of the value; smallest deviation
+# Smallest absolute deviations: over a flight, half a millisecond of the 40 ms grid.
 LEAST: Final[Mapping[str, float]] = {'clock_skew.skew': 5e-6}
 
 
@@ -28,21 +28,21 @@ def parameter_deviations(
     posterior: ParameterPosterior, parameters: Sequence[FreeParameter], has_remainder: bool
 ) -> Array:
     """
-    Return standard deviations of knobs, with what the model itself may be off by.
+    Return the standard deviations of parameters, including model errors.
 
     Parameters
     ----------
-    found : Fitted
-        The knobs after the data.
-    known : sequence of Knob
+    posterior : ParameterPosterior
+        After the data.
+    parameters : sequence of FreeParameter
         In their order.
-    beside : bool
-        Whether something remains that is outside the library.
+    has_remainder : bool
+        Whether an effect outside the library remains.
 
     Returns
     -------
     ndarray, shape (K,)
-        In the units of the knobs.
+        In the units of the parameters.
 
     """
     wider, count = BESIDE if has_remainder else 1.0, len(parameters)

@@ -1,1 +1,1 @@
-"""Names by forecasts: what carries over to regimes that were left out of the fit."""
+"""Identify effects by forecasts that transfer to regimes left out of the fit."""

@@ -1,4 +1,4 @@
-"""How well values are known that forecasts gave: by which flights happened to be flown."""
+"""Compute intervals of values fitted to forecasts, by bootstrap over flights."""
 
 from collections.abc import Sequence
 from typing import Final
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-DRAWS: Final = 1000  # of regimes, for an interval
+DRAWS: Final = 1000  # bootstrap samples of the flights
 
 
 def bootstrap_values(
@@ -22,23 +22,23 @@ def bootstrap_values(
     seed: int,
 ) -> Array:
     """
-    Return values by flights drawn anew, each one step away from the fit to all.
+    Return bootstrap values over flights, each by one step from the fit to all.
 
     Parameters
     ----------
-    fitted : Fitted
-        To all flights, with what each says there.
-    knobs : sequence of Knob
+    fit : ForecastFit
+        To all flights.
+    knobs : sequence of FreeParameter
         All of them.
     which, spread
-        Those that were fitted, and how far they may be off: as for `Foresight.fit`.
+        As for `ForecastFitter.fit`.
     seed : int
-        Of the draws.
+        Random seed.
 
     Returns
     -------
     ndarray, shape (DRAWS, K)
-        Within the bounds of the knobs.
+        Within the bounds of the parameters.
 
     """
     rng, count = np.random.default_rng(seed), len(fit.said)
@@ -46,7 +46,7 @@ def bootstrap_values(
     low, high = (np.array([getattr(knobs[k], side) for k in which]) for side in ('low', 'high'))
     products = np.array([one.products for one in fit.said])
     pulls = np.array([one.pull for one in fit.said])
-    # Where all rest, the pull of all is that of the wall; what is left of it is no news.
+    # At the optimum pull and prior balance; subtract what remains from an unconverged fit.
     rest = pulls.sum(axis=0) - wall @ at
     out = np.empty((DRAWS, len(at)))
     for draw in range(DRAWS):

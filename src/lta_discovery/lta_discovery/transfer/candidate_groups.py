@@ -1,8 +1,8 @@
 """
-What has one name among the knobs of a vehicle: the directions of an effect go together.
+Group the parameters of a vehicle into candidates: the directions of an effect are one candidate.
 
-A forecast seldom tells roll from pitch of an added inertia, and an effect that is there is there
-in all its directions; so each is tried whole. Coefficients of a hull go by what they make.
+A forecast rarely distinguishes roll from pitch of an added inertia, and an effect that is present
+acts in all its directions. Hull coefficients are grouped by force or moment.
 """
 
 from collections.abc import Sequence
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-# Of an effect of many numbers, those that make one thing: words, and the parameters.
+# Groups within effects of many parameters: name, and the parameters.
 PARTS: Final[dict[str, dict[str, tuple[str, ...]]]] = {
     'hull_lift': {
         'drag of the hull': ('drag', 'drag_alpha2', 'drag_beta2'),
@@ -27,37 +27,37 @@ PARTS: Final[dict[str, dict[str, tuple[str, ...]]]] = {
         'aerodynamic centre': ('x', 'z'),
     },
 }
-# Of what a tracker's forecast says nothing, or what each flight has of its own.
-# Where a moving mass is told to be is where it is.
+# Parameters that forecasts of a pose do not identify, or that differ from flight to flight.
+# The moving mass is assumed to be where it is commanded.
 NO_NAME: Final = frozenset(
     {'hull_lift.all', 'tracker_misalignment.yaw', 'moving_mass.x', 'moving_mass.z'}
 )
-# What two names would say of one thing: the first stands for all.
+# Effects that act like lift, which every flight fits for itself.
 SAME: Final = frozenset(
     {'gas_purity', 'ballast', 'payload', 'net_lift', 'helium_leak', 'superheat', 'rotor_fault'}
 )
-WIDE: Final = 3.0  # typical sizes; that a knob may be off by
-# How far those may be off whose typical size is that of a still hall.
+WIDE: Final = 3.0  # typical sizes; prior standard deviation
+# Prior deviations of effects whose typical size is that of a still hall.
 LOOSE: Final[dict[str, float]] = {
     'steady_wind': 0.2, 'wind_gradient': 0.2, 'tracker_misalignment': 0.03,
 }  # fmt: skip
-# The same where slopes are not trusted that far: of a heavier hull than a typical one.
+# Smaller prior deviations where linearization fails: for hulls heavier than a typical one.
 HEAVY: Final[dict[str, float]] = {'added_inertia': 0.005}
 
 
 @final
 class CandidateGroup(NamedTuple):
     """
-    One name.
+    One candidate.
 
     Attributes
     ----------
     name : str
-        For people, no other group has it.
+        Readable and unique.
     effect : str
         Of the registry.
     knobs : tuple of int
-        Places among all knobs.
+        Indices among all parameters.
 
     """
 
@@ -67,7 +67,7 @@ class CandidateGroup(NamedTuple):
 
 
 def list_groups(knobs: Sequence[FreeParameter]) -> list[CandidateGroup]:
-    """Return the names that forecasts of a pose could give, in the order of the registry."""
+    """Return the candidates that forecasts of a pose could identify, in registry order."""
     out: dict[str, CandidateGroup] = {}
     for k, knob in enumerate(knobs):
         effect, _, parameter = knob.name.partition('.')
@@ -87,7 +87,7 @@ def list_groups(knobs: Sequence[FreeParameter]) -> list[CandidateGroup]:
 
 
 def tolerance_indices(knobs: Sequence[FreeParameter]) -> list[int]:
-    """Return the places of what every vehicle file may be off by."""
+    """Return the indices of the toleranced parameters that all flights share."""
     return [
         k
         for k, knob in enumerate(knobs)
@@ -96,18 +96,18 @@ def tolerance_indices(knobs: Sequence[FreeParameter]) -> list[int]:
 
 
 def prior_deviations(knobs: Sequence[FreeParameter], which: Sequence[int]) -> Array:
-    """Return how far some knobs may be off that have a name, shape (K,), for a first step."""
+    """Return prior standard deviations for a single step, shape (K,)."""
     return np.array([_prior_deviation(knobs[k]) for k in which])
 
 
 def iterated_prior_deviations(knobs: Sequence[FreeParameter], which: Sequence[int]) -> Array:
-    """Return how far they may be off, shape (K,), where they are fitted step by step."""
+    """Return prior standard deviations for an iterated fit, shape (K,)."""
     effects = [knobs[k].name.partition('.')[0] for k in which]
     own = prior_deviations(knobs, which)
     return np.array([HEAVY.get(effect, one) for effect, one in zip(effects, own, strict=True)])
 
 
 def _prior_deviation(knob: FreeParameter) -> float:
-    """Return how far a knob may be off."""
+    """Return the prior standard deviation of a parameter."""
     loose = LOOSE.get(knob.name.partition('.')[0])
     return loose or max(WIDE * knob.typical, 2.0 * knob.tolerance)

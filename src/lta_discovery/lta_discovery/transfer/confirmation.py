@@ -1,4 +1,4 @@
-"""Whether a name holds between flights that teach and those that confirm, both ways."""
+"""Confirm effects between training and confirming flights, in both directions."""
 
 from collections.abc import Sequence
 from typing import Final
@@ -8,23 +8,23 @@ from lta_discovery.transfer.candidate_groups import CandidateGroup, iterated_pri
 from lta_discovery.transfer.forward_selection import GroupSelection
 import numpy as np
 
-ROUNDS: Final = 2  # of the fit to one half of the flights
+ROUNDS: Final = 2  # steps of the fit to one half of the flights
 
 
 def confirm_groups(
     sight: ForecastFitter, chosen: GroupSelection, halves: Sequence[Sequence[int]]
 ) -> tuple[CandidateGroup, ...]:
     """
-    Return the names without which the forecasts of the other half get worse.
+    Return the effects without which the forecasts of the other half get worse.
 
     Parameters
     ----------
-    sight : Foresight
-        All flights that teach or confirm.
-    chosen : Chosen
-        Names in the order of their worth.
+    sight : ForecastFitter
+        All training and confirming flights.
+    chosen : GroupSelection
+        Effects in the order of their gain.
     halves : sequence of sequences of int
-        Those that teach, and those that confirm; where one is empty, all names stand.
+        Training and confirming flights; if one is empty, all effects are confirmed.
 
     """
     kept = list(chosen.groups)
@@ -44,7 +44,7 @@ def _cross_error(
     groups: Sequence[CandidateGroup],
     halves: Sequence[Sequence[int]],
 ) -> float:
-    """Return the squared error of each half by what the other half teaches, both together."""
+    """Return the summed squared error of each half with the values fitted to the other."""
     which = [k for group in groups for k in group.knobs]
     begin = np.where(np.isin(np.arange(len(sight.knobs)), which), chosen.values, 0.0)
     total = 0.0

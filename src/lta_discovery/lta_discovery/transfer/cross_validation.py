@@ -1,10 +1,10 @@
 """
-Whether what was learned carries over to a regime that was left out, or only interpolates.
+Cross-validate fitted effects by leaving out flight regimes.
 
-Coefficients that are refitted freely are right where they were fitted and can be worse than the
-vehicle file elsewhere. So flights are grouped by regime (slow and fast, left and right, places of
-a moving mass); each group is left out once, and what the others teach has to make its forecasts
-better.
+Freely fitted coefficients are right where they were fitted and can be worse than the vehicle file
+elsewhere. Flights are therefore grouped by regime (slow and fast, left and right, places of a
+moving mass). Each group is left out once, and the values of the others have to improve its
+forecasts.
 """
 
 from collections.abc import Mapping, Sequence
@@ -16,23 +16,23 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-KEPT: Final = 1.0  # of the error of the vehicle file; above it, the regime got worse
-TOLD: Final = 3  # regimes that a warning names
+KEPT: Final = 1.0  # of the error of the vehicle file; above it, a regime got worse
+TOLD: Final = 3  # most regimes that a warning names
 
 
 @final
 class RegimeError(NamedTuple):
     """
-    One regime, left out.
+    Forecast error of one left-out regime.
 
     Attributes
     ----------
     name : str
         'moving mass at 0.0847 m'.
     flights : int
-        How many.
+        Number of flights.
     before, after : float
-        Size of the errors ahead, by that of the vehicle file over all flights.
+        Weighted error with the vehicle file, and with the values of the other regimes.
 
     """
 
@@ -43,17 +43,17 @@ class RegimeError(NamedTuple):
 
     @property
     def ratio(self) -> float:
-        """Error with what the other regimes taught, by that of the vehicle file."""
+        """Error with the values of the other regimes, by that of the vehicle file."""
         return self.after / self.before
 
 
 def sum_squared_error(regimes: Sequence[RegimeError]) -> float:
-    """Return the squared error of regimes left out, each by how many flights it has."""
+    """Return the squared error of left-out regimes, weighted by their number of flights."""
     return sum(one.flights * one.after**2 for one in regimes)
 
 
 def remaining_error_share(regimes: Sequence[RegimeError]) -> float:
-    """Return which part of the squared error of the vehicle file is left in regimes left out."""
+    """Return the share of the vehicle file's squared error that remains in left-out regimes."""
     return sum_squared_error(regimes) / sum(one.flights * one.before**2 for one in regimes)
 
 
@@ -65,16 +65,14 @@ def cross_validate(
     regimes: Mapping[str, Sequence[int]],
 ) -> list[RegimeError]:
     """
-    Return what each regime says of the knobs that the others taught, the worst first.
+    Return the forecast error of each regime with the values of the others, the worst first.
 
     Parameters
     ----------
-    foresight : Foresight
-        All flights.
-    fitted : Fitted
-        To all of them; each fit without a regime is a step of Gauss-Newton away from it.
+    fit : ForecastFit
+        To all flights; each fit without a regime is one Gauss-Newton step from it.
     which, spread
-        The knobs, and how far they may be off: as for `ForecastFitter.fit`.
+        As for `ForecastFitter.fit`.
     regimes : mapping of str to sequence of int
         Flights by regime; each has flights outside of it.
 
@@ -89,23 +87,13 @@ def cross_validate(
 
 
 def format_warning(names: Sequence[str], regimes: Sequence[RegimeError]) -> str:
-    """
-    Return a sentence where what was learned only interpolates, '' where it carries over.
-
-    Parameters
-    ----------
-    names : sequence of str
-        Of the effects.
-    regimes : sequence of Regime
-        As `cross_validate` returns them.
-
-    """
+    """Return a warning if effects only interpolate, '' if they transfer."""
     worse = [regime for regime in regimes if regime.ratio > KEPT]
     if not worse:
         return ''
     told = ', '.join(f'{one.name} ({one.ratio:.2f} times the error)' for one in worse[:TOLD])
     more = f' and {len(worse) - TOLD} more' if len(worse) > TOLD else ''
     return (
-        f'{", ".join(names)}: interpolation only; left out of the fit, {told}{more} '
-        'came out worse than with the vehicle file.'
+        f'{", ".join(names)}: interpolation only; if left out of the fit, {told}{more} '
+        'are worse than with the vehicle file.'
     )

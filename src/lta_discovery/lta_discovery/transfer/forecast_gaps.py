@@ -1,4 +1,4 @@
-"""How far forecasts are off under each model, every piece of a flight, the first as well."""
+"""Compute forecast errors of each model over all pieces of a flight."""
 
 from collections.abc import Mapping, Sequence
 from typing import Final
@@ -26,7 +26,7 @@ POSE: Final = CHANNELS[:6]
 
 
 def coast_errors(flight: FlightLinearizer) -> Array:
-    """Return the errors of body velocity and rates that stay as they are, shape (S, H, 6)."""
+    """Return the errors of constant body velocity and rates, shape (S, H, 6)."""
     cut, told = flight.replay.cut, flight.replay.flight
     at = np.rint(np.array(HORIZONS) / PERIOD).astype(np.int64)
     states = extrapolate_coast(cut.start, cut.length)[:, at]
@@ -40,7 +40,7 @@ def coast_errors(flight: FlightLinearizer) -> Array:
 
 
 def forecast_errors(sight: ForecastFitter, values: Array, flights: Sequence[int]) -> Array:
-    """Return the errors of forecasts, shape (S, H, 6), the lift as each flight has shown it."""
+    """Return forecast errors, shape (S, H, 6), with the lift estimated from earlier pieces."""
     return np.concatenate(
         [
             subtract_online_lift(
@@ -55,14 +55,14 @@ def compute_forecast_gaps(
     sight: ForecastFitter, models: Mapping[str, Array], seed: int
 ) -> list[PredictionGap]:
     """
-    Return how far each model is off: position and attitude, then by channel, at each horizon.
+    Return the errors of each model: position and attitude, then by channel, at each horizon.
 
     Parameters
     ----------
-    sight : Foresight
-        About the flights that are shown.
+    sight : ForecastFitter
+        Of the flights to evaluate.
     models : mapping of str to ndarray, shape (G,)
-        'before', 'tuned', 'after' and, where it was done, 'refitted': what each has of the knobs.
+        Parameters of 'before', 'tuned', 'after' and optionally 'refitted'.
     seed : int
         Of the bootstrap.
 

@@ -1,10 +1,10 @@
 """
-Names by forecasts, where the readings gave none: real flights of a model that is far from exact.
+Identify effects by forecasts, where the sensor readings do not: real flights, coarse models.
 
-A likelihood over every reading is right where what the model misses is small. Where it is many
-times the noise, or a filter ate the noise, a few seconds of forecast are what is left to judge by;
-and what is named by them has to hold in regimes that were left out of the fit, and between the
-flights that teach and those that confirm, both ways. A name that does not is said to interpolate.
+A likelihood over every reading is valid while the model error is small. If it is many times the
+noise, or the noise was filtered out, forecasts over some seconds remain as a criterion. Effects
+identified so have to hold in left-out regimes, and between training and confirming flights in both
+directions; otherwise they are reported as interpolation.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -38,21 +38,23 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Progress = Callable[[str, float | None], None]
 
-FEWEST: Final = 4  # flights that teach or confirm, where a filter ate the noise
-LARGE: Final = 10.0  # floors; what remains where readings are not to be asked
-ENOUGH: Final = 8  # the same, where it did not: readings have been asked already
-LIFT: Final = 0.0025  # of the weight, that a flight's lift may be off by (as between RGBlimp's)
-TUNED: Final = 0.97  # of the squared error that tuning tolerances leaves, in regimes left out
-LOOSE: Final = 0.8  # of the squared error; what tolerances take more of, they explain
-BESIDE: Final = 0.95  # the same, where tolerances are tuned beside the names
-ATTEMPTS: Final = 4  # to name, each without what fell before
+FEWEST: Final = 4  # training and confirming flights, if the poses were filtered
+LARGE: Final = 10.0  # noise floors; with a larger remainder, readings do not decide
+ENOUGH: Final = 8  # flights, if the poses were not filtered (the readings were evaluated before)
+LIFT: Final = 0.0025  # of the weight; deviation of a flight's lift (as between RGBlimp's)
+TUNED: Final = (
+    0.97  # of the squared error with tuned tolerances, in left-out regimes; effects need less
+)
+LOOSE: Final = 0.8  # of the squared error; tolerances that leave less explain the flights
+BESIDE: Final = 0.95  # as TUNED, if tolerances are tuned together with the effects
+ATTEMPTS: Final = 4  # selections, each without the effects rejected before
 GRAVITY: Final = 9.81  # m/s2
-POSE: Final = 6  # of CHANNELS, the first
+POSE: Final = 6  # number of pose channels, the first of CHANNELS
 
 
 @final
 class ForecastFlights(NamedTuple):
-    """Flights that can be predicted far enough, each as flown and in overlapping pieces."""
+    """Flights that are long enough for forecasts, as flown and in overlapping pieces."""
 
     flown: list[StudyFlight]
     sight: ForecastFitter
@@ -60,7 +62,7 @@ class ForecastFlights(NamedTuple):
 
 @final
 class TransferOutcome(NamedTuple):
-    """What was chosen last, what of it stands with its values, and what fell on the way."""
+    """The last selection, its confirmed effects with values, and the rejected ones."""
 
     chosen: GroupSelection
     kept: Sequence[CandidateGroup]
@@ -69,7 +71,7 @@ class TransferOutcome(NamedTuple):
 
 
 def needs_forecasts(study: DiscoveryStudy) -> bool:
-    """Tell whether forecasts are to be asked: poses alone, and something without a name."""
+    """Return whether to use forecasts: flights with poses alone, and an unexplained remainder."""
     finding = study.finding
     if finding.verdict not in ('unexplained', 'named+unexplained', 'not_identifiable'):
         return False
@@ -85,19 +87,19 @@ def needs_forecasts(study: DiscoveryStudy) -> bool:
 
 def name_by_forecasts(study: DiscoveryStudy, tell: Progress) -> DiscoveryStudy:
     """
-    Return a study with the names that forecasts give; as it was where they give none.
+    Add the effects that forecasts identify to a study, or return it unchanged.
 
     Parameters
     ----------
-    found : Study
-        By the readings.
+    study : DiscoveryStudy
+        Result of the sensor readings.
     tell : callable
-        Told what is being done.
+        Receives the stage and its share.
 
     """
     if not needs_forecasts(study):
         return study
-    tell('asking forecasts', 0.0)
+    tell('evaluating forecasts', 0.0)
     taught = _cut_forecast_flights(study, [one for one in study.flights if one.role != 'holdout'])
     if taught is None or len(taught.flown) < FEWEST:
         return study
@@ -126,7 +128,7 @@ def _select_groups(
     seed: int,
     tell: Progress,
 ) -> TransferOutcome:
-    """Return the names that stand; one that falls makes room for others, a few times."""
+    """Select effects and validate them; repeat without the rejected ones."""
     candidates, lost = list_groups(taught.sight.knobs), []
     halves = [
         [f for f, one in enumerate(taught.flown) if one.role == role]
@@ -134,7 +136,7 @@ def _select_groups(
     ]
     every = range(len(taught.flown))
     for attempt in range(ATTEMPTS):
-        tell('asking forecasts', attempt / ATTEMPTS)
+        tell('evaluating forecasts', attempt / ATTEMPTS)
         chosen = select_forward(taught.sight, every, parts, candidates)
         both = confirm_groups(taught.sight, chosen, halves)
         best, kept = _validate_groups(taught.sight, both, parts, seed, rest)
@@ -153,7 +155,7 @@ def _summarize_transfer(
     lost: Sequence[str],
     numbers: int,
 ) -> TransferEvidence:
-    """Return what names rest on."""
+    """Return the evidence for the effects."""
     worth = {group.name: share for group, share in zip(chosen.groups, chosen.worth, strict=True)}
     return TransferEvidence(
         tuple(GroupShare(one.name, worth[one.name]) for one in confirmed),
@@ -166,7 +168,7 @@ def _summarize_transfer(
 def _cut_forecast_flights(
     study: DiscoveryStudy, selected: Sequence[StudyFlight]
 ) -> ForecastFlights | None:
-    """Return some flights in pieces that are predicted; None where there are none."""
+    """Return flights in overlapping pieces; None if all are too short."""
     knobs = selected[0].flight.knobs if selected else []
     apart = piece_spacing([one.flight.replay.flight for one in selected])
     cut = [(one, cut_long_pieces(one.flight, knobs, apart)) for one in selected]
@@ -179,7 +181,7 @@ def _cut_forecast_flights(
 
 
 def _split_regimes(taught: ForecastFlights) -> Mapping[str, Sequence[int]]:
-    """Return the regimes of flights; where all are of one, every flight by itself."""
+    """Return the regimes of flights; if there is only one, every flight is a regime."""
     parts = group_by_regime(taught.sight.flights)
     if len(parts) > 1:
         return parts
@@ -193,7 +195,7 @@ def _validate_groups(
     seed: int,
     rest: Sequence[RegimeError],
 ) -> tuple[GroupValues | None, Sequence[CandidateGroup]]:
-    """Return the most of some names that make every regime better, and more than tuning does."""
+    """Return the longest list of effects that improves every regime and beats tuned tolerances."""
     while groups:
         best = fit_groups(sight, groups, parts, seed)
         better = all(one.ratio < 1.0 for one in best.regimes)
@@ -201,12 +203,13 @@ def _validate_groups(
             beside = tune_tolerances(sight, parts, groups)[1]
             if sum_squared_error(beside) < BESIDE * sum_squared_error(rest):
                 return best, groups
+        # Drop the effect that was selected last, which has the smallest gain.
         groups = groups[:-1]
     return None, groups
 
 
 def _report_lost(study: DiscoveryStudy, lost: Sequence[CandidateGroup]) -> DiscoveryStudy:
-    """Return a study as it was, with what forecasts did not confirm."""
+    """Return a study with a warning about rejected effects."""
     return _add_warning(study, format_interpolation([one.name for one in lost])) if lost else study
 
 
@@ -217,20 +220,20 @@ def _add_warning(study: DiscoveryStudy, sentence: str) -> DiscoveryStudy:
 
 
 def format_tolerance_share(share: float) -> str:
-    """Return in words that tolerances leave only a share of the squared error."""
+    """Return a warning that tolerances alone remove most of the squared error."""
     taken = f'{100.0 * (1.0 - share):.0f} %'
     return (
-        f'Forecasts name nothing: tolerances of the vehicle file alone take {taken} of the '
-        'squared error in regimes left out, and no name can be told from them.'
+        f'Forecasts identify no effect: the tolerances of the vehicle file alone remove {taken} '
+        'of the squared error in left-out regimes.'
     )
 
 
 def format_interpolation(names: Sequence[str]) -> str:
-    """Return in words that names did not carry over."""
+    """Return a warning that effects did not transfer."""
     more = f' and {len(names) - TOLD} more' if len(names) > TOLD else ''
     return (
-        f'{", ".join(names[:TOLD])}{more}: interpolation only; it makes forecasts better where it '
-        'was fitted, and not for flights or regimes that were left out.'
+        f'{", ".join(names[:TOLD])}{more}: interpolation only; forecasts improve in the fitted '
+        'flights, but not in flights or regimes that were left out.'
     )
 
 
@@ -241,7 +244,7 @@ def _add_effects(
     best: GroupValues,
     carried: TransferEvidence,
 ) -> DiscoveryStudy:
-    """Return a study with names."""
+    """Return a study with the identified effects."""
     knobs, warnings = taught.sight.knobs, study.finding.warnings
     if carried.interpolates:
         warnings = (*warnings, format_interpolation(carried.interpolates))
@@ -259,7 +262,7 @@ def _add_effects(
 def _add_gaps(
     study: DiscoveryStudy, taught: ForecastFlights, models: Mapping[str, Array]
 ) -> DiscoveryStudy:
-    """Return a study with the gap, on flights that nothing was fitted to where there are any."""
+    """Return a study with prediction errors, on held-out flights if there are any."""
     last = _cut_forecast_flights(study, [one for one in study.flights if one.role == 'holdout'])
     shown = last or taught
     told = compute_forecast_gaps(shown.sight, models, study.finding.seed)

@@ -1,9 +1,9 @@
 """
-Which names carry over: chosen one by one by what they do to regimes that were left out.
+Select effects one by one, by their forecast gain in left-out regimes.
 
-About the model so far all flights are linearised once; then every candidate is fitted without each
-regime in turn and judged by that regime, which is algebra on small matrices. The best is added and
-everything refitted, until none is worth it.
+All flights are linearized about the current model. Every candidate is then fitted without each
+regime in turn and scored on that regime, which needs only small matrices. The best is added and
+everything refitted, until no candidate gains enough.
 """
 
 from collections.abc import Mapping, Sequence
@@ -16,15 +16,17 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-WORTH: Final = 0.015  # of the squared error of the vehicle file in regimes left out
-WORST: Final = -0.12  # of that of a regime; one that promises any regime worse is not taken
-MOST: Final = 6  # names by forecasts
-ROUNDS: Final = 2  # of the fit after each name
+WORTH: Final = (
+    0.015  # of the vehicle file's squared error in left-out regimes; smallest gain of an effect
+)
+WORST: Final = -0.12  # of a regime's squared error; a candidate with a larger loss is rejected
+MOST: Final = 6  # most effects by forecasts
+ROUNDS: Final = 2  # steps of the fit after each effect
 
 
 @final
 class CandidateGain(NamedTuple):
-    """One candidate of a round: its name, and the part of the squared error that it takes away."""
+    """A candidate of a round, with its share of the squared error and its worst regime."""
 
     group: CandidateGroup
     worth: float
@@ -34,20 +36,20 @@ class CandidateGain(NamedTuple):
 @final
 class GroupSelection(NamedTuple):
     """
-    What was chosen.
+    Result of the selection.
 
     Attributes
     ----------
-    groups : tuple of Group
+    groups : tuple of CandidateGroup
         In the order in which they were added.
     worth : tuple of float
-        Part of the squared error of the vehicle file in regimes left out that each takes away.
+        Share of the vehicle file's squared error in left-out regimes that each removes.
     values : ndarray, shape (G,)
         Fitted to all flights.
-    rounds : tuple of tuple of Tried
-        All that was tried, round by round; one more than there are names, unless there were many.
+    rounds : tuple of tuple of CandidateGain
+        All candidates by round; the last round usually adds none.
     first : float
-        The squared error of the vehicle file, as it counts.
+        Cost of the vehicle file.
 
     """
 
@@ -59,17 +61,17 @@ class GroupSelection(NamedTuple):
 
     @property
     def log_evidence(self) -> tuple[float, ...]:
-        """Log likelihood that each wins in regimes left out, errors as large as usual."""
+        """Log likelihood gained by each in left-out regimes, for errors of the usual size."""
         return tuple(0.5 * self.first * worth for worth in self.worth)
 
     @property
     def names(self) -> tuple[str, ...]:
-        """For people."""
+        """Readable names."""
         return tuple(group.name for group in self.groups)
 
     @property
     def knobs(self) -> list[int]:
-        """Places of all that has a name."""
+        """Indices of the selected parameters."""
         return [k for group in self.groups for k in group.knobs]
 
 
@@ -80,18 +82,18 @@ def select_forward(
     candidates: Sequence[CandidateGroup] | None = None,
 ) -> GroupSelection:
     """
-    Return the names that carry over, by some flights alone.
+    Select the effects that transfer between regimes.
 
     Parameters
     ----------
-    sight : Foresight
-        About the pieces that teach.
+    sight : ForecastFitter
+        Of all flights.
     flights : sequence of int
-        That teach.
+        Flights to use.
     regimes : mapping of str to sequence of int
         Of all flights.
-    candidates : sequence of Group, optional
-        What may be named; all that could be by default.
+    candidates : sequence of CandidateGroup, optional
+        All of `list_groups` by default.
 
     """
     candidates = list_groups(sight.knobs) if candidates is None else candidates
@@ -137,6 +139,7 @@ def _rank_candidates(
     now = [k for group in chosen for k in group.knobs]
     base = _cross_validated_gain(sight, information, sides, every, now, values)
     costs = np.array([sum(information[f].cost for f in side) for side in sides])
+    # A flight can be in several regimes (mass, command, speed, turn): count its error once.
     often = max(1, round(sum(map(len, sides)) / len({f for side in sides for f in side})))
     out = []
     for group in candidates:
@@ -160,7 +163,7 @@ def _cross_validated_gain(
     which: Sequence[int],
     values: Array,
 ) -> Array:
-    """Return by how much each regime gets better by what the others say, in squared error."""
+    """Return the decrease of each regime's squared error with values of the others."""
     if not which:
         return np.zeros(len(sides))
     place = {k: i for i, k in enumerate(every)}

@@ -1,8 +1,8 @@
 """
-Everything fitted to forecasts at once: the best forecast between what was flown, and no finding.
+Fit all candidate parameters to forecasts at once.
 
-Thrust, mass, drag and balance trade against each other, so no value of it is a measurement, and
-nobody says what it does in another regime. It shows how much of the error a name could still take.
+Thrust, mass, drag and balance compensate each other, so that no value is a measurement or valid in
+another regime. The result is the lowest forecast error within the flown regimes.
 """
 
 from typing import Final
@@ -14,19 +14,19 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-ROUNDS: Final = 8  # of the fit of everything
+ROUNDS: Final = 8  # most steps of the fit
 
 
 def refit_everything(sight: ForecastFitter, begin: Array) -> tuple[Array, int]:
     """
-    Return the knobs with all that could have a name fitted, and how many numbers those are.
+    Return all parameters, fitted, and the number of fitted ones.
 
     Parameters
     ----------
-    sight : Foresight
-        All flights that teach or confirm.
+    sight : ForecastFitter
+        All training and confirming flights.
     begin : ndarray, shape (G,)
-        With what was named.
+        Initial values: those of the named effects.
 
     """
     which = [k for group in list_groups(sight.knobs) for k in group.knobs]

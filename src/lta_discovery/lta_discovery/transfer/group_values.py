@@ -1,4 +1,4 @@
-"""What names are worth in numbers: fitted to all flights, and left out regime by regime."""
+"""Fit the values of selected effects, and cross-validate them by regime."""
 
 from collections.abc import Mapping, Sequence
 from typing import Final, final, NamedTuple
@@ -16,25 +16,25 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-ROUNDS: Final = 6  # of the fit of names
-TUNING: Final = 4  # rounds, of tolerances
+ROUNDS: Final = 6  # most steps of the fit of effects
+TUNING: Final = 4  # most steps of the fit of tolerances
 
 
 @final
 class GroupValues(NamedTuple):
     """
-    Names with their values.
+    Selected effects with their values.
 
     Attributes
     ----------
     which : list of int
-        Places of their knobs.
-    fitted : Fitted
+        Indices of their parameters.
+    fitted : ForecastFit
         To all flights.
     draws : ndarray, shape (D, K)
-        Values by flights drawn anew.
-    regimes : list of Regime
-        Each left out, the worst first.
+        Bootstrap values.
+    regimes : list of RegimeError
+        Left-out regimes, the worst first.
 
     """
 
@@ -51,18 +51,18 @@ def fit_groups(
     seed: int,
 ) -> GroupValues:
     """
-    Return names fitted to all flights.
+    Fit effects to all flights.
 
     Parameters
     ----------
-    sight : Foresight
-        All flights that teach or confirm.
-    groups : sequence of Group
-        The names.
+    sight : ForecastFitter
+        All training and confirming flights.
+    groups : sequence of CandidateGroup
+        The effects.
     parts : mapping of str to sequence of int
         Flights by regime.
     seed : int
-        Of the draws.
+        Of the bootstrap.
 
     """
     every = range(len(sight.flights))
@@ -79,7 +79,7 @@ def tune_tolerances(
     parts: Mapping[str, Sequence[int]],
     groups: Sequence[CandidateGroup] = (),
 ) -> tuple[Array, list[RegimeError]]:
-    """Return the tolerances of the file as forecasts have them, beside names, and each regime."""
+    """Fit tolerances to forecasts, together with effects; return the values and regime errors."""
     named = [k for group in groups for k in group.knobs]
     rest = [k for k in tolerance_indices(sight.knobs) if k not in named]
     which = [*named, *rest]

@@ -1,4 +1,4 @@
-"""Names that forecasts gave, as a finding has them: effects of the registry with intervals."""
+"""Convert effects identified by forecasts to registry effects with intervals."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -14,7 +14,7 @@ from lta_discovery.transfer.forward_selection import CandidateGain, GroupSelecti
 from lta_discovery.transfer.group_values import GroupValues
 from lta_model.effects import EFFECTS
 
-NEAR: Final = 0.9  # of the worth of a name; what has more in its round could stand in its place
+NEAR: Final = 0.9  # of the gain of an effect; candidates with more in its round are its rivals
 
 
 def build_effects(
@@ -25,19 +25,19 @@ def build_effects(
     best: GroupValues,
 ) -> tuple[NamedEffect, ...]:
     """
-    Return the effects of the registry that were named, the strongest first.
+    Return the named effects of the registry, the strongest first.
 
     Parameters
     ----------
-    nominal : Nominal
-        The vehicle as its file has it.
-    knobs : sequence of Knob
+    nominal : NominalVehicle
+        The vehicle of the file.
+    knobs : sequence of FreeParameter
         All of them.
-    chosen : Chosen
-        All that regimes gave, with what each was worth.
-    kept : sequence of Group
-        Those of them that stand.
-    best : Valued
+    chosen : GroupSelection
+        All selected effects, with their gains.
+    confirmed : sequence of CandidateGroup
+        Those of them that were confirmed.
+    best : GroupValues
         Their values.
 
     """
@@ -71,7 +71,7 @@ def build_effects(
 def _list_rivals(
     group: CandidateGroup, tried: Sequence[CandidateGain], knobs: Sequence[FreeParameter]
 ) -> tuple[str, ...]:
-    """Return what did nearly as well when a name was given."""
+    """Return the candidates with nearly the same gain in the round of an effect."""
     own = next(one.worth for one in tried if one.group == group)
     near = [one.group for one in tried if one.group != group and one.worth > NEAR * own]
     return tuple(knobs[k].name for one in near for k in one.knobs)
@@ -80,7 +80,7 @@ def _list_rivals(
 def _estimate_parameters(
     nominal: NominalVehicle, knob: FreeParameter, value: float, interval: tuple[float, float]
 ) -> list[ParameterEstimate]:
-    """Return the parameters of an effect that a knob moves."""
+    """Return the estimates of the effect parameters that a free parameter moves."""
     effect = knob.name.partition('.')[0]
     units = {known.name: known.unit for known in EFFECTS[effect].parameters}
     begun, out = knob.enable_effect(nominal), []

@@ -1,4 +1,4 @@
-"""Forecasts with a lift that each takes from what is over when it begins."""
+"""Correct forecasts by a lift estimated from earlier pieces of the flight."""
 
 from typing import Final
 
@@ -9,32 +9,32 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-SIZE: Final = 0.05  # m for each second ahead: how much an early error says of the lift
+SIZE: Final = 0.05  # m per second ahead: position error due to the initial state
 
 
 def piece_start_times(flight: FlightLinearizer) -> Array:
-    """Return when each piece begins, shape (S,). [s]"""
+    """Return the time of each piece's beginning, shape (S,). [s]"""
     started: Array = flight.replay.flight.time[flight.replay.cut.first]
     return started
 
 
 def subtract_online_lift(ahead: HorizonErrors, time: Array, lift: float) -> Array:
     """
-    Return errors after a lift of the flight's own that its earlier pieces make most probable.
+    Subtract the error of the lift that earlier pieces make most probable.
 
     Parameters
     ----------
-    seen : Ahead
-        Errors, and how they answer to the lift: its last column.
+    ahead : HorizonErrors
+        Its last column is the sensitivity to the lift.
     time : ndarray, shape (S,)
-        When each piece begins. [s]
+        Beginning of each piece. [s]
     lift : float
         Standard deviation of a flight's lift. [N]
 
     Returns
     -------
     ndarray, shape (S, H, 6)
-        NaN where the flight does not say. [m, rad]
+        NaN where unknown. [m, rad]
 
     """
     left, column = ahead.left, ahead.columns[..., -1]
@@ -42,6 +42,7 @@ def subtract_online_lift(ahead: HorizonErrors, time: Array, lift: float) -> Arra
     known = np.isfinite(left).all(axis=-1)
     out = left.copy()
     for k, now in enumerate(time):
+        # Only forecasts that have ended by now: a real-time estimator knows no more.
         over = (ends <= now + 1e-6) & known
         size = (SIZE * np.broadcast_to(HORIZONS, over.shape)[over])[:, None]
         a, r = column[over][:, :3] / size, left[over][:, :3] / size

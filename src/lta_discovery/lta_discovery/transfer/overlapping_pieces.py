@@ -1,4 +1,4 @@
-"""A flight in pieces that are predicted seconds ahead, one begun before the last has ended."""
+"""Cut a flight into overlapping pieces for forecasts."""
 
 from collections.abc import Sequence
 from typing import Final
@@ -10,20 +10,18 @@ from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.replay.linearizer import FlightLinearizer
 import numpy as np
 
-APART: Final = 2.5  # s; between beginnings, at least
-MOST: Final = 400  # pieces of all flights, which bounds time and memory
+APART: Final = 2.5  # s; least time between beginnings
+MOST: Final = 400  # pieces of all flights, to limit time and memory
 
 
 def cut_overlapping_windows(flight: MeasuredFlight, apart: float = APART) -> Windows:
     """
-    Return whole pieces as long as the last horizon.
+    Cut a flight into complete pieces as long as the last horizon.
 
     Parameters
     ----------
-    flight : Measured
-        The flight.
     apart : float
-        Between the beginnings of pieces. [s]
+        Time between beginnings. [s]
 
     """
     count = round(HORIZONS[-1] / PERIOD)
@@ -40,7 +38,7 @@ def cut_overlapping_windows(flight: MeasuredFlight, apart: float = APART) -> Win
 
 
 def piece_spacing(flights: Sequence[MeasuredFlight]) -> float:
-    """Return how far apart pieces begin, so that there are not too many of them. [s]"""
+    """Return the time between beginnings of pieces that limits their number. [s]"""
     seconds = PERIOD * sum(int(flight.usable.sum()) for flight in flights)
     return max(APART, seconds / MOST)
 
@@ -48,7 +46,7 @@ def piece_spacing(flights: Sequence[MeasuredFlight]) -> float:
 def cut_long_pieces(
     flight: FlightLinearizer, knobs: Sequence[FreeParameter], apart: float = APART
 ) -> FlightLinearizer | None:
-    """Return a flight in such pieces, with the same knobs; None where it is too short for any."""
+    """Return a flight in overlapping pieces; None if it is too short for any."""
     replay = flight.replay
     cut = cut_overlapping_windows(replay.flight, apart)
     if not len(cut.first):

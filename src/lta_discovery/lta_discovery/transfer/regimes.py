@@ -1,4 +1,4 @@
-"""Regimes in which flights were flown, and whether what they name carries over to others."""
+"""Group flights by regime, and test whether named effects transfer between regimes."""
 
 from collections.abc import Sequence
 from typing import Final
@@ -9,29 +9,24 @@ from lta_discovery.study import DiscoveryStudy
 from lta_discovery.transfer.cross_validation import cross_validate, format_warning
 import numpy as np
 
-ENOUGH: Final = 8  # flights
-EACH: Final = 2  # flights in a regime, and outside of it
-APART: Final = 1e-3  # m; between places of a moving mass
-FASTER: Final = 1.3  # times; less is the same speed
-STEADY: Final = 0.01  # of the largest command; within it a command stands still
-TURNING: Final = 0.05  # rad/s; slower is straight on
-ROUNDS: Final = 2  # of the fit that tells whether a flight is of a regime
-LIFT: Final = 0.004  # N; by which the lift of a flight may be off (as between RGBlimp's repeats)
+ENOUGH: Final = 8  # fewest flights for a test
+EACH: Final = 2  # fewest flights inside and outside of a regime
+APART: Final = 1e-3  # m; resolution of places of a moving mass
+FASTER: Final = 1.3  # times; a smaller ratio counts as the same speed
+STEADY: Final = 0.01  # of the largest command; within it a command is constant
+TURNING: Final = 0.05  # rad/s; slower is straight flight
+ROUNDS: Final = 2  # most steps of the fit for the test
+LIFT: Final = 0.004  # N; deviation of a flight's lift (as between RGBlimp's repeats)
 
 
 def group_by_regime(flights: Sequence[FlightLinearizer]) -> dict[str, list[int]]:
     """
-    Return flights by moving mass, by commands that stand still, by speed and by side of the turn.
-
-    Parameters
-    ----------
-    flights : sequence of Linearised
-        Of one vehicle.
+    Group flights by moving mass, constant commands, speed, and direction of turn.
 
     Returns
     -------
     dict of str to list of int
-        Flights by the name of the regime; only those with flights enough inside and outside.
+        Flights by regime, for regimes with enough flights inside and outside.
 
     """
     out: dict[str, list[int]] = {}
@@ -46,7 +41,7 @@ def group_by_regime(flights: Sequence[FlightLinearizer]) -> dict[str, list[int]]
 
 
 def _mass_regime(flight: FlightLinearizer) -> str:
-    """Return where a moving mass is, '' without one."""
+    """Return the regime of the moving mass, '' without one."""
     mass = flight.replay.flight.mass
     if mass is None:
         return ''
@@ -54,7 +49,7 @@ def _mass_regime(flight: FlightLinearizer) -> str:
 
 
 def _command_regime(flight: FlightLinearizer) -> str:
-    """Return the commands of a flight that has one throughout, else ''."""
+    """Return the regime of a flight with constant commands, else ''."""
     told = flight.replay.flight
     stream = told.commands if told.wrench is None else told.wrench
     if not len(stream.values):
@@ -67,7 +62,7 @@ def _command_regime(flight: FlightLinearizer) -> str:
 
 
 def _group_by_speed(flights: Sequence[FlightLinearizer]) -> dict[str, list[int]]:
-    """Return the slow and the fast flights, where they differ."""
+    """Return the slow and the fast flights, if their speeds differ clearly."""
     speeds = [
         float(np.median(np.linalg.norm(one.replay.cut.start[:, 7:10], axis=1))) for one in flights
     ]
@@ -82,7 +77,7 @@ def _group_by_speed(flights: Sequence[FlightLinearizer]) -> dict[str, list[int]]
 
 
 def _group_by_turn(flights: Sequence[FlightLinearizer]) -> dict[str, list[int]]:
-    """Return the flights that turn left and right on the mean."""
+    """Return the flights with a mean left turn, and with a mean right turn."""
     rates = [float(np.mean(one.replay.cut.start[:, 12])) for one in flights]
     return {
         'turning left': [f for f, rate in enumerate(rates) if rate > TURNING],
@@ -92,12 +87,12 @@ def _group_by_turn(flights: Sequence[FlightLinearizer]) -> dict[str, list[int]]:
 
 def describe_interpolation(study: DiscoveryStudy) -> str:
     """
-    Return a sentence where what was named does not carry over to a regime left out, else ''.
+    Return a warning if the named effects do not transfer to a left-out regime, else ''.
 
-    Of the flights that taught and confirmed, where there are enough of them, by their forecasts.
+    The test uses forecasts of training and confirming flights, if there are enough of them.
     """
     if study.finding.carried is not None:
-        return ''  # it was named by that
+        return ''  # the effects were identified by this test
     flights = [one.flight for one in study.flights if one.role != 'holdout']
     flights = [one for one in flights if one.replay.cut.inside[:, -1].any()]
     knobs = [knob for effect in study.finding.effects for knob in effect.knobs]

@@ -32,8 +32,8 @@ from lta_discovery.unmodeled.verdict import (
     add_rival_terms,
     decide_verdict,
     list_sentences,
+    select_evident_rivals,
 )
-from lta_discovery.unmodeled.verdict import select_evident_rivals as telling_rivals
 import numpy as np
 from numpy.typing import NDArray
 
@@ -125,7 +125,7 @@ def assess_unmodeled(
     slow = find_oscillations(series, floor, knots)
     air = None
     if not (slow or told):
-        winning = telling_rivals(rivals)
+        winning = select_evident_rivals(rivals)
         air = detect_draught(full.deviations, floor, left, winning, series, nominal)
     if air is not None:
         left = [one for one in left if one.axis not in LEVEL]

@@ -24,8 +24,7 @@ from lta_flight.batch.assembly import (
 from lta_flight.batch.targets import BatchRhythm, CompileTarget
 from lta_model.effects import initial_memory
 from lta_model.state import ACTUATORS, RIGID
-from lta_sim import compiled_sensors
-from lta_sim import light_link as heard
+from lta_sim import compiled_sensors, light_link
 from lta_sim.kernels.kernel import LAYOUT
 from lta_sim.kernels.layout import format_tuple
 from lta_vlc.direction_fit import fit_direction
@@ -33,8 +32,8 @@ from lta_vlc.direction_fit import fit_direction
 BEGIN = TupleLayout(OnboardMemory())
 CORES: tuple[Callable[..., Any], ...] = (
     onboard_step,
-    heard.write_ring_light,
-    heard.sample_magnitude,
+    light_link.write_ring_light,
+    light_link.sample_magnitude,
     compiled_sensors.draw_errors,
     compiled_sensors.draw_turbulence_memory,
     compiled_sensors.sample_range,

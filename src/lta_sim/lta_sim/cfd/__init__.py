@@ -1,6 +1,6 @@
 """
-The wind tunnel: a vehicle's drag, and what its rotors do to it, from its shape.
+The virtual wind tunnel: a vehicle's drag and rotor wrenches, computed from its shape.
 
-Shape -> mesh -> sweep -> fit -> `<vehicle>.aero.yaml`. What is known of a flow by hand is in
-`analytic`; the flow itself is OpenFOAM's, whose programs `engine` runs and nobody imports.
+Shape -> mesh -> sweep -> fit -> `<vehicle>.aero.yaml`. `analytic` has the estimates by hand.
+OpenFOAM solves the flow; `engine` runs its programs as separate processes.
 """

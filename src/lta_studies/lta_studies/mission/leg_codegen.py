@@ -25,8 +25,7 @@ from lta_flight.batch.targets import BatchRhythm, CompileTarget, CPU, PENCILS, S
 from lta_model.effects import initial_memory
 from lta_model.light.ray_bundles import LAMPS
 from lta_model.state import RIGID
-from lta_sim import compiled_sensors
-from lta_sim import light_link as heard
+from lta_sim import compiled_sensors, light_link
 from lta_sim.kernels.kernel import LAYOUT
 from lta_sim.kernels.layout import format_tuple
 from lta_studies.mission import leg_state
@@ -57,7 +56,11 @@ CORES: tuple[Callable[..., Any], ...] = (
 )
 # Cores whose functions have the names of others stand behind a prefix of their own.
 OWN: dict[str, tuple[Callable[..., Any], ...]] = {
-    'hearing': (heard.write_reflections, heard.add_direct_light, heard.sample_magnitude),
+    'hearing': (
+        light_link.write_reflections,
+        light_link.add_direct_light,
+        light_link.sample_magnitude,
+    ),
     'homing': (leg_state.guide_leg, leg_state.sight_from_fit),
     LIGHT: (fit_direction,),
 }

@@ -1,1 +1,1 @@
-"""Compare platforms: the same manoeuvres, each platform by its own control law."""
+"""Compare platforms in the same manoeuvres, each with its own control law."""

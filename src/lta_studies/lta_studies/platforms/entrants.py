@@ -1,4 +1,4 @@
-"""Make the entrants of a comparison from its file, every one checked before any of them flies."""
+"""Build and check the entrants of a comparison file."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -20,21 +20,21 @@ def build_entrant(
     contestant: Contestant, air_density: float, change: EntryChange | None = None
 ) -> Entrant:
     """
-    Return a contestant, with one more change if there is one, ready to fly.
+    Build a contestant, optionally with an ablation or a limit applied.
 
     Parameters
     ----------
     contestant : Contestant
-        Who flies.
+        Entry of the comparison file.
     air_density : float
-        Of the scenario. [kg/m3]
-    change : Change or None
-        An ablation or a limit of it.
+        Air density of the scenario. [kg/m3]
+    change : EntryChange or None
+        Ablation or limit of the contestant.
 
     Raises
     ------
     BadInput
-        If it cannot be built or flown by its law.
+        If it cannot be built, or its control law cannot fly it.
 
     """
     steps: list[EntryChange] = [contestant] if change is None else [contestant, change]
@@ -53,13 +53,13 @@ def build_entrant(
     )
     vehicle = Vehicle(file, air_density)
     made = find_law(named[0])
-    made.known(gains, vehicle)  # refuses a vehicle that the law cannot fly
+    made.known(gains, vehicle)  # raises if the law cannot fly the vehicle
     release = contestant.release.si if contestant.release else None
     return Entrant(vehicle, made, gains, release)
 
 
 def _select_law(file: VehicleFile, steps: list[EntryChange]) -> tuple[str, str]:
-    """Return law and gains: the last that is named, else the vehicle's own."""
+    """Return law and gains: the last ones named, else those of the vehicle."""
     name = file.control.law if file.control else 'cascade'
     gains = file.control.gains if file.control else None
     for step in steps:
@@ -77,7 +77,7 @@ def _borrow_blocks(content: Any, step: EntryChange) -> Any:  # noqa: ANN401 - wh
 
 
 def _apply_changes(content: Any, changes: Mapping[str, Any], root: str) -> Any:  # noqa: ANN401
-    """Return what a file holds with those of the changes that are its own."""
+    """Apply the changes under `root` to the content of a file."""
     for path, value in changes.items():
         begin, _, below = path.partition('.')
         if begin not in ROOTS or not below:

@@ -1,4 +1,4 @@
-"""Fly one platform through one manoeuvre, and judge it by the truth."""
+"""Fly one platform through one manoeuvre and rate the true motion."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -24,13 +24,13 @@ import numpy as np
 
 ALTITUDE, HEADING, SPEED = 1, 2, 3
 COLUMN = {'altitude': ALTITUDE, 'heading': HEADING, 'speed': SPEED}
-HEIGHT_BAND = 0.2  # m of height that a manoeuvre of heading or speed may cost (assumed)
+HEIGHT_BAND = 0.2  # m of height error allowed in heading and speed manoeuvres (assumed)
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class Entrant:
-    """A platform that is ready to fly: vehicle, law, its gains, and a release [m] or None."""
+    """A platform ready to fly; `release` is the start height [m], None for the floor."""
 
     vehicle: Vehicle
     law: ControlLaw
@@ -42,20 +42,21 @@ class Entrant:
 @dataclass(frozen=True, slots=True)
 class ManoeuvreFlight:
     """
-    What one flight came to.
+    Result of one flight.
 
     Attributes
     ----------
-    metrics, height : Metrics
-        Of what the manoeuvre is judged by, and of the altitude meanwhile.
+    metrics, height : TrackingMetrics
+        Metrics of the rated signal, and of the altitude.
     tilt : float
-        Greatest, of the judged stretch. [rad]
+        Largest tilt in the rated interval. [rad]
     lost : str
-        Why it was given up; '' if it was not.
+        Why the flight failed; '' if it did not.
     asked, flown : ndarray, shape (n, 4)
-        Time [s], altitude [m], heading [rad, unwrapped] and speed along the course [m/s].
+        Setpoint and true motion: time [s], altitude [m], heading [rad, unwrapped] and speed along
+        the course [m/s].
     duties : ndarray, shape (n, rotors)
-        What the rotors did.
+        Duties of the rotors.
 
     """
 
@@ -69,12 +70,12 @@ class ManoeuvreFlight:
 
     @property
     def is_held(self) -> bool:
-        """Whether it did what it was asked, and kept its height."""
+        """Whether the flight followed its setpoint and held its height."""
         return not self.lost and self.metrics.held and self.height.held
 
 
 def build_course(manoeuvre: ManeuverFile, base: float) -> Callable[[float], Setpoint]:
-    """Return the setpoint by time, over a height. [m]"""
+    """Return the setpoint as a function of time, relative to a base height [m]."""
 
     def setpoint_at(time: float) -> Setpoint:
         asked = manoeuvre.setpoint_at(time)
@@ -86,7 +87,7 @@ def build_course(manoeuvre: ManeuverFile, base: float) -> Callable[[float], Setp
 def prepare_flight(
     entrant: Entrant, scenario: Scenario, manoeuvre: ManeuverFile, seed: int
 ) -> ClosedLoop:
-    """Return a flight that is about to begin; the course of its policy is the manoeuvre."""
+    """Return the closed loop of a flight before its first step."""
     table, vehicle = load_topic_table(), entrant.vehicle
     world = World(vehicle, scenario, table, seed)
     base = vehicle.height_on_floor
@@ -100,7 +101,7 @@ def prepare_flight(
 def fly_manoeuvre(
     entrant: Entrant, scenario: Scenario, manoeuvre: ManeuverFile, seed: int
 ) -> ManoeuvreFlight:
-    """Fly once and judge."""
+    """Fly a manoeuvre and rate it."""
     loop = prepare_flight(entrant, scenario, manoeuvre, seed)
     world, course = loop.world, loop.policy.course
     assert course is not None
@@ -125,7 +126,7 @@ def _extract_quaternion(state: list[float]) -> tuple[float, float, float, float]
 
 
 def _read_truth(state: list[float], course: float) -> tuple[float, float, float]:
-    """Return height, heading and ground speed along a course, the truth."""
+    """Return the true height, heading and ground speed along a course."""
     attitude, (u, v, w) = _extract_quaternion(state), state[7:10]
     x, y, _ = to_world(attitude, (u, v, w))
     return state[2], yaw_from_quaternion(attitude), math.cos(course) * x + math.sin(course) * y
@@ -139,13 +140,14 @@ def _evaluate_flight(
     tilts: Array,
     stopped: bool,
 ) -> ManoeuvreFlight:
-    """Return the figures of a flight."""
+    """Compute the metrics of a flight."""
     asked = np.array([(time, *course(time)) for time in response[:, 0].tolist()])
     asked[:, HEADING] = np.unwrap(asked[:, HEADING])
     response[:, HEADING] = np.unwrap(response[:, HEADING])
     begin = manoeuvre.judged_from.si
     part = response[:, 0] >= begin - 1e-9
     column = COLUMN[manoeuvre.judge]
+    # The setpoint just before the rated interval: the step starts from there.
     before = course(begin - 1e-6)
     first = Setpoint(before.altitude, wrap_angle(before.heading), before.speed)[column - 1]
     time = response[part, 0]

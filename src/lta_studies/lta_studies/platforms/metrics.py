@@ -1,14 +1,14 @@
 """
-How well a signal follows what was asked for.
+Compute how well a signal follows its setpoint.
 
-With e = asked - flown on the judged stretch, its last quarter being the end:
+With e = setpoint - response on the rated interval:
 
-    overshoot       greatest excess over the goal of a step, as a share of the step
-    settling time   from when the error never leaves the band again; NaN if it does not settle
-    steady error    mean of e over the end
-    rms             root mean square of e over the whole stretch
-    ripple          standard deviation of e over the end
-    held            settled, and before the end began
+    overshoot       largest excess over the goal of a step, as a share of the step
+    settling time   after which the error stays within the band; NaN if it does not settle
+    steady error    mean of e over the last quarter
+    rms             root mean square of e over the whole interval
+    ripple          standard deviation of e over the last quarter
+    held            settled before the last quarter
 """
 
 import math
@@ -18,11 +18,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-END = 0.75  # of the stretch, where its last quarter begins
+END = 0.75  # share of the interval after which its last quarter begins
 
 
 class TrackingMetrics(NamedTuple):
-    """Figures of one signal, in its unit and seconds; the overshoot is a share, NaN for ramps."""
+    """Metrics of one signal, in its unit and s; the overshoot is a share, NaN for ramps."""
 
     overshoot: float
     settling_time: float
@@ -36,22 +36,22 @@ def compute_metrics(
     time: Array, setpoint: Array, response: Array, band: float, before: float
 ) -> TrackingMetrics:
     """
-    Return the figures of a stretch.
+    Compute the metrics of a signal.
 
     Parameters
     ----------
-    time, asked, flown : ndarray, shape (n,)
-        The stretch, n > 1; angles unwrapped.
+    time, setpoint, response : ndarray, shape (n,)
+        The rated interval, n > 1; angles unwrapped.
     band : float
         Largest error that counts as settled, in the unit of the signal.
     before : float
-        What was asked for before it began: the step is from there; equal, there is none.
+        Setpoint before the interval, where the step starts; there is no step if it is equal.
 
     """
     error = setpoint - response
     begin, end = float(time[0]), float(time[-1])
     last = time >= begin + END * (end - begin)
-    outside = np.flatnonzero(~(np.abs(error) <= band))
+    outside = np.flatnonzero(~(np.abs(error) <= band))  # NaN counts as outside
     if not len(outside):
         settling = 0.0
     elif outside[-1] + 1 == len(time):

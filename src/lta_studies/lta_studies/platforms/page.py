@@ -1,4 +1,4 @@
-"""A comparison of platforms as one self-contained HTML file, in the look of a flight's page."""
+"""Write the report of a platform comparison as one self-contained HTML file."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -37,23 +37,23 @@ import yaml
 NAME = 'report.html'
 HEADS = ('platform', 'manoeuvre', 'held', 'overshoot', 'settles', 'steady error', 'rms', 'ripple',
          'height error', 'tilt')  # fmt: skip
-DASHED = 'Dashed: what is asked. Flights of seed 1.'
+DASHED = 'Dashed: setpoint. Flights with seed 1.'
 LIMITED = (
-    'Asked for ever more speed, one flight after the other. Dashed: speed reached as asked. What '
-    'each changes stands below, under "What decides".'
+    'One flight for each commanded speed. Dashed: speed reached equals speed commanded. The '
+    'changes are listed below, under "What decides".'
 )
 METHOD = (
-    'Held: from the time it settles to the end within the band, height within 0.2 m, not turned '
-    'over. Steady error (asked less flown) and ripple over the last quarter; rms over all that is '
-    'judged. Means over the seeds with their 95 % interval (Student); a figure of one seed, or of '
-    'seeds that agree to all digits shown, has none. Settling time only of those that settle.'
+    'Held: settles before the last quarter, height within 0.2 m, not turned over. Steady error '
+    '(setpoint minus flown) and ripple over the last quarter; rms over the whole rated interval. '
+    'Means over the seeds with their 95 % interval (Student); none for one seed, or if all digits '
+    'shown agree. Settling time: mean of the flights that settle.'
 )
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class ComparisonReport:
-    """What the page is made of."""
+    """Content of the page."""
 
     comparison: ComparisonFile
     rows: Sequence[PlatformResult]
@@ -62,12 +62,12 @@ class ComparisonReport:
 
 
 def write_page(report: ComparisonReport) -> Path:
-    """Write the page and return where it is; `BadInput` where it cannot be written."""
+    """Write the page and return its path; raise `BadInput` if that fails."""
     return write_file(render_page(report), report.folder / NAME)
 
 
 def render_page(report: ComparisonReport) -> str:
-    """Return the whole page."""
+    """Return the HTML of the page."""
     comparison, rows = report.comparison, report.rows
     shown, common = draw_pictures(comparison, rows), len(comparison.manoeuvres)
     return assemble_page(
@@ -100,7 +100,7 @@ def list_manoeuvres(comparison: ComparisonFile, name: str) -> list[str]:
 
 
 def build_tiles(comparison: ComparisonFile, rows: Sequence[PlatformResult]) -> list[Tile]:
-    """Return how many manoeuvres each platform held."""
+    """Return a tile with the number of manoeuvres held for each platform."""
     found = []
     for name, contestant in comparison.contestants.items():
         own = list_manoeuvres(comparison, name)
@@ -114,9 +114,9 @@ def build_tiles(comparison: ComparisonFile, rows: Sequence[PlatformResult]) -> l
 
 
 def draw_pictures(comparison: ComparisonFile, rows: Sequence[PlatformResult]) -> list[str]:
-    """Return a picture for each manoeuvre, of the ablations, and of the speed limits."""
+    """Return a section for each manoeuvre, the ablations and the speed limits."""
     own = [each for name in comparison.contestants for each in list_manoeuvres(comparison, name)]
-    names = dict.fromkeys([*comparison.manoeuvres, *own])  # what all fly comes first
+    names = dict.fromkeys([*comparison.manoeuvres, *own])  # common manoeuvres come first
     titles = {name: each.title for name, each in comparison.contestants.items()}
     found = []
     for name in names:
@@ -134,7 +134,7 @@ def draw_pictures(comparison: ComparisonFile, rows: Sequence[PlatformResult]) ->
         manoeuvre = load_maneuver(name)
         found.append(
             render_section(f'changed-{name}', f'{name.capitalize()}, one thing changed',
-                    f'What each changes stands below, under "What decides". {DASHED}',
+                    f'The changes are listed below, under "What decides". {DASHED}',
                     draw_ablations(rows, comparison, manoeuvre))
         )  # fmt: skip
     if comparison.limits:
@@ -143,7 +143,7 @@ def draw_pictures(comparison: ComparisonFile, rows: Sequence[PlatformResult]) ->
 
 
 def format_results(comparison: ComparisonFile, rows: Sequence[PlatformResult]) -> list[list[str]]:
-    """Return a line for each platform and manoeuvre, the ablations below."""
+    """Return a row for each platform and manoeuvre, followed by the ablations."""
     lines = [
         [contestant.title, *format_figures(select_cell(rows, CONTESTANT, name, each), each)]
         for name, contestant in comparison.contestants.items()
@@ -160,7 +160,7 @@ def format_results(comparison: ComparisonFile, rows: Sequence[PlatformResult]) -
 
 
 def format_figures(part: ComparisonCell, name: str) -> list[str]:
-    """Return the cells of one line."""
+    """Return the cells of one row."""
     manoeuvre = load_maneuver(name)
     held = sum(row.held for row in part.rows)
     unit, factor = UNIT[manoeuvre.judge], find_unit_factor(manoeuvre)
@@ -179,12 +179,12 @@ def format_figures(part: ComparisonCell, name: str) -> list[str]:
 
 
 def find_unit_factor(manoeuvre: ManeuverFile) -> float:
-    """Return what turns SI into the unit that is shown."""
+    """Return the factor from SI to the displayed unit."""
     return 180.0 / math.pi if manoeuvre.judge == 'heading' else 1.0
 
 
 def format_mean(value: SeedMean, unit: str, factor: float, digits: int) -> str:
-    """Return a mean with half its interval."""
+    """Format a mean with the half-width of its interval."""
     if math.isnan(value.value):
         return '\N{EN DASH}'
     text = format_number(value.value, digits, factor)
@@ -194,7 +194,7 @@ def format_mean(value: SeedMean, unit: str, factor: float, digits: int) -> str:
 
 
 def format_reasons(report: ComparisonReport) -> list[str]:
-    """Return what open loops are told, and the limits of speed."""
+    """Return sentences on open-loop inputs and speed limits."""
     comparison, rows = report.comparison, report.rows
     found = format_open_loop_inputs(comparison, rows)
     for name, limit in comparison.limits.items():
@@ -202,7 +202,7 @@ def format_reasons(report: ComparisonReport) -> list[str]:
         title = comparison.contestants[limit.of].title
         why = f' ({limit.why})' if limit.why else ''
         found.append(
-            f'{title}{why}: holds speed and height up to {held:.2f} m/s of those asked for, and '
+            f'{title}{why}: holds commanded speeds up to {held:.2f} m/s at its height, and '
             f'reaches {reached:.2f} m/s at most.'
         )
     return found
@@ -211,7 +211,7 @@ def format_reasons(report: ComparisonReport) -> list[str]:
 def format_open_loop_inputs(
     comparison: ComparisonFile, rows: Sequence[PlatformResult]
 ) -> list[str]:
-    """Return what open loops are told to do in the manoeuvre of altitude: their duties."""
+    """Return the duty inputs of open-loop platforms in the climb manoeuvre."""
     told = []
     for name, contestant in comparison.contestants.items():
         flying = rebuild_entrant(comparison, name)
@@ -231,7 +231,7 @@ def format_open_loop_inputs(
 
 
 def find_duty_intervals(row: PlatformResult) -> list[tuple[float, list[float]]]:
-    """Return from when on which duties were held."""
+    """Return the start time and the duties of each interval; at most eight."""
     found: list[tuple[float, list[float]]] = []
     for time, duties in zip(row.flown[:, 0].tolist(), row.duties.tolist(), strict=True):
         if not found or max(abs(p - q) for p, q in zip(found[-1][1], duties, strict=True)) > 1e-3:
@@ -240,13 +240,13 @@ def find_duty_intervals(row: PlatformResult) -> list[tuple[float, list[float]]]:
 
 
 def rebuild_entrant(comparison: ComparisonFile, name: str) -> Entrant:
-    """Return a contestant as it flew."""
+    """Rebuild a contestant as flown."""
     density = load_scenario(comparison.scenario).air.density
     return build_entrant(comparison.contestants[name], density)
 
 
 def render_margins(comparison: ComparisonFile) -> str:
-    """Return the table of laws, what they see, and static margins."""
+    """Return the table of control laws, feedback sources and lift margins."""
     lines = []
     for name, contestant in comparison.contestants.items():
         flying = rebuild_entrant(comparison, name)
@@ -255,8 +255,8 @@ def render_margins(comparison: ComparisonFile) -> str:
         grams = f'{format_number((lift - weight) / STANDARD_GRAVITY, 1, 1e3)} g'
         seen = str(flying.law.feedback)
         lines.append([contestant.title, flying.law.name.replace('_', ' '), seen, *newtons, grams])
-    heads = ('platform', 'law', 'sees by', 'lift at full thrust', 'to carry', 'margin', 'margin')
+    heads = ('platform', 'law', 'feedback', 'full lift', 'weight to carry', 'margin', 'margin')
     return render_html_table(heads, lines) + (
-        '<p class="note">Lift of all lifting rotors at full thrust, straight up. A law that sees '
-        'by the tracker is told pose and velocity from outside, as its authors did it.</p>'
+        '<p class="note">Vertical lift of all lifting rotors at full thrust. Laws with tracker '
+        'feedback get pose and velocity from motion capture, as their authors did.</p>'
     )

@@ -1,4 +1,4 @@
-"""The pictures of a comparison: how platforms follow, and where their speed ends."""
+"""Plot a platform comparison: tracking and speed limits."""
 
 from collections.abc import Mapping, Sequence
 import math
@@ -27,21 +27,7 @@ def draw_tracking(
     manoeuvre: ManeuverFile,
     kind: str = CONTESTANT,
 ) -> Figure:
-    """
-    Return what was asked for and what each platform made of it, seed 1.
-
-    Parameters
-    ----------
-    rows : sequence of Row
-        All flights.
-    titles : mapping of str to str
-        Names of entries, and what to call them.
-    manoeuvre : Manoeuvre
-        What they flew.
-    kind : str
-        Which entries.
-
-    """
+    """Plot setpoint and response of each entry in a manoeuvre, for seed 1."""
     figure, labels, lines = create_figure(), [], []
     column = COLUMN[manoeuvre.judge]
     shown = [
@@ -56,10 +42,11 @@ def draw_tracking(
             asked = scale_column(manoeuvre, row.asked, row.asked[0, column], column)
             lines.append(asked)
             figure.add_trace(
-                build_line('asked', row.asked[:, 0], asked, SETPOINT, unit=UNIT[manoeuvre.judge],
+                build_line('setpoint', row.asked[:, 0], asked, SETPOINT,
+                unit=UNIT[manoeuvre.judge],
                      dash='4px,3px', steps=manoeuvre.between == 'step')
             )  # fmt: skip
-        # An entry has its colour in every picture, whoever else flies that manoeuvre.
+        # Index into all titles, so that an entry has the same colour in every plot.
         colour = COLOURS[list(titles).index(row.job.name) % len(COLOURS)]
         title = titles[row.job.name]
         figure.add_trace(
@@ -77,7 +64,7 @@ def draw_tracking(
 def scale_column(
     manoeuvre: ManeuverFile, table: np.ndarray, first: float, column: int
 ) -> np.ndarray:
-    """Return a column as it is drawn: rise over the start, degrees, or metres a second."""
+    """Return a column in display units: rise [m], heading [deg] or speed [m/s]."""
     values = table[:, column].astype(np.float64)
     if manoeuvre.judge == 'altitude':
         return values - float(first)
@@ -85,7 +72,7 @@ def scale_column(
 
 
 def format_entry_name(comparison: ComparisonFile, name: str) -> str:
-    """Return what to call an entry that changes a contestant: 'beavis_neutral', BEAVIS neutral."""
+    """Return the title of an ablation or limit: 'beavis_neutral' -> 'BEAVIS neutral'."""
     first, _, rest = name.partition('_')
     contestant = comparison.contestants.get(first)
     platform = contestant.title.split()[0] if contestant else first
@@ -95,13 +82,13 @@ def format_entry_name(comparison: ComparisonFile, name: str) -> str:
 def draw_ablations(
     rows: Sequence[PlatformResult], comparison: ComparisonFile, manoeuvre: ManeuverFile
 ) -> Figure:
-    """Return what each ablation made of a manoeuvre, seed 1."""
+    """Plot the ablations in a manoeuvre, for seed 1."""
     titles = {name: format_entry_name(comparison, name) for name in comparison.ablations}
     return draw_tracking(rows, titles, manoeuvre, ABLATION)
 
 
 def draw_limits(rows: Sequence[PlatformResult], comparison: ComparisonFile) -> Figure:
-    """Return the speed reached and the height lost against the speed asked for."""
+    """Plot the speed reached and the height gained against the commanded speed."""
     figure = create_figure(2, [0.6, 0.4])
     top = most = 0.0
     labels = []
@@ -122,12 +109,13 @@ def draw_limits(rows: Sequence[PlatformResult], comparison: ComparisonFile) -> F
             row=1, col=1,
         )  # fmt: skip
         figure.add_trace(
+            # Steady error is setpoint - response, so its negative is the height gained.
             Scatter(x=asked, y=[-value for value in lost], hovertemplate='%{y:.3f} m', **mode),
             row=2, col=1,
         )  # fmt: skip
         labels.append(EndLabel(title, reached[-1], colour))
     figure.add_trace(
-        Scatter(x=[0.4, most], y=[0.4, most], mode='lines', name='asked', hoverinfo='skip',
+        Scatter(x=[0.4, most], y=[0.4, most], mode='lines', name='commanded', hoverinfo='skip',
                 line={'color': SETPOINT, 'width': 1.2, 'dash': '4px,3px'}),
         row=1, col=1,
     )  # fmt: skip
@@ -135,4 +123,4 @@ def draw_limits(rows: Sequence[PlatformResult], comparison: ComparisonFile) -> F
     figure.update_layout(margin={'r': 150})
     figure.update_yaxes(title_text='speed reached [m/s]', row=1)
     figure.update_yaxes(title_text='height gained [m]', row=2)
-    return figure.update_xaxes(title_text='speed asked for [m/s]', row=2)
+    return figure.update_xaxes(title_text='commanded speed [m/s]', row=2)

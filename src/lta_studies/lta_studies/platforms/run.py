@@ -1,8 +1,7 @@
 """
-Fly a whole comparison, one process a processor, into rows and a summary.
+Fly all flights of a comparison in worker processes.
 
-Every flight stands by itself and by its seed, so that the order in which they come does not
-matter.
+The flights are independent and seeded, so their order does not matter.
 """
 
 from collections.abc import Iterator
@@ -22,26 +21,26 @@ from lta_studies.platforms.metrics import TrackingMetrics
 import numpy as np
 
 CONTESTANT, ABLATION, LIMIT = 'contestant', 'ablation', 'limit'
-SHOWN = 10  # steps between two that a picture shows
+SHOWN = 10  # decimation of the traces for plots
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class PlatformJob:
-    """One flight: file of the comparison, kind and name of the entry, manoeuvre, seed, speed."""
+    """One flight of an entry in a comparison file."""
 
     file: str
     kind: str
     name: str
     manoeuvre: str
     seed: int
-    speed: float | None = None  # asked for instead of the manoeuvre's [m/s]
+    speed: float | None = None  # replaces the speed of the manoeuvre [m/s]
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class PlatformResult:
-    """What a flight came to; the traces are kept of the first seed alone."""
+    """Result of a flight; traces are stored for seed 1 only."""
 
     job: PlatformJob
     held: bool
@@ -56,7 +55,7 @@ class PlatformResult:
 
 
 def list_jobs(file: str, comparison: ComparisonFile, seeds: int) -> list[PlatformJob]:
-    """Return every flight of a comparison."""
+    """Return all flights of a comparison."""
     found: list[PlatformJob] = []
     for seed in range(1, seeds + 1):
         for name, contestant in comparison.contestants.items():
@@ -91,14 +90,14 @@ def _build_entrant(file: str, kind: str, name: str) -> Any:  # noqa: ANN401 - an
 
 
 def check_comparison(file: str, comparison: ComparisonFile) -> None:
-    """Build every entry and read every manoeuvre, before any of them flies; or `BadInput`."""
+    """Build every entry and load every manoeuvre; raise `BadInput` if one is invalid."""
     for job in list_jobs(file, comparison, 1):
         _build_entrant(job.file, job.kind, job.name)
         load_maneuver(job.manoeuvre)
 
 
 def change_speed(manoeuvre: ManeuverFile, speed: float | None) -> ManeuverFile:
-    """Return a manoeuvre that asks for another speed wherever it asks for one. [m/s]"""
+    """Return the manoeuvre with its positive speeds replaced [m/s]."""
     if speed is None:
         return manoeuvre
     rows = [
@@ -110,7 +109,7 @@ def change_speed(manoeuvre: ManeuverFile, speed: float | None) -> ManeuverFile:
 
 
 def fly_job(job: PlatformJob) -> PlatformResult:
-    """Fly one flight."""
+    """Fly one job."""
     _, scenario = _load_files(job.file)
     manoeuvre = change_speed(load_maneuver(job.manoeuvre), job.speed)
     flight = fly_manoeuvre(
@@ -120,7 +119,7 @@ def fly_job(job: PlatformJob) -> PlatformResult:
 
 
 def build_loop(job: PlatformJob) -> ClosedLoop:
-    """Return a flight that is about to begin, for who flies it otherwise."""
+    """Return the closed loop of a job before its first step."""
     _, scenario = _load_files(job.file)
     manoeuvre = change_speed(load_maneuver(job.manoeuvre), job.speed)
     return prepare_flight(
@@ -129,7 +128,7 @@ def build_loop(job: PlatformJob) -> ClosedLoop:
 
 
 def summarize_flight(job: PlatformJob, flight: ManoeuvreFlight) -> PlatformResult:
-    """Return what is kept of a flight."""
+    """Return the result of a flight with decimated traces."""
     count = len(flight.flown)
     last = flight.flown[3 * count // 4 :, 3]
     traces = {}
@@ -143,17 +142,17 @@ def summarize_flight(job: PlatformJob, flight: ManoeuvreFlight) -> PlatformResul
 
 
 def fly_all(todo: list[PlatformJob], workers: int) -> Iterator[PlatformResult]:
-    """Return the rows of all flights as they come; in this process where one worker is asked."""
+    """Yield the results as they finish; one worker runs in this process."""
     return run_in_workers(fly_job, [(job,) for job in todo], workers, '--workers')
 
 
 def count_processors() -> int:
-    """Return how many processes this machine has room for."""
+    """Return the number of available processors."""
     return len(os.sched_getaffinity(0))
 
 
 def result_to_json(row: PlatformResult) -> dict[str, Any]:
-    """Return a flight as JSON has it; SI units, headings in rad, what is no number as null."""
+    """Return a flight as a JSON object in SI units, with NaN as null."""
     content = {
         **asdict(row.job),
         'held': row.held,

@@ -1,4 +1,4 @@
-"""What the flights of a comparison say together, with the spread over seeds, and why."""
+"""Summarize the flights of a comparison: means over seeds, ablations and top speeds."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from scipy.special import stdtrit
 
 
 class SeedMean(NamedTuple):
-    """A mean with the ends of its 95 % interval (Student's t over seeds)."""
+    """A mean with its 95 % interval (Student's t over seeds)."""
 
     value: float
     low: float
@@ -32,11 +32,11 @@ class ComparisonCell:
 
     @property
     def success_share(self) -> ShareInterval:
-        """Share of the flights that did as asked."""
+        """Share of the flights that held the manoeuvre."""
         return wilson_interval(sum(row.held for row in self.rows), len(self.rows))
 
     def mean_figure(self, name: str, of: str = 'metrics') -> SeedMean:
-        """Return the mean of one figure over the seeds in which it is a number."""
+        """Return the mean of one metric over the seeds where it is finite."""
         return estimate_mean([getattr(getattr(row, of), name) for row in self.rows])
 
     @property
@@ -46,7 +46,7 @@ class ComparisonCell:
 
 
 def estimate_mean(values: Sequence[float]) -> SeedMean:
-    """Return a mean of what are numbers; NaN of nothing, no interval of one."""
+    """Return the mean of the finite values; NaN if none, NaN interval if one."""
     good = [value for value in values if math.isfinite(value)]
     if not good:
         return SeedMean(math.nan, math.nan, math.nan)
@@ -75,7 +75,7 @@ def select_cell(
 
 
 def describe_reversals(comparison: ComparisonFile, rows: Sequence[PlatformResult]) -> list[str]:
-    """Return a sentence for each ablation and manoeuvre: what the change turns, or does not."""
+    """Return a sentence for each ablation: which manoeuvres it reverses."""
     told = []
     for name, ablation in comparison.ablations.items():
         title = comparison.contestants[ablation.of].title
@@ -86,6 +86,7 @@ def describe_reversals(comparison: ComparisonFile, rows: Sequence[PlatformResult
             changed = select_cell(rows, ABLATION, name, manoeuvre)
             if not base.rows or not changed.rows:
                 continue
+            # Reversed: the majority of flights changes between held and not held.
             a, b = (sum(row.held for row in part.rows) for part in (base, changed))
             text = f'{manoeuvre} ({a} of {len(base.rows)} held, then {b})'
             (turned if (2 * a > len(base.rows)) != (2 * b > len(changed.rows)) else same).append(
@@ -93,7 +94,7 @@ def describe_reversals(comparison: ComparisonFile, rows: Sequence[PlatformResult
             )
         parts = [
             *([f'reverses {", ".join(turned)}'] if turned else []),
-            *([f'leaves {", ".join(same)} as they are'] if same else []),
+            *([f'does not reverse {", ".join(same)}'] if same else []),
         ]
         told.append(f'{title}; {ablation.why}: {" and ".join(parts)}.')
     return told
@@ -102,7 +103,7 @@ def describe_reversals(comparison: ComparisonFile, rows: Sequence[PlatformResult
 def find_top_speed(
     comparison: ComparisonFile, rows: Sequence[PlatformResult], name: str
 ) -> tuple[float, float]:
-    """Return the highest speed asked for up to which all were held, and the speed reached most."""
+    """Return the commanded speed up to which all flights held, and the top speed."""
     limit = comparison.limits[name]
     held, reached = 0.0, 0.0
     unbroken = True
@@ -115,7 +116,7 @@ def find_top_speed(
 
 
 def compute_lift_margin(vehicle: Vehicle) -> tuple[float, float]:
-    """Return the lift of all lifting rotors at full thrust, and what they have to carry. [N]"""
+    """Return the lift at full thrust and the weight it must carry. [N]"""
     own, per_newton = select_lifting_rotors(vehicle.rotors, vehicle.file.aero.coupling)
     full = min((rotor.full_thrust for rotor in own), default=0.0)
     return full * per_newton, vehicle.heaviness * STANDARD_GRAVITY

@@ -1,4 +1,4 @@
-"""What came out of a comparison: one sentence, and the table of what each change turns."""
+"""Build the headline and the ablation table of a comparison."""
 
 from collections.abc import Sequence
 from html import escape
@@ -10,7 +10,7 @@ from lta_studies.platforms.summary import ComparisonCell, select_cell
 
 
 def format_title(comparison: ComparisonFile, rows: Sequence[PlatformResult]) -> str:
-    """Return what came out, in a sentence."""
+    """Return the headline."""
     lost = []
     for name, contestant in comparison.contestants.items():
         found = [row for row in rows if (row.job.kind, row.job.name) == (CONTESTANT, name)]
@@ -28,13 +28,13 @@ def format_title(comparison: ComparisonFile, rows: Sequence[PlatformResult]) -> 
 
 
 def join_names(names: Sequence[str]) -> str:
-    """Return names as they are listed in a sentence."""
+    """Join names to the subject of 'does' or 'do'."""
     *others, last = names
     return f'{", ".join(others)} and {last} do' if others else f'{last} does'
 
 
 def render_ablation_table(comparison: ComparisonFile, rows: Sequence[PlatformResult]) -> str:
-    """Return the table of ablations: flights that held before the change, and with it."""
+    """Return the table of ablations: flights held before and after the change."""
     flown = list(
         dict.fromkeys(each for part in comparison.ablations.values() for each in part.manoeuvres)
     )
@@ -54,18 +54,17 @@ def render_ablation_table(comparison: ComparisonFile, rows: Sequence[PlatformRes
     if not lines:
         return ''
     heads = ''.join(
-        f'<th scope="col">{each}</th>'
-        for each in ('flown as', 'otherwise as', 'what is changed', *flown)
+        f'<th scope="col">{each}</th>' for each in ('entry', 'based on', 'change', *flown)
     )
     return (
         f'<div class="wide"><table class="results changes"><thead><tr>{heads}</tr></thead><tbody>'
-        f'{"".join(lines)}</tbody></table></div><p class="note">Flights held, before and after '
-        'one thing is changed; in bold where that turns most of them.</p>'
+        f'{"".join(lines)}</tbody></table></div><p class="note">Flights held before and after '
+        'the change; bold where the change reverses the majority.</p>'
     )
 
 
 def format_before_after(base: ComparisonCell, changed: ComparisonCell) -> str:
-    """Return how many held without and with a change, bold where it turns most of them."""
+    """Format the flights held before and after a change, bold if the majority reverses."""
     if not base.rows or not changed.rows:
         return '\N{EN DASH}'
     held = [sum(row.held for row in part.rows) for part in (base, changed)]

@@ -1,1 +1,1 @@
-"""The seed paper, claim by claim, beside what this system gives."""
+"""Reproduce the seed paper and compare each of its claims with our results."""

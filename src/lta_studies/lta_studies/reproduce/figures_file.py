@@ -1,4 +1,4 @@
-"""The figures of a run as JSON, SI units."""
+"""Build the JSON output of a reproduction, in SI units."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -12,7 +12,7 @@ from lta_studies.reproduce.verdict import judge_claims
 def build_figures(
     rows: Sequence[PaperRow], stored_rows: Mapping[str, StoredRow]
 ) -> dict[str, Any]:
-    """Return the figures of some rows: value, ends of its interval, seeds; and the pictures."""
+    """Return the measured values (with interval and seeds) and pictures of the rows."""
     return {
         'counts': {
             str(name): count for name, count in lines.count_all_verdicts(rows, stored_rows).items()
@@ -22,7 +22,7 @@ def build_figures(
 
 
 def build_row_figures(row: PaperRow, stored: StoredRow) -> dict[str, Any]:
-    """Return the figures of a row."""
+    """Return the JSON object of a row."""
     return {
         'seeds': stored.seeds,
         'seconds': round(stored.seconds, 1),

@@ -1,4 +1,4 @@
-"""Flights to a lamp for the rows of navigation: some cells of the sets of `lta light evaluate`."""
+"""Fly the navigation rows, using parts of the flight sets of `lta light evaluate`."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -20,36 +20,36 @@ from lta_studies.reproduce.recording import relative_bag_path
 from lta_studies.reproduce.study_result import MeasuredValue
 from plotly.graph_objects import Figure
 
-PAPERS = ('bag', 'dga', 'des')
+PAPERS = ('bag', 'dga', 'des')  # strategies of the paper
 
 
 class SilentWatcher:
-    """A watcher who shows nothing."""
+    """A flight watcher that shows nothing."""
 
     def show_position(self, time: float, distance: float, pace: float) -> None:
-        """Look away."""
+        """Ignore the position."""
 
     def show_message(self, sentence: str) -> None:
-        """Keep silent."""
+        """Ignore the message."""
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class FlightGroup:
-    """Flights of one set, as they were planned, by strategy and case."""
+    """Flights of one set by strategy and case, with their plan."""
 
     plan: SweepPlan
     cells: Sequence[EvaluationCell]
 
     def find_cell(self, strategy: str, case: str = '') -> EvaluationCell:
-        """Return the flights of a strategy, in a case that is called so or begins so."""
+        """Return the flights of a strategy in the first case whose name starts with `case`."""
         return next(
             each for each in self.cells
             if each.strategy == strategy and each.case.startswith(case)
         )  # fmt: skip
 
     def find_cells(self, case: str = '') -> dict[str, EvaluationCell]:
-        """Return the flights of all strategies in a case."""
+        """Return the flights of all strategies in a case, by strategy."""
         return {each.strategy: each for each in self.cells if each.case.startswith(case)}
 
 
@@ -63,18 +63,18 @@ def fly_group(
     change: Mapping[str, Any] | None = None,
 ) -> FlightGroup:
     """
-    Return flights of a set, each strategy with the same seeds.
+    Fly part of a set, each strategy with the same seeds.
 
     Parameters
     ----------
     part : str
-        Of `lta_studies.light.evaluation.sets`.
+        Name of a set in `lta_studies.light.evaluation.sets`.
     seeds : int
-        Flights of each.
+        Flights per strategy and case.
     strategies, cases : sequence of str
-        Which; all cases where none is named.
+        What to fly; all cases if none is named.
     vary, change : mapping, optional
-        What is varied instead of the set's own, and what is changed besides.
+        Replaced sweep axes, and additional settings.
 
     """
     file = build_plan(part).file
@@ -93,14 +93,14 @@ def fly_group(
 
 
 def mean_value(mean: BootstrapMean) -> MeasuredValue:
-    """Return a mean with its bootstrap interval as a value."""
+    """Convert a bootstrap mean to a measured value."""
     return MeasuredValue(mean.value, mean.low, mean.high, mean.flights)
 
 
 def reached_value(cell: EvaluationCell) -> MeasuredValue:
-    """Return the share of flights that reached the lamp, with Wilson's interval."""
+    """Return the share of flights that reached the lamp, with its Wilson interval."""
     found: ShareInterval = cell.reached_share
-    if len(cell.rows) == 1:
+    if len(cell.rows) == 1:  # no interval from a single flight
         return MeasuredValue(found.value, math.nan, math.nan, 1)
     return MeasuredValue(found.value, found.low, found.high, len(cell.rows))
 
@@ -115,7 +115,7 @@ def summarize_cell(name: str, cell: EvaluationCell) -> dict[str, MeasuredValue]:
 
 
 def format_command(group: FlightGroup, cell: EvaluationCell, seed: int) -> str:
-    """Return what to type to fly one flight of a cell again."""
+    """Return the command that repeats one flight of a cell."""
     order = build_request(group, cell, seed)
     sets = [word for each in order.changes for word in ('--set', each)]
     return format_lta_command(
@@ -127,7 +127,7 @@ def format_command(group: FlightGroup, cell: EvaluationCell, seed: int) -> str:
 def build_request(
     group: FlightGroup, cell: EvaluationCell, seed: int, out: Path | None = None
 ) -> SimulationRequest:
-    """Return the order of one flight of a cell, recorded."""
+    """Return the simulation request of one flight of a cell."""
     base, row = group.plan.base, cell.rows[seed]
     changes = {**base.replaced, **group.plan.build_job(row.index).changes}
     strategy = str(changes.pop(STRATEGY))
@@ -138,7 +138,7 @@ def build_request(
 
 
 def thin_annotations(figure: Figure) -> Figure:
-    """Return a field from above whose few metres from start to lamp have room for their words."""
+    """Remove labels and ticks of a top view that would overlap on a small figure."""
     figure.layout.annotations = [
         each for each in figure.layout.annotations if not each.text.startswith('goal')
     ]
@@ -149,7 +149,7 @@ def thin_annotations(figure: Figure) -> Figure:
 def record_group(
     group: FlightGroup, cells: Sequence[EvaluationCell], seed: int, folder: Path
 ) -> str:
-    """Record a flight of each strategy but the pilot's; return the page's way there."""
+    """Record a flight of each strategy except the pilot; return the bag path for the page."""
     for cell in cells:
         if cell.strategy != pilot.NAME and seed in cell.rows:
             simulate_once(

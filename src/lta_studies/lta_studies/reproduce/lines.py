@@ -1,4 +1,4 @@
-"""The reproduction as lines of text: what page, docs and terminal share."""
+"""Build the texts and table rows that page, docs and terminal share."""
 
 from collections.abc import Mapping, Sequence
 from typing import Final
@@ -26,8 +26,8 @@ CLAIM_HEADS: Final = (
     'verdict',
 )
 SUMMARY_HEADS: Final = ('row', *ClaimVerdict)
-DEFECT_HEADS: Final = ('row', 'the paper says', 'what follows', 'here')
-SERIES_HEADS: Final = ('row', 'figure', 'what of it is printed', 'what follows')
+DEFECT_HEADS: Final = ('row', 'the paper says', 'arithmetic', 'here')
+SERIES_HEADS: Final = ('row', 'figure', 'printed numbers', 'conclusion')
 MEASURE_HEADS: Final = ('measure', 'here', 'seeds')
 SOURCES: Final = {
     'printed': '',
@@ -36,17 +36,17 @@ SOURCES: Final = {
     'future': '',
 }
 METHOD: Final = (
-    'A claim agrees if what was measured keeps the rule beside it, which its file fixed before '
-    'anything was run. Means over seeds have 95 % intervals in brackets (Student for means, '
-    'Wilson for shares). "Cannot be tested here" says why. One GT-MAB file, one set of gains, one '
-    'lamp and one room serve all rows; what a row changes is listed.'
+    'A claim agrees if the measured value satisfies the rule next to it, which its file fixed '
+    'before any run. Means over seeds have 95 % intervals in brackets (Student for means, '
+    'Wilson for shares). "Cannot be tested here" comes with the reason. All rows use the same '
+    'GT-MAB file, gains, lamp and room; deviations are listed.'
 )
 
 DISCOVERY: Final = (
     'Discovery (`lta discover`) names a missing effect from flights: commands and motion by time. '
-    "The paper's curves are pictures, and none of their data is published. What is left are "
-    'printed numbers: a cause is sized on some of them and held against the others, which is how '
-    'discovery confirms, too. A cause that explains one number alone is a guess, and called so.'
+    "The paper's curves are pictures, and their data is not published. Only printed numbers "
+    'remain: a cause is fitted to some of them and tested on the others, which is how '
+    'discovery confirms, too. A cause that explains only one number is marked as a guess.'
 )
 
 Kepts = Mapping[str, StoredRow]
@@ -54,14 +54,14 @@ Lines = list[list[str]]
 
 
 def count_all_verdicts(rows: Sequence[PaperRow], stored_rows: Kepts) -> dict[ClaimVerdict, int]:
-    """Return how many claims of all rows came to what."""
+    """Count the verdicts of all claims."""
     return count_verdicts(
         each for row in rows for each in judge_claims(row, stored_rows[row.name].values).values()
     )
 
 
 def format_title(rows: Sequence[PaperRow], stored_rows: Kepts) -> str:
-    """Return what came out, in a sentence."""
+    """Return the headline with the counts of the verdicts."""
     found = count_all_verdicts(rows, stored_rows)
     count = sum(found.values()) - found[ClaimVerdict.BEYOND]
     text = (
@@ -70,11 +70,11 @@ def format_title(rows: Sequence[PaperRow], stored_rows: Kepts) -> str:
         f'tested here'
     )
     left = found[ClaimVerdict.LEFT_OUT]
-    return f'{text}; {left} were left out of --quick.' if left else f'{text}.'
+    return f'{text}; --quick leaves out {left}.' if left else f'{text}.'
 
 
 def build_summary_lines(rows: Sequence[PaperRow], stored_rows: Kepts) -> Lines:
-    """Return a line a row: how many of its claims came to what."""
+    """Return one table row per study with the counts of its verdicts."""
     lines = []
     for row in rows:
         found = count_verdicts(judge_claims(row, stored_rows[row.name].values).values())
@@ -86,7 +86,7 @@ def build_summary_lines(rows: Sequence[PaperRow], stored_rows: Kepts) -> Lines:
 
 
 def build_claim_lines(row: PaperRow, stored: StoredRow) -> Lines:
-    """Return a line a claim."""
+    """Return one table row per claim."""
     found = judge_claims(row, stored.values)
     return [
         [
@@ -103,20 +103,20 @@ def build_claim_lines(row: PaperRow, stored: StoredRow) -> Lines:
 
 
 def format_measurement(row: PaperRow, claim: PaperClaim, stored: StoredRow) -> str:
-    """Return what was measured for a claim."""
+    """Format the measured value of a claim."""
     if claim.measure is None:
         return MISSING
     return format_value(row.measures[claim.measure], stored.values.get(claim.measure))
 
 
 def format_seeds(claim: PaperClaim, stored: StoredRow) -> str:
-    """Return of how many seeds that is."""
+    """Format the number of seeds of a claim's value."""
     value = stored.values.get(claim.measure or '')
     return MISSING if value is None else str(value.seeds)
 
 
 def build_notes(row: PaperRow, stored: StoredRow) -> list[tuple[str, str, str]]:
-    """Return what came out of each claim: the claim, the finding, and what would close its gap."""
+    """Return each claim with its finding and what would close its gap."""
     found = judge_claims(row, stored.values)
     lines = []
     for name, claim in row.claims.items():
@@ -133,7 +133,7 @@ def build_notes(row: PaperRow, stored: StoredRow) -> list[tuple[str, str, str]]:
 
 
 def build_defect_lines(rows: Sequence[PaperRow]) -> Lines:
-    """Return a line a defect of the paper, its arithmetic worked out."""
+    """Return one table row per defect of the paper, with its arithmetic."""
     return [
         [str(row.number), each.says, each.arithmetic, each.here]
         for row in rows
@@ -142,7 +142,7 @@ def build_defect_lines(rows: Sequence[PaperRow]) -> Lines:
 
 
 def build_series_lines(rows: Sequence[PaperRow], stored_rows: Kepts) -> Lines:
-    """Return a line a figure of the paper: what its printed numbers say of what is missing."""
+    """Return one table row per figure of the paper: its printed numbers and the conclusion."""
     return [
         [
             str(row.number),
@@ -156,7 +156,7 @@ def build_series_lines(rows: Sequence[PaperRow], stored_rows: Kepts) -> Lines:
 
 
 def fill_text(text: str, row: PaperRow, stored: StoredRow) -> str:
-    """Return a text with its measures in their places; where --quick left one out, nothing."""
+    """Fill in the measures of a text; a dash if --quick left one out."""
     return (
         fill_measures(text, row, stored.values)
         if find_measure_names(text) <= stored.values.keys()
@@ -165,12 +165,12 @@ def fill_text(text: str, row: PaperRow, stored: StoredRow) -> str:
 
 
 def build_deviation_lines(rows: Sequence[PaperRow]) -> Lines:
-    """Return what rows change of vehicle, gains, lamp and room."""
+    """Return the deviations of each row from the shared vehicle, gains, lamp and room."""
     return [[f'{row.number}. {row.title}', each] for row in rows for each in row.deviations]
 
 
 def build_measure_lines(row: PaperRow, stored: StoredRow) -> Lines:
-    """Return a line a measure."""
+    """Return one table row per measure."""
     return [
         [measure.what, format_value(measure, stored.values[name]), str(stored.values[name].seeds)]
         for name, measure in row.measures.items()

@@ -1,4 +1,4 @@
-"""Flights of the comparison of platforms, for the rows that need some of them."""
+"""Fly entries of the platform comparison for the rows that need them."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
@@ -23,7 +23,7 @@ from lta_studies.reproduce.recording import record_flight, relative_bag_path
 from lta_studies.reproduce.study_result import MeasuredValue
 from plotly.graph_objects import Figure
 
-FILE = 'platforms'
+FILE = 'platforms'  # the comparison file
 
 
 @final
@@ -43,7 +43,7 @@ class ComparisonFlights:
     def measure_figure(
         self, name: str, manoeuvre: str, figure: str, of: str = 'metrics'
     ) -> MeasuredValue:
-        """Return a figure of an entry with its interval; NaN where no seed has it."""
+        """Return a metric of an entry with its interval; NaN if no seed has it."""
         cell = self.find_cell(name, manoeuvre)
         found: SeedMean = cell.mean_figure(figure, of)
         return MeasuredValue(found.value, found.low, found.high, len(cell.rows))
@@ -56,17 +56,17 @@ class ComparisonFlights:
         return MeasuredValue(*cell.success_share, seeds=len(cell.rows))
 
     def plot_tracking(self, manoeuvre: str, names: Iterable[str]) -> Figure:
-        """Return what was asked for and what each entry made of it, seed 1."""
+        """Plot setpoint and response of each entry, for seed 1."""
         titles = {name: self.entry_title(name) for name in names}
         shown = [
-            replace(row, job=replace(row.job, kind=CONTESTANT))  # ablations beside contestants
+            replace(row, job=replace(row.job, kind=CONTESTANT))  # draw ablations as contestants
             for row in self.rows
             if row.job.name in titles
         ]
         return draw_tracking(shown, titles, load_maneuver(manoeuvre))
 
     def record_flights(self, manoeuvre: str, names: Iterable[str], folder: Path) -> str:
-        """Record the flight of seed 1 of each entry; return the page's way there."""
+        """Record the flight of each entry with seed 1; return the bag path for the page."""
         until = load_maneuver(manoeuvre).until.si
         for name in names:
             loop = build_loop(
@@ -76,13 +76,13 @@ class ComparisonFlights:
         return relative_bag_path(folder)
 
     def entry_title(self, name: str) -> str:
-        """Return what an entry is called."""
+        """Return the title of an entry."""
         contestant = self.comparison.contestants.get(name)
         return contestant.title if contestant else format_entry_name(self.comparison, name)
 
 
 def fly_entries(pairs: Iterable[tuple[str, str]], seeds: int) -> ComparisonFlights:
-    """Return flights of entries in manoeuvres, each with the same seeds."""
+    """Fly pairs of entry and manoeuvre, each with the same seeds."""
     comparison = load_comparison(FILE)
     rows = [
         fly_cached(PlatformJob(FILE, entry_kind(comparison, name), name, manoeuvre, seed))
@@ -93,7 +93,7 @@ def fly_entries(pairs: Iterable[tuple[str, str]], seeds: int) -> ComparisonFligh
 
 
 def find_speed_limit(name: str, seeds: int) -> MeasuredValue:
-    """Return the highest speed up to which an entry held all that it was asked for. [m/s]"""
+    """Return the highest speed up to which an entry held all commanded speeds. [m/s]"""
     comparison = load_comparison(FILE)
     asked = comparison.limits[name]
     rows = [
@@ -106,10 +106,10 @@ def find_speed_limit(name: str, seeds: int) -> MeasuredValue:
 
 @cache
 def fly_cached(job: PlatformJob) -> PlatformResult:
-    """Return a flight; rows that share one fly it once."""
+    """Fly a job, once for all rows that share it."""
     return fly_job(job)
 
 
 def entry_kind(comparison: ComparisonFile, name: str) -> str:
-    """Return which kind of entry has a name."""
+    """Return whether a name is a contestant or an ablation."""
     return CONTESTANT if name in comparison.contestants else ABLATION

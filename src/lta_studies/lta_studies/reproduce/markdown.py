@@ -1,4 +1,4 @@
-"""The reproduction as docs/paper.md."""
+"""Write the reproduction as docs/paper.md."""
 
 from collections.abc import Sequence
 from typing import Final
@@ -12,27 +12,27 @@ HEAD: Final = """# The paper, reproduced
 
 `./lta reproduce` runs every experiment of the paper (Huang, Xu and Zúñiga Zamalloa, *Exploiting
 Light To Enhance The Endurance and Navigation of Lighter-Than-Air Micro-Drones*, 2025) in this
-system. This file is what it came to: generated, every figure of ours measured, none typed.
+system. This file is generated from the results; none of our figures is typed by hand.
 
 <!-- not run: minutes; test_paper.py runs the quick rows -->
 ```sh
 ./lta reproduce --list            # the rows
-./lta reproduce --quick           # one seed, what is long left out: under three minutes
-./lta reproduce                   # all seeds; goes on where it was stopped
+./lta reproduce --quick           # one seed, without the long parts: under three minutes
+./lta reproduce                   # all seeds; resumes where it was stopped
 ./lta reproduce indoors energy    # some rows
 ./lta reproduce --markdown > docs/paper.md
 ```
 
-The command writes a page too, with every picture, table and figure, and the bags of the flights
-that are drawn, below its folder; what shows no flight (vehicle files, cells, light blocks,
-bearings on a bench) has a command alone. A row is a file in `config/paper`: what the paper says
-and where, what is measured, and the rule by which it agrees.
+The command also writes a page with every picture, table and figure, and records the plotted
+flights as bags in its folder. Pictures that show no flight (vehicle files, cells, light blocks,
+bearings on a bench) only have a command. A row is a file in `config/paper`: what the paper says
+and where, what is measured, and the rule for agreement.
 """
 IMAGES: Final = 'images/paper'
 
 
 def format_page(rows: Sequence[PaperRow], stored_rows: Kepts) -> str:
-    """Return the file."""
+    """Return the text of the file."""
     parts = [
         HEAD,
         f'**{lines.format_title(rows, stored_rows)}** {lines.METHOD}\n',
@@ -43,8 +43,8 @@ def format_page(rows: Sequence[PaperRow], stored_rows: Kepts) -> str:
         format_table(lines.SERIES_HEADS, lines.build_series_lines(rows, stored_rows)),
         '## Where the paper does not add up\n',
         format_table(lines.DEFECT_HEADS, lines.build_defect_lines(rows)),
-        '## What rows change of the shared vehicle, gains, lamp and room\n',
-        format_table(('row', 'what it changes'), lines.build_deviation_lines(rows)),
+        '## Deviations from the shared vehicle, gains, lamp and room\n',
+        format_table(('row', 'deviation'), lines.build_deviation_lines(rows)),
     ]
     return '\n'.join(parts)
 
@@ -67,13 +67,13 @@ def format_row(row: PaperRow, stored: StoredRow) -> str:
         *told,
         '',
         *format_image(row, stored),
-        *([f'To see its pictures: {typed}.', ''] if typed else []),
-        *([f'Its bags: {recorded}.', ''] if recorded else []),
+        *([f'Commands for its pictures: {typed}.', ''] if typed else []),
+        *([f'Bags: {recorded}.', ''] if recorded else []),
     ])  # fmt: skip
 
 
 def format_image(row: PaperRow, stored: StoredRow) -> list[str]:
-    """Return the first picture of a row; `--pictures docs/images/paper` draws all of them."""
+    """Return the first picture of a row, as drawn by `--pictures docs/images/paper`."""
     if not stored.pictures:
         return []
     first = stored.pictures[0]
@@ -84,6 +84,6 @@ def format_image(row: PaperRow, stored: StoredRow) -> list[str]:
 
 
 def format_table(heads: Sequence[str], body: Lines) -> str:
-    """Return a table of Markdown."""
+    """Return a Markdown table."""
     rows = [list(heads), ['---'] * len(heads), *body]
     return '\n'.join(f'| {" | ".join(cells)} |' for cells in rows) + '\n'

@@ -1,4 +1,4 @@
-"""The reproduction as one self-contained page."""
+"""Write the reproduction as one self-contained HTML page."""
 
 from collections.abc import Mapping, Sequence
 from html import escape
@@ -19,8 +19,8 @@ from lta_studies.reproduce.verdict import ClaimVerdict
 from plotly.io import from_json
 
 ABOUT: Final = (
-    'Every experiment of the seed paper in this system: what it says, what we get, and why not '
-    'where it differs.'
+    'Every experiment of the seed paper, repeated in this system: what the paper says, what we '
+    'get, and why they differ.'
 )
 MARKS: Final = {
     ClaimVerdict.AGREES: 'agrees', ClaimVerdict.DIFFERS: 'differs',
@@ -32,12 +32,12 @@ MARKS: Final = {
 def write_page(
     rows: Sequence[PaperRow], stored_rows: Kepts, commands: Mapping[str, str], out: Path
 ) -> Path:
-    """Write the page and return where it is; `BadInput` where it cannot be written."""
+    """Write the page and return its path; raise `BadInput` if that fails."""
     return write_file(render_page(rows, stored_rows, commands), out)
 
 
 def render_page(rows: Sequence[PaperRow], stored_rows: Kepts, commands: Mapping[str, str]) -> str:
-    """Return the whole page."""
+    """Return the HTML of the page."""
     return assemble_page(
         'reproduce.html',
         title=escape(lines.format_title(rows, stored_rows)),
@@ -55,7 +55,7 @@ def render_page(rows: Sequence[PaperRow], stored_rows: Kepts, commands: Mapping[
         ),
         defects=render_table('defects', lines.DEFECT_HEADS, lines.build_defect_lines(rows)),
         deviations=render_table(
-            'deviations', ('row', 'what it changes'), lines.build_deviation_lines(rows)
+            'deviations', ('row', 'deviation'), lines.build_deviation_lines(rows)
         ),
         facts={'rows': str(len(rows)), 'commit': read_commit()},
         commands=commands,
@@ -63,7 +63,7 @@ def render_page(rows: Sequence[PaperRow], stored_rows: Kepts, commands: Mapping[
 
 
 def build_tiles(rows: Sequence[PaperRow], stored_rows: Kepts) -> list[Tile]:
-    """Return the counts."""
+    """Return a tile for each verdict, and one for the defects."""
     found = lines.count_all_verdicts(rows, stored_rows)
     total = sum(found.values()) - found[ClaimVerdict.BEYOND]
     made = [
@@ -71,13 +71,13 @@ def build_tiles(rows: Sequence[PaperRow], stored_rows: Kepts) -> list[Tile]:
             str(verdict),
             str(count),
             '',
-            'its future work' if verdict is ClaimVerdict.BEYOND else f'of {total} claims',
+            'future work of the paper' if verdict is ClaimVerdict.BEYOND else f'of {total} claims',
         )
         for verdict, count in found.items()
         if count
     ]
     count = sum(len(row.defects) for row in rows)
-    return [*made, Tile('defects of the paper', str(count), '', 'with their arithmetic, below')]
+    return [*made, Tile('defects of the paper', str(count), '', 'with their arithmetic below')]
 
 
 def render_row(row: PaperRow, stored: StoredRow) -> str:
@@ -90,7 +90,7 @@ def render_row(row: PaperRow, stored: StoredRow) -> str:
         f'<p class="note">{escape(row.scenario)}</p>'
         f'{render_table("claims", lines.CLAIM_HEADS, lines.build_claim_lines(row, stored))}'
         f'{render_findings(row, stored)}'
-        f'<details><summary>All that was measured ({len(stored.values)} figures, '
+        f'<details><summary>All measurements ({len(stored.values)} figures, '
         f'{math.ceil(stored.seconds)} s)</summary>'
         f'{render_table("measures", lines.MEASURE_HEADS, lines.build_measure_lines(row, stored))}'
         f'{"".join(render_text_table(each) for each in stored.tables)}</details>'
@@ -99,7 +99,7 @@ def render_row(row: PaperRow, stored: StoredRow) -> str:
 
 
 def render_findings(row: PaperRow, stored: StoredRow) -> str:
-    """Return findings, and what would close the gaps."""
+    """Return the list of findings, with what would close the gaps."""
     items = []
     for says, finding, gap in lines.build_notes(row, stored):
         words = ' '.join(filter(None, [escape(finding), f'<b>{escape(gap)}</b>' if gap else '']))
@@ -109,19 +109,17 @@ def render_findings(row: PaperRow, stored: StoredRow) -> str:
 
 
 def render_picture(row: str, stored: StoredPicture) -> str:
-    """Return a picture with what to type for it, and the bag of its flight."""
+    """Return a picture with its command and the bag of its flight."""
     name, words = f'{row}-{stored.name}', escape(stored.heading)
     body = embed_picture(name, words, escape(stored.caption), from_json(stored.figure), False)
     again = f'<p class="note again"><code>{escape(stored.command)}</code>'
     if stored.bag:
-        again += (
-            f' · its bag: <a href="{escape(stored.bag)}"><code>{escape(stored.bag)}</code></a>'
-        )
+        again += f' · bag: <a href="{escape(stored.bag)}"><code>{escape(stored.bag)}</code></a>'
     return render_section(name, stored.heading, '', f'{body}{again}</p>')
 
 
 def render_table(kind: str, heads: Sequence[str], body: Lines) -> str:
-    """Return a table of lines; the last cell of a claim is marked by its verdict."""
+    """Return an HTML table; cells that hold a verdict get its class."""
     head = ''.join(f'<th scope="col">{escape(each)}</th>' for each in heads)
     rows = []
     for first, *rest in body:
@@ -134,6 +132,6 @@ def render_table(kind: str, heads: Sequence[str], body: Lines) -> str:
 
 
 def verdict_class(cell: str) -> str:
-    """Return the class of a cell that is a verdict."""
+    """Return the class attribute of a verdict cell; '' for any other cell."""
     found = next((name for verdict, name in MARKS.items() if cell == verdict), None)
     return f' class="{found}"' if found else ''

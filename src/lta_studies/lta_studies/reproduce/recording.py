@@ -1,4 +1,4 @@
-"""Flights behind figures, flown again into bags with the files that they are made of."""
+"""Record the flights shown in figures as bags, with their input files."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -21,23 +21,23 @@ def record_flight(
     loop: ClosedLoop, until: Callable[[ClosedLoop], bool], folder: Path, seed: int = 1
 ) -> None:
     """
-    Fly a loop until something is so, into a bag below an empty folder.
+    Fly a loop until a condition holds, and record it in a bag.
 
     Parameters
     ----------
-    loop : Loop
-        A flight that is about to begin.
+    loop : ClosedLoop
+        The flight before its first step.
     until : callable
-        Told the loop before each step.
+        Called with the loop before each step; ends the flight if true.
     folder : Path
-        Of the bag, and of vehicle, scenario and gains as they were flown.
+        Empty folder for the bag and for the vehicle, scenario and gains files.
     seed : int
-        With which the loop was made.
+        Random seed of the loop.
 
     Raises
     ------
     BadInput
-        If the folder holds something, or the disk cannot take the bag.
+        If the folder is not empty, or the bag cannot be written.
 
     """
     prepare_empty_folder(folder)
@@ -61,12 +61,12 @@ def record_flight(
 
 
 def relative_bag_path(folder: Path) -> str:
-    """Return how the page comes to a folder of bags: bags/ROW/FIGURE."""
+    """Return the path of a folder of bags relative to the page: bags/ROW/FIGURE."""
     return str(Path(*folder.parts[-3:]))
 
 
 def collect_files(loop: ClosedLoop) -> dict[str, Any]:
-    """Return the files that a flight is made of, as YAML holds them."""
+    """Return the contents of the vehicle, scenario and gains files of a flight."""
     gains = {'/**/controller': {'ros__parameters': {'gains': dump_model(loop.policy.gains)}}}
     world = loop.world
     return {
@@ -77,7 +77,7 @@ def collect_files(loop: ClosedLoop) -> dict[str, Any]:
 
 
 def dump_model(model: BaseModel) -> Any:  # noqa: ANN401 - what YAML holds
-    """Return what a file's model holds, under the file's own names."""
+    """Return the content of a model under the keys of its file."""
     held = model.model_dump(mode='json', exclude_none=True)
     return {
         file_key(field, name): held[name]
@@ -87,7 +87,7 @@ def dump_model(model: BaseModel) -> Any:  # noqa: ANN401 - what YAML holds
 
 
 def file_key(field: FieldInfo, name: str) -> str:
-    """Return how a file spells a field."""
+    """Return the key of a field in the file, which may be an alias."""
     alias = field.validation_alias
     found = alias.choices[0] if isinstance(alias, AliasChoices) else alias
     return found if isinstance(found, str) else name

@@ -1,4 +1,4 @@
-"""The studies of all rows, by the name of the row's file in `config/paper`."""
+"""Map the names of the row files in `config/paper` to their studies."""
 
 from typing import Final
 

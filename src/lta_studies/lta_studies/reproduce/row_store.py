@@ -1,4 +1,4 @@
-"""A row as it is kept between runs: JSON with values, pictures and tables."""
+"""Store the results of a row between runs as JSON: values, pictures and tables."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -16,7 +16,7 @@ from lta_studies.reproduce.study_result import MeasuredValue, RowStudyResult
 
 
 class StoredPicture(NamedTuple):
-    """A picture as it is kept; `figure` is plotly's JSON."""
+    """A stored picture; `figure` is Plotly's JSON."""
 
     name: str
     heading: str
@@ -29,7 +29,7 @@ class StoredPicture(NamedTuple):
 @final
 @dataclass(frozen=True, slots=True)
 class StoredRow:
-    """What a row's study found, how many seeds it took, and how long. [s]"""
+    """Results of a row's study, its number of seeds and its duration. [s]"""
 
     values: Mapping[str, MeasuredValue]
     pictures: Sequence[StoredPicture]
@@ -39,13 +39,13 @@ class StoredRow:
 
 
 def hash_row(row: PaperRow, seeds: int, quick: bool, code: str) -> str:
-    """Return a hash of what decides a row: its file, the effort, and a hash of the code."""
+    """Return a hash of the inputs of a row: its file, the effort, and the hash of the code."""
     text = json.dumps([row.model_dump(mode='json'), seeds, quick, code], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()
 
 
 def build_stored_row(result: RowStudyResult, seeds: int, seconds: float) -> StoredRow:
-    """Return what is kept of a study."""
+    """Convert the result of a study to its stored form."""
     pictures = [
         StoredPicture(p.name, p.heading, p.caption, p.figure.to_json(), p.command, p.bag)
         for p in result.pictures
@@ -54,7 +54,7 @@ def build_stored_row(result: RowStudyResult, seeds: int, seconds: float) -> Stor
 
 
 def write_row(place: Path, name: str, stored: StoredRow) -> None:
-    """Keep a row under the hash of what decides it; it appears whole or not at all."""
+    """Write a row atomically, together with the hash of its inputs."""
     content = {
         'identity': name,
         'values': encode_values(stored.values),
@@ -68,7 +68,7 @@ def write_row(place: Path, name: str, stored: StoredRow) -> None:
 
 
 def read_row(place: Path, name: str) -> StoredRow | None:
-    """Return a row that was kept under a hash; None where there is none."""
+    """Read the row stored under a hash; None if there is none."""
     try:
         content = json.loads(place.read_text(encoding='utf-8'))
     except (OSError, ValueError):
@@ -85,17 +85,17 @@ def read_row(place: Path, name: str) -> StoredRow | None:
 
 
 def encode_values(values: Mapping[str, MeasuredValue]) -> dict[str, list[Any]]:
-    """Return values as JSON has them: what is no number as null."""
+    """Convert values to JSON, with NaN as null."""
     known: dict[str, list[Any]] = replace_nonfinite(values)
     return known
 
 
 def decode_values(content: Mapping[str, Sequence[Any]]) -> dict[str, MeasuredValue]:
-    """Return values of JSON."""
+    """Convert JSON to values."""
     return {name: decode_value(each) for name, each in content.items()}
 
 
 def decode_value(content: Sequence[Any]) -> MeasuredValue:
-    """Return a value of JSON, what is null as NaN."""
+    """Convert a JSON list to a value, with null as NaN."""
     value, low, high = (math.nan if each is None else each for each in content[:3])
     return MeasuredValue(value, low, high, content[3])

@@ -1,4 +1,4 @@
-"""Rows of the paper from their files to what was found: kept as they end, taken up again."""
+"""Run the studies of the rows; store each result so that a later run can resume."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -21,14 +21,14 @@ from lta_studies.reproduce.row_store import (
 from lta_studies.reproduce.sources import hash_sources
 from lta_studies.reproduce.study_result import RowStudyRequest
 
-ROWS = 'rows'  # folder of what is kept
+ROWS = 'rows'  # folder of the stored rows
 BAGS = 'bags'
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class ReproductionRequest:
-    """Which rows, with how much effort, into which folder, by how many processes."""
+    """Options of a reproduction."""
 
     names: tuple[str, ...]
     quick: bool
@@ -36,12 +36,12 @@ class ReproductionRequest:
     workers: int
 
     def row_path(self, name: str) -> Path:
-        """Return where a row is kept."""
+        """Return the file of a stored row."""
         return self.folder / ROWS / f'{name}.json'
 
 
 def select_rows(names: Sequence[str]) -> list[PaperRow]:
-    """Return some rows, or all of them; an unknown name is a `BadInput` that lists the known."""
+    """Return the named rows, by default all; raise `BadInput` for an unknown name."""
     rows = [row for row in load_paper_rows() if row.name in STUDIES]
     for name in names:
         if name not in [row.name for row in rows]:
@@ -50,17 +50,17 @@ def select_rows(names: Sequence[str]) -> list[PaperRow]:
 
 
 def seed_count(row: PaperRow, quick: bool) -> int:
-    """Return with how many seeds a row is studied."""
+    """Return the number of seeds of a row."""
     return row.seeds.quick if quick else row.seeds.full
 
 
 def compute_row_key(row: PaperRow, quick: bool) -> str:
-    """Return the hash of what decides a row here and now."""
+    """Return the hash of the current inputs of a row."""
     return hash_row(row, seed_count(row, quick), quick, hash_sources(row.name))
 
 
 def read_stored_rows(order: ReproductionRequest, rows: Sequence[PaperRow]) -> dict[str, StoredRow]:
-    """Return the rows that have been studied already."""
+    """Return the stored rows that are up to date."""
     found = {
         row.name: read_row(order.row_path(row.name), compute_row_key(row, order.quick))
         for row in rows
@@ -69,25 +69,25 @@ def read_stored_rows(order: ReproductionRequest, rows: Sequence[PaperRow]) -> di
 
 
 def study_row(name: str, quick: bool, folder: Path) -> StoredRow:
-    """Study one row; `BadInput` if what it measures is not what its file declares."""
+    """Study one row; raise `BadInput` if its measures differ from those of its file."""
     row = load_paper_row(name)
     begun = time.monotonic()
     seeds = seed_count(row, quick)
     bags = folder / BAGS / name
-    shutil.rmtree(bags, ignore_errors=True)  # of flights that what has changed may fly otherwise
+    shutil.rmtree(bags, ignore_errors=True)  # recorded by an older version of the code
     found = STUDIES[name](RowStudyRequest(seeds, quick, bags))
     undeclared = found.values.keys() - row.measures.keys()
     lacking = row.measures.keys() - found.values.keys()
     if undeclared or (lacking and not quick):
         names = ', '.join(sorted(undeclared or lacking))
-        raise BadInput(f'The study of {name} and its file differ in what is measured: {names}.')
+        raise BadInput(f'The study of {name} and its file disagree on these measures: {names}.')
     return build_stored_row(found, seeds, time.monotonic() - begun)
 
 
 def study_all(
     order: ReproductionRequest, todo: Sequence[PaperRow]
 ) -> Iterator[tuple[str, StoredRow]]:
-    """Yield rows as they are studied, each kept before it is told of."""
+    """Study rows in worker processes; store each row before yielding it."""
     asked = [(row.name, order.quick, order.folder) for row in todo]
     keys = {row.name: compute_row_key(row, order.quick) for row in todo}
     for name, kept in run_in_workers(
@@ -98,5 +98,5 @@ def study_all(
 
 
 def _study_with_name(name: str, quick: bool, folder: Path) -> tuple[str, StoredRow]:
-    """Study one row, and say which it was."""
+    """Study one row and return it with its name."""
     return name, study_row(name, quick, folder)

@@ -1,9 +1,9 @@
 """
-What a row rests on, so that what has been studied is studied again after it has changed.
+Hash the files that a row depends on, so that a change triggers a new study.
 
-All files of the cores and of the configuration, those of other rows left out: effects and laws
-are found there at run time. Of the packages around them, which hold far more than the paper needs,
-what the row's study imports, and what that imports in turn.
+These are all files of the core packages, where effects and control laws are loaded at run time,
+all configuration files except those of other rows, and whatever else the row's study imports,
+directly or indirectly.
 """
 
 import ast
@@ -18,12 +18,12 @@ from lta_config.files import share_folder
 
 CORES: Final = ('lta_config', 'lta_control', 'lta_energy', 'lta_model', 'lta_sim', 'lta_vlc')
 DATA: Final = ('*.yaml', '*.json')
-ROWS: Final = 'paper'  # folder with one file a row
-KEPT: Final = 'lta_studies.reproduce.row_store'  # how a row is kept
+ROWS: Final = 'paper'  # folder with one file per row
+KEPT: Final = 'lta_studies.reproduce.row_store'  # defines the stored format
 
 
 def hash_sources(name: str) -> str:
-    """Return a hash that changes when the figures of a row may."""
+    """Return a hash that changes whenever the results of a row may change."""
     found = hashlib.sha256()
     for path in iterate_sources(name):
         found.update(f'{path.parent.name}/{path.name}'.encode())
@@ -32,7 +32,7 @@ def hash_sources(name: str) -> str:
 
 
 def iterate_sources(name: str) -> Iterator[Path]:
-    """Yield the files that a row rests on, in the same order everywhere."""
+    """Yield the files that a row depends on, in a reproducible order."""
     for pattern in DATA:
         for path in sorted(share_folder().rglob(pattern)):
             if path.parent.name != ROWS or path.stem == name:
@@ -44,7 +44,7 @@ def iterate_sources(name: str) -> Iterator[Path]:
 
 
 def trace_imports(module: str) -> set[Path]:
-    """Return the files around the cores that a module is made of, by all that it imports."""
+    """Return the files outside the cores that a module imports, directly or indirectly."""
     found: set[Path] = set()
     todo = [module]
     while todo:
@@ -57,7 +57,7 @@ def trace_imports(module: str) -> set[Path]:
 
 @cache
 def parse_imports(path: Path) -> tuple[str, ...]:
-    """Return every module that a file may import, wherever in it that stands."""
+    """Return every module that a file may import, including nested imports."""
     names = []
     for node in ast.walk(ast.parse(path.read_bytes())):
         if isinstance(node, ast.Import):
@@ -69,7 +69,7 @@ def parse_imports(path: Path) -> tuple[str, ...]:
 
 @cache
 def find_module_file(module: str) -> Path | None:
-    """Return the file of a module around the cores; None if it is none of them."""
+    """Return the file of a module outside the cores, or None."""
     package, *below = module.split('.')
     if not package.startswith('lta_') or package in CORES:
         return None

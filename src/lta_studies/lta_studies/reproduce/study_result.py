@@ -1,4 +1,4 @@
-"""What the study of a row finds: values by name, pictures and tables."""
+"""Define the request and the result of a row's study."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -14,9 +14,10 @@ from scipy.special import stdtrit
 
 class MeasuredValue(NamedTuple):
     """
-    A number in SI or a word, with the ends of its 95 % interval and of how many seeds it is.
+    A number in SI units or a word, with its 95 % interval and number of seeds.
 
-    No interval is NaN; a number that does not exist, as the time of who never arrives, is NaN.
+    NaN means no interval, or a value that does not exist, such as the time of a flight that never
+    arrives.
     """
 
     value: float | str
@@ -28,7 +29,7 @@ class MeasuredValue(NamedTuple):
 @final
 @dataclass(frozen=True, slots=True)
 class StudyPicture:
-    """A picture, what to type to find it again, and the bag of the flight it shows, if any."""
+    """A picture, the command that repeats it, and the bag of its flight, if any."""
 
     name: str
     heading: str
@@ -41,7 +42,7 @@ class StudyPicture:
 @final
 @dataclass(frozen=True, slots=True)
 class RowStudyResult:
-    """All that a study found."""
+    """Result of a study."""
 
     values: Mapping[str, MeasuredValue]
     pictures: Sequence[StudyPicture]
@@ -52,16 +53,16 @@ class RowStudyResult:
 @dataclass(frozen=True, slots=True)
 class RowStudyRequest:
     """
-    What a study is asked for.
+    Options of a study.
 
     Attributes
     ----------
     seeds : int
-        Flights or draws of each.
+        Number of flights or draws of each kind.
     quick : bool
-        Whether what takes long may be left out.
+        Whether to leave out the long parts.
     folder : Path
-        Where bags of flights go, below a folder of the row's own.
+        Folder for the bags of this row.
 
     """
 
@@ -83,5 +84,5 @@ def average_over_seeds(values: Sequence[float]) -> MeasuredValue:
 
 
 def yes_no_value(yes: bool) -> MeasuredValue:
-    """Return yes or no."""
+    """Return the value 'yes' or 'no'."""
     return MeasuredValue('yes' if yes else 'no')

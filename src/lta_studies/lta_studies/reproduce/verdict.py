@@ -1,4 +1,4 @@
-"""Whether a claim agrees with what was measured, by the rule that its file fixed beforehand."""
+"""Judge whether a claim agrees with the measured value, by the rule in its file."""
 
 from collections import Counter
 from collections.abc import Iterable, Mapping
@@ -17,12 +17,12 @@ SIGNS: Final = {
     'cm2': 'cm²',
     'mm2': 'mm²',
     'us': 'µs',
-}  # of units, for people
-PLAIN: Final = 1e-9  # relative; what two machines may differ by
+}  # typeset units
+PLAIN: Final = 1e-9  # relative tolerance for rounding differences between machines
 
 
 class ClaimVerdict(StrEnum):
-    """What came of a claim."""
+    """Verdict on a claim."""
 
     AGREES = 'agrees'
     DIFFERS = 'differs'
@@ -32,7 +32,7 @@ class ClaimVerdict(StrEnum):
 
 
 def judge_claim(claim: PaperClaim, values: Mapping[str, MeasuredValue]) -> ClaimVerdict:
-    """Return what came of a claim."""
+    """Return the verdict on a claim."""
     if claim.measure is None:
         return ClaimVerdict.UNTESTED
     if claim.rule is None:
@@ -48,7 +48,7 @@ def judge_claim(claim: PaperClaim, values: Mapping[str, MeasuredValue]) -> Claim
 
 
 def is_satisfied(rule: AgreementRule, printed: Quantity | None, value: float | str) -> bool:
-    """Tell whether a value, in SI or a word, keeps a rule; NaN keeps none."""
+    """Return whether a value satisfies a rule; NaN never does."""
     if isinstance(value, str):
         return value == rule.word
     low, high = agreement_bounds(rule, printed)
@@ -57,7 +57,7 @@ def is_satisfied(rule: AgreementRule, printed: Quantity | None, value: float | s
 
 
 def agreement_bounds(rule: AgreementRule, printed: Quantity | None) -> tuple[float, float]:
-    """Return the least and the greatest value that agree. [SI]"""
+    """Return the bounds within which a value agrees. [SI]"""
     if rule.within is not None and printed is not None:
         half = rule.within.si * abs(printed.si)
         return printed.si - half, printed.si + half
@@ -66,18 +66,18 @@ def agreement_bounds(rule: AgreementRule, printed: Quantity | None) -> tuple[flo
 
 
 def judge_claims(row: PaperRow, values: Mapping[str, MeasuredValue]) -> dict[str, ClaimVerdict]:
-    """Return what came of each claim of a row."""
+    """Return the verdict on each claim of a row."""
     return {name: judge_claim(claim, values) for name, claim in row.claims.items()}
 
 
 def count_verdicts(verdicts: Iterable[ClaimVerdict]) -> dict[ClaimVerdict, int]:
-    """Return how many claims came to what, in the order of `ClaimVerdict`."""
+    """Count the verdicts, in the order of `ClaimVerdict`."""
     counts = Counter(verdicts)
     return {each: counts[each] for each in ClaimVerdict}
 
 
 def format_rule(rule: AgreementRule) -> str:
-    """Return a rule in words."""
+    """Format a rule in words."""
     if rule.word is not None:
         return f'is {rule.word}'
     if rule.within is not None:
@@ -87,14 +87,14 @@ def format_rule(rule: AgreementRule) -> str:
 
 
 def format_quantity(quantity: Quantity) -> str:
-    """Return a quantity of a file as people write it."""
+    """Format a quantity of a file."""
     return append_unit(f'{quantity.value:.12g}'.replace('-', '\N{MINUS SIGN}'), quantity.unit)
 
 
 def format_value(
     measure: PaperMeasure, value: MeasuredValue | None, *, interval: bool = True
 ) -> str:
-    """Return a value as people read it, with its interval where it has one."""
+    """Format a value, with its interval if it has one."""
     if value is None:
         return MISSING
     if isinstance(value.value, str) or measure.unit is None:
@@ -109,12 +109,12 @@ def format_value(
 
 
 def append_unit(text: str, unit: str) -> str:
-    """Return a number with its unit as people write it."""
+    """Append the typeset unit to a number."""
     return f'{text}°' if unit == 'deg' else add_unit(text, SIGNS.get(unit, unit))
 
 
 def format_rounded(measure: PaperMeasure, value: float) -> str:
-    """Return a number of the measure's unit, rounded as it declares."""
+    """Format a number in the unit and precision of its measure."""
     scaled = value / measure.factor
     if not math.isfinite(scaled):
         return MISSING
@@ -122,7 +122,7 @@ def format_rounded(measure: PaperMeasure, value: float) -> str:
 
 
 def fill_measures(text: str, row: PaperRow, values: Mapping[str, MeasuredValue]) -> str:
-    """Return a text with its measures in their places."""
+    """Fill in the measures of a text."""
     words = {
         name: format_value(measure, values.get(name), interval=False)
         for name, measure in row.measures.items()

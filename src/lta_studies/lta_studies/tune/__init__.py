@@ -1,1 +1,1 @@
-"""Finding gains over a spread of helium losses, and saying how firmly they hold."""
+"""Tune controller gains over a range of helium losses and assess their robustness."""

@@ -1,10 +1,10 @@
 """
-Covariance matrix adaptation: a search that needs few evaluations and no gradients.
+CMA-ES: minimise a function with few evaluations and without gradients.
 
-The strategy with the default parameters of Hansen's tutorial (2016, arXiv:1604.00772, table 1 and
-equations 42 to 47, with positive weights only): ask for a generation, tell their costs. It looks
-at the order of costs alone, so that a cost may jump. Numbers are in units of the first step; all
-chance is of one seed, so that the same costs lead along the same way.
+Implements the covariance matrix adaptation evolution strategy with the default parameters of
+Hansen's tutorial (2016, arXiv:1604.00772, table 1 and equations 42 to 47, positive weights only).
+Call `ask` for a generation, evaluate it, and pass the costs to `tell`. Only the ranking of the
+costs matters, so the cost function may be discontinuous. A search is reproducible from its seed.
 """
 
 from collections.abc import Sequence
@@ -20,25 +20,25 @@ Vector = NDArray[np.float64]
 @final
 class CmaEsSearch:
     """
-    One search for a minimum.
+    A CMA-ES search with an ask/tell interface.
 
     Parameters
     ----------
     start : array_like, shape (n,)
-        Where it begins.
+        Initial mean.
     step : float
         Standard deviation of the first generation.
     seed : int
-        Of all chance.
+        Random seed.
 
     Attributes
     ----------
     size : int
-        Candidates of a generation.
+        Number of candidates per generation.
     mean : ndarray, shape (n,)
-        Where the search is.
+        Current mean.
     step : float
-        Overall standard deviation.
+        Current overall standard deviation.
 
     """
 
@@ -46,6 +46,8 @@ class CmaEsSearch:
         self.mean = np.array(start, dtype=np.float64)
         self.step = step
         n = self._n = len(self.mean)
+        # Below, with Hansen's symbols: `mass` is mu_eff, `_keep_path` c_c, `_keep_step` c_sigma,
+        # `_one` c_1, `_many` c_mu, `_damping` d_sigma, and `_length` the expected norm of N(0, I).
         self.size = 4 + int(3.0 * math.log(n))
         half = self.size // 2
         raw = math.log(half + 0.5) - np.log(np.arange(1, half + 1))
@@ -66,14 +68,15 @@ class CmaEsSearch:
         self._chance = np.random.default_rng(seed)
 
     def ask(self) -> list[Vector]:
-        """Return the candidates of a generation."""
+        """Draw the candidates of the next generation."""
         values, self._axes = np.linalg.eigh(self._covariance)
+        # Rounding can make a tiny eigenvalue negative.
         self._lengths = np.sqrt(np.maximum(values, 1e-20))
         draws = self._chance.standard_normal((self.size, self._n))
         return [self.mean + self.step * (self._axes @ (self._lengths * z)) for z in draws]
 
     def tell(self, candidates: Sequence[Vector], costs: Sequence[float]) -> None:
-        """Learn from the costs of a generation."""
+        """Update mean, step size and covariance from the costs of a generation."""
         order = np.argsort(np.array(costs), kind='stable')[: len(self._weights)]
         best = np.array([candidates[k] for k in order])
         moves = (best - self.mean) / self.step
@@ -89,11 +92,12 @@ class CmaEsSearch:
         self.step *= math.exp(self._keep_step / self._damping * growth)
 
     def _update_paths(self, move: Vector) -> None:
-        """Go on along the evolution paths."""
+        """Update the evolution paths."""
         c, mass = self._keep_step, self._mass
         white = self._axes @ ((self._axes.T @ move) / self._lengths)
         self._step_path = (1.0 - c) * self._step_path + math.sqrt(c * (2.0 - c) * mass) * white
         expected = math.sqrt(1.0 - (1.0 - c) ** (2 * self._generation)) * self._length
+        # Hansen's h_sigma: pause the rank-one path while the step size grows fast.
         calm = float(np.linalg.norm(self._step_path)) < (1.4 + 2.0 / (self._n + 1.0)) * expected
         c = self._keep_path
         push = math.sqrt(c * (2.0 - c) * mass) if calm else 0.0

@@ -1,4 +1,4 @@
-"""What tuned gains bought: old and new through the same draws of loss and chance."""
+"""Compare old and new gains on the same random draws of helium loss and seed."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,13 +14,13 @@ from lta_studies.tune.workers import evaluate_all, EvaluationJob
 import numpy as np
 from scipy.special import stdtrit
 
-FRESH = 1000  # seeds from here on: none that the search has seen
+FRESH = 1000  # first seed of the comparison; the search uses smaller ones
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class QuartileSpread:
-    """A median with the middle half. [of whatever it is]"""
+    """A median with its lower and upper quartile, in the unit of the values."""
 
     median: float
     low: float
@@ -30,7 +30,7 @@ class QuartileSpread:
 @final
 @dataclass(frozen=True, slots=True)
 class CostDifference:
-    """Mean of new less old over the same draws, with its 95 % interval. [1]"""
+    """Mean of the cost difference new - old over paired draws, with its 95 % interval."""
 
     mean: float
     low: float
@@ -41,14 +41,14 @@ class CostDifference:
 @dataclass(frozen=True, slots=True)
 class GainEvaluation:
     """
-    Examinations of one set of gains.
+    Test flights of one set of gains.
 
     Attributes
     ----------
     losses : tuple of float
-        Lift lost, flight by flight. [kg]
-    reports : tuple of Report
-        How each went.
+        Lift lost in each flight. [kg]
+    reports : tuple of ResponseMetrics
+        Metrics of each flight.
 
     """
 
@@ -57,43 +57,43 @@ class GainEvaluation:
 
     @property
     def lost_share(self) -> ShareInterval:
-        """Share whose altitude was lost, with its 95 % interval."""
+        """Share of flights that lost their altitude, with its 95 % interval."""
         return wilson_interval(sum(report.lost for report in self.reports), len(self.reports))
 
     @property
     def reached_share(self) -> ShareInterval:
-        """Share whose mission ended at its goal, with its 95 % interval."""
+        """Share of missions that reached the goal, with its 95 % interval."""
         return wilson_interval(sum(report.reached for report in self.reports), len(self.reports))
 
     def settling_share(self, step: int) -> ShareInterval:
-        """Share in which a step settled, with its 95 % interval."""
+        """Return the share of flights in which a step settled, with its 95 % interval."""
         times = [report.marks[step].settle for report in self.reports if report.marks]
         return wilson_interval(sum(map(math.isfinite, times)), len(self.reports))
 
     def summarize_step(self, step: int, figure: str) -> QuartileSpread:
-        """Return how a figure of a mark spreads."""
+        """Return the quartiles of one metric of a step."""
         return compute_quartiles(
             [getattr(report.marks[step], figure) for report in self.reports if report.marks]
         )
 
     def summarize_flights(self, figure: str) -> QuartileSpread:
-        """Return how a figure of the reports spreads."""
+        """Return the quartiles of one metric of the whole flight."""
         return compute_quartiles([getattr(report, figure) for report in self.reports])
 
 
 def compute_quartiles(values: Sequence[float]) -> QuartileSpread:
-    """Return median and quartiles; what never ended stays infinite."""
+    """Return the median and quartiles; infinite values (never settled) stay infinite."""
     ordered = np.sort(np.array(values, dtype=np.float64))
     if not len(ordered):
         return QuartileSpread(math.nan, math.nan, math.nan)
     places = (0.5, 0.25, 0.75)
-    # The nearest rank: no mean between a number and infinity.
+    # Nearest rank: interpolation between a number and infinity would be infinite.
     middle, low, high = (float(ordered[round(p * (len(ordered) - 1))]) for p in places)
     return QuartileSpread(middle, low, high)
 
 
 def compare_costs(old: GainEvaluation, new: GainEvaluation) -> CostDifference:
-    """Return by how much the cost fell over the same draws (Student's interval of the mean)."""
+    """Return the mean paired cost difference with Student's 95 % interval."""
     pairs = zip(old.reports, new.reports, strict=True)
     gaps = np.array([b.cost - a.cost for a, b in pairs])
     count = len(gaps)
@@ -106,7 +106,7 @@ def compare_costs(old: GainEvaluation, new: GainEvaluation) -> CostDifference:
 
 
 def draw_cases(least: float, most: float, count: int, seed: int) -> list[TuningCase]:
-    """Return cases with losses drawn evenly [kg] and seeds that no search has seen."""
+    """Draw cases with uniform losses [kg] and seeds that the search did not use."""
     chance = np.random.default_rng(seed)
     losses = chance.uniform(least, most, count).tolist()
     return [TuningCase(loss, FRESH + k) for k, loss in enumerate(losses)]
@@ -118,7 +118,7 @@ def fly_comparison(
     cases: Sequence[TuningCase],
     workers: WorkerPool,
 ) -> tuple[GainEvaluation, GainEvaluation]:
-    """Fly old and new gains through the same cases."""
+    """Fly the old and the new gains in the same cases."""
     tasks = [EvaluationJob(scene, gains, case) for gains in both for case in cases]
     reports = evaluate_all(tasks, workers)
     losses = tuple(case.loss for case in cases)
@@ -129,7 +129,7 @@ def fly_comparison(
 
 
 def format_step(step: SetpointStep) -> str:
-    """Return what a step is called."""
+    """Return the label of a step, for example 'altitude +0.4 m'."""
     change = step.after - step.before
     if step.channel in ('heading', 'course'):
         return f'{step.channel} {math.degrees(change):+.0f} deg'

@@ -1,8 +1,7 @@
 """
-What a search has flown so far, kept line by line, so that a stopped one goes on where it was.
+Log the evaluations of a gain search, so that an interrupted search can resume.
 
-The search draws the same candidates from the same seed, so that costs in their order are all it
-needs.
+The same seed draws the same candidates, so the costs in their order are enough to resume.
 """
 
 from contextlib import AbstractContextManager
@@ -17,14 +16,14 @@ KIND = LogKind('search.jsonl', 'tune', 'search', '--folder')
 
 
 class CandidateCosts(NamedTuple):
-    """One candidate: its numbers, and its costs by case."""
+    """The parameter values of one candidate and its cost in each case."""
 
     numbers: list[float]
     costs: list[float]
 
 
 def hash_search(content: Any) -> str:  # noqa: ANN401 - what JSON holds
-    """Return a name for what a search is about."""
+    """Return a hash that identifies a search by its inputs."""
     text = json.dumps(content, sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
@@ -37,9 +36,9 @@ class EvaluationLog(AbstractContextManager['EvaluationLog', None]):
     Parameters
     ----------
     folder : Path
-        Where it is kept; made if missing.
+        Created if missing.
     name : str
-        Of the search, by `hash_search`.
+        Hash of the search, from `hash_search`.
 
     Raises
     ------
@@ -53,13 +52,13 @@ class EvaluationLog(AbstractContextManager['EvaluationLog', None]):
         self._entries = self._lines.pieces
 
     def find_costs(self, place: int, numbers: list[float]) -> list[float] | None:
-        """Return the costs of the candidate at a place, by case; None if it was not flown."""
+        """Return the costs by case of the candidate at an index; None if it was not flown."""
         if place >= len(self._entries) or self._entries[place].numbers != numbers:
             return None
         return self._entries[place].costs
 
     def add(self, numbers: list[float], costs: list[float]) -> None:
-        """Keep the costs of one more candidate; they outlive this process from now on."""
+        """Append the costs of a candidate and write them to disk."""
         entry = CandidateCosts(numbers, costs)
         self._entries.append(entry)
         self._lines.append(entry._asdict())

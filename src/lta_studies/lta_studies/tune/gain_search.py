@@ -1,8 +1,8 @@
 """
-The search itself: gains that fly a spread of losses best, mean and worst alike.
+Search for gains that fly well over a range of helium losses.
 
-Each candidate flies the same examinations with the same chance. Its cost is half the mean and half
-the worst over them; a candidate outside the bounds is flown at the bound and pays for the
+Each candidate flies the same test flights with the same seeds. Its cost is the average of the mean
+and the worst cost. A candidate outside the bounds is flown at the bound, plus a penalty for the
 distance.
 """
 
@@ -15,8 +15,8 @@ from lta_studies.tune.evaluation_log import EvaluationLog
 from lta_studies.tune.parameters import TunableParameter
 import numpy as np
 
-STEP = 0.35  # of the logarithm: the first generation turns gains by a factor of 1.4
-OUTSIDE = 0.1  # cost of one unit of the logarithm beyond a bound, squared
+STEP = 0.35  # of log(gain): the first generation changes gains by a factor of about 1.4
+OUTSIDE = 0.1  # penalty per squared unit of log(gain) beyond a bound
 
 Numbers = Mapping[str, float]
 Fly = Callable[[Numbers], list[float]]
@@ -26,18 +26,18 @@ Fly = Callable[[Numbers], list[float]]
 @dataclass(frozen=True, slots=True)
 class GainSearchResult:
     """
-    What a search found.
+    Result of a gain search.
 
     Attributes
     ----------
     numbers : mapping
-        The best, by path.
+        Best parameter values, by path.
     cost, first : float
-        Its cost, and that of the start.
+        Cost of the best candidate and of the start.
     history : tuple of float
-        Least cost so far, candidate by candidate.
+        Lowest cost so far, after each candidate.
     stopped : bool
-        Whether it was interrupted.
+        Whether the search was interrupted.
 
     """
 
@@ -49,7 +49,7 @@ class GainSearchResult:
 
 
 def robust_cost(costs: Sequence[float]) -> float:
-    """Return the cost of a candidate from those of its examinations."""
+    """Return the average of the mean and the worst cost of a candidate's test flights."""
     return 0.5 * (sum(costs) / len(costs) + max(costs))
 
 
@@ -62,22 +62,22 @@ def search_gains(
     tell: Callable[[int, float], None] = lambda count, best: None,
 ) -> GainSearchResult:
     """
-    Return the best of as many candidates as the budget allows.
+    Search for the best gains within a budget of candidates.
 
     Parameters
     ----------
-    numbers : sequence of Number
-        What is searched, from where.
+    numbers : sequence of TunableParameter
+        Parameters to search, with their start values.
     fly : callable
-        Returns the costs of a candidate by examination.
-    book : Book
-        What was flown before, and will be.
+        Returns the cost of each test flight of a candidate.
+    book : EvaluationLog
+        Earlier evaluations; new ones are appended.
     budget : int
-        Candidates, the start among them.
+        Number of candidates, including the start.
     seed : int
-        Of the search.
+        Random seed of the search.
     tell : callable
-        Hears how many candidates were flown, and the least cost.
+        Progress callback: number of candidates flown, lowest cost so far.
 
     """
     judge = _CandidateEvaluator(numbers, fly, book, tell)
@@ -89,7 +89,7 @@ def search_gains(
         while len(judge.history) < budget:
             points = search.ask()[: budget - len(judge.history)]
             costs = judge.evaluate_costs(points)
-            if len(points) == search.size:  # what is left of the budget may be less
+            if len(points) == search.size:  # the budget may cut the last generation short
                 search.tell(points, costs)
     except KeyboardInterrupt:
         stopped = True
@@ -102,7 +102,7 @@ def search_gains(
 
 @final
 class _CandidateEvaluator:
-    """Who has candidates flown and remembers the best; points are logarithms."""
+    """Evaluates candidates (logarithms of the parameters) and stores the best."""
 
     def __init__(
         self,
@@ -118,7 +118,7 @@ class _CandidateEvaluator:
         self.history: list[float] = []
 
     def evaluate_costs(self, points: Sequence[Vector]) -> list[float]:
-        """Return the costs of candidates, with what those beyond a bound pay."""
+        """Return the costs of candidates, including penalties for exceeded bounds."""
         inside = [np.clip(point, self._ends[:, 0], self._ends[:, 1]) for point in points]
         values = [dict(zip(self._paths, np.exp(p).tolist(), strict=True)) for p in inside]
         costs = []
@@ -137,12 +137,12 @@ class _CandidateEvaluator:
 def _fly_candidates(
     values: Sequence[dict[str, float]], fly: Fly, book: EvaluationLog, place: int
 ) -> Iterator[list[float]]:
-    """Yield the costs of candidates, from the book where they are in it."""
+    """Yield the costs of candidates; take them from the log where possible."""
     for k, value in enumerate(values):
         numbers = list(value.values())
         costs = book.find_costs(place + k, numbers)
         if costs is None:
-            # One candidate at a time: each is kept before the next is flown.
+            # Log each candidate before the next is flown, so that an interrupt loses one.
             costs = fly(value)
             book.add(numbers, costs)
         yield costs

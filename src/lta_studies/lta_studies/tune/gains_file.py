@@ -1,4 +1,4 @@
-"""A file of gains as `config/control` has them, with a word on where they come from."""
+"""Write gains as a ROS parameter file like those in `config/control`, with their origin."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -9,26 +9,16 @@ from lta_config.errors import BadInput
 from pydantic import BaseModel
 import yaml
 
-DIGITS = 4  # significant; more would claim more than a search finds
+DIGITS = 4  # significant digits; the search is not more precise
 
 
 def round_gain(value: float) -> float:
-    """Return a number as it is written."""
+    """Round a gain to the digits that are written."""
     return float(f'{value:.{DIGITS}g}')
 
 
 def format_gains(gains: BaseModel, about: Sequence[str]) -> str:
-    """
-    Return the text of a parameter file.
-
-    Parameters
-    ----------
-    gains : Settings
-        What it holds.
-    about : sequence of str
-        Lines of the comment above.
-
-    """
+    """Return the text of a parameter file; the lines in `about` become the comment on top."""
     lines = [f'# {line}' for line in about]
     lines += ['/**/controller:', '  ros__parameters:', '    gains:']
     for name, value in gains.model_dump().items():
@@ -38,13 +28,13 @@ def format_gains(gains: BaseModel, about: Sequence[str]) -> str:
 
 
 def write_gains(gains: BaseModel, about: Sequence[str], path: Path) -> None:
-    """Write a parameter file; `BadInput` where that cannot be."""
+    """Write a parameter file; raise `BadInput` if that fails."""
     with _ensure_folder(path), replace_atomically(path) as part:
         part.write_text(format_gains(gains, about), encoding='utf-8')
 
 
 def check_writable(path: Path) -> None:
-    """Refuse a place where no file can be written, with `BadInput`; leave it as it was."""
+    """Raise `BadInput` if a file cannot be written; leave the path unchanged."""
     with _ensure_folder(path):
         was = path.exists()
         path.open('a', encoding='utf-8').close()
@@ -54,7 +44,7 @@ def check_writable(path: Path) -> None:
 
 @contextmanager
 def _ensure_folder(path: Path) -> Iterator[None]:
-    """Make the folder of a file; what goes wrong there is a sentence."""
+    """Create the parent folder; turn an `OSError` inside into `BadInput`."""
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         yield

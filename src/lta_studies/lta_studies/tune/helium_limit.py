@@ -1,10 +1,11 @@
 """
-Which loss of helium ends it: for the rotors by their thrust, for the gains by flying.
+Find the largest helium loss that the rotors and the gains tolerate.
 
-Gains hold as long as a drone that lost that much lift, and does not know it, takes off, climbs by
-0.4 m and comes down again with its altitude within 0.3 m at the end of each. Losses are tried in
-even steps up to what the rotors can carry, then the bracket is halved. Days follow from what the
-film lets through (`lta_vehicle.figures.helium_leak`).
+The limit of the rotors follows from their thrust; that of the gains is found by flying. Gains
+tolerate a loss if a drone that is unaware of it takes off, climbs by 0.4 m and descends again,
+with the altitude within 0.3 m at the end of each step. Losses are tried in equal steps up to the
+limit of the rotors, then by bisection. Days follow from the permeation of the film
+(`lta_vehicle.figures.helium_leak`).
 """
 
 from collections.abc import Callable, Sequence
@@ -20,8 +21,8 @@ from lta_studies.tune.metrics import compute_response_metrics
 from lta_studies.tune.step_response import fly_steps, STEPS, TuningCase, TuningScene
 from lta_vehicle.figures.helium_leak import daily_lift_loss
 
-TRIED = 6
-HALVINGS = 4
+TRIED = 6  # equal steps from no loss to what the rotors carry
+HALVINGS = 4  # bisections of the bracket
 CLIMB_AND_SINK = STEPS[:2]
 
 
@@ -29,20 +30,20 @@ CLIMB_AND_SINK = STEPS[:2]
 @dataclass(frozen=True, slots=True)
 class HeliumLimit:
     """
-    The largest losses of lift, against the trim of the vehicle file.
+    The largest losses of lift, relative to the trim of the vehicle file.
 
     Attributes
     ----------
     grams : float or None
-        Up to which the gains hold, flown; None if they do not hold without any loss. [g]
+        Largest loss flown successfully; None if the gains fail even without a loss. [g]
     fails : float
-        The least loss that was flown and lost its altitude; infinite if none did. [g]
+        Smallest loss at which the altitude was lost; infinite if none. [g]
     rotors : float
-        That full thrust carries. [g]
+        Loss that full thrust compensates. [g]
     demand : float
-        That the largest vertical force which the gains may ask for carries. [g]
+        Loss that the vertical force limit of the gains compensates. [g]
     days : tuple of float
-        Until `grams` are gone, at the largest and the least permeation; 0 if they are None. [d]
+        Time to lose `grams` at the largest and the smallest permeation; 0 if None. [d]
 
     """
 
@@ -54,10 +55,10 @@ class HeliumLimit:
 
 
 def rotor_loss_limit(vehicle: Vehicle) -> float:
-    """Return the loss of lift that the rotors carry at full thrust. [kg]"""
+    """Return the loss of lift that full thrust compensates. [kg]"""
     own, per_newton = select_lifting_rotors(vehicle.rotors, vehicle.file.aero.coupling)
     if not own or per_newton <= 0.0:
-        raise BadInput(f'{vehicle.file.name} has no rotor that lifts; it cannot hover.')
+        raise BadInput(f'{vehicle.file.name} has no rotor that lifts, so it cannot hover.')
     full = min(rotor.full_thrust for rotor in own) * per_newton
     return full / STANDARD_GRAVITY - vehicle.heaviness
 
@@ -69,18 +70,18 @@ def find_helium_limit(
     tell: Callable[[float, bool], None] = lambda loss, held: None,
 ) -> HeliumLimit:
     """
-    Return up to which loss of helium gains hold.
+    Find the largest helium loss that a set of gains tolerates.
 
     Parameters
     ----------
     vehicle : str
         Name or file.
     gains : CascadeGains
-        Of its controller.
+        Gains of the controller.
     seeds : sequence of int
-        All must hold.
+        Random seeds; the gains must hold with all of them.
     tell : callable
-        Hears each loss that was tried [kg], and whether the gains held.
+        Progress callback: loss that was tried [kg], whether the gains held.
 
     Raises
     ------
@@ -116,7 +117,7 @@ def find_helium_limit(
 
 
 def bracket_limit(holds: Callable[[float], bool], most: float) -> tuple[float | None, float]:
-    """Return the last value that holds and the first that does not, as near as was tried."""
+    """Return the largest tried value that holds and the smallest that does not."""
     low: float | None = None
     high = float('inf')
     for step in range(TRIED + 1):

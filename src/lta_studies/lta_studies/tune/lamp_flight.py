@@ -1,9 +1,9 @@
 """
-The whole flight to the lamp, with lost lift: what good steps alone do not promise.
+Fly a whole mission to the lamp with lost lift.
 
-Gains that make every step calmer can turn the drone too slowly for its guidance, and it flies past
-its goal. So each examination ends with one mission of the shipped scene, in the loop of
-`lta_flight.closed_loop` with its light blocks.
+Good step responses are not enough: gains can turn the drone too slowly for its guidance, so that
+it flies past its goal. Each test flight is therefore followed by one mission in the shipped scene,
+flown by `lta_flight.closed_loop` with the light link.
 """
 
 from typing import NamedTuple
@@ -21,14 +21,14 @@ STRATEGY = 'bag'
 
 
 class LampFlightResult(NamedTuple):
-    """How a mission ended: whether at the lamp, and after how long, of the time allowed. [1]"""
+    """Whether a mission reached the lamp, and its duration as a share of the time limit."""
 
     reached: bool
     time: float
 
 
 def fly_to_lamp(scene: TuningScene, gains: CascadeGains, case: TuningCase) -> LampFlightResult:
-    """Fly one mission."""
+    """Fly one mission to the lamp."""
     scenario, table = scene.scenario, load_topic_table()
     world = World(scene.build_true_vehicle(case.loss), scenario, table, case.seed)
     loop = ClosedLoop(

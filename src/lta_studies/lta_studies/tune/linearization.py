@@ -1,12 +1,12 @@
 """
-A cut loop about a steady flight: one control period as a linear map.
+Linearise one control period of an opened loop about a steady flight.
 
     x' = A x + B u,    y = C x
 
-x is the state of vehicle, estimator and controller, u what the rotors are asked for (surge, heave,
-yaw), y what the cascade would ask for; in flight u = y. Derivatives are central differences. What
-is symmetric but has a kink, as one forward rotor for each sense of turning, is met by them half
-way: exact for the loop it serves.
+x is the state of vehicle, estimator and controller, u the wrench given to the rotors (surge,
+heave, yaw), and y the wrench that the cascade demands; in flight u = y. Derivatives are central
+differences. At a symmetric kink, such as one forward rotor for each turning direction, they give
+the mean slope, which is exact for the loop concerned.
 """
 
 from collections.abc import Callable
@@ -24,28 +24,28 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-DIFFERENCE = 1e-6
-NEUTRAL = 1e-5  # what memory of place and bias may be off from 1 by rounding, as an eigenvalue
+DIFFERENCE = 1e-6  # step of the central differences, relative above 1
+NEUTRAL = 1e-5  # rounding tolerance for the integrators (position, bias), eigenvalue 1
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class LinearLoop:
     """
-    A cut loop about one steady flight.
+    An opened loop, linearised about one steady flight.
 
     Attributes
     ----------
     a, b, c : ndarray
-        Of x' = A x + B u, y = C x; only what matters to y is kept.
+        Matrices of x' = A x + B u, y = C x; unconnected states are removed.
     period : float
-        Of control. [s]
+        Control period. [s]
     radius, swing : float
-        Largest size of an eigenvalue of the closed loop, and its angular frequency. [1, rad/s]
+        Spectral radius of the closed loop, and angular frequency of that mode. [1, rad/s]
     tilt : float
-        Of the steady flight. [rad]
+        Tilt in the steady flight. [rad]
     thrusts : tuple of float
-        Of the steady flight. [N]
+        Thrusts in the steady flight. [N]
 
     """
 
@@ -60,17 +60,17 @@ class LinearLoop:
 
     @property
     def is_stable(self) -> bool:
-        """Whether small disturbances die out."""
+        """Whether small disturbances decay."""
         return self.radius < 1.0 + NEUTRAL
 
     @property
     def growth_rate(self) -> float:
-        """Rate at which the least damped disturbance grows; negative: it dies out. [1/s]"""
+        """Growth rate of the least damped mode; negative if it decays. [1/s]"""
         return math.log(self.radius) / self.period
 
 
 def linearize_loop(cut: LoopCut, setpoint: Setpoint) -> LinearLoop:
-    """Return a loop about the steady flight that a setpoint leads to."""
+    """Linearise a loop about the steady flight at a setpoint."""
     state, memory = cut.find_steady_flight(setpoint)
     first, second = len(state), len(state) + MEMORY.size
     past = np.tile(np.array(memory.duties), (cut.ages, 1))
@@ -84,6 +84,7 @@ def linearize_loop(cut: LoopCut, setpoint: Setpoint) -> LinearLoop:
         return np.concatenate([flown, MEMORY.write(after), commands.ravel()]), np.array(asked)
 
     numbers, u = np.concatenate([state, MEMORY.write(memory), past.ravel()]), np.array(trim)
+    # Flags and counters of the memory have no derivative.
     turned = [first + place for place in _find_continuous_states(memory)]
     everything = [*np.arange(first).tolist(), *turned, *np.arange(second, len(numbers)).tolist()]
     a, c = _compute_jacobians(lambda x: step_period(x, u), numbers, everything)
@@ -99,7 +100,7 @@ def linearize_loop(cut: LoopCut, setpoint: Setpoint) -> LinearLoop:
 
 
 def _find_continuous_states(memory: OnboardMemory) -> list[int]:
-    """Return the places of the numbers in a memory that are no flags and no counts."""
+    """Return the indices of the floats in a memory (no flags, no counters)."""
     kinds: list[bool] = []
 
     def walk(value: object) -> None:
@@ -116,7 +117,7 @@ def _find_continuous_states(memory: OnboardMemory) -> list[int]:
 def _compute_jacobians(
     function: Callable[[Array], tuple[Array, Array]], at: Array, turned: list[int]
 ) -> list[Array]:
-    """Return the derivatives of both outputs of a function by its argument."""
+    """Return the Jacobians of both outputs of a function by central differences."""
     tables = [np.zeros((len(row), len(at))) for row in function(at)]
     for place in turned:
         step = np.zeros(len(at))
@@ -127,7 +128,7 @@ def _compute_jacobians(
 
 
 def _find_connected_states(a: Array, b: Array, c: Array) -> NDArray[np.intp]:
-    """Return the states that some input reaches and some output sees."""
+    """Return the states that are both reachable from an input and visible in an output."""
     links = (np.abs(a) > 0.0) & ~np.isnan(a)
     reached, seen = np.abs(b).max(axis=1) > 0.0, np.abs(c).max(axis=0) > 0.0
     for _ in np.arange(len(a)):

@@ -1,11 +1,10 @@
 """
-A closed loop cut open where the controller's demand goes to the rotors, one period at a time.
+Simulate one control period of a closed loop that is opened at the controller's demand.
 
-One control period is one map of numbers to numbers: sensors without noise, the estimator, the
-cascade, the allocation, the motors and the vehicle, by the very functions that fly. So whatever
-delays a loop is in it: sampling, motor lag, filters, a delay of the commands. Range and pressure,
-which come in some periods only, are taken in every one, with their variance raised by the same
-factor.
+A period covers noise-free sensors, estimator, cascade, allocation, motors and vehicle, computed by
+the functions that fly. All delays are therefore included: sampling, motor lag, filters and command
+delay. Range and pressure arrive in some periods only; here they are used in every period, with
+their variance raised by the same factor.
 """
 
 import math
@@ -18,8 +17,7 @@ from lta_control.autopilot import Autopilot, build_drone_constants
 from lta_control.cascade import cascade_step, CascadeGains, Setpoint, WrenchDemand
 from lta_control.control import ControlMemory
 from lta_control.estimator import estimator_step, EstimatorInputs, EstimatorSettings
-from lta_control.message_rounding import air_relative_velocity
-from lta_control.message_rounding import build_measurement as measured_of
+from lta_control.message_rounding import air_relative_velocity, build_measurement
 from lta_control.onboard import DroneConstants, OnboardMemory
 from lta_control.per_rotor import pad_to_slots, SLOTS
 from lta_model.effects import initial_memory
@@ -36,21 +34,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-SETTLING = 80.0  # s from the take-off to the steady flight
-REST = 0.5  # s to learn the biases, of which there are none
+SETTLING = 80.0  # s from take-off until the flight counts as steady
+REST = 0.5  # s of bias calibration; short because the sensors have no bias here
 
 
 @final
 class LoopCut:
     """
-    One control period of a drone, whole or cut open.
+    One control period of a drone, with the loop closed or opened.
 
     Parameters
     ----------
-    true, known : Vehicle
-        What flies, and what the drone takes it for.
+    true, nominal : Vehicle
+        The simulated vehicle, and the one that the drone assumes.
     gains : CascadeGains
-        Of the controller.
+        Gains of the controller.
 
     """
 
@@ -61,6 +59,7 @@ class LoopCut:
         self._true, self._model = true, true.build_model()
         self._floor = PressureSettings().floor
         own = EstimatorSettings()
+        # More frequent readings with more noise each: the same information per second.
         less = own.altitude.model_copy(
             update={
                 name: getattr(own.altitude, name)
@@ -72,6 +71,7 @@ class LoopCut:
         self._still = _build_damped_model(true)
         self.drone: DroneConstants = build_drone_constants(nominal, settings, gains, self.period)
         delay = self._model.given.get('command_delay', {}).get('delay', 0.0) / self.period
+        # Split the delay into whole periods and the rest; 1e-9 absorbs rounding.
         self._whole = int(delay + 1e-9)
         self._part = delay - self._whole if delay - self._whole > 1e-9 else 0.0
         self.ages = self._whole + 2  # commands that this period and the next need
@@ -80,16 +80,16 @@ class LoopCut:
         self, state: Array, past: Array, model: VehicleModel | None = None
     ) -> EstimatorInputs:
         """
-        Return what the sensors would say without noise.
+        Return noise-free sensor readings.
 
         Parameters
         ----------
         state : ndarray
-            Of the vehicle.
+            State of the vehicle.
         past : ndarray, shape (n, SLOTS)
-            The commands before this period, the newest first.
-        model : Model or None
-            What flies; the vehicle itself if left out.
+            Commands of the earlier periods, newest first.
+        model : VehicleModel or None
+            Model to use; by default that of the true vehicle.
 
         """
         sensors = self._true.file.sensors
@@ -121,7 +121,7 @@ class LoopCut:
     def advance_vehicle(
         self, state: Array, past: Array, model: VehicleModel | None = None
     ) -> Array:
-        """Return the state of the vehicle one period later; `past` begins with this period's."""
+        """Return the vehicle state one period later; `past[0]` is this period's command."""
         for share, age in ((self._part, self._whole + 1), (1.0 - self._part, self._whole)):
             if share > 0.0:
                 step = share * self.period / self._steps
@@ -138,15 +138,15 @@ class LoopCut:
         self, state: Array, memory: OnboardMemory, past: Array, imposed: WrenchDemand | None
     ) -> tuple[OnboardMemory, WrenchDemand]:
         """
-        Return the memory of the drone after one step, and what its cascade asks for.
+        Return the memory of the drone after one step, and the demand of its cascade.
 
-        The rotors do `asked` where it is given, and else what the cascade asks for.
+        The rotors get `imposed` if given, else the demand of the cascade.
         """
         drone = self.drone
         heard = self.simulate_sensors(state, past)
         estimate = estimator_step(drone.estimator, drone.body, memory.estimate, heard, drone.dt)
         height, speed = estimate.altitude.height, air_relative_velocity(estimate)
-        measured = measured_of(estimate.attitude, height, speed, estimate.rates)
+        measured = build_measurement(estimate.attitude, height, speed, estimate.rates)
         demand, cascade = cascade_step(
             drone.gains,
             drone.surge_drag,
@@ -176,10 +176,10 @@ class LoopCut:
 
     def find_steady_flight(self, setpoint: Setpoint) -> tuple[Array, OnboardMemory]:
         """
-        Return vehicle and drone after a while of flight towards a setpoint, without noise.
+        Return vehicle state and drone memory in steady flight at a setpoint.
 
-        On the way the hull is kept from swinging and commands are not delayed, which changes
-        nothing where nothing moves: a steady flight is found whether or not it is stable.
+        The flight there is noise-free, with a damped hull and without command delay. Neither
+        changes the steady state, so it is found even where it is unstable.
         """
         autopilot = Autopilot(self.drone)
         state = pack_state((0.0, 0.0, self._true.height_on_floor), memory=initial_memory())
@@ -195,7 +195,7 @@ class LoopCut:
 
 
 def _build_damped_model(vehicle: Vehicle) -> VehicleModel:
-    """Return a vehicle whose roll and pitch are critically damped by the air."""
+    """Return a model of the vehicle with critically damped roll and pitch."""
     given = vehicle.collect_effects()
     own = dict(given.get('rotational_drag', {}))
     stiffness = abs(vehicle.mass * STANDARD_GRAVITY * float(vehicle.cg[2]))

@@ -1,12 +1,12 @@
 """
-Stability margins of a loop from its frequency response.
+Compute the stability margins of a loop from its frequency response.
 
-L(jw) is the response of the loop cut open at one place, with the sign that makes the closed loop
-1 / (1 + L). Where |L| = 1 the phase is above -180 degrees by the phase margin; where the phase is
--180 degrees (modulo 360) the gain may change by 1 / |L| before the loop oscillates (Astrom and
-Murray, Feedback Systems, 2008, section 9.3). Of several crossings the nearest counts. A loop with
-integrators may have a phase of -180 degrees below its crossover as well: then less gain makes it
-oscillate, which is its lower gain margin. The delay margin is the phase margin over its frequency.
+L(jw) is the open-loop response, with the sign that makes the closed loop 1 / (1 + L). The phase
+margin is the phase above -180 degrees where |L| = 1. The gain margin is 1 / |L| where the phase is
+-180 degrees modulo 360 (Astrom and Murray, Feedback Systems, 2008, section 9.3). Of several
+crossings the closest to instability counts. A loop with integrators may also cross -180 degrees
+below its crossover: it then oscillates with less gain, which gives a lower gain margin. The delay
+margin is the phase margin over its frequency.
 """
 
 from dataclasses import dataclass
@@ -24,24 +24,24 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True, slots=True)
 class StabilityMargins:
     """
-    How far a loop is from oscillating; None where nothing does.
+    Stability margins of a loop; None where a margin is unlimited.
 
     Attributes
     ----------
     gain : float or None
         Factor by which the gain may rise. [1]
     gain_down : float or None
-        Factor, below 1, down to which it may fall. [1]
+        Factor below 1 to which the gain may fall. [1]
     phase : float or None
-        Phase that may be lost. [rad]
+        Phase margin. [rad]
     delay : float or None
-        Delay that may be added. [s]
+        Delay margin. [s]
     crossover : float or None
-        Where |L| = 1, the highest. [rad/s]
+        Highest frequency with |L| = 1. [rad/s]
     oscillation : float or None
-        At which it oscillates when the gain rises by `gain`. [rad/s]
+        Frequency of oscillation at the gain limit. [rad/s]
     peak : float
-        Largest |1 / (1 + L)|: 1 over the least distance to -1. [1]
+        Peak sensitivity, the maximum of |1 / (1 + L)|. [1]
 
     """
 
@@ -56,12 +56,12 @@ class StabilityMargins:
 
 def compute_margins(frequency: Array, response: Complex) -> StabilityMargins:
     """
-    Return the margins of a loop that is stable when closed.
+    Compute the margins of a loop that is stable when closed.
 
     Parameters
     ----------
     frequency : ndarray, shape (n,)
-        Increasing, dense enough to follow the phase. [rad/s]
+        Increasing, dense enough to unwrap the phase. [rad/s]
     response : ndarray of complex, shape (n,)
         L(jw).
 
@@ -82,7 +82,7 @@ def compute_margins(frequency: Array, response: Complex) -> StabilityMargins:
 def _gain_margins(
     frequency: Array, response: Complex
 ) -> tuple[tuple[float, float] | None, float | None]:
-    """Return the least factor above 1 with its frequency, and the largest below 1."""
+    """Return the upper gain margin with its frequency, and the lower gain margin."""
     size, phase, log_w = np.log(np.abs(response)), _unwrap_phase(response), np.log(frequency)
     up: tuple[float, float] | None = None
     down: float | None = None
@@ -98,7 +98,7 @@ def _gain_margins(
 def _phase_margin(
     frequency: Array, response: Complex
 ) -> tuple[tuple[float, float] | None, float | None]:
-    """Return the least phase margin with its frequency, and the highest crossover."""
+    """Return the smallest phase margin with its frequency, and the highest crossover."""
     size, phase, log_w = np.log(np.abs(response)), _unwrap_phase(response), np.log(frequency)
     least: tuple[float, float] | None = None
     last: float | None = None
@@ -116,7 +116,7 @@ def _unwrap_phase(response: Complex) -> Array:
 
 
 def _find_phase_crossings(phase: Array) -> list[tuple[int, float]]:
-    """Return where a phase passes -180 degrees modulo 360."""
+    """Return the index and fraction of each crossing of -180 degrees modulo 360."""
     turns = (phase + math.pi) / (2.0 * math.pi)
     found = []
     for k in range(len(turns) - 1):
@@ -128,7 +128,7 @@ def _find_phase_crossings(phase: Array) -> list[tuple[int, float]]:
 
 
 def _find_gain_crossings(size: Array) -> list[tuple[int, float]]:
-    """Return where the logarithm of a size passes 0."""
+    """Return the index and fraction of each zero crossing of log |L|."""
     changes = np.flatnonzero((size[:-1] > 0.0) != (size[1:] > 0.0))
     return [(int(k), float(size[k] / (size[k] - size[k + 1]))) for k in changes]
 
@@ -138,5 +138,5 @@ def _interpolate(values: Array, place: int, share: float) -> float:
 
 
 def to_decibels(factor: float) -> float:
-    """Return a factor of amplitude in decibels."""
+    """Convert an amplitude factor to decibels."""
     return 20.0 * math.log10(factor)

@@ -1,15 +1,15 @@
 """
-How good an examination was: each step by itself, and all in one cost.
+Rate a test flight: metrics of each step, and one total cost.
 
 The cost of a step of size h that lasts T is
 
     (1 / (h T)) integral |r - y| dt  +  OVERSHOOT o / h  +  steady error / h
 
-with the setpoint r, the true value y and the overshoot o; to their mean over the steps comes what
-the altitude lost while something else was stepped, the swing of the hull at the end, a swing that
-would grow in a longer cruise, the time of a mission with `ASTRAY` for one that misses its goal,
-and the work of the rotors. An examination in which the altitude is lost costs `LOST` more: no sum
-of the rest comes near it.
+with the setpoint r, the true value y and the overshoot o. The total is the mean over the steps
+plus terms for the altitude error during the other steps, the swing of the hull at the end, an
+unstable swing in cruise, the duration of the mission (plus `ASTRAY` if it misses its goal), and
+the activity of the rotors. A flight that loses its altitude costs `LOST` more, which outweighs all
+other terms.
 """
 
 from collections.abc import Sequence
@@ -20,17 +20,17 @@ from typing import Final, final
 from lta_studies.tune.step_response import Array, SetpointStep, StepResponse, STEPS
 import numpy as np
 
-BAND: Final = 0.1  # of a step: within it, the step has settled
-TAIL: Final = 0.25  # last part of a step, over which the steady error is taken
-OVERSHOOT: Final = 0.5
-GROWTH: Final = 10.0  # s; a swing that grows by 1 % a second costs 0.1
-SEARCH: Final = 0.5
+BAND: Final = 0.1  # share of a step within which it counts as settled
+TAIL: Final = 0.25  # last share of a step, over which the steady error is taken
+OVERSHOOT: Final = 0.5  # weight in the cost of a step
+GROWTH: Final = 10.0  # s; a swing that grows by 1 % per second costs 0.1
+SEARCH: Final = 0.5  # cost of a mission that uses the whole time limit
 ASTRAY: Final = 2.0  # cost of a mission that misses its goal
-EFFORT: Final = 0.1  # s; cost of one full duty a second, by rotor
-ALTITUDE_SCALE: Final = 0.4  # m
-SWING_SCALE: Final = 0.2  # rad
-SWINGING: Final = 6.0  # s before the end over which the swing is taken
-ADRIFT: Final = 0.3  # m; altitude that far off at the end is lost
+EFFORT: Final = 0.1  # s; cost of a mean duty change of 1 per second and rotor
+ALTITUDE_SCALE: Final = 0.4  # m of rms altitude error that cost 1
+SWING_SCALE: Final = 0.2  # rad of swing that cost 1
+SWINGING: Final = 6.0  # s at the end of the flight over which the swing is taken
+ADRIFT: Final = 0.3  # m; a larger altitude error at the end counts as lost
 LOST: Final = 10.0
 
 
@@ -38,14 +38,15 @@ LOST: Final = 10.0
 @dataclass(frozen=True, slots=True)
 class StepMetrics:
     """
-    How one step went.
+    Metrics of one step.
 
     Attributes
     ----------
     settle : float
-        Until within 10 % of the step for good; infinite if never. [s]
+        Settling time to within 10 % of the step; infinite if it never settles. [s]
     overshoot, steady, error : float
-        Beyond the setpoint, rms over the last quarter, and mean of the size; of the step. [1]
+        Overshoot, rms error over the last quarter, and mean absolute error, relative to the
+        step. [1]
 
     """
 
@@ -56,7 +57,7 @@ class StepMetrics:
 
     @property
     def cost(self) -> float:
-        """What it costs. [1]"""
+        """Cost of the step."""
         return self.error + OVERSHOOT * self.overshoot + self.steady
 
 
@@ -64,14 +65,14 @@ class StepMetrics:
 @dataclass(frozen=True, slots=True)
 class ResponseMetrics:
     """
-    How one examination went.
+    Metrics of one test flight.
 
     Attributes
     ----------
-    marks : tuple of Mark
-        By step.
+    marks : tuple of StepMetrics
+        Metrics of each step.
     altitude : float
-        rms error of the altitude while something else was stepped. [m]
+        Rms altitude error during the other steps. [m]
     swing : float
         Standard deviation of the tilt over the last seconds. [rad]
     effort : float
@@ -79,15 +80,14 @@ class ResponseMetrics:
     lost : bool
         Whether the altitude was lost or the motors stopped.
     adrift : float
-        How far the altitude is off at the end of each altitude step and of the flight, the most.
-        [m]
+        Largest altitude error at the end of a step. [m]
     growth : float
-        Rate at which the least damped swing grows in cruise, by the linear loop; 0 where that was
-        not asked for. [1/s]
+        Growth rate of the least damped mode in cruise, from the linear loop; 0 if not computed.
+        [1/s]
     reached : bool
-        Whether the mission ended at its goal.
+        Whether the mission reached its goal.
     search : float
-        How long the mission took, of the time allowed. [1]
+        Duration of the mission as a share of its time limit. [1]
 
     """
 
@@ -103,7 +103,7 @@ class ResponseMetrics:
 
     @property
     def cost(self) -> float:
-        """All in one number, the less the better. [1]"""
+        """Total cost of the flight; lower is better."""
         mean = sum(mark.cost for mark in self.marks) / len(self.marks)
         missing = LOST + min(self.adrift, LOST) if self.lost else 0.0
         rest = self.altitude / ALTITUDE_SCALE + self.swing / SWING_SCALE + EFFORT * self.effort
@@ -113,17 +113,7 @@ class ResponseMetrics:
 
 
 def compute_step_metrics(time: Array, value: Array, step: SetpointStep) -> StepMetrics:
-    """
-    Return how a step went.
-
-    Parameters
-    ----------
-    time, value : ndarray, shape (n,)
-        What was stepped, over the time of the step. [s]
-    step : Step
-        The step.
-
-    """
+    """Compute the metrics of a step from the true values of its channel over time [s]."""
     size = abs(step.after - step.before)
     off = (value - step.after) / (step.after - step.before)  # negative on the way, 0 there
     outside = np.flatnonzero(np.abs(off) > BAND)
@@ -144,7 +134,7 @@ def compute_step_metrics(time: Array, value: Array, step: SetpointStep) -> StepM
 def compute_response_metrics(
     trace: StepResponse, steps: Sequence[SetpointStep] = STEPS
 ) -> ResponseMetrics:
-    """Return how an examination went."""
+    """Compute the metrics of a test flight."""
     marks, others, ends = [], [], []
     altitude = steps[0].before
     for step in steps:
@@ -164,7 +154,7 @@ def compute_response_metrics(
     flying = trace.time >= steps[0].start
     adrift = max(ends)
     swing = float(trace.tilt[trace.time >= steps[-1].end - SWINGING].std())
-    lost = trace.stopped or not adrift <= ADRIFT
+    lost = trace.stopped or not adrift <= ADRIFT  # NaN counts as lost
     return ResponseMetrics(
         tuple(marks), held, swing, float(trace.work[flying].mean()), lost, adrift
     )

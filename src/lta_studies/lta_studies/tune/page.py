@@ -1,4 +1,4 @@
-"""A tuning as one self-contained HTML file, in the look of a flight's page."""
+"""Write the report of a tuning as one self-contained HTML file."""
 
 from collections.abc import Sequence
 from html import escape
@@ -17,22 +17,22 @@ from lta_studies.tune.step_response import Channel, StepResponse
 
 NAME = 'report.html'
 CHANNELS: Final[tuple[tuple[Channel, str, str], ...]] = (
-    ('altitude', 'Climb and sink', 'Only weight pulls it down where no rotor reverses.'),
-    ('heading', 'Turn', 'Standing in the air.'),
-    ('speed', 'Forward speed', 'Some speed is left of the turn before.'),
-    ('course', 'Turn at speed', 'Motion through the air; the nose leans against the drift.'),
+    ('altitude', 'Climb and descent', 'Where no rotor reverses, only weight pulls it down.'),
+    ('heading', 'Turn', 'Without airspeed.'),
+    ('speed', 'Forward speed', 'Some speed remains from the turn before.'),
+    ('course', 'Turn at speed', 'Course through the air; the nose points against the drift.'),
 )
-SEARCH: Final = 'Half the mean and half the worst of all cases. Dotted: the gains before.'
+SEARCH: Final = 'Average of the mean and the worst cost. Dotted: the old gains.'
 Traces = Sequence[tuple[float, StepResponse]]
 
 
 def write_page(tuned: TuningResult, old: Traces, new: Traces) -> Path:
-    """Write the page of a tuning and return where it is; `BadInput` where it cannot be written."""
+    """Write the page and return its path; raise `BadInput` if that fails."""
     return write_file(render_page(tuned, old, new), tuned.folder / NAME)
 
 
 def render_page(tuned: TuningResult, old: Traces, new: Traces) -> str:
-    """Return the whole page."""
+    """Return the HTML of the page."""
     order = tuned.order
     robust = report_tables.render_table(ROBUST_HEADS, report_tables.build_benefit_rows(tuned))
     margins = report_tables.render_table(
@@ -61,33 +61,33 @@ def render_page(tuned: TuningResult, old: Traces, new: Traces) -> str:
 
 
 def describe_tuning(tuned: TuningResult) -> str:
-    """Return what was done, and what cost is."""
+    """Describe the flights of the tuning and the cost."""
     order = tuned.order
     return (
-        f'{len(tuned.found.history)} candidates flew {len(tuned.losses)} examinations each, with '
-        f'{1e3 * order.least:g} to {1e3 * order.most:g} g of lift lost that the drone was '
-        'not told of. What is compared below was flown with other draws than the search had. '
-        'Cost weighs settling, overshoot, steady error, swing, work of the rotors and time of the '
-        'mission; less is better.'
+        f'{len(tuned.found.history)} candidates flew {len(tuned.losses)} test flights each. They '
+        f'had lost {1e3 * order.least:g} to {1e3 * order.most:g} g of lift, unknown to the drone. '
+        'The comparison below uses new random draws. '
+        'The cost combines settling, overshoot, steady error, swing, rotor activity and mission '
+        'time; lower is better.'
     )
 
 
 ROBUST_HEADS = ('median (middle half), or share with 95 % interval', 'old', 'new')
 MARGINS_NOTE = (
-    '<p class="note">Each loop is cut at its demand, the others closed; from one linearised '
-    'control period about the steady flight. Gain: how far it may fall and rise before the loop '
-    'oscillates. Phase and delay: what may be lost at the crossover. Where a swing grows, the '
-    'drone is not stable whatever the margins of one loop.</p>'
+    '<p class="note">Each loop is opened at its demand with the others closed, using one control '
+    'period linearised about the steady flight. Gain: by how much it may fall or rise before the '
+    'loop oscillates. Phase and delay: margins at the crossover. Where a swing grows, the '
+    'drone is unstable whatever the margins of a single loop.</p>'
 )
 LIMITS_NOTE = (
-    '<p class="note">Against the trim of the vehicle file. Held: take-off, a climb of 0.4 m and '
-    'the way down again, altitude within 0.3 m at the end of each. Days are by the permeation of '
+    '<p class="note">Relative to the trim of the vehicle file. Held: take-off, a climb of 0.4 m '
+    'and a descent, each ending within 0.3 m of the altitude. Days follow from the permeation of '
     'laminates, assumed for this film.</p>'
 )
 
 
 def build_tiles(tuned: TuningResult) -> list[Tile]:
-    """Return the figures that matter most."""
+    """Return the tiles with the key figures."""
     old, new = tuned.old, tuned.new
 
     def both(name: str, words: str, unit: str, factor: float, digits: int) -> Tile:
@@ -120,14 +120,14 @@ def build_tiles(tuned: TuningResult) -> list[Tile]:
             'Flights',
             str(len(tuned.found.history) * len(tuned.losses)),
             '',
-            f'and {2 * len(old.flights.reports)} to compare',
+            f'and {2 * len(old.flights.reports)} for the comparison',
         ),
     ]
 
 
 def render_panels(tuned: TuningResult, old: Traces, new: Traces) -> list[str]:
-    """Return all pictures."""
-    lines = 'Dashed: what is asked. Truth, one line a loss; the more lost, the paler.'
+    """Return the sections with the plots."""
+    lines = 'True values, one line per loss; paler lines have lost more. Dashed: setpoint.'
     out = [
         render_section(
             channel, heading, f'{caption} {lines}', pictures.plot_responses(channel, old, new)
@@ -136,37 +136,39 @@ def render_panels(tuned: TuningResult, old: Traces, new: Traces) -> list[str]:
     ]
     flights = tuned.old.flights, tuned.new.flights
     history = pictures.plot_search(tuned.found.history, len(tuned.losses))
-    every = 'Each draw is flown with both.'
+    every = 'Each draw is flown with both sets of gains.'
     return [
         *out,
         render_section('costs', 'Cost of each fresh draw', every, pictures.plot_costs(*flights)),
         render_section(
             'search',
             'The search',
-            'Half the mean and half the worst of all cases. Dotted: the gains before.',
+            SEARCH,
             history,
         ),
     ]
 
 
 def describe_provenance(tuned: TuningResult) -> dict[str, str]:
-    """Return where the numbers come from."""
+    """Return the provenance table of the page."""
     order = tuned.order
     return {
         'vehicle': order.vehicle,
         'gains before': tuned.gains_name,
-        'losses of the search': ', '.join(f'{1e3 * loss:.2g} g' for loss in tuned.losses),
+        'losses in the search': ', '.join(f'{1e3 * loss:.2g} g' for loss in tuned.losses),
         'seeds': f'{order.seed} to {order.seed + len(tuned.losses) - 1}; fresh draws from 1000',
         'commit': read_commit(),
     }
 
 
 def suggest_commands(tuned: TuningResult) -> dict[str, str]:
-    """Return how to go on."""
+    """Return commands for the next steps."""
     file = str(relative_path(tuned.file))
     return {
-        'Fly with them': format_lta_command(
+        'Fly with the new gains': format_lta_command(
             'simulate', '--vehicle', tuned.order.vehicle, '--gains', file
         ),
-        'Go on from them': format_lta_command('tune', tuned.order.vehicle, '--gains', file),
+        'Continue tuning from them': format_lta_command(
+            'tune', tuned.order.vehicle, '--gains', file
+        ),
     }

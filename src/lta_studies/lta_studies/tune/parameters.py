@@ -1,9 +1,9 @@
 """
-The numbers of a settings object that a search may turn: names, bounds, and how to change them.
+List, bound and replace the tunable parameters of a settings object.
 
-Works on any `Settings` whose fields say their bounds, nested as they are, so that every control
-law is tuned alike. A number is searched on a logarithm, within a factor of where it starts and
-within the bounds of its own declaration.
+Works on any nested `Settings` whose fields declare bounds, so all control laws are tuned in the
+same way. A parameter is searched on a logarithmic scale, within a factor of its start value and
+within its declared bounds.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -16,7 +16,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 GAINS = ('kp', 'ki', 'kd', 'gain')  # how names of gains end; limits and angles are not gains
-REACH = 6.0  # factor either way
+REACH = 6.0  # a search covers value / 6 to value * 6
 
 Model = TypeVar('Model', bound=BaseModel)
 
@@ -25,18 +25,18 @@ Model = TypeVar('Model', bound=BaseModel)
 @dataclass(frozen=True, slots=True)
 class TunableParameter:
     """
-    One number of a settings object.
+    One tunable parameter of a settings object.
 
     Attributes
     ----------
     path : str
-        Where it stands, `climb.kp` for example.
+        Dotted path, for example `climb.kp`.
     value : float
-        What it is.
+        Current value.
     low, high : float
-        Bounds of its declaration.
+        Declared bounds.
     about, unit : str
-        Its declaration.
+        Declared description and unit.
 
     """
 
@@ -48,7 +48,7 @@ class TunableParameter:
     unit: str = ''
 
     def search_bounds(self, reach: float = REACH) -> tuple[float, float]:
-        """Return the ends of its search."""
+        """Return the bounds of the search."""
         return max(self.low, self.value / reach), min(self.high, self.value * reach)
 
 
@@ -68,7 +68,7 @@ def iterate_parameters(settings: BaseModel, above: str = '') -> Iterator[Tunable
 
 
 def _declared_bounds(field: FieldInfo) -> tuple[float, float]:
-    """Return the closed bounds of a declaration; infinite where it has none."""
+    """Return the declared closed bounds; infinite where none is declared."""
     low, high = -math.inf, math.inf
     for rule in field.metadata:
         low, high = getattr(rule, 'ge', low), getattr(rule, 'le', high)
@@ -77,19 +77,19 @@ def _declared_bounds(field: FieldInfo) -> tuple[float, float]:
 
 def select_parameters(settings: BaseModel, names: Sequence[str] = ()) -> list[TunableParameter]:
     """
-    Return the numbers to search.
+    Return the parameters to search.
 
     Parameters
     ----------
     settings : BaseModel
-        The start.
+        Start values.
     names : sequence of str
-        Their paths; by default all above zero whose names end as those of gains do.
+        Paths; by default all positive parameters whose names end like gains.
 
     Raises
     ------
     BadInput
-        If a name is not known, or a number is not above zero and so has no logarithm.
+        If a name is unknown, or a value is not positive and so has no logarithm.
 
     """
     found = {number.path: number for number in iterate_parameters(settings)}
@@ -100,14 +100,14 @@ def select_parameters(settings: BaseModel, names: Sequence[str] = ()) -> list[Tu
             raise unknown_name('number', name, list(found))
         if not found[name].value > 0.0:
             raise BadInput(
-                f'{name} starts at {found[name].value:g}; start from a value above 0, the search '
-                'turns it by factors.'
+                f'{name} starts at {found[name].value:g}. The search varies it by factors; start '
+                'from a value above 0.'
             )
     return [found[name] for name in dict.fromkeys(names)]
 
 
 def replace_parameters(settings: Model, values: Mapping[str, float]) -> Model:
-    """Return settings with numbers replaced, checked as a file's would be."""
+    """Return validated settings with some values replaced."""
     content = settings.model_dump()
     for path, value in values.items():
         *above, last = path.split('.')

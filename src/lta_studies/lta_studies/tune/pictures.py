@@ -1,4 +1,4 @@
-"""The pictures of a tuning: steps before and after over the spread, the search, costs by loss."""
+"""Plot a tuning: step responses of old and new gains, costs by loss, and the search."""
 
 from collections.abc import Sequence
 import math
@@ -17,7 +17,7 @@ TITLES: dict[Channel, str] = {
     'speed': 'speed [m/s]',
     'course': 'course [\N{DEGREE SIGN}]',
 }
-MARGIN = 1.0  # s before a step that is shown
+MARGIN = 1.0  # s shown before a step
 
 
 def plot_responses(
@@ -25,7 +25,7 @@ def plot_responses(
     old: Sequence[tuple[float, StepResponse]],
     new: Sequence[tuple[float, StepResponse]],
 ) -> Figure:
-    """Return the steps of one channel, flown with old and new gains at each loss [kg]."""
+    """Plot the step responses of one channel with old and new gains at each loss [kg]."""
     figure = create_figure()
     steps = [step for step in STEPS if step.channel == channel]
     factor = 180.0 / math.pi if channel in ('heading', 'course') else 1.0
@@ -42,7 +42,7 @@ def plot_responses(
             figure.add_trace(drawn.update(opacity=opacity))
     time, values = setpoint_line(steps, begin, end)
     figure.add_trace(
-        build_line('asked', time, factor * values, SETPOINT, unit='', dash='dot', width=1.0)
+        build_line('setpoint', time, factor * values, SETPOINT, unit='', dash='dot', width=1.0)
     )
     low, high = padded_range(*shown, factor * values)
     figure.update_layout(hovermode='closest', margin={'r': 24})
@@ -52,7 +52,7 @@ def plot_responses(
 
 
 def setpoint_line(steps: Sequence[SetpointStep], begin: float, end: float) -> tuple[Array, Array]:
-    """Return the setpoint as a line."""
+    """Return time and value of the setpoint as a stepped line."""
     time, values = [0.0], [steps[0].before]
     for step in steps:
         time += [step.start - begin, step.start - begin]
@@ -61,7 +61,7 @@ def setpoint_line(steps: Sequence[SetpointStep], begin: float, end: float) -> tu
 
 
 def add_legend(figure: Figure) -> Figure:
-    """Write what the two colours are."""
+    """Label the colours of old and new gains."""
     for words, colour, place in (('old gains', OLD, 0.0), ('new gains', NEW, 0.14)):
         figure.add_annotation(
             x=place, y=1.0, xref='paper', yref='paper', xanchor='left', yanchor='bottom',
@@ -71,7 +71,7 @@ def add_legend(figure: Figure) -> Figure:
 
 
 def plot_costs(old: GainEvaluation, new: GainEvaluation) -> Figure:
-    """Return the cost of each fresh draw by its loss."""
+    """Plot the cost of each comparison flight against its loss."""
     figure = create_figure()
     for name, colour, flights in (('old', OLD, old), ('new', NEW, new)):
         figure.add_trace(
@@ -89,11 +89,11 @@ def plot_costs(old: GainEvaluation, new: GainEvaluation) -> Figure:
 
 
 def plot_search(history: Sequence[float], cases: int) -> Figure:
-    """Return how the least cost fell with the flights."""
+    """Plot the lowest cost against the number of flights."""
     figure = create_figure()
     flights = cases * np.arange(1.0, len(history) + 1.0)
     figure.add_trace(build_line('best', flights, np.array(history), NEW, unit='', steps=True))
     figure.add_hline(y=history[0], line={'color': SOFT, 'width': 1, 'dash': 'dot'})
     figure.update_layout(margin={'r': 24})
     figure.update_xaxes(title_text='flights')
-    return figure.update_yaxes(title_text='least cost so far')
+    return figure.update_yaxes(title_text='lowest cost so far')

@@ -1,4 +1,4 @@
-"""The progress bar of a tuning: candidates, flights, the best cost, and what comes after."""
+"""Show the progress of a tuning: candidates, flights, best cost and the stages after it."""
 
 from typing import final
 
@@ -14,17 +14,7 @@ from rich.progress import (
 
 @final
 class TuneProgress(ProgressBar):
-    """
-    Show a tuning while it lasts.
-
-    Parameters
-    ----------
-    console : Console
-        Where to; nothing moves where it is no terminal.
-    budget, cases : int
-        Candidates, and examinations of each.
-
-    """
+    """Progress bar of a tuning with `budget` candidates of `cases` test flights each."""
 
     def __init__(self, console: Console, budget: int, cases: int) -> None:
         self._cases = cases
@@ -39,7 +29,7 @@ class TuneProgress(ProgressBar):
             detail='',
         )
         console.print(
-            f'{budget} candidates with {cases} examinations each: {budget * cases} flights.',
+            f'{budget} candidates with {cases} test flights each: {budget * cases} flights.',
             highlight=False,
         )
 
@@ -49,5 +39,5 @@ class TuneProgress(ProgressBar):
         self.update_bar(completed=count, detail=words)
 
     def show_stage(self, words: str) -> None:
-        """Say what is done after the search."""
+        """Show the stage after the search."""
         self.update_bar(detail=words)

@@ -1,4 +1,4 @@
-"""A tuning in words and tables, for the page and for the terminal."""
+"""Build the headline and the tables of a tuning report, for page and terminal."""
 
 from collections.abc import Sequence
 from html import escape
@@ -21,9 +21,9 @@ OF_STEP: Final = (
     ('steady', 'steady error [%]', 100.0, 0),
 )
 OF_WHOLE: Final = (
-    ('altitude', 'altitude held meanwhile [cm rms]', 100.0, 1),
+    ('altitude', 'altitude error in the other steps [cm rms]', 100.0, 1),
     ('swing', 'swing at the end [deg]', 180.0 / math.pi, 2),
-    ('search', 'time of the mission [% of the limit]', 100.0, 0),
+    ('search', 'duration of the mission [% of the limit]', 100.0, 0),
     ('growth', 'growth of a swing in cruise [%/s]', 100.0, 1),
     ('effort', 'change of duty [1/s]', 1.0, 2),
     ('cost', 'cost', 1.0, 3),
@@ -31,7 +31,7 @@ OF_WHOLE: Final = (
 
 
 def format_title(tuned: TuningResult) -> str:
-    """Return what came out, in a sentence that the fresh draws bear."""
+    """Return the headline; it claims a difference only if the 95 % interval excludes 0."""
     old, new = tuned.old.flights, tuned.new.flights
     gap = compare_costs(old, new)
     before = sum(report.cost for report in old.reports) / len(old.reports)
@@ -41,17 +41,17 @@ def format_title(tuned: TuningResult) -> str:
         return f'The new gains cost {less} over {len(old.reports)} fresh draws ({interval}).'
     if gap.low > 0.0:
         words = f'over {len(old.reports)} fresh draws ({interval})'
-        return f'The new gains are worse {words}: keep the old.'
-    return f'No difference that {len(old.reports)} fresh draws could tell ({interval}).'
+        return f'The new gains are worse {words}: keep the old gains.'
+    return f'No significant difference over {len(old.reports)} fresh draws ({interval}).'
 
 
 def format_share(value: ShareInterval) -> str:
-    """Return a share with its interval."""
+    """Format a share with its interval in percent."""
     return f'{100 * value.value:.0f} % ({100 * value.low:.0f} to {100 * value.high:.0f})'
 
 
 def format_spread(value: QuartileSpread, factor: float = 1.0, digits: int = 2) -> str:
-    """Return a median with its middle half."""
+    """Format a median with its quartiles."""
 
     def format_number(x: float) -> str:
         return 'never' if math.isinf(x) else f'{factor * x:.{digits}f}'
@@ -63,10 +63,10 @@ def format_spread(value: QuartileSpread, factor: float = 1.0, digits: int = 2) -
 
 
 def build_benefit_rows(tuned: TuningResult) -> list[Row]:
-    """Return what it bought: figure, old, new."""
+    """Return the comparison rows: metric, old, new."""
     sides = (tuned.old.flights, tuned.new.flights)
     rows = [
-        ['mission at its goal', *(format_share(side.reached_share) for side in sides)],
+        ['mission reached its goal', *(format_share(side.reached_share) for side in sides)],
         ['altitude lost', *(format_share(side.lost_share) for side in sides)],
     ]
     for k, name in enumerate(NAMES):
@@ -85,7 +85,7 @@ def build_benefit_rows(tuned: TuningResult) -> list[Row]:
 
 
 def format_margins(margins: StabilityMargins | None) -> tuple[str, str, str]:
-    """Return gain margins, phase margin with its crossover, and delay margin."""
+    """Format gain margins, phase margin with its crossover, and delay margin."""
     if margins is None:
         return '-', '-', '-'
     up = '∞' if margins.gain is None else f'{to_decibels(margins.gain):+.1f}'
@@ -104,7 +104,7 @@ MARGIN_HEADS = (
 
 
 def build_margin_rows(tuned: TuningResult) -> list[Row]:
-    """Return the margins of old and new side by side."""
+    """Return the rows with the margins of old and new gains."""
     rows = []
     order = {'altitude': 0, 'heading': 1, 'speed': 2}
     pairs = list(zip(tuned.old.steadiness, tuned.new.steadiness, strict=True))
@@ -123,7 +123,7 @@ def build_margin_rows(tuned: TuningResult) -> list[Row]:
 
 
 def format_remark(old: LoopMargins, new: LoopMargins) -> str:
-    """Return what the numbers do not say."""
+    """Return why a margin is missing, or which swing is unstable."""
     words = []
     for name, side in (('old', old), ('new', new)):
         if side.margins is None:
@@ -136,27 +136,35 @@ def format_remark(old: LoopMargins, new: LoopMargins) -> str:
 
 
 def build_limit_rows(old: HeliumLimit, new: HeliumLimit) -> list[Row]:
-    """Return where gains stop holding: figure, old, new."""
+    """Return the rows of helium limits: limit, old, new."""
 
     def format_limit(value: float | None) -> str:
         return format_number(None if value is None or math.isinf(value) else value, 1)
 
     return [
-        ['held, flown [g lost]', format_limit(old.grams), format_limit(new.grams)],
-        ['lost, flown [g lost]', format_limit(old.fails), format_limit(new.fails)],
-        ['largest demand carries [g lost]', format_limit(old.demand), format_limit(new.demand)],
-        ['rotors carry [g lost]', format_limit(old.rotors), format_limit(new.rotors)],
-        ['days, by 0.2 to 0.9 L/(m² day)', format_leak_days(old), format_leak_days(new)],
+        ['largest loss held in flight [g]', format_limit(old.grams), format_limit(new.grams)],
+        [
+            'smallest loss that failed in flight [g]',
+            format_limit(old.fails),
+            format_limit(new.fails),
+        ],
+        [
+            'loss that the largest demand carries [g]',
+            format_limit(old.demand),
+            format_limit(new.demand),
+        ],
+        ['loss that full thrust carries [g]', format_limit(old.rotors), format_limit(new.rotors)],
+        ['days, at 0.2 to 0.9 L/(m² day)', format_leak_days(old), format_leak_days(new)],
     ]
 
 
 def format_leak_days(limit: HeliumLimit) -> str:
-    """Return how long it takes to leak that much."""
+    """Format the range of days until that much has leaked."""
     return f'{limit.days[0]:.0f} to {limit.days[1]:.0f}'
 
 
 def build_gain_rows(tuned: TuningResult) -> list[Row]:
-    """Return what was turned: path, old, new, ends of the search."""
+    """Return the rows of tuned parameters: path, old, new, search bounds."""
     out = []
     for each in tuned.numbers:
         new: object = tuned.new.gains
@@ -168,13 +176,13 @@ def build_gain_rows(tuned: TuningResult) -> list[Row]:
 
 
 def typeset_signs(text: str) -> str:
-    """Return plain words with true minus signs and degrees."""
+    """Replace hyphens by minus signs and 'deg' by the degree sign."""
     text = re.sub(r'(?<!\w)-(?=[\d∞])', '\N{MINUS SIGN}', text)
     return text.replace(' deg', '\N{DEGREE SIGN}').replace('[deg]', '[\N{DEGREE SIGN}]')
 
 
 def render_table(heads: Sequence[str], rows: Sequence[Row], text: bool = False) -> str:
-    """Return rows as a table; with `text`, the last column is words."""
+    """Return an HTML table; with `text`, the last column holds words."""
     head = ''.join(f'<th scope="col">{escape(typeset_signs(cell))}</th>' for cell in heads)
     lines = []
     for first, *rest in rows:

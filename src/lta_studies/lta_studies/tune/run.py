@@ -1,4 +1,4 @@
-"""Tuning from the order to the page: search, compare, margins, limits, files."""
+"""Run a tuning: search, comparison, stability margins, helium limits and gains file."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -25,14 +25,14 @@ from lta_studies.tune.step_response import TuningCase, TuningScene
 from lta_studies.tune.workers import create_workers, evaluate_all, EvaluationJob
 from rich.console import Console
 
-LAW = 'cascade'  # the law whose gains this examines
+LAW = 'cascade'  # the only control law that can be tuned
 GAINS_NAME = 'gains.yaml'
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class TuningRequest:
-    """What to tune and how; losses in kg."""
+    """Options of a tuning; losses in kg."""
 
     vehicle: str
     gains: str | None = None
@@ -52,7 +52,7 @@ class TuningRequest:
 @final
 @dataclass(frozen=True, slots=True)
 class GainSetResult:
-    """One set of gains and what is known of it."""
+    """One set of gains with its flights, stability margins and helium limit."""
 
     gains: CascadeGains
     flights: GainEvaluation
@@ -64,20 +64,20 @@ class GainSetResult:
 @dataclass(frozen=True, slots=True)
 class TuningResult:
     """
-    How a tuning went.
+    Result of a tuning.
 
     Attributes
     ----------
-    found : Found
-        What the search found.
-    numbers : tuple of Number
-        What it turned, as it was before.
-    old, new : Side
-        Before and after.
+    found : GainSearchResult
+        Result of the search.
+    numbers : tuple of TunableParameter
+        Tuned parameters with their old values.
+    old, new : GainSetResult
+        Results with the old and the new gains.
     losses : tuple of float
-        Of the examinations of the search. [kg]
+        Losses in the search. [kg]
     file, folder : Path
-        The gains file, and where all is kept.
+        The gains file and the results folder.
 
     """
 
@@ -93,13 +93,13 @@ class TuningResult:
 
 
 def select_start_gains(vehicle: str, named: str | None) -> str:
-    """Return the gains to start from; `BadInput` where the vehicle flies by another law."""
+    """Return the name of the start gains; raise `BadInput` for another control law."""
     control = load_vehicle_file(vehicle).control
     law = control.law if control else 'none'
     if law != LAW:
         raise BadInput(
-            f'{vehicle} flies by the control law {law}, and the examination is of {LAW}; name a '
-            f'vehicle whose control block says {LAW}.'
+            f'{vehicle} uses the control law {law}, but only {LAW} can be tuned; choose a '
+            f'vehicle whose control block names {LAW}.'
         )
     if named is None and (control is None or control.gains is None):
         raise BadInput(f'{vehicle} names no gains in its control block; start from --gains NAME.')
@@ -107,34 +107,34 @@ def select_start_gains(vehicle: str, named: str | None) -> str:
 
 
 def build_cases(order: TuningRequest) -> list[TuningCase]:
-    """Return the examinations of the search: losses evenly over the spread, a seed each."""
+    """Return the cases of the search: evenly spaced losses, one seed each."""
     gap = (order.most - order.least) / max(1, order.cases - 1)
     return [TuningCase(order.least + k * gap, order.seed + k) for k in range(order.cases)]
 
 
 def check_request(order: TuningRequest) -> None:
-    """Refuse a spread that no gains could hold."""
+    """Raise `BadInput` for a range of losses that no gains could hold."""
     if order.least > order.most:
         raise BadInput(
-            f'The spread goes from {1e3 * order.least:g} g to {1e3 * order.most:g} g; give the '
-            'smaller loss first.'
+            f'--least is {1e3 * order.least:g} g and --most {1e3 * order.most:g} g; --least must '
+            'be the smaller one.'
         )
     most = rotor_loss_limit(TuningScene(order.vehicle).nominal_vehicle)
     if order.most >= most:
         raise BadInput(
-            f'At a loss of {1e3 * order.most:g} g the rotors of {order.vehicle} cannot carry it '
-            f'any more, which ends at {1e3 * most:.1f} g; take a smaller --most.'
+            f'The rotors of {order.vehicle} can carry a loss of {1e3 * most:.1f} g, less than '
+            f'{1e3 * order.most:g} g; choose a smaller --most.'
         )
 
 
 def tune_once(order: TuningRequest, console: Console) -> TuningResult:
     """
-    Search gains, compare them with where they began, and write the gains file.
+    Search for gains, compare them with the start gains, and write the gains file.
 
     Raises
     ------
     BadInput
-        If it cannot be done as ordered; nothing was flown then.
+        If the request is invalid; raised before any flight.
 
     """
     name = select_start_gains(order.vehicle, order.gains)
@@ -180,7 +180,7 @@ def evaluate_candidate(
     workers: WorkerPool,
     candidate: Mapping[str, float],
 ) -> list[float]:
-    """Return the cost of each examination of a candidate."""
+    """Return the cost of each test flight of a candidate."""
     gains = replace_parameters(start, candidate)
     tasks = [EvaluationJob(scene, gains, case) for case in cases]
     return [report.cost for report in evaluate_all(tasks, workers)]
@@ -189,7 +189,7 @@ def evaluate_candidate(
 def evaluate_gain_set(
     scene: TuningScene, gains: CascadeGains, flights: GainEvaluation, order: TuningRequest
 ) -> GainSetResult:
-    """Return what is known of a set of gains."""
+    """Compute the stability margins and the helium limit of a set of gains."""
     middle = 0.5 * (order.least + order.most)
     losses = sorted({order.least, middle, order.most})
     margins = compute_loop_margins(scene, gains, losses, (0.0, CRUISE))
@@ -197,14 +197,14 @@ def evaluate_gain_set(
 
 
 def vehicle_name(order: TuningRequest) -> str:
-    """Return the vehicle's own name."""
+    """Return the name in the vehicle file."""
     return load_vehicle_file(order.vehicle).name
 
 
 def describe_search(
     order: TuningRequest, gains: CascadeGains, numbers: Sequence[TunableParameter]
 ) -> dict[str, object]:
-    """Return all that the costs of a search depend on."""
+    """Return everything that the costs of a search depend on."""
     return {
         'vehicle': find_file('vehicle', order.vehicle).read_text(encoding='utf-8'),
         'gains': gains.model_dump(),
@@ -218,22 +218,22 @@ def describe_search(
 def format_gains_comment(
     order: TuningRequest, start: str, result: GainSearchResult, cases: int
 ) -> list[str]:
-    """Return the comment above the gains."""
+    """Return the comment lines at the top of the gains file."""
     count = len(result.history)
     ended = ', stopped early' if result.stopped else ''
     return [
         f'Gains for {vehicle_name(order)}, found by: {order.command}',
-        f'{count} candidates with {cases} examinations each{ended}, from the gains {start}; '
+        f'{count} candidates with {cases} test flights each{ended}, from the gains {start}; '
         f'search seed {order.seed}.',
         f'Lift lost: {1e3 * order.least:g} to {1e3 * order.most:g} g against the trim of its '
         f'file; seeds {order.seed} to {order.seed + cases - 1}.',
-        f'Cost {result.first:.3f} before, {result.cost:.3f} after (half the mean and half the '
-        'worst; see lta tune --help).',
+        f'Cost {result.first:.3f} before, {result.cost:.3f} after (average of mean and worst; '
+        'see lta tune --help).',
     ]
 
 
 def fly_responses(
     scene: TuningScene, gains: CascadeGains, cases: Sequence[TuningCase]
 ) -> list[tuple[float, step_response.StepResponse]]:
-    """Return what examinations looked like, each with its loss [kg]."""
+    """Fly the test flights and return their responses, each with its loss [kg]."""
     return [(case.loss, step_response.fly_steps(scene, gains, case)) for case in cases]

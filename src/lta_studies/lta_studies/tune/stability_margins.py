@@ -1,14 +1,15 @@
 """
-The margins of each loop of a vehicle, hovering and in cruise, for each loss of lift.
+Compute the margins of each loop of a vehicle, in hover and cruise, for each loss of lift.
 
-Every loop is cut at its own demand with the others closed: altitude and climb at the vertical
+Every loop is opened at its own demand with the others closed: altitude and climb at the vertical
 force, heading and yaw rate at the yaw moment, speed at the surge force. With P(z) the response of
-the cut demands to each other and Q its part without row and column i,
+all demands to each other, and q the other loops,
 
     L_i = -(P_ii + P_iq (1 - P_qq)^-1 P_qi)
 
-on z = exp(j w T). A loop whose rotor is at a limit in the steady flight has no linear answer, as
-the vertical one of a vehicle that is no heavier than air; it is left out, with the reason.
+on z = exp(j w T). A loop whose rotor is at a limit in the steady flight has no linear response,
+for example the vertical loop of a vehicle that is not heavier than air. It is left out, with a
+reason.
 """
 
 from collections.abc import Sequence
@@ -25,11 +26,11 @@ import numpy as np
 
 Loop = Literal['altitude', 'heading', 'speed']
 PLACES: Final[dict[Loop, int]] = {'speed': 0, 'altitude': 1, 'heading': 2}  # in a demand
-ALTITUDE = 1.0  # m
-CRUISE = 0.4  # m/s
-POINTS = 1200
+ALTITUDE = 1.0  # m, of the steady flights
+CRUISE = 0.4  # m/s, the speed of the speed step
+POINTS = 1200  # frequencies, logarithmically spaced
 LOWEST = 0.02  # rad/s
-IDLE = 1e-6  # N; thrust that counts as none
+IDLE = 1e-6  # N; a rotor with less thrust counts as stopped
 
 
 @final
@@ -40,16 +41,14 @@ class LoopMargins:
 
     Attributes
     ----------
-    loop : str
-        Which.
     speed, loss : float
         Airspeed and lift lost. [m/s, kg]
     stable : bool
-        Whether the whole drone is stable there.
+        Whether the whole drone is stable.
     growth, swing : float
-        Of its least damped disturbance: rate of growth [1/s] and angular frequency. [rad/s]
-    margins : Margins or None
-        None where `why` says why.
+        Growth rate and angular frequency of the least damped mode. [1/s, rad/s]
+    margins : StabilityMargins or None
+        None if there are no margins.
     why : str
         Why there are no margins.
 
@@ -66,19 +65,20 @@ class LoopMargins:
 
 
 def frequency_grid(period: float) -> Array:
-    """Return the frequencies looked at, up to half the control rate. [rad/s]"""
+    """Return the evaluated frequencies, up to half the control rate. [rad/s]"""
     return np.geomspace(LOWEST, 0.999 * math.pi / period, POINTS)
 
 
 def frequency_response(linear: LinearLoop, loop: Loop, frequency: Array) -> Complex:
-    """Return L(jw) of one loop, the others closed."""
+    """Return L(jw) of one loop with the others closed."""
     z = np.exp(1j * frequency * linear.period)
     own = PLACES[loop]
     others = [place for place in PLACES.values() if place != own]
-    # Closing the other loops first: A + B_q C_q.
+    # Close the other loops first: A + B_q C_q.
     a = linear.a + linear.b[:, others] @ linear.c[others]
     b, c = linear.b[:, [own]], linear.c[[own]]
     values, left = np.linalg.eig(a)
+    # Partial fractions are fast, but need a well-conditioned eigenbasis.
     if np.linalg.cond(left) < 1e10:
         inner = (c @ left) * np.linalg.solve(left, b).T  # residues
         plain = (inner / (z[:, None] - values[None, :])).sum(axis=1)
@@ -91,19 +91,7 @@ def frequency_response(linear: LinearLoop, loop: Loop, frequency: Array) -> Comp
 def compute_loop_margins(
     scene: TuningScene, gains: CascadeGains, losses: Sequence[float], speeds: Sequence[float]
 ) -> list[LoopMargins]:
-    """
-    Return every loop's margins.
-
-    Parameters
-    ----------
-    scene : Scene
-        The vehicle.
-    gains : CascadeGains
-        Of its controller.
-    losses, speeds : sequence of float
-        Lift lost [kg], and airspeeds of the steady flights. [m/s]
-
-    """
+    """Compute the margins of every loop at each loss of lift [kg] and airspeed [m/s]."""
     found = []
     for loss in losses:
         cut = LoopCut(scene.build_true_vehicle(loss), scene.nominal_vehicle, gains)
@@ -114,13 +102,13 @@ def compute_loop_margins(
 
 
 def assess_loop(linear: LinearLoop, loop: Loop, loss: float, speed: float) -> LoopMargins:
-    """Return the margins of one loop."""
+    """Compute the margins of one loop, or the reason why it has none."""
     why = ''
     idle = max(linear.thrusts[:2]) < IDLE
     if loop == 'speed' and speed == 0.0:
-        why = 'the forward rotors stand still'
+        why = 'the forward rotors are stopped'
     elif loop == 'altitude' and idle:
-        why = 'the vertical rotors stand still'
+        why = 'the vertical rotors are stopped'
     found = None
     if not why:
         w = frequency_grid(linear.period)

@@ -1,10 +1,9 @@
 """
-The flight that gains are judged by: take off, then steps in altitude, heading and forward speed.
+Fly the step test that gains are rated by: take-off, then altitude, heading and speed steps.
 
-Flown in the world with its sensors and their noise, by the drone's own estimator and controller as
-in `lta_flight.closed_loop`; setpoints are given, so nothing looks at the light. The drone knows
-the
-vehicle as its file has it; the true one has lost lift (`net_lift`), which is how lost helium acts.
+The flight uses the simulated world with sensor noise, and the drone's estimator and controller as
+in `lta_flight.closed_loop`. Setpoints are prescribed, so the light link is not used. The drone
+assumes the vehicle of its file; the true one has lost lift (`net_lift`), like after a helium loss.
 """
 
 from collections.abc import Sequence
@@ -31,13 +30,13 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Channel = Literal['altitude', 'heading', 'speed', 'course']
 
-SCENARIO = 'lamp_room'  # for its air; light and goal play no part
+SCENARIO = 'lamp_room'  # only its air matters
 LIFT = 'effects.net_lift.force'
-EVERY = 5  # control periods from one kept sample to the next
+EVERY = 5  # control periods per recorded sample
 
 
 class SetpointStep(NamedTuple):
-    """One step of a setpoint: when, of what, from and to what. [s; m, rad or m/s]"""
+    """A setpoint step in one channel, with times in s and values in m, rad or m/s."""
 
     start: float
     end: float
@@ -46,9 +45,9 @@ class SetpointStep(NamedTuple):
     after: float
 
 
-# A turn at speed is judged by where the drone goes: its nose leans against the drift on purpose.
-# The first 12 s are rest and take-off. Steps are small enough that no vehicle leaves a room, and
-# long enough that a good one is at rest before the next.
+# A turn at speed is rated by the course: the nose points against the drift on purpose.
+# The first 12 s are rest and take-off. Steps are small enough to stay in a room, and long enough
+# for a well-tuned vehicle to settle before the next.
 STEPS = (
     SetpointStep(12.0, 20.0, 'altitude', 1.0, 1.4),
     SetpointStep(20.0, 30.0, 'altitude', 1.4, 1.0),
@@ -56,14 +55,14 @@ STEPS = (
     SetpointStep(38.0, 48.0, 'speed', 0.0, 0.4),
     SetpointStep(48.0, 60.0, 'course', 0.5 * math.pi, 0.0),
 )
-TAKE_OFF = 2.1  # s; the estimator has learnt its biases
+TAKE_OFF = 2.1  # s; the bias calibration has ended by then
 FLYING_ALTITUDE = 1.0  # m
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class TuningCase:
-    """What one examination is flown with: the lift lost [kg] and the seed of all chance."""
+    """Conditions of one test flight: lift lost [kg] and random seed."""
 
     loss: float
     seed: int
@@ -72,20 +71,12 @@ class TuningCase:
 @final
 @dataclass(frozen=True, slots=True)
 class TuningScene:
-    """
-    What all examinations of one vehicle share.
-
-    Parameters
-    ----------
-    vehicle : str
-        Name or file.
-
-    """
+    """The vehicle (name or file) and the scenario of all test flights."""
 
     vehicle: str
 
     def build_true_vehicle(self, loss: float) -> Vehicle:
-        """Return the vehicle with that much lift lost [kg]; less than 0 is lift gained."""
+        """Return the vehicle with a loss of lift [kg]; a negative loss adds lift."""
         content = load_yaml(find_file('vehicle', self.vehicle))
         if loss:
             own = content.get('effects', {}).get('net_lift', {}).get('force')
@@ -97,12 +88,12 @@ class TuningScene:
 
     @property
     def nominal_vehicle(self) -> Vehicle:
-        """The vehicle as the drone knows it: its file, in standard air."""
+        """The vehicle that the drone assumes: its file, in standard air."""
         return Vehicle(self.build_true_vehicle(0.0).file)
 
     @property
     def scenario(self) -> Scenario:
-        """The scene."""
+        """Scenario of the test flights."""
         return load_scenario(SCENARIO)
 
 
@@ -110,17 +101,17 @@ class TuningScene:
 @dataclass(frozen=True, slots=True)
 class StepResponse:
     """
-    What an examination looked like; truth, not estimate.
+    True motion in a test flight.
 
     Attributes
     ----------
     time, altitude, heading, speed, course : ndarray, shape (n,)
-        Heading, and course through the air, from the heading of the start, unwrapped; speed along
-        the nose. [s, m, rad, m/s, rad]
+        Heading and course through the air are unwrapped and relative to the initial heading;
+        speed is along the body x axis. [s, m, rad, m/s, rad]
     tilt : ndarray, shape (n,)
-        Between the body's z axis and the vertical. [rad]
+        Angle between the body's z axis and the vertical. [rad]
     work : ndarray, shape (n,)
-        Mean over the rotors of the change of duty since the sample before, per second. [1/s]
+        Duty change per second since the previous sample, mean over the rotors. [1/s]
     stopped : bool
         Whether the drone switched its motors off.
 
@@ -136,7 +127,7 @@ class StepResponse:
     stopped: bool
 
     def select_channel(self, channel: Channel) -> Array:
-        """Return one of altitude, heading and speed."""
+        """Return the time series of a channel."""
         table = {
             'altitude': self.altitude,
             'heading': self.heading,
@@ -152,7 +143,7 @@ def fly_steps(
     case: TuningCase,
     steps: Sequence[SetpointStep] = STEPS,
 ) -> StepResponse:
-    """Fly one examination; the same case gives the same chance to all gains."""
+    """Fly one test flight; the same case gives all gains the same noise."""
     table = load_topic_table()
     world = World(scene.build_true_vehicle(case.loss), scene.scenario, table, case.seed)
     dt = table.control_ns * 1e-9
@@ -197,7 +188,7 @@ def fly_steps(
 
 
 def _measure_state(state: Array) -> tuple[float, float, float, float, float]:
-    """Return altitude, yaw, surge, drift angle and tilt of a state. [m, rad, m/s, rad, rad]"""
+    """Return altitude, yaw, surge speed, drift angle and tilt. [m, rad, m/s, rad, rad]"""
     x, y, z, w = state[QUATERNION].tolist()
     surge, sway, _ = state[VELOCITY].tolist()
     yaw = math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))

@@ -1,4 +1,4 @@
-"""Examinations flown side by side, one a process."""
+"""Fly test flights in parallel worker processes."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -21,11 +21,11 @@ PLACE = itemgetter(0)
 WORST = StepMetrics(math.inf, 1.0, 1.0, 1.0)
 BROKEN = ResponseMetrics(
     (WORST,) * len(STEPS), 1.0, 1.0, 0.0, True, LOST
-)  # of a flight that ended in no numbers
+)  # metrics of a flight whose simulation diverged
 
 
 class EvaluationJob(NamedTuple):
-    """One examination to fly."""
+    """One test flight to fly."""
 
     scene: TuningScene
     gains: CascadeGains
@@ -33,7 +33,7 @@ class EvaluationJob(NamedTuple):
 
 
 def evaluate_gains(task: EvaluationJob) -> ResponseMetrics:
-    """Fly one examination and one mission; say how they went, and whether a swing would grow."""
+    """Fly one step test and one mission, and add the growth rate of the linear loop."""
     scene, gains, case = task
     try:
         report = compute_response_metrics(fly_steps(scene, gains, case))
@@ -51,12 +51,12 @@ def evaluate_gains(task: EvaluationJob) -> ResponseMetrics:
 
 
 def create_workers(size: int) -> WorkerPool:
-    """Return processes that fly examinations."""
+    """Create the worker processes."""
     return WorkerPool(size, '--workers', goes_on=True)
 
 
 def evaluate_all(tasks: Sequence[EvaluationJob], by: WorkerPool) -> list[ResponseMetrics]:
-    """Return the reports in the order of the tasks."""
+    """Return the metrics in the order of the tasks."""
     return [
         report
         for _, report in sorted(
@@ -66,5 +66,5 @@ def evaluate_all(tasks: Sequence[EvaluationJob], by: WorkerPool) -> list[Respons
 
 
 def _evaluate_indexed(place: int, task: EvaluationJob) -> tuple[int, ResponseMetrics]:
-    """Fly one examination, and say which it was."""
+    """Fly one test flight and return its index with the metrics."""
     return place, evaluate_gains(task)

@@ -1,1 +1,1 @@
-"""The wind that each platform can fly in: from its numbers, and by flying."""
+"""Wind limits of each platform: static limits, and limits found by flying."""

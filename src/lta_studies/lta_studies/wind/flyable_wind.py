@@ -1,11 +1,10 @@
 """
-The largest wind in which a drone makes way to the lamp, found by flying.
+Find the largest wind in which a drone makes headway to the lamp, by simulated flights.
 
-The wind blows from the lamp to the start. A wind is flyable if the drone makes way in it with
-every seed: it reaches its goal, or it is nearer to the lamp at the end than 20 s before, and never
-tilts so far that its motors stop. The drone is also told to fly faster than its mission does by
-default, as its pilot would; the best of these airspeeds counts. Bisection, taking for granted that
-what flies in a wind flies in less.
+The wind blows from the lamp to the start. A wind is flyable if the drone makes headway with every
+seed: it reaches its goal, or ends nearer to the lamp than 20 s before, and never tilts beyond the
+limit at which its motors stop. Several airspeed commands are tried and the best one counts. The
+limit is found by bisection, which assumes that a drone that flies in a wind also flies in less.
 """
 
 from collections.abc import Callable, Sequence
@@ -16,15 +15,15 @@ from typing import Any, final
 from lta_flight.flight_spec import build_loop, build_parts, FlightSpec
 from lta_sim.readings import FlightOutcome
 
-LATE = 20.0  # s, the last of a flight, in which it must come nearer
-DEFAULT = 'mission.speed'
-SHARES = (0.4, 0.55, 0.65, 0.8)  # of the fastest that thrust allows
+LATE = 20.0  # s at the end of a flight in which the distance must shrink
+DEFAULT = 'mission.speed'  # path of the commanded airspeed
+SHARES = (0.4, 0.55, 0.65, 0.8)  # airspeeds to try, as shares of the top speed
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class GroundWind:
-    """How the wind comes: uniform, or as a reference wind over rough ground."""
+    """The wind profile: uniform, or logarithmic over rough ground."""
 
     roughness: float | None  # m; None is uniform
     height: float = 10.0  # of the reference wind [m]
@@ -39,11 +38,11 @@ class FlyableWind:
     Attributes
     ----------
     wind : float
-        Uniform, or at the reference height; 0 if the drone makes no way even in still air. [m/s]
+        Uniform, or at the reference height; 0 if the drone fails even in still air. [m/s]
     airspeed : float
-        That it was told to fly. [m/s]
+        Commanded airspeed. [m/s]
     fine : float
-        How much more wind was too much. [m/s]
+        Width of the final bracket: `wind + fine` was too much. [m/s]
 
     """
 
@@ -53,7 +52,7 @@ class FlyableWind:
 
 
 def set_wind(spec: FlightSpec, wind: float, ground: GroundWind) -> FlightSpec:
-    """Return a flight in so much wind, from the lamp to the start; other air stays as it is."""
+    """Return the flight with wind from the lamp to the start; keep gusts and other air."""
     scene: dict[str, Any] = spec.contents['scenario']
     _, scenario, _ = build_parts(spec)
     x, y = scenario.goal_places[0]
@@ -80,12 +79,13 @@ def _build_quantity(value: float | list[float], unit: str) -> dict[str, Any]:
 
 
 def makes_headway(spec: FlightSpec, seed: int) -> bool:
-    """Fly, and tell whether the drone makes way to the lamp."""
+    """Fly once and return whether the drone makes headway to the lamp."""
     loop = build_loop(spec, seed)
     world = loop.world
     upright = math.cos(loop.policy.tilt_limit)
     distances = []
     for _ in loop.iterate_steps():
+        # z of the body's up axis in the world, from the quaternion's x and y.
         x, y = world.state[3], world.state[4]
         if 1.0 - 2.0 * (x * x + y * y) < upright:
             return False
@@ -106,24 +106,24 @@ def find_flyable_wind(
     tick: Callable[[], None],
 ) -> FlyableWind:
     """
-    Return the largest flyable wind.
+    Find the largest flyable wind.
 
     Parameters
     ----------
-    made_of : Ingredients
+    spec : FlightSpec
         The flight, with its altitude.
-    ground : Ground
-        How the wind comes.
+    ground : GroundWind
+        Wind profile.
     most : float
-        A wind that is too much by the vehicle's numbers. [m/s]
+        Upper end of the bisection, above the static limit. [m/s]
     airspeeds : sequence of float
-        What the drone is told to fly, one after the other. [m/s]
+        Airspeed commands to try. [m/s]
     seeds : sequence of int
-        All of them must make way.
+        Random seeds; the drone must make headway with all of them.
     steps : int
-        Of each bisection.
+        Steps of each bisection.
     tick : callable
-        Called `steps + 1` times for each airspeed.
+        Progress callback, called `steps + 1` times for each airspeed.
 
     """
     best = FlyableWind(0.0, airspeeds[0], most)
@@ -136,6 +136,7 @@ def find_flyable_wind(
 
     for airspeed in airspeeds:
         low, high = best.wind, most
+        # Skip the bisection if this airspeed cannot beat the best one by one step.
         worth = is_flyable(low + fine if low else 0.0, airspeed)
         tick()
         for _ in range(steps):

@@ -1,4 +1,4 @@
-"""What wind each platform can fly in, over each ground, as one table."""
+"""Compute the static and flown wind limits of each platform over each ground."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
@@ -16,14 +16,14 @@ from lta_sim import wind_limits
 from lta_studies.wind.flyable_wind import find_flyable_wind, FlyableWind, GroundWind, SHARES
 
 STRATEGY = 'bag'
-FASTEST = 3.0  # m/s; the most that a mission may ask for
-CLEARANCE = 0.05  # m, that a large vehicle flies above where it stands
+FASTEST = 3.0  # m/s; upper limit of the parameter mission.speed
+CLEARANCE = 0.05  # m between a large vehicle in flight and its position on the floor
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class WindStudyRequest:
-    """What to find out."""
+    """Options of a wind study."""
 
     vehicles: tuple[str, ...]
     roughness: tuple[float, ...]  # m
@@ -38,7 +38,7 @@ class WindStudyRequest:
 @final
 @dataclass(frozen=True, slots=True)
 class GroundLimit:
-    """Limits over one ground, as reference wind. [m/s]"""
+    """Limits over one ground, as wind at the reference height. [m/s]"""
 
     roughness: float
     share: float  # of the reference wind at the hull
@@ -50,22 +50,23 @@ class GroundLimit:
 @dataclass(frozen=True, slots=True)
 class PlatformWindLimits:
     """
-    Limits of one platform, in m/s; infinite where its known drag sets none.
+    Wind limits of one platform in m/s; infinite where its known drag sets none.
 
     Attributes
     ----------
     name : str
-        The vehicle.
+        Vehicle.
     height : float
-        Of its hull centre in flight. [m]
+        Height of the hull centre in flight. [m]
     thrust, tumble, rise, static : float
-        Airspeed that the rotors hold, at which it tumbles and at which it rises, and the least.
-    flown : Flyable or None
-        By flight in uniform wind.
-    over : tuple of Over
-        By ground.
+        Airspeed that the rotors can hold, airspeeds at which the vehicle tumbles and rises, and
+        the lowest of the three.
+    flown : FlyableWind or None
+        Limit flown in uniform wind.
+    over : tuple of GroundLimit
+        Limits over each ground.
     note : str
-        Why something is missing.
+        Why a limit is missing.
 
     """
 
@@ -81,7 +82,7 @@ class PlatformWindLimits:
 
 
 def count_ticks(request: WindStudyRequest) -> int:
-    """Return how often `measure_limits` calls its tick at most."""
+    """Return the largest number of ticks of `measure_limits`, for all vehicles."""
     each = (len(SHARES) + 1) * (_count_steps(request) + 1) * (1 + len(request.roughness))
     return sum(each for name in request.vehicles if request.fly and _find_gains(name))
 
@@ -91,22 +92,14 @@ def _count_steps(request: WindStudyRequest) -> int:
 
 
 def _find_gains(vehicle: str) -> str | None:
-    """Return the gains of a platform's control law; None where none is shipped."""
+    """Return the name of the shipped gains of a platform, or None."""
     return vehicle if vehicle in list_shipped('control') else None
 
 
 def measure_limits(
     request: WindStudyRequest, name: str, tick: Callable[[], None]
 ) -> PlatformWindLimits:
-    """
-    Return the limits of one platform.
-
-    Raises
-    ------
-    BadInput
-        If a file is wrong.
-
-    """
+    """Compute the limits of one platform; raise `BadInput` for an invalid file."""
     density = load_scenario(request.scenario).air.density
     vehicle = load_vehicle(name, density)
     height = max(request.height, vehicle.height_on_floor + CLEARANCE)
@@ -121,14 +114,15 @@ def measure_limits(
     tumble = math.inf if vehicle.file.hull.shape == 'none' else limits.tumble_speed(vehicle)
     rise = wind_limits.rise_speed(vehicle)
     static = min(thrust, tumble, rise)
-    note = '' if math.isfinite(thrust) else 'its known drag sets no limit below 60 m/s.'
+    note = '' if math.isfinite(thrust) else 'Its known drag sets no limit below 60 m/s.'
     flight = _build_flight_spec(request, name, height) if request.fly else None
     if request.fly and flight is None:
-        note = (note + ' No control law is shipped for it, so it was not flown.').strip()
+        note = (note + ' Not flown, as no gains are shipped for it.').strip()
 
     def fly_limit(ground: GroundWind, share: float) -> FlyableWind | None:
         if flight is None:
             return None
+        # 10 % above the static limit, so that the bisection can end above it.
         return find_flyable_wind(
             flight, ground, 1.1 * min(thrust, FASTEST) / share,
             _list_airspeeds(request, flight, thrust), range(1, request.seeds + 1),
@@ -150,17 +144,17 @@ def measure_limits(
 def _hull_wind_share(
     vehicle: Vehicle, height: float, request: WindStudyRequest, roughness: float
 ) -> float:
-    """Return the share of the reference wind at the hull; one sentence where there is none."""
+    """Return the share of the reference wind at the hull; raise `BadInput` if it is zero."""
     if not roughness < request.reference:
         raise BadInput(
-            f'The roughness is {roughness:g} m, not below the reference height of '
-            f'{request.reference:g} m; make it less.'
+            f'The roughness {roughness:g} m is not below the reference height '
+            f'{request.reference:g} m; choose a smaller roughness.'
         )
     share = wind_limits.wind_share_at_hull(vehicle, height, request.reference, roughness)
     if share <= 0.0:
         raise BadInput(
-            f'Over a roughness of {roughness:g} m the log law has no wind at {height:g} m, where '
-            f'{vehicle.file.name} flies; make the roughness less or the height more.'
+            f'Over a roughness of {roughness:g} m the log law gives no wind at {height:g} m, '
+            f'where {vehicle.file.name} flies; choose a smaller roughness or a larger height.'
         )
     return share
 
@@ -176,13 +170,13 @@ def _build_flight_spec(request: WindStudyRequest, name: str, height: float) -> F
 def _list_airspeeds(
     request: WindStudyRequest, flight: FlightSpec, thrust: float
 ) -> Sequence[float]:
-    """Return what to tell the drone: its mission's airspeed, then shares of the fastest."""
+    """Return the airspeeds to try: that of the mission, then shares of the top speed."""
     fast = [round(min(share * thrust, FASTEST), 2) for share in SHARES]
     return [flight.read_value('mission.speed'), *(fast[1:3] if request.quick else fast)]
 
 
 def to_json(results: Sequence[PlatformWindLimits], request: WindStudyRequest) -> dict[str, Any]:
-    """Return what --json prints; a limit that does not exist is null."""
+    """Return the JSON output; a limit that does not exist is null."""
     return {
         'scenario': request.scenario,
         'height': request.height,

@@ -1,4 +1,4 @@
-"""The flyable wind as one self-contained page, in the look of a flight's page."""
+"""Write the wind limits as one self-contained HTML page."""
 
 from collections.abc import Sequence
 from html import escape
@@ -23,33 +23,33 @@ from plotly.graph_objects import Figure, Scatter
 
 COLOURS: Final = (TRUTH, ESTIMATE, GOOD, LAMP, SETPOINT, TIME[0], TIME[2], TIME[3])
 PAPER_WINDS: Final = ((8.0, 'paper: BAG converges'), (14.0, 'paper: all fail'))
-ROUGHNESS: Final = np.geomspace(1e-3, 0.45, 60)
+ROUGHNESS: Final = np.geomspace(1e-3, 0.45, 60)  # m
 TICKS: Final = (1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3)  # m
 MISSING: Final = '\N{EN DASH}'
 CAPTION: Final = (
-    'Lines: the reference wind that thrust and balance allow at the hull, by the log law, '
-    'averaged over the hull. Dots: flown in the closed loop. Between the elements of the '
-    'roughness, towards the right, the log law is a surrogate only: compare several.'
+    'Lines: static limit as reference wind, by the log law averaged over the hull. Dots: flown in '
+    'the closed loop. Towards the right the hull flies between the roughness elements, where the '
+    'log law is only a surrogate: compare several values.'
 )
 METHOD: Final = (
-    'By numbers: the least of the airspeed that the rotors hold at constant height and heading, '
-    'the one above which the hull tumbles, and the one above which it rises: rotors below it lift '
-    'its nose, and then push it up. Flown: the most wind, from the lamp to the start, '
-    'in which the drone still makes way to the lamp by its own gains, told the best of several '
-    'airspeeds; in brackets, how much more was too much. None: no way in the least wind that was '
-    'tried. A dash: there is no such limit, or it was not flown.'
+    'Static: the lowest of three airspeeds: the one that the rotors hold at constant height and '
+    'heading, the one above which the hull tumbles, and the one above which it rises because '
+    'rotors below the hull lift its nose and then push it up. Flown: the largest wind, from the '
+    'lamp to the start, in which the drone still makes headway to the lamp with its own gains and '
+    'the best of several airspeeds; in brackets, the additional wind at which it failed. None: no '
+    'headway in the smallest wind tried. A dash: no such limit, or not flown.'
 )
 
 
 def write_page(
     results: Sequence[PlatformWindLimits], request: WindStudyRequest, out: Path
 ) -> Path:
-    """Write the page and return where it is; `BadInput` where it cannot be written."""
+    """Write the page and return its path; raise `BadInput` if that fails."""
     return write_file(render_page(results, request), out)
 
 
 def render_page(results: Sequence[PlatformWindLimits], request: WindStudyRequest) -> str:
-    """Return the whole page."""
+    """Return the HTML of the page."""
     return assemble_page(
         'wind.html',
         title=escape(format_title(results)),
@@ -70,30 +70,30 @@ def render_page(results: Sequence[PlatformWindLimits], request: WindStudyRequest
 
 
 def format_title(results: Sequence[PlatformWindLimits]) -> str:
-    """Return what came out, in a sentence."""
+    """Return the headline."""
     flown = {each.name: each.flown.wind for each in results if each.flown is not None}
-    how = 'makes way' if flown else 'can stand, by its numbers,'
+    how = 'makes headway' if flown else 'can statically hold its position'
     most = flown or {each.name: each.static for each in results if math.isfinite(each.static)}
     if not most:
-        return 'No limit of the wind was found.'
+        return 'No wind limit was found.'
     best = max(most, key=lambda name: most[name])
-    among = f', the most of {len(most)} platforms' if len(most) > 1 else ''
+    among = f', the highest limit of {len(most)} platforms' if len(most) > 1 else ''
     return f'In uniform wind {best} {how} up to {most[best]:.2f} m/s{among}.'
 
 
 def format_introduction(request: WindStudyRequest) -> str:
-    """Return what the wind is, in two sentences."""
+    """Describe the wind profiles and the flights."""
     seeds = f'{request.seeds} seed{"s" if request.seeds > 1 else ""}'
     flown = f'Flown with {seeds}{", in coarse steps" if request.quick else ""}.'
     return (
-        f'Uniform wind, and wind that a weather service would measure at {request.reference:g} m '
-        'over rough ground, of which the hull meets the part that the log law leaves at its own '
-        f'height. {flown if request.fly else "By numbers alone; nothing was flown."}'
+        f'Uniform wind, and wind over rough ground as a weather service would measure it at '
+        f'{request.reference:g} m, reduced to the height of the hull by the log law. '
+        f'{flown if request.fly else "Static limits only; nothing was flown."}'
     )
 
 
 def build_tiles(results: Sequence[PlatformWindLimits]) -> list[Tile]:
-    """Return the uniform wind of each platform."""
+    """Return a tile with the limit in uniform wind for each platform."""
     made = []
     for each in results:
         numbers = format_speed(each.static)
@@ -102,7 +102,7 @@ def build_tiles(results: Sequence[PlatformWindLimits]) -> list[Tile]:
         why = f'{cause} allows {numbers}' if math.isfinite(each.static) else 'no known limit'
         if each.flown is None:
             known = math.isfinite(each.static)
-            note = f'by numbers; {cause} sets it' if known else why
+            note = f'static; limited by {cause}' if known else why
             made.append(Tile(each.name, numbers, 'm/s' if known else '', note))
         else:
             made.append(
@@ -112,10 +112,9 @@ def build_tiles(results: Sequence[PlatformWindLimits]) -> list[Tile]:
 
 
 def format_notes(results: Sequence[PlatformWindLimits]) -> list[str]:
-    """Return what belongs to single platforms."""
+    """Return the notes on single platforms."""
     told = [
-        f'{each.name}: in uniform wind it flew best when told {each.flown.airspeed:g} m/s of '
-        'airspeed.'
+        f'{each.name}: the best airspeed command in uniform wind was {each.flown.airspeed:g} m/s.'
         for each in results
         if each.flown is not None
     ]
@@ -123,12 +122,12 @@ def format_notes(results: Sequence[PlatformWindLimits]) -> list[str]:
 
 
 def format_speed(value: float) -> str:
-    """Return a speed, without its unit; a dash where there is no limit."""
+    """Format a speed without its unit; a dash if there is no limit."""
     return f'{value:.2f}' if math.isfinite(value) else MISSING
 
 
 def format_flyable_wind(limit: FlyableWind | None, bracket: bool = True) -> str:
-    """Return a flown limit with what was too much; a dash where nothing was flown."""
+    """Format a flown limit with its bracket; a dash if nothing was flown."""
     if limit is None:
         return MISSING
     if limit.wind <= 0.0:
@@ -137,17 +136,17 @@ def format_flyable_wind(limit: FlyableWind | None, bracket: bool = True) -> str:
 
 
 def render_table(results: Sequence[PlatformWindLimits], request: WindStudyRequest) -> str:
-    """Return all limits, each ground with its two columns."""
+    """Return the HTML table of limits, with two columns for each ground."""
     grounds = ['uniform wind', *(f'over {z:g} m of roughness' for z in request.roughness)]
     top = ''.join(f'<th scope="colgroup" colspan="2">{name}</th>' for name in grounds)
     heads = [
         'platform',
-        'hull at [m]',
+        'hull height [m]',
         'rotors hold [m/s]',
         'tumbles above [m/s]',
         'rises above [m/s]',
     ]
-    heads += ['by numbers [m/s]', 'flown [m/s]'] * len(grounds)
+    heads += ['static [m/s]', 'flown [m/s]'] * len(grounds)
     lines = []
     for each in results:
         cells = [f'{each.height:.2f}', *map(format_speed, (each.thrust, each.tumble, each.rise))]
@@ -165,10 +164,10 @@ def render_table(results: Sequence[PlatformWindLimits], request: WindStudyReques
 
 
 def collect_facts(request: WindStudyRequest) -> dict[str, str]:
-    """Return where the limits come from."""
+    """Return the provenance table of the page."""
     return {
         'scenario': f'{request.scenario}, its wind replaced',
-        'hull centre': f'{request.height:g} m up, or as high as the vehicle stands and a little',
+        'hull centre': f'{request.height:g} m up, or just above the floor for a large vehicle',
         'reference height': f'{request.reference:g} m',
         'seeds': ('1' if request.seeds == 1 else f'1 to {request.seeds}')
         if request.fly
@@ -178,13 +177,13 @@ def collect_facts(request: WindStudyRequest) -> dict[str, str]:
 
 
 def list_commands(request: WindStudyRequest) -> dict[str, str]:
-    """Return how to find it again, and how to go on."""
+    """Return commands that repeat the study and fly in such a wind."""
     rough = [word for z in request.roughness for word in ('--roughness', f'{z:g}')]
     how = ['--quick'] if request.quick else ['--seeds', str(request.seeds)]
     how = how if request.fly else ['--no-fly']
     first = request.vehicles[0]
     return {
-        'Find it again': format_lta_command(
+        'Repeat the study': format_lta_command(
             'wind', *request.vehicles, *rough, '--height', f'{request.height:g}', '--reference',
             f'{request.reference:g}', '--scenario', request.scenario, *how,
         ),
@@ -196,7 +195,7 @@ def list_commands(request: WindStudyRequest) -> dict[str, str]:
 
 
 def draw_limits(results: Sequence[PlatformWindLimits], request: WindStudyRequest) -> Figure:
-    """Return the limit as reference wind against the roughness of the ground."""
+    """Plot the limits as reference wind against the roughness of the ground."""
     figure = create_figure()
     labels = []
     for k, limit in enumerate(results):
@@ -239,11 +238,11 @@ def draw_limits(results: Sequence[PlatformWindLimits], request: WindStudyRequest
 
 
 def limit_curve(limit: PlatformWindLimits, request: WindStudyRequest) -> NDArray[np.float64]:
-    """Return the reference wind that a platform can stand against over each roughness. [m/s]"""
+    """Return the static limit as reference wind over each roughness. [m/s]"""
     vehicle = load_vehicle(limit.name)
     shares = [
         wind_limits.wind_share_at_hull(vehicle, limit.height, request.reference, float(z))
         for z in ROUGHNESS
     ]
-    # Where the roughness reaches over the hull, the log law leaves no wind to speak of.
+    # Where the roughness elements are taller than the hull, the log law gives no wind.
     return np.array([limit.static / share if share > 0.0 else math.nan for share in shares])

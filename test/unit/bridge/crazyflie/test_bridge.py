@@ -33,16 +33,16 @@ def test_a_heading_is_turned_to_in_proportion_and_never_faster_than_one_radian_a
     flight = Bridged('setpoint')
     flight.asked = CrazyflieCommand(0, speed=0.3, turn=left, height=1.2)
     flight.fly()
-    assert flight.kept.of('hover')[-1] == pytest.approx((0.3, rate, 1.2))
+    assert flight.kept.of('send_hover_setpoint')[-1] == pytest.approx((0.3, rate, 1.2))
 
 
 def ticks_fed(flight, count):
     """Return at which of so many ticks the watchdog was fed."""
     fed = []
     for turn in range(count):
-        before = len(flight.kept.of('watchdog'))
+        before = len(flight.kept.of('feed_watchdog'))
         flight.tick()
-        fed += [turn] * (len(flight.kept.of('watchdog')) - before)
+        fed += [turn] * (len(flight.kept.of('feed_watchdog')) - before)
     return fed
 
 

@@ -21,7 +21,7 @@ def own_folder(tmp_path: Path, monkeypatch):
 
 def test_a_second_bridge_to_a_drone_is_refused_by_name_and_another_drone_is_not():
     first = DroneLock(URI)
-    with pytest.raises(BadInput, match=rf'by another program \(process {os.getpid()}\); end that'):
+    with pytest.raises(BadInput, match=rf'by another program \(process {os.getpid()}\); stop that'):
         DroneLock(URI)
     DroneLock('udp://127.0.0.1:2').close()
     first.close()
@@ -54,7 +54,7 @@ def test_a_file_that_may_not_be_opened_is_one_sentence_and_a_link_is_not_followe
     precious = tmp_path / 'precious'
     precious.write_text('all of it')
     path.symlink_to(precious)
-    with pytest.raises(BadInput, match=r'cannot be opened .*; have whoever made it end'):
+    with pytest.raises(BadInput, match=r'cannot be opened .*Have its owner stop'):
         DroneLock(URI)
     assert precious.read_text() == 'all of it'
 
@@ -62,8 +62,8 @@ def test_a_file_that_may_not_be_opened_is_one_sentence_and_a_link_is_not_followe
 def test_a_claim_ends_with_its_process(tmp_path):
     code = (
         f'import tempfile; tempfile.tempdir = {str(tmp_path)!r}\n'
-        'from lta_bridge.crazyflie.drone_lock import Claim\n'
-        f'import os; claim = Claim({URI!r}); os._exit(9)'
+        'from lta_bridge.crazyflie.drone_lock import DroneLock\n'
+        f'import os; lock = DroneLock({URI!r}); os._exit(9)'
     )
     paths = os.pathsep.join(sys.path)
     died = subprocess.run([sys.executable, '-c', code], env={**os.environ, 'PYTHONPATH': paths})
@@ -79,9 +79,9 @@ def test_a_claim_ends_with_its_process(tmp_path):
         ("[Errno 13] could not open port /dev/ttyACM0: Permission denied: 'x'", 'dialout'),
         ("Couldn't load link driver: Could not open usb://0", 'plug it in and switch it on'),
         ("Couldn't load link driver: Could not identify device", 'no such serial port'),
-        ("Couldn't load link driver: [Errno 111] Connection refused", 'start what should'),
+        ("Couldn't load link driver: [Errno 111] Connection refused", 'start the drone or its emulation'),
         ("Couldn't load link driver: [Errno -2] Name or service not known", 'correct the URI'),
-        ('Error communicating with the Crazyflie', 'switch the Crazyflie on'),
+        ('Error communicating with the Crazyflie', 'the Crazyflie does not answer any more: switch it on'),
         ('No backend available', 'apt install libusb-1.0-0'),
         ('\n  odd \n more', 'odd'),
         ('', 'the link failed'),

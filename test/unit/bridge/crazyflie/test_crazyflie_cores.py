@@ -125,7 +125,7 @@ def test_the_table_fits_a_crazyflie_that_knows_its_variables():
     known = {variable.name for variable in LOG}
     assert {name for block in BLOCKS for name in block.variables} <= known
     size = 7 * 4
-    with pytest.raises(BadInput, match=f'has {size} bytes and a packet carries 26'):
+    with pytest.raises(BadInput, match=f'has {size} bytes, above the limit of 26'):
         check_log_table((LogBlock('big', 10, {f'a.{n}': 'float' for n in range(7)}),))
     for period in (0, 15, 2550):
         with pytest.raises(BadInput, match='choose a multiple of 10'):
@@ -243,7 +243,7 @@ def test_a_log_block_has_26_bytes_at_most_and_a_drone_128_variables():
         with pytest.raises(BadInput, match=f'has {size * (many + 1)} bytes'):
             block([kind] * (many + 1))
     block(['float'] * 6 + ['uint16_t'], 2540)
-    with pytest.raises(BadInput, match='has 27 bytes and a packet carries 26'):
+    with pytest.raises(BadInput, match='has 27 bytes, above the limit of 26'):
         block(['float'] * 6 + ['uint16_t', 'int8_t'])
     sixteen = [
         LogBlock(f'b{n}', 10, {f'a{n}.{m}': 'uint8_t' for m in range(8)}) for n in range(16)

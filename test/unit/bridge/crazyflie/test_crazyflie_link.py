@@ -334,7 +334,7 @@ def test_without_the_present_app_a_blimp_is_refused_with_what_turns_motors_switc
         (APP._replace(compensated=True), True, ''),
         (AS_SOLD, True, ''),
         (AS_SOLD, None, ''),
-        (AS_SOLD, False, 'has no effect battery_compensation: flash the build of firmware/crazyf'),
+        (AS_SOLD, False, 'lacks the effect battery_compensation: flash the build of firmware/cr'),
         (APP._replace(compensated=True), False, "corrects duties for the battery's voltage, and"),
         (APP, True, 'has the effect battery_compensation: flash stock firmware, or remove'),
     ],
@@ -382,7 +382,7 @@ def test_a_file_may_name_a_required_parameter_with_its_value(tmp_path):
     ['', 'radio', 'ftp://x', 'udp://', 'udp://host', 'udp://host:', 'radio://0/80/9M', 'usb://x'],
 )
 def test_a_uri_that_names_nothing_is_one_sentence(uri):
-    with pytest.raises(BadInput, match='names no Crazyflie; give one such as radio'):
+    with pytest.raises(BadInput, match='is not a valid Crazyflie URI; give one such as radio'):
         create_link(uri, (), time.time_ns)
 
 
@@ -412,7 +412,7 @@ def test_every_shipped_file_is_wired_to_rotors_that_exist():
         BadInput, match='is for multirotor, and gtmab flies; give the Crazyflie file'
     ):
         load_crazyflie('multirotor', 'gtmab')
-    with pytest.raises(BadInput, match='m1 is wired to up, which the vehicle lacks'):
+    with pytest.raises(BadInput, match='m1 is wired to up, which the vehicle does not have'):
         find_rotor_indices({'m1': 'up'}, ['left'])
 
 

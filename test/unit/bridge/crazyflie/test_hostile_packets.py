@@ -70,7 +70,7 @@ class Flight:
 
     @property
     def duties(self):
-        return [duty for (duties,) in self.kept.of('override') for duty in duties]
+        return [duty for (duties,) in self.kept.of('override_motors') for duty in duties]
 
 
 def published(told):
@@ -106,7 +106,7 @@ def test_an_estimator_that_falls_silent_lands_though_commands_go_on():
     assert flight.bridge.state.stage is SafetyStage.FLYING
     flight.tick()
     assert flight.bridge.state.stage is SafetyStage.LANDING
-    assert flight.bridge.state.why.startswith('the newest place by the estimator is')
+    assert flight.bridge.state.why.startswith('the newest position estimate is')
     for _ in range(50):
         flight.tick()
     assert flight.bridge.state.stage is SafetyStage.DISARMED
@@ -159,7 +159,7 @@ def test_a_voltage_that_is_no_number_is_not_flown_with_for_long():
     while flight.bridge.state.stage is SafetyStage.FLYING:
         flight.tick(good=bad)
     assert 1e-9 * (flight.now - began) < UNTOLD + LOW + 0.1
-    assert 'nobody tells its voltage' in flight.bridge.state.why
+    assert 'the cell voltage is not reported' in flight.bridge.state.why
     assert flight.bridge.malformed.count > 100
 
 
@@ -193,8 +193,7 @@ def test_a_log_packet_has_the_size_of_its_block_and_no_other(number, size):
     data = bytes([number]) + bytes(STAMPED - 1 + size)
     assert (find_packet_fault(5, 2, data, SIZES) == '') == (size == SIZES[number])
     assert (
-        find_packet_fault(5, 2, bytes([99]) + data[1:], SIZES)
-        == 'log block 99 was never asked for'
+        find_packet_fault(5, 2, bytes([99]) + data[1:], SIZES) == 'log block 99 was not requested'
     )
     assert find_packet_fault(5, 2, data, {}) == ''  # of an earlier connection
 

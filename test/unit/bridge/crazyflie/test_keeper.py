@@ -21,10 +21,10 @@ class Drone:
         if next(self.fails):
             raise LinkFailed(f'try {len(self.opened)}')
 
-    def parameter(self, name):
+    def read_parameter(self, name):
         return self.parameters.get(name)
 
-    def write(self, name, value, deadline):
+    def write_parameter(self, name, value, deadline):
         self.written.append((name, value, deadline))
 
     def close(self):

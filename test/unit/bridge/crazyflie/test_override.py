@@ -23,11 +23,11 @@ STILL = (0.0,) * 4
 
 
 def overrides(flight):
-    return [tuple(duties) for (duties,) in flight.kept.of('override')]
+    return [tuple(duties) for (duties,) in flight.kept.of('override_motors')]
 
 
 EXITS = {
-    'asked to': lambda b: b.tick(AskedBy(arm=False)),
+    'on request': lambda b: b.tick(AskedBy(arm=False)),
     'emergency stop': lambda b: b.tick(AskedBy(stop=True)),
     'commands end': lambda b: setattr(b, 'commands', False),
     'the drone is silent': lambda b: setattr(b, 'logs', False),

@@ -145,7 +145,7 @@ def test_a_drone_that_falls_silent_is_disarmed_although_nobody_hears_it_say_so(d
     def silence(been):
         drone.down.silent = been > 0.2
 
-    with pytest.raises(LinkFailed, match='said nothing for'):
+    with pytest.raises(LinkFailed, match='sent nothing for'):
         bench.turn_motor(0.2, PATIENCE, silence)
     wait_until(lambda: at_rest(drone), 'the end of the motor')
     link.close()
@@ -186,7 +186,7 @@ def test_what_cannot_be_asked_is_one_sentence(call):
     for words, sentence in (
         (('m5',), "'m5'"),
         (('m1', '--vehicle', 'multirotor'), 'turns no single motor safely'),
-        (('m1', '--uri', 'nonsense'), 'names no Crazyflie'),
+        (('m1', '--uri', 'nonsense'), 'is not a valid Crazyflie URI'),
     ):
         status, said = call('hardware', 'bench', *words)
         assert status == 2

@@ -36,11 +36,11 @@ class Hands:
     def __init__(self, duties: list[list[float]]) -> None:
         self._duties, self._taken = duties, 0
 
-    def resting(self) -> list[float]:
+    def initial_duties(self) -> list[float]:
         """Return the duties before the start."""
         return self._duties[0]
 
-    def duties(self, time: float, state: list[float]) -> list[float]:
+    def compute_duties(self, time: float, state: list[float]) -> list[float]:
         """Return the next."""
         self._taken += 1
         return self._duties[min(self._taken, len(self._duties)) - 1]

@@ -92,7 +92,7 @@ def test_a_bag_beside_itself_is_identical(two):
     assert found.is_identical
     assert found.verdict == 'identical'
     assert found.identical_topics == ('odom',)
-    assert format_verdict(found) == 'Identical: the one topic is the same byte for byte.'
+    assert format_verdict(found) == 'Identical: the one topic is identical byte for byte.'
     assert all(each.measures is None or each.measures.rms == 0.0 for each in found.channels)
 
 
@@ -126,7 +126,7 @@ def test_doubled_and_backward_messages_are_counted(record):
     assert not found.is_identical
     assert found.is_same
     told = describe_faults(wrong)
-    assert '2 messages at the time of another, 1 of them byte for byte' in told
+    assert '2 messages with the stamp of another, 1 of them identical byte for byte' in told
     assert 'time runs backwards 1 time, first from 0.790 to 0.750 s' in told
 
 
@@ -151,7 +151,7 @@ def test_the_sentence_names_what_the_ranking_has_first(tmp_path):
     )
     assert found.channels[0].name == 'odom/twist.twist.linear.y'
     assert format_verdict(found).startswith(
-        'The flights part at 5.02 s, first in forward speed of odom'
+        'The flights diverge at 5.02 s, first in forward speed of odom'
     )
     assert 'and most in sideways speed of odom' in format_verdict(found)
 
@@ -166,7 +166,7 @@ def test_a_bag_is_gone_through_a_few_times_whatever_it_holds(tmp_path, monkeypat
         passes.append(topics)
         return read(bag, topics, at)
 
-    monkeypatch.setattr(type(flight.bag), 'records', counted)
+    monkeypatch.setattr(type(flight.bag), 'iterate_records', counted)
     found = compare_flights(flight, flight, ComparisonRequest())
     assert found.verdict == 'identical'
     single = [

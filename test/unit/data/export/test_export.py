@@ -23,7 +23,7 @@ START = 1_000_000_000
 class Blind:
     """Looks at nothing."""
 
-    def at(self, topic, done, total):
+    def show_topic(self, topic, done, total):
         pass
 
 
@@ -231,7 +231,9 @@ def test_what_cannot_be_exported_is_one_sentence(flight_bag, mixed_bag, tmp_path
         with pytest.raises(BadInput, match=said):
             export_recording(lta_analysis.open(flight_bag), order, tmp_path / folder, Blind())
     assert not (tmp_path / 'a').exists()
-    with pytest.raises(BadInput, match="'photodiodes' cannot be aligned: samples have a clock"):
+    with pytest.raises(
+        BadInput, match="'photodiodes' cannot be aligned: image samples have their own clock"
+    ):
         files(mixed_bag, 'csv', tmp_path / 'a', rate=1.0, topics=('photodiodes',))
 
     def full(source, path):

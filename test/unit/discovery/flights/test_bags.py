@@ -34,7 +34,7 @@ def test_a_bag_has_one_role(hidden_bags, role):
 
 
 def test_there_has_to_be_something_to_learn_from(hidden_bags):
-    with pytest.raises(BadInput, match='no flight to learn from'):
+    with pytest.raises(BadInput, match='no training flight'):
         read_bags({'confirm': [hidden_bags[0]]})
 
 

@@ -99,7 +99,7 @@ def test_the_poses_tell_whether_stamps_jitter_or_they_do() -> None:
     shaken = every(100.0) + 0.3 * MS * np.random.default_rng(4).standard_normal(len(every(100.0)))
     told, _, words = repair_timestamps('A', flown(every(100.0), shaken))
     assert wrong(told.pose.time, every(100.0)) < 0.05 * MS
-    assert words[0].startswith("A: the tracker's stamps jitter, its readings do not;")
+    assert words[0].startswith("A: the tracker's stamps jitter, but its readings do not;")
     true = flown(shaken, shaken)
     assert repair_timestamps('A', true) == (true, 0.0, [])
     hovering = flown(np.zeros(len(shaken)), shaken)
@@ -190,5 +190,5 @@ def test_what_moves_within_a_step_is_noise_where_there_is_no_raster() -> None:
     more, said = add_stamp_noise('A', flight, deviation)
     assert more.noise[0] == pytest.approx(np.hypot(1e-3, 3.0 * deviation), rel=0.02)
     np.testing.assert_allclose(more.noise[1:], 1e-3)
-    assert 'is counted as noise' in said[0]
+    assert 'is added to the noise' in said[0]
     assert add_stamp_noise('A', flight, 0.0) == (flight, [])

@@ -49,7 +49,7 @@ def test_whole_flights_are_used_whole_and_told_to_be_simulated(flights, gtmab):
     ]  # fmt: skip
     assert found.cuts == ()
     assert found.warnings == (
-        'A, B, C are declared as simulated: nothing follows for a real vehicle.',
+        'A, B, C are declared as simulated: results do not apply to a real vehicle.',
     )
     for _, _, flight in found.flights:
         assert flight.usable[flight.time > 4.0].all()  # until then it stands on the floor
@@ -90,7 +90,7 @@ def test_a_range_in_the_wrong_unit_is_done_without(flights, gtmab):
     one = _changed(flights[0], lambda c: replace(c, values=1e3 * c.values), 'range/')
     found = _believed(flights, gtmab, one)
     assert np.isinf(found.flights[0][2].noise[12])
-    assert any('range' in word and 'done without' in word for word in found.warnings)
+    assert any('range' in word and 'is not used' in word for word in found.warnings)
 
 
 def test_a_range_finder_beyond_its_range_is_left_out_there(flights, gtmab):
@@ -116,7 +116,7 @@ def test_gaps_of_the_tracker_are_told(flights, gtmab):
         return _only(channel, ~((channel.time > 8.0) & (channel.time < 12.0)))
 
     found = _believed(flights, gtmab, _changed(flights[0], gaps, TRUTH))
-    assert any('says nothing for 13 % of the flight, in 1 gap' in word for word in found.warnings)
+    assert any('has no pose for 13 % of the flight, in 1 gap' in word for word in found.warnings)
     assert not found.flights[0][2].usable[(found.flights[0][2].time > 8.2)][:80].any()
 
 
@@ -133,7 +133,7 @@ def test_what_comes_after_a_jump_of_the_clock_is_not_used(flights, gtmab):
 
 def test_a_pose_at_five_hertz_is_refused(flights, gtmab):
     one = _changed(flights[0], lambda c: _only(c, slice(None, None, 20)), TRUTH)
-    with pytest.raises(BadInput, match=r'A: the pose comes 5 times a second'):
+    with pytest.raises(BadInput, match=r'A: the pose rate of 5 Hz is too low'):
         _believed(flights, gtmab, one)
 
 
@@ -182,7 +182,7 @@ def test_a_flight_without_one_whole_pose_is_refused(flights, gtmab, value):
     def lose(channel):
         return replace(channel, values=np.full_like(channel.values, value))
 
-    with pytest.raises(BadInput, match='A: no pose is whole'):
+    with pytest.raises(BadInput, match='A: no pose is valid'):
         _believed(flights, gtmab, _changed(flights[0], lose, TRUTH))
 
 
@@ -199,7 +199,7 @@ def test_an_absurd_pose_costs_itself_and_says_nothing_else(flights, gtmab):
 
 def test_commands_that_never_move_are_refused(flights, gtmab):
     one = _changed(flights[0], _still(0.3), 'motors/effort')
-    with pytest.raises(BadInput, match='commands do not move'):
+    with pytest.raises(BadInput, match='commands are constant'):
         _believed(flights, gtmab, one)
 
 
@@ -226,7 +226,7 @@ def test_one_run_in_two_roles_is_refused_however_it_was_trimmed(flights, gtmab):
         return replace(_only(channel, late), time=channel.time[late] - 3.0)
 
     copy = replace(_changed(flights[0], trimmed, ''), name='copy', role='confirm')
-    with pytest.raises(BadInput, match=r"copy: The same run as 'A'.*confirms nothing"):
+    with pytest.raises(BadInput, match=r"copy: The same run as 'A'.*cannot confirm it"):
         select_usable_flights([flights[0], copy], gtmab)
 
 
@@ -251,7 +251,7 @@ def test_flights_with_different_rotors_are_refused(flights, gtmab):
 
 def test_too_little_that_can_be_used_is_refused(flights, gtmab):
     one = _changed(flights[0], lambda c: _only(c, c.time < 15.0), TRUTH)
-    with pytest.raises(BadInput, match=r'Only 1\d s of the flights to train can be used'):
+    with pytest.raises(BadInput, match=r'Only 1\d s of the train flights are usable'):
         _believed(flights, gtmab, one)
 
 

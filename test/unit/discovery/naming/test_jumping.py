@@ -28,7 +28,7 @@ def test_a_threshold_is_tried_last(
 ) -> None:
     naming = object.__new__(EffectSearch)
     naming._names = list(knobs)
-    naming._displacing = SimpleNamespace(loud=lambda fits: loud)
+    naming._displacing = SimpleNamespace(has_remainder=lambda fits: loud)
     seen: list[tuple[str, ...]] = []
 
     def tried(names, fits, glance, failed=()):
@@ -49,7 +49,7 @@ def test_a_threshold_is_tried_last(
 def test_a_threshold_that_the_first_glance_judged_is_not_judged_again() -> None:
     naming = object.__new__(EffectSearch)
     naming._names = [DEADBAND]
-    naming._displacing = SimpleNamespace(loud=lambda fits: True)
+    naming._displacing = SimpleNamespace(has_remainder=lambda fits: True)
     naming._shortlist_candidates = mock.Mock(side_effect=[{DEADBAND: (9.0, ())}, {'b': (9.0, ())}])
     naming._try_candidates = mock.Mock(side_effect=[
         (SelectionRound((_trial(DEADBAND),), (), ''), 'fits'),

@@ -194,7 +194,7 @@ def test_effects_that_cost_less_than_5_nats_are_dropped_and_the_others_ranked() 
         asked.append((name, names))
         return 'changed'
 
-    step = SimpleNamespace(named='d', trials=[SimpleNamespace(together=12.0)], tied=('t',))
+    step = SimpleNamespace(named='d', trials=[SimpleNamespace(joint_evidence=12.0)], tied=('t',))
     last = SimpleNamespace(named='', trials=[], tied=())
     named = SimpleNamespace(
         names=('a', 'b', 'c'),
@@ -263,7 +263,7 @@ def test_fainter_effects_are_added_until_a_round_names_none(
         asked.append(names)
         return next(steps), quiet
 
-    faint = mock.Mock(quiet=lambda full: quiet, next=following)
+    faint = mock.Mock(fit_lower_floor=lambda full: quiet, run_round=following)
     with mock.patch('lta_discovery.selection.verification.WeakEffectSearch', return_value=faint):
         found, full = proof._add_weak_effects(('a',), 'full', 1)
     assert [step.named for step in found] == rounds

@@ -79,7 +79,7 @@ def test_knots_have_a_row_for_each_knot_of_each_piece_and_a_column_for_each_axis
         return np.arange(3.0 * RANDOM).reshape(3, RANDOM)
 
     fitted = SimpleNamespace(
-        pieces=SimpleNamespace(solved=solved),
+        pieces=SimpleNamespace(solve_unknowns=solved),
         deviations='these',
         linear=SimpleNamespace(names=tuple('abc'), knots=9),
     )
@@ -93,7 +93,7 @@ def test_knots_have_a_row_for_each_knot_of_each_piece_and_a_column_for_each_axis
 
 def test_states_are_taken_at_nine_evenly_spaced_knots_of_each_piece() -> None:
     states = np.arange(2.0 * 17 * 13).reshape(2, 17, 13)
-    flight = SimpleNamespace(trajectory=lambda point: states if point == 'here' else None)
+    flight = SimpleNamespace(simulate_trajectory=lambda point: states if point == 'here' else None)
     fitted = SimpleNamespace(linear=SimpleNamespace(point='here', knots=9))
     found = states_at_knots(flight, fitted)
     np.testing.assert_array_equal(found, np.vstack([states[0, ::2], states[1, ::2]]))

@@ -189,9 +189,9 @@ def test_the_page_is_one_small_file_and_its_data_are_valid(
 @pytest.mark.parametrize(
     ('verdict', 'says'),
     [
-        ('none', 'Nothing is missing that these flights could show.'),
-        ('unexplained', 'in no library: a force along surge that follows surge speed and yaw'),
-        ('not_identifiable', 'These flights cannot tell what, if anything, is missing.'),
+        ('none', 'Nothing is missing that these flights could reveal.'),
+        ('unexplained', 'describes: a force along surge that follows surge speed and yaw'),
+        ('not_identifiable', 'These flights do not show what, if anything, is missing.'),
     ],
 )
 def test_a_study_without_names_has_a_calm_page(
@@ -206,7 +206,7 @@ def test_a_study_without_names_has_a_calm_page(
     text, data = _read(given, tmp_path)
     assert says in text
     assert 'linear drag (sway) 0.0034 N s/m' in text
-    assert ('Nothing stands clear of the floor' in text) == (remains == ())
+    assert ('Nothing exceeds the noise floor' in text) == (remains == ())
     assert ('figure-latent' in data) == ('figure-follows' in data) == (remains != ())
     assert 'vehicle.yaml' not in text
 
@@ -214,8 +214,8 @@ def test_a_study_without_names_has_a_calm_page(
 @pytest.mark.parametrize(
     ('said', 'title'),
     [
-        (SAID, 'Something is missing that is in no library: an oscillation of q at 2.0 Hz'),
-        ((), 'Something is missing that is in no library.'),
+        (SAID, 'Something is missing that no effect of the library describes: an oscillation of q'),
+        ((), 'Something is missing that no effect of the library describes.'),
     ],
 )
 def test_what_no_axis_shows_has_a_title_as_well(
@@ -238,10 +238,10 @@ def test_a_draught_is_on_the_page_and_nothing_is_missing_for_it(
     )
     text, _ = _read(given, tmp_path)
     for words in (
-        'A draught of 1.1 mN was there.',
+        'There was a draught of 1.1 mN.',
         'A draught: a horizontal force that follows nothing, 1.1 mN, as air moving at about 2.6',
         'a draught of 1.1 mN, and no other force or moment',
-        'Nothing else stands clear of the floor on any axis.',
+        'Nothing else exceeds the noise floor on any axis.',
     ):
         assert words in text
 
@@ -251,8 +251,8 @@ def test_a_study_without_held_out_flights_says_so(found: DiscoveryStudy, tmp_pat
     assert 'No flight was held out' in text
     bare = replace(_with(found, gaps=(), ladder=(), warnings=(), versions={}), shown=())
     text, data = _read(bare, tmp_path)
-    assert 'There was no flight to show the gap on.' in text
-    assert 'No candidate looked worth a refit.' in text
+    assert 'There was no flight to compute prediction errors on.' in text
+    assert 'No candidate was promising enough for a refit.' in text
     assert 'figure-above' not in data
 
 
@@ -427,7 +427,7 @@ def test_a_candidate_that_both_flights_confirm_is_not_said_to_fail_there() -> No
     """It was, where a force without a name took its place."""
     for confirm, carried in ((8.0, -11.0), (-2.0, 2.0)):
         said = why(40.0, confirm, carried, 1.0)
-        assert said == 'what no effect explains stands in its place'
+        assert said == 'an unexplained force takes its place'
 
 
 def test_a_name_that_all_flights_together_do_not_keep_is_given_up(
@@ -436,7 +436,7 @@ def test_a_name_that_all_flights_together_do_not_keep_is_given_up(
     """The round said that it is named, beside a headline that nothing is missing."""
     rung = LadderRung('net_lift.force', 12.0, 7.0, 7.0, 0.3, True)
     text, _ = _read(_with(found, verdict='none', effects=(), ladder=((rung,),)), tmp_path)
-    assert 'Round 1: net lift is named, and given up at the end' in text
+    assert 'Round 1: net lift is named, but dropped at the end' in text
     assert 'all flights together do not keep it' in text
 
 
@@ -445,7 +445,7 @@ def test_an_effect_with_an_equal_rival_is_told_as_either(found: DiscoveryStudy) 
     said = format_headline(found.finding)
     assert said.startswith('Linear drag (surge) or quadratic drag (surge) is missing: ')
     assert 'with linear drag (surge), the position error' in said
-    assert 'instead' in build_tiles(found.finding)[1].note
+    assert 'alternatives' in build_tiles(found.finding)[1].note
 
 
 def test_no_gain_is_told_where_the_file_should_be_kept(found: DiscoveryStudy) -> None:

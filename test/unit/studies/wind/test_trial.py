@@ -117,7 +117,7 @@ def test_limits_of_a_platform_flown_and_not(monkeypatch):
     printed = json.dumps(to_json([one, other], asked()), allow_nan=False)
     assert json.loads(printed)['vehicles'][1]['tumble'] is None
     made = render_page([one, other], asked())
-    assert f'In uniform wind gtmab makes way up to {one.flown.wind:.2f} m/s.' in made
+    assert f'In uniform wind gtmab makes headway up to {one.flown.wind:.2f} m/s.' in made
     flown = f'{one.flown.wind:.2f} (+{one.flown.fine:.2f})'
     assert f'<td>{one.static:.2f}</td><td>{flown}</td>' in made
     assert '<td>1.50</td>' in made  # where the larger hull flies
@@ -140,7 +140,7 @@ def test_a_drone_without_a_known_limit_is_told_of(tmp_path):
     call = ['wind', str(file), '--no-fly', '--out', str(tmp_path / 'out')]
     told = CliRunner().invoke(build_app(), call)
     assert told.exit_code == 0, told.output
-    assert 'its known drag sets no limit below 60 m/s.' in ' '.join(told.stdout.split())
+    assert 'Its known drag sets no limit below 60 m/s.' in ' '.join(told.stdout.split())
 
 
 def test_the_command_prints_a_table_json_and_a_page(tmp_path):

@@ -8,8 +8,7 @@ from lta_cli.options.out_option import parse_folder
 from lta_cli.options.plain_console import plain_console
 from lta_data.bag.recording import open_recording
 from lta_data.export.progress import ExportProgress
-from lta_data.export.run import export_recording as export_files
-from lta_data.export.run import ExportRequest, ExportResult, FORMATS
+from lta_data.export.run import export_recording, ExportRequest, ExportResult, FORMATS
 from lta_report.results_folder import resolve_folder
 import typer
 
@@ -63,7 +62,9 @@ def export(
     names = tuple(name.strip() for name in topics.split(',') if name.strip())
     target = resolve_folder(out, 'export')
     with ExportProgress(console) as progress:
-        done = export_files(recording, ExportRequest(form, names, rate, method), target, progress)
+        done = export_recording(
+            recording, ExportRequest(form, names, rate, method), target, progress
+        )
     if json:
         print_json(export_to_dict(done, target))
     for file in done.files:

@@ -10,7 +10,7 @@ from lta_bridge.bag.storage import StorageFault
 from lta_cli.options.out_option import parse_folder
 from lta_cli.options.plain_console import plain_console
 from lta_data.bag.bag_folder import find_bag
-from lta_data.bag.recover import recover_bag as mend
+from lta_data.bag.recover import recover_bag
 from lta_report.progress_bar import ProgressBar
 from rich.progress import BarColumn, DownloadColumn, TextColumn, TimeRemainingColumn
 import typer
@@ -56,7 +56,7 @@ def recover(
     target = out or place.parent / f'{name}-recovered'
     try:
         with show_progress() as at:
-            found = mend(bag, target, at)
+            found = recover_bag(bag, target, at)
     except StorageFault as fault:
         sys.stderr.write(f'{fault}\n')
         raise typer.Exit(1) from None

@@ -5,7 +5,7 @@ from typing import Annotated, Final
 from lta_challenge.make import ChallengeRequest
 from lta_challenge.make import make_challenge as make_challenge
 from lta_challenge.progress import challenge_bar, Jobs
-from lta_challenge.rows import parse_kind as kind_of
+from lta_challenge.rows import parse_kind
 from lta_cli.options.out_option import Out
 from lta_cli.options.plain_console import plain_console
 from lta_config.errors import BadInput
@@ -52,7 +52,7 @@ def make(
     console = plain_console()
     if not SHORTEST <= seconds[0] <= seconds[1] <= 600.0:
         raise BadInput(f'Flights are {SHORTEST:g} to 600 s long; give the shorter length first.')
-    order = ChallengeRequest(seed, n, row, None if kind is None else kind_of(kind), seconds)
+    order = ChallengeRequest(seed, n, row, None if kind is None else parse_kind(kind), seconds)
     place = resolve_folder(out, f'challenge-{seed}')
     with challenge_bar(console, 'flying', n) as bar:
         make_challenge(

@@ -8,8 +8,13 @@ from lta_challenge.page import write_page
 from lta_challenge.progress import challenge_bar, Jobs
 from lta_challenge.score import ChallengeScore, write_score
 from lta_challenge.score import score_challenge as score_challenge
-from lta_challenge.score_report import format_cost, format_errors, format_figures, format_matrix
-from lta_challenge.score_report import render_markdown as markdown_of
+from lta_challenge.score_report import (
+    format_cost,
+    format_errors,
+    format_figures,
+    format_matrix,
+    render_markdown,
+)
 from lta_cli.options.out_option import parse_folder
 from lta_cli.options.plain_console import plain_console
 from lta_config.errors import BadInput
@@ -69,7 +74,7 @@ def score(
         done.append(scored)
         if markdown is not None:
             # As far as it is: many challenges take hours.
-            write_file(markdown_of([(one.about, one.cases) for one in done]), markdown)
+            write_file(render_markdown([(one.about, one.cases) for one in done]), markdown)
 
 
 def _print_score(scored: ChallengeScore, console: Console) -> None:

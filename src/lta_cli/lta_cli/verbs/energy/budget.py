@@ -17,8 +17,7 @@ from lta_studies.energy.budget.page import (
     format_title,
     write_page,
 )
-from lta_studies.energy.budget.run import count_flights, to_json
-from lta_studies.energy.budget.run import measure_budget as find_budget
+from lta_studies.energy.budget.run import count_flights, measure_budget, to_json
 from lta_studies.energy.progress import run_with_progress
 from lta_studies.energy.tables import print_table
 import typer
@@ -49,7 +48,7 @@ def budget(
     check_pictures(pictures)
     target = prepare_empty_folder(resolve_folder(out, 'budget'))
     found = run_with_progress(
-        lambda tick: find_budget(vehicle, beside, seeds, tick), count_flights(seeds), console
+        lambda tick: measure_budget(vehicle, beside, seeds, tick), count_flights(seeds), console
     )
     content = write_json(to_json(found), target / 'budget.json')
     again = format_lta_command(

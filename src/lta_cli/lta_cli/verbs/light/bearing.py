@@ -45,7 +45,7 @@ def bearing(
     poses: Annotated[
         int, typer.Option(help='Random poses of each kind.', min=1, max=1_000_000)
     ] = 500,
-    seed: Annotated[int, typer.Option(help='Seed of all chance.', min=0)] = 1,
+    seed: Annotated[int, typer.Option(help='Random seed.', min=0)] = 1,
     out: Annotated[
         Path | None,
         typer.Option(

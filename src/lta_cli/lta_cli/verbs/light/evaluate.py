@@ -15,8 +15,7 @@ from lta_studies.light.evaluation import scores_page
 from lta_studies.light.evaluation.findings import EvaluationFindings
 from lta_studies.light.evaluation.flights import MOST
 from lta_studies.light.evaluation.page import write_page
-from lta_studies.light.evaluation.run import EvaluationRequest, EvaluationStatus
-from lta_studies.light.evaluation.run import run_evaluation as fly_all
+from lta_studies.light.evaluation.run import EvaluationRequest, EvaluationStatus, run_evaluation
 from lta_studies.light.evaluation.sets import SETS
 from rich.console import Console
 import typer
@@ -41,14 +40,16 @@ def evaluate(
         ),
     ] = None,
     workers: Annotated[
-        int | None, typer.Option(help='Processes; as many as processors by default.', min=1)
+        int | None, typer.Option(help='Worker processes; one per processor by default.', min=1)
     ] = None,
     retry: Annotated[
         bool, typer.Option('--retry-failed', help='Fly again what could not be flown.')
     ] = False,
     pictures: Annotated[
         Path | None,
-        typer.Option(help='Folder for each picture as PNG; needs a Chromium.', metavar='FOLDER'),
+        typer.Option(
+            help='Write each figure as PNG to this folder; needs Chromium.', metavar='FOLDER'
+        ),
     ] = None,
     markdown: Annotated[
         bool, typer.Option('--markdown', help='Print docs/navigation_scores.md.')
@@ -79,7 +80,7 @@ def evaluate(
         prepare_empty_folder(pictures)
     target = (out or Path('runs') / 'light-evaluate').absolute()
     order = EvaluationRequest(tuple(sets or SETS), seeds, target, workers, retry)
-    done = fly_all(order, console)
+    done = run_evaluation(order, console)
     found = EvaluationFindings(done)
     content = write_json(found.to_dict(), order.folder / 'evaluation.json')
     page = write_page(found)

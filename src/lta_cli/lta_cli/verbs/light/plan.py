@@ -60,7 +60,9 @@ def plan(
     out: Out = None,
     pictures: Annotated[
         Path | None,
-        typer.Option(help='Folder for each picture as PNG; needs a Chromium.', metavar='FOLDER'),
+        typer.Option(
+            help='Write each figure as PNG to this folder; needs Chromium.', metavar='FOLDER'
+        ),
     ] = None,
     json: Json = False,
 ) -> None:

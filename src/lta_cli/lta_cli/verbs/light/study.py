@@ -25,7 +25,7 @@ def light_study(
     readings: Annotated[
         int, typer.Option(help='Readings in each direction.', min=1, max=10_000)
     ] = READINGS,
-    seed: Annotated[int, typer.Option(help='Seed of all chance.', min=0)] = 1,
+    seed: Annotated[int, typer.Option(help='Random seed.', min=0)] = 1,
     out: Annotated[
         Path | None,
         typer.Option(

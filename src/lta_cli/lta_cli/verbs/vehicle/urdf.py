@@ -4,7 +4,7 @@ from pathlib import Path
 import sys
 from typing import Annotated
 
-from lta_bridge.urdf import build_urdf as description
+from lta_bridge.urdf import build_urdf
 from lta_cli.options.plain_console import plain_console
 from lta_model.vehicle import load_vehicle
 from lta_report.page_frame import write_file
@@ -24,7 +24,7 @@ def urdf(
 
     Example: lta vehicle urdf gtmab --out gtmab.urdf
     """
-    text = description(load_vehicle(name))
+    text = build_urdf(load_vehicle(name))
     if out is None:
         sys.stdout.write(text)
         return

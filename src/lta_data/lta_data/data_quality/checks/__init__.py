@@ -1,1 +1,1 @@
-"""The checks of a recording: one file a kind of finding."""
+"""Checks of a recording, one file per kind of finding."""

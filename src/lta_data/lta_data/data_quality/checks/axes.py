@@ -1,9 +1,9 @@
 """
-Signs and axes that are not what REP-103 means: flipped, swapped, another frame, another order.
+Detect signs and axes that violate REP-103: flipped, swapped, wrong frame or component order.
 
-Where the two ways of knowing a motion do not agree axis by axis, every signed permutation of
-the axes, the other frame and the other readings of a quaternion are tried; a finding needs one of
-them to explain what is there, so that noise or a poor sensor is not one.
+If two sources of a motion disagree by axis, all signed permutations of the axes, the other frame
+and other readings of the quaternion are tried. A finding requires that one of them explains the
+data, so that noise or a poor sensor does not cause one.
 """
 
 from collections.abc import Callable, Iterator
@@ -27,8 +27,8 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 KIND = 'axes'
 XYZ: Final = 'xyz'
-OTHER = 0.05  # the side that is told is blamed unless the other explains more
-BETTER = 0.25  # how much better an explanation must match than the axes as they are
+OTHER = 0.05  # advantage of blaming the sensor's side over the pose
+BETTER = 0.25  # least improvement of the match by an explanation
 ORDERS: Final[dict[str, Callable[[Array], Array]]] = {
     'the inverse attitude (map to body)': lambda turn: turn * np.array([-1.0, -1.0, -1.0, 1.0]),
     'the order w x y z for x y z w': lambda turn: np.roll(turn, -1, axis=1),
@@ -38,7 +38,7 @@ SIGNED: Final = tuple(product(permutations(range(3)), product((1.0, -1.0), repea
 
 
 def find_axis_errors(evidence: CheckContext) -> CheckVerdict:
-    """Find flipped and swapped axes, wrong frames and wrong orders of quaternions."""
+    """Find flipped and swapped axes, wrong frames and wrong quaternion orders."""
     found: list[QualityFinding] = []
     by_name = {pose.attitude.name: pose for pose in evidence.poses if pose.attitude is not None}
     by_place = {pose.position.name: pose for pose in evidence.poses if pose.position is not None}
@@ -56,14 +56,14 @@ def find_axis_errors(evidence: CheckContext) -> CheckVerdict:
 
 
 def mean_axis_match(alike: PairSimilarity) -> float:
-    """Return the mean match of the moving axes, each with its own. [1]"""
+    """Return the mean match of the moving axes with their counterparts. [1]"""
     return float(np.diag(alike.match)[alike.moving].mean())
 
 
 def explain_mismatch(
     pair: MotionPair, alike: PairSimilarity, pose: PoseSeries | None, limits: QualityLimits
 ) -> Iterator[QualityFinding]:
-    """Yield the best explanation of axes that do not agree, if there is a good one."""
+    """Yield the best explanation of mismatching axes, if there is a good one."""
     ways = [*score_axis_orders(pair, alike)]
     if pose is not None and pair.what in ('rates', 'velocity') and len(pair.axes) == 3:
         ways += score_pose_readings(pair, pose, limits)
@@ -75,20 +75,20 @@ def explain_mismatch(
         begin, end = pair.span
         yield QualityFinding(
             KIND, channel, begin, end,
-            f"{words}: with '{pair.made if channel != pair.made else pair.told}' it correlates by "
-            f'{before:.2f} as it is and by {score:.2f} so.',
+            f"{words}: it correlates with '{pair.made if channel != pair.made else pair.told}' "
+            f'by {before:.2f} as recorded and by {score:.2f} corrected.',
             Severity.SUSPICIOUS, {'as_told': before, 'explained': score},
         )  # fmt: skip
 
 
 def score_axis_orders(pair: MotionPair, alike: PairSimilarity) -> Iterator[tuple[float, str, str]]:
-    """Yield score, channel and words of each signed order of the axes of the left side."""
+    """Yield score, channel and description of each signed order of the left side's axes."""
     if len(pair.axes) == 1:
-        yield -float(alike.correlation[0, 0]), pair.told, 'The sign is turned'
+        yield -float(alike.correlation[0, 0]), pair.told, 'The sign is inverted'
         return
     moving = np.flatnonzero(alike.moving)
     for order, signs in SIGNED:
-        # Column j of the right side is found in row order[j] of the left one.
+        # Column j of the right side corresponds to row order[j] of the left side.
         score = float(np.mean([signs[j] * alike.match[order[j], j] for j in moving]))
         wrong = [j for j in moving if order[j] != j or signs[j] < 0]
         idle = [j for j in range(3) if j not in moving and (order[j] != j or signs[j] < 0)]
@@ -98,14 +98,18 @@ def score_axis_orders(pair: MotionPair, alike: PairSimilarity) -> Iterator[tuple
             f'{"-" if signs[j] < 0 else ""}{XYZ[order[j]]} is {XYZ[j]}' for j in wrong
         )
         name = f'{pair.told}.{XYZ[wrong[0]]}' if len(wrong) == 1 else pair.told
-        # Fewer changes explain better at the same correlation.
-        yield score - 0.01 * len(wrong) - 0.002 * len(idle), name, f'Axes are turned ({words})'
+        # At the same correlation, prefer the explanation with fewer changes.
+        yield (
+            score - 0.01 * len(wrong) - 0.002 * len(idle),
+            name,
+            f'Axes are swapped or inverted ({words})',
+        )
 
 
 def score_pose_readings(
     pair: MotionPair, pose: PoseSeries, limits: QualityLimits
 ) -> Iterator[tuple[float, str, str]]:
-    """Yield what other readings of attitude and place explain."""
+    """Yield score, channel and description of other readings of attitude and position."""
     attitude = pose.attitude
     if attitude is None:
         return
@@ -125,7 +129,7 @@ def score_pose_readings(
         attitude.name, attitude.time, attitude.values * 0.0 + [0.0, 0.0, 0.0, 1.0]
     )
     in_map = pair_velocity(pose.position, level, told, limits)
-    yield from score_reading(in_map, pair.told, 'The velocity is in the frame of the map', limits)
+    yield from score_reading(in_map, pair.told, 'The velocity is in the map frame', limits)
     place = pose.position
     for order, signs in SIGNED:
         if order == (0, 1, 2) and min(signs) > 0:
@@ -136,7 +140,7 @@ def score_pose_readings(
         changes = sum(order[j] != j or signs[j] < 0 for j in range(3))
         for score, name, told_as in score_reading(
             pair_velocity(moved, attitude, told, limits), place.name,
-            f'The place is x, y, z = {words}', limits,
+            f'The position is x, y, z = {words}', limits,
         ):  # fmt: skip
             yield score - 0.01 * changes, name, told_as
 
@@ -144,7 +148,7 @@ def score_pose_readings(
 def score_reading(
     pair: MotionPair | None, name: str, words: str, limits: QualityLimits
 ) -> Iterator[tuple[float, str, str]]:
-    """Yield the score of another reading, where it can be judged."""
+    """Yield the score of another reading, if it can be judged."""
     alike = None if pair is None else measure_similarity(pair, limits)
     if alike is not None:
         yield (
@@ -157,17 +161,18 @@ def score_reading(
 
 
 def find_lying_attitude(pose: PoseSeries, limits: QualityLimits) -> Iterator[QualityFinding]:
-    """Yield an attitude in which the craft lies on its side or back most of the time."""
+    """Yield an attitude that has the vehicle on its side or back most of the time."""
     if pose.attitude is None or len(pose.attitude.time) < limits.least_samples:
         return
     turn = pose.attitude.values
+    # z component of the body's z axis in the world.
     up = 1.0 - 2.0 * (turn[:, 0] ** 2 + turn[:, 1] ** 2)
     share = float(np.mean(up < np.cos(np.radians(limits.upright))))
     if share > 0.5:
         yield QualityFinding(
             KIND, pose.attitude.name, float(pose.attitude.time[0]), float(pose.attitude.time[-1]),
-            f'The craft leans more than {limits.upright:.0f} degrees in {100 * share:.0f} % of '
-            'the time: a quaternion in another order (w first), or another frame (z down).',
+            f'The vehicle tilts by more than {limits.upright:.0f} degrees in {100 * share:.0f} % '
+            'of the time: wrong order of the quaternion (w first) or wrong frame (z down).',
             Severity.SUSPICIOUS, {'share': share},
         )  # fmt: skip
 
@@ -175,7 +180,7 @@ def find_lying_attitude(pose: PoseSeries, limits: QualityLimits) -> Iterator[Qua
 def find_misaligned_gravity(
     force: VectorSeries, limits: QualityLimits
 ) -> Iterator[QualityFinding]:
-    """Yield an accelerometer that does not feel gravity upwards along z (FLU, +g at rest)."""
+    """Yield an accelerometer without +g along z at rest (FLU)."""
     if len(force.time) < limits.least_samples:
         return
     mean = np.median(force.values, axis=0)
@@ -188,7 +193,7 @@ def find_misaligned_gravity(
     yield QualityFinding(
         KIND, f'{force.name}.z' if axis == 2 else force.name, float(force.time[0]),
         float(force.time[-1]),
-        f'Gravity is felt along {sign}{XYZ[axis]} ({mean[0]:.2f}, {mean[1]:.2f}, {mean[2]:.2f}), '
+        f'Gravity acts along {sign}{XYZ[axis]} ({mean[0]:.2f}, {mean[1]:.2f}, {mean[2]:.2f}), '
         'not along z (REP-103: +9.81 m/s2 upwards at rest).',
         Severity.SUSPICIOUS, {'x': float(mean[0]), 'y': float(mean[1]), 'z': float(mean[2])},
     )  # fmt: skip

@@ -1,8 +1,8 @@
 """
-A channel that piles up at an extreme: its instrument, its converter or a program cut it off.
+Detect channels that are clipped by their instrument, ADC or a program.
 
-What is measured thins out towards its extremes, so that the outermost value is the rarest; at a
-limit it is the most frequent, and it is held there in runs.
+Measured values thin out towards their extremes. At a limit the extreme value is the most frequent
+one, and it lasts for several samples.
 """
 
 from collections.abc import Iterator
@@ -18,16 +18,16 @@ from lta_data.data_quality.runs import find_runs
 import numpy as np
 
 KIND = 'clipped'
-NEIGHBOURS = 3
+NEIGHBOURS = 3  # adjacent values whose counts are compared
 ADC = 'photodiodes'
 UNKNOWN_TOP = (
-    'How far the converter of the photodiodes counts is unknown, since the recording holds no '
-    'vehicle file that can be read: what reaches its upper end cannot be judged.'
+    "The range of the photodiodes' ADC is unknown, because the recording has no readable vehicle "
+    'file: clipping at its upper end cannot be judged.'
 )
 
 
 def find_clipping(evidence: CheckContext) -> CheckVerdict:
-    """Find pile-ups at extremes, and converter blocks at the ends of the converter."""
+    """Find accumulations at extremes, and ADC blocks at the limits of the ADC."""
     found: list[QualityFinding] = []
     for channel in evidence.recording.channels.values():
         if roles.find_restless_kind(channel):
@@ -43,9 +43,9 @@ def find_clipping(evidence: CheckContext) -> CheckVerdict:
 def find_pileups(
     channel: SignalChannel, limits: QualityLimits, simulated: bool
 ) -> Iterator[QualityFinding]:
-    """Yield the extremes of one channel at which it piles up."""
+    """Yield the extremes of one channel at which values accumulate."""
     good = np.isfinite(channel.values)
-    if simulated:  # at rest until it flies, to the last bit
+    if simulated:  # exactly constant until take-off
         good[: find_run_end(np.diff(channel.values, prepend=channel.values[:1]) == 0.0)] = False
     values, time = channel.values[good], channel.time[good]
     if len(values) < limits.least_samples or is_constant(channel):
@@ -66,14 +66,14 @@ def find_pileups(
             continue
         yield QualityFinding(
             KIND, channel.name, float(time[at[0, 0]]), float(time[at[-1, 1] - 1]),
-            f'{count} of {len(values)} readings are the {word} one, {levels[side]:.6g} '
-            f'{channel.unit}, and {np.median(beside):.0f} each of the next values.',
+            f'{count} of {len(values)} readings have the {word} value, {levels[side]:.6g} '
+            f'{channel.unit}, but only {np.median(beside):.0f} each of the adjacent values.',
             Severity.SUSPICIOUS, {'limit': float(levels[side]), 'readings': float(count)},
         )  # fmt: skip
 
 
 def find_railed_blocks(channel: SignalChannel, evidence: CheckContext) -> Iterator[QualityFinding]:
-    """Yield where the blocks of one diode reach an end of the converter."""
+    """Yield the span in which blocks of one diode reach a limit of the ADC."""
     end = evidence.adc_maximum if channel.field.startswith('max[') else 0.0
     if end is None:
         return
@@ -82,7 +82,6 @@ def find_railed_blocks(channel: SignalChannel, evidence: CheckContext) -> Iterat
         times = channel.time[at]
         yield QualityFinding(
             KIND, channel.name, float(times[0]), float(times[-1]),
-            f'{int(at.sum())} of {len(at)} blocks reach the end of the converter, {end:.0f} '
-            'counts.',
+            f'{int(at.sum())} of {len(at)} blocks reach the limit of the ADC, {end:.0f} counts.',
             Severity.SUSPICIOUS, {'limit': end, 'blocks': float(at.sum())},
         )  # fmt: skip

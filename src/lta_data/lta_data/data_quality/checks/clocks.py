@@ -1,8 +1,8 @@
 """
-Clocks that do not agree: one motion seen at two times, or at a time that wanders.
+Detect clocks that disagree: one motion at two times, or with a drifting lag.
 
-The lag is where two ways of knowing a motion correlate best; its uncertainty is the spread of the
-lag over parts of the flight, each on its own.
+The lag is where two sources of a motion correlate best. Its uncertainty is the spread of the lags
+of separate parts of the flight.
 """
 
 from collections.abc import Iterator
@@ -18,21 +18,21 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 KIND = 'clock'
-PART = 5.0  # shortest part of a flight that has a lag of its own [s]
-PARTS = (3, 12)
-INDEPENDENT = 4.0  # values a second behind a kernel of 0.25 s
-EVEN = 1.0  # how much a part's length counts beside its motion
-SHORTEST = 1.0  # part that has a lag [s]
+PART = 5.0  # target length of the parts of a flight [s]
+PARTS = (3, 12)  # least and largest number of parts
+INDEPENDENT = 4.0  # independent values per second after a kernel of 0.25 s
+EVEN = 1.0  # weight of a part's length relative to its motion
+SHORTEST = 1.0  # shortest part whose lag is used [s]
 DRIFTS = tuple(size * sign for size in (0.2, 0.35, 0.5, 0.65, 0.8, 1.0) for sign in (1.0, -1.0))
-NEAR = 0.6  # furthest that a part's lag is looked for from the whole's [s]
-NORMAL = 1.4826  # standard deviation over median deviation
+NEAR = 0.6  # largest deviation of a part's lag from the total lag [s]
+NORMAL = 1.4826  # standard deviation over median absolute deviation
 MEDIAN = 1.2533  # standard error of a median over that of a mean
 
 
 @final
 class PairLag(NamedTuple):
     """
-    A lag and its standard error; how far it wanders over the flight, and that one's. [s]
+    A lag and its standard error, and its drift over the flight with standard error. [s]
 
     `line` is the lag in the middle of the flight [s] and its slope [s/s].
     """
@@ -45,7 +45,7 @@ class PairLag(NamedTuple):
 
 
 def find_clock_errors(evidence: CheckContext) -> CheckVerdict:
-    """Find channels that are late or early against others."""
+    """Find channels that are late or early relative to others."""
     found: list[QualityFinding] = []
     unjudged: list[str] = []
     turning = {
@@ -53,7 +53,7 @@ def find_clock_errors(evidence: CheckContext) -> CheckVerdict:
     }
     for pair, alike in evidence.similarities:
         if pair.what == 'force' and pair.told.split('/')[0] in turning:
-            continue  # the rates say it better
+            continue  # the rates of this sensor are more precise
         if alike is None:
             unjudged.append(
                 f"The clock of '{pair.told}' cannot be judged: '{pair.made}' hardly moves."
@@ -66,7 +66,7 @@ def find_clock_errors(evidence: CheckContext) -> CheckVerdict:
 def find_lag(
     pair: MotionPair, alike: PairSimilarity, limits: QualityLimits
 ) -> Iterator[QualityFinding]:
-    """Yield the lag of a pair, and how it wanders, where there is one beyond doubt."""
+    """Yield the lag of a pair, or its drift, if significant."""
     if not alike.quick_at_lag.any():
         return
     found = estimate_pair_lag(pair, alike)
@@ -79,8 +79,8 @@ def find_lag(
     if wanders and drifting > limits.agree and is_clear_gain(steady, drifting, limits):
         yield QualityFinding(
             KIND, pair.told, begin, end,
-            f"Wanders by {found.drift:.3f} s +- {found.drift_error:.3f} s against '{pair.made}' "
-            f'from begin to end (correlation {drifting:.2f}, without {steady:.2f}).',
+            f"Drifts by {found.drift:.3f} s +- {found.drift_error:.3f} s against '{pair.made}' "
+            f'from begin to end (correlation {drifting:.2f}, uncorrected {steady:.2f}).',
             Severity.SUSPICIOUS, {'drift': found.drift, 'error': found.drift_error},
         )  # fmt: skip
         return
@@ -89,16 +89,16 @@ def find_lag(
         if drifting > limits.wander_agree and is_clear_gain(max(steady, 0.0), drifting, limits):
             yield QualityFinding(
                 KIND, pair.told, begin, end,
-                f"Wanders by about {drift:.1f} s against '{pair.made}' from begin to end "
-                f'(correlation {drifting:.2f}, without {steady:.2f}).',
+                f"Drifts by about {drift:.1f} s against '{pair.made}' from begin to end "
+                f'(correlation {drifting:.2f}, uncorrected {steady:.2f}).',
                 Severity.SUSPICIOUS, {'drift': drift},
             )  # fmt: skip
             return
     own, zero = np.abs(alike.quick_at_lag), np.abs(alike.quick_at_zero)
-    best = own >= min(limits.agree, float(own.max()))  # a poor axis does not take the time away
+    best = own >= min(limits.agree, float(own.max()))  # ignore axes with poor correlation
     peak = float(own[best].mean())
     clear = abs(found.lag) > limits.clock_offset + limits.clock_sigmas * found.error
-    # What is in other axes has no lag of its own.
+    # Swapped axes would give a meaningless lag.
     if clear and alike.axes_agree and peak > limits.agree and is_clear_gain(
         float(zero[best].mean()), peak, limits
     ):  # fmt: skip
@@ -106,13 +106,13 @@ def find_lag(
         yield QualityFinding(
             KIND, pair.told, begin, end,
             f"{abs(found.lag):.3f} s +- {found.error:.3f} s {word} against '{pair.made}' "
-            f'(correlation {peak:.2f}, without {zero[best].mean():.2f}).',
+            f'(correlation {peak:.2f}, uncorrected {zero[best].mean():.2f}).',
             Severity.SUSPICIOUS, {'lag': found.lag, 'error': found.error},
         )  # fmt: skip
 
 
 def search_clock_drift(pair: MotionPair, limits: QualityLimits) -> tuple[float, float]:
-    """Return the wandering over the flight that agrees best [s], and how well it does."""
+    """Return the drift over the flight with the best correlation [s], and that correlation."""
     left, right, _, _ = high_pass_pair(pair)
     length = float(np.ptp(pair.grid))
     best = 0.0, 0.0
@@ -126,12 +126,12 @@ def search_clock_drift(pair: MotionPair, limits: QualityLimits) -> tuple[float, 
 
 
 def is_clear_gain(before: float, after: float, limits: QualityLimits) -> bool:
-    """Whether a correlation is so much better that the mismatch shrinks clearly."""
+    """Return whether an improved correlation clearly reduces the mismatch."""
     return 1.0 - before > limits.clock_gain * (1.0 - after)
 
 
 def drift_corrected_correlation(pair: MotionPair, lag: float, slope: float) -> float:
-    """Return the correlation of what is quick in all axes, a wandering lag [s] taken out. [1]"""
+    """Return the correlation of the fast motion of all axes after removing a drifting lag. [1]"""
     left, right, left_size, right_size = high_pass_pair(pair)
     at = pair.grid + lag + slope * (pair.grid - pair.grid.mean())
     moved = np.stack([np.interp(at, pair.grid, column) for column in left.T], axis=1)
@@ -141,7 +141,7 @@ def drift_corrected_correlation(pair: MotionPair, lag: float, slope: float) -> f
 
 
 def estimate_pair_lag(pair: MotionPair, alike: PairSimilarity) -> PairLag:
-    """Return the lag of a pair from parts of the flight that move as much each."""
+    """Estimate the lag of a pair from parts of the flight with equal motion."""
     left, right, _, _ = high_pass_pair(pair)
     weight = np.abs(alike.quick_at_lag) ** 2
     left, right = left * weight, right * weight
@@ -166,10 +166,10 @@ def estimate_pair_lag(pair: MotionPair, alike: PairSimilarity) -> PairLag:
 
 def lag_standard_error(right: Array, energy: Array, alike: PairSimilarity, step: float) -> float:
     """
-    Return the standard error of a lag that one short stretch of motion tells. [s]
+    Return the standard error of a lag estimated from one short stretch of motion. [s]
 
-    The bound of Knapp and Carter (1976, doi:10.1109/TASSP.1976.1162830) for the correlation that
-    is there, twice, with as many independent values as the kernel leaves in the stretch.
+    Twice the bound of Knapp and Carter (1976, doi:10.1109/TASSP.1976.1162830) for the given
+    correlation, with the number of independent values that the kernel leaves in the stretch.
     """
     alike_at = float(np.abs(alike.quick_at_lag).max())
     lasting = float(energy.sum() ** 2 / (energy**2).sum()) * step
@@ -180,7 +180,7 @@ def lag_standard_error(right: Array, energy: Array, alike: PairSimilarity, step:
 
 
 def fit_lag_drift(parts: Array, times: Array, step: float, center: float) -> PairLag:
-    """Return lag [s] and drift [1] of the lags of parts."""
+    """Fit lag [s] and drift [1] to the lags of the parts."""
     middle = float(np.median(parts))
     spread = NORMAL * float(np.median(np.abs(parts - middle))) + 0.1 * step
     error = MEDIAN * spread / np.sqrt(len(parts))
@@ -188,7 +188,7 @@ def fit_lag_drift(parts: Array, times: Array, step: float, center: float) -> Pai
         return PairLag(middle, error, 0.0, np.inf, (middle, 0.0))
     first, second = np.triu_indices(len(parts), 1)
     apart = times[second] - times[first]
-    # The median of the slopes of all pairs (Theil 1950, Sen 1968) bears with parts that fail.
+    # The median of the slopes of all pairs (Theil 1950, Sen 1968) tolerates outliers.
     slope = float(np.median((parts[second] - parts[first]) / np.maximum(apart, 1e-3)))
     at_middle = float(np.median(parts - slope * (times - center)))
     left = parts - at_middle - slope * (times - center)

@@ -1,4 +1,4 @@
-"""A channel that never changes though its instrument always does."""
+"""Detect channels that never change although their instrument always does."""
 
 from collections import defaultdict
 
@@ -12,7 +12,7 @@ KIND = 'constant'
 
 
 def find_constant_channels(evidence: CheckContext) -> CheckVerdict:
-    """Find channels without any change, and vectors that nobody filled in."""
+    """Find constant channels, and vectors that were never filled in."""
     limits = evidence.limits
     groups: defaultdict[str, list[SignalChannel]] = defaultdict(list)
     for channel in evidence.recording.channels.values():
@@ -37,7 +37,7 @@ def find_constant_channels(evidence: CheckContext) -> CheckVerdict:
 
 
 def should_vary(channel: SignalChannel) -> bool:
-    """Whether an instrument's channel should change all the time."""
+    """Return whether a channel of an instrument should change all the time."""
     if roles.find_restless_kind(channel) is not None:
         return True
     lit = bool(roles.SHINE.match(channel.field)) and channel.topic == 'photodiodes'
@@ -45,7 +45,7 @@ def should_vary(channel: SignalChannel) -> bool:
 
 
 def is_constant(channel: SignalChannel) -> bool:
-    """Whether all finite values are one."""
+    """Return whether all finite values are equal."""
     values = channel.values[np.isfinite(channel.values)]
     return bool((values == values[0]).all())
 
@@ -56,20 +56,20 @@ def first_finite_value(channel: SignalChannel) -> float:
 
 
 def build_unfilled_finding(name: str, channel: SignalChannel) -> QualityFinding:
-    """Say that a vector is zero throughout: its sender has no such quantity."""
+    """Return the finding of a vector that is always zero: its sender has no such quantity."""
     return QualityFinding(
         KIND, name, float(channel.time[0]), float(channel.time[-1]),
-        f'All parts are exactly 0 in all {len(channel.time)} messages: nobody filled them in.',
+        f'All parts are exactly 0 in all {len(channel.time)} messages: the sender does not fill them in.',
         Severity.NOTE,
     )  # fmt: skip
 
 
 def build_constant_finding(channel: SignalChannel) -> QualityFinding:
-    """Say that one channel is constant."""
+    """Return the finding of a constant channel."""
     held = first_finite_value(channel)
     return QualityFinding(
         KIND, channel.name, float(channel.time[0]), float(channel.time[-1]),
-        f'All {len(channel.time)} values are {held:.6g} {channel.unit}; an instrument of this '
-        'kind never repeats itself for so long.',
+        f'All {len(channel.time)} values are {held:.6g} {channel.unit}; the noise of such an '
+        'instrument never lets a value repeat for so long.',
         Severity.SUSPICIOUS, {'value': held},
     )  # fmt: skip

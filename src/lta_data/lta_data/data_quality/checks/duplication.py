@@ -1,8 +1,8 @@
 """
-A stretch of data that is in the recording twice.
+Detect a stretch of data that occurs twice in a recording.
 
-Two stretches of an instrument's noise are never equal bit for bit (in single precision, so that a
-copy through another type is still one).
+Two stretches of an instrument's noise are never equal bit for bit. The comparison is in single
+precision, so that a conversion of type does not hide a copy.
 """
 
 from collections.abc import Iterator
@@ -16,11 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 KIND = 'duplicate'
-ULPS = 256  # steps of single precision that a stretch must span
+ULPS = 256  # least range of a stretch, in steps of single precision
 
 
 def find_duplication(evidence: CheckContext) -> CheckVerdict:
-    """Find repeated stretches in the channels of instruments that never rest."""
+    """Find repeated stretches in noisy channels."""
     found = [
         finding
         for channel in evidence.recording.channels.values()
@@ -31,7 +31,7 @@ def find_duplication(evidence: CheckContext) -> CheckVerdict:
 
 
 def hash_windows(values: NDArray[np.float64], length: int) -> NDArray[np.uint64]:
-    """Return a hash of each window of so many readings, by single-precision bits."""
+    """Return a hash of each window of `length` readings, by single-precision bits."""
     bits = values.astype(np.float32).view(np.uint32).astype(np.uint64) + np.uint64(1)
     factor = np.random.default_rng(0).integers(1, 2**62, length, dtype=np.uint64) * np.uint64(2)
     total = np.zeros(len(values) - length + 1, dtype=np.uint64)
@@ -42,7 +42,7 @@ def hash_windows(values: NDArray[np.float64], length: int) -> NDArray[np.uint64]
 
 
 def find_repeats(channel: SignalChannel, limits: QualityLimits) -> Iterator[QualityFinding]:
-    """Yield the stretches of one channel that come again."""
+    """Yield the repeated stretches of one channel."""
     values, length = channel.values, limits.duplicated_samples
     if len(values) < 2 * length:
         return
@@ -51,12 +51,12 @@ def find_repeats(channel: SignalChannel, limits: QualityLimits) -> Iterator[Qual
     changing = np.diff(single) != 0.0
     lively = np.convolve(changing, np.ones(length - 1), mode='valid') >= limits.duplicated_levels
     windows = np.lib.stride_tricks.sliding_window_view(single, length)
-    # A slow channel has few values to choose from in single precision.
+    # A slow channel has few distinct values in single precision and repeats by chance.
     fine = np.ptp(windows, axis=1) > ULPS * np.spacing(np.abs(windows).max(axis=1))
     lively &= fine & np.lib.stride_tricks.sliding_window_view(finite, length).all(axis=1)
-    told = hash_windows(values, length)
-    order = np.argsort(told, kind='stable')
-    same = (told[order][1:] == told[order][:-1]) & lively[order][1:]
+    hashes = hash_windows(values, length)
+    order = np.argsort(hashes, kind='stable')
+    same = (hashes[order][1:] == hashes[order][:-1]) & lively[order][1:]
     first, again = order[:-1][same], order[1:][same]
     apart = again - first
     rising = np.argsort(again)
@@ -72,11 +72,11 @@ def find_repeats(channel: SignalChannel, limits: QualityLimits) -> Iterator[Qual
 def build_repeat_finding(
     channel: SignalChannel, first: int, again: int, count: int
 ) -> QualityFinding:
-    """Say which stretch comes again."""
+    """Return the finding of a repeated stretch."""
     time = channel.time
     begin, end = float(time[again]), float(time[min(again + count, len(time)) - 1])
     return QualityFinding(
         KIND, channel.name, begin, end,
-        f'{count} readings are those from {time[first]:.2f} s on, to the last bit.',
+        f'{count} readings are bit for bit the same as those from {time[first]:.2f} s on.',
         Severity.SUSPICIOUS, {'from_s': float(time[first]), 'readings': float(count)},
     )  # fmt: skip

@@ -1,8 +1,8 @@
 """
-A channel that stops for a while and then goes on.
+Detect channels that freeze for a while and then continue.
 
-Equal values in a row are a rhythm where a slow instrument is sampled fast, and chance where it is
-coarse; a run is suspicious when it is much longer than either makes it.
+Consecutive equal values are regular if a slow instrument is sampled fast, and random if its
+resolution is coarse. A run is suspicious if it is much longer than either explains.
 """
 
 from collections.abc import Iterator
@@ -20,14 +20,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 KIND = 'frozen'
-START = 3  # samples within which a craft at rest was so from the start on
-RELEASED = 5.0  # usual steps in the jump at the end of a stop
-NOTHING = 1e-9  # what a simulated craft at rest has left of a speed
-USUAL = 90.0  # percentile of the lengths of runs that is taken as the rhythm
+START = 3  # samples within which a run counts as starting at the beginning
+RELEASED = 5.0  # least jump at the end of a freeze, in usual steps
+NOTHING = 1e-9  # residual speed of a simulated vehicle at rest
+USUAL = 90.0  # percentile of the run lengths that counts as regular
 
 
 def find_freezes(evidence: CheckContext) -> CheckVerdict:
-    """Find stops in the channels of instruments that never rest."""
+    """Find freezes in noisy channels."""
     limits = evidence.limits
     found = [
         finding
@@ -41,13 +41,13 @@ def find_freezes(evidence: CheckContext) -> CheckVerdict:
 def find_channel_freezes(
     channel: SignalChannel, limits: QualityLimits, simulated: bool
 ) -> Iterator[QualityFinding]:
-    """Yield the stops of one channel."""
+    """Yield the freezes of one channel."""
     values = channel.values
     if not np.isfinite(values).any() or is_constant(channel):
         return
     with np.errstate(invalid='ignore'):
         equal = np.diff(values) == 0.0
-    if simulated:  # at rest until it flies, to the last bit
+    if simulated:  # exactly constant until take-off
         equal[: find_run_end(equal)] = False
     found = find_runs(equal)
     lengths = found[:, 1] - found[:, 0]
@@ -76,16 +76,16 @@ def find_channel_freezes(
 
 
 def find_run_end(equal: NDArray[np.bool_]) -> int:
-    """Return where a run that begins at the start ends; 0 where there is none."""
+    """Return the end of a run at the beginning; 0 without one."""
     found = find_runs(equal)
     return int(found[0, 1]) if len(found) and found[0, 0] <= START else 0
 
 
 def ends_with_jump(values: NDArray[np.float64], end: int) -> bool:
     """
-    Whether a run at an extreme ends with a jump.
+    Return whether a run at an extreme ends with a jump.
 
-    A limit lets go of a signal where it took it; what was frozen has moved on meanwhile.
+    A clipped signal leaves the limit continuously; a frozen one has moved on in the meantime.
     """
     if end + 1 >= len(values):
         return False
@@ -97,12 +97,12 @@ def ends_with_jump(values: NDArray[np.float64], end: int) -> bool:
 
 
 def build_freeze_finding(channel: SignalChannel, begin: int, end: int) -> QualityFinding:
-    """Say where a channel stands still."""
+    """Return the finding of a frozen stretch."""
     first, last = float(channel.time[begin]), float(channel.time[end])
     held = float(channel.values[begin])
     return QualityFinding(
         KIND, channel.name, first, last,
         f'Stuck at {held:.6g} {channel.unit} for {end - begin + 1} readings ({last - first:.2f} '
-        's) and moving before and after.',
+        's), but moving before and after.',
         Severity.SUSPICIOUS, {'value': held, 'readings': end - begin + 1.0},
     )  # fmt: skip

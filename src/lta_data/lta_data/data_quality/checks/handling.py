@@ -1,10 +1,10 @@
 """
-A vehicle in a hand: motion that no free airship makes.
+Detect a vehicle held in a hand: motion that no free airship makes.
 
-Two rules. A hand trembles at 6 to 12 Hz (physiological tremor): that band stands out above the
-ones beside it and above what is usual in the flight; rotors and noise are broad or faster, a hull
-swings slower than 1 Hz. And a hand moves a craft whose rotors are idle, up and down, too: a free
-one only drifts, or falls in less than a second.
+Two rules. A hand trembles at 6 to 12 Hz (physiological tremor): that band exceeds the adjacent
+ones and its usual level in the flight, while rotors and noise are broad or faster, and a hull
+swings below 1 Hz. And a hand moves a vehicle with idle rotors, also up and down, while a free one
+only drifts, or falls within a second.
 """
 
 from collections.abc import Iterator
@@ -29,17 +29,17 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 KIND = 'held'
-HOP = 4  # windows that overlap
-FLANKS = (3.5, 5.0, 13.0, 20.0)  # bands beside the tremor [Hz]
-CALM = 1.0  # after the rotors stop a craft coasts, falls and settles [s]
-LIFTED = 0.3  # range of the vertical speed in a hand [m/s]
-WIDE = 0.5  # motion of a hand is slower than this kernel [s]
-FORCE = 1e-3  # a commanded force below it is none [N]
+HOP = 4  # steps per window
+FLANKS = (3.5, 5.0, 13.0, 20.0)  # bands below and above the tremor [Hz]
+CALM = 1.0  # time to coast, fall and settle after the rotors stop [s]
+LIFTED = 0.3  # least range of the vertical speed in a hand [m/s]
+WIDE = 0.5  # smoothing; motion of a hand is slower [s]
+FORCE = 1e-3  # smaller commanded forces count as zero [N]
 
 
 @final
 class TremorLevels(NamedTuple):
-    """RMS acceleration in the tremor's band and in those beside it, by window. [m/s2]"""
+    """RMS acceleration in the tremor band and the adjacent bands, by window. [m/s2]"""
 
     time: Array
     tremor: Array
@@ -56,12 +56,12 @@ def find_handling(evidence: CheckContext) -> CheckVerdict:
     places = [
         pose.position for pose in evidence.poses if pose.tracked and pose.position is not None
     ]
-    shaken = 0
+    judged = 0
     for force in sources:
-        shaken += bool(is_sampled_fast(force))
+        judged += bool(is_sampled_fast(force))
         found += find_tremor(force, force.values, limits)
     for place in places:
-        shaken += bool(is_sampled_fast(place))
+        judged += bool(is_sampled_fast(place))
         found += find_tremor(place, second_derivative(place), limits)
     idle = find_idle_times(evidence.recording, limits)
     if idle is None:
@@ -69,20 +69,20 @@ def find_handling(evidence: CheckContext) -> CheckVerdict:
     else:
         for place in places:
             found += find_idle_motion(place, *idle, limits)
-    if not shaken:
+    if not judged:
         unjudged.append(
-            'Tremor of a hand cannot be judged: nothing is told fast enough for 12 Hz.'
+            'Tremor of a hand cannot be judged: no channel is sampled fast enough for 12 Hz.'
         )
     return CheckVerdict(tuple(found), tuple(unjudged))
 
 
 def is_sampled_fast(vector: VectorSeries) -> bool:
-    """Whether a vector is told often enough for the bands."""
+    """Return whether a vector is sampled fast enough for the bands."""
     return len(vector.time) > 200 and median_period(vector.time) <= 0.5 / FLANKS[2] * 0.75
 
 
 def second_derivative(place: VectorSeries) -> Array:
-    """Return second derivatives of a place. [m/s2]"""
+    """Return the second derivative of a position. [m/s2]"""
     return np.asarray(np.gradient(np.gradient(place.values, place.time, axis=0), place.time,
                                   axis=0))  # fmt: skip
 
@@ -98,13 +98,13 @@ def measure_tremor(vector: VectorSeries, values: Array, limits: QualityLimits) -
     shape = np.hanning(count + 2)[1:-1]
     pieces = table[index] - table[index].mean(axis=1, keepdims=True)
     power = np.abs(np.fft.rfft(pieces * shape[None, :, None], axis=1)) ** 2
-    power = power.sum(axis=2) / (shape**2).sum() / count * 2.0  # of each line [m2/s4]
+    power = power.sum(axis=2) / (shape**2).sum() / count * 2.0  # of each frequency bin [m2/s4]
     lines = np.fft.rfftfreq(count, step)
     whole = known[index].all(axis=1)
 
     def level(low: float, high: float) -> Array:
         inside = (lines >= low) & (lines <= min(high, 0.9 * lines[-1]))
-        # As if the band were as wide as the tremor's, so that levels can be compared.
+        # Scaled to the width of the tremor band, so that levels are comparable.
         width = limits.tremor_high - limits.tremor_low
         mean = power[:, inside].mean(axis=1)
         return np.where(whole, np.sqrt(mean * width / (lines[1] - lines[0])), 0.0)
@@ -138,9 +138,9 @@ def find_tremor(
         strength = float(np.median(felt.tremor[begin:end]))
         yield QualityFinding(
             KIND, vector.name, float(felt.time[begin]) - half, float(felt.time[end - 1]) + half,
-            f'Trembles as a hand does: {strength:.2f} m/s2 at {limits.tremor_low:.0f} to '
-            f'{limits.tremor_high:.0f} Hz, {np.median(felt.above[begin:end]):.2f} above that band '
-            f'and {usual:.2f} usually.',
+            f'Trembles like a hand: {strength:.2f} m/s2 at {limits.tremor_low:.0f} to '
+            f'{limits.tremor_high:.0f} Hz, but {np.median(felt.above[begin:end]):.2f} above that '
+            f'band and usually {usual:.2f}.',
             Severity.SUSPICIOUS, {'tremor': strength, 'usual': usual},
         )  # fmt: skip
 
@@ -167,7 +167,7 @@ def find_idle_times(
 def find_idle_motion(
     place: VectorSeries, time: Array, idle: NDArray[np.bool_], limits: QualityLimits
 ) -> Iterator[QualityFinding]:
-    """Yield stretches in which something moves a craft whose rotors are idle."""
+    """Yield stretches in which a vehicle with idle rotors is moved."""
     step = max(median_period(place.time), 0.01)
     grid = build_even_grid(place.time[0], place.time[-1], step, len(place.time))
     if len(grid) < limits.least_samples:
@@ -184,13 +184,13 @@ def find_idle_motion(
             continue
         moved = inside & (fast > limits.carried_speed) & (pull > 0.0)
         pushed = inside & (pull > limits.carried_force)
-        lifted = float(np.ptp(speed[inside, 2]))  # wind hardly does that
+        lifted = float(np.ptp(speed[inside, 2]))  # wind hardly changes the vertical speed
         if lifted > LIFTED and moved.sum() * step > 0.5 and pushed.sum() * step > 0.2:
             at = grid[moved | pushed]
             yield QualityFinding(
                 KIND, place.name, float(at[0]), float(at[-1]),
                 f'Moves with idle rotors, at up to {fast[inside].max():.2f} m/s and with '
-                f'accelerations up to {pull[inside].max():.2f} m/s2: something carries it.',
+                f'accelerations up to {pull[inside].max():.2f} m/s2: it is being carried.',
                 Severity.SUSPICIOUS,
                 {'speed': float(fast[inside].max()), 'acceleration': float(pull[inside].max())},
             )  # fmt: skip

@@ -1,4 +1,4 @@
-"""Values that cannot be, whatever the flight."""
+"""Detect values that are impossible, whatever the flight."""
 
 from collections.abc import Iterator, Sequence
 
@@ -15,13 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 KIND = 'impossible'
-APART = 20  # samples between two bad ones that are told as one stretch
-UNIT_LENGTH = 0.01  # of a quaternion: single precision and rounding to three digits
-QUIET = 25  # samples of an accelerometer at rest
+APART = 20  # samples between bad values that still form one stretch
+UNIT_LENGTH = 0.01  # tolerance of a quaternion: single precision, three-digit rounding
+QUIET = 25  # samples per block in the search for rest
 
 
 def find_impossible_values(evidence: CheckContext) -> CheckVerdict:
-    """Find values outside what their quantity can have."""
+    """Find values outside the possible range of their quantity."""
     channels, limits = evidence.recording.channels, evidence.limits
     found: list[QualityFinding] = []
     ranges = (*RANGES, *build_light_ranges(evidence.adc_maximum))
@@ -68,7 +68,7 @@ def find_out_of_range(
 
 
 def find_non_numbers(channel: SignalChannel) -> Iterator[QualityFinding]:
-    """Yield what is infinite, or no number between numbers, in a quantity that always has one."""
+    """Yield infinite values, and NaN between numbers, in quantities that are always defined."""
     if roles.find_restless_kind(channel) is None or not np.isfinite(channel.values).any():
         return
     infinite = np.isinf(channel.values)
@@ -80,7 +80,7 @@ def find_non_numbers(channel: SignalChannel) -> Iterator[QualityFinding]:
 
 
 def find_impossible_voltages(channel: SignalChannel) -> Iterator[QualityFinding]:
-    """Yield voltages that no cell and no pack has."""
+    """Yield voltages that neither a cell nor a pack can have."""
     values = channel.values
     inside = np.zeros(len(values), dtype=np.bool_)
     for low, high in CELLS:
@@ -88,12 +88,12 @@ def find_impossible_voltages(channel: SignalChannel) -> Iterator[QualityFinding]
     bad = np.isfinite(values) & ~inside
     if bad.any():
         worst = float(values[bad][0])
-        told = f'{worst:.4g} V, which no cell has (2.5 to 4.4 V) and no pack of them'
+        told = f'{worst:.4g} V, outside the range of cells (2.5 to 4.4 V) and packs'
         yield from build_stretch_findings(channel.name, channel.time, bad, told)
 
 
 def find_unnormalized_quaternions(channels: list[SignalChannel]) -> Iterator[QualityFinding]:
-    """Yield the quaternions of a topic that are not of unit length."""
+    """Yield quaternions of a topic without unit length."""
     parts: dict[str, dict[str, SignalChannel]] = {}
     for channel in channels:
         match = roles.QUATERNION.match(channel.field)
@@ -108,22 +108,22 @@ def find_unnormalized_quaternions(channels: list[SignalChannel]) -> Iterator[Qua
         if bad.all() and not length.any():
             yield QualityFinding(
                 KIND, f'{topic}/{path}', float(time[0]), float(time[-1]),
-                'Every quaternion is zero: nobody filled it in.', Severity.NOTE,
+                'Every quaternion is zero: the sender does not fill it in.', Severity.NOTE,
             )  # fmt: skip
         elif bad.any():
-            told = f'a quaternion of length {length[bad][0]:.4g} is no attitude'
+            told = f'a quaternion of length {length[bad][0]:.4g} is not an attitude'
             yield from build_stretch_findings(f'{topic}/{path}', time, bad, told)
 
 
 def find_position_jumps(pose: PoseSeries, limits: QualityLimits) -> Iterator[QualityFinding]:
-    """Yield places that cannot be reached from the one before."""
+    """Yield positions that are unreachable from the previous one."""
     if pose.position is None or len(pose.position.time) < limits.least_samples:
         return
     time, place = pose.position.time, pose.position.values
     far = np.linalg.norm(np.diff(place, axis=0), axis=1)
     speed = far / np.diff(time)
     usual = float(np.percentile(speed, 75))
-    # Where all of it is too fast, the unit is wrong, which another check says.
+    # If all speeds are too high, the unit is wrong, which another check reports.
     bad = (speed > limits.jump_speed) & (far > limits.jump_size) & (speed > 20.0 * usual)
     if bad.any():
         told = f'a jump of {far[bad].max():.2f} m, at {speed[bad].max():.0f} m/s'
@@ -133,7 +133,7 @@ def find_position_jumps(pose: PoseSeries, limits: QualityLimits) -> Iterator[Qua
 def find_missing_gravity(
     sensor: InertialSeries, limits: QualityLimits
 ) -> Iterator[QualityFinding]:
-    """Yield a resting accelerometer that does not feel gravity."""
+    """Yield an accelerometer at rest that does not measure gravity."""
     force = sensor.force
     if force is None or len(force.time) < 4 * QUIET:
         return
@@ -145,7 +145,9 @@ def find_missing_gravity(
         return
     felt = float(np.median(blocks[rest]))
     apart = abs(felt - STANDARD_GRAVITY)
-    if limits.still_force < apart < 0.7 * STANDARD_GRAVITY:  # beyond it is a unit
+    if (
+        limits.still_force < apart < 0.7 * STANDARD_GRAVITY
+    ):  # larger deviations come from a wrong unit
         times = force.time[: count * QUIET].reshape(count, QUIET)[rest]
         yield QualityFinding(
             KIND, force.name, float(times[0, 0]), float(times[-1, -1]),

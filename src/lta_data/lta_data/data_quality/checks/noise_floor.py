@@ -1,10 +1,10 @@
 """
-Data that are smoother than any instrument: simulated, or heavily filtered, and not said to be.
+Detect data with less noise than any instrument: undeclared simulation or heavy filtering.
 
-Above a third of the sampling rate an airship and its pilot do nothing; what is there is the noise
-of the instrument. Second differences take the motion away before the spectrum is taken, so that
-nothing leaks into it. A level below any instrument's means that the noise was never there, or that
-a smoothing took it out, and derivatives and lags with it.
+Above a third of the sampling rate an airship hardly moves, so that the spectrum there is the noise
+of the instrument. Second differences remove the motion before the spectrum is taken, to avoid
+leakage. A noise floor below any instrument's means that there was no noise, or that filtering
+removed it and distorted derivatives and lags as well.
 """
 
 from collections import defaultdict
@@ -27,13 +27,13 @@ LEVELS = {
     'force': 'quiet_force',
     'pressure': 'quiet_pressure',
 }
-WINDOW = 128
-FROM = 0.35  # of the sampling rate
-SHARE = 0.5  # of the axes of a vector that are quiet
+WINDOW = 128  # samples of a spectrum
+FROM = 0.35  # lower limit of the noise band, of the sampling rate
+SHARE = 0.5  # least share of the axes of a vector that lack noise
 
 
 def find_missing_noise(evidence: CheckContext) -> CheckVerdict:
-    """Find vectors whose noise is below that of any instrument."""
+    """Find vectors with less noise than any instrument."""
     if evidence.recording.is_simulated:
         return CheckVerdict()
     groups: defaultdict[tuple[str, str], list[SignalChannel]] = defaultdict(list)
@@ -55,7 +55,7 @@ def find_missing_noise(evidence: CheckContext) -> CheckVerdict:
 
 
 def channel_noise(channel: SignalChannel) -> float | None:
-    """Return the noise of a channel as the RMS of white noise, in its unit; None if short."""
+    """Return the RMS noise of a channel, in its unit; None if it is too short."""
     _, table = sort_samples(channel.time, channel.values[:, None])
     values = np.unwrap(table[:, 0]) if channel.angular else table[:, 0]
     if len(values) < 2 * WINDOW:
@@ -64,7 +64,9 @@ def channel_noise(channel: SignalChannel) -> float | None:
 
 
 def high_frequency_noise(values: NDArray[np.float64]) -> float:
-    """Return the RMS of white noise of the highest frequencies' level, in the values' unit."""
+    """
+    Return the RMS of white noise at the level of the highest frequencies, in the values' unit.
+    """
     bent = np.diff(values, 2)
     starts = np.arange(0, len(bent) - WINDOW + 1, WINDOW // 2)
     shape = np.blackman(WINDOW)
@@ -72,6 +74,7 @@ def high_frequency_noise(values: NDArray[np.float64]) -> float:
     power = np.abs(np.fft.rfft(pieces, axis=1)) ** 2 / (shape**2).sum()
     share = np.arange(power.shape[1]) / WINDOW
     high = share >= FROM
+    # Undo the frequency response of the second difference.
     gain = (2.0 * np.sin(np.pi * share[high])) ** 4
     return float(np.sqrt(np.mean(np.median(power, axis=0)[high] / gain)))
 
@@ -79,12 +82,12 @@ def high_frequency_noise(values: NDArray[np.float64]) -> float:
 def build_smoothness_finding(
     name: str, channel: SignalChannel, level: float, least: float
 ) -> QualityFinding:
-    """Say how smooth a vector is."""
+    """Return the finding of a vector without noise."""
     unit = channel.unit
     return QualityFinding(
         KIND, name, float(channel.time[0]), float(channel.time[-1]),
-        f'The noise above a third of the sampling rate is {level:.1e} {unit}, where the quietest '
-        f'instruments have {least:.0e}: filtered heavily, or simulated without saying so; '
-        'derivatives, lags and fast motion in it are not to be relied on.',
+        f'The noise above a third of the sampling rate is {level:.1e} {unit}, but the quietest '
+        f'instruments have {least:.0e}: heavy filtering or undeclared simulation; do not rely on '
+        'its derivatives, lags and fast motion.',
         Severity.WARNING, {'noise': level, 'least': least},
     )  # fmt: skip

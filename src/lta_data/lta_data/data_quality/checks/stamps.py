@@ -1,4 +1,4 @@
-"""Stamps that run backwards, stand still or jump, messages left out, and log times beside."""
+"""Detect stamps that run backwards, repeat or jump, missing messages, and log-time mismatch."""
 
 from collections.abc import Iterator
 
@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 KIND = 'stamps'
-TWICE = 0.001  # share of stamps that are there twice
-SHOWN = 5  # gaps of a topic that are told one by one
+TWICE = 0.001  # share of repeated stamps from which they are reported
+SHOWN = 5  # findings of one kind per topic, at most
 
 
 def find_stamp_errors(evidence: CheckContext) -> CheckVerdict:
-    """Find what is wrong with the times of each topic."""
+    """Find errors in the times of each topic."""
     found: list[QualityFinding] = []
     first: dict[str, SignalChannel] = {}
     for channel in evidence.recording.channels.values():
@@ -33,7 +33,7 @@ def find_stamp_errors(evidence: CheckContext) -> CheckVerdict:
 
 
 def find_backward_stamps(topic: str, time: Array) -> Iterator[QualityFinding]:
-    """Yield where time runs backwards or stands still."""
+    """Yield where time runs backwards or repeats."""
     step = np.diff(time)
     back = np.flatnonzero(step < 0.0)
     for index in back[:SHOWN].tolist():
@@ -47,13 +47,13 @@ def find_backward_stamps(topic: str, time: Array) -> Iterator[QualityFinding]:
     if len(twice) > TWICE * len(time):
         yield QualityFinding(
             KIND, topic, float(time[twice[0]]), float(time[twice[-1]]),
-            f'{len(twice)} of {len(time)} messages have the stamp of the one before.',
+            f'{len(twice)} of {len(time)} messages repeat the previous stamp.',
             Severity.SUSPICIOUS, {'messages': float(len(twice))},
         )  # fmt: skip
 
 
 def find_gaps(topic: str, time: Array, limits: QualityLimits) -> Iterator[QualityFinding]:
-    """Yield gaps and a share of lost messages, where a topic has a rhythm."""
+    """Yield gaps and the share of lost messages of a regular topic."""
     step = np.diff(time)
     step = step[step > 0.0]
     if len(step) < limits.least_samples // 2:
@@ -66,7 +66,7 @@ def find_gaps(topic: str, time: Array, limits: QualityLimits) -> Iterator[Qualit
         begin, end = float(time[index]), float(time[index + 1])
         yield QualityFinding(
             KIND, topic, begin, end,
-            f'Nothing for {end - begin:.2f} s, where a message comes every {usual:.3f} s '
+            f'No message for {end - begin:.2f} s; the usual period is {usual:.3f} s '
             f'({len(gaps)} such {"gap" if len(gaps) == 1 else "gaps"}).',
             Severity.SUSPICIOUS, {'gap': end - begin, 'gaps': float(len(gaps))},
         )  # fmt: skip
@@ -77,7 +77,7 @@ def find_gaps(topic: str, time: Array, limits: QualityLimits) -> Iterator[Qualit
         at = np.flatnonzero(lost > 0.0)
         yield QualityFinding(
             KIND, topic, float(time[at[0]]), float(time[at[-1] + 1]),
-            f'{missing:.0f} of {len(time) + missing:.0f} messages are missing here and there.',
+            f'{missing:.0f} of {len(time) + missing:.0f} messages are missing in small gaps.',
             Severity.WARNING, {'missing': missing},
         )  # fmt: skip
 
@@ -85,7 +85,7 @@ def find_gaps(topic: str, time: Array, limits: QualityLimits) -> Iterator[Qualit
 def find_stamp_jumps(
     topic: str, time: Array, arrived: Array, limits: QualityLimits
 ) -> Iterator[QualityFinding]:
-    """Yield where stamps jump against the log times."""
+    """Yield where stamps jump relative to the log times."""
     ahead = (time - time[0]) - (arrived - arrived[0])
     jumped = np.abs(np.diff(ahead)) > limits.log_jump
     for begin, _ in find_runs(jumped)[:SHOWN].tolist():

@@ -1,8 +1,8 @@
 """
-Quantities in another unit than their topic means: degrees for radians, mm for m, g for m/s2.
+Detect wrong units: degrees for radians, mm for m, g for m/s2.
 
-A unit shows as a factor between two ways of knowing one motion, or as a size that the quantity
-never has in its own unit and always in another.
+A wrong unit shows as a factor between two sources of a motion, or as a size that the quantity
+never has in its own unit but always in another.
 """
 
 from collections.abc import Callable, Iterator
@@ -32,7 +32,7 @@ from numpy.typing import NDArray
 
 KIND = 'unit'
 DEGREES: Final = 180.0 / np.pi
-# Factor of what is told over what it should be, and the unit that this factor means.
+# Ratio of measured to derived values -> unit of the sensor.
 FACTORS: Final[dict[str, dict[float, str]]] = {
     'rates': {DEGREES: 'deg/s', 1000.0: 'mrad/s'},
     'velocity': {1000.0: 'mm/s', 100.0: 'cm/s', 3.6: 'km/h'},
@@ -40,18 +40,18 @@ FACTORS: Final[dict[str, dict[float, str]]] = {
     'range': {1000.0: 'mm', 100.0: 'cm'},
     'pressure': {0.01: 'hPa', 0.001: 'kPa'},
 }
-# The same of the other side of the pair, where that is in another unit.
+# The same ratio -> unit of the pose, if that is wrong.
 TURNED: Final[dict[str, dict[float, str]]] = {
     'velocity': {0.001: 'mm', 0.01: 'cm'},
     'range': {0.001: 'mm', 0.01: 'cm'},
     'pressure': {0.001: 'mm'},
     'rates': {1.0 / DEGREES: 'deg'},
 }
-FAST: Final = 30.0  # Typical speed that no flight in a room has. [m/s]
+FAST: Final = 30.0  # typical speed that no indoor flight has [m/s]
 
 
 class UnitSizeRule(NamedTuple):
-    """Sizes that tell the unit of a channel: what of its values, and ranges by unit."""
+    """Size that reveals the unit of a channel: a statistic of its values, and ranges by unit."""
 
     names: re.Pattern[str]
     of: Callable[[NDArray[np.float64]], float]
@@ -59,12 +59,12 @@ class UnitSizeRule(NamedTuple):
 
 
 def median_size(values: NDArray[np.float64]) -> float:
-    """Return the median size."""
+    """Return the median magnitude."""
     return float(np.median(np.abs(values)))
 
 
 def largest_size(values: NDArray[np.float64]) -> float:
-    """Return the largest size, without the loudest hundredth."""
+    """Return the 99th percentile of the magnitude."""
     return float(np.percentile(np.abs(values), 99.0))
 
 
@@ -86,7 +86,7 @@ SIZES: Final = (
 
 
 def find_wrong_units(evidence: CheckContext) -> CheckVerdict:
-    """Find channels that are in another unit than they should be."""
+    """Find channels in a wrong unit."""
     found: list[QualityFinding] = []
     for pair, likeness in evidence.similarities:
         if likeness is not None:
@@ -107,10 +107,10 @@ def find_wrong_units(evidence: CheckContext) -> CheckVerdict:
 
 
 def describe_unjudged(evidence: CheckContext) -> tuple[str, ...]:
-    """Say which rates have nothing to be compared with."""
+    """Return a remark for rates that have no counterpart."""
     judged = {pair.told for pair, likeness in evidence.similarities if likeness is not None}
     return tuple(
-        f"The unit and axes of '{sensor.rates.name}' cannot be judged: no moving attitude beside."
+        f"The unit and axes of '{sensor.rates.name}' cannot be judged: no changing attitude."
         for sensor in evidence.inertials
         if sensor.rates is not None and sensor.rates.name not in judged
     )
@@ -119,7 +119,7 @@ def describe_unjudged(evidence: CheckContext) -> tuple[str, ...]:
 def find_unit_by_pair(
     pair: MotionPair, likeness: PairSimilarity, limits: QualityLimits
 ) -> Iterator[QualityFinding]:
-    """Yield the factor between the sides of a pair, where it is that of a unit."""
+    """Yield the factor between the sides of a pair if it is that of a unit."""
     alike = np.abs(likeness.correlation) * likeness.moving[None, :]
     rows, columns = np.nonzero(alike >= limits.agree)
     if len(rows) == 0:
@@ -132,8 +132,8 @@ def find_unit_by_pair(
                 begin, end = pair.span
                 yield QualityFinding(
                     KIND, name, begin, end,
-                    f"Looks like {unit}: beside '{other}' its motion is {ratio:.4g} times what it "
-                    'should be.'
+                    f"Looks like {unit}: its motion is {ratio:.4g} times that expected from "
+                    f"'{other}'."
                     if name == pair.told
                     else f"Looks like {unit}: '{other}' moves {ratio:.4g} times as much.",
                     Severity.SUSPICIOUS, {'factor': ratio},
@@ -142,7 +142,7 @@ def find_unit_by_pair(
 
 
 def find_unit_by_size(channel: SignalChannel) -> Iterator[QualityFinding]:
-    """Yield a channel whose size is that of another unit."""
+    """Yield a channel whose size fits another unit."""
     for size in SIZES:
         values = channel.values[np.isfinite(channel.values)]
         if not size.names.search(channel.name) or len(values) < 10:
@@ -152,8 +152,8 @@ def find_unit_by_size(channel: SignalChannel) -> Iterator[QualityFinding]:
             if low <= typical <= high:
                 yield QualityFinding(
                     KIND, channel.name, float(channel.time[0]), float(channel.time[-1]),
-                    f'Looks like {unit}: values of {typical:.4g} where {channel.unit or "SI"} is '
-                    'meant.',
+                    f'Looks like {unit}: typical value {typical:.4g}, but the unit should be '
+                    f'{channel.unit or "SI"}.',
                     Severity.SUSPICIOUS, {'size': typical},
                 )  # fmt: skip
                 break
@@ -162,14 +162,14 @@ def find_unit_by_size(channel: SignalChannel) -> Iterator[QualityFinding]:
 def find_unit_by_gravity(
     name: str, time: NDArray[np.float64], force: NDArray[np.float64]
 ) -> Iterator[QualityFinding]:
-    """Yield an accelerometer that feels gravity in another unit."""
+    """Yield an accelerometer that measures gravity in another unit."""
     felt = float(np.median(np.linalg.norm(force, axis=1)))
     for factor, unit in FACTORS['force'].items():
         if abs(felt / STANDARD_GRAVITY / factor - 1.0) <= 0.3:
             yield QualityFinding(
                 KIND, name, float(time[0]), float(time[-1]),
-                f'Looks like {unit}: the specific force is {felt:.4g} on average, where gravity '
-                'alone is 9.81 m/s2.',
+                f'Looks like {unit}: the median specific force is {felt:.4g}, but gravity alone '
+                'is 9.81 m/s2.',
                 Severity.SUSPICIOUS, {'force': felt},
             )  # fmt: skip
             return
@@ -178,7 +178,7 @@ def find_unit_by_gravity(
 def find_unit_by_speed(
     name: str, time: NDArray[np.float64], place: NDArray[np.float64], limits: QualityLimits
 ) -> Iterator[QualityFinding]:
-    """Yield a position that moves faster than anything in a room does."""
+    """Yield a position that moves faster than any indoor vehicle."""
     time, place = sort_samples(time, place)
     step = median_period(time)
     if len(time) < limits.least_samples or not step > 0.0:

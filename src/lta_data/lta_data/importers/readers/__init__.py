@@ -1,1 +1,1 @@
-"""Readers of the formats of others."""
+"""Read logs of other formats."""

@@ -1,7 +1,7 @@
 """
-Topics of a bag as tables: one row a message, one column a number in it, named by its path.
+Convert topics of a bag to tables: one row per message, one column per numeric field path.
 
-`/tf#drone` is a table of its own: the transforms of one child frame among those of a topic.
+`/tf#drone` is a separate table: the transforms of one child frame of a topic.
 """
 
 from collections.abc import (
@@ -26,8 +26,8 @@ from lta_data.importers.protocol import Reached
 import numpy as np
 
 TRANSFORMS = 'tf2_msgs/msg/TFMessage'
-PIECE = 10_000  # decoded messages kept before they become numbers
-CHILD = '#'  # between a topic of transforms and a child frame
+PIECE = 10_000  # decoded messages held before conversion to numbers
+CHILD = '#'  # separates a transform topic and a child frame
 Decode = Callable[[], object]
 
 
@@ -38,7 +38,7 @@ def _pose_parts(position: str, orientation: str) -> Mapping[str, MessagePart]:
     }
 
 
-# What types beside those that we import into tell, by the names of our parts.
+# Source types that are not import targets, by the parts that they provide.
 FURTHER: Mapping[str, Mapping[str, MessagePart]] = {
     'geometry_msgs/msg/PoseWithCovarianceStamped': _pose_parts(
         'pose.pose.position', 'pose.pose.orientation'
@@ -56,7 +56,7 @@ FURTHER: Mapping[str, Mapping[str, MessagePart]] = {
 
 @final
 class DecodedMessage(NamedTuple):
-    """A decoded message: its place in the bag, its log time in ns, and itself."""
+    """A decoded message with its position in the bag and log time in ns."""
 
     order: int
     log_time: int
@@ -64,7 +64,7 @@ class DecodedMessage(NamedTuple):
 
 
 def build_table(met: Iterable[DecodedMessage]) -> LogTable:
-    """Return messages of one type as a table; without a stamp of its own, one has its log time."""
+    """Convert messages of one type to a table; one without a stamp gets its log time."""
     listed = list(met)
     numbers, _ = build_columns(one.message for one in listed)
     stamps = [extract_stamp(one.message) for one in listed]
@@ -82,20 +82,20 @@ def build_table(met: Iterable[DecodedMessage]) -> LogTable:
 
 @final
 class RowCollector:
-    """Collects the messages of a table; decoded ones are kept only until there are some."""
+    """Collects the messages of a table, converting them in batches to save memory."""
 
     def __init__(self) -> None:
         self._met: list[DecodedMessage] = []
         self._parts: list[LogTable] = []
 
     def add_messages(self, more: Iterable[DecodedMessage]) -> None:
-        """Take the next messages."""
+        """Add messages."""
         self._met += more
         if len(self._met) >= PIECE:
             self._pack_pending()
 
     def build_table(self) -> LogTable | None:
-        """Return all of them as a table; None if there were none."""
+        """Return all messages as a table; None if there are none."""
         if self._met:
             self._pack_pending()
         if not self._parts:
@@ -113,7 +113,7 @@ class RowCollector:
         self._met = []
 
     def _join_column(self, name: str) -> Numbers:
-        """Return a column of all parts; NaN in those that do not have it."""
+        """Return a column of all parts; NaN in parts that lack it."""
         return np.concatenate(
             [part.columns.get(name, np.full(len(part), np.nan)) for part in self._parts]
         )
@@ -133,16 +133,16 @@ def build_tables(
     names: Collection[str], available: Container[str], messages: Iterable[tuple[str, int, Decode]]
 ) -> dict[str, LogTable]:
     """
-    Return the tables that are asked for and there.
+    Return the requested tables that exist.
 
     Parameters
     ----------
-    wanted : collection of str
-        Topics, or TOPIC#CHILD of one of transforms.
-    known : container of str
+    names : collection of str
+        Topics, or TOPIC#CHILD for transforms.
+    available : container of str
         The bag's topics.
     messages : iterable of (topic, log time in ns, function that decodes it)
-        All of the bag's, in its order; gone through only where something is there.
+        All of the bag, in its order; read only if a requested topic exists.
 
     """
     topics = {name: name.split(CHILD)[0] for name in names}
@@ -161,7 +161,7 @@ def build_tables(
 
 
 def list_mapping_tables(mapping: MappingFile | None) -> set[str]:
-    """Return the tables that a mapping names and that must be decoded."""
+    """Return the tables that a mapping uses, which must be decoded."""
     if mapping is None:
         return set()
     told = {entry.table for entry in mapping.topics if entry.table is not None}
@@ -170,21 +170,14 @@ def list_mapping_tables(mapping: MappingFile | None) -> set[str]:
 
 def complete_entry(entry: TopicMapping, type_name: str, target: str) -> TopicMapping:
     """
-    Return an entry that says which numbers of a message are meant, where it says nothing.
+    Fill an entry that names no fields with the standard fields of the message type.
 
-    Parameters
-    ----------
-    entry : Entry
-        As the mapping has it.
-    type_name : str
-        Type of the messages in the bag.
-    target : str
-        Type of our topic.
+    `type_name` is the type in the bag, `target` that of the imported topic.
 
     Raises
     ------
     BadInput
-        If nothing is known of how one becomes the other.
+        If no standard conversion is known.
 
     """
     if entry.parts or entry.actuators:
@@ -193,8 +186,8 @@ def complete_entry(entry: TopicMapping, type_name: str, target: str) -> TopicMap
     shared = {name: part for name, part in theirs.items() if name in SHAPES[target]}
     if not shared:
         raise BadInput(
-            f"Topic '{entry.table}' is of type '{type_name}', of which nothing is known to belong "
-            f'into {entry.topic}; name the fields in the mapping.'
+            f"Topic '{entry.table}' has type '{type_name}', which has no standard conversion to "
+            f'{entry.topic}; name the fields in the mapping.'
         )
     return entry.model_copy(
         update={name: _build_mapping_part(part) for name, part in shared.items()}
@@ -202,7 +195,7 @@ def complete_entry(entry: TopicMapping, type_name: str, target: str) -> TopicMap
 
 
 def _build_mapping_part(part: MessagePart) -> Any:  # noqa: ANN401 - one of three records
-    """Return a part as a mapping would name it."""
+    """Return a part in the form of a mapping."""
     if part.kind == 'attitude':
         return OrientationField(quaternion=[f'{part.place}.{axis}' for axis in 'xyzw'])
     if part.kind == 'number':
@@ -211,23 +204,23 @@ def _build_mapping_part(part: MessagePart) -> Any:  # noqa: ANN401 - one of thre
 
 
 def can_pass_unchanged(entry: TopicMapping, mapping: MappingFile, theirs: str, ours: str) -> bool:
-    """Tell whether a topic's messages can be taken as they are, under our name."""
+    """Return whether a topic's messages can be passed on unchanged, under a new name."""
     told = entry.parts or entry.actuators or entry.where or entry.world or entry.body
     return theirs == ours and not told and mapping.world is None and mapping.body is None
 
 
 class BagTableLog:
-    """What a log of bags tells of its tables, which are made when it is opened."""
+    """Base of the bag readers: the tables that the mapping uses, built on opening."""
 
     _tables: Mapping[str, LogTable]
 
     @property
     def columns(self) -> Mapping[str, Sequence[str]]:
-        """The columns of the tables that the mapping names."""
+        """The columns of the tables that the mapping uses."""
         return {name: list(table.columns) for name, table in self._tables.items()}
 
     def iterate_tables(
         self, selection: Mapping[str, Collection[str]], reached: Reached
     ) -> Iterator[Mapping[str, LogTable]]:
-        """Yield the tables that the mapping names."""
+        """Yield the tables that the mapping uses."""
         yield {name: self._tables[name] for name in selection}

@@ -1,16 +1,15 @@
 """
-Logs that a Crazyflie writes to its micro SD card, versions 1 and 2.
+Read logs that a Crazyflie writes to its micro SD card, versions 1 and 2.
 
-Little endian. The head: 0xBC, version (u16), number of event types (u16); then for each of them
-its number (u16), its name, the number of its variables (u16), and for each variable
-`group.name(t)`, with t its type as Python's `struct` writes it; texts end in a zero byte. Then
-events to the end: number of the type (u16), time (version 1: u32 in ms, version 2: u64 in us), the
-variables, packed: first what the event itself carries, by a name without a group (`id` of
-`estDistance`), then what was asked for with it. The last four bytes are the CRC-32 of all before;
-a drone that loses power while it logs does not write them. Checked against what writes and what
-decodes such logs in Bitcraze's crazyflie-firmware: `usdWriteTask` in
-src/deck/drivers/src/usddeck.c, and tools/usdlog/cfusdlog.py. Time is since the drone was switched
-on.
+Little endian. The header is 0xBC, version (u16) and number of event types (u16). For each event
+type follow its number (u16), its name, the number of its variables (u16), and for each variable
+`group.name(t)`, with t its type as in Python's `struct`; texts end with a zero byte. Then come
+events to the end: type number (u16), time (version 1: u32 in ms, version 2: u64 in us) and the
+packed variables: first those of the event itself, whose names have no group (`id` of
+`estDistance`), then the configured ones. The last four bytes are the CRC-32 of everything before;
+a drone that loses power while logging does not write them. Checked against the writer and decoder
+in Bitcraze's crazyflie-firmware: `usdWriteTask` in src/deck/drivers/src/usddeck.c, and
+tools/usdlog/cfusdlog.py. Time counts since the drone was switched on.
 """
 
 from collections.abc import Mapping
@@ -36,14 +35,14 @@ STARTS = {
     1: np.dtype([('id', '<u2'), ('time', '<u4')]),
     2: np.dtype([('id', '<u2'), ('time', '<u8')]),
 }
-TICK = {1: 1_000_000, 2: 1_000}  # ns
+TICK = {1: 1_000_000, 2: 1_000}  # ns per unit of time, by version
 KINDS = 'BbHhIiQqefd'
 VARIABLE = re.compile(rf'(.+)\(([{KINDS}])\)')
 
 
 @final
 class UsdEvent(NamedTuple):
-    """One type of event: its name, those of its variables, and the layout of a whole record."""
+    """One event type: its name, its variables, and the layout of a record."""
 
     name: str
     variables: list[str]
@@ -52,12 +51,12 @@ class UsdEvent(NamedTuple):
 
 def open_usd_log(path: Path, mapping: MappingFile | None) -> TableLog:
     """
-    Return a log of the card, read whole.
+    Read a log of the card completely.
 
     Raises
     ------
     BadInput
-        If its head is not that of such a log, or it holds no event.
+        If its header is invalid, or it contains no event.
 
     """
     refuse_large_log(path)
@@ -72,13 +71,13 @@ def open_usd_log(path: Path, mapping: MappingFile | None) -> TableLog:
     if not whole:
         left = end - stopped
         notes.append(
-            f'The CRC does not fit: the log was cut short or is damaged; {left} bytes at its end '
-            'are not a whole event and are left out.'
+            f'The CRC is wrong: the log was cut short or is damaged; the last {left} bytes are '
+            'not a whole event and are left out.'
         )
     elif stopped < end:
         notes.append(
-            f'From byte {stopped} on there is no event that the head names; {end - stopped} bytes '
-            'are left out.'
+            f'From byte {stopped} on there is no known event type; {end - stopped} bytes are left '
+            'out.'
         )
     tables: dict[str, LogTable] = {}
     for number, found in places.items():
@@ -86,7 +85,7 @@ def open_usd_log(path: Path, mapping: MappingFile | None) -> TableLog:
         name = f'{name} ({number})' if name in tables else name
         tables[name] = _build_table(data, events[number], found, version)
     if not tables:
-        raise BadInput(f"'{path}' is a Crazyflie's log without a single event; nothing to import.")
+        raise BadInput(f"'{path}' is a Crazyflie log without events; give a log with data.")
     facts = {
         'usd_version': str(version),
         'crc': 'fits' if whole else 'does not fit',
@@ -97,12 +96,12 @@ def open_usd_log(path: Path, mapping: MappingFile | None) -> TableLog:
 
 
 def _read_header(data: bytes, path: Path) -> tuple[dict[int, UsdEvent], int, int]:
-    """Return the types of event by number, where the events begin, and the version."""
+    """Return the event types by number, the offset of the first event, and the version."""
     try:
         magic, version, count = HEAD.unpack_from(data)
         if magic != MAGIC or version not in STARTS:
             raise BadInput(
-                f"'{path}' is not a Crazyflie's log of version 1 or 2 (byte {magic:#x}, version "
+                f"'{path}' is not a Crazyflie log of version 1 or 2 (byte {magic:#x}, version "
                 f'{version}); log it again with a newer firmware.'
             )
         at = HEAD.size
@@ -115,19 +114,19 @@ def _read_header(data: bytes, path: Path) -> tuple[dict[int, UsdEvent], int, int
                 text, at = _read_text(data, at)
                 variable, kind = _parse_field(text, path)
                 names.append(variable if variable not in names else f'{variable} ({index})')
-                fields.append((f'variable {index}', kind))  # a name may be 'id' or 'time' as well
+                fields.append(
+                    (f'variable {index}', kind)
+                )  # not by name, which may be 'id' or 'time'
             events[number] = UsdEvent(name, names, np.dtype(fields))
     except (struct.error, ValueError, UnicodeDecodeError) as error:
         if isinstance(error, BadInput):
             raise
-        raise BadInput(
-            f"The head of '{path}' is cut short or damaged; nothing to import."
-        ) from None
+        raise BadInput(f"The header of '{path}' is cut short or damaged; copy it again.") from None
     return events, at, version
 
 
 def _read_event_header(data: bytes, at: int) -> tuple[int, str, int, int]:
-    """Return number, name and variables of a type of event, and where its variables are."""
+    """Return number, name and variable count of an event type, and the offset of its variables."""
     (number,) = struct.unpack_from('<H', data, at)
     name, at = _read_text(data, at + 2)
     (variables,) = struct.unpack_from('<H', data, at)
@@ -135,13 +134,13 @@ def _read_event_header(data: bytes, at: int) -> tuple[int, str, int, int]:
 
 
 def _read_text(data: bytes, at: int) -> tuple[str, int]:
-    """Return a text that ends in a zero byte, and where what follows begins."""
+    """Return a zero-terminated text, and the offset behind it."""
     end = data.index(b'\0', at)
     return data[at:end].decode(), end + 1
 
 
 def _parse_field(text: str, path: Path) -> tuple[str, str]:
-    """Return a variable's name and type for numpy."""
+    """Return a variable's name and numpy type."""
     found = VARIABLE.fullmatch(text)
     if found is None:
         raise BadInput(
@@ -153,7 +152,7 @@ def _parse_field(text: str, path: Path) -> tuple[str, str]:
 def _locate_events(
     data: bytes, at: int, end: int, events: Mapping[int, UsdEvent]
 ) -> tuple[dict[int, list[tuple[int, int]]], int]:
-    """Return (place in the log, offset) of each event by type, and where they stop."""
+    """Return (position in the log, offset) of each event by type, and where they stop."""
     sizes = {number: event.record.itemsize for number, event in events.items()}
     found: dict[int, list[tuple[int, int]]] = {}
     rank = 0
@@ -184,9 +183,9 @@ def _build_table(
 
 
 def _note_shift(notes: list[str]) -> None:
-    """Say that times count from the start of the drone."""
+    """Add the remark that times count from the start of the drone."""
     start = load_topic_table().start_ns / 1e9
     notes.append(
-        f'Time counts from when the drone was switched on, and ROS reads 0 as "no clock yet": '
+        f'Time counts since the drone was switched on, and in ROS 0 means "no clock yet": '
         f'{start:g} s were added to all times.'
     )

@@ -1,8 +1,8 @@
 """
-Text with columns: read in parts by pyarrow, so that memory does not grow with the file.
+Read text with columns in parts with pyarrow, so that memory does not grow with the file.
 
-Numbers are those nearest to their text, as Python reads them; times are read as decimals, so that
-1772424689.277293682 s keeps its nanoseconds. An empty cell holds nothing; `nan` holds NaN.
+Numbers are rounded to the nearest float; times are parsed as decimals, so that
+1772424689.277293682 s keeps its nanoseconds. An empty cell is missing; `nan` is NaN.
 """
 
 from collections.abc import Collection, Iterator, Mapping
@@ -30,21 +30,14 @@ import pyarrow as pa
 import pyarrow.compute as pc
 import pyarrow.csv as pacsv
 
-PART = 4 << 20  # bytes of text in one part
-ZONELESS = 'Dates have no time zone; they were taken as UTC.'
+PART = 4 << 20  # bytes of text per part
+ZONELESS = 'Dates have no time zone; UTC is assumed.'
 
 
 @final
 class CsvLog:
     """
-    An opened text; see `protocol.Log`.
-
-    Parameters
-    ----------
-    path : Path
-        The file, perhaps compressed with gzip.
-    mapping : MappingFile
-        How it is written.
+    An opened text; see `protocol.LogReader`.
 
     Raises
     ------
@@ -74,7 +67,7 @@ class CsvLog:
     def iterate_tables(
         self, selection: Mapping[str, Collection[str]], reached: Reached
     ) -> Iterator[Mapping[str, LogTable]]:
-        """Yield the text part by part."""
+        """Yield the text, one part at a time."""
         needed = [name for name in self._names if name in selection['']]
         if absent := [name for name in self.timed if name not in self._names]:
             raise missing_columns_error(self._path, absent, self._names)
@@ -93,14 +86,14 @@ class CsvLog:
     def _iterate_batches(
         self, stream: BinaryIO, types: Mapping[str, pa.DataType]
     ) -> Iterator[Any]:
-        """Yield parts of the text as record batches; a wrong cell is a sentence with its row."""
+        """Yield the text as record batches; an invalid cell raises BadInput with its row."""
         try:
             yield from open_reader(stream, self._mapping.text, self._names, types)
         except (pa.ArrowInvalid, pa.ArrowKeyError, EOFError, OSError) as error:
             raise self._translate_error(str(error), types) from None
 
     def _build_table(self, batch: Any, needed: list[str]) -> LogTable:  # noqa: ANN401 - of pyarrow
-        """Return one part of the text."""
+        """Return one part as a table."""
         first, self._rows = self._rows, self._rows + batch.num_rows
         rows = np.arange(first, self._rows, dtype=np.int64)
         stamps = self._read_stamps(batch, rows)
@@ -113,7 +106,7 @@ class CsvLog:
         return LogTable(stamps, stamps, rows, columns, first, empty)
 
     def _read_stamps(self, batch: Any, rows: Times) -> Times:  # noqa: ANN401 - of pyarrow
-        """Return when the rows were measured. [ns]"""
+        """Return the measurement times of the rows. [ns]"""
         time = self._mapping.time
         if time is None or time.column is None:
             found = compute_even_times(time, rows)
@@ -126,18 +119,18 @@ class CsvLog:
         return found + self._shift
 
     def _note_zone(self, zoneless: bool) -> None:
-        """Say once that dates carry no zone."""
+        """Add the remark on missing time zones, once."""
         if zoneless and ZONELESS not in self.notes:
             self.notes.append(ZONELESS)
 
     def _choose_shift(self, first: int) -> int:
-        """Return what is added to all times: nothing, unless they begin near zero or before."""
+        """Return the offset of all times: zero, unless they start near or below zero. [ns]"""
         start = load_topic_table().start_ns
         if first >= start:
             return 0
         shift = start - min(0, first // SECOND) * SECOND
         self.notes.append(
-            f'Time begins at {first / SECOND:g} s, and ROS reads 0 as "no clock yet": '
+            f'Time starts at {first / SECOND:g} s, and in ROS 0 means "no clock yet": '
             f'{shift / SECOND:g} s were added to all times.'
         )
         self.facts.setdefault(CLOCK, 'from its own start')
@@ -145,7 +138,7 @@ class CsvLog:
         return shift
 
     def _translate_error(self, error: str, types: Mapping[str, pa.DataType]) -> BadInput:
-        """Return the sentence for what pyarrow could not read."""
+        """Return the error for text that pyarrow cannot read."""
         if 'conversion error' in error:
             for name, kind in types.items():
                 if kind == pa.float64() and (found := self._find_wrong_cell(name)):
@@ -155,12 +148,12 @@ class CsvLog:
                         'number; correct it, or leave the cell empty.'
                     )
         if 'Empty CSV' in error:
-            return BadInput(f"'{self._path}' has names of columns but no rows; nothing to import.")
+            return BadInput(f"'{self._path}' has column names but no rows; give a log with data.")
         reason = ' '.join(error.split())
         return BadInput(f"'{self._path}' cannot be read as text with columns: {reason[:200]}.")
 
     def _find_wrong_cell(self, name: str) -> tuple[int, str] | None:
-        """Return row and text of the first cell of a column that is not a number."""
+        """Return row and text of the first non-numeric cell of a column."""
         row = 0
         with self._path.open('rb') as stream:
             for batch in open_reader(stream, self._mapping.text, self._names, {name: pa.binary()}):
@@ -174,10 +167,10 @@ class CsvLog:
 def open_reader(
     stream: BinaryIO, text: TextFormat, names: list[str], types: Mapping[str, pa.DataType]
 ) -> Any:  # noqa: ANN401 - of pyarrow
-    """Return what yields a text's rows, with the columns of `types` alone."""
+    """Return a reader of the text's rows with only the columns of `types`."""
     unread = text.skip + (1 if text.header is None else 0)
     source, delimiter = open_text_lines(stream, text, unread)
-    # Bytes, since not every text is UTF-8. One column keeps the number of rows.
+    # Bytes, since a text may not be UTF-8. Read at least one column to count the rows.
     wanted = types or {names[0]: pa.binary()}
     return pacsv.open_csv(
         source,
@@ -194,7 +187,7 @@ def open_reader(
 
 def read_column_names(path: Path, text: TextFormat) -> list[str]:
     """
-    Return the names of a text's columns, without blanks around them and each of its own.
+    Return the unique names of a text's columns, stripped.
 
     Raises
     ------
@@ -216,7 +209,9 @@ def read_column_names(path: Path, text: TextFormat) -> list[str]:
         name = cell.strip() or f'unnamed {index + 1}'
         found.append(name if name not in found else f'{name} ({index + 1})')
     if not found:
-        raise BadInput(f"'{path}' has no line with names of columns; nothing to import.")
+        raise BadInput(
+            f"'{path}' has no line with column names; add one, or give the header in the mapping."
+        )
     return found
 
 
@@ -233,7 +228,7 @@ def read_first_line(source: Any) -> str:  # noqa: ANN401 - a stream of pyarrow o
 
 
 def read_header(path: Path) -> list[str]:
-    """Return the cells of the first line, for whoever looks for a mapping."""
+    """Return the cells of the first line, to find a fitting mapping."""
     with path.open('rb') as stream:
         line = read_first_line(decompress_stream(stream))
     delimiter = max(',;\t', key=line.count)
@@ -241,12 +236,12 @@ def read_header(path: Path) -> list[str]:
 
 
 def decode_cell(cell: bytes | None) -> str:
-    """Return a cell as text; an empty one is empty."""
+    """Return a cell as text; '' if it is missing."""
     return '' if cell is None else cell.decode(errors='replace')
 
 
 def is_number(cell: str) -> bool:
-    """Tell whether pyarrow reads a text as a number."""
+    """Return whether pyarrow reads a text as a number."""
     try:
         pc.cast(pa.array([cell.strip()]), pa.float64())
     except pa.ArrowInvalid:
@@ -255,7 +250,7 @@ def is_number(cell: str) -> bool:
 
 
 def missing_columns_error(path: Path, absent: list[str], there: list[str]) -> BadInput:
-    """Return the error for columns that a text does not have."""
+    """Return the error for missing columns."""
     words = ', '.join(f"'{name}'" for name in absent[:5])
     known = ', '.join(there[:60]) + (' ...' if len(there) > 60 else '')
     plural = 's' if len(absent) > 1 else ''

@@ -1,4 +1,4 @@
-"""The message definitions that a bag brings along, whether or not we know the type."""
+"""Read the message definitions stored in a bag, of known and unknown types."""
 
 from dataclasses import replace
 
@@ -11,7 +11,7 @@ from rosbags.typesys.store import Typestore
 
 
 def read_bag_definition(channel: Channel, schema: Schema | None) -> MessageDefinition:
-    """Return a topic's definition as an MCAP has it, with its REP-2016 hash where that is told."""
+    """Return a topic's definition from an MCAP file, with its REP-2016 hash if possible."""
     found = build_definition(channel, schema)
     if found.rihs01 or found.encoding != 'ros2msg':
         return found
@@ -20,11 +20,11 @@ def read_bag_definition(channel: Channel, schema: Schema | None) -> MessageDefin
         types.register(parse_definition(found.text, found.type_name, found.encoding))
         return replace(found, rihs01=types.hash_rihs01(found.type_name))
     except MISDEFINED:
-        return found  # nobody can read it, but it is kept
+        return found  # unreadable, but kept as it is
 
 
 def find_store_definition(type_name: str, types: Typestore, notes: list[str]) -> MessageDefinition:
-    """Return a type's definition from a store, or an empty one where nobody has it."""
+    """Return a type's definition from a store; empty if it is unknown."""
     for store in (types, load_jazzy_types()):
         if type_name in store.fielddefs:
             text, _ = store.generate_msgdef(type_name, ros_version=2)

@@ -1,4 +1,4 @@
-"""The lines of a text as a stream: decompressed, without comments, with one delimiter."""
+"""Stream the lines of a text: decompressed, without comments, with one delimiter."""
 
 from collections.abc import Iterator
 import gzip
@@ -17,7 +17,7 @@ NAMED = {'tab': '\t', 'whitespace': ' '}
 
 
 def decompress_stream(stream: BinaryIO) -> BinaryIO | gzip.GzipFile:
-    """Return a stream of what a file holds, compressed with gzip or not."""
+    """Return a stream of a file's content, decompressed if it is gzip."""
     head = stream.read(2)
     stream.seek(0)
     return BoundedGzipFile(stream) if head == GZIP else stream
@@ -25,34 +25,28 @@ def decompress_stream(stream: BinaryIO) -> BinaryIO | gzip.GzipFile:
 
 @final
 class BoundedGzipFile(gzip.GzipFile):
-    """What a compressed file holds, as long as it holds no more than a text could."""
+    """A gzip stream that refuses decompression bombs."""
 
     def __init__(self, packed: BinaryIO) -> None:
         super().__init__(fileobj=packed)
         self._packed = packed
 
     def read(self, size: int | None = -1) -> bytes:
-        """Return what comes next; OSError where so few bytes cannot be so long a text."""
+        """Return the next bytes; raise OSError if the compression ratio is implausible."""
         found = super().read(size)
         allowed = INFLATED_FREELY + INFLATION * self._packed.tell()
         if self.tell() > allowed:
-            raise OSError(f'it is compressed to less than 1/{INFLATION}, which no text is')
+            raise OSError(
+                f'it is compressed to less than 1/{INFLATION}, of its content, which no text is'
+            )
         return found
 
 
 def open_text_lines(stream: BinaryIO, text: TextFormat, unread: int) -> tuple[Any, str]:
     """
-    Return a text from some line on, and its delimiter as one character.
+    Return a stream from some line on, and its delimiter as one character.
 
-    Parameters
-    ----------
-    stream : BinaryIO
-        The file from its beginning.
-    text : Text
-        How it is written.
-    unread : int
-        Lines left out at the beginning; comments and empty lines do not count.
-
+    `unread` lines are skipped; comments and empty lines do not count.
     """
     delimiter = NAMED.get(text.delimiter, text.delimiter)
     plain = decompress_stream(stream)
@@ -67,7 +61,7 @@ def refuse_endless_line(line: bytes) -> None:
 
 @final
 class CleanedLines(io.RawIOBase):
-    """A readable stream of the lines that count; large pieces pass untouched where all count."""
+    """A readable stream of the data lines; without comments it passes large blocks unchanged."""
 
     PIECE = 1 << 20
 
@@ -83,7 +77,7 @@ class CleanedLines(io.RawIOBase):
         return True
 
     def readinto(self, buffer: 'WriteableBuffer', /) -> int:
-        """Fill a buffer with what comes next; 0 at the end."""
+        """Fill a buffer with the next bytes; return 0 at the end."""
         room = memoryview(buffer).cast('B')
         while not self._rest:
             piece = next(self._pieces, None)
@@ -96,7 +90,7 @@ class CleanedLines(io.RawIOBase):
         return count
 
     def _iterate_pieces(self, unread: int) -> Iterator[bytes]:
-        """Yield the lines that count, in large pieces."""
+        """Yield the data lines in large blocks."""
         try:
             while unread:
                 line = self._source.readline(LINE_BYTES)
@@ -114,7 +108,7 @@ class CleanedLines(io.RawIOBase):
             raise OSError(f'its compression is damaged or cut short: {error}') from None
 
     def _read_lines(self) -> list[bytes]:
-        """Return the next lines, about a piece of them."""
+        """Return the next lines, about one block."""
         found, size = [], 0
         while size < self.PIECE and (line := self._source.readline(LINE_BYTES)):
             refuse_endless_line(line)
@@ -123,10 +117,10 @@ class CleanedLines(io.RawIOBase):
         return found
 
     def _is_data_line(self, line: bytes) -> bool:
-        """Tell whether a line is neither empty nor a comment."""
+        """Return whether a line is neither empty nor a comment."""
         bare = line.strip()
         return bool(bare) and (self._comment is None or not bare.startswith(self._comment))
 
     def _normalize_delimiters(self, line: bytes) -> bytes:
-        """Return a line with one delimiter between two cells."""
+        """Return a line with a single space between cells, for whitespace-separated text."""
         return b' '.join(line.split()) + b'\n' if self._blank else line

@@ -1,4 +1,4 @@
-"""rosbag2 recordings in MCAP, by our own reader: of a damaged one, what is whole."""
+"""Read rosbag2 recordings in MCAP, including the intact part of damaged ones."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
@@ -20,22 +20,22 @@ from lta_data.importers.readers.bag_tables import (
 )
 from lta_data.importers.readers.definitions import read_bag_definition
 
-LOOK = 2000  # messages between two movements of the bar
+LOOK = 2000  # messages between two updates of the progress bar
 
 
 def open_mcap_log(path: Path, mapping: MappingFile | None) -> 'McapLog':
-    """Return a recording in MCAP; `BadInput` if there is none."""
+    """Open a recording in MCAP; raise `BadInput` if there is none."""
     try:
         return McapLog(path, mapping)
     except UnicodeDecodeError:
         raise BadInput(
-            f"The names in '{path}' are damaged; import what is left of it from a copy."
+            f"The topic names in '{path}' are damaged; import an intact copy."
         ) from None
 
 
 @final
 class McapLog(BagTableLog):
-    """An opened recording; see `protocol.Log`."""
+    """An opened recording; see `protocol.LogReader`."""
 
     timed: Sequence[str] = ()
 
@@ -49,7 +49,7 @@ class McapLog(BagTableLog):
             list_mapping_tables(mapping), self.raw, self._iterate_decodable()
         )
         if not any(topic.count for topic in self._bag.topics.values()):
-            raise BadInput(f"'{path}' holds no message; nothing to import.")
+            raise BadInput(f"'{path}' contains no message; give a bag with messages.")
 
     def iterate_messages(self, reached: Reached) -> Iterator[PassedMessage]:
         """Yield all messages in the order of recording."""
@@ -62,7 +62,7 @@ class McapLog(BagTableLog):
         self.notes += [loss for loss in self._bag.losses if loss not in self.notes]
 
     def _iterate_decodable(self) -> Iterator[tuple[str, int, Decode]]:
-        """Yield topic, log time in ns and how to decode it, of every message."""
+        """Yield topic, log time in ns and a decoding function of every message."""
         for topic, log_time, data in self._bag.iterate_messages(list(self.raw)):
             yield topic, log_time, partial(self._decode_message, topic, data)
 
@@ -72,12 +72,12 @@ class McapLog(BagTableLog):
             return self._bag.decode(topic, data)
         except KeyError as part:
             raise BadInput(
-                f"The definition of '{topic}' lacks {part}; take it out of the mapping."
+                f"The definition of '{topic}' lacks {part}; remove the topic from the mapping."
             ) from None
 
 
 def _list_raw_topics(bag: Bag, path: Path) -> dict[str, RawTopic]:
-    """Return the topics with their definitions, whatever they are written in."""
+    """Return the topics with their definitions, whatever their encoding."""
     found: dict[str, RawTopic] = {}
     for file in find_bag_files(path):
         contents = read_contents(file)
@@ -89,7 +89,7 @@ def _list_raw_topics(bag: Bag, path: Path) -> dict[str, RawTopic]:
 
 
 def parse_qos_profiles(text: str) -> list[OfferedQos]:
-    """Return the profiles that rosbag2 wrote from version 9 on; older ones are numbers."""
+    """Parse the QoS profiles of rosbag2 version 9 and later; older ones hold numbers: empty."""
     try:
         told = parse_yaml(text, 'the QoS')
     except BadInput:

@@ -1,8 +1,8 @@
 """
-PX4's ULog, read by pyulog: each logged message is a table, instances after the first `name_1`.
+Read PX4's ULog with pyulog: each message type is a table, further instances are `name_1` etc.
 
-Stamps are the times of the samples where a message has them (`timestamp_sample`), log times those
-of the messages (`timestamp`); both in us since the autopilot was switched on.
+Stamps are the sample times if a message has them (`timestamp_sample`), log times those of the
+messages (`timestamp`); both in us since the autopilot was switched on.
 """
 
 import contextlib
@@ -23,7 +23,7 @@ from pyulog import ULog
 from pyulog.exceptions import ULogException
 
 MICROSECOND = 1_000  # ns
-# What pyulog raises over bytes that are no log.
+# Errors that pyulog raises on invalid files.
 FAULTS = (
     ValueError,
     LookupError,
@@ -33,23 +33,27 @@ FAULTS = (
     MemoryError,
     RecursionError,
 )
-FACTS = {'sys_name': 'system', 'ver_hw': 'hardware', 'ver_sw': 'software'}  # theirs, ours
+FACTS = {
+    'sys_name': 'system',
+    'ver_hw': 'hardware',
+    'ver_sw': 'software',
+}  # ULog key -> provenance key
 
 
 def open_ulog(path: Path, mapping: MappingFile | None) -> TableLog:
     """
-    Return a log of PX4, read whole.
+    Read a PX4 log completely.
 
     Raises
     ------
     BadInput
-        If it cannot be read, or holds no message.
+        If it cannot be read, or contains no message.
 
     """
     refuse_large_log(path)
     said = io.StringIO()
     try:
-        # pyulog prints what it finds damaged, and leaves open what it opens itself.
+        # pyulog prints warnings, and does not close files that it opens itself.
         with contextlib.redirect_stdout(said), path.open('rb') as stream, limit_memory():
             log = ULog(stream, None, True)
     except (ULogException, struct.error, *FAULTS) as error:
@@ -58,13 +62,13 @@ def open_ulog(path: Path, mapping: MappingFile | None) -> TableLog:
     timed = [data for data in log.data_list if 'timestamp' in data.data]
     tables = {_format_table_name(data): _build_table(data.data) for data in timed}
     if not tables:
-        raise BadInput(f"'{path}' is a ULog without a single message; nothing to import.")
+        raise BadInput(f"'{path}' is a ULog without messages; give a log with data.")
     notes = []
     if log.file_corruption:
-        notes.append('The log is damaged; what pyulog could not read is left out.')
+        notes.append('The log is damaged; unreadable parts are left out.')
     if log.dropouts:
         lost = sum(dropout.duration for dropout in log.dropouts)
-        notes.append(f'The logger dropped out {len(log.dropouts)} times, {lost} ms in all.')
+        notes.append(f'The logger dropped out {len(log.dropouts)} times, {lost} ms in total.')
     facts = {CLOCK: 'since the vehicle was switched on'} | {
         ours: str(log.msg_info_dict[key])
         for key, ours in FACTS.items()
@@ -85,6 +89,7 @@ def _build_table(columns: dict[str, Any]) -> LogTable:
     stamps = times
     if sampled is not None:
         own = sampled.astype(np.int64) * MICROSECOND
+        # PX4 writes 0 if a sample time is unknown.
         stamps = np.where(own > 0, own, times)
     numbers = {
         name: np.asarray(values, dtype=np.float64)

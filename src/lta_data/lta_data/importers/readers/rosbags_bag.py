@@ -1,9 +1,9 @@
 """
-rosbag2 recordings in SQLite and bags of ROS 1, by the rosbags library.
+Read rosbag2 recordings in SQLite and ROS 1 bags with the rosbags library.
 
-Messages of ROS 1 become those of ROS 2: where both have the type and its fields are the same, the
-bytes are rewritten (no sequence number in the header); where ROS 2 has changed the type, field by
-field, new ones at zero; a type that ROS 2 does not have keeps the bag's own definition.
+ROS 1 messages become ROS 2 messages. If both have the same fields, the bytes are rewritten (ROS 2
+headers have no sequence number). If ROS 2 has changed the type, fields are copied one by one and
+new ones are zero. A type that ROS 2 lacks keeps the bag's own definition.
 """
 
 from collections.abc import Callable, Generator, Iterator, Sequence
@@ -31,20 +31,20 @@ from rosbags.interfaces import Connection
 from rosbags.typesys import get_typestore, Stores
 from rosbags.typesys.store import Typestore
 
-LOOK = 2000  # messages between two movements of the bar
-RENAMED = {'tf/msg/tfMessage': 'tf2_msgs/msg/TFMessage'}  # of ROS 1, in ROS 2
+LOOK = 2000  # messages between two updates of the progress bar
+RENAMED = {'tf/msg/tfMessage': 'tf2_msgs/msg/TFMessage'}  # ROS 1 name -> ROS 2 name
 Convert = Callable[[bytes], bytes]
 Read = tuple[AnyReader, Connection, int, bytes]
 
 
 def open_rosbags_log(path: Path, mapping: MappingFile | None) -> 'RosbagsLog':
-    """Return a recording that rosbags reads; `BadInput` if it cannot."""
+    """Open a recording with rosbags; raise `BadInput` if it cannot be read."""
     return RosbagsLog(path, mapping)
 
 
 @final
 class RosbagsLog(BagTableLog):
-    """An opened recording; see `protocol.Log`."""
+    """An opened recording; see `protocol.LogReader`."""
 
     timed: Sequence[str] = ()
 
@@ -58,7 +58,7 @@ class RosbagsLog(BagTableLog):
         self._count = 0
         with closing(self._iterate_raw()) as first:
             if next(first, None) is None:
-                raise BadInput(f"'{path}' holds no message; nothing to import.")
+                raise BadInput(f"'{path}' contains no message; give a bag with messages.")
         self._tables = build_tables(
             list_mapping_tables(mapping), self.raw, self._iterate_decodable()
         )
@@ -75,7 +75,7 @@ class RosbagsLog(BagTableLog):
             yield PassedMessage(order, connection.topic, log_time, ours)
 
     def _iterate_raw(self) -> Generator[Read, None, None]:
-        """Yield reader, connection, log time in ns and raw message; faults are sentences."""
+        """Yield reader, connection, log time in ns and raw message; errors become `BadInput`."""
         try:
             with (
                 limit_memory(),
@@ -90,14 +90,14 @@ class RosbagsLog(BagTableLog):
             raise self._translate_error(error) from None
 
     def _translate_error(self, error: Exception) -> BadInput:
-        """Return the sentence for a damaged bag, on which rosbags and SQLite fail in many ways."""
+        """Return the error for a damaged bag; rosbags and SQLite raise many different ones."""
         reason = ' '.join(str(error).split()).rstrip('.') or type(error).__name__
         return BadInput(
-            f"'{self._path}' cannot be read ({reason}); mend it with its own tools first."
+            f"'{self._path}' cannot be read ({reason}); repair it with the ROS tools first."
         )
 
     def _register_topics(self, reader: AnyReader) -> None:
-        """Take note of the topics, once."""
+        """Register the topics, once."""
         if self.raw:
             return
         self._count = max(1, reader.message_count)
@@ -109,7 +109,7 @@ class RosbagsLog(BagTableLog):
                 if self.raw[name].definition.type_name != ours:
                     raise BadInput(
                         f"'{self._path}' has messages of several types on '{name}'; filter it "
-                        'with its own tools first.'
+                        'with the ROS tools first.'
                     )
                 continue
             self.raw[name] = RawTopic(find_store_definition(ours, types, self.notes))
@@ -118,7 +118,7 @@ class RosbagsLog(BagTableLog):
             )
 
     def _iterate_decodable(self) -> Iterator[tuple[str, int, Decode]]:
-        """Yield topic, log time in ns and how to decode it, of every message."""
+        """Yield topic, log time in ns and a decoding function of every message."""
         for reader, connection, log_time, data in self._iterate_raw():
             yield (
                 connection.topic,
@@ -135,7 +135,7 @@ class RosbagsLog(BagTableLog):
 
 
 def build_ros2_typestore(theirs: Typestore) -> Typestore:
-    """Return the types of ROS 2 Jazzy, and what a bag of ROS 1 has beside them."""
+    """Return the types of ROS 2 Jazzy, extended by those of a ROS 1 bag."""
     types = get_typestore(Stores.ROS2_JAZZY)
     types.register(
         {name: told for name, told in theirs.fielddefs.items() if name not in types.fielddefs}
@@ -144,7 +144,7 @@ def build_ros2_typestore(theirs: Typestore) -> Typestore:
 
 
 def build_converter(theirs: Typestore, types: Typestore, kind: str, ours: str) -> Convert:
-    """Return what turns the bytes of a message of ROS 1 into those of ROS 2."""
+    """Return a function that converts the bytes of a ROS 1 message to ROS 2."""
     if is_same_wireformat(theirs, types, kind, ours):
         return lambda data: bytes(types.ros1_to_cdr(data, ours))
     cache: dict[str, Any] = {}

@@ -1,4 +1,4 @@
-"""What a bag must not have before rosbags reads it: what rosbags itself takes on trust."""
+"""Refuse hostile bags before rosbags reads them."""
 
 from collections.abc import Iterator
 from contextlib import closing
@@ -13,20 +13,16 @@ import zstandard
 METADATA = 'metadata.yaml'
 QOS = 'offered_qos_profiles'
 PIECE = 1 << 20
-# A view or a computed column is a program, which may never end; a bag has none.
+# Views, triggers and generated columns run SQL, perhaps without end; a bag has none.
 PROGRAMS = "SELECT name FROM sqlite_master WHERE type IN ('view', 'trigger') OR sql LIKE ?"
-COMPUTED = (2, 3)  # what SQLite calls a column that is computed
+COMPUTED = (2, 3)  # `hidden` values of generated columns in table_xinfo
 
 
 def refuse_hostile_bag(path: Path) -> None:
     """
-    Raise BadInput for a bag that could keep rosbags busy for ever or fill the disk.
+    Raise BadInput for a bag that could block rosbags or fill the disk.
 
-    Parameters
-    ----------
-    path : Path
-        A rosbag2 folder, or one file.
-
+    `path` is a rosbag2 folder, or one file.
     """
     if path.is_dir():
         described = load_yaml(path / METADATA)
@@ -40,7 +36,7 @@ def refuse_hostile_bag(path: Path) -> None:
 
 
 def iterate_qos_texts(held: object) -> Iterator[str]:
-    """Yield every text of a metadata.yaml that rosbags reads as YAML once more."""
+    """Yield every text of a metadata.yaml that rosbags parses as YAML again."""
     if isinstance(held, dict):
         for key, inside in held.items():
             if key == QOS and isinstance(inside, str):
@@ -61,15 +57,15 @@ def refuse_decompression_bomb(file: Path) -> None:
                 done += len(piece)
                 if done > allowed:
                     raise BadInput(
-                        f"'{file}' is compressed to less than 1/{INFLATION}, which no recording "
-                        'is; get it from a source you trust.'
+                        f"'{file}' is compressed to less than 1/{INFLATION} of its content, which "
+                        'no recording is; get it from a trusted source.'
                     )
     except zstandard.ZstdError as error:
         raise BadInput(f"'{file}' cannot be unpacked ({error}); copy it again.") from None
 
 
 def refuse_active_database(file: Path) -> None:
-    """Raise BadInput for a database that computes something, or unpacks into too much."""
+    """Raise BadInput for a database with computed content or oversized messages."""
     try:
         with closing(sqlite3.connect(f'{file.absolute().as_uri()}?mode=ro', uri=True)) as base:
             found = [name for (name,) in base.execute(PROGRAMS, ('CREATE VIRTUAL%',))]
@@ -79,25 +75,25 @@ def refuse_active_database(file: Path) -> None:
             if found:
                 raise BadInput(
                     f"'{file}' computes '{found[0]}', which no recording does; get it from a "
-                    'source you trust.'
+                    'trusted source.'
                 )
             for (head,) in base.execute('SELECT substr(data, 1, 18) FROM messages'):
                 refuse_large_message(file, head)
             for (text,) in base.execute('SELECT DISTINCT offered_qos_profiles FROM topics'):
                 parse_yaml(text or '', f"The QoS in '{file}'")
     except sqlite3.OperationalError as error:
-        if QOS not in str(error):  # older ones have no QoS
+        if QOS not in str(error):  # older bags have no QoS column
             raise BadInput(f"'{file}' cannot be read ({error}); copy it again.") from None
     except (sqlite3.DatabaseError, UnicodeDecodeError) as error:
         raise BadInput(f"'{file}' cannot be read ({error}); copy it again.") from None
 
 
 def refuse_large_message(file: Path, head: object) -> None:
-    """Raise BadInput for a compressed message that unpacks into too much."""
+    """Raise BadInput for a compressed message that is too large."""
     if isinstance(head, bytes) and head[:4] == zstandard.FRAME_HEADER:
         size = zstandard.frame_content_size(head)
         if size < 0 or size > CHUNK_BYTES:
             raise BadInput(
-                f"'{file}' has a message that unpacks into more than {CHUNK_BYTES} bytes; leave "
-                'it out with its own tools first.'
+                f"'{file}' has a message that decompresses to more than {CHUNK_BYTES} bytes; "
+                'remove it with the ROS tools first.'
             )

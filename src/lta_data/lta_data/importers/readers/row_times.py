@@ -1,4 +1,4 @@
-"""When the rows of a text were measured: counted, from decimals, or from dates; in whole ns."""
+"""Compute the times of text rows: counted, from decimals or from dates, in whole ns."""
 
 from collections.abc import Callable
 from datetime import datetime, UTC
@@ -13,21 +13,21 @@ import numpy as np
 
 SECOND: Final = 1_000_000_000
 EPOCH: Final = datetime(1970, 1, 1, tzinfo=UTC)
-# A date-time as ISO 8601 and RFC 3339 write it: to the second at least, its fraction apart.
+# ISO 8601 or RFC 3339 date-time, to the second at least; the fraction is a separate group.
 DATE: Final = re.compile(
     r'(\d{4}-\d\d-\d\d[T ]\d\d:\d\d:\d\d|\d{8}T\d{6})(?:[.,](\d+))?\s*(Z|z|UTC|[+-]\d\d:?\d\d|)'
 )
 
 
 class ParsedTimes(NamedTuple):
-    """Times of rows, and whether one of them is a date without a time zone."""
+    """Times of rows, and whether one is a date without a time zone."""
 
     times: Times
     zoneless: bool
 
 
 def compute_even_times(time: Any, rows: Times) -> Times:  # noqa: ANN401 - lta_config.schema.import_file.TimeColumn
-    """Return the times of rows that come evenly, never a sum. [ns]"""
+    """Return the times of evenly spaced rows, without accumulated error. [ns]"""
     if time.step is None:
         found: Times = np.round(rows * (SECOND / time.rate.si)).astype(np.int64)
     else:
@@ -37,28 +37,15 @@ def compute_even_times(time: Any, rows: Times) -> Times:  # noqa: ANN401 - lta_c
 
 def parse_exact_times(texts: list[str], unit: str, column: str, first: int) -> ParsedTimes:
     """
-    Return times as integer nanoseconds, from decimals or from dates with the time of day.
+    Parse decimals or dates with time of day to integer nanoseconds.
 
-    Parameters
-    ----------
-    texts : list of str
-        The cells.
-    unit : str
-        Of the decimals.
-    column : str
-        Whose cells they are, for the error.
-    first : int
-        Rows before the first cell.
-
-    Returns
-    -------
-    Zoneless
-        A date without a zone counts as UTC.
+    A date without a zone counts as UTC. `unit` is the unit of decimals; `first` is the number of
+    rows before the first cell.
 
     Raises
     ------
     BadInput
-        If a cell is no time; it names the row.
+        If a cell is not a time; the message names the row.
 
     """
     dates = bool(texts) and DATE.fullmatch(texts[0].strip()) is not None
@@ -70,27 +57,27 @@ def parse_exact_times(texts: list[str], unit: str, column: str, first: int) -> P
         except (InvalidOperation, OverflowError, ValueError):
             told = f"'{format_cell(text)}'" if text else 'nothing'
             raise BadInput(
-                f"Column '{column}' has {told} in row {first + index + 1}, which is no time; "
-                'correct the row or take it out.'
+                f"Column '{column}' has {told} in row {first + index + 1}, which is not a time; "
+                'correct the row or remove it.'
             ) from None
     zoneless = dates and any(find_time_zone(text) == '' for text in texts)
     return ParsedTimes(found, zoneless)
 
 
 def find_time_zone(text: str) -> str | None:
-    """Return the time zone of a date as it is written, '' without one; None of no date."""
+    """Return the time zone of a date as written, '' without one; None if it is not a date."""
     found = DATE.fullmatch(text.strip())
     return None if found is None else found[3]
 
 
 def build_decimal_parser(unit: str) -> Callable[[str], int]:
-    """Return what reads a decimal number in a unit of time. [ns]"""
+    """Return a function that parses decimals in a unit of time. [ns]"""
     factor = Decimal(str(UNITS[unit][1])) * SECOND
     return lambda text: int((Decimal(text) * factor).to_integral_value())
 
 
 def parse_date(text: str) -> int:
-    """Return the time of a date since 1970, every digit of its second kept. [ns]"""
+    """Return the time of a date since 1970, with all digits of its second. [ns]"""
     found = DATE.fullmatch(text.strip())
     if found is None:
         raise ValueError(text)
@@ -102,5 +89,5 @@ def parse_date(text: str) -> int:
 
 
 def format_cell(cell: str) -> str:
-    """Return a cell as one line for a message."""
+    """Shorten a cell to one line for an error message."""
     return ' '.join(cell[:40].split())

@@ -1,4 +1,4 @@
-"""What is too large to be read whole."""
+"""Refuse logs that are too large to be read at once."""
 
 from pathlib import Path
 
@@ -7,6 +7,6 @@ from lta_config.limits import LOG_BYTES
 
 
 def refuse_large_log(path: Path) -> None:
-    """Raise BadInput for a log that would be read whole and is too large for that."""
+    """Raise BadInput for a log above the size limit."""
     if path.stat().st_size > LOG_BYTES:
-        raise BadInput(f"'{path}' is larger than {LOG_BYTES} bytes; cut the log into parts.")
+        raise BadInput(f"'{path}' is larger than {LOG_BYTES} bytes; split the log.")

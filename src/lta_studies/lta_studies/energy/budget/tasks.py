@@ -15,8 +15,7 @@ from lta_config.topics import load_topic_table
 from lta_control.cascade import Setpoint
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.flight_spec import build_parts, FlightSpec, load_spec
-from lta_model.electrical.loads import LoadModel
-from lta_model.electrical.loads import navigation_power as looking
+from lta_model.electrical.loads import LoadModel, navigation_power
 from lta_sim.readings import FlightOutcome
 from lta_studies.energy.course_flight import build_loop, Course, FlightTrack, fly_until, stop_after
 
@@ -131,7 +130,7 @@ def measure_navigation(
     for seed in range(1, seeds + 1):
         loop = build_loop(made_of, None, seed)
         loads, energy = loop.world.vehicle.loads, loop.world.vehicle.file.energy
-        electronics = loads.idle + loads.transmitting + looking(energy, strategy)
+        electronics = loads.idle + loads.transmitting + navigation_power(energy, strategy)
         whole = fly_until(loop, is_flight_over)
         up = whole.time[whole.height > whole.height[0] + MOVED]
         flown.append(whole.crop(float(up[0]) if len(up) else 0.0, math.inf))

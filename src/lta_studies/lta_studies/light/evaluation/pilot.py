@@ -15,7 +15,7 @@ flying. Its path is what others are measured by.
 
 import math
 
-from lta_control.attitude import yaw_from_quaternion as heading_of
+from lta_control.attitude import yaw_from_quaternion
 from lta_control.strategies.protocol import (
     CruiseSettings,
     LightSight,
@@ -60,7 +60,7 @@ def build_pilot_strategy(world: World, top: float) -> NavigationStrategy:
         along, left = solve_wind_triangle(x * c + y * s, y * c - x * s, settings.speed, top)
         qx, qy, qz, qw = world.state[QUATERNION].tolist()
         # The drone counts its heading from where it began; the pilot sees both.
-        turn = towards + math.atan2(left, along) - heading_of((qx, qy, qz, qw))
+        turn = towards + math.atan2(left, along) - yaw_from_quaternion((qx, qy, qz, qw))
         heading = sight.heading + math.remainder(turn, math.tau)
         return SteeringCommand(heading, math.hypot(along, left)), (heading, x, y)
 

@@ -1,1 +1,1 @@
-"""One study a row: it measures what the row's file declares, by the cores of the other verbs."""
+"""One study for each row of the reproduction; it measures what the row's file declares."""

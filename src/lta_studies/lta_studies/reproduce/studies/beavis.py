@@ -1,4 +1,4 @@
-"""BEAVIS against GT-MAB, both 2 g heavy: altitude, yaw hold, changing yaw."""
+"""Compare BEAVIS and GT-MAB, both 2 g heavy: altitude, yaw hold, changing yaw."""
 
 from typing import Final
 
@@ -23,8 +23,8 @@ CHANGED: Final = {
     'beavis_too_heavy': ('climb',),
 }
 CAPTIONS: Final = {
-    'climb': 'Rise by 1.5 m and hold that: asked dashed, flights of seed 1.',
-    'turn': 'Rise, then turn left by 90° and hold that: asked dashed, flights of seed 1.',
+    'climb': 'Rise by 1.5 m and hold. Dashed: setpoint; seed 1.',
+    'turn': 'Rise, then turn left by 90° and hold. Dashed: setpoint; seed 1.',
     'follow': 'Rise, then follow a heading that swings between 0 and 90° at 6°/s; seed 1.',
 }
 HEADINGS: Final = {
@@ -33,7 +33,7 @@ HEADINGS: Final = {
 
 
 def run_study(request: RowStudyRequest) -> RowStudyResult:
-    """Return both platforms in the paper's tasks, and what decides over BEAVIS."""
+    """Fly both platforms in the paper's tasks, and the variants of BEAVIS."""
     manoeuvres = MANOEUVRES[:2] if request.quick else MANOEUVRES
     pairs = [(name, each) for name in BOTH for each in manoeuvres]
     if not request.quick:
@@ -52,7 +52,7 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
 def build_picture(
     request: RowStudyRequest, flights: ComparisonFlights, manoeuvre: str
 ) -> StudyPicture:
-    """Return both platforms in a manoeuvre, and BEAVIS by a linear B where that was flown."""
+    """Plot both platforms in a manoeuvre, and BEAVIS with a linear B if flown."""
     names = BOTH if request.quick or manoeuvre == 'follow' else (*BOTH, 'beavis_by_matrix')
     bag = (
         ''
@@ -67,7 +67,7 @@ def build_picture(
 
 
 def lift_margins(flights: ComparisonFlights) -> dict[str, MeasuredValue]:
-    """Return what the rotors lift at full thrust beyond the weight, as mass. [kg]"""
+    """Return the lift at full thrust [N] and its excess over the weight, as mass. [kg]"""
     values = {}
     for name in (*BOTH, 'beavis'):
         vehicle = build_entrant(flights.comparison.contestants[name], AIR_DENSITY).vehicle

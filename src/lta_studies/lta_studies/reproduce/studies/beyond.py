@@ -1,4 +1,4 @@
-"""What the paper leaves for later, and our estimator and strategy beside its own."""
+"""Study the paper's future work, and compare our estimator and strategy with its own."""
 
 from pathlib import Path
 from typing import Final
@@ -30,24 +30,22 @@ from lta_studies.reproduce.study_result import (
 )
 
 BOTH: Final = ('bag', 'homing')
-WINDS: Final = {  # of the sweep: mean plus one deviation 60 and 90 % of the top airspeed
+WINDS: Final = {  # cases: mean plus one deviation is 60 or 90 % of the top airspeed
     'head_60': 'head', 'head_90': 'strong_head', 'cross_60': 'cross', 'cross_90': 'strong_cross',
 }  # fmt: skip
 MISSION: Final = 'greenhouse_summer'
 DIODES: Final = 8
 HEIGHT: Final = 0.5  # m
-BARS: Final = (
-    'Path, time and success, 95 % intervals; stars are the flights that the paper prints.'
-)
-TRACKS: Final = 'Ways over ground from above in a uniform headwind of 0.86 m/s, the same seed.'
+BARS: Final = 'Path, time and success with 95 % intervals. Stars: flights printed in the paper.'
+TRACKS: Final = 'Ground tracks from above in a uniform headwind of 0.86 m/s, same seed.'
 DAY: Final = (
-    'Charge over a day of midsummer in a greenhouse under the same clouds: by light, which looks '
-    "at what is to come, and the paper's fixed duty cycle. Above, the light."
+    'Charge over a midsummer day in a greenhouse under the same clouds: the light-aware schedule, '
+    "which uses a forecast, and the paper's fixed duty cycle. Top: the light."
 )
 
 
 def run_study(request: RowStudyRequest) -> RowStudyResult:
-    """Return wind, missions, beacons and bearings; the paper's own way beside each."""
+    """Study wind, missions, beacons and bearings, each against the paper's method."""
     flown = BOTH[1:] if request.quick else BOTH
     indoors = fly_group('indoors', request.seeds, strategies=flown)
     values: dict[str, MeasuredValue] = {}
@@ -73,7 +71,7 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
 
 
 def measure_bearings(seeds: int) -> dict[str, MeasuredValue]:
-    """Return the worst direction by both estimators of the bearing, indoors. [rad]"""
+    """Return the error of both bearing estimators in the worst direction, indoors. [rad]"""
     bench = BearingBench(build_flight_spec(PLACES['indoor'], 'gtmab', DIODES))
     rings: list[RingStudy] = [
         study_ring(bench, 'indoor', DIODES, READINGS, seed, lambda: None)
@@ -86,7 +84,7 @@ def measure_bearings(seeds: int) -> dict[str, MeasuredValue]:
 
 
 def build_headwind_picture(request: RowStudyRequest, winds: FlightGroup) -> StudyPicture:
-    """Return both strategies in a headwind, from above."""
+    """Plot both strategies in a headwind, from above."""
     cells = list(winds.find_cells('head_90').values())
     seed = select_seed(cells)
     tracks, scenario = fly_again(winds.plan, cells, seed)
@@ -97,7 +95,7 @@ def build_headwind_picture(request: RowStudyRequest, winds: FlightGroup) -> Stud
 
 
 def study_mission(folder: Path, seeds: int) -> tuple[dict[str, MeasuredValue], StudyPicture]:
-    """Return a day in a greenhouse: what looking at the light brings, and how many beacons."""
+    """Simulate days in a greenhouse: gain of the light-aware schedule, and beacons visited."""
     order = load_request(MISSION, 1, range(1, seeds + 1), (AWARE, NAIVE))
     folder.mkdir(parents=True, exist_ok=True)
     lives = run_missions(order, folder, lambda _: None)
@@ -116,6 +114,6 @@ def study_mission(folder: Path, seeds: int) -> tuple[dict[str, MeasuredValue], S
     first = [each for each in lives if each.seed == order.seeds[0]]
     figure = draw_charge(first, order.simulate_light(order.seeds[0]), order.mission.reserve.si)
     return values, StudyPicture(
-        'day', 'A day that looks at the light', DAY, figure,
+        'day', 'A day with the light-aware schedule', DAY, figure,
         format_lta_command('mission', MISSION, '--seeds', str(seeds)),
     )  # fmt: skip

@@ -1,4 +1,4 @@
-"""Solar cells: the paper's table computed again, its front, and its arrays at 18 klux."""
+"""Recompute the paper's table of solar cells, its Pareto front, and arrays at 18 klux."""
 
 from collections.abc import Sequence
 from statistics import geometric_mean
@@ -38,7 +38,7 @@ LIGHTS = {'white_led': 'led', 'sunlight': 'sun'}
 
 
 def run_study(request: RowStudyRequest) -> RowStudyResult:
-    """Return the cells and arrays of the paper's table; chance has no part in it."""
+    """Evaluate the cells and arrays of the paper's table; deterministic."""
     del request
     table = load_cell_table('seed_paper')
     energy = load_vehicle_file('gtmab').energy
@@ -56,10 +56,10 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
     by_paper, fairly = zip(*fronts, strict=True)
     command = format_lta_command('cells')
     pictures = [
-        StudyPicture('front', 'As the paper counts', PAPER,
+        StudyPicture('front', "The paper's criterion", PAPER,
                      draw_fronts(found, lambda each: each.charging_time_per_area / SQUARE,
                                  's/cm²', by_paper), command),
-        StudyPicture('fair', 'As is fair', FAIR,
+        StudyPicture('fair', 'A fair criterion', FAIR,
                      draw_fronts(found, lambda each: each.charging_time_times_area * SQUARE,
                                  's cm²', fairly), command),
     ]  # fmt: skip
@@ -67,12 +67,12 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
 
 
 def list_makers(front: Sequence[CellEntry]) -> MeasuredValue:
-    """Return who is on a front, the lightest first."""
+    """Return the makers on a front, lightest cell first."""
     return MeasuredValue(', '.join(each.row.maker for each in front))
 
 
 def quotient_errors(cells: Sequence[CellEntry]) -> dict[str, MeasuredValue]:
-    """Return how far the printed quotients are from what size, mass and time make of them."""
+    """Return the largest relative errors of the printed quotients."""
     worst = {}
     for which, reading in enumerate(READINGS):
         rows = select_readings(cells, which)
@@ -86,16 +86,16 @@ def quotient_errors(cells: Sequence[CellEntry]) -> dict[str, MeasuredValue]:
 
 
 def data_sheet_times(cells: Sequence[CellEntry]) -> dict[str, MeasuredValue]:
-    """Return the charging times that the data sheets give, by ANYSOLAR's."""
+    """Return the charging times from the data sheets, scaled to ANYSOLAR's."""
     return {
         f'sheet_{each.cell.name}': MeasuredValue(datasheet_charging_time(each, cells))
         for each in cells
-        if each.cell.name not in ('anysolar', 'dracula')  # the first is the measure of the others
+        if each.cell.name not in ('anysolar', 'dracula')  # anysolar is the reference
     }
 
 
 def charging_time_factor(values: Sequence[CellEntry]) -> dict[str, MeasuredValue]:
-    """Return by how much the printed times exceed those of the sheets, and how well that holds."""
+    """Return the factor from data-sheet to printed times, and its leave-one-out error."""
     by = {
         each.cell.name: each.row.charge.si / datasheet_charging_time(each, values)
         for each in values
@@ -112,7 +112,7 @@ def charging_time_factor(values: Sequence[CellEntry]) -> dict[str, MeasuredValue
 
 
 def measure_arrays(table: CellTable, energy: EnergyBlock) -> dict[str, MeasuredValue]:
-    """Return what each array leaves, in stand-by and transmitting, by reading and light."""
+    """Return the net power of each array in stand-by and while transmitting, by light."""
     values: dict[str, MeasuredValue] = {}
     for strings in build_all_arrays(table).values():
         for strung in strings:
@@ -130,7 +130,7 @@ def measure_arrays(table: CellTable, energy: EnergyBlock) -> dict[str, MeasuredV
 
 
 def label_net_powers(name: str, net: NetPower) -> dict[str, MeasuredValue]:
-    """Return net powers under names of their own."""
+    """Return the net powers as named values."""
     return {
         f'{name}_standby': MeasuredValue(net.standby),
         f'{name}_transmitting': MeasuredValue(net.transmitting),

@@ -1,4 +1,4 @@
-"""Closed loop against the open-loop baseline, and the baseline's model under our controller."""
+"""Compare closed loop and open-loop baseline, each with both vehicle models."""
 
 from typing import Final
 
@@ -19,14 +19,14 @@ FLOWN: Final = {
 }
 QUICK: Final = ('gtmab', 'blimp2b')
 CAPTIONS: Final = {
-    'climb': 'Rise by 1.5 m and hold that. Asked dashed; flights of seed 1.',
-    'cruise': 'Rise, then fly at 0.5 m/s: speed along the course. Asked dashed; seed 1.',
+    'climb': 'Rise by 1.5 m and hold. Dashed: setpoint; seed 1.',
+    'cruise': 'Rise, then fly at 0.5 m/s: speed along the course. Dashed: setpoint; seed 1.',
 }
 HEADINGS: Final = {'climb': 'Altitude task', 'cruise': 'Velocity task'}
 
 
 def run_study(request: RowStudyRequest) -> RowStudyResult:
-    """Return both models, each by both ways to command them."""
+    """Fly both models, each in closed and open loop."""
     shown = QUICK if request.quick else tuple(FLOWN)
     pairs = [(name, each) for name in shown for each in FLOWN[name]]
     flights = fly_entries(pairs, request.seeds)

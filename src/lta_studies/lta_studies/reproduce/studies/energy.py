@@ -1,4 +1,4 @@
-"""What flights cost: the power budget, 450 s of hovering on one cell, and an hour of light."""
+"""Study energy: power budget, hovering for 450 s on one cell, and charging ratios."""
 
 from collections.abc import Mapping
 import math
@@ -17,8 +17,7 @@ from lta_studies.energy.budget.page import (
     TASKS,
 )
 from lta_studies.energy.budget.run import measure_budget, PowerBudget
-from lta_studies.energy.budget.tasks import END, TaskPower
-from lta_studies.energy.budget.tasks import prepare_flight as along
+from lta_studies.energy.budget.tasks import END, prepare_flight, TaskPower
 from lta_studies.energy.course_flight import stop_after
 from lta_studies.energy.hover.page import CAPTION, draw_traces
 from lta_studies.energy.hover.run import (
@@ -46,7 +45,7 @@ TASK: Final = {
 
 
 def run_study(request: RowStudyRequest) -> RowStudyResult:
-    """Return budget, voltage and charging."""
+    """Measure power budget, cell voltage and charging."""
     found = measure_budget(VEHICLE, STANDARD, request.seeds, lambda: None)
     values = {**measure_tasks(found, request.seeds), **measure_causes(found)}
     values |= measure_charging(found)
@@ -74,14 +73,14 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
 
 
 def record_flights(folder: Path) -> str:
-    """Record take-off, hover and straight flight of both drones, seed 1."""
+    """Record take-off, hover and straight flight of both drones with seed 1."""
     for name in (VEHICLE, STANDARD):
-        record_flight(along(name, 1), stop_after(END), folder / name)
+        record_flight(prepare_flight(name, 1), stop_after(END), folder / name)
     return relative_bag_path(folder)
 
 
 def measure_tasks(power_budget: PowerBudget, seeds: int) -> dict[str, MeasuredValue]:
-    """Return the power of every task."""
+    """Return the power of every task, and ratios of them."""
     values = {name: task_power(power_budget.tasks[told], seeds) for told, name in TASK.items()}
     hover = power_budget.tasks['hovering'].power
     return {
@@ -102,14 +101,14 @@ def measure_tasks(power_budget: PowerBudget, seeds: int) -> dict[str, MeasuredVa
 
 
 def task_power(task: TaskPower, seeds: int) -> MeasuredValue:
-    """Return what a task takes, with how far single flights are off. [W]"""
+    """Return the power of a task with the spread of single flights. [W]"""
     if seeds == 1:
         return MeasuredValue(task.power)
     return MeasuredValue(task.power, task.power - task.off, task.power + task.off, seeds)
 
 
 def measure_causes(power_budget: PowerBudget) -> dict[str, MeasuredValue]:
-    """Return what would make the paper's hover of ours, and what each makes of navigation."""
+    """Return candidate causes of the paper's hover power, and their effect on navigation."""
     cause, bag = power_budget.causes, power_budget.tasks['navigating, BAG']
     return {
         'bag_if_heavy': MeasuredValue(
@@ -124,7 +123,7 @@ def measure_causes(power_budget: PowerBudget) -> dict[str, MeasuredValue]:
 
 
 def measure_hover(comparison: HoverComparison) -> dict[str, MeasuredValue]:
-    """Return how voltages fall on identical cells."""
+    """Return the voltage drops on identical cells."""
     first, second = comparison.first.trace, comparison.second.trace
     lasted = comparison.seconds if second.failed is None else second.failed
     while_both = float(first.voltage[0] - first.voltage[first.time <= lasted][-1])
@@ -137,7 +136,7 @@ def measure_hover(comparison: HoverComparison) -> dict[str, MeasuredValue]:
 
 
 def measure_charging(power_budget: PowerBudget) -> dict[str, MeasuredValue]:
-    """Return how long an hour of flight must be charged for in 80 klux, by kind of light."""
+    """Return the net charging power and charging ratios at 80 klux, by kind of light."""
     body = load_vehicle(VEHICLE)
     harvest, idle = HarvestCurve(body.panel), body.loads.idle
     net = {
@@ -157,12 +156,13 @@ def measure_charging(power_budget: PowerBudget) -> dict[str, MeasuredValue]:
 def charging_ratios(
     net: Mapping[str, float], powers: Mapping[str, float]
 ) -> dict[str, MeasuredValue]:
-    """Return charge to flight, and minutes of it by hour of charging."""
+    """Return the ratios of charging to flight time, and seconds of flight per charged hour."""
     values = {}
     for light, watts in net.items():
         for task, drawn in powers.items():
             ratio = drawn / watts if watts > 0.0 else math.inf
             values[f'ratio_{task}_{light}'] = MeasuredValue(ratio)
+        # One third of flying, two thirds of hovering.
         mixed = (powers['paper_fly'] + 2.0 * powers['paper_hover']) / 3.0
         values[f'minutes_{light}'] = MeasuredValue(HOUR * watts / mixed)
     return values

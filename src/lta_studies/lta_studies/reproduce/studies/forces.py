@@ -1,4 +1,4 @@
-"""Forces of the vehicle files: thrust, net forces at full command, drag, and the mass budget."""
+"""Collect forces and masses of the vehicle files: thrust, net forces, drag, mass budget."""
 
 from collections.abc import Mapping
 import math
@@ -23,15 +23,15 @@ from lta_studies.reproduce.study_result import (
 import numpy as np
 from plotly.graph_objects import Figure, Scatter
 
-NOT_IN_TABLE: Final = 'solar_panels'  # no row of the paper's table of masses
+NOT_IN_TABLE: Final = 'solar_panels'  # missing in the paper's table of masses
 CURVE: Final = (
-    "One rotor: the paper's polynomial, and Bitcraze's bench, whose voltage falls on the way. "
-    'Both are of four motors, divided by four.'
+    "One rotor: the paper's polynomial, and Bitcraze's bench data, whose voltage drops with load. "
+    'Both were measured with four motors and divided by four.'
 )
 
 
 def run_study(request: RowStudyRequest) -> RowStudyResult:
-    """Return what the vehicle files hold; chance has no part in it."""
+    """Collect forces and masses of the vehicle files; deterministic."""
     del request
     vehicle, beavis, sweep = load_vehicle('gtmab'), load_beavis_variants(), tunnel.load_sweep()
     values = {
@@ -52,7 +52,7 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
 
 
 def load_beavis_variants() -> dict[str, Vehicle]:
-    """Return BEAVIS as our tunnel has it, and as the paper's figure has it."""
+    """Return BEAVIS as simulated in our wind tunnel, and as in the paper's figure."""
     contestants = load_comparison('platforms').contestants
     return {
         name: build_entrant(contestants[name], AIR_DENSITY).vehicle
@@ -61,7 +61,7 @@ def load_beavis_variants() -> dict[str, Vehicle]:
 
 
 def measure_thrust(vehicle: Vehicle) -> dict[str, MeasuredValue]:
-    """Return full thrust of a rotor, and how far the bench is off."""
+    """Return the full thrust of a rotor, and the rms deviation of the bench data."""
     a, b = vehicle.thrust_curve
     off = [row.thrust - (a * row.duty + b) * row.duty for row in BENCH]
     return {
@@ -71,7 +71,7 @@ def measure_thrust(vehicle: Vehicle) -> dict[str, MeasuredValue]:
 
 
 def net_forces(vehicle: Vehicle, beavis: Mapping[str, Vehicle]) -> dict[str, MeasuredValue]:
-    """Return net vertical and horizontal forces at full command, jets on the hull included."""
+    """Return net vertical and horizontal forces at full command, including jets on the hull."""
     columns = np.array([rotor.column for rotor in vehicle.rotors]) * vehicle.full_thrust
     up, ahead = columns[columns[:, 2] > 0.0], columns[columns[:, 0] > 0.0]
     return {
@@ -86,7 +86,7 @@ def net_forces(vehicle: Vehicle, beavis: Mapping[str, Vehicle]) -> dict[str, Mea
 
 
 def mass_budget(vehicle: Vehicle) -> dict[str, MeasuredValue]:
-    """Return the budget of masses and lift. [kg]"""
+    """Return the mass and lift budget. [kg]"""
     parts = vehicle.file.parts
     panels = sum(part.mass.si for name, part in parts.items() if NOT_IN_TABLE in name)
     total = sum(part.mass.si for part in parts.values())
@@ -99,7 +99,7 @@ def mass_budget(vehicle: Vehicle) -> dict[str, MeasuredValue]:
 
 
 def drag_coefficients(vehicle: Vehicle) -> dict[str, MeasuredValue]:
-    """Return the coefficients of drag of the vehicle file."""
+    """Return the drag coefficients of the vehicle file."""
     effects = vehicle.collect_effects()
     quadratic, turning = effects['quadratic_drag'], effects['rotational_drag']
     return {
@@ -112,7 +112,7 @@ def drag_coefficients(vehicle: Vehicle) -> dict[str, MeasuredValue]:
 
 
 def plot_thrust(vehicle: Vehicle) -> Figure:
-    """Return the paper's curve and the bench."""
+    """Plot the paper's thrust curve and the bench data."""
     figure = create_figure()
     a, b = vehicle.thrust_curve
     duty = np.linspace(0.0, 1.0, 101)

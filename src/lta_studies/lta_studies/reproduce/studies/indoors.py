@@ -1,4 +1,4 @@
-"""The strategies in simulation and indoors: who arrives, over which path and in what time."""
+"""Compare the strategies in simulation and indoors: success, path and time."""
 
 from collections.abc import Mapping
 from itertools import pairwise
@@ -8,7 +8,7 @@ from typing import Final
 from lta_config.command_line import format_lta_command
 from lta_studies.light.evaluation.cells import EvaluationCell
 from lta_studies.light.evaluation.paper import ORDER
-from lta_studies.light.evaluation.path_order import assess_path_order as order_found
+from lta_studies.light.evaluation.path_order import assess_path_order
 from lta_studies.light.evaluation.pictures import plot_paper_comparison
 from lta_studies.light.evaluation.tracks import fly_again, plot_tracks, select_seed
 from lta_studies.reproduce.flights import (
@@ -27,9 +27,9 @@ from lta_studies.reproduce.study_result import (
 )
 
 SAFE: Final = {'scenario.goal.radius': '2 m'}  # the paper's simulation
-FAST: Final = {'mission.speed': 0.87}  # m/s: what the paper's path and time make
+FAST: Final = {'mission.speed': 0.87}  # m/s, the paper's path divided by its time
 TOWARDS: Final = 'start_heading'
-HEADINGS: Final = {  # of the flights from above, by the prefix of their measures
+HEADINGS: Final = {  # name and heading of the top views, by prefix of the measures
     '': ('indoors', 'Indoors, to within 1 m, any heading'),
     'sim_': ('simulation', 'To within 2 m, as in simulation'),
     f'{TOWARDS}_': ('towards', 'Indoors, from a heading within 30° of the lamp'),
@@ -51,16 +51,16 @@ CALLED: Final = {
     'gradient_alone': 'DES by the gradient alone', 'narrow_diodes': 'diodes that look ahead only',
 }  # fmt: skip
 TRACKS: Final = (
-    'Ways over ground from above, the same seed for all; the yellow fan is the light of the lamp.'
+    'Ground tracks from above with the same seed; the yellow fan is the light of the lamp.'
 )
 BARS: Final = (
-    'Path, time and success of each strategy with 95 % intervals; stars are the flights that the '
-    'paper prints.'
+    'Path, time and success of each strategy with 95 % intervals. Stars: flights printed in the '
+    'paper.'
 )
 
 
 def run_study(request: RowStudyRequest) -> RowStudyResult:
-    """Return flights as the paper's, and with one factor changed at a time."""
+    """Fly as in the paper, and with one factor changed at a time."""
     groups = {'': fly_group('indoors', request.seeds)}
     if not request.quick:
         groups['sim_'] = fly_group('indoors', request.seeds, change=SAFE)
@@ -82,7 +82,7 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
 
 
 def measure_factors(seeds: int) -> dict[str, MeasuredValue]:
-    """Return the flights with one factor changed at a time."""
+    """Fly with one factor changed at a time."""
     values: dict[str, MeasuredValue] = {}
     for case, strategies in FACTORS.items():
         found = fly_group('ablations', seeds, strategies=strategies, cases=[case])
@@ -92,7 +92,7 @@ def measure_factors(seeds: int) -> dict[str, MeasuredValue]:
 
 
 def compute_misfits(values: Mapping[str, MeasuredValue]) -> dict[str, MeasuredValue]:
-    """Return how far off the printed paths and times are, as flown and by each single factor."""
+    """Return the misfit to the printed paths and times as flown, and with the best factor."""
     flown = {'as_flown': '', 'towards': f'{TOWARDS}_', 'fast': 'fast_'}
     flown |= {case: f'{case}_' for case in FACTORS}
     off = {case: rms_misfit(values, prefix) for case, prefix in flown.items()}
@@ -105,7 +105,7 @@ def compute_misfits(values: Mapping[str, MeasuredValue]) -> dict[str, MeasuredVa
 
 
 def rms_misfit(values: Mapping[str, MeasuredValue], prefix: str) -> float:
-    """Return the rms of the logarithm of ours by the printed, as a factor less one. [1]"""
+    """Return exp(rms of log(ours / printed)) - 1 over the printed numbers. [1]"""
     logs = []
     for name, printed in PRINTED.items():
         value = values.get(f'{prefix}{name}', values[name]).value
@@ -115,9 +115,10 @@ def rms_misfit(values: Mapping[str, MeasuredValue], prefix: str) -> float:
 
 
 def rank_strategies(prefix: str, cells: Mapping[str, EvaluationCell]) -> dict[str, MeasuredValue]:
-    """Return the strategies by path, and in how many resampled draws the paper's order holds."""
-    held = order_found('', {name: cells[name] for name in ORDER})
+    """Rank the strategies by path; add the bootstrap share that keeps the paper's order."""
+    held = assess_path_order('', {name: cells[name] for name in ORDER})
     paths = sorted(ORDER, key=lambda name: held.paths[name].value)
+    # Unknown if any mean path is NaN because no flight arrived.
     known = all(a == a for a, _ in pairwise([held.paths[name].value for name in (*paths, 'bag')]))
     return {
         f'{prefix}order': MeasuredValue(
@@ -128,7 +129,7 @@ def rank_strategies(prefix: str, cells: Mapping[str, EvaluationCell]) -> dict[st
 
 
 def mean_ratio(group: FlightGroup, figure: str, above: str, below: str) -> MeasuredValue:
-    """Return the ratio of two strategies' means."""
+    """Return the ratio of the means of two strategies."""
     top, bottom = (group.find_cell(name).mean(figure) for name in (above, below))
     value = top.value / bottom.value if bottom.value else math.nan
     return MeasuredValue(value, seeds=top.flights)
@@ -137,10 +138,10 @@ def mean_ratio(group: FlightGroup, figure: str, above: str, below: str) -> Measu
 def build_pictures(
     request: RowStudyRequest, groups: Mapping[str, FlightGroup]
 ) -> list[StudyPicture]:
-    """Return the flights from above, and the bars of the paper."""
+    """Plot the flights from above, and the comparison with the paper."""
     indoors = groups['']
     made = [
-        StudyPicture('bars', 'Indoors, beside the paper', BARS,
+        StudyPicture('bars', 'Indoors, compared with the paper', BARS,
                      plot_paper_comparison(list(indoors.cells)),
                      format_lta_command('light', 'evaluate', '--sets', 'indoors',
                                         '--seeds', str(request.seeds)))

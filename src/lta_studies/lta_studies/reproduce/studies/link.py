@@ -1,4 +1,4 @@
-"""The light link: a raw trace, lux and SNR by distance, and how much floor one lamp serves."""
+"""Study the light link: raw samples, lux and SNR by distance, and floor area per lamp."""
 
 from collections.abc import Sequence
 import math
@@ -32,17 +32,17 @@ VEHICLE: Final = 'gtmab'
 ROOM, DUSK, SUN = 'lamp_room', 'open_field', 'sunny_field'
 DISTANCES: Final = (1.0, 2.0, 3.0, 5.0, 7.0, 10.0, 15.0, 20.0, 30.0)  # m
 RANGE: Final = 7.0  # m, seed paper
-ALTITUDE: Final = 1.3  # of the hull centre: diodes at the height of the lamp [m]
+ALTITUDE: Final = 1.3  # m, of the hull centre; puts the diodes at the height of the lamp
 TRACE: Final = 3.0  # m
 SHOWN: Final = 300  # samples, 30 ms
 TRACED: Final = (
-    'Counts of the converter at 10 kS/s, 3 m from the lamp in the shared room: the diode that '
-    'faces it most, and the one that looks away most. 30 ms, four and a half periods of 150 Hz.'
+    'ADC counts at 10 kS/s, 3 m from the lamp in the shared room, of the diode that faces the '
+    'lamp most and of the one that faces away most. 30 ms, four and a half periods of 150 Hz.'
 )
 
 
 def run_study(request: RowStudyRequest) -> RowStudyResult:
-    """Return the link in the room, at dusk and in the sun; seeds are ADC blocks at each place."""
+    """Study the link in the room, at dusk and in the sun, with one ADC block per seed."""
     links = {name: measure_link(name, request.seeds) for name in (ROOM, DUSK, SUN)}
     at = {name: find_point(link.at, RANGE) for name, link in links.items()}
     values = {
@@ -73,25 +73,25 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
 
 
 def measure_link(name: str, blocks: int) -> LampLink:
-    """Return the link of a scene."""
+    """Compute the link budget of a scene."""
     scenario = load_scenario(name)
     vehicle = load_vehicle(VEHICLE, scenario.air.density)
     return compute_link(vehicle, scenario, DISTANCES, ALTITUDE, blocks)
 
 
 def find_point(points: Sequence[LinkPoint], distance: float) -> LinkPoint:
-    """Return the link at a distance. [m]"""
+    """Return the point at a distance. [m]"""
     return next(each for each in points if math.isclose(each.distance, distance))
 
 
 def reception_range(points: Sequence[LinkPoint]) -> float:
-    """Return the farthest distance at which the SNR passes the demodulator's threshold. [m]"""
+    """Return the largest distance with an SNR above the demodulator's threshold. [m]"""
     needed = DemodulationSettings().threshold
     return max((each.distance for each in points if each.snr >= needed), default=math.nan)
 
 
 def simulate_samples(distance: float = TRACE) -> np.ndarray:
-    """Return an ADC block on the lamp's axis in the room, shape (samples, diodes)."""
+    """Simulate an ADC block on the lamp's axis in the room, shape (samples, diodes)."""
     scenario = load_scenario(ROOM)
     vehicle = load_vehicle(VEHICLE, scenario.air.density)
     field = scenario.light_field
@@ -101,7 +101,7 @@ def simulate_samples(distance: float = TRACE) -> np.ndarray:
 
 
 def estimate_frequency() -> float:
-    """Return the frequency that is found at the paper's range. [Hz]"""
+    """Estimate the beacon frequency at the paper's range. [Hz]"""
     light, top = (
         load_topic_table().light,
         load_vehicle(VEHICLE).file.sensors.diodes.largest_reading,
@@ -112,7 +112,7 @@ def estimate_frequency() -> float:
 
 
 def floor_per_lamp() -> float:
-    """Return how much floor a lamp serves in the shipped warehouse. [m2]"""
+    """Return the floor area per lamp in the shipped warehouse. [m2]"""
     plan, ear = load_inputs('warehouse', VEHICLE, 2.0, ())
     floor = build_floor(plan, ear.vehicle, 0.5)
     found = plan_layout(plan, ear, floor, list_mounts(plan), 1, None, lambda: None, lambda _: None)
@@ -120,13 +120,13 @@ def floor_per_lamp() -> float:
 
 
 def plot_trace(block: np.ndarray) -> Figure:
-    """Return the first samples of the brightest and of the darkest diode."""
+    """Plot the first samples of the brightest and the darkest diode."""
     figure = create_figure()
     time = 1e3 * np.arange(SHOWN) / load_topic_table().light.sample_rate.si
     means = block.mean(axis=0)
     for name, index, colour in (
         ('facing the lamp', int(means.argmax()), TRUTH),
-        ('looking away', int(means.argmin()), ESTIMATE),
+        ('facing away', int(means.argmin()), ESTIMATE),
     ):
         figure.add_trace(
             Scatter(
@@ -136,5 +136,5 @@ def plot_trace(block: np.ndarray) -> Figure:
         )  # fmt: skip
     figure.add_hline(y=0, line={'color': RAW, 'width': 1})
     figure.update_xaxes(title_text='time [ms]')
-    figure.update_yaxes(title_text='converter [counts]')
+    figure.update_yaxes(title_text='ADC [counts]')
     return figure.update_layout(showlegend=True, legend={'orientation': 'h', 'y': 1.08})

@@ -1,4 +1,4 @@
-"""Where the panels sit, and what the centre of gravity's height does."""
+"""Study panel mounts, and the effect of the height of the centre of gravity."""
 
 import math
 from pathlib import Path
@@ -15,8 +15,12 @@ from lta_studies.energy.mounting.page import (
     STRAIGHT,
     SWUNG,
 )
-from lta_studies.energy.mounting.run import compare_mounts as compare
-from lta_studies.energy.mounting.run import find_gains_name, MountingRequest, MountingStudy
+from lta_studies.energy.mounting.run import (
+    compare_mounts,
+    find_gains_name,
+    MountingRequest,
+    MountingStudy,
+)
 from lta_studies.energy.mounting.straight_flight import average_over_seeds, END, prepare_flight
 from lta_studies.energy.mounting.tables import build_tables
 from lta_studies.reproduce.recording import record_flight, relative_bag_path
@@ -30,29 +34,29 @@ from lta_studies.reproduce.study_result import (
 import numpy as np
 
 MOUNTS: Final = ('side', 'bottom', 'top')
-AHEAD: Final = 0.03  # m
+AHEAD: Final = 0.03  # m, misplacement of the panels along the hull
 
 
 def run_study(request: RowStudyRequest) -> RowStudyResult:
-    """Return the mounts flown straight on, and releases with the weight at three heights."""
+    """Fly each mount straight ahead, and release the hull with three heights of the weight."""
     order = MountingRequest(load_yaml(find_file('vehicle', 'gtmab')), MOUNTS, AHEAD, request.seeds)
-    found = compare(order, lambda: None)
+    found = compare_mounts(order, lambda: None)
     values = {**measure_mounts(found, request.seeds), **measure_heights(found)}
     command = format_lta_command('energy', 'mounting', '--seeds', str(request.seeds))
     pictures = [
-        StudyPicture('straight', 'Straight on at 0.1 m/s', STRAIGHT,
+        StudyPicture('straight', 'Straight flight at 0.1 m/s', STRAIGHT,
                      draw_straight_flights(found), command,
                      '' if request.quick
                      else record_flights(found, request.folder / 'straight')),
-        StudyPicture('over', 'Centre of gravity below, at and above', OVER,
+        StudyPicture('over', 'Centre of gravity below, at and above the hull centre', OVER,
                      draw_overturning(found), command),
-        StudyPicture('swing', 'Let go', SWUNG, draw_swings(found), command),
+        StudyPicture('swing', 'Swing after a release', SWUNG, draw_swings(found), command),
     ]  # fmt: skip
     return RowStudyResult(values, pictures, build_tables(found))
 
 
 def record_flights(comparison: MountingStudy, folder: Path) -> str:
-    """Record the flight of seed 1 of every mount, panels in place and out of it."""
+    """Record the flight of every mount with seed 1, panels in place and misplaced."""
     for group, all_of in (('in_place', comparison.shared), ('out_of_place', comparison.misplaced)):
         for name, each in all_of.items():
             loop = prepare_flight(each.fitted, find_gains_name(each.fitted), 1)
@@ -61,7 +65,7 @@ def record_flights(comparison: MountingStudy, folder: Path) -> str:
 
 
 def measure_mounts(comparison: MountingStudy, seeds: int) -> dict[str, MeasuredValue]:
-    """Return swing and carrying of each mount."""
+    """Return the swing and the spare lift of each mount."""
     values: dict[str, MeasuredValue] = {}
     for name, each in comparison.shared.items():
         spread = average_over_seeds(each.flights, 'amplitude')
@@ -87,7 +91,7 @@ def measure_mounts(comparison: MountingStudy, seeds: int) -> dict[str, MeasuredV
 
 
 def measure_heights(comparison: MountingStudy) -> dict[str, MeasuredValue]:
-    """Return what becomes of a tilt with the centre of gravity below, at and above."""
+    """Return how a tilt develops with the centre of gravity below, at and above the centre."""
     below, at, above = comparison.overturning
     last = float(at.release.tilt[-1]) / float(at.release.tilt[0])
     return {

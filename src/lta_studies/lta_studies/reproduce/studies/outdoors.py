@@ -1,4 +1,4 @@
-"""The strategies in wind, and what each costs an update."""
+"""Study the strategies in wind, and the computing time of one update."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -16,7 +16,7 @@ from lta_report.drawing import create_figure
 from lta_sim.wind_limits import static_wind_limit, wind_share_at_hull
 from lta_studies.energy.tables import TextTable
 from lta_studies.light.evaluation.cells import EvaluationCell
-from lta_studies.light.evaluation.labels import label_strategy as called
+from lta_studies.light.evaluation.labels import label_strategy
 from lta_studies.light.evaluation.pictures import LEGEND, strategy_color
 from lta_studies.light.evaluation.tracks import fly_again, plot_tracks
 from lta_studies.reproduce.flights import (
@@ -42,21 +42,21 @@ WIND: Final = 'scenario.air.profile.wind'
 ROUGH: Final = 'scenario.air.profile.roughness'
 WINDS: Final = (8.0, 14.0)  # m/s, seed paper
 GROUNDS: Final = (0.3, 0.35, 0.4, 0.45)  # m
-MOST: Final = 0.5  # of the flights
+MOST: Final = 0.5  # share of the flights that counts as most
 ALGORITHMS: Final = {  # seed paper, table of algorithms: diodes, position, load
     'bag': ('several', 'not needed', 'low'), 'des': ('one', 'not needed', 'medium'),
     'dga': ('one', 'needed', 'high'),
 }  # fmt: skip
-HEIGHT, REFERENCE, SHOWN = 0.5, 10.0, 0.4  # m; of the hull, of the wind, a ground it can fly over
+HEIGHT, REFERENCE, SHOWN = 0.5, 10.0, 0.4  # m: hull, reference wind, a flyable roughness
 TRACKS: Final = (
-    'Ways over ground from above, seed 1, wind from the lamp to the start. Told to fly 1 m/s. '
-    'Dashed circle: the metre within which the lamp counts as reached.'
+    'Ground tracks from above, seed 1, wind from the lamp to the start. Airspeed command 1 m/s. '
+    'Dashed circle: 1 m from the lamp, which counts as reached.'
 )
-DISTANCES: Final = 'Distance to the lamp by time, seed 1; dotted the metre that counts as reached.'
+DISTANCES: Final = 'Distance to the lamp by time, seed 1. Dotted: 1 m, which counts as reached.'
 
 
 def run_study(request: RowStudyRequest) -> RowStudyResult:
-    """Return who reaches the lamp against the paper's winds, over which ground, how costly."""
+    """Fly in the paper's winds and over rough ground, and time the updates."""
     speeds = WINDS[:1] if request.quick else WINDS
     winds = fly_group('winds', request.seeds, vary={WIND: [f'{each:g} m/s' for each in speeds]})
     values: dict[str, MeasuredValue] = {}
@@ -84,7 +84,7 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
 
 
 def find_cell(group: FlightGroup, strategy: str, place: float) -> EvaluationCell:
-    """Return the flights of a strategy at a place on the axis of its set."""
+    """Return the flights of a strategy at a value of the set's axis."""
     return next(
         each for each in group.cells
         if each.strategy == strategy and math.isclose(each.place, place)
@@ -99,13 +99,13 @@ def measure_reached_share(
 
 
 def least_roughness(grounds: FlightGroup) -> float:
-    """Return the least roughness over which most flights of BAG arrive in 8 m/s. [m]"""
+    """Return the smallest roughness over which most BAG flights arrive in 8 m/s. [m]"""
     over = [each.place for each in grounds.cells if each.reached_share.value > MOST]
     return min(over, default=math.nan)
 
 
 def hull_winds() -> dict[str, MeasuredValue]:
-    """Return what the paper's winds are at the hull, and what it can fly in, by numbers. [m/s]"""
+    """Return the paper's winds at the height of the hull, and the static limit. [m/s]"""
     vehicle = load_vehicle('gtmab')
     parts = {each: wind_share_at_hull(vehicle, HEIGHT, REFERENCE, each) for each in (0.3, SHOWN)}
     return {
@@ -117,7 +117,7 @@ def hull_winds() -> dict[str, MeasuredValue]:
 
 
 def time_update(name: str) -> float:
-    """Return how long one update of a strategy takes, median over an indoor flight. [s]"""
+    """Return the median computing time of one strategy update in an indoor flight. [s]"""
     loop = build_loop(load_spec('gtmab', 'lamp_room', name, ''), 1)
     inner, took = loop.policy.strategy, []
 
@@ -136,20 +136,20 @@ def time_update(name: str) -> float:
 
 
 def build_algorithm_table(values: Mapping[str, MeasuredValue]) -> TextTable:
-    """Return the paper's table of algorithms, its load of computing measured."""
+    """Return the paper's table of algorithms with measured computing times."""
     rows = []
     for name, (diodes, position, load) in ALGORITHMS.items():
         value = values[f'{name}_update'].value
         assert not isinstance(value, str)
-        rows.append([called(name), diodes, position, load, f'{1e6 * value:.1f} µs'])
-    heads = ('algorithm', 'diodes', 'position', 'load, paper', 'an update, measured here')
+        rows.append([label_strategy(name), diodes, position, load, f'{1e6 * value:.1f} µs'])
+    heads = ('algorithm', 'diodes', 'position', 'load, paper', 'time per update, here')
     return TextTable('Algorithms', heads, rows)
 
 
 def build_pictures(
     request: RowStudyRequest, winds: FlightGroup, rough: FlightGroup | None = None
 ) -> list[StudyPicture]:
-    """Return ways and distances in the paper's winds, and over a ground that can be flown."""
+    """Plot tracks and distances in the paper's winds, and over a flyable ground."""
     made = []
     drawn: list[tuple[str, str, FlightGroup, Sequence[EvaluationCell]]] = [
         (f'wind_{wind:g}', f'{wind:g} m/s at 10 m over 0.3 m of roughness', winds,
@@ -183,12 +183,12 @@ def build_pictures(
 
 
 def plot_distances(lines: Mapping[str, tuple[Array, Array]]) -> Figure:
-    """Return the distance to the lamp by time."""
+    """Plot the distance to the lamp by time."""
     figure = create_figure()
     for name, (time, values) in lines.items():
         figure.add_trace(
             Scatter(
-                x=time, y=values, mode='lines', name=called(name),
+                x=time, y=values, mode='lines', name=label_strategy(name),
                 line={'color': strategy_color(name), 'width': 1.6}, hovertemplate='%{y:.1f} m',
             )
         )  # fmt: skip

@@ -1,4 +1,4 @@
-"""How many photodiodes: the paper's study by its own estimator, and what makes its errors."""
+"""Repeat the paper's study of the number of photodiodes, and find the causes of its errors."""
 
 from collections.abc import Mapping, Sequence
 import math
@@ -29,7 +29,7 @@ from lta_studies.reproduce.study_result import (
 import numpy as np
 from plotly.graph_objects import Figure, Scatterpolar
 
-QUICK: Final = 10  # readings
+QUICK: Final = 10  # readings per direction with --quick
 GOOD: Final = math.radians(2.0)
 DARK_WALLS: Final = {'scenario.room.albedo': 0.0}
 NARROW: Final = {f'{DIODES}.response': {'value': 2.0, 'unit': '1', 'source': 'ablation'}}
@@ -37,7 +37,7 @@ UNEQUAL: Final = {f'{DIODES}.gain_spread': {'value': 10, 'unit': '%', 'source': 
 
 
 def run_study(request: RowStudyRequest) -> RowStudyResult:
-    """Return the study in both places; one vehicle a seed, its gains drawn once."""
+    """Study both places; each seed is one vehicle with its own diode gains."""
     found = {
         place: {count: study_rings(request, place, count) for count in COUNTS} for place in PLACES
     }
@@ -65,7 +65,7 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
     command = format_lta_command('light', 'study')
     pictures = [
         StudyPicture(place, f'{place.capitalize()}: {PLACES[place].about}',
-                f'Median error by direction, in degrees from the middle; seed 1. {METHOD}',
+                f'Median error by direction; the radius is in degrees. Seed 1. {METHOD}',
                 plot_polar({count: each[0] for count, each in by_count.items()}), command)
         for place, by_count in found.items()
     ]  # fmt: skip
@@ -75,7 +75,7 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
 def study_rings(
     request: RowStudyRequest, place: str, count: int, changes: Mapping[str, Any] | None = None
 ) -> list[RingStudy]:
-    """Return one ring in one place for each seed, with something changed if there is anything."""
+    """Study one ring in one place for each seed, with optional changes."""
     bench = BearingBench(
         build_flight_spec(PLACES[place], 'gtmab', count).with_values(changes or {})
     )
@@ -87,7 +87,7 @@ def study_rings(
 
 
 def measure_errors(name: str, studies: Sequence[RingStudy]) -> dict[str, MeasuredValue]:
-    """Return the median over the directions and the worst of them."""
+    """Return the median error over the directions and the worst one."""
     return {
         f'{name}_median': average_over_seeds([float(np.median(ring.paper)) for ring in studies]),
         f'{name}_worst': worst_error(studies),
@@ -95,7 +95,7 @@ def measure_errors(name: str, studies: Sequence[RingStudy]) -> dict[str, Measure
 
 
 def count_below(studies: Sequence[RingStudy], degrees: float) -> MeasuredValue:
-    """Return how many directions stay below a limit."""
+    """Return the number of directions with an error below a limit."""
     return average_over_seeds(
         [count_within(ring.paper, math.radians(degrees)) for ring in studies]
     )
@@ -111,21 +111,21 @@ def compare_rings(
     below: Sequence[RingStudy],
     what: Any,  # noqa: ANN401
 ) -> MeasuredValue:
-    """Return the ratio of a figure of two rings, seed by seed."""
+    """Return the ratio of a statistic of two rings, paired by seed."""
     return average_over_seeds(
         [float(what(a.paper) / what(b.paper)) for a, b in zip(above, below, strict=True)]
     )
 
 
 def midway_share(ring: RingStudy) -> float:
-    """Return how much of the directions with a small error lie midway between two diodes."""
+    """Return the share of low-error directions that lie midway between two diodes."""
     good = [k for k, error in enumerate(ring.paper) if error < GOOD]
     step = DIRECTIONS // ring.count
     return sum(k % step == step // 2 for k in good) / len(good) if good else math.nan
 
 
 def plot_polar(studies: Mapping[int, RingStudy]) -> Figure:
-    """Return the errors by direction as the paper draws them."""
+    """Plot the errors by direction as in the paper."""
     figure = create_figure()
     angles = np.degrees([*list_directions(), math.tau])
     for count, ring in studies.items():

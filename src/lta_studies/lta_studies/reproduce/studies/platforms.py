@@ -1,4 +1,4 @@
-"""Five platforms by six criteria: each a task that is flown, or a number of the vehicle's file."""
+"""Rank five platforms by six criteria, each from a flown task or from the vehicle file."""
 
 from collections.abc import Callable, Mapping, Sequence
 from itertools import combinations
@@ -33,29 +33,29 @@ RANKED: Final = {
     'gtmab': (MEDIUM_LOW, MEDIUM, HIGH, HIGH, MEDIUM, LOW),
     'beavis': (HIGH, MEDIUM_LOW, MEDIUM_LOW, HIGH, MEDIUM, LOW),
 }
-# What is measured of each, its unit in a picture, and whether more of it ranks higher.
+# Unit in the plot, factor from SI, and whether a larger value ranks higher.
 CRITERIA: Final = {
     'planar': ('m/s', 1.0, False), 'vertical': ('m', 1.0, False),
     'attitude': ('°', 180.0 / math.pi, False), 'endurance': ('%', 100.0, False),
     'size': ('m', 1.0, True), 'complexity': ('', 1.0, True),
 }  # fmt: skip
 FLOWN: Final = {'planar': 'cruise', 'vertical': 'climb', 'attitude': 'turn'}
-SAME: Final = math.cos(math.radians(5.0))  # two rotors that point the same way, or oppositely
+SAME: Final = math.cos(math.radians(5.0))  # rotors within 5 deg share a thrust line
 LIMIT_SEEDS: Final = 3
 CAPTION: Final = (
-    'Rms error over a cruise at 0.5 m/s, a climb of 1.5 m and a turn by 90°; share of the weight '
-    'that rotors carry while hovering; greatest extent; directions in which rotors push. In '
-    "brackets what the paper's table says. Darker ranks higher, within a column."
+    'Rms error in a cruise at 0.5 m/s, a climb of 1.5 m and a turn by 90°; share of the weight '
+    'that rotors carry while hovering; largest extent; number of thrust directions. In '
+    "brackets: the paper's table. Darker ranks higher within a column."
 )
 FOLLOWED: Final = {
-    'cruise': ('Planar: told to fly at 0.5 m/s', 'Speed along the course; asked dashed, seed 1.'),
-    'climb': ('Vertical: told to rise by 1.5 m', 'Rise; asked dashed, seed 1.'),
-    'turn': ('Attitude: told to turn by 90°', 'Heading; asked dashed, seed 1.'),
+    'cruise': ('Planar: fly at 0.5 m/s', 'Speed along the course. Dashed: setpoint; seed 1.'),
+    'climb': ('Vertical: rise by 1.5 m', 'Rise. Dashed: setpoint; seed 1.'),
+    'turn': ('Attitude: turn by 90°', 'Heading. Dashed: setpoint; seed 1.'),
 }
 
 
 def run_study(request: RowStudyRequest) -> RowStudyResult:
-    """Return the table of the paper, measured, and how far its ranking is found again."""
+    """Measure the paper's table, and how well its ranking is reproduced."""
     flown = () if request.quick else tuple(FLOWN.values())
     flights = fly_entries([(name, each) for name in RANKED for each in flown], request.seeds)
     measured = {
@@ -90,7 +90,7 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
 
 
 def build_measures(flights: ComparisonFlights) -> dict[str, Callable[[str], MeasuredValue]]:
-    """Return how each criterion is measured, of a platform by name."""
+    """Return a function of the platform name for each criterion."""
 
     def vehicle(name: str) -> Vehicle:
         return build_entrant(flights.comparison.contestants[name], AIR_DENSITY).vehicle
@@ -106,14 +106,14 @@ def build_measures(flights: ComparisonFlights) -> dict[str, Callable[[str], Meas
 
 
 def thrust_to_weight(vehicle: Vehicle) -> float:
-    """Return what rotors push while it hovers, all of them together, by its weight. [1]"""
+    """Return the total rotor thrust in hover divided by the weight. [1]"""
     own, per_newton = select_lifting_rotors(vehicle.rotors, vehicle.file.aero.coupling)
     thrust = max(vehicle.heaviness, 0.0) * STANDARD_GRAVITY / per_newton * len(own)
     return thrust / (vehicle.mass * STANDARD_GRAVITY)
 
 
 def greatest_extent(vehicle: Vehicle) -> float:
-    """Return the greatest extent: of the hull, or between two rotors. [m]"""
+    """Return the largest extent of the hull or between two rotors. [m]"""
     places = [rotor.place for rotor in vehicle.rotors]
     span = max(math.dist(a, b) for a, b in combinations(places, 2))
     if vehicle.file.hull.shape == 'none':
@@ -122,7 +122,7 @@ def greatest_extent(vehicle: Vehicle) -> float:
 
 
 def count_thrust_lines(vehicle: Vehicle) -> int:
-    """Return along how many different lines rotors push."""
+    """Return the number of different lines of thrust."""
     lines: list[tuple[float, float, float]] = []
     for rotor in vehicle.rotors:
         if all(abs(float(np.dot(rotor.axis, other))) < SAME for other in lines):
@@ -131,7 +131,7 @@ def count_thrust_lines(vehicle: Vehicle) -> int:
 
 
 def rank_concordance(criterion: str, values: Mapping[str, MeasuredValue]) -> float:
-    """Return how many pairs that the paper ranks apart are measured in that order. [1]"""
+    """Return the share of pairs ranked by the paper that are measured in the same order."""
     column = list(CRITERIA).index(criterion)
     sign = 1.0 if CRITERIA[criterion][2] else -1.0
     pairs = [
@@ -147,7 +147,7 @@ def rank_concordance(criterion: str, values: Mapping[str, MeasuredValue]) -> flo
 
 
 def require_number(value: MeasuredValue) -> float:
-    """Return a value, which is a number."""
+    """Return the number of a value that is not a word."""
     assert not isinstance(value.value, str)
     return value.value
 
@@ -155,7 +155,7 @@ def require_number(value: MeasuredValue) -> float:
 def plot_table(
     titles: Sequence[str], measured: Mapping[str, Mapping[str, MeasuredValue]]
 ) -> Figure:
-    """Return the paper's table with what was measured."""
+    """Plot the paper's table with the measured values."""
     figure = create_figure()
     shades, texts = [], []
     for name in RANKED:

@@ -1,4 +1,4 @@
-"""Pressure on hulls: in flight by potential flow, under jets by our tunnel, beside the paper's."""
+"""Compare hull pressures in flight (potential flow) and under jets (CFD) with the paper's."""
 
 from collections.abc import Mapping
 import math
@@ -21,29 +21,29 @@ from plotly.graph_objects import Bar, Figure, Heatmap
 PAPER: Final = {'BEAVIS': 102.0, 'GT-MAB': 571.9}  # Pa, seed paper, LaTeX comment
 PROPELLER: Final = 0.047  # m, seed paper
 SURGE: Final = 0
-SHOWN: Final = {  # what the shipped flows blow: file, pattern, what it is called
+SHOWN: Final = {  # shipped flows: file, pattern, heading
     'gtmab': ('gtmab', 'both_up', 'GT-MAB, both upward rotors at full thrust'),
     'reversed': ('gtmab', 'up_left_reversed', 'GT-MAB, one upward rotor reversed, onto the hull'),
     'beavis': ('beavis', 'all', 'BEAVIS, all four rotors at full thrust'),
 }
 BESIDE: Final = (
-    'Pascals, in decades. Orange: what the paper has. Blue: what can be; the hull in flight by '
-    'potential flow, a jet onto a wall by momentum theory, the rest by flows of our wind tunnel.'
+    'Logarithmic scale. Orange: printed in the paper. Blue: computed here; the hull in flight by '
+    'potential flow, a jet onto a wall by momentum theory, the rest by our wind tunnel.'
 )
 MAP: Final = (
-    'The hull from below, nose right: pressure over that far away, steady flow of our wind tunnel '
-    '(preview).'
+    'The hull from below, nose right: pressure relative to the far field, steady flow of our wind '
+    'tunnel (preview).'
 )
 
 
 def load_flow(name: str) -> Blow:
-    """Return a flow of those that are shown, as `lta cfd run` left it."""
+    """Load a shipped flow, as written by `lta cfd run`."""
     file, pattern, _ = SHOWN[name]
     return read_sweep(share_folder() / 'aero' / f'{file}.blown.json').blows[pattern]
 
 
 def measure_pressures(vehicle: Vehicle, disk_loading: float) -> dict[str, MeasuredValue]:
-    """Return pressures in flight and under jets, and what it takes to be the paper's. [SI]"""
+    """Return pressures in flight and under jets, and speeds that would give the paper's."""
     low, high = pressure_extremes(
         vehicle.file.hull, SURGE, static_wind_limit(vehicle), AIR_DENSITY
     )
@@ -56,6 +56,7 @@ def measure_pressures(vehicle: Vehicle, disk_loading: float) -> dict[str, Measur
         found[f'{told.lower().replace("-", "")}_pressure_speed'] = MeasuredValue(
             dynamic_pressure_speed(pressure)
         )
+    # Rotor speed at which the blade tips move that fast.
     turns = dynamic_pressure_speed(PAPER['GT-MAB']) / (math.pi * PROPELLER)
     found['blade_rate'] = MeasuredValue(2.0 * math.pi * turns)
     for name in SHOWN:
@@ -69,14 +70,14 @@ def measure_pressures(vehicle: Vehicle, disk_loading: float) -> dict[str, Measur
 
 
 def dynamic_pressure_speed(pressure: float) -> float:
-    """Return the speed of the air that has this dynamic pressure [Pa]. [m/s]"""
+    """Return the airspeed with this dynamic pressure [Pa]. [m/s]"""
     return math.sqrt(2.0 * pressure / AIR_DENSITY)
 
 
 def build_pictures(values: Mapping[str, MeasuredValue]) -> list[StudyPicture]:
-    """Return all pressures side by side, and maps of the hulls from below."""
+    """Plot all pressures, and pressure maps of the hulls from below."""
     made = [
-        StudyPicture('pressure', 'Pressures side by side', BESIDE, plot_pressures(values),
+        StudyPicture('pressure', 'Pressures compared', BESIDE, plot_pressures(values),
                 format_lta_command('reproduce', 'forces'))
     ]  # fmt: skip
     for name, (file, pattern, heading) in SHOWN.items():
@@ -87,7 +88,7 @@ def build_pictures(values: Mapping[str, MeasuredValue]) -> list[StudyPicture]:
 
 
 def plot_pressures(values: Mapping[str, MeasuredValue]) -> Figure:
-    """Return the pressures as bars over decades."""
+    """Plot the pressures as bars on a logarithmic scale."""
 
     def size(name: str) -> float:
         value = values[name].value
@@ -97,11 +98,11 @@ def plot_pressures(values: Mapping[str, MeasuredValue]) -> Figure:
     rows = [
         ('GT-MAB: suction on its hull, both rotors up', size('gtmab_hull_least'), TRUTH),
         ('GT-MAB: nose at its level limit, 1.09 m/s', size('flight_nose'), TRUTH),
-        ('GT-MAB: suction at the bar beside its rotors', size('gtmab_least'), TRUTH),
+        ('GT-MAB: suction at the bar next to its rotors', size('gtmab_least'), TRUTH),
         ('GT-MAB: jet of a reversed rotor on its hull', size('reversed_most'), TRUTH),
         ('BEAVIS: jets on its hull, all rotors on', size('beavis_hull_most'), TRUTH),
         ('BEAVIS: jets on the box below', size('beavis_most'), TRUTH),
-        ('An ideal jet onto a wall', size('disk_loading'), LAMP),
+        ('Ideal jet onto a wall', size('disk_loading'), LAMP),
         ('Paper: BEAVIS', PAPER['BEAVIS'], ESTIMATE),
         ('Paper: GT-MAB', PAPER['GT-MAB'], ESTIMATE),
     ]
@@ -118,7 +119,7 @@ def plot_pressures(values: Mapping[str, MeasuredValue]) -> Figure:
 
 
 def plot_underside(hull: SurfacePressure) -> Figure:
-    """Return the pressure on a hull as seen from below."""
+    """Plot the pressure on a hull as seen from below."""
     largest = max(abs(hull.least), abs(hull.most))
     places = hull.side * ((np.arange(len(hull.below)) + 0.5) / len(hull.below) - 0.5)
     figure = create_figure()

@@ -1,4 +1,4 @@
-"""What the wind tunnel gave of GT-MAB: fits of drag, rotors on, and B beside BEAVIS's."""
+"""Collect the wind-tunnel results of GT-MAB: drag fits, rotors on, and its matrix B."""
 
 from collections.abc import Mapping, Sequence
 from typing import Final
@@ -18,22 +18,22 @@ from plotly.graph_objects import Figure, Heatmap
 BOTH_UP: Final = 'both_up'  # pattern of the tunnel file: the upward rotors at full thrust
 WRENCH: Final = ('Fx', 'Fy', 'Fz', 'Mx [m]', 'My [m]', 'Mz [m]')
 POINTS: Final = (
-    'Points: flows that were solved, with the swing of their averaged window. Lines: linear and '
-    'quadratic terms fitted to them. Dotted: estimated by hand.'
+    'Points: solved flows, with the variation in their averaging window. Lines: fitted linear and '
+    'quadratic terms. Dotted: estimated by hand.'
 )
 MATRIX: Final = (
-    'B of the vehicle files, one column a rotor: force and moment about the hull centre per '
-    'newton of thrust, jets on the hull included.'
+    'B of the vehicle files, one column per rotor: force and moment about the hull centre per '
+    'newton of thrust, including jets on the hull.'
 )
 
 
 def load_sweep() -> TunnelSweep:
-    """Return the raw sweep of GT-MAB that `lta cfd run` left."""
+    """Load the raw sweep of GT-MAB, as written by `lta cfd run`."""
     return read_sweep(share_folder() / 'aero' / 'gtmab.sweep.json')
 
 
 def collect_coefficients(sweep: TunnelSweep) -> dict[str, MeasuredValue]:
-    """Return the coefficients of drag, and the net force of the upward rotors together. [SI]"""
+    """Return the drag coefficients, and the net force of both upward rotors. [SI]"""
     fits = fit_axes(sweep)
     found = {'tunnel_up': MeasuredValue(sweep.blows[BOTH_UP].force[2])}
     for axis in ('surge', 'heave', 'roll', 'pitch', 'yaw'):
@@ -43,7 +43,7 @@ def collect_coefficients(sweep: TunnelSweep) -> dict[str, MeasuredValue]:
 
 
 def build_pictures(sweep: TunnelSweep, vehicles: Mapping[str, Vehicle]) -> list[StudyPicture]:
-    """Return drag along and about the axes, and B of some vehicles by name."""
+    """Plot drag along and about the axes, and B of the vehicles."""
     flown, shown = (
         format_lta_command('cfd', 'run', 'gtmab'),
         format_lta_command('vehicle', 'show', 'gtmab'),
@@ -57,7 +57,7 @@ def build_pictures(sweep: TunnelSweep, vehicles: Mapping[str, Vehicle]) -> list[
 
 
 def plot_matrices(vehicles: Mapping[str, Vehicle]) -> Figure:
-    """Return B of each vehicle, side by side, its numbers in the cells."""
+    """Plot B of each vehicle side by side, with the numbers in the cells."""
     names: list[str] = []
     columns: list[Sequence[float]] = []
     for told, vehicle in vehicles.items():
