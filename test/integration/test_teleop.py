@@ -94,7 +94,7 @@ def test_a_stick_wins_until_handed_back_a_dead_teleop_lands_and_the_button_stops
         cockpit.until_motors('landing')
         cockpit.facts.pop('teleop: helm')
         nodes[0] = start('lta_bridge.nodes.teleop')  # it learns from who flies by its word
-        cockpit.until_helm('a person steers')
+        cockpit.until_helm('the operator steers')
         cockpit.until_motors('flying by a person')
         stop_for_good(cockpit)
         assert all(node.poll() is None for node in nodes)
@@ -106,7 +106,7 @@ def stop_for_good(cockpit):
     cockpit.peer.until(lambda: cockpit.duties[-1] > 0.0)
     cockpit.press(LAYOUT.stop)
     cockpit.until_motors('emergency stop')
-    cockpit.until_helm('heard by emergency_stop')
+    cockpit.until_helm('confirmed by emergency_stop')
     seen = len(cockpit.duties)
     cockpit.peer.until(lambda: len(cockpit.duties) > seen + 20)
     assert set(cockpit.duties[seen + 2 :]) == {0.0}

@@ -1,4 +1,4 @@
-"""Where a bag's data come from: everything needed to make the flight again."""
+"""Collect a bag's provenance: everything needed to repeat the flight."""
 
 from collections.abc import Mapping
 from datetime import datetime, UTC
@@ -11,12 +11,12 @@ import subprocess
 from lta_config.files import find_file, share_folder
 from lta_config.version import VERSION
 
-CODE = (':/src', ':/config')  # what a result depends on, and no page does
+CODE = (':/src', ':/config')  # folders that affect results, unlike documentation
 LIBRARIES = ('numpy', 'scipy', 'numba', 'mcap', 'ros-jazzy-rclpy')
 
 
 def read_commit() -> str:
-    """Return the commit of the workspace that is running, or 'unknown'; '-dirty': code changed."""
+    """Return the commit of the running workspace, or 'unknown'; '-dirty' if code changed."""
     try:
         name = _run_git('describe', '--always', '--abbrev=40')
         changed = _run_git('status', '--porcelain', '--untracked-files=no', '--', *CODE)
@@ -26,7 +26,7 @@ def read_commit() -> str:
 
 
 def _run_git(*words: str) -> str:
-    """Return what git says of the workspace; errors as `subprocess.run`."""
+    """Return the output of a git command; raise as `subprocess.run` does."""
     done = subprocess.run(
         ['git', '--no-optional-locks', *words],
         cwd=share_folder(),
@@ -48,7 +48,7 @@ def hash_config(folder: Path) -> str:
 
 
 def describe_environment() -> dict[str, str]:
-    """Return what runs here and now: versions, commit, configuration, machine."""
+    """Return versions, commit, configuration and machine of this process."""
     return {
         'lta': VERSION,
         'commit': read_commit(),
@@ -60,7 +60,7 @@ def describe_environment() -> dict[str, str]:
 
 
 def find_release(name: str) -> str:
-    """Return a library with its version; nothing of one that is not here, as ROS need not be."""
+    """Return a library's name and version; empty if it is not installed, as ROS may not be."""
     try:
         return f'{name} {version(name)}'
     except PackageNotFoundError:
@@ -69,14 +69,14 @@ def find_release(name: str) -> str:
 
 def collect_provenance(vehicle: str, scenario: str, gains: str, **choices: str) -> dict[str, str]:
     """
-    Return what a bag says of its origin.
+    Return the provenance to store in a bag.
 
     Parameters
     ----------
     vehicle, scenario, gains : str
-        Names or paths; the files go into the bag whole.
+        Names or paths; the whole files are stored in the bag.
     choices : str
-        Whatever else was chosen: seed, strategy, time.
+        Other choices: seed, strategy, time.
 
     """
     return {
@@ -103,8 +103,8 @@ def merge_origins(origins: Mapping[str, Mapping[str, str]]) -> dict[str, str]:
     Returns
     -------
     dict of str to str
-        What is the same for all under its own key; what is not as 'lta2/seed'. The robots' names
-        under 'robots', with spaces between.
+        Values shared by all robots under their own keys, others as 'lta2/seed'. 'robots' lists
+        the names of the robots, separated by spaces.
 
     """
     first = next(iter(origins.values()))
@@ -123,7 +123,7 @@ def merge_origins(origins: Mapping[str, Mapping[str, str]]) -> dict[str, str]:
 
 
 def extract_robot_origin(origin: Mapping[str, str], robot: str) -> dict[str, str]:
-    """Return the origin of one robot's part of a bag, as if it had been alone in it."""
+    """Return the origin of one robot in a bag, as if the bag held only this robot."""
     if 'robots' not in origin:
         return dict(origin)
     shared = {key: value for key, value in origin.items() if '/' not in key and key != 'robots'}

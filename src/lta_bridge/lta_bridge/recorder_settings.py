@@ -1,17 +1,17 @@
-"""What a recorder is told: where to write, what to take, and what the bag says of its origin."""
+"""Parameters of the recorder: bag, topics, limits, and the origin to store in the bag."""
 
 from lta_bridge.provenance import collect_provenance
 from lta_config.settings import setting, Settings
 
 
 class RobotOrigin(Settings):
-    """What the bag says of a robot's origin."""
+    """The origin of a robot's data to store in the bag."""
 
     vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
     scenario: str = setting('lamp_room', 'Scenario name or file.', fixed=True)
     gains: str = setting('gtmab', "Name or file of the controller's gains.", fixed=True)
     strategy: str = setting('bag', 'Navigation strategy.', fixed=True)
-    seed: int = setting(1, 'Seed of all chance.', low=0, high=2**31 - 1, fixed=True)
+    seed: int = setting(1, 'Random seed.', low=0, high=2**31 - 1, fixed=True)
     offset_x: float = setting(
         0.0, "Start, east of the scenario's.", unit='m', low=-1e3, high=1e3, fixed=True
     )
@@ -20,7 +20,7 @@ class RobotOrigin(Settings):
     )
 
     def to_provenance(self, *, lockstep: bool) -> dict[str, str]:
-        """Return the origin as the bag tells it."""
+        """Return the origin as it is stored in the bag."""
         moved = {'offset_x': self.offset_x, 'offset_y': self.offset_y}
         return collect_provenance(
             self.vehicle,
@@ -34,45 +34,45 @@ class RobotOrigin(Settings):
 
 
 class RecorderSettings(RobotOrigin):
-    """Where to, what, and what the bag says of its origin."""
+    """Parameters of the recorder node."""
 
     bag: str = setting('bag', 'Folder of the bag; it must not exist yet or be empty.', fixed=True)
     robots: str = setting(
         '',
-        'Namespaces of the robots to record, with spaces between; the own one where empty. Of '
-        'several, lta2.seed and so on tell the origin of each.',
+        'Namespaces of the robots to record, separated by spaces; empty for its own. For several '
+        'robots, lta2.seed and so on give the origin of each.',
         fixed=True,
     )
     replay: str = setting(
-        '', 'With source:=replay, what is played; the bag then tells its origin.', fixed=True
+        '', 'With source:=replay, the replayed bag, from which to copy the origin.', fixed=True
     )
     topics: str = setting(
         '',
-        "What to record: names, relative or absolute, with spaces between; 'all' for whatever is "
-        'on the graph; what the topic table marks where empty.',
+        "Topics to record: relative or absolute names, separated by spaces; 'all' for every topic "
+        'of the graph; empty for those that the topic table marks.',
         fixed=True,
     )
     split_size: float = setting(
-        0.0, 'Size at which the next file begins; 0 is never.', unit='MB', low=0.0, high=1e6,
+        0.0, 'Size at which to start the next file; 0 is never.', unit='MB', low=0.0, high=1e6,
         fixed=True,
     )  # fmt: skip
     split_duration: float = setting(
-        0.0, 'Time after which the next file begins; 0 is never.', unit='s', low=0.0, high=1e6,
+        0.0, 'Time after which to start the next file; 0 is never.', unit='s', low=0.0, high=1e6,
         fixed=True,
     )  # fmt: skip
     snapshot: float = setting(
         0.0,
-        'How much to keep in memory until recorder/snapshot or a fault asks for it; 0 records '
-        'everything to the disk.',
+        'Time span to keep in memory for snapshots, written on recorder/snapshot or a fault; 0 '
+        'records everything to the disk.',
         unit='s',
         low=0.0,
         high=1e5,
         fixed=True,
     )
     snapshot_size: float = setting(
-        200.0, 'Most memory of snapshots, compressed.', unit='MB', low=1.0, high=1e5, fixed=True
+        200.0, 'Memory limit of snapshots, compressed.', unit='MB', low=1.0, high=1e5, fixed=True
     )
     queue_size: float = setting(
-        64.0, 'Most memory of messages that wait for the disk.', unit='MB', low=1.0, high=1e5,
+        64.0, 'Memory limit of messages queued for the disk.', unit='MB', low=1.0, high=1e5,
         fixed=True,
     )  # fmt: skip

@@ -1,4 +1,4 @@
-"""Snapshots of what is kept in memory: asked for, or taken at a fault."""
+"""Write snapshots of the buffered messages, on request or at a fault."""
 
 from collections.abc import Iterable
 import math
@@ -18,16 +18,16 @@ STOPPED = 'stopped before the flight was over'
 @final
 class SnapshotJob:
     """
-    A snapshot on its way to the disk.
+    A requested snapshot.
 
     Attributes
     ----------
     done : threading.Event
-        Set when it has come to an end.
+        Set when the snapshot was written or has failed.
     made : Snapshot or None
-        The bag, if it could be written whole.
+        The written bag; None before that and after a failure.
     fault : str
-        Why it could not.
+        Why it failed; empty if it did not.
 
     """
 
@@ -38,7 +38,7 @@ class SnapshotJob:
 
     @property
     def summary(self) -> str:
-        """How it stands."""
+        """The state of the snapshot as a sentence."""
         if self.made is not None:
             return f"{self.made.messages} messages are in '{self.made.path}'."
         return self.fault or 'The snapshot is still being written.'
@@ -46,17 +46,7 @@ class SnapshotJob:
 
 @final
 class SnapshotScheduler:
-    """
-    Writes the memory to the disk, in the writer's thread.
-
-    Parameters
-    ----------
-    memory : SnapshotMemory
-        What is kept.
-    writer : BackgroundWriter
-        Who fills it.
-
-    """
+    """Write snapshots of a buffer, in the thread of the writer that fills it."""
 
     def __init__(self, memory: SnapshotBuffer, writer: BackgroundWriter) -> None:
         self._memory = memory
@@ -65,7 +55,7 @@ class SnapshotScheduler:
         self._savings: list[SnapshotJob] = []
 
     def request_snapshot(self, why: str = ASKED) -> SnapshotJob:
-        """Have everything written that has come so far, and return what will tell the outcome."""
+        """Request a snapshot of all messages so far; the returned job reports the outcome."""
         saving = SnapshotJob()
 
         def save() -> None:
@@ -82,25 +72,25 @@ class SnapshotScheduler:
         return saving
 
     def add_statuses(self, statuses: Iterable[TaskStatus], now: float) -> None:
-        """Take note of a diagnostics message as `FaultWatch` does, and save at a fault. [s]"""
+        """Add a diagnostics message at a wall time [s]; save at a new fault."""
         self._faults.add_statuses(statuses)
         self.save_if_due(now)
 
     def save_if_due(self, now: float) -> None:
-        """Save if a fault is due. [wall s]"""
+        """Save if a new fault is to be reported. [wall s]"""
         if found := self._faults.take_new_faults(now):
             self.request_snapshot('; '.join(found))
 
     def save_remaining(self, robots: Iterable[str]) -> SnapshotJob | None:
         """
-        Save at the end what nobody has told yet: faults that wait, or an end that was none.
+        Save at the end, if faults were not reported yet or a flight was not over.
 
-        A graph whose node dies is stopped before the others can say what they miss.
+        If a node dies, the graph is stopped before others can report missing inputs.
 
         Parameters
         ----------
         robots : iterable of str
-            Namespaces of those whose flight should be over.
+            Namespaces of the robots whose flight should be over.
 
         """
         found = self._faults.take_new_faults(math.inf)
@@ -113,7 +103,7 @@ class SnapshotScheduler:
         )
 
     def summarize(self) -> tuple[HealthLevel, str, dict[str, object]]:
-        """Return level, sentence and figures of the snapshots so far."""
+        """Return level, message and figures of the snapshots so far."""
         figures: dict[str, object] = {
             'written': sum(saving.made is not None for saving in self._savings),
             'failed': sum(bool(saving.fault) for saving in self._savings),

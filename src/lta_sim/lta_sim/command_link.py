@@ -1,8 +1,8 @@
 """
-The way of a command to the rotors, with the delay that the vehicle's effects say.
+Delay the commands on their way to the rotors, as set by the vehicle's effects.
 
-A command counts from the instant it arrives: one that is on its way for 13 ms takes over 3 ms into
-the control period after its own. Until the first has come the rotors stand still.
+A command takes effect when it arrives: with a delay of 13 ms it takes over 3 ms into the control
+period after its own. Before the first command the rotors stand still.
 """
 
 from collections import deque
@@ -56,22 +56,7 @@ class CommandLink:
         self._coming: deque[tuple[int, Array]] = deque()
 
     def pack_command(self, duties: Sequence[float], mass_place: Vector | None = None) -> Array:
-        """
-        Return a command as the kernel takes it, within what the rotors can do.
-
-        Parameters
-        ----------
-        duties : sequence of float
-            Duty by rotor.
-        mass_place : tuple of 3 floats, optional
-            Where the moving mass should be; where it was told before if left out. [m, body]
-
-        Raises
-        ------
-        ValueError
-            If there is not one finite duty for each rotor, or a place is not finite.
-
-        """
+        """Return a command for the kernel, clipped to the rotors' limits."""
         asked = list(map(float, duties))
         if len(asked) != len(self._lowest) or not all(map(math.isfinite, asked)):
             raise ValueError(f'The duties are {asked}; give {len(self._lowest)} finite numbers.')
@@ -92,22 +77,10 @@ class CommandLink:
     def send_command(
         self, now_ns: int, end_ns: int, elapsed: float, command: Array
     ) -> list[tuple[int, Array]]:
-        """
-        Send a command; return what is obeyed until when, in time order up to the end.
-
-        Parameters
-        ----------
-        now_ns, end_ns : int
-            The control period that the command is given at the beginning of. [ns]
-        elapsed : float
-            Time of its beginning since the start of the flight. [s]
-        command : ndarray of float64
-            The command; it is kept, not copied.
-
-        """
+        """Send a command; return the active commands and their end times, in order."""
         if not self._chain:
             return [(end_ns, command)]
-        # The delay of the period's beginning holds for all of it.
+        # The delay is constant within a period.
         delay = elapsed - apply_chain(self._chain, (elapsed,), elapsed)[0]
         age_ns = max(0, round(delay * NANOSECONDS))
         self._coming.append((now_ns, command))

@@ -1,9 +1,10 @@
 """
-The sensors of the estimator with counted chance: the same errors as `lta_sim.sensors`, compiled.
+Compiled sensors of the estimator with counter-based random numbers.
 
-Plain functions of numbers and tuples, for batches of closed loops. Each reading has the law of the
-sensor's own file, errors that stay and noise alike; only the numbers are drawn otherwise
-(`counted_chance`), so that a flight of a batch is like that of the seed, not the same.
+Plain functions of numbers and tuples, for batches of closed loops. The error model of each
+reading is that of the sensor's own file in `lta_model.sensors`, constant errors and noise alike.
+Only the random numbers are drawn differently (`counter_rng`), so that a flight of a batch
+resembles the flight of that seed but is not identical.
 """
 
 import math
@@ -20,14 +21,14 @@ from lta_sim.counter_rng import draw_normals, draw_uniforms
 Vector = tuple[float, float, float]
 Six = tuple[float, float, float, float, float, float]
 
-# Streams of chance.
+# Random streams.
 START, ERRORS, IMU, RANGE, PRESSURE, LIGHT, TURBULENCE, EDDIES, GAINS = range(9)
-# Added to a number below 2^51 and taken away again it leaves the nearest whole one, halves even.
+# Adding and subtracting it rounds a number below 2^51 to an integer, halves to even.
 WHOLE = 6755399441055744.0
 
 
 class ImuAxes(NamedTuple):
-    """Of the inertial sensor, force x y z, then rate x y z; see `imu.ImuErrors`."""
+    """Axes of the inertial sensor, force x y z, then rate x y z; see `imu.ImuErrors`."""
 
     gain: Six
     offset: Six
@@ -37,21 +38,7 @@ class ImuAxes(NamedTuple):
 
 
 class SensorDatasheets(NamedTuple):
-    """
-    What the data sheets say; drawn errors are uniform within their bounds.
-
-    Attributes
-    ----------
-    imu : Axes
-        Bounds: `gain` is the largest deviation of the factor from 1.
-    imu_place, range_place : tuple of float
-        In the body frame. [m]
-    nearest, farthest, range_noise, range_offset : float
-        Of the range finder. [m]
-    floor, pressure_noise, pressure_offset, drift, resolution : float
-        Pressure at the floor and errors of the barometer. [Pa, Pa/s]
-
-    """
+    """Error bounds from the data sheets; drawn errors are uniform within them."""
 
     imu: ImuAxes
     imu_place: Vector
@@ -68,7 +55,7 @@ class SensorDatasheets(NamedTuple):
 
 
 class SensorErrors(NamedTuple):
-    """What stays the same during a flight: as in `SensorDatasheets`, but drawn."""
+    """Errors that stay constant during a flight, drawn from `SensorDatasheets`."""
 
     imu: ImuAxes
     range_offset: float
@@ -113,7 +100,7 @@ def draw_errors(sensors: SensorDatasheets, seed: int) -> SensorErrors:
 
 
 def sample_axis(imu: ImuAxes, axis: int, truth: float, normal: float) -> float:
-    """Return what one axis says: counted, and clipped at full scale. [m/s2 or rad/s]"""
+    """Return the reading of one axis, quantised and clipped at full scale. [m/s2 or rad/s]"""
     value = imu.gain[axis] * truth + imu.offset[axis] + imu.noise[axis] * normal
     told, end = round_to_step(value, imu.step[axis]), imu.full_scale[axis]
     return min(max(told, -end), end)
@@ -205,7 +192,7 @@ def draw_white_noise(seed: int, step: int, period: float) -> Vector:
 
 
 def draw_turbulence_memory(seed: int) -> tuple[float, ...]:
-    """Return the memory of turbulence at the start, as of one that has blown for long."""
+    """Return the initial memory of turbulence, in its stationary state."""
     a, b = draw_normals(seed, EDDIES, 0, 0)
     c, d = draw_normals(seed, EDDIES, 0, 1)
     e, _ = draw_normals(seed, EDDIES, 0, 2)

@@ -1,5 +1,5 @@
 """
-Chance that is counted, not remembered: draw n of stream s of a flight is a function of (s, n).
+Counter-based random numbers: draw n of stream s of a flight is a function of (s, n).
 
 Threefry-2x32 with 20 rounds (Salmon, Moraes, Dror and Shaw 2011, Parallel random numbers: as easy
 as 1, 2, 3, doi:10.1145/2063384.2063405), which needs sums, turns and exclusive ors of 32 bits

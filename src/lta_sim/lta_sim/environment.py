@@ -1,4 +1,4 @@
-"""What surrounds a vehicle during a control period, as the numbers that the kernel takes."""
+"""Compute the surroundings of a vehicle for each control period, as the kernel's input."""
 
 from collections.abc import Mapping
 import math
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 def draw_initial_memory(
     parameters: Mapping[str, Mapping[str, float]], chance: Generator
 ) -> list[float]:
-    """Return the memory of all effects as a flight begins, in turbulence that has long been."""
+    """Return the initial memory of all effects, with turbulence in its stationary state."""
     memory = list(initial_memory())
     if 'turbulence' in parameters:
         first = LAYOUT.remembers['turbulence'] - RIGID
@@ -30,7 +30,7 @@ def draw_initial_memory(
 
 @final
 class _DoorWind:
-    """Steady wind in a room and out of its door; a hull between them has its part of each."""
+    """Steady wind in a room and outside its door; a hull in the door gets a share of each."""
 
     def __init__(self, scenario: Scenario, radius: float) -> None:
         self._inside = np.array(scenario.air.wind.vector)
@@ -48,34 +48,13 @@ class _DoorWind:
 @final
 class FlightEnvironment:
     """
-    The surroundings of one flight; only what an effect looks at is kept up.
+    The surroundings of one flight; only values that an active effect needs are updated.
 
-    The noise of turbulence is drawn for a control period at a time, from a stream of its own and
-    only while the effect is on: of variance 1 / period, so that it has unit intensity. Light and
-    voltage are those of the period's beginning. Recorded wind is that of its middle, with its mean
-    rate of change: a neutral hull without drag ends each period with the speed of the air, and
-    drag sees an airspeed that is wrong by the change in half a period at most.
-
-    Parameters
-    ----------
-    effect_parameters : mapping
-        The effects that are on, `Model.given`.
-    scenario : Scenario
-        The wind.
-    light : LightView
-        The light on the hull.
-    chance : Generator
-        Of turbulence.
-    period : float
-        Control period. [s]
-    radius : float
-        How far the hull reaches to the sides. [m]
-
-    Attributes
-    ----------
-    numbers : ndarray of float64, shape (SURROUNDINGS,)
-        In the layout of `lta_model.state`.
-
+    Turbulence noise is drawn once per control period from its own stream, and only while the
+    effect is on, with variance 1 / period, so that it has unit intensity. Light and voltage are
+    those at the beginning of the period. Recorded wind is that of the middle with its mean rate
+    of change: a neutral hull without drag ends each period with the speed of the air, and drag
+    sees an airspeed that is wrong by at most the change in half a period.
     """
 
     def __init__(
@@ -99,19 +78,7 @@ class FlightEnvironment:
         self._deviation = 1.0 / math.sqrt(period)
 
     def refresh(self, pose: Pose, voltage: float, elapsed: float) -> None:
-        """
-        Set what a control period finds.
-
-        Parameters
-        ----------
-        pose : tuple of 7 floats
-            Of the vehicle at its beginning.
-        voltage : float
-            Of the battery. [V]
-        elapsed : float
-            Flight time at its beginning. [s]
-
-        """
+        """Update the surroundings for the next control period."""
         self.numbers[VOLTAGE] = voltage
         steady = self._steady if self._door is None else self._door.wind_at(pose[0])
         self.numbers[WIND : WIND + 3] = steady

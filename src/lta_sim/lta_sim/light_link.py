@@ -1,8 +1,8 @@
 """
-The lamp as the ring of photodiodes hears it, without the samples of an ADC block.
+Model the lamp's signal at the photodiode ring without simulating the ADC samples.
 
-What one block of N samples tells of the lamp is a magnitude a diode, and how far that stands above
-the noise. Both follow from the geometry at the middle of the block:
+A block of N samples yields one magnitude per diode and its ratio to the noise.
+Both follow from the geometry at the middle of the block:
 
     A = |g (clip(r + c E) - clip(r)) + s sqrt(2 / N) (n1 + i n2)|,   m = s sqrt(pi / N) + l c E + h
 
@@ -44,45 +44,7 @@ Quaternion = tuple[float, float, float, float]
 
 
 class LightLink(NamedTuple):
-    """
-    What decides what the ring hears.
-
-    Attributes
-    ----------
-    lamp : Beam
-        The lamp.
-    eye : Eye
-        How a diode's reading falls off to the sides.
-    planes : tuple of tuple of float
-        Place [m] and axis of each diode, body frame.
-    spread : float
-        Standard deviation of the gains.
-    alive : tuple of float
-        1 for a diode that reads, 0 for a dead one.
-    hull : tuple of float
-        Half axes of the hull. [m]
-    around : Surround
-        The scene.
-    cosines, sines : tuple of float
-        Its axis as the drone takes it.
-    threshold : float
-        SNR from which a diode is believed.
-    counts, dark, top : float
-        Counts a lux of the lamp, those in the dark, and the largest.
-    steady, day : float
-        Counts by ambient light alike from all sides, and counts a lux of daylight.
-    gain, leak : float
-        Magnitude of a unit wave at its peak, and its mean over the quiet bins.
-    hum : float
-        Mean magnitude of the mains' flicker over the quiet bins. [counts]
-    duty : float
-        Part of the time that the lamp is on.
-    variance, shot : float
-        Of a sample in the dark [counts2], and what a count of light adds.
-    samples : float
-        In a block.
-
-    """
+    """Constants of the light link of one ring."""
 
     lamp: LampBeam
     eye: DiodeResponse
@@ -116,25 +78,7 @@ def build_light_link(
     rate: float,
     samples: int,
 ) -> LightLink:
-    """
-    Return what decides what a ring hears of the lamp of a scene.
-
-    Parameters
-    ----------
-    field : LightField
-        The scene.
-    array : PhotodiodeArray
-        The ring.
-    hull : tuple of float
-        Half axes of the hull over it. [m]
-    settings : Demodulation
-        How the drone listens.
-    rate : float
-        Samples a second. [Hz]
-    samples : int
-        In a block.
-
-    """
+    """Return the light link of a ring in a scene."""
     lamp, ambient = field.first_lamp, field.ambient
     sampling = BlockSampling(rate * (1.0 + array.clock_error), samples)
     wave = sample_lamp_wave(lamp, 0, sampling, 1.0 / (2.0 * math.pi * array.bandwidth))[1:]
@@ -198,7 +142,9 @@ def write_ring_light(
 def write_reflections(
     listening: LightLink, position: Vector, q: Quaternion, out: Array, scratch: Array
 ) -> None:
-    """Write what diodes read but for the lamp's direct light; arguments as `write_ring_light`."""
+    """
+    Write the diodes' light without the lamp's direct part; arguments as in `write_ring_light`.
+    """
     lamps, eye, hull = (listening.lamp,), listening.eye, listening.hull
     gather_indirect_light(
         listening.around, lamps, eye, hull, position, q, listening.planes, out, scratch
@@ -206,7 +152,7 @@ def write_reflections(
 
 
 def add_direct_light(listening: LightLink, position: Vector, q: Quaternion, out: Array) -> None:
-    """Add what the diodes read of the lamp's direct light; arguments as `write_ring_light`."""
+    """Add the lamp's direct light at the diodes; arguments as in `write_ring_light`."""
     lamps, eye, hull = (listening.lamp,), listening.eye, listening.hull
     add_direct_readings(
         listening.around, lamps, eye, hull, position, q, listening.planes, out, LAMPS
@@ -216,26 +162,7 @@ def add_direct_light(listening: LightLink, position: Vector, q: Quaternion, out:
 def expected_magnitude(
     listening: LightLink, light: float, steady: float
 ) -> tuple[float, float, float]:
-    """
-    Return what a diode reads of the lamp without any chance, and the noise beside it.
-
-    Parameters
-    ----------
-    listening : Listening
-        Lamp and ring.
-    light, steady : float
-        Counts by the lamp while it is on, and by all that is steady.
-
-    Returns
-    -------
-    swing : float
-        Magnitude at the lamp's frequency. [counts]
-    quiet : float
-        Mean magnitude of the quiet bins, without the hum of the mains. [counts]
-    noise : float
-        Standard deviation of each part of the magnitude. [counts]
-
-    """
+    """Return a diode's magnitude of the lamp without noise, and the noise level."""
     top, rest = listening.top, listening.dark + steady
     swing = listening.gain * (min(rest + light, top) - min(rest, top))
     variance = listening.variance + listening.shot * (steady + listening.duty * light)

@@ -1,4 +1,4 @@
-"""What a vehicle publishes at one control step, and how its flight stands."""
+"""Readings of a vehicle at one control step, and the outcome of its flight."""
 
 from dataclasses import dataclass, field
 from enum import StrEnum
@@ -11,7 +11,7 @@ Vector = tuple[float, float, float]
 
 
 class FlightOutcome(StrEnum):
-    """How a flight stands."""
+    """State or outcome of a flight."""
 
     FLYING = 'flying'
     REACHED = 'reached its goal'

@@ -1,7 +1,7 @@
 """
-A vehicle in a scene: what the scenario adds to the vehicle's own effects.
+Build the model of a vehicle in a scene: the scenario's effects added to the vehicle's own.
 
-The winds of its air, averaged over this hull, and its walls, which this hull meets.
+The scenario adds winds, averaged over the hull, and walls that the hull can touch.
 """
 
 import math
@@ -29,9 +29,9 @@ FRICTION = 0.3
 
 def vehicle_reach(vehicle: Vehicle) -> tuple[float, float]:
     """
-    Return how far a vehicle, hull or frame, reaches from its hull centre: level and up. [m]
+    Return the extent of a vehicle from its hull centre: horizontal and up. [m]
 
-    A hull that is not round about the vertical counts as the round one about it.
+    A hull that is not round about the vertical counts as the enclosing round one.
     """
     if vehicle.file.hull.shape != 'none':
         a, b, c = hull.half_axes(vehicle.file.hull)
@@ -95,22 +95,24 @@ def _wall_parameters(scenario: Scenario, radius: float, half_height: float) -> d
 
 
 def build_scene_model(vehicle: Vehicle, scenario: Scenario) -> VehicleModel:
-    """Return the numbers that the kernel takes for a vehicle in a scene; errors as effects_in."""
+    """
+    Return the kernel's numbers for a vehicle in a scene; errors as in `collect_scene_effects`.
+    """
     return vehicle.build_model(collect_scene_effects(vehicle, scenario))
 
 
 def load_wind_record(scenario: Scenario) -> WindRecord | None:
-    """Return the scenario's recorded wind, if it has one; `BadInput` if that cannot be flown."""
+    """Load the scenario's recorded wind, if any; raise `BadInput` if it cannot be flown."""
     path = scenario.wind_file
     return None if path is None else WindRecord.read(path, scenario.goal.time_limit.si)
 
 
 def check_scene(vehicle: Vehicle, scenario: Scenario) -> None:
     """
-    Refuse a scene that this vehicle cannot be in, for its light, its wind or its walls.
+    Raise `BadInput` for a scene whose light, wind or walls do not suit this vehicle.
 
-    And a vehicle that the time step cannot follow, or whose effects (a payload, a shifted centre
-    of gravity, other gas or air) leave it too heavy for its rotors, or about to flip.
+    Also for a vehicle that the time step cannot follow, or whose effects (a payload, a shifted
+    centre of gravity, other gas or air) make it too heavy for its rotors or unstable.
     """
     model = build_scene_model(vehicle, scenario)
     _ = load_wind_record(scenario), scenario.light_field

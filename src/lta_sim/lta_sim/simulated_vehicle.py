@@ -1,4 +1,4 @@
-"""A vehicle in flight: its numbers in one row, which compiled code reads and changes in place."""
+"""A simulated vehicle: one row of numbers that compiled code reads and changes in place."""
 
 from functools import cache
 from types import ModuleType
@@ -31,7 +31,7 @@ def _load_kernel() -> ModuleType:
 
 
 def is_compiled() -> bool:
-    """Tell whether the model is compiled already: a new or edited effect compiles it anew."""
+    """Return whether the model is compiled already; new or edited effects need a compilation."""
     return is_cached(_build_source())
 
 
@@ -40,28 +40,7 @@ class SimulatedVehicle:
     """
     One vehicle whose state, command and surroundings are written where the kernel reads them.
 
-    Nothing is looked at: write numbers into the arrays, and do not put other arrays in their
-    places.
-
-    Parameters
-    ----------
-    model : Model
-        The vehicle.
-
-    Attributes
-    ----------
-    state, command, surroundings : ndarray of float64
-        In the layouts of `lta_model.state`; `advance` changes the state.
-    rate : ndarray of float64, shape (N,)
-        d/dt of the state, of the last `evaluate_state`. [1/s]
-    wrenches : ndarray of float64, shape (W, 6)
-        Force and moment about the hull centre, body frame, by wrench effect, of the last
-        `evaluate_state`. [N, N m]
-    thrusts : ndarray of float64, shape (ACTUATORS,)
-        Of each rotor, of the last `evaluate_state`. [N]
-    wind : ndarray of float64, shape (3,)
-        Velocity of the air at the hull, `map`, of the last `evaluate_state`. [m/s]
-
+    Nothing is checked: write numbers into the arrays, and do not replace the arrays.
     """
 
     def __init__(self, model: VehicleModel) -> None:

@@ -1,11 +1,11 @@
-"""What the simulator is told: what flies where, from where, and with whom."""
+"""Settings of the simulator node."""
 
 from lta_config.settings import setting, Settings
 from lta_model.start_offset import FAR
 
 
 class SimulatorSettings(Settings):
-    """What is simulated."""
+    """Vehicle, scenario, start and companions of the simulation."""
 
     vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
     scenario: str = setting('lamp_room', 'Scenario name or file.', fixed=True)

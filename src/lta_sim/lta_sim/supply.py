@@ -1,4 +1,4 @@
-"""The electricity of one flight: power path and array, the meters that watch them, the books."""
+"""The electric supply of one flight: power path, solar array, meters and energy totals."""
 
 from collections.abc import Mapping, Sequence
 from typing import final
@@ -21,23 +21,7 @@ NOTHING = np.zeros(1)
 
 @final
 class Supply:
-    """
-    What feeds a vehicle.
-
-    Parameters
-    ----------
-    vehicle : Vehicle
-        Its cell, array, charger and loads.
-    charge : float
-        State of charge at the start. [1]
-    chance : mapping of str to Generator
-        Chance of the meters of `battery` and `panel`.
-    faults : Faults
-        What fails on the way.
-    looking : float
-        What the drone finds lamps with, beside controller and radio. [W]
-
-    """
+    """The supply of a vehicle."""
 
     def __init__(
         self,
@@ -65,7 +49,7 @@ class Supply:
         self._step = compile_core(advance_supply, constants, self._layout, meantime)
 
     def prepare(self) -> None:
-        """Compile a step, or load it from disk; nothing is drained."""
+        """Compile a step or load it from disk, without draining the cell."""
         second = np.array([0.0, 0.0, 1.0, False, False])
         self._step(self._constants, self._memory.copy(), second, NOTHING)
 
@@ -81,17 +65,17 @@ class Supply:
 
     @property
     def energy_books(self) -> EnergyBalance:
-        """Energy since the start, as it truly is. [J]."""
+        """True energy totals since the start. [J]."""
         now = self._account
         stored = total_stored_energy(self._parts.cell, now.flow) - self._begun
         return EnergyBalance(now.harvested, now.consumed, now.lost, stored)
 
     def set_irradiance(self, irradiance: float) -> None:
-        """Take note of the light on the array, which holds until the next note. [W/m2]"""
+        """Set the irradiance on the array until the next call. [W/m2]"""
         self._irradiance = irradiance
 
     def feed_loads(self, thrusts: Sequence[float], seconds: float) -> None:
-        """Feed rotors of such thrusts [N] and the rest from the cell and what the array brings."""
+        """Feed rotors of such thrusts [N] and the other loads from the cell and the array."""
         asked = loads.power_demand(self._loads, thrusts, transmitting=True) + self._looking
         before, self._elapsed = self._elapsed, self._elapsed + seconds
         shorted = self._faults.is_shorted(before)
@@ -101,20 +85,20 @@ class Supply:
         self._account = self._layout.read(self._memory)
 
     def measure_battery(self) -> Electrics:
-        """Return what the cell's meter says; it sits behind what cuts off the loads."""
+        """Return the reading of the cell's meter, which is behind the cut-off of the loads."""
         voltage, current = self.cell_electrics if self.flow.fed else (0.0, 0.0)
         return power.measure_power(
             self._meter, self.meters['battery'], voltage, current, self._chance['battery']
         )
 
     def measure_panel(self) -> Electrics:
-        """Return what the array's meter says."""
+        """Return the reading of the array's meter."""
         return power.measure_power(
             self._meter, self.meters['panel'], *self._array_electrics(), self._chance['panel']
         )
 
     def _array_electrics(self) -> Electrics:
-        """Return voltage and current of the array, held beside its largest power."""
+        """Return voltage and current of the array near its maximum power point."""
         now = self._account
         if self._faults.is_shorted(self._elapsed):
             return 0.0, current_at_voltage(self._parts.array, self._irradiance, 0.0)

@@ -1,4 +1,4 @@
-"""The electricity of one control period as numbers: compiled for `Supply`."""
+"""Advance the electric supply by one control period; compiled for `Supply`."""
 
 from typing import Any, NamedTuple
 
@@ -8,7 +8,7 @@ from lta_model.electrical.panel import find_max_power, SolarArrayModel
 
 
 class SupplyParts(NamedTuple):
-    """What feeds a vehicle."""
+    """Components of the supply."""
 
     cell: BatteryModel
     charger: ChargerModel
@@ -16,21 +16,7 @@ class SupplyParts(NamedTuple):
 
 
 class SupplyInputs(NamedTuple):
-    """
-    What a control period brings.
-
-    Attributes
-    ----------
-    irradiance : float
-        On the array's plane. [W/m2]
-    asked : float
-        What the loads want. [W]
-    dt : float
-        How long it is. [s]
-    shorted, cut : bool
-        Whether the array is shorted, and the supply cut off, by a fault.
-
-    """
+    """Inputs of one control period."""
 
     irradiance: float
     asked: float
@@ -40,21 +26,7 @@ class SupplyInputs(NamedTuple):
 
 
 class SupplyState(NamedTuple):
-    """
-    How the supply stands.
-
-    Attributes
-    ----------
-    flow : Flow
-        Cell and powers of the last control period.
-    irradiance : float
-        For which the largest power stands. [W/m2]
-    voltage, current : float
-        The array at its largest power. [V, A]
-    harvested, consumed, lost : float
-        Energy since the start. [J]
-
-    """
+    """State of the supply."""
 
     flow: PowerFlow
     irradiance: float
@@ -71,7 +43,7 @@ def advance_supply(
     meantime: SupplyInputs,
     scratch: Any,  # noqa: ANN401
 ) -> SupplyState:
-    """Return how the supply stands a control period later; `scratch` is not needed."""
+    """Return the supply's state one control period later; `scratch` is not needed."""
     voltage, current = before.voltage, before.current
     if meantime.irradiance != before.irradiance:
         voltage, current = find_max_power(parts.array, meantime.irradiance)

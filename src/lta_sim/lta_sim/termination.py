@@ -1,4 +1,4 @@
-"""Who says how a flight stands: at its goal, out of the room, out of time, or still flying."""
+"""Decide the outcome of a flight: goal reached, out of the room, out of time, or still flying."""
 
 import math
 from typing import final
@@ -10,15 +10,7 @@ from lta_sim.readings import FlightOutcome
 
 @final
 class FlightTermination:
-    """
-    The end of a flight, by the numbers of its scenario; the lamps of a route count in their order.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        Room, lamp and goal.
-
-    """
+    """End conditions of a flight from its scenario; the lamps of a route count in order."""
 
     def __init__(self, scenario: Scenario) -> None:
         self._bounds = FlightBounds(scenario)
@@ -31,17 +23,7 @@ class FlightTermination:
         return math.dist(self._stops[0], (x, y))
 
     def evaluate_outcome(self, x: float, y: float, z: float, elapsed: float) -> FlightOutcome:
-        """
-        Return how a flight stands.
-
-        Parameters
-        ----------
-        x, y, z : float
-            Hull centre. [m, map]
-        elapsed : float
-            Time since the start. [s]
-
-        """
+        """Return the current outcome of the flight."""
         in_bounds = self._bounds.is_inside(x, y, z)
         if not self._along and self.goal_distance(x, y) <= self._radius:
             if len(self._stops) == 1:
@@ -50,6 +32,6 @@ class FlightTermination:
         if not in_bounds:
             return FlightOutcome.ESCAPED
         if elapsed >= self._limit:
-            # Who flies a course to its end was to do nothing else.
+            # On a course, flying it to its end is the goal.
             return FlightOutcome.REACHED if self._along else FlightOutcome.TIMEOUT
         return FlightOutcome.FLYING

@@ -1,15 +1,15 @@
 """
-What an outside tracker says of the vehicle, in its own frame and by its own clock.
+Simulate an external tracker with its own frame and clock.
 
-A pose that is stamped t is the truth of another time: the tracker's clock is not the vehicle's
-(`clock_offset`, `clock_skew`), and the pose is old when it is stamped (`tracker_delay`). The
-vehicle's clock is the graph's, since the stamps of its messages are the keys of the lockstep; only
-the difference of the two clocks can be seen, so all of it is on the tracker's side, and its stamps
-stay on the grid: the pose stamped t is that of the vehicle's time clock(t) less the delay.
+A pose stamped t is the truth of another time: the tracker's clock differs from the vehicle's
+(`clock_offset`, `clock_skew`), and the pose is already old when stamped (`tracker_delay`). The
+vehicle's clock is the graph's, since message stamps are the keys of the lockstep. Only the
+difference of the two clocks is observable, so all of it is applied to the tracker, whose stamps
+stay on the grid: the pose stamped t is that of the vehicle's time clock(t) minus the delay.
 
 Between control steps position, velocity and rates are interpolated linearly and the quaternion
-linearly and normalised: within a h^2 / 8 of the truth, 13 um at 1 m/s2 and 10 ms. What has not
-happened yet, where the tracker's clock is ahead, is flown ahead under the present command.
+linearly and normalised: within a h^2 / 8 of the truth, 13 um at 1 m/s2 and 10 ms. Where the
+tracker's clock is ahead, the future motion is predicted under the present command.
 """
 
 from collections import deque
@@ -40,15 +40,7 @@ def interpolate_motion(before: Numbers, after: Numbers, part: float) -> Numbers:
 
 @final
 class SimulatedTracker:
-    """
-    A tracker that watches one flight.
-
-    Parameters
-    ----------
-    chains : mapping of str to Chain
-        What acts on each channel.
-
-    """
+    """A tracker that observes one flight."""
 
     def __init__(self, chains: Mapping[str, Chain]) -> None:
         self._clock, self._time, self._pose = (chains[name] for name in CHANNELS)
@@ -58,32 +50,16 @@ class SimulatedTracker:
         self._past: deque[tuple[int, Numbers]] = deque()
 
     def record_motion(self, now_ns: int, motion: Numbers) -> None:
-        """
-        Take note of the truth at a control step.
-
-        Parameters
-        ----------
-        now_ns : int
-            Time since the start of the flight. [ns]
-        motion : tuple of 13 floats
-            Position, quaternion, velocity, rates. [m, m/s, rad/s]
-
-        """
+        """Record the truth at a control step."""
         self._now_ns, self._motion = now_ns, motion
         if self._late:
             self._past.append((now_ns, motion))
 
     def report_motion(self, ahead: Callable[[int], NDArray[np.float64]]) -> Numbers:
         """
-        Return the motion that it stamps with the control step seen last.
+        Return the motion stamped with the latest control step.
 
-        Without effects that is the truth, bit for bit.
-
-        Parameters
-        ----------
-        ahead : callable
-            Returns the state that so many nanoseconds will bring.
-
+        Without effects this is the truth, bit for bit.
         """
         now, motion = self._now_ns * 1e-9, self._motion
         if self._late:
@@ -105,7 +81,7 @@ class SimulatedTracker:
             past.popleft()
 
     def _motion_at(self, when_ns: int) -> Numbers:
-        """Return the motion of a time that has been, the first before the first."""
+        """Return the motion at a past time; before the first record, the first one."""
         past = self._past
         begin_ns, before = past[0]
         if when_ns <= begin_ns or len(past) == 1:

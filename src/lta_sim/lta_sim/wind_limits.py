@@ -1,16 +1,16 @@
 """
-The wind that a vehicle can stand against, from its numbers alone.
+Compute the wind that a vehicle can hold against, from its parameters alone.
 
-It stands where the thrust that is left beside height and heading is the drag at the speed of the
-wind; it takes the heading in which that is most. A vehicle with a hull stays level; one that has
-none, or that moves a mass to pitch, takes the pitch at which it is fastest:
+The limit is the speed at which the drag equals the thrust that remains after holding height and
+heading, in the best heading. A vehicle with a hull stays level; one without a hull, or with a
+moving mass for pitch, uses the pitch at which it is fastest:
 
     find the largest v for which some pitch p and some thrusts (a linear programme) give
     F_x(thrust) + F_x(air, v, p) >= 0,   F_z(thrust) + F_z(air, v, p) = weight less buoyancy
 
 in the map, with no yaw moment, and no moment at all where nothing rights the vehicle. And it must
-not tumble (`limits.tumble_speed`), nor rise (`rise_speed`). Control, turbulence and eddies in the
-lee of things take more away: what flies is found by flying.
+not tumble (`limits.tumble_speed`) or rise (`rise_speed`). Control, turbulence and eddies behind
+obstacles reduce the limit further, which only a simulated flight shows.
 """
 
 from collections.abc import Callable
@@ -31,12 +31,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linprog
 
-CLEAR = 1e3  # m above the floor, so that nothing of a room is felt
+CLEAR = 1e3  # m above the floor, outside any ground effect
 FASTEST = 60.0  # m/s; bound of the winds
 FINE = 1e-4  # m/s
 HEADINGS = tuple(math.radians(15 * k) for k in range(24))
 PITCHES = tuple(math.radians(3 * k) for k in range(-27, 28))
-LEANS = tuple(math.radians(0.5 * k) for k in range(-60, 61))  # of a hull that hangs free
+LEANS = tuple(
+    math.radians(0.5 * k) for k in range(-60, 61)
+)  # pitch angles of a freely hanging hull
 NOT_AIR = ('weight_and_buoyancy', 'net_lift', 'helium_leak', 'superheat', 'moving_mass')
 
 Array = NDArray[np.float64]
@@ -45,27 +47,7 @@ Array = NDArray[np.float64]
 def air_wrench(
     model: VehicleModel, speed: float, heading: float = 0.0, pitch: float = 0.0
 ) -> Array:
-    """
-    Return what the air does to a vehicle that flies level, rotors at rest.
-
-    Parameters
-    ----------
-    model : Model
-        The vehicle.
-    speed : float
-        Airspeed, horizontal. [m/s]
-    heading : float
-        Direction of flight from body x, anticlockwise. [rad]
-    pitch : float
-        Nose down. [rad]
-
-    Returns
-    -------
-    ndarray, shape (6,)
-        Force and moment about the hull centre, in the map turned to the vehicle's heading.
-        [N, N m]
-
-    """
+    """Return the aerodynamic wrench on a vehicle that flies level with its rotors at rest."""
     c, s = math.cos(pitch), math.sin(pitch)
     x, y = speed * math.cos(heading), speed * math.sin(heading)
     state = pack_state((0.0, 0.0, CLEAR), velocity=(x * c, y, x * s), memory=initial_memory())
@@ -118,7 +100,7 @@ def _pitched_speed_limit(vehicle: Vehicle, model: VehicleModel) -> float:
         return any(_is_balanced(vehicle, model, speed, pitch) for pitch in PITCHES)
 
     grid = [0.0, *np.geomspace(0.1, FASTEST, 60).tolist()]
-    # From the fastest down: only the last that is held matters, and each is many balances.
+    # From the fastest down: only the highest held speed matters, and each test is costly.
     held = next((k for k in reversed(range(len(grid))) if holds(grid[k])), None)
     if held is None:
         raise BadInput(
@@ -147,14 +129,12 @@ def _bisect_speed(
 
 def rise_speed(vehicle: Vehicle) -> float:
     """
-    Return the airspeed along body x above which a hull that hangs free rises. [m/s]
+    Return the airspeed along body x above which a freely hanging hull rises. [m/s]
 
-    Rotors below the hull that push it on lift its nose, until the weight holds against them and
-    against the moment of a hull across its way, (A_z - A_x) u w (Munk 1924), A the added mass.
-    Then they push upwards as well, and no rotor that blows upwards can hold against that: only
-    what it is heavier than air. Where jets collide (`aero.coupling`) it is not known, and infinite
-    as where nothing rises.
-
+    Forward thrust below the hull lifts its nose until the weight balances it and the moment of an
+    inclined hull, (A_z - A_x) u w (Munk 1924), with A the added mass. The rotors then also push
+    upwards, and upward rotors cannot counter that: only the excess weight can. Infinite where
+    nothing rises, and where jets collide (`aero.coupling`), because then it is unknown.
     """
     if vehicle.file.hull.shape == 'none' or vehicle.file.moving_mass or vehicle.file.aero.coupling:
         return math.inf
@@ -178,7 +158,7 @@ def _hanging_moment(vehicle: Vehicle, speed: float, pitch: float) -> float:
 def _is_balanced(
     vehicle: Vehicle, model: VehicleModel, speed: float, pitch: float, *, free: bool = False
 ) -> bool:
-    """Tell whether some thrusts hold a speed at a pitch, at which the hull may hang free."""
+    """Return whether some thrusts hold a speed at a pitch at which the hull may hang freely."""
     columns, tops = [], []
     for rotor in vehicle.rotors:
         columns.append(_to_level_axes(np.array(rotor.column), pitch))
@@ -189,7 +169,7 @@ def _is_balanced(
     air = air_wrench(model, speed, 0.0, pitch)
     balance = -air
     balance[2] += vehicle.heaviness * STANDARD_GRAVITY
-    # A righting weight, or a mass that is moved, sees to roll and pitch; a little bank to sway.
+    # Weight or a moving mass balances roll and pitch; a small bank balances sway.
     axes = [1, 2, 3, 4, 5] if vehicle.file.hull.shape == 'none' else [2, 5]
     if free:
         balance[4] -= _hanging_moment(vehicle, speed, pitch)
@@ -212,21 +192,7 @@ def static_wind_limit(vehicle: Vehicle) -> float:
 def wind_share_at_hull(
     vehicle: Vehicle, height: float, reference: float, roughness: float
 ) -> float:
-    """
-    Return how much of a reference wind there is at the hull, by the log law.
-
-    Parameters
-    ----------
-    vehicle : Vehicle
-        For the height of its hull, over which the wind is averaged.
-    height : float
-        Of the hull centre. [m]
-    reference : float
-        Height of the reference wind. [m]
-    roughness : float
-        Roughness length of the ground. [m]
-
-    """
+    """Return the share of a reference wind at the hull's height, by the log law."""
     half = vehicle_reach(vehicle)[1] if vehicle.file.hull.shape != 'none' else 0.0
     still = (0.0, 0.0, 0.0)
     place = AirEffectInput((0.0, 0.0, height), still, still, (0.0,) * SURROUNDINGS)

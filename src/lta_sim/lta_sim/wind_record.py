@@ -1,13 +1,13 @@
 """
-Wind as somebody recorded it: a series of velocities over time, read strictly.
+Read a recorded wind: a time series of air velocities.
 
 A CSV file with the header `t,u,v,w`: time in s, velocity of the air along map x, y, z in m/s,
 where it goes to; lines that begin with `#` are comments. The flight begins at the first row.
-Between rows the wind is interpolated linearly, and blows everywhere alike, so that its change
+Between rows the wind is interpolated linearly. It is uniform in space, so that its change
 
     DU/Dt = (U_{i+1} - U_i) / (t_{i+1} - t_i)
 
-is a pressure gradient, which takes a neutral hull with it.
+is a pressure gradient, which accelerates a neutral hull with the air.
 """
 
 from array import array
@@ -47,23 +47,7 @@ class WindRecord:
 
     @classmethod
     def read(cls, path: Path, needed: float) -> Self:
-        """
-        Return what a file holds.
-
-        Parameters
-        ----------
-        path : Path
-            The CSV file.
-        needed : float
-            How long the flight may take. [s]
-
-        Raises
-        ------
-        BadInput
-            One sentence, if the file cannot be read, holds something else, is not in order, has a
-            gap of more than 3 usual intervals, or ends too early.
-
-        """
+        """Read a wind file."""
         try:
             with path.open(encoding='utf-8') as stream:
                 rows = _read_rows(path, stream)
@@ -83,20 +67,7 @@ class WindRecord:
         return cls(rows[:, 0] - rows[0, 0], np.ascontiguousarray(rows[:, 1:]))
 
     def sample_span(self, begin: float, end: float) -> tuple[Array, Array]:
-        """
-        Return the wind of a span of time as the kernel takes it.
-
-        Parameters
-        ----------
-        begin, end : float
-            Flight time. [s]
-
-        Returns
-        -------
-        tuple of two ndarrays, shape (3,)
-            The wind at the middle [m/s], and its mean rate of change [m/s2].
-
-        """
+        """Return the wind of a time span as the kernel's input."""
         middle, first, last = (
             self._interpolate_wind(t) for t in (0.5 * (begin + end), begin, end)
         )
@@ -138,7 +109,7 @@ def _parse_numbers(path: Path, count: int, cells: list[str]) -> list[float]:
     if len(row) != len(HEADER) or not np.isfinite(row).all():
         raise BadInput(
             f'The wind file {path} has "{",".join(cells)[:60]}" in line {count}; write four '
-            'finite numbers, t,u,v,w, or leave the line out and mend the gap.'
+            'finite numbers, t,u,v,w, or remove the line and fill the gap.'
         )
     if max(map(abs, row[1:])) > STRONGEST:
         raise BadInput(
@@ -149,7 +120,7 @@ def _parse_numbers(path: Path, count: int, cells: list[str]) -> list[float]:
 
 
 def _check_order(path: Path, time: Array) -> None:
-    """Refuse times that do not grow, or leave something out."""
+    """Raise `BadInput` for times that do not increase, or that have a gap."""
     steps = np.diff(time)
     where = int(np.argmin(steps))
     if steps[where] <= 0.0:

@@ -1,10 +1,10 @@
 """
-The world around the drone, one control period at a time, without ROS.
+The simulated world around one drone, one control period at a time, without ROS.
 
-A `World` knows the truth, hands out what the sensors make of it, and takes commands. The simulator
-node and every loop in one process run this same class. Time is integer nanoseconds on the grid of
-the topic table; each sensor has its own stream of chance, so that one more sensor leaves the
-others' noise as it was.
+A `World` holds the true state, returns the sensor readings and takes commands. The simulator node
+and every one-process loop run this class. Time is integer nanoseconds on the grid of the topic
+table. Each sensor has its own random stream, so that an additional sensor does not change the
+noise of the others.
 """
 
 from collections.abc import Mapping, Sequence
@@ -34,8 +34,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-STILL = np.zeros(RIGID)  # how the state of a drone changes that is held
-# New ones go to the end: the place in this list is part of the seed.
+STILL = np.zeros(RIGID)  # state derivative of a held drone
+# Append new ones at the end: the position in this list is part of the seed.
 STREAMS = (
     'start', 'imu', 'range', 'pressure', 'photodiodes', 'battery', 'panel', 'turbulence', 'diodes',
 )  # fmt: skip
@@ -97,7 +97,7 @@ class World:
             navigation_power(vehicle.file.energy, strategy),
         )  # fmt: skip
         self.steps = 0
-        self.outcome = FlightOutcome.FLYING  # how the flight stands; once decided, it stays
+        self.outcome = FlightOutcome.FLYING  # outcome of the flight; final once decided
         self._ranges: list[tuple[int, float]] = []
         self._around = FlightEnvironment(
             self._model.given, scenario, self._light, self._chance['turbulence'], self._period,
@@ -108,7 +108,7 @@ class World:
         self._load_kernels()
 
     def _load_kernels(self) -> None:
-        """Compile the kernels, or load them from disk, now and not in the middle of a step."""
+        """Compile the kernels or load them from disk now, not in the middle of a step."""
         self._craft.evaluate_state()
         self._craft.advance(self._period, 0)
         self._imu.prepare(self.state, self._craft.rate)
@@ -116,7 +116,7 @@ class World:
         self.supply.prepare()
 
     def _store_constants(self, table: TopicTable) -> None:
-        """Take numbers out of files once, not at every step."""
+        """Read constants out of the files once, not at every step."""
         sensors, scenario = self.vehicle.file.sensors, self.scenario
         self._start_ns, self._control_ns = table.start_ns, table.control_ns
         self._period = table.control_ns * 1e-9
@@ -125,7 +125,7 @@ class World:
         self._shape = (table.light.sample_rate.si, table.light.samples)
         field = scenario.light_field
         selected = select_diode_gain(field, self.vehicle)
-        self.diode_scale = selected.gain_scale  # the drone is told what was selected
+        self.diode_scale = selected.gain_scale  # the drone knows the selected resistor
         diodes = selected.draw_gains(self._chance['diodes'])
         self._light = LightView(field, self.vehicle, diodes)
         self._imu_place = _to_vector(sensors.imu_position.vector)
@@ -135,7 +135,7 @@ class World:
         self._rotors = len(self.vehicle.reversible)
 
     def _build_measurement_chains(self) -> Mapping[str, Chain]:
-        """Set up what stands between the truth and what is told; return it."""
+        """Build and return the measurement chains between true and reported values."""
         acting = build_chains(self._model.given, EFFECTS)
         self._imu = imu.Imu(
             self.imu_errors, self._imu_place, STANDARD_GRAVITY, self._chance['imu'],
@@ -146,7 +146,7 @@ class World:
         return acting
 
     def _draw_errors(self) -> None:
-        """Draw what stays the same during the flight."""
+        """Draw the errors that stay constant during the flight."""
         air = self.scenario.air
         self.imu_errors = imu.draw_errors(imu.ImuSettings(), self._chance['imu'])
         self.range_settings = range.RangeSettings()
@@ -171,7 +171,7 @@ class World:
 
     @property
     def duties(self) -> Array:
-        """What each rotor is told at this moment, after any delay. [1]."""
+        """Duty that each rotor receives at this moment, after any delay. [1]."""
         return self.command[: self._rotors]
 
     @property
@@ -222,13 +222,13 @@ class World:
         return since >= 0 and since % period == 0
 
     def sense(self) -> VehicleReadings:
-        """Return what the sensors say at the present control step; call it once a step."""
+        """Return the sensor readings at the present control step; call it once per step."""
         readings = self.sense_motion()
         self.sense_rest(readings)
         return readings
 
     def sense_motion(self) -> VehicleReadings:
-        """Return what the estimator waits for: IMU, range and pressure."""
+        """Return the estimator's inputs: IMU, range and pressure."""
         readings = VehicleReadings(self.stamp_ns)
         self._craft.evaluate_state()
         rate = STILL if self.is_held else self._craft.rate
@@ -245,7 +245,7 @@ class World:
         return readings
 
     def sense_rest(self, readings: VehicleReadings) -> None:
-        """Add light, energy and truth, which nobody answers within the step."""
+        """Add light, energy and truth, which no node answers within the step."""
         if self._is_due('photodiodes'):
             begun = self.stamp_ns - self._rhythm['photodiodes'][0]
             readings.block = (
@@ -312,7 +312,7 @@ class World:
         self._begin_period(pose)
 
     def _begin_period(self, pose: Pose) -> None:
-        """Set what the next control period finds."""
+        """Update command and surroundings for the next control period."""
         self._light.record_pose(pose)
         self._around.refresh(pose, self.supply.cell_electrics[0], self.elapsed)
         self._craft.surroundings[:] = self._around.numbers
@@ -329,15 +329,15 @@ class World:
                 self._sense_range(now)
 
     def _advance_state(self, span_ns: int) -> None:
-        """Move on so many nanoseconds of the present command."""
+        """Integrate for a duration under the present command. [ns]"""
         steps = -(-span_ns // stiffness.STEP_NS)
         place = self.state[:RIGID].copy()
         self._craft.advance(span_ns * 1e-9 / steps, steps)
-        if self.is_held:  # motors, gas and eddies go on
+        if self.is_held:  # motors, gas and turbulence continue while the drone is held
             self.state[:RIGID] = place
 
     def _predict_state(self, span_ns: int) -> Array:
-        """Return the state after so many nanoseconds of the present command."""
+        """Return the state after a duration under the present command. [ns]"""
         now = self.state.copy()
         self._advance_state(span_ns)
         later = self.state.copy()

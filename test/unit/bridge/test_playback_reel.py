@@ -178,7 +178,7 @@ def test_what_cannot_be_played_is_one_sentence(tmp_path):
         (tmp_path / 'none', 'does not exist'),
         (empty, 'holds no recording in MCAP'),
         (text, 'is not a recording in MCAP'),
-        (other, 'has no topic that LTA knows'),
+        (other, 'has no topic of the topic table'),
     ):
         with pytest.raises(BadInput, match=words):
             open_recording(path, '', TABLE)

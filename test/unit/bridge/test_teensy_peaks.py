@@ -104,4 +104,4 @@ def test_samples_where_peaks_were_asked_for_and_peaks_of_no_number_are_one_sente
     record = {'diodes': 8, 'window': 1000, 'frequency': np.nan}
     frame = LTA_LIGHT_PEAKS.build_frame(0, 1, 191, **record)
     assert list(link.receive_data(frame, BOOT + 1)) == []
-    assert 'no numbers' in link.fault
+    assert 'outside of the range of an ADC' in link.fault

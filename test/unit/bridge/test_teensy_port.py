@@ -52,11 +52,11 @@ def test_a_pulled_cable_is_noticed(cable, tmp_path):
     ('name', 'sentence'),
     [
         ('missing', 'There is no serial port .*missing; plug the light board in'),
-        ('plain', 'plain is no serial port that can be opened'),
-        ('udp://127.0.0.1', 'is no place to listen; give udp://0.0.0.0:14550'),
-        ('udp://127.0.0.1:70000', 'is no place to listen'),
-        ('udp://127.0.0.1:7000?only=1', 'is no place to listen'),
-        ('udp://127.0.0.1:7000?from=a..b', 'whose address nobody knows'),
+        ('plain', 'plain cannot be opened as a serial port'),
+        ('udp://127.0.0.1', 'is not an address to listen on; give udp://0.0.0.0:14550'),
+        ('udp://127.0.0.1:70000', 'is not an address to listen on'),
+        ('udp://127.0.0.1:7000?only=1', 'is not an address to listen on'),
+        ('udp://127.0.0.1:7000?from=a..b', 'is unknown; give its numeric address'),
     ],
 )
 def test_what_cannot_be_opened_is_one_sentence(tmp_path, name, sentence):
@@ -88,7 +88,7 @@ def test_a_cable_that_goes_while_it_is_opened_is_no_port_yet(cable, tmp_path, mo
         raise termios.error(5, 'Input/output error')
 
     monkeypatch.setattr(termios, 'tcsetattr', gone)
-    with pytest.raises(BadInput, match='no serial port that can be opened'):
+    with pytest.raises(BadInput, match='cannot be opened as a serial port'):
         open_port(str(tmp_path / 'ttyACM0'))
 
 

@@ -1,10 +1,9 @@
 """
-The description node: tells RViz and other tools what the drone looks like and where it is.
+The description node: it publishes the drone's shape and frames for RViz and other tools.
 
-It publishes the vehicle as URDF on `robot_description`, kept for late joiners, and, where the
-message package of TF is installed (tf2_msgs: a full ROS 2, no wheel has it), the vehicle's frame
-on /tf by `odom` or the truth, and those of its sensors and rotors on /tf_static. It answers
-nothing, so nobody waits for it.
+The vehicle's URDF is latched on `robot_description`. If tf2_msgs is installed (part of a full ROS
+2, not available as a wheel), the vehicle's frame is published on /tf from `odom` or the truth, and
+the frames of sensors and rotors on /tf_static. No other node waits for this one.
 """
 
 from typing import Any, Literal
@@ -28,20 +27,20 @@ except ImportError:
     TFMessage = None
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-DEPTH = 100  # of /tf, as tf2 has it
+DEPTH = 100  # queue depth of /tf, as in tf2
 
 
 class DescriptionSettings(Settings):
-    """What is described, and by what it is placed."""
+    """Parameters of the description node: the vehicle, and the topic of its pose."""
 
     vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
     pose: Literal['odom', 'ground_truth/odom'] = setting(
-        'odom', 'Topic that places base_link on /tf: a frame has one parent.', fixed=True
+        'odom', 'Topic with the pose of base_link for /tf.', fixed=True
     )
 
 
 class DescriptionNode(GraphNode):
-    """Publish URDF and, where that is possible, transforms."""
+    """Publish the URDF and, if tf2_msgs is installed, transforms."""
 
     def __init__(self) -> None:
         super().__init__('description')
@@ -50,7 +49,7 @@ class DescriptionNode(GraphNode):
         self._text = self.create_publisher(String, 'robot_description', LATCHED)
         self._text.publish(String(data=build_urdf(vehicle)))
         if TFMessage is None:
-            text = 'URDF alone: /tf needs tf2_msgs, which comes with a full ROS 2'
+            text = 'URDF only: /tf needs tf2_msgs, which is part of a full ROS 2'
             self.health.report('frames', HealthLevel.OK, text)
             return
         self._tf = self.create_publisher(TFMessage, '/tf', DEPTH)
@@ -65,7 +64,7 @@ class DescriptionNode(GraphNode):
 
 
 def to_transform(odom: Odometry) -> TransformStamped:
-    """Return a pose as the transform from its frame to the vehicle's."""
+    """Convert a pose to the transform from its frame to the vehicle's."""
     message = TransformStamped(header=odom.header, child_frame_id=odom.child_frame_id)
     place, goal = odom.pose.pose.position, message.transform.translation
     goal.x, goal.y, goal.z = place.x, place.y, place.z
@@ -74,7 +73,7 @@ def to_transform(odom: Odometry) -> TransformStamped:
 
 
 def to_fixed_transform(frame: SceneFrame) -> TransformStamped:
-    """Return a frame that stands still in its parent; such a transform holds at all times."""
+    """Return the static transform of a frame fixed to its parent."""
     message = TransformStamped(child_frame_id=frame.name)
     message.header.frame_id = frame.parent
     place, turn = message.transform.translation, message.transform.rotation
@@ -84,5 +83,5 @@ def to_fixed_transform(frame: SceneFrame) -> TransformStamped:
 
 
 def main(args: list[str] | None = None) -> None:
-    """Run the node until it is told to stop."""
+    """Run the node until it is stopped."""
     run_node(DescriptionNode, args)

@@ -1,9 +1,9 @@
 """
-The live node: shows a running graph to Foxglove, with a scene, without ROS on the viewer's side.
+The live node: it shows a running graph and a 3D scene in Foxglove; the viewer needs no ROS.
 
-It listens to all that the topic table lists and answers nothing, so nobody ever waits for it. It
-asks the middleware for the newest message only and looks as often as a screen changes: what a
-viewer could not follow costs no time here, and is counted in /diagnostics.
+It subscribes to all topics of the topic table and publishes nothing, so it never delays the graph.
+It reads only the newest message of each topic, at the rate of a screen. Messages that a viewer is
+too slow for are dropped and counted in /diagnostics.
 """
 
 from collections.abc import Callable
@@ -35,15 +35,15 @@ from rclpy.serialization import deserialize_message
 
 import foxglove
 
-NAP_NS: Final = 16_000_000  # between looks
-MANY: Final = 100  # messages kept of a topic that has no rhythm: each may be of another node
+NAP_NS: Final = 16_000_000  # between polls: 60 Hz
+MANY: Final = 100  # queue depth of aperiodic topics: each message may be from another node
 DRAWN: Final = ('ground_truth/odom', 'odom', 'motors', 'light/bearing', 'wind')
 DRAW_RATE: Final = 25.0  # Hz of wall time
 PATH_RATE: Final = 2.0  # Hz; a long path has many points
 
 
 class LiveSettings(Settings):
-    """What is shown, and where."""
+    """Parameters of the live node."""
 
     vehicle: str = setting('gtmab', 'Vehicle name or file, for the scene.', fixed=True)
     scenario: str = setting('lamp_room', 'Scenario name or file, for the scene.', fixed=True)
@@ -74,7 +74,7 @@ class LiveNode(GraphNode):
         return robot_topic(self._robot, name) if self._robot else f'/{name.lstrip("/")}'
 
     def _list_channels(self) -> dict[str, tuple[str, foxglove.Schema]]:
-        """Return every topic of the table as it is on the wire, and the scene's two."""
+        """Return every topic of the table by its full name, and the two of the scene."""
         found = {}
         for name, topic in self.table.topics.items():
             text = generate_definition(topic.type).text.encode()
@@ -115,17 +115,17 @@ class LiveNode(GraphNode):
         return draw if name in DRAWN else tell if name == '/clock' else show
 
     def _parse_newest(self, name: str) -> Any:  # noqa: ANN401 - a generated class, or None
-        """Return the newest message of a topic; None if none has come or it cannot be read."""
+        """Return the newest message of a topic; None if there is none or it is invalid."""
         data = self._raw.get(name)
         try:
             return data and deserialize_message(data, find_message_type(self.table[name]))
-        except RuntimeError:  # as rclpy says that it is cut short
+        except RuntimeError:  # raised by rclpy for a truncated message
             self._torn += 1
             del self._raw[name]
             return None
 
     def _collect_state(self) -> SceneState | None:
-        """Return what moves, by the newest messages; placed by the truth where there is one."""
+        """Return the state to draw from the newest messages; prefer the true pose."""
         pose = self._parse_newest('ground_truth/odom') or self._parse_newest('odom')
         motors, seen, wind = map(self._parse_newest, ('motors', 'light/bearing', 'wind'))
         if pose is None:
@@ -139,7 +139,7 @@ class LiveNode(GraphNode):
         )
 
     def _draw_scene(self) -> None:
-        """Show where everything is, once it is time to draw again."""
+        """Send the scene to the viewers, at `DRAW_RATE` at most."""
         now, stamp, server = time.monotonic(), self._feed.now, self._server
         if not self._draw.try_acquire(now) or (state := self._collect_state()) is None:
             return
@@ -155,7 +155,7 @@ class LiveNode(GraphNode):
             server.send_message(self._scene_topic, encode_scene_update(entities, stamp), stamp)
 
     def publish_health(self) -> None:
-        """Tell who looks, and how many messages went to them and past them."""
+        """Report the number of viewers, and of sent and dropped messages."""
         sent, left_out = self._feed.sent, self._feed.left_out
         viewers = self._server.audience.viewer_count
         self.health.report(
@@ -171,16 +171,16 @@ class LiveNode(GraphNode):
         super().publish_health()
 
     def run(self) -> None:
-        """Show until told to stop."""
+        """Run until stopped."""
         self.health.report('state', HealthLevel.OK, 'running')
         spin_node(self, lambda: self.running, awaited=list, wait_ns=NAP_NS)
 
     def close(self) -> None:
-        """Let all viewers go."""
+        """Disconnect all viewers."""
         self._server.close()
         super().close()
 
 
 def main(args: list[str] | None = None) -> None:
-    """Run the node until it is told to stop."""
+    """Run the node until it is stopped."""
     run_node(LiveNode, args)

@@ -1,13 +1,13 @@
 """
-The recorder node: what the topic table marks, some topics, or everything, as it comes, into a bag.
+The recorder node: it writes the topic table's recorded topics, given topics or all to a bag.
 
-The middleware fills the gaps that CDR leaves between numbers with whatever its memory held before.
-That repeats itself where every message of a topic has the same layout. Where texts change their
-length it does not, so the gaps of such a repeatable topic are written as zeros.
+The middleware leaves uninitialized memory in the padding of CDR messages. If all messages of a
+topic have the same layout, the padding is still reproducible. If strings vary in length it is not,
+so the padding of such topics is zeroed.
 
-What is a second old survives even SIGKILL. The disk is written from a thread of its own, so that
-the middleware is emptied while the disk is slow. When the disk fills, the bag is closed while its
-index still fits and the process ends with a sentence and status 2.
+Messages older than a second survive even SIGKILL. A separate thread writes the disk, so that a
+slow disk does not fill the middleware's queues. When the disk is nearly full, the bag is closed
+while its index still fits, and the process ends with an error message and status 2.
 """
 
 from collections.abc import Callable
@@ -56,13 +56,13 @@ from rclpy.serialization import deserialize_message
 from std_srvs.srv import Trigger
 
 DIAGNOSTICS = '/diagnostics'
-LOOK_PERIOD = 0.4  # wall seconds between looks at the graph and at the losses
-DISK_PERIOD = 0.1  # wall seconds between looks at the disk
-QUIET = 0.3  # wall seconds without a message after which nothing more is on the way
-LINGER = 3.0  # wall seconds to wait for that quiet at most
-DISK = 'disk'  # the task in which it tells of one that does not keep up
-SLOW = 0.3  # wall seconds of one write, from which the disk is called slow: a flush later, in 1 s
-NAP_NS = 20_000_000  # between looks: waking up for every message would cost half a core
+LOOK_PERIOD = 0.4  # wall seconds between two checks of the graph and of losses
+DISK_PERIOD = 0.1  # wall seconds between two checks of the disk
+QUIET = 0.3  # wall seconds without a message after which the graph counts as silent
+LINGER = 3.0  # wall seconds to wait for that silence at most
+DISK = 'disk'  # diagnostics task for a slow disk
+SLOW = 0.3  # wall seconds of one write that count as slow; a fault must be reported within 1 s
+NAP_NS = 20_000_000  # between polls: waking up for every message would cost half a core
 MB = 1_000_000
 
 
@@ -71,8 +71,8 @@ def declare_origins(node: GraphNode, robots: list[str]) -> dict[str, RobotOrigin
     for name in robots:
         if not is_name(name) or robots.count(name) > 1:
             raise BadInput(
-                f"The recorder's robots are '{' '.join(robots)}', but '{name}' is no name or "
-                'stands twice; give different namespaces.'
+                f"The recorder's robots are '{' '.join(robots)}', but '{name}' is not a valid "
+                'name or is given twice; give different namespaces.'
             )
     fields: Any = {
         name: (RobotOrigin, setting(RobotOrigin(), f'Origin of {name}.')) for name in robots
@@ -82,13 +82,13 @@ def declare_origins(node: GraphNode, robots: list[str]) -> dict[str, RobotOrigin
 
 
 def build_cleaner(type_name: str) -> Callable[[bytes], bytes]:
-    """Return what writes a message of a type anew, with zeros between its fields."""
+    """Return a function that re-encodes a message of a type with zero padding."""
     kind = load_message_class(type_name)
 
     def clean(data: bytes) -> bytes:
         try:
             return encode_cdr(deserialize_message(data, kind))
-        except RuntimeError:  # it is no such message, and is kept as it came
+        except RuntimeError:  # not a valid message of this type: record it unchanged
             return data
 
     return clean
@@ -110,13 +110,13 @@ class Recorder(GraphNode):
         self._offers: dict[str, list[OfferedQos]] = {}
         self._left_out: dict[str, str] = {}
         with ExitStack() as unfinished:
-            with hold_interrupts():  # a bag is begun whole ...
+            with hold_interrupts():  # Ctrl-C must not leave a bag half created
                 try:
                     self._writer = self._open_writer(Path(told.bag), origin)
                 except StorageFault as fault:
                     raise BadInput(str(fault)) from None
-                unfinished.callback(self._writer.close)  # ... and closed, whoever ends it here
-            whole = self.lockstep and not self.replayed  # a recording may begin anywhere
+                unfinished.callback(self._writer.close)  # if the constructor fails
+            whole = self.lockstep and not self.replayed  # a replayed bag may begin anywhere
             self._real = self.get_parameter('source').value == 'crazyflie'
             begun_ns = self.get_clock().now().nanoseconds if self._real else None
             self._intake = MessageIntake(self.table, whole, robots, self._writer, begun_ns)
@@ -130,7 +130,7 @@ class Recorder(GraphNode):
                 self.create_subscription(
                     DiagnosticArray, DIAGNOSTICS, self._on_diagnostics, GENEROUS.depth, raw=True
                 )
-            if self.replayed:  # made last, so that it is taken first
+            if self.replayed:  # created last, so that it is served first
                 subscribe_due(self, self.table, partial(self._intake.set_due_times, robots[0]))
             self.create_service(Trigger, 'recorder/snapshot', self._on_snapshot)
             steady = Clock(clock_type=ClockType.STEADY_TIME)
@@ -139,7 +139,7 @@ class Recorder(GraphNode):
             unfinished.pop_all()
 
     def _collect_origin(self) -> dict[str, str]:
-        """Return where the data come from: the launch, or what is played in it."""
+        """Return the origin of the data: the launch, or the replayed bag."""
         told, lockstep = self._told, self.lockstep
         robots = told.robots.split()
         each = {
@@ -155,7 +155,7 @@ class Recorder(GraphNode):
         return origin
 
     def _open_writer(self, path: Path, origin: dict[str, str]) -> BackgroundWriter:
-        """Begin the bag, or the memory that snapshots are made of."""
+        """Create the bag, or the buffer for snapshots."""
         told, room = self._told, int(self._told.queue_size * MB)
         if not told.snapshot:
             split = SplitLimits(int(told.split_size * MB), int(told.split_duration * 1e9))
@@ -167,12 +167,12 @@ class Recorder(GraphNode):
         return writer
 
     def _expected_profile(self, name: str) -> QoSProfile:
-        """Return the profile that a topic should have."""
+        """Return the expected QoS profile of a topic."""
         topic = self.table.topics.get(self._intake.find_owner(name)[1])
         return select_profile(topic, self.lockstep) if topic else GENEROUS
 
     def _accepts_topic(self, name: str, type_name: str) -> bool:
-        """Tell whether to record a topic that was found, and take note of what cannot be."""
+        """Return whether to record a discovered topic; note those of unknown types."""
         if not self._intake.covers_topic(name):
             return False
         known = is_jazzy_type(type_name) and load_message_class(type_name) is not None
@@ -181,7 +181,7 @@ class Recorder(GraphNode):
         return known
 
     def _build_tap_receiver(self, name: str, type_name: str) -> Callable[[bytes], None]:
-        """Return what takes the messages of a topic."""
+        """Return the callback for the messages of a topic."""
         self._types[name] = type_name
         announced, take = (
             self._announced,
@@ -199,7 +199,7 @@ class Recorder(GraphNode):
         return receive
 
     def _announce_topic(self, name: str) -> None:
-        """Tell the bag what the publishers of a topic offer, and those offered that have gone."""
+        """Pass the QoS profiles of a topic's present and former publishers to the bag."""
         offered, expected = self._taps[name].list_offered_profiles(), self._expected_profile(name)
         known = self._offers.setdefault(name, [])
         fresh = [
@@ -217,12 +217,12 @@ class Recorder(GraphNode):
         """Look for faults in a diagnostics message."""
         if self._snapshots is None:
             return
-        with suppress(RuntimeError):  # what is no such message tells of no fault
+        with suppress(RuntimeError):  # ignore invalid messages
             message = deserialize_message(data, DiagnosticArray)
             self._snapshots.add_statuses(parse_statuses(message), time.monotonic())
 
     def _report_recording(self) -> None:
-        """Look at the graph and at the writer, and tell how the recording stands."""
+        """Check the graph and the writer, and report the state of the recording."""
         for name in self._taps.poll_changes():
             if self._taps[name].publishers:
                 self._announce_topic(name)
@@ -234,14 +234,14 @@ class Recorder(GraphNode):
             self.health.report(
                 'latched',
                 HealthLevel.WARN,
-                f'what was sent before the recorder came is missed on {", ".join(mixed)}: '
-                'not all publishers keep it',
+                f'latched messages from before the recorder started are missing on '
+                f'{", ".join(mixed)}: not all publishers are transient local',
             )
         if self._left_out:
             self.health.report(
                 'left out',
                 HealthLevel.WARN,
-                'topics of types that are not in the common interfaces of ROS 2 Jazzy',
+                "topics whose types are not part of ROS 2 Jazzy's common interfaces",
                 **self._left_out,
             )
         if not self._fault:
@@ -249,10 +249,10 @@ class Recorder(GraphNode):
             self.health.report('recording', level, words, **figures)
 
     def _report_disk(self) -> None:
-        """Tell what is wrong with it, soon enough for the second in which a fault is named."""
+        """Report a slow or failed disk, soon enough to name a fault within a second."""
         busy = self._writer.busy_time
         if busy > SLOW:
-            words = f'slow: it has been busy for {busy:.1f} s; messages wait'
+            words = f'slow: busy for {busy:.1f} s; messages are queued'
             self.health.report(DISK, HealthLevel.ERROR, words)
         elif DISK in self.health:
             self.health.report(DISK, HealthLevel.OK, 'keeps up')
@@ -262,7 +262,7 @@ class Recorder(GraphNode):
             self.running = False
 
     def _on_snapshot(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        """Write a snapshot, and go on taking messages until it is on the disk."""
+        """Write a snapshot, and keep receiving messages until it is on the disk."""
         if self._snapshots is None:
             response.message = (
                 'The recorder writes everything to its bag; start it with snapshot:=SECONDS to '
@@ -283,7 +283,7 @@ class Recorder(GraphNode):
         return response
 
     def run(self) -> None:
-        """Record until told to stop, then until nothing more is on the way."""
+        """Record until stopped, then until no more messages arrive."""
         self.health.report('state', HealthLevel.OK, 'running')
         while self.running:
             self._taps.apply_changes()
@@ -299,12 +299,12 @@ class Recorder(GraphNode):
             spin_node(self, end, awaited=list, wait_ns=NAP_NS)
 
     def _has_flight_bridge(self) -> bool:
-        """Tell whether a real drone has its bridge yet: that comes down before it leaves."""
+        """Return whether the bridge of a real drone still runs; it lands before it exits."""
         own = (f'/{robot}/imu'.replace('//', '/') for robot in self._robots)
         return self._real and not self.hurried and any(map(self.count_publishers, own))
 
     def close(self) -> None:
-        """Finish the bag, or save a last snapshot; say so if it had to end early."""
+        """Finish the bag, or save a last snapshot; raise if the recording ended early."""
         last = None if self._snapshots is None else self._snapshots.save_remaining(self._robots)
         for name in self._taps:
             if name not in self._announced:
@@ -327,5 +327,5 @@ class Recorder(GraphNode):
 
 
 def main(args: list[str] | None = None) -> None:
-    """Run the node until it is told to stop."""
+    """Run the node until it is stopped."""
     run_node(Recorder, args)

@@ -1,8 +1,8 @@
 """
-The bridge to the light board: plays the vehicle's photodiodes with real ones.
+The light board bridge: it publishes the readings of real photodiodes.
 
-A lifecycle node: configure opens the link and learns the board's clock, activate publishes,
-deactivate stops publishing, cleanup gives the link back. It commands nothing.
+It is a lifecycle node: `configure` opens the link and synchronizes with the board's clock,
+`activate` starts and `deactivate` stops publishing, `cleanup` closes the link.
 """
 
 import time
@@ -29,44 +29,44 @@ from lta_vlc.settings import DemodulationSettings
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from std_msgs.msg import Header
 
-AGAIN = 0.2  # s between two looks for a port that is not there yet
+AGAIN = 0.2  # s between two attempts to open a missing port
 
 
 class TeensyBridgeSettings(Settings):
-    """Where the board hangs, and on which vehicle."""
+    """Parameters of the light board bridge."""
 
     vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
     port: str = setting(
         '/dev/ttyACM0',
-        'Serial port of the board, or udp://HOST:PORT to listen on (?from=ADDRESS: to it alone).',
+        'Serial port of the board, or udp://HOST:PORT to listen on (?from=ADDRESS: to it only).',
         fixed=True,
     )
     peaks: bool = setting(
         False,
-        'Whether the board finds the peaks: it then answers in place of a demodulator.',
+        'Whether the board detects the peaks itself; it then replaces the demodulator.',
         fixed=True,
     )
     threshold: float = setting(
         DemodulationSettings().threshold,
-        'With peaks, SNR from which a diode is believed.',
+        'With peaks, smallest SNR of a usable diode.',
         unit='1',
         low=1.0,
         high=1000.0,
     )
-    prior: LampPrior = setting(LampPrior(), 'With peaks, the lamp before it is seen.')
+    prior: LampPrior = setting(LampPrior(), 'With peaks, the assumed lamp before it is seen.')
     patience: float = setting(
         0.0,
-        'How long to wait for a port that is not there yet.',
+        'How long to wait for a missing port.',
         unit='s',
         low=0.0,
         high=600.0,
         fixed=True,
     )
-    autostart: bool = setting(True, 'Whether to configure and activate by itself.', fixed=True)
+    autostart: bool = setting(True, 'Whether to configure and activate at the start.', fixed=True)
 
 
 class TeensyBridge(DeviceNode):
-    """Publish the light board's blocks, or what its own peaks say of the lamp."""
+    """Publish the light board's blocks, or the results of its own peak detection."""
 
     def __init__(self) -> None:
         super().__init__('teensy_bridge', 'light board')
@@ -95,7 +95,7 @@ class TeensyBridge(DeviceNode):
         return super().on_configure(state)
 
     def _open_reader(self) -> BoardReader:
-        """Return the open link, after some patience; `BadInput` where it stays away."""
+        """Open the link, retrying for some time; raise `BadInput` if it stays missing."""
         port, until = self._settings.port, time.monotonic() + self._settings.patience
         entry, peaks = self._entry, self._settings.peaks
         board = LightBoard(self.table.light, entry.count, peaks, entry.bits)
@@ -108,14 +108,14 @@ class TeensyBridge(DeviceNode):
                 time.sleep(AGAIN)
 
     def publish_health(self) -> None:
-        """Tell how the board and its link are."""
+        """Report the health of the board and its link."""
         if self._reader is not None or not self.refusal:
             fact = describe_health(self._reader, self._now_ns(), self.active)
             self.health.report(fact.task, fact.level, fact.message, **fact.values)
         super().publish_health()
 
     def _publish_light(self, came: LightBlock | LightPeaks) -> None:
-        """Publish a block, or what peaks say; called in the reader's thread."""
+        """Publish a block or peaks; called in the reader's thread."""
         if not self.active:
             return
         stamp = to_stamp(came.stamp_ns)
@@ -126,7 +126,7 @@ class TeensyBridge(DeviceNode):
             self._outputs['photodiodes'].publish(build_light_block(stamp, came.samples))
 
     def _publish_peaks(self, stamp: Time, peaks: Peaks) -> None:
-        """Publish what a demodulator would have made of the samples."""
+        """Publish the same messages as a demodulator."""
         header = Header(stamp=stamp, frame_id=self.table['light/peaks'].frame)
         found = self._finder.find(peaks, self._settings.threshold, self._settings.prior)
         out = self._outputs
@@ -138,7 +138,7 @@ class TeensyBridge(DeviceNode):
         return int(self.get_clock().now().nanoseconds)
 
     def release_device(self) -> None:
-        """Give the link back."""
+        """Close the link."""
         self.active = False
         if self._reader is not None:
             self._reader.close()
@@ -146,5 +146,5 @@ class TeensyBridge(DeviceNode):
 
 
 def main(args: list[str] | None = None) -> None:
-    """Run the node until it is told to stop."""
+    """Run the node until it is stopped."""
     run_node(TeensyBridge, args)

@@ -1,8 +1,8 @@
 """
-The teleop node: lets a person steer, by gamepad, keyboard or Joy messages.
+The teleop node: a person steers by gamepad, keyboard or Joy messages.
 
-It answers nothing and arms nothing. While a person has the helm it says so and what they want;
-controller and bridge fly by that in place of the navigator's word, through all that they guard.
+It never arms. While the operator has control, it publishes this and their setpoints; controller
+and bridge follow these instead of the navigator's, with all their safety checks.
 """
 
 from pathlib import Path
@@ -34,35 +34,38 @@ from std_msgs.msg import Bool
 from std_srvs.srv import Trigger
 
 PERIOD = 0.02  # s
-TAPS = 50  # Joy messages that wait at most: the newest alone would hide a button that is up again
-FRESH = 0.3  # s for which an estimate is one
-STOPPING = ('emergency_stop', 'crazyflie_bridge/emergency_stop')  # services; who is there hears it
+TAPS = 50  # queue depth of Joy messages: the newest alone would hide a short press of a button
+FRESH = 0.3  # s; an older estimate is not used
+STOPPING = ('emergency_stop', 'crazyflie_bridge/emergency_stop')  # services that can stop motors
 STEERS = {
-    TeleopStage.UNKNOWN: (HealthLevel.WARN, 'nobody who flies by setpoints has said whose count'),
+    TeleopStage.UNKNOWN: (
+        HealthLevel.WARN,
+        'no controller has reported which setpoints it follows',
+    ),
     TeleopStage.NAVIGATOR: (HealthLevel.OK, 'the navigator steers'),
-    TeleopStage.PERSON: (HealthLevel.OK, 'a person steers'),
+    TeleopStage.PERSON: (HealthLevel.OK, 'the operator steers'),
 }
 
 
 class TeleopSettings(Settings):
-    """What the person holds, and what it means."""
+    """Parameters of the teleop node: device, axes, buttons and rates."""
 
     device: str = setting(
         'joy',
         'keyboard (this terminal), a gamepad (/dev/input/js0), or joy: Joy messages.',
         fixed=True,
     )
-    rates: TeleopRates = setting(TeleopRates(), 'What full deflections mean.')
+    rates: TeleopRates = setting(TeleopRates(), 'Rates at full deflection.')
     layout: GamepadLayout = setting(GamepadLayout(), "The gamepad's axes and buttons.")
 
 
 class Teleop(GraphNode):
-    """Tell what a person wants."""
+    """Publish the operator's setpoints."""
 
     def __init__(self) -> None:
         super().__init__('teleop')
         if self.lockstep:
-            raise BadInput('A person keeps real time: leave time:=lockstep out.')
+            raise BadInput('Teleoperation needs real time: leave time:=lockstep out.')
         self._held = self.create_output('teleop/held')
         self._pose, self._velocity = (
             self.create_output('teleop/pose'),
@@ -124,7 +127,7 @@ class Teleop(GraphNode):
         self._report_steering(sticks is not None, felt is not None)
 
     def _request_stop(self) -> None:
-        """Ask whoever can stop motors to do so."""
+        """Call the emergency-stop services that are available."""
         for name, client in self._stops.items():
             if client.service_is_ready():
                 answer = client.call_async(Trigger.Request())
@@ -133,10 +136,11 @@ class Teleop(GraphNode):
     def _report_steering(self, alive: bool, placed: bool) -> None:
         stage = self._state.stage
         if stage is TeleopStage.STOPPED:
-            heard = ', '.join(sorted(self._answered)) or 'nobody yet'
-            self.health.report('helm', HealthLevel.ERROR, f'emergency stop; heard by {heard}')
+            receivers = ', '.join(sorted(self._answered)) or 'nobody yet'
+            text = f'emergency stop; confirmed by {receivers}'
+            self.health.report('helm', HealthLevel.ERROR, text)
         elif not alive or not placed:
-            silent = 'the device is silent' if not alive else 'there is no estimate'
+            silent = 'no input from the device' if not alive else 'there is no estimate'
             steers = stage is TeleopStage.PERSON
             text = f'{silent}: the drone holds, then lands' if steers else silent
             self.health.report('helm', HealthLevel.ERROR if steers else HealthLevel.WARN, text)
@@ -145,11 +149,11 @@ class Teleop(GraphNode):
             self.health.report('helm', level, text)
 
     def close(self) -> None:
-        """Give the device back; a helm that was held stays so, and the drone lands."""
+        """Close the device; if the operator has control, it is not handed back: the drone lands."""
         self._device.close()
         super().close()
 
 
 def main(args: list[str] | None = None) -> None:
-    """Run the node until it is told to stop."""
+    """Run the node until it is stopped."""
     run_node(Teleop, args)

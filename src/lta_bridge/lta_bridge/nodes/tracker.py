@@ -1,8 +1,8 @@
 """
-The tracker node: makes `ground_truth/odom` of what an outside tracker says.
+The tracker node: it publishes `ground_truth/odom` from an external tracker.
 
-Poses come as PoseStamped (motion capture, libsurvive's Lighthouse) or as a frame on /tf. It
-commands nothing, and nothing is flown by what it says.
+Poses come as PoseStamped (motion capture, libsurvive's Lighthouse) or as a frame on /tf. The
+result is for evaluation only; no node flies by it.
 """
 
 from typing import Any
@@ -24,17 +24,15 @@ try:
 except ImportError:
     TFMessage = None
 
-DEPTH = 100  # of /tf, as tf2 has it
+DEPTH = 100  # queue depth of /tf, as in tf2
 Planted = tuple[float, float, float, float]
 
 
 class TrackerSettings(Settings):
-    """What is followed, and how its frames lie."""
+    """Parameters of the tracker node: the tracked topic or frame, and the frames' poses."""
 
-    pose: str = setting('tracker/pose', 'Topic of a PoseStamped that is followed.', fixed=True)
-    frame: str = setting(
-        '', 'Frame on /tf that is followed in its place, straight from its parent.', fixed=True
-    )
+    pose: str = setting('tracker/pose', 'Topic of the tracked PoseStamped.', fixed=True)
+    frame: str = setting('', 'Frame on /tf to track instead, relative to its parent.', fixed=True)
     origin: Planted = setting(
         (0.0, 0.0, 0.0, 0.0),
         "The tracker's frame (z up) in the map: x, y, z in m, yaw in rad.",
@@ -47,7 +45,7 @@ class TrackerSettings(Settings):
     )
     delay: float = setting(
         0.0,
-        'What the fastest pose takes from the picture to here.',
+        'Shortest delay from the exposure of a pose to its arrival.',
         unit='s',
         low=0.0,
         high=1.0,
@@ -56,12 +54,12 @@ class TrackerSettings(Settings):
 
 
 class TrackerNode(GraphNode):
-    """Publish where the drone is."""
+    """Publish the tracked pose and motion of the drone."""
 
     def __init__(self) -> None:
         super().__init__('tracker', role='vehicle')
         if self.lockstep:
-            raise BadInput('A real tracker keeps real time: leave time:=lockstep out.')
+            raise BadInput('A real tracker needs real time: leave time:=lockstep out.')
         self._truth = self.create_output('ground_truth/odom')
         settings = NodeParameters(self, TrackerSettings).value
         self._tracked = TrackedDrone(
@@ -74,8 +72,8 @@ class TrackerNode(GraphNode):
             )
         elif TFMessage is None:
             raise BadInput(
-                'frame:= follows /tf, which needs tf2_msgs of a full ROS 2; give pose:= a topic '
-                'of PoseStamped, or install ros-jazzy-tf2-msgs.'
+                'frame:= reads /tf, which needs the package tf2_msgs; set pose:= to a topic of '
+                'PoseStamped, or install ros-jazzy-tf2-msgs.'
             )
         else:
             self.create_subscription(TFMessage, '/tf', self._on_frames, DEPTH)
@@ -97,12 +95,12 @@ class TrackerNode(GraphNode):
         return int(self.get_clock().now().nanoseconds)
 
     def publish_health(self) -> None:
-        """Tell how the tracker is."""
+        """Report the health of the tracker."""
         fact = self._tracked.describe_health(self._now_ns())
         self.health.report(fact.task, fact.level, fact.message, **fact.values)
         super().publish_health()
 
 
 def main(args: list[str] | None = None) -> None:
-    """Run the node until it is told to stop."""
+    """Run the node until it is stopped."""
     run_node(TrackerNode, args)

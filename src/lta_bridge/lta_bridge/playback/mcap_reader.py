@@ -1,11 +1,11 @@
 """
-The MCAP files of a bag, read with the format's own library: what is in them, and in log order.
+Read the MCAP files of a bag in the order of log time, with the mcap library.
 
-A finished file is read by its index. One that was cut short has none: what is whole in it is taken
-into memory and put in order.
+A finished file is read by its index. A truncated file has none: its whole records are loaded into
+memory and sorted.
 
-The library believes what a file says of its own size: whoever reads one of a stranger's bounds the
-memory of the process (`bounded_memory`).
+The library trusts the sizes stated in a file. To read an untrusted file, limit the memory of the
+process (`limit_memory`).
 """
 
 from collections.abc import Collection, Iterator
@@ -26,15 +26,15 @@ from mcap.well_known import MessageEncoding
 from zstandard import ZstdError
 
 ADVICE = 'give a rosbag2 folder or an .mcap file'
-# What the library raises where a file ends too early or its bytes make no sense.
+# Errors that the library raises for truncated or damaged files.
 BROKEN = (McapError, struct.error, EOFError, LookupError, ValueError, ZstdError)
 
 
 def build_size_error(file: Path) -> BadInput:
-    """Return the sentence on a file without an index for which there is not enough memory."""
+    """Return the error for a file without an index that does not fit into memory."""
     return BadInput(
-        f"'{file}' has no index, and is damaged or takes more memory than a replay may "
-        f'({READER_MEMORY >> 20} MB); `lta bag recover` writes what is whole, with an index.'
+        f"'{file}' has no index, and is damaged or needs more memory than the limit of a replay "
+        f'({READER_MEMORY >> 20} MB); `lta bag recover` writes its whole part with an index.'
     )
 
 
@@ -49,7 +49,7 @@ class LoggedMessage(NamedTuple):
 
 def read_topic_types(files: list[Path]) -> tuple[dict[str, str], dict[str, str]]:
     """
-    Return the message type of each topic of a bag, and what the bag tells of its origin.
+    Return the message type of each topic of a bag, and the bag's provenance.
 
     Raises
     ------
@@ -75,7 +75,7 @@ def read_topic_types(files: list[Path]) -> tuple[dict[str, str], dict[str, str]]
 
 
 def open_indexed(stream: BinaryIO) -> tuple[McapReader, Summary] | None:
-    """Return a finished file's reader and summary; None where it has none."""
+    """Return a finished file's reader and summary; None without a summary."""
     stream.seek(0)
     with suppress(*BROKEN, MemoryError):
         reader = make_reader(stream)
@@ -86,7 +86,7 @@ def open_indexed(stream: BinaryIO) -> tuple[McapReader, Summary] | None:
 
 
 def read_summary(stream: BinaryIO) -> tuple[dict[str, str], dict[str, str]] | None:
-    """Return types and origin by a file's summary; None where it has none."""
+    """Return types and origin from a file's summary; None without a summary."""
     found = open_indexed(stream)
     if found is None:
         return None
@@ -104,12 +104,12 @@ def read_summary(stream: BinaryIO) -> tuple[dict[str, str], dict[str, str]] | No
 
 
 def is_cdr(channel: Channel) -> bool:
-    """Tell whether a channel's messages are as ROS 2 sends them."""
+    """Return whether a channel's messages are CDR, as in ROS 2."""
     return str(channel.message_encoding) == MessageEncoding.CDR
 
 
 def scan_unfinished(stream: BinaryIO) -> tuple[dict[str, str], dict[str, str]]:
-    """Return types and origin of a file without a summary, as far as it goes."""
+    """Return types and origin from the readable records of a file without a summary."""
     types: dict[str, str] = {}
     told: dict[str, str] = {}
     schemas: dict[int, str] = {}
@@ -124,7 +124,7 @@ def scan_unfinished(stream: BinaryIO) -> tuple[dict[str, str], dict[str, str]]:
 
 
 def iterate_records(stream: BinaryIO) -> Iterator[object]:
-    """Yield the records of an unfinished file in their order, to its first damage."""
+    """Yield the records of an unfinished file up to the first damage."""
     stream.seek(0)
     with suppress(*BROKEN):
         yield from StreamReader(stream).records
@@ -167,16 +167,16 @@ def iterate_by_time(
             for _, channel, message in found[0].iter_messages(topics, starting_at=since_ns):
                 yield LoggedMessage(channel.topic, message.log_time, message.data)
         except (*BROKEN, MemoryError) as error:
-            why = str(error) or f'a chunk wants more than {READER_MEMORY >> 20} MB'
+            why = str(error) or f'a chunk needs more than {READER_MEMORY >> 20} MB'
             raise BadInput(
-                f"'{file}' is damaged ({why}); mend it with `lta bag recover`."
+                f"'{file}' is damaged ({why}); repair it with `lta bag recover`."
             ) from error
 
 
 def iterate_unfinished(
     stream: BinaryIO, topics: Collection[str], since_ns: int
 ) -> Iterator[LoggedMessage]:
-    """Yield the messages of an unfinished file as they stand in it."""
+    """Yield the messages of an unfinished file in the order of the file."""
     names: dict[int, str] = {}
     for record in iterate_records(stream):
         if isinstance(record, Channel) and record.topic in topics:

@@ -1,4 +1,4 @@
-"""The messages of a replay one after the other: a section of a recording, once or in a loop."""
+"""Iterate over the messages of a section of a recording, once or in a loop."""
 
 from collections.abc import Collection, Iterator
 import struct
@@ -14,7 +14,7 @@ _AT = 4  # bytes before a message's header
 
 
 def shift_stamp(data: bytes, by_ns: int) -> bytes:
-    """Return a stamped message with its header's stamp moved; the rest stays as it is. [ns]"""
+    """Return a stamped message with a shifted header stamp. [ns]"""
     stamp = read_stamp(data)
     if stamp is None or not by_ns:
         return data
@@ -64,15 +64,15 @@ class MessageIterator:
     ) -> None:
         if end < start:
             raise BadInput(
-                f'The section ends {end:g} s after the first message, before it begins at '
+                f'The section ends at {end:g} s after the first message, before its start at '
                 f'{start:g} s; choose a later end.'
             )
         self._recording, self._topics, self._table = recording, topics, table
         first = next(recording.iterate_messages(topics), None)
         if first is None:
             raise BadInput(
-                f"'{recording.path}' has no message of {', '.join(sorted(topics))}; nothing can "
-                'be played.'
+                f"'{recording.path}' has no message of {', '.join(sorted(topics))}; choose "
+                'another bag.'
             )
         self._from = first.time_ns + round(start * 1e9)
         self._to = None if end == float('inf') else first.time_ns + round(end * 1e9)
@@ -100,7 +100,7 @@ class MessageIterator:
         return None if self._next is None else self._next.time_ns + self._shift
 
     def take_next(self) -> RecordedMessage:
-        """Return the next message and go on."""
+        """Return the next message and advance."""
         item = self._next
         if item is None:
             raise IndexError('the reel has run out')
@@ -113,7 +113,7 @@ class MessageIterator:
         return RecordedMessage(item.topic, item.time_ns + by_ns, data)
 
     def _rewind(self) -> None:
-        """Begin again; the stamps go on where they would have, on the grid of all periods."""
+        """Restart the section; shifted stamps continue on the common grid of all periods."""
         grid = max(self._table[name].period_ns for name in self._topics) or self._table.control_ns
         span = self._newest - self.begin_ns
         self._shift += (span // grid + 1) * grid

@@ -1,9 +1,9 @@
 """
-A bag to play: one robot's messages of the topic table, in the order of the bag's own clock.
+Open a bag for playback: one robot's messages of the topic table, in the order of their time.
 
-The bag's clock is the time of the recorded stamps. Ours log by it already; where a recorder of
-others logged by another clock, its log times are shifted so that the first stamped message was
-logged when it was published.
+The bag's clock is the time of the recorded stamps. LTA's recorder uses it for the log times. The
+log times of other recorders are shifted, so that the first stamped message is logged at its time
+of publication.
 """
 
 from collections.abc import Collection, Iterator, Mapping
@@ -37,11 +37,11 @@ class BagRecording:
     robot : str
         Its namespace in the bag; '' where topics have none.
     topics : frozenset of str
-        The table's topics that the bag has, relative.
+        Relative names of the table's topics that the bag has.
     strange : tuple of str
-        Sentences on topics that cannot be played.
+        Messages about topics that cannot be played.
     provenance : dict of str to str
-        Where the robot's data come from.
+        Origin of the robot's data.
 
     """
 
@@ -80,7 +80,7 @@ class BagRecording:
         Parameters
         ----------
         topics : collection of str
-            Relative names; those that the bag lacks are passed over.
+            Relative names; those that the bag lacks are ignored.
         begin_ns : int, optional
             Where to begin, on the bag's clock. [ns]
 
@@ -92,7 +92,7 @@ class BagRecording:
                 yield RecordedMessage(self._names[full], log_time + self._shift, data)
 
     def _find_clock_shift(self, table: TopicTable) -> int:
-        """Return what to add to a log time for the time on the bag's clock. [ns]"""
+        """Return the offset from log times to the bag's clock. [ns]"""
         rhythmic = [name for name in self.topics if table[name].stamped and table[name].period_ns]
         for name, time_ns, data in self.iterate_messages(rhythmic):
             if stamp := read_stamp(data):
@@ -113,7 +113,7 @@ def open_recording(path: Path, robot: str, table: TopicTable, own: str = '') -> 
     table : TopicTable
         What can be played.
     own : str
-        Namespace of who plays: that robot is taken where none is named.
+        Namespace of the player, the default if `robot` is empty.
 
     Raises
     ------
@@ -128,7 +128,7 @@ def open_recording(path: Path, robot: str, table: TopicTable, own: str = '') -> 
         files = sorted(path.glob('*.mcap'), key=lambda file: (len(file.name), file.name))
     else:
         raise BadInput(f"'{path}' does not exist; {ADVICE}.")
-    # The newest file of a split bag is empty where its recorder was killed at the turn.
+    # The newest file of a split bag is empty if the recorder was killed during the split.
     files = [file for file in files if not file.is_file() or file.stat().st_size] or files
     if not files:
         raise BadInput(f"'{path}' holds no recording in MCAP; {ADVICE}.")
@@ -136,7 +136,7 @@ def open_recording(path: Path, robot: str, table: TopicTable, own: str = '') -> 
 
 
 def split_topic_names(names: Mapping[str, str], table: TopicTable) -> list[tuple[str, str, str]]:
-    """Return robot, relative name and full name of each topic that stands in the table."""
+    """Return robot, relative name and full name of each topic that is in the table."""
     found = []
     for full in names:
         plain = full.strip('/')
@@ -149,9 +149,9 @@ def split_topic_names(names: Mapping[str, str], table: TopicTable) -> list[tuple
 
 
 def choose_robot(path: Path, robot: str, robots: list[str]) -> str:
-    """Return the robot to play: the one that is named, or the only one."""
+    """Return the robot to play: the given one, or the only one."""
     if not robots:
-        raise BadInput(f"'{path}' has no topic that LTA knows; see docs/topics.md.")
+        raise BadInput(f"'{path}' has no topic of the topic table; see docs/topics.md.")
     if robot and robot not in robots:
         raise unknown_name('robot', robot, robots)
     if not robot and len(robots) > 1:

@@ -6,33 +6,39 @@ FOREVER = 1e9  # s: the end of any recording
 
 
 class PlayerSettings(Settings):
-    """What is played to whom, and how."""
+    """Parameters of the player node."""
 
     bag: str = setting('', 'The bag: a rosbag2 folder or an .mcap file.', fixed=True)
-    robot: str = setting('', 'Robot in the bag; the own name, or the only one.', fixed=True)
-    nodes: str = setting(
-        '', 'Nodes that are run again, with spaces between; all where empty.', fixed=True
+    robot: str = setting(
+        '',
+        "Robot in the bag; empty for the player's own namespace, or the only robot.",
+        fixed=True,
     )
+    nodes: str = setting('', 'Nodes to run again, separated by spaces; empty for all.', fixed=True)
     roles: str = setting(
-        '', 'Other nodes whose recorded messages are played, with spaces between.', fixed=True
+        '', 'Other nodes whose recorded messages to play, separated by spaces.', fixed=True
     )
     rate: float = setting(
-        1.0, 'Bag seconds a wall second, in real time.', low=1e-3, high=1e6, fixed=True
+        1.0,
+        'Playback rate in real time: bag seconds per wall second.',
+        low=1e-3,
+        high=1e6,
+        fixed=True,
     )
     start: float = setting(
         0.0,
-        'Where to begin, after the first message.',
+        'Start of the played section, after the first message.',
         unit='s',
         low=0.0,
         high=FOREVER,
         fixed=True,
     )
     end: float = setting(
-        FOREVER, 'Where to end, after the first message.', unit='s', low=0.0, high=FOREVER,
+        FOREVER, 'End of the played section, after the first message.', unit='s', low=0.0, high=FOREVER,
         fixed=True,
     )  # fmt: skip
-    loop: bool = setting(False, 'Whether to begin again at the end, in real time.', fixed=True)
-    paused: bool = setting(False, 'Whether to begin with a pause.', fixed=True)
+    loop: bool = setting(False, 'Whether to repeat the section, in real time.', fixed=True)
+    paused: bool = setting(False, 'Whether to start paused.', fixed=True)
     answers: str = setting(
         '', "Folder of a bag for the nodes' answers; none if empty.", fixed=True
     )

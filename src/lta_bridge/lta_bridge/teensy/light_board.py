@@ -1,7 +1,8 @@
 """
-The light board as the bridge knows it: bytes in, blocks in our time out, questions due.
+Protocol of the light board: parse received bytes into timed blocks, compose outgoing messages.
 
-Knows no transport and no ROS: whoever has a link hands bytes in and sends what is due.
+This module is independent of the transport and of ROS. The caller passes received bytes to
+`receive_data` and sends the bytes of `compose_due_messages`.
 """
 
 from collections.abc import Iterator
@@ -26,30 +27,30 @@ from lta_vlc.spectral.snr import signal_to_noise_ratio
 import numpy as np
 from numpy.typing import NDArray
 
-DIALECT = 1  # the version of our messages
+DIALECT = 1  # version of LTA's MAVLink messages
 SYSTEM, COMPONENT = 255, 191  # MAVLink: a ground station, its onboard computer
 BEAT_NS = 1_000_000_000  # between heartbeats
-ASK_NS = 250_000_000  # between questions for the time
-EAGER_NS = 20_000_000  # between them before it is known
-OLDEST_NS = AHEAD_NS = 10_000_000_000  # by which a first sample may seem old, or yet to come
-BACK_NS = 100_000_000  # by which a datagram may be overtaken; farther back, the board began anew
-ANSWER_NS = 1_000_000_000  # after which an answer says nothing any more
-QUESTIONS = 8  # kept until they are answered; of the board's, answered at once
+ASK_NS = 250_000_000  # between time requests
+EAGER_NS = 20_000_000  # between time requests before the clock is synchronized
+OLDEST_NS = AHEAD_NS = 10_000_000_000  # plausible age of a first sample, and lead of its stamp
+BACK_NS = 100_000_000  # reordering of datagrams; farther back, the board has restarted
+ANSWER_NS = 1_000_000_000  # age at which an answer to a time request is useless
+QUESTIONS = 8  # open time requests at most, and queued answers to the board's requests
 OF_LIGHT = (LTA_LIGHT_BLOCK, LTA_LIGHT_PEAKS, LTA_LIGHT_STATUS)
 CONTROLLER, NO_AUTOPILOT, ACTIVE, PROTOCOL = 18, 8, 4, 3  # of MAVLink's common.xml
-COUNTS = 65535.0  # more no ADC of 16 bits can tell
+COUNTS = 65535.0  # largest reading of a 16-bit ADC
 ROOM = LTA_LIGHT_BLOCK.layout['samples'].shape[0]  # values in a message
 
 
 class LightPeaks(NamedTuple):
-    """Peaks that the board found in one block's time, and our time of its first sample. [ns]"""
+    """Peaks that the board detected in one block, and graph time of its first sample. [ns]"""
 
     stamp_ns: int
     peaks: Peaks
 
 
 class LightBlock(NamedTuple):
-    """One ADC block, shape (samples, diodes), and our time of its first sample. [ns]"""
+    """One ADC block, shape (samples, diodes), and graph time of its first sample. [ns]"""
 
     stamp_ns: int
     samples: NDArray[np.uint16]
@@ -58,38 +59,38 @@ class LightBlock(NamedTuple):
 @final
 class LightBoard:
     """
-    The board at the other end of a link.
+    A light board at the other end of a link.
 
     Parameters
     ----------
-    light : Light
-        What a block is, by the topic table.
+    light : AdcBlockShape
+        Layout of a block in the topic table.
     diodes : int
-        How many the vehicle has.
+        Number of diodes of the vehicle.
     finds_peaks : bool
-        Whether it is to find the peaks itself and send no samples.
+        Whether the board shall detect the peaks itself and send no samples.
     bits : int or None
-        Of the vehicle's converter; None where any will do.
+        Resolution of the vehicle's converter; None to accept any.
 
     Attributes
     ----------
     framing, clock, blocks
-        What came, the board's clock, and the rows.
+        The frame parser, the board's clock, and the block assembler.
     undated : int
-        Blocks that came before the board's time was known, or at a time that cannot be, and were
-        left.
-    sender : OneSender
-        The system and component whose light counts: others may share the link.
+        Blocks dropped because the board's time was unknown or implausible.
+    sender : SenderFilter
+        The MAVLink system and component to accept; others may share the link.
     heard_ns : int
-        When its last message came, or whoever's answer while it has sent no light; 0 before. [ns]
+        Arrival of the board's last message; before its first light, of any time answer; 0 before
+        both. [ns]
     unfit : int
-        Messages of light that could not be used.
+        Unusable light messages.
     unanswered : int
-        Questions for our time that came too thick to be answered.
+        Time requests of the board that were too frequent to answer.
     overruns : int
-        Rows that the board itself had to leave.
+        Rows dropped by the board.
     peaks : int
-        Windows in which the board found peaks itself.
+        Windows with peaks detected by the board.
 
     """
 
@@ -114,11 +115,11 @@ class LightBoard:
 
     @property
     def fault(self) -> str:
-        """Why its blocks cannot be used, in one sentence; empty where they can."""
+        """Why the blocks cannot be used, in one sentence; empty if they can."""
         return self._unlike or self._unfit
 
     def receive_data(self, data: bytes, now_ns: int) -> Iterator[LightBlock | LightPeaks]:
-        """Take any part of the stream, when it came [ns], and yield what it completes."""
+        """Add received bytes with their arrival [ns]; yield the blocks that they complete."""
         for frame in self.framing.parse_frames(data):
             if not self._is_from_board(frame, now_ns):
                 continue
@@ -132,7 +133,7 @@ class LightBoard:
                 yield from self._take_peaks(frame.record, now_ns)
 
     def _is_from_board(self, frame: MavlinkFrame, now_ns: int) -> bool:
-        """Tell whether the board sent it, and note that it lives; only light says who it is."""
+        """Return whether the board sent a frame; its first light message identifies it."""
         source, known = (frame.system, frame.component), self.sender.who
         if frame.message in OF_LIGHT:
             heard = self.sender.accept_sender(source, now_ns)
@@ -143,7 +144,7 @@ class LightBoard:
         return heard
 
     def compose_due_messages(self, now_ns: int) -> bytes:
-        """Return what is to be sent now: a heartbeat, a question for the time, answers."""
+        """Return the bytes to send now: heartbeat, time request, answers."""
         out, self._replies = b''.join(self._replies), []
         if now_ns < self._looked_ns - BACK_NS:  # our own clock was set back
             self._next_beat = self._next_ask = now_ns
@@ -226,17 +227,17 @@ class LightBoard:
             )
         rate = self._light.sample_rate.si
         most = {'amplitude': COUNTS, 'noise': COUNTS, 'frequency': 0.5 * rate}
-        # What is no number compares false.
+        # Comparisons with NaN are false.
         if not all(
             ((record[name] >= 0.0) & (record[name] <= top)).all() for name, top in most.items()
         ):
             return (
-                'The light board tells peaks that are no numbers of an ADC; look at its firmware.'
+                'The light board sends peaks outside of the range of an ADC; check its firmware.'
             )
         return ''
 
     def _detect_restart(self, board_ns: int) -> None:
-        """Forget clock and rows of before where the board's time has gone back."""
+        """Reset clock and rows if the board's time has gone back."""
         if board_ns < self._newest_ns - BACK_NS:
             if self.clock.restarts == self._resets:  # an answer has not told it that already
                 self.clock.restart()
@@ -246,7 +247,7 @@ class LightBoard:
         self._resets = self.clock.restarts
 
     def _find_host_time(self, board_ns: int, now_ns: int) -> int | None:
-        """Return our time of what the board stamped so; None where it may not be used."""
+        """Return the graph time of a board stamp; None if it is unknown or implausible."""
         if self._unlike:
             return None
         if self.clock.is_synchronized:
@@ -259,7 +260,7 @@ class LightBoard:
 
     def _take_time(self, record: np.void, now_ns: int) -> None:
         board, asked = int(record['tc1']), int(record['ts1'])
-        if board == 0:  # the other asks
+        if board == 0:  # MAVLink TIMESYNC: 0 marks a request
             if len(self._replies) < QUESTIONS:
                 self._replies.append(self._build_frame(TIMESYNC, tc1=now_ns, ts1=asked))
             else:
@@ -276,8 +277,8 @@ class LightBoard:
         self._unlike = ''
         if dialect != DIALECT:
             self._unlike = (
-                f'The light board speaks version {dialect} of its messages and this bridge '
-                f'version {DIALECT}; build both from one commit.'
+                f'The light board uses version {dialect} of the messages and this bridge version '
+                f'{DIALECT}; build both from the same commit.'
             )
         elif not abs(rate - wanted) <= 1e-3 * wanted:
             self._unlike = (
@@ -287,7 +288,7 @@ class LightBoard:
         elif self._bits not in (None, bits):
             self._unlike = (
                 f'The light board converts to {bits} bits and the vehicle file says {self._bits}; '
-                'give both the same, or a reading that clips is not known.'
+                'set both to the same value, or clipped readings are not detected.'
             )
 
 

@@ -1,4 +1,4 @@
-"""What a light board hangs on: a serial port or a UDP port, opened or refused in one sentence."""
+"""Open the link to a light board: a serial port or a UDP port."""
 
 from collections.abc import Callable
 import errno
@@ -14,34 +14,34 @@ from lta_config.errors import BadInput
 import serial
 from serial.tools import list_ports
 
-CHUNK = 65536  # bytes a read may bring
-# Means nothing over USB, but for 134 baud, at which a Teensy restarts into its loader.
+CHUNK = 65536  # bytes per read at most
+# Ignored over USB, except 134 baud, at which a Teensy restarts into its boot loader.
 BAUD = 115_200
-MOST = 256  # datagrams a read may bring: a flood must not keep it from its end
+MOST = 256  # datagrams per read at most, so that a flood cannot block the reader
 LISTEN: Final = re.compile(
     r'udp://(?P<host>[^/?#:]+):(?P<port>\d{1,5})(\?from=(?P<board>[^&#]+))?'
 )
-SEND_TIMEOUT = 0.1  # s; a board that takes nothing must not hold up what it sends
+SEND_TIMEOUT = 0.1  # s; a board that does not read must not block reception
 
 
 class Unplugged(OSError):
-    """The link is gone."""
+    """The link was disconnected."""
 
 
 class BoardPort(Protocol):
-    """An open link; `strangers` counts what came from others than the board, and was left out."""
+    """An open link to a board."""
 
     @property
     def strangers(self) -> int:
-        """How much that was."""
+        """Number of ignored datagrams from other senders than the board."""
         ...
 
     def read(self, timeout: float) -> bytes:
-        """Return what has come, after at most so long [s]; raise Unplugged where it is gone."""
+        """Return the received bytes within a time [s]; raise `Unplugged` if the link is gone."""
         ...
 
     def write(self, data: bytes) -> None:
-        """Send, if anybody listens; raise Unplugged where the link is gone."""
+        """Send if a board is known; raise `Unplugged` if the link is gone."""
         ...
 
     def close(self) -> None:
@@ -51,18 +51,18 @@ class BoardPort(Protocol):
 
 def open_port(address: str) -> BoardPort:
     """
-    Return an open link.
+    Open a link to a board.
 
     Parameters
     ----------
     address : str
         A serial port (`/dev/ttyACM0`), or `udp://HOST:PORT` to listen on; with `?from=ADDRESS` it
-        is deaf to all others.
+        ignores all other senders.
 
     Raises
     ------
     BadInput
-        If it cannot be had; says why and what to do.
+        If it cannot be opened.
 
     """
     if address.startswith('udp://'):
@@ -72,7 +72,7 @@ def open_port(address: str) -> BoardPort:
 
 @final
 class SerialPort:
-    """A serial port, or the end of a pseudo terminal; nobody else is on it."""
+    """A serial port or pseudo terminal, opened exclusively."""
 
     strangers = 0
 
@@ -81,7 +81,11 @@ class SerialPort:
             self._port = serial.Serial(
                 path, BAUD, timeout=0.0, write_timeout=SEND_TIMEOUT, exclusive=True
             )
-        except (OSError, ValueError, termios.error) as error:  # the last, as it is pulled out
+        except (
+            OSError,
+            ValueError,
+            termios.error,
+        ) as error:  # termios.error: pulled out meanwhile
             raise BadInput(_explain_open_error(path, error)) from None
 
     def read(self, timeout: float) -> bytes:
@@ -97,7 +101,7 @@ class SerialPort:
         try:
             self._port.write(data)
         except serial.SerialTimeoutException:
-            return  # whoever asked asks again
+            return  # time requests are repeated
         except OSError as error:
             raise Unplugged(str(error)) from None
 
@@ -109,18 +113,18 @@ class SerialPort:
 @final
 class UdpPort:
     """
-    A UDP port that one board sends to; it is answered where it sends from.
+    A UDP port that one board sends to; answers go to its source address.
 
-    Anybody who reaches the port can send. So the board is whoever was heard first, until it has
-    been silent for a while, or none but one address where that is given. An address can be forged:
-    on a network of strangers take a cable.
+    Any host that reaches the port can send. The first sender counts as the board until it has been
+    silent for a while, or only the given address. Addresses can be forged: use a cable on an
+    untrusted network.
 
     Parameters
     ----------
     address : str
         As for `open_port`.
     clock : callable
-        A clock that only goes on. [ns]
+        Returns a monotonic time. [ns]
 
     Raises
     ------
@@ -133,8 +137,8 @@ class UdpPort:
         told = LISTEN.fullmatch(address)
         if told is None or not 0 < int(told['port']) < 65536:
             raise BadInput(
-                f"'{address}' is no place to listen; give udp://0.0.0.0:14550, or where others "
-                'can send too udp://0.0.0.0:14550?from=192.168.4.2.'
+                f"'{address}' is not an address to listen on; give udp://0.0.0.0:14550, or on a "
+                'shared network udp://0.0.0.0:14550?from=192.168.4.2.'
             )
         self._clock, self._sender = clock, SenderFilter()
         self._only = None if told['board'] is None else _resolve_host(told['board'], address)
@@ -154,11 +158,11 @@ class UdpPort:
 
     @property
     def strangers(self) -> int:
-        """Datagrams of others than the board."""
+        """Number of ignored datagrams from other senders than the board."""
         return self._foreign + self._sender.others
 
     def read(self, timeout: float) -> bytes:
-        """Return what has come from the board, after at most so long. [s]"""
+        """Return the bytes received from the board within a time. [s]"""
         select.select([self._socket], [], [], timeout)
         parts = []
         try:
@@ -167,7 +171,7 @@ class UdpPort:
                 if self._accept_sender(sender):
                     self._board = sender
                     parts.append(data)
-        except OSError:  # nothing more, or word that an answer found nobody
+        except OSError:  # no more datagrams, or an ICMP error for an earlier answer
             pass
         return b''.join(parts)
 
@@ -178,7 +182,7 @@ class UdpPort:
         return self._sender.accept_sender(sender, self._clock())
 
     def write(self, data: bytes) -> None:
-        """Send to where the board sends from."""
+        """Send to the board's source address."""
         if self._board is not None:
             try:
                 self._socket.sendto(data, self._board)
@@ -191,26 +195,26 @@ class UdpPort:
 
 
 def _resolve_host(host: str, address: str) -> str:
-    """Return the address of a host; `BadInput` where nobody knows it."""
+    """Return the address of a host; raise `BadInput` if it is unknown."""
     try:
         return socket.gethostbyname(host)
     except (OSError, UnicodeError):
         raise BadInput(
-            f"'{address}' names {host}, whose address nobody knows; give it in numbers."
+            f"The host {host} in '{address}' is unknown; give its numeric address."
         ) from None
 
 
 def _explain_open_error(path: str, error: Exception) -> str:
-    """Return why a serial port cannot be opened and what to do."""
+    """Return why a serial port cannot be opened, with the remedy."""
     number = getattr(error, 'errno', None)
     if number == errno.ENOENT:
         found = ', '.join(sorted(port.device for port in list_ports.comports())) or 'none'
-        return f'There is no serial port {path}; plug the light board in (there are: {found}).'
+        return f'There is no serial port {path}; plug the light board in (available: {found}).'
     if number == errno.EACCES:
         return (
             f'You may not open {path}; join its group (sudo usermod -aG dialout $USER), '
             'log in again, and try again.'
         )
     if number in (errno.EAGAIN, errno.EBUSY) or 'exclusively lock' in str(error):
-        return f'{path} is in use by another program; stop it, since two would tear the stream.'
-    return f'{path} is no serial port that can be opened ({error}); give another.'
+        return f'{path} is in use by another program; stop it, since two would split the stream.'
+    return f'{path} cannot be opened as a serial port ({error}); give another.'

@@ -1,4 +1,4 @@
-"""lta reproduce: the seed paper, claim by claim."""
+"""lta reproduce: repeat the experiments of the seed paper and check its claims."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -35,9 +35,9 @@ LIST_HEADS = ('name', 'row', 'seeds', 'quick', 'claims', 'defects')
 
 def reproduce(
     names: Annotated[list[str] | None, typer.Argument(help='Rows; all by default.')] = None,
-    listed: Annotated[bool, typer.Option('--list', help='Tell the rows and run nothing.')] = False,
+    listed: Annotated[bool, typer.Option('--list', help='List the rows and run nothing.')] = False,
     quick: Annotated[
-        bool, typer.Option('--quick', help='Few seeds, what is long left out: under 3 minutes.')
+        bool, typer.Option('--quick', help='Few seeds, no long experiments: under 3 minutes.')
     ] = False,
     out: Annotated[
         Path | None,
@@ -55,16 +55,16 @@ def reproduce(
     json: Annotated[bool, typer.Option('--json', help='Print the figures as JSON.')] = False,
 ) -> None:
     """
-    Run every experiment of the seed paper, and say what agrees, what differs, and why.
+    Repeat every experiment of the seed paper; report what agrees, what differs, and why.
 
-    A row is a file in config/paper: the paper's claims and where they stand, what is measured, and
-    the rule by which a claim agrees, fixed before anything is run. One vehicle, one set of gains,
-    one lamp and one room serve all of them; what a row changes is listed.
+    A row is a file in config/paper with the paper's claims, their location in the paper, the
+    measured quantities, and the acceptance rule, fixed in advance. All rows use the same vehicle,
+    gains, lamp and room; exceptions are listed.
 
-    Rows are kept as they end: the same command goes on where it was. After a change of code or of
-    a row's file, what it concerns is run again.
+    Finished rows are stored, and repeating the command resumes. A change of the code or of a row's
+    file reruns the rows that it affects.
 
-    The results are a page, paper.json (SI units), and bags of the flights that are drawn.
+    Writes a page, paper.json (SI units) and bags of the plotted flights.
 
     Exit status 0: done, whatever agrees. 2: bad input. 130: Ctrl-C.
 
@@ -107,7 +107,7 @@ def reproduce(
 def gather_rows(
     order: ReproductionRequest, rows: Sequence[PaperRow], console: Console
 ) -> dict[str, StoredRow]:
-    """Return all rows, those that are kept taken up and the others studied."""
+    """Return the results of all rows: stored ones, and new ones for the rest."""
     kepts = read_stored_rows(order, rows)
     todo = [row for row in rows if row.name not in kepts]
     columns = (
@@ -124,7 +124,7 @@ def gather_rows(
 
 
 def build_row_table(rows: Sequence[PaperRow]) -> TextTable:
-    """Return what rows there are."""
+    """Return the table of the available rows."""
     body = [
         [
             row.name, f'{row.number}. {row.title}', str(seed_count(row, False)),

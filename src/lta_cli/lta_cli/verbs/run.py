@@ -1,4 +1,4 @@
-"""lta run: one executable, as `ros2 run` would."""
+"""lta run: run one executable like `ros2 run`."""
 
 import os
 import signal
@@ -24,6 +24,7 @@ def run(
     """
     path = find_executable(package, name)
     if package.startswith(OURS):
-        # Until our entry points listen for it, Ctrl-C would be a traceback out of the imports.
+        # Block SIGINT until the entry point installs its handler: Ctrl-C during the imports would
+        # print a traceback.
         signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     os.execv(path, [str(path), *(arguments or [])])

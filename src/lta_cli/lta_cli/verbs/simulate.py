@@ -1,4 +1,4 @@
-"""lta simulate: a whole flight in one process."""
+"""lta simulate: fly once in one process, without DDS."""
 
 from typing import Annotated
 
@@ -14,7 +14,7 @@ from lta_sim.simulated_vehicle import is_compiled
 import typer
 
 KNOWN = ', '.join(STRATEGIES)
-COMPILING = 'compiling the model, once: half a minute on a free machine'
+COMPILING = 'compiling the model (only the first time, about half a minute)'
 
 
 def simulate(
@@ -22,29 +22,29 @@ def simulate(
     scenario: Annotated[str, typer.Option(help='Scenario name or file.')] = 'lamp_room',
     strategy: Annotated[str, typer.Option(help=f'Navigation strategy: {KNOWN}.')] = 'bag',
     gains: Annotated[
-        str, typer.Option(help="Controller's gains, name or file; the vehicle's own by default.")
+        str, typer.Option(help="Controller gains, name or file; the vehicle's by default.")
     ] = '',
     seed: Annotated[int, typer.Option(help='Random seed.', min=0, max=2**31 - 1)] = 1,
     changes: Annotated[
         list[str] | None,
-        typer.Option('--set', metavar='PATH=VALUE', help='Fly with another value; repeatable.'),
+        typer.Option('--set', metavar='PATH=VALUE', help='Override a parameter; repeatable.'),
     ] = None,
     out: Out = None,
     bag: Annotated[bool, typer.Option(help='Record a bag and write its page.')] = True,
     json: Json = False,
 ) -> None:
     """
-    Fly in one process: the same cores in the same order as the graph, without DDS.
+    Fly in one process: the same algorithms in the same order as the graph, without DDS.
 
-    The bag has every topic that a lockstep flight repeats, byte for byte as "lta fly" with the
-    same seed records it; /clock and /diagnostics, which follow the wall clock, are not in it.
+    The bag matches that of "lta fly" with the same seed byte for byte, except for /clock and
+    /diagnostics, which depend on the wall clock and are left out.
 
-    --set replaces one parameter of a file by its path: vehicle.trim.heaviness=4 g,
-    scenario.air.wind=[0.2, 0, 0] m/s, scenario.air.wind.0=0.2 m/s (one of several numbers, from
-    0), gains.heading_kp=0.5; and of a node: mission.altitude=0.8. Roots are vehicle, scenario,
-    gains, mission, reserve (what to do at it), estimator, demodulator, prior (of the lamp) and
-    energy_monitor. Changed files are kept beside the bag. The drone is told of what is changed,
-    as if it stood in its files.
+    --set overrides a file's parameter by its path: vehicle.trim.heaviness=4 g,
+    scenario.air.wind=[0.2, 0, 0] m/s, scenario.air.wind.0=0.2 m/s (one element, counted from 0),
+    gains.heading_kp=0.5; or a node's: mission.altitude=0.8. Roots are vehicle, scenario, gains,
+    mission, reserve (action at low charge), estimator, demodulator, prior (lamp position) and
+    energy_monitor. Changed files are saved next to the bag. The drone's own model uses the
+    overridden values, too.
 
     Exit status 0: the drone reached its goal. 1: it did not. 2: bad input, nothing was flown.
 

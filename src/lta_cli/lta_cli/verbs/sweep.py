@@ -1,4 +1,4 @@
-"""lta sweep: many flights of one design."""
+"""lta sweep: fly a parameter sweep or a Monte Carlo study."""
 
 from collections import Counter
 import math
@@ -20,7 +20,7 @@ import typer
 
 
 def sweep(
-    file: Annotated[str, typer.Argument(help='A shipped name (heaviness) or a sweep file.')],
+    file: Annotated[str, typer.Argument(help='Shipped sweep (heaviness) or a sweep file.')],
     out: Annotated[
         Path | None,
         typer.Option(
@@ -34,43 +34,41 @@ def sweep(
     ] = None,
     scheduler: Annotated[
         str | None,
-        typer.Option(metavar='ADDRESS', help='Fly on the Dask cluster of this scheduler instead.'),
+        typer.Option(metavar='ADDRESS', help='Use the Dask cluster of this scheduler.'),
     ] = None,
     device: Annotated[
         Device | None,
-        typer.Option(help='Fly as one batch: on all cores (cpu-batch) or on a GPU (gpu).'),
+        typer.Option(help='Fly as one batch, on all cores (cpu-batch) or on a GPU (gpu).'),
     ] = None,
     duties: Annotated[
         str | None,
         typer.Option(
-            metavar='A,B,...', help='With --device: an open loop with this duty of each rotor.'
+            metavar='A,B,...', help='With --device: fly open loop with these rotor duties.'
         ),
     ] = None,
-    retry: Annotated[
-        bool, typer.Option('--retry-failed', help='Fly again what could not be flown.')
-    ] = False,
+    retry: Annotated[bool, typer.Option('--retry-failed', help='Repeat failed flights.')] = False,
     page: Annotated[bool, typer.Option(help='Write the page of the sweep.')] = True,
     json: Annotated[bool, typer.Option('--json', help='Print the summary as JSON.')] = False,
 ) -> None:
     """
-    Fly a grid or a Monte Carlo of scenarios, one process a processor, into one table and a page.
+    Fly a parameter grid or a Monte Carlo study in parallel; write one table and a page.
 
-    A sweep file names vehicle, scenario, strategy, gains and seeds, and what to vary: any
-    parameter by its path (see "lta simulate --help"), as a list of values or as a distribution
-    (normal, uniform, loguniform, choice) that is drawn "samples" times. Lists are combined, each
-    value with each; every point of that grid gets the same draws and seeds. The drone is told of
-    what is varied, as if it stood in its files. All is checked before the first flight.
+    A sweep file names vehicle, scenario, strategy, gains, seeds and the parameters to vary, by
+    path (see "lta simulate --help"): each a list of values or a distribution (normal, uniform,
+    loguniform, choice) sampled "samples" times. Lists form a full grid, and every grid point gets
+    the same samples and seeds. The drone's own model uses the varied values, too. Everything is
+    checked before the first flight.
 
-    Each flight is kept as it ends: a sweep that was stopped or killed goes on where it was when
-    the same command is given again. A flight that cannot be flown is kept with its seed and the
-    reason. flights.parquet has a row a flight, SI units and meanings with the columns.
+    Finished flights are stored, and repeating the command resumes a stopped sweep. Failed flights
+    are stored with their seed and the reason. flights.parquet has one row per flight, with SI
+    units and descriptions in the column metadata.
 
-    --device flies thousands of loops side by side, strategy bag only: the lamp is heard from
-    geometry and noise instead of ADC blocks, so that flights agree with the others in
-    distribution, not seed by seed. A batch tells no cruise and no errors of the estimator.
+    --device flies thousands of closed loops at once (strategy bag only). It models the received
+    lamp signal by geometry and noise instead of ADC blocks, so flights agree in distribution, not
+    seed by seed. A batch reports no cruise data and no estimator errors.
 
-    Exit status 0: all flights were flown. 1: some could not be. 2: bad input, nothing was flown.
-    130: Ctrl-C.
+    Exit status 0: all flights were flown. 1: some failed. 2: bad input, nothing was flown. 130:
+    Ctrl-C.
 
     Example: lta sweep heaviness --workers 2
     """
@@ -81,7 +79,7 @@ def sweep(
     try:
         done = sweep_once(order, console)
     except KeyboardInterrupt:
-        console.print('What was flown is kept; the same command goes on from there.')
+        console.print('Finished flights are stored; repeat the command to resume.')
         raise
     if json:
         print_json(sweep_to_dict(done))
@@ -91,13 +89,13 @@ def sweep(
 
 
 def parse_duties(text: str | None) -> tuple[float, ...]:
-    """Return the duties in a text; `BadInput` where they are none."""
+    """Parse rotor duties separated by commas, or raise `BadInput`."""
     try:
         found = tuple(float(word) for word in text.split(',')) if text else ()
     except ValueError:
         found = (math.nan,)
     if not all(-1.0 <= duty <= 1.0 for duty in found):
-        raise BadInput(f"The duties are '{text}'; give numbers from -1 to 1 with commas between.")
+        raise BadInput(f"The duties are '{text}'; give numbers from -1 to 1, separated by commas.")
     return found
 
 
@@ -106,13 +104,13 @@ def check_options(
 ) -> None:
     """Refuse options that exclude each other."""
     if duties and device is None:
-        raise BadInput('An open loop (--duties) is flown as a batch; add --device.')
+        raise BadInput('Open-loop duties (--duties) need batch mode; add --device.')
     if device is not None and (workers is not None or scheduler is not None):
-        raise BadInput('A batch (--device) needs no --workers and no --scheduler; leave them out.')
+        raise BadInput('--device excludes --workers and --scheduler; leave them out.')
 
 
 def sweep_to_dict(done: SweepRun) -> dict[str, object]:
-    """Return what --json prints."""
+    """Return the content of --json."""
     share = reached_share(done.rows)
     return {
         'flights': len(done.rows),
@@ -130,15 +128,15 @@ def sweep_to_dict(done: SweepRun) -> dict[str, object]:
 
 
 def print_summary(done: SweepRun, console: Console) -> None:
-    """Say what came out and where it is."""
+    """Print a summary and the paths of the results."""
     lines = [format_title(done.plan, done.rows)]
     if done.flown:
         rate = done.flown / done.wall
         lines.append(f'{done.flown} flights in {done.wall:.0f} s: {rate:.2f} flights/s.')
     else:
-        lines.append('All of it had been flown before.')
+        lines.append('All flights were already stored.')
     if done.deaths:
-        lines.append(f'{done.deaths} workers were lost; their flights were given to others.')
+        lines.append(f'{done.deaths} workers were lost; other workers flew their flights.')
     failures = Counter(row.sentence for row in done.rows if row.outcome == FAILED)
     for sentence, count in failures.most_common(3):
         lines.append(f'{count} failed: {sentence}')

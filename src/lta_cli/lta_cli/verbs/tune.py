@@ -1,4 +1,4 @@
-"""lta tune: gains over a spread of helium losses."""
+"""lta tune: tune controller gains over a range of helium losses."""
 
 from dataclasses import asdict
 import math
@@ -45,11 +45,11 @@ UNITS = {
 
 
 def parse_mass(text: str) -> float:
-    """Return a mass in kg."""
+    """Parse a mass in g or kg and return it in kg."""
     found = parse_quantity(text)
     factor = {'g': 1e-3, 'kg': 1.0}.get(found['unit']) if found else None
     if found is None or factor is None or not isinstance(found['value'], int | float):
-        raise typer.BadParameter(f"'{text}' is no mass; give one like '6 g'")
+        raise typer.BadParameter(f"'{text}' is not a mass; give one such as '6 g'")
     return float(found['value']) * factor
 
 
@@ -57,23 +57,25 @@ def tune(
     vehicle: Annotated[str, typer.Argument(help='Vehicle name or file.')] = 'gtmab',
     gains: Annotated[
         str | None,
-        typer.Option(help='Gains to start from, name or file; those of the vehicle by default.'),
+        typer.Option(help="Initial gains, name or file; the vehicle's by default."),
     ] = None,
     least: Annotated[
-        float, typer.Option(help='Least lift lost.', parser=parse_mass, metavar='MASS')
+        float, typer.Option(help='Smallest loss of lift.', parser=parse_mass, metavar='MASS')
     ] = '0 g',  # type: ignore[assignment]
     most: Annotated[
-        float, typer.Option(help='Most lift lost.', parser=parse_mass, metavar='MASS')
+        float, typer.Option(help='Largest loss of lift.', parser=parse_mass, metavar='MASS')
     ] = '6 g',  # type: ignore[assignment]
     cases: Annotated[
-        int, typer.Option(help='Losses over the spread; flights of each candidate.', min=1)
+        int, typer.Option(help='Losses in the range; flights of each candidate.', min=1)
     ] = 4,
     budget: Annotated[int, typer.Option(help='Candidates to fly.', min=1)] = 121,
-    draws: Annotated[int, typer.Option(help='Fresh draws that compare old and new.', min=2)] = 20,
+    draws: Annotated[
+        int, typer.Option(help='New random cases to compare old and new.', min=2)
+    ] = 20,
     numbers: Annotated[
         list[str] | None,
         typer.Option(
-            '--number', metavar='PATH', help='What to turn, as climb.kp; repeatable. All gains.'
+            '--number', metavar='PATH', help='Gain to tune, such as climb.kp; repeatable.'
         ),
     ] = None,
     seed: Annotated[int, typer.Option(help='Random seed.', min=0, max=2**31 - 1)] = 1,
@@ -86,7 +88,7 @@ def tune(
         Path | None,
         typer.Option(
             '--folder',
-            help='Folder of the search and the page; runs/tune-<name>-<hash> by default.',
+            help='Folder of the search log and the page; runs/tune-<name>-<hash> by default.',
             parser=parse_folder,
             metavar='FOLDER',
         ),
@@ -95,23 +97,23 @@ def tune(
     json: Json = False,
 ) -> None:
     """
-    Find controller gains that hold over a spread of lost helium, and say how firmly they do.
+    Tune controller gains that stay stable over a range of helium losses.
 
-    A candidate flies one examination a loss, in one process with the sensors' noise: take-off,
-    then steps of altitude, heading, forward speed, and a turn at speed; and one mission to the
-    lamp, which good steps alone do not promise. The drone is not told of the loss. Settling,
-    overshoot, steady error, swing (there, or growing by the linear loop), the work of the rotors
-    and the time of the mission make its cost; half the mean and half the worst over the losses
-    count. Covariance matrix adaptation searches the logarithms of the gains, within a factor of 6
-    and the bounds of their declaration. Limits stay as they are unless --number names them.
+    For each loss, a candidate flies a step-response test (take-off, then steps of altitude,
+    heading and forward speed, and a turn at speed) and one mission to the lamp, with sensor noise.
+    The controller does not know the loss. The cost combines settling time, overshoot, steady-state
+    error, oscillation (measured, or predicted by the linearised loop), rotor effort and mission
+    time; half its mean and half its maximum over the losses count. CMA-ES searches the logarithms
+    of the gains, within a factor of 6 and their declared bounds. Limits stay fixed unless --number
+    names them.
 
-    Old and new gains then fly the same fresh draws, which the search has not seen. Stability
-    margins of altitude, heading and speed come from the linearised loop, hovering and at 0.4 m/s;
-    the loss at which the gains stop holding is flown.
+    Old and new gains are then compared on new random cases that the search did not use. Stability
+    margins of altitude, heading and speed come from the linearised loop, in hover and at 0.4 m/s.
+    Flights determine the helium loss at which the gains fail.
 
-    Every candidate is kept as it ends: the same command goes on where a killed one was. Ctrl-C
-    ends the search and keeps the best so far. Nothing replaces the vehicle's own gains: copy the
-    file if it is better.
+    Every candidate is stored, and repeating the command resumes. Ctrl-C ends the search and keeps
+    the best candidate. The vehicle's own gains are not replaced: copy the new file if it is
+    better.
 
     Exit status 0: done. 2: bad input, nothing was flown. 130: Ctrl-C before the first candidate.
 
@@ -139,7 +141,7 @@ def tune(
 
 
 def tuning_to_dict(done: TuningResult, page: Path | None) -> Any:  # noqa: ANN401 - what JSON holds
-    """Return what --json prints."""
+    """Return the content of --json."""
     gap = compare_costs(done.old.flights, done.new.flights)
     return replace_nonfinite(
         {
@@ -159,7 +161,7 @@ def tuning_to_dict(done: TuningResult, page: Path | None) -> Any:  # noqa: ANN40
 
 
 def side_to_dict(side: GainSetResult) -> dict[str, object]:
-    """Return one set of gains and what is known of it."""
+    """Return the results of one set of gains as JSON data."""
     steps = {
         name: {
             figure: asdict(side.flights.summarize_step(k, figure))
@@ -196,13 +198,13 @@ def side_to_dict(side: GainSetResult) -> dict[str, object]:
 
 
 def print_summary(done: TuningResult, page: Path | None, console: Console) -> None:
-    """Say what came out and where it is."""
+    """Print a summary and the paths of the results."""
     lines = [format_title(done), f'{"":<40}{"old":<26}new']
     rows = build_benefit_rows(done) + build_limit_rows(done.old.limit, done.new.limit)
     lines += [f'{name:<40}{old:<26}{new}' for name, old, new in rows]
     if done.found.stopped:
         lines.append(
-            f'Stopped after {len(done.found.history)} candidates; the same command goes on.'
+            f'Stopped after {len(done.found.history)} candidates; repeat the command to resume.'
         )
     lines.append(f'Gains {relative_path(done.file)}')
     if page is not None:

@@ -1,4 +1,4 @@
-"""lta wind: the wind that each platform can fly in."""
+"""lta wind: compute each platform's wind limit."""
 
 from collections.abc import Sequence
 import math
@@ -49,15 +49,15 @@ def wind(
         float, typer.Option(help='Height of the reference wind in metres.', min=0.5, max=300.0)
     ] = 10.0,
     scenario: Annotated[
-        str, typer.Option(help='Where to fly; its wind is replaced, its turbulence stays.')
+        str, typer.Option(help='Scenario; its mean wind is replaced, its turbulence stays.')
     ] = 'windy_field',
     seeds: Annotated[
-        int, typer.Option(help='Flights at each wind; all must make way.', min=1, max=1000)
+        int, typer.Option(help='Flights at each wind; all must make headway.', min=1, max=1000)
     ] = 3,
     quick: Annotated[
         bool, typer.Option('--quick', help='One seed, two airspeeds, coarse steps.')
     ] = False,
-    fly: Annotated[bool, typer.Option(help='Fly; without it, limits from numbers alone.')] = True,
+    fly: Annotated[bool, typer.Option(help='Fly; with --no-fly, only static limits.')] = True,
     out: Annotated[
         Path | None,
         typer.Option(
@@ -69,17 +69,16 @@ def wind(
     json: Json = False,
 ) -> None:
     """
-    Tell the wind that each platform can fly in: uniform, and as reference wind over rough ground.
+    Report each platform's wind limit: uniform wind, and reference wind over rough ground.
 
-    Static: the airspeed that the rotors hold at constant height and heading, at which the hull
-    does not tumble, and at which it does not rise, nose up, whatever its rotors do. Flown: the
-    largest wind, from the lamp to the start, in which the drone still makes way to the lamp with
-    every seed, told to fly at the best of several airspeeds; only platforms that have a control
-    law fly.
+    Static limits: the airspeed that the rotors can hold at constant height and heading, and the
+    airspeeds above which the hull tumbles or rises nose-up regardless of its rotors. Flown limit:
+    the strongest headwind in which the drone still approaches the lamp with every seed, at the
+    best of several commanded airspeeds. Only platforms with a control law are flown.
 
-    A wind over rough ground is what a weather service would measure at the reference height; the
-    hull meets the part that the log law leaves at its own. Near the roughness itself that law is
-    a surrogate: compare several.
+    Wind over rough ground is given at the reference height, as a weather service measures it; the
+    log law yields the wind at the height of the hull. The log law is not accurate close to the
+    roughness length, so compare several.
 
     Exit status 0: done. 2: bad input. 130: Ctrl-C.
 
@@ -126,7 +125,7 @@ def write_results(
     limits: Sequence[PlatformWindLimits],
     request: WindStudyRequest,
 ) -> Path:
-    """Write results and page; return the page."""
+    """Write wind.json and the page; return the path of the page."""
     write_json(content, target / 'wind.json')
     return write_page(limits, request, target / 'report.html')
 
@@ -134,7 +133,7 @@ def write_results(
 def build_table(
     limits: Sequence[PlatformWindLimits], request: WindStudyRequest
 ) -> list[list[str]]:
-    """Return the table as text, its first row the head; winds in m/s."""
+    """Return the table of winds in m/s; the first row is the header."""
     head = ['', 'thrust', 'tumbles', 'rises', 'even', 'flown']
     for z in request.roughness:
         head += [f'z0 {z:g}', 'flown']
@@ -149,12 +148,12 @@ def build_table(
 
 
 def format_speed(value: float) -> str:
-    """Return a speed; a dash where there is no limit."""
+    """Format a speed; a dash means no limit."""
     return f'{value:.2f}' if math.isfinite(value) else '-'
 
 
 def format_flyable(limit: FlyableWind | None) -> str:
-    """Return a flown limit; a dash where nothing was flown."""
+    """Format a flown limit; a dash means not flown."""
     return '-' if limit is None else f'{limit.wind:.2f}'
 
 
@@ -164,13 +163,13 @@ def print_table(
     request: WindStudyRequest,
     console: Console,
 ) -> None:
-    """Print the table and what is missing in it."""
+    """Print the table and its notes."""
     printed = Table(
-        title='Flyable wind in m/s: by the numbers, and flown',
+        title='Wind limits in m/s: static and flown',
         title_justify='left', box=None, pad_edge=False, padding=(0, 1, 0, 0),
     )  # fmt: skip
     for column in rows[0]:
-        # Headings of two words may break; names and figures are read whole.
+        # Only headings of two words may wrap; names and numbers must stay on one line.
         printed.add_column(
             column,
             justify='right' if column else 'left',
@@ -181,15 +180,15 @@ def print_table(
         printed.add_row(*row)
     console.print(printed)
     console.print(
-        f'even: uniform wind. z0: wind at {request.reference:g} m over a roughness of so many '
-        f'metres, the hull at {request.height:g} m.',
+        f'even: uniform wind. z0: wind at {request.reference:g} m height over this roughness '
+        f'length in metres, with the hull at {request.height:g} m.',
         highlight=False,
     )
     for each in limits:
         if each.flown is not None:
             console.print(
-                f'{each.name}: in uniform wind it flew best when told {each.flown.airspeed:g} '
-                'm/s of airspeed.',
+                f'{each.name}: best commanded airspeed in uniform wind: '
+                f'{each.flown.airspeed:g} m/s.',
                 highlight=False,
             )
         if each.note:

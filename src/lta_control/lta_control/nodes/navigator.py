@@ -84,7 +84,7 @@ class Navigator(GraphNode):
         self._history.extend(odom for odom in step.messages['odom'] if not find_fault(odom))
         self._word = update_reserve_report(self._word, step)
         if not self._history and not self.lockstep:
-            return  # light may arrive before the first estimate; in lockstep every node must answer
+            return  # light may arrive before an estimate; in lockstep every node answers
         estimate = step.last_message('light/estimate')
         measured = to_measurement(self._history[-1]) if self._history else None
         altitude = None if measured is None or self._word is None else measured.altitude

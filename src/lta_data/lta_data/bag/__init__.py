@@ -1,4 +1,4 @@
-"""Reading recordings: bags as they are on the disk, and flights as aligned arrays."""
+"""Read recordings: bags, and flights as aligned arrays."""
 
 from lta_data.bag.info import BagInfo, summarize_bag
 from lta_data.bag.reader import Bag, read_bag

@@ -1,13 +1,10 @@
 """
-Several topics on one clock.
+Align several topics on one clock.
 
-Topics come at times of their own. On a common clock a column has either the newest value at each
-instant (`previous_weights`: what a program on board would have known) or the value on the line
-between its
-neighbours (`linear_weights`); quaternions go the shorter way round, at an even rate. Whole
-numbers, flags
-and texts are always the newest. Where a topic says nothing for longer than its gap, there is
-nothing: a gap is never bridged.
+Each topic has its own times. On a common clock a column has the latest value before each instant
+(`previous_weights`: what an onboard program would know), or is interpolated linearly
+(`linear_weights`); quaternions are interpolated by slerp. Integers, flags and texts always take
+the latest value. Gaps are never bridged: columns are empty where no message is near enough.
 """
 
 from collections.abc import Callable, Sequence
@@ -20,17 +17,17 @@ from lta_data.even_grid import is_grid_allowed
 import numpy as np
 from numpy.typing import NDArray
 
-DENSE: Final = 20.0  # rows of an even clock to a row of the recording, if they are many
-TINY: Final = 1e-8  # rad between quaternions, below which an arc is a line
-PERIODS: Final = 3.0  # of its own that a topic may be silent, where no gap is given
-LEFT_OUT: Final = ('clock.', 'stamp.')  # with headers and covariances
+DENSE: Final = 20.0  # rows of an even clock per recorded row, at most
+TINY: Final = 1e-8  # rad; for smaller angles slerp equals linear interpolation
+PERIODS: Final = 3.0  # default of the maximum gap, in periods of the topic
+LEFT_OUT: Final = ('clock.', 'stamp.')  # prefixes of columns without use on another clock
 
 Stamps = NDArray[np.int64]
 
 
 @final
 class SortedRows(NamedTuple):
-    """Rows of a topic in the order of their stamps, the last one of each stamp. [ns]"""
+    """Rows of a topic sorted by stamp, the last one of each stamp. [ns]"""
 
     stamps: Stamps
     rows: NDArray[np.intp]
@@ -39,10 +36,10 @@ class SortedRows(NamedTuple):
 @final
 class ResamplingWeights(NamedTuple):
     """
-    How rows make values at other times.
+    How to compute values at other times from rows.
 
-    `before` and `after` are the rows on both sides, `share` how far the instant is towards
-    `after`, and `known` tells where there is a value at all.
+    `before` and `after` are the neighbouring rows, `share` the relative position between them, and
+    `known` whether there is a value.
     """
 
     before: NDArray[np.intp]
@@ -52,7 +49,7 @@ class ResamplingWeights(NamedTuple):
 
 
 def previous_weights(rows: SortedRows, clock: Stamps, gap: float) -> ResamplingWeights:
-    """Return the newest row at each instant if it is no older than the gap. [ns]"""
+    """Return the latest row at each instant, if it is no older than the gap. [ns]"""
     index = np.searchsorted(rows.stamps, clock, side='right') - 1
     row = rows.rows[np.maximum(index, 0)]
     known = (index >= 0) & (clock - rows.stamps[np.maximum(index, 0)] <= gap)
@@ -60,7 +57,7 @@ def previous_weights(rows: SortedRows, clock: Stamps, gap: float) -> ResamplingW
 
 
 def linear_weights(rows: SortedRows, clock: Stamps, gap: float) -> ResamplingWeights:
-    """Return the rows around each instant if they are no farther apart than the gap. [ns]"""
+    """Return the rows around each instant, if they are no farther apart than the gap. [ns]"""
     last = len(rows.stamps) - 1
     left = np.searchsorted(rows.stamps, clock, side='right') - 1
     inside = np.clip(left, 0, last)
@@ -87,25 +84,24 @@ def align_tables(
     gap: float | None = None,
 ) -> RecordingTable:
     """
-    Return several topics as one table on one clock.
+    Align several topics to one clock.
 
     Parameters
     ----------
-    tables : sequence of Table
-        The topics, all with one start.
+    tables : sequence of RecordingTable
+        The topics, all with the same start.
     clock : ndarray of int64, shape (n,)
-        Stamps of the rows to make, in order. [ns]
+        Stamps of the new rows, in order. [ns]
     method : str
         'previous' or 'linear'.
     gap : float, optional
-        For how long a topic may be silent before its columns have nothing; by default three of
-        its own periods (the median). [s]
+        Maximum gap of a topic; three of its median periods by default. [s]
 
     Returns
     -------
-    Table
-        Columns are called 'odom/pose.pose.position.x'; stamps, headers and covariances are left
-        out. NaN, or '' of a text, where there is nothing.
+    RecordingTable
+        Columns named 'odom/pose.pose.position.x', without stamps, headers and covariances. NaN,
+        or '' for texts, in gaps.
 
     Raises
     ------
@@ -116,7 +112,7 @@ def align_tables(
     if method not in METHODS:
         raise unknown_name('method', method, list(METHODS))
     if gap is not None and not gap > 0.0:
-        raise BadInput(f'A gap of {gap} s leaves nothing; give one above zero.')
+        raise BadInput(f'The maximum gap {gap} s is not positive; give one above zero.')
     if not tables:
         raise BadInput('No topics to align; name at least one.')
     data: dict[str, NDArray[Any]] = {}
@@ -132,7 +128,7 @@ def align_tables(
 
 
 def sort_rows(stamps: Stamps) -> SortedRows:
-    """Return rows in the order of their stamps, the last one of each stamp."""
+    """Sort rows by stamp, keeping the last one of each stamp."""
     order = np.argsort(stamps, kind='stable')
     if not len(order):
         return SortedRows(stamps, order)
@@ -141,16 +137,16 @@ def sort_rows(stamps: Stamps) -> SortedRows:
 
 
 def maximum_gap(rows: SortedRows, gap: float | None) -> float:
-    """Return for how long a topic may be silent. [ns]"""
+    """Return the maximum gap of a topic. [ns]"""
     if gap is not None:
         return gap * 1e9
     return PERIODS * float(np.median(np.diff(rows.stamps))) if len(rows.stamps) > 1 else np.inf
 
 
 def build_even_clock(tables: Sequence[RecordingTable], rate: float) -> Stamps:
-    """Return an even clock from the first row to the last one of some tables; rate in Hz. [ns]"""
+    """Return an even clock over all rows of some tables; rate in Hz. [ns]"""
     if not 0.0 < rate <= 1e6:
-        raise BadInput(f'A rate of {rate} Hz makes no clock; give one above zero, up to 1e6.')
+        raise BadInput(f'The rate {rate} Hz is out of range; give one above zero, up to 1e6.')
     stamps = [table.stamp_ns for table in tables if len(table)]
     if not stamps:
         return np.empty(0, np.int64)
@@ -159,9 +155,10 @@ def build_even_clock(tables: Sequence[RecordingTable], rate: float) -> Stamps:
     last = (max(int(each.max()) for each in stamps) - start) * 1e-9
     if not is_grid_allowed((last - first) * rate, sum(map(len, stamps)), DENSE):
         raise BadInput(
-            f'The stamps reach over {last - first:.0f} s, too far for a clock of {rate:g} Hz; '
-            'give a lower rate, or see with `lta bag check` whether a clock was set meanwhile.'
+            f'The stamps span {last - first:.0f} s, too long for a clock of {rate:g} Hz; give a '
+            'lower rate, or check with `lta bag check` whether a clock was set while recording.'
         )
+    # The tolerance keeps end points that are off by rounding.
     steps = np.arange(np.ceil(first * rate - 1e-6), np.floor(last * rate + 1e-6) + 1)
     return start + np.rint(steps * (1e9 / rate)).astype(np.int64)
 
@@ -169,7 +166,7 @@ def build_even_clock(tables: Sequence[RecordingTable], rate: float) -> Stamps:
 def resample_columns(
     table: RecordingTable, weights: ResamplingWeights | None, count: int
 ) -> dict[str, NDArray[Any]]:
-    """Return the columns of a table at other times, shape (n, ...), empty where nothing is."""
+    """Return the columns of a table at other times, shape (n, ...); empty in gaps."""
     found = {}
     turns = {f'{turn}.{axis}': turn for turn in table.quaternions for axis in AXES}
     turned: dict[str, NDArray[np.float64]] = {}
@@ -190,7 +187,7 @@ def resample_columns(
 
 
 def interpolate_values(values: NDArray[Any], weights: ResamplingWeights) -> NDArray[Any]:
-    """Return a column, shape (m, ...), at other times, shape (n, ...)."""
+    """Resample a column of shape (m, ...) to shape (n, ...)."""
     found = values[weights.before]
     if values.dtype.kind == 'f':
         between = weights.share > 0.0
@@ -205,11 +202,11 @@ def interpolate_values(values: NDArray[Any], weights: ResamplingWeights) -> NDAr
 def interpolate_quaternions(
     turns: NDArray[np.float64], weights: ResamplingWeights
 ) -> NDArray[np.float64]:
-    """Return quaternions, shape (n, 4), at other times: the shorter way round at an even rate."""
+    """Interpolate quaternions by slerp along the shorter arc, shape (n, 4)."""
     found = turns[weights.before]
     between = weights.share > 0.0
     one, other, share = found[between], turns[weights.after[between]], weights.share[between]
-    with np.errstate(invalid='ignore'):  # the zero quaternion, which nobody filled in, is NaN
+    with np.errstate(invalid='ignore'):  # an unfilled zero quaternion becomes NaN
         one = one / np.linalg.norm(one, axis=1, keepdims=True)
         other = other / np.linalg.norm(other, axis=1, keepdims=True)
     cosine = np.einsum('ij,ij->i', one, other)

@@ -1,4 +1,4 @@
-"""Which files a bag is made of, and what its metadata.yaml tells."""
+"""Find the files of a bag and read its metadata.yaml."""
 
 from pathlib import Path
 from typing import Final
@@ -7,27 +7,23 @@ from lta_config.errors import BadInput
 from lta_config.files import load_yaml
 
 ADVICE = 'give a rosbag2 folder or an .mcap file'
-MOST_ABSENT = 20
-IN_SQLITE: Final = 'a bag in SQLite; read it in with `lta import`'
-PACKED: Final = 'compressed as a whole; unpack it with `zstd -d` first'
+MOST_ABSENT = 20  # missing files that are listed
+IN_SQLITE: Final = 'a bag in SQLite; convert it with `lta import`'
+PACKED: Final = 'compressed as a whole; decompress it with `zstd -d` first'
 OTHER_FORMATS: Final = {
     b'SQLite format 3\0': IN_SQLITE,
-    b'#ROSBAG V': 'a bag of ROS 1; read it in with `lta import`',
-    b'ULog\x01\x12\x35': 'a log of PX4; read it in with `lta import`',
+    b'#ROSBAG V': 'a ROS 1 bag; convert it with `lta import`',
+    b'ULog\x01\x12\x35': 'a PX4 log; convert it with `lta import`',
     b'\x28\xb5\x2f\xfd': PACKED,
 }
 
 
 def find_bag_files(path: Path, described: dict[str, object] | None = None) -> list[Path]:
     """
-    Return the MCAP files of a bag in the order in which they were recorded.
+    Return the MCAP files of a bag in the order of recording.
 
-    Parameters
-    ----------
-    path : Path
-        A rosbag2 folder, or one .mcap file.
-    described : dict, optional
-        The folder's `read_metadata`, if it has been read.
+    `path` is a rosbag2 folder or one .mcap file; `described` is the folder's `read_metadata`, if
+    it has been read.
 
     Raises
     ------
@@ -47,11 +43,11 @@ def find_bag_files(path: Path, described: dict[str, object] | None = None) -> li
         raise BadInput(f"'{path}' is {IN_SQLITE}.")
     if any(path.glob('*.mcap.zst*')):
         raise BadInput(f"'{path}' is {PACKED}.")
-    raise BadInput(f"'{path}' holds no recording; {ADVICE}.")
+    raise BadInput(f"'{path}' contains no recording; {ADVICE}.")
 
 
 def wrong_format_error(file: Path, head: bytes) -> BadInput:
-    """Return the error for a file that does not begin as MCAP, by what it is instead."""
+    """Return the error for a file that is not MCAP, with its actual format if known."""
     if not head:
         return BadInput(f"'{file}' is empty; nothing was recorded.")
     for magic, found in OTHER_FORMATS.items():
@@ -61,7 +57,7 @@ def wrong_format_error(file: Path, head: bytes) -> BadInput:
 
 
 def find_bag(folder: Path) -> Path:
-    """Return the bag of a flight's results folder; any other path stands for itself."""
+    """Return the bag of a flight's results folder; any other path is returned unchanged."""
     inside = folder / 'bag'
     return inside if inside.is_dir() and not (folder / 'metadata.yaml').exists() else folder
 
@@ -72,17 +68,17 @@ def natural_sort_key(path: Path) -> tuple[int, str]:
 
 
 def read_metadata(folder: Path) -> dict[str, object]:
-    """Return `rosbag2_bagfile_information` of metadata.yaml; empty where there is none to use."""
+    """Return `rosbag2_bagfile_information` of metadata.yaml; empty if unusable."""
     try:
         content = load_yaml(folder / 'metadata.yaml')
-    except BadInput:  # the recording itself tells the same
+    except BadInput:  # the MCAP file contains the same information
         return {}
     found = content.get('rosbag2_bagfile_information') if isinstance(content, dict) else None
     return found if isinstance(found, dict) else {}
 
 
 def find_listed_files(folder: Path, described: dict[str, object]) -> list[Path]:
-    """Return the files that metadata.yaml lists, if it does and all of them are there."""
+    """Return the files that metadata.yaml lists, if all of them exist."""
     names = described.get('relative_file_paths')
     if not isinstance(names, list):
         return []
@@ -94,13 +90,13 @@ def find_listed_files(folder: Path, described: dict[str, object]) -> list[Path]:
 
 
 def find_message_compression(described: dict[str, object]) -> str:
-    """Return how each message is compressed by itself; empty where none is."""
+    """Return the compression of single messages; empty if there is none."""
     mode = str(described.get('compression_mode') or '').lower()
     return str(described.get('compression_format') or '') if mode == 'message' else ''
 
 
 def describe_absent_files(folder: Path, described: dict[str, object]) -> list[str]:
-    """Return a sentence for each file that metadata.yaml lists and the folder lacks."""
+    """Return a sentence for each file that metadata.yaml lists but is missing."""
     names = described.get('relative_file_paths')
     inside = [Path(str(name)).name for name in names] if isinstance(names, list) else []
     return [
@@ -111,7 +107,7 @@ def describe_absent_files(folder: Path, described: dict[str, object]) -> list[st
 
 
 def extract_provenance(described: dict[str, object]) -> dict[str, str]:
-    """Return the `custom_data` of `rosbag2_bagfile_information`; empty where there is none."""
+    """Return the `custom_data` of `rosbag2_bagfile_information`; empty if there is none."""
     found = described.get('custom_data')
     if not isinstance(found, dict):
         return {}

@@ -1,10 +1,10 @@
 """
-Where each value stands in a serialised message, worked out once for all messages alike.
+Derive the layout of serialised messages, once for all messages with the same layout.
 
-In CDR (DDS-XTypes' XCDR1, what ROS 2 sends) a number stands at a multiple of its size, counted
-from behind the four bytes of encapsulation. So two messages of one type have the same layout if
-they are as long, in the same byte order, and each text and each sequence in them is as long as in
-the other. All such messages, one below the other, are one numpy array of a structured type.
+In CDR (DDS-XTypes' XCDR1, as used by ROS 2) a number is aligned to its size, counted from behind
+the four bytes of encapsulation. So two messages of one type have the same layout if they have the
+same length and byte order, and all texts and sequences have the same lengths. Such messages,
+stacked as rows, are one numpy array of a structured type.
 """
 
 from collections.abc import Callable, Sequence
@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 from rosbags.interfaces import Nodetype
 
 ENCAPSULATION: Final = 4  # bytes before the message
-FILL: Final = 3  # bytes at most behind the message, to a multiple of four
-ORDERS: Final = {b'\x00\x00': '>', b'\x00\x01': '<'}  # by the encapsulation's first two bytes
-CODES: Final = {  # numpy's, by ROS's name of the type
+FILL: Final = 3  # largest padding behind the message, to a multiple of four bytes
+ORDERS: Final = {b'\x00\x00': '>', b'\x00\x01': '<'}  # representation identifier -> byte order
+CODES: Final = {  # ROS type -> numpy type
     'bool': '?',
     'byte': 'i1',
     'char': 'u1',
@@ -36,7 +36,7 @@ CODES: Final = {  # numpy's, by ROS's name of the type
     'float64': 'f8',
 }
 TEXT: Final = 'S'
-MOST_LEAVES: Final = 4096  # A message of more parts is as quickly read by itself.
+MOST_LEAVES: Final = 4096  # larger messages are read just as fast one by one
 
 Description = tuple[Any, Any]  # as rosbags describes a field's type
 Fields = Callable[[str], Sequence[tuple[str, Description]]]
@@ -46,8 +46,8 @@ class CdrLeaf(NamedTuple):
     """
     One value or array in a message.
 
-    `code` is its type as numpy names it, without byte order; `offset` counts from the first byte
-    of the encapsulation; `length` is that of an array or of a text, None of a single number.
+    `code` is its numpy type without byte order; `offset` counts from the first byte of the
+    encapsulation; `length` is that of an array or text, None for a single number.
     """
 
     path: str
@@ -57,7 +57,7 @@ class CdrLeaf(NamedTuple):
 
 
 class LayoutMismatch(Exception):
-    """A message that its own definition does not describe, or that is not worth a layout."""
+    """A message that does not fit its definition, or is too large for a layout."""
 
 
 @final
@@ -71,15 +71,15 @@ class CdrLayout:
     size : int
         Of the whole message. [bytes]
     order : str
-        Byte order as numpy writes it.
-    leaves : list of Leaf
+        Byte order in numpy's notation.
+    leaves : list of CdrLeaf
         What becomes columns, in the order of the definition.
-    packed : list of Leaf
-        Arrays of bytes, which do not: the data of images and point clouds.
+    packed : list of CdrLeaf
+        Byte arrays, which do not become columns: data of images and point clouds.
     lengths : list of tuple of 2 int
         Offset and value of each length word.
     ends : list of int
-        Offsets of the zeros behind texts.
+        Offsets of the terminating zeros of texts.
 
     """
 
@@ -91,7 +91,7 @@ class CdrLayout:
     ends: list[int] = field(default_factory=list)
 
     def find_matches(self, table: NDArray[np.uint8]) -> NDArray[np.bool_]:
-        """Tell which of some messages of this size, shape (n, size), have this layout."""
+        """Return which messages of this size, shape (n, size), have this layout."""
         fits = np.ones(len(table), dtype=np.bool_)
         for offset, value in self.lengths:
             fits &= self.extract_values(table, CdrLeaf('', 'u4', offset, None)) == value
@@ -101,14 +101,12 @@ class CdrLayout:
 
     def extract_values(self, table: NDArray[np.uint8], leaf: CdrLeaf) -> NDArray[Any]:
         """
-        Return a leaf of messages that have this layout, as a view.
+        Return a leaf, other than a text, of messages with this layout, as a view.
 
         Parameters
         ----------
         table : ndarray of uint8, shape (n, size)
-            The messages, one a row; each row without gaps.
-        leaf : Leaf
-            Any but a text.
+            One message per row; each row contiguous.
 
         Returns
         -------
@@ -129,12 +127,10 @@ class CdrLayout:
 
 def derive_layout(type_name: str, data: bytes, fields: Fields) -> CdrLayout:
     """
-    Return the layout of a message.
+    Derive the layout of a message.
 
     Parameters
     ----------
-    type_name : str
-        Of the message.
     data : bytes
         The message as CDR with its encapsulation.
     fields : callable
@@ -142,8 +138,8 @@ def derive_layout(type_name: str, data: bytes, fields: Fields) -> CdrLayout:
 
     Raises
     ------
-    Misfit
-        If the message does not fit the definition; reading it as an object tells why.
+    LayoutMismatch
+        If the message does not fit the definition; decoding it as an object gives the reason.
 
     """
     order = ORDERS.get(data[:2])
@@ -162,17 +158,17 @@ def derive_layout(type_name: str, data: bytes, fields: Fields) -> CdrLayout:
 
 @final
 class LayoutParser:
-    """Goes through one message and notes what stands where."""
+    """Parses one message and records the offset of each field."""
 
     def __init__(self, layout: CdrLayout, data: bytes, fields: Fields) -> None:
-        self.at = 0  # behind the encapsulation
+        self.at = 0  # offset behind the encapsulation, from which CDR aligns
         self._layout = layout
         self._data = data
         self._fields = fields
         self._word = struct.Struct(layout.order + 'I')
 
     def parse_message(self, type_name: str, path: str, is_column: bool) -> None:
-        """Go through a message or a part of it."""
+        """Parse a message or a nested message."""
         for name, described in self._fields(type_name):
             inside = f'{path}.{name}' if path else name
             self._parse_field(described, inside, is_column and is_field(name))
@@ -231,7 +227,7 @@ class LayoutParser:
         self.at += -self.at % size
 
     def _add_leaf(self, leaf: CdrLeaf, size: int, is_column: bool) -> None:
-        """Step over a leaf."""
+        """Add a leaf and advance behind it."""
         self.at += size
         leaves = self._layout.leaves
         if self.at + ENCAPSULATION > len(self._data) or len(leaves) >= MOST_LEAVES:

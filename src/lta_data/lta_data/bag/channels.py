@@ -1,11 +1,11 @@
 """
-Every quantity of a flight as one named channel: what comparing, checking and plotting work on.
+Convert every quantity of a flight to a named channel, for comparison, checks and plots.
 
-A channel is named by its topic and field, `odom/pose.pose.position.x`. What people read otherwise
-is turned into that: a quaternion into yaw, pitch and roll (`odom/pose.pose.orientation.yaw`), a
-list of joints into one channel a joint (`motors/effort.left`), a point list into one a point
-(`light/peaks/snr[3]`), an ADC block into mean, spread and extremes of each diode. A quantity that
-its message declares unknown (ROS: the first element of its covariance is -1) is NaN there.
+A channel is named by topic and field, `odom/pose.pose.position.x`. Some fields are converted:
+quaternions to yaw, pitch and roll (`odom/pose.pose.orientation.yaw`), joint lists to one channel
+per joint (`motors/effort.left`), point lists to one per point (`light/peaks/snr[3]`), ADC blocks
+to mean, standard deviation, minimum and maximum of each diode. A quantity that its message
+declares unknown (in ROS, the first element of its covariance is -1) is NaN.
 """
 
 from collections.abc import Callable, Collection, Iterator
@@ -46,13 +46,13 @@ class SignalChannel:
     name : str
         Topic and field, 'odom/pose.pose.position.x'.
     unit : str
-        Of the values; '' where nobody says.
+        Unit of the values; '' if unknown.
     time : ndarray, shape (n,)
         Since the start of the flight, in the order of recording. [s]
     values : ndarray of float64, shape (n,)
         NaN where a message lacks the field.
     angular : bool
-        Whether values 2 pi apart mean the same.
+        Whether values 2 pi apart are equal.
 
     """
 
@@ -64,12 +64,12 @@ class SignalChannel:
 
     @property
     def topic(self) -> str:
-        """The topic, relative to the robot where it is one of the robot's."""
+        """The topic; relative to the robot for the robot's topics."""
         return self.name.rpartition('/')[0]
 
     @property
     def field(self) -> str:
-        """The field, as the channel names it."""
+        """The field, as in the channel's name."""
         return self.name.rpartition('/')[2]
 
 
@@ -77,23 +77,14 @@ def iterate_channels(
     flight: RecordedFlight, topic: str, series: TopicSeries | None = None
 ) -> Iterator[SignalChannel]:
     """
-    Yield the channels of one topic of a flight.
+    Yield the channels of one topic, without stamps, covariances and texts.
 
-    Stamps, covariances and texts are left out.
-
-    Parameters
-    ----------
-    flight : Flight
-        The recording of one robot.
-    topic : str
-        Relative to the robot ('odom') or absolute.
-    series : Series, optional
-        Its messages, where they have been read with those of other topics.
+    `series` are its messages, if they have been read together with other topics.
 
     Raises
     ------
     BadInput
-        If the topic is not there or cannot be decoded.
+        If the topic is missing or cannot be decoded.
 
     """
     kind = flight.message_type(topic)
@@ -109,10 +100,10 @@ def iterate_channels(
 
 def read_topics(flight: RecordedFlight, topics: Collection[str]) -> dict[str, TopicSeries]:
     """
-    Return the messages of all topics of numbers from one pass over the bag.
+    Read all numeric topics in one pass over the bag.
 
-    Images and point clouds are not among them; nothing is where one topic cannot be decoded, which
-    `iterate_channels` then tells of that topic.
+    Images and point clouds are excluded. The result is empty if one topic cannot be decoded; then
+    `iterate_channels` raises the error for that topic.
     """
     plain = [topic for topic in topics if flight.message_type(topic) not in (IMAGE, CLOUD)]
     try:
@@ -124,7 +115,7 @@ def read_topics(flight: RecordedFlight, topics: Collection[str]) -> dict[str, To
 def _iterate_series_channels(
     series: TopicSeries, topic: str, kind: str
 ) -> Iterator[SignalChannel]:
-    """Yield the channels of messages of numbers."""
+    """Yield the channels of numeric messages."""
     turned = {path.removesuffix('.w') for path in series.numbers if path.endswith('.w')}
     for path in sorted(turned):
         found = to_euler_angles(
@@ -141,7 +132,7 @@ def _iterate_series_channels(
 
 
 def _find_valid_messages(series: TopicSeries, path: str) -> NDArray[np.bool_]:
-    """Tell for each message whether it knows the quantity, by the covariance beside it."""
+    """Return for each message whether the quantity is known, by its covariance."""
     first = path.split('.')[0]
     known = np.ones(len(series), dtype=np.bool_)
     for beside in (f'{first}_covariance[0]', f'{first}.covariance[0]'):
@@ -151,7 +142,7 @@ def _find_valid_messages(series: TopicSeries, path: str) -> NDArray[np.bool_]:
 
 
 def _resolve_joint_name(series: TopicSeries, path: str) -> str:
-    """Return the path of a joint's element with the joint's name, where it keeps it."""
+    """Return the path of a joint's element with the joint's name, if that is constant."""
     element = _ELEMENT.fullmatch(path)
     if element is None:
         return path
@@ -161,13 +152,13 @@ def _resolve_joint_name(series: TopicSeries, path: str) -> str:
 
 
 def _iterate_block_channels(flight: RecordedFlight, topic: str) -> Iterator[SignalChannel]:
-    """Yield what each column of blocks comes to, at the time of the block."""
+    """Yield the statistics of each column of the blocks, at the time of the block."""
     blocks = flight.read_blocks(topic)
-    if not len(blocks.time):  # announced, and nothing came
+    if not len(blocks.time):  # topic without messages
         return
     unit = find_unit(IMAGE, 'data', topic)
     for what, reduced in BLOCK.items():
-        # Block by block: all of them as float64 would be four times the recording.
+        # Block by block, to save memory: float64 is four times as large as the ADC samples.
         rows = [reduced(block, axis=0) for block in blocks.samples]
         table = np.array(rows, dtype=np.float64).reshape(len(rows), -1)
         for index, column in enumerate(table.T):
@@ -184,7 +175,7 @@ def _iterate_point_channels(flight: RecordedFlight, topic: str) -> Iterator[Sign
 
 
 class DecodedChannels(NamedTuple):
-    """Channels by name, and a sentence for each topic that could not be decoded."""
+    """Channels by name, and a remark for each topic that could not be decoded."""
 
     channels: dict[str, SignalChannel]
     remarks: list[str]

@@ -1,8 +1,8 @@
 """
-From the messages of a topic to columns, without an object for each message.
+Convert the messages of a topic to columns without an object per message.
 
-Messages are taken in batches. Those of one layout become columns together; what hardly any other
-message is like is read as objects. What comes out is the same either way.
+Messages are read in batches. Those with the same layout become columns together; rare layouts are
+decoded as objects. The result is the same either way.
 """
 
 from collections import defaultdict
@@ -17,10 +17,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 BATCH_MESSAGES: Final = 4096
-BATCH_BYTES: Final = 1 << 24
-NEW_LAYOUTS: Final = 16  # worked out in a batch at most; what else is new is read as objects
-MOST_KNOWN: Final = 64  # layouts of one length to remember
-KINDS: Final = {'i': np.int64, 'u': np.int64, 'f': np.float64}  # of single numbers, as Python's
+BATCH_BYTES: Final = 1 << 24  # a batch ends at either limit
+NEW_LAYOUTS: Final = 16  # new layouts per batch; further ones are decoded as objects
+MOST_KNOWN: Final = 64  # cached layouts per message length
+KINDS: Final = {
+    'i': np.int64,
+    'u': np.int64,
+    'f': np.float64,
+}  # types of single numbers, as from Python numbers
 
 
 class MessageColumns(NamedTuple):
@@ -30,9 +34,9 @@ class MessageColumns(NamedTuple):
     Attributes
     ----------
     numbers, texts : dict of str to ndarray, shape (n,)
-        As `columns` returns them.
+        As `columns.build_columns` returns them.
     stamps : ndarray of int64, shape (n,)
-        0 where a message has no stamp. [ns]
+        0 for a message without a stamp. [ns]
     logged : list of int
         Log times. [ns]
 
@@ -45,7 +49,7 @@ class MessageColumns(NamedTuple):
 
 
 class MessageType(NamedTuple):
-    """A message type: its name, the fields of any type, and how a message becomes an object."""
+    """A message type: its name, the fields of any type, and the decoder."""
 
     name: str
     fields: Fields
@@ -54,15 +58,7 @@ class MessageType(NamedTuple):
 
 @final
 class ColumnBuilder:
-    """
-    Columns in the making: `add_message` each message, then `flush_columns`.
-
-    Parameters
-    ----------
-    typed : Typed
-        What the messages are.
-
-    """
+    """Builds columns: call `add_message` for each message, then `flush_columns`."""
 
     def __init__(self, typed: MessageType) -> None:
         self._typed = typed
@@ -74,13 +70,13 @@ class ColumnBuilder:
         self._stamps: list[NDArray[np.int64]] = []
 
     def __len__(self) -> int:
-        """Return the number of messages taken since the last result."""
+        """Return the number of messages added since the last flush."""
         return len(self._logged)
 
     def add_message(self, log_time: int, data: bytes) -> None:
-        """Take a message; `BadInput` if one that is waiting cannot be read."""
+        """Add a message; raise `BadInput` if a pending one cannot be decoded."""
         if not self._logged:
-            self._typed.decode(data)  # refuses what is no CDR, whatever its bytes look like
+            self._typed.decode(data)  # decode the first message to detect invalid CDR early
         self._logged.append(log_time)
         self._waiting.append(data)
         self._bytes += len(data)
@@ -88,7 +84,7 @@ class ColumnBuilder:
             self._read_pending()
 
     def flush_columns(self) -> MessageColumns:
-        """Return the columns of all that was taken, and start anew; errors as `add_message`."""
+        """Return the columns of all messages and reset; errors as `add_message`."""
         self._read_pending()
         numbers, texts = merge_columns(self._columns, len(self._logged))
         stamps = np.concatenate([np.empty(0, np.int64), *self._stamps])
@@ -97,7 +93,7 @@ class ColumnBuilder:
         return found
 
     def _read_pending(self) -> None:
-        """Turn what is waiting into pieces of columns."""
+        """Convert the pending messages to pieces of columns."""
         batch, self._waiting, self._bytes = self._waiting, [], 0
         begin = len(self._logged) - len(batch)
         stamps = np.zeros(len(batch), np.int64)
@@ -120,8 +116,8 @@ class ColumnBuilder:
         """
         Read messages of one length and byte order.
 
-        Adds layouts to `known` and what is left to `odd`; returns how many layouts may still be
-        new.
+        New layouts are added to `layouts`, undecodable messages to `odd`. Return the remaining
+        budget for new layouts.
         """
         for layout in list(layouts):
             part = self._read_matching(layout, part)
@@ -145,7 +141,7 @@ class ColumnBuilder:
     def _read_matching(
         self, layout: CdrLayout, part: 'EqualLengthMessages'
     ) -> 'EqualLengthMessages':
-        """Read the messages that have a layout and return the others."""
+        """Read the messages that match a layout and return the others."""
         if not len(part.indices):
             return part
         fits = layout.find_matches(part.table)
@@ -154,7 +150,7 @@ class ColumnBuilder:
             try:
                 self._add_columns(layout, read)
             except UnicodeDecodeError:
-                return part  # reading them as objects tells which
+                return part  # decoding as objects finds the invalid text
         return part.select(~fits)
 
     def _add_columns(self, layout: CdrLayout, part: 'EqualLengthMessages') -> None:
@@ -168,7 +164,7 @@ class ColumnBuilder:
     def _read_objects(
         self, begin: int, stamps: NDArray[np.int64], batch: Sequence[bytes], odd: Sequence[int]
     ) -> None:
-        """Read messages one by one."""
+        """Decode messages one by one."""
         alike: dict[tuple[str, int], tuple[list[int], list[Any], tuple[int, int]]] = {}
         for index in odd:
             message = self._typed.decode(batch[index])
@@ -191,10 +187,10 @@ class ColumnBuilder:
 @final
 class EqualLengthMessages(NamedTuple):
     """
-    Some messages of one length out of a batch.
+    Some messages of one length in a batch.
 
     `begin` is the number of the batch's first message, `stamps` those of the whole batch,
-    `indices` which of the batch these are, and `table` their bytes, shape (n, size).
+    `indices` the positions of these messages in it, and `table` their bytes, shape (n, size).
     """
 
     begin: int
@@ -204,7 +200,7 @@ class EqualLengthMessages(NamedTuple):
 
     @property
     def rows(self) -> Rows:
-        """The numbers of these messages in the topic."""
+        """The row numbers of these messages in the topic."""
         first, last = int(self.indices[0]), int(self.indices[-1])
         if last - first + 1 == len(self.indices):
             return slice(self.begin + first, self.begin + last + 1)
@@ -216,13 +212,13 @@ class EqualLengthMessages(NamedTuple):
 
 
 def stack_messages(batch: Sequence[bytes], indices: Sequence[int]) -> NDArray[np.uint8]:
-    """Return messages of one length below each other, shape (n, length)."""
+    """Stack messages of one length, shape (n, length)."""
     whole = np.frombuffer(b''.join([batch[index] for index in indices]), np.uint8)
     return whole.reshape(len(indices), -1 if len(whole) else 0)
 
 
 def extract_leaf(layout: CdrLayout, table: NDArray[np.uint8], leaf: CdrLeaf) -> NDArray[Any]:
-    """Return a leaf of some messages as `columns` would: in memory of its own, native."""
+    """Return a copy of a leaf in native byte order, with the types of `build_columns`."""
     if leaf.code == TEXT:
         return decode_texts(table[:, leaf.offset : leaf.offset + (leaf.length or 0)])
     if leaf.code == '?':
@@ -235,16 +231,17 @@ def extract_leaf(layout: CdrLayout, table: NDArray[np.uint8], leaf: CdrLeaf) -> 
 
 
 def decode_texts(letters: NDArray[np.uint8]) -> NDArray[Any]:
-    """Return texts of one length in bytes, shape (n, length), as one array of texts."""
+    """Decode texts of equal byte length, shape (n, length), to an array of texts."""
     if not letters.shape[1] or (letters == letters[0]).all():
         return np.full(len(letters), letters[0].tobytes().decode())
     kind = f'S{letters.shape[1]}'
+    # Decode each distinct text only once.
     found, which = np.unique(np.ascontiguousarray(letters).view(kind)[:, 0], return_inverse=True)
     return np.array([each.decode() for each in found.tolist()])[which]
 
 
 def extract_stamps(layout: CdrLayout, values: Sequence[NDArray[Any]]) -> NDArray[np.int64] | int:
-    """Return the stamps of messages of one layout, 0 where they have none. [ns]"""
+    """Return the stamps of messages with one layout, 0 without a stamp. [ns]"""
     by_path = {leaf.path: column for leaf, column in zip(layout.leaves, values, strict=True)}
     place = find_stamp_path(by_path)
     if place is None:

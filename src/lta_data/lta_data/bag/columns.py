@@ -1,7 +1,7 @@
 """
-From a list of messages to one array per field.
+Convert a list of messages to one array per field.
 
-The plain way, object by object. `gather` does the same for whole topics at a time.
+This is the simple way, object by object. `column_builder` gives the same result for whole topics.
 """
 
 from collections import defaultdict
@@ -17,20 +17,15 @@ from numpy.typing import NDArray
 
 def build_columns(messages: Iterable[object]) -> tuple[Columns, Columns]:
     """
-    Return the numbers and the texts of some messages of one type by field path.
-
-    Parameters
-    ----------
-    messages : iterable of object
-        Decoded messages.
+    Return the numbers and texts of messages of one type by field path.
 
     Returns
     -------
     numbers : dict of str to ndarray, shape (n,)
-        'pose.pose.position.x', 'effort[0]'; NaN where a message has no such element. Arrays of
-        bytes (the data of images and point clouds) are left out.
+        'pose.pose.position.x', 'effort[0]'; NaN if a message lacks the element. Byte arrays
+        (data of images and point clouds) are left out.
     texts : dict of str to ndarray of str, shape (n,)
-        'header.frame_id', 'name[0]'; '' where a message has no such element.
+        'header.frame_id', 'name[0]'; '' if a message lacks the element.
 
     """
     found: defaultdict[str, list[Any]] = defaultdict(list)
@@ -59,15 +54,15 @@ def build_columns(messages: Iterable[object]) -> tuple[Columns, Columns]:
 
 
 def collect_scalars(values: list[Any]) -> NDArray[Any]:
-    """Return single values of one field, shape (n,); whole numbers stay whole."""
+    """Return single values of one field, shape (n,); integers stay integers."""
     found = np.array(values)
     if found.dtype == np.float64 and all(type(value) is int for value in values):
-        return np.array(values, np.uint64)  # numpy's own choice for numbers beyond int64 and below
+        return np.array(values, np.uint64)  # numpy makes mixed int64 and uint64 values floats
     return found
 
 
 def iterate_leaves(value: object, path: str) -> Iterator[tuple[str, object]]:
-    """Yield path and value of what a message is made of; numeric arrays come whole."""
+    """Yield path and value of all fields of a message; numeric arrays stay whole."""
     if isinstance(value, np.ndarray):
         if value.dtype != np.uint8:
             yield path, value
@@ -83,17 +78,17 @@ def iterate_leaves(value: object, path: str) -> Iterator[tuple[str, object]]:
 
 @cache
 def list_field_names(message_type: type) -> tuple[str, ...]:
-    """Return the names of a message's fields; constants are upper-case in ROS, and no fields."""
+    """Return the names of a message's fields; constants are upper-case in ROS and excluded."""
     return tuple(field.name for field in fields(message_type) if is_field(field.name))
 
 
 def is_field(name: str) -> bool:
-    """Tell a field from a constant, and from what Python itself adds."""
+    """Return whether a name is a field, not a constant or a Python attribute."""
     return name.islower() and not name.startswith('__')
 
 
 def split_array_columns(path: str, arrays: list[NDArray[Any] | None]) -> Columns:
-    """Return a column, shape (n,), per element of an array field; short arrays end in NaN."""
+    """Return one column, shape (n,), per element of an array field; short arrays end in NaN."""
     given = [np.empty(0) if array is None else array for array in arrays]
     lengths = {len(array) for array in given}
     longest = max(lengths)

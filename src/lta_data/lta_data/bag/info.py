@@ -1,4 +1,4 @@
-"""A bag at a glance."""
+"""Summarise a bag."""
 
 from dataclasses import asdict, dataclass, field
 import json
@@ -18,7 +18,7 @@ class TopicInfo:
     """
     One topic of a bag.
 
-    `rate` is its mean over the whole bag in Hz, None for fewer than two messages.
+    `rate` is the mean over the whole bag in Hz, None for fewer than two messages.
     """
 
     name: str
@@ -31,32 +31,26 @@ class TopicInfo:
 @dataclass(frozen=True, slots=True)
 class BagInfo:
     """
-    What a bag holds.
+    Summary of a bag.
 
     Attributes
     ----------
     path : str
-        What was opened.
+        The opened path.
     size : int
         Size of its MCAP files. [bytes]
     start : int or None
         First log time; None without messages. [ns]
     duration : float
         From the first to the last log time. [s]
-    messages : int
-        Number of messages.
     robots : list of str
         Namespaces of the robots.
-    topics : list of TopicInfo
-        The topics by name.
-    provenance : dict of str to str
-        Where the data come from.
     complete : bool
         Whether nothing is missing.
     losses : list of str
         What is missing, one sentence each.
     remarks : list of str
-        What is odd without a loss, one sentence each.
+        Irregularities without loss, one sentence each.
 
     """
 
@@ -73,13 +67,13 @@ class BagInfo:
     remarks: list[str] = field(default_factory=list)
 
     def to_json(self) -> str:
-        """Return the facts as one JSON object."""
+        """Return the summary as a JSON object."""
         return json.dumps(asdict(self), indent=2, ensure_ascii=False)
 
 
 def summarize_bag(path: Path | str) -> BagInfo:
     """
-    Return what a bag holds.
+    Return the summary of a bag.
 
     Raises
     ------
@@ -114,12 +108,12 @@ def summarize_bag(path: Path | str) -> BagInfo:
 
 
 def bag_duration(bag: Bag) -> float:
-    """Return the time from the first to the last log time. [s]"""
+    """Return the time from the first to the last message. [s]"""
     return 0.0 if bag.start is None or bag.end is None else (bag.end - bag.start) * 1e-9
 
 
 def print_bag_info(info: BagInfo, console: Console) -> None:
-    """Print what a bag holds; whole files that it carries are only counted."""
+    """Print the summary of a bag; of stored files only the number of lines."""
     console.print(info.path, style='bold', highlight=False, markup=False)
     several = f' of {" and ".join(info.robots)}' if len(info.robots) > 1 else ''
     console.print(
@@ -142,5 +136,5 @@ def print_bag_info(info: BagInfo, console: Console) -> None:
     for sentence in (*info.losses, *info.remarks):
         console.print(sentence, style='yellow', highlight=False, markup=False)
     if info.losses:
-        advice = 'Write what is whole into a new bag with `lta bag recover`.'
+        advice = 'Write the intact part to a new bag with `lta bag recover`.'
         console.print(advice, highlight=False, markup=False)

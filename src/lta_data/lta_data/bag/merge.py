@@ -1,4 +1,4 @@
-"""From pieces, each of some messages, to one array per field of all messages."""
+"""Merge pieces of columns to one array per field."""
 
 from dataclasses import dataclass, field
 from typing import Any, final, NamedTuple
@@ -11,7 +11,7 @@ Rows = slice | NDArray[np.intp]
 
 
 class ColumnPiece(NamedTuple):
-    """A field of some messages: which ones, and values of shape (n,) or (n, elements)."""
+    """A field of some messages: their rows, and values of shape (n,) or (n, elements)."""
 
     rows: Rows
     values: NDArray[Any]
@@ -23,7 +23,7 @@ class PartialColumn:
     """
     A field in pieces.
 
-    `first` is where it is met first: number of the message, and place in the message.
+    `first` is its first occurrence: number of the message, and position in the message.
     """
 
     first: tuple[int, int]
@@ -31,7 +31,7 @@ class PartialColumn:
     count: int = 0  # of messages that have it
 
     def add_piece(self, first: tuple[int, int], rows: Rows, values: NDArray[Any]) -> None:
-        """Add what some messages have of the field."""
+        """Add the values of some messages."""
         self.first = min(self.first, first)
         self.pieces.append(ColumnPiece(rows, values))
         self.count += len(values)
@@ -39,15 +39,9 @@ class PartialColumn:
 
 def merge_columns(columns: dict[str, PartialColumn], count: int) -> tuple[Columns, Columns]:
     """
-    Return numbers and texts by path, in the order in which a reader meets them; empties `columns`.
+    Return numbers and texts by path, in the order of first occurrence, for `count` messages.
 
-    Parameters
-    ----------
-    columns : dict of str to Column
-        The fields by path.
-    count : int
-        Number of messages.
-
+    Removes the merged columns from `columns`, which frees their memory.
     """
     numbers: Columns = {}
     texts: Columns = {}
@@ -78,7 +72,7 @@ def merge_arrays(column: PartialColumn, count: int) -> NDArray[Any]:
 
 
 def merge_texts(column: PartialColumn, count: int) -> NDArray[Any]:
-    """Return a text field, shape (n,); '' where a message has none."""
+    """Return a text field, shape (n,); '' if a message lacks it."""
     longest = max(piece.values.dtype.itemsize for piece in column.pieces)
     result = np.full(count, '', f'U{longest // np.dtype("U1").itemsize}')
     for rows, values in column.pieces:
@@ -87,7 +81,7 @@ def merge_texts(column: PartialColumn, count: int) -> NDArray[Any]:
 
 
 def merge_numbers(column: PartialColumn, count: int) -> NDArray[Any]:
-    """Return a field of single numbers, shape (n,); NaN where a message has none."""
+    """Return a field of single numbers, shape (n,); NaN if a message lacks it."""
     kinds = {piece.values.dtype for piece in column.pieces}
     large = np.dtype(np.uint64)
     kind = large if large in kinds else next(iter(kinds))
@@ -95,5 +89,5 @@ def merge_numbers(column: PartialColumn, count: int) -> NDArray[Any]:
     for rows, values in column.pieces:
         result[rows] = values
     if result.dtype == large and result.max() <= np.iinfo(np.int64).max:
-        return result.astype(np.int64)  # as numpy takes whole numbers unless they need more
+        return result.astype(np.int64)  # numpy's default type for integers that fit
     return result

@@ -1,4 +1,4 @@
-"""How many messages a damaged recording lacks, and how that is known."""
+"""Estimate how many messages a damaged recording has lost, by topic."""
 
 from collections import Counter
 from collections.abc import Iterable
@@ -14,18 +14,18 @@ from lta_data.bag.mcap_file.contents import DamagedRegion, McapContents
 from lta_data.bag.reader import Bag
 
 Source = Literal['index', 'metadata', 'rhythm']
-MOST_STEPS = 10_000  # of one topic that are kept to find the usual one
-LONG_STEP = 1.5  # usual steps; a longer one has messages missing in it
+MOST_STEPS = 10_000  # steps per topic that the median uses
+LONG_STEP = 1.5  # in median steps; a longer step contains missing messages
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class MissingMessages:
     """
-    Messages of one topic that are lost.
+    Lost messages of one topic.
 
-    `source` tells how they are known: an index that outlived its chunk or the summary counted
-    them, metadata.yaml did, or the topic's rhythm has holes of their length (about).
+    `source` is how they were counted: 'index' by an index that outlived its chunk or by the
+    summary, 'metadata' by metadata.yaml, 'rhythm' by gaps in the topic's period (approximate).
     """
 
     count: int
@@ -33,7 +33,7 @@ class MissingMessages:
 
 
 class LossSpan(NamedTuple):
-    """Log times between which something is lost; None where the recording begins or ends. [ns]"""
+    """Log times between which something is lost; None at an end of the recording. [ns]"""
 
     start: int | None
     end: int | None
@@ -41,7 +41,7 @@ class LossSpan(NamedTuple):
 
 @final
 class PeriodTracker:
-    """The log times of a topic that has a rhythm."""
+    """Tracks the log times of a periodic topic."""
 
     def __init__(self) -> None:
         self._last: int | None = None
@@ -49,7 +49,7 @@ class PeriodTracker:
         self._long: list[tuple[int, int]] = []
 
     def add_time(self, time: int) -> None:
-        """Take note of a message. [ns]"""
+        """Add the log time of a message. [ns]"""
         if self._last is not None and time > self._last:
             step = time - self._last
             if len(self._steps) < MOST_STEPS:
@@ -59,7 +59,7 @@ class PeriodTracker:
         self._last = time
 
     def count_missing(self, spans: Iterable[LossSpan]) -> int:
-        """Return about how many messages lack where something is lost."""
+        """Return about how many messages are missing in the given spans."""
         if len(self._steps) < 3:
             return 0
         usual = median(self._steps)
@@ -73,12 +73,12 @@ class PeriodTracker:
 
 
 def spans_overlap(span: LossSpan, start: int, end: int) -> bool:
-    """Tell whether two stretches of time have something in common. [ns]"""
+    """Return whether two time spans overlap. [ns]"""
     return (span.start is None or span.start <= end) and (span.end is None or span.end >= start)
 
 
 def create_period_trackers(bag: Bag) -> dict[str, PeriodTracker]:
-    """Return a pulse for each topic that has a rhythm by the contract."""
+    """Return a tracker for each topic that is periodic according to the topic table."""
     steady = {
         name for name, topic in load_topic_table().topics.items() if topic.period is not None
     }
@@ -90,7 +90,7 @@ def create_period_trackers(bag: Bag) -> dict[str, PeriodTracker]:
 
 
 def list_loss_spans(bag: Bag) -> list[LossSpan]:
-    """Return when something is lost, in order; stretches that touch are one."""
+    """Return the spans of lost data, in order; adjacent spans are merged."""
     found = [
         find_loss_span(part.contents, loss)
         for part in bag.parts
@@ -105,7 +105,7 @@ def list_loss_spans(bag: Bag) -> list[LossSpan]:
 
 
 def find_loss_span(contents: McapContents, loss: DamagedRegion) -> LossSpan:
-    """Return when what is lost was recorded: by its own index, or by its neighbours."""
+    """Return the span of lost data, from its own index or from its neighbours."""
     if loss.start is not None and loss.end is not None:
         return LossSpan(loss.start, loss.end)
     before = [place.end for place in contents.places if place.offset < loss.offset]
@@ -117,16 +117,16 @@ def estimate_missing(
     bag: Bag, received: Counter[str], beats: dict[str, PeriodTracker]
 ) -> dict[str, MissingMessages]:
     """
-    Return what is lost by topic, as far as anything tells.
+    Return the lost messages by topic, as far as they can be determined.
 
     Parameters
     ----------
     bag : Bag
         A recording that has been read to its end.
-    kept : Counter of str
-        The messages that came of each topic.
-    beats : dict of str to Pulse
-        The log times of topics with a rhythm.
+    received : Counter of str
+        Messages read by topic.
+    beats : dict of str to PeriodTracker
+        Log times of periodic topics.
 
     """
     found: dict[str, MissingMessages] = {}
@@ -147,12 +147,12 @@ def estimate_missing(
 
 
 def read_bag_metadata(path: Path) -> dict[str, object]:
-    """Return what metadata.yaml tells of a bag; empty for a lone file."""
+    """Return the metadata.yaml of a bag; empty for a single file."""
     return read_metadata(path) if path.is_dir() else {}
 
 
 def count_indexed_losses(bag: Bag) -> Counter[str]:
-    """Return the lost messages that the indexes of lost chunks count, by topic."""
+    """Return the messages in the indexes of lost chunks, by topic."""
     counts: Counter[str] = Counter()
     for part in bag.parts:
         for loss in part.contents.lost:

@@ -1,4 +1,4 @@
-"""Messages that carry packed samples: ADC blocks (Image) and point lists (PointCloud2)."""
+"""Decode messages with packed samples: ADC blocks (Image) and point lists (PointCloud2)."""
 
 from collections.abc import Iterable, Sequence
 from typing import Any, Protocol
@@ -7,7 +7,9 @@ from lta_config.errors import BadInput, unknown_name
 import numpy as np
 from numpy.typing import NDArray
 
+# Image encoding -> numpy type.
 PIXELS = {'8UC1': 'u1', '16UC1': 'u2', '16SC1': 'i2', '32SC1': 'i4', '32FC1': 'f4', '64FC1': 'f8'}
+# PointField.datatype -> numpy type.
 POINT_TYPES = {1: 'i1', 2: 'u1', 3: 'i2', 4: 'u2', 5: 'i4', 6: 'u4', 7: 'f4', 8: 'f8'}
 
 
@@ -47,15 +49,10 @@ def decode_image(image: Image) -> NDArray[Any]:
     """
     Return the samples of a one-channel sensor_msgs/Image.
 
-    Parameters
-    ----------
-    image : Image
-        Decoded message.
-
     Returns
     -------
     ndarray, shape (rows, columns)
-        Of the type that `encoding` names.
+        Of the type given by `encoding`.
 
     Raises
     ------
@@ -70,8 +67,8 @@ def decode_image(image: Image) -> NDArray[Any]:
     strides = (image.step, kind.itemsize)
     if len(image.data) < image.height * image.step or image.step < image.width * kind.itemsize:
         raise BadInput(
-            f'An image of {image.height} x {image.width} holds {len(image.data)} bytes with '
-            f'{image.step} a row, which do not fit; record it again.'
+            f'An image of {image.height} x {image.width} has {len(image.data)} bytes with '
+            f'{image.step} per row, which do not match; record it again.'
         )
     samples: NDArray[Any] = np.ndarray(shape, kind, image.data.tobytes(), strides=strides)
     return samples.astype(kind.newbyteorder('='))
@@ -104,12 +101,12 @@ def decode_point_cloud(cloud: PointCloud) -> dict[str, NDArray[np.float64]]:
     Returns
     -------
     dict of str to ndarray, shape (points,)
-        Fields of one value a point, row after row.
+        Fields with one value per point, row after row.
 
     Raises
     ------
     BadInput
-        If a field is of an unknown type, or layout and data do not fit.
+        If a field has an unknown type, or layout and data do not match.
 
     """
     single = [field for field in cloud.fields if field.count == 1]
@@ -121,8 +118,8 @@ def decode_point_cloud(cloud: PointCloud) -> dict[str, NDArray[np.float64]]:
     if not has_valid_layout(cloud, single):
         raise BadInput(
             f'A point cloud of {cloud.height} x {cloud.width} points of {cloud.point_step} bytes '
-            f'holds {len(cloud.data)} bytes with {cloud.row_step} a row and '
-            f'{len(cloud.fields)} fields, which do not fit; record it again.'
+            f'has {len(cloud.data)} bytes with {cloud.row_step} per row and '
+            f'{len(cloud.fields)} fields, which do not match; record it again.'
         )
     if not single:
         return {}
@@ -142,7 +139,7 @@ def decode_point_cloud(cloud: PointCloud) -> dict[str, NDArray[np.float64]]:
 
 
 def has_valid_layout(cloud: PointCloud, fields: Sequence[PointField]) -> bool:
-    """Tell whether fields lie in their points, points in their rows, and rows in the data."""
+    """Return whether fields fit into points, points into rows, and rows into the data."""
     ends = [field.offset + np.dtype(POINT_TYPES[field.datatype]).itemsize for field in fields]
     return (
         max(ends, default=0) <= cloud.point_step
@@ -159,7 +156,7 @@ def stack_point_clouds(clouds: Iterable[PointCloud]) -> dict[str, NDArray[np.flo
     Returns
     -------
     dict of str to ndarray, shape (n, points)
-        NaN where a cloud has fewer points than the largest, or lacks the field.
+        NaN if a cloud has fewer points than the largest, or lacks the field.
 
     """
     found = [decode_point_cloud(cloud) for cloud in clouds]

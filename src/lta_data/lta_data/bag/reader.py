@@ -1,8 +1,8 @@
 """
-A recording on the disk: what is in it, and its messages one after the other.
+Read a recording: its contents, and its messages one after the other.
 
-Opens finished bags by their summary, and unfinished or damaged ones by what is whole in them.
-Memory stays within one chunk whatever the size of the bag.
+Complete bags are opened by their summary, unfinished or damaged ones by their intact records.
+Memory is limited to one chunk, whatever the size of the bag.
 """
 
 from collections.abc import Callable, Collection, Iterator, Sequence
@@ -50,24 +50,22 @@ class Bag:
 
     Attributes
     ----------
-    path : Path
-        What was opened.
-    topics : dict of str to Topic
+    topics : dict of str to BagTopic
         The recorded topics by absolute name.
-    parts : list of Part
-        Its files and what each holds.
+    parts : list of RecordingFile
+        Its files and their contents.
     channels : dict of str to (Channel, Schema or None)
-        How each topic is announced in the recording.
+        The MCAP channel of each topic.
     provenance : dict of str to str
-        Where the data come from, as the recorder was told.
+        As the recorder stored it.
     start, end : int or None
         First and last log time; None without messages. [ns]
     size : int
         Size of the MCAP files. [bytes]
     losses : list of str
-        What is missing, one sentence each; grows if reading meets damage.
+        What is missing, one sentence each; grows if reading finds damage.
     remarks : list of str
-        What is odd about the recording without a loss, one sentence each.
+        Irregularities without loss, one sentence each.
 
     """
 
@@ -94,12 +92,12 @@ class Bag:
 
     @property
     def is_complete(self) -> bool:
-        """Whether the recording was finished and nothing in it is known to be missing."""
+        """Whether the recording was finished and nothing is known to be missing."""
         return not self.losses
 
     @property
     def is_indexed(self) -> bool:
-        """Whether every file was finished with a summary that holds."""
+        """Whether every file has a valid summary."""
         return all(contents.indexed for _, contents, _ in self.parts)
 
     def iterate_messages(
@@ -108,10 +106,7 @@ class Bag:
         """
         Yield topic, log time in ns and CDR bytes in the order of recording.
 
-        Parameters
-        ----------
-        topics : collection of str, optional
-            Absolute names; all topics if None.
+        `topics` are absolute names; None for all.
 
         Raises
         ------
@@ -126,15 +121,9 @@ class Bag:
         self, topics: Collection[str] | None = None, at: Callable[[int], None] | None = None
     ) -> Iterator[tuple[str, McapMessage]]:
         """
-        Yield topic and message with all that is recorded of it; otherwise as `iterate_messages`.
+        Yield topic and message with all recorded fields; otherwise as `iterate_messages`.
 
-        Parameters
-        ----------
-        topics : collection of str, optional
-            Absolute names; all topics if None.
-        at : callable, optional
-            Is told how many bytes of the bag are behind, once a chunk.
-
+        `at` is called once per chunk with the number of bytes read so far.
         """
         wanted = set(self.topics if topics is None else topics)
         for name in sorted(wanted - set(self.topics)):
@@ -153,17 +142,17 @@ class Bag:
             behind += part.file.stat().st_size
 
     def decode(self, topic: str, data: bytes) -> object:
-        """Return a message of a topic as an object; `BadInput` if it cannot be read."""
+        """Decode a message of a topic; raise `BadInput` if that is impossible."""
         found = self.topics[topic]
         if found.undecodable is not None:
             raise BadInput(
                 f"The messages of '{topic}' {found.undecodable}; they are kept but cannot be "
-                'decoded, leave this topic out.'
+                'decoded. Leave this topic out.'
             )
         return self._decoder.decode(found.type_name, data)
 
     def read_rhythm(self) -> MessageRhythm:
-        """Return when messages were recorded, by the indexes alone where the bag has them."""
+        """Return the timing of the messages, from the indexes alone if the bag has them."""
         whole = MessageRhythm()
         for part in self.parts:
             found = read_indexed_rhythm(part) if part.contents.indexed else part.contents.rhythm
@@ -176,7 +165,7 @@ class Bag:
         return self._decoder.list_fields(type_name)
 
     def _add_topics(self, contents: McapContents) -> None:
-        """Take note of the topics of one file."""
+        """Register the topics of one file."""
         for channel in contents.channels.values():
             schema = contents.schemas.get(channel.schema_id)
             type_name = find_message_type(contents, channel)
@@ -195,7 +184,7 @@ class Bag:
             self.topics[channel.topic] = BagTopic(channel.topic, type_name, count, reason)
 
     def _select_channels(self, contents: McapContents, topics: set[str]) -> dict[int, str]:
-        """Return the topics that are wanted of one file, by channel."""
+        """Return the requested topics of one file, by channel."""
         return {
             id: channel.topic
             for id, channel in contents.channels.items()
@@ -206,7 +195,7 @@ class Bag:
     def _read_region(
         self, part: RecordingFile, stream: BinaryIO, place: MessageRegion, channels: frozenset[int]
     ) -> Iterator[McapMessage]:
-        """Yield messages of one stretch of a file."""
+        """Yield the messages of one region of a file."""
         try:
             if place.length > 2 * CHUNK_BYTES:
                 raise DamagedRecord(f'claim to be a chunk of {place.length} bytes')
@@ -216,17 +205,17 @@ class Bag:
             found = iterate_messages(data, channels)
             yield from map(self._decompress_message, found) if self._message_kind else found
         except DamagedRecord as error:
-            told = describe_damage(place.offset, place.length, str(error))
-            if told not in self.losses:
+            sentence = describe_damage(place.offset, place.length, str(error))
+            if sentence not in self.losses:
                 part.contents.lost.append(build_chunk_loss(stream, place))
-                self._note_loss(told)
+                self._note_loss(sentence)
 
     def _decompress_message(self, message: McapMessage) -> McapMessage:
-        """Return a message that was compressed by itself."""
+        """Decompress a message that was compressed on its own."""
         return message._replace(data=bytes(decompress(self._message_kind, message.data)))
 
     def _note_loss(self, loss: str) -> None:
-        """Remember a loss once, however often it is met."""
+        """Add a loss, once."""
         if loss not in self.losses:
             self.losses.append(loss)
 
@@ -235,10 +224,7 @@ def read_bag(path: Path | str) -> Bag:
     """
     Open a recording.
 
-    Parameters
-    ----------
-    path : Path or str
-        A rosbag2 folder or an .mcap file; finished, cut short or damaged.
+    `path` is a rosbag2 folder or an .mcap file; complete, cut short or damaged.
 
     Raises
     ------
@@ -261,7 +247,7 @@ def read_bag(path: Path | str) -> Bag:
 
 
 def open_bag_file(file: Path, metadata_topics: list[TopicMetadata]) -> RecordingFile:
-    """Return one file of a bag; one that is no recording is a loss of the whole."""
+    """Open one file of a bag; an unreadable file counts as lost."""
     try:
         return RecordingFile(file, read_contents(file, metadata_topics))
     except BadInput as error:
@@ -270,9 +256,9 @@ def open_bag_file(file: Path, metadata_topics: list[TopicMetadata]) -> Recording
 
 def read_contents(file: Path, metadata_topics: Sequence[TopicMetadata] = ()) -> McapContents:
     """
-    Return the contents of one MCAP file, from its summary if that can be relied on.
+    Return the contents of one MCAP file, from its summary if that is valid.
 
-    `told` are the topics of metadata.yaml, for channels that have lost their names.
+    `metadata_topics` are the topics of metadata.yaml, for channels that have lost their names.
     """
     size = file.stat().st_size
     with file.open('rb') as stream:
@@ -287,11 +273,11 @@ def read_contents(file: Path, metadata_topics: Sequence[TopicMetadata] = ()) -> 
                 contents.remarks.append(UNUSABLE)
         if not head.startswith(MAGIC):
             contents.indexed = False
-            contents.remarks.append('Its first bytes, which name the format, are damaged.')
+            contents.remarks.append('Its first bytes, which identify the format, are damaged.')
         return contents
 
 
 def has_mcap_magic(head: bytes) -> bool:
-    """Tell whether a file begins with MCAP's first bytes, or with most of them after damage."""
+    """Return whether a file starts with MCAP's magic; up to three of its bytes may be damaged."""
     pairs = zip(head[: len(MAGIC)], MAGIC, strict=False)
     return sum(found == wanted for found, wanted in pairs) >= len(MAGIC) - 3 and len(head) >= 8

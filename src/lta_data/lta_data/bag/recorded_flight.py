@@ -1,8 +1,8 @@
 """
-A recorded flight of one robot as numpy arrays, all on one clock.
+Provide the recorded flight of one robot as numpy arrays on one clock.
 
-Time runs in seconds from the stamp of the first stamped message of the robot. Messages without
-a stamp are placed by their log time, relative to the log time of that first message.
+Time 0 is the stamp of the robot's first stamped message. Messages without a stamp are placed by
+their log time, relative to the log time of that first message.
 """
 
 from collections.abc import Collection, Iterator
@@ -21,11 +21,11 @@ from lta_data.bag.stamps import extract_stamp
 import numpy as np
 from numpy.typing import NDArray
 
-LATEST = np.iinfo(np.int64).max  # ns; MCAP counts further, a clock of ROS does not
+LATEST = np.iinfo(np.int64).max  # ns; MCAP log times are unsigned, ROS stamps are not
 
 
 class FlightOrigin(NamedTuple):
-    """The start of a flight on both clocks. [ns]"""
+    """The start of a flight on the clocks of the stamps and of the log. [ns]"""
 
     stamp: int
     log: int
@@ -48,18 +48,16 @@ class PointSeries(NamedTuple):
 @final
 class RecordedFlight:
     """
-    One robot's part of a bag; see `open_flight`.
+    The data of one robot in a bag; see `open_flight`.
 
     Attributes
     ----------
-    bag : Bag
-        The recording.
     robot : str
         The robot's namespace without slash; '' if the bag has none.
     start : int
         Time 0 of all series, as a stamp. [ns]
     provenance : dict of str to str
-        Where the robot's data come from.
+        Origin of the robot's data.
 
     """
 
@@ -80,10 +78,7 @@ class RecordedFlight:
         """
         Return the fields of a topic over time.
 
-        Parameters
-        ----------
-        topic : str
-            Relative to the robot ('odom'), or absolute ('/clock').
+        `topic` is relative to the robot ('odom'), or absolute ('/clock').
 
         Raises
         ------
@@ -94,7 +89,7 @@ class RecordedFlight:
         return self.read_topics([topic])[topic]
 
     def read_topics(self, topics: Collection[str]) -> dict[str, TopicSeries]:
-        """Return fields of several topics from one pass over the bag; errors as `read_series`."""
+        """Read several topics in one pass over the bag; errors as `read_series`."""
         makers = {self.absolute_name(topic): self._create_builder(topic) for topic in topics}
         for name, log_time, data in self.bag.iterate_messages(list(makers)):
             makers[name].add_message(log_time, data)
@@ -103,15 +98,9 @@ class RecordedFlight:
 
     def iterate_series(self, topic: str, rows: int) -> Iterator[TopicSeries]:
         """
-        Yield the fields of a topic in stretches, for topics that are larger than the memory.
+        Yield a topic in parts of `rows` messages, for topics larger than memory.
 
-        Parameters
-        ----------
-        topic : str
-            As for `read_series`; errors too.
-        rows : int
-            Messages in a stretch. Its columns are those that its messages have.
-
+        Each part has the columns of its own messages. Errors as `read_series`.
         """
         maker = self._create_builder(topic)
         for _, log_time, data in self.bag.iterate_messages([self.absolute_name(topic)]):
@@ -123,15 +112,10 @@ class RecordedFlight:
 
     def read_blocks(self, topic: str, chosen: Collection[int] | None = None) -> SampleBlocks:
         """
-        Return the samples of a topic of sensor_msgs/Image; errors as `read_series`.
+        Return the samples of a sensor_msgs/Image topic; errors as `read_series`.
 
-        Parameters
-        ----------
-        topic : str
-            As for `read_series`.
-        chosen : collection of int, optional
-            Which messages, counted from 0; each once, in the order of recording. All by default.
-
+        `chosen` are the message numbers to read, counted from 0; the result is in the order of
+        recording.
         """
         times: list[float] = []
         self._require_type(topic, 'sensor_msgs/msg/Image')
@@ -142,19 +126,19 @@ class RecordedFlight:
         return SampleBlocks(np.array(times, dtype=np.float64), samples)
 
     def iterate_blocks(self, topic: str, rows: int) -> Iterator[SampleBlocks]:
-        """Yield the samples of a topic of sensor_msgs/Image, `rows` messages at a time."""
+        """Yield the samples of a sensor_msgs/Image topic, `rows` messages at a time."""
         self._require_type(topic, 'sensor_msgs/msg/Image')
         for time, images in self._iterate_pieces(topic, rows):
             yield SampleBlocks(time, stack_images(cast('list[Image]', images)))
 
     def iterate_points(self, topic: str, rows: int) -> Iterator[PointSeries]:
-        """Yield the values of a topic of sensor_msgs/PointCloud2, `rows` messages at a time."""
+        """Yield the values of a sensor_msgs/PointCloud2 topic, `rows` messages at a time."""
         self._require_type(topic, 'sensor_msgs/msg/PointCloud2')
         for time, clouds in self._iterate_pieces(topic, rows):
             yield PointSeries(time, stack_point_clouds(cast('list[PointCloud]', clouds)))
 
     def read_points(self, topic: str) -> PointSeries:
-        """Return the values of a topic of sensor_msgs/PointCloud2; errors as `read_series`."""
+        """Return the values of a sensor_msgs/PointCloud2 topic; errors as `read_series`."""
         times: list[float] = []
         self._require_type(topic, 'sensor_msgs/msg/PointCloud2')
         fields = stack_point_clouds(
@@ -163,23 +147,25 @@ class RecordedFlight:
         return PointSeries(np.array(times, dtype=np.float64), fields)
 
     def absolute_name(self, topic: str) -> str:
-        """Return the name of a topic in the bag."""
+        """Return the absolute name of a topic."""
         if topic.startswith('/'):
             return topic
         return f'/{self.robot}/{topic}' if self.robot else f'/{topic}'
 
     def message_type(self, topic: str) -> str:
-        """Return a topic's message type; `BadInput` if the topic is not in the bag."""
+        """Return a topic's message type; raise `BadInput` if the topic is not in the bag."""
         name = self.absolute_name(topic)
         if name not in self.bag.topics:
             raise unknown_name('topic', topic, self.topics)
         return self.bag.topics[name].type_name
 
     def _require_type(self, topic: str, type_name: str) -> None:
-        """Raise BadInput unless the topic is in the bag and of the type."""
+        """Raise BadInput unless the topic is in the bag and has the type."""
         found = self.message_type(topic)
         if found != type_name:
-            raise BadInput(f"Topic '{topic}' is of type '{found}', not '{type_name}'.")
+            raise BadInput(
+                f"Topic '{topic}' has type '{found}', not '{type_name}'; choose another topic."
+            )
 
     def _iterate_pieces(
         self, topic: str, rows: int
@@ -192,14 +178,14 @@ class RecordedFlight:
             times.clear()
 
     def _create_builder(self, topic: str) -> ColumnBuilder:
-        """Return what turns the messages of a topic into columns."""
+        """Return a builder of the topic's columns."""
         kind, name = self.message_type(topic), self.absolute_name(topic)
         return ColumnBuilder(
             MessageType(kind, self.bag.list_fields, partial(self.bag.decode, name))
         )
 
     def _finish_series(self, maker: ColumnBuilder) -> TopicSeries:
-        """Return what has been gathered, by time."""
+        """Return the collected messages as a series."""
         found = maker.flush_columns()
         stamps = found.stamps
         for index in np.flatnonzero(stamps == 0):
@@ -211,7 +197,7 @@ class RecordedFlight:
     def _iterate_messages(
         self, topic: str, times: list[float], chosen: Collection[int] | None = None
     ) -> Iterator[object]:
-        """Yield messages of a topic and add their times to `times`. [s]"""
+        """Yield messages of a topic and append their times to `times`. [s]"""
         name = self.absolute_name(topic)
         if name not in self.bag.topics:
             raise unknown_name('topic', topic, self.topics)
@@ -226,14 +212,14 @@ class RecordedFlight:
 
 
 def find_flight_origin(bag: Bag, topics: list[str]) -> FlightOrigin:
-    """Return the start of a flight: its first stamped message, or else its first message."""
+    """Return the start of a flight: its first stamped message, or its first message."""
     stampless = set()
     for topic, log_time, data in bag.iterate_messages(topics):
         if topic in stampless:
             continue
         try:
             stamp = extract_stamp(bag.decode(topic, data))
-        except BadInput:  # of this topic nothing can be read; of the others perhaps
+        except BadInput:  # other topics may still be readable
             stamp = None
         if stamp is not None:
             return FlightOrigin(stamp, log_time)
@@ -249,19 +235,14 @@ def list_robots(bag: Bag) -> list[str]:
 
 def open_flight(source: Bag | Path | str, robot: str | None = None) -> RecordedFlight:
     """
-    Open a recorded flight.
+    Open the recorded flight of a robot.
 
-    Parameters
-    ----------
-    source : Bag, Path or str
-        An opened bag, or where it is.
-    robot : str, optional
-        Namespace of the robot; needed only where the bag holds several.
+    `robot` is its namespace; it is required only if the bag has several robots.
 
     Raises
     ------
     BadInput
-        If there is no recording, or the robot is unknown or not the only one.
+        If there is no recording, or the robot is unknown or ambiguous.
 
     """
     bag = source if isinstance(source, Bag) else read_bag(source)
@@ -269,14 +250,14 @@ def open_flight(source: Bag | Path | str, robot: str | None = None) -> RecordedF
 
 
 def select_robot(bag: Bag, robot: str | None) -> str:
-    """Return the robot to look at: the one that is named, or the only one; see `open_flight`."""
+    """Return the named robot, or the only one; see `open_flight`."""
     found = list_robots(bag)
     robot = None if robot is None else robot.strip('/')
     if robot is not None and robot not in found:
         raise unknown_name('robot', robot, found)
     if robot is None and len(found) > 1:
         raise BadInput(
-            f"'{bag.path}' holds several robots ({', '.join(found)}); name the one to look at, as "
-            f'in --robot {found[-1]}.'
+            f"'{bag.path}' contains several robots ({', '.join(found)}); choose one, as in "
+            f'--robot {found[-1]}.'
         )
     return robot or (found[0] if found else '')

@@ -1,14 +1,14 @@
 """
-A recording in a notebook.
+Open a recording in a notebook.
 
     import lta_analysis
     flight = lta_analysis.open('runs/20261120-lamp_room-1/bag')
-    odom = flight['odom']                       # read now, kept from now on
+    odom = flight['odom']                       # read on first access, then cached
     odom.time, odom['pose.pose.position.z'], odom.units
-    both = flight.aligned('odom', 'ground_truth/odom', rate=50.0, method='linear')
+    both = flight.align_topics('odom', 'ground_truth/odom', rate=50.0, method='linear')
     both.to_pandas()
 
-A topic is read when it is first asked for, one at a time. See `docs/analysis.md`.
+Each topic is read on first access. See `docs/analysis.md`.
 """
 
 from collections.abc import Iterator, Mapping
@@ -36,17 +36,13 @@ def open_recording(bag: Path | str, robot: str | None = None) -> 'RobotRecording
     """
     Open a recording; `lta_analysis.open` is this function.
 
-    Parameters
-    ----------
-    bag : Path or str
-        rosbag2 folder, .mcap file, or a flight's results folder.
-    robot : str, optional
-        Namespace of the robot; needed only where the bag holds several.
+    `bag` is a rosbag2 folder, an .mcap file, or a flight's results folder. `robot` is the
+    namespace of the robot, required only if the bag has several.
 
     Raises
     ------
     BadInput
-        If there is no recording, or the robot is unknown or not the only one.
+        If there is no recording, or the robot is unknown or ambiguous.
 
     """
     return RobotRecording(open_flight(find_bag(Path(bag)), robot))
@@ -55,12 +51,12 @@ def open_recording(bag: Path | str, robot: str | None = None) -> 'RobotRecording
 @final
 class RobotRecording:
     """
-    One robot's part of a recording, its topics as tables.
+    The data of one robot in a recording, its topics as tables.
 
     Attributes
     ----------
-    flight : Flight
-        The recording as the rest of LTA sees it.
+    flight : RecordedFlight
+        The underlying flight.
 
     """
 
@@ -80,12 +76,12 @@ class RobotRecording:
 
     @property
     def provenance(self) -> dict[str, str]:
-        """Where the recording comes from."""
+        """The origin of the recording."""
         return self.flight.provenance
 
     @property
     def losses(self) -> list[str]:
-        """What of the file is damaged, a sentence each, as far as it has been read."""
+        """Damage found so far, one sentence each."""
         return list(self.flight.bag.losses)
 
     def __iter__(self) -> Iterator[str]:
@@ -97,17 +93,14 @@ class RobotRecording:
         return len(self.topics)
 
     def __contains__(self, topic: object) -> bool:
-        """Tell whether the robot has a topic."""
+        """Return whether the robot has a topic."""
         return topic in self.topics
 
     def __getitem__(self, topic: str) -> RecordingTable:
         """
         Return a topic as a table.
 
-        Parameters
-        ----------
-        topic : str
-            Relative to the robot ('odom'), or absolute ('/clock').
+        `topic` is relative to the robot ('odom'), or absolute ('/clock').
 
         Raises
         ------
@@ -120,7 +113,7 @@ class RobotRecording:
         return self._tables[topic]
 
     def clear_cache(self) -> None:
-        """Let go of the tables that were read."""
+        """Discard the tables that were read."""
         self._tables.clear()
 
     def align_topics(
@@ -137,26 +130,26 @@ class RobotRecording:
         Parameters
         ----------
         *topics : str
-            The topics; a column is called 'odom/pose.pose.position.x'.
+            The topics; a column is named 'odom/pose.pose.position.x'.
         rate : float, optional
-            Of an even clock, from the first message of all to the last one. [Hz]
+            Rate of an even clock from the first to the last message of all. [Hz]
         on : str, optional
-            The topic whose stamps are the clock; the first one where there is no rate either.
+            Topic whose stamps are the clock; without a rate the first topic by default.
         method : str
-            'previous' (what was last said) or 'linear' (between the messages on both sides; of a
-            quaternion the shorter way round).
+            'previous' (latest value) or 'linear' (interpolation; slerp for quaternions).
         gap : float, optional
-            For how long a topic may be silent before its columns have NaN; three of its own
-            periods by default. [s]
+            Maximum gap of a topic; longer gaps are NaN. Three of its periods by default. [s]
 
         Raises
         ------
         BadInput
-            If a topic or the method is unknown, or both a rate and a topic give the clock.
+            If a topic or the method is unknown, or both `rate` and `on` are given.
 
         """
         if rate is not None and on is not None:
-            raise BadInput(f"A rate of {rate} Hz and '{on}' are two clocks; give one.")
+            raise BadInput(
+                f"Both a rate ({rate} Hz) and a topic ('{on}') define the clock; give only one."
+            )
         tables = [self[topic] for topic in topics]
         if not tables:
             raise BadInput(f'No topics to align; known: {", ".join(sorted(self.topics))}.')
@@ -167,7 +160,7 @@ class RobotRecording:
         return align_tables(tables, clock, method, gap)
 
     def __repr__(self) -> str:
-        """Return what the recording holds, a topic a line."""
+        """Return a summary with one line per topic."""
         bag = self.flight.bag
         names = {topic: self.flight.absolute_name(topic) for topic in self.topics}
         width = max(map(len, names), default=0)
@@ -204,19 +197,9 @@ def build_table(
     joints: Mapping[str, str] | None = None,
 ) -> RecordingTable:
     """
-    Return the messages of a topic, or some of them, as a table.
+    Return all or some messages of a topic as a table.
 
-    Parameters
-    ----------
-    flight : Flight
-        The recording.
-    topic : str
-        The topic.
-    series : Series
-        Its fields.
-    joints : mapping of str to str, optional
-        Columns by path that get another name; as `map_joint_names` finds by default.
-
+    `joints` maps column paths to new names; `map_joint_names` by default.
     """
     kind = flight.message_type(topic)
     joints = map_joint_names(series) if joints is None else joints
@@ -230,7 +213,7 @@ def build_table(
 
 
 def map_joint_names(series: TopicSeries) -> dict[str, str]:
-    """Return 'effort.left' for 'effort[0]' where all messages call their element 0 'left'."""
+    """Return 'effort.left' for 'effort[0]' if all messages name their element 0 'left'."""
     found = {}
     for path in series.numbers:
         element = ELEMENT.fullmatch(path)
@@ -241,5 +224,5 @@ def map_joint_names(series: TopicSeries) -> dict[str, str]:
 
 
 def read_samples(flight: RecordedFlight, topic: str, messages: NDArray[np.intp]) -> NDArray[Any]:
-    """Return the samples of some messages of a topic of images, shape (n, rows, columns)."""
+    """Return the samples of some messages of an image topic, shape (n, rows, columns)."""
     return flight.read_blocks(topic, messages.tolist()).samples

@@ -1,4 +1,4 @@
-"""A damaged recording as a finished one: all that can be had, and what is lost in words."""
+"""Recover a damaged recording: write the intact part to a new bag and report the losses."""
 
 from collections import Counter
 from collections.abc import Callable
@@ -25,14 +25,14 @@ from mcap.records import Channel, Schema
 
 ORIGIN = 'recovered_from'  # keys of the provenance
 LOSSES = 'recovered_without'
-MOST_NOTED = 20  # losses in the provenance
+MOST_NOTED = 20  # losses listed in the provenance
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class Recovery:
     """
-    What was made of a damaged recording.
+    Result of a recovery.
 
     Attributes
     ----------
@@ -45,14 +45,14 @@ class Recovery:
     size : int
         Size of the original's files. [bytes]
     lost_bytes, lost_chunks : int
-        What of it cannot be used; a stretch that does not say that it is a chunk counts as none.
+        Unusable part of the original; only regions with a chunk header count as chunks.
     lost_spans : list of (float or None, float or None)
-        When that was recorded, since the first message that is left; None stands for the
-        recording's own beginning or end. [s]
-    missing : dict of str to Missing
-        Lost messages by topic, as far as anything tells.
+        Time of the losses since the first intact message; None for the start or end of the
+        recording. [s]
+    missing : dict of str to MissingMessages
+        Lost messages by topic, as far as they can be determined.
     losses, remarks : list of str
-        What the reader said, one sentence each.
+        Messages of the reader, one sentence each.
 
     """
 
@@ -69,19 +69,19 @@ class Recovery:
     remarks: list[str]
 
     def to_json(self) -> str:
-        """Return the facts as one JSON object."""
+        """Return the result as a JSON object."""
         return json.dumps(asdict(self), indent=2, ensure_ascii=False)
 
     def describe_losses(self) -> list[str]:
-        """Return what was saved and what was lost, for a person."""
+        """Return what was saved and what was lost, in sentences."""
         told = [
-            f'{self.messages} messages of {len(self.topics)} topics are saved in {self.path}.',
+            f'{self.messages} messages of {len(self.topics)} topics were saved to {self.path}.',
             *self.losses,
             *self.remarks,
         ]
         if self.lost_bytes:
             chunks = f', {format_count(self.lost_chunks, "chunk")}' if self.lost_chunks else ''
-            told.append(f'Lost are {self.lost_bytes} of {self.size} bytes{chunks}.')
+            told.append(f'{self.lost_bytes} of {self.size} bytes{chunks} are lost.')
         told += [format_loss_span(start, end) for start, end in self.lost_spans[:MOST_NOTED]]
         for topic, lost in sorted(self.missing.items()):
             told.append(f'{topic} lacks {self._describe_missing(lost)} ({lost.source}).')
@@ -90,7 +90,7 @@ class Recovery:
         return told
 
     def _describe_missing(self, lost: MissingMessages) -> str:
-        """Return how many messages are lost, no surer than that is known."""
+        """Return the number of lost messages with its certainty."""
         count = format_count(lost.count, 'message')
         if lost.source == 'rhythm':
             return f'about {count}'
@@ -104,48 +104,48 @@ def format_count(count: int, what: str) -> str:
 
 
 def format_loss_span(start: float | None, end: float | None) -> str:
-    """Return when something was lost. [s]"""
+    """Return when the lost data were recorded. [s]"""
     if start is None and end is None:
-        return 'Nothing tells when what is lost was recorded.'
+        return 'The time of the lost data is unknown.'
     if start is None:
-        return f'What is lost was recorded before {end:.3f} s.'
+        return f'The lost data were recorded before {end:.3f} s.'
     if end is None:
-        return f'What is lost was recorded after {start:.3f} s.'
-    return f'What is lost was recorded between {start:.3f} s and {end:.3f} s.'
+        return f'The lost data were recorded after {start:.3f} s.'
+    return f'The lost data were recorded between {start:.3f} s and {end:.3f} s.'
 
 
 def recover_bag(
     source: Path, out: Path, at: Callable[[int, int], None] = lambda done, total: None
 ) -> Recovery:
     """
-    Write all that can be had of a recording into a new, finished, indexed bag.
+    Write the intact part of a recording to a new, complete, indexed bag.
 
     Parameters
     ----------
     source : Path
-        A rosbag2 folder or an .mcap file; only read.
+        A rosbag2 folder or an .mcap file; it is only read.
     out : Path
-        Folder of the new bag; made if missing, refused if it holds anything.
+        Folder of the new bag; created if missing, refused if not empty.
     at : callable
-        Is told the bytes of the original that are behind, and all of them.
+        Called with the bytes read so far, and the total.
 
     Raises
     ------
     BadInput
-        If there is nothing to recover, the recording is whole, or a folder cannot be used.
+        If there is nothing to recover, the recording is intact, or a folder cannot be used.
     StorageFault
-        If the disk takes no more.
+        If the disk is full.
 
     """
     bag = read_bag(source)
     if not any(topic.count for topic in bag.topics.values()):
-        raise BadInput(f"'{source}' holds no whole message; there is nothing to recover.")
+        raise BadInput(f"'{source}' contains no intact message; there is nothing to recover.")
     refuse_inside(source, out)
     if is_finished(bag):
         total = sum(1 for _ in bag.iterate_records(at=lambda done: at(done, bag.size)))
         if bag.is_complete:
             raise BadInput(
-                f"'{source}' is whole: all its {total} messages are there; nothing is to mend."
+                f"'{source}' is intact: all {total} messages are readable; use it as it is."
             )
     fresh = not out.exists()
     try:
@@ -157,7 +157,7 @@ def recover_bag(
 
 
 def is_finished(bag: Bag) -> bool:
-    """Tell whether a recording looks whole from outside: summaries, files and metadata.yaml."""
+    """Return whether a recording looks complete: summaries, files and metadata.yaml."""
     described = True
     if bag.path.is_dir():
         told = read_metadata(bag.path)
@@ -166,11 +166,11 @@ def is_finished(bag: Bag) -> bool:
 
 
 def refuse_inside(source: Path, out: Path) -> None:
-    """Raise BadInput where the new bag would lie in the original."""
+    """Raise BadInput if the new bag would be inside the original."""
     folder = source.resolve()
     if folder.is_dir() and out.resolve().is_relative_to(folder):
         raise BadInput(
-            f"'{out}' lies in the original, which stays as it is; choose another place."
+            f"'{out}' is inside the original, which must not change; choose another folder."
         )
 
 
@@ -210,12 +210,12 @@ def write_recovered_bag(bag: Bag, out: Path, at: Callable[[int, int], None]) -> 
 
 
 def seconds_since_start(bag: Bag, time: int | None) -> float | None:
-    """Return a log time since the first message that is left. [s]"""
+    """Return a log time since the first intact message. [s]"""
     return None if time is None or bag.start is None else round((time - bag.start) * 1e-9, 9)
 
 
 def build_definition(channel: Channel, schema: Schema | None) -> MessageDefinition:
-    """Return a topic's definition as the recording has it."""
+    """Return a topic's definition as stored in the recording."""
     kind = channel.metadata.get('topic_type_hash', '')
     if schema is None:
         return MessageDefinition('', '', kind, '', channel.message_encoding)
@@ -224,7 +224,7 @@ def build_definition(channel: Channel, schema: Schema | None) -> MessageDefiniti
 
 
 def parse_qos_profiles(channel: Channel) -> list[OfferedQos]:
-    """Return what a topic's publishers offered; empty where the recording does not say."""
+    """Return the QoS that a topic's publishers offered; empty if unknown."""
     text = channel.metadata.get('offered_qos_profiles', '')
     try:
         listed: Any = parse_yaml(text, 'the QoS') if text else []

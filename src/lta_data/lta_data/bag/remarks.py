@@ -1,14 +1,14 @@
-"""What is odd about a recording though nothing of it is missing, in sentences."""
+"""Describe irregularities of a recording that are not losses."""
 
 from lta_data.bag.mcap_file.rhythm import MessageRhythm
 from lta_data.bag.reader import Bag
 
-MOST = 10  # sentences of one kind
-WOVEN = 1_000_000_000  # ns by which topics interleave where log time is that of publication
+MOST = 10  # sentences of one kind, at most
+WOVEN = 1_000_000_000  # ns; topics overlap by up to that if log time is publication time
 
 
 def list_remarks(bag: Bag) -> list[str]:
-    """Return one sentence for each odd thing that the contents and indexes of a bag tell."""
+    """Return one sentence for each irregularity in the contents and indexes of a bag."""
     return [
         *bag.remarks[:MOST],
         *describe_omitted(len(bag.remarks), 'remarks on its files'),
@@ -19,13 +19,13 @@ def list_remarks(bag: Bag) -> list[str]:
 
 
 def describe_omitted(count: int, what: str) -> list[str]:
-    """Return a sentence about what is not told one by one."""
+    """Return a sentence on the number of remarks not listed."""
     return [f'There are {count - MOST} more {what}.'] if count > MOST else []
 
 
 def describe_empty_bag(bag: Bag) -> list[str]:
     """Return the remark on a bag without messages."""
-    return [] if any(topic.count for topic in bag.topics.values()) else ['It holds no message.']
+    return [] if any(topic.count for topic in bag.topics.values()) else ['It contains no message.']
 
 
 def list_topic_remarks(bag: Bag) -> list[str]:
@@ -39,7 +39,7 @@ def list_topic_remarks(bag: Bag) -> list[str]:
 
 
 def list_time_remarks(rhythm: MessageRhythm, start: int | None) -> list[str]:
-    """Return the remarks on steps back in time and on long silences; `start` in ns."""
+    """Return the remarks on backward steps and long silences; `start` in ns."""
     told = []
     if rhythm.backwards and rhythm.worst > WOVEN:
         whose = '' if rhythm.worst_topic is None else f" (on '{rhythm.worst_topic}')"
@@ -50,5 +50,7 @@ def list_time_remarks(rhythm: MessageRhythm, start: int | None) -> list[str]:
     silences = rhythm.find_long_silences()
     for begin, end in silences[:MOST]:
         at = (begin - (start or 0)) * 1e-9
-        told.append(f'Nothing was recorded for {(end - begin) * 1e-9:.6g} s from {at:.6g} s on.')
+        told.append(
+            f'No message was recorded for {(end - begin) * 1e-9:.6g} s from {at:.6g} s on.'
+        )
     return [*told, *describe_omitted(len(silences), 'long silences')]

@@ -1,4 +1,4 @@
-"""One topic of a flight as arrays over time."""
+"""Represent one topic of a flight as arrays over time."""
 
 from dataclasses import dataclass
 from typing import Any, final
@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 @dataclass(frozen=True, slots=True)
 class TopicSeries:
     """
-    Fields of one topic over time; `series['pose.pose.position.x']` is one of them.
+    Fields of one topic over time; `series['pose.pose.position.x']` returns one of them.
 
     Attributes
     ----------
     stamps : ndarray of int64, shape (n,)
-        Stamps, in the order of recording; where a message has none, its log time on the clock of
-        the stamps. [ns]
+        In the order of recording; for messages without a stamp, the log time converted to the
+        clock of the stamps. [ns]
     time : ndarray, shape (n,)
         The same since the start of the flight. [s]
     numbers : dict of str to ndarray, shape (n,)
@@ -38,25 +38,16 @@ class TopicSeries:
         return len(self.time)
 
     def __getitem__(self, path: str) -> NDArray[Any]:
-        """Return one numeric field; an unknown path is a `BadInput` that lists the known."""
+        """Return a numeric field; raise `BadInput` with the known paths if it is unknown."""
         if path not in self.numbers:
             raise unknown_name('field', path, list(self.numbers))
         return self.numbers[path]
 
     def vector(self, path: str) -> NDArray[np.float64]:
         """
-        Return a field with parts x, y, z and perhaps w.
+        Return the components x, y, z and, if present, w of a field, shape (n, 3) or (n, 4).
 
-        Parameters
-        ----------
-        path : str
-            For example 'pose.pose.position' or 'pose.pose.orientation'.
-
-        Returns
-        -------
-        ndarray, shape (n, 3) or (n, 4)
-            The parts in this order.
-
+        `path` is, for example, 'pose.pose.position' or 'pose.pose.orientation'.
         """
         parts = [self[f'{path}.{axis}'] for axis in 'xyz']
         if f'{path}.w' in self.numbers:

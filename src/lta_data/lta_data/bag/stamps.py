@@ -1,28 +1,18 @@
-"""When a message was measured, as it says itself."""
+"""Extract the stamp of a message."""
 
 from collections.abc import Collection
 from typing import Final
 
 SECOND: Final = 1_000_000_000  # ns
-# Where a message has its stamp: of its first transform, of its header, or its clock.
+# Paths of the stamp: first transform, header, or clock.
 PLACES: Final = ('transforms[0].header.stamp', 'header.stamp', 'clock')
 
 
 def extract_stamp(message: object) -> int | None:
     """
-    Return the stamp of a message. [ns]
+    Return the stamp of a decoded message, from its header, first transform or clock. [ns]
 
-    Parameters
-    ----------
-    message : object
-        Decoded message.
-
-    Returns
-    -------
-    int or None
-        From its header, its first transform or its clock; None where it has none, or where
-        nobody filled it in (zero).
-
+    None if there is no stamp or it is zero, that is, unfilled.
     """
     transforms = getattr(message, 'transforms', None)
     stamped = transforms[0] if transforms else message
@@ -35,15 +25,7 @@ def extract_stamp(message: object) -> int | None:
 
 
 def find_stamp_path(paths: Collection[str]) -> str | None:
-    """
-    Return where messages with some fields have their stamp; None where they have none.
-
-    Parameters
-    ----------
-    paths : collection of str
-        The paths of a message's fields.
-
-    """
+    """Return the path of the stamp among the paths of a message's fields; None without a stamp."""
     for place in PLACES:
         if f'{place}.sec' in paths and f'{place}.nanosec' in paths:
             return place

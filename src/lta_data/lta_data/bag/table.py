@@ -1,4 +1,4 @@
-"""Columns with units on one clock: a topic as people work with it in a notebook."""
+"""Represent a topic as columns with units on one clock, for use in a notebook."""
 
 from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
@@ -28,8 +28,8 @@ class RecordingTable:
     """
     Columns over time, `table['pose.pose.position.x']`.
 
-    A quaternion's yaw, pitch and roll are columns as well: 'pose.pose.orientation.yaw', computed
-    when they are asked for.
+    Yaw, pitch and roll of a quaternion are columns, too ('pose.pose.orientation.yaw'), computed on
+    access.
 
     Parameters
     ----------
@@ -44,19 +44,19 @@ class RecordingTable:
     units : mapping of str to str
         Unit of the columns that have one.
     kind : str
-        Message type; '' where there is none.
+        Message type; '' if none.
     samples : callable, optional
-        Returns the ADC blocks of some messages of the topic, counted from 0.
+        Returns the ADC blocks of messages of the topic, numbered from 0.
     messages : ndarray of int, shape (n,), optional
-        Which message of the topic each row is; needed with `samples` only.
+        Message number of each row; needed with `samples` only.
     also : mapping of str to str, optional
-        Columns by other names that they have: 'effort[0]' of 'effort.left'.
+        Alias -> column, such as 'effort[0]' -> 'effort.left'.
 
     Attributes
     ----------
     units : dict of str to str
-        Unit of each column of numbers, as REP-103 writes it; '1' for a plain number, nothing
-        where nobody says.
+        Unit of each numeric column in REP-103 notation; '1' for a dimensionless number; without
+        an entry if unknown.
 
     """
 
@@ -90,18 +90,18 @@ class RecordingTable:
 
     @cached_property
     def quaternions(self) -> list[str]:
-        """The quaternions: columns with x, y, z and w."""
+        """The paths of quaternions: columns with x, y, z and w."""
         found = (column.removesuffix('.w') for column in self._data if column.endswith('.w'))
         return [turn for turn in found if all(f'{turn}.{axis}' in self._data for axis in AXES)]
 
     @property
     def stored_columns(self) -> list[str]:
-        """The names of the columns that the messages themselves have."""
+        """The names of the columns of the messages, without computed ones."""
         return list(self._data)
 
     @property
     def columns(self) -> list[str]:
-        """The names of all columns; a quaternion's angles stand behind it."""
+        """The names of all columns; a quaternion's angles follow it."""
         found = []
         for column in self._data:
             found.append(column)
@@ -111,14 +111,14 @@ class RecordingTable:
 
     @cached_property
     def samples(self) -> NDArray[Any]:
-        """ADC blocks of a topic of sensor_msgs/Image, shape (n, rows, columns)."""
+        """ADC blocks of a sensor_msgs/Image topic, shape (n, rows, columns)."""
         if self._samples is None:
-            raise BadInput(f"'{self.name}' carries no samples; only topics of images do.")
+            raise BadInput(f"'{self.name}' has no samples; choose an image topic.")
         return self._samples(self._messages)
 
     @property
     def array_names(self) -> list[str]:
-        """The columns that are elements of arrays, without their index: 'effort', 'snr'."""
+        """The names of array columns without index: 'effort', 'snr'."""
         known = [*self._data, *self._also]
         return [column.removesuffix('[0]') for column in known if column.endswith('[0]')]
 
@@ -141,7 +141,7 @@ class RecordingTable:
         return iter(self.columns)
 
     def __contains__(self, column: object) -> bool:
-        """Tell whether there is a column."""
+        """Return whether there is a column."""
         return column in self.columns or column in self._also
 
     @overload
@@ -174,18 +174,18 @@ class RecordingTable:
         )
 
     def vector(self, path: str) -> NDArray[np.float64]:
-        """Return columns x, y, z and perhaps w of a path as one array, shape (n, 3) or (n, 4)."""
+        """Return x, y, z and, if present, w of a path, shape (n, 3) or (n, 4)."""
         axes = AXES if f'{path}.w' in self._data else AXES[:3]
         return np.stack([self[f'{path}.{axis}'] for axis in axes], axis=1).astype(np.float64)
 
     def between(self, begin: float, end: float) -> 'RecordingTable':
-        """Return the rows of a stretch of time, both ends included. [s]"""
+        """Return the rows of a closed time interval. [s]"""
         elapsed = self.stamp_ns - self.start
         first, last = np.rint(begin * 1e9), np.rint(end * 1e9)
         return self.select_rows(np.flatnonzero((elapsed >= first) & (elapsed <= last)))
 
     def select_rows(self, chosen: NDArray[np.intp]) -> 'RecordingTable':
-        """Return some rows; copied only where they do not follow each other."""
+        """Return some rows; contiguous rows are views."""
         which: slice | NDArray[np.intp] = chosen
         if len(chosen) and chosen[0] >= 0 and (np.diff(chosen) == 1).all():
             which = slice(int(chosen[0]), int(chosen[-1]) + 1)
@@ -194,18 +194,14 @@ class RecordingTable:
 
     def select(self, *patterns: str) -> 'RecordingTable':
         """
-        Return some columns.
+        Return the columns that match the patterns, with `*` as wildcard: 'pose.pose.position.*'.
 
-        Parameters
-        ----------
-        *patterns : str
-            Names, in which * stands for anything: 'pose.pose.position.*'. A quaternion comes with
-            its angles.
+        A quaternion includes its angles.
 
         Raises
         ------
         BadInput
-            If a pattern fits no column.
+            If a pattern matches no column.
 
         """
         chosen = []
@@ -213,7 +209,7 @@ class RecordingTable:
             fits = re.compile('.*'.join(map(re.escape, pattern.split('*'))))
             found = [column for column in self._data if fits.fullmatch(column)]
             if not found:
-                self[pattern]  # says which there are
+                self[pattern]  # raises the error with the known columns
             chosen += found
         data = {column: self._data[column] for column in self._data if column in chosen}
         return self._with_columns(data, slice(None))
@@ -236,12 +232,12 @@ class RecordingTable:
         return frame
 
     def to_polars(self) -> Any:  # noqa: ANN401 - optional
-        """Return a `polars.DataFrame` with the time [s] in front; polars knows no units."""
+        """Return a `polars.DataFrame` with the time [s] first; polars has no units."""
         polars = import_optional('polars')
         return polars.DataFrame({TIME: self.time} | {column: self[column] for column in self})
 
     def _with_columns(self, data: Columns, rows: slice | NDArray[np.intp]) -> 'RecordingTable':
-        """Return a table of other columns for some of the rows."""
+        """Return a table with other columns for some of the rows."""
         return RecordingTable(
             self.name,
             self.stamp_ns[rows],
@@ -255,33 +251,33 @@ class RecordingTable:
         )
 
     def __repr__(self) -> str:
-        """Return what the table holds, a column a line."""
+        """Return a summary with one line per column."""
         return '\n'.join([format_heading(self), *format_lines(self)])
 
 
 def resolve_rows(chosen: slice | NDArray[Any], count: int) -> NDArray[np.intp]:
-    """Return the numbers of the rows that a slice, flags or numbers choose, shape (n,)."""
+    """Return the row numbers chosen by a slice, mask or index array, shape (n,)."""
     try:
         return np.atleast_1d(np.arange(count)[chosen])
     except (IndexError, TypeError, ValueError):
         raise BadInput(
-            f"Rows '{chosen}' are not among the {count} of the table; give a column's name, a "
-            'slice, a flag for each row, or numbers of rows.'
+            f"Rows '{chosen}' do not fit the table of {count} rows; give a column name, a slice, "
+            'a mask, or row numbers.'
         ) from None
 
 
 def import_optional(name: str) -> Any:  # noqa: ANN401 - a module
-    """Return a library that people may have; `BadInput` with the remedy where they have not."""
+    """Import an optional library; raise `BadInput` with the remedy if it is missing."""
     try:
         return import_module(name)
     except ImportError:
         raise BadInput(
-            f'A {name} table needs {name}, which is not installed; ".venv/bin/pip install {name}" '
-            'brings it.'
+            f'A {name} table needs {name}, which is not installed; install it with '
+            f'".venv/bin/pip install {name}".'
         ) from None
 
 
 def build_arrow_field(name: str, kind: np.dtype[Any], units: Mapping[str, str]) -> Any:  # noqa: ANN401
-    """Return the declaration of a column with its unit."""
+    """Return the arrow field of a column with its unit."""
     stored = arrow.string() if kind.kind == 'U' else arrow.from_numpy_dtype(kind)
     return arrow.field(name, stored, metadata={'unit': units[name]} if name in units else None)

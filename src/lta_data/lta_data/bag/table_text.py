@@ -1,4 +1,4 @@
-"""A table as a notebook prints it: a heading, and a line for each column that people look at."""
+"""Format a table for a notebook: a heading, and a line per main column."""
 
 from collections.abc import Iterator, Sequence
 import re
@@ -10,12 +10,14 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from lta_data.bag.table import RecordingTable
 
-DIM: Final = re.compile(r'(^|/|\.)header\.|covariance($|\[|/)')  # columns that few look at
-SHOWN: Final = 24  # columns that a table prints
+DIM: Final = re.compile(
+    r'(^|/|\.)header\.|covariance($|\[|/)'
+)  # columns that are hidden by default
+SHOWN: Final = 24  # columns printed, at most
 
 
 def format_heading(table: 'RecordingTable') -> str:
-    """Return the first line about a table."""
+    """Return the heading of a table."""
     if not len(table):
         return f'{table.name}: no rows'
     first, last = float(table.time[0]), float(table.time[-1])
@@ -25,7 +27,7 @@ def format_heading(table: 'RecordingTable') -> str:
 
 
 def format_lines(table: 'RecordingTable') -> Iterator[str]:
-    """Yield a line for each column that people look at, then the number of the others."""
+    """Yield a line for each main column, then the number of the others."""
     seen = [column for column in table.columns if not DIM.search(column)]
     width = max(map(len, seen[:SHOWN]), default=0)
     for column in seen[:SHOWN]:
@@ -36,15 +38,15 @@ def format_lines(table: 'RecordingTable') -> Iterator[str]:
 
 
 def format_range(values: NDArray[Any]) -> str:
-    """Return the least and the greatest of a column, or what texts it has."""
+    """Return the range of a column, or examples of its texts."""
     if not len(values):
         return ''
     if values.dtype.kind in 'Ub':
         return format_examples([str(value) for value in np.unique(values)])
     finite = values[np.isfinite(values)]
-    return f'{finite.min():.4g} to {finite.max():.4g}' if len(finite) else 'nothing finite'
+    return f'{finite.min():.4g} to {finite.max():.4g}' if len(finite) else 'no finite value'
 
 
 def format_examples(texts: Sequence[str]) -> str:
-    """Return a few of some texts."""
+    """Return the first few texts."""
     return ', '.join(texts[:3]) + (', ...' if len(texts) > 3 else '')

@@ -1,9 +1,9 @@
 """
-The unit of every number in a message: what ROS's definitions say in their comments, as data.
+Look up the unit of every number in a message, according to the comments of ROS's definitions.
 
-A rule names a message type and one of its fields and holds for all that is inside the field, until
-a deeper rule says otherwise. REP-103 gives the units; a topic of ours that uses a general type for
-a quantity of its own says so in `OF_TOPIC`.
+A rule names a message type and one of its fields. It applies to everything inside the field unless
+a deeper rule overrides it. REP-103 defines the units; topics of LTA that use a general type for
+another quantity are in `OF_TOPIC`.
 """
 
 from functools import cache
@@ -62,16 +62,16 @@ RULES: Final = {
         'cell_voltage': 'V',
         'cell_temperature': 'degC',
     },
-    # Of a joint that turns; a topic of ours that means something else says so below.
+    # For revolute joints; OF_TOPIC overrides it.
     'sensor_msgs/msg/JointState': {'position': 'rad', 'velocity': 'rad/s', 'effort': 'N m'},
     'sensor_msgs/msg/Joy': {'axes': ONE, 'buttons': ONE},
 }
-MATRICES: Final = {  # 6 x 6 covariances: of three lengths, then of three angles
+MATRICES: Final = {  # 6 x 6 covariances of three linear, then three angular components
     'geometry_msgs/msg/PoseWithCovariance': ('m2', 'm rad', 'rad2'),
     'geometry_msgs/msg/TwistWithCovariance': ('m2/s2', 'm rad/s2', 'rad2/s2'),
     'geometry_msgs/msg/AccelWithCovariance': ('m2/s4', 'm rad/s4', 'rad2/s4'),
 }
-OF_TOPIC: Final = {  # by relative name; wins over the message type
+OF_TOPIC: Final = {  # by relative name; overrides the message type
     'motors': {'effort': ONE, 'position': 'm', 'velocity': 'm/s'},
     'wind': {'vector': 'm/s'},
     'light/bearing': {'vector': ONE},
@@ -84,22 +84,10 @@ _INDEX: Final = re.compile(r'\[(\d+)\]$')
 
 def find_unit(type_name: str, path: str, topic: str = '') -> str:
     """
-    Return the unit of a field.
+    Return the unit of a field in REP-103 notation ('m/s2').
 
-    Parameters
-    ----------
-    type_name : str
-        Message type, 'nav_msgs/msg/Odometry'.
-    path : str
-        Field path as in a `Series`: 'pose.pose.position.x', 'effort[0]'.
-    topic : str
-        Relative name of the topic, where it is known.
-
-    Returns
-    -------
-    str
-        As REP-103 writes it ('m/s2'); '1' for a plain number, '' where nobody says.
-
+    '1' for a dimensionless number, '' if unknown. `path` is as in a `TopicSeries`:
+    'pose.pose.position.x', 'effort[0]'; `topic` is the relative name, if known.
     """
     own = OF_TOPIC.get(topic, {}).get(_INDEX.sub('', path.split('.')[0]))
     return _find_type_unit(type_name, path) if own is None else own
@@ -107,7 +95,7 @@ def find_unit(type_name: str, path: str, topic: str = '') -> str:
 
 @cache
 def _find_type_unit(type_name: str, path: str) -> str:
-    """Return the unit that the message type gives a field."""
+    """Return the unit of a field by its message type."""
     unit, kind = UNKNOWN, type_name
     for part in path.split('.'):
         index = _INDEX.search(part)
@@ -120,14 +108,14 @@ def _find_type_unit(type_name: str, path: str) -> str:
 
 
 def _find_covariance_unit(units: tuple[str, str, str], index: int) -> str:
-    """Return the unit of an element of a 6 x 6 covariance, row after row."""
+    """Return the unit of an element of a row-major 6 x 6 covariance."""
     row, column = divmod(index, 6)
     return units[(row > 2) + (column > 2)]
 
 
 @cache
 def _find_field_type(kind: str, field: str) -> str:
-    """Return the message type of a field; '' where it is no message."""
+    """Return the message type of a field; '' if it is not a message."""
     _, fields = load_jazzy_types().fielddefs.get(kind, ([], []))
     for name, found in fields:
         if name == field:

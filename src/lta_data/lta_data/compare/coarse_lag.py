@@ -98,7 +98,7 @@ def smoothed_rate(
     width = max(SMOOTH, 2.0 * step)
     found = gaussian_filter1d(held, width / step, order=1) / step
     found[~known] = np.nan
-    # Noise of the rate, from white noise through the derivative of a Gaussian: variance h / (4 sqrt(pi) w^3).
+    # White noise after the derivative of a Gaussian: variance h / (4 sqrt(pi) w^3).
     usual = max(median_period(line.time), step)
     alone = noise_deviation(line.values) * math.sqrt(usual / (4.0 * math.sqrt(math.pi) * width**3))
     size = math.sqrt(float(np.nanmean(found**2)))

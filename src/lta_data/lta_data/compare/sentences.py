@@ -195,8 +195,8 @@ def describe_faults(faults: TopicFaults) -> str:
     if faults.gap_count:
         longest = max(faults.gaps, key=lambda gap: gap.end - gap.begin)
         parts.append(
-            f'{format_count(faults.gap_count, "gap")}, {faults.missing:.2f} s in total, the longest '
-            f'{longest.begin:.2f} to {longest.end:.2f} s'
+            f'{format_count(faults.gap_count, "gap")}, {faults.missing:.2f} s in total, the '
+            f'longest {longest.begin:.2f} to {longest.end:.2f} s'
         )
     if faults.same_stamp:
         again = f', {faults.repeated} of them identical byte for byte' if faults.repeated else ''

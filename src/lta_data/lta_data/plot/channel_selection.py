@@ -19,19 +19,15 @@ DEGREE: Final = math.pi / 180.0
 
 def select_channels(flight: RecordedFlight, patterns: Sequence[str]) -> list[SignalChannel]:
     """
-    Return the channels that some patterns name, in the order of the patterns.
+    Return the channels that match the patterns, in the order of the patterns.
 
-    Parameters
-    ----------
-    flight : Flight
-        The recording of one robot; only topics that a pattern can mean are decoded.
-    patterns : sequence of str
-        A channel ('odom/pose.pose.position.z'), a topic ('motors'), or either with `*`.
+    A pattern is a channel ('odom/pose.pose.position.z'), a topic ('motors'), or either with `*`.
+    Only matching topics are decoded.
 
     Raises
     ------
     BadInput
-        If a pattern means nothing, or all together mean too much for one picture.
+        If a pattern matches nothing, or all together match too many channels for one plot.
 
     """
     found: dict[str, SignalChannel] = {}

@@ -34,9 +34,8 @@ from numpy.typing import NDArray
 
 MOST: Final = 0.5  # of a flight; a channel that is bad for longer is dropped
 AROUND: Final = 0.2  # s; margin cut on either side of an interval
-NEAR_FLOOR: Final = (
-    0.05  # m above the standing height; a swinging vehicle may still touch the floor
-)
+# m above the standing height; a swinging vehicle may still touch the floor
+NEAR_FLOOR: Final = 0.05
 SHORTEST: Final = 6.0  # s; of a flight
 LEAST: Final = 20.0  # s; of all training flights together
 STILL: Final = 0.005  # of the largest command: standard deviation over all training flights

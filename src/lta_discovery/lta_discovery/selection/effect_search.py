@@ -52,9 +52,8 @@ MOST: Final = 4  # most effects
 WORTH: Final = 1.0  # nats; a candidate with a smaller scan gain is ignored
 ROUGHLY: Final = 0.3  # nats; accuracy of a predicted gain
 HOPE: Final = 5.0  # nats; a candidate with a smaller predicted gain on all flights is ignored
-HOPELESS: Final = (
-    0.35  # of the best gain so far; a candidate with a smaller prediction is not refitted
-)
+# of the best gain so far; a candidate with a smaller prediction is not refitted
+HOPELESS: Final = 0.35
 ALIKE: Final = 0.98  # cosine of two columns; above it one refit stands for both
 UNLIKE: Final = 0.5  # cosine; below it the failure of one candidate does not affect the other
 CHANCES: Final = 1  # further scans, excluding failed candidates

@@ -42,9 +42,8 @@ FEWEST: Final = 4  # training and confirming flights, if the poses were filtered
 LARGE: Final = 10.0  # noise floors; with a larger remainder, readings do not decide
 ENOUGH: Final = 8  # flights, if the poses were not filtered (the readings were evaluated before)
 LIFT: Final = 0.0025  # of the weight; deviation of a flight's lift (as between RGBlimp's)
-TUNED: Final = (
-    0.97  # of the squared error with tuned tolerances, in left-out regimes; effects need less
-)
+# of the squared error with tuned tolerances, in left-out regimes; effects need less
+TUNED: Final = 0.97
 LOOSE: Final = 0.8  # of the squared error; tolerances that leave less explain the flights
 BESIDE: Final = 0.95  # as TUNED, if tolerances are tuned together with the effects
 ATTEMPTS: Final = 4  # selections, each without the effects rejected before

@@ -16,9 +16,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-WORTH: Final = (
-    0.015  # of the vehicle file's squared error in left-out regimes; smallest gain of an effect
-)
+# of the vehicle file's squared error in left-out regimes; smallest gain of an effect
+WORTH: Final = 0.015
 WORST: Final = -0.12  # of a regime's squared error; a candidate with a larger loss is rejected
 MOST: Final = 6  # most effects by forecasts
 ROUNDS: Final = 2  # steps of the fit after each effect

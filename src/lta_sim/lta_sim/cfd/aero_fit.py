@@ -1,4 +1,4 @@
-"""A raw sweep to an aero file: fits, columns, coupling, evidence, warnings. No flow solver."""
+"""Fit drag, rotor columns and coupling to a raw sweep, and collect its warnings."""
 
 from collections.abc import Sequence
 import math
@@ -15,21 +15,21 @@ import numpy as np
 ABOUT: Final[dict[Axis, int]] = {'roll': 0, 'pitch': 1, 'yaw': 2}
 ALONG: Final[dict[Axis, int]] = {'surge': 0, 'sway': 1, 'heave': 2}
 LIKE: Final[dict[Axis, Axis]] = {'sway': 'surge', 'pitch': 'roll'}  # after a quarter turn
-NOTICED: Final = 0.05  # of the drag: a lift that is told
-MESHED: Final = 0.1  # of the drag: what a coarser mesh may change
-JOINED: Final = 0.05  # how far a fit of steady and transient points may miss one of them
+NOTICED: Final = 0.05  # of the drag: smallest side force that is reported
+MESHED: Final = 0.1  # of the drag: largest change on a coarser mesh without a warning
+JOINED: Final = 0.05  # largest error of a fit through steady and transient points
 UNSTEADY: Final = 'the damping of small fast swings is under-predicted: the air turns along'
 
 
 def drag_values(axis: Axis, points: Sequence[SweepPoint]) -> list[float]:
-    """Return the drag along or about an axis, positive where it brakes. [N or N m]."""
+    """Return the drag along or about an axis, positive where it opposes the motion. [N or N m]."""
     if axis in ALONG:
         return [-point.force[ALONG[axis]] for point in points]
     return [-point.moment[ABOUT[axis]] for point in points]
 
 
 def fit_axes(sweep: TunnelSweep) -> dict[Axis, DragFit]:
-    """Return the fit of each axis; by hand where no flow was solved."""
+    """Return the drag fit of each axis; estimates by hand where no flow was solved."""
     fits: dict[Axis, DragFit] = {}
     for axis in AXES:
         fits[axis] = _fit_points(axis, select_fit_points(sweep, axis))
@@ -42,10 +42,10 @@ def _fit_points(axis: Axis, points: Sequence[SweepPoint]) -> DragFit:
 
 def select_fit_points(sweep: TunnelSweep, axis: Axis) -> Sequence[SweepPoint]:
     """
-    Return the points that an axis is fitted to: of a reference, the transient alone at need.
+    Return the points for the fit of an axis.
 
-    Its slow point is of the steady model, whose wake does not shed. Where no drag of ours goes
-    through both, that one is wrong.
+    The slow point of a reference comes from the steady model, whose wake does not shed. Where no
+    drag fit matches both points, the slow one is left out.
     """
     points = select_points(sweep, axis)
     if sweep.fidelity != 'reference' or not select_solved_points(sweep, axis) or axis in ABOUT:
@@ -54,7 +54,7 @@ def select_fit_points(sweep: TunnelSweep, axis: Axis) -> Sequence[SweepPoint]:
 
 
 def select_solved_points(sweep: TunnelSweep, axis: Axis) -> Sequence[SweepPoint]:
-    """Return what was solved of an axis, or of its like by symmetry; nothing where neither was."""
+    """Return the solved points of an axis, or of the axis equivalent by symmetry; else none."""
     like = LIKE.get(axis)
     if axis in sweep.axes or like is None or QUARTER.tolist() not in list(sweep.symmetries):
         return sweep.axes.get(axis, ())
@@ -68,7 +68,7 @@ def _rotate_point(point: SweepPoint) -> SweepPoint:
 
 
 def select_points(sweep: TunnelSweep, axis: Axis) -> Sequence[SweepPoint]:
-    """Return what was solved of an axis, else what is known by hand."""
+    """Return the solved points of an axis, or else the estimates by hand."""
     points = select_solved_points(sweep, axis) or sweep.by_hand.get(axis)
     if not points:
         raise BadInput(f'The sweep of {sweep.name} has nothing about {axis}; run it again.')
@@ -76,24 +76,24 @@ def select_points(sweep: TunnelSweep, axis: Axis) -> Sequence[SweepPoint]:
 
 
 def collect_warnings(sweep: TunnelSweep) -> list[str]:
-    """Return what whoever flies with the numbers should know."""
-    told = []
+    """Return warnings for users of the fitted numbers."""
+    warnings: list[str] = []
     for axis in AXES:
         points = select_solved_points(sweep, axis)
         if not points:
             if sweep.fidelity != 'analytic':
-                told.append(f'{axis}: by hand, no flow was solved')
+                warnings.append(f'{axis}: by hand, no flow was solved')
             continue
         ratio = ratio_to_estimate(sweep, axis)
         if not flow_checks.is_near_estimate(ratio, 1.0):
-            told.append(f'{axis}: {ratio:.2f} times what is known by hand; look at the flow')
+            warnings.append(f'{axis}: {ratio:.2f} times the estimate by hand; inspect the flow')
         coarser = mesh_share(sweep, axis)
         if coarser is not None and abs(coarser) > MESHED:
-            told.append(f'{axis}: {100 * coarser:+.0f} % of drag on a coarser mesh')
+            warnings.append(f'{axis}: {100 * coarser:+.0f} % of drag on a coarser mesh')
     if any(axis in sweep.axes for axis in ABOUT):
-        told.append(f'roll, pitch, yaw: {UNSTEADY}')
+        warnings.append(f'roll, pitch, yaw: {UNSTEADY}')
     if sweep.fidelity == 'preview':
-        told.append(
+        warnings.append(
             'steady model: on a sphere its drag is right at 0.2 m/s and up to 30 % low at 2 m/s'
         )
     tops = [
@@ -102,17 +102,17 @@ def collect_warnings(sweep: TunnelSweep) -> list[str]:
         if select_solved_points(sweep, axis)
     ]
     if sweep.fidelity == 'reference' and tops:
-        told.append(f'drag above {min(tops):g} m/s is extrapolated')
-        told += [_format_unjoined(sweep, axis) for axis in ALONG if _is_unjoined(sweep, axis)]
+        warnings.append(f'drag above {min(tops):g} m/s is extrapolated')
+        warnings += [_format_unjoined(sweep, axis) for axis in ALONG if _is_unjoined(sweep, axis)]
     for pattern in sweep.blows:
         share = linearity_ratio(sweep, pattern)
         if share is not None and abs(share - 1.0) > 0.05:
-            told.append(
+            warnings.append(
                 f'{pattern}: at part thrust {share:.2f} times its share; the wrench is not '
                 'linear in thrust'
             )
-    told += [f'{name}: refused: {reason}' for name, reason in sweep.refused.items()]
-    return told
+    warnings += [f'{name}: refused: {reason}' for name, reason in sweep.refused.items()]
+    return warnings
 
 
 def _is_unjoined(sweep: TunnelSweep, axis: Axis) -> bool:
@@ -120,14 +120,14 @@ def _is_unjoined(sweep: TunnelSweep, axis: Axis) -> bool:
 
 
 def _format_unjoined(sweep: TunnelSweep, axis: Axis) -> str:
-    """Say of the slow point of a reference that the fit leaves it out."""
+    """Return the warning that the fit leaves out the slow point of a reference."""
     slow = select_points(sweep, axis)[0]
     share = drag_values(axis, [slow])[0] / _fit_points(
         axis, select_fit_points(sweep, axis)
     ).drag_at(slow.speed)
     return (
         f'{axis}: the steady flow at {slow.speed:g} m/s has {100 * (share - 1):+.0f} % of drag '
-        'beside the transient one, and is left out of the fit'
+        'relative to the transient fit, and is left out of it'
     )
 
 
@@ -138,13 +138,13 @@ def middle_point(sweep: TunnelSweep, axis: Axis) -> SweepPoint:
 
 
 def ratio_to_estimate(sweep: TunnelSweep, axis: Axis) -> float:
-    """Return the drag at the middle speed over that by hand. [1]."""
+    """Return the drag at the middle speed over the estimate by hand. [1]."""
     middle = middle_point(sweep, axis)
     return drag_values(axis, [middle])[0] / interpolate_estimate(sweep, axis, middle.speed)
 
 
 def mesh_share(sweep: TunnelSweep, axis: Axis) -> float | None:
-    """Return how much more drag there is on a coarser mesh, None where none was solved. [1]."""
+    """Return the relative change of the drag on a coarser mesh; None if none was solved. [1]."""
     coarse = sweep.coarse.get(axis)
     fine = [point for point in sweep.axes.get(axis, ()) if coarse and point.speed == coarse.speed]
     if coarse is None or not fine:
@@ -153,7 +153,9 @@ def mesh_share(sweep: TunnelSweep, axis: Axis) -> float | None:
 
 
 def hull_share(sweep: TunnelSweep, axis: Axis) -> float | None:
-    """Return the share of the hull in the drag at the middle speed, None by hand. [1]."""
+    """
+    Return the hull's share of the drag at the middle speed; None for an estimate by hand. [1].
+    """
     parts = middle_point(sweep, axis).parts
     return parts[HULL] / sum(parts.values()) if parts else None
 
@@ -167,14 +169,14 @@ def sum_processor_time(sweep: TunnelSweep) -> float:
 
 
 def interpolate_estimate(sweep: TunnelSweep, axis: Axis, speed: float) -> float:
-    """Return what is known by hand of an axis, at a speed. [N or N m]."""
+    """Return the estimate by hand for an axis at a speed. [N or N m]."""
     points = sweep.by_hand[axis]
     speeds = np.log([point.speed for point in points])
     return math.exp(float(np.interp(math.log(speed), speeds, np.log(drag_values(axis, points)))))
 
 
 def describe_side_loads(sweep: TunnelSweep) -> dict[str, str]:
-    """Return lift and moment of each direction at its middle speed, where not negligible."""
+    """Return force and moment of each direction at its middle speed, unless negligible."""
     told: dict[str, str] = {}
     for axis, k in ALONG.items():
         points = select_solved_points(sweep, axis)

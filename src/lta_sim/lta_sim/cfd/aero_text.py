@@ -1,4 +1,4 @@
-"""The aero file as text, from a raw sweep."""
+"""Format the aero file of a raw sweep."""
 
 from collections.abc import Callable, Sequence
 import math
@@ -21,11 +21,11 @@ from lta_sim.cfd.sweep_table import AXES, Axis, TunnelSweep
 from lta_sim.cfd.thrust_allocation import compute_coupling, find_column, TunnelColumn
 import yaml
 
-NOTHING = 1e-9  # of any coefficient: symmetry cancels some but for rounding
+NOTHING = 1e-9  # any coefficient below is zero by symmetry, except for rounding
 
 
 def _round_to_four(number: float) -> float:
-    """Return a number with four digits; what rounding leaves of nothing is nothing."""
+    """Return a number with four digits; a rounding error becomes zero."""
     return float(f'{number:.4g}') if abs(number) > NOTHING else 0.0
 
 
@@ -36,7 +36,7 @@ def format_quantity(value: float | Sequence[float], unit: str, source: str) -> d
 
 
 def _describe_source(sweep: TunnelSweep, axes: Sequence[Axis]) -> str:
-    """Return what the coefficients of three axes come from."""
+    """Return the source of the coefficients of three axes."""
     flown = [axis for axis in axes if select_solved_points(sweep, axis)]
     hand = [axis for axis in axes if axis not in flown]
     told = [f'{sweep.engine}, {sweep.fidelity}: {", ".join(flown)}'] if flown else []
@@ -114,7 +114,9 @@ def _format_fit(sweep: TunnelSweep, axis: Axis, fit: DragFit) -> dict[str, Any]:
     points = select_fit_points(sweep, axis)
     told = {
         'points': len(points),
-        'error': _round_to_three(round(fit.error, 9)),  # two points are met but for rounding
+        'error': _round_to_three(
+            round(fit.error, 9)
+        ),  # a fit through two points is exact except for rounding
         'exponent': None if math.isnan(fit.exponent) else float(f'{fit.exponent:.4g}'),
         'spread': max(point.evidence.spread for point in points),
         'cells': max(point.evidence.cells for point in points),
@@ -132,7 +134,7 @@ def _round_to_three(number: float | None) -> float | None:
 def format_aero_file(sweep: TunnelSweep) -> str:
     """Return the aero file of a sweep."""
     head = (
-        f'# What the wind tunnel gave of {sweep.name}. Not written by hand: lta cfd refit makes '
+        f'# Results of the wind tunnel for {sweep.name}. Generated file: lta cfd refit makes '
         f'it from {sweep.name}.sweep.json.\n'
     )
     return head + yaml.dump(

@@ -1,10 +1,10 @@
 """
-Drag by hand: Hoerner for the hull, plates for the boxes, boundary layers of turning discs.
+Estimate drag by hand: Hoerner for the hull, plates for boxes, discs for rotation.
 
-A fallback without any flow solver, and what a flow solver is checked against: the two should not
-differ by more than a factor of two. Hulls are taken as spheroids of the model's sizes.
+The fallback without a flow solver, and the check of solved flows: the two should agree within a
+factor of two. Hulls are treated as spheroids of the model's sizes.
 
-Along an axis, with l the length along it, d the size across it, on the shadow's area (Hoerner
+Along an axis, with l the length along it, d the size across it, on the frontal area (Hoerner
 1965, Fluid-Dynamic Drag, 6-19; of bodies of revolution in axial flow, so an approximation for
 a balloon that flies edge-on; quoted after later texts):
 
@@ -15,8 +15,8 @@ a sphere 1.67 times as much (Howarth 1951); between them by the height over the 
 
     M = 0.616 pi rho R^4 sqrt(nu w^3) (1 + 0.67 h / d)
 
-About other axes, the same friction and a plate that is moved across itself, of which a sphere has
-nothing: C_D rho R^5 (2 / 15) 2 (1 - h / d)^2 w^2, a surmise. Boxes are plates everywhere.
+About other axes, the same friction plus the drag of a plate moved broadside, zero for a sphere:
+C_D rho R^5 (2 / 15) 2 (1 - h / d)^2 w^2 (an assumption). Boxes count as plates.
 """
 
 from collections.abc import Mapping
@@ -33,17 +33,10 @@ PLATE: Final = 1.17  # square plate across the flow (Aeronautical Engineer's Dat
 
 def hull_drag_coefficient(along: float, across: float, speed: float, viscosity: float) -> float:
     """
-    Return the drag coefficient of a hull on the area of its shadow. [1].
+    Return the drag coefficient of a hull on its frontal area. [1].
 
-    Parameters
-    ----------
-    along, across : float
-        Sizes; of two unequal ones across, the smaller. [m]
-    speed : float
-        m/s.
-    viscosity : float
-        Kinematic, of the air. [m2/s]
-
+    `along` and `across` are its sizes; of two unequal ones across, the smaller [m]. `speed` is in
+    m/s and `viscosity` kinematic [m2/s].
     """
     friction = 1.328 / math.sqrt(speed * along / viscosity)
     slender = across / along
@@ -52,19 +45,9 @@ def hull_drag_coefficient(along: float, across: float, speed: float, viscosity: 
 
 def drag_force(model: TunnelModel, axis: int, speed: float, air: tuple[float, float]) -> float:
     """
-    Return the drag along a body axis. [N].
+    Return the drag along a body axis (0, 1, 2 for x, y, z). [N].
 
-    Parameters
-    ----------
-    model : Model
-        The vehicle.
-    axis : int
-        0, 1, 2 for x, y, z.
-    speed : float
-        m/s.
-    air : (float, float)
-        Density [kg/m3] and kinematic viscosity [m2/s].
-
+    `speed` is in m/s; `air` holds density [kg/m3] and kinematic viscosity [m2/s].
     """
     density, viscosity = air
     sizes = model.hull.extents
@@ -77,9 +60,12 @@ def drag_force(model: TunnelModel, axis: int, speed: float, air: tuple[float, fl
 
 
 def damping_moment(model: TunnelModel, axis: int, rate: float, air: tuple[float, float]) -> float:
-    """Return the moment against turning about a body axis. [N m]; parameters as `drag_force`."""
+    """
+    Return the moment against rotation about a body axis. [N m]; arguments as in `drag_force`.
+    """
     density, viscosity = air
     sizes = model.hull.extents
+    # The axis of revolution is the one whose size differs most from the median.
     revolution = int(np.argmax(np.abs(sizes - np.median(sizes))))
     height, diameter = float(sizes[revolution]), float(sizes[revolution - 1])
     radius = 0.5 * (diameter if axis == revolution else max(height, diameter))
@@ -93,7 +79,7 @@ def damping_moment(model: TunnelModel, axis: int, rate: float, air: tuple[float,
 
 
 def _box_areas(model: TunnelModel, axis: int) -> Mapping[str, float]:
-    """Return the area of each box as the air along an axis meets it. [m2]."""
+    """Return the frontal area of each box along an axis. [m2]."""
     return {
         name: float(np.prod(np.delete(mesh.extents, axis)))
         for name, mesh in model.bodies.items()
@@ -102,7 +88,9 @@ def _box_areas(model: TunnelModel, axis: int) -> Mapping[str, float]:
 
 
 def _box_damping(model: TunnelModel, axis: int, density: float) -> float:
-    """Return 0.5 rho Cd A r^3 of all boxes that turn about an axis, in strips. [N m s2]."""
+    """
+    Return 0.5 rho Cd A r^3 of all boxes rotating about an axis, integrated in strips. [N m s2].
+    """
     total = 0.0
     for name, mesh in model.bodies.items():
         if name == HULL:

@@ -1,10 +1,10 @@
 """
-Linear and quadratic drag from a sweep, and what drag is by hand at the side of it.
+Fit linear and quadratic drag to the points of a sweep.
 
     F = D1 v + D2 v^2,   D1, D2 >= 0
 
-The sum of the squares of relative errors is least (Lawson and Hanson 1974, non-negative): the
-slow points, at which a drone flies, count as much as the fast ones.
+The fit minimises the squared relative errors (non-negative least squares, Lawson and Hanson
+1974), so that the slow points, at which a drone flies, count as much as the fast ones.
 """
 
 from collections.abc import Sequence
@@ -55,18 +55,18 @@ def fit_drag(speeds: Sequence[float], drags: Sequence[float]) -> DragFit:
     Raises
     ------
     BadInput
-        If a point is not positive: no drag pushes.
+        If a point is not positive: drag opposes the motion.
 
     """
     v, f = np.array(speeds, dtype=float), np.array(drags, dtype=float)
     if len(v) == 0 or len(v) != len(f) or not (np.all(v > 0.0) and np.all(f > 0.0)):
         raise BadInput(
             f'Drag cannot be fitted to {f.tolist()} at {v.tolist()}: each must be positive; '
-            'look at the flow of the point that is not.'
+            'inspect the flow of the other points.'
         )
     matrix = np.column_stack((v / f, v**2 / f))
     if len(v) == 1:
-        matrix[:, 0] = 0.0  # one point says nothing of two terms; drag is known to be quadratic
+        matrix[:, 0] = 0.0  # one point cannot determine two terms; use the quadratic one
     (linear, quadratic), _ = nnls(matrix, np.ones(len(v)))
     error = float(np.max(np.abs(matrix @ (linear, quadratic) - 1.0)))
     exponent = float(np.polyfit(np.log(v), np.log(f), 1)[0]) if len(v) > 1 else float('nan')

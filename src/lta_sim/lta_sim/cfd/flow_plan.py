@@ -1,4 +1,4 @@
-"""Which flows make a sweep, by fidelity, and how each is read when it is solved."""
+"""Plan the flows of a sweep by fidelity."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -25,8 +25,8 @@ Kind = Literal['wind', 'coarse', 'transient', 'spin', 'blow']
 Air = tuple[float, float]  # density [kg/m3], kinematic viscosity [m2/s]
 WINDS: Final = tuple(TURNS)
 MIDDLE: Final = 1.0  # m/s
-SLOW: Final = 0.2  # m/s, at which the steady model is right for a sphere
-LENGTHS: Final = 26.0  # of flow in a transient, all but the first of which are averaged
+SLOW: Final = 0.2  # m/s; here the steady model is accurate for a sphere
+LENGTHS: Final = 26.0  # hull lengths of flow in a transient; the first ones are not averaged
 
 
 @final
@@ -59,9 +59,9 @@ class TunnelFlow:
 
 def list_patterns(model: TunnelModel) -> dict[str, Mapping[str, float]]:
     """
-    Return what blows: each rotor forward and reversed, and the patterns of the tunnel file.
+    Return the rotor patterns to solve: each rotor forward and reversed, and those of the file.
 
-    A rotor that symmetry brings to the place of one before it is left out: so is its column.
+    A rotor that is equivalent to an earlier one by symmetry is left out, as is its column.
     """
     singles: dict[str, Mapping[str, float]] = {}
     changes = model.find_symmetries()
@@ -75,7 +75,7 @@ def list_patterns(model: TunnelModel) -> dict[str, Mapping[str, float]]:
 def _is_symmetric_twin(
     model: TunnelModel, name: str, before: Iterable[str], changes: Sequence[NDArray[np.float64]]
 ) -> bool:
-    """Tell whether a symmetry of the bodies brings an earlier rotor to where this one is."""
+    """Return whether a symmetry maps an earlier rotor to this one."""
     one = model.rotors[name]
     return any(
         np.allclose(change @ model.rotors[other].place, one.place, atol=1e-6)
@@ -89,14 +89,12 @@ def plan_flows(
     model: TunnelModel, fidelity: str, air: Air, only: Sequence[str] = ()
 ) -> list[TunnelFlow]:
     """
-    Return the flows of a sweep, those that tell most first.
+    Return the flows of a sweep, the most informative first.
 
-    Sway and pitch are left out where a quarter turn makes them of surge and roll.
+    Sway and pitch are left out where a quarter turn gives them from surge and roll.
 
     Parameters
     ----------
-    model : Model
-        The vehicle.
     fidelity : str
         'preview' or 'reference'.
     air : (float, float)

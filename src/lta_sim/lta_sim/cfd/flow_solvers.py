@@ -1,7 +1,7 @@
 """
-Who solves flows: threads of this machine, each with a program on one core.
+Solve flows in threads of this machine, each with a program on one core.
 
-On two cores that is faster than one flow on both, and a flow that dies takes nobody along.
+On two cores this is faster than one flow on both, and a failing flow does not affect the others.
 """
 
 from collections.abc import Generator, Sequence
@@ -25,37 +25,37 @@ READ: Final = {
     'transient': reduce.reduce_transient,
     'spin': reduce.reduce_spin,
 }
-Points = tuple[list[SweepPoint], dict[str, str]]  # what was refused, too
+Points = tuple[list[SweepPoint], dict[str, str]]  # points, and the refused ones with their reason
 Found = Points | Blow
 
 
 class FlowSolver(Protocol):
-    """Whoever solves flows, here or elsewhere."""
+    """Interface of a flow solver."""
 
     def engine_name(self) -> str:
-        """Return what they are solved with."""
+        """Return name and version of the solver."""
         ...
 
     def solve_flows(
         self, model: TunnelModel, flows: Sequence[TunnelFlow], density: float
     ) -> Generator[tuple[TunnelFlow, Found | CaseFailed]]:
-        """Yield each flow with its outcome, and stop when closed; parameters as `solve_flow`."""
+        """Yield each flow with its result, and stop when closed; arguments as in `solve_flow`."""
         ...
 
 
 @final
 class ThreadedFlowSolver:
     """
-    Solves flows on this machine.
+    Solve flows on this machine.
 
     Parameters
     ----------
     folder : Path
-        Where solved cases are kept.
+        Cache of the solved cases.
     jobs : int
-        How many at a time.
+        Number of parallel flows.
     tell : callable
-        Told how far which case is.
+        Called with the progress of each case.
 
     """
 
@@ -65,13 +65,13 @@ class ThreadedFlowSolver:
         self._jobs = jobs
 
     def engine_name(self) -> str:
-        """Return what they are solved with."""
+        """Return name and version of the solver."""
         return find_version()
 
     def solve_flows(
         self, model: TunnelModel, flows: Sequence[TunnelFlow], density: float
     ) -> Generator[tuple[TunnelFlow, Found | CaseFailed]]:
-        """Yield each flow with what came of it; parameters as `solve_flow`."""
+        """Yield each flow with its result; arguments as in `solve_flow`."""
         with ThreadPoolExecutor(self._jobs) as pool:
             try:
                 meshes = {
@@ -104,7 +104,7 @@ class ThreadedFlowSolver:
     def _solve_after_mesh(
         self, mesh: Future[Path], model: TunnelModel, flow: TunnelFlow, density: float
     ) -> Found:
-        mesh.result()  # or why there is none
+        mesh.result()  # raises the reason if the mesh failed
         return solve_flow(self._stages, model, flow, density)
 
 
@@ -120,7 +120,7 @@ def list_meshes(flows: Sequence[TunnelFlow]) -> list[FoamCase]:
 
 
 def solve_mesh(stages: CaseRunner, mesh: FoamCase) -> Path:
-    """Return the folder of a mesh that is made, or `CaseFailed` where it is none."""
+    """Solve a mesh and return its folder; raise `CaseFailed` if it is invalid."""
     place = stages.solve(mesh)
     flow_checks.check_mesh(mesh.name, read_mesh(place))
     return place
@@ -128,22 +128,12 @@ def solve_mesh(stages: CaseRunner, mesh: FoamCase) -> Path:
 
 def solve_flow(stages: CaseRunner, model: TunnelModel, flow: TunnelFlow, density: float) -> Found:
     """
-    Return what a flow gives, its mesh made first where it is not there.
+    Solve a flow, its mesh first if needed, and return the result.
 
-    Parameters
-    ----------
-    stages : Stages
-        Where cases are solved.
-    model : Model
-        What stands in the tunnel.
-    flow : Flow
-        What is solved.
-    density : float
-        Of the air. [kg/m3]
-
+    `density` is that of the air. [kg/m3]
     """
     mesh = solve_mesh(stages, flow_mesh(flow))
-    if flow.kind != 'coarse':  # which is to tell what the mesh decides
+    if flow.kind != 'coarse':  # a coarse mesh may lose thin bodies: it only shows the mesh error
         patches = read_patches(mesh)
         flow_checks.check_bodies(
             flow_mesh(flow).name, patches, list_solved_bodies(flow_mesh(flow), patches)
@@ -160,11 +150,11 @@ def solve_flow(stages: CaseRunner, model: TunnelModel, flow: TunnelFlow, density
         try:
             each = spent / len(flow.speeds)
             points.append(read(model, flow.about, step, speed, place, mesh, each, density))
-        except CaseFailed as error:  # of one speed; the others stand
+        except CaseFailed as error:  # one failed speed does not invalidate the others
             refused[f'{label} at {speed:g}'] = str(error)
     return points, refused
 
 
 def split_result(flow: TunnelFlow, result: Points | CaseFailed) -> Points:
-    """Return the points of a flow and what was refused of it, or all of it and why."""
+    """Return the points of a flow and its refused ones, or the reason of a complete failure."""
     return ([], {flow.case.name: str(result)}) if isinstance(result, CaseFailed) else result

@@ -1,5 +1,5 @@
 """
-Pressure on a spheroid in air without friction: what a hull feels in flight, in closed form.
+Compute the pressure on a spheroid in potential flow, in closed form.
 
 The potential of an ellipsoid that stands in a stream U along one of its axes is (1 + k) U x on its
 surface (Lamb 1932, Hydrodynamics, article 114), k its added mass over the mass of the air that it

@@ -1,4 +1,4 @@
-"""Solved cases to numbers: averages over the last rounds, turned into body axes and SI."""
+"""Reduce solved cases to numbers: averages over the last iterations, in body axes and SI units."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-# Lengths of flow before a transient is averaged: 4 until what came in first is past the hull, and
-# 2 for its wake.
+# Hull lengths of flow before a transient is averaged: 4 until the first inflow has passed the
+# hull, and 2 for its wake.
 STARTING: Final = 6.0
 BATCH: Final = 5.0  # lengths of flow, about one swing of a wake
 
@@ -55,7 +55,7 @@ def _unfold_symmetry(
     """Return the wrench on the whole body from that on the half or quarter that was solved."""
     force, moment = force.copy(), moment.copy()
     for axis, is_one in zip((1, 2), planes, strict=True):
-        if is_one:  # what mirrors against itself is gone, the rest is twice
+        if is_one:  # antisymmetric components cancel, the others double
             force *= 2.0
             moment *= 2.0
             force[..., axis] = 0.0

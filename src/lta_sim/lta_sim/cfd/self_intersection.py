@@ -1,4 +1,4 @@
-"""Whether a surface crosses itself: an edge of one triangle goes through another."""
+"""Detect whether a surface intersects itself."""
 
 from collections.abc import Iterator
 from typing import Final
@@ -60,7 +60,7 @@ def _iterate_near_pairs(triangles: Array) -> Iterator[tuple[Index, Index]]:
 
 
 def _find_pierced(begin: Array, end: Array, triangle: Array) -> NDArray[np.bool_]:
-    """Tell which segments go through the inside of which triangles (Moeller and Trumbore 1997)."""
+    """Return which segments pass through which triangles (Moeller and Trumbore 1997)."""
     way = end - begin
     side, other = triangle[:, 1] - triangle[:, 0], triangle[:, 2] - triangle[:, 0]
     normal = np.cross(way, other)

@@ -1,7 +1,7 @@
 """
 Surfaces of hulls: the mylar balloon, spheroids and spheres.
 
-A mylar balloon is what two flat discs of foil, joined at the rim, inflate to (Paulsen 1994, Am.
+A mylar balloon is two flat foil discs, joined at the rim and inflated (Paulsen 1994, Am.
 Math. Monthly 101:953):
 
     z(r) = integral from r to R of t^2 / sqrt(R^4 - t^4) dt,   R the inflated radius
@@ -90,7 +90,7 @@ def build_envelope(hull: HullBlock) -> trimesh.Trimesh:
     """
     if hull.shape == 'none':
         raise BadInput(
-            'This vehicle has no hull, so no wind tunnel is needed; choose one of hulls.'
+            'This vehicle has no hull for the wind tunnel; choose a vehicle with a hull.'
         )
     half = half_axes(hull)
     axis = 'xyz'.index(hull.axis or 'z')

@@ -1,4 +1,4 @@
-"""A plane through a solved flow, as a picture needs it: the speed of the air on a regular grid."""
+"""Sample a plane through a solved flow on a regular grid, for pictures."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -77,7 +77,7 @@ def read_flow_slice(model: TunnelModel, flow: TunnelFlow, place: Path) -> FlowSl
 def _mask_bodies(
     model: TunnelModel, turn: Array, across: int, sides: list[Array], grid: Array
 ) -> Array:
-    """Return a grid without what is inside the bodies, cut in the plane of the slice."""
+    """Return the grid with NaN inside the bodies, which are cut in the plane of the slice."""
     grid = grid.copy()
     normal = np.eye(3)[1 - across]
     for mesh in model.bodies.values():
@@ -93,7 +93,7 @@ def _mask_bodies(
 
 
 def _find_inside(lines: Array, sides: list[Array]) -> NDArray[np.bool_]:
-    """Tell which points of a grid closed lines surround (crossings of a ray)."""
+    """Return which points of a grid are inside closed lines (crossings of a ray)."""
     x, y = np.meshgrid(*sides)
     odd = np.zeros(x.shape, dtype=bool)
     for (x1, y1), (x2, y2) in lines:

@@ -1,4 +1,4 @@
-"""A whole sweep: its flows solved side by side, what fails named and left out, the rest kept."""
+"""Solve a whole sweep in parallel; failed flows are reported and left out."""
 
 from collections.abc import Callable, Sequence
 from contextlib import closing
@@ -22,7 +22,7 @@ from lta_sim.cfd.sweep_table import (
 from lta_sim.cfd.tunnel import SPEEDS
 from lta_sim.cfd.tunnel_model import TunnelModel
 
-BYTES_A_CELL: Final = 4_000  # of snappyHexMesh, which takes more than the solvers
+BYTES_A_CELL: Final = 4_000  # peak of snappyHexMesh, which needs more than the solvers
 BY_HAND: Final = 'by hand'
 HAND: Final = FlowEvidence(spread=0.0, window=0.0, cells=0, seconds=0.0)
 
@@ -31,7 +31,7 @@ def check_memory(
     flows: Sequence[TunnelFlow], jobs: int, limit: float,
     remedy: str = 'use --jobs 1, a coarser fidelity, or more --memory',
 ) -> None:  # fmt: skip
-    """Refuse, before any work, meshes that would not fit into a limit [bytes]."""
+    """Raise `BadInput` before any work if meshes would not fit into a limit [bytes]."""
     largest = max((flow.case.cells for flow in flows), default=0)
     need = largest * BYTES_A_CELL * jobs
     if need > limit:
@@ -54,21 +54,7 @@ def solve_sweep(
     report: Callable[[str], None],
 ) -> tuple[dict[str, list[SweepPoint]], dict[str, Blow], dict[str, str], dict[str, SweepPoint]]:
     """
-    Solve flows: the points of each axis, the patterns, what was refused and why, coarser meshes.
-
-    Parameters
-    ----------
-    crew : Crew
-        Who solves them.
-    model : Model
-        What stands in the tunnel.
-    flows : sequence of Flow
-        What is solved.
-    air : (float, float)
-        Density [kg/m3] and kinematic viscosity [m2/s].
-    said : callable
-        Given a sentence on each flow that is refused.
-
+    Solve flows; return points per axis, patterns, refused flows with reason, and coarse meshes.
     """
     axes: dict[str, list[SweepPoint]] = {}
     blows: dict[str, Blow] = {}
@@ -94,7 +80,7 @@ def solve_sweep(
 
 
 def estimate_drag(model: TunnelModel, air: Air) -> dict[Axis, list[SweepPoint]]:
-    """Return what is known by hand of each axis."""
+    """Return the estimate by hand for each axis."""
     found: dict[Axis, list[SweepPoint]] = {}
     for k, axis in enumerate(AXES):
         turning = k >= 3
@@ -118,7 +104,7 @@ def build_sweep(
     blows: dict[str, Blow], refused: dict[str, str], coarse: dict[str, SweepPoint] | None = None,
     engine: str = BY_HAND,
 ) -> TunnelSweep:  # fmt: skip
-    """Return a whole sweep; parameters as `solve_sweep` gave them, and what solved it."""
+    """Return a whole sweep from the results of `solve_sweep` and the solver's name."""
     return TunnelSweep.model_validate({
         'schema_version': 1,
         'name': model.name,

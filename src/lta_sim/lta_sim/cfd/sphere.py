@@ -1,5 +1,5 @@
 """
-Drag of a smooth sphere, as it was measured: what the tunnel is judged by.
+Measured drag of a smooth sphere, for the validation of the tunnel.
 
 Morrison 2013, An Introduction to Fluid Mechanics, fits all Reynolds numbers up to 1e6 in one
 formula; Achenbach 1972 (J. Fluid Mech. 54:565) measured 0.45 to 0.50 between 5e4 and 1.2e5, where
@@ -8,21 +8,13 @@ Morrison's formula says 0.41. The truth of a real sphere is within that scatter.
 
 from typing import Final
 
-SCATTER: Final = (0.45, 0.50)  # between these Reynolds numbers
-# A little beyond what was read: the drag of a smooth sphere stays level up to about 2e5.
+SCATTER: Final = (0.45, 0.50)  # measured drag coefficients between these Reynolds numbers
+# Slightly beyond the measured range: the drag stays level up to about 2e5.
 SCATTER_RANGE: Final = (5e4, 1.4e5)
 
 
 def morrison_drag_coefficient(reynolds: float) -> float:
-    """
-    Return the drag coefficient of a smooth sphere on the area of its shadow. [1].
-
-    Parameters
-    ----------
-    reynolds : float
-        Speed by diameter by kinematic viscosity, 0.1 to 1e6. [1]
-
-    """
+    """Return the drag coefficient of a smooth sphere on its frontal area. [1]."""
     fifth, crisis = reynolds / 5.0, reynolds / 2.63e5
     coefficient: float = (
         24.0 / reynolds

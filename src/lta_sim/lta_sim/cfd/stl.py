@@ -1,4 +1,4 @@
-"""A surface that a user drew: read, in metres, and refused where no air could flow around it."""
+"""Read a user's STL surface in metres, and reject one that does not enclose a volume."""
 
 from pathlib import Path
 from typing import Final
@@ -10,7 +10,7 @@ import numpy as np
 import trimesh
 
 UNITS: Final = {'m': 1.0, 'cm': 1e-2, 'mm': 1e-3}
-LARGEST, SMALLEST = 30.0, 2e-3  # m: no part of a drone is outside
+LARGEST, SMALLEST = 30.0, 2e-3  # m; size limits of a drone's part
 
 
 def read_stl(path: Path, unit: str) -> trimesh.Trimesh:
@@ -38,16 +38,16 @@ def read_stl(path: Path, unit: str) -> trimesh.Trimesh:
     if path.stat().st_size > STL_BYTES:
         raise BadInput(f'{path} is larger than {STL_BYTES} bytes; draw it with fewer triangles.')
     try:
-        with np.errstate(all='ignore'):  # numbers beyond any drone, which are refused below
+        with np.errstate(all='ignore'):  # absurd numbers are rejected below
             mesh = trimesh.load_mesh(path, file_type='stl')
-    except Exception as error:  # whatever the reader makes of whatever is in there
+    except Exception as error:  # the reader may raise anything on a broken file
         raise BadInput(f'{path} cannot be read as STL ({error}); export it again.') from None
     if not isinstance(mesh, trimesh.Trimesh) or not 4 <= len(mesh.faces) <= STL_TRIANGLES:
         raise BadInput(
             f'{path} has no surface of 4 to {STL_TRIANGLES} triangles; export it again.'
         )
     if not np.isfinite(mesh.vertices).all():
-        raise BadInput(f'{path} has corners that are no numbers; export it again.')
+        raise BadInput(f'{path} has corners that are not finite; export it again.')
     mesh.vertices *= UNITS[unit]
     return validate_closed(mesh, str(path), unit)
 
@@ -69,13 +69,13 @@ def validate_closed(mesh: trimesh.Trimesh, name: str, unit: str) -> trimesh.Trim
         )
     if not mesh.is_winding_consistent:
         raise BadInput(
-            f'{name} has triangles that face inwards beside others that face outwards; '
+            f'{name} has triangles with inward and others with outward normals; '
             'unify the normals and export it again.'
         )
     if (pair := find_crossing(mesh.triangles)) is not None:
         place = mesh.triangles[pair[0]].mean(axis=0)
         raise BadInput(
-            f'{name} crosses itself near ({place[0]:.3g}, {place[1]:.3g}, {place[2]:.3g}) m; '
+            f'{name} intersects itself near ({place[0]:.3g}, {place[1]:.3g}, {place[2]:.3g}) m; '
             'unite its solids where it was drawn, or give each as a body of its own.'
         )
     if mesh.volume < 0.0:

@@ -1,4 +1,4 @@
-"""Pressure on the bodies of a solved flow: its extremes, and a map of what is seen from below."""
+"""Read the pressure on the bodies of a solved flow: extremes, and a map seen from below."""
 
 from pathlib import Path
 from typing import Final

@@ -1,7 +1,7 @@
 """
-The raw sweep: what each flow gave, in SI and body axes about the hull centre. Small data.
+The raw sweep: the result of each flow, in SI units and body axes about the hull centre.
 
-From it alone, without a flow solver, coefficients and columns are fitted again (`refit`).
+`refit` fits coefficients and columns again from this file alone, without a flow solver.
 """
 
 from collections.abc import Mapping, Sequence
@@ -49,10 +49,10 @@ class SweepPoint(StrictModel):
 
 class SurfacePressure(StrictModel):
     """
-    The pressure on a body over that of the air far away. [Pa].
+    Pressure on a body relative to the far air. [Pa].
 
-    least, most: of its faces, with the places of both [m]; below: seen from below, rows along y
-    from the least, columns along x, None where the body is not, no row where no map was kept;
+    least, most: extremes over its faces, with their places [m]; below: map seen from below, rows
+    along y from the least, columns along x, None outside the body, empty if no map was kept;
     side: of that square. [m]
     """
 
@@ -66,9 +66,9 @@ class SurfacePressure(StrictModel):
 
 class Blow(StrictModel):
     """
-    Some rotors on: the net wrench, their own thrust included. [N, N m].
+    Some rotors running: the net wrench, including their own thrust. [N, N m].
 
-    pressed: what their jets do to each body; older sweeps do not tell.
+    pressed: the pressure of their jets on each body; missing in older sweeps.
     """
 
     shares: Mapping[str, float]
@@ -80,7 +80,7 @@ class Blow(StrictModel):
 
 
 class RotorPlacement(StrictModel):
-    """A rotor as it stood in the tunnel."""
+    """A rotor as placed in the tunnel."""
 
     place: Vector
     axis: Vector
@@ -101,15 +101,15 @@ class TunnelSweep(StrictModel):
     frontal: Vector  # shadows of the hull along x, y, z [m2]
     density: float  # [kg/m3]
     viscosity: float  # kinematic [m2/s]
-    # Turns and mirrorings that leave the bodies as they are, row by row.
+    # Rotations and reflections that map the bodies onto themselves, row by row.
     symmetries: Sequence[Sequence[Vector]]
     rotors: Mapping[str, RotorPlacement]
     axes: Mapping[Axis, Sequence[SweepPoint]]
     by_hand: Mapping[Axis, Sequence[SweepPoint]]
     blows: Mapping[str, Blow]
-    # One speed of an axis on a coarser mesh; older sweeps do not tell.
+    # One speed of an axis on a coarser mesh; missing in older sweeps.
     coarse: Mapping[Axis, SweepPoint] = Field(default_factory=dict)
-    refused: Mapping[str, str]  # flows that came to nothing or failed a gate, and why
+    refused: Mapping[str, str]  # failed flows and flows that failed a check, with the reason
 
 
 def read_sweep(path: Path) -> TunnelSweep:
@@ -123,7 +123,7 @@ def read_sweep(path: Path) -> TunnelSweep:
 
 
 def drop_maps(sweep: TunnelSweep) -> TunnelSweep:
-    """Return a sweep without its maps of pressure, which are most of it: small data to keep."""
+    """Return a sweep without its pressure maps, which are most of its size."""
     blows = {
         name: blow.model_copy(
             update={

@@ -1,5 +1,5 @@
 """
-Columns of B from flows with rotors on, and what several jets do that none does alone.
+Compute the columns of B from flows with running rotors, and the coupling of their jets.
 
 A column is the net wrench per newton of a rotor's full thrust. Where a pattern of all its rotors
 is not the sum of its columns, the rest is a coupling, per newton of the weakest of them.
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 REVERSED: Final = '_reversed'
 FULL: Final = 'all'
-SUPERPOSED: Final = 0.10  # of one rotor's thrust: what columns that sum up may miss
+SUPERPOSED: Final = 0.10  # of one rotor's thrust: below this the columns superpose
 
 
 @final
@@ -31,7 +31,7 @@ class TunnelColumn:
 @final
 @dataclass(frozen=True, slots=True)
 class JetCoupling:
-    """What the jets of some rotors make together, per newton of each. [1, m]."""
+    """The additional wrench when the jets of some rotors interact, per newton of each. [1, m]."""
 
     rotors: tuple[str, ...]
     wrench: Array
@@ -39,10 +39,10 @@ class JetCoupling:
 
 def symmetrize_wrench(sweep: TunnelSweep, blow: Blow) -> Array:
     """
-    Return force and moment. [N, N m].
+    Return force and moment of a pattern, averaged over its symmetries. [N, N m].
 
-    Mean of all symmetries that leave what blows as it is: what must be nought is nought, and not
-    the noise of a mesh, which no pair of rotors could cancel.
+    Components that must vanish by symmetry become zero instead of mesh noise, which no pair of
+    rotors could cancel.
     """
     wrench = np.array([*blow.force, *blow.moment])
     own = [
@@ -55,7 +55,7 @@ def symmetrize_wrench(sweep: TunnelSweep, blow: Blow) -> Array:
 def _is_symmetry_of(
     sweep: TunnelSweep, shares: Mapping[str, float], rows: Sequence[list[float]]
 ) -> bool:
-    """Tell whether a symmetry of the bodies brings each rotor that is on to one like it."""
+    """Return whether a symmetry of the bodies maps each running rotor to an equal one."""
     change = np.array(rows)
     return all(
         any(
@@ -72,7 +72,7 @@ def _maps_onto(change: Array, one: RotorPlacement, other: RotorPlacement) -> boo
 
 
 def find_twins(sweep: TunnelSweep, name: str) -> list[tuple[str, Array]]:
-    """Return rotors that a symmetry of the bodies brings to where one is, and that symmetry."""
+    """Return the rotors that a symmetry of the bodies maps to this one, and that symmetry."""
     one, found = sweep.rotors[name], []
     for rows in sweep.symmetries:
         change = np.array(rows)
@@ -83,14 +83,14 @@ def find_twins(sweep: TunnelSweep, name: str) -> list[tuple[str, Array]]:
 
 
 def transform_wrench(wrench: Array, change: Array) -> Array:
-    """Return a wrench turned or mirrored; a moment turns the other way in a mirror."""
+    """Return a rotated or reflected wrench; a reflection reverses the sense of a moment."""
     moment = np.linalg.det(change) * (change @ wrench[3:])
     return np.concatenate((change @ wrench[:3], moment))
 
 
 def find_column(sweep: TunnelSweep, name: str, backward: bool = False) -> TunnelColumn | None:
     """
-    Return the column of a rotor, or that of its like by symmetry; None where neither blew.
+    Return the column of a rotor or of its symmetric twin; None where neither was solved.
 
     A backward column is for a negative thrust: minus the wrench, per newton.
     """
@@ -111,7 +111,7 @@ def find_column(sweep: TunnelSweep, name: str, backward: bool = False) -> Tunnel
 
 
 def sum_columns(sweep: TunnelSweep, shares: Mapping[str, float]) -> Array | None:
-    """Return what the columns say of a pattern, None where one is missing. [N, N m]."""
+    """Return the sum of a pattern's columns, None where one is missing. [N, N m]."""
     total = np.zeros(6)
     for name, share in shares.items():
         found = find_column(sweep, name, share < 0.0)
@@ -122,7 +122,7 @@ def sum_columns(sweep: TunnelSweep, shares: Mapping[str, float]) -> Array | None
 
 
 def compute_coupling(sweep: TunnelSweep) -> JetCoupling | None:
-    """Return what all rotors make together beyond their columns, where that is not negligible."""
+    """Return the wrench of all rotors beyond their columns, unless negligible."""
     blown = sweep.blows.get(FULL)
     if blown is None or (sum_ := sum_columns(sweep, blown.shares)) is None:
         return None

@@ -1,12 +1,12 @@
 """
-The wind tunnel proper: the air comes along the tunnel's x, the vehicle is turned into it.
+Build the cases of the wind tunnel: air along the tunnel's x, the vehicle rotated into it.
 
 The air always comes with 1 m/s, and the viscosity is divided by the speed that is meant (Reynolds'
 similarity): so one mesh serves all speeds, and each starts from the flow of the one before.
 Forces are then those at 1 m/s and 1 kg/m3, and grow by rho U^2.
 
-Where the vehicle mirrors onto itself, half or a quarter of the air is solved. That is not thrift
-alone: whole steady wakes do not settle.
+For a mirror-symmetric vehicle, half or a quarter of the domain is solved. This also helps the
+steady solver, because an unconstrained steady wake does not settle.
 """
 
 from collections.abc import Mapping, Sequence
@@ -99,17 +99,17 @@ MODELLED: Final = 1e5
 
 
 def has_eddy_model(model: TunnelModel, viscosity: float, speed: float) -> bool:
-    """Tell whether eddies are modelled in a transient: viscosity in m2/s, speed in m/s."""
+    """Return whether a transient models eddies; viscosity in m2/s, speed in m/s."""
     return speed * model.length / viscosity > MODELLED
 
 
 def choose_fineness(model: TunnelModel, viscosity: float, speed: float) -> MeshFineness:
-    """Return how a transient is meshed: viscosity in m2/s, speed in m/s."""
+    """Return the mesh fineness of a transient; viscosity in m2/s, speed in m/s."""
     return FAST if has_eddy_model(model, viscosity, speed) else REFERENCE
 
 
 def symmetry_planes(model: TunnelModel, axis: str) -> tuple[bool, bool]:
-    """Tell whether the tunnel's planes y = 0 and z = 0 are planes of symmetry."""
+    """Return whether the tunnel's planes y = 0 and z = 0 are planes of symmetry."""
     turn = TURNS[axis]
     found = [bool(model.is_mirror_symmetric(int(np.argmax(np.abs(turn[k]))))) for k in (1, 2)]
     return found[0], found[1]
@@ -198,7 +198,7 @@ def format_turbulence(model: str | None) -> str:
 
 
 def format_detached_eddies() -> str:
-    """Return turbulenceProperties of DDES, which solves eddies as large as its cells."""
+    """Return turbulenceProperties of DDES, which resolves eddies as large as its cells."""
     return format_dictionary('turbulenceProperties', {
         'simulationType': 'LES',
         'LES': {
@@ -209,7 +209,7 @@ def format_detached_eddies() -> str:
 
 
 def empty_files() -> dict[str, str]:
-    """Return the files that the solvers want, though nothing stands in them."""
+    """Return the files that the solvers require even if they are empty."""
     return {
         f'constant/{name}': format_dictionary(name, {}) for name in ('fvOptions', 'MRFProperties')
     }  # the solvers look for both

@@ -1,4 +1,4 @@
-"""What stands in the wind tunnel: closed surfaces by name, and the disks of the rotors."""
+"""The model in the wind tunnel: closed surfaces by name, and the rotor disks."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -57,21 +57,7 @@ class RotorDisk:
 @final
 @dataclass(frozen=True, slots=True)
 class TunnelModel:
-    """
-    What stands in the wind tunnel, in body axes about the hull centre.
-
-    Parameters
-    ----------
-    name : str
-        Of the tunnel file.
-    bodies : mapping of str to Trimesh
-        Closed surfaces, the hull's first; they may overlap. [m]
-    rotors : mapping of str to Rotor
-        As in the vehicle file.
-    patterns : mapping of str to mapping of str to float
-        Rotors that blow together, each with its share of full thrust.
-
-    """
+    """The model in the wind tunnel, in body axes about the hull centre."""
 
     name: str
     bodies: Mapping[str, trimesh.Trimesh]
@@ -99,16 +85,18 @@ class TunnelModel:
         return bool(self._select_symmetries([np.diag(np.where(np.arange(3) == axis, -1.0, 1.0))]))
 
     def find_symmetries(self) -> list[Array]:
-        """Return the quarter turns and mirrorings that leave the bodies as they are."""
+        """Return the quarter turns and reflections that map the bodies onto themselves."""
         return self._select_symmetries(PLAN)
 
     @property
     def has_quarter_symmetry(self) -> bool:
-        """Whether a quarter turn leaves the bodies as they are: along x and y they are alike."""
+        """
+        Whether a quarter turn maps the bodies onto themselves, so that x and y are equivalent.
+        """
         return bool(self._select_symmetries([QUARTER]))
 
     def _select_symmetries(self, changes: Sequence[Array]) -> list[Array]:
-        """Return which of some changes leave the bodies as they are."""
+        """Return which of some transforms map the bodies onto themselves."""
         asked = [((each + 0.0).tobytes(), each) for each in changes]
         new = {key: each for key, each in asked if key not in self._alike}
         if new:
@@ -122,32 +110,17 @@ class TunnelModel:
 
     @property
     def fingerprint(self) -> str:
-        """Of the whole geometry: what changes when anything of it does."""
+        """Hash of the whole geometry."""
         told = sha256()
         for name, mesh in self.bodies.items():
-            # No number is -0.0 on one machine and 0.0 on another.
+            # Adding 0.0 removes -0.0, so that the hash is the same on every machine.
             told.update(name.encode() + (np.round(mesh.triangles, 7) + 0.0).tobytes())
         told.update(repr(sorted(self.rotors.items())).encode())
         return told.hexdigest()[:16]
 
 
 def load_tunnel_model(name: str, mount: MountFile | None = None) -> TunnelModel:
-    """
-    Return what a tunnel file puts into the wind tunnel.
-
-    Parameters
-    ----------
-    name : str
-        Shipped tunnel file or path.
-    mount : Mount, optional
-        Solar panels in another place; their boxes are put in as well.
-
-    Raises
-    ------
-    BadInput
-        If a file is wrong, a surface is open, or a rotor is inside a body.
-
-    """
+    """Load the model of a tunnel file."""
     file, path = load_tunnel_file(name)
     vehicle = load_vehicle_file(file.vehicle)
     bodies = {each: _load_surface(body, path.parent) for each, body in file.bodies.items()}
@@ -198,7 +171,7 @@ def _build_rotor_disk(vehicle: VehicleFile, name: str, disk: TunnelRotorDisk) ->
 def _check_patterns(
     file: TunnelFile, rotors: Mapping[str, RotorDisk], bodies: Mapping[str, trimesh.Trimesh]
 ) -> None:
-    """Refuse patterns of unknown rotors and rotors inside a body."""
+    """Raise `BadInput` for patterns with unknown rotors, and for rotors inside a body."""
     for pattern, shares in file.patterns.items():
         if strangers := [name for name in shares if name not in rotors]:
             raise BadInput(
@@ -220,17 +193,9 @@ def _check_patterns(
 
 def winding_number(triangles: Array, points: Array) -> Array:
     """
-    Return how often a closed surface goes around each point: 1 inside, 0 outside.
+    Return the winding number of a closed surface about each point: 1 inside, 0 outside.
 
     The solid angle of each triangle is that of van Oosterom and Strackee (1983).
-
-    Parameters
-    ----------
-    triangles : array (n, 3, 3)
-        Corners. [m]
-    points : array (m, 3)
-        Where. [m]
-
     """
     around = []
     for point in points:

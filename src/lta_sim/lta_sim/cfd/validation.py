@@ -1,4 +1,4 @@
-"""The sphere in the tunnel, beside what was measured of real ones."""
+"""Validate the tunnel with a sphere against measured drag."""
 
 from collections.abc import Callable, Sequence
 from contextlib import closing
@@ -30,7 +30,7 @@ TRANSIENTS: Final = ((2.0, 41.0), (MIDDLE, LENGTHS))
 @final
 @dataclass(frozen=True, slots=True)
 class SphereComparison:
-    """A drag coefficient of the tunnel, beside what was measured. [1]."""
+    """A drag coefficient of the tunnel and the measured one. [1]."""
 
     setting: str
     cells: int
@@ -78,7 +78,7 @@ def compare_flows(
     air: Air,
     report: Callable[[str], None],
 ) -> list[SphereComparison]:
-    """Return all points of some flows beside what was measured, and say what came to nothing."""
+    """Return all points of some flows with the measured drag; report failed flows."""
     found = []
     with closing(solver.solve_flows(model, planned, air[0])) as coming:
         for flow, came in coming:
@@ -93,7 +93,7 @@ def compare_flows(
 
 
 def compare_point(setting: str, point: SweepPoint, air: Air) -> SphereComparison:
-    """Return a point of the sphere beside what was measured."""
+    """Return a point of the sphere with the measured drag."""
     density, viscosity = air
     reynolds = point.speed / viscosity
     area = 0.25 * math.pi

@@ -1,8 +1,8 @@
 """
-Many vehicles on the CPU: the same effects, side by side in vector registers and on all cores.
+Advance many vehicles on the CPU, in vector registers and on all cores.
 
-A vehicle's state is the scalar kernel's to the last bit: the compiler may do the same arithmetic
-for several vehicles at once, but not other arithmetic.
+A vehicle's state equals the scalar kernel's to the last bit: the compiler may do the same
+arithmetic for several vehicles at once, but may not change it.
 """
 
 from concurrent.futures import ThreadPoolExecutor
@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 ENTRIES = '''
-# The numbers of a block that are touched stay in the first-level cache.
+# Block size such that the working numbers of a block stay in the L1 cache.
 WIDTH = 16
 
 
@@ -137,7 +137,7 @@ def advance_many(
     starts = np.arange(0, count, kernel.WIDTH)
     on = np.maximum.reduceat(vehicles.on, starts, axis=0)
     cores = len(os.sched_getaffinity(0))
-    # More pieces than cores: one that another process holds up leaves the rest to the others.
+    # More pieces than cores, so that a delayed core does not hold up the rest.
     pieces = min(len(moving), 4 * cores)
     with ThreadPoolExecutor(cores) as pool:
         done = pool.map(

@@ -69,7 +69,7 @@ class ColumnAccess:
 
     @property
     def loops(self) -> bool:
-        """Whether rotors are gone through in a loop: not where a vehicle is a local tuple."""
+        """Whether the rotors are in a loop: not where a vehicle is a local tuple."""
         return bool(self.state)
 
     def format_item(self, name: str, place: int, layout: EffectLayout, each: int = 0) -> str:
@@ -92,7 +92,7 @@ class ColumnAccess:
         return _format_column('fixed', _row_offset(name, layout), FIXED[name], self.width)
 
     def build_parts(self, parts: list[ModelStage], layout: EffectLayout) -> dict[str, str]:
-        """Return how states go in and out of blocks, and the stages as loops."""
+        """Return the loading and storing of states in blocks, and the stages as loops."""
         if not self.state:
             return self._build_thread(parts, layout)
         return {
@@ -103,7 +103,7 @@ class ColumnAccess:
         }
 
     def _build_thread(self, parts: list[ModelStage], layout: EffectLayout) -> dict[str, str]:
-        """Return what one thread does, and how its vehicle goes in and out of the block."""
+        """Return the code of one thread, with loading and storing of its vehicle."""
         size = range(layout.size)
         return {
             **build_thread_parts(parts, layout),
@@ -114,12 +114,12 @@ class ColumnAccess:
         }
 
     def _select_stages(self, parts: list[ModelStage]) -> dict[str, ModelStage]:
-        """Return the stages that do something, by the names of their functions."""
+        """Return the non-empty stages, by the names of their functions."""
         done = [stage for stage in parts if stage.writes or stage.memory or stage.each]
         return {f'stage_{k}_{stage.effect}': stage for k, stage in enumerate(done)}
 
     def _write_loops(self, parts: list[ModelStage]) -> Iterator[str]:
-        """Write each stage as a function, so that each is compiled into vectors by itself."""
+        """Write each stage as a function, so that each is vectorised separately."""
         for name, stage in self._select_stages(parts).items():
             lines = [f'{known} = {self._format_scratch(known)}' for known in stage.reads]
             lines += [*stage.prelude, *stage.lines]

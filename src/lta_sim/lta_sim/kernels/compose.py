@@ -1,10 +1,10 @@
 """
-Write the source of one kernel that is the sum of all effects.
+Write the source of one kernel that sums all effects.
 
-The text holds the effects' own functions (`extract`), the rigid body's, and the glue below that
-knows where in the parameter vector and in the state each effect lives. All effects are always in
-it: one that is at its null values costs a look at its flag, and switching it on is a number, not a
-compilation.
+The text contains the effects' own functions (`extract`), the rigid body's, and the glue below,
+which knows the place of each effect in the parameter vector and in the state. All effects are
+always included: an effect at its null values costs one check of its flag, and switching it on
+needs no compilation.
 """
 
 from collections.abc import Mapping

@@ -1,8 +1,8 @@
 """
-Many vehicles on a GPU, one a thread: the same effects, compiled with numba-cuda.
+Advance many vehicles on a GPU, one per thread, compiled with numba-cuda.
 
-Needs an NVIDIA GPU and what requirements-gpu.txt lists. Double precision; products and sums may be
-fused there, so that a flight differs from the CPU's in the last bits.
+Needs an NVIDIA GPU and the packages in requirements-gpu.txt. Double precision; the GPU may fuse
+products and sums, so that a flight differs from the CPU's in the last bits.
 """
 
 from functools import cache
@@ -20,7 +20,7 @@ from lta_sim.kernels.vehicle_batch import pack_columns, VehicleBatch
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-# Few threads a block: each holds a whole vehicle, and the registers of a processor are shared.
+# Few threads per block: each holds a whole vehicle, and they share the registers.
 THREADS = 64
 
 # The arithmetic of states that are tuples.
@@ -88,7 +88,7 @@ def require_cuda() -> ModuleType:
         If there is none.
 
     """
-    # numba-cuda 0.30 still names a function that numpy 2.5 has removed.
+    # numba-cuda 0.30 still uses a function that numpy 2.5 removed.
     vars(np).setdefault('row_stack', np.vstack)
     try:
         cuda = import_module('numba.cuda')
@@ -107,7 +107,7 @@ def require_cuda() -> ModuleType:
 
 @cache
 def _load_kernel(names: tuple[str, ...]) -> ModuleType:
-    """Return the kernel of some effects; registers are scarce, so the others are left out."""
+    """Return the kernel of some effects; unused ones are left out, since registers are scarce."""
     return load_kernel(write_kernel_source({name: EFFECTS[name] for name in names}, FORM))
 
 

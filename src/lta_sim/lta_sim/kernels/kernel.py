@@ -1,10 +1,10 @@
 """
-The motion of a vehicle: its rate, its future, and what each effect does to it.
+Vehicle dynamics: the state derivative, its integration, and the wrench of each effect.
 
-Compiled once per content of the effects and kept on disk (`kernel_cache`). States, commands and
-surroundings are float64 arrays in the layouts of `lta_model.state`; a shorter command or shorter
-surroundings go on with zeros, so that four duties or a wind will do. The functions trust their
-input: a `VehicleModel` is checked when it is built.
+Compiled once per content of the effects and cached on disk (`kernel_cache`). States, commands and
+surroundings are float64 arrays in the layouts of `lta_model.state`; shorter commands or
+surroundings are padded with zeros, so that four duties or a wind suffice. The functions do not
+check their input: a `VehicleModel` is checked when it is built.
 """
 
 from collections.abc import Mapping
@@ -26,19 +26,7 @@ LAYOUT = simulated_vehicle.LAYOUT
 @final
 @dataclass(frozen=True, slots=True)
 class ModelSnapshot:
-    """
-    What acts on a vehicle at one instant.
-
-    Attributes
-    ----------
-    wrenches : mapping of str to ndarray, shape (6,)
-        Force and moment about the hull centre, body frame, by wrench effect. [N, N m]
-    thrusts : ndarray, shape (ACTUATORS,)
-        Of each rotor. [N]
-    wind : ndarray, shape (3,)
-        Velocity of the air at the hull, `map`. [m/s]
-
-    """
+    """Wrenches, thrusts and rates of a vehicle at one instant."""
 
     wrenches: Mapping[str, State]
     thrusts: State
@@ -142,15 +130,7 @@ def advance(
 def evaluate_model(
     state: ArrayLike, model: VehicleModel, command: ArrayLike, surroundings: ArrayLike = CALM
 ) -> ModelSnapshot:
-    """
-    Return what acts on a vehicle.
-
-    Parameters
-    ----------
-    state, model, command, surroundings
-        As for `state_derivative`.
-
-    """
+    """Return wrenches, thrusts and rates of a vehicle at a state."""
     flown = _build_vehicle(state, model, command, surroundings)
     flown.evaluate_state()
     wrenches = dict(zip(LAYOUT.wrench_names, flown.wrenches, strict=True))
@@ -160,12 +140,12 @@ def evaluate_model(
 def rotor_thrusts(
     state: ArrayLike, model: VehicleModel, command: ArrayLike, surroundings: ArrayLike = CALM
 ) -> State:
-    """Return the thrust of each rotor: `look(...).thrusts`. [N]"""
+    """Return the thrust of each rotor: `evaluate_model(...).thrusts`. [N]"""
     return evaluate_model(state, model, command, surroundings).thrusts
 
 
 def effect_wrenches(
     state: ArrayLike, model: VehicleModel, command: ArrayLike, surroundings: ArrayLike = CALM
 ) -> Mapping[str, State]:
-    """Return the wrench of each wrench effect, body frame [N, N m]: `look(...).wrenches`."""
+    """Return the wrench of each wrench effect, body frame. [N, N m]"""
     return evaluate_model(state, model, command, surroundings).wrenches

@@ -1,8 +1,8 @@
 """
-Where the numbers of the effects are, and what a stage of the model is made of.
+Layout of the effects' numbers, and the parts of a stage of the model.
 
-A form of the model says how its source reaches a number (`KernelAccess`): one vehicle has them in
-a row (`row`), many have them in columns (`columns`).
+A form of the model defines how its source accesses a number (`KernelAccess`): in a row for one
+vehicle (`row`), in columns for many (`columns`).
 """
 
 from collections.abc import Iterable, Mapping
@@ -12,10 +12,10 @@ from typing import final, Protocol
 from lta_model.effects.protocol import ActuatorEffect, KernelEffect, WrenchEffect
 from lta_model.state import ACTUATORS, BODY, COMMAND, RIGID, SURROUNDINGS
 
-# What stages hand on to each other: how many numbers of each.
+# Variables passed between stages, with their sizes.
 VARIABLES = {'r': 9, 'ground': 3, 'wind': 3, 'flow': 3, 'airspeed': 3, 'u': ACTUATORS, 'total': 6}
 
-# What each vehicle keeps during a call, after its parameters: how many numbers of each.
+# Values that stay constant during a call, after the parameters, with their sizes.
 FIXED = {'body': BODY, 'inverse': 36, 'command': COMMAND, 'surroundings': SURROUNDINGS}
 
 
@@ -37,7 +37,7 @@ def indent_lines(lines: Iterable[str], depth: int = 1) -> str:
 
 
 def format_offset(each: int) -> str:
-    """Return the source of what takes an index to rotor j."""
+    """Return the source of an index offset for rotor j."""
     return f' + {each} * j' if each > 1 else ' + j' if each else ''
 
 
@@ -128,11 +128,11 @@ class EffectLayout:
 
 
 class KernelAccess(Protocol):
-    """How the source of a form reaches the numbers of a vehicle."""
+    """Access of a form's source to the numbers of a vehicle."""
 
     @property
     def loops(self) -> bool:
-        """Whether rotors are gone through in a loop over j."""
+        """Whether the rotors are in a loop over j."""
         ...
 
     def format_item(self, name: str, place: int, layout: EffectLayout, each: int = 0) -> str:
@@ -148,5 +148,5 @@ class KernelAccess(Protocol):
         ...
 
     def build_parts(self, parts: list[ModelStage], layout: EffectLayout) -> dict[str, str]:
-        """Return what the templates of this form need beyond the common parts."""
+        """Return the template parts of this form, in addition to the common ones."""
         ...

@@ -1,8 +1,8 @@
 """
-The stages of the rotors: a loop over all of them, or lines for each where a form has no arrays.
+The stages of the rotors: a loop over all, or unrolled lines where a form has no arrays.
 
-A loop is a eighth of the text to compile, and one vehicle's rotors go through vector instructions
-as well.
+A loop has an eighth of the text to compile, and the compiler vectorises over one vehicle's
+rotors.
 """
 
 from lta_config.compilation.extract import SourceExtract
@@ -12,7 +12,7 @@ from lta_sim.kernels.layout import EffectLayout, format_tuple, KernelAccess, Mod
 
 
 def build_command_stage(layout: EffectLayout, access: KernelAccess) -> ModelStage:
-    """Return what the actuators begin with: the commanded duties."""
+    """Return the first actuator stage: the commanded duties."""
     if access.loops:
         line = (
             f'{access.format_item("u", 0, layout, 1)} = '
@@ -26,7 +26,7 @@ def build_command_stage(layout: EffectLayout, access: KernelAccess) -> ModelStag
 def _format_rotor_inputs(
     name: str, effect: ActuatorEffect, layout: EffectLayout, access: KernelAccess, rotor: int = 0
 ) -> list[str]:
-    """Return the lines that take up what an effect has of a rotor: of rotor j in a loop."""
+    """Return the lines that load an effect's inputs of one rotor: of rotor j in a loop."""
     size, j = len(effect.memory), int(access.loops)
     first, shared = layout.first[name], len(effect.shared)
     each = [first + shared + k * ACTUATORS + rotor for k in range(len(effect.each))]

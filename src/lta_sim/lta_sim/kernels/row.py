@@ -1,9 +1,9 @@
 """
 One vehicle as one row of numbers, which the scalar kernel reads and writes in place.
 
-Every number has a fixed place in the row. So the compiler knows that what a stage stores is not
-what the next one loads, a call hands over one array, and whoever flies a vehicle for long keeps
-its row (`lta_sim.simulated_vehicle`).
+Every number has a fixed place in the row. The compiler therefore knows that stores of one stage
+do not alias loads of the next, a call passes one array, and a long flight keeps its row
+(`lta_sim.simulated_vehicle`).
 """
 
 from collections.abc import Iterable, Iterator
@@ -108,7 +108,7 @@ def row_places(layout: EffectLayout) -> dict[str, slice]:
 
 @final
 class RowAccess:
-    """Reach the numbers of the one vehicle in its row."""
+    """Access to the numbers of one vehicle in its row."""
 
     loops = True
 
@@ -142,7 +142,7 @@ class RowAccess:
         }
 
     def _write_body(self, stages: list[ModelStage], layout: EffectLayout) -> Iterator[str]:
-        """Write each stage behind the flag of its effect, then what is told."""
+        """Write each stage behind the flag of its effect, then the reported values."""
         where = row_places(layout)
         row = where['wrenches'].start
         for stage in stages:

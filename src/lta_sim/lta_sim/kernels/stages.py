@@ -1,9 +1,9 @@
 """
-The stages of d/dt of a state: each effect a few lines of source, in the order of the physics.
+The stages of the state derivative: a few lines of source per effect, in physical order.
 
-Air, then actuators, then wrenches, then the acceleration of the whole. A stage says which
-variables it reads and writes, so that the same lines serve one vehicle in local variables and many
-vehicles side by side in arrays.
+Air, then actuators, then wrenches, then the acceleration of the body. A stage declares the
+variables that it reads and writes, so that the same lines serve one vehicle in local variables
+and many vehicles in arrays.
 """
 
 from typing import final
@@ -46,7 +46,7 @@ class _StageWriter:
         return f'motion = rigid_body_build_motion({seen})'
 
     def build_attitude_stage(self) -> ModelStage:
-        """Return what comes first: attitude, and everything at its beginning."""
+        """Return the first stage: attitude and initial values."""
         lines = (
             f'r = rigid_body_rotation_matrix({self.format_numbers("state", 3, 4)})',
             f'ground = rigid_body_to_map(r, {self.format_numbers("state", 7, 3)})',
@@ -64,7 +64,7 @@ class _StageWriter:
         )
 
     def build_acceleration_stage(self) -> ModelStage:
-        """Return what comes last: the rate of the rigid body."""
+        """Return the last stage: the rate of the rigid body."""
         q, w = self.format_numbers('state', 3, 4), self.format_numbers('state', 10, 3)
         motion = self.format_motion('rigid_body')
         inverse = self._access.format_whole('inverse', self._layout)
@@ -79,7 +79,7 @@ class _StageWriter:
         return ModelStage(lines, reads, (), memory=tuple(places), prelude=(motion,))
 
     def _format_inputs(self, name: str, effect: AirEffect | WrenchEffect) -> list[str]:
-        """Return the lines that take up an effect's parameters and memory."""
+        """Return the lines that load an effect's parameters and memory."""
         layout = self._layout
         return [
             f'p = {self.format_numbers("parameters", layout.first[name], len(effect.parameters))}',
@@ -87,7 +87,7 @@ class _StageWriter:
         ]
 
     def _memory_rates(self, name: str, count: int) -> tuple[tuple[int, str], ...]:
-        """Return where the rates of an effect's memory go."""
+        """Return the destination of the rates of an effect's memory."""
         first = self._layout.remembers[name]
         return tuple((first + k, f'R_{name}[{k}]') for k in range(count))
 

@@ -1,4 +1,4 @@
-"""Many vehicles as the numbers that the batched kernels take."""
+"""Many vehicles as input arrays of the batched kernels."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -51,7 +51,7 @@ class VehicleBatch:
 
         """
         if not models:
-            raise BadInput('A fleet of 0 vehicles was asked for; give at least one.')
+            raise BadInput('A fleet needs at least one vehicle, but 0 were requested.')
         return cls(
             np.stack([model.parameters for model in models]),
             np.stack([model.on for model in models]),
@@ -75,7 +75,7 @@ def _to_rows(what: str, values: ArrayLike, vehicles: int, count: int, *, fill: b
     array = np.asarray(values, dtype=np.float64)
     fits = array.ndim == 2 and array.shape[0] == vehicles
     if not (fits and (array.shape[1] == count or (fill and array.shape[1] < count))):
-        # Compiled code does not look: it would read what lies behind the array.
+        # Compiled code has no bounds check: a short array would be read beyond its end.
         raise ValueError(f'The {what} have shape {array.shape}; it must be ({vehicles}, {count}).')
     return np.pad(array, ((0, 0), (0, count - array.shape[1])))
 

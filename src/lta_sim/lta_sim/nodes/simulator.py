@@ -1,12 +1,12 @@
 """
-The simulator node: plays the vehicle.
+Simulator node: simulates the vehicle in place of the hardware.
 
-In lockstep it publishes a state, waits for the duties that answer it, and steps on; in real time
-it paces on the wall clock. It also referees: the process ends with status 0 when the flight has
-reached its goal, run out of time or left the room, and says which.
+In lockstep it publishes a state, waits for the duties in answer, and advances; in real time it
+follows the wall clock. It also decides the end of the flight: the process exits with status 0 and
+reports the outcome when the flight has reached its goal, run out of time or left the room.
 
-Simulators of one launch keep together in time (see `lta_graph.peers`), and one of them tells
-/clock for all. Whose flight is over stands still and stays until the others have ended too.
+Simulators of one launch stay synchronised (see `lta_graph.peers`), and one of them publishes
+/clock for all. A finished vehicle stands still and waits until the others have finished.
 """
 
 from collections.abc import Iterable
@@ -36,15 +36,15 @@ from rclpy.subscription import Subscription
 from rosgraph_msgs.msg import Clock as ClockMessage
 
 STALE_NS = 300_000_000  # commands older or newer than this stop the motors, as on the real vehicle
-MOST = 100  # characters that are told of a command that is refused
-SLIP = 50  # control periods of delay that are made up for at once
-SLOW = 0.05  # share of the wall clock that may be lost before it is said
+MOST = 100  # characters of a refused command that are reported
+SLIP = 50  # control periods of delay that are caught up at once
+SLOW = 0.05  # share of the wall clock that may be lost before a report
 CLOCK_PERIOD = 0.02  # wall seconds between two /clock
 PATIENCE = 20.0  # wall seconds for the graph of one drone to come up
 
 
 class Simulator(GraphNode):
-    """Publish what a `World` senses and fly the duties that come back."""
+    """Publish the sensor readings of a `World` and fly the duties in answer."""
 
     def __init__(self) -> None:
         super().__init__('simulator', role='vehicle')
@@ -68,7 +68,7 @@ class Simulator(GraphNode):
         self._fed = True
         self._commanded_ns = 0
         self._began = self._anchor = self._clocked = 0.0
-        self._lost = 0.0  # wall seconds of delay that were let go
+        self._lost = 0.0  # wall seconds of skipped delay
         self._finished: float | None = None
         if not self.lockstep:
             steady = Clock(clock_type=ClockType.STEADY_TIME)
@@ -90,7 +90,7 @@ class Simulator(GraphNode):
         super().run()
 
     def _find_missing_subscribers(self) -> list[str]:
-        """Return whom the outputs still wait for."""
+        """Return the nodes that have not subscribed to the outputs yet."""
         waiting: set[str] = set()
         words, robot = self._settings.topics, self.get_namespace().strip('/')
         for name, publisher in self._outputs.items():
@@ -105,7 +105,7 @@ class Simulator(GraphNode):
         return sorted(waiting)
 
     def _is_subscribed(self, node: str, name: str) -> bool:
-        """Tell whether a node is among the readers of a topic: a viewer's place is not its own."""
+        """Return whether a node is among the readers of a topic; viewers do not count."""
         known = self.get_subscriptions_info_by_topic(name)
         return node in {reader.node_name for reader in known}
 
@@ -113,13 +113,15 @@ class Simulator(GraphNode):
         for command in step.messages['motors']:
             self._accept_command(command.name, list(command.effort))
         stamp_ns = from_stamp(step.messages['motors'][-1].header.stamp)
-        if stamp_ns <= self._world.stamp_ns + STALE_NS:  # else it would be fresh for as long
+        if (
+            stamp_ns <= self._world.stamp_ns + STALE_NS
+        ):  # a future stamp would stay fresh for too long
             self._commanded_ns = stamp_ns
         if self.lockstep:
             self._fly_step()
 
     def _on_peers(self) -> None:
-        """Go on when the others let us, or leave with them."""
+        """Continue when the other simulators allow it, or leave with them."""
         if self._finished is None:
             if self.lockstep and self._peers.is_waiting:
                 self._fly_step()
@@ -129,19 +131,19 @@ class Simulator(GraphNode):
             self.running = False
 
     def list_wakeups(self) -> Iterable[Subscription]:
-        """Return what to wake up for: the others, where they are what we wait for."""
+        """Return the topics that wake this node while it waits for the other simulators."""
         if self._peers.is_waiting or self._finished is not None:
             return self._peers.subscriptions
         return super().list_wakeups()
 
     def list_missing(self) -> list[str]:
-        """Return the inputs that this node is waiting for: none once its flight is over."""
+        """Return the inputs that this node is waiting for; none after its flight has ended."""
         if self._finished is not None:
             return []
         return self._peers.list_missing() if self._peers.is_waiting else super().list_missing()
 
     def _accept_command(self, names: list[str], duties: list[float]) -> None:
-        """Accept a command, or stop the motors on one that cannot be meant."""
+        """Accept a command, or stop the motors on an invalid one."""
         expected = self._world.vehicle.rotor_names
         fits = list(names) == expected and len(duties) == len(expected)
         # NaN is refused as well: it compares false.
@@ -162,7 +164,7 @@ class Simulator(GraphNode):
         )
 
     def _tick(self) -> None:
-        """Follow the wall clock: a late tick is made up for, a long delay is let go and said."""
+        """Follow the wall clock: catch up after a late tick, skip and report a long delay."""
         period = self.table.control_ns * 1e-9
         due = round((time.monotonic() - self._anchor) / period)
         if due - self._world.steps > SLIP:
@@ -172,12 +174,12 @@ class Simulator(GraphNode):
             if self._world.stamp_ns - self._commanded_ns > STALE_NS:
                 self._duties = [0.0] * len(self._duties)
             if not self._fly_step():
-                # What the others take longer is not made up for: all would fly by fits and starts.
+                # Do not catch up after waiting for slower simulators: all would fly in bursts.
                 self._skip_delay(time.monotonic() - self._world.steps * period - self._anchor)
                 return
 
     def _skip_delay(self, delay: float) -> None:
-        """Give up on a delay, and say so once it is more than a person would overlook. [s]"""
+        """Skip a delay, and report it once it is noticeable. [s]"""
         self._anchor += delay
         if self._world.steps == 0:  # the others are not there yet: the flight has not begun
             self._began = self._anchor
@@ -192,7 +194,7 @@ class Simulator(GraphNode):
             )
 
     def _fly_step(self) -> bool:
-        """Fly a control step; False where there is none to fly, or not yet."""
+        """Fly a control step; return False where none is due yet or the flight has ended."""
         if self._finished is not None:
             return False
         if self._is_over():
@@ -208,7 +210,7 @@ class Simulator(GraphNode):
         return True
 
     def _report_supply(self) -> None:
-        """Say when the supply fails, which stops the motors, and when it comes back."""
+        """Report a supply failure, which stops the motors, and its end."""
         if self._fed == self._world.supply.flow.fed:
             return
         self._fed = not self._fed
@@ -223,12 +225,12 @@ class Simulator(GraphNode):
             )
 
     def _is_over(self) -> bool:
-        """Tell whether to stop: one control step after a light block, when all have answered."""
+        """Return whether to stop: one control step after a light block, when all have answered."""
         over = self._world.outcome is not FlightOutcome.FLYING
         return over and self.table.is_settled(self._world.stamp_ns)
 
     def _publish_step(self) -> None:
-        """Publish a control step; what the next command waits for goes first."""
+        """Publish a control step; the outputs that the next command waits for go first."""
         readings = self._world.sense_motion()
         self._publish_motion(readings)
         self._world.sense_rest(readings)
@@ -236,7 +238,7 @@ class Simulator(GraphNode):
         self._publish_clock(readings.stamp_ns)
 
     def _publish_clock(self, stamp_ns: int) -> None:
-        """Publish graph time, if that is due and ours to do. [ns]"""
+        """Publish graph time if it is due and this simulator's task. [ns]"""
         now = time.monotonic()
         if self._settings.clock and now - self._clocked >= CLOCK_PERIOD:
             self._clocked = now
@@ -274,7 +276,7 @@ class Simulator(GraphNode):
         out['battery'].publish(messages.build_battery_state(stamp, *readings.battery, 'battery'))
 
     def _summarize_flight(self) -> dict[str, str]:
-        """Return how the flight stands, in figures."""
+        """Return the state of the flight in figures."""
         world = self._world
         now = self._finished or time.monotonic()
         wall = now - self._began if self._began else 0.0
@@ -289,7 +291,7 @@ class Simulator(GraphNode):
         }
 
     def _monitor_inputs(self) -> None:
-        """Tell how the flight stands at every look, for progress bars."""
+        """Report the state of the flight at every check, for progress bars."""
         standing = self._summarize_flight()
         text = f'{standing["sentence"]}, {standing["distance_m"]} m from the lamp'
         over = {OVER: self._finished is not None}
@@ -298,7 +300,7 @@ class Simulator(GraphNode):
         super()._monitor_inputs()
 
     def close(self) -> None:
-        """Say how the flight ended, also to whoever started it, and let the last messages out."""
+        """Report the outcome, also to the launcher, and let the last messages leave."""
         self._monitor_inputs()
         sys.stdout.write(json.dumps(self._summarize_flight()) + '\n')
         sys.stdout.flush()
@@ -306,5 +308,5 @@ class Simulator(GraphNode):
 
 
 def main(args: list[str] | None = None) -> None:
-    """Run the node until the flight ends or it is told to stop."""
+    """Run the node until the flight ends or it is shut down."""
     run_node(Simulator, args)

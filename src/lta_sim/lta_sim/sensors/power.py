@@ -38,7 +38,7 @@ class PowerMeterSettings(Settings):
 @final
 @dataclass(frozen=True, slots=True)
 class PowerMeterErrors:
-    """What stays the same during a flight: two factors, and the current's offset. [A]"""
+    """Errors that stay constant during a flight: two factors, and the current's offset. [A]"""
 
     voltage_gain: float
     current_gain: float

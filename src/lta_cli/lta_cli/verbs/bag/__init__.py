@@ -1,1 +1,1 @@
-"""`lta bag`: one file a command."""
+"""The `lta bag` verbs, one file each."""

@@ -1,4 +1,4 @@
-"""lta bag check: whether recordings can be believed."""
+"""lta bag check: check the data quality of recordings."""
 
 from pathlib import Path
 import sys
@@ -19,24 +19,24 @@ def check(
         list[Path], typer.Argument(help='Bag folders, results folders or .mcap files.')
     ],
     robot: Annotated[
-        str | None, typer.Option(help='Whose data; by default each robot in a bag.')
+        str | None, typer.Option(help='Robot to check; by default every robot in a bag.')
     ] = None,
     json: Annotated[bool, typer.Option('--json', help='Print JSON instead of a table.')] = False,
 ) -> None:
     """
-    Check whether recordings can be believed, before anything is concluded from them.
+    Check the data quality of recordings before drawing conclusions from them.
 
-    Looks for constant, frozen and clipped channels, stretches that are there twice, impossible
-    values, wrong units, turned signs and axes, clocks that do not agree, stamps that jump, heavy
-    filtering or simulation that is not declared, and a craft held by hand. Each finding names its
-    channel, interval and evidence. What cannot be judged, because what it needs was not recorded,
-    is said and not guessed. Of several bags each pair is compared: one run may be there twice.
+    Looks for constant, frozen and clipped channels, duplicated intervals, impossible values, wrong
+    units, flipped signs and axes, inconsistent clocks, jumping stamps, undeclared heavy filtering
+    or simulation, and a vehicle held by hand. Each finding names its channel, interval and
+    evidence. Checks that lack their data are reported as not possible. Several bags are also
+    compared in pairs to find duplicate runs.
 
-    A damaged bag is checked as far as it goes. What the checks find and what they cannot:
+    A damaged bag is checked as far as it can be read. What the checks can and cannot find:
     docs/trust.md.
 
-    Exit status 0: nothing suspicious (notes and warnings there may be). 1: something is suspicious
-    or cannot be true. 2: bad input.
+    Exit status 0: nothing suspicious (notes and warnings are allowed). 1: something is suspicious
+    or impossible. 2: bad input.
 
     Example: lta bag check runs/*/bag
     """

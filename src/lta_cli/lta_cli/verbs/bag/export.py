@@ -1,4 +1,4 @@
-"""lta bag export: a recording for other programs."""
+"""lta bag export: export a recording to Parquet, CSV or MATLAB."""
 
 from pathlib import Path
 from typing import Annotated
@@ -19,7 +19,7 @@ def export(
         str, typer.Option('--format', help=f'Format of the files: {", ".join(FORMATS)}.')
     ] = 'parquet',
     topics: Annotated[
-        str, typer.Option(help='Names with commas between, as odom,motors; all by default.')
+        str, typer.Option(help='Names separated by commas, such as odom,motors; default all.')
     ] = '',
     out: Annotated[
         Path | None,
@@ -30,28 +30,31 @@ def export(
         ),
     ] = None,
     rate: Annotated[
-        float | None, typer.Option(help='All in one table on an even clock.', metavar='HZ')
+        float | None,
+        typer.Option(help='Resample all topics to this rate, into one table.', metavar='HZ'),
     ] = None,
     method: Annotated[
         str,
-        typer.Option(help='Values on that clock: previous (as last said) or linear (between).'),
+        typer.Option(help='With --rate: previous (hold the last value) or linear.'),
     ] = 'previous',
     robot: Annotated[
-        str | None, typer.Option(help='Robot to export; needed where the bag holds several.')
+        str | None, typer.Option(help='Robot to export; needed if the bag has several.')
     ] = None,
-    json: Annotated[bool, typer.Option('--json', help='Print what was written as JSON.')] = False,
+    json: Annotated[
+        bool, typer.Option('--json', help='Print the list of written files as JSON.')
+    ] = False,
 ) -> None:
     """
-    Write a recording as Parquet, CSV or MATLAB files, one a topic, with the unit of each column.
+    Export a recording to Parquet, CSV or MATLAB, one file per topic, with units.
 
-    Each file has stamp_ns and time, in s since the start of the flight, then the fields of the
-    message by path; a quaternion's yaw, pitch and roll stand behind it. Blocks of the photodiodes
-    become one row a sampling instant, point clouds one row a point. With --rate all topics stand
-    in one table, with nothing where a topic was silent for three of its periods.
+    Each file has stamp_ns and time (seconds since the start of the flight), then the message
+    fields by path; quaternions are followed by yaw, pitch and roll. Photodiode blocks give one row
+    per sample, point clouds one row per point. With --rate, all topics are resampled into one
+    table; gaps longer than three periods of a topic stay empty.
 
-    Units stand in the metadata of Parquet's fields, in units.csv beside CSV files, and in the
-    struct "units" of MATLAB files, whose topic is a struct with the fields of the message. A topic
-    that cannot be decoded is left out and named.
+    Units are stored in the field metadata of Parquet files, in units.csv next to CSV files, and in
+    the struct "units" of MATLAB files. In MATLAB each topic is a struct of its message fields.
+    Topics that cannot be decoded are left out and reported.
 
     Example: lta bag export runs/20261120-lamp_room-1/bag --format csv --topics odom,motors
 
@@ -78,7 +81,7 @@ def export(
 
 
 def export_to_dict(done: ExportResult, target: Path) -> dict[str, object]:
-    """Return what --json prints."""
+    """Return the content of --json."""
     files = [
         {'topic': each.topic, 'file': str(each.file), 'rows': each.rows, 'columns': each.columns}
         for each in done.files

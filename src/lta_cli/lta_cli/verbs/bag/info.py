@@ -1,4 +1,4 @@
-"""lta bag info: what a recording holds."""
+"""lta bag info: summarize a recording."""
 
 from pathlib import Path
 import sys
@@ -15,11 +15,11 @@ def info(
     json: Annotated[bool, typer.Option('--json', help='Print JSON instead of a table.')] = False,
 ) -> None:
     """
-    Show what a bag holds: topics, counts, rates, length, and where it comes from.
+    Show the contents of a bag: topics, counts, rates, duration and provenance.
 
-    A bag that was cut short (a killed recorder, a full disk) is read as far as it goes, and what
-    is missing is said; so is what is odd: steps back in time, long silences, topics that cannot be
-    decoded. The whole vehicle and scenario file that it carries come with --json.
+    A truncated bag (killed recorder, full disk) is read as far as possible. Missing data, backward
+    time steps, long gaps and topics that cannot be decoded are reported. --json includes the full
+    vehicle and scenario files.
     """
     found = summarize_bag(find_bag(path))
     if json:

@@ -1,4 +1,4 @@
-"""lta bag plot: a quick look at the channels of a recording."""
+"""lta bag plot: list or plot the channels of a recording."""
 
 from collections.abc import Sequence
 import math
@@ -29,20 +29,20 @@ def plot(
         list[str] | None,
         typer.Argument(metavar='CHANNEL...', help='Channels, topics, or either with *.'),
     ] = None,
-    begin: Annotated[float, typer.Option('--from', help='First instant to show. [s]')] = -math.inf,
-    end: Annotated[float, typer.Option('--to', help='Last instant to show. [s]')] = math.inf,
+    begin: Annotated[float, typer.Option('--from', help='Start time in seconds.')] = -math.inf,
+    end: Annotated[float, typer.Option('--to', help='End time in seconds.')] = math.inf,
     png: Annotated[Path | None, typer.Option(help='PNG file to write; needs a Chromium.')] = None,
-    html: Annotated[Path | None, typer.Option(help='Page to write, to zoom and point at.')] = None,
+    html: Annotated[Path | None, typer.Option(help='Interactive HTML page to write.')] = None,
     robot: Annotated[
-        str | None, typer.Option(help='Robot to look at; needed where the bag holds several.')
+        str | None, typer.Option(help='Robot to plot; needed if the bag has several.')
     ] = None,
 ) -> None:
     """
-    Look at a recording: every channel in a line, or some of them as curves.
+    List the channels of a recording, or plot some of them.
 
-    A channel is a topic and a field of its messages: odom/pose.pose.position.z,
-    motors/effort.up_left, light/peaks/snr[3]; quaternions come as yaw, pitch and roll. A topic
-    stands for all of its channels. What has one unit shares an axis.
+    A channel is a topic and a message field: odom/pose.pose.position.z, motors/effort.up_left,
+    light/peaks/snr[3]. Quaternions are shown as yaw, pitch and roll. A topic name selects all its
+    channels. Channels with the same unit share an axis.
 
     Example: lta bag plot BAG
 
@@ -52,7 +52,7 @@ def plot(
     """
     console = plain_console()
     if not begin < end:
-        raise BadInput(f'From {begin:g} s to {end:g} s there is nothing; give --from below --to.')
+        raise BadInput(f'--from ({begin:g} s) is not below --to ({end:g} s); swap them.')
     flight = open_flight(find_bag(bag), robot)
     if not patterns:
         print_overview(flight, begin, end, console)
@@ -62,7 +62,7 @@ def plot(
     ]
     times = [time for item in found if len(item.time) for time in item.time[[0, -1]]]
     if not times:
-        raise BadInput('The channels hold nothing in that stretch of time; widen it.')
+        raise BadInput('The channels have no data in that time range; widen it.')
     span, panels = (min(times), max(times)), list(group_by_unit(found))
     if png is None and html is None:
         print_channels(panels, span, console)
@@ -79,7 +79,7 @@ def plot(
 
 
 def print_overview(flight: RecordedFlight, begin: float, end: float, console: Console) -> None:
-    """Print every channel, and what could not be decoded."""
+    """Print all channels, and the topics that could not be decoded."""
     found = read_all_channels(flight)
     shown = [make_readable(crop_channel(item, begin, end)) for item in found.channels.values()]
     console.print(build_channel_listing(shown, console.width))
@@ -87,12 +87,12 @@ def print_overview(flight: RecordedFlight, begin: float, end: float, console: Co
 
 
 def print_remarks(remarks: Sequence[str], console: Console) -> None:
-    """Print what a reader should know of the recording, each once."""
+    """Print remarks on the recording, without duplicates."""
     for remark in dict.fromkeys(remarks):
         console.print(remark, style='yellow', highlight=False, markup=False, soft_wrap=True)
 
 
 def select_provenance(flight: RecordedFlight) -> dict[str, str]:
-    """Return where the flight comes from, in short."""
+    """Return the main provenance entries of a flight."""
     wanted = ('vehicle', 'scenario', 'strategy', 'seed', 'commit', 'created')
     return {key: flight.provenance[key] for key in wanted if key in flight.provenance}

@@ -1,4 +1,4 @@
-"""lta bag recover: a damaged recording as a finished one."""
+"""lta bag recover: recover a damaged recording into a new bag."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -18,7 +18,7 @@ import typer
 
 @contextmanager
 def show_progress() -> Iterator[Callable[[int, int], None]]:
-    """Show a bar on a terminal; what is yielded is told the bytes behind, and all of them."""
+    """Show a progress bar on a terminal; yield a callback(bytes_done, bytes_total)."""
     console = plain_console(stderr=True)
     columns = (TextColumn('recovering'), BarColumn(), DownloadColumn(), TimeRemainingColumn())
     with ProgressBar(console, *columns) as bar:
@@ -30,7 +30,7 @@ def recover(
     out: Annotated[
         Path | None,
         typer.Option(
-            help='Folder of the new bag; BAG-recovered beside the original by default.',
+            help='Folder of the new bag; BAG-recovered next to the original by default.',
             parser=parse_folder,
             metavar='FOLDER',
         ),
@@ -38,15 +38,15 @@ def recover(
     json: Annotated[bool, typer.Option('--json', help='Print JSON instead of sentences.')] = False,
 ) -> None:
     """
-    Write all that can be had of a damaged bag into a new, finished, indexed one.
+    Recover a damaged bag into a new, complete, indexed one.
 
-    Mends bags that were cut short (a killed recorder, a full disk), that have damaged bytes, or
-    lack summary or metadata.yaml. Every message in a chunk whose CRC holds comes back. The
-    original is only read. What was lost is said: bytes, chunks, when, and how many messages by
-    topic where an index, metadata.yaml or the topic's rhythm tells.
+    Repairs truncated bags (killed recorder, full disk), damaged bytes, and a missing summary or
+    metadata.yaml. Recovers every message in chunks with a valid CRC. The original is not changed.
+    Reports the lost bytes, chunks and times, and the lost messages per topic as far as an index,
+    metadata.yaml or the topic's rate shows them.
 
-    Exit status 0 when a new bag was written; 2 when nothing was, because there is nothing to
-    recover or because the bag is whole.
+    Exit status 0: a new bag was written. 1: storage failed. 2: nothing to recover, or the bag is
+    intact.
 
     Example: lta bag recover runs/20261120-lamp_room-1/bag --out mended
     """

@@ -1,1 +1,1 @@
-"""`lta cfd`: one file a command."""
+"""The `lta cfd` verbs, one file each."""

@@ -1,4 +1,4 @@
-"""lta cfd refit: an aero file from the raw sweep, without OpenFOAM."""
+"""lta cfd refit: fit an aero file to a stored sweep, without OpenFOAM."""
 
 from pathlib import Path
 import sys
@@ -21,7 +21,7 @@ def refit(
     ] = None,
 ) -> None:
     """
-    Fit the coefficients of a raw sweep again: what `lta cfd run` writes, without solving anything.
+    Refit the coefficients of a sweep that "lta cfd run" wrote, without solving anything.
 
     Exit status 0: done. 2: bad input.
 

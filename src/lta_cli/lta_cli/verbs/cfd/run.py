@@ -1,4 +1,4 @@
-"""lta cfd run: the wind tunnel of one vehicle, from its shape to its aero file."""
+"""lta cfd run: compute the aero file of a vehicle from its shape."""
 
 from enum import StrEnum
 from pathlib import Path
@@ -46,7 +46,7 @@ SHOWN = ('heave', 'surge', 'up_left', 'both_up', 'all', 'up_left_reversed', 'for
 
 
 class Fidelity(StrEnum):
-    """How much a number costs, and how good it is."""
+    """Solver fidelity: closed-form, steady or transient."""
 
     analytic = 'analytic'
     preview = 'preview'
@@ -55,42 +55,42 @@ class Fidelity(StrEnum):
 
 def run(
     name: Annotated[
-        str, typer.Argument(metavar='TUNNEL', help='A shipped tunnel file, or a file.')
+        str, typer.Argument(metavar='TUNNEL', help='Tunnel file, shipped name or path.')
     ] = 'gtmab',
     fidelity: Annotated[
-        Fidelity, typer.Option(help='By hand, steady, or transient.')
+        Fidelity, typer.Option(help='Closed-form, steady or transient.')
     ] = Fidelity.preview,
     only: Annotated[
-        list[str] | None, typer.Option(help='Axes and patterns alone; repeatable.')
+        list[str] | None, typer.Option(help='Solve only this axis or rotor pattern; repeatable.')
     ] = None,
     mount: Annotated[
-        str | None, typer.Option(help='Solar panels as a mount file has them: side, bottom, top.')
+        str | None, typer.Option(help='Solar panel mount file: side, bottom, top or a path.')
     ] = None,
     jobs: Jobs = None,
     cache: Cache = None,
     scheduler: Scheduler = None,
     limit: Annotated[
         float | None,
-        typer.Option('--memory', help='Memory there is in GB; all of it by default.', min=0.1),
+        typer.Option('--memory', help='Memory limit in GB; all memory by default.', min=0.1),
     ] = None,
     out: Out = None,
     pictures: Pictures = None,
     json: Annotated[bool, typer.Option('--json', help='Print the sweep as JSON.')] = False,
 ) -> None:
     """
-    Put a vehicle into the wind tunnel: drag along and about six axes, and its rotors on.
+    Compute a vehicle's drag along and about six axes, with rotors off and on.
 
-    A tunnel file in config/tunnels says what stands in it: hull and rotors of a vehicle file, the
-    bodies below, or STL files. Flows are solved by OpenFOAM, side by side, each once: what is
-    solved is kept and a run that was stopped goes on. --fidelity analytic needs no OpenFOAM;
-    preview is steady, minutes; reference transient, an hour.
+    A tunnel file in config/tunnels defines the geometry: hull and rotors of a vehicle file,
+    attached bodies, or STL files. OpenFOAM solves the cases in parallel. Solved cases are cached,
+    so a stopped run resumes. --fidelity analytic needs no OpenFOAM; preview is steady and takes
+    minutes; reference is transient and takes about an hour.
 
-    The results are a page; NAME.sweep.json, all that was solved; NAME.aero.yaml, fitted, which a
-    vehicle file can name ("aero: PATH"); and, where rotors blew, NAME.blown.json, the sweep with
-    maps of the pressure.
+    Writes a page; NAME.sweep.json with all solutions; NAME.aero.yaml with the fitted coefficients,
+    for the entry "aero: PATH" of a vehicle file; and, with rotors on, NAME.blown.json, the sweep
+    with pressure maps.
 
-    Exit status 0: done, and what was refused is said. 1: nothing could be solved. 2: bad input.
-    130: Ctrl-C.
+    Exit status 0: done; failed cases are listed. 1: nothing could be solved. 2: bad input. 130:
+    Ctrl-C.
 
     Example: lta cfd run gtmab --only heave --only both_up
     """
@@ -147,7 +147,7 @@ def run(
 def slice_flows(
     model: TunnelModel, sweep: TunnelSweep, flows: list[TunnelFlow], folder: Path
 ) -> list[FlowSlice]:
-    """Return the planes through the flows that tell most."""
+    """Return slices through the most informative flows."""
     stages = CaseRunner(folder, FoamPrograms(), lambda *_: None)
     found: list[FlowSlice] = []
     for flow in sorted(flows, key=lambda each: each.about not in SHOWN):

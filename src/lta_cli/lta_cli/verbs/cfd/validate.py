@@ -1,4 +1,4 @@
-"""lta cfd validate: the tunnel's sphere beside real ones."""
+"""lta cfd validate: compare the drag of a sphere with measurements."""
 
 from dataclasses import asdict
 import sys
@@ -29,7 +29,7 @@ import typer
 
 def validate(
     fidelity: Annotated[
-        Fidelity, typer.Option(help='preview, or reference, which solves preview too.')
+        Fidelity, typer.Option(help='preview, or reference, which includes preview.')
     ] = Fidelity.preview,
     jobs: Jobs = None,
     cache: Cache = None,
@@ -39,20 +39,22 @@ def validate(
     json: Annotated[bool, typer.Option('--json', help='Print the results as JSON.')] = False,
 ) -> None:
     """
-    Judge the wind tunnel by a sphere of 1 m, beside Morrison's formula and Achenbach's scatter.
+    Validate the wind tunnel: a 1 m sphere against Morrison's formula and Achenbach's scatter.
 
-    The steady model is right at slow speeds and low at fast ones, where its boundary layer is
-    turbulent too early and its wake does not shed; two meshes show what finer ones change. The
-    transient one averages 20 diameters of flow or more.
+    The steady model is accurate at low speed. At high speed it underestimates drag, because its
+    boundary layer turns turbulent too early and its wake does not shed. Two meshes show the
+    effect of refinement. The transient model averages over 20 diameters of flow or more.
 
-    Exit status 0: done, however far off. 1: nothing could be solved. 2: bad input. 130: Ctrl-C.
+    Exit status 0: done, whatever the error. 1: nothing could be solved. 2: bad input. 130: Ctrl-C.
 
     Example: lta cfd validate --fidelity reference
     """
     console = plain_console(stderr=json)
     check_pictures(pictures)
     if fidelity is Fidelity.analytic:
-        raise BadInput('A sphere by hand is the measurement itself; take preview or reference.')
+        raise BadInput(
+            'The analytic sphere is the reference itself; choose --fidelity preview or reference.'
+        )
     check_solver(jobs, scheduler)
     target = resolve_folder(out, 'cfd-sphere')
     check_creatable(target)

@@ -1,1 +1,1 @@
-"""`lta challenge`: one file a command."""
+"""The `lta challenge` verbs, one file each."""

@@ -1,4 +1,4 @@
-"""lta challenge make: flights in which something is hidden."""
+"""lta challenge make: generate flights with hidden effects."""
 
 from typing import Annotated, Final
 
@@ -13,12 +13,12 @@ from lta_report.results_folder import resolve_folder
 from lta_studies.platforms.run import count_processors
 import typer
 
-SHORTEST: Final = 30.0  # s; the beginning and what is lost of it cannot be used
+SHORTEST: Final = 30.0  # s; the initial transient of a flight is not usable
 
 
 def make(
-    seed: Annotated[int, typer.Option(help='Of the challenge.', min=0)] = 1,
-    n: Annotated[int, typer.Option('--n', help='How many cases.', min=1)] = 20,
+    seed: Annotated[int, typer.Option(help='Random seed of the challenge.', min=0)] = 1,
+    n: Annotated[int, typer.Option('--n', help='Number of cases.', min=1)] = 20,
     row: Annotated[
         str, typer.Option(help='base, worse, structured, pose, hover, wrench or other.')
     ] = 'base',
@@ -26,24 +26,23 @@ def make(
         str | None, typer.Option(help='clean, single, pair, outside or mixed; drawn by default.')
     ] = None,
     seconds: Annotated[
-        tuple[float, float], typer.Option(help='Least and greatest length of a flight.')
+        tuple[float, float], typer.Option(help='Shortest and longest flight in seconds.')
     ] = (60.0, 180.0),
     jobs: Jobs = None,
     out: Out = None,
 ) -> None:
     """
-    Make cases: a vehicle off by its tolerances, flights of it, and something hidden in them.
+    Generate cases: flights of a vehicle that deviates within its tolerances and has a hidden effect.
 
-    Each case is a folder with a vehicle file and three bags, train, confirm and holdout. Hidden
-    is nothing, one effect of the library, two, something that is in no library, or an effect and
-    something outside; in cases of odd number that is of a kind that was kept from discovery until
-    it was finished. What it is stands in answers.sealed, which no study opens. A case depends on
-    seed, number, row and kind only.
+    Each case is a folder with a vehicle file and the bags train, confirm and holdout. Hidden is
+    nothing, one or two effects of the library, something outside the library, or both. In cases
+    with an odd number the outside effect is of a kind that was not known while discovery was
+    developed. The answer is in answers.sealed, which no study opens. A case depends only on seed,
+    number, row and kind.
 
-    The flights are made by an integrator, rigid body, rotors, pilot, sensors and noise of their
-    own; of the project's model they share the equations of the effects. Those of the row other
-    are made by a simulator that shares no equation with it either, and that has its own forces
-    outside the library.
+    The flights come from a separate integrator, rigid body, rotors, pilot, sensors and noise; they
+    share only the effect equations with the project's model. Cases of the row "other" come from a
+    simulator that shares no equations and has its own forces outside the library.
 
     Exit status 0: done. 2: bad input.
 
@@ -51,7 +50,9 @@ def make(
     """
     console = plain_console()
     if not SHORTEST <= seconds[0] <= seconds[1] <= 600.0:
-        raise BadInput(f'Flights are {SHORTEST:g} to 600 s long; give the shorter length first.')
+        raise BadInput(
+            f'Flights must last {SHORTEST:g} to 600 s; give the shorter duration first.'
+        )
     order = ChallengeRequest(seed, n, row, None if kind is None else parse_kind(kind), seconds)
     place = resolve_folder(out, f'challenge-{seed}')
     with challenge_bar(console, 'flying', n) as bar:

@@ -1,4 +1,4 @@
-"""lta challenge score: what is found in flights in which something is hidden."""
+"""lta challenge score: score discovery on flights with hidden effects."""
 
 from pathlib import Path
 import sys
@@ -28,13 +28,13 @@ import typer
 
 def score(
     folders: Annotated[
-        list[Path], typer.Argument(help='Of challenges; each gets its score and page.')
+        list[Path], typer.Argument(help='Challenge folders; each gets its score and page.')
     ],
-    most: Annotated[int | None, typer.Option(help='Look at the first cases only.', min=1)] = None,
+    most: Annotated[int | None, typer.Option(help='Use only the first cases.', min=1)] = None,
     markdown: Annotated[
         Path | None,
         typer.Option(
-            help='Write all scores into this file, row by row.',
+            help='Also write all scores to this Markdown file.',
             parser=parse_folder,
             metavar='FILE',
         ),
@@ -43,19 +43,20 @@ def score(
     json: Annotated[bool, typer.Option('--json', help='Print the scores as JSON.')] = False,
 ) -> None:
     """
-    Put the cases of challenges to discovery, then open the answers and count.
+    Run discovery on the cases of challenges, then compare its results with the answers.
 
-    Goes on where an earlier run ended; a change of an effect or of the vehicle file begins anew.
-    Counted are exact and wrong names, silence, what is called unexplained, intervals that hold
-    the truth, and held-out errors beside those of an oracle, which is told what was hidden but
-    not how large. Names that no such data can tell apart count as one (docs/discovery_classes.md).
+    An interrupted run resumes; a change of an effect or of the vehicle file starts again. Counts
+    exact and wrong names, missed effects, "unexplained" verdicts and intervals that contain the
+    truth. Compares held-out errors with those of an oracle that knows which effect was hidden but
+    not its size. Effects that such data cannot distinguish count as one
+    (docs/discovery_classes.md).
 
-    Exit status 0: scored, however well. 2: bad input.
+    Exit status 0: scored, whatever the score. 2: bad input.
 
     Example: lta challenge score hidden
     """
     if len({place.resolve() for place in folders}) < len(folders):
-        raise BadInput('A challenge is given twice and would be counted twice; give each once.')
+        raise BadInput('A challenge folder is given twice; give each once.')
     console = plain_console(stderr=json)
     done: list[ChallengeScore] = []
     for place in folders:
@@ -73,12 +74,12 @@ def score(
         console.print(format_page_line(write_page(scored, place)), highlight=False, soft_wrap=True)
         done.append(scored)
         if markdown is not None:
-            # As far as it is: many challenges take hours.
+            # Write after each challenge: many challenges take hours.
             write_file(render_markdown([(one.about, one.cases) for one in done]), markdown)
 
 
 def _print_score(scored: ChallengeScore, console: Console) -> None:
-    """Print figures and matrix."""
+    """Print the metrics and the confusion matrix."""
     for heads, lines in (
         (['figure', 'share', 'wanted', 'met'], format_figures(scored.cases)),
         format_matrix(scored.cases),

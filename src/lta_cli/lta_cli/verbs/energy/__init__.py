@@ -1,1 +1,1 @@
-"""`lta energy`: one file a command."""
+"""The `lta energy` verbs, one file each."""

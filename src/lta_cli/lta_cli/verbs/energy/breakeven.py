@@ -1,4 +1,4 @@
-"""lta energy breakeven: at what light a drone can idle, transmit, hover and fly for ever."""
+"""lta energy breakeven: compute the illuminance that sustains each task of a drone."""
 
 from typing import Annotated
 
@@ -16,28 +16,28 @@ from lta_studies.energy.break_even.study import build_table, compute_map
 from lta_studies.energy.tables import print_table
 import typer
 
-BUDGET = 48.8  # g: seed paper, its array of two ANYSOLAR panels
-CELLS = ['powerfilm_large', 'anysolar', 'adafruit', 'dracula']  # those that one budget carries
+BUDGET = 48.8  # g: the seed paper's array of two ANYSOLAR panels
+CELLS = ['powerfilm_large', 'anysolar', 'adafruit', 'dracula']  # cells that fit into this budget
 
 
 def breakeven(
-    vehicle: Annotated[str, typer.Option(help='Whose loads, array and charger.')] = 'gtmab',
+    vehicle: Annotated[str, typer.Option(help='Vehicle with loads, array and charger.')] = 'gtmab',
     cell: Annotated[
         list[str] | None,
-        typer.Option(help='Panels of other arrays, shipped name or file; repeatable.'),
+        typer.Option(help='Panel of an alternative array, name or file; repeatable.'),
     ] = None,
     budget: Annotated[
-        float, typer.Option(help='Mass of these arrays in g.', min=1.0, max=10_000.0)
+        float, typer.Option(help='Mass limit of these arrays in g.', min=1.0, max=10_000.0)
     ] = BUDGET,
     out: Out = None,
     pictures: Pictures = None,
     json: Json = False,
 ) -> None:
     """
-    Tell at what illuminance a drone lives on light: idle, transmitting, hovering, flying.
+    Compute the break-even illuminance of a drone: idle, transmitting, hovering, flying.
 
-    From 300 lx to 100 klx, of a white LED, of a beacon that flickers, and of the sun; with the
-    array as it is, and with arrays of other panels that weigh no more than a budget.
+    Covers 300 lx to 100 klx from a white LED, a flickering beacon and the sun; with the vehicle's
+    own array and with arrays of other panels within a mass budget.
 
     Exit status 0: done. 2: bad input.
 

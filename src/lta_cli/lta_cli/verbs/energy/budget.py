@@ -1,4 +1,4 @@
-"""lta energy budget: what each task of a drone takes, beside the paper."""
+"""lta energy budget: measure the power of each task and compare it with the paper."""
 
 from typing import Annotated
 
@@ -24,21 +24,20 @@ import typer
 
 
 def budget(
-    vehicle: Annotated[str, typer.Option(help='Whose budget.')] = 'gtmab',
-    beside: Annotated[
-        str, typer.Option(help='Multirotor that hovers on power alone.')
-    ] = 'multirotor',
+    vehicle: Annotated[str, typer.Option(help='Vehicle name or file.')] = 'gtmab',
+    beside: Annotated[str, typer.Option(help='Multirotor to compare with.')] = 'multirotor',
     seeds: Annotated[int, typer.Option(help='Flights of each.', min=1, max=100)] = 3,
     out: Out = None,
     pictures: Pictures = None,
     json: Json = False,
 ) -> None:
     """
-    Tell what each task takes: standing, taking off, hovering, flying, finding a lamp.
+    Measure the power of each task: standing, take-off, hovering, flying, finding a lamp.
 
-    Measured in simulated flights, the rotors apart from the electronics, beside the figures of the
-    seed paper and a multirotor that hovers. Where they differ, what would make ours the paper's:
-    more weight, a draught, worse rotors. Rotors by duty and voltage stand beside Bitcraze's bench.
+    Simulated flights give the power of rotors and electronics separately, compared with the seed
+    paper and a hovering multirotor. Where the paper differs, the study computes what would explain
+    it: more weight, a draught, less efficient rotors. Rotor power by duty and voltage is compared
+    with Bitcraze's bench measurements.
 
     Exit status 0: done. 2: bad input.
 

@@ -1,4 +1,4 @@
-"""lta energy hover: two drones hover on identical cells."""
+"""lta energy hover: compare two hovering drones on identical cells."""
 
 from typing import Annotated
 
@@ -25,23 +25,23 @@ import typer
 
 
 def hover(
-    vehicle: Annotated[str, typer.Option(help='Whose cell both take.')] = 'gtmab',
-    beside: Annotated[str, typer.Option(help='Who hovers beside it.')] = 'multirotor',
+    vehicle: Annotated[str, typer.Option(help='Vehicle; both drones use its cell.')] = 'gtmab',
+    beside: Annotated[str, typer.Option(help='Drone to compare with.')] = 'multirotor',
     seconds: Annotated[
-        float, typer.Option(help='How long.', min=1.0, max=7200.0)
+        float, typer.Option(help='Duration in seconds.', min=1.0, max=7200.0)
     ] = paper.HOVER_TIME,
     out: Out = None,
     pictures: Pictures = None,
     json: Json = False,
 ) -> None:
     """
-    Hover for 450 s on identical cells: a drone that gas carries, and a multirotor.
+    Hover for 450 s on identical cells: a buoyant drone and a multirotor.
 
-    Both fly in the closed loop on the first one's cell, full at the start. Its voltage over time
-    stands beside the same cell under the powers that the seed paper prints: 1333 mW, and thrice
-    that for a standard drone. Whose supply fails falls out at that time.
+    Both fly in closed loop on the first one's cell, fully charged at the start. The cell voltage
+    is compared with the same cell under the powers that the seed paper states: 1333 mW, and three
+    times that for a standard drone. A drone drops out when its supply fails.
 
-    Exit status 0: done, whoever lasted. 2: bad input.
+    Exit status 0: done, whichever lasted. 2: bad input.
 
     Example: lta energy hover --seconds 60
     """

@@ -1,4 +1,4 @@
-"""lta energy mounting: where the solar panels sit, and what follows from it."""
+"""lta energy mounting: compare positions of the solar panels."""
 
 from typing import Annotated
 
@@ -26,12 +26,12 @@ MOUNTS = ['side', 'bottom', 'top']
 def mounting(
     mount: Annotated[
         list[str] | None,
-        typer.Option(help='Shipped name or file; repeatable. Side, bottom and top by default.'),
+        typer.Option(help='Mount, name or file; repeatable. Default: side, bottom and top.'),
     ] = None,
-    vehicle: Annotated[str, typer.Option(help='What they are mounted on.')] = 'gtmab',
+    vehicle: Annotated[str, typer.Option(help='Vehicle that carries the panels.')] = 'gtmab',
     misplaced: Annotated[
         float,
-        typer.Option(help='How far ahead of their places panels sit by mistake, in cm.',
+        typer.Option(help='Forward placement error of the panels in cm.',
                      min=-50.0, max=50.0),
     ] = 3.0,
     seeds: Annotated[int, typer.Option(help='Flights of each.', min=1, max=100)] = 3,
@@ -40,15 +40,15 @@ def mounting(
     json: Json = False,
 ) -> None:  # fmt: skip
     """
-    Compare where the solar panels sit: at the side, at the bottom, on top.
+    Compare solar panels mounted at the side, at the bottom and on top.
 
-    A mount is a file in config/mounts: parts that take the place of a layer, and which of them are
-    panels. Mass, balance, inertia, drag and shade follow. Each is let go tilted, beside the same
-    by hand, and flown straight on at 0.1 m/s, in place and out of place; a mount that the hull
-    cannot carry flies in a fuller one, and so do the others beside it. Shown too: what a centre of
-    gravity above the centre of buoyancy does.
+    A mount is a file in config/mounts: parts that replace a layer, some of them panels. Mass,
+    balance, inertia, drag and shading follow from it. Each variant is released tilted, checked
+    against a closed-form solution, and flown straight at 0.1 m/s with panels in place and
+    misplaced. If the hull cannot carry a mount, all variants are also flown with more gas. The page
+    also shows the effect of a centre of gravity above the centre of buoyancy.
 
-    The results are a page, mounting.json (SI units), and each vehicle as a file that flies.
+    Writes a page, mounting.json (SI units) and a vehicle file for each variant.
 
     Exit status 0: done. 2: bad input.
 

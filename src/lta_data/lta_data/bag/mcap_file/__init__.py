@@ -1,1 +1,1 @@
-"""MCAP files, byte by byte, whole and damaged."""
+"""Parse MCAP files, intact and damaged."""

@@ -1,4 +1,4 @@
-"""The parts of a bag: its topics and its files, and what a file tells without being read."""
+"""Represent the topics and files of a bag, and read the message indexes of a file."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,9 +16,9 @@ from mcap.records import Channel
 @dataclass(frozen=True, slots=True)
 class BagTopic:
     """
-    One recorded topic: absolute name, message type, number of messages.
+    One recorded topic.
 
-    `undecodable` says in a half-sentence why its messages are kept but cannot be decoded.
+    `undecodable` is the reason why its messages are kept but cannot be decoded, as a clause.
     """
 
     name: str
@@ -36,13 +36,13 @@ class RecordingFile(NamedTuple):
 
 
 def find_message_type(contents: McapContents, channel: Channel) -> str:
-    """Return the message type of a channel; empty where the file does not say."""
+    """Return the message type of a channel; empty if unknown."""
     schema = contents.schemas.get(channel.schema_id)
     return '' if schema is None else schema.name
 
 
 def read_chunk_index(stream: BinaryIO, place: MessageRegion) -> bytes:
-    """Return the message indexes of a chunk; empty where the summary is wrong about them."""
+    """Return the message indexes of a chunk; empty if the summary gives a wrong place."""
     offset, length = place.index
     try:
         return read_at(stream, offset, length) if length <= NOTE_BYTES else b''
@@ -51,7 +51,7 @@ def read_chunk_index(stream: BinaryIO, place: MessageRegion) -> bytes:
 
 
 def build_chunk_loss(stream: BinaryIO, place: MessageRegion) -> DamagedRegion:
-    """Return the loss of a chunk that the summary knows; its message indexes tell what it held."""
+    """Return the loss of a chunk in the summary, with the contents from its message indexes."""
     loss = DamagedRegion(place.offset, place.length, 1, start=place.start, end=place.end)
     for channel, listed in iterate_index_entries(read_chunk_index(stream, place)):
         loss.counts[channel] += len(listed)
@@ -59,7 +59,7 @@ def build_chunk_loss(stream: BinaryIO, place: MessageRegion) -> DamagedRegion:
 
 
 def read_indexed_rhythm(part: RecordingFile) -> MessageRhythm:
-    """Return when the messages of a finished file were recorded, without reading them."""
+    """Return the timing of the messages of a finished file, from the indexes alone."""
     rhythm = MessageRhythm()
     with part.file.open('rb') as stream:
         for place in part.contents.places:

@@ -1,4 +1,4 @@
-"""Topics and types of channels whose own records are lost: metadata.yaml has them as well."""
+"""Restore topics and types of channels whose records are lost, from metadata.yaml."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -11,14 +11,14 @@ from lta_data.bag.mcap_file.contents import McapContents
 from lta_data.bag.mcap_file.decoder import READABLE
 from mcap.records import Channel, Schema
 
-# Of definitions, https://mcap.dev/spec/registry; '' is none.
+# Schema encodings of https://mcap.dev/spec/registry; '' is none.
 ENCODINGS: Final = (*READABLE, 'ros1msg', 'omgidl', 'protobuf', 'flatbuffer', 'jsonschema', '')
-NAMELESS = '/channel_{}'  # No robot has such a topic: those lie in a namespace.
+NAMELESS = '/channel_{}'  # cannot collide with a robot's topic, which has a namespace
 
 
 @final
 class TopicMetadata(NamedTuple):
-    """What metadata.yaml tells of one topic; 0 messages where it does not say."""
+    """The entry of a topic in metadata.yaml; 0 messages if there is no count."""
 
     topic: str
     type_name: str
@@ -26,7 +26,9 @@ class TopicMetadata(NamedTuple):
 
 
 def parse_topic_metadata(described: Mapping[str, object]) -> list[TopicMetadata]:
-    """Return the topics in `rosbag2_bagfile_information`, in its order; odd entries are left."""
+    """
+    Return the topics in `rosbag2_bagfile_information`, in order; malformed entries are skipped.
+    """
     listed = described.get('topics_with_message_count')
     found = []
     for entry in listed if isinstance(listed, list) else []:
@@ -41,15 +43,9 @@ def parse_topic_metadata(described: Mapping[str, object]) -> list[TopicMetadata]
 
 def complete_names(contents: McapContents, metadata_topics: Sequence[TopicMetadata]) -> None:
     """
-    Name the channels of a scanned file that nothing in it names any more.
+    Name the channels of a scanned file whose channel records are lost.
 
-    Parameters
-    ----------
-    contents : Contents
-        What the scan found; is changed.
-    told : sequence of Told
-        The topics of metadata.yaml; empty without one.
-
+    Modifies `contents`. `metadata_topics` are the topics of metadata.yaml, in order.
     """
     choose_rivals(contents, metadata_topics)
     repair_encodings(contents)
@@ -61,7 +57,8 @@ def complete_names(contents: McapContents, metadata_topics: Sequence[TopicMetada
         if known is None and channel.schema_id and type_name:
             contents.schemas[channel.schema_id] = build_ros_schema(channel.schema_id, type_name)
             contents.remarks.append(
-                f"The definition of '{type_name}' is lost in the recording; ROS's own stands in."
+                f"The definition of '{type_name}' is lost in the recording; the ROS definition is "
+                'used instead.'
             )
     names = {entry.topic for entry in metadata_topics}
     odd = {id for id, found in contents.channels.items() if names and found.topic not in names}
@@ -70,7 +67,7 @@ def complete_names(contents: McapContents, metadata_topics: Sequence[TopicMetada
 
 
 def choose_rivals(contents: McapContents, metadata_topics: Sequence[TopicMetadata]) -> None:
-    """Where two copies of a channel differ, take the one that metadata.yaml knows."""
+    """If two copies of a channel differ, take the one in metadata.yaml."""
     names = {entry.topic for entry in metadata_topics}
     for rival in contents.rivals:
         if rival.topic in names and contents.channels[rival.id].topic not in names:
@@ -78,31 +75,32 @@ def choose_rivals(contents: McapContents, metadata_topics: Sequence[TopicMetadat
 
 
 def repair_encodings(contents: McapContents) -> None:
-    """Set right the encodings that nobody uses: those records are not under a CRC."""
+    """Correct encodings that do not exist: schema and channel records are not under a CRC."""
     for id, schema in contents.schemas.items():
         if schema.encoding not in ENCODINGS and re.fullmatch(r'\w+/msg/\w+', schema.name):
             contents.remarks.append(
-                f"The definition of '{schema.name}' claims to be in '{schema.encoding}'; it is "
-                'taken for that of a ROS message.'
+                f"The definition of '{schema.name}' has the unknown encoding "
+                f"'{schema.encoding}'; it is read as a ROS message definition."
             )
             contents.schemas[id] = replace(schema, encoding='ros2msg')
         if schema.encoding in READABLE and not is_utf8(schema.data):
             contents.remarks.append(
-                f"The definition of '{schema.name}' is damaged; ROS's own stands in."
+                f"The definition of '{schema.name}' is damaged; the ROS definition is used "
+                'instead.'
             )
             contents.schemas[id] = build_ros_schema(id, schema.name)
     for id, channel in contents.channels.items():
         known = contents.schemas.get(channel.schema_id)
         if known and known.encoding in READABLE and channel.message_encoding != 'cdr':
             contents.remarks.append(
-                f"Topic '{channel.topic}' claims to be in '{channel.message_encoding}'; its type "
-                "is ROS's, so it is taken for CDR."
+                f"Topic '{channel.topic}' has the encoding '{channel.message_encoding}'; its type "
+                'is a ROS type, so it is read as CDR.'
             )
             contents.channels[id] = replace(channel, message_encoding='cdr')
 
 
 def is_utf8(data: bytes) -> bool:
-    """Tell whether bytes are UTF-8."""
+    """Return whether bytes are valid UTF-8."""
     try:
         data.decode()
     except UnicodeDecodeError:
@@ -113,7 +111,7 @@ def is_utf8(data: bytes) -> bool:
 def name_channel(
     contents: McapContents, id: int, odd: set[int], metadata_topics: Sequence[TopicMetadata]
 ) -> None:
-    """Name one channel: by its place in metadata.yaml, or else as it is or by its number."""
+    """Name one channel by its position in metadata.yaml, otherwise by its number."""
     known = {i: channel.topic for i, channel in contents.channels.items() if i not in odd}
     open_names = [entry for entry in metadata_topics if entry.topic not in known.values()]
     in_order = all(
@@ -129,7 +127,7 @@ def name_channel(
         if id not in contents.channels:
             contents.channels[id] = Channel(id, NAMELESS.format(id), 'cdr', {}, 0)
             contents.remarks.append(
-                f'Nothing whole names channel {id}; its messages are kept as '
+                f'The name of channel {id} is lost; its messages are kept as '
                 f"'{NAMELESS.format(id)}'."
             )
         return
@@ -139,11 +137,13 @@ def name_channel(
         schema = build_ros_schema(max(contents.schemas, default=0) + 1, found.type_name)
         contents.schemas[schema.id] = schema
     contents.channels[id] = Channel(id, found.topic, 'cdr', {}, schema.id)
-    contents.remarks.append(f"Channel {id} has lost its name; metadata.yaml says '{found.topic}'.")
+    contents.remarks.append(
+        f"The name of channel {id} is lost; metadata.yaml gives '{found.topic}'."
+    )
 
 
 def build_ros_schema(id: int, type_name: str) -> Schema:
-    """Return ROS's own definition of a type, or one without text where ROS has none."""
+    """Return the ROS definition of a type, or an empty schema for an unknown type."""
     try:
         text, encoding = generate_definition(type_name).text.encode(), 'ros2msg'
     except BadInput:

@@ -1,4 +1,4 @@
-"""The packed part of an MCAP file: from a chunk record to the messages in it."""
+"""Read the messages in chunk records of an MCAP file."""
 
 from collections.abc import Callable, Iterator
 import struct
@@ -18,7 +18,7 @@ from mcap.opcode import Opcode
 
 RECORD = struct.Struct('<BQ')  # opcode, length
 MESSAGE = struct.Struct('<HIQQ')  # channel, sequence, log time, publish time
-BARE = struct.Struct('<BQHIQQ')  # a whole message record up to its data
+BARE = struct.Struct('<BQHIQQ')  # a message record up to its data
 HEAD = struct.Struct('<QQQII')  # start, end, size, CRC, length of the compression's name
 LENGTH = struct.Struct('<Q')
 
@@ -26,7 +26,7 @@ Read = Callable[[int, int], bytes]  # offset and length to bytes; fewer at the f
 
 
 class McapRecord(NamedTuple):
-    """Where a record's body lies in a buffer. [bytes]"""
+    """The position of a record's body in a buffer. [bytes]"""
 
     opcode: int
     start: int
@@ -34,7 +34,7 @@ class McapRecord(NamedTuple):
 
 
 class McapMessage(NamedTuple):
-    """One recorded message; times in ns."""
+    """A recorded message; times in ns."""
 
     channel: int
     sequence: int
@@ -44,7 +44,7 @@ class McapMessage(NamedTuple):
 
 
 class PackedLocation(NamedTuple):
-    """Where a chunk's packed records may lie, counted from its body, and how they are packed."""
+    """Possible position of a chunk's packed records in its body, and their compression."""
 
     kind: str
     start: int
@@ -57,8 +57,8 @@ def iterate_records(data: bytes | memoryview) -> Iterator[McapRecord]:
 
     Raises
     ------
-    Damaged
-        If the last one is cut.
+    DamagedRecord
+        If the last one is cut off.
 
     """
     at = 0
@@ -75,17 +75,12 @@ def iterate_records(data: bytes | memoryview) -> Iterator[McapRecord]:
 
 def unpack_chunk(body: bytes | memoryview) -> bytes | memoryview:
     """
-    Return the records inside a chunk.
-
-    Parameters
-    ----------
-    body : bytes or memoryview
-        The chunk record without opcode and length.
+    Return the records inside a chunk, given its body (without opcode and length).
 
     Raises
     ------
-    Damaged
-        If it cannot be decompressed or its CRC does not hold, whatever its header says.
+    DamagedRecord
+        If it cannot be decompressed or its CRC is wrong for every reading of the header.
 
     """
     view = memoryview(body)
@@ -96,22 +91,22 @@ def unpack_by_crc(
     read: Callable[[int, int], bytes | memoryview], length: int
 ) -> tuple[bytes | memoryview, int]:
     """
-    Return the records inside a chunk and where its body ends.
+    Return the records inside a chunk and the end of its body.
 
-    The header of a chunk is not under its CRC: where it was hit, the places at which the packed
-    records can lie are tried until the CRC holds.
+    The header of a chunk is not covered by the CRC. If it is damaged, all plausible positions of
+    the packed records are tried until the CRC is right.
 
     Parameters
     ----------
     read : callable
-        Returns bytes by offset in the body and length; fewer where the file ends.
+        Returns bytes by offset in the body and length; fewer at the end of the file.
     length : int
-        What the record says of the length of its body.
+        Length of the body according to the record.
 
     Raises
     ------
-    Damaged
-        As `unpack_chunk` does.
+    DamagedRecord
+        As `unpack_chunk`.
 
     """
     head = read(0, HEAD.size + 16)
@@ -137,7 +132,7 @@ def unpack_candidate(
     head: bytes | memoryview,
     length: int,
 ) -> tuple[bytes | memoryview, int]:
-    """Return what lies at one place that a chunk may have its records at; see `unpack_by_crc`."""
+    """Unpack one candidate position of the packed records; see `unpack_by_crc`."""
     if packed.length > CHUNK_BYTES:
         raise DamagedRecord(f'claim to hold {packed.length} bytes')
     part = read(packed.start, packed.length)
@@ -157,7 +152,9 @@ def unpack_candidate(
 def iterate_candidates(
     head: bytes | memoryview, length: int
 ) -> Iterator[tuple[PackedLocation, bool]]:
-    """Yield where the packed records of a chunk can lie, and whether its header says just so."""
+    """
+    Yield possible positions of a chunk's packed records, and whether the header declares them.
+    """
     _, _, size, _, name_length = HEAD.unpack_from(head)
     name = bytes(head[HEAD.size : HEAD.size + min(name_length, 8)]).decode(errors='replace')
     start = HEAD.size + name_length + LENGTH.size
@@ -176,7 +173,7 @@ def iterate_candidates(
 
 
 def iterate_messages(data: bytes | memoryview, channels: frozenset[int]) -> Iterator[McapMessage]:
-    """Yield the messages of some channels."""
+    """Yield the messages of the given channels."""
     at, size, unpack = 0, len(data), BARE.unpack_from
     last = size - BARE.size
     while at <= last:
@@ -185,11 +182,11 @@ def iterate_messages(data: bytes | memoryview, channels: frozenset[int]) -> Iter
         at = start + length
         if at > size:
             raise DamagedRecord
-        if opcode == 5 and channel in channels:  # Opcode.MESSAGE; an enum costs time here
+        if opcode == 5 and channel in channels:  # Opcode.MESSAGE; the enum is slow in this loop
             if length < 22:
                 raise DamagedRecord
             body = bytes(data[start + 22 : at])
             yield McapMessage(channel, sequence, log_time, publish_time, body)
     for record in iterate_records(memoryview(data)[at:]):
-        if record.opcode == Opcode.MESSAGE:  # shorter than its own head
+        if record.opcode == Opcode.MESSAGE:  # shorter than its own header
             raise DamagedRecord

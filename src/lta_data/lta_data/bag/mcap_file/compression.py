@@ -1,4 +1,4 @@
-"""Compressed bytes, undone within bounds whatever they claim to hold."""
+"""Decompress data with bounds on the size, whatever the headers declare."""
 
 from lta_config.limits import CHUNK_BYTES
 import lz4.frame
@@ -9,29 +9,24 @@ KINDS = ('zstd', 'lz4', '')
 
 
 class DamagedRecord(Exception):
-    """A record does not hold what it should; the text, if any, says why in a half-sentence."""
+    """A damaged record; the text, if any, is the reason as a clause."""
 
 
 def detect_compression(name: str, packed: bytes | memoryview) -> str:
-    """Return how bytes are packed: as their own first bytes tell, or else by name."""
+    """Return the compression of bytes by their magic number, otherwise by name."""
     return MAGICS.get(bytes(packed[:4]), name) if name != '' else ''
 
 
 def decompress(kind: str, packed: bytes | memoryview) -> bytes | memoryview:
     """
-    Return what was packed; bytes behind a frame's end are ignored.
+    Return the uncompressed data; bytes behind the end of a frame are ignored.
 
-    Parameters
-    ----------
-    kind : str
-        One of `KINDS`; '' is not packed at all.
-    packed : bytes or memoryview
-        The packed bytes.
+    `kind` is one of `KINDS`; '' means uncompressed.
 
     Raises
     ------
-    Damaged
-        If the kind is unknown, the bytes are no such frame, or hold more than `CHUNK_BYTES`.
+    DamagedRecord
+        If the kind is unknown, the frame is invalid, or it exceeds `CHUNK_BYTES`.
 
     """
     if kind == '':
@@ -47,7 +42,7 @@ def decompress(kind: str, packed: bytes | memoryview) -> bytes | memoryview:
 
 
 def decompress_zstd(packed: bytes | memoryview) -> bytes:
-    """Return what a zstd frame holds; see `decompress`."""
+    """Decompress a zstd frame; see `decompress`."""
     claimed = zstandard.frame_content_size(packed[:18])
     if claimed > CHUNK_BYTES:
         raise DamagedRecord(f'claim to hold {claimed} bytes')
@@ -61,7 +56,7 @@ def decompress_zstd(packed: bytes | memoryview) -> bytes:
 
 
 def decompress_lz4(packed: bytes | memoryview) -> bytes:
-    """Return what an lz4 frame holds; see `decompress`."""
+    """Decompress an lz4 frame; see `decompress`."""
     unpacker = lz4.frame.LZ4FrameDecompressor()
     data: bytes = unpacker.decompress(packed, max_length=CHUNK_BYTES + 1)
     if len(data) > CHUNK_BYTES:
@@ -72,7 +67,7 @@ def decompress_lz4(packed: bytes | memoryview) -> bytes:
 
 
 def frame_length(kind: str, packed: bytes | memoryview) -> int:
-    """Return how many of some bytes are the frame that they begin with; it must be whole."""
+    """Return the length of the complete frame at the start of some bytes."""
     if kind == 'zstd':
         stream = zstandard.ZstdDecompressor().decompressobj()
         stream.decompress(packed)

@@ -1,4 +1,4 @@
-"""What one MCAP file holds, known before any message is read."""
+"""Represent the contents of one MCAP file, as known before any message is read."""
 
 from collections import Counter
 from collections.abc import Mapping
@@ -25,12 +25,11 @@ TOO_MANY = f'It has more than {CHANNELS} topics; the others are left out.'
 @dataclass(frozen=True, slots=True)
 class MessageRegion:
     """
-    A stretch of the file that holds messages.
+    A region of the file that contains messages. [bytes from the start of the file]
 
-    `packed` tells a chunk from bare records; `channels` is None where it is not known which
-    ones occur. `start` and `end` are its first and last log time in ns, None where unknown.
-    `index` is offset and length of its message indexes, (0, 0) without.
-    [bytes from the file's start]
+    `packed` marks a chunk, otherwise the records are bare; `channels` is None if unknown. `start`
+    and `end` are the first and last log time in ns, None if unknown. `index` is offset and length
+    of the message indexes, (0, 0) if there are none.
     """
 
     offset: int
@@ -46,11 +45,10 @@ class MessageRegion:
 @dataclass(slots=True)
 class DamagedRegion:
     """
-    A stretch of the file that cannot be used.
+    A region of the file that cannot be used. [bytes from the start of the file]
 
-    `counts` are the messages in it by channel, as far as an index tells; `start` and `end` their
-    first and last log time in ns. `chunks` is how many chunks it certainly held.
-    [bytes from the file's start]
+    `counts` are the messages in it by channel, as far as an index shows; `start` and `end` their
+    first and last log time in ns. `chunks` is the number of chunks that it certainly contained.
     """
 
     offset: int
@@ -61,7 +59,7 @@ class DamagedRegion:
     end: int | None = None
 
     def widen_times(self, start: int, end: int) -> None:
-        """Take note of log times. [ns]"""
+        """Extend the span of log times. [ns]"""
         self.start = start if self.start is None else min(self.start, start)
         self.end = end if self.end is None else max(self.end, end)
 
@@ -72,10 +70,10 @@ class McapContents:
     """
     Directory of one MCAP file.
 
-    `counts` are messages by channel, `start` and `end` the first and last log time in ns.
-    `losses` says in sentences what is missing, `lost` where it was, and `remarks` what is odd
-    without a loss. `rivals` are second copies of channels that differ from the first. `rhythm` is
-    filled by a scan only. `indexed` tells whether all comes from the file's own summary.
+    `counts` are messages by channel, `start` and `end` the first and last log time in ns. `losses`
+    describe what is missing, `lost` where, and `remarks` irregularities without loss. `rivals` are
+    second copies of channels that differ from the first. `rhythm` is filled by a scan only.
+    `indexed` is whether everything comes from the file's summary.
     """
 
     schemas: dict[int, Schema] = field(default_factory=dict)
@@ -94,11 +92,11 @@ class McapContents:
 
     def add_record(self, opcode: int, body: bytes) -> None:
         """
-        Take note of a schema, channel or metadata record; others pass, and so do second copies.
+        Add a schema, channel or metadata record; other records and second copies are ignored.
 
         Raises
         ------
-        Damaged
+        DamagedRecord
             If the record cannot be read.
 
         """
@@ -107,7 +105,7 @@ class McapContents:
             if opcode == Opcode.SCHEMA:
                 schema = Schema.read(stream)
                 schema.name = to_one_line(schema.name)
-                if schema.id:  # 0 stands for none
+                if schema.id:  # 0 means no schema
                     self.schemas.setdefault(schema.id, schema)
             elif opcode == Opcode.CHANNEL:
                 channel = Channel.read(stream)
@@ -124,28 +122,28 @@ class McapContents:
             raise DamagedRecord from error
 
     def _note_channel_limit(self) -> None:
-        """Take note that there are more channels than anybody has."""
+        """Add the remark that there are too many channels, once."""
         if TOO_MANY not in self.losses:
             self.losses.append(TOO_MANY)
 
     def count_message(self, channel: int, log_time: int) -> None:
-        """Take note of a message."""
+        """Count a message."""
         self.counts[channel] += 1
         self.widen_times(log_time, log_time)
 
     def widen_times(self, start: int, end: int) -> None:
-        """Take note of log times. [ns]"""
+        """Extend the span of log times. [ns]"""
         self.start = start if self.start is None else min(self.start, start)
         self.end = end if self.end is None else max(self.end, end)
 
 
 def strip_controls(notes: Mapping[str, str]) -> dict[str, str]:
-    """Return notes without what commands a terminal."""
+    """Return notes without terminal control codes."""
     return {to_one_line(key): strip_control_codes(text) for key, text in notes.items()}
 
 
 def read_at(stream: BinaryIO, offset: int, length: int) -> bytes:
-    """Return bytes of a file; Damaged where it ends before."""
+    """Read bytes of a file; raise DamagedRecord if it is too short."""
     if offset + length > stream.seek(0, os.SEEK_END):
         raise DamagedRecord
     stream.seek(offset)

@@ -1,4 +1,4 @@
-"""Messages as objects, by the definitions that the bag brings along; no ROS needed."""
+"""Decode messages to objects with the definitions in the bag; ROS is not needed."""
 
 from collections.abc import Mapping
 from dataclasses import fields
@@ -12,7 +12,7 @@ from rosbags.serde import SerdeError
 from rosbags.typesys import get_typestore, Stores
 
 READABLE: Final = ('ros2msg', 'ros2idl')
-# What damaged or hostile bytes can raise in a deserialiser that expects a sound message.
+# Errors of the deserialiser on damaged or hostile bytes.
 MISFIT = (
     SerdeError,
     IndexError,
@@ -28,13 +28,13 @@ MISFIT = (
 
 
 def explain_undecodable(schema: Schema | None, message_encoding: str) -> str | None:
-    """Return why messages cannot be decoded, as a half-sentence; None if they can."""
+    """Return why messages cannot be decoded, as a clause; None if they can."""
     if message_encoding != 'cdr':
         return f"are encoded as '{message_encoding}', not as CDR"
     if schema is None or not schema.encoding:
         return 'are of a type that the bag does not define'
     if schema.encoding not in READABLE:
-        return f"are of type '{schema.name}', defined in '{schema.encoding}', not in ROS's way"
+        return f"are of type '{schema.name}', defined in '{schema.encoding}', not as a ROS message"
     if not schema.data.strip() and not schema.name.endswith('/Empty'):
         return f"are of type '{schema.name}', which the bag does not define"
     return None
@@ -42,15 +42,7 @@ def explain_undecodable(schema: Schema | None, message_encoding: str) -> str | N
 
 @final
 class MessageDecoder:
-    """
-    Turns CDR into message objects.
-
-    Parameters
-    ----------
-    schemas : mapping of str to Schema
-        The bag's definitions by type name.
-
-    """
+    """Decodes CDR messages to objects; `schemas` are the bag's definitions by type name."""
 
     def __init__(self, schemas: Mapping[str, Schema]) -> None:
         self._schemas = schemas
@@ -58,12 +50,12 @@ class MessageDecoder:
 
     def decode(self, type_name: str, data: bytes) -> object:
         """
-        Return a message as an object with ROS's attribute names; arrays are numpy's.
+        Return a message as an object with ROS's attribute names; arrays are numpy arrays.
 
         Raises
         ------
         BadInput
-            If the bag's definition or the message cannot be used.
+            If the bag's definition or the message is invalid.
 
         """
         if type_name not in self._types.fielddefs:
@@ -77,16 +69,16 @@ class MessageDecoder:
             ) from error
 
     def list_fields(self, type_name: str) -> list[tuple[str, Any]]:
-        """Return the fields of a type: attribute, and rosbags' description; errors as `decode`."""
+        """Return attribute and rosbags description of the fields of a type; errors as `decode`."""
         if type_name not in self._types.fielddefs:
             self._register_type(type_name)
         attributes = fields(self._types.types[type_name])  # type: ignore[arg-type]
         described = self._types.fielddefs[type_name][1]
-        # Constants, which an object has as well, stand behind the fields.
+        # The object's constants follow its fields, so zip cuts them off.
         return [(at.name, item) for at, (_, item) in zip(attributes, described, strict=False)]
 
     def _register_type(self, type_name: str) -> None:
-        """Take a type and all its parts from the bag."""
+        """Register a type and its nested types from the bag."""
         schema = self._schemas.get(type_name)
         reason = explain_undecodable(schema, 'cdr')
         if schema is None or reason is not None:

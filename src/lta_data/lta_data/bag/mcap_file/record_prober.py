@@ -1,8 +1,8 @@
 """
-Which records of a file hold, and where the next one is.
+Validate the records of a damaged file, and find the next valid one.
 
-A chunk holds if its CRC does. Other records have none: they hold if their parts fill them, or if
-another record begins where they end.
+A chunk is valid if its CRC is right. Other records have no CRC: they are valid if their fields
+fill them exactly, or if another record starts at their end.
 """
 
 from collections import deque
@@ -16,14 +16,14 @@ from lta_data.bag.mcap_file.record_shape import is_plausible_head, is_well_forme
 from lta_data.bag.mcap_file.resync import find_candidates, HEADS, is_chunk_like
 from mcap.opcode import Opcode
 
-PRIVATE = 0x80  # Opcodes from here on are anybody's; MCAP defines none beyond DATA_END.
-ENOUGH = 1 << 26  # Bytes looked at in vain in one file, beyond eight times its size.
-A_SEARCH = 20_000  # What a search costs at least, in bytes looked at; likewise
-A_CHUNK = 1 << 20  # what a try to unpack costs.
+PRIVATE = 0x80  # opcodes from here on are private; MCAP defines none beyond DATA_END
+ENOUGH = 1 << 26  # bytes of futile search per file, beyond eight times its size
+A_SEARCH = 20_000  # least cost of a search, in bytes
+A_CHUNK = 1 << 20  # cost of an attempt to unpack, in bytes
 
 
 class ValidRecord(NamedTuple):
-    """A record that holds: its opcode, where it ends, and its body or what a chunk unpacks to."""
+    """A valid record: its opcode, its end, and its body or the unpacked chunk."""
 
     opcode: int
     end: int
@@ -33,7 +33,7 @@ class ValidRecord(NamedTuple):
 @final
 class RecordProber:
     """
-    Tells the records of one file from what is none.
+    Separates the records of one file from damaged bytes.
 
     Parameters
     ----------
@@ -42,14 +42,14 @@ class RecordProber:
     size : int
         The file's size. [bytes]
     channels : container of int
-        The channels that are known so far.
+        The channels known so far.
 
     Attributes
     ----------
     before : deque of int
-        Where the last records without a CRC begin, since the last chunk.
+        Offsets of the last records without a CRC, since the last chunk.
     reason : str
-        Why the last chunk that does not hold cannot be used, if not for damage.
+        Why the last invalid chunk cannot be used, if not for damage.
 
     """
 
@@ -58,13 +58,13 @@ class RecordProber:
         self._size = size
         self._channels = channels
         self._effort = 8 * size + ENOUGH
-        self._chunked = False  # Messages come in chunks.
-        self._doubt = False  # A bare message may come from inside a damaged chunk.
+        self._chunked = False  # messages come in chunks
+        self._doubt = False  # a bare message may be inside a damaged chunk
         self.before: deque[int] = deque(maxlen=4)
         self.reason = ''
 
     def accept_record(self, at: int, record: ValidRecord) -> None:
-        """Go on from a record that holds."""
+        """Update the state after a valid record."""
         if record.opcode == Opcode.CHUNK:
             self._chunked, self._doubt = True, False
             self.before.clear()
@@ -72,7 +72,7 @@ class RecordProber:
             self.before.append(at)
 
     def read_record(self, at: int, chunk: bool = False) -> ValidRecord | None:
-        """Return the record that begins at a place if it holds; `chunk` where it must be one."""
+        """Return the record at an offset if it is valid; with `chunk` it must be a chunk."""
         opcode, length = self.read_head(at)
         end = at + RECORD.size + length
         if opcode == Opcode.CHUNK or chunk:
@@ -86,12 +86,12 @@ class RecordProber:
         return self._read_unverified(at, opcode, end)
 
     def read_head(self, at: int) -> tuple[int, int]:
-        """Return opcode and length of the record at a place; 0 behind the file's end."""
+        """Return opcode and length of the record at an offset; 0 beyond the end of the file."""
         opcode, length = RECORD.unpack(self._read(at, RECORD.size).ljust(RECORD.size, b'\0'))
         return opcode, length
 
     def _read_chunk(self, at: int, length: int) -> ValidRecord | None:
-        """Return a chunk whose CRC holds."""
+        """Return a chunk with a correct CRC."""
         start = at + RECORD.size
         try:
             data, used = unpack_by_crc(
@@ -103,7 +103,7 @@ class RecordProber:
         return ValidRecord(Opcode.CHUNK, min(start + used, self._size), data)
 
     def _read_unverified(self, at: int, opcode: int, end: int) -> ValidRecord | None:
-        """Return a record that only what follows confirms: a bare message, an attachment."""
+        """Return a record that only its successor confirms: a bare message or an attachment."""
         head = self._read(at, HEADS)
         length = end - at - RECORD.size
         body = head[RECORD.size : RECORD.size + MESSAGE.size]
@@ -112,15 +112,15 @@ class RecordProber:
         ):
             return None
         if is_chunk_like(head, length):
-            return None  # a chunk with a wrong opcode, which the search finds if its CRC holds
+            return None  # a chunk with a wrong opcode; the search finds it by its CRC
         return None if self._is_too_long(at, end) else ValidRecord(opcode, end, body)
 
     def _is_too_long(self, at: int, end: int) -> bool:
-        """Tell whether a record is too long: none begins where it ends, but one does before."""
+        """Return whether a length is wrong: no record starts at its end, but one before."""
         return not self._can_begin(end) and self._search_record(at, end) is not None
 
     def _is_trustworthy(self, at: int, body: bytes, end: int) -> bool:
-        """Tell whether a bare message is one, in a file whose messages come in chunks."""
+        """Return whether a bare message is plausible in a file whose messages come in chunks."""
         if self._doubt:
             return False
         if not self._chunked:
@@ -132,14 +132,14 @@ class RecordProber:
         return channel in self._channels and not index
 
     def _can_begin(self, at: int) -> bool:
-        """Tell whether a record can begin at a place, or the file ends there."""
+        """Return whether a record, or the end of the file, can be at an offset."""
         if self._size - at < RECORD.size:
             return True
         opcode, length = self.read_head(at)
         return is_plausible_head(opcode, length) or opcode >= PRIVATE
 
     def find_next(self, at: int) -> tuple[int, bool] | None:
-        """Return where to go on behind a record that does not hold, and if it must be a chunk."""
+        """Return the offset behind an invalid record to continue at, and if it must be a chunk."""
         opcode, length = self.read_head(at)
         end = at + RECORD.size + length
         framed = opcode == Opcode.CHUNK and end < self._size and self._can_begin(end)
@@ -153,20 +153,20 @@ class RecordProber:
         return found or ((end, False) if framed else None)
 
     def _find_overrun_chunk(self, at: int) -> tuple[int, bool] | None:
-        """Return the chunk that begins in what was taken for other records just before."""
+        """Return the chunk that starts inside the last records, which were misread."""
         if not self.before:
             return None
         found = self._search_record(self.before[0], at, only_chunks=True)
         while self.before and (found is None or self.before[-1] >= found[0]):
-            self.before.pop()  # what is left stands before the chunk
+            self.before.pop()  # the remaining ones precede the chunk
         while found is not None and len(self.before) > 1:
-            self.before.popleft()  # only the last of them reaches into it
+            self.before.popleft()  # only the last one overlaps it
         return found
 
     def _search_record(
         self, start: int, stop: int, only_chunks: bool = False
     ) -> tuple[int, bool] | None:
-        """Return where before `stop` another record holds, and if it must be a chunk."""
+        """Return the offset of a valid record before `stop`, and if it must be a chunk."""
         if not self._spend_effort(A_SEARCH):
             return None
         for at, chunk in find_candidates(self._read, start, stop, self._size):
@@ -191,6 +191,6 @@ class RecordProber:
         return None
 
     def _spend_effort(self, cost: int) -> bool:
-        """Tell whether so many bytes more are worth a look: hostile files make looking endless."""
+        """Return whether the search may go on; hostile files could make it endless."""
         self._effort -= cost
         return self._effort > 0

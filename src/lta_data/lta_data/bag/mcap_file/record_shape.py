@@ -1,4 +1,4 @@
-"""What an MCAP record must look like: how a record is told from bytes that are none."""
+"""Check whether bytes have the shape of an MCAP record."""
 
 import struct
 from typing import Final
@@ -9,9 +9,9 @@ from mcap.opcode import Opcode
 COUNT = struct.Struct('<I')
 ENTRY = 16  # bytes of an entry in a message index: log time, offset
 
-# The parts of each record. A number is so many bytes; all others come behind their length in 4
-# bytes: 's' is a text, 'b' are bytes, 'm' is a map of texts, 'e' are the entries of a message
-# index, 'h' those of a map from channel to number.
+# The parts of each record. A number is a fixed size in bytes; all others follow their 4-byte
+# length: 's' a text, 'b' bytes, 'm' a map of texts, 'e' the entries of a message index, 'h' those
+# of a map from channel to number.
 SHAPES: Final[dict[int, tuple[int | str, ...]]] = {
     Opcode.HEADER: ('s', 's'),
     Opcode.FOOTER: (20,),
@@ -27,13 +27,13 @@ SHAPES: Final[dict[int, tuple[int | str, ...]]] = {
     Opcode.DATA_END: (4,),
 }
 WIDTHS: Final = {'e': ENTRY, 'h': 10}
-# The shortest body of each opcode from 0 to 15; what no record has is longer than any file.
+# Shortest body of each opcode from 0 to 15; NEVER for undefined opcodes.
 NEVER = 1 << 62
 LEAST: Final = (NEVER, 8, 20, 14, 16, 22, 40, 6, 64, 36, 48, 46, 8, 20, 17, 4)
 
 
 def is_well_formed(opcode: int, body: bytes) -> bool:
-    """Tell whether the parts of a record of a known shape fill its body to the last byte."""
+    """Return whether the parts of a record fill its body exactly."""
     try:
         at = 0
         for part in SHAPES[opcode]:
@@ -44,7 +44,7 @@ def is_well_formed(opcode: int, body: bytes) -> bool:
 
 
 def find_part_end(part: int | str, body: bytes, at: int) -> int:
-    """Return where a part ends that starts at `at`."""
+    """Return the end of a part that starts at `at`."""
     if isinstance(part, int):
         end = at + part
     else:
@@ -65,5 +65,5 @@ def find_part_end(part: int | str, body: bytes, at: int) -> int:
 
 
 def is_plausible_head(opcode: int, length: int) -> bool:
-    """Tell whether a record can begin so; its end may be cut off."""
+    """Return whether opcode and length can start a record; its end may be cut off."""
     return 0 < opcode < len(LEAST) and LEAST[opcode] <= length < 1 << 32

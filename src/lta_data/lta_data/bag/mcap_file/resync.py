@@ -1,4 +1,4 @@
-"""Finding the next record behind a damaged stretch of a file."""
+"""Find the next record after a damaged region of a file."""
 
 from collections.abc import Iterator
 from typing import Any, Final
@@ -9,36 +9,36 @@ from lta_data.bag.mcap_file.record_shape import LEAST
 import numpy as np
 from numpy.typing import NDArray
 
-FIRST_WINDOW, LARGEST_WINDOW = 1 << 10, 1 << 18  # The next record is mostly near.
-HEADS = 64  # more than the head of any chunk
-MARGIN = 128  # more than the head of a chunk
+FIRST_WINDOW, LARGEST_WINDOW = 1 << 10, 1 << 18  # the next record is usually near
+HEADS = 64  # bytes; longer than the header of any chunk
+MARGIN = 128  # bytes read beyond a window, longer than the header of a chunk
 SHORTEST: Final = np.array([*LEAST, *[1 << 62] * (256 - len(LEAST))], dtype=np.uint64)
-CHUNK = 6
+CHUNK = 6  # Opcode.CHUNK
 MAGIC_OF: Final = {kind: int.from_bytes(magic, 'little') for magic, kind in MAGICS.items()}
 
 
 def find_candidates(read: Read, start: int, stop: int, size: int) -> Iterator[tuple[int, bool]]:
     """
-    Yield places before `stop` where a record can begin, and whether it can be a chunk.
+    Yield offsets before `stop` where a record can start, and whether it can be a chunk.
 
     `start` itself always comes first.
 
-    A chunk is known by any two of: its opcode, the name of its compression, lengths that agree;
-    or by the first bytes of what is packed in it. So it is found although its head was hit.
+    A chunk is recognised by any two of: its opcode, the name of its compression, consistent
+    lengths; or by the magic number of its packed data. So it is found even with a damaged header.
 
     Parameters
     ----------
     read : callable
         Returns bytes of the file by offset and length.
     start, stop, size : int
-        First place, the one behind the last, and the file's size. [bytes]
+        First offset, end of the search, and the file's size. [bytes]
 
     """
     at, width = start, FIRST_WINDOW
     while at < stop:
         count = min(width, stop - at)
         data = read(at, count + MARGIN)
-        if at > start and data.count(0) == len(data):  # room that was set aside and never used
+        if at > start and data.count(0) == len(data):  # preallocated space that was never used
             at, width = at + count, LARGEST_WINDOW
             continue
         window = np.frombuffer(data.ljust(count + MARGIN, b'\0'), np.uint8)
@@ -52,7 +52,7 @@ def find_candidates(read: Read, start: int, stop: int, size: int) -> Iterator[tu
 
 
 def is_chunk_like(head: bytes, length: int) -> bool:
-    """Tell whether the first `HEADS` bytes of a record, whatever its opcode, may be a chunk's."""
+    """Return whether the first `HEADS` bytes of a record may be a chunk's, whatever its opcode."""
     for kind in KINDS:
         inside = HEAD.size + len(kind) + LENGTH.size
         at = RECORD.size + inside
@@ -66,7 +66,7 @@ def is_chunk_like(head: bytes, length: int) -> bool:
 
 
 def read_field(window: NDArray[np.uint8], count: int, offset: int, kind: str) -> NDArray[Any]:
-    """Return the number that records from each of `count` places on would have at an offset."""
+    """Return the number at `offset` of a record that starts at each of `count` places."""
     return np.ndarray((count,), kind, window, offset, (1,))
 
 
@@ -78,7 +78,7 @@ def find_record_heads(window: NDArray[np.uint8], count: int, left: int) -> NDArr
 
 
 def find_chunk_heads(window: NDArray[np.uint8], count: int, left: int) -> NDArray[np.bool_]:
-    """Return where a chunk can begin; see `find_candidates`."""
+    """Return where a chunk can start; see `find_candidates`."""
     opcode = window[:count] == CHUNK
     length = read_field(window, count, 1, '<u8')
     size = read_field(window, count, RECORD.size + 16, '<u8')

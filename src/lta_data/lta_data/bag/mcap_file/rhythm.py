@@ -1,4 +1,4 @@
-"""When messages were recorded: steps back in time and long silences, by the index alone."""
+"""Track the times of messages: backward steps and long silences, from the index alone."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -10,22 +10,22 @@ from numpy.typing import NDArray
 
 INDEX = struct.Struct('<BQHI')  # opcode, length, channel, bytes of entries
 ENTRY = np.dtype([('time', '<u8'), ('offset', '<u8')])
-LATEST = (1 << 63) - 1  # a time beyond is an error; held here so that differences stay numbers
+LATEST = (1 << 63) - 1  # ns; larger times are errors, clipped so that differences fit int64
 
-SILENCE = 5_000_000_000  # Shorter ones are never named. [ns]
-MANY_STEPS = 50  # A silence is long if it is so many mean steps.
-MOST_KEPT = 1000
+SILENCE = 5_000_000_000  # shortest silence that is reported [ns]
+MANY_STEPS = 50  # least length of a silence, in mean steps
+MOST_KEPT = 1000  # silences that are stored
 
 
 @final
 @dataclass(slots=True)
 class MessageRhythm:
     """
-    The steps from message to message, in the order of recording; times in ns.
+    The time steps between messages, in the order of recording; times in ns.
 
-    `backwards` counts the messages before their predecessor, `worst` is the longest such step,
-    `worst_of` and `worst_topic` whose it was, by channel or name. `silences` are (start, end) of
-    steps of at least `SILENCE`.
+    `backwards` counts the messages earlier than their predecessor; `worst` is the largest such
+    step, `worst_of` and `worst_topic` its channel and topic. `silences` are (start, end) of steps
+    of at least `SILENCE`.
     """
 
     count: int = 0
@@ -38,7 +38,7 @@ class MessageRhythm:
     silences: list[tuple[int, int]] = field(default_factory=list)
 
     def add_times(self, times: NDArray[np.uint64], channels: NDArray[np.uint16]) -> None:
-        """Take note of the next messages; arrays of shape (n,)."""
+        """Add the next messages; arrays of shape (n,)."""
         if not len(times):
             return
         held = np.minimum(times, np.uint64(LATEST)).astype(np.int64)
@@ -55,7 +55,7 @@ class MessageRhythm:
             self._add_silence(int(held[at] - steps[at]), int(held[at]))
 
     def join(self, following: Self, worst_topic: str | None = None) -> None:
-        """Take note of what follows; `worst_topic` is whose its worst step is, if known."""
+        """Append the rhythm that follows; `worst_topic` is the topic of its worst step."""
         if following.first is None or following.last is None:
             return
         if self.last is not None:
@@ -75,12 +75,12 @@ class MessageRhythm:
             self._add_silence(*silence)
 
     def _add_silence(self, start: int, end: int) -> None:
-        """Keep a silence; of very many the first."""
+        """Store a silence, up to `MOST_KEPT`."""
         if len(self.silences) < MOST_KEPT:
             self.silences.append((start, end))
 
     def find_long_silences(self) -> list[tuple[int, int]]:
-        """Return the silences that are long beside the mean other step, longest first. [ns]"""
+        """Return the silences that are long relative to the mean step, longest first. [ns]"""
         if self.first is None or self.last is None or self.count < 3:
             return []
         whole, others = self.last - self.first, self.count - 2
@@ -94,13 +94,9 @@ class MessageRhythm:
 
 def iterate_index_entries(region: bytes) -> Iterator[tuple[int, NDArray[np.void]]]:
     """
-    Yield channel and entries of the message indexes in a stretch of a file.
+    Yield channel and entries of the message indexes behind a chunk.
 
-    Parameters
-    ----------
-    region : bytes
-        The records behind a chunk; what is no whole message index ends them.
-
+    Stops at the first record that is not a complete message index.
     """
     at = 0
     while at + INDEX.size <= len(region):
@@ -113,7 +109,7 @@ def iterate_index_entries(region: bytes) -> Iterator[tuple[int, NDArray[np.void]
 
 
 def read_ordered_times(region: bytes) -> tuple[NDArray[np.uint64], NDArray[np.uint16]]:
-    """Return times and channels of a chunk's messages as they lie in it; arrays of shape (n,)."""
+    """Return times and channels of a chunk's messages in file order; arrays of shape (n,)."""
     found = list(iterate_index_entries(region))
     if not found:
         return np.empty(0, np.uint64), np.empty(0, np.uint16)

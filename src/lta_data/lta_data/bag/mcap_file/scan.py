@@ -1,9 +1,9 @@
 """
-The long way to a file's contents: every record from the front.
+Scan an MCAP file record by record.
 
-For recordings without a summary: the recorder was killed, the file was cut, or another program
-wrote it so. A chunk counts if its CRC holds; where a record does not hold what it should, the
-reading goes on at the next one that does.
+This is for recordings without a valid summary: the recorder was killed, the file was cut, or
+another program wrote it without one. A chunk counts if its CRC is right; after an invalid record,
+the scan continues at the next valid one.
 """
 
 from contextlib import suppress
@@ -19,23 +19,13 @@ from lta_data.bag.mcap_file.rhythm import iterate_index_entries
 from mcap.opcode import Opcode
 import numpy as np
 
-LONGEST_RUN = 1 << 20  # Bare messages are read in stretches of about this many bytes.
-MANY_PENDING = 10_000
-MOST_TOLD = 100  # Losses beyond are only counted.
+LONGEST_RUN = 1 << 20  # bytes; bare messages are read in regions of about this size
+MANY_PENDING = 10_000  # bare messages held before they enter the rhythm
+MOST_TOLD = 100  # further losses are only counted
 
 
 def scan_file(stream: BinaryIO, size: int) -> McapContents:
-    """
-    Return the contents of a file that starts as MCAP.
-
-    Parameters
-    ----------
-    stream : BinaryIO
-        The file.
-    size : int
-        Its size. [bytes]
-
-    """
+    """Return the contents of a file that starts as MCAP; `size` in bytes."""
 
     def read(offset: int, length: int) -> bytes:
         stream.seek(offset)
@@ -55,12 +45,12 @@ class McapScanner:
         self._read = read
         self._size = size
         self._prober = RecordProber(read, size, self.contents.channels)
-        self._ended = False  # The data are over; what follows repeats parts of them.
-        self._orphan: DamagedRegion | None = None  # The loss whose message indexes may follow.
-        self._pending: list[tuple[int, int]] = []  # Time and channel of bare messages.
+        self._ended = False  # the data section is over; the rest repeats parts of it
+        self._orphan: DamagedRegion | None = None  # the loss whose message indexes may follow
+        self._pending: list[tuple[int, int]] = []  # time and channel of bare messages
 
     def walk(self) -> None:
-        """Read the file to its end."""
+        """Scan the file to its end."""
         at, chunk, finished = len(MAGIC), False, False
         while at + RECORD.size <= self._size and not finished:
             found = self._prober.read_record(at, chunk)
@@ -81,10 +71,10 @@ class McapScanner:
             self._note_truncation(at)
         more = len(self.contents.lost) - MOST_TOLD
         if more > 0:
-            self.contents.losses.append(f'{more} more stretches of the file are damaged.')
+            self.contents.losses.append(f'{more} more regions of the file are damaged.')
 
     def _add_record(self, at: int, record: ValidRecord) -> None:
-        """Take note of a record that holds."""
+        """Add a valid record."""
         if record.opcode == Opcode.CHUNK:
             self._add_chunk(at, record)
         elif record.opcode == Opcode.MESSAGE:
@@ -94,11 +84,11 @@ class McapScanner:
         elif record.opcode == Opcode.DATA_END:
             self._ended = True
         else:
-            with suppress(DamagedRecord):  # which `well_formed` has ruled out
+            with suppress(DamagedRecord):  # cannot happen after `is_well_formed`
                 self.contents.add_record(record.opcode, bytes(record.body))
 
     def _add_chunk(self, at: int, chunk: ValidRecord) -> None:
-        """Take note of a chunk, of its messages and of what is announced in it."""
+        """Add a chunk, its messages and the channels announced in it."""
         self._orphan = None
         times, channels = [], []
         contents = self.contents
@@ -124,7 +114,7 @@ class McapScanner:
         contents.places.append(MessageRegion(at, chunk.end - at, True, known, first, last))
 
     def _add_message(self, at: int, record: ValidRecord) -> None:
-        """Take note of a message outside chunks, in one stretch with its neighbours."""
+        """Add a message outside chunks to the region of its neighbours."""
         channel, _, log_time, _ = MESSAGE.unpack(record.body)
         self.contents.count_message(channel, log_time)
         self._pending.append((log_time, channel))
@@ -144,7 +134,7 @@ class McapScanner:
         )
 
     def _flush_pending(self) -> None:
-        """Take note of when bare messages were recorded."""
+        """Add the times of pending bare messages to the rhythm."""
         if self._pending:
             times, channels = zip(*self._pending, strict=True)
             self.contents.rhythm.add_times(
@@ -153,7 +143,7 @@ class McapScanner:
             self._pending.clear()
 
     def _add_index(self, at: int, record: ValidRecord) -> None:
-        """Take note of a message index: of the chunk before it, or of one that is lost."""
+        """Count the messages of a lost chunk by its message index."""
         if self._orphan is not None:
             for channel, listed in iterate_index_entries(self._read(at, record.end - at)):
                 self._orphan.counts[channel] += len(listed)
@@ -162,7 +152,7 @@ class McapScanner:
                     self._orphan.widen_times(int(times.min()), int(times.max()))
 
     def _note_loss(self, at: int, end: int) -> None:
-        """Take note of a stretch that does not hold what it should."""
+        """Add an unusable region."""
         if self._ended or end <= at:
             return
         chunks = int(self._prober.read_head(at)[0] == Opcode.CHUNK)
@@ -174,7 +164,7 @@ class McapScanner:
             )
 
     def _note_truncation(self, at: int) -> None:
-        """Take note of an end that is none."""
+        """Add the loss of a truncated end."""
         self.contents.losses.append(describe_truncation(at, self._size))
         if at < self._size and not self._ended:
             chunks = int(self._prober.read_head(at)[0] == Opcode.CHUNK)
@@ -182,23 +172,23 @@ class McapScanner:
 
 
 def describe_truncation(end: int, size: int) -> str:
-    """Return the sentence about a file whose last whole record ends before it should."""
+    """Return the sentence about an unfinished file."""
     if end == size:
         return 'The recording was not finished: it ends without a summary.'
     return (
-        f'The recording was not finished: the last {size - end} of {size} bytes are not a whole '
-        'record.'
+        f'The recording was not finished: the last {size - end} of {size} bytes are not a '
+        'complete record.'
     )
 
 
 def extends_run(run: MessageRegion, offset: int) -> bool:
-    """Tell whether a message at `offset` belongs to a stretch of bare messages."""
+    """Return whether a message at `offset` continues a region of bare messages."""
     return not run.packed and run.offset + run.length == offset and run.length < LONGEST_RUN
 
 
 def describe_damage(offset: int, length: int, reason: str = '') -> str:
-    """Return the sentence about a stretch that cannot be used; `reason` is a half-sentence."""
+    """Return the sentence about an unusable region; `reason` is a clause."""
     return (
-        f'The {length} bytes from byte {offset} on {reason or "are damaged"}; what they held is '
+        f'The {length} bytes from byte {offset} on {reason or "are damaged"}; their content is '
         'left out.'
     )

@@ -1,4 +1,4 @@
-"""The quick way to a file's contents: the summary that a finished recording ends with."""
+"""Read the contents of a finished MCAP file from its summary."""
 
 from io import BytesIO
 import struct
@@ -20,21 +20,11 @@ FOOTER = struct.Struct('<BQQQI')  # opcode, length, summary, summary offsets, CR
 TAIL = FOOTER.size + len(MAGIC)
 CHUNK_INDEX = struct.Struct('<QQQQI')  # start, end, offset, length, bytes of the channels
 CHANNEL = struct.Struct('<HQ')  # channel, offset of its message index
-UNUSABLE = 'The summary at its end does not hold; the recording is read from the front instead.'
+UNUSABLE = 'The summary at its end is damaged; the recording is scanned from the start instead.'
 
 
 def read_summary(stream: BinaryIO, size: int) -> McapContents | None:
-    """
-    Return the contents by a file's summary; None if there is none to rely on.
-
-    Parameters
-    ----------
-    stream : BinaryIO
-        The file.
-    size : int
-        Its size. [bytes]
-
-    """
+    """Return the contents from a file's summary; None without a valid one."""
     try:
         start, section = read_summary_section(stream, size)
         return parse_summary(stream, start, section)
@@ -43,7 +33,7 @@ def read_summary(stream: BinaryIO, size: int) -> McapContents | None:
 
 
 def has_damaged_summary(stream: BinaryIO, size: int) -> bool:
-    """Tell whether a file ends as a finished one with a summary does, but for the summary."""
+    """Return whether a file ends like a finished one but with a damaged summary."""
     if size < TAIL:
         return False
     tail = read_at(stream, size - TAIL, TAIL)
@@ -62,7 +52,7 @@ def has_damaged_summary(stream: BinaryIO, size: int) -> bool:
 
 
 def read_summary_section(stream: BinaryIO, size: int) -> tuple[int, bytes]:
-    """Return place and bytes of what lies between data and footer; Damaged if it is not whole."""
+    """Return offset and bytes of the summary section; raise DamagedRecord if it is incomplete."""
     if size < TAIL:
         raise DamagedRecord
     tail = read_at(stream, size - TAIL, TAIL)
@@ -78,7 +68,7 @@ def read_summary_section(stream: BinaryIO, size: int) -> tuple[int, bytes]:
 
 
 def parse_summary(stream: BinaryIO, start: int, section: bytes) -> McapContents:
-    """Return the contents that a summary section tells; Damaged if it does not tell all."""
+    """Return the contents in a summary section; raise DamagedRecord if it is inconsistent."""
     contents = McapContents(indexed=True)
     statistics = None
     notes = []
@@ -103,7 +93,7 @@ def parse_summary(stream: BinaryIO, start: int, section: bytes) -> McapContents:
 
 
 def add_metadata(stream: BinaryIO, contents: McapContents, note: MetadataIndex) -> None:
-    """Take note of a metadata record, or of its damage: the recording stands without it."""
+    """Add a metadata record, or a remark if it is damaged."""
     try:
         if note.length > NOTE_BYTES:
             raise DamagedRecord
@@ -113,11 +103,11 @@ def add_metadata(stream: BinaryIO, contents: McapContents, note: MetadataIndex) 
             raise DamagedRecord
         contents.add_record(opcode, data[RECORD.size :])
     except (DamagedRecord, struct.error):
-        contents.remarks.append(f"Its note '{note.name}' is damaged and left out.")
+        contents.remarks.append(f"Its metadata record '{note.name}' is damaged and left out.")
 
 
 def parse_chunk_index(body: bytes) -> MessageRegion:
-    """Return where a chunk is and what it holds."""
+    """Return the region of a chunk."""
     start, end, offset, length, size = CHUNK_INDEX.unpack_from(body)
     stop = CHUNK_INDEX.size + size
     if size % CHANNEL.size or stop + 8 > len(body):
@@ -130,7 +120,7 @@ def parse_chunk_index(body: bytes) -> MessageRegion:
 
 
 def covers_all_messages(contents: McapContents, statistics: Statistics, data_end: int) -> bool:
-    """Tell whether every message that is counted can be found through the summary, and once."""
+    """Return whether the summary leads to every counted message exactly once."""
     after = len(MAGIC)
     for found in sorted(contents.places, key=lambda place: place.offset):
         if found.offset < after:

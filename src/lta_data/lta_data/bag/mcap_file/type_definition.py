@@ -1,8 +1,8 @@
 """
-A message type as its bag defines it, read within bounds.
+Parse a message definition stored in a bag, within limits.
 
-rosbags turns definitions into Python by their grammar, which lets no text through; but a type that
-holds itself, or arrays of millions of messages, would never come to an end there.
+rosbags generates Python from definitions by their grammar, so no text is executed. But a recursive
+type, or arrays of millions of messages, would never finish there.
 """
 
 from collections.abc import Iterator
@@ -14,7 +14,7 @@ from rosbags.interfaces.typing import Typesdict
 from rosbags.typesys import get_types_from_idl, get_types_from_msg
 from rosbags.typesys.base import TypesysError
 
-# What rosbags raises over a text that defines nothing.
+# Errors that rosbags raises on an invalid definition.
 MISDEFINED: Final = (
     TypesysError,
     SyntaxError,
@@ -28,21 +28,14 @@ MISDEFINED: Final = (
 
 def parse_definition(text: str, type_name: str, encoding: str) -> Typesdict:
     """
-    Return a type and its parts by a definition.
+    Parse the definition of a type and its nested types.
 
-    Parameters
-    ----------
-    text : str
-        As the bag has it.
-    type_name : str
-        Of the messages.
-    encoding : str
-        'ros2idl' or 'ros2msg', which ROS 1 writes as well.
+    `encoding` is 'ros2idl' or 'ros2msg', which also covers ROS 1.
 
     Raises
     ------
     TypesysError or another of `MISDEFINED`
-        If it defines nothing, holds itself, lacks a part or is beyond the limits.
+        If the definition is invalid, recursive, incomplete or beyond the limits.
 
     """
     if len(text) > DEFINITION_BYTES:
@@ -67,9 +60,9 @@ def parse_definition(text: str, type_name: str, encoding: str) -> Typesdict:
 def check_nested_types(
     name: str, types: Typesdict, above: tuple[str, ...], behind: set[str]
 ) -> None:
-    """Go through a type and its parts; `behind` are those that are known to come to an end."""
+    """Check a type and its nested types for recursion; `behind` are the types already checked."""
     if name in above:
-        raise TypesysError(f"'{name}' holds itself")
+        raise TypesysError(f"'{name}' contains itself")
     if name not in types:
         raise TypesysError(f"it lacks '{name}'")
     if name in behind:
@@ -81,7 +74,7 @@ def check_nested_types(
 
 
 def iterate_nested_types(described: Any) -> Iterator[str]:  # noqa: ANN401 - as rosbags nests it
-    """Yield the type that a field is made of, if it is a message."""
+    """Yield the message type of a field, if it is one."""
     kind, detail = described
     if kind is Nodetype.NAME:
         yield str(detail)
@@ -90,7 +83,7 @@ def iterate_nested_types(described: Any) -> Iterator[str]:  # noqa: ANN401 - as 
 
 
 def count_unrolled_elements(described: Any) -> int:  # noqa: ANN401 - as rosbags nests it
-    """Return how many elements of a field rosbags makes code of, one by one."""
+    """Return the number of array elements for which rosbags generates separate code."""
     kind, detail = described
     if kind is not Nodetype.ARRAY:
         return 0

@@ -59,7 +59,8 @@ def build_unfilled_finding(name: str, channel: SignalChannel) -> QualityFinding:
     """Return the finding of a vector that is always zero: its sender has no such quantity."""
     return QualityFinding(
         KIND, name, float(channel.time[0]), float(channel.time[-1]),
-        f'All parts are exactly 0 in all {len(channel.time)} messages: the sender does not fill them in.',
+        f'All parts are exactly 0 in all {len(channel.time)} messages: the sender does not fill '
+        'them in.',
         Severity.NOTE,
     )  # fmt: skip
 

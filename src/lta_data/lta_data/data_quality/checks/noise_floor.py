@@ -65,7 +65,9 @@ def channel_noise(channel: SignalChannel) -> float | None:
 
 def high_frequency_noise(values: NDArray[np.float64]) -> float:
     """
-    Return the RMS of white noise at the level of the highest frequencies, in the values' unit.
+    Return the RMS of white noise at the level of the highest frequencies, in the unit of values.
+
+    The spectrum is the median over half-overlapping Blackman windows.
     """
     bent = np.diff(values, 2)
     starts = np.arange(0, len(bent) - WINDOW + 1, WINDOW // 2)

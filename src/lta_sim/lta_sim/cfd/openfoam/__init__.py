@@ -1,1 +1,1 @@
-"""OpenFOAM: its files and its programs."""
+"""OpenFOAM: its input and output files, and its programs."""

@@ -1,11 +1,11 @@
-"""A case: the files that say it whole, and the programs that solve it, step by step."""
+"""An OpenFOAM case: all of its files, and the programs that solve it step by step."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from hashlib import sha256
 from typing import Final, final
 
-FORMAT: Final = 'lta-1'  # of what is kept; another one is computed again
+FORMAT: Final = 'lta-1'  # cache format; cases of another format are solved again
 NOTHING: Final[Mapping[str, str]] = {}
 
 
@@ -66,7 +66,7 @@ class FoamCase:
 
     @property
     def key(self) -> str:
-        """Of all that decides what comes of it: its own content and that of its mesh."""
+        """Hash of everything that determines the result: its own content and its mesh."""
         told = sha256(FORMAT.encode())
         told.update(self.mesh.key.encode() if self.mesh else b'')
         for path, content in sorted(self.files.items()):
@@ -79,5 +79,5 @@ class FoamCase:
 
     @property
     def work(self) -> float:
-        """Cells times rounds, by which time is shared out."""
+        """Cells times iterations, for the time estimate."""
         return sum(max(step.rounds, 20) for step in self.steps) * float(self.cells or 50_000)

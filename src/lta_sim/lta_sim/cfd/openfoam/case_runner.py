@@ -1,7 +1,7 @@
 """
-Cases solved on disk: each in a folder named by its content, step by step, never twice.
+Solve cases on disk, each once, in a folder named by the hash of its content.
 
-What is done is marked beside it, so that a run that was stopped goes on where it was.
+A marker file records each finished step, so that a stopped run resumes there.
 """
 
 from collections.abc import Callable, Iterator
@@ -74,12 +74,12 @@ class CaseRunner:
             raise CaseFailed(
                 f'{error.strerror or error} ({self.case_folder(case)}); make room or choose '
                 f'another '
-                'folder with --cache, and start again to go on.'
+                'folder with --cache, then start again to resume.'
             ) from error
 
     @contextmanager
     def _lock_case(self, case: FoamCase) -> Iterator[None]:
-        """Let nobody else solve a case: another run, or another machine on the same folder."""
+        """Lock a case against other runs, also on other machines that share the folder."""
         self._folder.mkdir(parents=True, exist_ok=True)
         with (self._folder / f'.{case.key}.lock').open('w') as lock:
             fcntl.flock(lock, fcntl.LOCK_EX)
@@ -88,7 +88,7 @@ class CaseRunner:
     def _solve(self, case: FoamCase) -> Path:
         place = self.case_folder(case)
         if case.mesh is None and place.exists() and not self.is_done(case):
-            shutil.rmtree(place)  # a mesh is changed in place: half of one is begun again
+            shutil.rmtree(place)  # a mesh is changed in place: restart a half-finished one
         self._prepare(case, place)
         for step in case.steps:
             if not (place / f'{DONE}{step.name}').is_file():
@@ -114,7 +114,7 @@ class CaseRunner:
             (place / path).parent.mkdir(parents=True, exist_ok=True)
             (place / path).write_text(text, encoding='utf-8')
         for old in (place / 'postProcessing').glob(f'*/{step.begin}'):
-            shutil.rmtree(old)  # of a step that was stopped
+            shutil.rmtree(old)  # output of a stopped step
         begun = time.monotonic()
         rounds = [0]
 

@@ -1,5 +1,5 @@
 """
-OpenFOAM as programs: where it is, how one is run, and what went wrong in words.
+Run OpenFOAM programs and explain their failures.
 
 Only `WM_PROJECT_DIR` is set; the distribution's own bashrc calls programs that it does not ship.
 """
@@ -34,16 +34,16 @@ Tell = Callable[[float, float], None]  # time reached, residual of the pressure
 
 @final
 class CaseFailed(Exception):
-    """A case that came to nothing; the text says why and what to do. Others go on."""
+    """A case that failed; the text gives reason and remedy. Other cases continue."""
 
 
 def has_openfoam() -> bool:
-    """Tell whether all programs are there."""
+    """Return whether all OpenFOAM programs are installed."""
     return all(shutil.which(name) for name in PROGRAMS)
 
 
 def require_openfoam() -> None:
-    """Refuse to begin without OpenFOAM."""
+    """Raise `BadInput` if OpenFOAM is not installed."""
     if not has_openfoam():
         raise BadInput(MISSING)
 
@@ -56,7 +56,7 @@ def program_environment() -> Mapping[str, str]:
 
 @cache
 def find_version() -> str:
-    """Return which OpenFOAM there is."""
+    """Return the installed OpenFOAM version."""
     told = subprocess.run(
         ['simpleFoam', '-help'], env=program_environment(),
         capture_output=True, text=True, check=False,
@@ -67,14 +67,14 @@ def find_version() -> str:
 
 @final
 class FoamPrograms:
-    """Programs that run, so that all can be stopped."""
+    """The running programs, so that all can be stopped."""
 
     def __init__(self) -> None:
         self._running: set[subprocess.Popen[str]] = set()
         self._stopped = False
 
     def stop(self) -> None:
-        """Stop what runs, and let nothing more begin."""
+        """Stop the running programs and start no more."""
         self._stopped = True
         for process in list(self._running):
             process.terminate()
@@ -101,7 +101,7 @@ class FoamPrograms:
 
         """
         if self._stopped:
-            raise CaseFailed('It was stopped before it began; start again to go on.')
+            raise CaseFailed('It was stopped before it began; start again to resume.')
         time, residual = 0.0, float('nan')
         where = {**program_environment(), 'PWD': str(folder)}
         with log.open('w', encoding='utf-8') as out:
@@ -125,7 +125,7 @@ class FoamPrograms:
 
     def _explain_failure(self, program: str, code: int, log: Path) -> str:
         if self._stopped:
-            return 'It was stopped; start again to go on.'
+            return 'It was stopped; start again to resume.'
         lines = log.read_text(encoding='utf-8').splitlines()
         fatal = next((k for k, line in enumerate(lines) if FATAL in line), len(lines))
         return explain_failure(program, code, lines[fatal : fatal + TAIL] + lines[-TAIL:])
@@ -133,30 +133,23 @@ class FoamPrograms:
 
 def explain_failure(program: str, code: int, tail: Sequence[str]) -> str:
     """
-    Return why a program ended badly, in a sentence.
+    Return in a sentence why a program failed.
 
-    Parameters
-    ----------
-    program : str
-        Its name.
-    code : int
-        Its exit status; negative for a signal.
-    tail : sequence of str
-        The lines of its log from a fatal error on, and the last ones.
-
+    `code` is its exit status, negative for a signal; `tail` holds the log lines from a fatal
+    error on, and the last ones.
     """
     text = '\n'.join(tail)
     if 'No space left' in text:
         return f'{program} found the disk full; make room (or move it with --cache) and go on.'
     if code in (-8, 136) or 'sigFpe::' in text:
-        return f'{program} diverged (a floating point error); see whether the shape is sound.'
+        return f'{program} diverged (a floating point error); check that the shape is valid.'
     if 'bad_alloc' in text or code in (-9, 137):
         return (
             f'{program} was killed or had no memory left; use --jobs 1 or a coarser fidelity, '
-            'and start again to go on.'
+            'and start again to resume.'
         )
     if code < 0 and FATAL not in text:
-        return f'{program} was killed by signal {-code}; start again to go on.'
+        return f'{program} was killed by signal {-code}; start again to resume.'
     told = next((line.strip() for line in tail if FATAL in line), tail[-1] if tail else '')
     after = text.partition(FATAL)[2].splitlines()[1:]
     reason = next((line.strip() for line in after if line.strip()), told)

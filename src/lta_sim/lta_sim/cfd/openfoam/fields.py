@@ -1,4 +1,4 @@
-"""What the air is at the start and at the walls: the files of the folder 0."""
+"""Write the initial and boundary conditions: the files of the folder 0."""
 
 from collections.abc import Mapping, Sequence
 import math
@@ -12,9 +12,9 @@ K: Final = 1.5 * INTENSITY**2  # at 1 m/s [m2/s2]
 OMEGA: Final = math.sqrt(K) / (0.09**0.25 * EDDY)  # [1/s]
 # Langtry and Menter 2009, for an intensity of 0.5 %.
 THETA: Final = 1173.51 - 589.428 * 0.5 + 0.2196 / 0.25
-# No eddies come with the air where they are solved: a layer along a hull is laminar until it
-# leaves it, as on real ones below the drag crisis ("tripless", Travin et al. 2000). What the wake
-# lives on is in the air at the start, a few times the viscosity.
+# Where eddies are resolved, the inflow has none: the boundary layer stays laminar until it
+# separates, as on real hulls below the drag crisis ("tripless", Travin et al. 2000). The initial
+# air has an eddy viscosity of a few times the viscosity, which seeds the wake.
 CLEAN: Final = 'uniform 1e-12'
 SEED: Final = 5.0
 

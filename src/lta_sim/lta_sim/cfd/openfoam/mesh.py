@@ -1,8 +1,8 @@
 """
-Meshes: a block of cubes, refined towards the bodies by snappyHexMesh, with layers on the hull.
+Build meshes: a block of cubes, refined towards the bodies by snappyHexMesh, hull with layers.
 
-All lengths are in lengths of the hull, so that a mesh of a small drone is that of a large one.
-The base cube is a quarter of it; each level halves it.
+All lengths scale with the hull's length, so that small and large drones get the same mesh. The
+base cube is a quarter of the hull's length; each level halves it.
 """
 
 from collections.abc import Container, Mapping, Sequence
@@ -197,10 +197,10 @@ def build_mesh_case(
 
 def _refinement_shells(cube: float, level: int) -> list[Entry]:
     """
-    Return how near to a body the air is refined, level by level.
+    Return the refinement distance around a body for each level.
 
-    A surface is only seen between the middles of two cells, so a thin plate or bar would be missed
-    by coarse ones: they are refined where a corner of theirs may touch it.
+    snappyHexMesh sees a surface only between the centres of two cells, so coarse cells would miss
+    a thin plate or bar. Cells are therefore refined wherever their corner may touch it.
     """
     return [[2.0 * cube * 2.0**-each, each] for each in range(level, 2, -1)]
 

@@ -1,10 +1,10 @@
 """
-Schemes, solvers and control of the solvers, as they proved themselves on round bodies.
+Write schemes, solvers and control files, with settings proven on round bodies.
 
-Steady: SIMPLEC with a bounded second-order scheme. Transient: implicit large eddies, no model but
-LUST's own dissipation; where that brings the drag crisis too early (`tunnel.MODELLED`), detached
-eddies (Spalart's DDES). The air brings none, so that the layer along a hull is laminar until it
-leaves it.
+Steady: SIMPLEC with a bounded second-order scheme. Transient: implicit large-eddy simulation,
+with only LUST's own dissipation; where that brings the drag crisis too early (`tunnel.MODELLED`),
+detached eddies (Spalart's DDES). The inflow has no eddies, so the boundary layer on the hull is
+laminar until it separates.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -106,8 +106,8 @@ def format_transient_solution() -> str:
     """
     Return fvSolution of pimpleFoam.
 
-    Undamped convection over a large step is no matrix that Gauss and Seidel's sweeps converge on:
-    the velocity takes a Krylov solver.
+    At large time steps the undamped convection matrix does not converge with Gauss-Seidel sweeps,
+    so the velocity uses a Krylov solver.
     """
     pressure: dict[str, Entry] = {'solver': 'GAMG', 'smoother': 'GaussSeidel'}
     return format_dictionary('fvSolution', {
@@ -165,15 +165,9 @@ def format_control(
 
 def format_time_file(now: int, step: float) -> str:
     """
-    Return the file in which a solver keeps its time; another's step of 1 would be gone on with.
+    Return the file with a solver's time, so that it does not inherit another solver's step of 1.
 
-    Parameters
-    ----------
-    now : int
-        Iterations so far, which become seconds.
-    step : float
-        To go on with. [s]
-
+    `now` counts iterations so far, which become seconds; `step` is the new time step. [s]
     """
     return format_dictionary(
         'time',
@@ -183,13 +177,9 @@ def format_time_file(now: int, step: float) -> str:
 
 def build_force_functions(patches: Mapping[str, str]) -> dict[str, Entry]:
     """
-    Return function objects that tell the force on patches every round, about the origin.
+    Return function objects that record the force on patches at every iteration, about the origin.
 
-    Parameters
-    ----------
-    patches : mapping of str to str
-        A patch or a pattern of them by the name of what is told.
-
+    `patches` maps the name of each record to a patch or a pattern of patches.
     """
     return {
         f'forces_{name}': {
@@ -202,7 +192,7 @@ def build_force_functions(patches: Mapping[str, str]) -> dict[str, Entry]:
 
 
 def build_momentum_functions(patches: tuple[str, ...]) -> dict[str, Entry]:
-    """Return function objects that tell the momentum that leaves through patches."""
+    """Return function objects that record the momentum flux through patches."""
     return {
         f'momentum_{patch}': {
             'type': 'surfaceFieldValue', 'libs': ['fieldFunctionObjects'], 'regionType': 'patch',

@@ -1,4 +1,4 @@
-"""What OpenFOAM writes, read: forces on patches, momentum through them, what a mesh is like."""
+"""Read OpenFOAM's output: forces on patches, momentum through them, and mesh statistics."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -85,7 +85,7 @@ def _parse_number(pattern: str, text: str) -> float:
 def read_mesh(folder: Path) -> dict[str, float | dict[str, int]]:
     """Return cells, skewness and angles of a mesh, and the cells of each zone."""
     check = (folder / 'log.check').read_text(encoding='utf-8')
-    # Said of no other mesh: one without them is told its least and greatest volume.
+    # The line appears only if there are negative cells.
     negative = re.search(r'Number of negative volume cells: (\d+)', check)
     zones = folder / 'log.zones'
     found = {
@@ -108,6 +108,6 @@ def read_patches(folder: Path) -> dict[str, int]:
     """Return the faces of each patch of a mesh; a patch that came to nothing is not there."""
     check = (folder / 'log.check').read_text(encoding='utf-8')
     told = check.partition('Surface topology\n')[2].partition('\n\n')[0]
-    # Whatever it says of their topology: bodies that touch are no simple surfaces.
+    # The topology result is ignored: touching bodies are not simple surfaces.
     rows = (line.split() for line in told.splitlines())
     return {name: int(faces) for name, faces, *_ in rows}
